@@ -1,0 +1,113 @@
+//! The flow-centric model of one port as a differential equation (section 2.4 of [1]).
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::flow_curve::Port;
+use crate::integrator::Ode;
+use crate::line::Line;
+use crate::stretches::Stretch;
+
+/// What flows at the rollers into or out of a line.
+pub trait Forcing {
+    /// Flow at the rollers at time `t_s`, mL/s, positive from inlet to outlet.
+    fn flow_ml_s(&self, t_s: f64) -> f64;
+    /// Its time derivative, mL/s².
+    fn flow_rate_ml_s2(&self, t_s: f64) -> f64;
+}
+
+impl Forcing for Stretch {
+    fn flow_ml_s(&self, t_s: f64) -> f64 {
+        Stretch::flow_ml_s(self, t_s)
+    }
+    fn flow_rate_ml_s2(&self, t_s: f64) -> f64 {
+        Stretch::flow_rate_ml_s2(self, t_s)
+    }
+}
+
+/// Rollers that do not move.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NoFlow;
+
+impl Forcing for NoFlow {
+    fn flow_ml_s(&self, _t_s: f64) -> f64 {
+        0.0
+    }
+    fn flow_rate_ml_s2(&self, _t_s: f64) -> f64 {
+        0.0
+    }
+}
+
+/// One port of the pump between the rollers and its reservoir.
+///
+/// State: p = P - P_res, kPa; the line's flow Q_L, mL/s, positive from inlet to outlet; and with `N = 3` the
+/// volume that has passed the line, mL. With s = 1 at the outlet and -1 at the inlet:
+///
+/// C dp/dt = s (Q - Q_L), L dQ_L/dt = s p - R Q_L, dV/dt = Q_L
+#[derive(Debug, Clone, Copy)]
+pub struct Circuit<'a, F> {
+    /// R, C and L.
+    pub line: &'a Line,
+    /// Which port; the sign s.
+    pub port: Port,
+    /// Q, the flow at the rollers.
+    pub forcing: F,
+}
+
+impl<F> Circuit<'_, F> {
+    fn sign(&self) -> f64 {
+        match self.port {
+            Port::Inlet => -1.0,
+            Port::Outlet => 1.0,
+        }
+    }
+}
+
+impl<F: Forcing, const N: usize> Ode<N> for Circuit<'_, F> {
+    fn derivative(&self, t: f64, y: &SVector<f64, N>) -> SVector<f64, N> {
+        const {
+            assert!(
+                N == 2 || N == 3,
+                "pressure and flow, or these and the volume"
+            )
+        };
+        let (sign, line) = (self.sign(), self.line);
+        let (pressure, flow) = (y[0], y[1]);
+        let mut dy = SVector::zeros();
+        dy[0] = sign * (self.forcing.flow_ml_s(t) - flow) / line.compliance_ml_kpa;
+        dy[1] = (sign * pressure - line.resistance_kpa_s_ml * flow) / line.inertance_kpa_s2_ml;
+        if N == 3 {
+            dy[2] = flow;
+        }
+        dy
+    }
+
+    fn jacobian(&self, _t: f64, _y: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+        let (sign, line) = (self.sign(), self.line);
+        let mut j = SMatrix::zeros();
+        j[(0, 1)] = -sign / line.compliance_ml_kpa;
+        j[(1, 0)] = sign / line.inertance_kpa_s2_ml;
+        j[(1, 1)] = -line.resistance_kpa_s_ml / line.inertance_kpa_s2_ml;
+        if N == 3 {
+            j[(2, 1)] = 1.0;
+        }
+        j
+    }
+
+    fn time_derivative(&self, t: f64, _y: &SVector<f64, N>) -> SVector<f64, N> {
+        let mut ft = SVector::zeros();
+        ft[0] = self.sign() * self.forcing.flow_rate_ml_s2(t) / self.line.compliance_ml_kpa;
+        ft
+    }
+}
+
+/// Scale of each state that a pressure of 1 kPa corresponds to, for error control: the flow and the volume that
+/// carry the same energy.
+pub(crate) fn scales<const N: usize>(line: &Line) -> SVector<f64, N> {
+    let mut scales = SVector::zeros();
+    scales[0] = 1.0;
+    scales[1] = line.flow_scale_ml_s();
+    if N == 3 {
+        scales[2] = line.compliance_ml_kpa;
+    }
+    scales
+}

@@ -1,0 +1,123 @@
+//! Why a pump cannot be modelled.
+
+use thiserror::Error;
+
+/// A pump, line or motion that the model refuses, with the value and what is allowed.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// A single parameter outside its range.
+    #[error("{parameter} is {value}; allowed: {allowed}")]
+    OutOfRange {
+        /// Name of the parameter, with its unit.
+        parameter: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is accepted.
+        allowed: &'static str,
+    },
+    /// At some angle no roller closes the tube.
+    #[error(
+        "{rollers} rollers stand {pitch_deg:.1} deg apart but the backplate spans {span_deg:.1} deg, so at some \
+         angles no roller seals; use more rollers or a larger contact angle"
+    )]
+    NotSealing {
+        /// Number of rollers.
+        rollers: u32,
+        /// Angle between rollers, degrees.
+        pitch_deg: f64,
+        /// pi + 2 beta, degrees.
+        span_deg: f64,
+    },
+    /// Roller and backplate overlap.
+    #[error(
+        "roller offset + roller radius is {reach_mm} mm, beyond the backplate radius of {backplate_radius_mm} mm"
+    )]
+    RollersHitBackplate {
+        /// r_offset + r_roller, mm.
+        reach_mm: f64,
+        /// r_b, mm.
+        backplate_radius_mm: f64,
+    },
+    /// The rollers do not close the tube.
+    #[error(
+        "the gap between roller and backplate is {gap_mm:.3} mm but the tube closes at {closed_mm:.3} mm \
+         (twice its wall); use a larger roller, offset or wall"
+    )]
+    NotOccluding {
+        /// r_b - r_roller - r_offset, mm.
+        gap_mm: f64,
+        /// 2 (r_o - r_i), mm.
+        closed_mm: f64,
+    },
+    /// Rollers engage and leave at the same time on one straight: psi < 0.
+    #[error(
+        "engagement angle {engagement_deg:.2} deg and contact angle {contact_deg:.2} deg leave \
+         psi = 180 - engagement - 2 contact = {psi_deg:.2} deg; it must not be negative"
+    )]
+    EngagementTooLong {
+        /// phi, degrees.
+        engagement_deg: f64,
+        /// beta, degrees.
+        contact_deg: f64,
+        /// psi, degrees.
+        psi_deg: f64,
+    },
+    /// The flow per radian is not positive at some angle, so that a volume has no single angle.
+    #[error(
+        "with {rollers} rollers the {port} flow per radian falls to {flow_ml_rad:.3} mL/rad at {angle_deg:.1} deg; \
+         it must stay positive for a volume to have one angle; use fewer rollers or a smaller roller volume"
+    )]
+    FlowNotPositive {
+        /// Number of rollers.
+        rollers: u32,
+        /// `inlet` or `outlet`.
+        port: &'static str,
+        /// Smallest flow per radian, mL/rad.
+        flow_ml_rad: f64,
+        /// Where, degrees within a pitch.
+        angle_deg: f64,
+    },
+    /// The roller-volume curve does not rise.
+    #[error(
+        "the roller volume does not rise anywhere between 0 and {engagement_deg:.2} deg; check its coefficients"
+    )]
+    RollerVolumeFlat {
+        /// phi, degrees.
+        engagement_deg: f64,
+    },
+    /// A periodic steady state does not exist.
+    #[error(
+        "at {speed_rad_s:.6} rad/s the {port} line resonates undamped (resistance 0): there is no steady state"
+    )]
+    UndampedResonance {
+        /// `inlet` or `outlet`.
+        port: &'static str,
+        /// Speed, rad/s.
+        speed_rad_s: f64,
+    },
+    /// The line rings for longer than anyone waits.
+    #[error(
+        "the outlet line does not settle within {limit_s} s; its resistance is too small to damp it"
+    )]
+    NeverSettles {
+        /// Time after which the search gave up, s.
+        limit_s: f64,
+    },
+    /// The integrator gave up.
+    #[error(transparent)]
+    Integration(#[from] crate::integrator::IntegrationError),
+}
+
+/// Refuses values that are not finite and positive.
+pub(crate) fn positive(parameter: &'static str, value: f64) -> Result<(), ModelError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(ModelError::OutOfRange {
+            parameter,
+            value,
+            allowed: "a positive number",
+        })
+    }
+}

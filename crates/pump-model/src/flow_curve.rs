@@ -1,0 +1,307 @@
+//! Flow per radian of one port and its exact integral over the angle.
+
+use crate::error::ModelError;
+use crate::geometry::Geometry;
+use crate::math::{degrees, floor, sqrt, wrap};
+use crate::polynomial::Polynomial;
+use crate::roller_volume::{self, RollerVolume};
+
+/// Which end of the pump.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Port {
+    /// Where forward motion sucks.
+    Inlet,
+    /// Where forward motion delivers.
+    Outlet,
+}
+
+impl Port {
+    /// `inlet` or `outlet`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Inlet => "inlet",
+            Self::Outlet => "outlet",
+        }
+    }
+}
+
+/// Every edge of the roller volume appears once in a pitch, at its start too, and the end of the last piece.
+const MAX_PIECES: usize = roller_volume::MAX_PIECES + 3;
+
+/// Edges nearer than this are one, rad. An angle is known to 1e-15 rad; a step is 1e-4 or more.
+const SAME_EDGE_RAD: f64 = 1e-12;
+
+/// A stretch of the curve between two edges.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Piece {
+    /// Where it starts within the pitch, rad.
+    pub(crate) start_rad: f64,
+    /// Its length, rad.
+    pub(crate) length_rad: f64,
+    /// Volume since the start of the pitch, mL, over angle - start, rad.
+    pub(crate) volume: Polynomial,
+    /// Flow per radian, mL/rad: the derivative of `volume`.
+    pub(crate) flow: Polynomial,
+}
+
+/// q(theta), mL/rad, and V(theta), mL, of one port: periodic pieces with closed-form integrals.
+///
+/// outlet: q(theta) = a - sum_k g(phi - (theta - k pitch)), inlet: q(theta) = a - sum_k g(theta - psi - k pitch),
+/// after sections 2.2 and 2.3 of [1]; g is the slope of the [`RollerVolume`]. Pulses that overlap add. V is
+/// single-valued in theta: reversing the motor runs back along the same curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlowCurve {
+    pieces: [Piece; MAX_PIECES],
+    count: usize,
+    pitch_rad: f64,
+    pitch_ml: f64,
+}
+
+impl FlowCurve {
+    /// Curve of a validated geometry. Refused where the flow per radian is not positive somewhere.
+    pub(crate) fn new(
+        geometry: &Geometry,
+        roller: &RollerVolume,
+        port: Port,
+    ) -> Result<Self, ModelError> {
+        let phi = roller.engagement_rad();
+        let psi = geometry.inlet_phase_rad(phi)?;
+        let pitch_rad = geometry.pitch_rad();
+        let nominal = geometry.nominal_ml_rad();
+        let pulses = Pulses {
+            roller,
+            port,
+            phi,
+            psi,
+            pitch_rad,
+        };
+
+        let mut curve = Self {
+            pieces: [Piece::default(); MAX_PIECES],
+            count: 0,
+            pitch_rad,
+            pitch_ml: 0.0,
+        };
+        for start in pulses.edges() {
+            if start > pitch_rad - SAME_EDGE_RAD {
+                continue;
+            }
+            match curve.pieces().last() {
+                Some(last) if start - last.start_rad < SAME_EDGE_RAD => {}
+                _ => {
+                    curve.pieces[curve.count].start_rad = start;
+                    curve.count += 1;
+                }
+            }
+        }
+        for n in 0..curve.count {
+            let start_rad = curve.pieces[n].start_rad;
+            let end_rad = if n + 1 < curve.count {
+                curve.pieces[n + 1].start_rad
+            } else {
+                pitch_rad
+            };
+            let length_rad = end_rad - start_rad;
+            let mut volume = Polynomial {
+                c: [0.0, nominal, 0.0, 0.0, 0.0, 0.0],
+            };
+            volume = volume.plus(&pulses.displaced(start_rad, length_rad).scaled(-1.0));
+            volume.c[0] = curve.pitch_ml;
+            let flow = volume.derivative();
+            let (lowest, _) = flow.range_in(0.0, length_rad);
+            if lowest.1 <= 0.0 {
+                return Err(ModelError::FlowNotPositive {
+                    rollers: geometry.rollers,
+                    port: port.name(),
+                    flow_ml_rad: lowest.1,
+                    angle_deg: degrees(start_rad + lowest.0),
+                });
+            }
+            curve.pieces[n] = Piece {
+                start_rad,
+                length_rad,
+                volume,
+                flow,
+            };
+            curve.pitch_ml = volume.at(length_rad);
+        }
+        Ok(curve)
+    }
+
+    /// Angle between rollers, rad: the period of the flow.
+    pub fn pitch_rad(&self) -> f64 {
+        self.pitch_rad
+    }
+
+    /// Volume of a pitch, mL.
+    pub fn pitch_ml(&self) -> f64 {
+        self.pitch_ml
+    }
+
+    /// Flow per radian at `angle_rad`, mL/rad. At an edge, the value just after it.
+    pub fn flow_ml_rad(&self, angle_rad: f64) -> f64 {
+        let (_, local) = self.split(angle_rad);
+        let piece = self.piece_containing(local);
+        piece.flow.at(local - piece.start_rad)
+    }
+
+    /// Volume from angle 0 to `angle_rad`, mL; negative below 0. Exact up to rounding.
+    pub fn volume_ml(&self, angle_rad: f64) -> f64 {
+        let (pitches, local) = self.split(angle_rad);
+        let piece = self.piece_containing(local);
+        pitches * self.pitch_ml + piece.volume.at(local - piece.start_rad)
+    }
+
+    /// The angle, rad, at which the volume since angle 0 is `volume_ml`: the inverse of [`Self::volume_ml`].
+    pub fn angle_rad(&self, volume_ml: f64) -> f64 {
+        let pitches = floor(volume_ml / self.pitch_ml);
+        let local = volume_ml - pitches * self.pitch_ml;
+        let piece = self
+            .pieces()
+            .iter()
+            .rev()
+            .find(|piece| piece.volume.c[0] <= local);
+        let piece = piece.copied().unwrap_or(self.pieces[0]);
+        pitches * self.pitch_rad
+            + piece.start_rad
+            + piece.volume.solve_monotone(local, 0.0, piece.length_rad)
+    }
+
+    /// Smallest and largest flow per radian over a pitch, mL/rad.
+    pub fn flow_range_ml_rad(&self) -> (f64, f64) {
+        self.pieces()
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), piece| {
+                let (smallest, largest) = piece.flow.range_in(0.0, piece.length_rad);
+                (low.min(smallest.1), high.max(largest.1))
+            })
+    }
+
+    /// Peak-to-peak and root-mean-square deviation of the flow at constant speed, both divided by its mean.
+    pub fn ripple(&self) -> Ripple {
+        let mean = self.pitch_ml / self.pitch_rad;
+        let (low, high) = self.flow_range_ml_rad();
+        let square = self
+            .pieces()
+            .iter()
+            .map(|piece| mean_square_integral(&piece.flow, piece.length_rad));
+        let mean_square = square.sum::<f64>() / self.pitch_rad;
+        Ripple {
+            peak_to_peak: (high - low) / mean,
+            rms: sqrt((mean_square - mean * mean).max(0.0)) / mean,
+        }
+    }
+
+    pub(crate) fn pieces(&self) -> &[Piece] {
+        self.pieces.get(..self.count).unwrap_or(&self.pieces)
+    }
+
+    /// Whole pitches and the angle within the pitch.
+    fn split(&self, angle_rad: f64) -> (f64, f64) {
+        let pitches = floor(angle_rad / self.pitch_rad);
+        (pitches, angle_rad - pitches * self.pitch_rad)
+    }
+
+    /// Number of the piece that contains an angle of this pitch.
+    pub(crate) fn index_of(&self, local_rad: f64) -> usize {
+        self.pieces()
+            .iter()
+            .rposition(|piece| piece.start_rad <= local_rad)
+            .unwrap_or(0)
+    }
+
+    fn piece_containing(&self, local_rad: f64) -> &Piece {
+        self.pieces()
+            .iter()
+            .rfind(|piece| piece.start_rad <= local_rad)
+            .unwrap_or(&self.pieces[0])
+    }
+}
+
+/// How far a flow departs from its mean, as fractions of the mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ripple {
+    /// (largest - smallest) / mean.
+    pub peak_to_peak: f64,
+    /// Root of the mean square deviation, over the mean.
+    pub rms: f64,
+}
+
+/// Integral of the square of a polynomial of degree 4 over [0, length], by Gauss-Legendre quadrature with five
+/// nodes (Abramowitz and Stegun, table 25.4), which is exact to degree 9.
+fn mean_square_integral(polynomial: &Polynomial, length: f64) -> f64 {
+    const NODES: [(f64, f64); 5] = [
+        (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
+        (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+        (0.0, 0.568_888_888_888_888_9),
+        (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
+        (0.906_179_845_938_664, 0.236_926_885_056_189_1),
+    ];
+    let half = 0.5 * length;
+    NODES
+        .iter()
+        .map(|(x, weight)| {
+            let value = polynomial.at(half * (1.0 + x));
+            half * weight * value * value
+        })
+        .sum()
+}
+
+/// The pulses of all rollers at one port.
+struct Pulses<'a> {
+    roller: &'a RollerVolume,
+    port: Port,
+    phi: f64,
+    psi: f64,
+    pitch_rad: f64,
+}
+
+impl Pulses<'_> {
+    /// Angles within a pitch where a pulse changes its polynomial, sorted, 0 included. Unused places stand at
+    /// the pitch's end.
+    fn edges(&self) -> [f64; MAX_PIECES] {
+        let mut edges = [self.pitch_rad; MAX_PIECES];
+        edges[0] = 0.0;
+        edges[1] = self.edge(self.phi);
+        for (slot, piece) in edges.iter_mut().skip(2).zip(self.roller.pieces()) {
+            *slot = self.edge(piece.start_rad);
+        }
+        edges.sort_unstable_by(f64::total_cmp);
+        edges
+    }
+
+    /// Where in the pitch a roller stands at `x`.
+    fn edge(&self, x: f64) -> f64 {
+        let angle = match self.port {
+            Port::Outlet => self.phi - x,
+            Port::Inlet => self.psi + x,
+        };
+        wrap(angle, self.pitch_rad)
+    }
+
+    /// Volume that the rollers take from the flow between `start` and `start + u`, as a polynomial in u up to
+    /// a constant. No edge may lie inside.
+    fn displaced(&self, start: f64, length: f64) -> Polynomial {
+        let middle = start + 0.5 * length;
+        let mut sum = Polynomial::default();
+        // x of roller 0 in the middle of the stretch; the others stand whole pitches from it.
+        let (first, direction) = match self.port {
+            Port::Outlet => (self.phi - middle, -1.0),
+            Port::Inlet => (middle - self.psi, 1.0),
+        };
+        let mut x_middle = wrap(first, self.pitch_rad);
+        while x_middle < self.phi {
+            let piece = self.roller.piece_at(x_middle);
+            let x_start = x_middle - direction * 0.5 * length;
+            // outlet: V(x_start) - V(x_start - u), inlet: V(x_start + u) - V(x_start)
+            let volume = piece
+                .volume
+                .shifted(x_start - piece.start_rad)
+                .stretched(direction)
+                .scaled(direction);
+            sum = sum.plus(&volume);
+            x_middle += self.pitch_rad;
+        }
+        sum
+    }
+}

@@ -1,0 +1,119 @@
+//! The pump's dimensions and what follows from them alone (section 2.1 of [1]).
+
+use core::f64::consts::PI;
+
+use crate::error::{ModelError, positive};
+use crate::math::{TURN_RAD, degrees};
+
+/// Dimensions of pump head and tube.
+///
+/// [1] McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
+/// roller-type peristaltic pump", Sensors and Actuators A.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Geometry {
+    /// Number of rollers, 1 or more.
+    pub rollers: u32,
+    /// Inner radius of the tube r_i, mm.
+    pub bore_radius_mm: f64,
+    /// Outer radius of the tube r_o, mm.
+    pub tube_outer_radius_mm: f64,
+    /// Radius of the backplate (raceway) r_b, mm.
+    pub backplate_radius_mm: f64,
+    /// Contact angle beta, rad, not negative: the backplate spans pi + 2 beta.
+    pub contact_angle_rad: f64,
+    /// Radius of a roller r_roller, mm.
+    pub roller_radius_mm: f64,
+    /// Distance from the shaft to a roller's axis r_offset, mm.
+    pub roller_offset_mm: f64,
+}
+
+impl Geometry {
+    /// Refuses dimensions that are not finite and positive, rollers that hit the backplate, do not close the
+    /// tube, or leave it open at some angle.
+    pub fn validate(&self) -> Result<(), ModelError> {
+        if self.rollers == 0 || self.rollers > 1000 {
+            return Err(ModelError::OutOfRange {
+                parameter: "number of rollers",
+                value: f64::from(self.rollers),
+                allowed: "1 to 1000",
+            });
+        }
+        positive("bore radius in mm", self.bore_radius_mm)?;
+        positive("tube outer radius in mm", self.tube_outer_radius_mm)?;
+        positive("backplate radius in mm", self.backplate_radius_mm)?;
+        positive("roller radius in mm", self.roller_radius_mm)?;
+        positive("roller offset in mm", self.roller_offset_mm)?;
+        if self.tube_outer_radius_mm <= self.bore_radius_mm {
+            return Err(ModelError::OutOfRange {
+                parameter: "tube outer radius in mm",
+                value: self.tube_outer_radius_mm,
+                allowed: "more than the bore radius",
+            });
+        }
+        if self.backplate_radius_mm <= 2.0 * self.tube_outer_radius_mm {
+            return Err(ModelError::OutOfRange {
+                parameter: "backplate radius in mm",
+                value: self.backplate_radius_mm,
+                allowed: "more than the tube's outer diameter",
+            });
+        }
+        if !(self.contact_angle_rad.is_finite()
+            && (0.0..PI / 2.0).contains(&self.contact_angle_rad))
+        {
+            return Err(ModelError::OutOfRange {
+                parameter: "contact angle in deg",
+                value: degrees(self.contact_angle_rad),
+                allowed: "0 to less than 90",
+            });
+        }
+        let reach_mm = self.roller_offset_mm + self.roller_radius_mm;
+        let gap_mm = self.backplate_radius_mm - reach_mm;
+        if gap_mm < 0.0 {
+            let backplate_radius_mm = self.backplate_radius_mm;
+            return Err(ModelError::RollersHitBackplate {
+                reach_mm,
+                backplate_radius_mm,
+            });
+        }
+        let closed_mm = 2.0 * (self.tube_outer_radius_mm - self.bore_radius_mm);
+        if gap_mm > closed_mm {
+            return Err(ModelError::NotOccluding { gap_mm, closed_mm });
+        }
+        let span_rad = PI + 2.0 * self.contact_angle_rad;
+        if self.pitch_rad() > span_rad {
+            return Err(ModelError::NotSealing {
+                rollers: self.rollers,
+                pitch_deg: degrees(self.pitch_rad()),
+                span_deg: degrees(span_rad),
+            });
+        }
+        Ok(())
+    }
+
+    /// Flow per radian without roller pulses, a = pi r_i² (r_b - r_o), mL/rad (section 2.1 of [1]).
+    pub fn nominal_ml_rad(&self) -> f64 {
+        const MM3_PER_ML: f64 = 1000.0;
+        let radius = self.bore_radius_mm;
+        PI * radius * radius * (self.backplate_radius_mm - self.tube_outer_radius_mm) / MM3_PER_ML
+    }
+
+    /// Angle between neighbouring rollers, 2 pi / NU, rad.
+    pub fn pitch_rad(&self) -> f64 {
+        TURN_RAD / f64::from(self.rollers)
+    }
+
+    /// psi = pi - phi - 2 beta, rad: how far behind the outlet's pulse the inlet's begins, for engagement
+    /// angle phi.
+    pub fn inlet_phase_rad(&self, engagement_rad: f64) -> Result<f64, ModelError> {
+        let psi = PI - engagement_rad - 2.0 * self.contact_angle_rad;
+        if psi >= 0.0 {
+            Ok(psi)
+        } else {
+            Err(ModelError::EngagementTooLong {
+                engagement_deg: degrees(engagement_rad),
+                contact_deg: degrees(self.contact_angle_rad),
+                psi_deg: degrees(psi),
+            })
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! Transcendental and rounding functions, from `libm` on every target, so that a server, a microcontroller
+//! and Python compute the same bits.
+
+pub use libm::{acos, asin, cos, exp, floor, pow, round, sin, sqrt, tan};
+
+/// A full turn, rad.
+pub const TURN_RAD: f64 = 2.0 * core::f64::consts::PI;
+
+/// Angle in `[0, period)` that equals `angle` up to whole periods. `period` must be positive.
+pub fn wrap(angle: f64, period: f64) -> f64 {
+    let wrapped = angle - period * floor(angle / period);
+    // floor(-tiny / period) is -1, and period - tiny rounds to period.
+    if wrapped >= period || wrapped < 0.0 {
+        0.0
+    } else {
+        wrapped
+    }
+}
+
+/// Radians of an angle in degrees.
+pub fn radians(degrees: f64) -> f64 {
+    degrees * (core::f64::consts::PI / 180.0)
+}
+
+/// Degrees of an angle in radians.
+pub fn degrees(radians: f64) -> f64 {
+    radians * (180.0 / core::f64::consts::PI)
+}

@@ -1,0 +1,82 @@
+//! A pump: dimensions, roller volume and lines, with the flow curves that follow from them.
+
+use crate::error::ModelError;
+use crate::flow_curve::{FlowCurve, Port};
+use crate::geometry::Geometry;
+use crate::line::Line;
+use crate::roller_volume::RollerVolume;
+
+/// A validated pump with its two lines. Immutable; build another to change it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pump {
+    geometry: Geometry,
+    roller_volume: RollerVolume,
+    inlet: Line,
+    outlet: Line,
+    inlet_curve: FlowCurve,
+    outlet_curve: FlowCurve,
+}
+
+impl Pump {
+    /// Checks everything and derives the flow curves.
+    pub fn new(
+        geometry: Geometry,
+        roller_volume: RollerVolume,
+        inlet: Line,
+        outlet: Line,
+    ) -> Result<Self, ModelError> {
+        geometry.validate()?;
+        inlet.validate()?;
+        outlet.validate()?;
+        let inlet_curve = FlowCurve::new(&geometry, &roller_volume, Port::Inlet)?;
+        let outlet_curve = FlowCurve::new(&geometry, &roller_volume, Port::Outlet)?;
+        Ok(Self {
+            geometry,
+            roller_volume,
+            inlet,
+            outlet,
+            inlet_curve,
+            outlet_curve,
+        })
+    }
+
+    /// Dimensions.
+    pub fn geometry(&self) -> &Geometry {
+        &self.geometry
+    }
+
+    /// V(x) of one roller.
+    pub fn roller_volume(&self) -> &RollerVolume {
+        &self.roller_volume
+    }
+
+    /// The line on the inlet side.
+    pub fn inlet(&self) -> &Line {
+        &self.inlet
+    }
+
+    /// The line on the outlet side.
+    pub fn outlet(&self) -> &Line {
+        &self.outlet
+    }
+
+    /// Flow per radian and volume at the inlet rollers.
+    pub fn inlet_curve(&self) -> &FlowCurve {
+        &self.inlet_curve
+    }
+
+    /// Flow per radian and volume at the outlet rollers.
+    pub fn outlet_curve(&self) -> &FlowCurve {
+        &self.outlet_curve
+    }
+
+    /// Angle between rollers, rad.
+    pub fn pitch_rad(&self) -> f64 {
+        self.outlet_curve.pitch_rad()
+    }
+
+    /// V_rot = V_nom - NU V_r, mL per revolution (section 2.3 of [1], with pulses and mean in agreement).
+    pub fn revolution_ml(&self) -> f64 {
+        self.outlet_curve.pitch_ml() * f64::from(self.geometry.rollers)
+    }
+}
