@@ -41,6 +41,6 @@ pub use port_run::{DEFAULT_TOLERANCE, Extremes, PortRun};
 pub use presets::Variant;
 pub use pump::Pump;
 pub use roller_volume::RollerVolume;
-pub use settling::{SETTLED_ML, settling_time_s};
+pub use settling::SETTLED_ML;
 pub use steady::SteadyState;
 pub use stretches::{Stretch, Stretches};

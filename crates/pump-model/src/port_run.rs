@@ -3,10 +3,11 @@
 use nalgebra::SVector;
 
 use crate::circuit::{Circuit, scales};
-use crate::flow_curve::{FlowCurve, Port};
+use crate::flow_curve::Port;
 use crate::integrator::{DenseStep, IntegrationError, Options, Rodas5p, Statistics};
 use crate::line::Line;
 use crate::motion::Leg;
+use crate::pump::Pump;
 use crate::stretches::{Stretch, Stretches};
 
 /// Error allowed in a step, relative to the larger of 1 kPa and |P - P_res|. It keeps the pressures of the published
@@ -32,9 +33,8 @@ pub struct PortRun<'a, M, const N: usize> {
 impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
     /// Starts in `state` when the first of the `legs` starts. `tolerance` as in [`DEFAULT_TOLERANCE`], 1e-13 to 0.1.
     pub fn new(
+        pump: &'a Pump,
         port: Port,
-        line: &'a Line,
-        curve: &'a FlowCurve,
         legs: impl IntoIterator<IntoIter = M>,
         state: SVector<f64, N>,
         tolerance: f64,
@@ -42,7 +42,8 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
         if !TOLERANCES.contains(&tolerance) {
             return Err(IntegrationError::Tolerance { tolerance });
         }
-        let mut stretches = Stretches::new(curve, legs);
+        let line = pump.line(port);
+        let mut stretches = Stretches::new(pump.curve(port), legs);
         let options = Options::new(tolerance, scales(line));
         let solver = Rodas5p::new(stretches.time_s(), state, options);
         let stretch = stretches.next();
@@ -54,6 +55,26 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
             solver,
             last: None,
         })
+    }
+
+    /// Starts with the line at rest: P = P_res, no flow.
+    pub fn from_rest(
+        pump: &'a Pump,
+        port: Port,
+        legs: impl IntoIterator<IntoIter = M>,
+        tolerance: f64,
+    ) -> Result<Self, IntegrationError> {
+        Self::new(pump, port, legs, SVector::zeros(), tolerance)
+    }
+
+    /// The line that is followed.
+    pub fn line(&self) -> &'a Line {
+        self.line
+    }
+
+    /// Which port it is.
+    pub fn port(&self) -> Port {
+        self.port
     }
 
     /// Makes one step that ends at `stop_s` at the latest. None once that time is reached.
@@ -138,6 +159,14 @@ impl Extremes {
         let ((_, low), (_, high)) = step.polynomial(0).range_in(0.0, 1.0);
         self.min_kpa = self.min_kpa.min(low);
         self.max_kpa = self.max_kpa.max(high);
+    }
+
+    /// The range that covers both.
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            min_kpa: self.min_kpa.min(other.min_kpa),
+            max_kpa: self.max_kpa.max(other.max_kpa),
+        }
     }
 
     fn above(self, base_kpa: f64) -> Self {

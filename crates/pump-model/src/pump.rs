@@ -70,6 +70,22 @@ impl Pump {
         &self.outlet_curve
     }
 
+    /// The line of a port.
+    pub fn line(&self, port: Port) -> &Line {
+        match port {
+            Port::Inlet => &self.inlet,
+            Port::Outlet => &self.outlet,
+        }
+    }
+
+    /// The flow curve of a port.
+    pub fn curve(&self, port: Port) -> &FlowCurve {
+        match port {
+            Port::Inlet => &self.inlet_curve,
+            Port::Outlet => &self.outlet_curve,
+        }
+    }
+
     /// Angle between rollers, rad.
     pub fn pitch_rad(&self) -> f64 {
         self.outlet_curve.pitch_rad()

@@ -7,7 +7,9 @@ use crate::error::ModelError;
 use crate::flow_curve::Port;
 use crate::integrator::{Options, Rodas5p};
 use crate::line::Line;
+use crate::motion::Leg;
 use crate::polynomial::Polynomial;
+use crate::port_run::{DEFAULT_TOLERANCE, PortRun};
 
 /// Volume that still may move in a settled line: 1 uL.
 pub const SETTLED_ML: f64 = 1e-3;
@@ -15,17 +17,17 @@ pub const SETTLED_ML: f64 = 1e-3;
 /// A line that takes longer is said not to settle, s.
 const LIMIT_S: f64 = 3600.0;
 
-/// Time, s, after which the undelivered volume |C p| stays below [`SETTLED_ML`], for a line left at
-/// `state` = (p = P - P_res in kPa, flow in mL/s) with the rotor at rest.
-///
-/// The energy C p²/2 + L Q²/2 of a passive line only falls, so once it is below that of the allowed pressure, the
-/// volume stays inside for ever.
-pub fn settling_time_s(
-    line: &Line,
-    port: Port,
-    state: SVector<f64, 2>,
-    tolerance: f64,
-) -> Result<f64, ModelError> {
+impl<M: Iterator<Item = Leg>> PortRun<'_, M, 2> {
+    /// Time, s, after which the undelivered volume |C p| stays below [`SETTLED_ML`] if the rotor rests from now on.
+    ///
+    /// The energy C p²/2 + L Q²/2 of a passive line only falls, so once it is below that of the allowed pressure, the
+    /// volume stays inside for ever.
+    pub fn settling_s(&self) -> Result<f64, ModelError> {
+        settling_s(self.line(), self.port(), self.state())
+    }
+}
+
+fn settling_s(line: &Line, port: Port, state: SVector<f64, 2>) -> Result<f64, ModelError> {
     let compliance = line.compliance_ml_kpa;
     let allowed_kpa = SETTLED_ML / compliance;
     let allowed_energy = compliance * allowed_kpa * allowed_kpa;
@@ -37,8 +39,8 @@ pub fn settling_time_s(
         port,
         forcing: NoFlow,
     };
-    // The tolerance refers to 1 kPa; what counts here may be less.
-    let options = Options::new(tolerance, scales(line) * allowed_kpa.min(1.0));
+    // Relative to the pressure that is looked for, not to 1 kPa.
+    let options = Options::new(DEFAULT_TOLERANCE, scales(line) * allowed_kpa.min(1.0));
     let mut solver = Rodas5p::new(0.0, state, options);
     let mut settled_s = 0.0;
     while energy(solver.state()) >= allowed_energy {

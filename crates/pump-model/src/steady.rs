@@ -3,9 +3,8 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::error::ModelError;
-use crate::flow_curve::{FlowCurve, Port, Ripple};
+use crate::flow_curve::{Port, Ripple};
 use crate::integrator::Lu;
-use crate::line::Line;
 use crate::math::TURN_RAD;
 use crate::motion::Leg;
 use crate::port_run::{Extremes, PortRun};
@@ -50,21 +49,9 @@ impl Pump {
         let inlet = self.inlet();
         let outlet = self.outlet();
         Ok(SteadyState {
-            inlet: periodic_extremes(
-                Port::Inlet,
-                inlet,
-                self.inlet_curve(),
-                speed_rad_s,
-                tolerance,
-            )?,
+            inlet: periodic_extremes(self, Port::Inlet, speed_rad_s, tolerance)?,
             inlet_mean_kpa: inlet.reservoir_kpa - inlet.resistance_kpa_s_ml * flow,
-            outlet: periodic_extremes(
-                Port::Outlet,
-                outlet,
-                self.outlet_curve(),
-                speed_rad_s,
-                tolerance,
-            )?,
+            outlet: periodic_extremes(self, Port::Outlet, speed_rad_s, tolerance)?,
             outlet_mean_kpa: outlet.reservoir_kpa + outlet.resistance_kpa_s_ml * flow,
             mean_flow_ml_s: flow,
             ripple: self.outlet_curve().ripple(),
@@ -84,19 +71,18 @@ impl Pump {
 }
 
 fn periodic_extremes(
+    pump: &Pump,
     port: Port,
-    line: &Line,
-    curve: &FlowCurve,
     speed_rad_s: f64,
     tolerance: f64,
 ) -> Result<Extremes, ModelError> {
-    let period_s = curve.pitch_rad() / speed_rad_s.abs();
+    let period_s = pump.pitch_rad() / speed_rad_s.abs();
     let motion = [Leg::constant_speed(0.0, speed_rad_s)];
-    let run = |state| PortRun::<_, 2>::new(port, line, curve, motion, state, tolerance);
+    let run = |state| PortRun::<_, 2>::new(pump, port, motion, state, tolerance);
     let after = |state| run(state).and_then(|mut run| run.run_to(period_s));
 
     // Unit states of one energy, so that a stiff line does not spoil the matrix.
-    let scale = line.flow_scale_ml_s();
+    let scale = pump.line(port).flow_scale_ml_s();
     let offset: SVector<f64, 2> = after(SVector::zeros())?;
     let pressure = after(SVector::<f64, 2>::new(1.0, 0.0))? - offset;
     let flow = (after(SVector::<f64, 2>::new(0.0, scale))? - offset) / scale;

@@ -3,7 +3,6 @@
 mod exact;
 
 use exact::Exact;
-use nalgebra::SVector;
 use pump_model::{DEFAULT_TOLERANCE, Leg, Line, Port, PortRun, Pump};
 
 fn rad_s(rpm: f64) -> f64 {
@@ -77,21 +76,13 @@ fn steady_pressures_match_the_reference_table() {
 fn start_up_reaches_the_reference_extremes() {
     let pump = Pump::three_roller();
     let motion = [Leg::constant_speed(0.0, rad_s(100.0))];
-    let run = |port, line, curve| {
-        PortRun::<_, 2>::new(
-            port,
-            line,
-            curve,
-            motion,
-            SVector::zeros(),
-            DEFAULT_TOLERANCE,
-        )
-        .unwrap()
-        .extremes(10.0)
-        .unwrap()
+    let run = |port| {
+        PortRun::<_, 2>::from_rest(&pump, port, motion, DEFAULT_TOLERANCE)
+            .unwrap()
+            .extremes(10.0)
+            .unwrap()
     };
-    let inlet = run(Port::Inlet, pump.inlet(), pump.inlet_curve());
-    let outlet = run(Port::Outlet, pump.outlet(), pump.outlet_curve());
+    let (inlet, outlet) = (run(Port::Inlet), run(Port::Outlet));
     for (found, expected) in [
         (inlet.min_kpa, 71.725),
         (inlet.max_kpa, 98.109),
@@ -108,18 +99,14 @@ fn benchmark_error_kpa(tolerance: f64) -> f64 {
     let speed_rad_s = rad_s(100.0);
     let motion = [Leg::constant_speed(0.0, speed_rad_s)];
     let mut worst = 0.0_f64;
-    for (port, line, curve) in [
-        (Port::Inlet, pump.inlet(), pump.inlet_curve()),
-        (Port::Outlet, pump.outlet(), pump.outlet_curve()),
-    ] {
+    for port in [Port::Inlet, Port::Outlet] {
         let exact = Exact {
-            line: *line,
+            line: *pump.line(port),
             rollers: 3,
             speed_rad_s,
             outlet: port == Port::Outlet,
         };
-        let mut run =
-            PortRun::<_, 2>::new(port, line, curve, motion, SVector::zeros(), tolerance).unwrap();
+        let mut run = PortRun::<_, 2>::from_rest(&pump, port, motion, tolerance).unwrap();
         // The exact solution is summed pitch by pitch; the samples of a pitch continue from its start.
         let period = 60.0 / 100.0 / 3.0;
         let mut start = [0.0, 0.0];

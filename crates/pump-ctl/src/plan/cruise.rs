@@ -1,0 +1,132 @@
+//! Which cruise speed a request means.
+
+use pump_model::Pump;
+use pump_model::math::TURN_RAD;
+
+use super::{Cruise, Limits, Plan, PlanError};
+
+/// Longest dose, s: beyond it f64 no longer resolves a step's time to a nanosecond.
+const MAX_DURATION_S: f64 = 1e7;
+
+fn rpm(rad_s: f64) -> f64 {
+    rad_s * 60.0 / TURN_RAD
+}
+
+/// Speed, rad/s, whose mean flow over whole pitches is `flow_ml_s`: the inverse of
+/// [`Pump::average_flow_ml_s`].
+///
+/// ```
+/// let pump = pump_model::Pump::three_roller();
+/// let speed = pump_ctl::plan::speed_for_flow(&pump, 5.0);
+/// assert!((pump.average_flow_ml_s(speed) - 5.0).abs() < 1e-12);
+/// ```
+pub fn speed_for_flow(pump: &Pump, flow_ml_s: f64) -> f64 {
+    flow_ml_s * TURN_RAD / pump.revolution_ml()
+}
+
+/// Plan at the speed that `cruise` means, within the motor's limits.
+pub(super) fn choose(
+    pump: &Pump,
+    cruise: Cruise,
+    limits: &Limits,
+    at_speed: impl Fn(f64) -> Plan,
+) -> Result<Plan, PlanError> {
+    let limit_rad_s = limits.motor.max_speed_rad_s;
+    // A limit written in r/min may round to a hair less than the same speed asked for.
+    let allowed = |speed_rad_s: f64| speed_rad_s <= limit_rad_s * (1.0 + 1e-12);
+    let plan = match cruise {
+        Cruise::Flow { ml_s } => {
+            let speed_rad_s = speed_for_flow(pump, ml_s);
+            if !allowed(speed_rad_s) {
+                return Err(PlanError::RateTooHigh {
+                    flow_ml_s: ml_s,
+                    needed_rpm: rpm(speed_rad_s),
+                    limit_rpm: rpm(limit_rad_s),
+                    limit_ml_s: pump.average_flow_ml_s(limit_rad_s),
+                });
+            }
+            at_speed(speed_rad_s)
+        }
+        Cruise::Speed { rad_s } => {
+            if !allowed(rad_s) {
+                return Err(PlanError::SpeedTooHigh {
+                    speed_rpm: rpm(rad_s),
+                    limit_rpm: rpm(limit_rad_s),
+                });
+            }
+            at_speed(rad_s)
+        }
+        Cruise::Within { time_s } => slowest_within(pump, time_s, limit_rad_s, at_speed)?,
+    };
+    let duration_s = plan.profile.duration_s();
+    if duration_s <= MAX_DURATION_S {
+        Ok(plan)
+    } else {
+        Err(PlanError::TooSlow { duration_s })
+    }
+}
+
+/// The slowest cruise whose motion and settling take `time_s` at most.
+///
+/// Settling depends on where in its swing the line is when the motor stops, so the total time does not fall evenly
+/// with the speed: the speeds are searched upwards in steps of 1 % from the slowest whose motion alone would do, and
+/// the first that meets the time is refined by bisection.
+fn slowest_within(
+    pump: &Pump,
+    time_s: f64,
+    limit_rad_s: f64,
+    at_speed: impl Fn(f64) -> Plan,
+) -> Result<Plan, PlanError> {
+    const RATIO: f64 = 1.01;
+    let total_s = |speed_rad_s| -> Result<f64, PlanError> {
+        let plan = at_speed(speed_rad_s);
+        Ok(plan.profile.duration_s() + plan.settle_s(pump)?)
+    };
+    let too_short = |fastest_s| PlanError::TimeTooShort {
+        asked_s: time_s,
+        fastest_s,
+    };
+
+    let fastest = at_speed(limit_rad_s);
+    if fastest.profile.duration_s() > time_s {
+        return Err(too_short(total_s(limit_rad_s)?));
+    }
+    let mut slow = slowest_motion_within(time_s, fastest.profile.peak_rad_s(), &at_speed);
+    if total_s(slow)? <= time_s {
+        return Ok(at_speed(slow));
+    }
+    let mut fast = slow;
+    loop {
+        if fast >= limit_rad_s {
+            return Err(too_short(total_s(limit_rad_s)?));
+        }
+        fast = (fast * RATIO).min(limit_rad_s);
+        if total_s(fast)? <= time_s {
+            break;
+        }
+        slow = fast;
+    }
+    while fast - slow > 1e-9 * fast {
+        let middle = 0.5 * (slow + fast);
+        if total_s(middle)? <= time_s {
+            fast = middle;
+        } else {
+            slow = middle;
+        }
+    }
+    Ok(at_speed(fast))
+}
+
+/// The slowest speed up to `limit_rad_s` whose motion alone takes `time_s` at most; the limit's does.
+fn slowest_motion_within(time_s: f64, limit_rad_s: f64, at_speed: impl Fn(f64) -> Plan) -> f64 {
+    let (mut slow, mut fast) = (0.0, limit_rad_s);
+    while fast - slow > 1e-12 * fast {
+        let middle = 0.5 * (slow + fast);
+        if at_speed(middle).profile.duration_s() <= time_s {
+            fast = middle;
+        } else {
+            slow = middle;
+        }
+    }
+    fast
+}

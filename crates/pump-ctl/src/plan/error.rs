@@ -1,0 +1,103 @@
+//! Why a dose cannot be planned.
+
+use pump_model::ModelError;
+use thiserror::Error;
+
+/// A dose that is refused, with the nearest that could be had.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// A single parameter outside its range.
+    #[error("{parameter} is {value}; allowed: {allowed}")]
+    OutOfRange {
+        /// Name of the parameter, with its unit.
+        parameter: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is accepted.
+        allowed: &'static str,
+    },
+    /// Less than half a step.
+    #[error(
+        "{owed_ml:.6} mL is less than half a motor step at this angle; the smallest dose here is \
+         {smallest_ml:.6} mL"
+    )]
+    LessThanHalfAStep {
+        /// Requested plus owed, mL.
+        owed_ml: f64,
+        /// Half of the first step, mL.
+        smallest_ml: f64,
+    },
+    /// The flow needs more speed than the motor may have.
+    #[error(
+        "a rate of {flow_ml_s:.6} mL/s needs {needed_rpm:.1} r/min; the pump's limit of {limit_rpm:.1} r/min gives \
+         {limit_ml_s:.3} mL/s at most"
+    )]
+    RateTooHigh {
+        /// What was asked, mL/s.
+        flow_ml_s: f64,
+        /// Speed for it, r/min.
+        needed_rpm: f64,
+        /// Speed limit, r/min.
+        limit_rpm: f64,
+        /// Flow at the speed limit, mL/s.
+        limit_ml_s: f64,
+    },
+    /// Faster than the motor may turn.
+    #[error("a speed of {speed_rpm:.3} r/min is above the pump's limit of {limit_rpm:.1} r/min")]
+    SpeedTooHigh {
+        /// What was asked, r/min.
+        speed_rpm: f64,
+        /// Speed limit, r/min.
+        limit_rpm: f64,
+    },
+    /// So slow that the dose would take longer than any controller keeps time.
+    #[error(
+        "the dose would take {duration_s:.3e} s; a dose may take 1e7 s (116 days) at most; raise the rate"
+    )]
+    TooSlow {
+        /// How long it would take, s.
+        duration_s: f64,
+    },
+    /// The time is too short.
+    #[error(
+        "the dose cannot be done within {asked_s} s; the fastest takes {fastest_s:.3} s, settling included"
+    )]
+    TimeTooShort {
+        /// What was asked, s.
+        asked_s: f64,
+        /// Time of the fastest dose, s.
+        fastest_s: f64,
+    },
+    /// Too much pressure where the pump pushes.
+    #[error(
+        "the outlet pressure would reach {predicted_kpa:.2} kPa absolute, above the limit of {limit_kpa:.2} kPa; \
+         lower the rate"
+    )]
+    OutletPressure {
+        /// Largest predicted pressure, kPa absolute.
+        predicted_kpa: f64,
+        /// The limit, kPa absolute.
+        limit_kpa: f64,
+    },
+    /// Too little pressure where the pump sucks.
+    #[error(
+        "the inlet pressure would fall to {predicted_kpa:.2} kPa absolute, below the limit of {limit_kpa:.2} kPa; \
+         lower the rate"
+    )]
+    InletPressure {
+        /// Smallest predicted pressure, kPa absolute.
+        predicted_kpa: f64,
+        /// The limit, kPa absolute.
+        limit_kpa: f64,
+    },
+    /// The model refuses.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
+
+impl From<pump_model::integrator::IntegrationError> for PlanError {
+    fn from(error: pump_model::integrator::IntegrationError) -> Self {
+        Self::Model(error.into())
+    }
+}

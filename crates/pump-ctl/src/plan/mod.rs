@@ -1,0 +1,127 @@
+//! From a volume to a motion: angle, speed profile, step times, predicted pressures.
+
+mod cruise;
+mod error;
+mod limits;
+mod phase;
+mod prediction;
+mod profile;
+mod request;
+mod steps;
+mod target;
+
+pub use cruise::speed_for_flow;
+pub use error::PlanError;
+pub use limits::{Limits, Motor};
+pub use phase::Phase;
+pub use prediction::Prediction;
+pub use profile::Trapezoid;
+pub use request::{Cruise, Request};
+pub use steps::{Step, Steps};
+
+use pump_model::Pump;
+use pump_model::math::TURN_RAD;
+
+/// What keeps a dose from being faster.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LimitedBy {
+    /// It cruises at the speed that was asked for.
+    Nothing,
+    /// The dose is too short to reach that speed within the acceleration limit.
+    Acceleration,
+}
+
+/// A dose, ready to run: made by [`plan`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plan {
+    /// Volume asked for, mL; negative in reverse.
+    pub requested_ml: f64,
+    /// What earlier doses owed, mL.
+    pub carry_in_ml: f64,
+    /// Volume of the planned steps once the line has settled, mL.
+    pub planned_ml: f64,
+    /// What the next dose owes: requested + carry_in - planned, mL.
+    pub carry_ml: f64,
+    /// Where the rollers stand at the start.
+    pub start: Phase,
+    /// Motor steps; negative in reverse.
+    pub steps: i64,
+    /// Angle of a step, rad.
+    pub step_rad: f64,
+    /// Speed over time.
+    pub profile: Trapezoid,
+    /// What keeps the cruise speed down.
+    pub limited_by: LimitedBy,
+}
+
+/// Plans a dose: the steps whose volume is nearest to what is asked, and the fastest profile that the request and the
+/// limits allow. Steps and end angle do not depend on the speed.
+///
+/// The angle solves V_out(theta_1) = V_out(theta_0) + V for the outlet's exact volume curve, so the dose is right from
+/// any start angle. Where a pressure limit is given the dose's pressures are predicted and a plan that breaks it is
+/// refused.
+pub fn plan(
+    pump: &Pump,
+    start: Phase,
+    request: &Request,
+    limits: &Limits,
+) -> Result<Plan, PlanError> {
+    limits.validate()?;
+    request.validate()?;
+    start.validate()?;
+    let target = target::nearest_steps(pump, start.angle_rad, request, limits.motor.step_rad())?;
+    let at_speed = |cruise_rad_s: f64| {
+        let turn_rad = target.steps.unsigned_abs() as f64 * limits.motor.step_rad();
+        let profile = Trapezoid::new(turn_rad, cruise_rad_s, limits.motor.max_acceleration_rad_s2);
+        Plan {
+            requested_ml: request.volume_ml,
+            carry_in_ml: request.carry_in_ml,
+            planned_ml: target.planned_ml,
+            carry_ml: request.owed_ml() - target.planned_ml,
+            start,
+            steps: target.steps,
+            step_rad: limits.motor.step_rad(),
+            profile,
+            limited_by: if profile.reaches_cruise() {
+                LimitedBy::Nothing
+            } else {
+                LimitedBy::Acceleration
+            },
+        }
+    };
+    let planned = cruise::choose(pump, request.cruise, limits, at_speed)?;
+    limits.check_pressures(pump, &planned)?;
+    Ok(planned)
+}
+
+impl Plan {
+    /// 1 forward, -1 in reverse.
+    pub fn direction(&self) -> i8 {
+        if self.steps < 0 { -1 } else { 1 }
+    }
+
+    /// Angle at the end, rad, counted on from the start angle.
+    pub fn end_angle_rad(&self) -> f64 {
+        self.angle_after(self.steps.unsigned_abs())
+    }
+
+    /// Angle after `count` steps, rad.
+    pub fn angle_after(&self, count: u64) -> f64 {
+        self.start.angle_rad + f64::from(self.direction()) * (count as f64 * self.step_rad)
+    }
+
+    /// Steps per revolution of the pump head.
+    pub fn steps_per_rev(&self) -> f64 {
+        TURN_RAD / self.step_rad
+    }
+
+    /// Every step with its time.
+    pub fn steps(&self) -> Steps<'_> {
+        Steps::new(self)
+    }
+
+    /// Volume that the step containing the end of the dose delivers, mL: the resolution there.
+    pub fn end_step_ml(&self, pump: &Pump) -> f64 {
+        pump.outlet_curve().flow_ml_rad(self.end_angle_rad()) * self.step_rad
+    }
+}

@@ -1,0 +1,45 @@
+//! Where the rollers stand.
+
+use super::PlanError;
+
+/// Angle of the rotor in the model's zero (a roller begins to leave the outlet), and how well it is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Phase {
+    /// Angle, rad. Only the angle within a pitch matters.
+    pub angle_rad: f64,
+    /// The true angle lies within this of it, rad, not negative.
+    pub half_width_rad: f64,
+}
+
+impl Phase {
+    /// An angle known exactly.
+    pub fn known(angle_rad: f64) -> Self {
+        Self {
+            angle_rad,
+            half_width_rad: 0.0,
+        }
+    }
+
+    /// False if the angle may be anything, for a pump of this pitch.
+    pub fn is_known(&self, pitch_rad: f64) -> bool {
+        self.half_width_rad < 0.5 * pitch_rad
+    }
+
+    pub(super) fn validate(&self) -> Result<(), PlanError> {
+        if !self.angle_rad.is_finite() || self.angle_rad.abs() > 1e6 {
+            return Err(PlanError::OutOfRange {
+                parameter: "start angle in rad",
+                value: self.angle_rad,
+                allowed: "a finite angle within 1e6 rad",
+            });
+        }
+        if !(self.half_width_rad >= 0.0 && self.half_width_rad.is_finite()) {
+            return Err(PlanError::OutOfRange {
+                parameter: "half width of the start angle in rad",
+                value: self.half_width_rad,
+                allowed: "zero or a positive number",
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,84 @@
+//! What is asked of a dose.
+
+use super::PlanError;
+
+/// Largest dose, mL: 100 L are five hours at the default rate of the published pump.
+pub const MAX_VOLUME_ML: f64 = 1e5;
+
+/// How fast to dose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cruise {
+    /// Mean flow at the cruise speed, mL/s, positive.
+    Flow {
+        /// mL/s.
+        ml_s: f64,
+    },
+    /// Cruise speed of the pump head, rad/s, positive.
+    Speed {
+        /// rad/s.
+        rad_s: f64,
+    },
+    /// Total time with ramps and settling, s, positive: the slowest cruise that meets it.
+    Within {
+        /// s.
+        time_s: f64,
+    },
+}
+
+/// A dose to plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Request {
+    /// Volume, mL; negative in reverse; not zero.
+    pub volume_ml: f64,
+    /// What earlier doses owe, mL, positive toward the outlet.
+    pub carry_in_ml: f64,
+    /// How fast.
+    pub cruise: Cruise,
+}
+
+impl Request {
+    /// A dose with nothing owed.
+    pub fn new(volume_ml: f64, cruise: Cruise) -> Self {
+        Self {
+            volume_ml,
+            carry_in_ml: 0.0,
+            cruise,
+        }
+    }
+
+    /// Volume to bring to the vessel: requested plus owed, mL.
+    pub(super) fn owed_ml(&self) -> f64 {
+        self.volume_ml + self.carry_in_ml
+    }
+
+    pub(super) fn validate(&self) -> Result<(), PlanError> {
+        if !(self.volume_ml != 0.0 && self.volume_ml.abs() <= MAX_VOLUME_ML) {
+            return Err(PlanError::OutOfRange {
+                parameter: "volume in mL",
+                value: self.volume_ml,
+                allowed: "up to 100000 either way, not zero",
+            });
+        }
+        if !(self.carry_in_ml.abs() <= MAX_VOLUME_ML) {
+            return Err(PlanError::OutOfRange {
+                parameter: "carry of earlier doses in mL",
+                value: self.carry_in_ml,
+                allowed: "up to 100000 either way",
+            });
+        }
+        let (parameter, value) = match self.cruise {
+            Cruise::Flow { ml_s } => ("rate in mL/s", ml_s),
+            Cruise::Speed { rad_s } => ("speed in rad/s", rad_s),
+            Cruise::Within { time_s } => ("time in s", time_s),
+        };
+        if value.is_finite() && value > 0.0 {
+            Ok(())
+        } else {
+            Err(PlanError::OutOfRange {
+                parameter,
+                value,
+                allowed: "a positive number",
+            })
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! The time of every motor step.
+
+use super::Plan;
+
+/// One motor step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// 1 for the first.
+    pub number: u64,
+    /// When, s since the start of motion.
+    pub time_s: f64,
+    /// 1 forward, -1 in reverse.
+    pub direction: i8,
+    /// Angle after the step, rad, unwrapped.
+    pub angle_rad: f64,
+}
+
+/// The steps of a plan in order; nothing is stored a step.
+#[derive(Debug, Clone)]
+pub struct Steps<'a> {
+    plan: &'a Plan,
+    made: u64,
+}
+
+impl<'a> Steps<'a> {
+    pub(super) fn new(plan: &'a Plan) -> Self {
+        Self { plan, made: 0 }
+    }
+}
+
+impl Iterator for Steps<'_> {
+    type Item = Step;
+
+    fn next(&mut self) -> Option<Step> {
+        if self.made == self.plan.steps.unsigned_abs() {
+            return None;
+        }
+        self.made += 1;
+        Some(Step {
+            number: self.made,
+            time_s: self
+                .plan
+                .profile
+                .time_of(self.made as f64 * self.plan.step_rad),
+            direction: self.plan.direction(),
+            angle_rad: self.plan.angle_after(self.made),
+        })
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left =
+            usize::try_from(self.plan.steps.unsigned_abs() - self.made).unwrap_or(usize::MAX);
+        (left, Some(left))
+    }
+}

@@ -1,0 +1,284 @@
+//! Claims about planned doses, over random volumes, start angles, pumps and directions.
+
+use proptest::prelude::*;
+use pump_ctl::plan::{
+    Cruise, LimitedBy, Limits, Motor, Phase, Plan, PlanError, Request, plan, speed_for_flow,
+};
+use pump_model::Pump;
+
+const TAU: f64 = core::f64::consts::TAU;
+
+fn rad_s(rpm: f64) -> f64 {
+    rpm * TAU / 60.0
+}
+
+/// The motor of the built-in pumps.
+fn limits(rollers: u32) -> Limits {
+    let max_rpm = if rollers == 3 { 170.0 } else { 300.0 };
+    Limits::of_motor(Motor {
+        steps_per_rev: 12_800.0,
+        max_speed_rad_s: rad_s(max_rpm),
+        max_acceleration_rad_s2: 500.0,
+    })
+}
+
+fn pump(rollers: u32) -> Pump {
+    if rollers == 3 {
+        Pump::three_roller()
+    } else {
+        Pump::two_roller()
+    }
+}
+
+/// (rollers, volume in mL, start angle in rad)
+fn any_dose() -> impl Strategy<Value = (u32, f64, f64)> {
+    (2u32..=3, 0.5..500.0_f64, any::<bool>(), 0.0..TAU).prop_map(
+        |(rollers, volume, reverse, start)| {
+            (rollers, if reverse { -volume } else { volume }, start)
+        },
+    )
+}
+
+fn planned(rollers: u32, volume_ml: f64, start_rad: f64, cruise: Cruise) -> Plan {
+    plan(
+        &pump(rollers),
+        Phase::known(start_rad),
+        &Request::new(volume_ml, cruise),
+        &limits(rollers),
+    )
+    .unwrap()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 10_000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn dose_from_any_start_angle_lands_within_half_a_step(
+        (rollers, volume, start) in any_dose(),
+        rpm in 1.0..170.0_f64,
+    ) {
+        let pump = pump(rollers);
+        let curve = pump.outlet_curve();
+        let slow = planned(rollers, volume, start, Cruise::Flow { ml_s: 5.0 });
+
+        // The step that contains the ideal end angle.
+        let ideal = (curve.angle_rad(curve.volume_ml(start) + volume) - start) / slow.step_rad;
+        let [below, above] = [ideal.floor(), ideal.floor() + 1.0].map(|n| curve.volume_ml(start + n * slow.step_rad));
+        prop_assert!(slow.carry_ml.abs() <= 0.5 * (above - below) + 1e-12);
+        prop_assert!((slow.planned_ml + slow.carry_ml - volume).abs() < 1e-12);
+        let delivered = curve.volume_ml(slow.end_angle_rad()) - curve.volume_ml(start);
+        prop_assert!((delivered - slow.planned_ml).abs() < 1e-12);
+        prop_assert_eq!(slow.steps < 0, volume < 0.0);
+
+        let other = planned(rollers, volume, start, Cruise::Speed { rad_s: rad_s(rpm) });
+        prop_assert_eq!(other.steps, slow.steps);
+        prop_assert_eq!(other.end_angle_rad().to_bits(), slow.end_angle_rad().to_bits());
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    #[test]
+    fn steps_are_exact_in_number_rise_in_time_and_keep_the_acceleration(
+        (rollers, volume, start) in any_dose(),
+        rpm in 0.5..170.0_f64,
+    ) {
+        let plan = planned(rollers, volume, start, Cruise::Speed { rad_s: rad_s(rpm) });
+        let steps: Vec<_> = plan.steps().collect();
+        prop_assert_eq!(steps.len() as u64, plan.steps.unsigned_abs());
+        prop_assert_eq!(plan.steps().size_hint().0, steps.len());
+
+        let mut points = vec![(0.0, start)];
+        for (n, step) in steps.iter().enumerate() {
+            prop_assert_eq!(step.number, n as u64 + 1);
+            prop_assert_eq!(step.direction, plan.direction());
+            prop_assert!(step.time_s > points[n].0);
+            points.push((step.time_s, step.angle_rad));
+        }
+        prop_assert_eq!(points.last().unwrap().1.to_bits(), plan.end_angle_rad().to_bits());
+        prop_assert_eq!(points.last().unwrap().0.to_bits(), plan.profile.duration_s().to_bits());
+        for three in points.windows(3) {
+            let rate = |a: (f64, f64), b: (f64, f64)| (b.1 - a.1) / (b.0 - a.0);
+            let second = (rate(three[1], three[2]) - rate(three[0], three[1])) / (three[2].0 - three[0].0);
+            prop_assert!((2.0 * second).abs() <= 505.0, "{} rad/s2 at {} s", 2.0 * second, three[1].0);
+        }
+        // Cruise, away from the ramps.
+        if plan.limited_by == LimitedBy::Nothing {
+            let ramp = rad_s(rpm) / 500.0;
+            let cruise: Vec<_> = points
+                .iter()
+                .filter(|point| point.0 > ramp && point.0 < plan.profile.duration_s() - ramp)
+                .collect();
+            if cruise.len() > 100 {
+                let (first, last) = (cruise[0], cruise[cruise.len() - 1]);
+                let speed = ((last.1 - first.1) / (last.0 - first.0)).abs();
+                prop_assert!((speed / rad_s(rpm) - 1.0).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn the_inverse_of_the_average_flow_gives_the_flow_back(rollers in 2u32..=3, flow in 1e-3..100.0_f64) {
+        let pump = pump(rollers);
+        let speed = speed_for_flow(&pump, flow);
+        prop_assert!((pump.average_flow_ml_s(speed) / flow - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_motion_passes_every_step_at_its_time((rollers, volume, start) in any_dose(), rpm in 0.5..170.0_f64) {
+        let plan = planned(rollers, volume, start, Cruise::Speed { rad_s: rad_s(rpm) });
+        let legs = plan.legs();
+        for step in plan.steps().step_by(97) {
+            let leg = legs.iter().rev().find(|leg| leg.start_s <= step.time_s).unwrap();
+            prop_assert!((leg.angle_at(step.time_s) - step.angle_rad).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn a_rate_beyond_the_motor_is_refused_with_the_largest_that_can_be_had() {
+    let request = Request::new(25.0, Cruise::Flow { ml_s: 100.0 });
+    let error = plan(&pump(3), Phase::known(0.0), &request, &limits(3)).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "a rate of 100.000000 mL/s needs 281.4 r/min; the pump's limit of 170.0 r/min gives 60.402 mL/s at most"
+    );
+    let request = Request::new(
+        25.0,
+        Cruise::Speed {
+            rad_s: rad_s(171.0),
+        },
+    );
+    assert!(matches!(
+        plan(&pump(3), Phase::known(0.0), &request, &limits(3)),
+        Err(PlanError::SpeedTooHigh { .. })
+    ));
+    let at_the_limit = Request::new(
+        25.0,
+        Cruise::Speed {
+            rad_s: rad_s(170.0),
+        },
+    );
+    assert!(plan(&pump(3), Phase::known(0.0), &at_the_limit, &limits(3)).is_ok());
+}
+
+#[test]
+fn within_is_met_by_the_slowest_cruise() {
+    let total_s = |cruise| {
+        let plan = planned(3, 25.0, 0.4, cruise);
+        (
+            plan,
+            plan.profile.duration_s() + plan.predict(&pump(3)).unwrap().settle_s,
+        )
+    };
+    for time_s in [1.2, 2.0, 6.0, 60.0] {
+        let (plan, took_s) = total_s(Cruise::Within { time_s });
+        assert!(took_s <= time_s, "{took_s} for {time_s}");
+        let slower = plan.profile.peak_rad_s() * 0.9999;
+        assert!(
+            total_s(Cruise::Speed { rad_s: slower }).1 > time_s,
+            "not the slowest for {time_s}"
+        );
+    }
+    let request = Request::new(25.0, Cruise::Within { time_s: 0.5 });
+    let error = plan(&pump(3), Phase::known(0.4), &request, &limits(3)).unwrap_err();
+    let PlanError::TimeTooShort { fastest_s, .. } = error else {
+        panic!("{error}")
+    };
+    assert!(
+        (fastest_s
+            - total_s(Cruise::Speed {
+                rad_s: rad_s(170.0)
+            })
+            .1)
+            .abs()
+            < 1e-9
+    );
+}
+
+#[test]
+fn a_dose_too_short_for_its_speed_says_so_and_keeps_the_acceleration() {
+    let plan = planned(
+        3,
+        0.5,
+        1.0,
+        Cruise::Speed {
+            rad_s: rad_s(170.0),
+        },
+    );
+    assert_eq!(plan.limited_by, LimitedBy::Acceleration);
+    assert!(plan.profile.peak_rad_s() < rad_s(170.0));
+}
+
+#[test]
+fn pressure_limits_refuse_what_would_break_them_in_either_direction() {
+    let cruise = Cruise::Speed {
+        rad_s: rad_s(100.0),
+    };
+    for volume_ml in [60.0, -60.0] {
+        let free = planned(3, volume_ml, 0.0, cruise)
+            .predict(&pump(3))
+            .unwrap();
+        let (sucking, pushing) = if volume_ml > 0.0 {
+            (free.inlet, free.outlet)
+        } else {
+            (free.outlet, free.inlet)
+        };
+        let with = |max_outlet_kpa, min_inlet_kpa| {
+            let limits = Limits {
+                max_outlet_kpa,
+                min_inlet_kpa,
+                ..limits(3)
+            };
+            plan(
+                &pump(3),
+                Phase::known(0.0),
+                &Request::new(volume_ml, cruise),
+                &limits,
+            )
+        };
+        assert!(with(Some(pushing.max_kpa + 0.01), Some(sucking.min_kpa - 0.01)).is_ok());
+        assert!(matches!(
+            with(Some(pushing.max_kpa - 0.01), None),
+            Err(PlanError::OutletPressure { .. })
+        ));
+        assert!(matches!(
+            with(None, Some(sucking.min_kpa + 0.01)),
+            Err(PlanError::InletPressure { .. })
+        ));
+    }
+}
+
+#[test]
+fn absurd_requests_are_refused_by_name() {
+    let flow = Cruise::Flow { ml_s: 5.0 };
+    let refused = |volume, start, cruise| {
+        plan(
+            &pump(3),
+            Phase::known(start),
+            &Request::new(volume, cruise),
+            &limits(3),
+        )
+        .unwrap_err()
+        .to_string()
+    };
+    for volume in [0.0, f64::NAN, f64::INFINITY, -1e9, 1e300] {
+        assert!(
+            refused(volume, 0.0, flow).starts_with("volume in mL is"),
+            "{volume}"
+        );
+    }
+    assert!(refused(25.0, f64::NAN, flow).starts_with("start angle in rad is NaN"));
+    for rate in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(
+            refused(25.0, 0.0, Cruise::Flow { ml_s: rate }).starts_with("rate in mL/s is"),
+            "{rate}"
+        );
+    }
+    assert!(refused(25.0, 0.0, Cruise::Flow { ml_s: 1e-9 }).contains("116 days"));
+    assert_eq!(
+        refused(0.0001, 0.0, flow),
+        "0.000100 mL is less than half a motor step at this angle; the smallest dose here is 0.001052 mL"
+    );
+}
