@@ -1,1 +1,39 @@
-//! x
+//! Doses with a peristaltic pump whose flow is computed from the angle of its rollers: pump files, benches, reports.
+//! The command `dose` is a thin shell around this library, and other programs may be too.
+//!
+//! ```
+//! use pump_dose::{Bench, DoseReport, DoseRequest, built_in};
+//!
+//! let state = tempfile::tempdir()?;
+//! let bench = Bench::new(built_in("three-roller").unwrap(), None, state.path())?;
+//! let lock = bench.lock()?;
+//! let prepared = bench.prepare(DoseRequest::dose(25.0))?;
+//! let delivered_ml = bench.run(&lock, &prepared, |_steps| {})?;
+//! let report = DoseReport::new(&bench, &prepared, Some(delivered_ml));
+//! assert!((delivered_ml - 25.0).abs() < 0.002);
+//! assert!((report.expanded_uncertainty_ml - 1.22).abs() < 0.01);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod bench;
+mod built_in;
+pub mod csv;
+mod output;
+pub mod plot;
+pub mod pump_file;
+pub mod quantity;
+mod record;
+mod report;
+mod sim;
+mod simulation;
+mod uncertainty;
+pub mod waveform;
+
+pub use bench::{Bench, DoseError, DoseRequest, PhaseSource, Prepared, Purpose};
+pub use built_in::{BUILT_IN, built_in};
+pub use output::replace_file;
+pub use record::{Folder, Lock, Record, RecordError, default_state_dir};
+pub use report::{DoseReport, PhaseReport};
+pub use sim::Sim;
+pub use simulation::{Simulation, SteadyReport};
+pub use uncertainty::{Budget, COVERAGE_FACTOR, Share};

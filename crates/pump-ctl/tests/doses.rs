@@ -1,5 +1,7 @@
 //! Claims about planned doses, over random volumes, start angles, pumps and directions.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use proptest::prelude::*;
 use pump_ctl::plan::{
     Cruise, LimitedBy, Limits, Motor, Phase, Plan, PlanError, Request, plan, speed_for_flow,

@@ -3,7 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::flow_curve::Port;
-use crate::integrator::Ode;
+use crate::integrator::{Ode, Options};
 use crate::line::Line;
 use crate::stretches::Stretch;
 
@@ -100,14 +100,16 @@ impl<F: Forcing, const N: usize> Ode<N> for Circuit<'_, F> {
     }
 }
 
-/// Scale of each state that a pressure of 1 kPa corresponds to, for error control: the flow and the volume that
-/// carry the same energy.
-pub(crate) fn scales<const N: usize>(line: &Line) -> SVector<f64, N> {
-    let mut scales = SVector::zeros();
-    scales[0] = 1.0;
-    scales[1] = line.flow_scale_ml_s();
+/// Errors allowed in a step of a [`Circuit`]: `tolerance` times the larger of `scale_kpa` and |P - P_res|, and the flow
+/// and volume that carry the same energy. The volume's error is that of the flow it integrates, so it has no part
+/// relative to the volume itself.
+pub fn options<const N: usize>(line: &Line, tolerance: f64, scale_kpa: f64) -> Options<N> {
+    let mut options = Options::uniform(tolerance);
+    options.absolute[0] = tolerance * scale_kpa;
+    options.absolute[1] = tolerance * scale_kpa * line.flow_scale_ml_s();
     if N == 3 {
-        scales[2] = line.compliance_ml_kpa;
+        options.absolute[2] = tolerance * scale_kpa * line.compliance_ml_kpa;
+        options.relative[2] = 0.0;
     }
-    scales
+    options
 }

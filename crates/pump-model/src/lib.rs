@@ -38,7 +38,7 @@ pub use geometry::Geometry;
 pub use line::Line;
 pub use motion::Leg;
 pub use port_run::{DEFAULT_TOLERANCE, Extremes, PortRun};
-pub use presets::Variant;
+pub use presets::{PUBLISHED_CONTACT_ANGLE_DEG, Variant};
 pub use pump::Pump;
 pub use roller_volume::RollerVolume;
 pub use settling::SETTLED_ML;

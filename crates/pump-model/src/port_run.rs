@@ -2,9 +2,9 @@
 
 use nalgebra::SVector;
 
-use crate::circuit::{Circuit, scales};
+use crate::circuit::{Circuit, options};
 use crate::flow_curve::Port;
-use crate::integrator::{DenseStep, IntegrationError, Options, Rodas5p, Statistics};
+use crate::integrator::{DenseStep, IntegrationError, Rodas5p, Statistics};
 use crate::line::Line;
 use crate::motion::Leg;
 use crate::pump::Pump;
@@ -44,8 +44,7 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
         }
         let line = pump.line(port);
         let mut stretches = Stretches::new(pump.curve(port), legs);
-        let options = Options::new(tolerance, scales(line));
-        let solver = Rodas5p::new(stretches.time_s(), state, options);
+        let solver = Rodas5p::new(stretches.time_s(), state, options(line, tolerance, 1.0));
         let stretch = stretches.next();
         Ok(Self {
             line,

@@ -7,6 +7,9 @@ use crate::math::radians;
 use crate::pump::Pump;
 use crate::roller_volume::{PUBLISHED_TOTAL_ML, RollerVolume};
 
+/// Contact angle beta of [1], Table 1, degrees.
+pub const PUBLISHED_CONTACT_ANGLE_DEG: f64 = 30.0;
+
 /// Which of the paper's contradicting figures a preset uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Variant {
@@ -17,6 +20,30 @@ pub enum Variant {
     Published,
     /// Dimensions of the authors' published code, the rest as `Measured`.
     AsBuilt,
+}
+
+impl Geometry {
+    /// Dimensions of the pump of [1], Table 1 or as built.
+    pub fn published(rollers: u32, variant: Variant) -> Self {
+        let table = Self {
+            rollers,
+            bore_radius_mm: 5.0,
+            tube_outer_radius_mm: 7.0,
+            backplate_radius_mm: 63.0,
+            contact_angle_rad: radians(PUBLISHED_CONTACT_ANGLE_DEG),
+            roller_radius_mm: 20.0,
+            roller_offset_mm: 40.0,
+        };
+        match variant {
+            Variant::Measured | Variant::Published => table,
+            Variant::AsBuilt => Self {
+                backplate_radius_mm: 62.76,
+                roller_radius_mm: 19.87,
+                roller_offset_mm: 39.5,
+                ..table
+            },
+        }
+    }
 }
 
 impl Pump {
@@ -40,30 +67,12 @@ impl Pump {
 
     /// The pump of [1] with any number of rollers that it can work with.
     pub fn preset(rollers: u32, variant: Variant) -> Result<Self, ModelError> {
-        // Table 1 of [1].
-        let table = Geometry {
-            rollers,
-            bore_radius_mm: 5.0,
-            tube_outer_radius_mm: 7.0,
-            backplate_radius_mm: 63.0,
-            contact_angle_rad: radians(30.0),
-            roller_radius_mm: 20.0,
-            roller_offset_mm: 40.0,
-        };
-        let geometry = match variant {
-            Variant::Measured | Variant::Published => table,
-            Variant::AsBuilt => Geometry {
-                backplate_radius_mm: 62.76,
-                roller_radius_mm: 19.87,
-                roller_offset_mm: 39.5,
-                ..table
-            },
-        };
         let measured = RollerVolume::measured()?;
         let roller_volume = match variant {
             Variant::Published => measured.scaled_to(PUBLISHED_TOTAL_ML)?,
             Variant::Measured | Variant::AsBuilt => measured,
         };
+        let geometry = Geometry::published(rollers, variant);
         Self::new(geometry, roller_volume, Line::PUBLISHED, Line::PUBLISHED)
     }
 

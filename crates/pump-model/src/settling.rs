@@ -2,10 +2,10 @@
 
 use nalgebra::SVector;
 
-use crate::circuit::{Circuit, NoFlow, scales};
+use crate::circuit::{Circuit, NoFlow, options};
 use crate::error::ModelError;
 use crate::flow_curve::Port;
-use crate::integrator::{Options, Rodas5p};
+use crate::integrator::Rodas5p;
 use crate::line::Line;
 use crate::motion::Leg;
 use crate::polynomial::Polynomial;
@@ -40,7 +40,7 @@ fn settling_s(line: &Line, port: Port, state: SVector<f64, 2>) -> Result<f64, Mo
         forcing: NoFlow,
     };
     // Relative to the pressure that is looked for, not to 1 kPa.
-    let options = Options::new(DEFAULT_TOLERANCE, scales(line) * allowed_kpa.min(1.0));
+    let options = options(line, DEFAULT_TOLERANCE, allowed_kpa.min(1.0));
     let mut solver = Rodas5p::new(0.0, state, options);
     let mut settled_s = 0.0;
     while energy(solver.state()) >= allowed_energy {

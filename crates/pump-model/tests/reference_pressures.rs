@@ -1,5 +1,7 @@
 //! Pressures against the reference table and against an exact solution.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 mod exact;
 
 use exact::Exact;

@@ -1,5 +1,7 @@
 //! Volumes and flows per angle: balance, periodicity, inverse, refusal of pumps that cannot work.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use core::f64::consts::TAU;
 
 use proptest::prelude::*;

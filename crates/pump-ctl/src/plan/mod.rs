@@ -20,7 +20,6 @@ pub use request::{Cruise, Request};
 pub use steps::{Step, Steps};
 
 use pump_model::Pump;
-use pump_model::math::TURN_RAD;
 
 /// What keeps a dose from being faster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +45,8 @@ pub struct Plan {
     pub start: Phase,
     /// Motor steps; negative in reverse.
     pub steps: i64,
+    /// Steps per revolution of the pump head.
+    pub steps_per_rev: f64,
     /// Angle of a step, rad.
     pub step_rad: f64,
     /// Speed over time.
@@ -80,6 +81,7 @@ pub fn plan(
             carry_ml: request.owed_ml() - target.planned_ml,
             start,
             steps: target.steps,
+            steps_per_rev: limits.motor.steps_per_rev,
             step_rad: limits.motor.step_rad(),
             profile,
             limited_by: if profile.reaches_cruise() {
@@ -108,11 +110,6 @@ impl Plan {
     /// Angle after `count` steps, rad.
     pub fn angle_after(&self, count: u64) -> f64 {
         self.start.angle_rad + f64::from(self.direction()) * (count as f64 * self.step_rad)
-    }
-
-    /// Steps per revolution of the pump head.
-    pub fn steps_per_rev(&self) -> f64 {
-        TURN_RAD / self.step_rad
     }
 
     /// Every step with its time.

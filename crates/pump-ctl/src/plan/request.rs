@@ -59,7 +59,7 @@ impl Request {
                 allowed: "up to 100000 either way, not zero",
             });
         }
-        if !(self.carry_in_ml.abs() <= MAX_VOLUME_ML) {
+        if self.carry_in_ml.is_nan() || self.carry_in_ml.abs() > MAX_VOLUME_ML {
             return Err(PlanError::OutOfRange {
                 parameter: "carry of earlier doses in mL",
                 value: self.carry_in_ml,

@@ -12,8 +12,8 @@ use crate::math::pow;
 /// How exactly to integrate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options<const N: usize> {
-    /// Error allowed in a step, relative to the state. Zero or more.
-    pub relative: f64,
+    /// Error allowed in a step, relative to each state. Zero or more.
+    pub relative: SVector<f64, N>,
     /// Error allowed in a step, in the units of each state. Positive.
     pub absolute: SVector<f64, N>,
     /// Longest step, s; infinite by default.
@@ -21,11 +21,11 @@ pub struct Options<const N: usize> {
 }
 
 impl<const N: usize> Options<N> {
-    /// `tolerance` relative, and times `scales` absolute.
-    pub fn new(tolerance: f64, scales: SVector<f64, N>) -> Self {
+    /// The same tolerance for every state, relative and absolute.
+    pub fn uniform(tolerance: f64) -> Self {
         Self {
-            relative: tolerance,
-            absolute: scales * tolerance,
+            relative: SVector::repeat(tolerance),
+            absolute: SVector::repeat(tolerance),
             max_step_s: f64::INFINITY,
         }
     }
@@ -252,7 +252,7 @@ impl<const N: usize> Rodas5p<N> {
         let mut largest = 0.0_f64;
         for i in 0..N {
             let allowed =
-                self.options.absolute[i] + self.options.relative * y[i].abs().max(next[i].abs());
+                self.options.absolute[i] + self.options.relative[i] * y[i].abs().max(next[i].abs());
             largest = largest.max(estimate[i].abs() / allowed);
         }
         largest
@@ -263,7 +263,7 @@ impl<const N: usize> Rodas5p<N> {
     fn first_step(&self, slope: &SVector<f64, N>, curvature: &SVector<f64, N>) -> f64 {
         let mut largest = 0.0_f64;
         for i in 0..N {
-            let allowed = self.options.absolute[i] + self.options.relative * self.state[i].abs();
+            let allowed = self.options.absolute[i] + self.options.relative[i] * self.state[i].abs();
             largest = largest
                 .max(slope[i].abs() / allowed)
                 .max(curvature[i].abs() / allowed);

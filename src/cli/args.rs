@@ -1,0 +1,252 @@
+//! What may be typed.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use pump_ctl::plan::Cruise;
+use pump_dose::pump_file::{DriverName, PumpFile};
+use pump_dose::quantity::{self, Pressure};
+use pump_dose::{BUILT_IN, Bench, built_in, default_state_dir};
+
+use super::Failure;
+
+/// Doses with a peristaltic pump from the angle of its rollers
+#[derive(Debug, Parser)]
+#[command(
+    name = "dose",
+    version,
+    about,
+    disable_help_subcommand = true,
+    override_usage = "dose [OPTIONS] <VOLUME>\n       dose [OPTIONS] <COMMAND>",
+    after_help = "Examples:\n  dose 25mL\n  dose 0.5mL --start-angle 30deg --dry-run\n  dose 100mL --rate 600mL/min --plot dose.svg\n  dose simulate --speed 100rpm --duration 10s --trace run.csv"
+)]
+pub(crate) struct Cli {
+    /// How much, with its unit: 25mL, 0.025L, 250uL, 25g; negative runs in reverse
+    #[arg(value_name = "VOLUME")]
+    pub(crate) volume: Vec<String>,
+    #[command(subcommand)]
+    pub(crate) command: Option<Command>,
+    #[command(flatten)]
+    pub(crate) options: Options,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Fill the line before a dose
+    Prime {
+        /// How much, with its unit
+        #[arg(value_name = "VOLUME")]
+        volume: Vec<String>,
+    },
+    /// Empty the line
+    Purge {
+        /// How much, with its unit
+        #[arg(value_name = "VOLUME")]
+        volume: Vec<String>,
+    },
+    /// Run the model at constant speed (--speed or --rate, --duration)
+    Simulate,
+    /// Say where the rollers stand and what is owed
+    Status,
+    /// Built-in pumps and pump files
+    Pumps {
+        #[command(subcommand)]
+        command: Option<PumpsCommand>,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum PumpsCommand {
+    /// List the built-in pumps
+    List,
+    /// Print a pump as a pump file
+    Show {
+        /// Built-in name or TOML file
+        name: String,
+    },
+    /// Check a pump file and say what it gives
+    Check {
+        /// TOML file
+        file: PathBuf,
+    },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Format {
+    /// For people
+    Text,
+    /// One object a line
+    Json,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Driver {
+    /// Simulated stepper, pump and vessel
+    Sim,
+}
+
+/// Every option is accepted before and after a command.
+#[derive(Debug, Args)]
+pub(crate) struct Options {
+    /// Built-in pump or TOML pump file
+    #[arg(
+        long,
+        global = true,
+        value_name = "NAME|FILE",
+        env = "DOSE_PUMP",
+        default_value = "three-roller"
+    )]
+    pub(crate) pump: String,
+    /// Where angle and carry are kept
+    #[arg(long, global = true, value_name = "DIR", env = "DOSE_STATE_DIR")]
+    pub(crate) state_dir: Option<PathBuf>,
+    /// Mean flow while cruising, as 10mL/s [default: the pump file's]
+    #[arg(long, global = true, value_name = "FLOW", value_parser = quantity::flow_ml_s)]
+    pub(crate) rate: Option<f64>,
+    /// Speed of the pump head while cruising, as 100rpm
+    #[arg(long, global = true, value_name = "SPEED", value_parser = quantity::speed_rad_s)]
+    pub(crate) speed: Option<f64>,
+    /// Total time with ramps and settling, as 10s
+    #[arg(long, global = true, value_name = "TIME", value_parser = quantity::time_s)]
+    pub(crate) within: Option<f64>,
+    /// Run in reverse
+    #[arg(long, global = true)]
+    pub(crate) reverse: bool,
+    /// Where the rollers stand, as 30deg; 0deg: a roller begins to leave the outlet [default: as recorded]
+    #[arg(long, global = true, value_name = "ANGLE", value_parser = quantity::angle_rad)]
+    pub(crate) start_angle: Option<f64>,
+    /// Largest pressure at the port that pushes, as 120kPaa or 20kPag
+    #[arg(long, global = true, value_name = "PRESSURE", value_parser = quantity::pressure)]
+    pub(crate) max_outlet_pressure: Option<Pressure>,
+    /// Smallest pressure at the port that sucks, as 45kPaa
+    #[arg(long, global = true, value_name = "PRESSURE", value_parser = quantity::pressure)]
+    pub(crate) min_inlet_pressure: Option<Pressure>,
+    /// What turns the motor [default: the pump file's, else sim]
+    #[arg(long, global = true)]
+    pub(crate) driver: Option<Driver>,
+    /// Plan and predict; move nothing, record nothing
+    #[arg(long, global = true)]
+    pub(crate) dry_run: bool,
+    /// Report for people or programs [default: text]
+    #[arg(long, global = true)]
+    pub(crate) format: Option<Format>,
+    /// Write every planned step as CSV
+    #[arg(long, global = true, value_name = "FILE")]
+    pub(crate) steps: Option<PathBuf>,
+    /// Write the predicted waveform as CSV
+    #[arg(long, global = true, value_name = "FILE")]
+    pub(crate) trace: Option<PathBuf>,
+    /// Draw flows, pressures, speed and delivered volume
+    #[arg(long, global = true, value_name = "FILE.svg")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Time between rows of --trace [default: 1ms]
+    #[arg(long, global = true, value_name = "TIME", value_parser = quantity::time_s)]
+    pub(crate) dt: Option<f64>,
+    /// How long `simulate` runs, as 10s
+    #[arg(long, global = true, value_name = "TIME", value_parser = quantity::time_s)]
+    pub(crate) duration: Option<f64>,
+}
+
+impl Options {
+    /// Refuses options that `command` would ignore: nobody should believe that they were obeyed.
+    pub(crate) fn accept_only(&self, command: &str, accepted: &[&str]) -> Result<(), Failure> {
+        let given = [
+            ("--rate", self.rate.is_some()),
+            ("--speed", self.speed.is_some()),
+            ("--within", self.within.is_some()),
+            ("--reverse", self.reverse),
+            ("--start-angle", self.start_angle.is_some()),
+            ("--max-outlet-pressure", self.max_outlet_pressure.is_some()),
+            ("--min-inlet-pressure", self.min_inlet_pressure.is_some()),
+            ("--driver", self.driver.is_some()),
+            ("--dry-run", self.dry_run),
+            ("--format", self.format.is_some()),
+            ("--steps", self.steps.is_some()),
+            ("--trace", self.trace.is_some()),
+            ("--plot", self.plot.is_some()),
+            ("--dt", self.dt.is_some()),
+            ("--duration", self.duration.is_some()),
+        ];
+        match given
+            .iter()
+            .find(|(name, given)| *given && !accepted.contains(name))
+        {
+            Some((name, _)) => Err(Failure::refused(format!(
+                "{name} means nothing to `{command}`; leave it out"
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    /// The cruise that is asked for; one of the three ways at most.
+    pub(crate) fn cruise(&self) -> Result<Option<Cruise>, Failure> {
+        let flow = self.rate.map(|ml_s| Cruise::Flow { ml_s });
+        let speed = self.speed.map(|rad_s| Cruise::Speed { rad_s });
+        let within = self.within.map(|time_s| Cruise::Within { time_s });
+        let mut given = [flow, speed, within].into_iter().flatten();
+        match (given.next(), given.next()) {
+            (_, Some(_)) => Err(Failure::refused(
+                "--rate, --speed and --within exclude each other; give one at most",
+            )),
+            (cruise, None) => Ok(cruise),
+        }
+    }
+
+    /// The pump that is named.
+    pub(crate) fn pump_file(&self) -> Result<PumpFile, Failure> {
+        pump_named(&self.pump)
+    }
+
+    /// The bench of that pump.
+    pub(crate) fn bench(&self) -> Result<Bench, Failure> {
+        let file = self.pump_file()?;
+        let driver = self.driver.map(|driver| match driver {
+            Driver::Sim => DriverName::Sim,
+        });
+        let state_dir = match &self.state_dir {
+            Some(dir) if dir.as_os_str().is_empty() => {
+                return Err(Failure::refused("--state-dir is empty"));
+            }
+            Some(dir) => dir.clone(),
+            None => default_state_dir()?,
+        };
+        Ok(Bench::new(file, driver, &state_dir)?)
+    }
+
+    /// Whether a program reads the report.
+    pub(crate) fn json(&self) -> bool {
+        self.format == Some(Format::Json)
+    }
+
+    /// Refuses to write two outputs into one file.
+    pub(crate) fn outputs_differ(&self) -> Result<(), Failure> {
+        let paths: Vec<&PathBuf> = [&self.steps, &self.trace, &self.plot]
+            .into_iter()
+            .flatten()
+            .collect();
+        for (n, path) in paths.iter().enumerate() {
+            if paths[..n].contains(path) {
+                let path = path.display();
+                return Err(Failure::refused(format!(
+                    "{path} is named for two outputs; give each its own file"
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A built-in pump or a pump file.
+pub(crate) fn pump_named(name: &str) -> Result<PumpFile, Failure> {
+    if let Some(file) = built_in(name) {
+        return Ok(file);
+    }
+    let path = Path::new(name);
+    if path.exists() || name.contains(['/', '\\']) || name.ends_with(".toml") {
+        return PumpFile::read(path).map_err(Failure::refused);
+    }
+    let names = BUILT_IN.map(|(name, _)| name).join(", ");
+    Err(Failure::refused(format!(
+        "there is no pump `{name}`; built-in pumps: {names}; or name a TOML pump file"
+    )))
+}

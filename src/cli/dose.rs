@@ -1,0 +1,177 @@
+//! `dose <VOLUME>`, `dose prime`, `dose purge`.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use pump_dose::pump_file::PumpFile;
+use pump_dose::quantity::Amount;
+use pump_dose::waveform::{Waveform, times};
+use pump_dose::{Bench, DoseReport, DoseRequest, Prepared, Purpose, csv, plot, replace_file};
+
+use super::args::Options;
+use super::{Failure, print};
+
+/// Rows of a trace, and least time between samples of a plot, s.
+const DEFAULT_DT_S: f64 = 1e-3;
+/// A trace beyond this is a mistake: it would fill disks.
+const MAX_ROWS: f64 = 1e9;
+
+pub(crate) fn dose(amount: &Amount, options: &Options) -> Result<(), Failure> {
+    run("dose", Purpose::Dose, amount, options)
+}
+
+pub(crate) fn prime(amount: &Amount, options: &Options) -> Result<(), Failure> {
+    run("dose prime", Purpose::Prime, amount, options)
+}
+
+pub(crate) fn purge(amount: &Amount, options: &Options) -> Result<(), Failure> {
+    run("dose purge", Purpose::Purge, amount, options)
+}
+
+fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> Result<(), Failure> {
+    options.accept_only(
+        command,
+        &[
+            "--rate",
+            "--speed",
+            "--within",
+            "--reverse",
+            "--start-angle",
+            "--max-outlet-pressure",
+            "--min-inlet-pressure",
+            "--driver",
+            "--dry-run",
+            "--format",
+            "--steps",
+            "--trace",
+            "--plot",
+            "--dt",
+        ],
+    )?;
+    options.outputs_differ()?;
+    if options.dt.is_some() && options.trace.is_none() {
+        return Err(Failure::refused(
+            "--dt is the time between rows of --trace; name that file too",
+        ));
+    }
+    let bench = options.bench()?;
+    let request = request(purpose, amount, options, bench.file())?;
+
+    // The lock comes before the record is read, so that nobody moves the pump in between.
+    let lock = if options.dry_run {
+        None
+    } else {
+        Some(bench.lock()?)
+    };
+    let prepared = bench.prepare(request)?;
+    write_outputs(&bench, &prepared, options)?;
+    let delivered_ml = match &lock {
+        None => None,
+        Some(lock) => {
+            let bar = progress_bar(&prepared);
+            let delivered_ml = bench.run(lock, &prepared, |steps| bar.set_position(steps));
+            bar.finish_and_clear();
+            Some(delivered_ml?)
+        }
+    };
+    let report = DoseReport::new(&bench, &prepared, delivered_ml);
+    if options.json() {
+        for warning in &report.warnings {
+            // Standard error is for people; if it is closed nobody reads it.
+            let _ = writeln!(io::stderr(), "warning: {warning}");
+        }
+        print(&(report.json() + "\n"))
+    } else {
+        print(&report.text())
+    }
+}
+
+fn request(
+    purpose: Purpose,
+    amount: &Amount,
+    options: &Options,
+    file: &PumpFile,
+) -> Result<DoseRequest, Failure> {
+    let mut volume_ml = amount.volume_ml(file.fluid.density_kg_m3);
+    if options.reverse {
+        if volume_ml < 0.0 {
+            return Err(Failure::refused(
+                "--reverse and a negative volume both mean reverse; give one of them",
+            ));
+        }
+        volume_ml = -volume_ml;
+    }
+    let ambient_kpa = file.ambient.pressure_kpa;
+    Ok(DoseRequest {
+        purpose,
+        volume_ml,
+        cruise: options.cruise()?,
+        start_angle_rad: options.start_angle,
+        max_outlet_kpa: options
+            .max_outlet_pressure
+            .map(|pressure| pressure.absolute_kpa(ambient_kpa)),
+        min_inlet_kpa: options
+            .min_inlet_pressure
+            .map(|pressure| pressure.absolute_kpa(ambient_kpa)),
+    })
+}
+
+/// Writes the files that were asked for. They hold predictions, so they are there before anything moves.
+fn write_outputs(bench: &Bench, prepared: &Prepared, options: &Options) -> Result<(), Failure> {
+    let plan = &prepared.plan;
+    let motion_s = plan.profile.duration_s();
+    let end_s = motion_s + prepared.prediction.settle_s;
+    if let Some(path) = &options.steps {
+        write(path, |to| csv::write_steps(to, plan))?;
+    }
+    let waveform = || Waveform::new(bench.model(), plan.legs(), pump_model::DEFAULT_TOLERANCE);
+    if let Some(path) = &options.trace {
+        let dt_s = options.dt.unwrap_or(DEFAULT_DT_S);
+        if end_s / dt_s > MAX_ROWS {
+            return Err(Failure::refused(format!(
+                "a trace of {end_s:.3} s every {dt_s} s has more than {MAX_ROWS:e} rows; use a longer --dt"
+            )));
+        }
+        let mut waveform = waveform().map_err(Failure::refused)?;
+        let samples = times(dt_s, motion_s, end_s).map(|time_s| waveform.at(time_s));
+        write(path, |to| {
+            csv::write_samples(to, samples.map(|sample| sample.map_err(io::Error::other)))
+        })?;
+    }
+    if let Some(path) = &options.plot {
+        let dt_s = (end_s / 1e6).max(DEFAULT_DT_S);
+        let mut waveform = waveform().map_err(Failure::refused)?;
+        let samples: Result<Vec<_>, _> = times(dt_s, motion_s, end_s)
+            .map(|time_s| waveform.at(time_s))
+            .collect();
+        let title = format!(
+            "{} mL on {} (predicted)",
+            plan.requested_ml,
+            bench.file().pump.id
+        );
+        let svg = plot::svg(&title, &samples.map_err(Failure::refused)?, Some(motion_s))
+            .map_err(Failure::refused)?;
+        write(path, |to| to.write_all(svg.as_bytes()))?;
+    }
+    Ok(())
+}
+
+/// Writes an output file whole or not at all.
+pub(crate) fn write(
+    path: &Path,
+    contents: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), Failure> {
+    replace_file(path, contents).map_err(|error| {
+        Failure::refused(format!(
+            "cannot write {}: {error}; nothing moved",
+            path.display()
+        ))
+    })
+}
+
+fn progress_bar(prepared: &Prepared) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {percent:>3} % of {len} steps, {eta} left");
+    let bar = ProgressBar::new(prepared.plan.steps.unsigned_abs());
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

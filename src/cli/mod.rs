@@ -1,0 +1,108 @@
+//! The command line: arguments in, exit code out.
+
+mod args;
+mod dose;
+mod pumps;
+mod simulate;
+mod status;
+mod volume;
+
+use std::ffi::OsString;
+use std::io::{self, ErrorKind, Write};
+use std::process::ExitCode;
+
+use clap::{CommandFactory, FromArgMatches};
+use pump_dose::{DoseError, RecordError};
+
+use args::{Cli, Command};
+
+/// Why the command did not do what was asked.
+pub(crate) enum Failure {
+    /// Refused before anything moved: exit code 2.
+    Refused(String),
+    /// Another process holds the pump: exit code 3.
+    Busy(String),
+    /// Something went wrong after motion began: exit code 1.
+    Fault(String),
+}
+
+impl Failure {
+    /// A refusal with this message.
+    pub(crate) fn refused(message: impl ToString) -> Self {
+        Self::Refused(message.to_string())
+    }
+}
+
+impl From<DoseError> for Failure {
+    fn from(error: DoseError) -> Self {
+        let message = error.to_string();
+        match error {
+            DoseError::Record(RecordError::Busy { .. }) => Self::Busy(message),
+            DoseError::Drive(_) | DoseError::NotRecorded { .. } => Self::Fault(message),
+            _ => Self::Refused(message),
+        }
+    }
+}
+
+impl From<RecordError> for Failure {
+    fn from(error: RecordError) -> Self {
+        DoseError::from(error).into()
+    }
+}
+
+/// Runs the command with these arguments, the program's name first.
+pub(crate) fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = arguments.into_iter().map(volume::protect_minus);
+    let matches = Cli::command().try_get_matches_from(arguments);
+    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
+        Ok(cli) => cli,
+        Err(error) => {
+            let asked_for = !error.use_stderr();
+            // Nowhere is left to complain to if this fails.
+            let _ = error.print();
+            return if asked_for {
+                ExitCode::SUCCESS
+            } else {
+                ExitCode::from(2)
+            };
+        }
+    };
+    match dispatch(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            let (code, message) = match failure {
+                Failure::Fault(message) => (1, message),
+                Failure::Refused(message) => (2, message),
+                Failure::Busy(message) => (3, message),
+            };
+            let _ = writeln!(io::stderr(), "error: {message}");
+            ExitCode::from(code)
+        }
+    }
+}
+
+fn dispatch(cli: &Cli) -> Result<(), Failure> {
+    let options = &cli.options;
+    match &cli.command {
+        None => dose::dose(&volume::only(&cli.volume)?, options),
+        Some(_) if !cli.volume.is_empty() => Err(volume::beside_a_command(&cli.volume)),
+        Some(Command::Prime { volume }) => dose::prime(&volume::only(volume)?, options),
+        Some(Command::Purge { volume }) => dose::purge(&volume::only(volume)?, options),
+        Some(Command::Simulate) => simulate::simulate(options),
+        Some(Command::Status) => status::status(options),
+        Some(Command::Pumps { command }) => pumps::pumps(command.as_ref(), options),
+    }
+}
+
+/// Prints to standard output. A reader that went away is no failure of the dose.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    match io::stdout()
+        .write_all(text.as_bytes())
+        .and_then(|()| io::stdout().flush())
+    {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Fault(format!(
+            "cannot write to standard output: {error}"
+        ))),
+        _ => Ok(()),
+    }
+}

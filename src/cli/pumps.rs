@@ -1,0 +1,51 @@
+//! `dose pumps`: built-in pumps and pump files.
+
+use pump_dose::BUILT_IN;
+use pump_dose::pump_file::PumpFile;
+use pump_model::math::degrees;
+
+use super::args::{Options, PumpsCommand, pump_named};
+use super::{Failure, print};
+
+pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result<(), Failure> {
+    options.accept_only("dose pumps", &[])?;
+    match command {
+        None | Some(PumpsCommand::List) => print(
+            &BUILT_IN
+                .map(|(name, what)| format!("{name:<24}{what}\n"))
+                .concat(),
+        ),
+        Some(PumpsCommand::Show { name }) => print(&pump_named(name)?.to_toml()),
+        Some(PumpsCommand::Check { file }) => {
+            let file = PumpFile::read(file).map_err(Failure::refused)?;
+            print(&summary(&file)?)
+        }
+    }
+}
+
+/// What a pump gives, in a few lines.
+fn summary(file: &PumpFile) -> Result<String, Failure> {
+    let pump = file.model().map_err(Failure::refused)?;
+    let limits = file.limits();
+    let revolution_ml = pump.revolution_ml();
+    let (low, high) = pump.outlet_curve().flow_range_ml_rad();
+    Ok(format!(
+        "{} ({}): ok\n\n  \
+         volume    {revolution_ml:.4} mL per revolution, {:.4} mL per pitch of {:.2}°\n  \
+         flow      {low:.4} to {high:.4} mL/rad at the outlet rollers\n  \
+         fastest   {} r/min, {:.3} mL/s\n  \
+         step      {} per revolution, {:.3} µL on average\n  \
+         fluid     {} at {} °C, {} kg/m³\n",
+        file.pump.id,
+        file.pump.name,
+        pump.outlet_curve().pitch_ml(),
+        degrees(pump.pitch_rad()),
+        file.motor.max_speed_rpm,
+        pump.average_flow_ml_s(limits.motor.max_speed_rad_s),
+        limits.motor.steps_per_rev,
+        1e3 * revolution_ml / limits.motor.steps_per_rev,
+        file.fluid.name,
+        file.fluid.temperature_degc,
+        file.fluid.density_kg_m3,
+    ))
+}

@@ -1,0 +1,123 @@
+//! `dose simulate`: the model at constant speed.
+
+use std::io;
+
+use pump_ctl::plan::{Cruise, speed_for_flow};
+use pump_dose::{Simulation, SteadyReport, csv, plot};
+use pump_model::DEFAULT_TOLERANCE;
+use pump_model::math::TURN_RAD;
+use serde::Serialize;
+
+use super::args::Options;
+use super::dose::write;
+use super::{Failure, print};
+
+/// What `dose simulate --format json` prints.
+#[derive(Serialize)]
+struct Report<'a> {
+    schema: &'static str,
+    pump: &'a str,
+    model: &'static str,
+    speed_rpm: f64,
+    duration_s: f64,
+    dt_s: f64,
+    steady: SteadyReport,
+}
+
+pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
+    options.accept_only(
+        "dose simulate",
+        &[
+            "--rate",
+            "--speed",
+            "--reverse",
+            "--format",
+            "--trace",
+            "--plot",
+            "--dt",
+            "--duration",
+        ],
+    )?;
+    options.outputs_differ()?;
+    let file = options.pump_file()?;
+    let pump = file.model().map_err(Failure::refused)?;
+    let speed_rad_s = match options.cruise()? {
+        Some(Cruise::Speed { rad_s }) => rad_s,
+        Some(Cruise::Flow { ml_s }) => speed_for_flow(&pump, ml_s),
+        _ => {
+            return Err(Failure::refused(
+                "how fast? Add --speed 100rpm or --rate 10mL/s",
+            ));
+        }
+    };
+    let Some(duration_s) = options.duration else {
+        return Err(Failure::refused("how long? Add --duration 10s"));
+    };
+    let speed_rad_s = if options.reverse {
+        -speed_rad_s
+    } else {
+        speed_rad_s
+    };
+    let run = Simulation::new(speed_rad_s, duration_s, options.dt.unwrap_or(1e-3));
+    run.validate().map_err(Failure::refused)?;
+    let steady = pump
+        .steady_state(speed_rad_s, DEFAULT_TOLERANCE)
+        .map_err(Failure::refused)?;
+    let report = Report {
+        schema: "simulation/1",
+        pump: &file.pump.id,
+        model: "flow-centric",
+        speed_rpm: speed_rad_s * 60.0 / TURN_RAD,
+        duration_s,
+        dt_s: run.dt_s,
+        steady: steady.into(),
+    };
+
+    if let Some(path) = &options.trace {
+        let samples = run.samples(&pump).map_err(Failure::refused)?;
+        write(path, |to| {
+            csv::write_samples(to, samples.map(|sample| sample.map_err(io::Error::other)))
+        })?;
+    }
+    if let Some(path) = &options.plot {
+        // A picture needs no more samples than this, and they are kept in memory.
+        let coarse = Simulation {
+            dt_s: run.dt_s.max(duration_s / 1e6),
+            ..run
+        };
+        let samples = coarse.samples(&pump).map_err(Failure::refused)?;
+        let samples = samples
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(Failure::refused)?;
+        let title = format!("{} at {:.4} r/min from rest", report.pump, report.speed_rpm);
+        let svg = plot::svg(&title, &samples, None).map_err(Failure::refused)?;
+        write(path, |to| to.write_all(svg.as_bytes()))?;
+    }
+    if options.json() {
+        let json = serde_json::to_string(&report).map_err(Failure::refused)?;
+        print(&(json + "\n"))
+    } else {
+        print(&text(&report))
+    }
+}
+
+fn text(report: &Report<'_>) -> String {
+    let s = &report.steady;
+    format!(
+        "{} at {:.4} r/min, flow-centric model, periodic steady state\n\n  \
+         flow    {:.4} mL/s mean; at the outlet rollers {:.1} % peak to peak, {:.1} % RMS\n  \
+         inlet   {:.3} to {:.3} kPa absolute, mean {:.3}\n  \
+         outlet  {:.3} to {:.3} kPa absolute, mean {:.3}\n",
+        report.pump,
+        report.speed_rpm,
+        s.mean_flow_ml_s,
+        100.0 * s.ripple_peak_to_peak,
+        100.0 * s.ripple_rms,
+        s.inlet_min_kpa,
+        s.inlet_max_kpa,
+        s.inlet_mean_kpa,
+        s.outlet_min_kpa,
+        s.outlet_max_kpa,
+        s.outlet_mean_kpa,
+    )
+}

@@ -1,0 +1,456 @@
+//! Pump files: one TOML file that says everything about a pump, each number with its unit in its key.
+
+use std::path::{Path, PathBuf};
+
+use pump_ctl::plan::{Limits, Motor, PlanError};
+use pump_model::math::{TURN_RAD, radians};
+use pump_model::{Geometry, Line, ModelError, Pump, RollerVolume};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Schema of pump files.
+pub const SCHEMA: &str = "pump/1";
+
+/// A pump file's contents, checked by [`PumpFile::check`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PumpFile {
+    /// `pump/1`.
+    pub schema: String,
+    /// Name and defaults.
+    pub pump: PumpTable,
+    /// The tube.
+    pub tube: TubeTable,
+    /// The rollers.
+    pub rollers: RollersTable,
+    /// The backplate (raceway).
+    pub backplate: BackplateTable,
+    /// Volume that a roller displaces.
+    pub roller_volume: RollerVolumeTable,
+    /// Line from the inlet's reservoir to the pump.
+    pub inlet: LineTable,
+    /// Line from the pump to the outlet's reservoir.
+    pub outlet: LineTable,
+    /// The stepper motor.
+    pub motor: MotorTable,
+    /// What is pumped.
+    pub fluid: FluidTable,
+    /// Surroundings.
+    pub ambient: AmbientTable,
+    /// Pressures that a dose must keep.
+    #[serde(default, skip_serializing_if = "LimitsTable::is_empty")]
+    pub limits: LimitsTable,
+    /// How far to trust the model.
+    pub uncertainty: UncertaintyTable,
+    /// What turns the motor; without it doses are simulated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive: Option<DriveTable>,
+}
+
+/// `[pump]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PumpTable {
+    /// Lower-case letters, digits, `-` and `_`: names the folder of its record.
+    pub id: String,
+    /// For people.
+    pub name: String,
+    /// Rate of a dose that names none, mL/s.
+    pub default_rate_ml_s: f64,
+    /// Angle at which the rotor's mark meets the housing's, deg.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mark_angle_deg: Option<f64>,
+}
+
+/// `[tube]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TubeTable {
+    /// r_i, mm.
+    pub bore_radius_mm: f64,
+    /// r_o, mm.
+    pub outer_radius_mm: f64,
+}
+
+/// `[rollers]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RollersTable {
+    /// NU.
+    pub count: u32,
+    /// r_roller, mm.
+    pub radius_mm: f64,
+    /// r_offset, mm.
+    pub offset_mm: f64,
+}
+
+/// `[backplate]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BackplateTable {
+    /// r_b, mm.
+    pub radius_mm: f64,
+    /// beta, deg: the backplate spans 180 + 2 beta.
+    pub contact_angle_deg: f64,
+}
+
+/// `[roller_volume]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RollerVolumeTable {
+    /// phi, deg.
+    pub engagement_angle_deg: f64,
+    /// V in mL over deg, highest order (5) first.
+    pub polynomial_ml_deg: [f64; 6],
+    /// V_r that the curve is scaled to, mL; none keeps the polynomial's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub total_ml: Option<f64>,
+}
+
+/// `[inlet]`, `[outlet]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LineTable {
+    /// R, kPa s/mL.
+    pub resistance_kpa_s_ml: f64,
+    /// C, mL/kPa.
+    pub compliance_ml_kpa: f64,
+    /// L, kPa s²/mL.
+    pub inertance_kpa_s2_ml: f64,
+    /// P_res, kPa absolute.
+    pub reservoir_kpa: f64,
+}
+
+/// `[motor]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MotorTable {
+    /// Steps per revolution of the motor, microsteps included.
+    pub steps_per_rev: u32,
+    /// Revolutions of the motor per revolution of the pump head.
+    #[serde(default = "one")]
+    pub gear: f64,
+    /// Fastest speed of the pump head, r/min.
+    pub max_speed_rpm: f64,
+    /// Largest acceleration of the pump head, rad/s².
+    pub max_acceleration_rad_s2: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// `[fluid]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FluidTable {
+    /// For people.
+    pub name: String,
+    /// Temperature at which the density holds, °C.
+    pub temperature_degc: f64,
+    /// Density, kg/m³: turns a mass into a volume.
+    pub density_kg_m3: f64,
+}
+
+/// `[ambient]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AmbientTable {
+    /// Atmospheric pressure, kPa absolute: what gauge pressures are measured against.
+    pub pressure_kpa: f64,
+}
+
+/// `[limits]`
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LimitsTable {
+    /// Largest pressure at the port that pushes, kPa absolute.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_outlet_kpa: Option<f64>,
+    /// Smallest pressure at the port that sucks, kPa absolute.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min_inlet_kpa: Option<f64>,
+}
+
+impl LimitsTable {
+    fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// `[uncertainty]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct UncertaintyTable {
+    /// Standard uncertainty of the model's volume, percent of it.
+    pub model_percent: f64,
+    /// Standard deviation of repeated doses, percent of the volume.
+    pub repeatability_percent: f64,
+}
+
+/// `[drive]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DriveTable {
+    /// What turns the motor.
+    pub driver: DriverName,
+}
+
+/// The drivers that exist.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum DriverName {
+    /// A virtual stepper, pump and vessel: nothing moves.
+    Sim,
+}
+
+impl DriverName {
+    /// As in pump files and on the command line.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Sim => "sim",
+        }
+    }
+}
+
+/// A pump file that cannot be used.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PumpFileError {
+    /// It cannot be read.
+    #[error("cannot read pump file {}: {source}", .path.display())]
+    Read {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// It is no TOML, or has unknown, missing or mistyped keys.
+    #[error("pump file {origin}: {message}")]
+    Syntax {
+        /// Which file.
+        origin: String,
+        /// What the parser says, with line and column.
+        message: String,
+    },
+    /// Its schema is not ours.
+    #[error("pump file {origin}: schema is `{schema}`; this version reads `pump/1`")]
+    Schema {
+        /// Which file.
+        origin: String,
+        /// What it says.
+        schema: String,
+    },
+    /// A value is not allowed.
+    #[error("pump file {origin}: {key} is {value}; allowed: {allowed}")]
+    Value {
+        /// Which file.
+        origin: String,
+        /// Table and key.
+        key: &'static str,
+        /// What it says.
+        value: String,
+        /// What is accepted.
+        allowed: &'static str,
+    },
+    /// The pump that it describes cannot work.
+    #[error("pump file {origin}: {source}")]
+    Model {
+        /// Which file.
+        origin: String,
+        /// Why.
+        source: ModelError,
+    },
+    /// Its motor or limits cannot work.
+    #[error("pump file {origin}: {source}")]
+    Limits {
+        /// Which file.
+        origin: String,
+        /// Why.
+        source: PlanError,
+    },
+}
+
+impl PumpFile {
+    /// Reads and checks a file.
+    pub fn read(path: &Path) -> Result<Self, PumpFileError> {
+        let text = std::fs::read_to_string(path).map_err(|source| PumpFileError::Read {
+            path: path.to_owned(),
+            source,
+        })?;
+        Self::parse(&text, &path.display().to_string())
+    }
+
+    /// Parses and checks TOML; `origin` names it in errors.
+    pub fn parse(text: &str, origin: &str) -> Result<Self, PumpFileError> {
+        let file: Self = toml::from_str(text).map_err(|error| PumpFileError::Syntax {
+            origin: origin.to_owned(),
+            message: error.to_string().trim_end().to_owned(),
+        })?;
+        file.check(origin)?;
+        Ok(file)
+    }
+
+    /// The file as TOML.
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self)
+            .unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"))
+    }
+
+    /// Refuses contents that are contradictory or cannot work; `origin` names them in errors.
+    pub fn check(&self, origin: &str) -> Result<(), PumpFileError> {
+        let origin = || origin.to_owned();
+        if self.schema != SCHEMA {
+            return Err(PumpFileError::Schema {
+                origin: origin(),
+                schema: self.schema.clone(),
+            });
+        }
+        let value = |ok: bool, key, value: &dyn std::fmt::Display, allowed| {
+            if ok {
+                Ok(())
+            } else {
+                Err(PumpFileError::Value {
+                    origin: origin(),
+                    key,
+                    value: value.to_string(),
+                    allowed,
+                })
+            }
+        };
+        let id = &self.pump.id;
+        let letters =
+            |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
+        value(
+            (1..=64).contains(&id.len()) && id.chars().all(letters),
+            "[pump] id",
+            &format_args!("`{id}`"),
+            "1 to 64 of a-z, 0-9, - and _",
+        )?;
+        if let Some(mark) = self.pump.mark_angle_deg {
+            value(
+                mark.is_finite() && mark.abs() <= 360.0,
+                "[pump] mark_angle_deg",
+                &mark,
+                "-360 to 360",
+            )?;
+        }
+        let motor = &self.motor;
+        value(
+            (1..=100_000_000).contains(&motor.steps_per_rev),
+            "[motor] steps_per_rev",
+            &motor.steps_per_rev,
+            "1 to 100000000",
+        )?;
+        value(
+            (1e-3..=1e4).contains(&motor.gear),
+            "[motor] gear",
+            &motor.gear,
+            "0.001 to 10000",
+        )?;
+        let density = self.fluid.density_kg_m3;
+        value(
+            (10.0..=25_000.0).contains(&density),
+            "[fluid] density_kg_m3",
+            &density,
+            "10 to 25000",
+        )?;
+        let temperature = self.fluid.temperature_degc;
+        value(
+            (-273.15..=1000.0).contains(&temperature),
+            "[fluid] temperature_degc",
+            &temperature,
+            "-273.15 to 1000",
+        )?;
+        let ambient = self.ambient.pressure_kpa;
+        value(
+            (1.0..=1e4).contains(&ambient),
+            "[ambient] pressure_kpa",
+            &ambient,
+            "1 to 10000",
+        )?;
+        let percent = 0.0..=100.0;
+        let uncertainty = &self.uncertainty;
+        value(
+            percent.contains(&uncertainty.model_percent),
+            "[uncertainty] model_percent",
+            &uncertainty.model_percent,
+            "0 to 100 (the paper's pump reaches 2.4)",
+        )?;
+        value(
+            percent.contains(&uncertainty.repeatability_percent),
+            "[uncertainty] repeatability_percent",
+            &uncertainty.repeatability_percent,
+            "0 to 100 (the paper's pump reaches 0.47)",
+        )?;
+
+        let limits = self.limits();
+        limits.validate().map_err(|source| PumpFileError::Limits {
+            origin: origin(),
+            source,
+        })?;
+        let model = self.model().map_err(|source| PumpFileError::Model {
+            origin: origin(),
+            source,
+        })?;
+        let fastest = model.average_flow_ml_s(limits.motor.max_speed_rad_s);
+        let rate = self.pump.default_rate_ml_s;
+        value(
+            rate > 0.0 && rate <= fastest,
+            "[pump] default_rate_ml_s",
+            &rate,
+            "more than 0, and no more than the flow at [motor] max_speed_rpm",
+        )
+    }
+
+    /// The pump that it describes.
+    pub fn model(&self) -> Result<Pump, ModelError> {
+        let geometry = Geometry {
+            rollers: self.rollers.count,
+            bore_radius_mm: self.tube.bore_radius_mm,
+            tube_outer_radius_mm: self.tube.outer_radius_mm,
+            backplate_radius_mm: self.backplate.radius_mm,
+            contact_angle_rad: radians(self.backplate.contact_angle_deg),
+            roller_radius_mm: self.rollers.radius_mm,
+            roller_offset_mm: self.rollers.offset_mm,
+        };
+        let table = &self.roller_volume;
+        let mut volume =
+            RollerVolume::from_polynomial_deg(table.polynomial_ml_deg, table.engagement_angle_deg)?;
+        if let Some(total_ml) = table.total_ml {
+            volume = volume.scaled_to(total_ml)?;
+        }
+        Pump::new(geometry, volume, self.inlet.line(), self.outlet.line())
+    }
+
+    /// Limits of motor and pressures.
+    pub fn limits(&self) -> Limits {
+        Limits {
+            motor: Motor {
+                steps_per_rev: f64::from(self.motor.steps_per_rev) * self.motor.gear,
+                max_speed_rad_s: self.motor.max_speed_rpm * TURN_RAD / 60.0,
+                max_acceleration_rad_s2: self.motor.max_acceleration_rad_s2,
+            },
+            max_outlet_kpa: self.limits.max_outlet_kpa,
+            min_inlet_kpa: self.limits.min_inlet_kpa,
+        }
+    }
+
+    /// What turns the motor unless another driver is named.
+    pub fn driver(&self) -> DriverName {
+        self.drive
+            .as_ref()
+            .map_or(DriverName::Sim, |drive| drive.driver)
+    }
+}
+
+impl LineTable {
+    fn line(&self) -> Line {
+        Line {
+            resistance_kpa_s_ml: self.resistance_kpa_s_ml,
+            compliance_ml_kpa: self.compliance_ml_kpa,
+            inertance_kpa_s2_ml: self.inertance_kpa_s2_ml,
+            reservoir_kpa: self.reservoir_kpa,
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! A run of the model at constant speed from lines at rest, without any dose.
+
+use pump_model::{DEFAULT_TOLERANCE, Leg, ModelError, Pump, SteadyState};
+use serde::Serialize;
+
+use crate::waveform::{Sample, Waveform};
+
+/// Most samples that a run may have.
+pub const MAX_SAMPLES: f64 = 1e9;
+
+/// A run at constant speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Simulation {
+    /// Speed, rad/s; not zero; negative in reverse.
+    pub speed_rad_s: f64,
+    /// How long, s, positive.
+    pub duration_s: f64,
+    /// Time between samples, s, positive.
+    pub dt_s: f64,
+    /// Error allowed in a step, see [`DEFAULT_TOLERANCE`].
+    pub tolerance: f64,
+}
+
+impl Simulation {
+    /// A run at the default tolerance.
+    pub fn new(speed_rad_s: f64, duration_s: f64, dt_s: f64) -> Self {
+        Self {
+            speed_rad_s,
+            duration_s,
+            dt_s,
+            tolerance: DEFAULT_TOLERANCE,
+        }
+    }
+
+    /// Refuses what cannot be run.
+    pub fn validate(&self) -> Result<(), ModelError> {
+        let out = |parameter, value, allowed| {
+            Err(ModelError::OutOfRange {
+                parameter,
+                value,
+                allowed,
+            })
+        };
+        if !(self.speed_rad_s != 0.0 && self.speed_rad_s.abs() <= 1e4) {
+            return out(
+                "speed in rad/s",
+                self.speed_rad_s,
+                "up to 1e4 either way, not zero",
+            );
+        }
+        if !(self.duration_s > 0.0 && self.duration_s <= 1e7) {
+            return out("duration in s", self.duration_s, "more than 0, 1e7 at most");
+        }
+        if !(self.dt_s > 0.0 && self.dt_s <= self.duration_s) {
+            return out(
+                "dt in s",
+                self.dt_s,
+                "more than 0, no more than the duration",
+            );
+        }
+        if self.duration_s / self.dt_s > MAX_SAMPLES {
+            return out(
+                "number of samples",
+                self.duration_s / self.dt_s,
+                "1e9 at most; use a longer dt",
+            );
+        }
+        Ok(())
+    }
+
+    /// Number of intervals: the samples are at n dt, both ends included.
+    pub fn intervals(&self) -> u64 {
+        // A duration of 10 s and a dt of 1 ms are 10,000 intervals whatever their quotient rounds to.
+        (self.duration_s / self.dt_s + 1e-9) as u64
+    }
+
+    /// The samples in order.
+    pub fn samples<'a>(
+        &self,
+        pump: &'a Pump,
+    ) -> Result<impl Iterator<Item = Result<Sample, ModelError>> + use<'a>, ModelError> {
+        self.validate()?;
+        let legs = [Leg::constant_speed(0.0, self.speed_rad_s)];
+        let mut waveform = Waveform::new(pump, legs, self.tolerance)?;
+        let dt_s = self.dt_s;
+        Ok((0..=self.intervals()).map(move |n| Ok(waveform.at(n as f64 * dt_s)?)))
+    }
+}
+
+/// Statistics of the periodic steady state, named as in JSON and Python.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SteadyReport {
+    /// Smallest inlet pressure, kPa absolute.
+    pub inlet_min_kpa: f64,
+    /// Largest.
+    pub inlet_max_kpa: f64,
+    /// Mean.
+    pub inlet_mean_kpa: f64,
+    /// Smallest outlet pressure, kPa absolute.
+    pub outlet_min_kpa: f64,
+    /// Largest.
+    pub outlet_max_kpa: f64,
+    /// Mean.
+    pub outlet_mean_kpa: f64,
+    /// Mean flow, mL/s.
+    pub mean_flow_ml_s: f64,
+    /// (Largest - smallest) / mean of the flow at the outlet rollers.
+    pub ripple_peak_to_peak: f64,
+    /// Standard deviation / mean of the flow at the outlet rollers.
+    pub ripple_rms: f64,
+}
+
+impl From<SteadyState> for SteadyReport {
+    fn from(steady: SteadyState) -> Self {
+        Self {
+            inlet_min_kpa: steady.inlet.min_kpa,
+            inlet_max_kpa: steady.inlet.max_kpa,
+            inlet_mean_kpa: steady.inlet_mean_kpa,
+            outlet_min_kpa: steady.outlet.min_kpa,
+            outlet_max_kpa: steady.outlet.max_kpa,
+            outlet_mean_kpa: steady.outlet_mean_kpa,
+            mean_flow_ml_s: steady.mean_flow_ml_s,
+            ripple_peak_to_peak: steady.ripple.peak_to_peak,
+            ripple_rms: steady.ripple.rms,
+        }
+    }
+}
