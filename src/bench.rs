@@ -13,6 +13,10 @@ use crate::record::{Folder, Lock, Record, RecordError};
 use crate::sim::Sim;
 use crate::uncertainty::Budget;
 
+/// The simulated vessel is read after this many settling times: the prediction holds for a smooth motion, and the last
+/// microlitre arrives a little sooner or later in steps.
+const WEIGHED_AFTER: f64 = 2.0;
+
 /// A pump with its driver and the folder of its record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bench {
@@ -128,21 +132,12 @@ pub enum DoseError {
 
 impl Bench {
     /// A bench for the pump of `file` with the driver that it names, or `driver` instead. Creates nothing yet.
-    pub fn new(
-        file: PumpFile,
-        driver: Option<DriverName>,
-        state_dir: &Path,
-    ) -> Result<Self, DoseError> {
+    pub fn new(file: PumpFile, driver: Option<DriverName>, state_dir: &Path) -> Result<Self, DoseError> {
         file.check(&file.pump.id)?;
         let model = file.model().map_err(PlanError::from)?;
         let driver = driver.unwrap_or(file.driver());
         let folder = Folder::new(state_dir, &file.pump.id, driver.as_str());
-        Ok(Self {
-            file,
-            model,
-            driver,
-            folder,
-        })
+        Ok(Self { file, model, driver, folder })
     }
 
     /// The pump file.
@@ -175,23 +170,14 @@ impl Bench {
         let (start, phase_source) = match (request.start_angle_rad, &record) {
             (Some(angle_rad), _) => (Phase::known(angle_rad), PhaseSource::Given),
             (None, Some(record)) => {
-                let phase = Phase {
-                    angle_rad: record.angle_rad,
-                    half_width_rad: record.half_width_rad,
-                };
+                let phase = Phase { angle_rad: record.angle_rad, half_width_rad: record.half_width_rad };
                 (phase, PhaseSource::Recorded)
             }
             (None, None) => (Phase::known(0.0), PhaseSource::Home),
         };
         let recorded_carry_ml = record.map_or(0.0, |record| record.carry_ml);
-        let carry_in_ml = if request.purpose == Purpose::Dose {
-            recorded_carry_ml
-        } else {
-            0.0
-        };
-        let default_cruise = Cruise::Flow {
-            ml_s: self.file.pump.default_rate_ml_s,
-        };
+        let carry_in_ml = if request.purpose == Purpose::Dose { recorded_carry_ml } else { 0.0 };
+        let default_cruise = Cruise::Flow { ml_s: self.file.pump.default_rate_ml_s };
         let planned = Request {
             volume_ml: request.volume_ml,
             carry_in_ml,
@@ -204,15 +190,7 @@ impl Bench {
         let plan = plan(&self.model, start, &planned, &limits)?;
         let prediction = plan.predict(&self.model)?;
         let budget = Budget::new(&self.model, &plan, &self.file.uncertainty);
-        Ok(Prepared {
-            request,
-            plan,
-            prediction,
-            budget,
-            limits,
-            phase_source,
-            recorded_carry_ml,
-        })
+        Ok(Prepared { request, plan, prediction, budget, limits, phase_source, recorded_carry_ml })
     }
 
     /// Takes the pump for this process.
@@ -222,16 +200,11 @@ impl Bench {
 
     /// Runs a prepared dose and records where the rollers stand and what is owed. Returns what was delivered, mL.
     /// `progress` is told now and then how many steps are done.
-    pub fn run(
-        &self,
-        lock: &Lock,
-        prepared: &Prepared,
-        progress: impl FnMut(u64),
-    ) -> Result<f64, DoseError> {
+    pub fn run(&self, lock: &Lock, prepared: &Prepared, progress: impl FnMut(u64)) -> Result<f64, DoseError> {
         let plan = &prepared.plan;
         let delivered_ml = match self.driver {
             DriverName::Sim => Sim::new(&self.model)
-                .run(plan, prepared.prediction.settle_s, progress)
+                .run(plan, WEIGHED_AFTER * prepared.prediction.settle_s, progress)
                 .map_err(DoseError::Drive)?,
         };
         let carry_ml = match prepared.request.purpose {
@@ -239,12 +212,11 @@ impl Bench {
             Purpose::Prime | Purpose::Purge => prepared.recorded_carry_ml,
         };
         let record = Record::new(plan.end_angle_rad(), plan.start.half_width_rad, carry_ml);
-        lock.write(&record)
-            .map_err(|source| DoseError::NotRecorded {
-                delivered_ml,
-                end_angle_deg: pump_model::math::degrees(record.angle_rad),
-                source,
-            })?;
+        lock.write(&record).map_err(|source| DoseError::NotRecorded {
+            delivered_ml,
+            end_angle_deg: pump_model::math::degrees(record.angle_rad),
+            source,
+        })?;
         Ok(delivered_ml)
     }
 }

@@ -1,34 +1,23 @@
-//! The built-in pumps: the one of [1], with three and two rollers, in the variants of its figures.
+//! The built-in pumps: the one of McIntyre et al., with three and two rollers, in the variants of its figures.
 //!
-//! [1] McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
+//! McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
 //! roller-type peristaltic pump", Sensors and Actuators A.
 
-use pump_model::roller_volume::{
-    PUBLISHED_COEFFICIENTS_DEG, PUBLISHED_ENGAGEMENT_DEG, PUBLISHED_TOTAL_ML,
-};
+use pump_model::roller_volume::{PUBLISHED_COEFFICIENTS_DEG, PUBLISHED_ENGAGEMENT_DEG, PUBLISHED_TOTAL_ML};
 use pump_model::{Geometry, Line, PUBLISHED_CONTACT_ANGLE_DEG, Variant};
 
 use crate::pump_file::{
-    AmbientTable, BackplateTable, FluidTable, LimitsTable, LineTable, MotorTable, PumpFile,
-    PumpTable, RollerVolumeTable, RollersTable, SCHEMA, TubeTable, UncertaintyTable,
+    AmbientTable, BackplateTable, FluidTable, LimitsTable, LineTable, MotorTable, PumpFile, PumpTable,
+    RollerVolumeTable, RollersTable, SCHEMA, TubeTable, UncertaintyTable,
 };
 
 /// Names and what they are.
 pub const BUILT_IN: [(&str, &str); 6] = [
-    (
-        "three-roller",
-        "the paper's pump with 3 rollers: Table 1, measured roller volume 2.1055 mL",
-    ),
+    ("three-roller", "the paper's pump with 3 rollers: Table 1, measured roller volume 2.1055 mL"),
     ("two-roller", "the same with 2 rollers"),
-    (
-        "three-roller-published",
-        "3 rollers, the curve scaled to the roller volume of Table 1, 2.06 mL",
-    ),
+    ("three-roller-published", "3 rollers, the curve scaled to the roller volume of Table 1, 2.06 mL"),
     ("two-roller-published", "the same with 2 rollers"),
-    (
-        "three-roller-as-built",
-        "3 rollers, dimensions of the authors' published code",
-    ),
+    ("three-roller-as-built", "3 rollers, dimensions of the authors' published code"),
     ("two-roller-as-built", "the same with 2 rollers"),
 ];
 
@@ -89,21 +78,17 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
         motor: MotorTable {
             steps_per_rev: 12_800,
             gear: 1.0,
-            // As tested in [1]: 10 to 170 r/min with 3 rollers, 10 to 300 with 2.
+            // As tested in McIntyre et al.: 10 to 170 r/min with 3 rollers, 10 to 300 with 2.
             max_speed_rpm: if rollers == 3 { 170.0 } else { 300.0 },
             max_acceleration_rad_s2: 500.0,
         },
-        fluid: FluidTable {
-            name: "water".to_owned(),
-            temperature_degc: 25.0,
-            density_kg_m3: 997.0,
-        },
+        fluid: FluidTable { name: "water".to_owned(), temperature_degc: 25.0, density_kg_m3: 997.0 },
         ambient: AmbientTable { pressure_kpa: 85.7 },
         limits: LimitsTable::default(),
         uncertainty: UncertaintyTable {
-            // NRMSE of the linear model over all speeds with 3 rollers, 2.37 %, section 4 of [1].
+            // NRMSE of the linear model over all speeds with 3 rollers, 2.37 %, section 4 of McIntyre et al.
             model_percent: 2.4,
-            // 1 mL of 212.5 mL, the largest standard deviation of 10 revolutions under 160 r/min in [1].
+            // 1 mL of 212.5 mL, the largest standard deviation of 10 revolutions under 160 r/min in McIntyre et al.
             repeatability_percent: 0.47,
         },
         drive: None,
@@ -119,20 +104,10 @@ mod tests {
     fn every_built_in_pump_is_the_models_preset_and_survives_its_own_file() {
         for (name, _) in BUILT_IN {
             let file = built_in(name).unwrap();
-            assert_eq!(
-                PumpFile::parse(&file.to_toml(), name).unwrap(),
-                file,
-                "{name}"
-            );
+            assert_eq!(PumpFile::parse(&file.to_toml(), name).unwrap(), file, "{name}");
         }
-        assert_eq!(
-            built_in("three-roller").unwrap().model().unwrap(),
-            Pump::three_roller()
-        );
-        assert_eq!(
-            built_in("two-roller").unwrap().model().unwrap(),
-            Pump::two_roller()
-        );
+        assert_eq!(built_in("three-roller").unwrap().model().unwrap(), Pump::three_roller());
+        assert_eq!(built_in("two-roller").unwrap().model().unwrap(), Pump::two_roller());
         assert_eq!(
             built_in("two-roller-published").unwrap().model().unwrap(),
             Pump::preset(2, Variant::Published).unwrap()

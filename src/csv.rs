@@ -16,11 +16,7 @@ pub const TRACE_HEADER: &str =
 pub fn write_steps(to: &mut dyn Write, plan: &Plan) -> io::Result<()> {
     writeln!(to, "{STEPS_HEADER}")?;
     for step in plan.steps() {
-        writeln!(
-            to,
-            "{},{},{},{}",
-            step.number, step.time_s, step.direction, step.angle_rad
-        )?;
+        writeln!(to, "{},{},{},{}", step.number, step.time_s, step.direction, step.angle_rad)?;
     }
     Ok(())
 }

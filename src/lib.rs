@@ -37,3 +37,7 @@ pub use report::{DoseReport, PhaseReport};
 pub use sim::Sim;
 pub use simulation::{Simulation, SteadyReport};
 pub use uncertainty::{Budget, COVERAGE_FACTOR, Share};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -6,10 +6,7 @@ use std::path::Path;
 
 /// Writes a file through a temporary one beside it, synced and then renamed, so that nobody ever sees half of it and
 /// what was there before stays until then. Devices and pipes are written directly.
-pub fn replace_file(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
+pub fn replace_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     // A link is followed, so that its target is replaced and not the link.
     let target = match fs::canonicalize(path) {
         Ok(target) => target,
@@ -18,10 +15,7 @@ pub fn replace_file(
     };
     match fs::metadata(&target) {
         Ok(found) if found.is_dir() => {
-            return Err(io::Error::new(
-                io::ErrorKind::IsADirectory,
-                "it is a folder",
-            ));
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
         }
         Ok(found) if !found.is_file() => {
             let mut device = BufWriter::new(File::options().write(true).open(&target)?);
@@ -83,10 +77,7 @@ mod tests {
         assert!(failed.is_err());
         assert_eq!(fs::read(&path).unwrap(), b"old");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-        assert!(
-            replace_file(folder.path(), |_| Ok(())).is_err(),
-            "a folder is no file"
-        );
+        assert!(replace_file(folder.path(), |_| Ok(())).is_err(), "a folder is no file");
         assert!(replace_file(&folder.path().join("no/such/folder"), |_| Ok(())).is_err());
     }
 

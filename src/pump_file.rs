@@ -274,10 +274,8 @@ pub enum PumpFileError {
 impl PumpFile {
     /// Reads and checks a file.
     pub fn read(path: &Path) -> Result<Self, PumpFileError> {
-        let text = std::fs::read_to_string(path).map_err(|source| PumpFileError::Read {
-            path: path.to_owned(),
-            source,
-        })?;
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| PumpFileError::Read { path: path.to_owned(), source })?;
         Self::parse(&text, &path.display().to_string())
     }
 
@@ -293,34 +291,24 @@ impl PumpFile {
 
     /// The file as TOML.
     pub fn to_toml(&self) -> String {
-        toml::to_string(self)
-            .unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"))
+        toml::to_string(self).unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"))
     }
 
     /// Refuses contents that are contradictory or cannot work; `origin` names them in errors.
     pub fn check(&self, origin: &str) -> Result<(), PumpFileError> {
         let origin = || origin.to_owned();
         if self.schema != SCHEMA {
-            return Err(PumpFileError::Schema {
-                origin: origin(),
-                schema: self.schema.clone(),
-            });
+            return Err(PumpFileError::Schema { origin: origin(), schema: self.schema.clone() });
         }
         let value = |ok: bool, key, value: &dyn std::fmt::Display, allowed| {
             if ok {
                 Ok(())
             } else {
-                Err(PumpFileError::Value {
-                    origin: origin(),
-                    key,
-                    value: value.to_string(),
-                    allowed,
-                })
+                Err(PumpFileError::Value { origin: origin(), key, value: value.to_string(), allowed })
             }
         };
         let id = &self.pump.id;
-        let letters =
-            |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
+        let letters = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
         value(
             (1..=64).contains(&id.len()) && id.chars().all(letters),
             "[pump] id",
@@ -328,12 +316,7 @@ impl PumpFile {
             "1 to 64 of a-z, 0-9, - and _",
         )?;
         if let Some(mark) = self.pump.mark_angle_deg {
-            value(
-                mark.is_finite() && mark.abs() <= 360.0,
-                "[pump] mark_angle_deg",
-                &mark,
-                "-360 to 360",
-            )?;
+            value(mark.is_finite() && mark.abs() <= 360.0, "[pump] mark_angle_deg", &mark, "-360 to 360")?;
         }
         let motor = &self.motor;
         value(
@@ -342,19 +325,9 @@ impl PumpFile {
             &motor.steps_per_rev,
             "1 to 100000000",
         )?;
-        value(
-            (1e-3..=1e4).contains(&motor.gear),
-            "[motor] gear",
-            &motor.gear,
-            "0.001 to 10000",
-        )?;
+        value((1e-3..=1e4).contains(&motor.gear), "[motor] gear", &motor.gear, "0.001 to 10000")?;
         let density = self.fluid.density_kg_m3;
-        value(
-            (10.0..=25_000.0).contains(&density),
-            "[fluid] density_kg_m3",
-            &density,
-            "10 to 25000",
-        )?;
+        value((10.0..=25_000.0).contains(&density), "[fluid] density_kg_m3", &density, "10 to 25000")?;
         let temperature = self.fluid.temperature_degc;
         value(
             (-273.15..=1000.0).contains(&temperature),
@@ -363,12 +336,7 @@ impl PumpFile {
             "-273.15 to 1000",
         )?;
         let ambient = self.ambient.pressure_kpa;
-        value(
-            (1.0..=1e4).contains(&ambient),
-            "[ambient] pressure_kpa",
-            &ambient,
-            "1 to 10000",
-        )?;
+        value((1.0..=1e4).contains(&ambient), "[ambient] pressure_kpa", &ambient, "1 to 10000")?;
         let percent = 0.0..=100.0;
         let uncertainty = &self.uncertainty;
         value(
@@ -385,14 +353,8 @@ impl PumpFile {
         )?;
 
         let limits = self.limits();
-        limits.validate().map_err(|source| PumpFileError::Limits {
-            origin: origin(),
-            source,
-        })?;
-        let model = self.model().map_err(|source| PumpFileError::Model {
-            origin: origin(),
-            source,
-        })?;
+        limits.validate().map_err(|source| PumpFileError::Limits { origin: origin(), source })?;
+        let model = self.model().map_err(|source| PumpFileError::Model { origin: origin(), source })?;
         let fastest = model.average_flow_ml_s(limits.motor.max_speed_rad_s);
         let rate = self.pump.default_rate_ml_s;
         value(
@@ -438,9 +400,7 @@ impl PumpFile {
 
     /// What turns the motor unless another driver is named.
     pub fn driver(&self) -> DriverName {
-        self.drive
-            .as_ref()
-            .map_or(DriverName::Sim, |drive| drive.driver)
+        self.drive.as_ref().map_or(DriverName::Sim, |drive| drive.driver)
     }
 }
 

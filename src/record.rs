@@ -31,12 +31,7 @@ impl Record {
     /// A rotor within `half_width_rad` of `angle_rad` that owes `carry_ml`.
     pub fn new(angle_rad: f64, half_width_rad: f64, carry_ml: f64) -> Self {
         let angle_rad = pump_model::math::wrap(angle_rad, TURN_RAD);
-        Self {
-            schema: SCHEMA.to_owned(),
-            angle_rad,
-            half_width_rad,
-            carry_ml,
-        }
+        Self { schema: SCHEMA.to_owned(), angle_rad, half_width_rad, carry_ml }
     }
 }
 
@@ -91,23 +86,15 @@ pub struct Folder {
 
 /// Where records are kept unless told otherwise: `$XDG_STATE_HOME/pump-dose` or `~/.local/state/pump-dose`.
 pub fn default_state_dir() -> Result<PathBuf, RecordError> {
-    let set = |name| {
-        std::env::var_os(name)
-            .filter(|value| !value.is_empty())
-            .map(PathBuf::from)
-    };
-    let base =
-        set("XDG_STATE_HOME").or_else(|| set("HOME").map(|home| home.join(".local").join("state")));
+    let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let base = set("XDG_STATE_HOME").or_else(|| set("HOME").map(|home| home.join(".local").join("state")));
     Ok(base.ok_or(RecordError::NoFolder)?.join("pump-dose"))
 }
 
 impl Folder {
     /// The folder of a pump under a driver; nothing is created yet.
     pub fn new(state_dir: &Path, pump: &str, driver: &str) -> Self {
-        Self {
-            path: state_dir.join(pump).join(driver),
-            pump: pump.to_owned(),
-        }
+        Self { path: state_dir.join(pump).join(driver), pump: pump.to_owned() }
     }
 
     /// Its path.
@@ -122,20 +109,13 @@ impl Folder {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             Err(source) => {
-                return Err(RecordError::File {
-                    action: "read",
-                    path,
-                    source,
-                });
+                return Err(RecordError::File { action: "read", path, source });
             }
         };
         let record: Record = match serde_json::from_str(&text) {
             Ok(record) => record,
             Err(error) => {
-                return Err(RecordError::Damaged {
-                    path,
-                    message: error.to_string(),
-                });
+                return Err(RecordError::Damaged { path, message: error.to_string() });
             }
         };
         let sound = record.schema == SCHEMA
@@ -145,10 +125,7 @@ impl Folder {
         if sound {
             Ok(Some(record))
         } else {
-            Err(RecordError::Damaged {
-                path,
-                message: format!("unexpected contents {text}"),
-            })
+            Err(RecordError::Damaged { path, message: format!("unexpected contents {text}") })
         }
     }
 
@@ -156,11 +133,7 @@ impl Folder {
     pub fn lock(&self) -> Result<Lock, RecordError> {
         let failed = |action, path: &Path| {
             let path = path.to_owned();
-            move |source| RecordError::File {
-                action,
-                path,
-                source,
-            }
+            move |source| RecordError::File { action, path, source }
         };
         fs::create_dir_all(&self.path).map_err(failed("create the folder", &self.path))?;
         let path = self.path.join(LOCK);
@@ -177,23 +150,11 @@ impl Folder {
                 let mut holder = String::new();
                 // On some systems a locked file cannot be read; the refusal stands all the same.
                 let read = file.read_to_string(&mut holder).is_ok() && !holder.trim().is_empty();
-                let holder = if read {
-                    holder.trim().to_owned()
-                } else {
-                    "another process".to_owned()
-                };
-                return Err(RecordError::Busy {
-                    pump: self.pump.clone(),
-                    holder,
-                    path,
-                });
+                let holder = if read { holder.trim().to_owned() } else { "another process".to_owned() };
+                return Err(RecordError::Busy { pump: self.pump.clone(), holder, path });
             }
             Err(TryLockError::Error(source)) => {
-                return Err(RecordError::File {
-                    action: "lock",
-                    path,
-                    source,
-                });
+                return Err(RecordError::File { action: "lock", path, source });
             }
         }
         let holder = format!("process {}\n", std::process::id());
@@ -201,10 +162,7 @@ impl Folder {
             .and_then(|()| file.rewind())
             .and_then(|()| file.write_all(holder.as_bytes()))
             .map_err(failed("write", &path))?;
-        Ok(Lock {
-            folder: self.clone(),
-            _file: file,
-        })
+        Ok(Lock { folder: self.clone(), _file: file })
     }
 }
 
@@ -219,11 +177,7 @@ impl Lock {
     /// Replaces the record: the old one or the new one is there at any instant.
     pub fn write(&self, record: &Record) -> Result<(), RecordError> {
         let path = self.folder.path.join(RECORD);
-        let failed = |source| RecordError::File {
-            action: "write",
-            path: path.clone(),
-            source,
-        };
+        let failed = |source| RecordError::File { action: "write", path: path.clone(), source };
         let mut text = serde_json::to_vec_pretty(record).map_err(|error| failed(error.into()))?;
         text.push(b'\n');
         replace_file(&path, |file| file.write_all(&text)).map_err(failed)
@@ -250,10 +204,7 @@ mod tests {
         let folder = Folder::new(state.path(), "pump", "sim");
         let lock = folder.lock().unwrap();
         let error = folder.lock().unwrap_err().to_string();
-        assert!(
-            error.contains("pump `pump` is in use by process"),
-            "{error}"
-        );
+        assert!(error.contains("pump `pump` is in use by process"), "{error}");
         drop(lock);
         assert!(folder.lock().is_ok());
     }
@@ -263,16 +214,10 @@ mod tests {
         let state = tempfile::tempdir().unwrap();
         let folder = Folder::new(state.path(), "pump", "sim");
         drop(folder.lock().unwrap());
-        for text in [
-            "",
-            "{",
-            "{\"schema\":\"record/2\",\"angle_rad\":0,\"half_width_rad\":0,\"carry_ml\":0}",
-        ] {
+        for text in ["", "{", "{\"schema\":\"record/2\",\"angle_rad\":0,\"half_width_rad\":0,\"carry_ml\":0}"]
+        {
             fs::write(folder.path().join(RECORD), text).unwrap();
-            assert!(
-                matches!(folder.read(), Err(RecordError::Damaged { .. })),
-                "{text}"
-            );
+            assert!(matches!(folder.read(), Err(RecordError::Damaged { .. })), "{text}");
         }
     }
 }

@@ -3,11 +3,12 @@
 use std::fmt::Write;
 
 use pump_ctl::plan::LimitedBy;
+use pump_model::Pump;
 use pump_model::math::{TURN_RAD, degrees, floor};
 use serde::Serialize;
 
 use crate::bench::{Bench, PhaseSource, Prepared, Purpose};
-use crate::pump_file::DriverName;
+use crate::pump_file::{DriverName, PumpFile};
 use crate::uncertainty::Share;
 
 /// A dose, planned or done (`schema` `dose/1`).
@@ -93,6 +94,18 @@ pub struct PhaseReport {
 impl DoseReport {
     /// Report of a prepared dose that delivered `delivered_ml`, or of a dry run.
     pub fn new(bench: &Bench, prepared: &Prepared, delivered_ml: Option<f64>) -> Self {
+        let (file, model, driver) = (bench.file(), bench.model(), bench.driver());
+        Self::without_bench(file, model, driver, prepared, delivered_ml)
+    }
+
+    /// The same of a dose that was planned without a bench, so without a record.
+    pub fn without_bench(
+        file: &PumpFile,
+        model: &Pump,
+        driver: DriverName,
+        prepared: &Prepared,
+        delivered_ml: Option<f64>,
+    ) -> Self {
         let (plan, prediction) = (&prepared.plan, &prepared.prediction);
         let cruise_rad_s = plan.profile.peak_rad_s();
         let motion_s = plan.profile.duration_s();
@@ -115,9 +128,9 @@ impl DoseReport {
         .collect();
         Self {
             schema: "dose/1",
-            pump: bench.file().pump.id.clone(),
-            driver: bench.driver().as_str(),
-            simulated: bench.driver() == DriverName::Sim,
+            pump: file.pump.id.clone(),
+            driver: driver.as_str(),
+            simulated: driver == DriverName::Sim,
             purpose: match prepared.request.purpose {
                 Purpose::Dose => "dose",
                 Purpose::Prime => "prime",
@@ -131,7 +144,7 @@ impl DoseReport {
             expanded_uncertainty_ml: prepared.budget.expanded_ml(),
             uncertainty_budget: prepared.budget.shares.clone(),
             phase: PhaseReport {
-                known: plan.start.is_known(bench.model().pitch_rad()),
+                known: plan.start.is_known(model.pitch_rad()),
                 source: prepared.phase_source,
                 half_width_deg: degrees(plan.start.half_width_rad),
             },
@@ -141,7 +154,7 @@ impl DoseReport {
             steps_per_rev: plan.steps_per_rev,
             carry_ml: plan.carry_ml,
             cruise_speed_rpm: rpm(cruise_rad_s),
-            cruise_flow_ml_s: bench.model().average_flow_ml_s(cruise_rad_s),
+            cruise_flow_ml_s: model.average_flow_ml_s(cruise_rad_s),
             mean_flow_ml_s: plan.planned_ml.abs() / motion_s,
             motion_s,
             settle_s: prediction.settle_s,
@@ -149,7 +162,7 @@ impl DoseReport {
             inlet_max_kpa: prediction.inlet.max_kpa,
             outlet_min_kpa: prediction.outlet.min_kpa,
             outlet_max_kpa: prediction.outlet.max_kpa,
-            ambient_kpa: bench.file().ambient.pressure_kpa,
+            ambient_kpa: file.ambient.pressure_kpa,
             limited_by: match plan.limited_by {
                 LimitedBy::Nothing => "none",
                 LimitedBy::Acceleration => "acceleration",
@@ -162,8 +175,7 @@ impl DoseReport {
 
     /// One line of JSON.
     pub fn json(&self) -> String {
-        serde_json::to_string(self)
-            .unwrap_or_else(|error| unreachable!("a report is plain data: {error}"))
+        serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a report is plain data: {error}"))
     }
 
     /// A few lines for a person, digits cut to the uncertainty.
@@ -232,11 +244,7 @@ impl DoseReport {
             self.outlet_max_kpa,
             self.ambient_kpa
         )?;
-        writeln!(
-            to,
-            "  not checked  {}",
-            self.limits_not_checked.join(", ").replace('_', " ")
-        )?;
+        writeln!(to, "  not checked  {}", self.limits_not_checked.join(", ").replace('_', " "))?;
         writeln!(to, "  uncertainty  {}", self.budget_line())?;
         for warning in &self.warnings {
             writeln!(to, "  warning      {warning}")?;
@@ -269,10 +277,7 @@ impl DoseReport {
                 format!("{} {}", share.source, significant(percent, 2))
             })
             .collect();
-        format!(
-            "k = 2, not calibrated; standard, % of volume: {}",
-            shares.join(", ")
-        )
+        format!("k = 2, not calibrated; standard, % of volume: {}", shares.join(", "))
     }
 }
 

@@ -29,11 +29,7 @@ impl<'a> Sim<'a> {
 
     /// The same with another error allowed in a step.
     pub fn with_tolerance(pump: &'a Pump, tolerance: f64) -> Self {
-        let solver = Rodas5p::new(
-            0.0,
-            SVector::zeros(),
-            options(pump.outlet(), tolerance, 1.0),
-        );
+        let solver = Rodas5p::new(0.0, SVector::zeros(), options(pump.outlet(), tolerance, 1.0));
         Self { pump, solver }
     }
 
@@ -70,11 +66,7 @@ impl<'a> Sim<'a> {
     }
 
     fn flow_until(&mut self, time_s: f64) -> Result<(), IntegrationError> {
-        let circuit = Circuit {
-            line: self.pump.outlet(),
-            port: Port::Outlet,
-            forcing: NoFlow,
-        };
+        let circuit = Circuit { line: self.pump.outlet(), port: Port::Outlet, forcing: NoFlow };
         while self.solver.time_s() < time_s {
             self.solver.step(&circuit, time_s)?;
         }

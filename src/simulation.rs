@@ -24,46 +24,23 @@ pub struct Simulation {
 impl Simulation {
     /// A run at the default tolerance.
     pub fn new(speed_rad_s: f64, duration_s: f64, dt_s: f64) -> Self {
-        Self {
-            speed_rad_s,
-            duration_s,
-            dt_s,
-            tolerance: DEFAULT_TOLERANCE,
-        }
+        Self { speed_rad_s, duration_s, dt_s, tolerance: DEFAULT_TOLERANCE }
     }
 
     /// Refuses what cannot be run.
     pub fn validate(&self) -> Result<(), ModelError> {
-        let out = |parameter, value, allowed| {
-            Err(ModelError::OutOfRange {
-                parameter,
-                value,
-                allowed,
-            })
-        };
+        let out = |parameter, value, allowed| Err(ModelError::OutOfRange { parameter, value, allowed });
         if !(self.speed_rad_s != 0.0 && self.speed_rad_s.abs() <= 1e4) {
-            return out(
-                "speed in rad/s",
-                self.speed_rad_s,
-                "up to 1e4 either way, not zero",
-            );
+            return out("speed in rad/s", self.speed_rad_s, "up to 1e4 either way, not zero");
         }
         if !(self.duration_s > 0.0 && self.duration_s <= 1e7) {
             return out("duration in s", self.duration_s, "more than 0, 1e7 at most");
         }
         if !(self.dt_s > 0.0 && self.dt_s <= self.duration_s) {
-            return out(
-                "dt in s",
-                self.dt_s,
-                "more than 0, no more than the duration",
-            );
+            return out("dt in s", self.dt_s, "more than 0, no more than the duration");
         }
         if self.duration_s / self.dt_s > MAX_SAMPLES {
-            return out(
-                "number of samples",
-                self.duration_s / self.dt_s,
-                "1e9 at most; use a longer dt",
-            );
+            return out("number of samples", self.duration_s / self.dt_s, "1e9 at most; use a longer dt");
         }
         Ok(())
     }

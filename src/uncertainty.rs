@@ -34,17 +34,11 @@ impl Budget {
     /// over the start angles that the record allows (GUM, JCGM 100:2008, 4.3.7).
     pub fn new(pump: &Pump, plan: &Plan, table: &UncertaintyTable) -> Self {
         let volume_ml = plan.planned_ml.abs();
-        let share = |source, standard_ml| Share {
-            source,
-            standard_ml,
-        };
+        let share = |source, standard_ml| Share { source, standard_ml };
         Self {
             shares: vec![
                 share("model", table.model_percent / 100.0 * volume_ml),
-                share(
-                    "repeatability",
-                    table.repeatability_percent / 100.0 * volume_ml,
-                ),
+                share("repeatability", table.repeatability_percent / 100.0 * volume_ml),
                 share("step", plan.end_step_ml(pump) / sqrt(12.0)),
                 share("phase", phase_share_ml(pump, plan)),
             ],
@@ -53,12 +47,7 @@ impl Budget {
 
     /// Combined standard uncertainty, mL.
     pub fn standard_ml(&self) -> f64 {
-        sqrt(
-            self.shares
-                .iter()
-                .map(|share| share.standard_ml * share.standard_ml)
-                .sum(),
-        )
+        sqrt(self.shares.iter().map(|share| share.standard_ml * share.standard_ml).sum())
     }
 
     /// Expanded uncertainty (k = 2), mL.
@@ -68,19 +57,14 @@ impl Budget {
 
     /// The largest share.
     pub fn largest(&self) -> Option<&Share> {
-        self.shares
-            .iter()
-            .max_by(|a, b| a.standard_ml.total_cmp(&b.standard_ml))
+        self.shares.iter().max_by(|a, b| a.standard_ml.total_cmp(&b.standard_ml))
     }
 }
 
 /// Standard deviation of the volume between start and end angle when both shift together within the half width.
 fn phase_share_ml(pump: &Pump, plan: &Plan) -> f64 {
     const POINTS: i32 = 256;
-    let Phase {
-        angle_rad,
-        half_width_rad,
-    } = plan.start;
+    let Phase { angle_rad, half_width_rad } = plan.start;
     if half_width_rad == 0.0 {
         return 0.0;
     }
@@ -89,8 +73,7 @@ fn phase_share_ml(pump: &Pump, plan: &Plan) -> f64 {
     let turn_rad = plan.end_angle_rad() - angle_rad;
     let curve = pump.outlet_curve();
     let error_ml = |n| {
-        let start =
-            angle_rad + half_width_rad * ((2.0 * f64::from(n) + 1.0) / f64::from(POINTS) - 1.0);
+        let start = angle_rad + half_width_rad * ((2.0 * f64::from(n) + 1.0) / f64::from(POINTS) - 1.0);
         curve.volume_ml(start + turn_rad) - curve.volume_ml(start) - plan.planned_ml
     };
     sqrt((0..POINTS).map(|n| error_ml(n) * error_ml(n)).sum::<f64>() / f64::from(POINTS))
@@ -112,27 +95,16 @@ mod tests {
     #[test]
     fn an_uncalibrated_dose_carries_the_papers_figures() {
         let budget = budget(25.0, Phase::known(0.0));
-        assert!(
-            (budget.expanded_ml() - 2.0 * 25.0 * 0.024_456).abs() < 1e-3,
-            "{budget:?}"
-        );
+        assert!((budget.expanded_ml() - 2.0 * 25.0 * 0.024_456).abs() < 1e-3, "{budget:?}");
         assert_eq!(budget.largest().unwrap().source, "model");
     }
 
     #[test]
     fn an_unknown_angle_dominates_a_small_dose_and_vanishes_over_whole_pitches() {
-        let anywhere = Phase {
-            angle_rad: 0.0,
-            half_width_rad: 10.0,
-        };
+        let anywhere = Phase { angle_rad: 0.0, half_width_rad: 10.0 };
         let phase_of = |volume_ml| budget(volume_ml, anywhere).shares[3].standard_ml;
         assert!(phase_of(1.0) > 0.2);
-        let pitch_ml = crate::built_in("three-roller")
-            .unwrap()
-            .model()
-            .unwrap()
-            .revolution_ml()
-            / 3.0;
+        let pitch_ml = crate::built_in("three-roller").unwrap().model().unwrap().revolution_ml() / 3.0;
         assert!(phase_of(pitch_ml) < 2e-3);
     }
 }

@@ -45,13 +45,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M> {
         let inlet = PortRun::from_rest(pump, Port::Inlet, legs.clone(), tolerance)?;
         let outlet = PortRun::from_rest(pump, Port::Outlet, legs.clone(), tolerance)?;
         let leg = legs.next().unwrap_or(Leg::rest(0.0, 0.0));
-        Ok(Self {
-            pump,
-            legs,
-            leg,
-            inlet,
-            outlet,
-        })
+        Ok(Self { pump, legs, leg, inlet, outlet })
     }
 
     /// The sample at `time_s`, which must not lie before the one asked for last.

@@ -89,13 +89,7 @@ pub(crate) enum Driver {
 #[derive(Debug, Args)]
 pub(crate) struct Options {
     /// Built-in pump or TOML pump file
-    #[arg(
-        long,
-        global = true,
-        value_name = "NAME|FILE",
-        env = "DOSE_PUMP",
-        default_value = "three-roller"
-    )]
+    #[arg(long, global = true, value_name = "NAME|FILE", env = "DOSE_PUMP", default_value = "three-roller")]
     pub(crate) pump: String,
     /// Where angle and carry are kept
     #[arg(long, global = true, value_name = "DIR", env = "DOSE_STATE_DIR")]
@@ -167,13 +161,10 @@ impl Options {
             ("--dt", self.dt.is_some()),
             ("--duration", self.duration.is_some()),
         ];
-        match given
-            .iter()
-            .find(|(name, given)| *given && !accepted.contains(name))
-        {
-            Some((name, _)) => Err(Failure::refused(format!(
-                "{name} means nothing to `{command}`; leave it out"
-            ))),
+        match given.iter().find(|(name, given)| *given && !accepted.contains(name)) {
+            Some((name, _)) => {
+                Err(Failure::refused(format!("{name} means nothing to `{command}`; leave it out")))
+            }
             None => Ok(()),
         }
     }
@@ -185,9 +176,9 @@ impl Options {
         let within = self.within.map(|time_s| Cruise::Within { time_s });
         let mut given = [flow, speed, within].into_iter().flatten();
         match (given.next(), given.next()) {
-            (_, Some(_)) => Err(Failure::refused(
-                "--rate, --speed and --within exclude each other; give one at most",
-            )),
+            (_, Some(_)) => {
+                Err(Failure::refused("--rate, --speed and --within exclude each other; give one at most"))
+            }
             (cruise, None) => Ok(cruise),
         }
     }
@@ -220,10 +211,7 @@ impl Options {
 
     /// Refuses to write two outputs into one file.
     pub(crate) fn outputs_differ(&self) -> Result<(), Failure> {
-        let paths: Vec<&PathBuf> = [&self.steps, &self.trace, &self.plot]
-            .into_iter()
-            .flatten()
-            .collect();
+        let paths: Vec<&PathBuf> = [&self.steps, &self.trace, &self.plot].into_iter().flatten().collect();
         for (n, path) in paths.iter().enumerate() {
             if paths[..n].contains(path) {
                 let path = path.display();

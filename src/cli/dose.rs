@@ -51,19 +51,13 @@ fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> R
     )?;
     options.outputs_differ()?;
     if options.dt.is_some() && options.trace.is_none() {
-        return Err(Failure::refused(
-            "--dt is the time between rows of --trace; name that file too",
-        ));
+        return Err(Failure::refused("--dt is the time between rows of --trace; name that file too"));
     }
     let bench = options.bench()?;
     let request = request(purpose, amount, options, bench.file())?;
 
     // The lock comes before the record is read, so that nobody moves the pump in between.
-    let lock = if options.dry_run {
-        None
-    } else {
-        Some(bench.lock()?)
-    };
+    let lock = if options.dry_run { None } else { Some(bench.lock()?) };
     let prepared = bench.prepare(request)?;
     write_outputs(&bench, &prepared, options)?;
     let delivered_ml = match &lock {
@@ -108,12 +102,8 @@ fn request(
         volume_ml,
         cruise: options.cruise()?,
         start_angle_rad: options.start_angle,
-        max_outlet_kpa: options
-            .max_outlet_pressure
-            .map(|pressure| pressure.absolute_kpa(ambient_kpa)),
-        min_inlet_kpa: options
-            .min_inlet_pressure
-            .map(|pressure| pressure.absolute_kpa(ambient_kpa)),
+        max_outlet_kpa: options.max_outlet_pressure.map(|pressure| pressure.absolute_kpa(ambient_kpa)),
+        min_inlet_kpa: options.min_inlet_pressure.map(|pressure| pressure.absolute_kpa(ambient_kpa)),
     })
 }
 
@@ -135,21 +125,14 @@ fn write_outputs(bench: &Bench, prepared: &Prepared, options: &Options) -> Resul
         }
         let mut waveform = waveform().map_err(Failure::refused)?;
         let samples = times(dt_s, motion_s, end_s).map(|time_s| waveform.at(time_s));
-        write(path, |to| {
-            csv::write_samples(to, samples.map(|sample| sample.map_err(io::Error::other)))
-        })?;
+        write(path, |to| csv::write_samples(to, samples.map(|sample| sample.map_err(io::Error::other))))?;
     }
     if let Some(path) = &options.plot {
         let dt_s = (end_s / 1e6).max(DEFAULT_DT_S);
         let mut waveform = waveform().map_err(Failure::refused)?;
-        let samples: Result<Vec<_>, _> = times(dt_s, motion_s, end_s)
-            .map(|time_s| waveform.at(time_s))
-            .collect();
-        let title = format!(
-            "{} mL on {} (predicted)",
-            plan.requested_ml,
-            bench.file().pump.id
-        );
+        let samples: Result<Vec<_>, _> =
+            times(dt_s, motion_s, end_s).map(|time_s| waveform.at(time_s)).collect();
+        let title = format!("{} mL on {} (predicted)", plan.requested_ml, bench.file().pump.id);
         let svg = plot::svg(&title, &samples.map_err(Failure::refused)?, Some(motion_s))
             .map_err(Failure::refused)?;
         write(path, |to| to.write_all(svg.as_bytes()))?;
@@ -162,12 +145,8 @@ pub(crate) fn write(
     path: &Path,
     contents: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
-    replace_file(path, contents).map_err(|error| {
-        Failure::refused(format!(
-            "cannot write {}: {error}; nothing moved",
-            path.display()
-        ))
-    })
+    replace_file(path, contents)
+        .map_err(|error| Failure::refused(format!("cannot write {}: {error}; nothing moved", path.display())))
 }
 
 fn progress_bar(prepared: &Prepared) -> ProgressBar {

@@ -60,11 +60,7 @@ pub(crate) fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             let asked_for = !error.use_stderr();
             // Nowhere is left to complain to if this fails.
             let _ = error.print();
-            return if asked_for {
-                ExitCode::SUCCESS
-            } else {
-                ExitCode::from(2)
-            };
+            return if asked_for { ExitCode::SUCCESS } else { ExitCode::from(2) };
         }
     };
     match dispatch(&cli) {
@@ -96,13 +92,10 @@ fn dispatch(cli: &Cli) -> Result<(), Failure> {
 
 /// Prints to standard output. A reader that went away is no failure of the dose.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
-    match io::stdout()
-        .write_all(text.as_bytes())
-        .and_then(|()| io::stdout().flush())
-    {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::Fault(format!(
-            "cannot write to standard output: {error}"
-        ))),
+    match io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::Fault(format!("cannot write to standard output: {error}")))
+        }
         _ => Ok(()),
     }
 }

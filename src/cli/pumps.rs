@@ -10,11 +10,9 @@ use super::{Failure, print};
 pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result<(), Failure> {
     options.accept_only("dose pumps", &[])?;
     match command {
-        None | Some(PumpsCommand::List) => print(
-            &BUILT_IN
-                .map(|(name, what)| format!("{name:<24}{what}\n"))
-                .concat(),
-        ),
+        None | Some(PumpsCommand::List) => {
+            print(&BUILT_IN.map(|(name, what)| format!("{name:<24}{what}\n")).concat())
+        }
         Some(PumpsCommand::Show { name }) => print(&pump_named(name)?.to_toml()),
         Some(PumpsCommand::Check { file }) => {
             let file = PumpFile::read(file).map_err(Failure::refused)?;

@@ -27,16 +27,7 @@ struct Report<'a> {
 pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
     options.accept_only(
         "dose simulate",
-        &[
-            "--rate",
-            "--speed",
-            "--reverse",
-            "--format",
-            "--trace",
-            "--plot",
-            "--dt",
-            "--duration",
-        ],
+        &["--rate", "--speed", "--reverse", "--format", "--trace", "--plot", "--dt", "--duration"],
     )?;
     options.outputs_differ()?;
     let file = options.pump_file()?;
@@ -45,24 +36,16 @@ pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
         Some(Cruise::Speed { rad_s }) => rad_s,
         Some(Cruise::Flow { ml_s }) => speed_for_flow(&pump, ml_s),
         _ => {
-            return Err(Failure::refused(
-                "how fast? Add --speed 100rpm or --rate 10mL/s",
-            ));
+            return Err(Failure::refused("how fast? Add --speed 100rpm or --rate 10mL/s"));
         }
     };
     let Some(duration_s) = options.duration else {
         return Err(Failure::refused("how long? Add --duration 10s"));
     };
-    let speed_rad_s = if options.reverse {
-        -speed_rad_s
-    } else {
-        speed_rad_s
-    };
+    let speed_rad_s = if options.reverse { -speed_rad_s } else { speed_rad_s };
     let run = Simulation::new(speed_rad_s, duration_s, options.dt.unwrap_or(1e-3));
     run.validate().map_err(Failure::refused)?;
-    let steady = pump
-        .steady_state(speed_rad_s, DEFAULT_TOLERANCE)
-        .map_err(Failure::refused)?;
+    let steady = pump.steady_state(speed_rad_s, DEFAULT_TOLERANCE).map_err(Failure::refused)?;
     let report = Report {
         schema: "simulation/1",
         pump: &file.pump.id,
@@ -75,20 +58,13 @@ pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
 
     if let Some(path) = &options.trace {
         let samples = run.samples(&pump).map_err(Failure::refused)?;
-        write(path, |to| {
-            csv::write_samples(to, samples.map(|sample| sample.map_err(io::Error::other)))
-        })?;
+        write(path, |to| csv::write_samples(to, samples.map(|sample| sample.map_err(io::Error::other))))?;
     }
     if let Some(path) = &options.plot {
         // A picture needs no more samples than this, and they are kept in memory.
-        let coarse = Simulation {
-            dt_s: run.dt_s.max(duration_s / 1e6),
-            ..run
-        };
+        let coarse = Simulation { dt_s: run.dt_s.max(duration_s / 1e6), ..run };
         let samples = coarse.samples(&pump).map_err(Failure::refused)?;
-        let samples = samples
-            .collect::<Result<Vec<_>, _>>()
-            .map_err(Failure::refused)?;
+        let samples = samples.collect::<Result<Vec<_>, _>>().map_err(Failure::refused)?;
         let title = format!("{} at {:.4} r/min from rest", report.pump, report.speed_rpm);
         let svg = plot::svg(&title, &samples, None).map_err(Failure::refused)?;
         write(path, |to| to.write_all(svg.as_bytes()))?;

@@ -16,6 +16,7 @@ struct Status<'a> {
     angle_deg: f64,
     half_width_deg: f64,
     carry_ml: f64,
+    folder: String,
 }
 
 pub(crate) fn status(options: &Options) -> Result<(), Failure> {
@@ -27,24 +28,16 @@ pub(crate) fn status(options: &Options) -> Result<(), Failure> {
         pump: &bench.file().pump.id,
         driver: bench.driver().as_str(),
         recorded: record.is_some(),
-        angle_deg: record
-            .as_ref()
-            .map_or(0.0, |record| degrees(record.angle_rad)),
-        half_width_deg: record
-            .as_ref()
-            .map_or(0.0, |record| degrees(record.half_width_rad)),
+        angle_deg: record.as_ref().map_or(0.0, |record| degrees(record.angle_rad)),
+        half_width_deg: record.as_ref().map_or(0.0, |record| degrees(record.half_width_rad)),
         carry_ml: record.as_ref().map_or(0.0, |record| record.carry_ml),
+        folder: bench.folder().path().display().to_string(),
     };
     if options.json() {
         let json = serde_json::to_string(&status).map_err(Failure::refused)?;
         return print(&(json + "\n"));
     }
-    let Status {
-        pump,
-        driver,
-        angle_deg,
-        ..
-    } = status;
+    let Status { pump, driver, angle_deg, .. } = status;
     if !status.recorded {
         return print(&format!(
             "{pump} ({driver}): nothing on record; a fresh simulated pump stands at 0°\n"
@@ -55,8 +48,7 @@ pub(crate) fn status(options: &Options) -> Result<(), Failure> {
         width => format!(" ± {width:.2}°"),
     };
     print(&format!(
-        "{pump} ({driver}): rotor at {angle_deg:.4}°{width}, {:.2} µL carried to the next dose\n  record {}\n",
+        "{pump} ({driver}): rotor at {angle_deg:.4}°{width}, {:.2} µL carried to the next dose\n",
         1e3 * status.carry_ml,
-        bench.folder().path().display(),
     ))
 }

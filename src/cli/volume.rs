@@ -25,9 +25,7 @@ pub(crate) fn protect_minus(word: OsString) -> OsString {
 /// The one amount among the words.
 pub(crate) fn only(words: &[String]) -> Result<Amount, Failure> {
     match words {
-        [] => Err(Failure::refused(
-            "how much? Write a volume with its unit, as in `dose 25mL`",
-        )),
+        [] => Err(Failure::refused("how much? Write a volume with its unit, as in `dose 25mL`")),
         [word] => one(word),
         [first, second, ..] => Err(several(first, second, words)),
     }
@@ -44,19 +42,15 @@ pub(crate) fn beside_a_command(words: &[String]) -> Failure {
 fn one(word: &str) -> Result<Amount, Failure> {
     let is_number = word.starts_with(|c: char| c.is_ascii_digit() || "+-.\u{2212}".contains(c));
     quantity::amount(word).map_err(|error| {
-        let special = ["nan", "inf"]
-            .iter()
-            .any(|name| word.to_lowercase().starts_with(name));
+        let special = ["nan", "inf"].iter().any(|name| word.to_lowercase().starts_with(name));
         match nearest_command(word) {
             _ if is_number || special || word.is_empty() => Failure::refused(error),
-            Some(command) => Failure::refused(format!(
-                "unknown command `{word}`; did you mean `dose {command}`?"
-            )),
+            Some(command) => {
+                Failure::refused(format!("unknown command `{word}`; did you mean `dose {command}`?"))
+            }
             None => {
                 let commands = commands().join(", ");
-                Failure::refused(format!(
-                    "`{word}` is neither a volume, as 25mL, nor a command: {commands}"
-                ))
+                Failure::refused(format!("`{word}` is neither a volume, as 25mL, nor a command: {commands}"))
             }
         }
     })
@@ -67,9 +61,7 @@ fn several(first: &str, second: &str, words: &[String]) -> Failure {
     if commands().iter().any(|command| command == second) {
         beside_a_command(words)
     } else if words.len() == 2 && quantity::amount(&joined).is_ok() {
-        Failure::refused(format!(
-            "`{first} {second}` is two words; did you mean {joined}"
-        ))
+        Failure::refused(format!("`{first} {second}` is two words; did you mean {joined}"))
     } else {
         Failure::refused(format!(
             "`{}`: one volume at a time, written as one word, as in 25mL",
@@ -79,17 +71,11 @@ fn several(first: &str, second: &str, words: &[String]) -> Failure {
 }
 
 fn commands() -> Vec<String> {
-    Cli::command()
-        .get_subcommands()
-        .map(|command| command.get_name().to_owned())
-        .collect()
+    Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect()
 }
 
 /// The command that a mistyped word most likely means.
 fn nearest_command(word: &str) -> Option<String> {
     let distance = |command: &String| strsim::damerau_levenshtein(word, command);
-    commands()
-        .into_iter()
-        .filter(|command| distance(command) <= 2)
-        .min_by_key(distance)
+    commands().into_iter().filter(|command| distance(command) <= 2).min_by_key(distance)
 }

@@ -1,4 +1,4 @@
-//! The flow-centric model of one port as a differential equation (section 2.4 of [1]).
+//! The flow-centric model of one port as a differential equation (section 2.4 of McIntyre et al.).
 
 use nalgebra::{SMatrix, SVector};
 
@@ -64,12 +64,7 @@ impl<F> Circuit<'_, F> {
 
 impl<F: Forcing, const N: usize> Ode<N> for Circuit<'_, F> {
     fn derivative(&self, t: f64, y: &SVector<f64, N>) -> SVector<f64, N> {
-        const {
-            assert!(
-                N == 2 || N == 3,
-                "pressure and flow, or these and the volume"
-            )
-        };
+        const { assert!(N == 2 || N == 3, "pressure and flow, or these and the volume") };
         let (sign, line) = (self.sign(), self.line);
         let (pressure, flow) = (y[0], y[1]);
         let mut dy = SVector::zeros();

@@ -97,9 +97,7 @@ pub enum ModelError {
         speed_rad_s: f64,
     },
     /// The line rings for longer than anyone waits.
-    #[error(
-        "the outlet line does not settle within {limit_s} s; its resistance is too small to damp it"
-    )]
+    #[error("the outlet line does not settle within {limit_s} s; its resistance is too small to damp it")]
     NeverSettles {
         /// Time after which the search gave up, s.
         limit_s: f64,
@@ -114,10 +112,6 @@ pub(crate) fn positive(parameter: &'static str, value: f64) -> Result<(), ModelE
     if value.is_finite() && value > 0.0 {
         Ok(())
     } else {
-        Err(ModelError::OutOfRange {
-            parameter,
-            value,
-            allowed: "a positive number",
-        })
+        Err(ModelError::OutOfRange { parameter, value, allowed: "a positive number" })
     }
 }

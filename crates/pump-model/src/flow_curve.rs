@@ -47,7 +47,7 @@ pub(crate) struct Piece {
 /// q(theta), mL/rad, and V(theta), mL, of one port: periodic pieces with closed-form integrals.
 ///
 /// outlet: q(theta) = a - sum_k g(phi - (theta - k pitch)), inlet: q(theta) = a - sum_k g(theta - psi - k pitch),
-/// after sections 2.2 and 2.3 of [1]; g is the slope of the [`RollerVolume`]. Pulses that overlap add. V is
+/// after sections 2.2 and 2.3 of McIntyre et al.; g is the slope of the [`RollerVolume`]. Pulses that overlap add. V is
 /// single-valued in theta: reversing the motor runs back along the same curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlowCurve {
@@ -59,29 +59,14 @@ pub struct FlowCurve {
 
 impl FlowCurve {
     /// Curve of a validated geometry. Refused where the flow per radian is not positive somewhere.
-    pub(crate) fn new(
-        geometry: &Geometry,
-        roller: &RollerVolume,
-        port: Port,
-    ) -> Result<Self, ModelError> {
+    pub(crate) fn new(geometry: &Geometry, roller: &RollerVolume, port: Port) -> Result<Self, ModelError> {
         let phi = roller.engagement_rad();
         let psi = geometry.inlet_phase_rad(phi)?;
         let pitch_rad = geometry.pitch_rad();
         let nominal = geometry.nominal_ml_rad();
-        let pulses = Pulses {
-            roller,
-            port,
-            phi,
-            psi,
-            pitch_rad,
-        };
+        let pulses = Pulses { roller, port, phi, psi, pitch_rad };
 
-        let mut curve = Self {
-            pieces: [Piece::default(); MAX_PIECES],
-            count: 0,
-            pitch_rad,
-            pitch_ml: 0.0,
-        };
+        let mut curve = Self { pieces: [Piece::default(); MAX_PIECES], count: 0, pitch_rad, pitch_ml: 0.0 };
         for start in pulses.edges() {
             if start > pitch_rad - SAME_EDGE_RAD {
                 continue;
@@ -96,15 +81,9 @@ impl FlowCurve {
         }
         for n in 0..curve.count {
             let start_rad = curve.pieces[n].start_rad;
-            let end_rad = if n + 1 < curve.count {
-                curve.pieces[n + 1].start_rad
-            } else {
-                pitch_rad
-            };
+            let end_rad = if n + 1 < curve.count { curve.pieces[n + 1].start_rad } else { pitch_rad };
             let length_rad = end_rad - start_rad;
-            let mut volume = Polynomial {
-                c: [0.0, nominal, 0.0, 0.0, 0.0, 0.0],
-            };
+            let mut volume = Polynomial { c: [0.0, nominal, 0.0, 0.0, 0.0, 0.0] };
             volume = volume.plus(&pulses.displaced(start_rad, length_rad).scaled(-1.0));
             volume.c[0] = curve.pitch_ml;
             let flow = volume.derivative();
@@ -117,12 +96,7 @@ impl FlowCurve {
                     angle_deg: degrees(start_rad + lowest.0),
                 });
             }
-            curve.pieces[n] = Piece {
-                start_rad,
-                length_rad,
-                volume,
-                flow,
-            };
+            curve.pieces[n] = Piece { start_rad, length_rad, volume, flow };
             curve.pitch_ml = volume.at(length_rad);
         }
         Ok(curve)
@@ -156,40 +130,26 @@ impl FlowCurve {
     pub fn angle_rad(&self, volume_ml: f64) -> f64 {
         let pitches = floor(volume_ml / self.pitch_ml);
         let local = volume_ml - pitches * self.pitch_ml;
-        let piece = self
-            .pieces()
-            .iter()
-            .rev()
-            .find(|piece| piece.volume.c[0] <= local);
+        let piece = self.pieces().iter().rev().find(|piece| piece.volume.c[0] <= local);
         let piece = piece.copied().unwrap_or(self.pieces[0]);
-        pitches * self.pitch_rad
-            + piece.start_rad
-            + piece.volume.solve_monotone(local, 0.0, piece.length_rad)
+        pitches * self.pitch_rad + piece.start_rad + piece.volume.solve_monotone(local, 0.0, piece.length_rad)
     }
 
     /// Smallest and largest flow per radian over a pitch, mL/rad.
     pub fn flow_range_ml_rad(&self) -> (f64, f64) {
-        self.pieces()
-            .iter()
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), piece| {
-                let (smallest, largest) = piece.flow.range_in(0.0, piece.length_rad);
-                (low.min(smallest.1), high.max(largest.1))
-            })
+        self.pieces().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), piece| {
+            let (smallest, largest) = piece.flow.range_in(0.0, piece.length_rad);
+            (low.min(smallest.1), high.max(largest.1))
+        })
     }
 
     /// Peak-to-peak and root-mean-square deviation of the flow at constant speed, both divided by its mean.
     pub fn ripple(&self) -> Ripple {
         let mean = self.pitch_ml / self.pitch_rad;
         let (low, high) = self.flow_range_ml_rad();
-        let square = self
-            .pieces()
-            .iter()
-            .map(|piece| mean_square_integral(&piece.flow, piece.length_rad));
+        let square = self.pieces().iter().map(|piece| mean_square_integral(&piece.flow, piece.length_rad));
         let mean_square = square.sum::<f64>() / self.pitch_rad;
-        Ripple {
-            peak_to_peak: (high - low) / mean,
-            rms: sqrt((mean_square - mean * mean).max(0.0)) / mean,
-        }
+        Ripple { peak_to_peak: (high - low) / mean, rms: sqrt((mean_square - mean * mean).max(0.0)) / mean }
     }
 
     pub(crate) fn pieces(&self) -> &[Piece] {
@@ -204,17 +164,11 @@ impl FlowCurve {
 
     /// Number of the piece that contains an angle of this pitch.
     pub(crate) fn index_of(&self, local_rad: f64) -> usize {
-        self.pieces()
-            .iter()
-            .rposition(|piece| piece.start_rad <= local_rad)
-            .unwrap_or(0)
+        self.pieces().iter().rposition(|piece| piece.start_rad <= local_rad).unwrap_or(0)
     }
 
     fn piece_containing(&self, local_rad: f64) -> &Piece {
-        self.pieces()
-            .iter()
-            .rfind(|piece| piece.start_rad <= local_rad)
-            .unwrap_or(&self.pieces[0])
+        self.pieces().iter().rfind(|piece| piece.start_rad <= local_rad).unwrap_or(&self.pieces[0])
     }
 }
 
@@ -294,11 +248,8 @@ impl Pulses<'_> {
             let piece = self.roller.piece_at(x_middle);
             let x_start = x_middle - direction * 0.5 * length;
             // outlet: V(x_start) - V(x_start - u), inlet: V(x_start + u) - V(x_start)
-            let volume = piece
-                .volume
-                .shifted(x_start - piece.start_rad)
-                .stretched(direction)
-                .scaled(direction);
+            let volume =
+                piece.volume.shifted(x_start - piece.start_rad).stretched(direction).scaled(direction);
             sum = sum.plus(&volume);
             x_middle += self.pitch_rad;
         }

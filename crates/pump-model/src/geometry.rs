@@ -1,4 +1,4 @@
-//! The pump's dimensions and what follows from them alone (section 2.1 of [1]).
+//! The pump's dimensions and what follows from them alone (section 2.1 of McIntyre et al.).
 
 use core::f64::consts::PI;
 
@@ -7,7 +7,7 @@ use crate::math::{TURN_RAD, degrees};
 
 /// Dimensions of pump head and tube.
 ///
-/// [1] McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
+/// McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
 /// roller-type peristaltic pump", Sensors and Actuators A.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geometry {
@@ -57,9 +57,7 @@ impl Geometry {
                 allowed: "more than the tube's outer diameter",
             });
         }
-        if !(self.contact_angle_rad.is_finite()
-            && (0.0..PI / 2.0).contains(&self.contact_angle_rad))
-        {
+        if !(self.contact_angle_rad.is_finite() && (0.0..PI / 2.0).contains(&self.contact_angle_rad)) {
             return Err(ModelError::OutOfRange {
                 parameter: "contact angle in deg",
                 value: degrees(self.contact_angle_rad),
@@ -70,10 +68,7 @@ impl Geometry {
         let gap_mm = self.backplate_radius_mm - reach_mm;
         if gap_mm < 0.0 {
             let backplate_radius_mm = self.backplate_radius_mm;
-            return Err(ModelError::RollersHitBackplate {
-                reach_mm,
-                backplate_radius_mm,
-            });
+            return Err(ModelError::RollersHitBackplate { reach_mm, backplate_radius_mm });
         }
         let closed_mm = 2.0 * (self.tube_outer_radius_mm - self.bore_radius_mm);
         if gap_mm > closed_mm {
@@ -90,7 +85,7 @@ impl Geometry {
         Ok(())
     }
 
-    /// Flow per radian without roller pulses, a = pi r_i² (r_b - r_o), mL/rad (section 2.1 of [1]).
+    /// Flow per radian without roller pulses, a = pi r_i² (r_b - r_o), mL/rad (section 2.1 of McIntyre et al.).
     pub fn nominal_ml_rad(&self) -> f64 {
         const MM3_PER_ML: f64 = 1000.0;
         let radius = self.bore_radius_mm;

@@ -1,7 +1,7 @@
 //! First-principles model of a roller-type peristaltic pump: the flow that its rollers make at every angle, and the
 //! pressures that this flow makes in the lines.
 //!
-//! Follows [1] McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
+//! Follows McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
 //! roller-type peristaltic pump", Sensors and Actuators A ("flow-centric" model).
 //!
 //! Units are mL, kPa absolute, s and rad, and stand in every name. Needs neither `std` nor an allocator.

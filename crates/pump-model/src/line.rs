@@ -3,7 +3,7 @@
 use crate::error::{ModelError, positive};
 use crate::math::sqrt;
 
-/// Lumped line of one port (section 2.4 of [1]): C at the pump, R and L in series to a reservoir.
+/// Lumped line of one port (section 2.4 of McIntyre et al.): C at the pump, R and L in series to a reservoir.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
     /// R, kPa s/mL, not negative.
@@ -17,7 +17,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// The line of [1], Table 2, the same at inlet and outlet.
+    /// The line of McIntyre et al., Table 2, the same at inlet and outlet.
     pub const PUBLISHED: Self = Self {
         resistance_kpa_s_ml: 0.1108,
         compliance_ml_kpa: 0.0361,

@@ -10,11 +10,7 @@ pub const TURN_RAD: f64 = 2.0 * core::f64::consts::PI;
 pub fn wrap(angle: f64, period: f64) -> f64 {
     let wrapped = angle - period * floor(angle / period);
     // floor(-tiny / period) is -1, and period - tiny rounds to period.
-    if wrapped >= period || wrapped < 0.0 {
-        0.0
-    } else {
-        wrapped
-    }
+    if wrapped >= period || wrapped < 0.0 { 0.0 } else { wrapped }
 }
 
 /// Radians of an angle in degrees.

@@ -20,21 +20,12 @@ pub struct Leg {
 impl Leg {
     /// Constant speed from `angle_rad` at time 0 on, for ever.
     pub fn constant_speed(angle_rad: f64, speed_rad_s: f64) -> Self {
-        Self {
-            start_s: 0.0,
-            duration_s: f64::INFINITY,
-            angle_rad,
-            speed_rad_s,
-            acceleration_rad_s2: 0.0,
-        }
+        Self { start_s: 0.0, duration_s: f64::INFINITY, angle_rad, speed_rad_s, acceleration_rad_s2: 0.0 }
     }
 
     /// Rest at `angle_rad` from `start_s` on.
     pub fn rest(start_s: f64, angle_rad: f64) -> Self {
-        Self {
-            start_s,
-            ..Self::constant_speed(angle_rad, 0.0)
-        }
+        Self { start_s, ..Self::constant_speed(angle_rad, 0.0) }
     }
 
     /// When it ends, s.
@@ -59,11 +50,7 @@ impl Leg {
 
     /// Angle at its end, rad; that of the start where it never ends or has no duration.
     pub fn end_angle_rad(&self) -> f64 {
-        if self.duration_s.is_finite() {
-            self.angle_at(self.end_s())
-        } else {
-            self.angle_rad
-        }
+        if self.duration_s.is_finite() { self.angle_at(self.end_s()) } else { self.angle_rad }
     }
 
     /// The leg cut where it turns back, so that each part has one direction: the part before and the part after.
@@ -72,10 +59,7 @@ impl Leg {
         if !(turn_s > 0.0 && turn_s < self.duration_s) {
             return (self, None);
         }
-        let before = Self {
-            duration_s: turn_s,
-            ..self
-        };
+        let before = Self { duration_s: turn_s, ..self };
         let after = Self {
             start_s: self.start_s + turn_s,
             duration_s: self.duration_s - turn_s,
@@ -99,8 +83,7 @@ impl Leg {
 
     /// Time from its start until it has turned `turn_rad` in its direction, s; none if it never does.
     pub(crate) fn time_to_turn(&self, turn_rad: f64) -> Option<f64> {
-        let speed_squared =
-            self.speed_rad_s * self.speed_rad_s + 2.0 * self.acceleration_rad_s2 * turn_rad;
+        let speed_squared = self.speed_rad_s * self.speed_rad_s + 2.0 * self.acceleration_rad_s2 * turn_rad;
         if turn_rad == 0.0 {
             return Some(0.0);
         }

@@ -1,9 +1,9 @@
 //! Polynomials of degree five at most: roller volumes, flows per radian, dense output.
 
-/// Highest degree that is represented: the paper's roller volume [1] and quintic Hermite output.
+/// Highest degree that is represented: the paper's roller volume McIntyre et al. and quintic Hermite output.
 pub const DEGREE: usize = 5;
 
-/// `c[0] + c[1] x + ... + c[5] x^5`.
+/// `c[0] + cMcIntyre et al. x + ... + c[5] x^5`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Polynomial {
     /// Coefficients, lowest order first.
@@ -37,9 +37,7 @@ impl Roots {
 impl Polynomial {
     /// A constant.
     pub fn constant(value: f64) -> Self {
-        Self {
-            c: [value, 0.0, 0.0, 0.0, 0.0, 0.0],
-        }
+        Self { c: [value, 0.0, 0.0, 0.0, 0.0, 0.0] }
     }
 
     /// Value at `x`.
@@ -83,9 +81,7 @@ impl Polynomial {
 
     /// `factor p(x)`.
     pub fn scaled(&self, factor: f64) -> Self {
-        Self {
-            c: self.c.map(|c| c * factor),
-        }
+        Self { c: self.c.map(|c| c * factor) }
     }
 
     /// Sum of two polynomials.
@@ -164,11 +160,7 @@ impl Polynomial {
                 low = x;
             }
             let newton = x - excess / slope.at(x);
-            let next = if newton > low && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             if next == x || next <= low || next >= high {
                 break;
             }
@@ -202,34 +194,20 @@ mod tests {
     #[test]
     fn five_roots_are_found_to_the_last_bits() {
         // (x-1)(x-2)(x-3)(x-4)(x-5)
-        let p = Polynomial {
-            c: [-120.0, 274.0, -225.0, 85.0, -15.0, 1.0],
-        };
+        let p = Polynomial { c: [-120.0, 274.0, -225.0, 85.0, -15.0, 1.0] };
         let roots = p.roots_in(0.0, 6.0);
         assert_eq!(roots.as_slice().len(), 5);
         for (root, expected) in roots.as_slice().iter().zip([1.0, 2.0, 3.0, 4.0, 5.0]) {
             assert!((root - expected).abs() < 1e-11, "{root}");
         }
         assert_eq!(p.roots_in(2.5, 4.5).as_slice().len(), 2);
-        assert!(
-            Polynomial::constant(1.0)
-                .roots_in(0.0, 1.0)
-                .as_slice()
-                .is_empty()
-        );
-        assert!(
-            Polynomial::default()
-                .roots_in(0.0, 1.0)
-                .as_slice()
-                .is_empty()
-        );
+        assert!(Polynomial::constant(1.0).roots_in(0.0, 1.0).as_slice().is_empty());
+        assert!(Polynomial::default().roots_in(0.0, 1.0).as_slice().is_empty());
     }
 
     #[test]
     fn shifting_and_stretching_agree_with_evaluation() {
-        let p = Polynomial {
-            c: [0.3, -1.0, 2.0, 0.7, -0.2, 0.05],
-        };
+        let p = Polynomial { c: [0.3, -1.0, 2.0, 0.7, -0.2, 0.05] };
         for x in [-1.3, 0.0, 0.4, 2.0] {
             assert!((p.shifted(0.7).at(x) - p.at(x + 0.7)).abs() < 1e-13);
             assert!((p.stretched(-2.0).at(x) - p.at(-2.0 * x)).abs() < 1e-11);
@@ -238,9 +216,7 @@ mod tests {
 
     #[test]
     fn a_value_outside_the_range_gives_the_nearer_end() {
-        let p = Polynomial {
-            c: [0.0, 1.0, 0.0, 1.0, 0.0, 0.0],
-        };
+        let p = Polynomial { c: [0.0, 1.0, 0.0, 1.0, 0.0, 0.0] };
         assert_eq!(p.solve_monotone(5.0, 0.0, 1.0), 1.0);
         assert_eq!(p.solve_monotone(-5.0, 0.0, 1.0), 0.0);
         assert!((p.solve_monotone(0.625, 0.0, 1.0) - 0.5).abs() < 1e-15);

@@ -46,14 +46,7 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
         let mut stretches = Stretches::new(pump.curve(port), legs);
         let solver = Rodas5p::new(stretches.time_s(), state, options(line, tolerance, 1.0));
         let stretch = stretches.next();
-        Ok(Self {
-            line,
-            port,
-            stretches,
-            stretch,
-            solver,
-            last: None,
-        })
+        Ok(Self { line, port, stretches, stretch, solver, last: None })
     }
 
     /// Starts with the line at rest: P = P_res, no flow.
@@ -81,20 +74,13 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
         if self.solver.time_s() >= stop_s {
             return Ok(None);
         }
-        while self
-            .stretch
-            .is_some_and(|stretch| self.solver.time_s() >= stretch.end_s)
-        {
+        while self.stretch.is_some_and(|stretch| self.solver.time_s() >= stretch.end_s) {
             self.stretch = self.stretches.next();
         }
         let Some(stretch) = self.stretch else {
             return Ok(None);
         };
-        let circuit = Circuit {
-            line: self.line,
-            port: self.port,
-            forcing: stretch,
-        };
+        let circuit = Circuit { line: self.line, port: self.port, forcing: stretch };
         let step = self.solver.step(&circuit, stretch.end_s.min(stop_s))?;
         self.last = Some(step);
         Ok(Some(step))
@@ -147,10 +133,7 @@ pub struct Extremes {
 
 impl Extremes {
     fn new(pressure: f64) -> Self {
-        Self {
-            min_kpa: pressure,
-            max_kpa: pressure,
-        }
+        Self { min_kpa: pressure, max_kpa: pressure }
     }
 
     /// Widens the range by a step, from its dense output, extremes inside it included.
@@ -162,16 +145,10 @@ impl Extremes {
 
     /// The range that covers both.
     pub fn and(self, other: Self) -> Self {
-        Self {
-            min_kpa: self.min_kpa.min(other.min_kpa),
-            max_kpa: self.max_kpa.max(other.max_kpa),
-        }
+        Self { min_kpa: self.min_kpa.min(other.min_kpa), max_kpa: self.max_kpa.max(other.max_kpa) }
     }
 
     fn above(self, base_kpa: f64) -> Self {
-        Self {
-            min_kpa: self.min_kpa + base_kpa,
-            max_kpa: self.max_kpa + base_kpa,
-        }
+        Self { min_kpa: self.min_kpa + base_kpa, max_kpa: self.max_kpa + base_kpa }
     }
 }

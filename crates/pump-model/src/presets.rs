@@ -1,4 +1,4 @@
-//! The pump of [1], with three and with two rollers.
+//! The pump of McIntyre et al., with three and with two rollers.
 
 use crate::error::ModelError;
 use crate::geometry::Geometry;
@@ -7,7 +7,7 @@ use crate::math::radians;
 use crate::pump::Pump;
 use crate::roller_volume::{PUBLISHED_TOTAL_ML, RollerVolume};
 
-/// Contact angle beta of [1], Table 1, degrees.
+/// Contact angle beta of McIntyre et al., Table 1, degrees.
 pub const PUBLISHED_CONTACT_ANGLE_DEG: f64 = 30.0;
 
 /// Which of the paper's contradicting figures a preset uses.
@@ -23,7 +23,7 @@ pub enum Variant {
 }
 
 impl Geometry {
-    /// Dimensions of the pump of [1], Table 1 or as built.
+    /// Dimensions of the pump of McIntyre et al., Table 1 or as built.
     pub fn published(rollers: u32, variant: Variant) -> Self {
         let table = Self {
             rollers,
@@ -36,18 +36,15 @@ impl Geometry {
         };
         match variant {
             Variant::Measured | Variant::Published => table,
-            Variant::AsBuilt => Self {
-                backplate_radius_mm: 62.76,
-                roller_radius_mm: 19.87,
-                roller_offset_mm: 39.5,
-                ..table
-            },
+            Variant::AsBuilt => {
+                Self { backplate_radius_mm: 62.76, roller_radius_mm: 19.87, roller_offset_mm: 39.5, ..table }
+            }
         }
     }
 }
 
 impl Pump {
-    /// The pump of [1] with three rollers.
+    /// The pump of McIntyre et al. with three rollers.
     ///
     /// ```
     /// assert!((pump_model::Pump::three_roller().revolution_ml() - 21.3185).abs() < 1e-4);
@@ -56,7 +53,7 @@ impl Pump {
         Self::preset_or_panic(3)
     }
 
-    /// The pump of [1] with two rollers.
+    /// The pump of McIntyre et al. with two rollers.
     ///
     /// ```
     /// assert!((pump_model::Pump::two_roller().revolution_ml() - 23.4240).abs() < 1e-4);
@@ -65,7 +62,7 @@ impl Pump {
         Self::preset_or_panic(2)
     }
 
-    /// The pump of [1] with any number of rollers that it can work with.
+    /// The pump of McIntyre et al. with any number of rollers that it can work with.
     pub fn preset(rollers: u32, variant: Variant) -> Result<Self, ModelError> {
         let measured = RollerVolume::measured()?;
         let roller_volume = match variant {

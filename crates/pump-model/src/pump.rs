@@ -30,14 +30,7 @@ impl Pump {
         outlet.validate()?;
         let inlet_curve = FlowCurve::new(&geometry, &roller_volume, Port::Inlet)?;
         let outlet_curve = FlowCurve::new(&geometry, &roller_volume, Port::Outlet)?;
-        Ok(Self {
-            geometry,
-            roller_volume,
-            inlet,
-            outlet,
-            inlet_curve,
-            outlet_curve,
-        })
+        Ok(Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve })
     }
 
     /// Dimensions.
@@ -91,7 +84,7 @@ impl Pump {
         self.outlet_curve.pitch_rad()
     }
 
-    /// V_rot = V_nom - NU V_r, mL per revolution (section 2.3 of [1], with pulses and mean in agreement).
+    /// V_rot = V_nom - NU V_r, mL per revolution (section 2.3 of McIntyre et al., with pulses and mean in agreement).
     pub fn revolution_ml(&self) -> f64 {
         self.outlet_curve.pitch_ml() * f64::from(self.geometry.rollers)
     }

@@ -28,7 +28,7 @@ pub struct RollerVolume {
 }
 
 /// Coefficients of V in mL over degrees, highest order first: least squares of 5th order through the mean of
-/// seven measured roller volumes of [1] (residual 0.0074 mL RMS).
+/// seven measured roller volumes of McIntyre et al. (residual 0.0074 mL RMS).
 pub const PUBLISHED_COEFFICIENTS_DEG: [f64; 6] = [
     1.315_768_247_757_037_1e-8,
     -1.238_105_747_404_483_3e-6,
@@ -38,10 +38,10 @@ pub const PUBLISHED_COEFFICIENTS_DEG: [f64; 6] = [
     -2.870_791_521_667_906e-4,
 ];
 
-/// Engagement angle phi that [1] measured, degrees.
+/// Engagement angle phi that McIntyre et al. measured, degrees.
 pub const PUBLISHED_ENGAGEMENT_DEG: f64 = 50.53;
 
-/// V_r of [1], Table 1, mL. It is not the maximum of the paper's own data (2.1064).
+/// V_r of McIntyre et al., Table 1, mL. It is not the maximum of the paper's own data (2.1064).
 pub const PUBLISHED_TOTAL_ML: f64 = 2.06;
 
 impl RollerVolume {
@@ -54,10 +54,7 @@ impl RollerVolume {
     /// assert!((v.total_ml() - 2.105466).abs() < 1e-6);
     /// # Ok::<(), pump_model::ModelError>(())
     /// ```
-    pub fn from_polynomial_deg(
-        highest_first: [f64; 6],
-        engagement_deg: f64,
-    ) -> Result<Self, ModelError> {
+    pub fn from_polynomial_deg(highest_first: [f64; 6], engagement_deg: f64) -> Result<Self, ModelError> {
         positive("engagement angle in deg", engagement_deg)?;
         if engagement_deg >= 360.0 {
             return Err(ModelError::OutOfRange {
@@ -80,34 +77,22 @@ impl RollerVolume {
         let volume = Polynomial { c }.stretched(360.0 / TURN_RAD);
         let engagement_rad = radians(engagement_deg);
 
-        let mut curve = Self {
-            pieces: [Piece::default(); MAX_PIECES],
-            count: 0,
-            engagement_rad,
-            total_ml: 0.0,
-        };
+        let mut curve =
+            Self { pieces: [Piece::default(); MAX_PIECES], count: 0, engagement_rad, total_ml: 0.0 };
         let slope = volume.derivative();
         let turns = slope.roots_in(0.0, engagement_rad);
         let mut start = 0.0;
-        for &end in turns
-            .as_slice()
-            .iter()
-            .chain(core::iter::once(&engagement_rad))
-        {
+        for &end in turns.as_slice().iter().chain(core::iter::once(&engagement_rad)) {
             if end > start {
                 let rises = slope.at(0.5 * (start + end)) > 0.0;
                 curve.push(start, end, rises.then_some(&volume));
             }
             start = end;
         }
-        if curve.total_ml > 0.0 {
-            Ok(curve)
-        } else {
-            Err(ModelError::RollerVolumeFlat { engagement_deg })
-        }
+        if curve.total_ml > 0.0 { Ok(curve) } else { Err(ModelError::RollerVolumeFlat { engagement_deg }) }
     }
 
-    /// The curve that [1] measured.
+    /// The curve that McIntyre et al. measured.
     pub fn measured() -> Result<Self, ModelError> {
         Self::from_polynomial_deg(PUBLISHED_COEFFICIENTS_DEG, PUBLISHED_ENGAGEMENT_DEG)
     }
@@ -157,12 +142,7 @@ impl RollerVolume {
 
     /// The piece that contains `x_rad`, which must lie in [0, phi].
     pub(crate) fn piece_at(&self, x_rad: f64) -> Piece {
-        self.pieces()
-            .iter()
-            .rev()
-            .find(|piece| piece.start_rad <= x_rad)
-            .copied()
-            .unwrap_or_default()
+        self.pieces().iter().rev().find(|piece| piece.start_rad <= x_rad).copied().unwrap_or_default()
     }
 
     /// Appends [start, end]; `source` is V over x, rad, none where the volume is held.
@@ -170,10 +150,7 @@ impl RollerVolume {
         let mut local = source.map_or(Polynomial::default(), |volume| volume.shifted(start));
         local.c[0] = self.total_ml;
         if let Some(piece) = self.pieces.get_mut(self.count) {
-            *piece = Piece {
-                start_rad: start,
-                volume: local,
-            };
+            *piece = Piece { start_rad: start, volume: local };
             self.count += 1;
             self.total_ml = local.at(end - start);
         }
@@ -184,7 +161,7 @@ impl RollerVolume {
 mod tests {
     use super::*;
 
-    /// Mean of seven measured roller volumes, [1]: (deg, mL).
+    /// Mean of seven measured roller volumes, McIntyre et al.: (deg, mL).
     const MEASURED: [(f64, f64); 15] = [
         (0.0, 0.0),
         (3.37, 0.0207143),

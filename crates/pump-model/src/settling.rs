@@ -31,14 +31,9 @@ fn settling_s(line: &Line, port: Port, state: SVector<f64, 2>) -> Result<f64, Mo
     let compliance = line.compliance_ml_kpa;
     let allowed_kpa = SETTLED_ML / compliance;
     let allowed_energy = compliance * allowed_kpa * allowed_kpa;
-    let energy =
-        |y: SVector<f64, 2>| compliance * y[0] * y[0] + line.inertance_kpa_s2_ml * y[1] * y[1];
+    let energy = |y: SVector<f64, 2>| compliance * y[0] * y[0] + line.inertance_kpa_s2_ml * y[1] * y[1];
 
-    let circuit = Circuit {
-        line,
-        port,
-        forcing: NoFlow,
-    };
+    let circuit = Circuit { line, port, forcing: NoFlow };
     // Relative to the pressure that is looked for, not to 1 kPa.
     let options = options(line, DEFAULT_TOLERANCE, allowed_kpa.min(1.0));
     let mut solver = Rodas5p::new(0.0, state, options);
@@ -50,9 +45,7 @@ fn settling_s(line: &Line, port: Port, state: SVector<f64, 2>) -> Result<f64, Mo
         let step = solver.step(&circuit, f64::INFINITY)?;
         let pressure = step.polynomial(0);
         for bound in [allowed_kpa, -allowed_kpa] {
-            let crossings = pressure
-                .plus(&Polynomial::constant(-bound))
-                .roots_in(0.0, 1.0);
+            let crossings = pressure.plus(&Polynomial::constant(-bound)).roots_in(0.0, 1.0);
             if let Some(last) = crossings.as_slice().last() {
                 settled_s = f64::max(settled_s, step.start_s + last * step.length_s);
             }

@@ -33,11 +33,7 @@ impl Pump {
     /// The model is linear, so the state at the end of a pitch is Phi y + b; three integrations over a pitch give Phi
     /// and b, and y = (I - Phi)^-1 b repeats itself. The means follow from L dQ_L/dt = 0 over a period:
     /// P = P_res -+ R Q_avg.
-    pub fn steady_state(
-        &self,
-        speed_rad_s: f64,
-        tolerance: f64,
-    ) -> Result<SteadyState, ModelError> {
+    pub fn steady_state(&self, speed_rad_s: f64, tolerance: f64) -> Result<SteadyState, ModelError> {
         if !(speed_rad_s.is_finite() && speed_rad_s != 0.0) {
             return Err(ModelError::OutOfRange {
                 parameter: "speed in rad/s",
@@ -87,10 +83,7 @@ fn periodic_extremes(
     let pressure = after(SVector::<f64, 2>::new(1.0, 0.0))? - offset;
     let flow = (after(SVector::<f64, 2>::new(0.0, scale))? - offset) / scale;
     let map = SMatrix::<f64, 2, 2>::from_columns(&[pressure, flow]);
-    let singular = || ModelError::UndampedResonance {
-        port: port.name(),
-        speed_rad_s,
-    };
+    let singular = || ModelError::UndampedResonance { port: port.name(), speed_rad_s };
     let difference = SMatrix::<f64, 2, 2>::identity() - map;
     // |det(I - Phi)| is the product of both modes' distances from repeating undamped.
     let [m00, m10, m01, m11] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|place| difference[place]);

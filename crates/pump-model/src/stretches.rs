@@ -34,8 +34,7 @@ impl Stretch {
         let elapsed = t_s - self.leg.start_s;
         let speed = self.leg.speed_rad_s + self.leg.acceleration_rad_s2 * elapsed;
         let angle = self.offset_rad + self.leg.turned(elapsed);
-        self.flow_slope.at(angle) * speed * speed
-            + self.flow.at(angle) * self.leg.acceleration_rad_s2
+        self.flow_slope.at(angle) * speed * speed + self.flow.at(angle) * self.leg.acceleration_rad_s2
     }
 }
 
@@ -65,16 +64,7 @@ impl<'a, M: Iterator<Item = Leg>> Stretches<'a, M> {
         let (leg, after_reversal) = leg.split_at_reversal();
         let pitch = floor(leg.angle_rad / curve.pitch_rad());
         let piece = curve.index_of(leg.angle_rad - pitch * curve.pitch_rad());
-        Self {
-            curve,
-            legs,
-            leg,
-            after_reversal,
-            ended: first.is_none(),
-            time_s: leg.start_s,
-            pitch,
-            piece,
-        }
+        Self { curve, legs, leg, after_reversal, ended: first.is_none(), time_s: leg.start_s, pitch, piece }
     }
 
     /// When the next stretch starts, s.
@@ -127,13 +117,7 @@ impl<M: Iterator<Item = Leg>> Iterator for Stretches<'_, M> {
             let edge_s = edge_rad
                 .map(|edge| edge - self.leg.angle_rad)
                 // Rounding may leave the start of a leg a hair beyond the edge.
-                .map(|turn| {
-                    if turn * self.leg.direction() < 0.0 {
-                        0.0
-                    } else {
-                        turn
-                    }
-                })
+                .map(|turn| if turn * self.leg.direction() < 0.0 { 0.0 } else { turn })
                 .and_then(|turn| self.leg.time_to_turn(turn))
                 .map(|elapsed| self.leg.start_s + elapsed);
             let start_s = self.time_s;

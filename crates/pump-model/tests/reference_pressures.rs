@@ -14,46 +14,18 @@ fn rad_s(rpm: f64) -> f64 {
 /// rollers, r/min, then max, min, mean of P_in and P_out, kPa: periodic steady state, true extremes, computed
 /// independently to 1e-4 kPa.
 const STEADY: [(u32, f64, [f64; 6]); 6] = [
-    (
-        3,
-        50.0,
-        [90.5879, 84.8782, 86.6686, 93.3473, 87.8604, 90.6054],
-    ),
-    (
-        3,
-        100.0,
-        [95.3347, 73.7963, 84.7002, 104.5105, 83.5685, 92.5738],
-    ),
-    (
-        3,
-        150.0,
-        [100.3254, 61.4112, 82.7318, 116.2201, 77.4455, 94.5422],
-    ),
-    (
-        2,
-        50.0,
-        [90.5578, 84.8847, 86.4742, 93.3369, 87.8931, 90.7998],
-    ),
-    (
-        2,
-        100.0,
-        [96.3518, 73.0388, 84.3114, 105.3520, 82.4483, 92.9626],
-    ),
-    (
-        2,
-        150.0,
-        [99.8906, 61.0270, 82.1486, 116.6113, 78.3548, 95.1254],
-    ),
+    (3, 50.0, [90.5879, 84.8782, 86.6686, 93.3473, 87.8604, 90.6054]),
+    (3, 100.0, [95.3347, 73.7963, 84.7002, 104.5105, 83.5685, 92.5738]),
+    (3, 150.0, [100.3254, 61.4112, 82.7318, 116.2201, 77.4455, 94.5422]),
+    (2, 50.0, [90.5578, 84.8847, 86.4742, 93.3369, 87.8931, 90.7998]),
+    (2, 100.0, [96.3518, 73.0388, 84.3114, 105.3520, 82.4483, 92.9626]),
+    (2, 150.0, [99.8906, 61.0270, 82.1486, 116.6113, 78.3548, 95.1254]),
 ];
 
 #[test]
 fn steady_pressures_match_the_reference_table() {
     for (rollers, rpm, expected) in STEADY {
-        let pump = if rollers == 3 {
-            Pump::three_roller()
-        } else {
-            Pump::two_roller()
-        };
+        let pump = if rollers == 3 { Pump::three_roller() } else { Pump::two_roller() };
         for (tolerance, bound) in [(DEFAULT_TOLERANCE, 3e-4), (1e-10, 6e-5)] {
             let steady = pump.steady_state(rad_s(rpm), tolerance).unwrap();
             let found = [
@@ -79,10 +51,7 @@ fn start_up_reaches_the_reference_extremes() {
     let pump = Pump::three_roller();
     let motion = [Leg::constant_speed(0.0, rad_s(100.0))];
     let run = |port| {
-        PortRun::<_, 2>::from_rest(&pump, port, motion, DEFAULT_TOLERANCE)
-            .unwrap()
-            .extremes(10.0)
-            .unwrap()
+        PortRun::<_, 2>::from_rest(&pump, port, motion, DEFAULT_TOLERANCE).unwrap().extremes(10.0).unwrap()
     };
     let (inlet, outlet) = (run(Port::Inlet), run(Port::Outlet));
     for (found, expected) in [
@@ -102,12 +71,7 @@ fn benchmark_error_kpa(tolerance: f64) -> f64 {
     let motion = [Leg::constant_speed(0.0, speed_rad_s)];
     let mut worst = 0.0_f64;
     for port in [Port::Inlet, Port::Outlet] {
-        let exact = Exact {
-            line: *pump.line(port),
-            rollers: 3,
-            speed_rad_s,
-            outlet: port == Port::Outlet,
-        };
+        let exact = Exact { line: *pump.line(port), rollers: 3, speed_rad_s, outlet: port == Port::Outlet };
         let mut run = PortRun::<_, 2>::from_rest(&pump, port, motion, tolerance).unwrap();
         // The exact solution is summed pitch by pitch; the samples of a pitch continue from its start.
         let period = 60.0 / 100.0 / 3.0;
@@ -139,12 +103,7 @@ fn tolerance_1e_9_gives_1e_6_kpa() {
 
 #[test]
 fn periodic_state_of_the_exact_solution_gives_the_same_extremes() {
-    let exact = Exact {
-        line: Line::PUBLISHED,
-        rollers: 3,
-        speed_rad_s: rad_s(100.0),
-        outlet: true,
-    };
+    let exact = Exact { line: Line::PUBLISHED, rollers: 3, speed_rad_s: rad_s(100.0), outlet: true };
     let start = exact.periodic();
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for n in 1..=2000 {
@@ -152,9 +111,7 @@ fn periodic_state_of_the_exact_solution_gives_the_same_extremes() {
         low = low.min(pressure);
         high = high.max(pressure);
     }
-    let steady = Pump::three_roller()
-        .steady_state(rad_s(100.0), 1e-9)
-        .unwrap();
+    let steady = Pump::three_roller().steady_state(rad_s(100.0), 1e-9).unwrap();
     // Sampling every 0.1 ms misses a peak by 1e-4 kPa at most.
     assert!((steady.outlet.max_kpa - 88.637 - high).abs() < 1e-4);
     assert!((steady.outlet.min_kpa - 88.637 - low).abs() < 1e-4);

@@ -19,10 +19,7 @@ fn a_revolution_delivers_the_nominal_volume_less_that_of_the_rollers() {
         for curve in [pump.inlet_curve(), pump.outlet_curve()] {
             for start in [0.0, 0.3, 5.0, -77.7] {
                 let volume = curve.volume_ml(start + TAU) - curve.volume_ml(start);
-                assert!(
-                    (volume - expected).abs() < 1e-8,
-                    "{rollers} rollers from {start}: {volume}"
-                );
+                assert!((volume - expected).abs() < 1e-8, "{rollers} rollers from {start}: {volume}");
             }
         }
         assert!((pump.revolution_ml() - expected).abs() < 1e-8);
@@ -39,10 +36,7 @@ fn published_figures_are_met() {
     let (low, high) = three.outlet_curve().flow_range_ml_rad();
     assert!(((high - low) * TAU - 25.089).abs() < 1e-3);
     assert!((three.roller_volume().engagement_rad() / TAU - 0.140_36).abs() < 5e-6);
-    let psi = three
-        .geometry()
-        .inlet_phase_rad(three.roller_volume().engagement_rad())
-        .unwrap();
+    let psi = three.geometry().inlet_phase_rad(three.roller_volume().engagement_rad()).unwrap();
     assert!((psi / TAU - 0.192_97).abs() < 5e-6);
     // The jump at full engagement at 100 r/min.
     let jump = three.outlet_curve().flow_ml_rad(-1e-9) - three.outlet_curve().flow_ml_rad(0.0);
@@ -57,15 +51,9 @@ fn published_figures_are_met() {
 #[test]
 fn ripple_at_constant_speed_is_that_of_the_published_pumps() {
     let three = pump(3).outlet_curve().ripple();
-    assert!(
-        (three.peak_to_peak - 1.18).abs() < 5e-3 && (three.rms - 0.427).abs() < 5e-4,
-        "{three:?}"
-    );
+    assert!((three.peak_to_peak - 1.18).abs() < 5e-3 && (three.rms - 0.427).abs() < 5e-4, "{three:?}");
     let two = pump(2).outlet_curve().ripple();
-    assert!(
-        (two.peak_to_peak - 1.071).abs() < 5e-4 && (two.rms - 0.342).abs() < 5e-4,
-        "{two:?}"
-    );
+    assert!((two.peak_to_peak - 1.071).abs() < 5e-4 && (two.rms - 0.342).abs() < 5e-4, "{two:?}");
 }
 
 #[test]
@@ -80,8 +68,7 @@ fn flow_is_the_slope_of_the_volume_everywhere_but_at_edges() {
                 let flow = curve.flow_ml_rad(angle);
                 // An edge within h of the point (the flow jumps by 0.113) is allowed for.
                 assert!(
-                    (slope - flow).abs() < 1e-6
-                        || (slope - flow).abs() < 0.12 && near_edge(curve, angle, h)
+                    (slope - flow).abs() < 1e-6 || (slope - flow).abs() < 0.12 && near_edge(curve, angle, h)
                 );
             }
         }
@@ -98,107 +85,43 @@ fn overlapping_pulses_add_up_to_the_limits_that_are_known() {
     assert!((lowest(3) - 0.405).abs() < 5e-4);
     assert!((lowest(11) - 0.405).abs() < 5e-4);
     assert!((lowest(12) - 0.055).abs() < 5e-4);
-    assert!(matches!(
-        Pump::preset(13, Variant::Measured),
-        Err(ModelError::FlowNotPositive { .. })
-    ));
+    assert!(matches!(Pump::preset(13, Variant::Measured), Err(ModelError::FlowNotPositive { .. })));
 }
 
 #[test]
 fn pumps_that_cannot_work_are_refused_by_name() {
     let good = *pump(3).geometry();
-    let build = |geometry| {
-        Pump::new(
-            geometry,
-            RollerVolume::measured().unwrap(),
-            Line::PUBLISHED,
-            Line::PUBLISHED,
-        )
-    };
+    let build =
+        |geometry| Pump::new(geometry, RollerVolume::measured().unwrap(), Line::PUBLISHED, Line::PUBLISHED);
     let refused = |geometry| build(geometry).unwrap_err();
     let degree = TAU / 360.0;
 
+    assert!(matches!(refused(Geometry { rollers: 1, ..good }), ModelError::NotSealing { .. }));
+    assert!(matches!(refused(Geometry { rollers: 0, ..good }), ModelError::OutOfRange { .. }));
     assert!(matches!(
-        refused(Geometry { rollers: 1, ..good }),
-        ModelError::NotSealing { .. }
-    ));
-    assert!(matches!(
-        refused(Geometry { rollers: 0, ..good }),
-        ModelError::OutOfRange { .. }
-    ));
-    assert!(matches!(
-        refused(Geometry {
-            contact_angle_rad: 70.0 * degree,
-            ..good
-        }),
+        refused(Geometry { contact_angle_rad: 70.0 * degree, ..good }),
         ModelError::EngagementTooLong { .. }
     ));
     assert!(matches!(
-        refused(Geometry {
-            roller_offset_mm: 43.1,
-            ..good
-        }),
+        refused(Geometry { roller_offset_mm: 43.1, ..good }),
         ModelError::RollersHitBackplate { .. }
     ));
-    assert!(matches!(
-        refused(Geometry {
-            roller_offset_mm: 38.9,
-            ..good
-        }),
-        ModelError::NotOccluding { .. }
-    ));
+    assert!(matches!(refused(Geometry { roller_offset_mm: 38.9, ..good }), ModelError::NotOccluding { .. }));
     for bad in [f64::NAN, f64::INFINITY, 0.0, -1.0] {
         for geometry in [
-            Geometry {
-                bore_radius_mm: bad,
-                ..good
-            },
-            Geometry {
-                tube_outer_radius_mm: bad,
-                ..good
-            },
-            Geometry {
-                backplate_radius_mm: bad,
-                ..good
-            },
-            Geometry {
-                roller_radius_mm: bad,
-                ..good
-            },
-            Geometry {
-                roller_offset_mm: bad,
-                ..good
-            },
+            Geometry { bore_radius_mm: bad, ..good },
+            Geometry { tube_outer_radius_mm: bad, ..good },
+            Geometry { backplate_radius_mm: bad, ..good },
+            Geometry { roller_radius_mm: bad, ..good },
+            Geometry { roller_offset_mm: bad, ..good },
         ] {
-            assert!(
-                matches!(refused(geometry), ModelError::OutOfRange { .. }),
-                "{geometry:?}"
-            );
+            assert!(matches!(refused(geometry), ModelError::OutOfRange { .. }), "{geometry:?}");
         }
     }
-    assert!(
-        build(Geometry {
-            contact_angle_rad: 0.0,
-            ..good
-        })
-        .is_ok(),
-        "beta = 0 is allowed"
-    );
-    let line = Line {
-        compliance_ml_kpa: 0.0,
-        ..Line::PUBLISHED
-    };
-    let error = Pump::new(
-        good,
-        RollerVolume::measured().unwrap(),
-        line,
-        Line::PUBLISHED,
-    )
-    .unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "line compliance in mL/kPa is 0; allowed: a positive number"
-    );
+    assert!(build(Geometry { contact_angle_rad: 0.0, ..good }).is_ok(), "beta = 0 is allowed");
+    let line = Line { compliance_ml_kpa: 0.0, ..Line::PUBLISHED };
+    let error = Pump::new(good, RollerVolume::measured().unwrap(), line, Line::PUBLISHED).unwrap_err();
+    assert_eq!(error.to_string(), "line compliance in mL/kPa is 0; allowed: a positive number");
 }
 
 proptest! {

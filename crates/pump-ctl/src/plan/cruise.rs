@@ -49,21 +49,14 @@ pub(super) fn choose(
         }
         Cruise::Speed { rad_s } => {
             if !allowed(rad_s) {
-                return Err(PlanError::SpeedTooHigh {
-                    speed_rpm: rpm(rad_s),
-                    limit_rpm: rpm(limit_rad_s),
-                });
+                return Err(PlanError::SpeedTooHigh { speed_rpm: rpm(rad_s), limit_rpm: rpm(limit_rad_s) });
             }
             at_speed(rad_s)
         }
         Cruise::Within { time_s } => slowest_within(pump, time_s, limit_rad_s, at_speed)?,
     };
     let duration_s = plan.profile.duration_s();
-    if duration_s <= MAX_DURATION_S {
-        Ok(plan)
-    } else {
-        Err(PlanError::TooSlow { duration_s })
-    }
+    if duration_s <= MAX_DURATION_S { Ok(plan) } else { Err(PlanError::TooSlow { duration_s }) }
 }
 
 /// The slowest cruise whose motion and settling take `time_s` at most.
@@ -82,10 +75,7 @@ fn slowest_within(
         let plan = at_speed(speed_rad_s);
         Ok(plan.profile.duration_s() + plan.settle_s(pump)?)
     };
-    let too_short = |fastest_s| PlanError::TimeTooShort {
-        asked_s: time_s,
-        fastest_s,
-    };
+    let too_short = |fastest_s| PlanError::TimeTooShort { asked_s: time_s, fastest_s };
 
     let fastest = at_speed(limit_rad_s);
     if fastest.profile.duration_s() > time_s {

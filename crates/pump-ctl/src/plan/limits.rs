@@ -37,11 +37,7 @@ pub struct Limits {
 impl Limits {
     /// The motor alone.
     pub fn of_motor(motor: Motor) -> Self {
-        Self {
-            motor,
-            max_outlet_kpa: None,
-            min_inlet_kpa: None,
-        }
+        Self { motor, max_outlet_kpa: None, min_inlet_kpa: None }
     }
 
     /// Refuses limits that mean nothing.
@@ -50,25 +46,11 @@ impl Limits {
             if range.contains(&value) {
                 Ok(())
             } else {
-                Err(PlanError::OutOfRange {
-                    parameter,
-                    value,
-                    allowed,
-                })
+                Err(PlanError::OutOfRange { parameter, value, allowed })
             }
         };
-        within(
-            "steps per revolution",
-            self.motor.steps_per_rev,
-            4.0..=1e9,
-            "4 to 1e9",
-        )?;
-        within(
-            "largest speed in rad/s",
-            self.motor.max_speed_rad_s,
-            1e-9..=1e4,
-            "1e-9 to 1e4",
-        )?;
+        within("steps per revolution", self.motor.steps_per_rev, 4.0..=1e9, "4 to 1e9")?;
+        within("largest speed in rad/s", self.motor.max_speed_rad_s, 1e-9..=1e4, "1e-9 to 1e4")?;
         within(
             "largest acceleration in rad/s2",
             self.motor.max_acceleration_rad_s2,
@@ -84,12 +66,7 @@ impl Limits {
             )?;
         }
         if let Some(limit) = self.min_inlet_kpa {
-            within(
-                "inlet pressure limit in kPa absolute",
-                limit,
-                -1e6..=1e6,
-                "within 1e6 either way",
-            )?;
+            within("inlet pressure limit in kPa absolute", limit, -1e6..=1e6, "within 1e6 either way")?;
         }
         Ok(())
     }
@@ -108,18 +85,12 @@ impl Limits {
         if let Some(limit_kpa) = self.max_outlet_kpa
             && pushing.max_kpa > limit_kpa
         {
-            return Err(PlanError::OutletPressure {
-                predicted_kpa: pushing.max_kpa,
-                limit_kpa,
-            });
+            return Err(PlanError::OutletPressure { predicted_kpa: pushing.max_kpa, limit_kpa });
         }
         if let Some(limit_kpa) = self.min_inlet_kpa
             && sucking.min_kpa < limit_kpa
         {
-            return Err(PlanError::InletPressure {
-                predicted_kpa: sucking.min_kpa,
-                limit_kpa,
-            });
+            return Err(PlanError::InletPressure { predicted_kpa: sucking.min_kpa, limit_kpa });
         }
         Ok(())
     }

@@ -61,12 +61,7 @@ pub struct Plan {
 /// The angle solves V_out(theta_1) = V_out(theta_0) + V for the outlet's exact volume curve, so the dose is right from
 /// any start angle. Where a pressure limit is given the dose's pressures are predicted and a plan that breaks it is
 /// refused.
-pub fn plan(
-    pump: &Pump,
-    start: Phase,
-    request: &Request,
-    limits: &Limits,
-) -> Result<Plan, PlanError> {
+pub fn plan(pump: &Pump, start: Phase, request: &Request, limits: &Limits) -> Result<Plan, PlanError> {
     limits.validate()?;
     request.validate()?;
     start.validate()?;
@@ -84,11 +79,7 @@ pub fn plan(
             steps_per_rev: limits.motor.steps_per_rev,
             step_rad: limits.motor.step_rad(),
             profile,
-            limited_by: if profile.reaches_cruise() {
-                LimitedBy::Nothing
-            } else {
-                LimitedBy::Acceleration
-            },
+            limited_by: if profile.reaches_cruise() { LimitedBy::Nothing } else { LimitedBy::Acceleration },
         }
     };
     let planned = cruise::choose(pump, request.cruise, limits, at_speed)?;

@@ -14,10 +14,7 @@ pub struct Phase {
 impl Phase {
     /// An angle known exactly.
     pub fn known(angle_rad: f64) -> Self {
-        Self {
-            angle_rad,
-            half_width_rad: 0.0,
-        }
+        Self { angle_rad, half_width_rad: 0.0 }
     }
 
     /// False if the angle may be anything, for a pump of this pitch.

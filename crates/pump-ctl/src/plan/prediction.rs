@@ -39,8 +39,7 @@ impl Plan {
 
     /// Time from the last step until the undelivered volume stays below 1 uL, s.
     pub(super) fn settle_s(&self, pump: &Pump) -> Result<f64, PlanError> {
-        let mut outlet =
-            PortRun::<_, 2>::from_rest(pump, Port::Outlet, self.legs(), DEFAULT_TOLERANCE)?;
+        let mut outlet = PortRun::<_, 2>::from_rest(pump, Port::Outlet, self.legs(), DEFAULT_TOLERANCE)?;
         outlet.run_to(self.profile.duration_s())?;
         Ok(outlet.settling_s()?)
     }

@@ -21,19 +21,8 @@ impl Trapezoid {
         let peak_rad_s = cruise_rad_s.min(sqrt(acceleration_rad_s2 * turn_rad));
         let ramp_s = peak_rad_s / acceleration_rad_s2;
         let ramps_rad = peak_rad_s * ramp_s;
-        let cruise_s = if peak_rad_s > 0.0 {
-            ((turn_rad - ramps_rad) / peak_rad_s).max(0.0)
-        } else {
-            0.0
-        };
-        Self {
-            turn_rad,
-            cruise_rad_s,
-            peak_rad_s,
-            acceleration_rad_s2,
-            ramp_s,
-            cruise_s,
-        }
+        let cruise_s = if peak_rad_s > 0.0 { ((turn_rad - ramps_rad) / peak_rad_s).max(0.0) } else { 0.0 };
+        Self { turn_rad, cruise_rad_s, peak_rad_s, acceleration_rad_s2, ramp_s, cruise_s }
     }
 
     /// The fastest speed that is reached, rad/s.

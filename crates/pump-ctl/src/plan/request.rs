@@ -39,11 +39,7 @@ pub struct Request {
 impl Request {
     /// A dose with nothing owed.
     pub fn new(volume_ml: f64, cruise: Cruise) -> Self {
-        Self {
-            volume_ml,
-            carry_in_ml: 0.0,
-            cruise,
-        }
+        Self { volume_ml, carry_in_ml: 0.0, cruise }
     }
 
     /// Volume to bring to the vessel: requested plus owed, mL.
@@ -74,11 +70,7 @@ impl Request {
         if value.is_finite() && value > 0.0 {
             Ok(())
         } else {
-            Err(PlanError::OutOfRange {
-                parameter,
-                value,
-                allowed: "a positive number",
-            })
+            Err(PlanError::OutOfRange { parameter, value, allowed: "a positive number" })
         }
     }
 }

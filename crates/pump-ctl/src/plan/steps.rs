@@ -38,18 +38,14 @@ impl Iterator for Steps<'_> {
         self.made += 1;
         Some(Step {
             number: self.made,
-            time_s: self
-                .plan
-                .profile
-                .time_of(self.made as f64 * self.plan.step_rad),
+            time_s: self.plan.profile.time_of(self.made as f64 * self.plan.step_rad),
             direction: self.plan.direction(),
             angle_rad: self.plan.angle_after(self.made),
         })
     }
 
     fn size_hint(&self) -> (usize, Option<usize>) {
-        let left =
-            usize::try_from(self.plan.steps.unsigned_abs() - self.made).unwrap_or(usize::MAX);
+        let left = usize::try_from(self.plan.steps.unsigned_abs() - self.made).unwrap_or(usize::MAX);
         (left, Some(left))
     }
 }

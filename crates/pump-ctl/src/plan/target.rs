@@ -28,21 +28,12 @@ pub(super) fn nearest_steps(
     let ideal_rad = curve.angle_rad(start_ml + owed_ml) - start_rad;
     let below = floor(ideal_rad / step_rad);
     let (low_ml, high_ml) = (delivered(below), delivered(below + 1.0));
-    let (steps, planned_ml) = if owed_ml - low_ml <= high_ml - owed_ml {
-        (below, low_ml)
-    } else {
-        (below + 1.0, high_ml)
-    };
+    let (steps, planned_ml) =
+        if owed_ml - low_ml <= high_ml - owed_ml { (below, low_ml) } else { (below + 1.0, high_ml) };
     if steps == 0.0 {
         let first = if owed_ml < 0.0 { -1.0 } else { 1.0 };
-        return Err(PlanError::LessThanHalfAStep {
-            owed_ml,
-            smallest_ml: 0.5 * delivered(first),
-        });
+        return Err(PlanError::LessThanHalfAStep { owed_ml, smallest_ml: 0.5 * delivered(first) });
     }
     // 1e5 mL and 1e9 steps a revolution stay far below 2^53.
-    Ok(Target {
-        steps: steps as i64,
-        planned_ml,
-    })
+    Ok(Target { steps: steps as i64, planned_ml })
 }

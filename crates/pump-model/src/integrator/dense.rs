@@ -74,23 +74,11 @@ mod tests {
 
     #[test]
     fn a_quintic_is_reproduced() {
-        let p = Polynomial {
-            c: [1.0, -2.0, 0.5, 3.0, -1.0, 0.25],
-        };
+        let p = Polynomial { c: [1.0, -2.0, 0.5, 3.0, -1.0, 0.25] };
         let (d, e) = (p.derivative(), p.derivative().derivative());
-        let ends = |q: &Polynomial| {
-            [
-                SVector::<f64, 1>::new(q.at(1.0)),
-                SVector::<f64, 1>::new(q.at(1.5)),
-            ]
-        };
-        let step = DenseStep {
-            start_s: 1.0,
-            length_s: 0.5,
-            value: ends(&p),
-            slope: ends(&d),
-            curvature: ends(&e),
-        };
+        let ends = |q: &Polynomial| [SVector::<f64, 1>::new(q.at(1.0)), SVector::<f64, 1>::new(q.at(1.5))];
+        let step =
+            DenseStep { start_s: 1.0, length_s: 0.5, value: ends(&p), slope: ends(&d), curvature: ends(&e) };
         for t in [1.0, 1.1, 1.25, 1.4, 1.5] {
             assert!((step.at(t)[0] - p.at(t)).abs() < 1e-14);
             assert!((step.polynomial(0).at((t - 1.0) / 0.5) - p.at(t)).abs() < 1e-14);

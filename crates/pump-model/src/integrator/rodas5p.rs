@@ -88,13 +88,7 @@ pub struct Rodas5p<const N: usize> {
 impl<const N: usize> Rodas5p<N> {
     /// Starts at `time_s` in `state`.
     pub fn new(time_s: f64, state: SVector<f64, N>, options: Options<N>) -> Self {
-        Self {
-            time_s,
-            state,
-            options,
-            proposed_s: 0.0,
-            statistics: Statistics::default(),
-        }
+        Self { time_s, state, options, proposed_s: 0.0, statistics: Statistics::default() }
     }
 
     /// Time reached, s.
@@ -119,11 +113,7 @@ impl<const N: usize> Rodas5p<N> {
 
     /// Makes one accepted step that ends at `stop_s` at the latest, and lands on it exactly. `ode` must be smooth
     /// up to there; the next call may bring another one.
-    pub fn step(
-        &mut self,
-        ode: &impl Ode<N>,
-        stop_s: f64,
-    ) -> Result<DenseStep<N>, IntegrationError> {
+    pub fn step(&mut self, ode: &impl Ode<N>, stop_s: f64) -> Result<DenseStep<N>, IntegrationError> {
         let (t, y) = (self.time_s, self.state);
         let slope = ode.derivative(t, &y);
         self.statistics.evaluations += 1;
@@ -155,19 +145,13 @@ impl<const N: usize> Rodas5p<N> {
             let h = end_s - t;
 
             let trial = self.trial(ode, t, &y, &slope, &slope_rate, &jacobian, h);
-            let error = trial.map_or(f64::INFINITY, |(next, estimate)| {
-                self.error_norm(&y, &next, &estimate)
-            });
+            let error = trial.map_or(f64::INFINITY, |(next, estimate)| self.error_norm(&y, &next, &estimate));
             let factor = (SAFETY * pow(error.max(1e-10), -1.0 / ERROR_ORDER)).clamp(SHRINK, GROW);
             match trial {
                 Some((next, _)) if error <= 1.0 => {
                     // A step cut short by a stop or by halving says nothing against the longer one proposed.
                     let grown = h * factor;
-                    self.proposed_s = if h < wanted {
-                        grown.max(self.proposed_s)
-                    } else {
-                        grown
-                    };
+                    self.proposed_s = if h < wanted { grown.max(self.proposed_s) } else { grown };
                     self.statistics.steps += 1;
                     self.time_s = end_s;
                     self.state = next;
@@ -199,10 +183,7 @@ impl<const N: usize> Rodas5p<N> {
 
     /// The new value and the error estimate of a step of length `h`; none if the matrix is singular or the result
     /// is not finite.
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "what the step knows at its start, all of it used once"
-    )]
+    #[allow(clippy::too_many_arguments, reason = "what the step knows at its start, all of it used once")]
     fn trial(
         &mut self,
         ode: &impl Ode<N>,
@@ -243,16 +224,10 @@ impl<const N: usize> Rodas5p<N> {
     }
 
     /// Largest error of a state over what is allowed.
-    fn error_norm(
-        &self,
-        y: &SVector<f64, N>,
-        next: &SVector<f64, N>,
-        estimate: &SVector<f64, N>,
-    ) -> f64 {
+    fn error_norm(&self, y: &SVector<f64, N>, next: &SVector<f64, N>, estimate: &SVector<f64, N>) -> f64 {
         let mut largest = 0.0_f64;
         for i in 0..N {
-            let allowed =
-                self.options.absolute[i] + self.options.relative[i] * y[i].abs().max(next[i].abs());
+            let allowed = self.options.absolute[i] + self.options.relative[i] * y[i].abs().max(next[i].abs());
             largest = largest.max(estimate[i].abs() / allowed);
         }
         largest
@@ -264,15 +239,9 @@ impl<const N: usize> Rodas5p<N> {
         let mut largest = 0.0_f64;
         for i in 0..N {
             let allowed = self.options.absolute[i] + self.options.relative[i] * self.state[i].abs();
-            largest = largest
-                .max(slope[i].abs() / allowed)
-                .max(curvature[i].abs() / allowed);
+            largest = largest.max(slope[i].abs() / allowed).max(curvature[i].abs() / allowed);
         }
-        if largest > 0.0 {
-            pow(0.01 / largest, 1.0 / ERROR_ORDER)
-        } else {
-            1.0
-        }
+        if largest > 0.0 { pow(0.01 / largest, 1.0 / ERROR_ORDER) } else { 1.0 }
     }
 }
 

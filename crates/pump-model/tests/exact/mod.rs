@@ -7,7 +7,7 @@ use pump_model::Line;
 const N: usize = 7;
 type Matrix = [[f64; N]; N];
 
-/// Coefficients of [1]'s roller volume, mL over degrees, highest order first.
+/// Coefficients of the paper's roller volume, mL over degrees, highest order first.
 const PUBLISHED: [f64; 6] = [
     1.3157682477570371e-8,
     -1.2381057474044833e-6,
@@ -54,11 +54,7 @@ impl Exact {
         let mut sum = NOMINAL;
         for k in -50..50 {
             let turned = theta - f64::from(k) * self.pitch();
-            sum -= if self.outlet {
-                g(PHI - turned)
-            } else {
-                g(turned - psi)
-            };
+            sum -= if self.outlet { g(PHI - turned) } else { g(turned - psi) };
         }
         sum
     }
@@ -79,9 +75,7 @@ impl Exact {
     /// Flow as coefficients in time since `start`, mL/s: interpolation at five inner points is exact for degree 4.
     fn flow_coefficients(&self, start: f64, end: f64) -> [f64; 5] {
         let duration = (end - start) / self.speed_rad_s;
-        let nodes: Vec<f64> = (0..5)
-            .map(|n| duration * (0.1 + 0.2 * f64::from(n)))
-            .collect();
+        let nodes: Vec<f64> = (0..5).map(|n| duration * (0.1 + 0.2 * f64::from(n))).collect();
         let mut table: Vec<f64> = nodes
             .iter()
             .map(|t| self.flow_per_rad(start + t * self.speed_rad_s) * self.speed_rad_s)
@@ -103,11 +97,8 @@ impl Exact {
 
     /// exp of the extended matrix over `t` inside the piece [start, end].
     fn propagator(&self, start: f64, end: f64, t: f64) -> Matrix {
-        let (r, c, l) = (
-            self.line.resistance_kpa_s_ml,
-            self.line.compliance_ml_kpa,
-            self.line.inertance_kpa_s2_ml,
-        );
+        let (r, c, l) =
+            (self.line.resistance_kpa_s_ml, self.line.compliance_ml_kpa, self.line.inertance_kpa_s2_ml);
         let sign = if self.outlet { 1.0 } else { -1.0 };
         let mut a = [[0.0; N]; N];
         a[0][1] = -sign / c;
@@ -152,10 +143,7 @@ impl Exact {
         let (p, q) = (column([1.0, 0.0]), column([0.0, 1.0]));
         let (a, b, c, d) = (1.0 - p[0], -q[0], -p[1], 1.0 - q[1]);
         let determinant = a * d - b * c;
-        [
-            (d * offset[0] - b * offset[1]) / determinant,
-            (a * offset[1] - c * offset[0]) / determinant,
-        ]
+        [(d * offset[0] - b * offset[1]) / determinant, (a * offset[1] - c * offset[0]) / determinant]
     }
 }
 
@@ -176,10 +164,7 @@ fn multiply(a: &Matrix, b: &Matrix) -> Matrix {
 }
 
 fn exponential(a: Matrix, t: f64) -> Matrix {
-    let largest = a
-        .iter()
-        .flatten()
-        .fold(0.0_f64, |norm, x| norm.max((x * t).abs()));
+    let largest = a.iter().flatten().fold(0.0_f64, |norm, x| norm.max((x * t).abs()));
     let squarings = (largest * N as f64).max(1e-3).log2().ceil().max(0.0) as i32 + 3;
     let factor = t / 2_f64.powi(squarings);
     let mut sum = [[0.0; N]; N];
