@@ -31,7 +31,7 @@ pub mod waveform;
 
 pub use bench::{Bench, DoseError, DoseRequest, PhaseSource, Prepared, Purpose};
 pub use built_in::{BUILT_IN, built_in};
-pub use output::replace_file;
+pub use output::Staged;
 pub use record::{Folder, Lock, Record, RecordError, default_state_dir};
 pub use report::{DoseReport, PhaseReport};
 pub use sim::Sim;

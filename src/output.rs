@@ -2,42 +2,70 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Writes a file through a temporary one beside it, synced and then renamed, so that nobody ever sees half of it and
-/// what was there before stays until then. Devices and pipes are written directly.
-pub fn replace_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    // A link is followed, so that its target is replaced and not the link.
-    let target = match fs::canonicalize(path) {
-        Ok(target) => target,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => path.to_owned(),
-        Err(error) => return Err(error),
-    };
-    match fs::metadata(&target) {
-        Ok(found) if found.is_dir() => {
-            return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+/// A file whose contents are written but not yet in place.
+///
+/// It is a synced temporary file beside its target, renamed by [`Staged::put`], so that nobody ever sees half of it and
+/// what was there before stays until then; dropped, it leaves nothing. Devices and pipes are written directly.
+#[derive(Debug)]
+pub struct Staged {
+    temporary: Option<tempfile::NamedTempFile>,
+    target: PathBuf,
+}
+
+impl Staged {
+    /// Writes what will replace `path`.
+    pub fn new(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Self> {
+        // A link is followed, so that its target is replaced and not the link.
+        let target = match fs::canonicalize(path) {
+            Ok(target) => target,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => path.to_owned(),
+            Err(error) => return Err(error),
+        };
+        match fs::metadata(&target) {
+            Ok(found) if found.is_dir() => {
+                return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+            }
+            Ok(found) if !found.is_file() => {
+                let mut device = BufWriter::new(File::options().write(true).open(&target)?);
+                write(&mut device)?;
+                device.flush()?;
+                return Ok(Self { temporary: None, target });
+            }
+            // An existing file that may not be written must not be replaced either.
+            Ok(_) => drop(File::options().write(true).open(&target)?),
+            Err(_) => {}
         }
-        Ok(found) if !found.is_file() => {
-            let mut device = BufWriter::new(File::options().write(true).open(&target)?);
-            write(&mut device)?;
-            return device.flush();
-        }
-        // An existing file that may not be written must not be replaced either.
-        Ok(_) => drop(File::options().write(true).open(&target)?),
-        Err(_) => {}
+        let mut temporary = temporary_beside(folder_of(&target))?;
+        let mut buffered = BufWriter::new(&mut temporary);
+        write(&mut buffered)?;
+        buffered.flush()?;
+        drop(buffered);
+        temporary.as_file().sync_all()?;
+        Ok(Self { temporary: Some(temporary), target })
     }
-    let folder = match target.parent() {
+
+    /// Puts the file in place.
+    pub fn put(self) -> io::Result<()> {
+        if let Some(temporary) = self.temporary {
+            temporary.persist(&self.target)?;
+            sync_folder(folder_of(&self.target))?;
+        }
+        Ok(())
+    }
+}
+
+/// Replaces a file: the old one or the new one is there at any instant.
+pub fn replace_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    Staged::new(path, write)?.put()
+}
+
+fn folder_of(target: &Path) -> &Path {
+    match target.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
-    };
-    let mut temporary = temporary_beside(folder)?;
-    let mut buffered = BufWriter::new(&mut temporary);
-    write(&mut buffered)?;
-    buffered.flush()?;
-    drop(buffered);
-    temporary.as_file().sync_all()?;
-    temporary.persist(&target)?;
-    sync_folder(folder)
+    }
 }
 
 /// A temporary file with the permissions that any new file gets.

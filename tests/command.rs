@@ -316,6 +316,8 @@ fn unwritable_outputs_are_refused_before_anything_moves() {
             assert!(message.contains("cannot write") && message.contains(target), "{message}");
         }
     }
+    user.is_refused(&["25mL", "--steps", "steps.csv", "--plot", "no/such/folder/file"]);
+    assert!(!user.path("steps.csv").exists(), "all outputs or none");
     assert!(user.is_refused(&["25mL", "--steps", "x", "--trace", "x"]).contains("two outputs"));
     assert!(user.is_refused(&["25mL", "--dt", "1s"]).contains("--trace"));
     let left: Vec<_> =

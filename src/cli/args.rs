@@ -85,6 +85,20 @@ pub(crate) enum Driver {
     Sim,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Model {
+    /// Flows at the rollers drive the lines
+    FlowCentric,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Method {
+    /// The best that applies
+    Auto,
+    /// The implicit integrator
+    Rodas5p,
+}
+
 /// Every option is accepted before and after a command.
 #[derive(Debug, Args)]
 pub(crate) struct Options {
@@ -139,6 +153,12 @@ pub(crate) struct Options {
     /// How long `simulate` runs, as 10s
     #[arg(long, global = true, value_name = "TIME", value_parser = quantity::time_s)]
     pub(crate) duration: Option<f64>,
+    /// What `simulate` computes [default: flow-centric]
+    #[arg(long, global = true)]
+    pub(crate) model: Option<Model>,
+    /// How `simulate` computes it [default: auto]
+    #[arg(long, global = true)]
+    pub(crate) method: Option<Method>,
 }
 
 impl Options {
@@ -160,6 +180,8 @@ impl Options {
             ("--plot", self.plot.is_some()),
             ("--dt", self.dt.is_some()),
             ("--duration", self.duration.is_some()),
+            ("--model", self.model.is_some()),
+            ("--method", self.method.is_some()),
         ];
         match given.iter().find(|(name, given)| *given && !accepted.contains(name)) {
             Some((name, _)) => {

@@ -1,19 +1,18 @@
 //! `dose <VOLUME>`, `dose prime`, `dose purge`.
 
 use std::io::{self, Write};
-use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use pump_dose::pump_file::PumpFile;
 use pump_dose::quantity::Amount;
 use pump_dose::waveform::{Waveform, times};
-use pump_dose::{Bench, DoseReport, DoseRequest, Prepared, Purpose, csv, plot, replace_file};
+use pump_dose::{Bench, DoseReport, DoseRequest, Prepared, Purpose, csv};
+use pump_model::DEFAULT_TOLERANCE;
 
 use super::args::Options;
+use super::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use super::{Failure, print};
 
-/// Rows of a trace, and least time between samples of a plot, s.
-const DEFAULT_DT_S: f64 = 1e-3;
 /// A trace beyond this is a mistake: it would fill disks.
 const MAX_ROWS: f64 = 1e9;
 
@@ -107,15 +106,20 @@ fn request(
     })
 }
 
-/// Writes the files that were asked for. They hold predictions, so they are there before anything moves.
+/// Writes the files that were asked for. They hold predictions, so they are there, all of them, before anything moves.
 fn write_outputs(bench: &Bench, prepared: &Prepared, options: &Options) -> Result<(), Failure> {
     let plan = &prepared.plan;
     let motion_s = plan.profile.duration_s();
     let end_s = motion_s + prepared.prediction.settle_s;
+    let samples = |dt_s| {
+        let waveform = Waveform::new(bench.model(), plan.legs(), DEFAULT_TOLERANCE);
+        let mut waveform = waveform.map_err(Failure::refused)?;
+        Ok::<_, Failure>(times(dt_s, motion_s, end_s).map(move |time_s| waveform.at(time_s)))
+    };
+    let mut outputs = Outputs::default();
     if let Some(path) = &options.steps {
-        write(path, |to| csv::write_steps(to, plan))?;
+        outputs.write(path, |to| csv::write_steps(to, plan))?;
     }
-    let waveform = || Waveform::new(bench.model(), plan.legs(), pump_model::DEFAULT_TOLERANCE);
     if let Some(path) = &options.trace {
         let dt_s = options.dt.unwrap_or(DEFAULT_DT_S);
         if end_s / dt_s > MAX_ROWS {
@@ -123,30 +127,13 @@ fn write_outputs(bench: &Bench, prepared: &Prepared, options: &Options) -> Resul
                 "a trace of {end_s:.3} s every {dt_s} s has more than {MAX_ROWS:e} rows; use a longer --dt"
             )));
         }
-        let mut waveform = waveform().map_err(Failure::refused)?;
-        let samples = times(dt_s, motion_s, end_s).map(|time_s| waveform.at(time_s));
-        write(path, |to| csv::write_samples(to, samples.map(|sample| sample.map_err(io::Error::other))))?;
+        outputs.trace(path, samples(dt_s)?)?;
     }
     if let Some(path) = &options.plot {
-        let dt_s = (end_s / 1e6).max(DEFAULT_DT_S);
-        let mut waveform = waveform().map_err(Failure::refused)?;
-        let samples: Result<Vec<_>, _> =
-            times(dt_s, motion_s, end_s).map(|time_s| waveform.at(time_s)).collect();
         let title = format!("{} mL on {} (predicted)", plan.requested_ml, bench.file().pump.id);
-        let svg = plot::svg(&title, &samples.map_err(Failure::refused)?, Some(motion_s))
-            .map_err(Failure::refused)?;
-        write(path, |to| to.write_all(svg.as_bytes()))?;
+        outputs.plot(path, &title, samples(f64::max(end_s / PLOT_SAMPLES, DEFAULT_DT_S))?, Some(motion_s))?;
     }
-    Ok(())
-}
-
-/// Writes an output file whole or not at all.
-pub(crate) fn write(
-    path: &Path,
-    contents: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), Failure> {
-    replace_file(path, contents)
-        .map_err(|error| Failure::refused(format!("cannot write {}: {error}; nothing moved", path.display())))
+    outputs.put()
 }
 
 fn progress_bar(prepared: &Prepared) -> ProgressBar {

@@ -2,6 +2,7 @@
 
 mod args;
 mod dose;
+mod outputs;
 mod pumps;
 mod simulate;
 mod status;

@@ -1,15 +1,13 @@
 //! `dose simulate`: the model at constant speed.
 
-use std::io;
-
 use pump_ctl::plan::{Cruise, speed_for_flow};
-use pump_dose::{Simulation, SteadyReport, csv, plot};
+use pump_dose::{Simulation, SteadyReport};
 use pump_model::DEFAULT_TOLERANCE;
 use pump_model::math::TURN_RAD;
 use serde::Serialize;
 
-use super::args::Options;
-use super::dose::write;
+use super::args::{Method, Model, Options};
+use super::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use super::{Failure, print};
 
 /// What `dose simulate --format json` prints.
@@ -18,6 +16,7 @@ struct Report<'a> {
     schema: &'static str,
     pump: &'a str,
     model: &'static str,
+    method: &'static str,
     speed_rpm: f64,
     duration_s: f64,
     dt_s: f64,
@@ -27,7 +26,18 @@ struct Report<'a> {
 pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
     options.accept_only(
         "dose simulate",
-        &["--rate", "--speed", "--reverse", "--format", "--trace", "--plot", "--dt", "--duration"],
+        &[
+            "--rate",
+            "--speed",
+            "--reverse",
+            "--format",
+            "--trace",
+            "--plot",
+            "--dt",
+            "--duration",
+            "--model",
+            "--method",
+        ],
     )?;
     options.outputs_differ()?;
     let file = options.pump_file()?;
@@ -43,32 +53,35 @@ pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
         return Err(Failure::refused("how long? Add --duration 10s"));
     };
     let speed_rad_s = if options.reverse { -speed_rad_s } else { speed_rad_s };
-    let run = Simulation::new(speed_rad_s, duration_s, options.dt.unwrap_or(1e-3));
+    let run = Simulation::new(speed_rad_s, duration_s, options.dt.unwrap_or(DEFAULT_DT_S));
     run.validate().map_err(Failure::refused)?;
     let steady = pump.steady_state(speed_rad_s, DEFAULT_TOLERANCE).map_err(Failure::refused)?;
     let report = Report {
         schema: "simulation/1",
         pump: &file.pump.id,
-        model: "flow-centric",
+        model: match options.model.unwrap_or(Model::FlowCentric) {
+            Model::FlowCentric => "flow-centric",
+        },
+        method: match options.method.unwrap_or(Method::Auto) {
+            Method::Auto | Method::Rodas5p => "rodas5p",
+        },
         speed_rpm: speed_rad_s * 60.0 / TURN_RAD,
         duration_s,
         dt_s: run.dt_s,
         steady: steady.into(),
     };
 
+    let mut outputs = Outputs::default();
     if let Some(path) = &options.trace {
-        let samples = run.samples(&pump).map_err(Failure::refused)?;
-        write(path, |to| csv::write_samples(to, samples.map(|sample| sample.map_err(io::Error::other))))?;
+        outputs.trace(path, run.samples(&pump).map_err(Failure::refused)?)?;
     }
     if let Some(path) = &options.plot {
-        // A picture needs no more samples than this, and they are kept in memory.
-        let coarse = Simulation { dt_s: run.dt_s.max(duration_s / 1e6), ..run };
+        let coarse = Simulation { dt_s: run.dt_s.max(duration_s / PLOT_SAMPLES), ..run };
         let samples = coarse.samples(&pump).map_err(Failure::refused)?;
-        let samples = samples.collect::<Result<Vec<_>, _>>().map_err(Failure::refused)?;
         let title = format!("{} at {:.4} r/min from rest", report.pump, report.speed_rpm);
-        let svg = plot::svg(&title, &samples, None).map_err(Failure::refused)?;
-        write(path, |to| to.write_all(svg.as_bytes()))?;
+        outputs.plot(path, &title, samples, None)?;
     }
+    outputs.put()?;
     if options.json() {
         let json = serde_json::to_string(&report).map_err(Failure::refused)?;
         print(&(json + "\n"))
