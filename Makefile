@@ -1,6 +1,7 @@
 # Each line is a command that a person could type.
 PYTHON ?= python3
 VENV := .venv
+BIN := $(CURDIR)/$(VENV)/bin
 TARGETS := thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imc-unknown-none-elf
 
 .PHONY: test test-rust test-python lint bench embedded docs
@@ -11,12 +12,12 @@ test-rust:
 	cargo test --locked
 
 test-python: $(VENV)/installed
-	$(VENV)/bin/python -m pytest crates/pump-py/tests
+	cd crates/pump-py && $(BIN)/python -m pytest -q
 
 # Installed anew whenever a source of the Python module has changed.
 $(VENV)/installed: $(shell git ls-files -- Cargo.lock Cargo.toml 'src/*.rs' 'crates/*/src/*' 'crates/pump-py/*.toml' 'crates/pump-py/python/*')
 	$(PYTHON) -m venv $(VENV)
-	$(VENV)/bin/pip install --quiet "./crates/pump-py[test]"
+	$(BIN)/pip install --quiet "./crates/pump-py[test]"
 	touch $@
 
 lint: $(VENV)/installed
@@ -25,10 +26,9 @@ lint: $(VENV)/installed
 	cargo fmt --all --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --document-private-items
-	$(VENV)/bin/ruff check crates/pump-py
-	$(VENV)/bin/ruff format --check crates/pump-py
-	$(VENV)/bin/mypy --strict crates/pump-py/tests
-	$(VENV)/bin/python -m mypy.stubtest pumpmodel
+	cd crates/pump-py && $(BIN)/ruff check . && $(BIN)/ruff format --check .
+	cd crates/pump-py && $(BIN)/mypy python tests
+	cd crates/pump-py && $(BIN)/python -m mypy.stubtest pumpmodel --mypy-config-file pyproject.toml
 
 bench:
 	cargo bench --locked

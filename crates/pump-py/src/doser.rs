@@ -1,0 +1,171 @@
+//! Plans doses of one pump within its limits.
+
+use pump_ctl::plan::{Cruise, Limits as CtlLimits};
+use pump_dose::{DoseRequest, Purpose, quantity};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyString;
+
+use crate::errors::{self, value};
+use crate::limits::Limits;
+use crate::plan::Plan;
+use crate::pump::Pump;
+
+/// Plans doses of a pump.
+///
+/// Parameters
+/// ----------
+/// pump : Pump
+///     The pump.
+/// limits : Limits, optional
+///     Pressures to keep in place of the pump file's.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If a limit means nothing.
+///
+/// Examples
+/// --------
+/// >>> import pumpmodel as pm
+/// >>> plan = pm.Doser(pm.Pump.three_roller()).plan("25mL", rate="10 mL/s")
+/// >>> plan.steps
+/// 15480
+#[pyclass(frozen, get_all, module = "pumpmodel")]
+pub(crate) struct Doser {
+    /// The pump.
+    pub(crate) pump: Py<Pump>,
+    /// Pressures to keep in place of the pump file's.
+    pub(crate) limits: Limits,
+}
+
+#[pymethods]
+impl Doser {
+    #[new]
+    #[pyo3(signature = (pump, limits=None))]
+    fn new(pump: Py<Pump>, limits: Option<Py<Limits>>) -> PyResult<Self> {
+        let limits = limits.map_or(Limits::default(), |limits| *limits.get());
+        let doser = Self { pump, limits };
+        doser.ctl_limits().validate().map_err(errors::plan)?;
+        Ok(doser)
+    }
+
+    /// Plans a dose and predicts its pressures. Moves nothing. Other threads run meanwhile.
+    ///
+    /// Parameters
+    /// ----------
+    /// volume : str
+    ///     Volume or mass with its unit, as "25mL", "0.025 L", "250uL", "25 g"; negative in reverse.
+    /// rate : str, optional
+    ///     Average flow while cruising, as "10 mL/s".
+    /// speed : str, optional
+    ///     Speed of the pump head while cruising, as "100rpm".
+    /// within : str, optional
+    ///     Total time with ramps and settling, as "10s": the slowest cruise that meets it.
+    ///     At most one of these three is given; without any, the rate is the pump's `default_rate_ml_s`.
+    /// start_angle_rad : float
+    ///     Where the rollers stand, rad. Only the angle within a pitch matters.
+    /// carry_in_ml : float
+    ///     What earlier doses owe, mL, positive toward the outlet: `carry_ml` of the plan before.
+    ///
+    /// Returns
+    /// -------
+    /// Plan
+    ///     Steps, times and predicted pressures.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If a quantity is a bare number.
+    /// ValueError
+    ///     If a text is no such quantity, or a number is outside its range.
+    /// PlanError
+    ///     If the pump cannot do it, as a rate above its fastest or a pressure beyond a limit.
+    #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
+    #[pyo3(signature = (volume, *, rate=None, speed=None, within=None, start_angle_rad=0.0, carry_in_ml=0.0))]
+    fn plan(
+        slf: &Bound<'_, Self>,
+        volume: &Bound<'_, PyAny>,
+        rate: Option<&Bound<'_, PyAny>>,
+        speed: Option<&Bound<'_, PyAny>>,
+        within: Option<&Bound<'_, PyAny>>,
+        start_angle_rad: f64,
+        carry_in_ml: f64,
+    ) -> PyResult<Plan> {
+        let doser = slf.get();
+        let amount = quantity::amount(text("volume", "25mL", volume)?).map_err(value)?;
+        let request = DoseRequest {
+            purpose: Purpose::Dose,
+            volume_ml: amount.volume_ml(doser.pump.get().file.fluid.density_kg_m3),
+            cruise: cruise(rate, speed, within)?,
+            start_angle_rad: Some(start_angle_rad),
+            max_outlet_kpa: doser.limits.max_outlet_kpa,
+            min_inlet_kpa: doser.limits.min_inlet_kpa,
+        };
+        Plan::new(slf, request, carry_in_ml)
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.limits == other.limits && self.pump.get() == other.pump.get()
+    }
+
+    pub(crate) fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        let parts = (self.pump.get().__hash__(py)?, self.limits.__hash__(py)?);
+        parts.into_pyobject(py)?.into_any().hash()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(format!("Doser({}, {})", self.pump.bind(py).repr()?, self.limits.__repr__()))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, (Py<Pump>, Limits)) {
+        (py.get_type::<Self>().into_any(), (self.pump.clone_ref(py), self.limits))
+    }
+}
+
+impl Doser {
+    /// Those of the pump file, with the pressures given here in their place.
+    pub(crate) fn ctl_limits(&self) -> CtlLimits {
+        let limits = self.pump.get().file.limits();
+        CtlLimits {
+            max_outlet_kpa: self.limits.max_outlet_kpa.or(limits.max_outlet_kpa),
+            min_inlet_kpa: self.limits.min_inlet_kpa.or(limits.min_inlet_kpa),
+            ..limits
+        }
+    }
+}
+
+/// The one of the three that is given.
+fn cruise(
+    rate: Option<&Bound<'_, PyAny>>,
+    speed: Option<&Bound<'_, PyAny>>,
+    within: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Option<Cruise>> {
+    match (rate, speed, within) {
+        (None, None, None) => Ok(None),
+        (Some(rate), None, None) => {
+            let ml_s = quantity::flow_ml_s(text("rate", "10 mL/s", rate)?).map_err(value)?;
+            Ok(Some(Cruise::Flow { ml_s }))
+        }
+        (None, Some(speed), None) => {
+            let rad_s = quantity::speed_rad_s(text("speed", "100rpm", speed)?).map_err(value)?;
+            Ok(Some(Cruise::Speed { rad_s }))
+        }
+        (None, None, Some(within)) => {
+            let time_s = quantity::time_s(text("within", "10s", within)?).map_err(value)?;
+            Ok(Some(Cruise::Within { time_s }))
+        }
+        _ => Err(value("rate, speed and within exclude each other; give one at most")),
+    }
+}
+
+/// A quantity's text; a bare number has no unit.
+fn text<'a>(name: &str, example: &str, argument: &'a Bound<'_, PyAny>) -> PyResult<&'a str> {
+    match argument.cast::<PyString>() {
+        Ok(text) => text.to_str(),
+        Err(_) => Err(PyTypeError::new_err(format!(
+            "{name} must be text with its unit, as \"{example}\", not {}",
+            argument.get_type().name()?
+        ))),
+    }
+}

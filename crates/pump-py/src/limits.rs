@@ -1,0 +1,56 @@
+//! Pressures that a dose must keep.
+
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+/// Pressures that a dose must keep; what is left out is the pump file's, if it has one.
+///
+/// In reverse the outlet limit applies to the inlet, which then pushes, and the inlet limit to the outlet.
+///
+/// Parameters
+/// ----------
+/// max_outlet_kpa : float, optional
+///     Largest pressure at the port that pushes, kPa absolute. `Doser` checks that it is positive and at most 1e6.
+/// min_inlet_kpa : float, optional
+///     Smallest pressure at the port that sucks, kPa absolute. `Doser` checks that it is within 1e6 either way.
+#[pyclass(frozen, eq, get_all, module = "pumpmodel")]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Limits {
+    /// Largest pressure at the port that pushes, kPa absolute, or None.
+    pub(crate) max_outlet_kpa: Option<f64>,
+    /// Smallest pressure at the port that sucks, kPa absolute, or None.
+    pub(crate) min_inlet_kpa: Option<f64>,
+}
+
+#[pymethods]
+impl Limits {
+    #[new]
+    #[pyo3(signature = (*, max_outlet_kpa=None, min_inlet_kpa=None))]
+    fn new(max_outlet_kpa: Option<f64>, min_inlet_kpa: Option<f64>) -> Self {
+        Self { max_outlet_kpa, min_inlet_kpa }
+    }
+
+    pub(crate) fn __repr__(&self) -> String {
+        let shown = |limit: Option<f64>| limit.map_or("None".to_owned(), |kpa| format!("{kpa:?}"));
+        format!(
+            "Limits(max_outlet_kpa={}, min_inlet_kpa={})",
+            shown(self.max_outlet_kpa),
+            shown(self.min_inlet_kpa)
+        )
+    }
+
+    pub(crate) fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        PyTuple::new(py, [self.max_outlet_kpa, self.min_inlet_kpa])?.hash()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let numbers = PyTuple::new(py, [self.max_outlet_kpa, self.min_inlet_kpa])?;
+        Ok((py.get_type::<Self>().getattr("_rebuild")?, numbers))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (max_outlet_kpa, min_inlet_kpa))]
+    fn _rebuild(max_outlet_kpa: Option<f64>, min_inlet_kpa: Option<f64>) -> Self {
+        Self::new(max_outlet_kpa, min_inlet_kpa)
+    }
+}

@@ -1,0 +1,257 @@
+//! A planned dose.
+
+use numpy::PyArray1;
+use pump_ctl::plan::{Cruise, Phase, Request, plan};
+use pump_dose::{Budget, DoseReport, DoseRequest, PhaseSource, Prepared, Purpose};
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+use crate::doser::Doser;
+use crate::errors::{self, value};
+use crate::pump::Pump;
+
+/// A cruise as plain data: which of rate (mL/s), speed (rad/s) and within (s), and its value.
+type PlainCruise = Option<(String, f64)>;
+/// What a plan is pickled as.
+type Plain = (Py<Doser>, f64, PlainCruise, f64, f64);
+
+/// A dose, ready to run: made by `Doser.plan`.
+///
+/// Volumes are negative in reverse. Angles are of the pump head, unwrapped; times count from the start of motion.
+#[pyclass(frozen, module = "pumpmodel")]
+pub(crate) struct Plan {
+    pub(crate) doser: Py<Doser>,
+    pub(crate) prepared: Prepared,
+    pub(crate) report: DoseReport,
+    pub(crate) step_times_s: PyOnceLock<Py<PyArray1<f64>>>,
+}
+
+#[pymethods]
+impl Plan {
+    /// The pump that it is for.
+    #[getter]
+    fn pump(&self, py: Python<'_>) -> Py<Pump> {
+        self.doser.get().pump.clone_ref(py)
+    }
+
+    /// Volume asked for, mL.
+    #[getter]
+    fn requested_ml(&self) -> f64 {
+        self.report.requested_ml
+    }
+
+    /// What earlier doses owed, mL.
+    #[getter]
+    fn carry_in_ml(&self) -> f64 {
+        self.report.carry_in_ml
+    }
+
+    /// Volume of the planned steps once the line has settled, mL.
+    #[getter]
+    fn planned_ml(&self) -> f64 {
+        self.report.planned_ml
+    }
+
+    /// What the next dose owes: requested + carry_in - planned, mL.
+    #[getter]
+    fn carry_ml(&self) -> f64 {
+        self.report.carry_ml
+    }
+
+    /// Expanded uncertainty of the volume (k = 2), mL.
+    #[getter]
+    fn expanded_uncertainty_ml(&self) -> f64 {
+        self.report.expanded_uncertainty_ml
+    }
+
+    /// Motor steps; negative in reverse.
+    #[getter]
+    fn steps(&self) -> i64 {
+        self.report.steps
+    }
+
+    /// Motor steps per revolution of the pump head.
+    #[getter]
+    fn steps_per_rev(&self) -> f64 {
+        self.report.steps_per_rev
+    }
+
+    /// Where the rollers stand at the start, rad.
+    #[getter]
+    fn start_angle_rad(&self) -> f64 {
+        self.prepared.plan.start.angle_rad
+    }
+
+    /// Where they stand at the end, rad, counted on from the start angle.
+    #[getter]
+    fn end_angle_rad(&self) -> f64 {
+        self.prepared.plan.end_angle_rad()
+    }
+
+    /// Fastest speed of the pump head, r/min.
+    #[getter]
+    fn cruise_speed_rpm(&self) -> f64 {
+        self.report.cruise_speed_rpm
+    }
+
+    /// Average flow at that speed, mL/s.
+    #[getter]
+    fn cruise_flow_ml_s(&self) -> f64 {
+        self.report.cruise_flow_ml_s
+    }
+
+    /// Planned volume over the time of motion, mL/s.
+    #[getter]
+    fn mean_flow_ml_s(&self) -> f64 {
+        self.report.mean_flow_ml_s
+    }
+
+    /// Time from the start to the last step, s.
+    #[getter]
+    fn motion_s(&self) -> f64 {
+        self.report.motion_s
+    }
+
+    /// Time from the last step until the undelivered volume stays below 1 uL, s.
+    #[getter]
+    fn settle_s(&self) -> f64 {
+        self.report.settle_s
+    }
+
+    /// Smallest predicted inlet pressure, kPa absolute.
+    #[getter]
+    fn inlet_min_kpa(&self) -> f64 {
+        self.report.inlet_min_kpa
+    }
+
+    /// Largest predicted inlet pressure, kPa absolute.
+    #[getter]
+    fn inlet_max_kpa(&self) -> f64 {
+        self.report.inlet_max_kpa
+    }
+
+    /// Smallest predicted outlet pressure, kPa absolute.
+    #[getter]
+    fn outlet_min_kpa(&self) -> f64 {
+        self.report.outlet_min_kpa
+    }
+
+    /// Largest predicted outlet pressure, kPa absolute.
+    #[getter]
+    fn outlet_max_kpa(&self) -> f64 {
+        self.report.outlet_max_kpa
+    }
+
+    /// What keeps the dose from being faster: "none" if it cruises as asked, or "acceleration".
+    #[getter]
+    fn limited_by(&self) -> &str {
+        self.report.limited_by
+    }
+
+    /// What to know before running it.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.report.warnings.clone()
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.prepared == other.prepared && self.doser.get().pump.get() == other.doser.get().pump.get()
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        let pump = self.doser.get().pump.get().__hash__(py)?;
+        (pump, self.report.requested_ml, self.report.steps).into_pyobject(py)?.into_any().hash()
+    }
+
+    fn __repr__(&self) -> String {
+        let report = &self.report;
+        format!(
+            "<Plan of {:?} mL on '{}': planned_ml {:.6}, steps {}, cruise_speed_rpm {:.4}, motion_s {:.4}, settle_s {:.4}>",
+            report.requested_ml,
+            report.pump,
+            report.planned_ml,
+            report.steps,
+            report.cruise_speed_rpm,
+            report.motion_s,
+            report.settle_s,
+        )
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Plain)> {
+        let request = &self.prepared.request;
+        let cruise = request.cruise.map(|cruise| match cruise {
+            Cruise::Flow { ml_s } => ("rate".to_owned(), ml_s),
+            Cruise::Speed { rad_s } => ("speed".to_owned(), rad_s),
+            Cruise::Within { time_s } => ("within".to_owned(), time_s),
+        });
+        let plain = (
+            self.doser.clone_ref(py),
+            request.volume_ml,
+            cruise,
+            self.start_angle_rad(),
+            self.report.carry_in_ml,
+        );
+        Ok((py.get_type::<Self>().getattr("_rebuild")?, plain))
+    }
+
+    /// Plans again: the same request on the same pump is the same plan.
+    #[staticmethod]
+    #[pyo3(signature = (doser, volume_ml, cruise, start_angle_rad, carry_in_ml))]
+    fn _rebuild(
+        doser: &Bound<'_, Doser>,
+        volume_ml: f64,
+        cruise: PlainCruise,
+        start_angle_rad: f64,
+        carry_in_ml: f64,
+    ) -> PyResult<Self> {
+        let cruise = match cruise {
+            None => None,
+            Some((name, ml_s)) if name == "rate" => Some(Cruise::Flow { ml_s }),
+            Some((name, rad_s)) if name == "speed" => Some(Cruise::Speed { rad_s }),
+            Some((name, time_s)) if name == "within" => Some(Cruise::Within { time_s }),
+            Some((name, _)) => return Err(value(format_args!("no cruise is `{name}`"))),
+        };
+        let limits = doser.get().limits;
+        let request = DoseRequest {
+            purpose: Purpose::Dose,
+            volume_ml,
+            cruise,
+            start_angle_rad: Some(start_angle_rad),
+            max_outlet_kpa: limits.max_outlet_kpa,
+            min_inlet_kpa: limits.min_inlet_kpa,
+        };
+        Self::new(doser, request, carry_in_ml)
+    }
+}
+
+impl Plan {
+    pub(crate) fn new(doser: &Bound<'_, Doser>, request: DoseRequest, carry_in_ml: f64) -> PyResult<Self> {
+        let Pump { file, model } = doser.get().pump.get();
+        let limits = doser.get().ctl_limits();
+        let prepared = doser.py().detach(|| {
+            let asked = Request {
+                volume_ml: request.volume_ml,
+                carry_in_ml,
+                cruise: request.cruise.unwrap_or(Cruise::Flow { ml_s: file.pump.default_rate_ml_s }),
+            };
+            let start = Phase::known(request.start_angle_rad.unwrap_or(0.0));
+            let plan = plan(model, start, &asked, &limits)?;
+            Ok(Prepared {
+                request,
+                prediction: plan.predict(model)?,
+                budget: Budget::new(model, &plan, &file.uncertainty),
+                plan,
+                limits,
+                phase_source: PhaseSource::Given,
+                recorded_carry_ml: carry_in_ml,
+            })
+        });
+        let prepared = prepared.map_err(errors::plan)?;
+        Ok(Self {
+            report: DoseReport::without_bench(file, model, file.driver(), &prepared, None),
+            doser: doser.clone().unbind(),
+            prepared,
+            step_times_s: PyOnceLock::new(),
+        })
+    }
+}

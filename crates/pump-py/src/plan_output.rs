@@ -1,0 +1,80 @@
+//! What a planned dose looks like over time, and as plain data.
+
+use numpy::PyArray1;
+use pump_dose::waveform::{Waveform, times};
+use pump_model::{DEFAULT_TOLERANCE, ModelError};
+use pyo3::prelude::*;
+
+use crate::errors::{self, value};
+use crate::plan::Plan;
+use crate::run::{Run, frozen, reserve};
+
+/// Most rows of a trace, as in the command.
+const MAX_ROWS: f64 = 1e9;
+
+#[pymethods]
+impl Plan {
+    /// Time of every motor step, s; read-only, shape (abs(steps),).
+    #[getter]
+    fn step_times_s(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
+        let times = self.step_times_s.get_or_try_init(py, || {
+            let times = py.detach(|| {
+                let mut times = Vec::new();
+                reserve(&mut times, self.prepared.plan.steps.unsigned_abs())?;
+                times.extend(self.prepared.plan.steps().map(|step| step.time_s));
+                Ok::<_, PyErr>(times)
+            })?;
+            frozen(py, times)
+        })?;
+        Ok(times.clone_ref(py))
+    }
+
+    /// Predicted flows and pressures over the dose, from lines at rest until they have settled.
+    ///
+    /// Parameters
+    /// ----------
+    /// dt_s : float
+    ///     Time between samples, s. The last step and the end have samples of their own.
+    ///
+    /// Returns
+    /// -------
+    /// Run
+    ///     Flows and pressures over time.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If `dt_s` is not positive, or so short that there would be more than 1e9 samples.
+    /// PumpError
+    ///     If the solver fails on the way.
+    /// MemoryError
+    ///     If there is no room for the samples.
+    #[pyo3(signature = (*, dt_s=1e-3))]
+    fn trace(&self, py: Python<'_>, dt_s: f64) -> PyResult<Run> {
+        let motion_s = self.report.motion_s;
+        let end_s = motion_s + self.report.settle_s;
+        let least_s = end_s / MAX_ROWS;
+        if !(dt_s >= least_s && dt_s.is_finite()) {
+            return Err(value(format_args!(
+                "dt_s is {dt_s}; allowed: a finite time, {least_s:e} or more for this dose"
+            )));
+        }
+        let model = &self.doser.get().pump.get().model;
+        let legs = self.prepared.plan.legs();
+        let mut waveform = Waveform::new(model, legs, DEFAULT_TOLERANCE).map_err(errors::integration)?;
+        let samples =
+            times(dt_s, motion_s, end_s).map(move |time_s| waveform.at(time_s).map_err(ModelError::from));
+        // The grid, the last step and the end.
+        Run::collect(py, (end_s / dt_s) as u64 + 3, samples)
+    }
+
+    /// The plan as the command reports a dry run: the object `dose/1` of its JSON.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     Numbers, texts, lists and dicts alone; angles in deg, `delivered_ml` None.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("json")?.call_method1("loads", (self.report.json(),))
+    }
+}

@@ -1,0 +1,255 @@
+//! A pump: what its file says, and the model that follows from it.
+
+use std::path::PathBuf;
+
+use pump_dose::built_in;
+use pump_dose::pump_file::{LineTable, PumpFile};
+use pump_model::Pump as Model;
+use pyo3::prelude::*;
+
+use crate::errors::{self, value};
+use crate::line::Line;
+
+/// A roller pump with its two lines, its motor and what is pumped: what a pump file says.
+///
+/// Made by `Pump.three_roller`, `Pump.two_roller`, `Pump.from_toml` and `Pump.replace`. Volumes are in mL, pressures in
+/// kPa absolute, angles in rad of the pump head; angle 0 is where a roller begins to leave the outlet.
+///
+/// Examples
+/// --------
+/// >>> import pumpmodel as pm
+/// >>> pump = pm.Pump.three_roller()
+/// >>> round(pump.average_flow(speed_rpm=100), 4)
+/// 35.5308
+#[pyclass(frozen, eq, module = "pumpmodel")]
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Pump {
+    pub(crate) file: PumpFile,
+    pub(crate) model: Model,
+}
+
+#[pymethods]
+impl Pump {
+    /// The pump of McIntyre et al. with three rollers.
+    ///
+    /// Parameters
+    /// ----------
+    /// variant : {"measured", "published", "as-built"}
+    ///     The paper's dimensions with the measured roller volume of 2.1055 mL; with that of its table, 2.06 mL; or the
+    ///     dimensions of its authors' code.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there is no such variant.
+    #[staticmethod]
+    #[pyo3(signature = (variant="measured"))]
+    fn three_roller(variant: &str) -> PyResult<Self> {
+        Self::built_in("three-roller", variant)
+    }
+
+    /// The same pump with two rollers.
+    ///
+    /// Parameters
+    /// ----------
+    /// variant : {"measured", "published", "as-built"}
+    ///     As in `three_roller`.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there is no such variant.
+    #[staticmethod]
+    #[pyo3(signature = (variant="measured"))]
+    fn two_roller(variant: &str) -> PyResult<Self> {
+        Self::built_in("two-roller", variant)
+    }
+
+    /// The pump of a pump file.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     TOML file with `schema = "pump/1"`.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If it cannot be opened; FileNotFoundError if it is not there.
+    /// PumpFileError
+    ///     If it is no pump file, or the pump that it describes cannot work. A ValueError too.
+    #[staticmethod]
+    fn from_toml(path: PathBuf) -> PyResult<Self> {
+        Self::new(PumpFile::read(&path).map_err(errors::pump_file)?)
+    }
+
+    /// The pump as the text of a pump file.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     TOML that `from_toml` reads back as an equal pump.
+    fn to_toml(&self) -> String {
+        self.file.to_toml()
+    }
+
+    /// This pump with other rollers or lines; id, name and all else stay.
+    ///
+    /// Parameters
+    /// ----------
+    /// rollers : int, optional
+    ///     Number of rollers.
+    /// inlet, outlet : Line, optional
+    ///     Lines.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If such a pump cannot work, as when its rollers leave the tube open.
+    #[pyo3(signature = (*, rollers=None, inlet=None, outlet=None))]
+    fn replace(
+        &self,
+        rollers: Option<i64>,
+        inlet: Option<Py<Line>>,
+        outlet: Option<Py<Line>>,
+    ) -> PyResult<Self> {
+        let mut file = self.file.clone();
+        if let Some(count) = rollers {
+            file.rollers.count = u32::try_from(count)
+                .map_err(|_| value(format_args!("rollers is {count}; allowed: 1 to 1000")))?;
+        }
+        if let Some(line) = inlet {
+            file.inlet = table(line.get());
+        }
+        if let Some(line) = outlet {
+            file.outlet = table(line.get());
+        }
+        let pump = Self::new(file)?;
+        pump.file.check(&pump.file.pump.id).map_err(value)?;
+        Ok(pump)
+    }
+
+    /// Name of the pump in records and reports.
+    #[getter]
+    fn id(&self) -> &str {
+        &self.file.pump.id
+    }
+
+    /// Name for people.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.file.pump.name
+    }
+
+    /// Number of rollers.
+    #[getter]
+    fn rollers(&self) -> u32 {
+        self.file.rollers.count
+    }
+
+    /// Angle between rollers, rad: the period of the flow.
+    #[getter]
+    fn pitch_rad(&self) -> f64 {
+        self.model.pitch_rad()
+    }
+
+    /// Volume of a revolution, mL.
+    #[getter]
+    fn volume_per_revolution_ml(&self) -> f64 {
+        self.model.revolution_ml()
+    }
+
+    /// Line from the inlet's reservoir to the pump.
+    #[getter]
+    fn inlet(&self) -> Line {
+        Line(*self.model.inlet())
+    }
+
+    /// Line from the pump to the outlet's reservoir.
+    #[getter]
+    fn outlet(&self) -> Line {
+        Line(*self.model.outlet())
+    }
+
+    /// Motor steps per revolution of the pump head, gear included.
+    #[getter]
+    fn steps_per_rev(&self) -> f64 {
+        self.file.limits().motor.steps_per_rev
+    }
+
+    /// Fastest speed of the pump head, r/min.
+    #[getter]
+    fn max_speed_rpm(&self) -> f64 {
+        self.file.motor.max_speed_rpm
+    }
+
+    /// Largest acceleration of the pump head, rad/s².
+    #[getter]
+    fn max_acceleration_rad_s2(&self) -> f64 {
+        self.file.motor.max_acceleration_rad_s2
+    }
+
+    /// Rate of a dose that names none, mL/s.
+    #[getter]
+    fn default_rate_ml_s(&self) -> f64 {
+        self.file.pump.default_rate_ml_s
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Pump(id='{}', rollers={}, volume_per_revolution_ml={:.4})",
+            self.file.pump.id,
+            self.file.rollers.count,
+            self.model.revolution_ml()
+        )
+    }
+
+    pub(crate) fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        // Equal pumps have equal numbers; Python's hash of 0.0 is that of -0.0.
+        (self.id(), self.rollers(), self.volume_per_revolution_ml()).into_pyobject(py)?.into_any().hash()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((py.get_type::<Self>().getattr("_rebuild")?, (self.to_toml(),)))
+    }
+
+    #[staticmethod]
+    fn _rebuild(toml: &str) -> PyResult<Self> {
+        Self::new(PumpFile::parse(toml, "of a pickled pump").map_err(errors::pump_file)?)
+    }
+}
+
+impl Pump {
+    fn new(file: PumpFile) -> PyResult<Self> {
+        let model = file.model().map_err(errors::model)?;
+        Ok(Self { file, model })
+    }
+
+    fn built_in(name: &str, variant: &str) -> PyResult<Self> {
+        one_of("variant", variant, &["measured", "published", "as-built"])?;
+        let full = match variant {
+            "measured" => name.to_owned(),
+            _ => format!("{name}-{variant}"),
+        };
+        let file = built_in(&full).ok_or_else(|| value(format_args!("no built-in pump is `{full}`")))?;
+        Self::new(file)
+    }
+}
+
+fn table(line: &Line) -> LineTable {
+    let line = line.0;
+    LineTable {
+        resistance_kpa_s_ml: line.resistance_kpa_s_ml,
+        compliance_ml_kpa: line.compliance_ml_kpa,
+        inertance_kpa_s2_ml: line.inertance_kpa_s2_ml,
+        reservoir_kpa: line.reservoir_kpa,
+    }
+}
+
+/// Refuses a word that is none of those allowed.
+pub(crate) fn one_of(name: &str, given: &str, allowed: &[&str]) -> PyResult<()> {
+    if allowed.contains(&given) {
+        return Ok(());
+    }
+    Err(value(format_args!("{name} is `{given}`; allowed: {}", allowed.join(", "))))
+}

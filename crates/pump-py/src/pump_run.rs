@@ -1,0 +1,107 @@
+//! A pump at constant speed: from rest, and once start-up is forgotten.
+
+use pump_dose::Simulation;
+use pump_model::DEFAULT_TOLERANCE;
+use pyo3::prelude::*;
+
+use crate::errors;
+use crate::pump::{Pump, one_of};
+use crate::run::Run;
+use crate::speed::{self, Argument};
+use crate::steady::SteadyState;
+
+#[pymethods]
+impl Pump {
+    /// Runs the model at constant speed from angle 0. Other threads run meanwhile.
+    ///
+    /// Parameters
+    /// ----------
+    /// speed_rpm : float
+    ///     Speed of the pump head, r/min; negative in reverse; not zero.
+    /// speed_rad_s : float
+    ///     The same in rad/s; exactly one of both is given.
+    /// duration_s : float
+    ///     How long, s, up to 1e7.
+    /// dt_s : float
+    ///     Time between samples, s. They stand at `arange(n + 1)*dt_s`, both ends included.
+    /// model : {"flow-centric"}
+    ///     Which model.
+    /// method : {"auto", "rodas5p"}
+    ///     Which solver; "auto" is "rodas5p".
+    /// initial : {"rest"}
+    ///     Lines at rest at time 0: pressures of the reservoirs, no flow.
+    /// tolerance : float, optional
+    ///     Error allowed in a step, relative to the larger of 1 kPa and the pressure above the reservoir's; 1e-13 to
+    ///     0.1. The default of 1e-5 keeps the pressures of the built-in pumps within 1e-4 kPa.
+    ///
+    /// Returns
+    /// -------
+    /// Run
+    ///     Flows and pressures over time.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an argument is not allowed.
+    /// PumpError
+    ///     If the solver fails on the way.
+    /// MemoryError
+    ///     If there is no room for the samples.
+    #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
+    #[pyo3(signature = (
+        *, speed_rpm=None, speed_rad_s=None, duration_s, dt_s=1e-3, model="flow-centric", method="auto",
+        initial="rest", tolerance=None
+    ))]
+    fn simulate<'py>(
+        &self,
+        py: Python<'py>,
+        speed_rpm: Argument<'_, 'py>,
+        speed_rad_s: Argument<'_, 'py>,
+        duration_s: f64,
+        dt_s: f64,
+        model: &str,
+        method: &str,
+        initial: &str,
+        tolerance: Option<f64>,
+    ) -> PyResult<Run> {
+        one_of("model", model, &["flow-centric"])?;
+        one_of("method", method, &["auto", "rodas5p"])?;
+        one_of("initial", initial, &["rest"])?;
+        let simulation = Simulation {
+            tolerance: tolerance.unwrap_or(DEFAULT_TOLERANCE),
+            ..Simulation::new(speed::speed_rad_s(speed_rpm, speed_rad_s)?, duration_s, dt_s)
+        };
+        let samples = simulation.samples(&self.model).map_err(errors::model)?;
+        Run::collect(py, simulation.intervals() + 1, samples)
+    }
+
+    /// Periodic steady state at constant speed, start-up forgotten. Other threads run meanwhile.
+    ///
+    /// Parameters
+    /// ----------
+    /// speed_rpm : float or array_like
+    ///     Speed of the pump head, r/min; negative in reverse; not zero.
+    /// speed_rad_s : float or array_like
+    ///     The same in rad/s; exactly one of both is given.
+    ///
+    /// Returns
+    /// -------
+    /// SteadyState
+    ///     Its attributes are floats; of arrays, arrays of float64 of the same shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a speed is not allowed, or a line without resistance resonates at it.
+    /// PumpError
+    ///     If the solver fails on the way.
+    #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None))]
+    fn steady_state<'py>(
+        &self,
+        py: Python<'py>,
+        speed_rpm: Argument<'_, 'py>,
+        speed_rad_s: Argument<'_, 'py>,
+    ) -> PyResult<SteadyState> {
+        SteadyState::at(py, &self.model, &speed::speeds_rad_s(speed_rpm, speed_rad_s)?)
+    }
+}

@@ -1,0 +1,172 @@
+//! Flows and pressures over time, as columns.
+
+use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
+use pump_dose::waveform::Sample;
+use pump_model::ModelError;
+use pyo3::exceptions::PyMemoryError;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::errors::{self, value};
+use crate::interrupt::Interrupt;
+
+const COLUMNS: usize = 8;
+
+/// Samples between two looks at the clock, which takes a tenth of a sample's time.
+const CHECK_EVERY: usize = 16;
+
+/// The pump over time: columns of equal length, read-only arrays of float64.
+///
+/// Made by `Pump.simulate` and `Plan.trace`. `len(run)` is the number of samples.
+#[pyclass(frozen, get_all, module = "pumpmodel")]
+pub(crate) struct Run {
+    /// Time, s; shape (n,).
+    time_s: Py<PyArray1<f64>>,
+    /// Angle of the pump head, rad, unwrapped; shape (n,).
+    angle_rad: Py<PyArray1<f64>>,
+    /// Speed of the pump head, rad/s; shape (n,).
+    speed_rad_s: Py<PyArray1<f64>>,
+    /// Flow at the inlet rollers, mL/s; shape (n,).
+    q_in_ml_s: Py<PyArray1<f64>>,
+    /// Flow at the outlet rollers, mL/s; shape (n,).
+    q_out_ml_s: Py<PyArray1<f64>>,
+    /// Pressure at the inlet, kPa absolute; shape (n,).
+    p_in_kpa: Py<PyArray1<f64>>,
+    /// Pressure at the outlet, kPa absolute; shape (n,).
+    p_out_kpa: Py<PyArray1<f64>>,
+    /// Volume that has passed the outlet line, mL; shape (n,).
+    delivered_ml: Py<PyArray1<f64>>,
+}
+
+#[pymethods]
+impl Run {
+    fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
+        self.time_s.bind(py).len()
+    }
+
+    fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
+        for (mine, theirs) in self.columns().into_iter().zip(other.columns()) {
+            if mine.bind(py).try_readonly()?.as_slice()? != theirs.bind(py).try_readonly()?.as_slice()? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let range = |column: &Py<PyArray1<f64>>| -> PyResult<String> {
+            let column = column.bind(py).try_readonly()?;
+            let (low, high) = column
+                .as_slice()?
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+            Ok(format!("{low:.4} to {high:.4}"))
+        };
+        Ok(format!(
+            "<Run of {} samples: time_s {}, p_in_kpa {}, p_out_kpa {}, delivered_ml {}>",
+            self.__len__(py)?,
+            range(&self.time_s)?,
+            range(&self.p_in_kpa)?,
+            range(&self.p_out_kpa)?,
+            range(&self.delivered_ml)?,
+        ))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let columns = PyTuple::new(py, self.columns())?;
+        Ok((py.get_type::<Self>().getattr("_rebuild")?, columns))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (*columns))]
+    fn _rebuild(py: Python<'_>, columns: Vec<PyReadonlyArray1<'_, f64>>) -> PyResult<Self> {
+        let columns =
+            columns.iter().map(|column| Ok(column.as_slice()?.to_vec())).collect::<PyResult<Vec<_>>>()?;
+        match <[Vec<f64>; COLUMNS]>::try_from(columns) {
+            Ok(columns) if columns.iter().all(|column| column.len() == columns[0].len()) => {
+                Self::new(py, columns)
+            }
+            _ => Err(value("a run has 8 columns of equal length")),
+        }
+    }
+}
+
+impl Run {
+    fn new(py: Python<'_>, columns: [Vec<f64>; COLUMNS]) -> PyResult<Self> {
+        let [time, angle, speed, q_in, q_out, p_in, p_out, delivered] = columns;
+        Ok(Self {
+            time_s: frozen(py, time)?,
+            angle_rad: frozen(py, angle)?,
+            speed_rad_s: frozen(py, speed)?,
+            q_in_ml_s: frozen(py, q_in)?,
+            q_out_ml_s: frozen(py, q_out)?,
+            p_in_kpa: frozen(py, p_in)?,
+            p_out_kpa: frozen(py, p_out)?,
+            delivered_ml: frozen(py, delivered)?,
+        })
+    }
+
+    /// Computes the samples, about `count` of them, while other Python threads run.
+    pub(crate) fn collect(
+        py: Python<'_>,
+        count: u64,
+        samples: impl Iterator<Item = Result<Sample, ModelError>> + Send,
+    ) -> PyResult<Self> {
+        let columns = py.detach(|| -> PyResult<_> {
+            let mut columns: [Vec<f64>; COLUMNS] = Default::default();
+            for column in &mut columns {
+                reserve(column, count)?;
+            }
+            let mut interrupt = Interrupt::new();
+            for (number, sample) in samples.enumerate() {
+                if number % CHECK_EVERY == 0 {
+                    interrupt.check()?;
+                }
+                let s = sample.map_err(errors::model)?;
+                let row = [
+                    s.time_s,
+                    s.angle_rad,
+                    s.speed_rad_s,
+                    s.q_in_ml_s,
+                    s.q_out_ml_s,
+                    s.p_in_kpa,
+                    s.p_out_kpa,
+                    s.delivered_ml,
+                ];
+                for (column, number) in columns.iter_mut().zip(row) {
+                    column.push(number);
+                }
+            }
+            Ok(columns)
+        })?;
+        Self::new(py, columns)
+    }
+
+    fn columns(&self) -> [&Py<PyArray1<f64>>; COLUMNS] {
+        [
+            &self.time_s,
+            &self.angle_rad,
+            &self.speed_rad_s,
+            &self.q_in_ml_s,
+            &self.q_out_ml_s,
+            &self.p_in_kpa,
+            &self.p_out_kpa,
+            &self.delivered_ml,
+        ]
+    }
+}
+
+/// Room for `count` numbers, or a MemoryError in place of an abort.
+pub(crate) fn reserve(column: &mut Vec<f64>, count: u64) -> PyResult<()> {
+    usize::try_from(count)
+        .ok()
+        .and_then(|count| column.try_reserve_exact(count).ok())
+        .ok_or_else(|| PyMemoryError::new_err(format!("no memory for {count} samples")))
+}
+
+/// The numbers as a read-only array, without a copy.
+pub(crate) fn frozen(py: Python<'_>, numbers: Vec<f64>) -> PyResult<Py<PyArray1<f64>>> {
+    let array = PyArray1::from_vec(py, numbers);
+    array.try_readwrite()?.make_nonwriteable();
+    Ok(array.unbind())
+}

@@ -1,0 +1,133 @@
+//! The periodic steady state, at one speed or at many.
+
+use pump_dose::SteadyReport;
+use pump_model::{DEFAULT_TOLERANCE, Pump as Model};
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::errors;
+use crate::floats::Floats;
+use crate::interrupt::Interrupt;
+
+const FIELDS: usize = 9;
+
+/// What a pump does at constant speed once start-up is forgotten; made by `Pump.steady_state`.
+///
+/// Its attributes are floats if the speed was one number, else read-only arrays of the speeds' shape.
+#[pyclass(frozen, generic, get_all, module = "pumpmodel")]
+pub(crate) struct SteadyState {
+    /// Smallest inlet pressure, kPa absolute.
+    inlet_min_kpa: Py<PyAny>,
+    /// Largest inlet pressure, kPa absolute.
+    inlet_max_kpa: Py<PyAny>,
+    /// Mean inlet pressure, kPa absolute.
+    inlet_mean_kpa: Py<PyAny>,
+    /// Smallest outlet pressure, kPa absolute.
+    outlet_min_kpa: Py<PyAny>,
+    /// Largest outlet pressure, kPa absolute.
+    outlet_max_kpa: Py<PyAny>,
+    /// Mean outlet pressure, kPa absolute.
+    outlet_mean_kpa: Py<PyAny>,
+    /// Mean flow, mL/s; negative in reverse.
+    mean_flow_ml_s: Py<PyAny>,
+    /// (Largest - smallest) / mean of the flow at the outlet rollers.
+    ripple_peak_to_peak: Py<PyAny>,
+    /// Standard deviation / mean of the flow at the outlet rollers.
+    ripple_rms: Py<PyAny>,
+}
+
+#[pymethods]
+impl SteadyState {
+    fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
+        for ((name, mine), (_, theirs)) in self.fields().into_iter().zip(other.fields()) {
+            if Floats::extract(name, mine.bind(py))? != Floats::extract(name, theirs.bind(py))? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let shown = self
+            .fields()
+            .into_iter()
+            .map(|(name, numbers)| Ok(format!("{name}={}", numbers.bind(py).repr()?)))
+            .collect::<PyResult<Vec<_>>>()?;
+        Ok(format!("SteadyState({})", shown.join(", ")))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let fields = PyTuple::new(py, self.fields().map(|(_, numbers)| numbers))?;
+        Ok((py.get_type::<Self>().getattr("_rebuild")?, fields))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (*fields))]
+    fn _rebuild(py: Python<'_>, fields: Vec<Bound<'_, PyAny>>) -> PyResult<Self> {
+        let fields = fields
+            .iter()
+            .map(|numbers| Floats::extract("a field of a steady state", numbers))
+            .collect::<PyResult<Vec<_>>>()?;
+        let fields =
+            <[Floats; FIELDS]>::try_from(fields).map_err(|_| errors::value("a steady state has 9 fields"))?;
+        Self::new(py, fields)
+    }
+}
+
+impl SteadyState {
+    /// At every speed, while other Python threads run.
+    pub(crate) fn at(py: Python<'_>, pump: &Model, speeds_rad_s: &Floats) -> PyResult<Self> {
+        let reports = py.detach(|| -> PyResult<Vec<SteadyReport>> {
+            let mut reports = Vec::new();
+            let mut interrupt = Interrupt::new();
+            for speed_rad_s in speeds_rad_s.values() {
+                interrupt.check()?;
+                let steady = pump.steady_state(*speed_rad_s, DEFAULT_TOLERANCE);
+                reports.push(steady.map_err(errors::model)?.into());
+            }
+            Ok(reports)
+        })?;
+        let of: [fn(&SteadyReport) -> f64; FIELDS] = [
+            |report| report.inlet_min_kpa,
+            |report| report.inlet_max_kpa,
+            |report| report.inlet_mean_kpa,
+            |report| report.outlet_min_kpa,
+            |report| report.outlet_max_kpa,
+            |report| report.outlet_mean_kpa,
+            |report| report.mean_flow_ml_s,
+            |report| report.ripple_peak_to_peak,
+            |report| report.ripple_rms,
+        ];
+        Self::new(py, of.map(|field| speeds_rad_s.with_values(reports.iter().map(field).collect())))
+    }
+
+    fn new(py: Python<'_>, fields: [Floats; FIELDS]) -> PyResult<Self> {
+        let [inlet_min, inlet_max, inlet_mean, outlet_min, outlet_max, outlet_mean, flow, peak_to_peak, rms] =
+            fields;
+        Ok(Self {
+            inlet_min_kpa: inlet_min.into_frozen(py)?,
+            inlet_max_kpa: inlet_max.into_frozen(py)?,
+            inlet_mean_kpa: inlet_mean.into_frozen(py)?,
+            outlet_min_kpa: outlet_min.into_frozen(py)?,
+            outlet_max_kpa: outlet_max.into_frozen(py)?,
+            outlet_mean_kpa: outlet_mean.into_frozen(py)?,
+            mean_flow_ml_s: flow.into_frozen(py)?,
+            ripple_peak_to_peak: peak_to_peak.into_frozen(py)?,
+            ripple_rms: rms.into_frozen(py)?,
+        })
+    }
+
+    fn fields(&self) -> [(&'static str, &Py<PyAny>); FIELDS] {
+        [
+            ("inlet_min_kpa", &self.inlet_min_kpa),
+            ("inlet_max_kpa", &self.inlet_max_kpa),
+            ("inlet_mean_kpa", &self.inlet_mean_kpa),
+            ("outlet_min_kpa", &self.outlet_min_kpa),
+            ("outlet_max_kpa", &self.outlet_max_kpa),
+            ("outlet_mean_kpa", &self.outlet_mean_kpa),
+            ("mean_flow_ml_s", &self.mean_flow_ml_s),
+            ("ripple_peak_to_peak", &self.ripple_peak_to_peak),
+            ("ripple_rms", &self.ripple_rms),
+        ]
+    }
+}

@@ -1,0 +1,22 @@
+import doctest
+
+import pytest
+
+import pumpmodel as pm
+
+
+@pytest.mark.parametrize("name", ["", *pm.__all__])
+def test_examples_in_docstrings_run(name: str) -> None:
+    documented = getattr(pm, name) if name else pm
+    assert documented.__doc__
+    test = doctest.DocTestParser().get_doctest(documented.__doc__, {}, name or "pumpmodel", None, None)
+    assert doctest.DocTestRunner().run(test).failed == 0
+
+
+def test_every_public_name_has_a_docstring() -> None:
+    for name in pm.__all__:
+        documented = getattr(pm, name)
+        assert documented.__doc__, name
+        for attribute in vars(documented) if isinstance(documented, type) else ():
+            if not attribute.startswith("_"):
+                assert getattr(documented, attribute).__doc__, f"{name}.{attribute}"
