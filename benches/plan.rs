@@ -23,7 +23,7 @@ fn benches(criterion: &mut Criterion) {
     });
     criterion.bench_function("simulated drive, 25 mL step by step", |bench| {
         let plan = planned(&pump);
-        bench.iter(|| Sim::new(&pump).run(&plan, 0.5, |_| {}).unwrap());
+        bench.iter(|| Sim::new(&pump).run(&plan, |_| {}).unwrap());
     });
 }
 

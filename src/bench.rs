@@ -2,20 +2,16 @@
 
 use std::path::Path;
 
-use pump_ctl::plan::{Cruise, Limits, Phase, Plan, PlanError, Prediction, Request, plan};
+use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
 use pump_model::integrator::IntegrationError;
-use serde::Serialize;
+use pump_model::math::degrees;
 use thiserror::Error;
 
+use crate::dose::{DoseRequest, PhaseSource, Prepared};
+use crate::drivers::Sim;
 use crate::pump_file::{DriverName, PumpFile, PumpFileError};
 use crate::record::{Folder, Lock, Record, RecordError};
-use crate::sim::Sim;
-use crate::uncertainty::Budget;
-
-/// The simulated vessel is read after this many settling times: the prediction holds for a smooth motion, and the last
-/// microlitre arrives a little sooner or later in steps.
-const WEIGHED_AFTER: f64 = 2.0;
 
 /// A pump with its driver and the folder of its record.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,79 +20,6 @@ pub struct Bench {
     model: Pump,
     driver: DriverName,
     folder: Folder,
-}
-
-/// Why the pump is to turn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Purpose {
-    /// A dose into the vessel; earlier doses' carry is settled with it.
-    Dose,
-    /// Filling the line before a dose; owes nothing and repays nothing.
-    Prime,
-    /// Emptying the line; owes nothing and repays nothing.
-    Purge,
-}
-
-/// What is asked of a bench.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DoseRequest {
-    /// Why.
-    pub purpose: Purpose,
-    /// mL; negative in reverse; not zero.
-    pub volume_ml: f64,
-    /// How fast; none takes the pump file's default rate.
-    pub cruise: Option<Cruise>,
-    /// Where the rollers stand, rad; none takes the recorded angle.
-    pub start_angle_rad: Option<f64>,
-    /// Limit at the port that pushes, kPa absolute; none takes the pump file's.
-    pub max_outlet_kpa: Option<f64>,
-    /// Limit at the port that sucks, kPa absolute; none takes the pump file's.
-    pub min_inlet_kpa: Option<f64>,
-}
-
-impl DoseRequest {
-    /// A dose with the pump file's defaults.
-    pub fn dose(volume_ml: f64) -> Self {
-        Self {
-            purpose: Purpose::Dose,
-            volume_ml,
-            cruise: None,
-            start_angle_rad: None,
-            max_outlet_kpa: None,
-            min_inlet_kpa: None,
-        }
-    }
-}
-
-/// Where the start angle comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum PhaseSource {
-    /// A fresh simulated pump stands at 0 deg.
-    Home,
-    /// The record of earlier motion.
-    Recorded,
-    /// The request.
-    Given,
-}
-
-/// A dose that is planned and may run.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Prepared {
-    /// What was asked.
-    pub request: DoseRequest,
-    /// Steps and profile.
-    pub plan: Plan,
-    /// Pressures and settling.
-    pub prediction: Prediction,
-    /// How sure the volume is.
-    pub budget: Budget,
-    /// What it was planned within.
-    pub limits: Limits,
-    /// Where the start angle comes from.
-    pub phase_source: PhaseSource,
-    /// The carry on record, mL; a prime or purge leaves it.
-    pub recorded_carry_ml: f64,
 }
 
 /// A dose that was refused or failed.
@@ -162,9 +85,13 @@ impl Bench {
 
     /// Plans a dose from the recorded angle and predicts it. Moves and writes nothing.
     pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
+        let mut warnings = Vec::new();
         // A damaged record stands in the way of nothing that does not need it.
         let record = match (self.folder.read(), request.start_angle_rad) {
-            (Err(RecordError::Damaged { .. }), Some(_)) => None,
+            (Err(error @ RecordError::Damaged { .. }), Some(_)) => {
+                warnings.push(format!("{error}; what earlier doses owed is lost and set to zero"));
+                None
+            }
             (record, _) => record?,
         };
         let (start, phase_source) = match (request.start_angle_rad, &record) {
@@ -175,46 +102,46 @@ impl Bench {
             }
             (None, None) => (Phase::known(0.0), PhaseSource::Home),
         };
-        let recorded_carry_ml = record.map_or(0.0, |record| record.carry_ml);
-        let carry_in_ml = if request.purpose == Purpose::Dose { recorded_carry_ml } else { 0.0 };
-        let default_cruise = Cruise::Flow { ml_s: self.file.pump.default_rate_ml_s };
-        let planned = Request {
-            volume_ml: request.volume_ml,
-            carry_in_ml,
-            cruise: request.cruise.unwrap_or(default_cruise),
-        };
-        let mut limits = self.file.limits();
-        limits.max_outlet_kpa = request.max_outlet_kpa.or(limits.max_outlet_kpa);
-        limits.min_inlet_kpa = request.min_inlet_kpa.or(limits.min_inlet_kpa);
-
-        let plan = plan(&self.model, start, &planned, &limits)?;
-        let prediction = plan.predict(&self.model)?;
-        let budget = Budget::new(&self.model, &plan, &self.file.uncertainty);
-        Ok(Prepared { request, plan, prediction, budget, limits, phase_source, recorded_carry_ml })
+        let carry_ml = record.map_or(0.0, |record| record.carry_ml);
+        let mut prepared = Prepared::new(&self.file, &self.model, request, start, phase_source, carry_ml)?;
+        prepared.warnings.splice(0..0, warnings);
+        Ok(prepared)
     }
 
-    /// Takes the pump for this process.
-    pub fn lock(&self) -> Result<Lock, DoseError> {
-        Ok(self.folder.lock()?)
+    /// Takes the pump for this process until the session is dropped.
+    pub fn session(&self) -> Result<Session<'_>, DoseError> {
+        Ok(Session { bench: self, lock: self.folder.lock()? })
+    }
+}
+
+/// A bench that no other process can move meanwhile.
+#[derive(Debug)]
+pub struct Session<'a> {
+    bench: &'a Bench,
+    lock: Lock,
+}
+
+impl Session<'_> {
+    /// Plans a dose from the recorded angle and predicts it. Moves nothing.
+    pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
+        self.bench.prepare(request)
     }
 
-    /// Runs a prepared dose and records where the rollers stand and what is owed. Returns what was delivered, mL.
-    /// `progress` is told now and then how many steps are done.
-    pub fn run(&self, lock: &Lock, prepared: &Prepared, progress: impl FnMut(u64)) -> Result<f64, DoseError> {
+    /// Runs a dose that this session prepared and records where the rollers stand and what is owed. Returns what was
+    /// delivered, mL. `progress` is told now and then how many steps are done.
+    pub fn run(&self, prepared: &Prepared, progress: impl FnMut(u64)) -> Result<f64, DoseError> {
         let plan = &prepared.plan;
-        let delivered_ml = match self.driver {
-            DriverName::Sim => Sim::new(&self.model)
-                .run(plan, WEIGHED_AFTER * prepared.prediction.settle_s, progress)
-                .map_err(DoseError::Drive)?,
+        let delivered_ml = match self.bench.driver {
+            DriverName::Sim => {
+                let mut sim = Sim::new(&self.bench.model);
+                sim.run(plan, progress).and_then(|()| sim.settle()).map_err(DoseError::Drive)?;
+                sim.received_ml()
+            }
         };
-        let carry_ml = match prepared.request.purpose {
-            Purpose::Dose => plan.carry_ml,
-            Purpose::Prime | Purpose::Purge => prepared.recorded_carry_ml,
-        };
-        let record = Record::new(plan.end_angle_rad(), plan.start.half_width_rad, carry_ml);
-        lock.write(&record).map_err(|source| DoseError::NotRecorded {
+        let record = Record::new(plan.end_angle_rad(), plan.start.half_width_rad, prepared.carry_out_ml);
+        self.lock.write(&record).map_err(|source| DoseError::NotRecorded {
             delivered_ml,
-            end_angle_deg: pump_model::math::degrees(record.angle_rad),
+            end_angle_deg: degrees(record.angle_rad),
             source,
         })?;
         Ok(delivered_ml)

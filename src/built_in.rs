@@ -86,10 +86,12 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
         ambient: AmbientTable { pressure_kpa: 85.7 },
         limits: LimitsTable::default(),
         uncertainty: UncertaintyTable {
-            // NRMSE of the linear model over all speeds with 3 rollers, 2.37 %, section 4 of McIntyre et al.
+            // NRMSE of the linear model over all speeds with 3 rollers, 2.37 %, McIntyre et al.
             model_percent: 2.4,
             // 1 mL of 212.5 mL, the largest standard deviation of 10 revolutions under 160 r/min in McIntyre et al.
             repeatability_percent: 0.47,
+            // The tabulated 2.06 mL and the 2.1055 mL of the measured points: (2.1055 - 2.06)/sqrt(3), rectangular.
+            roller_volume_ml: 0.026,
         },
         drive: None,
     }

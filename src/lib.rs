@@ -6,9 +6,9 @@
 //!
 //! let state = tempfile::tempdir()?;
 //! let bench = Bench::new(built_in("three-roller").unwrap(), None, state.path())?;
-//! let lock = bench.lock()?;
-//! let prepared = bench.prepare(DoseRequest::dose(25.0))?;
-//! let delivered_ml = bench.run(&lock, &prepared, |_steps| {})?;
+//! let session = bench.session()?;
+//! let prepared = session.prepare(DoseRequest::dose(25.0))?;
+//! let delivered_ml = session.run(&prepared, |_steps| {})?;
 //! let report = DoseReport::new(&bench, &prepared, Some(delivered_ml));
 //! assert!((delivered_ml - 25.0).abs() < 0.002);
 //! assert!((report.expanded_uncertainty_ml - 1.22).abs() < 0.01);
@@ -18,24 +18,27 @@
 mod bench;
 mod built_in;
 pub mod csv;
+mod dose;
+mod drivers;
 mod output;
 pub mod plot;
 pub mod pump_file;
 pub mod quantity;
 mod record;
 mod report;
-mod sim;
+mod report_text;
 mod simulation;
 mod uncertainty;
 pub mod waveform;
 
-pub use bench::{Bench, DoseError, DoseRequest, PhaseSource, Prepared, Purpose};
+pub use bench::{Bench, DoseError, Session};
 pub use built_in::{BUILT_IN, built_in};
+pub use dose::{DoseRequest, PhaseSource, Prepared, Purpose};
+pub use drivers::Sim;
 pub use output::Staged;
 pub use record::{Folder, Lock, Record, RecordError, default_state_dir};
 pub use report::{DoseReport, PhaseReport};
-pub use sim::Sim;
-pub use simulation::{Simulation, SteadyReport};
+pub use simulation::{MAX_SAMPLES, Simulation, SteadyReport};
 pub use uncertainty::{Budget, COVERAGE_FACTOR, Share};
 
 #[cfg(doctest)]

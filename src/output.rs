@@ -37,7 +37,9 @@ impl Staged {
             Ok(_) => drop(File::options().write(true).open(&target)?),
             Err(_) => {}
         }
-        let mut temporary = temporary_beside(folder_of(&target))?;
+        // The error names the temporary file, which nobody knows; its kind says enough.
+        let mut temporary =
+            temporary_beside(folder_of(&target)).map_err(|error| io::Error::from(error.kind()))?;
         let mut buffered = BufWriter::new(&mut temporary);
         write(&mut buffered)?;
         buffered.flush()?;

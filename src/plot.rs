@@ -1,7 +1,7 @@
 //! One picture of a dose: flows, pressures, speed and delivered volume over time, as SVG.
 
 use plotters::prelude::*;
-use pump_model::math::TURN_RAD;
+use pump_model::math::rpm;
 use thiserror::Error;
 
 use crate::waveform::Sample;
@@ -64,7 +64,7 @@ fn draw(
             "pressure, kPa absolute",
             vec![curve("inlet", BLUE, |s| s.p_in_kpa), curve("outlet", VERMILION, |s| s.p_out_kpa)],
         ),
-        ("speed, r/min", vec![curve("pump head", BLUE, |s| s.speed_rad_s * 60.0 / TURN_RAD)]),
+        ("speed, r/min", vec![curve("pump head", BLUE, |s| rpm(s.speed_rad_s))]),
         ("delivered, mL", vec![curve("vessel", VERMILION, |s| s.delivered_ml)]),
     ];
     let end_s = samples.last().map_or(1.0, |sample| sample.time_s).max(1e-9);
@@ -133,7 +133,8 @@ fn range(curves: &[Curve]) -> (f64, f64) {
     let values = curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1));
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
-    let room = (0.06 * (high - low)).max(1e-6 * high.abs()).max(1e-9);
+    // A flat curve gets room too, or its axis would show rounding.
+    let room = (0.06 * (high - low)).max(1e-3 * high.abs()).max(1e-9);
     (low - room, high + room)
 }
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use pump_ctl::plan::{Limits, Motor, PlanError};
-use pump_model::math::{TURN_RAD, radians};
+use pump_model::math::{rad_s, radians};
 use pump_model::{Geometry, Line, ModelError, Pump, RollerVolume};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -186,6 +186,8 @@ pub struct UncertaintyTable {
     pub model_percent: f64,
     /// Standard deviation of repeated doses, percent of the volume.
     pub repeatability_percent: f64,
+    /// Standard uncertainty of the volume of one roller, mL: what a dose within a single pulse is unsure of.
+    pub roller_volume_ml: f64,
 }
 
 /// `[drive]`
@@ -351,6 +353,12 @@ impl PumpFile {
             &uncertainty.repeatability_percent,
             "0 to 100 (the paper's pump reaches 0.47)",
         )?;
+        value(
+            (0.0..=1e4).contains(&uncertainty.roller_volume_ml),
+            "[uncertainty] roller_volume_ml",
+            &uncertainty.roller_volume_ml,
+            "0 to 10000 (the paper's two figures differ by 0.045)",
+        )?;
 
         let limits = self.limits();
         limits.validate().map_err(|source| PumpFileError::Limits { origin: origin(), source })?;
@@ -390,7 +398,7 @@ impl PumpFile {
         Limits {
             motor: Motor {
                 steps_per_rev: f64::from(self.motor.steps_per_rev) * self.motor.gear,
-                max_speed_rad_s: self.motor.max_speed_rpm * TURN_RAD / 60.0,
+                max_speed_rad_s: rad_s(self.motor.max_speed_rpm),
                 max_acceleration_rad_s2: self.motor.max_acceleration_rad_s2,
             },
             max_outlet_kpa: self.limits.max_outlet_kpa,

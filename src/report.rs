@@ -1,13 +1,12 @@
-//! What a dose reports: one JSON object for programs, a few lines for people.
-
-use std::fmt::Write;
+//! What a dose reports to programs: one JSON object. `report_text.rs` is the same for people.
 
 use pump_ctl::plan::LimitedBy;
 use pump_model::Pump;
-use pump_model::math::{TURN_RAD, degrees, floor};
+use pump_model::math::{degrees, rpm};
 use serde::Serialize;
 
-use crate::bench::{Bench, PhaseSource, Prepared, Purpose};
+use crate::bench::Bench;
+use crate::dose::{PhaseSource, Prepared, Purpose};
 use crate::pump_file::{DriverName, PumpFile};
 use crate::uncertainty::Share;
 
@@ -48,7 +47,7 @@ pub struct DoseReport {
     pub steps: i64,
     /// Steps per revolution of the pump head.
     pub steps_per_rev: f64,
-    /// What the next dose owes, mL.
+    /// What the next dose owes, mL: requested + carry in - planned; after a prime or purge, what was owed before.
     pub carry_ml: f64,
     /// Fastest speed, r/min.
     pub cruise_speed_rpm: f64,
@@ -109,14 +108,6 @@ impl DoseReport {
         let (plan, prediction) = (&prepared.plan, &prepared.prediction);
         let cruise_rad_s = plan.profile.peak_rad_s();
         let motion_s = plan.profile.duration_s();
-        let mut warnings = Vec::new();
-        if plan.limited_by == LimitedBy::Acceleration {
-            warnings.push(format!(
-                "the dose is too short to reach its cruise speed at {} rad/s2; it peaks at {:.4} r/min",
-                plan.profile.acceleration_rad_s2(),
-                rpm(cruise_rad_s),
-            ));
-        }
         let limits = &prepared.limits;
         let limits_not_checked = [
             ("outlet_pressure", limits.max_outlet_kpa.is_none()),
@@ -152,7 +143,7 @@ impl DoseReport {
             end_angle_deg: degrees(plan.end_angle_rad()),
             steps: plan.steps,
             steps_per_rev: plan.steps_per_rev,
-            carry_ml: plan.carry_ml,
+            carry_ml: prepared.carry_out_ml,
             cruise_speed_rpm: rpm(cruise_rad_s),
             cruise_flow_ml_s: model.average_flow_ml_s(cruise_rad_s),
             mean_flow_ml_s: plan.planned_ml.abs() / motion_s,
@@ -168,7 +159,7 @@ impl DoseReport {
                 LimitedBy::Acceleration => "acceleration",
             },
             limits_not_checked,
-            warnings,
+            warnings: prepared.warnings.clone(),
             completed: delivered_ml.is_some(),
         }
     }
@@ -176,145 +167,5 @@ impl DoseReport {
     /// One line of JSON.
     pub fn json(&self) -> String {
         serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a report is plain data: {error}"))
-    }
-
-    /// A few lines for a person, digits cut to the uncertainty.
-    pub fn text(&self) -> String {
-        let mut text = String::new();
-        // Writing to a String cannot fail.
-        let _ = self.write_text(&mut text);
-        text
-    }
-
-    fn write_text(&self, to: &mut String) -> std::fmt::Result {
-        let decimals = decimals_of(self.expanded_uncertainty_ml);
-        let uncertainty = format!("{:.decimals$}", self.expanded_uncertainty_ml);
-        writeln!(to, "SIMULATED: no motor moved")?;
-        let verb = match self.purpose {
-            "prime" => "primed",
-            "purge" => "purged",
-            _ => "delivered",
-        };
-        let (volume, verb) = match self.delivered_ml {
-            Some(delivered) => (delivered, verb),
-            None => (self.planned_ml, "planned (dry run, nothing recorded)"),
-        };
-        writeln!(
-            to,
-            "{}: {volume:.decimals$} mL ± {uncertainty} mL {verb}, {} mL asked",
-            self.pump, self.requested_ml
-        )?;
-        writeln!(to)?;
-        writeln!(
-            to,
-            "  rollers      {:.2}° to {:.2}° ({})",
-            self.start_angle_deg,
-            self.end_angle_deg,
-            self.known()
-        )?;
-        writeln!(
-            to,
-            "  steps        {} of {} per revolution; carried to the next dose {:.2} µL",
-            self.steps,
-            self.steps_per_rev,
-            1e3 * self.carry_ml
-        )?;
-        writeln!(
-            to,
-            "  speed        {:.2} r/min, {:.3} mL/s cruising{}",
-            self.cruise_speed_rpm,
-            self.cruise_flow_ml_s,
-            if self.limited_by == "none" {
-                String::new()
-            } else {
-                format!(" (limited by {})", self.limited_by)
-            }
-        )?;
-        writeln!(
-            to,
-            "  time         {:.3} s in motion, {:.3} s to settle within 1 µL",
-            self.motion_s, self.settle_s
-        )?;
-        writeln!(
-            to,
-            "  pressures    inlet {:.2} to {:.2} kPa, outlet {:.2} to {:.2} kPa absolute (ambient {} kPa)",
-            self.inlet_min_kpa,
-            self.inlet_max_kpa,
-            self.outlet_min_kpa,
-            self.outlet_max_kpa,
-            self.ambient_kpa
-        )?;
-        writeln!(to, "  not checked  {}", self.limits_not_checked.join(", ").replace('_', " "))?;
-        writeln!(to, "  uncertainty  {}", self.budget_line())?;
-        for warning in &self.warnings {
-            writeln!(to, "  warning      {warning}")?;
-        }
-        Ok(())
-    }
-
-    fn known(&self) -> String {
-        let source = match self.phase.source {
-            PhaseSource::Home => "a fresh simulated pump",
-            PhaseSource::Recorded => "from the record",
-            PhaseSource::Given => "as given",
-        };
-        if !self.phase.known {
-            "angle unknown".to_owned()
-        } else if self.phase.half_width_deg > 0.0 {
-            format!("{source}, ± {:.2}°", self.phase.half_width_deg)
-        } else {
-            source.to_owned()
-        }
-    }
-
-    /// `± 1.2 mL (k = 2), uncalibrated: model 2.4 %, repeatability 0.47 %, step 0.003 %, phase 0 %`
-    fn budget_line(&self) -> String {
-        let shares: Vec<String> = self
-            .uncertainty_budget
-            .iter()
-            .map(|share| {
-                let percent = 100.0 * share.standard_ml / self.planned_ml.abs();
-                format!("{} {}", share.source, significant(percent, 2))
-            })
-            .collect();
-        format!("k = 2, not calibrated; standard, % of volume: {}", shares.join(", "))
-    }
-}
-
-fn rpm(rad_s: f64) -> f64 {
-    rad_s * 60.0 / TURN_RAD
-}
-
-/// Decimals that show an uncertainty with two significant digits.
-fn decimals_of(uncertainty: f64) -> usize {
-    if !(uncertainty > 0.0 && uncertainty.is_finite()) {
-        return 6;
-    }
-    // 12 at most: nobody weighs a picolitre.
-    (1.0 - floor(uncertainty.log10())).clamp(0.0, 12.0) as usize
-}
-
-/// A positive number with `digits` significant digits, without an exponent.
-fn significant(value: f64, digits: i32) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let decimals = (f64::from(digits - 1) - floor(value.abs().log10())).clamp(0.0, 12.0) as usize;
-    format!("{value:.decimals$}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn digits_are_cut_to_the_uncertainty() {
-        assert_eq!(decimals_of(1.223), 1);
-        assert_eq!(decimals_of(0.0489), 3);
-        assert_eq!(decimals_of(24.0), 0);
-        assert_eq!(decimals_of(240.0), 0);
-        assert_eq!(decimals_of(0.0), 6);
-        assert_eq!(significant(0.004_812, 2), "0.0048");
-        assert_eq!(significant(2.4, 2), "2.4");
     }
 }

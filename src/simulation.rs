@@ -1,9 +1,9 @@
 //! A run of the model at constant speed from lines at rest, without any dose.
 
-use pump_model::{DEFAULT_TOLERANCE, Leg, ModelError, Pump, SteadyState};
+use pump_model::{Leg, ModelError, Pump, SteadyState};
 use serde::Serialize;
 
-use crate::waveform::{Sample, Waveform};
+use crate::waveform::{Method, Sample, Waveform};
 
 /// Most samples that a run may have.
 pub const MAX_SAMPLES: f64 = 1e9;
@@ -17,21 +17,21 @@ pub struct Simulation {
     pub duration_s: f64,
     /// Time between samples, s, positive.
     pub dt_s: f64,
-    /// Error allowed in a step, see [`DEFAULT_TOLERANCE`].
-    pub tolerance: f64,
+    /// How the pressures are computed.
+    pub method: Method,
 }
 
 impl Simulation {
-    /// A run at the default tolerance.
+    /// An exact run.
     pub fn new(speed_rad_s: f64, duration_s: f64, dt_s: f64) -> Self {
-        Self { speed_rad_s, duration_s, dt_s, tolerance: DEFAULT_TOLERANCE }
+        Self { speed_rad_s, duration_s, dt_s, method: Method::Exact }
     }
 
     /// Refuses what cannot be run.
     pub fn validate(&self) -> Result<(), ModelError> {
         let out = |parameter, value, allowed| Err(ModelError::OutOfRange { parameter, value, allowed });
-        if !(self.speed_rad_s != 0.0 && self.speed_rad_s.abs() <= 1e4) {
-            return out("speed in rad/s", self.speed_rad_s, "up to 1e4 either way, not zero");
+        if !(1e-6..=1e4).contains(&self.speed_rad_s.abs()) {
+            return out("speed in rad/s", self.speed_rad_s, "1e-6 to 1e4 either way");
         }
         if !(self.duration_s > 0.0 && self.duration_s <= 1e7) {
             return out("duration in s", self.duration_s, "more than 0, 1e7 at most");
@@ -45,22 +45,23 @@ impl Simulation {
         Ok(())
     }
 
-    /// Number of intervals: the samples are at n dt, both ends included.
+    /// Number of intervals: the samples are at n dt, both ends included where the duration is a multiple of dt.
     pub fn intervals(&self) -> u64 {
         // A duration of 10 s and a dt of 1 ms are 10,000 intervals whatever their quotient rounds to.
-        (self.duration_s / self.dt_s + 1e-9) as u64
+        let quotient = self.duration_s / self.dt_s;
+        let nearest = quotient.round();
+        if (quotient - nearest).abs() <= 1e-9 * nearest { nearest as u64 } else { quotient as u64 }
     }
 
     /// The samples in order.
     pub fn samples<'a>(
         &self,
         pump: &'a Pump,
-    ) -> Result<impl Iterator<Item = Result<Sample, ModelError>> + use<'a>, ModelError> {
+    ) -> Result<impl Iterator<Item = Result<Sample, ModelError>> + Send + use<'a>, ModelError> {
         self.validate()?;
         let legs = [Leg::constant_speed(0.0, self.speed_rad_s)];
-        let mut waveform = Waveform::new(pump, legs, self.tolerance)?;
-        let dt_s = self.dt_s;
-        Ok((0..=self.intervals()).map(move |n| Ok(waveform.at(n as f64 * dt_s)?)))
+        let samples = Waveform::new(pump, legs, self.method)?.every(self.dt_s, self.intervals());
+        Ok(samples.map(|sample| Ok(sample?)))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Flows, pressures and delivered volume of a motion, sampled over time.
 
 use pump_model::integrator::IntegrationError;
-use pump_model::{Leg, Port, PortRun, Pump};
+use pump_model::{ExactRun, Leg, Port, PortRun, Pump};
 
 /// The state of the pump at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,50 +24,124 @@ pub struct Sample {
     pub delivered_ml: f64,
 }
 
+/// How the pressures are computed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// The exact solution, between edges in closed form.
+    Exact,
+    /// The implicit integrator.
+    Rodas5p {
+        /// Error allowed in a step, see [`pump_model::DEFAULT_TOLERANCE`].
+        tolerance: f64,
+    },
+}
+
+impl Method {
+    /// `exact` or `rodas5p`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Rodas5p { .. } => "rodas5p",
+        }
+    }
+}
+
 /// Follows a motion from lines at rest and samples it at rising times.
 pub struct Waveform<'a, M> {
     pump: &'a Pump,
     legs: M,
     leg: Leg,
-    inlet: PortRun<'a, M, 2>,
-    outlet: PortRun<'a, M, 3>,
+    start_ml: f64,
+    ports: Ports<'a, M>,
+}
+
+/// Both ports by either method.
+enum Ports<'a, M> {
+    Exact(Box<[ExactRun<'a, M>; 2]>),
+    Integrated(Box<(PortRun<'a, M, 2>, PortRun<'a, M, 3>)>),
 }
 
 impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M> {
-    /// A motion over `legs`, from lines at rest; afterwards the rotor stands. `tolerance` as in
-    /// [`pump_model::DEFAULT_TOLERANCE`].
+    /// A motion over `legs`, from lines at rest; afterwards the rotor stands.
     pub fn new(
         pump: &'a Pump,
         legs: impl IntoIterator<IntoIter = M>,
-        tolerance: f64,
+        method: Method,
     ) -> Result<Self, IntegrationError> {
         let mut legs = legs.into_iter();
-        let inlet = PortRun::from_rest(pump, Port::Inlet, legs.clone(), tolerance)?;
-        let outlet = PortRun::from_rest(pump, Port::Outlet, legs.clone(), tolerance)?;
+        let ports = match method {
+            Method::Exact => {
+                let run = |port| ExactRun::from_rest(pump, port, legs.clone());
+                Ports::Exact(Box::new([run(Port::Inlet), run(Port::Outlet)]))
+            }
+            Method::Rodas5p { tolerance } => Ports::Integrated(Box::new((
+                PortRun::from_rest(pump, Port::Inlet, legs.clone(), tolerance)?,
+                PortRun::from_rest(pump, Port::Outlet, legs.clone(), tolerance)?,
+            ))),
+        };
         let leg = legs.next().unwrap_or(Leg::rest(0.0, 0.0));
-        Ok(Self { pump, legs, leg, inlet, outlet })
+        let start_ml = pump.outlet_curve().volume_ml(leg.angle_rad);
+        Ok(Self { pump, legs, leg, start_ml, ports })
     }
 
     /// The sample at `time_s`, which must not lie before the one asked for last.
     pub fn at(&mut self, time_s: f64) -> Result<Sample, IntegrationError> {
+        self.enter_leg_of(time_s);
+        let (inlet_kpa, outlet_kpa, through_ml) = match &mut self.ports {
+            Ports::Exact(ports) => (ports[0].at(time_s)[0], ports[1].at(time_s)[0], None),
+            Ports::Integrated(ports) => {
+                let (inlet, outlet) = (ports.0.at(time_s)?, ports.1.at(time_s)?);
+                (inlet[0], outlet[0], Some(outlet[2]))
+            }
+        };
+        Ok(self.sample(time_s, inlet_kpa, outlet_kpa, through_ml))
+    }
+
+    fn enter_leg_of(&mut self, time_s: f64) {
         while time_s >= self.leg.end_s() {
             let rest = Leg::rest(self.leg.end_s(), self.leg.end_angle_rad());
             self.leg = self.legs.next().unwrap_or(rest);
         }
-        let inlet = self.inlet.at(time_s)?;
-        let outlet = self.outlet.at(time_s)?;
+    }
+
+    /// A sample from pressures above the reservoirs. The volume through the outlet line is, by the balance of the
+    /// exact solution, what the rollers pushed less what the line holds, unless it was integrated itself.
+    fn sample(&self, time_s: f64, inlet_kpa: f64, outlet_kpa: f64, through_ml: Option<f64>) -> Sample {
         let angle_rad = self.leg.angle_at(time_s);
         let speed_rad_s = self.leg.speed_at(time_s);
-        Ok(Sample {
+        let (inlet, outlet) = (self.pump.inlet(), self.pump.outlet());
+        let pushed_ml = || self.pump.outlet_curve().volume_ml(angle_rad) - self.start_ml;
+        Sample {
             time_s,
             angle_rad,
             speed_rad_s,
             q_in_ml_s: self.pump.inlet_curve().flow_ml_rad(angle_rad) * speed_rad_s,
             q_out_ml_s: self.pump.outlet_curve().flow_ml_rad(angle_rad) * speed_rad_s,
-            p_in_kpa: self.pump.inlet().reservoir_kpa + inlet[0],
-            p_out_kpa: self.pump.outlet().reservoir_kpa + outlet[0],
-            delivered_ml: outlet[2],
-        })
+            p_in_kpa: inlet.reservoir_kpa + inlet_kpa,
+            p_out_kpa: outlet.reservoir_kpa + outlet_kpa,
+            delivered_ml: through_ml.unwrap_or_else(|| pushed_ml() - outlet.compliance_ml_kpa * outlet_kpa),
+        }
+    }
+
+    /// Samples at n `dt_s`, n = 0 to `intervals`: the fastest way through a motion.
+    pub fn every(
+        mut self,
+        dt_s: f64,
+        intervals: u64,
+    ) -> Box<dyn Iterator<Item = Result<Sample, IntegrationError>> + Send + 'a>
+    where
+        M: Send + 'a,
+    {
+        let times = (0..=intervals).map(move |n| n as f64 * dt_s);
+        let Ports::Exact(ports) = &self.ports else {
+            return Box::new(times.map(move |time_s| self.at(time_s)));
+        };
+        let [inlet, outlet] = ports.as_ref().clone();
+        let pressures = inlet.every(dt_s).zip(outlet.every(dt_s));
+        Box::new(times.zip(pressures).map(move |(time_s, (inlet, outlet))| {
+            self.enter_leg_of(time_s);
+            Ok(self.sample(time_s, inlet[0], outlet[0], None))
+        }))
     }
 }
 

@@ -155,6 +155,7 @@ fn a_prime_moves_the_rollers_and_leaves_the_carry() {
     let owed = number(&user.json(&["1mL"]), "carry_ml");
     let prime = user.json(&["prime", "20mL"]);
     assert_eq!(number(&prime, "carry_in_ml"), 0.0);
+    assert_eq!(number(&prime, "carry_ml"), owed, "what the next dose owes has not changed");
     let status = user.json(&["status"]);
     assert_eq!(number(&status, "carry_ml"), owed);
     assert!((number(&status, "angle_deg") - number(&prime, "end_angle_deg").rem_euclid(360.0)).abs() < 1e-9);
@@ -216,6 +217,8 @@ fn traps_of_the_command_line_are_answered_as_what_they_are() {
     assert!(user.is_refused(&["stauts"]).contains("unknown command `stauts`; did you mean `dose status`?"));
     assert!(user.is_refused(&["25", "mL"]).contains("did you mean 25mL"));
     assert!(user.is_refused(&["25mL", "30mL"]).contains("one volume at a time"));
+    assert!(user.is_refused(&["primr", "5mL"]).contains("did you mean `dose prime`?"));
+    assert!(user.is_refused(&["pump", "list"]).contains("did you mean `dose pumps`?"));
     assert!(user.is_refused(&["prime"]).contains("how much?"));
     assert!(user.is_refused(&[]).contains("how much?"));
     assert!(user.is_refused(&["--dry-run", "status"]).contains("--dry-run means nothing to `dose status`"));
@@ -248,9 +251,9 @@ fn bad_quantities_are_refused_by_name() {
         (vec!["25mL", "--rate", "NaN"], "not a finite number"),
         (vec!["25mL", "--rate", "5"], "has no unit"),
         (vec!["25mL", "--rate", "100mL/s"], "60.402 mL/s at most"),
-        (vec!["25mL", "--speed", "171rpm"], "above the pump's limit of 170.0 r/min"),
-        (vec!["25mL", "--within", "0.1s"], "the fastest takes"),
-        (vec!["25mL", "--rate", "1e-12mL/s"], "116 days"),
+        (vec!["25mL", "--speed", "171rpm"], "above the pump's limit of 170.00 r/min"),
+        (vec!["25mL", "--within", "0.1s"], "the fastest found takes"),
+        (vec!["25mL", "--rate", "1e-12mL/s"], "58 days"),
         (vec!["25mL", "--max-outlet-pressure", "15psi"], "`15psia` (absolute) or `15psig`"),
         (vec!["25mL", "--max-outlet-pressure", "89kPaa"], "above the limit of 89.00 kPa"),
         (vec!["25mL", "--min-inlet-pressure", "88kPaa"], "below the limit of 88.00 kPa"),
@@ -319,6 +322,8 @@ fn unwritable_outputs_are_refused_before_anything_moves() {
     user.is_refused(&["25mL", "--steps", "steps.csv", "--plot", "no/such/folder/file"]);
     assert!(!user.path("steps.csv").exists(), "all outputs or none");
     assert!(user.is_refused(&["25mL", "--steps", "x", "--trace", "x"]).contains("two outputs"));
+    assert!(user.is_refused(&["25mL", "--steps", "./x", "--trace", "x"]).contains("two outputs"));
+    assert!(user.is_refused(&["25mL", "--steps", "-"]).contains("no file"));
     assert!(user.is_refused(&["25mL", "--dt", "1s"]).contains("--trace"));
     let left: Vec<_> =
         fs::read_dir(user.folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
@@ -383,7 +388,8 @@ fn a_damaged_record_stops_a_dose_until_the_angle_is_given() {
     user.json(&["1mL"]);
     fs::write(user.path("state/three-roller/sim/record.json"), "{").unwrap();
     assert!(user.is_refused(&["1mL"]).contains("say where it stands with --start-angle"));
-    assert_eq!(user.json(&["1mL", "--start-angle", "0deg"])["completed"], true);
+    let report = user.json(&["1mL", "--start-angle", "0deg"]);
+    assert!(report["warnings"][0].as_str().unwrap().contains("what earlier doses owed is lost"));
     assert_eq!(user.json(&["1mL"])["phase"]["source"], "recorded");
 }
 
@@ -419,4 +425,93 @@ fn the_example_pump_file_is_the_built_in_pump_under_another_name() {
     example.pump.id.clone_from(&built_in.pump.id);
     example.pump.name.clone_from(&built_in.pump.name);
     assert_eq!(example, built_in);
+}
+
+#[test]
+fn slow_doses_predict_small_pressures_and_keep_limits_close_to_rest() {
+    let user = User::new();
+    let slow = [
+        "25mL",
+        "--rate",
+        "0.01mL/s",
+        "--max-outlet-pressure",
+        "88.8kPaa",
+        "--min-inlet-pressure",
+        "88.5kPaa",
+    ];
+    let report = user.json(&[&slow[..], &["--dry-run"]].concat());
+    for (key, rest_kpa) in [("inlet_min_kpa", 88.637), ("inlet_max_kpa", 88.637), ("outlet_max_kpa", 88.637)]
+    {
+        assert!((number(&report, key) - rest_kpa).abs() < 0.02, "{key} in {report}");
+    }
+}
+
+#[test]
+fn the_simulated_vessel_receives_everything_at_any_rate() {
+    for rate in ["0.02mL/s", "0.3mL/s", "60mL/s"] {
+        let report = User::new().json(&["2mL", "--rate", rate]);
+        let missing = number(&report, "planned_ml") - number(&report, "delivered_ml");
+        assert!(missing.abs() < 2e-6, "{rate}: {missing} mL missing");
+    }
+}
+
+#[test]
+fn a_small_dose_says_what_a_step_makes_of_it() {
+    let user = User::new();
+    let report = user.json(&["1.2uL"]);
+    assert!(report["warnings"].to_string().contains("a motor step is coarse for this dose"), "{report}");
+    let message = user.is_refused(&["1.5uL"]);
+    assert!(
+        message.contains("0.0015 mL with -0.000") && message.contains("the smallest dose here is 0.00"),
+        "{message}"
+    );
+}
+
+#[test]
+fn pressures_that_no_liquid_can_have_are_said_to_be_so() {
+    let user = User::new();
+    let three = user.types(&["pumps", "show", "three-roller"]).out;
+    fs::write(
+        user.path("long.toml"),
+        three.replace("resistance_kpa_s_ml = 0.1108", "resistance_kpa_s_ml = 10.0"),
+    )
+    .unwrap();
+    let dose = user.json(&["25mL", "--pump", "long.toml", "--rate", "20mL/s", "--dry-run"]);
+    assert!(dose["warnings"][0].as_str().unwrap().contains("no liquid can"), "{dose}");
+    let run = ["simulate", "--pump", "long.toml", "--speed", "200rpm", "--duration", "1s"];
+    let run = user.json(&run);
+    assert!(run["warnings"][0].as_str().unwrap().contains("above the pump's limit of 170 r/min"), "{run}");
+    assert!(run["warnings"][1].as_str().unwrap().contains("no liquid can"), "{run}");
+}
+
+#[test]
+fn both_methods_of_simulate_agree() {
+    let user = User::new();
+    let run = |method: &str, file: &str| {
+        let arguments =
+            ["simulate", "--speed", "100rpm", "--duration", "2s", "--method", method, "--trace", file];
+        assert_eq!(user.json(&arguments)["method"], method);
+        rows(&user.path(file)).1
+    };
+    let (exact, integrated) = (run("exact", "a.csv"), run("rodas5p", "b.csv"));
+    assert_eq!(exact.len(), 2001);
+    for (a, b) in exact.iter().zip(&integrated) {
+        for (column, bound) in [(0, 0.0), (1, 0.0), (3, 0.0), (4, 0.0), (5, 1e-4), (6, 1e-4), (7, 1e-5)] {
+            assert!((a[column] - b[column]).abs() <= bound, "column {column} at {} s: {a:?} {b:?}", a[0]);
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_report_that_cannot_be_printed_does_not_hide_the_dose() {
+    let user = User::new();
+    let full = || fs::File::options().write(true).open("/dev/full").unwrap();
+    let output = user.command(&["5mL"]).stdout(full()).output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("mL were delivered and recorded"), "{message}");
+    assert!(user.record().is_some());
+    let output = user.command(&["5mL", "--dry-run"]).stdout(full()).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "nothing moved");
 }

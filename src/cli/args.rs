@@ -1,6 +1,6 @@
 //! What may be typed.
 
-use std::path::{Path, PathBuf};
+use std::path::{Path, PathBuf, absolute};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use pump_ctl::plan::Cruise;
@@ -10,15 +10,20 @@ use pump_dose::{BUILT_IN, Bench, built_in, default_state_dir};
 
 use super::Failure;
 
+const EXAMPLES: &str = "Examples:
+  dose 25mL
+  dose 0.5mL --start-angle 30deg --dry-run
+  dose 100mL --rate 600mL/min --plot dose.svg
+  dose simulate --speed 100rpm --duration 10s --trace run.csv";
+
 /// Doses with a peristaltic pump from the angle of its rollers
 #[derive(Debug, Parser)]
 #[command(
     name = "dose",
     version,
     about,
-    disable_help_subcommand = true,
     override_usage = "dose [OPTIONS] <VOLUME>\n       dose [OPTIONS] <COMMAND>",
-    after_help = "Examples:\n  dose 25mL\n  dose 0.5mL --start-angle 30deg --dry-run\n  dose 100mL --rate 600mL/min --plot dose.svg\n  dose simulate --speed 100rpm --duration 10s --trace run.csv"
+    after_help = EXAMPLES
 )]
 pub(crate) struct Cli {
     /// How much, with its unit: 25mL, 0.025L, 250uL, 25g; negative runs in reverse
@@ -32,13 +37,13 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Fill the line before a dose
+    /// Fill the line before a dose; what doses owe each other stays as it is
     Prime {
         /// How much, with its unit
         #[arg(value_name = "VOLUME")]
         volume: Vec<String>,
     },
-    /// Empty the line
+    /// Empty the line: like prime, for the record; a negative volume runs back
     Purge {
         /// How much, with its unit
         #[arg(value_name = "VOLUME")]
@@ -95,6 +100,8 @@ pub(crate) enum Model {
 pub(crate) enum Method {
     /// The best that applies
     Auto,
+    /// The exact solution
+    Exact,
     /// The implicit integrator
     Rodas5p,
 }
@@ -235,7 +242,11 @@ impl Options {
     pub(crate) fn outputs_differ(&self) -> Result<(), Failure> {
         let paths: Vec<&PathBuf> = [&self.steps, &self.trace, &self.plot].into_iter().flatten().collect();
         for (n, path) in paths.iter().enumerate() {
-            if paths[..n].contains(path) {
+            if path.as_os_str() == "-" {
+                return Err(Failure::refused("`-` is no file; standard output carries the report"));
+            }
+            let place = |path: &PathBuf| absolute(path).unwrap_or(path.clone());
+            if paths[..n].iter().any(|other| place(other) == place(path)) {
                 let path = path.display();
                 return Err(Failure::refused(format!(
                     "{path} is named for two outputs; give each its own file"

@@ -5,16 +5,15 @@ use std::io::{self, Write};
 use indicatif::{ProgressBar, ProgressStyle};
 use pump_dose::pump_file::PumpFile;
 use pump_dose::quantity::Amount;
-use pump_dose::waveform::{Waveform, times};
+use pump_dose::waveform::{Method, Waveform, times};
 use pump_dose::{Bench, DoseReport, DoseRequest, Prepared, Purpose, csv};
-use pump_model::DEFAULT_TOLERANCE;
 
 use super::args::Options;
 use super::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use super::{Failure, print};
 
-/// A trace beyond this is a mistake: it would fill disks.
-const MAX_ROWS: f64 = 1e9;
+/// A file of more rows is a mistake: it would fill disks (a row has up to 150 bytes).
+const MAX_ROWS: f64 = 1e8;
 
 pub(crate) fn dose(amount: &Amount, options: &Options) -> Result<(), Failure> {
     run("dose", Purpose::Dose, amount, options)
@@ -55,21 +54,21 @@ fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> R
     let bench = options.bench()?;
     let request = request(purpose, amount, options, bench.file())?;
 
-    // The lock comes before the record is read, so that nobody moves the pump in between.
-    let lock = if options.dry_run { None } else { Some(bench.lock()?) };
+    // The pump is taken before its record is read, so that nobody moves it in between.
+    let session = if options.dry_run { None } else { Some(bench.session()?) };
     let prepared = bench.prepare(request)?;
     write_outputs(&bench, &prepared, options)?;
-    let delivered_ml = match &lock {
+    let delivered_ml = match &session {
         None => None,
-        Some(lock) => {
+        Some(session) => {
             let bar = progress_bar(&prepared);
-            let delivered_ml = bench.run(lock, &prepared, |steps| bar.set_position(steps));
+            let delivered_ml = session.run(&prepared, |steps| bar.set_position(steps));
             bar.finish_and_clear();
             Some(delivered_ml?)
         }
     };
     let report = DoseReport::new(&bench, &prepared, delivered_ml);
-    if options.json() {
+    let printed = if options.json() {
         for warning in &report.warnings {
             // Standard error is for people; if it is closed nobody reads it.
             let _ = writeln!(io::stderr(), "warning: {warning}");
@@ -77,6 +76,12 @@ fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> R
         print(&(report.json() + "\n"))
     } else {
         print(&report.text())
+    };
+    match (printed, delivered_ml) {
+        (Err(Failure::Refused(message)), Some(delivered_ml)) => {
+            Err(Failure::Fault(format!("{delivered_ml:.4} mL were delivered and recorded, but {message}")))
+        }
+        (printed, _) => printed,
     }
 }
 
@@ -112,21 +117,18 @@ fn write_outputs(bench: &Bench, prepared: &Prepared, options: &Options) -> Resul
     let motion_s = plan.profile.duration_s();
     let end_s = motion_s + prepared.prediction.settle_s;
     let samples = |dt_s| {
-        let waveform = Waveform::new(bench.model(), plan.legs(), DEFAULT_TOLERANCE);
+        let waveform = Waveform::new(bench.model(), plan.legs(), Method::Exact);
         let mut waveform = waveform.map_err(Failure::refused)?;
         Ok::<_, Failure>(times(dt_s, motion_s, end_s).map(move |time_s| waveform.at(time_s)))
     };
     let mut outputs = Outputs::default();
     if let Some(path) = &options.steps {
+        refuse_rows(plan.steps.unsigned_abs() as f64, "list of steps", "dose less at a time")?;
         outputs.write(path, |to| csv::write_steps(to, plan))?;
     }
     if let Some(path) = &options.trace {
         let dt_s = options.dt.unwrap_or(DEFAULT_DT_S);
-        if end_s / dt_s > MAX_ROWS {
-            return Err(Failure::refused(format!(
-                "a trace of {end_s:.3} s every {dt_s} s has more than {MAX_ROWS:e} rows; use a longer --dt"
-            )));
-        }
+        refuse_rows(end_s / dt_s, "trace", "use a longer --dt")?;
         outputs.trace(path, samples(dt_s)?)?;
     }
     if let Some(path) = &options.plot {
@@ -134,6 +136,16 @@ fn write_outputs(bench: &Bench, prepared: &Prepared, options: &Options) -> Resul
         outputs.plot(path, &title, samples(f64::max(end_s / PLOT_SAMPLES, DEFAULT_DT_S))?, Some(motion_s))?;
     }
     outputs.put()
+}
+
+fn refuse_rows(rows: f64, what: &str, instead: &str) -> Result<(), Failure> {
+    if rows <= MAX_ROWS {
+        Ok(())
+    } else {
+        Err(Failure::refused(format!(
+            "the {what} would have {rows:.3e} rows, {MAX_ROWS:e} at most; {instead}"
+        )))
+    }
 }
 
 fn progress_bar(prepared: &Prepared) -> ProgressBar {

@@ -95,7 +95,7 @@ fn dispatch(cli: &Cli) -> Result<(), Failure> {
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     match io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::Fault(format!("cannot write to standard output: {error}")))
+            Err(Failure::Refused(format!("the report could not be printed: {error}")))
         }
         _ => Ok(()),
     }

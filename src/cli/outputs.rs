@@ -64,5 +64,5 @@ impl Outputs {
 }
 
 fn refused(path: &Path, error: &io::Error) -> Failure {
-    Failure::refused(format!("cannot write {}: {error}; nothing moved", path.display()))
+    Failure::refused(format!("cannot write {}: {error}", path.display()))
 }

@@ -1,7 +1,7 @@
 //! `dose pumps`: built-in pumps and pump files.
 
-use pump_dose::BUILT_IN;
 use pump_dose::pump_file::PumpFile;
+use pump_dose::{BUILT_IN, built_in};
 use pump_model::math::degrees;
 
 use super::args::{Options, PumpsCommand, pump_named};
@@ -15,6 +15,12 @@ pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result
         }
         Some(PumpsCommand::Show { name }) => print(&pump_named(name)?.to_toml()),
         Some(PumpsCommand::Check { file }) => {
+            if !file.exists() && file.to_str().is_some_and(|name| built_in(name).is_some()) {
+                let name = file.display();
+                return Err(Failure::refused(format!(
+                    "{name} is built in; `dose pumps show {name}` prints its file"
+                )));
+            }
             let file = PumpFile::read(file).map_err(Failure::refused)?;
             print(&summary(&file)?)
         }
@@ -27,13 +33,20 @@ fn summary(file: &PumpFile) -> Result<String, Failure> {
     let limits = file.limits();
     let revolution_ml = pump.revolution_ml();
     let (low, high) = pump.outlet_curve().flow_range_ml_rad();
+    let geometry = pump.geometry();
+    let apart_mm = 2.0 * geometry.roller_offset_mm * (0.5 * pump.pitch_rad()).sin();
+    let overlap = if apart_mm < 2.0 * geometry.roller_radius_mm {
+        format!("  warning   the rollers' axes stand {apart_mm:.2} mm apart: less than their diameter\n")
+    } else {
+        String::new()
+    };
     Ok(format!(
         "{} ({}): ok\n\n  \
          volume    {revolution_ml:.4} mL per revolution, {:.4} mL per pitch of {:.2}°\n  \
          flow      {low:.4} to {high:.4} mL/rad at the outlet rollers\n  \
          fastest   {} r/min, {:.3} mL/s\n  \
          step      {} per revolution, {:.3} µL on average\n  \
-         fluid     {} at {} °C, {} kg/m³\n",
+         fluid     {} at {} °C, {} kg/m³\n{overlap}",
         file.pump.id,
         file.pump.name,
         pump.outlet_curve().pitch_ml(),

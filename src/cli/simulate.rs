@@ -1,12 +1,14 @@
 //! `dose simulate`: the model at constant speed.
 
 use pump_ctl::plan::{Cruise, speed_for_flow};
+use pump_dose::pump_file::PumpFile;
+use pump_dose::waveform::Method;
 use pump_dose::{Simulation, SteadyReport};
-use pump_model::DEFAULT_TOLERANCE;
-use pump_model::math::TURN_RAD;
+use pump_model::math::rpm;
+use pump_model::{DEFAULT_TOLERANCE, SteadyState};
 use serde::Serialize;
 
-use super::args::{Method, Model, Options};
+use super::args::{Method as MethodName, Model, Options};
 use super::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use super::{Failure, print};
 
@@ -21,6 +23,7 @@ struct Report<'a> {
     duration_s: f64,
     dt_s: f64,
     steady: SteadyReport,
+    warnings: Vec<String>,
 }
 
 pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
@@ -53,22 +56,26 @@ pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
         return Err(Failure::refused("how long? Add --duration 10s"));
     };
     let speed_rad_s = if options.reverse { -speed_rad_s } else { speed_rad_s };
-    let run = Simulation::new(speed_rad_s, duration_s, options.dt.unwrap_or(DEFAULT_DT_S));
+    let method = match options.method.unwrap_or(MethodName::Auto) {
+        MethodName::Auto | MethodName::Exact => Method::Exact,
+        MethodName::Rodas5p => Method::Rodas5p { tolerance: DEFAULT_TOLERANCE },
+    };
+    let dt_s = options.dt.unwrap_or(DEFAULT_DT_S.min(duration_s));
+    let run = Simulation { method, ..Simulation::new(speed_rad_s, duration_s, dt_s) };
     run.validate().map_err(Failure::refused)?;
-    let steady = pump.steady_state(speed_rad_s, DEFAULT_TOLERANCE).map_err(Failure::refused)?;
+    let steady = pump.steady_state(speed_rad_s).map_err(Failure::refused)?;
     let report = Report {
         schema: "simulation/1",
         pump: &file.pump.id,
         model: match options.model.unwrap_or(Model::FlowCentric) {
             Model::FlowCentric => "flow-centric",
         },
-        method: match options.method.unwrap_or(Method::Auto) {
-            Method::Auto | Method::Rodas5p => "rodas5p",
-        },
-        speed_rpm: speed_rad_s * 60.0 / TURN_RAD,
+        method: method.name(),
+        speed_rpm: rpm(speed_rad_s),
         duration_s,
         dt_s: run.dt_s,
         steady: steady.into(),
+        warnings: warnings_of(&file, speed_rad_s, &steady),
     };
 
     let mut outputs = Outputs::default();
@@ -76,8 +83,9 @@ pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
         outputs.trace(path, run.samples(&pump).map_err(Failure::refused)?)?;
     }
     if let Some(path) = &options.plot {
-        let coarse = Simulation { dt_s: run.dt_s.max(duration_s / PLOT_SAMPLES), ..run };
-        let samples = coarse.samples(&pump).map_err(Failure::refused)?;
+        // Fine enough for every pulse, whatever the trace's rows are.
+        let fine = Simulation { dt_s: run.dt_s.min(DEFAULT_DT_S).max(duration_s / PLOT_SAMPLES), ..run };
+        let samples = fine.samples(&pump).map_err(Failure::refused)?;
         let title = format!("{} at {:.4} r/min from rest", report.pump, report.speed_rpm);
         outputs.plot(path, &title, samples, None)?;
     }
@@ -92,7 +100,8 @@ pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
 
 fn text(report: &Report<'_>) -> String {
     let s = &report.steady;
-    format!(
+    let warnings: String = report.warnings.iter().map(|warning| format!("  warning {warning}\n")).collect();
+    let figures = format!(
         "{} at {:.4} r/min, flow-centric model, periodic steady state\n\n  \
          flow    {:.4} mL/s mean; at the outlet rollers {:.1} % peak to peak, {:.1} % RMS\n  \
          inlet   {:.3} to {:.3} kPa absolute, mean {:.3}\n  \
@@ -108,5 +117,24 @@ fn text(report: &Report<'_>) -> String {
         s.outlet_min_kpa,
         s.outlet_max_kpa,
         s.outlet_mean_kpa,
-    )
+    );
+    figures + &warnings
+}
+
+/// What makes the figures doubtful.
+fn warnings_of(file: &PumpFile, speed_rad_s: f64, steady: &SteadyState) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let limit_rpm = file.motor.max_speed_rpm;
+    if rpm(speed_rad_s).abs() > limit_rpm * (1.0 + 1e-12) {
+        warnings.push(format!("this is above the pump's limit of {limit_rpm} r/min"));
+    }
+    for (port, range) in [("inlet", steady.inlet), ("outlet", steady.outlet)] {
+        if range.min_kpa < 0.0 {
+            warnings.push(format!(
+                "no liquid can be at {:.1} kPa absolute ({port}): it would cavitate",
+                range.min_kpa
+            ));
+        }
+    }
+    warnings
 }

@@ -40,25 +40,15 @@ pub(crate) fn beside_a_command(words: &[String]) -> Failure {
 }
 
 fn one(word: &str) -> Result<Amount, Failure> {
-    let is_number = word.starts_with(|c: char| c.is_ascii_digit() || "+-.\u{2212}".contains(c));
-    quantity::amount(word).map_err(|error| {
-        let special = ["nan", "inf"].iter().any(|name| word.to_lowercase().starts_with(name));
-        match nearest_command(word) {
-            _ if is_number || special || word.is_empty() => Failure::refused(error),
-            Some(command) => {
-                Failure::refused(format!("unknown command `{word}`; did you mean `dose {command}`?"))
-            }
-            None => {
-                let commands = commands().join(", ");
-                Failure::refused(format!("`{word}` is neither a volume, as 25mL, nor a command: {commands}"))
-            }
-        }
-    })
+    quantity::amount(word)
+        .map_err(|error| if is_word(word) { unknown(word) } else { Failure::refused(error) })
 }
 
 fn several(first: &str, second: &str, words: &[String]) -> Failure {
     let joined = format!("{first}{second}").replace('\u{2212}', "-");
-    if commands().iter().any(|command| command == second) {
+    if is_word(first) {
+        unknown(first)
+    } else if commands().iter().any(|command| command == second) {
         beside_a_command(words)
     } else if words.len() == 2 && quantity::amount(&joined).is_ok() {
         Failure::refused(format!("`{first} {second}` is two words; did you mean {joined}"))
@@ -67,6 +57,24 @@ fn several(first: &str, second: &str, words: &[String]) -> Failure {
             "`{}`: one volume at a time, written as one word, as in 25mL",
             words.join(" ")
         ))
+    }
+}
+
+/// Whether it looks like a command rather than a number.
+fn is_word(word: &str) -> bool {
+    let special = ["nan", "inf"].iter().any(|name| word.to_lowercase().starts_with(name));
+    !special && word.starts_with(char::is_alphabetic)
+}
+
+fn unknown(word: &str) -> Failure {
+    match nearest_command(word) {
+        Some(command) => {
+            Failure::refused(format!("unknown command `{word}`; did you mean `dose {command}`?"))
+        }
+        None => {
+            let commands = commands().join(", ");
+            Failure::refused(format!("`{word}` is neither a volume, as 25mL, nor a command: {commands}"))
+        }
     }
 }
 

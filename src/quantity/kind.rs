@@ -54,6 +54,7 @@ const LITRES: Units = &[
     ("nL", 1e-6),
     ("nl", 1e-6),
     ("cm3", 1.0),
+    ("cc", 1.0),
     ("mm3", 1e-3),
 ];
 const GRAMS: Units = &[("kg", 1e3), ("g", 1.0), ("mg", 1e-3)];
@@ -99,7 +100,7 @@ impl Kind {
     pub(super) fn units_listed(self) -> &'static str {
         match self {
             Self::Volume => {
-                "L, dL, cL, mL, uL (µL), nL, cm3, mm3 (a mass in kg, g, mg needs the fluid's density)"
+                "L, dL, cL, mL, uL (µL), nL, cm3 (cc), mm3 (a mass in kg, g, mg needs the fluid's density)"
             }
             Self::Mass => "kg, g, mg",
             Self::Flow => "a volume over a time, as in mL/s, mL/min, L/h, uL/min",
@@ -113,10 +114,17 @@ impl Kind {
     /// What may have been meant by a unit that does not fit, starting with a comma, or nothing.
     pub(super) fn hint(self, unit: &str) -> String {
         let lower = unit.to_lowercase();
-        let same_letters =
-            LITRES.iter().find(|(name, _)| self == Self::Volume && name.to_lowercase() == lower);
-        if let Some((name, _)) = same_letters {
-            return format!(", did you mean `{name}` (prefixes are case-sensitive)");
+        let own: Units = match self {
+            Self::Volume => LITRES,
+            Self::Flow => &[],
+            Self::Mass => GRAMS,
+            Self::Speed => SPEEDS,
+            Self::Time => SECONDS,
+            Self::Angle => ANGLES,
+            Self::Pressure => PRESSURES,
+        };
+        if let Some((name, _)) = own.iter().find(|(name, _)| name.to_lowercase() == lower) {
+            return format!(", did you mean `{name}` (case matters)");
         }
         let all =
             [Self::Volume, Self::Mass, Self::Flow, Self::Speed, Self::Time, Self::Angle, Self::Pressure];

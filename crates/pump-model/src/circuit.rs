@@ -1,4 +1,4 @@
-//! The flow-centric model of one port as a differential equation (section 2.4 of McIntyre et al.).
+//! The flow-centric model of one port as a differential equation (McIntyre et al.).
 
 use nalgebra::{SMatrix, SVector};
 
@@ -95,7 +95,7 @@ impl<F: Forcing, const N: usize> Ode<N> for Circuit<'_, F> {
     }
 }
 
-/// Errors allowed in a step of a [`Circuit`]: `tolerance` times the larger of `scale_kpa` and |P - P_res|, and the flow
+/// Errors allowed in a step of a [`Circuit`]: `tolerance` times `scale_kpa` + |P - P_res|, and the flow
 /// and volume that carry the same energy. The volume's error is that of the flow it integrates, so it has no part
 /// relative to the volume itself.
 pub fn options<const N: usize>(line: &Line, tolerance: f64, scale_kpa: f64) -> Options<N> {

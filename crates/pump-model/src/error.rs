@@ -88,7 +88,8 @@ pub enum ModelError {
     },
     /// A periodic steady state does not exist.
     #[error(
-        "at {speed_rad_s:.6} rad/s the {port} line resonates undamped (resistance 0): there is no steady state"
+        "at {speed_rad_s:.6} rad/s the pulses meet a resonance of the {port} line that nothing damps: there is no \
+         steady state; give the line a resistance or change the speed"
     )]
     UndampedResonance {
         /// `inlet` or `outlet`.
@@ -96,11 +97,14 @@ pub enum ModelError {
         /// Speed, rad/s.
         speed_rad_s: f64,
     },
-    /// The line rings for longer than anyone waits.
-    #[error("the outlet line does not settle within {limit_s} s; its resistance is too small to damp it")]
+    /// The line rings or creeps for longer than anyone waits.
+    #[error(
+        "the outlet line has not settled {waited_s:.3} s after the last step: it is damped too little (L/R) or too \
+         much (R C)"
+    )]
     NeverSettles {
         /// Time after which the search gave up, s.
-        limit_s: f64,
+        waited_s: f64,
     },
     /// The integrator gave up.
     #[error(transparent)]

@@ -47,7 +47,7 @@ pub(crate) struct Piece {
 /// q(theta), mL/rad, and V(theta), mL, of one port: periodic pieces with closed-form integrals.
 ///
 /// outlet: q(theta) = a - sum_k g(phi - (theta - k pitch)), inlet: q(theta) = a - sum_k g(theta - psi - k pitch),
-/// after sections 2.2 and 2.3 of McIntyre et al.; g is the slope of the [`RollerVolume`]. Pulses that overlap add. V is
+/// after McIntyre et al.; g is the slope of the [`RollerVolume`]. Pulses that overlap add. V is
 /// single-valued in theta: reversing the motor runs back along the same curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlowCurve {
@@ -168,7 +168,7 @@ impl FlowCurve {
     }
 
     fn piece_containing(&self, local_rad: f64) -> &Piece {
-        self.pieces().iter().rfind(|piece| piece.start_rad <= local_rad).unwrap_or(&self.pieces[0])
+        &self.pieces[self.index_of(local_rad)]
     }
 }
 

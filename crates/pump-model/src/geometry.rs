@@ -1,4 +1,4 @@
-//! The pump's dimensions and what follows from them alone (section 2.1 of McIntyre et al.).
+//! The pump's dimensions and what follows from them alone (McIntyre et al.).
 
 use core::f64::consts::PI;
 
@@ -85,7 +85,7 @@ impl Geometry {
         Ok(())
     }
 
-    /// Flow per radian without roller pulses, a = pi r_i² (r_b - r_o), mL/rad (section 2.1 of McIntyre et al.).
+    /// Flow per radian without roller pulses, a = pi r_i² (r_b - r_o), mL/rad (McIntyre et al.).
     pub fn nominal_ml_rad(&self) -> f64 {
         const MM3_PER_ML: f64 = 1000.0;
         let radius = self.bore_radius_mm;

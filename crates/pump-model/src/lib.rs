@@ -17,6 +17,8 @@
 
 pub mod circuit;
 mod error;
+mod exact;
+mod extremes;
 pub mod flow_curve;
 mod geometry;
 pub mod integrator;
@@ -26,6 +28,7 @@ mod motion;
 pub mod polynomial;
 mod port_run;
 mod presets;
+mod propagator;
 mod pump;
 pub mod roller_volume;
 mod settling;
@@ -33,11 +36,13 @@ mod steady;
 mod stretches;
 
 pub use error::ModelError;
+pub use exact::{ExactRun, ExactSamples};
+pub use extremes::Extremes;
 pub use flow_curve::{FlowCurve, Port, Ripple};
 pub use geometry::Geometry;
 pub use line::Line;
 pub use motion::Leg;
-pub use port_run::{DEFAULT_TOLERANCE, Extremes, PortRun};
+pub use port_run::{DEFAULT_TOLERANCE, PortRun};
 pub use presets::{PUBLISHED_CONTACT_ANGLE_DEG, Variant};
 pub use pump::Pump;
 pub use roller_volume::RollerVolume;

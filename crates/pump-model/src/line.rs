@@ -1,23 +1,23 @@
 //! The hydraulic line of one port: what stands between the rollers and the reservoir.
 
-use crate::error::{ModelError, positive};
+use crate::error::ModelError;
 use crate::math::sqrt;
 
-/// Lumped line of one port (section 2.4 of McIntyre et al.): C at the pump, R and L in series to a reservoir.
+/// Lumped line of one port (McIntyre et al.): C at the pump, R and L in series to a reservoir.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
-    /// R, kPa s/mL, not negative.
+    /// R, kPa s/mL, 0 to 1e6.
     pub resistance_kpa_s_ml: f64,
-    /// C, mL/kPa, positive.
+    /// C, mL/kPa, 1e-6 to 1e6.
     pub compliance_ml_kpa: f64,
-    /// L, kPa s²/mL, positive.
+    /// L, kPa s²/mL, 1e-6 to 1e6.
     pub inertance_kpa_s2_ml: f64,
-    /// P_res, kPa absolute, positive.
+    /// P_res, kPa absolute, 0.001 to 1e6.
     pub reservoir_kpa: f64,
 }
 
 impl Line {
-    /// The line of McIntyre et al., Table 2, the same at inlet and outlet.
+    /// The line of McIntyre et al., the same at inlet and outlet.
     pub const PUBLISHED: Self = Self {
         resistance_kpa_s_ml: 0.1108,
         compliance_ml_kpa: 0.0361,
@@ -27,16 +27,17 @@ impl Line {
 
     /// Refuses a line that is not physical.
     pub fn validate(&self) -> Result<(), ModelError> {
-        if !(self.resistance_kpa_s_ml.is_finite() && self.resistance_kpa_s_ml >= 0.0) {
-            return Err(ModelError::OutOfRange {
-                parameter: "line resistance in kPa s/mL",
-                value: self.resistance_kpa_s_ml,
-                allowed: "zero or a positive number",
-            });
-        }
-        positive("line compliance in mL/kPa", self.compliance_ml_kpa)?;
-        positive("line inertance in kPa s2/mL", self.inertance_kpa_s2_ml)?;
-        positive("reservoir pressure in kPa absolute", self.reservoir_kpa)
+        let within = |parameter, value: f64, range: core::ops::RangeInclusive<f64>, allowed| {
+            if range.contains(&value) {
+                Ok(())
+            } else {
+                Err(ModelError::OutOfRange { parameter, value, allowed })
+            }
+        };
+        within("line resistance in kPa s/mL", self.resistance_kpa_s_ml, 0.0..=1e6, "0 to 1e6")?;
+        within("line compliance in mL/kPa", self.compliance_ml_kpa, 1e-6..=1e6, "1e-6 to 1e6")?;
+        within("line inertance in kPa s2/mL", self.inertance_kpa_s2_ml, 1e-6..=1e6, "1e-6 to 1e6")?;
+        within("reservoir pressure in kPa absolute", self.reservoir_kpa, 1e-3..=1e6, "0.001 to 1e6")
     }
 
     /// Undamped natural frequency 1 / sqrt(L C), rad/s.

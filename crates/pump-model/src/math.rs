@@ -1,7 +1,7 @@
 //! Transcendental and rounding functions, from `libm` on every target, so that a server, a microcontroller
 //! and Python compute the same bits.
 
-pub use libm::{acos, asin, cos, exp, floor, pow, round, sin, sqrt, tan};
+pub use libm::{ceil, floor, pow, sqrt};
 
 /// A full turn, rad.
 pub const TURN_RAD: f64 = 2.0 * core::f64::consts::PI;
@@ -21,4 +21,14 @@ pub fn radians(degrees: f64) -> f64 {
 /// Degrees of an angle in radians.
 pub fn degrees(radians: f64) -> f64 {
     radians * (180.0 / core::f64::consts::PI)
+}
+
+/// Speed in r/min of one in rad/s.
+pub fn rpm(rad_s: f64) -> f64 {
+    rad_s * (60.0 / TURN_RAD)
+}
+
+/// Speed in rad/s of one in r/min.
+pub fn rad_s(rpm: f64) -> f64 {
+    rpm * (TURN_RAD / 60.0)
 }

@@ -1,9 +1,9 @@
 //! Polynomials of degree five at most: roller volumes, flows per radian, dense output.
 
-/// Highest degree that is represented: the paper's roller volume McIntyre et al. and quintic Hermite output.
+/// Highest degree that is represented: the paper's roller volume and quintic Hermite output have it.
 pub const DEGREE: usize = 5;
 
-/// `c[0] + cMcIntyre et al. x + ... + c[5] x^5`.
+/// The sum of `c[n]` x^n.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Polynomial {
     /// Coefficients, lowest order first.

@@ -3,6 +3,7 @@
 use nalgebra::SVector;
 
 use crate::circuit::{Circuit, options};
+use crate::extremes::Extremes;
 use crate::flow_curve::Port;
 use crate::integrator::{DenseStep, IntegrationError, Rodas5p, Statistics};
 use crate::line::Line;
@@ -10,8 +11,8 @@ use crate::motion::Leg;
 use crate::pump::Pump;
 use crate::stretches::{Stretch, Stretches};
 
-/// Error allowed in a step, relative to the larger of 1 kPa and |P - P_res|. It keeps the pressures of the published
-/// pumps within 1e-4 kPa of the exact ones.
+/// Error allowed in a step, relative to 1 kPa plus |P - P_res|. It keeps the pressures of the published pumps within
+/// 1e-4 kPa of the exact ones, and within 5e-4 kPa between the long steps of motion slower than 1 r/min.
 pub const DEFAULT_TOLERANCE: f64 = 1e-5;
 
 /// Tolerances that double precision can meet.
@@ -59,16 +60,6 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
         Self::new(pump, port, legs, SVector::zeros(), tolerance)
     }
 
-    /// The line that is followed.
-    pub fn line(&self) -> &'a Line {
-        self.line
-    }
-
-    /// Which port it is.
-    pub fn port(&self) -> Port {
-        self.port
-    }
-
     /// Makes one step that ends at `stop_s` at the latest. None once that time is reached.
     pub fn step(&mut self, stop_s: f64) -> Result<Option<DenseStep<N>>, IntegrationError> {
         if self.solver.time_s() >= stop_s {
@@ -76,6 +67,7 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
         }
         while self.stretch.is_some_and(|stretch| self.solver.time_s() >= stretch.end_s) {
             self.stretch = self.stretches.next();
+            self.solver.restart();
         }
         let Some(stretch) = self.stretch else {
             return Ok(None);
@@ -104,9 +96,11 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
 
     /// Smallest and largest pressure, kPa absolute, from now until `end_s`.
     pub fn extremes(&mut self, end_s: f64) -> Result<Extremes, IntegrationError> {
-        let mut extremes = Extremes::new(self.solver.state()[0]);
+        let mut extremes = Extremes::at(self.solver.state()[0]);
         while let Some(step) = self.step(end_s)? {
-            extremes.include(&step);
+            let ((_, low), (_, high)) = step.polynomial(0).range_in(0.0, 1.0);
+            extremes.cover(low);
+            extremes.cover(high);
         }
         Ok(extremes.above(self.line.reservoir_kpa))
     }
@@ -119,36 +113,5 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
     /// What the integration has cost.
     pub fn statistics(&self) -> Statistics {
         self.solver.statistics()
-    }
-}
-
-/// Range of a pressure over time, kPa absolute.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Extremes {
-    /// Smallest, kPa.
-    pub min_kpa: f64,
-    /// Largest, kPa.
-    pub max_kpa: f64,
-}
-
-impl Extremes {
-    fn new(pressure: f64) -> Self {
-        Self { min_kpa: pressure, max_kpa: pressure }
-    }
-
-    /// Widens the range by a step, from its dense output, extremes inside it included.
-    fn include<const N: usize>(&mut self, step: &DenseStep<N>) {
-        let ((_, low), (_, high)) = step.polynomial(0).range_in(0.0, 1.0);
-        self.min_kpa = self.min_kpa.min(low);
-        self.max_kpa = self.max_kpa.max(high);
-    }
-
-    /// The range that covers both.
-    pub fn and(self, other: Self) -> Self {
-        Self { min_kpa: self.min_kpa.min(other.min_kpa), max_kpa: self.max_kpa.max(other.max_kpa) }
-    }
-
-    fn above(self, base_kpa: f64) -> Self {
-        Self { min_kpa: self.min_kpa + base_kpa, max_kpa: self.max_kpa + base_kpa }
     }
 }

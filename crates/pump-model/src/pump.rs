@@ -84,7 +84,7 @@ impl Pump {
         self.outlet_curve.pitch_rad()
     }
 
-    /// V_rot = V_nom - NU V_r, mL per revolution (section 2.3 of McIntyre et al., with pulses and mean in agreement).
+    /// V_rot = V_nom - NU V_r, mL per revolution (McIntyre et al., with pulses and mean in agreement).
     pub fn revolution_ml(&self) -> f64 {
         self.outlet_curve.pitch_ml() * f64::from(self.geometry.rollers)
     }

@@ -41,7 +41,7 @@ pub const PUBLISHED_COEFFICIENTS_DEG: [f64; 6] = [
 /// Engagement angle phi that McIntyre et al. measured, degrees.
 pub const PUBLISHED_ENGAGEMENT_DEG: f64 = 50.53;
 
-/// V_r of McIntyre et al., Table 1, mL. It is not the maximum of the paper's own data (2.1064).
+/// V_r that McIntyre et al. tabulate, mL. It is not the maximum of the paper's own data (2.1064).
 pub const PUBLISHED_TOTAL_ML: f64 = 2.06;
 
 impl RollerVolume {

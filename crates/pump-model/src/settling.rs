@@ -1,15 +1,8 @@
 //! How long a line needs to come to rest after the last step.
 
-use nalgebra::SVector;
-
-use crate::circuit::{Circuit, NoFlow, options};
 use crate::error::ModelError;
-use crate::flow_curve::Port;
-use crate::integrator::Rodas5p;
-use crate::line::Line;
-use crate::motion::Leg;
 use crate::polynomial::Polynomial;
-use crate::port_run::{DEFAULT_TOLERANCE, PortRun};
+use crate::propagator::{Balanced, Flow, Oscillator};
 
 /// Volume that still may move in a settled line: 1 uL.
 pub const SETTLED_ML: f64 = 1e-3;
@@ -17,39 +10,58 @@ pub const SETTLED_ML: f64 = 1e-3;
 /// A line that takes longer is said not to settle, s.
 const LIMIT_S: f64 = 3600.0;
 
-impl<M: Iterator<Item = Leg>> PortRun<'_, M, 2> {
-    /// Time, s, after which the undelivered volume |C p| stays below [`SETTLED_ML`] if the rotor rests from now on.
-    ///
-    /// The energy C p²/2 + L Q²/2 of a passive line only falls, so once it is below that of the allowed pressure, the
-    /// volume stays inside for ever.
-    pub fn settling_s(&self) -> Result<f64, ModelError> {
-        settling_s(self.line(), self.port(), self.state())
-    }
-}
+/// So is one that swings more often than this: at most so many steps, several a swing, are followed.
+const LIMIT_STEPS: u32 = 2_000_000;
 
-fn settling_s(line: &Line, port: Port, state: SVector<f64, 2>) -> Result<f64, ModelError> {
-    let compliance = line.compliance_ml_kpa;
-    let allowed_kpa = SETTLED_ML / compliance;
-    let allowed_energy = compliance * allowed_kpa * allowed_kpa;
-    let energy = |y: SVector<f64, 2>| compliance * y[0] * y[0] + line.inertance_kpa_s2_ml * y[1] * y[1];
-
-    let circuit = Circuit { line, port, forcing: NoFlow };
-    // Relative to the pressure that is looked for, not to 1 kPa.
-    let options = options(line, DEFAULT_TOLERANCE, allowed_kpa.min(1.0));
-    let mut solver = Rodas5p::new(0.0, state, options);
+/// Time, s, after which the undelivered volume |C p| stays below [`SETTLED_ML`], for a line left in `state` with the
+/// rotor at rest.
+///
+/// The energy x² + y² of a passive line only falls, so once it is below that of the allowed pressure, the volume stays
+/// inside for ever, and the last crossing seen was the last.
+pub(crate) fn settling_s(
+    oscillator: &Oscillator,
+    compliance_ml_kpa: f64,
+    state: Balanced,
+) -> Result<f64, ModelError> {
+    let allowed_kpa = SETTLED_ML / compliance_ml_kpa;
+    let no_flow = Flow::default();
+    let mut state = state;
+    let mut time_s = 0.0;
     let mut settled_s = 0.0;
-    while energy(solver.state()) >= allowed_energy {
-        if solver.time_s() > LIMIT_S {
-            return Err(ModelError::NeverSettles { limit_s: LIMIT_S });
+    for _ in 0..LIMIT_STEPS {
+        if state[0] * state[0] + state[1] * state[1] < allowed_kpa * allowed_kpa {
+            return Ok(settled_s);
         }
-        let step = solver.step(&circuit, f64::INFINITY)?;
-        let pressure = step.polynomial(0);
+        if time_s > LIMIT_S {
+            break;
+        }
+        // Never more than doubles the time, so that it stays finite.
+        let length_s = oscillator.fine_step_s(time_s, f64::INFINITY).min(1.0 + time_s);
+        let next = oscillator.after(length_s, state, &no_flow);
+        let pressure = oscillator.dense(length_s, state, next, &no_flow).polynomial(0);
         for bound in [allowed_kpa, -allowed_kpa] {
             let crossings = pressure.plus(&Polynomial::constant(-bound)).roots_in(0.0, 1.0);
             if let Some(last) = crossings.as_slice().last() {
-                settled_s = f64::max(settled_s, step.start_s + last * step.length_s);
+                settled_s = f64::max(settled_s, time_s + place(oscillator, state, last * length_s, bound));
             }
         }
+        state = next;
+        time_s += length_s;
     }
-    Ok(settled_s)
+    Err(ModelError::NeverSettles { waited_s: time_s })
+}
+
+/// Time near `near_s` after `state` at which the exact pressure takes the value `bound_kpa`, by Newton's method.
+fn place(oscillator: &Oscillator, state: Balanced, near_s: f64, bound_kpa: f64) -> f64 {
+    let mut t = near_s;
+    for _ in 0..3 {
+        let there = oscillator.after(t, state, &Flow::default());
+        let shift = (there[0] - bound_kpa) / oscillator.derivative(there, 0.0)[0];
+        // A crossing that only touches the bound has no slope; it stays where the polynomial put it.
+        if !shift.is_finite() || shift.abs() > 0.5 * near_s {
+            break;
+        }
+        t -= shift;
+    }
+    t
 }

@@ -1,13 +1,12 @@
-//! The periodic steady state at constant speed, by the integrator.
-
-use nalgebra::{SMatrix, SVector};
+//! The periodic steady state at constant speed, in closed form.
 
 use crate::error::ModelError;
+use crate::exact::ExactRun;
+use crate::extremes::Extremes;
 use crate::flow_curve::{Port, Ripple};
-use crate::integrator::Lu;
 use crate::math::TURN_RAD;
 use crate::motion::Leg;
-use crate::port_run::{Extremes, PortRun};
+use crate::propagator::{Oscillator, Propagator};
 use crate::pump::Pump;
 
 /// What a pump does at constant speed once start-up is forgotten.
@@ -28,12 +27,10 @@ pub struct SteadyState {
 }
 
 impl Pump {
-    /// Periodic steady state at `speed_rad_s`, which must not be zero.
+    /// Periodic steady state at `speed_rad_s`, which must not be zero; negative in reverse.
     ///
-    /// The model is linear, so the state at the end of a pitch is Phi y + b; three integrations over a pitch give Phi
-    /// and b, and y = (I - Phi)^-1 b repeats itself. The means follow from L dQ_L/dt = 0 over a period:
-    /// P = P_res -+ R Q_avg.
-    pub fn steady_state(&self, speed_rad_s: f64, tolerance: f64) -> Result<SteadyState, ModelError> {
+    /// The means follow from L dQ_L/dt = 0 over a period: P = P_res -+ R Q_avg.
+    pub fn steady_state(&self, speed_rad_s: f64) -> Result<SteadyState, ModelError> {
         if !(speed_rad_s.is_finite() && speed_rad_s != 0.0) {
             return Err(ModelError::OutOfRange {
                 parameter: "speed in rad/s",
@@ -45,13 +42,38 @@ impl Pump {
         let inlet = self.inlet();
         let outlet = self.outlet();
         Ok(SteadyState {
-            inlet: periodic_extremes(self, Port::Inlet, speed_rad_s, tolerance)?,
+            inlet: self.periodic_extremes(Port::Inlet, speed_rad_s)?,
             inlet_mean_kpa: inlet.reservoir_kpa - inlet.resistance_kpa_s_ml * flow,
-            outlet: periodic_extremes(self, Port::Outlet, speed_rad_s, tolerance)?,
+            outlet: self.periodic_extremes(Port::Outlet, speed_rad_s)?,
             outlet_mean_kpa: outlet.reservoir_kpa + outlet.resistance_kpa_s_ml * flow,
             mean_flow_ml_s: flow,
             ripple: self.outlet_curve().ripple(),
         })
+    }
+
+    /// State (P - P_res in kPa, the line's flow in mL/s) of a port at angle 0 that repeats itself every pitch at
+    /// `speed_rad_s`.
+    ///
+    /// The state after a period T is e^(A T) z + b, so that z = -(e^(A T) - I)^-1 b. Undamped resonance has none.
+    pub fn periodic_state(&self, port: Port, speed_rad_s: f64) -> Result<[f64; 2], ModelError> {
+        let oscillator = Oscillator::new(self.line(port), port);
+        let period_s = self.pitch_rad() / speed_rad_s.abs();
+        let motion = [Leg::constant_speed(0.0, speed_rad_s)];
+        let [bx, by] = oscillator.balanced(ExactRun::from_rest(self, port, motion).at(period_s));
+        let [[a, c], [b, d]] = Propagator::new(&oscillator, period_s, 0).change();
+        let determinant = a * d - b * c;
+        // The eigenvalues of e^(A T) - I are known to rounding times the phase turned.
+        let rounding = 1e-12 * (1.0 + oscillator.norm() * period_s);
+        if determinant.abs() < rounding * rounding {
+            return Err(ModelError::UndampedResonance { port: port.name(), speed_rad_s });
+        }
+        Ok(oscillator.physical([(b * by - d * bx) / determinant, (c * bx - a * by) / determinant]))
+    }
+
+    fn periodic_extremes(&self, port: Port, speed_rad_s: f64) -> Result<Extremes, ModelError> {
+        let state = self.periodic_state(port, speed_rad_s)?;
+        let motion = [Leg::constant_speed(0.0, speed_rad_s)];
+        Ok(ExactRun::new(self, port, motion, state).extremes(self.pitch_rad() / speed_rad_s.abs()))
     }
 
     /// Flow averaged over whole pitches, Q_avg = V_rot omega / (2 pi), mL/s.
@@ -64,32 +86,4 @@ impl Pump {
     pub fn average_flow_ml_s(&self, speed_rad_s: f64) -> f64 {
         self.revolution_ml() * speed_rad_s / TURN_RAD
     }
-}
-
-fn periodic_extremes(
-    pump: &Pump,
-    port: Port,
-    speed_rad_s: f64,
-    tolerance: f64,
-) -> Result<Extremes, ModelError> {
-    let period_s = pump.pitch_rad() / speed_rad_s.abs();
-    let motion = [Leg::constant_speed(0.0, speed_rad_s)];
-    let run = |state| PortRun::<_, 2>::new(pump, port, motion, state, tolerance);
-    let after = |state| run(state).and_then(|mut run| run.run_to(period_s));
-
-    // Unit states of one energy, so that a stiff line does not spoil the matrix.
-    let scale = pump.line(port).flow_scale_ml_s();
-    let offset: SVector<f64, 2> = after(SVector::zeros())?;
-    let pressure = after(SVector::<f64, 2>::new(1.0, 0.0))? - offset;
-    let flow = (after(SVector::<f64, 2>::new(0.0, scale))? - offset) / scale;
-    let map = SMatrix::<f64, 2, 2>::from_columns(&[pressure, flow]);
-    let singular = || ModelError::UndampedResonance { port: port.name(), speed_rad_s };
-    let difference = SMatrix::<f64, 2, 2>::identity() - map;
-    // |det(I - Phi)| is the product of both modes' distances from repeating undamped.
-    let [m00, m10, m01, m11] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|place| difference[place]);
-    if (m00 * m11 - m01 * m10).abs() < 1e-9 {
-        return Err(singular());
-    }
-    let start = Lu::new(difference).ok_or_else(singular)?.solve(offset);
-    Ok(run(start)?.extremes(period_s)?)
 }

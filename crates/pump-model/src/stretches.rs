@@ -4,6 +4,7 @@ use crate::flow_curve::FlowCurve;
 use crate::math::floor;
 use crate::motion::Leg;
 use crate::polynomial::Polynomial;
+use crate::propagator::{DEGREE, Flow};
 
 /// A time interval inside one leg and one piece of the flow curve: no edge and no corner inside.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,11 +23,38 @@ pub struct Stretch {
 }
 
 impl Stretch {
+    /// No motion from `start_s` on, for ever.
+    pub(crate) fn rest(start_s: f64) -> Self {
+        let still = Polynomial::default();
+        let leg = Leg::rest(start_s, 0.0);
+        Self { start_s, end_s: f64::INFINITY, leg, flow: still, flow_slope: still, offset_rad: 0.0 }
+    }
+
     /// Flow at the rollers at time `t_s`, mL/s. Valid a little outside the stretch too: the polynomial goes on.
     pub fn flow_ml_s(&self, t_s: f64) -> f64 {
         let elapsed = t_s - self.leg.start_s;
         let speed = self.leg.speed_rad_s + self.leg.acceleration_rad_s2 * elapsed;
         self.flow.at(self.offset_rad + self.leg.turned(elapsed)) * speed
+    }
+
+    /// The flow as a polynomial in time since the stretch's start, mL/s.
+    pub(crate) fn flow(&self) -> Flow {
+        let elapsed = self.start_s - self.leg.start_s;
+        let (acceleration, speed) = (self.leg.acceleration_rad_s2, self.leg.speed_at(self.start_s));
+        let q = self.flow.shifted(self.offset_rad + self.leg.turned(elapsed)).c;
+        // q(v) (speed + acceleration t) with v = speed t + acceleration t²/2, by Horner's rule.
+        let mut c = [0.0; DEGREE + 1];
+        for (n, coefficient) in q.iter().take(5).rev().enumerate() {
+            for k in (0..=2 * n).rev() {
+                let below = |back: usize| if k >= back { c[k - back] } else { 0.0 };
+                c[k] = speed * below(1) + 0.5 * acceleration * below(2);
+            }
+            c[0] += coefficient;
+        }
+        for k in (0..=DEGREE).rev() {
+            c[k] = speed * c[k] + if k > 0 { acceleration * c[k - 1] } else { 0.0 };
+        }
+        Flow { c, degree: if acceleration == 0.0 { 4 } else { DEGREE } }
     }
 
     /// Time derivative of the flow, mL/s².

@@ -1,8 +1,8 @@
 //! A planned dose.
 
 use numpy::PyArray1;
-use pump_ctl::plan::{Cruise, Phase, Request, plan};
-use pump_dose::{Budget, DoseReport, DoseRequest, PhaseSource, Prepared, Purpose};
+use pump_ctl::plan::{Cruise, Phase};
+use pump_dose::{DoseReport, DoseRequest, PhaseSource, Prepared, Purpose};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -228,24 +228,15 @@ impl Plan {
     pub(crate) fn new(doser: &Bound<'_, Doser>, request: DoseRequest, carry_in_ml: f64) -> PyResult<Self> {
         let Pump { file, model } = doser.get().pump.get();
         let limits = doser.get().ctl_limits();
-        let prepared = doser.py().detach(|| {
-            let asked = Request {
-                volume_ml: request.volume_ml,
-                carry_in_ml,
-                cruise: request.cruise.unwrap_or(Cruise::Flow { ml_s: file.pump.default_rate_ml_s }),
-            };
-            let start = Phase::known(request.start_angle_rad.unwrap_or(0.0));
-            let plan = plan(model, start, &asked, &limits)?;
-            Ok(Prepared {
-                request,
-                prediction: plan.predict(model)?,
-                budget: Budget::new(model, &plan, &file.uncertainty),
-                plan,
-                limits,
-                phase_source: PhaseSource::Given,
-                recorded_carry_ml: carry_in_ml,
-            })
-        });
+        // The request carries no limits of its own: the doser's stand for the pump file's.
+        let request = DoseRequest {
+            max_outlet_kpa: request.max_outlet_kpa.or(limits.max_outlet_kpa),
+            min_inlet_kpa: request.min_inlet_kpa.or(limits.min_inlet_kpa),
+            ..request
+        };
+        let start = Phase::known(request.start_angle_rad.unwrap_or(0.0));
+        let prepared =
+            doser.py().detach(|| Prepared::new(file, model, request, start, PhaseSource::Given, carry_in_ml));
         let prepared = prepared.map_err(errors::plan)?;
         Ok(Self {
             report: DoseReport::without_bench(file, model, file.driver(), &prepared, None),

@@ -1,8 +1,8 @@
 //! What a planned dose looks like over time, and as plain data.
 
 use numpy::PyArray1;
-use pump_dose::waveform::{Waveform, times};
-use pump_model::{DEFAULT_TOLERANCE, ModelError};
+use pump_dose::waveform::{Method, Waveform, times};
+use pump_model::ModelError;
 use pyo3::prelude::*;
 
 use crate::errors::{self, value};
@@ -61,7 +61,7 @@ impl Plan {
         }
         let model = &self.doser.get().pump.get().model;
         let legs = self.prepared.plan.legs();
-        let mut waveform = Waveform::new(model, legs, DEFAULT_TOLERANCE).map_err(errors::integration)?;
+        let mut waveform = Waveform::new(model, legs, Method::Exact).map_err(errors::integration)?;
         let samples =
             times(dt_s, motion_s, end_s).map(move |time_s| waveform.at(time_s).map_err(ModelError::from));
         // The grid, the last step and the end.

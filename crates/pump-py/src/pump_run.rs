@@ -1,10 +1,11 @@
 //! A pump at constant speed: from rest, and once start-up is forgotten.
 
 use pump_dose::Simulation;
+use pump_dose::waveform::Method;
 use pump_model::DEFAULT_TOLERANCE;
 use pyo3::prelude::*;
 
-use crate::errors;
+use crate::errors::{self, value};
 use crate::pump::{Pump, one_of};
 use crate::run::Run;
 use crate::speed::{self, Argument};
@@ -26,13 +27,13 @@ impl Pump {
     ///     Time between samples, s. They stand at `arange(n + 1)*dt_s`, both ends included.
     /// model : {"flow-centric"}
     ///     Which model.
-    /// method : {"auto", "rodas5p"}
-    ///     Which solver; "auto" is "rodas5p".
+    /// method : {"auto", "exact", "rodas5p"}
+    ///     The exact solution, which "auto" means, or the implicit integrator.
     /// initial : {"rest"}
     ///     Lines at rest at time 0: pressures of the reservoirs, no flow.
     /// tolerance : float, optional
-    ///     Error allowed in a step, relative to the larger of 1 kPa and the pressure above the reservoir's; 1e-13 to
-    ///     0.1. The default of 1e-5 keeps the pressures of the built-in pumps within 1e-4 kPa.
+    ///     Of the integrator: error allowed in a step, relative to 1 kPa plus the pressure above the reservoir's; 1e-13
+    ///     to 0.1. The default of 1e-5 keeps the pressures of the built-in pumps within 1e-4 kPa.
     ///
     /// Returns
     /// -------
@@ -65,10 +66,19 @@ impl Pump {
         tolerance: Option<f64>,
     ) -> PyResult<Run> {
         one_of("model", model, &["flow-centric"])?;
-        one_of("method", method, &["auto", "rodas5p"])?;
+        one_of("method", method, &["auto", "exact", "rodas5p"])?;
         one_of("initial", initial, &["rest"])?;
+        let method = match (method, tolerance) {
+            ("rodas5p", tolerance) => Method::Rodas5p { tolerance: tolerance.unwrap_or(DEFAULT_TOLERANCE) },
+            (_, None) => Method::Exact,
+            (method, Some(tolerance)) => {
+                return Err(value(format_args!(
+                    "tolerance is {tolerance}, but method \"{method}\" is exact; allowed: none, or method \"rodas5p\""
+                )));
+            }
+        };
         let simulation = Simulation {
-            tolerance: tolerance.unwrap_or(DEFAULT_TOLERANCE),
+            method,
             ..Simulation::new(speed::speed_rad_s(speed_rpm, speed_rad_s)?, duration_s, dt_s)
         };
         let samples = simulation.samples(&self.model).map_err(errors::model)?;

@@ -1,7 +1,7 @@
 //! The periodic steady state, at one speed or at many.
 
 use pump_dose::SteadyReport;
-use pump_model::{DEFAULT_TOLERANCE, Pump as Model};
+use pump_model::Pump as Model;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -82,7 +82,7 @@ impl SteadyState {
             let mut interrupt = Interrupt::new();
             for speed_rad_s in speeds_rad_s.values() {
                 interrupt.check()?;
-                let steady = pump.steady_state(*speed_rad_s, DEFAULT_TOLERANCE);
+                let steady = pump.steady_state(*speed_rad_s);
                 reports.push(steady.map_err(errors::model)?.into());
             }
             Ok(reports)

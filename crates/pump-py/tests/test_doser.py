@@ -74,9 +74,9 @@ def test_a_bad_argument_is_a_value_error_that_names_it(
 @pytest.mark.parametrize(
     ("keywords", "limits", "message"),
     [
-        ({"rate": "100mL/s"}, pm.Limits(), "limit of 170.0 r/min gives 60.402 mL/s at most"),
-        ({"speed": "171rpm"}, pm.Limits(), "above the pump's limit of 170.0 r/min"),
-        ({"within": "0.1s"}, pm.Limits(), "the fastest takes"),
+        ({"rate": "100mL/s"}, pm.Limits(), "limit of 170.00 r/min gives 60.402 mL/s at most"),
+        ({"speed": "171rpm"}, pm.Limits(), "above the pump's limit of 170.00 r/min"),
+        ({"within": "0.1s"}, pm.Limits(), "the fastest found takes"),
         (
             {"speed": "100rpm"},
             pm.Limits(max_outlet_kpa=100),

@@ -77,7 +77,11 @@ def test_lines_start_at_rest() -> None:
 def test_units_methods_and_direction() -> None:
     pump = pm.Pump.three_roller()
     run = pump.simulate(speed_rpm=100, duration_s=1)
-    assert pump.simulate(speed_rpm=100, duration_s=1, method="rodas5p") == run
+    assert pump.simulate(speed_rpm=100, duration_s=1, method="exact") == run
+    integrated = pump.simulate(speed_rpm=100, duration_s=1, method="rodas5p")
+    np.testing.assert_allclose(integrated.p_in_kpa, run.p_in_kpa, atol=1e-4)
+    np.testing.assert_allclose(integrated.p_out_kpa, run.p_out_kpa, atol=1e-4)
+    np.testing.assert_allclose(integrated.delivered_ml, run.delivered_ml, atol=1e-5)
     assert pump.simulate(speed_rad_s=100 * (math.tau / 60), duration_s=1) == run
     reverse = pump.simulate(speed_rpm=-100, duration_s=1)
     assert reverse != run
@@ -86,10 +90,12 @@ def test_units_methods_and_direction() -> None:
 
 def test_a_tighter_tolerance_comes_nearer() -> None:
     pump = pm.Pump.three_roller()
-    best, default, loose = (
-        pump.simulate(speed_rpm=100, duration_s=2, tolerance=tolerance).p_out_kpa
+    best = pump.simulate(speed_rpm=100, duration_s=2, method="exact").p_out_kpa
+    tight, default, loose = (
+        pump.simulate(speed_rpm=100, duration_s=2, method="rodas5p", tolerance=tolerance).p_out_kpa
         for tolerance in (1e-11, None, 1e-3)
     )
+    assert np.abs(tight - best).max() < 1e-9
     assert np.abs(default - best).max() < 1e-4
     assert np.abs(default - best).max() < np.abs(loose - best).max() < 0.1
 
@@ -106,10 +112,11 @@ def test_a_tighter_tolerance_comes_nearer() -> None:
         ({"dt_s": 2}, "no more than the duration"),
         ({"dt_s": 1e-12}, "number of samples"),
         ({"model": "roller"}, "model is `roller`; allowed: flow-centric"),
-        ({"method": "euler"}, "method is `euler`; allowed: auto, rodas5p"),
+        ({"method": "euler"}, "method is `euler`; allowed: auto, exact, rodas5p"),
         ({"initial": "steady"}, "initial is `steady`; allowed: rest"),
-        ({"tolerance": 0}, "allowed: 1e-13 to 0.1"),
-        ({"tolerance": math.nan}, "allowed: 1e-13 to 0.1"),
+        ({"method": "rodas5p", "tolerance": 0}, "allowed: 1e-13 to 0.1"),
+        ({"method": "rodas5p", "tolerance": math.nan}, "allowed: 1e-13 to 0.1"),
+        ({"tolerance": 1e-6}, 'method "auto" is exact'),
     ],
 )
 def test_a_bad_argument_is_a_value_error_that_names_it(argument: dict[str, object], message: str) -> None:

@@ -1,16 +1,12 @@
 //! Which cruise speed a request means.
 
 use pump_model::Pump;
-use pump_model::math::TURN_RAD;
+use pump_model::math::{TURN_RAD, ceil, floor, rpm};
 
 use super::{Cruise, Limits, Plan, PlanError};
 
-/// Longest dose, s: beyond it f64 no longer resolves a step's time to a nanosecond.
-const MAX_DURATION_S: f64 = 1e7;
-
-fn rpm(rad_s: f64) -> f64 {
-    rad_s * 60.0 / TURN_RAD
-}
+/// Longest dose, s: 58 days, over which f64 resolves a step's time to a nanosecond.
+const MAX_DURATION_S: f64 = 5e6;
 
 /// Speed, rad/s, whose mean flow over whole pitches is `flow_ml_s`: the inverse of
 /// [`Pump::average_flow_ml_s`].
@@ -22,6 +18,16 @@ fn rpm(rad_s: f64) -> f64 {
 /// ```
 pub fn speed_for_flow(pump: &Pump, flow_ml_s: f64) -> f64 {
     flow_ml_s * TURN_RAD / pump.revolution_ml()
+}
+
+/// `x` rounded up to a multiple of 1/`parts`, so that what a message says is needed is enough.
+fn up(x: f64, parts: f64) -> f64 {
+    ceil(x * parts) / parts
+}
+
+/// `x` rounded down to a multiple of 1/`parts`, so that what a message says can be had can be had.
+fn down(x: f64, parts: f64) -> f64 {
+    floor(x * parts) / parts
 }
 
 /// Plan at the speed that `cruise` means, within the motor's limits.
@@ -40,9 +46,9 @@ pub(super) fn choose(
             if !allowed(speed_rad_s) {
                 return Err(PlanError::RateTooHigh {
                     flow_ml_s: ml_s,
-                    needed_rpm: rpm(speed_rad_s),
+                    needed_rpm: up(rpm(speed_rad_s), 1e2),
                     limit_rpm: rpm(limit_rad_s),
-                    limit_ml_s: pump.average_flow_ml_s(limit_rad_s),
+                    limit_ml_s: down(pump.average_flow_ml_s(limit_rad_s), 1e3),
                 });
             }
             at_speed(speed_rad_s)
@@ -63,7 +69,7 @@ pub(super) fn choose(
 ///
 /// Settling depends on where in its swing the line is when the motor stops, so the total time does not fall evenly
 /// with the speed: the speeds are searched upwards in steps of 1 % from the slowest whose motion alone would do, and
-/// the first that meets the time is refined by bisection.
+/// the first that meets the time is refined by bisection. A window narrower than 1 % may be passed over.
 fn slowest_within(
     pump: &Pump,
     time_s: f64,
@@ -75,23 +81,22 @@ fn slowest_within(
         let plan = at_speed(speed_rad_s);
         Ok(plan.profile.duration_s() + plan.settle_s(pump)?)
     };
-    let too_short = |fastest_s| PlanError::TimeTooShort { asked_s: time_s, fastest_s };
 
-    let fastest = at_speed(limit_rad_s);
-    if fastest.profile.duration_s() > time_s {
-        return Err(too_short(total_s(limit_rad_s)?));
-    }
-    let mut slow = slowest_motion_within(time_s, fastest.profile.peak_rad_s(), &at_speed);
+    let fastest_rad_s = at_speed(limit_rad_s).profile.peak_rad_s();
+    let mut slow = slowest_motion_within(time_s, fastest_rad_s, &at_speed);
     if total_s(slow)? <= time_s {
         return Ok(at_speed(slow));
     }
     let mut fast = slow;
+    let mut shortest_s = f64::INFINITY;
     loop {
-        if fast >= limit_rad_s {
-            return Err(too_short(total_s(limit_rad_s)?));
+        if fast >= fastest_rad_s {
+            return Err(PlanError::TimeTooShort { asked_s: time_s, fastest_s: up(shortest_s, 1e3) });
         }
-        fast = (fast * RATIO).min(limit_rad_s);
-        if total_s(fast)? <= time_s {
+        fast = (fast * RATIO).min(fastest_rad_s);
+        let total_s = total_s(fast)?;
+        shortest_s = shortest_s.min(total_s);
+        if total_s <= time_s {
             break;
         }
         slow = fast;
@@ -107,8 +112,12 @@ fn slowest_within(
     Ok(at_speed(fast))
 }
 
-/// The slowest speed up to `limit_rad_s` whose motion alone takes `time_s` at most; the limit's does.
+/// The slowest speed up to `limit_rad_s` whose motion alone takes `time_s` at most; where none does, a tenth of the
+/// limit, from which the search upwards finds the shortest time there is.
 fn slowest_motion_within(time_s: f64, limit_rad_s: f64, at_speed: impl Fn(f64) -> Plan) -> f64 {
+    if at_speed(limit_rad_s).profile.duration_s() > time_s {
+        return 0.1 * limit_rad_s;
+    }
     let (mut slow, mut fast) = (0.0, limit_rad_s);
     while fast - slow > 1e-12 * fast {
         let middle = 0.5 * (slow + fast);

@@ -19,18 +19,28 @@ pub enum PlanError {
     },
     /// Less than half a step.
     #[error(
-        "{owed_ml:.6} mL is less than half a motor step at this angle; the smallest dose here is \
-         {smallest_ml:.6} mL"
+        "{requested_ml} mL with {carry_in_ml:.6} mL carried from earlier doses is less than half a motor step at this \
+         angle; the smallest dose here is {smallest_ml:.6} mL"
     )]
     LessThanHalfAStep {
-        /// Requested plus owed, mL.
-        owed_ml: f64,
-        /// Half of the first step, mL.
+        /// What was asked, mL.
+        requested_ml: f64,
+        /// What earlier doses owe, mL.
+        carry_in_ml: f64,
+        /// Half of the first step less the carry, mL.
         smallest_ml: f64,
+    },
+    /// More steps than anyone waits for.
+    #[error(
+        "the dose would take {steps:.3e} motor steps; a dose may take 1e9 at most: dose less, or use fewer microsteps"
+    )]
+    TooManySteps {
+        /// How many.
+        steps: f64,
     },
     /// The flow needs more speed than the motor may have.
     #[error(
-        "a rate of {flow_ml_s:.6} mL/s needs {needed_rpm:.1} r/min; the pump's limit of {limit_rpm:.1} r/min gives \
+        "a rate of {flow_ml_s} mL/s needs {needed_rpm:.2} r/min; the pump's limit of {limit_rpm:.2} r/min gives \
          {limit_ml_s:.3} mL/s at most"
     )]
     RateTooHigh {
@@ -44,7 +54,7 @@ pub enum PlanError {
         limit_ml_s: f64,
     },
     /// Faster than the motor may turn.
-    #[error("a speed of {speed_rpm:.3} r/min is above the pump's limit of {limit_rpm:.1} r/min")]
+    #[error("a speed of {speed_rpm:.3} r/min is above the pump's limit of {limit_rpm:.2} r/min")]
     SpeedTooHigh {
         /// What was asked, r/min.
         speed_rpm: f64,
@@ -53,7 +63,7 @@ pub enum PlanError {
     },
     /// So slow that the dose would take longer than any controller keeps time.
     #[error(
-        "the dose would take {duration_s:.3e} s; a dose may take 1e7 s (116 days) at most; raise the rate"
+        "the dose would take {duration_s:.3e} s; a dose may take 5e6 s (58 days) at most: raise the rate or allow less time"
     )]
     TooSlow {
         /// How long it would take, s.
@@ -61,7 +71,7 @@ pub enum PlanError {
     },
     /// The time is too short.
     #[error(
-        "the dose cannot be done within {asked_s} s; the fastest takes {fastest_s:.3} s, settling included"
+        "the dose cannot be done within {asked_s} s; the fastest found takes {fastest_s:.3} s, settling included"
     )]
     TimeTooShort {
         /// What was asked, s.
@@ -94,10 +104,4 @@ pub enum PlanError {
     /// The model refuses.
     #[error(transparent)]
     Model(#[from] ModelError),
-}
-
-impl From<pump_model::integrator::IntegrationError> for PlanError {
-    fn from(error: pump_model::integrator::IntegrationError) -> Self {
-        Self::Model(error.into())
-    }
 }

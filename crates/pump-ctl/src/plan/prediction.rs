@@ -1,16 +1,19 @@
 //! Which pressures a dose will make, and how long its line needs to settle.
 
-use pump_model::{DEFAULT_TOLERANCE, Extremes, Leg, Port, PortRun, Pump};
+use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
 
 use super::{Plan, PlanError};
 
-/// Pressures over a dose, start-up, stop and settling included, from lines at rest.
+/// Pressures over a dose, start-up, stop and settling included, from lines at rest, for the smooth motion through the
+/// steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
     /// Range at the inlet, kPa absolute.
     pub inlet: Extremes,
     /// Range at the outlet, kPa absolute.
     pub outlet: Extremes,
+    /// What a single motor step adds to or takes from these at most, kPa: its volume over the compliance.
+    pub step_kpa: f64,
     /// Time from the last step until the undelivered volume stays below 1 uL, s.
     pub settle_s: f64,
 }
@@ -21,26 +24,47 @@ impl Plan {
         self.profile.legs(self.start.angle_rad, self.direction())
     }
 
-    /// Predicts pressures and settling of this dose on `pump`, from lines at rest.
+    /// Predicts pressures and settling of this dose on `pump`, exactly.
     pub fn predict(&self, pump: &Pump) -> Result<Prediction, PlanError> {
         let motion_s = self.profile.duration_s();
-        let run = |port| PortRun::<_, 2>::from_rest(pump, port, self.legs(), DEFAULT_TOLERANCE);
-
-        let mut outlet = run(Port::Outlet)?;
-        let moving = outlet.extremes(motion_s)?;
-        let settle_s = outlet.settling_s()?;
-        let end_s = motion_s + settle_s;
+        let range = |port| {
+            let mut run = ExactRun::from_rest(pump, port, self.legs());
+            let moving = run.extremes(motion_s);
+            let stopping = run.extremes(motion_s + self.settling_at(pump, port, run.state())?);
+            Ok::<_, PlanError>(moving.and(stopping))
+        };
+        let step_kpa = |port| {
+            let largest_ml = pump.curve(port).flow_range_ml_rad().1 * self.step_rad;
+            largest_ml / pump.line(port).compliance_ml_kpa
+        };
         Ok(Prediction {
-            inlet: run(Port::Inlet)?.extremes(end_s)?,
-            outlet: moving.and(outlet.extremes(end_s)?),
-            settle_s,
+            inlet: range(Port::Inlet)?,
+            outlet: range(Port::Outlet)?,
+            step_kpa: step_kpa(Port::Inlet).max(step_kpa(Port::Outlet)),
+            settle_s: self.settle_s(pump)?,
         })
     }
 
     /// Time from the last step until the undelivered volume stays below 1 uL, s.
     pub(super) fn settle_s(&self, pump: &Pump) -> Result<f64, PlanError> {
-        let mut outlet = PortRun::<_, 2>::from_rest(pump, Port::Outlet, self.legs(), DEFAULT_TOLERANCE)?;
-        outlet.run_to(self.profile.duration_s())?;
-        Ok(outlet.settling_s()?)
+        let mut outlet = ExactRun::from_rest(pump, Port::Outlet, self.legs());
+        let state = outlet.at(self.profile.duration_s());
+        self.settling_at(pump, Port::Outlet, state)
+    }
+
+    /// Settling time of a port that the smooth motion leaves in `state`. The last step comes at once, so the volume of
+    /// one step is in the line at first.
+    fn settling_at(
+        &self,
+        pump: &Pump,
+        port: Port,
+        [pressure_kpa, flow_ml_s]: [f64; 2],
+    ) -> Result<f64, PlanError> {
+        let end_rad = self.end_angle_rad();
+        let step_ml = pump.curve(port).flow_ml_rad(end_rad) * self.step_rad * f64::from(self.direction());
+        let sign = if port == Port::Outlet { 1.0 } else { -1.0 };
+        let stepped_kpa = pressure_kpa + sign * step_ml / pump.line(port).compliance_ml_kpa;
+        let rest = [Leg::rest(0.0, end_rad)];
+        Ok(ExactRun::new(pump, port, rest, [stepped_kpa, flow_ml_s]).settling_s()?)
     }
 }

@@ -6,6 +6,9 @@ use pump_model::math::floor;
 use super::PlanError;
 use super::request::Request;
 
+/// Most steps of a dose: eight hours at 36,000 a second.
+const MAX_STEPS: f64 = 1e9;
+
 /// Steps and what they deliver.
 pub(super) struct Target {
     /// Negative in reverse.
@@ -32,8 +35,14 @@ pub(super) fn nearest_steps(
         if owed_ml - low_ml <= high_ml - owed_ml { (below, low_ml) } else { (below + 1.0, high_ml) };
     if steps == 0.0 {
         let first = if owed_ml < 0.0 { -1.0 } else { 1.0 };
-        return Err(PlanError::LessThanHalfAStep { owed_ml, smallest_ml: 0.5 * delivered(first) });
+        return Err(PlanError::LessThanHalfAStep {
+            requested_ml: request.volume_ml,
+            carry_in_ml: request.carry_in_ml,
+            smallest_ml: 0.5 * delivered(first) - request.carry_in_ml,
+        });
     }
-    // 1e5 mL and 1e9 steps a revolution stay far below 2^53.
+    if steps.abs() > MAX_STEPS {
+        return Err(PlanError::TooManySteps { steps: steps.abs() });
+    }
     Ok(Target { steps: steps as i64, planned_ml })
 }

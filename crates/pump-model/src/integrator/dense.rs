@@ -4,24 +4,57 @@ use nalgebra::SVector;
 
 use crate::polynomial::Polynomial;
 
-/// An accepted step, with the quintic Hermite polynomial through value, slope and curvature at both ends.
-///
-/// y'' = J f + f_t is exact along the solution, so the polynomial is of order six where the problem is not stiff.
+/// An accepted step with its dense output: every state as a polynomial in x = (t - start) / length.
 #[derive(Debug, Clone, Copy)]
 pub struct DenseStep<const N: usize> {
     /// When the step starts, s.
     pub start_s: f64,
     /// Its length, s.
     pub length_s: f64,
-    /// Value at both ends.
-    pub(crate) value: [SVector<f64, N>; 2],
-    /// First derivative at both ends.
-    pub(crate) slope: [SVector<f64, N>; 2],
-    /// Second derivative at both ends.
-    pub(crate) curvature: [SVector<f64, N>; 2],
+    end: SVector<f64, N>,
+    /// Coefficients, lowest order first.
+    c: [SVector<f64, N>; 6],
+}
+
+/// Value, slope and curvature of the solution at one end of a step.
+pub(crate) struct End<const N: usize> {
+    pub(crate) value: SVector<f64, N>,
+    pub(crate) slope: SVector<f64, N>,
+    pub(crate) curvature: SVector<f64, N>,
 }
 
 impl<const N: usize> DenseStep<N> {
+    /// Quintic Hermite polynomial through both ends. The curvature J f + f_t is exact along the solution, so it is of
+    /// order six; in a stiff problem J magnifies the error of the ends by (h |J|)².
+    pub(crate) fn hermite(start_s: f64, length_s: f64, from: &End<N>, to: &End<N>) -> Self {
+        let h = length_s;
+        let rise = to.value - from.value;
+        let (d0, d1) = (from.slope * h, to.slope * h);
+        let (e0, e1) = (from.curvature * (h * h), to.curvature * (h * h));
+        let c = [
+            from.value,
+            d0,
+            e0 * 0.5,
+            rise * 10.0 - d0 * 6.0 - d1 * 4.0 - e0 * 1.5 + e1 * 0.5,
+            rise * -15.0 + d0 * 8.0 + d1 * 7.0 + e0 * 1.5 - e1,
+            rise * 6.0 - (d0 + d1) * 3.0 + (e1 - e0) * 0.5,
+        ];
+        Self { start_s, length_s, end: to.value, c }
+    }
+
+    /// RODAS5P's own output of order four, y0 (1 - x) + x (y1 + (1 - x) (k1 + x (k2 + x k3))), which stays between the
+    /// ends however stiff the problem is.
+    pub(crate) fn own(
+        start_s: f64,
+        length_s: f64,
+        from: SVector<f64, N>,
+        to: SVector<f64, N>,
+        k: [SVector<f64, N>; 3],
+    ) -> Self {
+        let c = [from, to - from + k[0], k[1] - k[0], k[2] - k[1], -k[2], SVector::zeros()];
+        Self { start_s, length_s, end: to, c }
+    }
+
     /// When the step ends, s.
     pub fn end_s(&self) -> f64 {
         self.start_s + self.length_s
@@ -29,42 +62,19 @@ impl<const N: usize> DenseStep<N> {
 
     /// State at the end of the step.
     pub fn end(&self) -> SVector<f64, N> {
-        self.value[1]
+        self.end
     }
 
     /// State at time `t_s` inside the step.
     pub fn at(&self, t_s: f64) -> SVector<f64, N> {
         let x = (t_s - self.start_s) / self.length_s;
-        let h = self.length_s;
-        let (x2, x3) = (x * x, x * x * x);
-        let w5 = x3 * (10.0 + x * (-15.0 + 6.0 * x));
-        let w1 = x + x3 * (-6.0 + x * (8.0 - 3.0 * x));
-        let w2 = 0.5 * x2 + x3 * (-1.5 + x * (1.5 - 0.5 * x));
-        let w4 = x3 * (-4.0 + x * (7.0 - 3.0 * x));
-        let w3 = x3 * (0.5 + x * (-1.0 + 0.5 * x));
-        self.value[0]
-            + (self.value[1] - self.value[0]) * w5
-            + (self.slope[0] * w1 + self.slope[1] * w4) * h
-            + (self.curvature[0] * w2 + self.curvature[1] * w3) * (h * h)
+        let [c0, c1, c2, c3, c4, c5] = &self.c;
+        c0 + (c1 + (c2 + (c3 + (c4 + c5 * x) * x) * x) * x) * x
     }
 
     /// One state as a polynomial in (t - start) / length, from 0 to 1.
     pub fn polynomial(&self, state: usize) -> Polynomial {
-        let h = self.length_s;
-        let [y0, y1] = self.value.map(|y| y[state]);
-        let [d0, d1] = self.slope.map(|y| y[state] * h);
-        let [e0, e1] = self.curvature.map(|y| y[state] * h * h);
-        let rise = y1 - y0;
-        Polynomial {
-            c: [
-                y0,
-                d0,
-                0.5 * e0,
-                10.0 * rise - 6.0 * d0 - 4.0 * d1 - 1.5 * e0 + 0.5 * e1,
-                -15.0 * rise + 8.0 * d0 + 7.0 * d1 + 1.5 * e0 - e1,
-                6.0 * rise - 3.0 * (d0 + d1) + 0.5 * (e1 - e0),
-            ],
-        }
+        Polynomial { c: self.c.map(|c| c[state]) }
     }
 }
 
@@ -76,9 +86,9 @@ mod tests {
     fn a_quintic_is_reproduced() {
         let p = Polynomial { c: [1.0, -2.0, 0.5, 3.0, -1.0, 0.25] };
         let (d, e) = (p.derivative(), p.derivative().derivative());
-        let ends = |q: &Polynomial| [SVector::<f64, 1>::new(q.at(1.0)), SVector::<f64, 1>::new(q.at(1.5))];
-        let step =
-            DenseStep { start_s: 1.0, length_s: 0.5, value: ends(&p), slope: ends(&d), curvature: ends(&e) };
+        let vector = |x| SVector::<f64, 1>::new(x);
+        let end = |t| End { value: vector(p.at(t)), slope: vector(d.at(t)), curvature: vector(e.at(t)) };
+        let step = DenseStep::hermite(1.0, 0.5, &end(1.0), &end(1.5));
         for t in [1.0, 1.1, 1.25, 1.4, 1.5] {
             assert!((step.at(t)[0] - p.at(t)).abs() < 1e-14);
             assert!((step.polynomial(0).at((t - 1.0) / 0.5) - p.at(t)).abs() < 1e-14);

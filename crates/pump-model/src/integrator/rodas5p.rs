@@ -4,9 +4,9 @@ use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
 use super::Ode;
-use super::dense::DenseStep;
+use super::dense::{DenseStep, End};
 use super::lu::Lu;
-use super::tableau::{A, ALPHA, C, GAMMA, GAMMA_I, STAGES};
+use super::tableau::{A, ALPHA, C, GAMMA, GAMMA_I, H, STAGES};
 use crate::math::pow;
 
 /// How exactly to integrate.
@@ -35,13 +35,13 @@ impl<const N: usize> Options<N> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Statistics {
     /// Accepted steps.
-    pub steps: u32,
+    pub steps: u64,
     /// Steps tried again with a shorter length.
-    pub rejections: u32,
+    pub rejections: u64,
     /// Matrices factored: one a step that was tried.
-    pub factorisations: u32,
+    pub factorisations: u64,
     /// Evaluations of f.
-    pub evaluations: u32,
+    pub evaluations: u64,
 }
 
 /// Why an integration stopped.
@@ -73,6 +73,9 @@ const ERROR_ORDER: f64 = 5.0;
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 6.0;
+/// A step of this many times the fastest time constant is stiff: beyond it the Hermite polynomial would magnify the error
+/// of the step's ends more than a hundredfold.
+const STIFF: f64 = 10.0;
 
 /// RODAS5P: linearly implicit, order 5(4), eight stages, one factorisation a step, L-stable.
 #[derive(Debug, Clone)]
@@ -82,13 +85,15 @@ pub struct Rodas5p<const N: usize> {
     options: Options<N>,
     /// Length that the error control asks for. A step clipped by a stop does not change it.
     proposed_s: f64,
+    /// Whether the next step starts where the derivative jumps.
+    restart: bool,
     statistics: Statistics,
 }
 
 impl<const N: usize> Rodas5p<N> {
     /// Starts at `time_s` in `state`.
     pub fn new(time_s: f64, state: SVector<f64, N>, options: Options<N>) -> Self {
-        Self { time_s, state, options, proposed_s: 0.0, statistics: Statistics::default() }
+        Self { time_s, state, options, proposed_s: 0.0, restart: true, statistics: Statistics::default() }
     }
 
     /// Time reached, s.
@@ -99,6 +104,11 @@ impl<const N: usize> Rodas5p<N> {
     /// State at that time.
     pub fn state(&self) -> SVector<f64, N> {
         self.state
+    }
+
+    /// Tells that the derivative jumps here: the next step must be short enough for what follows.
+    pub fn restart(&mut self) {
+        self.restart = true;
     }
 
     /// Replaces the state, as an impulse does.
@@ -114,134 +124,178 @@ impl<const N: usize> Rodas5p<N> {
     /// Makes one accepted step that ends at `stop_s` at the latest, and lands on it exactly. `ode` must be smooth
     /// up to there; the next call may bring another one.
     pub fn step(&mut self, ode: &impl Ode<N>, stop_s: f64) -> Result<DenseStep<N>, IntegrationError> {
-        let (t, y) = (self.time_s, self.state);
-        let slope = ode.derivative(t, &y);
+        let from = Start::new(ode, self.time_s, self.state)?;
         self.statistics.evaluations += 1;
-        if !(finite(&y) && finite(&slope)) {
-            return Err(IntegrationError::NotFinite { time_s: t });
-        }
-        let jacobian = ode.jacobian(t, &y);
-        let slope_rate = ode.time_derivative(t, &y);
-        let curvature = jacobian * slope + slope_rate;
-        if self.proposed_s <= 0.0 {
-            self.proposed_s = self.first_step(&slope, &curvature);
+        if self.restart {
+            let first_s = self.first_step(&from);
+            self.proposed_s = if self.proposed_s > 0.0 { self.proposed_s.min(first_s) } else { first_s };
+            self.restart = false;
         }
         loop {
-            let room = stop_s - t;
             let wanted = self.proposed_s.min(self.options.max_step_s);
-            // Leave no sliver before the stop that would need a step of its own.
-            let clipped = wanted >= room || wanted > 0.999 * room;
-            let h = if clipped {
-                room
-            } else if wanted > 0.5 * room {
-                0.5 * room
-            } else {
-                wanted
-            };
-            let end_s = if clipped { stop_s } else { t + h };
-            if end_s <= t {
-                return Err(IntegrationError::StepUnderflow { time_s: t });
+            let end_s = step_end(from.time_s, wanted, stop_s);
+            let h = end_s - from.time_s;
+            if h <= 0.0 {
+                return Err(IntegrationError::StepUnderflow { time_s: from.time_s });
             }
-            let h = end_s - t;
-
-            let trial = self.trial(ode, t, &y, &slope, &slope_rate, &jacobian, h);
-            let error = trial.map_or(f64::INFINITY, |(next, estimate)| self.error_norm(&y, &next, &estimate));
+            let trial = self.trial(ode, &from, h);
+            let error = trial.as_ref().map_or(f64::INFINITY, |trial| self.error_norm(&from.state, trial));
             let factor = (SAFETY * pow(error.max(1e-10), -1.0 / ERROR_ORDER)).clamp(SHRINK, GROW);
             match trial {
-                Some((next, _)) if error <= 1.0 => {
+                Some(trial) if error <= 1.0 => {
                     // A step cut short by a stop or by halving says nothing against the longer one proposed.
                     let grown = h * factor;
                     self.proposed_s = if h < wanted { grown.max(self.proposed_s) } else { grown };
                     self.statistics.steps += 1;
                     self.time_s = end_s;
-                    self.state = next;
-                    let end_slope = ode.derivative(end_s, &next);
-                    self.statistics.evaluations += 1;
-                    if !finite(&end_slope) {
-                        return Err(IntegrationError::NotFinite { time_s: end_s });
-                    }
-                    let end_curvature =
-                        ode.jacobian(end_s, &next) * end_slope + ode.time_derivative(end_s, &next);
-                    return Ok(DenseStep {
-                        start_s: t,
-                        length_s: h,
-                        value: [y, next],
-                        slope: [slope, end_slope],
-                        curvature: [curvature, end_curvature],
-                    });
+                    self.state = trial.next;
+                    return self.dense(ode, &from, h, &trial);
                 }
                 _ => {
                     self.statistics.rejections += 1;
                     self.proposed_s = h * factor.min(SAFETY);
-                    if t + self.proposed_s <= t {
-                        return Err(IntegrationError::StepUnderflow { time_s: t });
-                    }
                 }
             }
         }
     }
 
-    /// The new value and the error estimate of a step of length `h`; none if the matrix is singular or the result
+    /// The new state and the error estimate of a step of length `h`; none if the matrix is singular or the result
     /// is not finite.
-    #[allow(clippy::too_many_arguments, reason = "what the step knows at its start, all of it used once")]
-    fn trial(
-        &mut self,
-        ode: &impl Ode<N>,
-        t: f64,
-        y: &SVector<f64, N>,
-        slope: &SVector<f64, N>,
-        slope_rate: &SVector<f64, N>,
-        jacobian: &SMatrix<f64, N, N>,
-        h: f64,
-    ) -> Option<(SVector<f64, N>, SVector<f64, N>)> {
+    fn trial(&mut self, ode: &impl Ode<N>, from: &Start<N>, h: f64) -> Option<Trial<N>> {
         self.statistics.factorisations += 1;
-        let lu = Lu::new(SMatrix::identity() / (h * GAMMA) - jacobian)?;
+        let lu = Lu::new(SMatrix::identity() / (h * GAMMA) - from.jacobian)?;
         let mut stages = [SVector::<f64, N>::zeros(); STAGES];
-        stages[0] = lu.solve(slope + slope_rate * (h * GAMMA_I[0]));
-        let mut value = *y;
+        stages[0] = lu.solve(from.slope + from.slope_rate * (h * GAMMA_I[0]));
+        let mut value = from.state;
         for i in 1..STAGES {
             if i <= A.len() {
-                value = *y;
+                value = from.state;
                 for (weight, stage) in A[i - 1].iter().zip(&stages).take(i) {
                     value += stage * *weight;
                 }
             } else {
                 value += stages[i - 1];
             }
-            let mut right = ode.derivative(t + ALPHA[i] * h, &value);
+            let mut right = ode.derivative(from.time_s + ALPHA[i] * h, &value);
             self.statistics.evaluations += 1;
             for (weight, stage) in C[i - 1].iter().zip(&stages).take(i) {
                 right += stage * (*weight / h);
             }
             if GAMMA_I[i] != 0.0 {
-                right += slope_rate * (h * GAMMA_I[i]);
+                right += from.slope_rate * (h * GAMMA_I[i]);
             }
             stages[i] = lu.solve(right);
         }
-        let estimate = stages[STAGES - 1];
-        let next = value + estimate;
-        (finite(&next) && finite(&estimate)).then_some((next, estimate))
+        let next = value + stages[STAGES - 1];
+        (finite(&next) && finite(&stages[STAGES - 1])).then_some(Trial { next, stages })
+    }
+
+    /// Dense output of an accepted step: by Hermite interpolation where the problem is not stiff over this step, by the
+    /// method's own where it is.
+    fn dense(
+        &mut self,
+        ode: &impl Ode<N>,
+        from: &Start<N>,
+        h: f64,
+        trial: &Trial<N>,
+    ) -> Result<DenseStep<N>, IntegrationError> {
+        if h * self.rate(&from.jacobian, &from.state) > STIFF {
+            let k = H.map(|weights| {
+                let weighted = weights.iter().zip(&trial.stages).map(|(weight, stage)| stage * *weight);
+                weighted.fold(SVector::zeros(), |sum, term| sum + term)
+            });
+            return Ok(DenseStep::own(from.time_s, h, from.state, trial.next, k));
+        }
+        let to = Start::new(ode, self.time_s, trial.next)?;
+        self.statistics.evaluations += 1;
+        Ok(DenseStep::hermite(from.time_s, h, &from.end(), &to.end()))
+    }
+
+    /// Largest rate at which the states change one another, 1/s: the row norm of the Jacobian in units of the
+    /// tolerance.
+    fn rate(&self, jacobian: &SMatrix<f64, N, N>, state: &SVector<f64, N>) -> f64 {
+        let mut largest = 0.0_f64;
+        for i in 0..N {
+            let row: f64 = (0..N).map(|j| jacobian[(i, j)].abs() * self.allowed(state, j)).sum();
+            largest = largest.max(row / self.allowed(state, i));
+        }
+        largest
+    }
+
+    /// Error allowed of a state in a step.
+    fn allowed(&self, state: &SVector<f64, N>, i: usize) -> f64 {
+        self.options.absolute[i] + self.options.relative[i] * state[i].abs()
     }
 
     /// Largest error of a state over what is allowed.
-    fn error_norm(&self, y: &SVector<f64, N>, next: &SVector<f64, N>, estimate: &SVector<f64, N>) -> f64 {
+    fn error_norm(&self, from: &SVector<f64, N>, trial: &Trial<N>) -> f64 {
         let mut largest = 0.0_f64;
         for i in 0..N {
-            let allowed = self.options.absolute[i] + self.options.relative[i] * y[i].abs().max(next[i].abs());
-            largest = largest.max(estimate[i].abs() / allowed);
+            let allowed = self.allowed(from, i).max(self.allowed(&trial.next, i));
+            largest = largest.max(trial.stages[STAGES - 1][i].abs() / allowed);
         }
         largest
     }
 
     /// Length of the first step, from the first two derivatives in units of the tolerance (Hairer, Norsett, Wanner,
     /// "Solving ODEs I", section II.4, with the exact second derivative in place of an Euler step).
-    fn first_step(&self, slope: &SVector<f64, N>, curvature: &SVector<f64, N>) -> f64 {
+    fn first_step(&self, from: &Start<N>) -> f64 {
         let mut largest = 0.0_f64;
         for i in 0..N {
-            let allowed = self.options.absolute[i] + self.options.relative[i] * self.state[i].abs();
-            largest = largest.max(slope[i].abs() / allowed).max(curvature[i].abs() / allowed);
+            let derivative = from.slope[i].abs().max(from.curvature()[i].abs());
+            largest = largest.max(derivative / self.allowed(&from.state, i));
         }
         if largest > 0.0 { pow(0.01 / largest, 1.0 / ERROR_ORDER) } else { 1.0 }
+    }
+}
+
+/// What is known where a step starts or ends.
+struct Start<const N: usize> {
+    time_s: f64,
+    state: SVector<f64, N>,
+    slope: SVector<f64, N>,
+    slope_rate: SVector<f64, N>,
+    jacobian: SMatrix<f64, N, N>,
+}
+
+impl<const N: usize> Start<N> {
+    fn new(ode: &impl Ode<N>, time_s: f64, state: SVector<f64, N>) -> Result<Self, IntegrationError> {
+        let slope = ode.derivative(time_s, &state);
+        if !(finite(&state) && finite(&slope)) {
+            return Err(IntegrationError::NotFinite { time_s });
+        }
+        let jacobian = ode.jacobian(time_s, &state);
+        let slope_rate = ode.time_derivative(time_s, &state);
+        Ok(Self { time_s, state, slope, slope_rate, jacobian })
+    }
+
+    /// y'' = J f + f_t.
+    fn curvature(&self) -> SVector<f64, N> {
+        self.jacobian * self.slope + self.slope_rate
+    }
+
+    fn end(&self) -> End<N> {
+        End { value: self.state, slope: self.slope, curvature: self.curvature() }
+    }
+}
+
+/// A step that was tried.
+struct Trial<const N: usize> {
+    next: SVector<f64, N>,
+    /// The last is the error estimate.
+    stages: [SVector<f64, N>; STAGES],
+}
+
+/// Where a step of the `wanted` length ends: on the stop where it lies within reach, half way to it where the step would
+/// leave less than a step's length.
+fn step_end(start_s: f64, wanted_s: f64, stop_s: f64) -> f64 {
+    let room_s = stop_s - start_s;
+    if wanted_s > 0.999 * room_s {
+        stop_s
+    } else if wanted_s > 0.5 * room_s {
+        start_s + 0.5 * room_s
+    } else {
+        start_s + wanted_s
     }
 }
 

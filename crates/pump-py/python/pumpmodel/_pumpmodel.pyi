@@ -109,7 +109,7 @@ class Pump:
         duration_s: float,
         dt_s: float = 1e-3,
         model: Literal["flow-centric"] = "flow-centric",
-        method: Literal["auto", "rodas5p"] = "auto",
+        method: Literal["auto", "exact", "rodas5p"] = "auto",
         initial: Literal["rest"] = "rest",
         tolerance: float | None = None,
     ) -> Run: ...
@@ -122,7 +122,7 @@ class Pump:
         duration_s: float,
         dt_s: float = 1e-3,
         model: Literal["flow-centric"] = "flow-centric",
-        method: Literal["auto", "rodas5p"] = "auto",
+        method: Literal["auto", "exact", "rodas5p"] = "auto",
         initial: Literal["rest"] = "rest",
         tolerance: float | None = None,
     ) -> Run: ...

@@ -1,0 +1,168 @@
+//! One port followed over a motion, exactly.
+
+use crate::error::ModelError;
+use crate::extremes::Extremes;
+use crate::flow_curve::Port;
+use crate::line::Line;
+use crate::motion::Leg;
+use crate::propagator::{Balanced, Flow, Oscillator, Propagator};
+use crate::pump::Pump;
+use crate::settling::settling_s;
+use crate::stretches::{Stretch, Stretches};
+
+/// The exact solution of one port of the flow-centric model over any motion in legs of constant acceleration: between
+/// two edges the model is linear and the flow a polynomial of time (see `propagator.rs`).
+///
+/// States are (P - P_res in kPa, the line's flow in mL/s). Rounding is the only error.
+///
+/// ```
+/// use pump_model::{ExactRun, Leg, Port, Pump};
+/// let pump = Pump::three_roller();
+/// let mut run = ExactRun::from_rest(&pump, Port::Outlet, [Leg::constant_speed(0.0, 10.471_975_511_965_978)]);
+/// assert!((run.extremes(10.0).max_kpa - 108.568_444).abs() < 1e-6);
+/// ```
+#[derive(Debug, Clone)]
+pub struct ExactRun<'a, M> {
+    line: &'a Line,
+    oscillator: Oscillator,
+    stretches: Stretches<'a, M>,
+    stretch: Stretch,
+    /// Flow at the rollers over time since the stretch's start.
+    flow: Flow,
+    /// Time since the stretch's start that is reached, and the state there.
+    reached_s: f64,
+    state: Balanced,
+}
+
+impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
+    /// Starts in `state` when the first of the `legs` starts; after the last the rotor rests.
+    pub fn new(pump: &'a Pump, port: Port, legs: impl IntoIterator<IntoIter = M>, state: [f64; 2]) -> Self {
+        let line = pump.line(port);
+        let oscillator = Oscillator::new(line, port);
+        let mut stretches = Stretches::new(pump.curve(port), legs);
+        let stretch = next_stretch(&mut stretches);
+        let (flow, state) = (stretch.flow(), oscillator.balanced(state));
+        Self { line, oscillator, stretches, stretch, flow, reached_s: 0.0, state }
+    }
+
+    /// Starts with the line at rest: P = P_res, no flow.
+    pub fn from_rest(pump: &'a Pump, port: Port, legs: impl IntoIterator<IntoIter = M>) -> Self {
+        Self::new(pump, port, legs, [0.0; 2])
+    }
+
+    /// Time reached, s.
+    pub fn time_s(&self) -> f64 {
+        self.stretch.start_s + self.reached_s
+    }
+
+    /// State reached.
+    pub fn state(&self) -> [f64; 2] {
+        self.oscillator.physical(self.state)
+    }
+
+    /// Goes on to `t_s` and returns the state there. Times in the past give the state reached.
+    pub fn at(&mut self, t_s: f64) -> [f64; 2] {
+        while t_s > self.stretch.end_s {
+            self.finish_stretch();
+        }
+        self.go_on(t_s - self.time_s());
+        self.state()
+    }
+
+    /// States at n `dt_s` from the start on, n = 0, 1, 2 ... without end; `dt_s` must be positive.
+    pub fn every(self, dt_s: f64) -> ExactSamples<'a, M> {
+        ExactSamples::new(self, dt_s)
+    }
+
+    /// Goes on to `end_s` and returns the smallest and largest pressure on the way, kPa absolute.
+    pub fn extremes(&mut self, end_s: f64) -> Extremes {
+        let mut extremes = Extremes::at(self.state[0]);
+        while self.time_s() < end_s {
+            let stretch_s = self.stretch.end_s - self.stretch.start_s;
+            let room_s = (end_s - self.stretch.start_s).min(stretch_s) - self.reached_s;
+            let wanted_s = self.oscillator.fine_step_s(self.reached_s, stretch_s);
+            let length_s = wanted_s.min(room_s);
+            let (before, flow) = (self.state, self.flow.shifted(self.reached_s));
+            self.go_on(length_s);
+            extremes.cover(self.state[0]);
+            self.oscillator.turns(length_s, before, self.state, &flow, |kpa| extremes.cover(kpa));
+            if wanted_s >= room_s {
+                if end_s < self.stretch.end_s {
+                    break;
+                }
+                self.finish_stretch();
+            }
+        }
+        extremes.above(self.line.reservoir_kpa)
+    }
+
+    /// Time, s, after which the undelivered volume |C p| stays below [`crate::SETTLED_ML`] if the rotor rests from now
+    /// on.
+    pub fn settling_s(&self) -> Result<f64, ModelError> {
+        settling_s(&self.oscillator, self.line.compliance_ml_kpa, self.state)
+    }
+
+    /// Goes on inside the stretch.
+    fn go_on(&mut self, length_s: f64) {
+        if length_s > 0.0 {
+            self.state = self.oscillator.after(length_s, self.state, &self.flow.shifted(self.reached_s));
+            self.reached_s += length_s;
+        }
+    }
+
+    /// Goes on to the end of the stretch and into the next.
+    fn finish_stretch(&mut self) {
+        self.go_on(self.stretch.end_s - self.time_s());
+        self.stretch = next_stretch(&mut self.stretches);
+        self.flow = self.stretch.flow();
+        self.reached_s = 0.0;
+    }
+}
+
+/// There is always one: the last is the rest that never ends.
+fn next_stretch<M: Iterator<Item = Leg>>(stretches: &mut Stretches<'_, M>) -> Stretch {
+    let after_s = stretches.time_s();
+    stretches.next().unwrap_or_else(|| Stretch::rest(after_s))
+}
+
+/// Samples of an [`ExactRun`] at equal intervals: inside a stretch at constant speed each costs a dozen
+/// multiplications.
+#[derive(Debug, Clone)]
+pub struct ExactSamples<'a, M> {
+    run: ExactRun<'a, M>,
+    dt_s: f64,
+    step: Propagator,
+    /// What the flow adds to both states over an interval, over time since the stretch's start.
+    input: [[f64; 5]; 2],
+    start_s: f64,
+    next: u64,
+}
+
+impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
+    fn new(run: ExactRun<'a, M>, dt_s: f64) -> Self {
+        let step = Propagator::new(&run.oscillator, dt_s, 4);
+        let (input, start_s) = (step.input(&run.flow), run.time_s());
+        Self { run, dt_s, step, input, start_s, next: 0 }
+    }
+}
+
+impl<M: Iterator<Item = Leg>> Iterator for ExactSamples<'_, M> {
+    type Item = [f64; 2];
+
+    #[inline]
+    fn next(&mut self) -> Option<[f64; 2]> {
+        let run = &mut self.run;
+        let time_s = self.start_s + self.next as f64 * self.dt_s;
+        if self.next > 0 && time_s <= run.stretch.end_s && run.flow.degree <= 4 {
+            let value = |c: &[f64; 5], t: f64| c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * c[4])));
+            let [x, y] = self.step.moved(run.state);
+            run.state = [x + value(&self.input[0], run.reached_s), y + value(&self.input[1], run.reached_s)];
+            run.reached_s = time_s - run.stretch.start_s;
+        } else {
+            run.at(time_s);
+            self.input = self.step.input(&run.flow);
+        }
+        self.next += 1;
+        Some(run.state())
+    }
+}

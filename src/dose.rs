@@ -1,0 +1,155 @@
+//! A dose that is asked for, and the same planned and predicted.
+
+use pump_ctl::plan::{Cruise, LimitedBy, Limits, Phase, Plan, PlanError, Prediction, Request, plan};
+use pump_model::Pump;
+use pump_model::math::rpm;
+use serde::Serialize;
+
+use crate::pump_file::PumpFile;
+use crate::uncertainty::Budget;
+
+/// Why the pump is to turn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// A dose into the vessel; earlier doses' carry is settled with it.
+    Dose,
+    /// Filling the line before a dose; owes nothing and repays nothing.
+    Prime,
+    /// Emptying the line; owes nothing and repays nothing.
+    Purge,
+}
+
+/// What is asked of a bench.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DoseRequest {
+    /// Why.
+    pub purpose: Purpose,
+    /// mL; negative in reverse; not zero.
+    pub volume_ml: f64,
+    /// How fast; none takes the pump file's default rate.
+    pub cruise: Option<Cruise>,
+    /// Where the rollers stand, rad; none takes the recorded angle.
+    pub start_angle_rad: Option<f64>,
+    /// Limit at the port that pushes, kPa absolute; none takes the pump file's.
+    pub max_outlet_kpa: Option<f64>,
+    /// Limit at the port that sucks, kPa absolute; none takes the pump file's.
+    pub min_inlet_kpa: Option<f64>,
+}
+
+impl DoseRequest {
+    /// A dose with the pump file's defaults.
+    pub fn dose(volume_ml: f64) -> Self {
+        Self {
+            purpose: Purpose::Dose,
+            volume_ml,
+            cruise: None,
+            start_angle_rad: None,
+            max_outlet_kpa: None,
+            min_inlet_kpa: None,
+        }
+    }
+}
+
+/// Where the start angle comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PhaseSource {
+    /// A fresh simulated pump stands at 0 deg.
+    Home,
+    /// The record of earlier motion.
+    Recorded,
+    /// The request.
+    Given,
+}
+
+/// A dose that is planned and may run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prepared {
+    /// What was asked.
+    pub request: DoseRequest,
+    /// Steps and profile.
+    pub plan: Plan,
+    /// Pressures and settling.
+    pub prediction: Prediction,
+    /// How sure the volume is.
+    pub budget: Budget,
+    /// What it was planned within.
+    pub limits: Limits,
+    /// Where the start angle comes from.
+    pub phase_source: PhaseSource,
+    /// What the next dose owes afterwards, mL: the plan's carry, or what was on record before a prime or purge.
+    pub carry_out_ml: f64,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+impl Prepared {
+    /// Plans a dose of the pump of `file` from `start`, with `carry_ml` on record, and predicts it.
+    pub fn new(
+        file: &PumpFile,
+        model: &Pump,
+        request: DoseRequest,
+        start: Phase,
+        phase_source: PhaseSource,
+        carry_ml: f64,
+    ) -> Result<Self, PlanError> {
+        let is_dose = request.purpose == Purpose::Dose;
+        let default_cruise = Cruise::Flow { ml_s: file.pump.default_rate_ml_s };
+        let planned = Request {
+            volume_ml: request.volume_ml,
+            carry_in_ml: if is_dose { carry_ml } else { 0.0 },
+            cruise: request.cruise.unwrap_or(default_cruise),
+        };
+        let mut limits = file.limits();
+        limits.max_outlet_kpa = request.max_outlet_kpa.or(limits.max_outlet_kpa);
+        limits.min_inlet_kpa = request.min_inlet_kpa.or(limits.min_inlet_kpa);
+
+        let plan = plan(model, start, &planned, &limits)?;
+        let prediction = plan.predict(model)?;
+        Ok(Self {
+            request,
+            plan,
+            prediction,
+            budget: Budget::new(model, &plan, &file.uncertainty),
+            limits,
+            phase_source,
+            carry_out_ml: if is_dose { plan.carry_ml } else { carry_ml },
+            warnings: warnings_of(&plan, &prediction),
+        })
+    }
+}
+
+/// What a person should know of a plan before it runs.
+fn warnings_of(plan: &Plan, prediction: &Prediction) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if plan.limited_by == LimitedBy::Acceleration {
+        warnings.push(format!(
+            "the dose is too short to reach its cruise speed at {} rad/s2; it peaks at {:.4} r/min",
+            plan.profile.acceleration_rad_s2(),
+            rpm(plan.profile.peak_rad_s()),
+        ));
+    }
+    if plan.carry_ml.abs() > 0.05 * plan.requested_ml.abs() {
+        warnings.push(format!(
+            "a motor step is coarse for this dose: it gives {:.2} µL, and the other {:.2} µL are carried to the next",
+            1e3 * plan.planned_ml,
+            1e3 * plan.carry_ml
+        ));
+    }
+    for (port, range) in [("inlet", prediction.inlet), ("outlet", prediction.outlet)] {
+        if range.min_kpa < 0.0 {
+            warnings.push(format!(
+                "the {port} pressure would fall to {:.1} kPa absolute, which no liquid can: it would cavitate and the \
+                 dose be short; lower the rate",
+                range.min_kpa
+            ));
+        }
+    }
+    if prediction.step_kpa > 1.0 {
+        warnings.push(format!(
+            "a single motor step moves the pressure by up to {:.1} kPa on top of what is predicted; use more microsteps",
+            prediction.step_kpa
+        ));
+    }
+    warnings
+}

@@ -1,0 +1,5 @@
+//! What turns the motor.
+
+mod sim;
+
+pub use sim::Sim;

@@ -1,0 +1,113 @@
+//! The simulated drive: a virtual stepper, pump, outlet line and vessel that follow every step.
+
+use nalgebra::SVector;
+use pump_ctl::plan::Plan;
+use pump_model::circuit::{Circuit, NoFlow, options};
+use pump_model::integrator::{IntegrationError, Rodas5p};
+use pump_model::{Line, Port, Pump};
+
+/// Error allowed in a step, relative to 1 kPa plus |P - P_res|. The volume does not depend on it: what leaves the line is
+/// what the rollers pushed less what the line holds, at any tolerance.
+const TOLERANCE: f64 = 1e-6;
+
+/// The vessel is read once less than this can still arrive, mL.
+const AT_REST_ML: f64 = 1e-6;
+
+/// Longest wait for that, s.
+const LONGEST_WAIT_S: f64 = 36_000.0;
+
+/// Steps between two reports of progress.
+const REPORT_EVERY: u64 = 1024;
+
+/// A vessel behind an outlet line, fed by rollers that move in steps.
+///
+/// A step pushes its volume into the line at once, so P_out rises by dV/C; between steps the rollers stand still and
+/// the line flows on by itself. The volume in the vessel is a state of its own, integrated with the line.
+#[derive(Debug)]
+pub struct Sim<'a> {
+    pump: &'a Pump,
+    solver: Rodas5p<3>,
+}
+
+impl<'a> Sim<'a> {
+    /// A line at rest and an empty vessel.
+    pub fn new(pump: &'a Pump) -> Self {
+        Self::with_tolerance(pump, TOLERANCE)
+    }
+
+    /// The same with another error allowed in a step.
+    pub fn with_tolerance(pump: &'a Pump, tolerance: f64) -> Self {
+        let solver = Rodas5p::new(0.0, SVector::zeros(), options(pump.outlet(), tolerance, 1.0));
+        Self { pump, solver }
+    }
+
+    /// Makes every step of `plan`. `progress` is told now and then how many are done.
+    pub fn run(&mut self, plan: &Plan, mut progress: impl FnMut(u64)) -> Result<(), IntegrationError> {
+        let curve = self.pump.outlet_curve();
+        let line = self.pump.outlet();
+        let started_s = self.solver.time_s();
+        let mut pushed_ml = curve.volume_ml(plan.start.angle_rad);
+        for step in plan.steps() {
+            self.wait_until(started_s + step.time_s)?;
+            let volume_ml = curve.volume_ml(step.angle_rad);
+            self.push(line, volume_ml - pushed_ml);
+            pushed_ml = volume_ml;
+            if step.number % REPORT_EVERY == 0 {
+                progress(step.number);
+            }
+        }
+        Ok(())
+    }
+
+    /// Waits with the rotor at rest.
+    pub fn wait(&mut self, time_s: f64) -> Result<(), IntegrationError> {
+        self.wait_until(self.solver.time_s() + time_s)
+    }
+
+    /// Waits until nothing that counts can still arrive: until the energy of the line is that of 1e-6 mL in its
+    /// compliance.
+    pub fn settle(&mut self) -> Result<(), IntegrationError> {
+        let line = self.pump.outlet();
+        let circuit = self.at_rest();
+        let end_s = self.solver.time_s() + LONGEST_WAIT_S;
+        while self.solver.time_s() < end_s {
+            let state = self.solver.state();
+            let stored_ml = line.compliance_ml_kpa * state[0];
+            let moving_ml = state[1] / line.natural_rad_s();
+            if stored_ml * stored_ml + moving_ml * moving_ml < AT_REST_ML * AT_REST_ML {
+                break;
+            }
+            self.solver.step(&circuit, end_s)?;
+        }
+        Ok(())
+    }
+
+    /// What the vessel has received, mL.
+    pub fn received_ml(&self) -> f64 {
+        self.solver.state()[2]
+    }
+
+    /// Pressure at the outlet, kPa absolute.
+    pub fn outlet_kpa(&self) -> f64 {
+        self.pump.outlet().reservoir_kpa + self.solver.state()[0]
+    }
+
+    fn at_rest(&self) -> Circuit<'a, NoFlow> {
+        Circuit { line: self.pump.outlet(), port: Port::Outlet, forcing: NoFlow }
+    }
+
+    fn push(&mut self, line: &Line, volume_ml: f64) {
+        let mut state = self.solver.state();
+        state[0] += volume_ml / line.compliance_ml_kpa;
+        self.solver.set_state(state);
+        self.solver.restart();
+    }
+
+    fn wait_until(&mut self, time_s: f64) -> Result<(), IntegrationError> {
+        let circuit = self.at_rest();
+        while self.solver.time_s() < time_s {
+            self.solver.step(&circuit, time_s)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,161 @@
+//! What a dose reports to a person: a few lines, digits cut to the uncertainty.
+
+use std::fmt::Write;
+
+use pump_model::math::{floor, wrap};
+
+use crate::dose::PhaseSource;
+use crate::report::DoseReport;
+
+impl DoseReport {
+    /// The report in words.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        // Writing to a String cannot fail.
+        let _ = self.write_text(&mut text);
+        text
+    }
+
+    fn write_text(&self, to: &mut String) -> std::fmt::Result {
+        let decimals = decimals_of(self.expanded_uncertainty_ml);
+        let uncertainty = format!("{:.decimals$}", self.expanded_uncertainty_ml);
+        let (volume, verb) = match (self.delivered_ml, self.purpose) {
+            (None, _) => (self.planned_ml, "planned (dry run, nothing recorded)"),
+            (Some(delivered), "prime") => (delivered, "primed"),
+            (Some(delivered), "purge") => (delivered, "purged"),
+            (Some(delivered), _) => (delivered, "delivered"),
+        };
+        let asked = significant(self.requested_ml, 6);
+        let repaid = match self.carry_in_ml {
+            0.0 => String::new(),
+            carry => format!(", with {}", owed(carry, "from before")),
+        };
+        writeln!(to, "SIMULATED: no motor moved")?;
+        writeln!(
+            to,
+            "{}: {volume:.decimals$} mL ± {uncertainty} mL {verb}, {asked} mL asked{repaid}",
+            self.pump
+        )?;
+        writeln!(to)?;
+        let wrapped = match wrap(self.end_angle_deg, 360.0) {
+            same if same == self.end_angle_deg => String::new(),
+            wrapped => format!(", that is {wrapped:.2}°"),
+        };
+        writeln!(
+            to,
+            "  rollers      from {:.2}° ({}) to {:.2}°{wrapped}",
+            self.start_angle_deg,
+            self.known(),
+            self.end_angle_deg
+        )?;
+        writeln!(
+            to,
+            "  steps        {} (a revolution has {}); {}",
+            self.steps,
+            self.steps_per_rev,
+            owed(self.carry_ml, "to the next dose")
+        )?;
+        let limited = match self.limited_by {
+            "none" => String::new(),
+            limit => format!(" (limited by {limit})"),
+        };
+        writeln!(
+            to,
+            "  speed        {} r/min, {} mL/s cruising{limited}",
+            significant(self.cruise_speed_rpm, 4),
+            significant(self.cruise_flow_ml_s, 4)
+        )?;
+        writeln!(
+            to,
+            "  time         {:.3} s in motion, {:.3} s to settle within 1 µL",
+            self.motion_s, self.settle_s
+        )?;
+        writeln!(
+            to,
+            "  pressures    inlet {:.2} to {:.2} kPa, outlet {:.2} to {:.2} kPa absolute (ambient {} kPa)",
+            self.inlet_min_kpa,
+            self.inlet_max_kpa,
+            self.outlet_min_kpa,
+            self.outlet_max_kpa,
+            self.ambient_kpa
+        )?;
+        writeln!(to, "  not checked  {}", self.limits_not_checked.join(", ").replace('_', " "))?;
+        writeln!(to, "  uncertainty  {}", self.budget_line())?;
+        for warning in &self.warnings {
+            writeln!(to, "  warning      {warning}")?;
+        }
+        Ok(())
+    }
+
+    fn known(&self) -> String {
+        let source = match self.phase.source {
+            PhaseSource::Home => "a fresh simulated pump",
+            PhaseSource::Recorded => "as recorded",
+            PhaseSource::Given => "as given",
+        };
+        if !self.phase.known {
+            "unknown".to_owned()
+        } else if self.phase.half_width_deg > 0.0 {
+            format!("{source}, ± {:.2}°", self.phase.half_width_deg)
+        } else {
+            source.to_owned()
+        }
+    }
+
+    /// Each share of the uncertainty in percent of the volume.
+    fn budget_line(&self) -> String {
+        let shares: Vec<String> = self
+            .uncertainty_budget
+            .iter()
+            .map(|share| {
+                let percent = 100.0 * share.standard_ml / self.planned_ml.abs();
+                format!("{} {}", share.source.replace('_', " "), significant(percent, 2))
+            })
+            .collect();
+        format!("k = 2, not calibrated; standard, % of volume: {}", shares.join(", "))
+    }
+}
+
+/// A carry in words: positive is owed, negative is ahead.
+fn owed(carry_ml: f64, when: &str) -> String {
+    let word = if carry_ml < 0.0 { "too much" } else { "owed" };
+    format!("{:.2} µL {word} {when}", 1e3 * carry_ml.abs())
+}
+
+/// Decimals that show an uncertainty with two significant digits.
+fn decimals_of(uncertainty: f64) -> usize {
+    if !(uncertainty > 0.0 && uncertainty.is_finite()) {
+        return 6;
+    }
+    // 12 at most: nobody weighs a picolitre.
+    (1.0 - floor(uncertainty.log10())).clamp(0.0, 12.0) as usize
+}
+
+/// A number with `digits` significant digits, without an exponent and without zeros at its end.
+fn significant(value: f64, digits: i32) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = (f64::from(digits - 1) - floor(value.abs().log10())).clamp(0.0, 15.0) as usize;
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_cut_to_the_uncertainty() {
+        assert_eq!(decimals_of(1.223), 1);
+        assert_eq!(decimals_of(0.0489), 3);
+        assert_eq!(decimals_of(24.0), 0);
+        assert_eq!(decimals_of(240.0), 0);
+        assert_eq!(decimals_of(0.0), 6);
+        assert_eq!(significant(0.004_812, 2), "0.0048");
+        assert_eq!(significant(2.4, 2), "2.4");
+        assert_eq!(significant(25.075_225_677, 6), "25.0752");
+        assert_eq!(significant(-25.0, 6), "-25");
+        assert_eq!(significant(123_456_789.0, 3), "123456789");
+    }
+}
