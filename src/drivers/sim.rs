@@ -92,8 +92,8 @@ impl<'a> Sim<'a> {
         self.pump.outlet().reservoir_kpa + self.solver.state()[0]
     }
 
-    fn at_rest(&self) -> Circuit<'a, NoFlow> {
-        Circuit { line: self.pump.outlet(), port: Port::Outlet, forcing: NoFlow }
+    fn at_rest(&self) -> Circuit<NoFlow> {
+        Circuit::new(self.pump.outlet(), Port::Outlet, NoFlow)
     }
 
     fn push(&mut self, line: &Line, volume_ml: f64) {

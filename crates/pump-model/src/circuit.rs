@@ -44,32 +44,40 @@ impl Forcing for NoFlow {
 ///
 /// C dp/dt = s (Q - Q_L), L dQ_L/dt = s p - R Q_L, dV/dt = Q_L
 #[derive(Debug, Clone, Copy)]
-pub struct Circuit<'a, F> {
-    /// R, C and L.
-    pub line: &'a Line,
-    /// Which port; the sign s.
-    pub port: Port,
+pub struct Circuit<F> {
+    /// s/C, kPa/mL.
+    pressure_per_volume: f64,
+    /// s/L, mL/(s² kPa).
+    flow_rate_per_pressure: f64,
+    /// R/L, 1/s.
+    damping: f64,
     /// Q, the flow at the rollers.
-    pub forcing: F,
+    forcing: F,
 }
 
-impl<F> Circuit<'_, F> {
-    fn sign(&self) -> f64 {
-        match self.port {
+impl<F: Forcing> Circuit<F> {
+    /// The circuit of a valid line at a port.
+    pub fn new(line: &Line, port: Port, forcing: F) -> Self {
+        let sign = match port {
             Port::Inlet => -1.0,
             Port::Outlet => 1.0,
+        };
+        Self {
+            pressure_per_volume: sign / line.compliance_ml_kpa,
+            flow_rate_per_pressure: sign / line.inertance_kpa_s2_ml,
+            damping: line.resistance_kpa_s_ml / line.inertance_kpa_s2_ml,
+            forcing,
         }
     }
 }
 
-impl<F: Forcing, const N: usize> Ode<N> for Circuit<'_, F> {
+impl<F: Forcing, const N: usize> Ode<N> for Circuit<F> {
     fn derivative(&self, t: f64, y: &SVector<f64, N>) -> SVector<f64, N> {
         const { assert!(N == 2 || N == 3, "pressure and flow, or these and the volume") };
-        let (sign, line) = (self.sign(), self.line);
         let (pressure, flow) = (y[0], y[1]);
         let mut dy = SVector::zeros();
-        dy[0] = sign * (self.forcing.flow_ml_s(t) - flow) / line.compliance_ml_kpa;
-        dy[1] = (sign * pressure - line.resistance_kpa_s_ml * flow) / line.inertance_kpa_s2_ml;
+        dy[0] = self.pressure_per_volume * (self.forcing.flow_ml_s(t) - flow);
+        dy[1] = self.flow_rate_per_pressure * pressure - self.damping * flow;
         if N == 3 {
             dy[2] = flow;
         }
@@ -77,11 +85,10 @@ impl<F: Forcing, const N: usize> Ode<N> for Circuit<'_, F> {
     }
 
     fn jacobian(&self, _t: f64, _y: &SVector<f64, N>) -> SMatrix<f64, N, N> {
-        let (sign, line) = (self.sign(), self.line);
         let mut j = SMatrix::zeros();
-        j[(0, 1)] = -sign / line.compliance_ml_kpa;
-        j[(1, 0)] = sign / line.inertance_kpa_s2_ml;
-        j[(1, 1)] = -line.resistance_kpa_s_ml / line.inertance_kpa_s2_ml;
+        j[(0, 1)] = -self.pressure_per_volume;
+        j[(1, 0)] = self.flow_rate_per_pressure;
+        j[(1, 1)] = -self.damping;
         if N == 3 {
             j[(2, 1)] = 1.0;
         }
@@ -90,7 +97,7 @@ impl<F: Forcing, const N: usize> Ode<N> for Circuit<'_, F> {
 
     fn time_derivative(&self, t: f64, _y: &SVector<f64, N>) -> SVector<f64, N> {
         let mut ft = SVector::zeros();
-        ft[0] = self.sign() * self.forcing.flow_rate_ml_s2(t) / self.line.compliance_ml_kpa;
+        ft[0] = self.pressure_per_volume * self.forcing.flow_rate_ml_s2(t);
         ft
     }
 }

@@ -1,11 +1,12 @@
 //! One port followed over a motion, exactly.
 
 use crate::error::ModelError;
+use crate::exact_samples::ExactSamples;
 use crate::extremes::Extremes;
 use crate::flow_curve::Port;
 use crate::line::Line;
 use crate::motion::Leg;
-use crate::propagator::{Balanced, Flow, Oscillator, Propagator};
+use crate::propagator::{Balanced, Flow, Oscillator};
 use crate::pump::Pump;
 use crate::settling::settling_s;
 use crate::stretches::{Stretch, Stretches};
@@ -24,14 +25,14 @@ use crate::stretches::{Stretch, Stretches};
 #[derive(Debug, Clone)]
 pub struct ExactRun<'a, M> {
     line: &'a Line,
-    oscillator: Oscillator,
+    pub(crate) oscillator: Oscillator,
     stretches: Stretches<'a, M>,
-    stretch: Stretch,
+    pub(crate) stretch: Stretch,
     /// Flow at the rollers over time since the stretch's start.
-    flow: Flow,
+    pub(crate) flow: Flow,
     /// Time since the stretch's start that is reached, and the state there.
-    reached_s: f64,
-    state: Balanced,
+    pub(crate) reached_s: f64,
+    pub(crate) state: Balanced,
 }
 
 impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
@@ -123,46 +124,4 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
 fn next_stretch<M: Iterator<Item = Leg>>(stretches: &mut Stretches<'_, M>) -> Stretch {
     let after_s = stretches.time_s();
     stretches.next().unwrap_or_else(|| Stretch::rest(after_s))
-}
-
-/// Samples of an [`ExactRun`] at equal intervals: inside a stretch at constant speed each costs a dozen
-/// multiplications.
-#[derive(Debug, Clone)]
-pub struct ExactSamples<'a, M> {
-    run: ExactRun<'a, M>,
-    dt_s: f64,
-    step: Propagator,
-    /// What the flow adds to both states over an interval, over time since the stretch's start.
-    input: [[f64; 5]; 2],
-    start_s: f64,
-    next: u64,
-}
-
-impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
-    fn new(run: ExactRun<'a, M>, dt_s: f64) -> Self {
-        let step = Propagator::new(&run.oscillator, dt_s, 4);
-        let (input, start_s) = (step.input(&run.flow), run.time_s());
-        Self { run, dt_s, step, input, start_s, next: 0 }
-    }
-}
-
-impl<M: Iterator<Item = Leg>> Iterator for ExactSamples<'_, M> {
-    type Item = [f64; 2];
-
-    #[inline]
-    fn next(&mut self) -> Option<[f64; 2]> {
-        let run = &mut self.run;
-        let time_s = self.start_s + self.next as f64 * self.dt_s;
-        if self.next > 0 && time_s <= run.stretch.end_s && run.flow.degree <= 4 {
-            let value = |c: &[f64; 5], t: f64| c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * c[4])));
-            let [x, y] = self.step.moved(run.state);
-            run.state = [x + value(&self.input[0], run.reached_s), y + value(&self.input[1], run.reached_s)];
-            run.reached_s = time_s - run.stretch.start_s;
-        } else {
-            run.at(time_s);
-            self.input = self.step.input(&run.flow);
-        }
-        self.next += 1;
-        Some(run.state())
-    }
 }

@@ -18,6 +18,7 @@
 pub mod circuit;
 mod error;
 mod exact;
+mod exact_samples;
 mod extremes;
 pub mod flow_curve;
 mod geometry;
@@ -36,7 +37,8 @@ mod steady;
 mod stretches;
 
 pub use error::ModelError;
-pub use exact::{ExactRun, ExactSamples};
+pub use exact::ExactRun;
+pub use exact_samples::ExactSamples;
 pub use extremes::Extremes;
 pub use flow_curve::{FlowCurve, Port, Ripple};
 pub use geometry::Geometry;

@@ -72,7 +72,7 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
         let Some(stretch) = self.stretch else {
             return Ok(None);
         };
-        let circuit = Circuit { line: self.line, port: self.port, forcing: stretch };
+        let circuit = Circuit::new(self.line, self.port, stretch);
         let step = self.solver.step(&circuit, stretch.end_s.min(stop_s))?;
         self.last = Some(step);
         Ok(Some(step))

@@ -233,6 +233,10 @@ impl Oscillator {
             let factor = h * RECIPROCALS[n + 1];
             term = [factor * next[0], factor * next[1]];
             sum = [sum[0] + term[0], sum[1] + term[1]];
+            // Beyond the flow's own terms they fall by |A| h / n each.
+            if n > flow.degree && term[0].abs() + term[1].abs() <= 1e-18 * (sum[0].abs() + sum[1].abs()) {
+                break;
+            }
         }
         sum
     }

@@ -42,6 +42,15 @@ impl Stretch {
         let elapsed = self.start_s - self.leg.start_s;
         let (acceleration, speed) = (self.leg.acceleration_rad_s2, self.leg.speed_at(self.start_s));
         let q = self.flow.shifted(self.offset_rad + self.leg.turned(elapsed)).c;
+        if acceleration == 0.0 {
+            let mut c = [0.0; DEGREE + 1];
+            let mut power = speed;
+            for (to, from) in c.iter_mut().zip(q).take(5) {
+                *to = from * power;
+                power *= speed;
+            }
+            return Flow { c, degree: 4 };
+        }
         // q(v) (speed + acceleration t) with v = speed t + acceleration t²/2, by Horner's rule.
         let mut c = [0.0; DEGREE + 1];
         for (n, coefficient) in q.iter().take(5).rev().enumerate() {
@@ -54,7 +63,7 @@ impl Stretch {
         for k in (0..=DEGREE).rev() {
             c[k] = speed * c[k] + if k > 0 { acceleration * c[k - 1] } else { 0.0 };
         }
-        Flow { c, degree: if acceleration == 0.0 { 4 } else { DEGREE } }
+        Flow { c, degree: DEGREE }
     }
 
     /// Time derivative of the flow, mL/s².

@@ -2,7 +2,7 @@
 
 use nalgebra::{SMatrix, SVector};
 
-/// P A = L U.
+/// P A = L U, with the reciprocals of U's diagonal on the diagonal: a factorisation serves eight solutions.
 #[derive(Debug, Clone, Copy)]
 pub struct Lu<const N: usize> {
     factors: SMatrix<f64, N, N>,
@@ -33,8 +33,10 @@ impl<const N: usize> Lu<N> {
                     factors[(pivot, k)] = swapped;
                 }
             }
+            let reciprocal = 1.0 / diagonal;
+            factors[(column, column)] = reciprocal;
             for row in column + 1..N {
-                let factor = factors[(row, column)] / diagonal;
+                let factor = factors[(row, column)] * reciprocal;
                 factors[(row, column)] = factor;
                 for k in column + 1..N {
                     factors[(row, k)] -= factor * factors[(column, k)];
@@ -62,7 +64,7 @@ impl<const N: usize> Lu<N> {
             for k in row + 1..N {
                 x[row] -= self.factors[(row, k)] * x[k];
             }
-            x[row] /= self.factors[(row, row)];
+            x[row] *= self.factors[(row, row)];
         }
         x
     }

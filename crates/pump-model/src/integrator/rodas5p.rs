@@ -7,7 +7,6 @@ use super::Ode;
 use super::dense::{DenseStep, End};
 use super::lu::Lu;
 use super::tableau::{A, ALPHA, C, GAMMA, GAMMA_I, H, STAGES};
-use crate::math::pow;
 
 /// How exactly to integrate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,8 +67,7 @@ pub enum IntegrationError {
     },
 }
 
-/// Order of the error estimate plus one: k_8 is of order h^5.
-const ERROR_ORDER: f64 = 5.0;
+/// The error estimate is of order h^5, so a step is scaled by the fifth root of the error, with some safety.
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 6.0;
@@ -87,13 +85,23 @@ pub struct Rodas5p<const N: usize> {
     proposed_s: f64,
     /// Whether the next step starts where the derivative jumps.
     restart: bool,
+    /// What the last step evaluated at its end, for the next to start from.
+    known: Option<Start<N>>,
     statistics: Statistics,
 }
 
 impl<const N: usize> Rodas5p<N> {
     /// Starts at `time_s` in `state`.
     pub fn new(time_s: f64, state: SVector<f64, N>, options: Options<N>) -> Self {
-        Self { time_s, state, options, proposed_s: 0.0, restart: true, statistics: Statistics::default() }
+        Self {
+            time_s,
+            state,
+            options,
+            proposed_s: 0.0,
+            restart: true,
+            known: None,
+            statistics: Statistics::default(),
+        }
     }
 
     /// Time reached, s.
@@ -106,7 +114,8 @@ impl<const N: usize> Rodas5p<N> {
         self.state
     }
 
-    /// Tells that the derivative jumps here: the next step must be short enough for what follows.
+    /// Tells that the equation changes or its derivative jumps here: what is known of it is forgotten, and the next step
+    /// is short enough for what follows.
     pub fn restart(&mut self) {
         self.restart = true;
     }
@@ -114,6 +123,7 @@ impl<const N: usize> Rodas5p<N> {
     /// Replaces the state, as an impulse does.
     pub fn set_state(&mut self, state: SVector<f64, N>) {
         self.state = state;
+        self.known = None;
     }
 
     /// What it has cost so far.
@@ -122,10 +132,15 @@ impl<const N: usize> Rodas5p<N> {
     }
 
     /// Makes one accepted step that ends at `stop_s` at the latest, and lands on it exactly. `ode` must be smooth
-    /// up to there; the next call may bring another one.
+    /// up to there; before another one is brought, [`Self::restart`] must be called.
     pub fn step(&mut self, ode: &impl Ode<N>, stop_s: f64) -> Result<DenseStep<N>, IntegrationError> {
-        let from = Start::new(ode, self.time_s, self.state)?;
-        self.statistics.evaluations += 1;
+        let from = match self.known.take() {
+            Some(known) if !self.restart => known,
+            _ => {
+                self.statistics.evaluations += 1;
+                Start::new(ode, self.time_s, self.state)?
+            }
+        };
         if self.restart {
             let first_s = self.first_step(&from);
             self.proposed_s = if self.proposed_s > 0.0 { self.proposed_s.min(first_s) } else { first_s };
@@ -140,7 +155,7 @@ impl<const N: usize> Rodas5p<N> {
             }
             let trial = self.trial(ode, &from, h);
             let error = trial.as_ref().map_or(f64::INFINITY, |trial| self.error_norm(&from.state, trial));
-            let factor = (SAFETY * pow(error.max(1e-10), -1.0 / ERROR_ORDER)).clamp(SHRINK, GROW);
+            let factor = (SAFETY * reciprocal_fifth_root(error.clamp(1e-10, 1e10))).clamp(SHRINK, GROW);
             match trial {
                 Some(trial) if error <= 1.0 => {
                     // A step cut short by a stop or by halving says nothing against the longer one proposed.
@@ -163,31 +178,28 @@ impl<const N: usize> Rodas5p<N> {
     /// is not finite.
     fn trial(&mut self, ode: &impl Ode<N>, from: &Start<N>, h: f64) -> Option<Trial<N>> {
         self.statistics.factorisations += 1;
-        let lu = Lu::new(SMatrix::identity() / (h * GAMMA) - from.jacobian)?;
-        let mut stages = [SVector::<f64, N>::zeros(); STAGES];
-        stages[0] = lu.solve(from.slope + from.slope_rate * (h * GAMMA_I[0]));
-        let mut value = from.state;
-        for i in 1..STAGES {
-            if i <= A.len() {
-                value = from.state;
-                for (weight, stage) in A[i - 1].iter().zip(&stages).take(i) {
-                    value += stage * *weight;
-                }
-            } else {
-                value += stages[i - 1];
-            }
-            let mut right = ode.derivative(from.time_s + ALPHA[i] * h, &value);
-            self.statistics.evaluations += 1;
-            for (weight, stage) in C[i - 1].iter().zip(&stages).take(i) {
-                right += stage * (*weight / h);
-            }
-            if GAMMA_I[i] != 0.0 {
-                right += from.slope_rate * (h * GAMMA_I[i]);
-            }
-            stages[i] = lu.solve(right);
-        }
-        let next = value + stages[STAGES - 1];
-        (finite(&next) && finite(&stages[STAGES - 1])).then_some(Trial { next, stages })
+        self.statistics.evaluations += STAGES as u64 - 1;
+        let per_h = 1.0 / h;
+        let lu = Lu::new(SMatrix::from_diagonal_element(per_h / GAMMA) - from.jacobian)?;
+        // Stage i (from 0), at a value of the state and with what couples it to the stages before.
+        let solve = |i: usize, value: &SVector<f64, N>, coupled: SVector<f64, N>| {
+            let slope = ode.derivative(from.time_s + ALPHA[i] * h, value);
+            lu.solve(slope + coupled * per_h + from.slope_rate * (h * GAMMA_I[i]))
+        };
+        let mut u = [SVector::<f64, N>::zeros(); STAGES];
+        u[0] = lu.solve(from.slope + from.slope_rate * (h * GAMMA_I[0]));
+        u[1] = solve(1, &(from.state + sum::<1, 5, N>(&A[0], &u)), sum::<1, 7, N>(&C[0], &u));
+        u[2] = solve(2, &(from.state + sum::<2, 5, N>(&A[1], &u)), sum::<2, 7, N>(&C[1], &u));
+        u[3] = solve(3, &(from.state + sum::<3, 5, N>(&A[2], &u)), sum::<3, 7, N>(&C[2], &u));
+        u[4] = solve(4, &(from.state + sum::<4, 5, N>(&A[3], &u)), sum::<4, 7, N>(&C[3], &u));
+        let mut value = from.state + sum::<5, 5, N>(&A[4], &u);
+        u[5] = solve(5, &value, sum::<5, 7, N>(&C[4], &u));
+        value += u[5];
+        u[6] = solve(6, &value, sum::<6, 7, N>(&C[5], &u));
+        value += u[6];
+        u[7] = solve(7, &value, sum::<7, 7, N>(&C[6], &u));
+        let next = value + u[7];
+        (finite(&next) && finite(&u[7])).then_some(Trial { next, stages: u })
     }
 
     /// Dense output of an accepted step: by Hermite interpolation where the problem is not stiff over this step, by the
@@ -208,7 +220,9 @@ impl<const N: usize> Rodas5p<N> {
         }
         let to = Start::new(ode, self.time_s, trial.next)?;
         self.statistics.evaluations += 1;
-        Ok(DenseStep::hermite(from.time_s, h, &from.end(), &to.end()))
+        let step = DenseStep::hermite(from.time_s, h, &from.end(), &to.end());
+        self.known = Some(to);
+        Ok(step)
     }
 
     /// Largest rate at which the states change one another, 1/s: the row norm of the Jacobian in units of the
@@ -245,11 +259,12 @@ impl<const N: usize> Rodas5p<N> {
             let derivative = from.slope[i].abs().max(from.curvature()[i].abs());
             largest = largest.max(derivative / self.allowed(&from.state, i));
         }
-        if largest > 0.0 { pow(0.01 / largest, 1.0 / ERROR_ORDER) } else { 1.0 }
+        if largest > 0.0 { reciprocal_fifth_root((100.0 * largest).clamp(1e-100, 1e100)) } else { 1.0 }
     }
 }
 
 /// What is known where a step starts or ends.
+#[derive(Debug, Clone)]
 struct Start<const N: usize> {
     time_s: f64,
     state: SVector<f64, N>,
@@ -299,6 +314,45 @@ fn step_end(start_s: f64, wanted_s: f64, stop_s: f64) -> f64 {
     }
 }
 
+/// Sum of the first K stages with these weights; K is known when compiling, so that the loop unrolls.
+fn sum<const K: usize, const W: usize, const N: usize>(
+    weights: &[f64; W],
+    stages: &[SVector<f64, N>; STAGES],
+) -> SVector<f64, N> {
+    let mut sum = stages[0] * weights[0];
+    for k in 1..K {
+        sum += stages[k] * weights[k];
+    }
+    sum
+}
+
+/// x^(-1/5) to 1e-6, for the step size control: a first guess from the exponent's bits, then Newton's method on
+/// y^(-5) = x. Four times faster than the general power, and the same on every target. `x` must be positive and normal.
+fn reciprocal_fifth_root(x: f64) -> f64 {
+    // 1/5 of the exponent with its sign changed, and 6/5 of the bias.
+    let mut y = f64::from_bits(0x4CB9_9999_9999_9999 - x.to_bits() / 5);
+    for _ in 0..4 {
+        let y2 = y * y;
+        y *= 1.2 - 0.2 * x * y2 * y2 * y;
+    }
+    y
+}
+
 fn finite<const N: usize>(vector: &SVector<f64, N>) -> bool {
     vector.iter().all(|x| x.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::reciprocal_fifth_root;
+
+    #[test]
+    fn the_fifth_root_is_good_enough_for_step_sizes() {
+        for n in -100..=100 {
+            for x in [1.0, 1.7, 3.0, 7.9] {
+                let x = x * libm::pow(10.0, f64::from(n));
+                assert!((reciprocal_fifth_root(x) * libm::pow(x, 0.2) - 1.0).abs() < 1e-6, "{x}");
+            }
+        }
+    }
 }

@@ -132,3 +132,165 @@ pub const H: [[f64; STAGES]; 3] = [
         4.883_087_185_713_722,
     ],
 ];
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{SMatrix, SVector};
+
+    use super::super::lu::Lu;
+    use super::*;
+
+    type Matrix = SMatrix<f64, STAGES, STAGES>;
+    type Vector = SVector<f64, STAGES>;
+
+    /// The coefficients are rounded to doubles and reach 1e2; the products of three matrices lose two more digits.
+    const ROUNDING: f64 = 2e-12;
+
+    /// The method as a Rosenbrock method in its own stages k_i.
+    struct Rosenbrock {
+        /// alpha_ij.
+        alpha: Matrix,
+        /// beta_ij = alpha_ij + gamma_ij.
+        beta: Matrix,
+        /// gamma_ij.
+        gamma: Matrix,
+    }
+
+    /// a_ij of all stages, in the transformed form.
+    fn a() -> Matrix {
+        Matrix::from_fn(|i, j| match i {
+            0 => 0.0,
+            1..=5 => {
+                if j < i {
+                    A[i - 1][j]
+                } else {
+                    0.0
+                }
+            }
+            _ => {
+                if j < 5 {
+                    A[4][j]
+                } else if j < i {
+                    1.0
+                } else {
+                    0.0
+                }
+            }
+        })
+    }
+
+    /// Weights of u_i in the new value and in the embedded one.
+    fn weights() -> [Vector; 2] {
+        let embedded = a().row(7).transpose();
+        let mut new = embedded;
+        new[7] = 1.0;
+        [new, embedded]
+    }
+
+    /// Hairer and Wanner, section IV.7: u = Gamma k, c = diag(1/gamma) - Gamma⁻¹, a = alpha Gamma⁻¹.
+    fn rosenbrock() -> Rosenbrock {
+        let inverse = Matrix::from_fn(|i, j| match i {
+            _ if i == j => 1.0 / GAMMA,
+            _ if j < i => -C[i - 1][j],
+            _ => 0.0,
+        });
+        let lu = Lu::new(inverse).unwrap();
+        let mut gamma = Matrix::zeros();
+        for j in 0..STAGES {
+            gamma.set_column(j, &lu.solve(Matrix::identity().column(j).into_owned()));
+        }
+        let alpha = a() * gamma;
+        Rosenbrock { alpha, beta: alpha + gamma, gamma }
+    }
+
+    fn row_sums(matrix: &Matrix) -> Vector {
+        matrix * Vector::repeat(1.0)
+    }
+
+    /// The rooted trees of order one to five, each as the product over its branches for every stage, with its order
+    /// and density: Hairer and Wanner, table IV.7.1. A vertex with one branch takes beta_ij, with more alpha_ij.
+    fn trees() -> [(Vector, i32, f64); 17] {
+        let Rosenbrock { alpha, beta, .. } = rosenbrock();
+        let (a, b) = (row_sums(&alpha), row_sums(&beta));
+        let a2 = a.component_mul(&a);
+        let a3 = a2.component_mul(&a);
+        let (ab, bb) = (alpha * b, beta * b);
+        let a_ab = a.component_mul(&ab);
+        [
+            (Vector::repeat(1.0), 1, 1.0),
+            (b, 2, 2.0),
+            (a2, 3, 3.0),
+            (bb, 3, 6.0),
+            (a3, 4, 4.0),
+            (a_ab, 4, 8.0),
+            (beta * a2, 4, 12.0),
+            (beta * bb, 4, 24.0),
+            (a3.component_mul(&a), 5, 5.0),
+            (a2.component_mul(&ab), 5, 10.0),
+            (a.component_mul(&(alpha * a2)), 5, 15.0),
+            (ab.component_mul(&ab), 5, 20.0),
+            (a.component_mul(&(alpha * bb)), 5, 30.0),
+            (beta * a3, 5, 20.0),
+            (beta * a_ab, 5, 40.0),
+            (beta * (beta * a2), 5, 60.0),
+            (beta * (beta * bb), 5, 120.0),
+        ]
+    }
+
+    #[test]
+    fn row_sums_are_alpha_and_gamma() {
+        let method = rosenbrock();
+        let (alpha, gamma) = (row_sums(&method.alpha), row_sums(&method.gamma));
+        for i in 0..STAGES {
+            assert!((alpha[i] - ALPHA[i]).abs() < ROUNDING, "{i}: {} for {}", alpha[i], ALPHA[i]);
+            assert!((gamma[i] - GAMMA_I[i]).abs() < ROUNDING, "{i}: {} for {}", gamma[i], GAMMA_I[i]);
+            assert!((method.gamma[(i, i)] - GAMMA).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_new_value_has_order_5_and_the_embedded_one_order_4() {
+        let [new, embedded] = weights().map(|m| rosenbrock().gamma.tr_mul(&m));
+        for (n, (tree, order, density)) in trees().into_iter().enumerate() {
+            let error = new.dot(&tree) - 1.0 / density;
+            assert!(error.abs() < ROUNDING, "tree {n} of order {order}: {error:e}");
+            let error = embedded.dot(&tree) - 1.0 / density;
+            assert!(order == 5 || error.abs() < ROUNDING, "embedded, tree {n} of order {order}: {error:e}");
+        }
+    }
+
+    #[test]
+    fn the_embedded_value_is_not_of_order_5() {
+        // Otherwise the difference would estimate no error.
+        let embedded = rosenbrock().gamma.tr_mul(&weights()[1]);
+        let missed = trees().into_iter().filter(|(_, order, _)| *order == 5);
+        let largest = missed.map(|(tree, _, density)| (embedded.dot(&tree) * density - 1.0).abs());
+        assert!(largest.fold(0.0, f64::max) > 1e-3);
+    }
+
+    #[test]
+    fn both_values_are_stiffly_accurate() {
+        // b_i = beta_8i and, for the embedded value, beta_7i: both vanish for a problem that is infinitely stiff.
+        let method = rosenbrock();
+        let [new, embedded] = weights().map(|m| method.gamma.tr_mul(&m));
+        assert!((new - method.beta.row(7).transpose()).amax() < ROUNDING);
+        assert!((embedded - method.beta.row(6).transpose()).amax() < ROUNDING);
+        assert!((embedded - method.alpha.row(7).transpose()).amax() < ROUNDING);
+        assert_eq!(ALPHA[5..], [1.0; 3]);
+    }
+
+    #[test]
+    fn the_dense_output_has_order_4_everywhere_in_the_step() {
+        let gamma = rosenbrock().gamma;
+        let [k1, k2, k3] = H.map(|weights| Vector::from(weights));
+        for n in 1..10 {
+            let x = f64::from(n) / 10.0;
+            let m = weights()[0] * x + (k1 + (k2 + k3 * x) * x) * (x * (1.0 - x));
+            let b = gamma.tr_mul(&m);
+            for (tree, order, density) in trees().into_iter().filter(|(_, order, _)| *order < 5) {
+                let error = b.dot(&tree) - x.powi(order) / density;
+                assert!(error.abs() < ROUNDING, "x = {x}, order {order}, 1/{density}: {error:e}");
+            }
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Samples of an exact run at equal intervals.
+
+use crate::exact::ExactRun;
+use crate::motion::Leg;
+use crate::propagator::{Balanced, Oscillator, Propagator};
+
+/// Samples that are computed together: they do not wait for one another.
+const LANES: usize = 4;
+
+/// Samples of an [`ExactRun`] at equal intervals; inside a stretch at constant speed each costs a dozen multiplications.
+///
+/// Sample n + 4 follows from sample n by a step of four intervals, so that four samples at a time are independent.
+#[derive(Debug, Clone)]
+pub struct ExactSamples<'a, M> {
+    run: ExactRun<'a, M>,
+    start_s: f64,
+    dt_s: f64,
+    one: Interval,
+    four: Interval,
+    /// (x, y) of the samples under way, and their times since the stretch's start.
+    x: [f64; LANES],
+    y: [f64; LANES],
+    time_s: [f64; LANES],
+    /// Number of the first of them.
+    first: u64,
+    /// The next to be handed out, and how many lie inside the stretch.
+    next: usize,
+    valid: usize,
+}
+
+/// What a step of fixed length does inside the stretch under way.
+#[derive(Debug, Clone)]
+struct Interval {
+    propagator: Propagator,
+    /// e^(A h) by columns.
+    decay: [Balanced; 2],
+    /// What the flow adds to both states, as polynomials in the time since the stretch's start.
+    input: [[f64; 5]; 2],
+}
+
+impl Interval {
+    fn new(oscillator: &Oscillator, step_s: f64) -> Self {
+        let propagator = Propagator::new(oscillator, step_s, 4);
+        let decay = [propagator.moved([1.0, 0.0]), propagator.moved([0.0, 1.0])];
+        Self { propagator, decay, input: [[0.0; 5]; 2] }
+    }
+
+    #[inline]
+    fn after(&self, x: f64, y: f64, t: f64) -> (f64, f64) {
+        let value = |c: &[f64; 5]| c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * c[4])));
+        let ([xx, yx], [xy, yy]) = (self.decay[0], self.decay[1]);
+        (xx * x + (xy * y + value(&self.input[0])), yy * y + (yx * x + value(&self.input[1])))
+    }
+}
+
+impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
+    pub(crate) fn new(run: ExactRun<'a, M>, dt_s: f64) -> Self {
+        let one = Interval::new(&run.oscillator, dt_s);
+        let four = Interval::new(&run.oscillator, LANES as f64 * dt_s);
+        let start_s = run.time_s();
+        let zeros = [0.0; LANES];
+        Self { run, start_s, dt_s, one, four, x: zeros, y: zeros, time_s: zeros, first: 0, next: 0, valid: 0 }
+    }
+
+    /// Computes the next samples: at least one.
+    fn fill(&mut self) {
+        self.first += self.valid as u64;
+        self.next = 0;
+        if self.valid == LANES && self.run.flow.degree <= 4 {
+            for ((x, y), t) in self.x.iter_mut().zip(&mut self.y).zip(&self.time_s) {
+                (*x, *y) = self.four.after(*x, *y, *t);
+            }
+            self.settle_lanes(0);
+        } else {
+            self.valid = 0;
+        }
+        if self.valid == 0 {
+            self.cross();
+        }
+    }
+
+    /// Goes on to the next sample over one or more edges, and starts the lanes from there.
+    fn cross(&mut self) {
+        let run = &mut self.run;
+        run.at(self.start_s + self.first as f64 * self.dt_s);
+        [self.x[0], self.y[0]] = run.state;
+        self.time_s[0] = run.reached_s;
+        if run.flow.degree > 4 {
+            self.valid = 1;
+            return;
+        }
+        for interval in [&mut self.one, &mut self.four] {
+            interval.input = interval.propagator.input(&run.flow);
+        }
+        for n in 1..LANES {
+            let after =
+                self.one.after(self.x[n - 1], self.y[n - 1], self.time_s[0] + (n - 1) as f64 * self.dt_s);
+            (self.x[n], self.y[n]) = after;
+        }
+        self.settle_lanes(1);
+    }
+
+    /// Places the lanes in time, from sample `known` on, counts those inside the stretch, and leaves the run at the last
+    /// of them.
+    fn settle_lanes(&mut self, known: usize) {
+        let stretch = &self.run.stretch;
+        for (n, t) in self.time_s.iter_mut().enumerate().skip(known) {
+            *t = self.start_s + (self.first + n as u64) as f64 * self.dt_s - stretch.start_s;
+        }
+        let length_s = stretch.end_s - stretch.start_s;
+        // The sample that crossed the edge is inside by construction.
+        self.valid = known.max(self.time_s.iter().take_while(|t| **t <= length_s).count());
+        if let Some(last) = self.valid.checked_sub(1) {
+            self.run.state = [self.x[last], self.y[last]];
+            self.run.reached_s = self.time_s[last];
+        }
+    }
+}
+
+impl<M: Iterator<Item = Leg>> Iterator for ExactSamples<'_, M> {
+    type Item = [f64; 2];
+
+    #[inline]
+    fn next(&mut self) -> Option<[f64; 2]> {
+        if self.next == self.valid {
+            self.fill();
+        }
+        let n = self.next;
+        self.next += 1;
+        Some(self.run.oscillator.physical([self.x[n % LANES], self.y[n % LANES]]))
+    }
+}
