@@ -134,7 +134,9 @@ fn slow_motion_and_stiff_lines_stay_within_what_the_flow_can_do() {
         for n in 1..1000 {
             let t = period_s * f64::from(n) / 1000.0;
             let (exact, integrated) = (exact.at(t)[0], integrated.at(t).unwrap()[0]);
-            assert!((exact - integrated).abs() < 5e-4, "{speed} rad/s at {t} s: {exact} or {integrated}");
+            // Inside a step that is stiff the output of order four is not controlled by the tolerance.
+            let bound = if pump == three { 5e-4 } else { 3e-3 };
+            assert!((exact - integrated).abs() < bound, "{speed} rad/s at {t} s: {exact} or {integrated}");
         }
         let steady = pump.steady_state(speed).unwrap();
         assert!(steady.outlet.max_kpa - 88.637 < 1.3 * highest, "{speed}: {steady:?}");

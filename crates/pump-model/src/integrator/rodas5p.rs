@@ -71,6 +71,8 @@ pub enum IntegrationError {
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 6.0;
+/// A state at rest lets the steps grow without end; beyond this nothing is gained.
+const LONGEST_STEP_S: f64 = 1e100;
 /// A step of this many times the fastest time constant is stiff: beyond it the Hermite polynomial would magnify the error
 /// of the step's ends more than a hundredfold.
 const STIFF: f64 = 10.0;
@@ -146,12 +148,16 @@ impl<const N: usize> Rodas5p<N> {
             self.proposed_s = if self.proposed_s > 0.0 { self.proposed_s.min(first_s) } else { first_s };
             self.restart = false;
         }
+        let (mut shortest_failed_s, mut defined) = (f64::INFINITY, true);
         loop {
-            let wanted = self.proposed_s.min(self.options.max_step_s);
-            let end_s = step_end(from.time_s, wanted, stop_s);
+            let wanted = self.proposed_s.min(self.options.max_step_s).min(LONGEST_STEP_S);
+            let end_s = step_end(from.time_s, wanted, stop_s, self.options.max_step_s);
             let h = end_s - from.time_s;
-            if h <= 0.0 {
-                return Err(IntegrationError::StepUnderflow { time_s: from.time_s });
+            if h <= 0.0 || h >= shortest_failed_s {
+                // No shorter step can be told from the one that failed.
+                let time_s = from.time_s;
+                let error = IntegrationError::StepUnderflow { time_s };
+                return Err(if defined { error } else { IntegrationError::NotFinite { time_s } });
             }
             let trial = self.trial(ode, &from, h);
             let error = trial.as_ref().map_or(f64::INFINITY, |trial| self.error_norm(&from.state, trial));
@@ -166,9 +172,10 @@ impl<const N: usize> Rodas5p<N> {
                     self.state = trial.next;
                     return self.dense(ode, &from, h, &trial);
                 }
-                _ => {
+                failed => {
                     self.statistics.rejections += 1;
                     self.proposed_s = h * factor.min(SAFETY);
+                    (shortest_failed_s, defined) = (h, failed.is_some());
                 }
             }
         }
@@ -303,9 +310,9 @@ struct Trial<const N: usize> {
 
 /// Where a step of the `wanted` length ends: on the stop where it lies within reach, half way to it where the step would
 /// leave less than a step's length.
-fn step_end(start_s: f64, wanted_s: f64, stop_s: f64) -> f64 {
+fn step_end(start_s: f64, wanted_s: f64, stop_s: f64, longest_s: f64) -> f64 {
     let room_s = stop_s - start_s;
-    if wanted_s > 0.999 * room_s {
+    if wanted_s > 0.999 * room_s && room_s <= longest_s {
         stop_s
     } else if wanted_s > 0.5 * room_s {
         start_s + 0.5 * room_s

@@ -1,0 +1,9 @@
+//! The command as a user types it: exit codes, messages, files, and that nothing moves when it refuses.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod doses;
+mod files;
+mod refusals;
+mod simulations;
+mod user;

@@ -1,0 +1,73 @@
+//! Someone who types commands into a folder of their own.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// A bench of its own for each test.
+pub struct User {
+    pub folder: tempfile::TempDir,
+}
+
+pub struct Answer {
+    pub code: i32,
+    pub out: String,
+    pub err: String,
+}
+
+impl User {
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().unwrap() }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_dose"));
+        command.args(arguments).current_dir(self.folder.path()).env_remove("DOSE_PUMP");
+        command.env("DOSE_STATE_DIR", self.path("state"));
+        command
+    }
+
+    pub fn types(&self, arguments: &[&str]) -> Answer {
+        let Output { status, stdout, stderr } = self.command(arguments).output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        Answer { code: status.code().unwrap(), out: text(stdout), err: text(stderr) }
+    }
+
+    pub fn json(&self, arguments: &[&str]) -> Value {
+        let answer = self.types(&[arguments, &["--format", "json"]].concat());
+        assert_eq!(answer.code, 0, "{arguments:?}: {}", answer.err);
+        serde_json::from_str(&answer.out).unwrap()
+    }
+
+    /// Refused with exit code 2, one message, no panic, nothing on standard output and nothing on record.
+    pub fn is_refused(&self, arguments: &[&str]) -> String {
+        let before = self.record();
+        let answer = self.types(arguments);
+        assert_eq!(answer.code, 2, "{arguments:?}: {}{}", answer.out, answer.err);
+        assert_eq!(answer.out, "", "{arguments:?}");
+        assert!(!answer.err.contains("panicked"), "{arguments:?}: {}", answer.err);
+        assert_eq!(self.record(), before, "{arguments:?} changed the record");
+        answer.err
+    }
+
+    pub fn record(&self) -> Option<String> {
+        fs::read_to_string(self.path("state/three-roller/sim/record.json")).ok()
+    }
+}
+
+pub fn number(report: &Value, key: &str) -> f64 {
+    report[key].as_f64().unwrap_or_else(|| panic!("{key} in {report}"))
+}
+
+pub fn rows(path: &Path) -> (String, Vec<Vec<f64>>) {
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines();
+    let header = lines.next().unwrap().to_owned();
+    (header, lines.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect())
+}
