@@ -30,8 +30,11 @@ lint: $(VENV)/installed
 	cd crates/pump-py && $(BIN)/mypy python tests
 	cd crates/pump-py && $(BIN)/python -m mypy.stubtest pumpmodel --mypy-config-file pyproject.toml
 
-bench:
-	cargo bench --locked
+# Beside other solvers: the peers take minutes to compile, and only here.
+bench: $(VENV)/installed
+	cargo run --locked --release -p pump-benches
+	$(BIN)/pip install --quiet "./crates/pump-py[bench]"
+	$(BIN)/python crates/pump-py/benches/scipy_peers.py
 
 # One build a target: building the workspace at once would unify features.
 embedded:

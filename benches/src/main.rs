@@ -1,0 +1,70 @@
+//! One table of what the pump's model and planner cost, beside other solvers of the same case in the same run.
+//!
+//! `cargo run --release -p pump-benches`; with `quick` as an argument fewer rounds, to see that all is well.
+
+#![allow(clippy::print_stdout, reason = "a table is printed")]
+
+mod bare;
+mod case;
+mod ours;
+mod peers;
+mod solvers;
+mod timing;
+mod work;
+
+use std::error::Error;
+
+use case::Case;
+use solvers::{BARE, BDF, EXACT, GOALS_KPA, OURS};
+use timing::{Effort, Row, Times};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let quick = std::env::args().any(|argument| argument == "quick");
+    let effort = if quick { Effort { rounds: 5, fill_s: 5e-4 } } else { Effort { rounds: 21, fill_s: 5e-3 } };
+    let case = Case::new();
+    let mut rows = solvers::rows(&case)?;
+    let solvers = rows.len();
+    rows.extend(work::rows(&case.pump)?);
+    let times = Times::measure(&mut rows, effort)?;
+
+    println!(
+        "3 rollers, 100 r/min, 10 s from rest, both pressures every 1 ms; error against the exact solution."
+    );
+    println!("Medians of {} rounds; \"ours\" is the integrator at the same goal.\n", effort.rounds);
+    println!("| what | tolerance | error, kPa | ms | / exact | / ours | a second |");
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    for (n, row) in rows.iter().enumerate() {
+        print_row(row, n, n < solvers, &times);
+    }
+    println!();
+    verdict("exact / bare loop", times.ratio(EXACT, BARE), "at most", 2.0);
+    let bdf = times.ratio(BDF + 1, OURS + 1);
+    verdict(&format!("diffsol BDF / integrator at {:.0e} kPa", GOALS_KPA[1]), bdf, "at least", 4.0);
+    Ok(())
+}
+
+fn print_row(row: &Row<'_>, n: usize, solves: bool, times: &Times) {
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.1e}"));
+    let (per_exact, per_ours) = if solves {
+        // From `OURS` on rows come in pairs, one for each goal.
+        let ours = (n >= OURS).then(|| format!("{:.2}", times.ratio(n, OURS + n % 2)));
+        (format!("{:.2}", times.ratio(n, EXACT)), ours.unwrap_or_default())
+    } else {
+        (String::new(), String::new())
+    };
+    let seconds = times.median_s(n);
+    let (count, noun) = row.makes;
+    println!(
+        "| {} | {} | {} | {:.4} | {per_exact} | {per_ours} | {:.2e} {noun} |",
+        row.name,
+        number(row.tolerance),
+        number(row.error_kpa),
+        1e3 * seconds,
+        count / seconds,
+    );
+}
+
+fn verdict(what: &str, ratio: f64, bound: &str, target: f64) {
+    let met = if bound == "at most" { ratio <= target } else { ratio >= target };
+    println!("{what}: {ratio:.2} (target: {bound} {target}; {})", if met { "met" } else { "missed" });
+}

@@ -1,0 +1,34 @@
+//! Our two ways to the pressures.
+
+use pump_model::integrator::IntegrationError;
+use pump_model::{ExactRun, PortRun};
+
+use crate::case::{Case, DT_S, END_S, PORTS, SAMPLES, Samples, sample_s};
+
+/// The exact solution.
+pub fn exact(case: &Case, samples: &mut Samples) {
+    for (port, kpa) in PORTS.into_iter().zip(samples) {
+        let base_kpa = case.pump.line(port).reservoir_kpa;
+        let run = ExactRun::from_rest(&case.pump, port, [case.leg]);
+        for (kpa, [p, _]) in kpa.iter_mut().zip(run.every(DT_S)) {
+            *kpa = base_kpa + p;
+        }
+    }
+}
+
+/// The integrator, with its dense output.
+pub fn integrated(case: &Case, tolerance: f64, samples: &mut Samples) -> Result<(), IntegrationError> {
+    for (port, kpa) in PORTS.into_iter().zip(samples) {
+        let base_kpa = case.pump.line(port).reservoir_kpa;
+        let mut run = PortRun::<_, 2>::from_rest(&case.pump, port, [case.leg], tolerance)?;
+        let mut due = 0;
+        while let Some(step) = run.step(END_S)? {
+            let pressure = step.polynomial(0);
+            while due < SAMPLES && sample_s(due) <= step.end_s() {
+                kpa[due] = base_kpa + pressure.at((sample_s(due) - step.start_s) / step.length_s);
+                due += 1;
+            }
+        }
+    }
+    Ok(())
+}

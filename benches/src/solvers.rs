@@ -1,0 +1,90 @@
+//! The rows that solve the benchmark case.
+
+use std::cell::RefCell;
+use std::error::Error;
+use std::hint::black_box;
+
+use crate::bare::Bare;
+use crate::case::{Case, SAMPLES, Samples, room};
+use crate::ours;
+use crate::peers::{explicit, implicit};
+use crate::timing::{Outcome, Row};
+
+/// Errors to reach, kPa.
+pub const GOALS_KPA: [f64; 2] = [1e-2, 1e-6];
+
+const MAKES: (f64, &str) = (2.0 * SAMPLES as f64, "samples");
+
+type Solve = fn(&Case, f64, &mut Samples) -> Outcome;
+
+const INTEGRATOR: (&str, Solve) =
+    ("integrator, RODAS5P", |case, tolerance, samples| Ok(ours::integrated(case, tolerance, samples)?));
+
+const PEERS: [(&str, Solve); 4] = [
+    ("diffsol BDF", |case, tolerance, samples| {
+        Ok(implicit::run(case, implicit::Method::Bdf, tolerance, samples)?)
+    }),
+    ("diffsol ESDIRK34", |case, tolerance, samples| {
+        Ok(implicit::run(case, implicit::Method::Esdirk34, tolerance, samples)?)
+    }),
+    ("ivp DOPRI5", |case, tolerance, samples| {
+        Ok(explicit::run(case, explicit::Method::Dopri5, tolerance, samples)?)
+    }),
+    ("ivp DOP853", |case, tolerance, samples| {
+        Ok(explicit::run(case, explicit::Method::Dop853, tolerance, samples)?)
+    }),
+];
+
+/// Where the rows stand that others are compared with.
+pub const EXACT: usize = 0;
+pub const BARE: usize = 1;
+/// Our integrator at the first goal; at the second it stands a row later.
+pub const OURS: usize = 2;
+/// diffsol's BDF, likewise.
+pub const BDF: usize = 4;
+
+/// Every row, in that order.
+pub fn rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
+    let bare = Bare::new(case);
+    let mut rows = vec![
+        row("exact", case, None, move |samples| {
+            ours::exact(case, samples);
+            Ok(())
+        })?,
+        row("bare loop", case, None, move |samples| {
+            bare.run(samples);
+            Ok(())
+        })?,
+    ];
+    for (name, solve) in std::iter::once(INTEGRATOR).chain(PEERS) {
+        for goal_kpa in GOALS_KPA {
+            let tolerance = loosest(case, goal_kpa, solve)
+                .ok_or_else(|| format!("{name} does not reach {goal_kpa:e} kPa at any tolerance"))?;
+            rows.push(row(name, case, Some(tolerance), move |samples| solve(case, tolerance, samples))?);
+        }
+    }
+    Ok(rows)
+}
+
+fn row<'a>(
+    name: &str,
+    case: &Case,
+    tolerance: Option<f64>,
+    solve: impl Fn(&mut Samples) -> Outcome + 'a,
+) -> Result<Row<'a>, Box<dyn Error>> {
+    let mut samples = room();
+    solve(&mut samples)?;
+    let error_kpa = Some(case.error_kpa(&samples));
+    let samples = RefCell::new(samples);
+    let run = Box::new(move || solve(black_box(&mut samples.borrow_mut())));
+    Ok(Row { name: name.into(), tolerance, error_kpa, makes: MAKES, run })
+}
+
+/// The loosest of ten tolerances a decade that reaches an error; a solver may fail at a loose one.
+fn loosest(case: &Case, goal_kpa: f64, solve: Solve) -> Option<f64> {
+    let tolerances = (10..=120).map(|tenths| 10_f64.powf(-0.1 * f64::from(tenths)));
+    let mut samples = room();
+    tolerances.into_iter().find(|tolerance| {
+        solve(case, *tolerance, &mut samples).is_ok() && case.error_kpa(&samples) <= goal_kpa
+    })
+}

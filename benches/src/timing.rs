@@ -1,0 +1,69 @@
+//! Times by turns: every row once a round, so that what slows the machine for a while slows all of them.
+
+use std::error::Error;
+use std::time::Instant;
+
+pub type Outcome = Result<(), Box<dyn Error>>;
+
+/// Something to time.
+pub struct Row<'a> {
+    pub name: String,
+    /// What it was asked for and the error it reached, kPa, where it solves the benchmark case.
+    pub tolerance: Option<f64>,
+    pub error_kpa: Option<f64>,
+    /// How many results one run makes, and of what.
+    pub makes: (f64, &'static str),
+    pub run: Box<dyn FnMut() -> Outcome + 'a>,
+}
+
+/// How long to measure.
+#[derive(Clone, Copy)]
+pub struct Effort {
+    pub rounds: usize,
+    /// Time that a row fills in a round with repetitions, s.
+    pub fill_s: f64,
+}
+
+/// Times of every row in every round, s.
+pub struct Times(Vec<Vec<f64>>);
+
+impl Times {
+    pub fn measure(rows: &mut [Row<'_>], effort: Effort) -> Result<Self, Box<dyn Error>> {
+        let mut repetitions = Vec::new();
+        for row in rows.iter_mut() {
+            (row.run)()?;
+            let once_s = seconds(row, 1)?;
+            repetitions.push((effort.fill_s / once_s).clamp(1.0, 1e6) as usize);
+        }
+        let mut times = vec![Vec::new(); rows.len()];
+        for _ in 0..effort.rounds {
+            for ((row, &count), times) in rows.iter_mut().zip(&repetitions).zip(&mut times) {
+                times.push(seconds(row, count)? / count as f64);
+            }
+        }
+        Ok(Self(times))
+    }
+
+    /// Median time of a row, s.
+    pub fn median_s(&self, row: usize) -> f64 {
+        median(self.0[row].clone())
+    }
+
+    /// Median over the rounds of a row's time over that of another in the same round.
+    pub fn ratio(&self, row: usize, to: usize) -> f64 {
+        median(self.0[row].iter().zip(&self.0[to]).map(|(row, to)| row / to).collect())
+    }
+}
+
+fn seconds(row: &mut Row<'_>, count: usize) -> Result<f64, Box<dyn Error>> {
+    let start = Instant::now();
+    for _ in 0..count {
+        (row.run)()?;
+    }
+    Ok(start.elapsed().as_secs_f64())
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
