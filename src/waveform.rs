@@ -110,16 +110,17 @@ impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M> {
         let angle_rad = self.leg.angle_at(time_s);
         let speed_rad_s = self.leg.speed_at(time_s);
         let (inlet, outlet) = (self.pump.inlet(), self.pump.outlet());
-        let pushed_ml = || self.pump.outlet_curve().volume_ml(angle_rad) - self.start_ml;
+        let (inlet_ml_rad, outlet_ml_rad, volume_ml) = self.pump.at_angle(angle_rad);
+        let pushed_ml = volume_ml - self.start_ml;
         Sample {
             time_s,
             angle_rad,
             speed_rad_s,
-            q_in_ml_s: self.pump.inlet_curve().flow_ml_rad(angle_rad) * speed_rad_s,
-            q_out_ml_s: self.pump.outlet_curve().flow_ml_rad(angle_rad) * speed_rad_s,
+            q_in_ml_s: inlet_ml_rad * speed_rad_s,
+            q_out_ml_s: outlet_ml_rad * speed_rad_s,
             p_in_kpa: inlet.reservoir_kpa + inlet_kpa,
             p_out_kpa: outlet.reservoir_kpa + outlet_kpa,
-            delivered_ml: through_ml.unwrap_or_else(|| pushed_ml() - outlet.compliance_ml_kpa * outlet_kpa),
+            delivered_ml: through_ml.unwrap_or(pushed_ml - outlet.compliance_ml_kpa * outlet_kpa),
         }
     }
 

@@ -45,11 +45,22 @@ impl Interval {
         Self { propagator, decay, input: [[0.0; 5]; 2] }
     }
 
+    /// States an interval after (x, y) at times t, each independent of the others.
     #[inline]
-    fn after(&self, x: f64, y: f64, t: f64) -> (f64, f64) {
-        let value = |c: &[f64; 5]| c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * c[4])));
+    fn after<const K: usize>(&self, x: [f64; K], y: [f64; K], t: [f64; K]) -> ([f64; K], [f64; K]) {
         let ([xx, yx], [xy, yy]) = (self.decay[0], self.decay[1]);
-        (xx * x + (xy * y + value(&self.input[0])), yy * y + (yx * x + value(&self.input[1])))
+        let (mut to_x, mut to_y) = ([self.input[0][4]; K], [self.input[1][4]; K]);
+        for order in (0..4).rev() {
+            for n in 0..K {
+                to_x[n] = to_x[n] * t[n] + self.input[0][order];
+                to_y[n] = to_y[n] * t[n] + self.input[1][order];
+            }
+        }
+        for n in 0..K {
+            to_x[n] += xx * x[n] + xy * y[n];
+            to_y[n] += yx * x[n] + yy * y[n];
+        }
+        (to_x, to_y)
     }
 }
 
@@ -67,9 +78,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
         self.first += self.valid as u64;
         self.next = 0;
         if self.valid == LANES && self.run.flow.degree <= 4 {
-            for ((x, y), t) in self.x.iter_mut().zip(&mut self.y).zip(&self.time_s) {
-                (*x, *y) = self.four.after(*x, *y, *t);
-            }
+            (self.x, self.y) = self.four.after(self.x, self.y, self.time_s);
             self.settle_lanes(0);
         } else {
             self.valid = 0;
@@ -93,9 +102,9 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
             interval.input = interval.propagator.input(&run.flow);
         }
         for n in 1..LANES {
-            let after =
-                self.one.after(self.x[n - 1], self.y[n - 1], self.time_s[0] + (n - 1) as f64 * self.dt_s);
-            (self.x[n], self.y[n]) = after;
+            let t = self.time_s[0] + (n - 1) as f64 * self.dt_s;
+            let ([x], [y]) = self.one.after([self.x[n - 1]], [self.y[n - 1]], [t]);
+            (self.x[n], self.y[n]) = (x, y);
         }
         self.settle_lanes(1);
     }
@@ -104,12 +113,17 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
     /// of them.
     fn settle_lanes(&mut self, known: usize) {
         let stretch = &self.run.stretch;
+        let first = self.first as f64;
         for (n, t) in self.time_s.iter_mut().enumerate().skip(known) {
-            *t = self.start_s + (self.first + n as u64) as f64 * self.dt_s - stretch.start_s;
+            *t = self.start_s + (first + n as f64) * self.dt_s - stretch.start_s;
         }
         let length_s = stretch.end_s - stretch.start_s;
-        // The sample that crossed the edge is inside by construction.
-        self.valid = known.max(self.time_s.iter().take_while(|t| **t <= length_s).count());
+        self.valid = if self.time_s[LANES - 1] <= length_s {
+            LANES
+        } else {
+            // The sample that crossed the edge is inside by construction.
+            known.max(self.time_s.iter().take_while(|t| **t <= length_s).count())
+        };
         if let Some(last) = self.valid.checked_sub(1) {
             self.run.state = [self.x[last], self.y[last]];
             self.run.reached_s = self.time_s[last];

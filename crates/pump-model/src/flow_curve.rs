@@ -79,9 +79,11 @@ impl FlowCurve {
                 }
             }
         }
-        for n in 0..curve.count {
-            let start_rad = curve.pieces[n].start_rad;
-            let end_rad = if n + 1 < curve.count { curve.pieces[n + 1].start_rad } else { pitch_rad };
+        let (edges, count) = (curve.pieces, curve.count);
+        curve.count = 0;
+        for n in 0..count {
+            let start_rad = edges[n].start_rad;
+            let end_rad = if n + 1 < count { edges[n + 1].start_rad } else { pitch_rad };
             let length_rad = end_rad - start_rad;
             let mut volume = Polynomial { c: [0.0, nominal, 0.0, 0.0, 0.0, 0.0] };
             volume = volume.plus(&pulses.displaced(start_rad, length_rad).scaled(-1.0));
@@ -96,10 +98,22 @@ impl FlowCurve {
                     angle_deg: degrees(start_rad + lowest.0),
                 });
             }
-            curve.pieces[n] = Piece { start_rad, length_rad, volume, flow };
+            curve.push(Piece { start_rad, length_rad, volume, flow });
             curve.pitch_ml = volume.at(length_rad);
         }
         Ok(curve)
+    }
+
+    /// Appends a piece; one that goes on with the same constant flow makes the last longer.
+    fn push(&mut self, piece: Piece) {
+        let is_constant = piece.flow.c.iter().skip(1).all(|c| *c == 0.0);
+        match self.count.checked_sub(1).and_then(|last| self.pieces.get_mut(last)) {
+            Some(last) if is_constant && last.flow == piece.flow => last.length_rad += piece.length_rad,
+            _ => {
+                self.pieces[self.count] = piece;
+                self.count += 1;
+            }
+        }
     }
 
     /// Angle between rollers, rad: the period of the flow.
@@ -114,16 +128,12 @@ impl FlowCurve {
 
     /// Flow per radian at `angle_rad`, mL/rad. At an edge, the value just after it.
     pub fn flow_ml_rad(&self, angle_rad: f64) -> f64 {
-        let (_, local) = self.split(angle_rad);
-        let piece = self.piece_containing(local);
-        piece.flow.at(local - piece.start_rad)
+        self.flow_at(self.split(angle_rad))
     }
 
     /// Volume from angle 0 to `angle_rad`, mL; negative below 0. Exact up to rounding.
     pub fn volume_ml(&self, angle_rad: f64) -> f64 {
-        let (pitches, local) = self.split(angle_rad);
-        let piece = self.piece_containing(local);
-        pitches * self.pitch_ml + piece.volume.at(local - piece.start_rad)
+        self.volume_at(self.split(angle_rad))
     }
 
     /// The angle, rad, at which the volume since angle 0 is `volume_ml`: the inverse of [`Self::volume_ml`].
@@ -156,8 +166,20 @@ impl FlowCurve {
         self.pieces.get(..self.count).unwrap_or(&self.pieces)
     }
 
+    /// Flow per radian at an angle given as whole pitches and the rest, mL/rad.
+    pub(crate) fn flow_at(&self, (_, local_rad): (f64, f64)) -> f64 {
+        let piece = &self.pieces[self.index_of(local_rad)];
+        piece.flow.at(local_rad - piece.start_rad)
+    }
+
+    /// Volume at an angle given as whole pitches and the rest, mL.
+    pub(crate) fn volume_at(&self, (pitches, local_rad): (f64, f64)) -> f64 {
+        let piece = &self.pieces[self.index_of(local_rad)];
+        pitches * self.pitch_ml + piece.volume.at(local_rad - piece.start_rad)
+    }
+
     /// Whole pitches and the angle within the pitch.
-    fn split(&self, angle_rad: f64) -> (f64, f64) {
+    pub(crate) fn split(&self, angle_rad: f64) -> (f64, f64) {
         let pitches = floor(angle_rad / self.pitch_rad);
         (pitches, angle_rad - pitches * self.pitch_rad)
     }
@@ -165,10 +187,6 @@ impl FlowCurve {
     /// Number of the piece that contains an angle of this pitch.
     pub(crate) fn index_of(&self, local_rad: f64) -> usize {
         self.pieces().iter().rposition(|piece| piece.start_rad <= local_rad).unwrap_or(0)
-    }
-
-    fn piece_containing(&self, local_rad: f64) -> &Piece {
-        &self.pieces[self.index_of(local_rad)]
     }
 }
 

@@ -79,6 +79,18 @@ impl Pump {
         }
     }
 
+    /// (Flow per radian at the inlet, at the outlet, mL/rad; volume at the outlet since angle 0, mL) at `angle_rad`: what
+    /// the two curves say, for less than asking each.
+    pub fn at_angle(&self, angle_rad: f64) -> (f64, f64, f64) {
+        // Both curves have the same pitch.
+        let place = self.outlet_curve.split(angle_rad);
+        (
+            self.inlet_curve.flow_at(place),
+            self.outlet_curve.flow_at(place),
+            self.outlet_curve.volume_at(place),
+        )
+    }
+
     /// Angle between rollers, rad.
     pub fn pitch_rad(&self) -> f64 {
         self.outlet_curve.pitch_rad()

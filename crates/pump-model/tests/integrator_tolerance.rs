@@ -104,9 +104,10 @@ fn pump_counters(tolerance: f64) -> [[u64; 3]; 2] {
 }
 
 /// Pinned: a change of these numbers needs a note here of why. Evaluations are free to fall. Rounding alone moves them:
-/// multiplying by reciprocals in place of divisions changed steps by 1 in 1000 and rejections by 6 in 100.
+/// multiplying by reciprocals in place of divisions changed steps by 1 in 1000 and rejections by 6 in 100. Joining pieces
+/// of the same constant flow took a third of the stops away, and 3 steps in 100 at the default tolerance.
 #[test]
 fn the_benchmark_costs_what_it_did() {
-    assert_eq!(pump_counters(DEFAULT_TOLERANCE), [[1602, 290, 1892], [1555, 282, 1837]]);
-    assert_eq!(pump_counters(1e-9), [[8917, 562, 9479], [8741, 589, 9330]]);
+    assert_eq!(pump_counters(DEFAULT_TOLERANCE), [[1553, 294, 1847], [1505, 243, 1748]]);
+    assert_eq!(pump_counters(1e-9), [[8903, 577, 9480], [8746, 635, 9381]]);
 }
