@@ -54,6 +54,8 @@ pub struct FlowCurve {
     pieces: [Piece; MAX_PIECES],
     count: usize,
     pitch_rad: f64,
+    /// 1 / pitch, 1/rad.
+    per_pitch: f64,
     pitch_ml: f64,
 }
 
@@ -66,7 +68,13 @@ impl FlowCurve {
         let nominal = geometry.nominal_ml_rad();
         let pulses = Pulses { roller, port, phi, psi, pitch_rad };
 
-        let mut curve = Self { pieces: [Piece::default(); MAX_PIECES], count: 0, pitch_rad, pitch_ml: 0.0 };
+        let mut curve = Self {
+            pieces: [Piece::default(); MAX_PIECES],
+            count: 0,
+            pitch_rad,
+            per_pitch: 1.0 / pitch_rad,
+            pitch_ml: 0.0,
+        };
         for start in pulses.edges() {
             if start > pitch_rad - SAME_EDGE_RAD {
                 continue;
@@ -128,12 +136,16 @@ impl FlowCurve {
 
     /// Flow per radian at `angle_rad`, mL/rad. At an edge, the value just after it.
     pub fn flow_ml_rad(&self, angle_rad: f64) -> f64 {
-        self.flow_at(self.split(angle_rad))
+        let (_, local_rad) = self.split(angle_rad);
+        let piece = &self.pieces[self.index_of(local_rad)];
+        piece.flow.at(local_rad - piece.start_rad)
     }
 
     /// Volume from angle 0 to `angle_rad`, mL; negative below 0. Exact up to rounding.
     pub fn volume_ml(&self, angle_rad: f64) -> f64 {
-        self.volume_at(self.split(angle_rad))
+        let (pitches, local_rad) = self.split(angle_rad);
+        let piece = &self.pieces[self.index_of(local_rad)];
+        pitches * self.pitch_ml + piece.volume.at(local_rad - piece.start_rad)
     }
 
     /// The angle, rad, at which the volume since angle 0 is `volume_ml`: the inverse of [`Self::volume_ml`].
@@ -166,22 +178,25 @@ impl FlowCurve {
         self.pieces.get(..self.count).unwrap_or(&self.pieces)
     }
 
-    /// Flow per radian at an angle given as whole pitches and the rest, mL/rad.
-    pub(crate) fn flow_at(&self, (_, local_rad): (f64, f64)) -> f64 {
+    /// Flow per radian, mL/rad, and volume, mL, at an angle given as whole pitches and the rest.
+    pub(crate) fn flow_and_volume_at(&self, (pitches, local_rad): (f64, f64)) -> (f64, f64) {
         let piece = &self.pieces[self.index_of(local_rad)];
-        piece.flow.at(local_rad - piece.start_rad)
-    }
-
-    /// Volume at an angle given as whole pitches and the rest, mL.
-    pub(crate) fn volume_at(&self, (pitches, local_rad): (f64, f64)) -> f64 {
-        let piece = &self.pieces[self.index_of(local_rad)];
-        pitches * self.pitch_ml + piece.volume.at(local_rad - piece.start_rad)
+        let u = local_rad - piece.start_rad;
+        (piece.flow.at(u), pitches * self.pitch_ml + piece.volume.at(u))
     }
 
     /// Whole pitches and the angle within the pitch.
     pub(crate) fn split(&self, angle_rad: f64) -> (f64, f64) {
-        let pitches = floor(angle_rad / self.pitch_rad);
-        (pitches, angle_rad - pitches * self.pitch_rad)
+        let pitches = floor(angle_rad * self.per_pitch);
+        let local_rad = angle_rad - pitches * self.pitch_rad;
+        // The product may round over a whole number that the quotient would not.
+        if local_rad >= self.pitch_rad {
+            (pitches + 1.0, local_rad - self.pitch_rad)
+        } else if local_rad < 0.0 {
+            (pitches - 1.0, local_rad + self.pitch_rad)
+        } else {
+            (pitches, local_rad)
+        }
     }
 
     /// Number of the piece that contains an angle of this pitch.

@@ -84,11 +84,9 @@ impl Pump {
     pub fn at_angle(&self, angle_rad: f64) -> (f64, f64, f64) {
         // Both curves have the same pitch.
         let place = self.outlet_curve.split(angle_rad);
-        (
-            self.inlet_curve.flow_at(place),
-            self.outlet_curve.flow_at(place),
-            self.outlet_curve.volume_at(place),
-        )
+        let (inlet_ml_rad, _) = self.inlet_curve.flow_and_volume_at(place);
+        let (outlet_ml_rad, outlet_ml) = self.outlet_curve.flow_and_volume_at(place);
+        (inlet_ml_rad, outlet_ml_rad, outlet_ml)
     }
 
     /// Angle between rollers, rad.

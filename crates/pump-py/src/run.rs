@@ -12,8 +12,8 @@ use crate::interrupt::Interrupt;
 
 const COLUMNS: usize = 8;
 
-/// Samples between two looks at the clock, which takes a tenth of a sample's time.
-const CHECK_EVERY: usize = 16;
+/// Samples between two looks at the clock, and in a block of rows.
+const BLOCK: usize = 64;
 
 /// The pump over time: columns of equal length, read-only arrays of float64.
 ///
@@ -118,23 +118,20 @@ impl Run {
                 reserve(column, count)?;
             }
             let mut interrupt = Interrupt::new();
-            for (number, sample) in samples.enumerate() {
-                if number % CHECK_EVERY == 0 {
-                    interrupt.check()?;
+            // Rows are turned into columns a block at a time: one check of the room for all of them.
+            let mut rows: Vec<[f64; COLUMNS]> = Vec::with_capacity(BLOCK);
+            let mut samples = samples.map(|sample| sample.map(row).map_err(errors::model));
+            loop {
+                interrupt.check()?;
+                rows.clear();
+                for row in samples.by_ref().take(BLOCK) {
+                    rows.push(row?);
                 }
-                let s = sample.map_err(errors::model)?;
-                let row = [
-                    s.time_s,
-                    s.angle_rad,
-                    s.speed_rad_s,
-                    s.q_in_ml_s,
-                    s.q_out_ml_s,
-                    s.p_in_kpa,
-                    s.p_out_kpa,
-                    s.delivered_ml,
-                ];
-                for (column, number) in columns.iter_mut().zip(row) {
-                    column.push(number);
+                if rows.is_empty() {
+                    break;
+                }
+                for (n, column) in columns.iter_mut().enumerate() {
+                    column.extend(rows.iter().map(|row| row[n]));
                 }
             }
             Ok(columns)
@@ -169,4 +166,9 @@ pub(crate) fn frozen(py: Python<'_>, numbers: Vec<f64>) -> PyResult<Py<PyArray1<
     let array = PyArray1::from_vec(py, numbers);
     array.try_readwrite()?.make_nonwriteable();
     Ok(array.unbind())
+}
+
+/// A sample in the order of the columns.
+fn row(s: Sample) -> [f64; COLUMNS] {
+    [s.time_s, s.angle_rad, s.speed_rad_s, s.q_in_ml_s, s.q_out_ml_s, s.p_in_kpa, s.p_out_kpa, s.delivered_ml]
 }
