@@ -57,11 +57,10 @@ impl Simulation {
     pub fn samples<'a>(
         &self,
         pump: &'a Pump,
-    ) -> Result<impl Iterator<Item = Result<Sample, ModelError>> + Send + use<'a>, ModelError> {
+    ) -> Result<Box<dyn Iterator<Item = Result<Sample, ModelError>> + Send + 'a>, ModelError> {
         self.validate()?;
         let legs = [Leg::constant_speed(0.0, self.speed_rad_s)];
-        let samples = Waveform::new(pump, legs, self.method)?.every(self.dt_s, self.intervals());
-        Ok(samples.map(|sample| Ok(sample?)))
+        Ok(Waveform::new(pump, legs, self.method)?.every(self.dt_s, self.intervals()))
     }
 }
 

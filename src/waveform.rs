@@ -1,7 +1,7 @@
 //! Flows, pressures and delivered volume of a motion, sampled over time.
 
 use pump_model::integrator::IntegrationError;
-use pump_model::{ExactRun, Leg, Port, PortRun, Pump};
+use pump_model::{ExactRun, Leg, ModelError, Port, PortRun, Pump};
 
 /// The state of the pump at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,13 +129,13 @@ impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M> {
         mut self,
         dt_s: f64,
         intervals: u64,
-    ) -> Box<dyn Iterator<Item = Result<Sample, IntegrationError>> + Send + 'a>
+    ) -> Box<dyn Iterator<Item = Result<Sample, ModelError>> + Send + 'a>
     where
         M: Send + 'a,
     {
         let times = (0..=intervals).map(move |n| n as f64 * dt_s);
         let Ports::Exact(ports) = &self.ports else {
-            return Box::new(times.map(move |time_s| self.at(time_s)));
+            return Box::new(times.map(move |time_s| Ok(self.at(time_s)?)));
         };
         let [inlet, outlet] = ports.as_ref().clone();
         let pressures = inlet.every(dt_s).zip(outlet.every(dt_s));
