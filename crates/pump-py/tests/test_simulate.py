@@ -153,7 +153,6 @@ def test_other_python_threads_run_during_a_solve() -> None:
     assert longest < 0.5 * (ended[0] - seen[0])
 
 
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs a timer signal")
 def test_a_signal_interrupts_a_long_solve() -> None:
     class AlarmError(Exception):
         pass

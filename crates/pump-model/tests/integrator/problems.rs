@@ -1,7 +1,5 @@
 //! Differential equations with known solutions, and how to run the integrator over them.
 
-#![allow(dead_code, reason = "each test file uses a part")]
-
 use nalgebra::{SMatrix, SVector};
 use pump_model::integrator::{IntegrationError, Ode, Options, Rodas5p};
 

@@ -1,13 +1,9 @@
 //! The error falls with the tolerance: on two bodies, and on the benchmark case of the pump against the exact solution.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
-mod problems;
-
 use core::f64::consts::PI;
 
+use crate::problems::{kepler, kepler_solution, scalar};
 use nalgebra::SVector;
-use problems::{kepler, kepler_solution, scalar};
 use pump_model::integrator::{Ode, Options, Rodas5p, Statistics};
 use pump_model::{DEFAULT_TOLERANCE, ExactRun, Leg, Port, PortRun, Pump};
 

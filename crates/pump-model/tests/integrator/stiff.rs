@@ -1,12 +1,8 @@
 //! Stiff problems with published solutions. Where no other source stands, the values are the reference solutions of
 //! F. Mazzia, C. Magherini, "Test Set for Initial Value Problem Solvers", release 2.4 (2008).
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
-mod problems;
-
+use crate::problems::{autonomous, go};
 use nalgebra::{SMatrix, SVector};
-use problems::{autonomous, go};
 use pump_model::integrator::{Ode, Options, Rodas5p};
 
 /// Relative tolerances at which every problem is solved.

@@ -1,11 +1,7 @@
 //! Observed orders of convergence of RODAS5P and of its two dense outputs, at fixed steps.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
-mod problems;
-
+use crate::problems::{autonomous, fixed, kepler, kepler_solution, orders, scalar};
 use nalgebra::{SMatrix, SVector};
-use problems::{autonomous, fixed, kepler, kepler_solution, orders, scalar};
 use pump_model::integrator::{Ode, Rodas5p};
 
 /// Largest errors at the ends of the steps and inside them, where `solution` is exact.

@@ -1,15 +1,11 @@
 //! What cannot be integrated is told, with its time, in a bounded number of evaluations.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
-mod problems;
-
 use core::cell::Cell;
 use std::sync::mpsc;
 use std::time::Duration;
 
+use crate::problems::{go, kepler, kepler_solution, scalar};
 use nalgebra::SVector;
-use problems::{go, kepler, kepler_solution, scalar};
 use pump_model::integrator::{IntegrationError, Options, Rodas5p};
 
 /// Integrates from y = 1 at `start_s`; panics after `most` evaluations of f, so that no test runs for ever.

@@ -1,11 +1,7 @@
 //! Stops, jumps of the derivative, and impulses.
 
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
-
-mod problems;
-
+use crate::problems::{go, kepler, kepler_solution, scalar};
 use nalgebra::SVector;
-use problems::{go, kepler, kepler_solution, scalar};
 use pump_model::integrator::{Ode, Options, Rodas5p};
 
 const TOLERANCE: f64 = 1e-8;
