@@ -19,3 +19,4 @@
 #![no_std]
 
 pub mod plan;
+pub mod step;

@@ -1,5 +1,6 @@
 //! From a volume to a motion: angle, speed profile, step times, predicted pressures.
 
+mod brake;
 mod cruise;
 mod error;
 mod limits;
@@ -7,6 +8,7 @@ mod phase;
 mod prediction;
 mod profile;
 mod request;
+mod segments;
 mod steps;
 mod target;
 
@@ -17,6 +19,7 @@ pub use phase::Phase;
 pub use prediction::Prediction;
 pub use profile::Trapezoid;
 pub use request::{Cruise, Request};
+pub use segments::Segments;
 pub use steps::{Step, Steps};
 
 use pump_model::Pump;

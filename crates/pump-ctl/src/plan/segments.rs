@@ -1,0 +1,133 @@
+//! The steps of a plan as runs of integers for the executor.
+
+use pump_model::math::floor;
+
+use super::{Plan, Trapezoid};
+use crate::step::Segment;
+
+/// How far the time of a step may be from the plan's before it is rounded to a tick, ticks: with the rounding less than
+/// one tick in all.
+const FIT_TICKS: f64 = 0.25;
+
+/// 2^32: a tick in the executor's fractions.
+const FRACTIONS: f64 = 4_294_967_296.0;
+
+/// The [`Segment`]s of a plan in order, computed one by one: nothing is stored a step.
+///
+/// A segment's step times are a parabola in the step's number, a ramp's a root: each segment is as long as a parabola
+/// stays within a quarter of a tick of the plan. It starts where the last one ended in whole fractions, so errors do not
+/// add up.
+#[derive(Debug, Clone)]
+pub struct Segments {
+    profile: Trapezoid,
+    tick_hz: f64,
+    step_rad: f64,
+    backward: bool,
+    /// Steps in all, and up to the end of the leg under way.
+    steps: u64,
+    leg_steps: u64,
+    made: u64,
+    /// When the last step made is due, 2^-32 tick since the start.
+    at: i128,
+    /// Steps that the next segment tries to hold.
+    guess: u64,
+}
+
+impl Plan {
+    /// Segments for a timer of `tick_rate` ticks a second. Every step comes within one tick of [`Self::steps`].
+    ///
+    /// A timer slower than the steps gives segments that [`crate::step::Stepper::push`] refuses.
+    pub fn segments(&self, tick_rate: u32) -> Segments {
+        Segments {
+            profile: self.profile,
+            tick_hz: f64::from(tick_rate),
+            step_rad: self.step_rad,
+            backward: self.steps < 0,
+            steps: self.steps.unsigned_abs(),
+            leg_steps: 0,
+            made: 0,
+            at: 0,
+            guess: 0,
+        }
+    }
+}
+
+impl Segments {
+    /// When step `number` of the plan is due, ticks since the start.
+    fn due(&self, number: u64) -> f64 {
+        self.profile.time_of(number as f64 * self.step_rad) * self.tick_hz
+    }
+
+    /// Goes on to the next leg that has steps.
+    fn enter_leg(&mut self) {
+        let ends = self.profile.corners_rad().map(|corner_rad| floor(corner_rad / self.step_rad) as u64);
+        let end = ends.into_iter().find(|end| *end > self.made).unwrap_or(self.steps);
+        self.leg_steps = end.min(self.steps);
+        self.guess = u64::MAX;
+    }
+
+    /// The parabola through the last step made, the middle and the end of `count` steps, which is even or 1.
+    fn fit(&self, count: u32) -> Segment {
+        let half = f64::from(count / 2);
+        let elapsed = |k: u32| self.due(self.made + u64::from(k)) - self.at as f64 / FRACTIONS;
+        let (interval, add) = if count < 2 {
+            (elapsed(1), 0.0)
+        } else {
+            let (middle, end) = (elapsed(count / 2), elapsed(count));
+            let add = (end - 2.0 * middle) / (half * half);
+            (middle / half - 0.5 * add * (half - 1.0), add)
+        };
+        let fixed = (interval * FRACTIONS + 0.5) as i128;
+        Segment {
+            count: i32::try_from(count).unwrap_or(i32::MAX),
+            interval: (fixed >> 32) as u64,
+            frac: fixed as u32,
+            add: floor(add * FRACTIONS + 0.5) as i64,
+        }
+    }
+
+    /// Whether steps of the segment are due when they are planned. A parabola through a root errs most a quarter of the
+    /// way from the ends, nearer to them where the root bends: looked at there, at every step where there are few.
+    fn holds(&self, segment: &Segment) -> bool {
+        let count = segment.steps();
+        let near = |k: u32| {
+            let due = (self.at + segment.span(k)) as f64 / FRACTIONS;
+            (due - self.due(self.made + u64::from(k))).abs() <= FIT_TICKS
+        };
+        if count <= 8 {
+            return (1..=count).all(near);
+        }
+        let eighth = count / 8;
+        [1, 2, count - 1].into_iter().all(near) && (1..8).all(|n| near(n * eighth)) && near(count)
+    }
+}
+
+impl Iterator for Segments {
+    type Item = Segment;
+
+    fn next(&mut self) -> Option<Segment> {
+        if self.made >= self.steps {
+            return None;
+        }
+        if self.made >= self.leg_steps {
+            self.enter_leg();
+        }
+        let most = self.guess.min(self.leg_steps - self.made).min(1 << 30);
+        let mut count = u32::try_from(most).unwrap_or(1);
+        let mut segment = loop {
+            count = if count < 2 { 1 } else { count & !1 };
+            let segment = self.fit(count);
+            if count == 1 || self.holds(&segment) {
+                break segment;
+            }
+            count /= 2;
+        };
+        self.guess = 2 * u64::from(count);
+        self.made += u64::from(count);
+        self.at += segment.span(count);
+        if self.backward {
+            segment.count = -segment.count;
+        }
+        Some(segment)
+    }
+}

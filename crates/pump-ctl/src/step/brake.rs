@@ -1,0 +1,104 @@
+//! How fast the motor can be stopped from any speed, as a table of integers.
+
+use super::segment::Segment;
+use super::ticks::Ticks;
+
+/// Most entries of a [`Brake`].
+pub const BRAKE_ENTRIES: usize = 32;
+
+/// The way from rest to the fastest speed, to be walked backwards: a stop takes its intervals from here, whatever the
+/// motor was doing, without a root or a division a step.
+///
+/// Made by [`crate::plan::Motor::brake`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Brake {
+    /// Speeding up: counts positive, intervals falling. The rest are unused, with count 0.
+    climb: [Segment; BRAKE_ENTRIES],
+}
+
+/// What is left of a way down.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Descent {
+    /// Entries still to be walked, the last of them first.
+    entries: usize,
+    /// Steps of that last one.
+    steps: u32,
+}
+
+impl Brake {
+    /// From segments that speed up from rest: counts positive, no interval longer than the one before. `None` if they
+    /// are not that, or more than [`BRAKE_ENTRIES`].
+    pub fn from_climb(segments: impl IntoIterator<Item = Segment>) -> Option<Self> {
+        let mut climb = [Segment::default(); BRAKE_ENTRIES];
+        let mut last = i128::MAX;
+        let mut slots = climb.iter_mut();
+        for segment in segments {
+            let falls = segment.count > 0 && segment.add <= 0 && segment.interval_of(1) <= last;
+            if !(falls && segment.is_valid()) {
+                return None;
+            }
+            last = segment.interval_of(segment.steps());
+            *slots.next()? = segment;
+        }
+        Some(Self { climb })
+    }
+
+    /// From entries that are known to speed up, up to the first with an interval below a tick.
+    pub(crate) fn climbing(mut entry: impl FnMut(usize) -> Segment) -> Self {
+        let mut climb = [Segment::default(); BRAKE_ENTRIES];
+        for (n, slot) in climb.iter_mut().enumerate() {
+            let segment = entry(n);
+            if !segment.is_valid() {
+                break;
+            }
+            *slot = segment;
+        }
+        Self { climb }
+    }
+
+    /// The entries in use, speeding up.
+    pub fn climb(&self) -> impl DoubleEndedIterator<Item = &Segment> {
+        self.climb.iter().filter(|segment| segment.count != 0)
+    }
+
+    /// The way down for a motor whose last interval was `interval`, 2^-32 tick; `None` if it is so slow that it can stand
+    /// at once. The first interval of the way down is no shorter.
+    pub(super) fn descent_from(&self, interval: i128) -> Option<Descent> {
+        let entries = self.climb().take_while(|segment| segment.interval_of(1) >= interval).count();
+        let top = self.climb.get(entries.checked_sub(1)?)?;
+        let shorter = u64::try_from(top.interval_of(1) - interval).unwrap_or(u64::MAX);
+        // The step after which the entry's interval would fall below.
+        let below = shorter.checked_div(top.add.unsigned_abs()).unwrap_or(u64::MAX);
+        let steps = u32::try_from(below).unwrap_or(u32::MAX).saturating_add(1).min(top.steps());
+        Some(Descent { entries, steps })
+    }
+
+    /// Steps and time, 2^-32 tick, of a way down.
+    pub(super) fn length(&self, mut descent: Descent) -> (u32, i128) {
+        let (mut steps, mut span) = (0_u32, 0);
+        while let Some(segment) = self.next_down(&mut descent) {
+            steps = steps.saturating_add(segment.steps());
+            span += segment.span(segment.steps());
+        }
+        (steps, span)
+    }
+
+    /// The next segment of a way down, slowing down, with a positive count.
+    pub(super) fn next_down(&self, descent: &mut Descent) -> Option<Segment> {
+        let below = descent.entries.checked_sub(1)?;
+        let up = self.climb.get(below)?;
+        let fastest = Ticks::of_fixed(up.interval_of(descent.steps));
+        let down = Segment {
+            count: i32::try_from(descent.steps).unwrap_or(i32::MAX),
+            interval: fastest.whole,
+            frac: fastest.frac,
+            add: -up.add,
+        };
+        descent.entries = below;
+        let next = below.checked_sub(1).and_then(|entry| self.climb.get(entry));
+        descent.steps = next.map_or(0, Segment::steps);
+        Some(down)
+    }
+}

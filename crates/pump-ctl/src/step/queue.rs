@@ -1,0 +1,120 @@
+//! Segments to come, the one under way, and those done, in one ring.
+
+use super::segment::Segment;
+use super::ticks::Ticks;
+
+/// A segment and where it began.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Slot {
+    pub(super) segment: Segment,
+    /// When the step before it was due.
+    pub(super) began: Ticks,
+    /// Position then.
+    pub(super) from: i64,
+}
+
+impl Slot {
+    /// Position after `k` of its steps.
+    pub(super) fn position_after(&self, k: u32) -> i64 {
+        self.from.wrapping_add(i64::from(self.segment.direction()) * i64::from(k))
+    }
+
+    /// When step `k` (from 1) is due.
+    pub(super) fn due(&self, k: u32) -> Ticks {
+        Ticks::of_fixed(self.began.fixed() + self.segment.span(k))
+    }
+}
+
+/// A ring of `Q` segments. Those done stay until their place is needed.
+#[derive(Debug, Clone)]
+pub(super) struct Queue<const Q: usize> {
+    slots: [Slot; Q],
+    /// Where the oldest is.
+    oldest: usize,
+    /// How many have been taken, the one under way included.
+    taken: usize,
+    /// How many are to come.
+    pending: usize,
+}
+
+impl<const Q: usize> Queue<Q> {
+    pub(super) fn new() -> Self {
+        const { assert!(Q >= 2, "a queue needs room for the segment under way and one to come") };
+        Self { slots: [Slot::default(); Q], oldest: 0, taken: 0, pending: 0 }
+    }
+
+    /// Place of the `n`-th, counted from the oldest; `n` below `Q`.
+    fn place(&self, n: usize) -> usize {
+        let place = self.oldest + n;
+        if place >= Q { place - Q } else { place }
+    }
+
+    /// Segments to come.
+    pub(super) fn len(&self) -> usize {
+        self.pending
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.pending == 0
+    }
+
+    /// Appends a segment; the oldest done gives way. Fewer than `Q` must be to come.
+    pub(super) fn push(&mut self, segment: Segment) {
+        if self.taken + self.pending == Q {
+            self.oldest = self.place(1);
+            self.taken = self.taken.saturating_sub(1);
+        }
+        let place = self.place(self.taken + self.pending);
+        if let Some(slot) = self.slots.get_mut(place) {
+            slot.segment = segment;
+        }
+        self.pending += 1;
+    }
+
+    /// Takes the next segment; it begins at `began` and `from`.
+    pub(super) fn take(&mut self, began: Ticks, from: i64) -> Option<Segment> {
+        self.pending = self.pending.checked_sub(1)?;
+        let place = self.place(self.taken);
+        self.taken += 1;
+        let slot = self.slots.get_mut(place)?;
+        slot.began = began;
+        slot.from = from;
+        Some(slot.segment)
+    }
+
+    /// Drops what is to come but the first `keep`.
+    pub(super) fn keep_pending(&mut self, keep: usize) {
+        self.pending = self.pending.min(keep);
+    }
+
+    /// Shortens the last segment (the one under way if none is to come) to `steps`.
+    pub(super) fn cut(&mut self, steps: u32) {
+        let last = self.place((self.taken + self.pending).saturating_sub(1));
+        if let Some(slot) = self.slots.get_mut(last) {
+            let steps = i32::try_from(steps).unwrap_or(i32::MAX);
+            slot.segment.count = steps * i32::from(slot.segment.direction());
+        }
+    }
+
+    /// Forgets everything.
+    pub(super) fn clear(&mut self) {
+        (self.oldest, self.taken, self.pending) = (0, 0, 0);
+    }
+
+    /// The segment under way, or the last one.
+    pub(super) fn current(&self) -> Option<&Slot> {
+        self.slots.get(self.place(self.taken.checked_sub(1)?))
+    }
+
+    /// Those taken, newest first.
+    pub(super) fn taken(&self) -> impl Iterator<Item = &Slot> {
+        (0..self.taken).rev().filter_map(|n| self.slots.get(self.place(n)))
+    }
+
+    /// Those to come.
+    pub(super) fn pending(&self) -> impl Iterator<Item = &Segment> {
+        (self.taken..self.taken + self.pending)
+            .filter_map(|n| self.slots.get(self.place(n)))
+            .map(|slot| &slot.segment)
+    }
+}

@@ -1,0 +1,61 @@
+//! Changing what comes next, in the midst of a move.
+
+use super::queue::Slot;
+use super::stepper::{State, Stepper};
+use super::ticks::Ticks;
+
+/// Where a new plan takes over from the old one: after the step at `at`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Junction {
+    /// Position after that step.
+    pub position: i64,
+    /// When it is due, ticks.
+    pub at: u64,
+    /// The interval before it, ticks; the speed is its inverse.
+    pub interval: u64,
+}
+
+impl<const Q: usize> Stepper<Q> {
+    /// Drops what is planned after the first step due at `not_before` or later, and says where that is. Push what is to
+    /// follow, then [`Self::finish`], before it comes: otherwise the motor decelerates and stands
+    /// ([`super::Action::Starved`]).
+    ///
+    /// `None`, and nothing changes, if no such step is queued or the motor is stopping.
+    pub fn retarget(&mut self, not_before: u64) -> Option<Junction> {
+        if self.state != State::Moving {
+            return None;
+        }
+        let made = self.made_of_current();
+        let (passed, slot, k) = self.first_step_from(not_before, made + 1)?;
+        self.queue.keep_pending(passed);
+        self.queue.cut(k);
+        if passed == 0 {
+            self.left = k - made;
+        }
+        self.finished = false;
+        let interval = Ticks::of_fixed(slot.segment.interval_of(k)).whole;
+        Some(Junction { position: slot.position_after(k), at: slot.due(k).whole, interval })
+    }
+
+    /// The first step due at `not_before` or later, not before step `from` of the segment under way: segments that end
+    /// before it, its segment, and its number in it.
+    fn first_step_from(&self, not_before: u64, from: u32) -> Option<(usize, Slot, u32)> {
+        let mut slot = *self.queue.current()?;
+        let mut from = from;
+        let mut passed = 0;
+        let mut to_come = self.queue.pending();
+        loop {
+            let steps = slot.segment.steps();
+            let earlier = (i128::from(not_before) << 32) - 1 - slot.began.fixed();
+            let k = (slot.segment.steps_within(earlier, steps) + 1).max(from);
+            if k <= steps {
+                return Some((passed, slot, k));
+            }
+            slot =
+                Slot { began: slot.due(steps), from: slot.position_after(steps), segment: *to_come.next()? };
+            from = 1;
+            passed += 1;
+        }
+    }
+}

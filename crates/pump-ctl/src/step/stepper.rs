@@ -1,0 +1,257 @@
+//! The executor: what to do when the timer fires.
+
+use core::iter::Peekable;
+
+use super::brake::{Brake, Descent};
+use super::error::{PushError, StartError};
+use super::queue::Queue;
+use super::segment::Segment;
+use super::ticks::Ticks;
+
+/// What a timer interrupt has to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[must_use]
+pub enum Action {
+    /// Make one step and call again at `next`. After the last step `next` is its own time: the call that follows at
+    /// once tells how the move ended.
+    Step {
+        /// 1 forward, -1 in reverse.
+        dir: i8,
+        /// When to call again, ticks.
+        next: u64,
+    },
+    /// Too early: call again at [`Stepper::next_deadline`].
+    Wait,
+    /// The motor stands: the queue ran dry, and the motor was decelerated. The move is not complete.
+    Starved,
+    /// The motor stands, as planned or as [`Stepper::stop`] said.
+    Done,
+}
+
+/// What the motor is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum State {
+    /// Stands; segments may be pushed and started.
+    Ready,
+    /// Walks the queue.
+    Moving,
+    /// Walks down the brake.
+    Braking { descent: Descent, starved: bool },
+    /// Walks the queue to its end after a stop.
+    Ending,
+    /// Stands after a stop; what was planned no longer holds.
+    Stopped,
+    /// Stands after the queue ran dry.
+    Starved,
+}
+
+/// Makes the steps of queued segments, each at its own absolute time. `Q` segments fit, the one under way included; those
+/// done stay for [`Self::position_at`] until their place is needed.
+///
+/// Share it between thread and interrupt behind a critical section; no call takes longer than a few hundred
+/// instructions but [`Self::stop`], [`Self::retarget`] and [`Self::position_at`] (some thousands).
+#[derive(Debug, Clone)]
+pub struct Stepper<const Q: usize> {
+    pub(super) brake: Brake,
+    pub(super) queue: Queue<Q>,
+    pub(super) state: State,
+    /// Steps made, signed.
+    pub(super) position: i64,
+    /// When the next step is due; standing, when the last one was.
+    pub(super) next: Ticks,
+    /// From the step before to that.
+    pub(super) interval: Ticks,
+    /// Change of the interval, 2^-32 tick.
+    pub(super) add: i64,
+    /// Steps left of the segment, the one due included; 0 when standing.
+    pub(super) left: u32,
+    pub(super) direction: i8,
+    /// Nothing will be pushed after what is queued.
+    pub(super) finished: bool,
+}
+
+impl<const Q: usize> Stepper<Q> {
+    /// A motor at rest at position 0.
+    pub fn new(brake: Brake) -> Self {
+        Self {
+            brake,
+            queue: Queue::new(),
+            state: State::Ready,
+            position: 0,
+            next: Ticks::ZERO,
+            interval: Ticks::ZERO,
+            add: 0,
+            left: 0,
+            direction: 1,
+            finished: false,
+        }
+    }
+
+    /// Room for segments now. The one under way keeps its place.
+    pub fn room(&self) -> usize {
+        Q - self.queue.len() - usize::from(self.is_moving())
+    }
+
+    /// Queues a segment, at rest or in motion.
+    pub fn push(&mut self, segment: Segment) -> Result<(), PushError> {
+        match self.state {
+            State::Ending | State::Braking { .. } | State::Stopped | State::Starved => {
+                return Err(PushError::Stopped);
+            }
+            State::Ready | State::Moving if self.finished => return Err(PushError::Finished),
+            State::Ready | State::Moving => {}
+        }
+        if !segment.is_valid() {
+            return Err(PushError::Segment(segment));
+        }
+        if self.room() == 0 {
+            return Err(PushError::Full);
+        }
+        self.queue.push(segment);
+        Ok(())
+    }
+
+    /// Says that the move ends with what is queued. Without it a queue that runs out is a fault: see
+    /// [`Action::Starved`].
+    pub fn finish(&mut self) {
+        self.finished = true;
+    }
+
+    /// Queues segments as far as there is room and marks the move as complete when there are no more. True when done.
+    pub fn fill(
+        &mut self,
+        segments: &mut Peekable<impl Iterator<Item = Segment>>,
+    ) -> Result<bool, PushError> {
+        while !self.finished {
+            match segments.peek() {
+                None => self.finish(),
+                Some(_) if self.room() == 0 => return Ok(false),
+                Some(segment) => {
+                    self.push(*segment)?;
+                    segments.next();
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// Starts the queued segments at `now`. Returns when to call [`Self::on_deadline`].
+    pub fn start(&mut self, now: u64) -> Result<u64, StartError> {
+        match self.state {
+            State::Moving | State::Ending | State::Braking { .. } => return Err(StartError::Moving),
+            State::Stopped | State::Starved => return Err(StartError::Stopped),
+            State::Ready if self.queue.is_empty() => return Err(StartError::Empty),
+            State::Ready => {}
+        }
+        self.state = State::Moving;
+        self.next = Ticks::middle_of(now);
+        self.load();
+        Ok(self.next.whole)
+    }
+
+    /// What to do at `now`; to be called at the deadlines, by a timer's interrupt or a loop.
+    #[inline]
+    pub fn on_deadline(&mut self, now: u64) -> Action {
+        if self.left == 0 {
+            return if self.state == State::Starved { Action::Starved } else { Action::Done };
+        }
+        if now < self.next.whole {
+            return Action::Wait;
+        }
+        let dir = self.direction;
+        self.position = self.position.wrapping_add(i64::from(dir));
+        self.left -= 1;
+        if self.left > 0 {
+            self.interval = self.interval.plus_fixed(self.add);
+            self.next = self.next.plus(self.interval);
+        } else {
+            self.load();
+        }
+        Action::Step { dir, next: self.next.whole }
+    }
+
+    /// Steps made since power-up, signed, or since [`Self::set_position`].
+    pub fn position(&self) -> i64 {
+        self.position
+    }
+
+    /// When [`Self::on_deadline`] is to be called; none when the motor stands.
+    pub fn next_deadline(&self) -> Option<u64> {
+        (self.left > 0).then_some(self.next.whole)
+    }
+
+    /// Whether steps are still to come.
+    pub fn is_moving(&self) -> bool {
+        self.left > 0
+    }
+
+    /// Forgets what was queued and that the motor was stopped, so that a new plan can be pushed. False, and nothing
+    /// changes, if it moves.
+    pub fn clear(&mut self) -> bool {
+        if self.is_moving() {
+            return false;
+        }
+        self.queue.keep_pending(0);
+        self.finished = false;
+        self.state = State::Ready;
+        true
+    }
+
+    /// Counts on from `position`, as after homing, and forgets the past. False, and nothing changes, if it moves.
+    pub fn set_position(&mut self, position: i64) -> bool {
+        let cleared = self.clear();
+        if cleared {
+            self.queue.clear();
+            self.position = position;
+        }
+        cleared
+    }
+
+    /// Stands at once, without deceleration: for a back end that can make no more steps. `last_step_made` says whether the
+    /// step of the last [`Action::Step`] was made; if not, it is not counted. The past is forgotten.
+    pub fn halt(&mut self, last_step_made: bool) {
+        if !last_step_made {
+            self.position = self.position.wrapping_sub(i64::from(self.direction));
+        }
+        self.queue.clear();
+        self.left = 0;
+        self.state = State::Stopped;
+    }
+
+    /// Goes on with the next segment, from the queue or down the brake, or ends.
+    pub(super) fn load(&mut self) {
+        if self.queue.is_empty() {
+            self.state = match self.state {
+                State::Moving if self.finished => State::Ready,
+                State::Moving => self
+                    .brake
+                    .descent_from(self.interval.fixed())
+                    .map_or(State::Starved, |descent| State::Braking { descent, starved: true }),
+                State::Ending => State::Stopped,
+                other => other,
+            };
+            self.finished = false;
+        }
+        if let State::Braking { descent, starved } = &mut self.state {
+            if let Some(mut segment) = self.brake.next_down(descent) {
+                segment.count *= i32::from(self.direction);
+                self.queue.push(segment);
+            } else {
+                self.state = if *starved { State::Starved } else { State::Stopped };
+            }
+        }
+        if let Some(segment) = self.queue.take(self.next, self.position) {
+            self.left = segment.steps();
+            self.direction = segment.direction();
+            self.interval = segment.first();
+            self.add = segment.add;
+            self.next = self.next.plus(self.interval);
+        }
+    }
+
+    /// Steps made of the segment under way.
+    pub(super) fn made_of_current(&self) -> u32 {
+        self.queue.current().map_or(0, |slot| slot.segment.steps() - self.left)
+    }
+}

@@ -1,0 +1,128 @@
+//! Stopping in the midst of a move.
+
+use super::queue::Slot;
+use super::stepper::{State, Stepper};
+use super::ticks::Ticks;
+
+/// How a stop will end, known when it begins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct StopPlan {
+    /// When the last step is due, ticks.
+    pub last_step_at: u64,
+    /// Position after it.
+    pub final_count: i64,
+}
+
+/// What is planned up to the next turn-round or the end.
+struct Run {
+    steps: u64,
+    ends: Ticks,
+    /// Segments of it still to come.
+    segments: usize,
+    /// Whether the end is known, rather than just not queued yet.
+    known: bool,
+}
+
+impl<const Q: usize> Stepper<Q> {
+    /// Decelerates from the next step on and stands; what was queued is dropped. A motor slow enough stands at once. If
+    /// the plan itself comes to rest as soon, it is followed to that rest, so a stop never adds steps to a plan.
+    ///
+    /// A step that is overdue at `now` is not made up for: the way down begins at `now`. Calling again changes nothing.
+    pub fn stop(&mut self, now: u64) -> StopPlan {
+        match self.state {
+            State::Ready | State::Stopped | State::Starved => self.refuse_what_is_queued(),
+            State::Ending => self.planned_end(&self.planned_run()),
+            State::Braking { descent, .. } => {
+                let (steps, span) = self.brake.length(descent);
+                let current = self.queue.current().copied().unwrap_or_default();
+                self.after_step(&current, current.segment.steps(), steps, span)
+            }
+            State::Moving => self.stop_moving(now),
+        }
+    }
+
+    fn refuse_what_is_queued(&mut self) -> StopPlan {
+        self.queue.keep_pending(0);
+        if self.state == State::Ready {
+            self.state = State::Stopped;
+        }
+        StopPlan { last_step_at: self.next.whole, final_count: self.position }
+    }
+
+    fn stop_moving(&mut self, now: u64) -> StopPlan {
+        let Some(descent) = self.brake.descent_from(self.interval.fixed()) else {
+            return self.stand();
+        };
+        let (steps, span) = self.brake.length(descent);
+        let run = self.planned_run();
+        if run.known && run.steps <= u64::from(steps) + 1 {
+            self.queue.keep_pending(run.segments);
+            self.state = State::Ending;
+            return self.planned_end(&run);
+        }
+
+        self.state = State::Braking { descent, starved: false };
+        self.queue.keep_pending(0);
+        let made = self.made_of_current();
+        if now > self.next.whole {
+            self.queue.cut(made);
+            self.next = Ticks::middle_of(now);
+            let here = Slot { began: self.next, from: self.position, ..Slot::default() };
+            self.load();
+            return self.after_step(&here, 0, steps, span);
+        }
+        // The step that is due is made as planned; the brake takes over from it.
+        self.queue.cut(made + 1);
+        self.left = 1;
+        let current = self.queue.current().copied().unwrap_or_default();
+        self.after_step(&current, made + 1, steps, span)
+    }
+
+    /// The end of a way down of `steps` over `span` that follows step `k` of `slot`.
+    fn after_step(&self, slot: &Slot, k: u32, steps: u32, span: i128) -> StopPlan {
+        let way = i64::from(self.direction) * i64::from(steps);
+        StopPlan {
+            last_step_at: Ticks::of_fixed(slot.due(k).fixed() + span).whole,
+            final_count: slot.position_after(k).wrapping_add(way),
+        }
+    }
+
+    /// Stands where it is: the step that is due is not made.
+    fn stand(&mut self) -> StopPlan {
+        let made = self.made_of_current();
+        self.next = self.queue.current().map_or(self.next, |slot| slot.due(made));
+        self.queue.keep_pending(0);
+        self.queue.cut(made);
+        self.left = 0;
+        self.state = State::Stopped;
+        StopPlan { last_step_at: self.next.whole, final_count: self.position }
+    }
+
+    fn planned_run(&self) -> Run {
+        let mut run = Run {
+            steps: u64::from(self.left),
+            ends: self.next,
+            segments: 0,
+            known: self.finished || self.state == State::Ending,
+        };
+        if let Some(current) = self.queue.current() {
+            run.ends = current.due(current.segment.steps());
+        }
+        for segment in self.queue.pending() {
+            if segment.direction() != self.direction {
+                run.known = true;
+                break;
+            }
+            run.steps += u64::from(segment.steps());
+            run.ends = Ticks::of_fixed(run.ends.fixed() + segment.span(segment.steps()));
+            run.segments += 1;
+        }
+        run
+    }
+
+    fn planned_end(&self, run: &Run) -> StopPlan {
+        let way = i64::from(self.direction) * i64::try_from(run.steps).unwrap_or(i64::MAX);
+        StopPlan { last_step_at: run.ends.whole, final_count: self.position.wrapping_add(way) }
+    }
+}

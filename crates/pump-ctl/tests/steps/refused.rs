@@ -1,0 +1,75 @@
+//! What the executor does not do.
+
+use pump_ctl::plan::Motor;
+use pump_ctl::step::{Action, Brake, PushError, Segment, StartError, Stepper};
+
+fn stepper() -> Stepper<3> {
+    let motor = Motor { steps_per_rev: 200.0, max_speed_rad_s: 6.0, max_acceleration_rad_s2: 10.0 };
+    Stepper::new(motor.brake(1000))
+}
+
+const EVEN: Segment = Segment { count: 5, interval: 10, add: 0, frac: 0 };
+
+#[test]
+fn impossible_segments_are_refused() {
+    let refused = [
+        Segment { count: 0, ..EVEN },
+        Segment { interval: 0, frac: u32::MAX, ..EVEN },
+        Segment { add: -(3 << 32), ..EVEN },
+        Segment { interval: 1 << 49, ..EVEN },
+        Segment { count: i32::MIN, add: i64::MAX, ..EVEN },
+    ];
+    for segment in refused {
+        assert_eq!(stepper().push(segment), Err(PushError::Segment(segment)));
+    }
+    let message = stepper().push(refused[0]).unwrap_err().to_string();
+    assert!(message.contains("count: 0") && message.contains("use a faster timer"), "{message}");
+}
+
+#[test]
+fn a_full_queue_a_finished_move_and_a_stopped_motor_take_no_segment() {
+    let mut stepper = stepper();
+    for _ in 0..3 {
+        stepper.push(EVEN).unwrap();
+    }
+    assert_eq!(stepper.push(EVEN), Err(PushError::Full));
+    stepper.finish();
+    assert_eq!(stepper.push(EVEN), Err(PushError::Finished));
+    let due = stepper.start(0).unwrap();
+    assert_eq!(stepper.start(1), Err(StartError::Moving));
+    assert!(!stepper.clear() && !stepper.set_position(0));
+    assert_eq!(stepper.on_deadline(due - 1), Action::Wait);
+    assert_eq!(stepper.position(), 0);
+    stepper.halt(true);
+    assert_eq!(stepper.on_deadline(due), Action::Done);
+    assert_eq!(stepper.push(EVEN), Err(PushError::Stopped));
+    assert_eq!(stepper.start(1), Err(StartError::Stopped));
+    assert!(stepper.clear());
+    assert_eq!(stepper.start(1), Err(StartError::Empty));
+    stepper.push(EVEN).unwrap();
+    stepper.start(1).unwrap();
+}
+
+#[test]
+fn a_step_that_was_not_made_is_not_counted() {
+    let mut stepper = stepper();
+    stepper.push(EVEN).unwrap();
+    let mut due = stepper.start(0).unwrap();
+    for _ in 0..2 {
+        if let Action::Step { next, .. } = stepper.on_deadline(due) {
+            due = next;
+        }
+    }
+    stepper.halt(false);
+    assert_eq!(stepper.position(), 1);
+    assert!(!stepper.is_moving());
+}
+
+#[test]
+fn a_brake_must_speed_up_from_rest() {
+    let slow = Segment { count: 2, interval: 20, add: -(1 << 32), frac: 0 };
+    assert!(Brake::from_climb([slow, EVEN]).is_some());
+    assert!(Brake::from_climb([EVEN, slow]).is_none());
+    assert!(Brake::from_climb([Segment { count: -2, ..slow }]).is_none());
+    assert!(Brake::from_climb([slow; 33]).is_none());
+}

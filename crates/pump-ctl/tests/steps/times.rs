@@ -1,0 +1,71 @@
+//! When steps come.
+
+use proptest::prelude::*;
+use pump_ctl::plan::Motor;
+use pump_ctl::step::Action;
+
+use super::{Case, TURN_RAD, any_case, run};
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn every_step_of_a_dose_comes_within_one_tick_of_the_plan(case in any_case(), start in 0..1_u64 << 50) {
+        let mut stepper = case.queued();
+        let due = stepper.start(start).unwrap();
+        let (made, end) = run(&mut stepper, due);
+        prop_assert_eq!(end, Action::Done);
+        prop_assert_eq!(stepper.position(), case.plan.steps);
+        let planned = case.planned_ticks();
+        prop_assert_eq!(made.len(), planned.len());
+        for (made, planned) in made.iter().zip(planned) {
+            let error = (made - start) as f64 - planned;
+            prop_assert!(error.abs() <= 1.0, "{error} ticks at {planned}");
+        }
+    }
+
+    #[test]
+    fn a_late_call_delays_one_step_and_shifts_none_of_the_others(case in any_case(), late in 1_u64..1000) {
+        let mut stepper = case.queued();
+        let mut due = stepper.start(0).unwrap();
+        let mut punctual = case.queued();
+        let first = punctual.start(0).unwrap();
+        let (expected, _) = run(&mut punctual, first);
+        let mut deadlines = Vec::new();
+        // Every call is late, by less or more than an interval.
+        while let Action::Step { next, .. } = stepper.on_deadline(due + late) {
+            deadlines.push(due);
+            due = next;
+        }
+        prop_assert_eq!(deadlines, expected);
+    }
+}
+
+#[test]
+fn steps_come_from_minutes_apart_to_200_000_a_second() {
+    // A step of 0.016 rad every 160 s at 168 MHz, and 200,000 steps a second at 1 MHz.
+    let slow = Motor { steps_per_rev: 400.0, max_speed_rad_s: 1.0, max_acceleration_rad_s2: 500.0 };
+    let fast = Motor { steps_per_rev: 1_000_000.0, max_speed_rad_s: 1.3, max_acceleration_rad_s2: 10.0 };
+    let fast_rad_s = 200_000.0 / 1_000_000.0 * TURN_RAD;
+    for case in
+        [Case::new(slow, 168_000_000, 2.0, 0.0, 1e-4), Case::new(fast, 1_000_000, 20.0, 0.0, fast_rad_s)]
+    {
+        let mut stepper = case.queued();
+        let due = stepper.start(7).unwrap();
+        let (made, _) = run(&mut stepper, due);
+        for (made, planned) in made.iter().zip(case.planned_ticks()) {
+            assert!(((made - 7) as f64 - planned).abs() <= 1.0);
+        }
+        let shortest = made.windows(2).map(|pair| pair[1] - pair[0]).min().unwrap();
+        let interval = f64::from(case.tick_hz) * case.plan.step_rad / case.plan.profile.peak_rad_s();
+        assert!((shortest as f64 - interval).abs() <= 1.0, "{shortest} {interval}");
+    }
+}
+
+#[test]
+fn a_dose_at_the_default_rate_needs_few_segments() {
+    let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+    let count = |tick_hz| Case::new(motor, tick_hz, 25.0, 0.3, 7.4).plan.segments(tick_hz).count();
+    assert!(count(1_000_000) <= 50, "{}", count(1_000_000));
+    assert!(count(168_000_000) <= 130, "{}", count(168_000_000));
+}
