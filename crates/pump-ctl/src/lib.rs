@@ -18,5 +18,6 @@
 //! ```
 #![no_std]
 
+pub mod drive;
 pub mod plan;
 pub mod step;
