@@ -69,6 +69,27 @@ pub enum PlanError {
         /// How long it would take, s.
         duration_s: f64,
     },
+    /// The rotor cannot stop or turn round for the new volume.
+    #[error(
+        "a volume of {asked_ml} mL cannot be had any more: the rotor, which has delivered {delivered_ml:.4} mL, stands after \
+         {nearest_ml:.4} mL at the earliest; let it stop, and dose the rest"
+    )]
+    CannotStopThere {
+        /// New volume of the dose, mL.
+        asked_ml: f64,
+        /// What is delivered by then, mL.
+        delivered_ml: f64,
+        /// Volume of the dose if the rotor is stopped as soon as it can be, mL.
+        nearest_ml: f64,
+    },
+    /// More steps than the plan has.
+    #[error("the plan has {steps} steps; after {made} there is nothing to change")]
+    NoSuchStep {
+        /// What was given.
+        made: u64,
+        /// Steps of the plan.
+        steps: u64,
+    },
     /// The time is too short.
     #[error(
         "the dose cannot be done within {asked_s} s; the fastest found takes {fastest_s:.3} s, settling included"

@@ -8,6 +8,7 @@ mod phase;
 mod prediction;
 mod profile;
 mod request;
+mod retarget;
 mod segments;
 mod steps;
 mod target;
@@ -23,6 +24,7 @@ pub use segments::Segments;
 pub use steps::{Step, Steps};
 
 use pump_model::Pump;
+use target::Target;
 
 /// What keeps a dose from being faster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,6 +58,8 @@ pub struct Plan {
     pub profile: Trapezoid,
     /// What keeps the cruise speed down.
     pub limited_by: LimitedBy,
+    /// Inlet and outlet line at the start: pressure above the reservoir, kPa, and flow, mL/s.
+    lines: [[f64; 2]; 2],
 }
 
 /// Plans a dose: the steps whose volume is nearest to what is asked, and the fastest profile that the request and the
@@ -69,20 +73,40 @@ pub fn plan(pump: &Pump, start: Phase, request: &Request, limits: &Limits) -> Re
     request.validate()?;
     start.validate()?;
     let target = target::nearest_steps(pump, start.angle_rad, request, limits.motor.step_rad())?;
+    fastest(pump, Start { phase: start, speed_rad_s: 0.0, lines: [[0.0; 2]; 2] }, target, request, limits)
+}
+
+/// What a plan goes on from.
+struct Start {
+    phase: Phase,
+    speed_rad_s: f64,
+    lines: [[f64; 2]; 2],
+}
+
+/// The fastest plan that makes the steps of `target` within what the request and the limits allow.
+fn fastest(
+    pump: &Pump,
+    start: Start,
+    target: Target,
+    request: &Request,
+    limits: &Limits,
+) -> Result<Plan, PlanError> {
     let at_speed = |cruise_rad_s: f64| {
         let turn_rad = target.steps.unsigned_abs() as f64 * limits.motor.step_rad();
-        let profile = Trapezoid::new(turn_rad, cruise_rad_s, limits.motor.max_acceleration_rad_s2);
+        let acceleration_rad_s2 = limits.motor.max_acceleration_rad_s2;
+        let profile = Trapezoid::from_speed(start.speed_rad_s, turn_rad, cruise_rad_s, acceleration_rad_s2);
         Plan {
             requested_ml: request.volume_ml,
             carry_in_ml: request.carry_in_ml,
             planned_ml: target.planned_ml,
             carry_ml: request.owed_ml() - target.planned_ml,
-            start,
+            start: start.phase,
             steps: target.steps,
             steps_per_rev: limits.motor.steps_per_rev,
             step_rad: limits.motor.step_rad(),
             profile,
             limited_by: if profile.reaches_cruise() { LimitedBy::Nothing } else { LimitedBy::Acceleration },
+            lines: start.lines,
         }
     };
     let planned = cruise::choose(pump, request.cruise, limits, at_speed)?;
@@ -104,6 +128,12 @@ impl Plan {
     /// Angle after `count` steps, rad.
     pub fn angle_after(&self, count: u64) -> f64 {
         self.start.angle_rad + f64::from(self.direction()) * (count as f64 * self.step_rad)
+    }
+
+    /// Volume of the first `count` steps once the line has settled, mL; negative in reverse.
+    pub fn delivered_ml(&self, pump: &Pump, count: u64) -> f64 {
+        let curve = pump.outlet_curve();
+        curve.volume_ml(self.angle_after(count)) - curve.volume_ml(self.start.angle_rad)
     }
 
     /// Every step with its time.

@@ -4,7 +4,7 @@ use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
 
 use super::{Plan, PlanError};
 
-/// Pressures over a dose, start-up, stop and settling included, from lines at rest, for the smooth motion through the
+/// Pressures over a dose, start-up, stop and settling included, for the smooth motion through the
 /// steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
@@ -24,11 +24,18 @@ impl Plan {
         self.profile.legs(self.start.angle_rad, self.direction())
     }
 
+    /// The line of a port during this dose.
+    pub(super) fn run<'a>(&self, pump: &'a Pump, port: Port) -> ExactRun<'a, core::array::IntoIter<Leg, 3>> {
+        let [inlet, outlet] = self.lines;
+        let state = if port == Port::Inlet { inlet } else { outlet };
+        ExactRun::new(pump, port, self.legs(), state)
+    }
+
     /// Predicts pressures and settling of this dose on `pump`, exactly.
     pub fn predict(&self, pump: &Pump) -> Result<Prediction, PlanError> {
         let motion_s = self.profile.duration_s();
         let range = |port| {
-            let mut run = ExactRun::from_rest(pump, port, self.legs());
+            let mut run = self.run(pump, port);
             let moving = run.extremes(motion_s);
             let stopping = run.extremes(motion_s + self.settling_at(pump, port, run.state())?);
             Ok::<_, PlanError>(moving.and(stopping))
@@ -47,7 +54,7 @@ impl Plan {
 
     /// Time from the last step until the undelivered volume stays below 1 uL, s.
     pub(super) fn settle_s(&self, pump: &Pump) -> Result<f64, PlanError> {
-        let mut outlet = ExactRun::from_rest(pump, Port::Outlet, self.legs());
+        let mut outlet = self.run(pump, Port::Outlet);
         let state = outlet.at(self.profile.duration_s());
         self.settling_at(pump, Port::Outlet, state)
     }

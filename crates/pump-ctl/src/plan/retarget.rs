@@ -1,0 +1,88 @@
+//! Another volume or another rate in the midst of a dose.
+
+use pump_model::math::ceil;
+use pump_model::{Port, Pump};
+
+use super::request::Request;
+use super::target::{Target, nearest_steps};
+use super::{Cruise, Limits, Phase, Plan, PlanError, Start, fastest};
+
+impl Plan {
+    /// Speed of the pump head when `count` steps are made, rad/s, not negative.
+    pub fn speed_after(&self, count: u64) -> f64 {
+        self.profile.speed_at(count as f64 * self.step_rad)
+    }
+
+    /// Plans the rest of this dose anew from the moment at which `made` steps are made: `volume_ml` for the whole dose,
+    /// counted from its start, `cruise` for the rest of it (a time counts from that moment).
+    ///
+    /// The plan that comes back has time 0, start angle, volumes and steps of the rest alone: its `requested_ml` is what
+    /// was still to be delivered, its carry that of the whole dose. It starts at speed, with the lines as this plan
+    /// leaves them. Feed its segments after the [`crate::step::Junction`] at position `made`.
+    ///
+    /// ```
+    /// # use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};
+    /// # let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+    /// # let (pump, limits) = (pump_model::Pump::three_roller(), Limits::of_motor(motor));
+    /// let slow = Cruise::Flow { ml_s: 5.0 };
+    /// let whole = plan(&pump, Phase::known(0.3), &Request::new(25.0, slow), &limits)?;
+    /// let rest = whole.retarget(&pump, 6000, 30.0, Cruise::Flow { ml_s: 10.0 }, &limits)?;
+    /// let delivered_ml = whole.delivered_ml(&pump, 6000) + rest.planned_ml;
+    /// assert!((delivered_ml - 30.0).abs() < 0.001);
+    /// # Ok::<(), pump_ctl::plan::PlanError>(())
+    /// ```
+    pub fn retarget(
+        &self,
+        pump: &Pump,
+        made: u64,
+        volume_ml: f64,
+        cruise: Cruise,
+        limits: &Limits,
+    ) -> Result<Self, PlanError> {
+        let steps = self.steps.unsigned_abs();
+        if made >= steps {
+            return Err(PlanError::NoSuchStep { made, steps });
+        }
+        limits.validate()?;
+        Request { volume_ml, carry_in_ml: self.carry_in_ml, cruise }.validate()?;
+        let delivered_ml = self.delivered_ml(pump, made);
+        let request = Request { volume_ml: volume_ml - delivered_ml, carry_in_ml: self.carry_in_ml, cruise };
+
+        let phase = Phase { angle_rad: self.angle_after(made), ..self.start };
+        let speed_rad_s = self.speed_after(made);
+        let target = self.beyond_stopping(pump, phase.angle_rad, speed_rad_s, &request, limits).map_err(
+            |nearest_ml| PlanError::CannotStopThere {
+                asked_ml: volume_ml,
+                delivered_ml,
+                nearest_ml: delivered_ml + nearest_ml,
+            },
+        )?;
+        let time_s = self.profile.time_of(made as f64 * self.step_rad);
+        let lines = [Port::Inlet, Port::Outlet].map(|port| self.run(pump, port).at(time_s));
+        fastest(pump, Start { phase, speed_rad_s, lines }, target, &request, limits)
+    }
+
+    /// The steps that the request owes, if the rotor can stop that soon; otherwise the volume after which it can, mL.
+    fn beyond_stopping(
+        &self,
+        pump: &Pump,
+        angle_rad: f64,
+        speed_rad_s: f64,
+        request: &Request,
+        limits: &Limits,
+    ) -> Result<Target, f64> {
+        let step_rad = limits.motor.step_rad();
+        let stopping_rad = speed_rad_s * speed_rad_s / (2.0 * limits.motor.max_acceleration_rad_s2);
+        // A dose retargeted to its own end needs, up to rounding, just the steps that are left.
+        let stopping_steps = ceil(stopping_rad / step_rad - 1e-6).max(1.0);
+        let direction = f64::from(self.direction());
+        match nearest_steps(pump, angle_rad, request, step_rad) {
+            Ok(target) if target.steps as f64 * direction >= stopping_steps => Ok(target),
+            _ => {
+                let curve = pump.outlet_curve();
+                let stands_rad = angle_rad + direction * stopping_steps * step_rad;
+                Err(curve.volume_ml(stands_rad) - curve.volume_ml(angle_rad))
+            }
+        }
+    }
+}
