@@ -36,9 +36,10 @@ bench: $(VENV)/installed
 	$(BIN)/pip install --quiet "./crates/pump-py[bench]"
 	$(BIN)/python crates/pump-py/benches/scipy_peers.py
 
-# One build a target: building the workspace at once would unify features.
+# One build a crate and a target: the integrator too must do without std, and pump-ctl without the integrator.
 embedded:
 	rustup target add $(TARGETS)
+	for target in $(TARGETS); do cargo build --locked -p pump-model --target $$target || exit 1; done
 	for target in $(TARGETS); do cargo build --locked -p pump-ctl --target $$target || exit 1; done
 
 docs:

@@ -6,12 +6,11 @@
 //! enough (scaling and squaring, after Higham, "Functions of Matrices", chapter 10). Neither divides by A, so slow,
 //! stiff, critically damped and undamped lines are one case.
 
-use nalgebra::SVector;
-
 use crate::flow_curve::Port;
-use crate::integrator::{DenseStep, End};
+use crate::hermite::{self, End};
 use crate::line::Line;
 use crate::math::sqrt;
+use crate::polynomial::Polynomial;
 
 /// Highest degree of the flow over time: a quartic in the angle, which is quadratic in time, times the speed.
 pub(crate) const DEGREE: usize = 9;
@@ -55,7 +54,7 @@ impl Flow {
 
 /// A line in coordinates in which both states carry energy alike: x = p, y = Q_L z with z = sqrt(L/C).
 ///
-/// With s = 1 at the outlet and -1 at the inlet and w = 1/sqrt(L C), the circuit of [`crate::circuit::Circuit`] reads
+/// With s = 1 at the outlet and -1 at the inlet and w = 1/sqrt(L C), the circuit of `circuit.rs` reads
 /// dx/dt = s w (z f - y), dy/dt = s w x - (R/L) y.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Oscillator {
@@ -150,7 +149,7 @@ impl Oscillator {
     ) {
         let slope_at = |t| self.derivative(self.after(t, before, flow), flow.at(t))[0];
         if self.norm() * length_s <= 10.0 {
-            let slope = self.dense(length_s, before, after, flow).polynomial(0).derivative();
+            let slope = self.pressure(length_s, before, after, flow).derivative();
             for turn in slope.roots_in(0.0, 1.0).as_slice() {
                 found(self.turning_kpa(turn * length_s, before, flow));
             }
@@ -175,21 +174,20 @@ impl Oscillator {
         found(self.after(low, before, flow)[0]);
     }
 
-    /// A step between two states, for dense output; `flow` counts time from its start.
-    pub(crate) fn dense(
+    /// Pressure between two states over the fraction of the time passed, 0 to 1; `flow` counts time from `before`.
+    pub(crate) fn pressure(
         &self,
         length_s: f64,
         before: Balanced,
         after: Balanced,
         flow: &Flow,
-    ) -> DenseStep<2> {
-        let vector = |state| SVector::from(self.physical(state));
-        let end = |state, t| {
+    ) -> Polynomial {
+        let end = |state: Balanced, t| {
             let slope = self.derivative(state, flow.at(t));
             let curvature = self.derivative(slope, flow.rate_at(t));
-            End { value: vector(state), slope: vector(slope), curvature: vector(curvature) }
+            End { value: state[0], slope: slope[0], curvature: curvature[0] }
         };
-        DenseStep::hermite(0.0, length_s, &end(before, 0.0), &end(after, length_s))
+        Polynomial { c: hermite::quintic(length_s, &end(before, 0.0), &end(after, length_s)) }
     }
 
     /// Pressure where it turns near `near_s` after `state`, kPa.
