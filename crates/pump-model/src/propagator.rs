@@ -10,7 +10,7 @@ use crate::flow_curve::Port;
 use crate::hermite::{self, End};
 use crate::line::Line;
 use crate::math::sqrt;
-use crate::polynomial::Polynomial;
+use crate::polynomial::{Polynomial, shift_coefficients};
 
 /// Highest degree of the flow over time: a quartic in the angle, which is quadratic in time, times the speed.
 pub(crate) const DEGREE: usize = 9;
@@ -32,23 +32,25 @@ pub(crate) struct Flow {
 impl Flow {
     /// Value at `t`.
     pub(crate) fn at(&self, t: f64) -> f64 {
-        self.c[..=self.degree].iter().rev().fold(0.0, |sum, c| sum * t + c)
+        self.terms().rev().fold(0.0, |sum, c| sum * t + c)
     }
 
     /// The polynomial in time since `t`.
     pub(crate) fn shifted(&self, t: f64) -> Self {
-        let mut c = self.c;
-        for stop in 0..self.degree {
-            for k in (stop..self.degree).rev() {
-                c[k] += t * c[k + 1];
-            }
-        }
-        Self { c, degree: self.degree }
+        let mut shifted = *self;
+        let count = shifted.c.len().min(self.degree + 1);
+        shift_coefficients(&mut shifted.c[..count], t);
+        shifted
     }
 
     /// Derivative at `t`.
     pub(crate) fn rate_at(&self, t: f64) -> f64 {
-        (1..=self.degree).rev().fold(0.0, |sum, n| sum * t + n as f64 * self.c[n])
+        self.terms().enumerate().skip(1).rev().fold(0.0, |sum, (n, c)| sum * t + n as f64 * c)
+    }
+
+    /// Its coefficients but the zeros beyond its degree.
+    fn terms(&self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
+        self.c.into_iter().take(self.degree + 1)
     }
 }
 
@@ -130,7 +132,7 @@ impl Oscillator {
         } else if self.decay < 2.0 * self.rate.abs() {
             fast_s
         } else {
-            (0.3 * since_s).clamp(fast_s, (length_s / 16.0).max(fast_s))
+            (0.3 * since_s).min(length_s / 16.0).max(fast_s)
         }
     }
 
@@ -222,17 +224,19 @@ impl Oscillator {
         let mut term = state;
         let mut sum = state;
         let mut power = self.rate * self.impedance;
-        for n in 0..TERMS {
+        let mut forcing = flow.terms();
+        for reciprocal in RECIPROCALS.iter().skip(1).take(TERMS) {
             let mut next = self.times(term);
-            if n <= flow.degree {
-                next[0] += power * flow.c[n];
+            let forced = forcing.next();
+            if let Some(c) = forced {
+                next[0] += power * c;
                 power *= h;
             }
-            let factor = h * RECIPROCALS[n + 1];
+            let factor = h * reciprocal;
             term = [factor * next[0], factor * next[1]];
             sum = [sum[0] + term[0], sum[1] + term[1]];
             // Beyond the flow's own terms they fall by |A| h / n each.
-            if n > flow.degree && term[0].abs() + term[1].abs() <= 1e-18 * (sum[0].abs() + sum[1].abs()) {
+            if forced.is_none() && term[0].abs() + term[1].abs() <= 1e-18 * (sum[0].abs() + sum[1].abs()) {
                 break;
             }
         }
@@ -287,19 +291,21 @@ impl Propagator {
         let mut columns = [[1.0, 0.0], [0.0, 1.0]];
         let mut response = [[0.0; 2]; DEGREE + 1];
         let mut input = [h * oscillator.rate * oscillator.impedance, 0.0];
-        // k!/(n+k+1)!, starting at n = 0.
+        // k!/(n+k)!, starting at n = 1.
         let mut weights = [0.0; DEGREE + 1];
         weights.copy_from_slice(&RECIPROCALS[1..DEGREE + 2]);
-        for n in 0..TERMS {
+        for (n, reciprocal) in RECIPROCALS.iter().enumerate().skip(1).take(TERMS) {
             for (sum, column) in change.iter_mut().zip(&mut columns) {
-                let factor = h * RECIPROCALS[n + 1];
+                let factor = h * reciprocal;
                 *column = oscillator.times(*column).map(|x| factor * x);
                 *sum = [sum[0] + column[0], sum[1] + column[1]];
             }
-            for k in 0..=degree {
-                response[k] =
-                    [response[k][0] + weights[k] * input[0], response[k][1] + weights[k] * input[1]];
-                weights[k] *= RECIPROCALS[n + k + 2];
+            let next = RECIPROCALS.iter().skip(n + 1);
+            for ((sum, weight), reciprocal) in
+                response.iter_mut().zip(&mut weights).zip(next).take(degree + 1)
+            {
+                *sum = [sum[0] + *weight * input[0], sum[1] + *weight * input[1]];
+                *weight *= reciprocal;
             }
             input = oscillator.times(input).map(|x| h * x);
         }
@@ -309,17 +315,19 @@ impl Propagator {
     /// The same for twice the step: F' = 2 F + F², gamma_k' = (e^(A h) gamma_k + sum_j C(k, j) gamma_j) / 2^k.
     fn double(&mut self) {
         let mut scale = 1.0;
-        let before = self.response;
-        for k in 0..=self.degree {
-            let mut sum = self.moved(before[k]);
+        let mut doubled = self.response;
+        for (k, doubled) in doubled.iter_mut().enumerate().take(self.degree + 1) {
+            let mut sum = self.moved(*doubled);
             let mut binomial = 1.0;
-            for (j, response) in before.iter().enumerate().take(k + 1) {
+            let next = RECIPROCALS.iter().skip(1);
+            for ((j, response), reciprocal) in self.response.iter().enumerate().zip(next).take(k + 1) {
                 sum = [sum[0] + binomial * response[0], sum[1] + binomial * response[1]];
-                binomial *= (k - j) as f64 * RECIPROCALS[j + 1];
+                binomial *= (k - j) as f64 * reciprocal;
             }
-            self.response[k] = sum.map(|x| scale * x);
+            *doubled = sum.map(|x| scale * x);
             scale *= 0.5;
         }
+        self.response = doubled;
         let twice = |column: Balanced| {
             let squared = self.changed(column);
             [2.0 * column[0] + squared[0], 2.0 * column[1] + squared[1]]
