@@ -7,6 +7,7 @@
 //! Units are mL, kPa absolute, s and rad, and stand in every name. Needs neither `std` nor an allocator.
 //!
 //! Feature `integrator`, on by default: the implicit integrator, for models that are not linear, and the runs made with it.
+//! Everything else links into firmware without a panic (`tests/no_panic`).
 //!
 //! ```
 //! use pump_model::Pump;
