@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(CURDIR)/$(VENV)/bin
 TARGETS := thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imc-unknown-none-elf
+NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --target-dir target
 
 .PHONY: test test-rust test-python lint bench embedded docs
 
@@ -24,6 +25,7 @@ lint: $(VENV)/installed
 	cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt
 	cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
 	cargo fmt --all --check
+	cargo fmt --manifest-path tests/no_panic/Cargo.toml --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --document-private-items
 	cd crates/pump-py && $(BIN)/ruff check . && $(BIN)/ruff format --check .
@@ -36,10 +38,14 @@ bench: $(VENV)/installed
 	$(BIN)/pip install --quiet "./crates/pump-py[bench]"
 	$(BIN)/python crates/pump-py/benches/scipy_peers.py
 
-# One build a target: building the workspace at once would unify features.
+# The integrator too must do without std; what firmware needs must link without a panic, for size and for speed. The last
+# line is the test of that test: an index that may be out of range must not link.
 embedded:
 	rustup target add $(TARGETS)
-	for target in $(TARGETS); do cargo build --locked -p pump-ctl --target $$target || exit 1; done
+	for target in $(TARGETS); do cargo build --locked -p pump-model --target $$target || exit 1; done
+	for target in $(TARGETS); do $(NO_PANIC) --release --target $$target || exit 1; done
+	for target in $(TARGETS); do $(NO_PANIC) --profile fast --target $$target || exit 1; done
+	$(NO_PANIC) --release --target thumbv7em-none-eabihf --features index 2>&1 | grep 'undefined symbol: a_panic_is_reachable'
 
 docs:
 	cargo doc --locked --workspace --no-deps --open

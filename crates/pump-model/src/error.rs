@@ -107,6 +107,7 @@ pub enum ModelError {
         waited_s: f64,
     },
     /// The integrator gave up.
+    #[cfg(feature = "integrator")]
     #[error(transparent)]
     Integration(#[from] crate::integrator::IntegrationError),
 }

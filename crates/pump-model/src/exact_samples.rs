@@ -125,8 +125,8 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
             known.max(self.time_s.iter().take_while(|t| **t <= length_s).count())
         };
         if let Some(last) = self.valid.checked_sub(1) {
-            self.run.state = [self.x[last], self.y[last]];
-            self.run.reached_s = self.time_s[last];
+            self.run.state = [self.x[last % LANES], self.y[last % LANES]];
+            self.run.reached_s = self.time_s[last % LANES];
         }
     }
 }

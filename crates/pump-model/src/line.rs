@@ -55,6 +55,7 @@ impl Line {
     }
 
     /// Flow that carries as much energy as 1 kPa of pressure: sqrt(C/L), mL/s.
+    #[cfg(feature = "integrator")]
     pub(crate) fn flow_scale_ml_s(&self) -> f64 {
         sqrt(self.compliance_ml_kpa / self.inertance_kpa_s2_ml)
     }

@@ -28,9 +28,23 @@ impl Pump {
         geometry.validate()?;
         inlet.validate()?;
         outlet.validate()?;
-        let inlet_curve = FlowCurve::new(&geometry, &roller_volume, Port::Inlet)?;
-        let outlet_curve = FlowCurve::new(&geometry, &roller_volume, Port::Outlet)?;
-        Ok(Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve })
+        geometry.inlet_phase_rad(roller_volume.engagement_rad())?;
+        let pump = Self::of_valid(geometry, roller_volume, inlet, outlet);
+        pump.inlet_curve.validate(geometry.rollers, Port::Inlet)?;
+        pump.outlet_curve.validate(geometry.rollers, Port::Outlet)?;
+        Ok(pump)
+    }
+
+    /// Derives the flow curves of what is known to make a valid pump.
+    pub(crate) fn of_valid(
+        geometry: Geometry,
+        roller_volume: RollerVolume,
+        inlet: Line,
+        outlet: Line,
+    ) -> Self {
+        let inlet_curve = FlowCurve::new(&geometry, &roller_volume, Port::Inlet);
+        let outlet_curve = FlowCurve::new(&geometry, &roller_volume, Port::Outlet);
+        Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve }
     }
 
     /// Dimensions.

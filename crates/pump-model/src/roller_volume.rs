@@ -72,6 +72,12 @@ impl RollerVolume {
                 });
             }
         }
+        let curve = Self::of_valid(highest_first, engagement_deg);
+        if curve.total_ml > 0.0 { Ok(curve) } else { Err(ModelError::RollerVolumeFlat { engagement_deg }) }
+    }
+
+    /// The same of what is known to be valid.
+    pub(crate) fn of_valid(highest_first: [f64; 6], engagement_deg: f64) -> Self {
         let mut c = highest_first;
         c.reverse();
         let volume = Polynomial { c }.stretched(360.0 / TURN_RAD);
@@ -89,7 +95,7 @@ impl RollerVolume {
             }
             start = end;
         }
-        if curve.total_ml > 0.0 { Ok(curve) } else { Err(ModelError::RollerVolumeFlat { engagement_deg }) }
+        curve
     }
 
     /// The curve that McIntyre et al. measured.

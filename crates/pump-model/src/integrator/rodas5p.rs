@@ -4,9 +4,10 @@ use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
 use super::Ode;
-use super::dense::{DenseStep, End};
+use super::dense::DenseStep;
 use super::lu::Lu;
 use super::tableau::{A, ALPHA, C, GAMMA, GAMMA_I, H, STAGES};
+use crate::hermite::End;
 
 /// How exactly to integrate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -296,7 +297,7 @@ impl<const N: usize> Start<N> {
         self.jacobian * self.slope + self.slope_rate
     }
 
-    fn end(&self) -> End<N> {
+    fn end(&self) -> End<SVector<f64, N>> {
         End { value: self.state, slope: self.slope, curvature: self.curvature() }
     }
 }
