@@ -155,6 +155,10 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
             self.late_ticks = Some(now - next);
         }
         self.stepper.stop(now);
+        // A way to rest that was planned or begun before is overdue too.
+        if self.stepper.next_deadline().is_some_and(|next| next < now) {
+            self.stepper.put_off(now);
+        }
         Timer::At(self.stepper.next_deadline().unwrap_or(now))
     }
 

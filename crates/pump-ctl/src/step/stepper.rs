@@ -245,6 +245,11 @@ impl<const Q: usize> Stepper<Q> {
                 self.state = if *starved { State::Starved } else { State::Stopped };
             }
         }
+        self.take();
+    }
+
+    /// Goes on with the next segment of the queue.
+    pub(super) fn take(&mut self) {
         if let Some(segment) = self.queue.take(self.next, self.position) {
             self.left = segment.steps();
             self.direction = segment.direction();
