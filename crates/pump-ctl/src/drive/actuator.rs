@@ -97,6 +97,7 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     /// step.
     #[inline]
     pub fn on_timer(&mut self, now: u64) -> Result<Timer, Fault<M::Error>> {
+        let due = self.stepper.next_deadline().unwrap_or(now);
         match self.stepper.on_deadline(now) {
             Action::Step { dir, next } => {
                 if let Err(fault) = self.motion.step(dir) {
@@ -107,7 +108,7 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
                     self.look_at_index()?;
                 }
                 if next < now && self.stepper.is_moving() {
-                    Ok(self.overrun(now, next))
+                    Ok(self.overrun(now, now - due))
                 } else {
                     Ok(Timer::At(next))
                 }
@@ -150,10 +151,8 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     }
 
     #[cold]
-    fn overrun(&mut self, now: u64, next: u64) -> Timer {
-        if self.late_ticks.is_none() {
-            self.late_ticks = Some(now - next);
-        }
+    fn overrun(&mut self, now: u64, late_ticks: u64) -> Timer {
+        self.late_ticks.get_or_insert(late_ticks);
         self.stepper.stop(now);
         // A way to rest that was planned or begun before is overdue too.
         if self.stepper.next_deadline().is_some_and(|next| next < now) {
