@@ -81,8 +81,9 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         if !self.enabled {
             return Err(Fault::NotEnabled);
         }
+        let due = self.stepper.start(now)?;
         self.late_ticks = None;
-        Ok(self.stepper.start(now)?)
+        Ok(due)
     }
 
     /// Decelerates; see [`Stepper::stop`]. The timer must fire at [`Stepper::next_deadline`] if that is earlier now.
