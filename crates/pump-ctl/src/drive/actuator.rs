@@ -126,8 +126,13 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     /// Notes at which position the index sensor becomes active, from now on. Costs a look at its pin a step.
     pub fn watch_index(&mut self) -> Result<(), Fault<M::Error>> {
         self.index_at = None;
-        self.watching = self.motion.index().map_err(|error| self.fault(error))?;
-        Ok(())
+        match self.motion.index() {
+            Ok(active) => {
+                self.watching = active;
+                Ok(())
+            }
+            Err(error) => Err(self.failed(error)),
+        }
     }
 
     /// Position at which the index sensor last became active since [`Self::watch_index`].
@@ -162,9 +167,12 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         Timer::At(self.stepper.next_deadline().unwrap_or(now))
     }
 
-    /// Holds or lets go, as configured.
+    /// Stands, and holds or lets go, as configured.
     #[cold]
     fn failed(&mut self, error: M::Error) -> Fault<M::Error> {
+        if self.stepper.is_moving() {
+            self.stepper.halt(true);
+        }
         if self.on_fault == OnFault::Disable {
             self.enabled = false;
             // The first error is the one to tell.
