@@ -27,6 +27,7 @@ pub mod quantity;
 mod record;
 mod report;
 mod report_text;
+pub mod rust_source;
 mod simulation;
 mod uncertainty;
 pub mod waveform;

@@ -3,7 +3,7 @@
 use crate::error::ModelError;
 use crate::geometry::Geometry;
 use crate::math::{degrees, floor, sqrt, wrap};
-use crate::polynomial::Polynomial;
+use crate::polynomial::{DEGREE, Polynomial};
 use crate::roller_volume::{self, RollerVolume};
 
 /// Which end of the pump.
@@ -90,6 +90,31 @@ impl FlowCurve {
             start_rad = end_rad;
         }
         curve
+    }
+
+    /// A curve from what [`Self::precomputed_pieces`] said of it, for constants. Nothing is checked.
+    pub const fn precomputed(
+        pitch_rad: f64,
+        pitch_ml: f64,
+        pieces: &[(f64, f64, [f64; DEGREE + 1])],
+    ) -> Self {
+        const NONE: Polynomial = Polynomial { c: [0.0; DEGREE + 1] };
+        const UNUSED: Piece = Piece { start_rad: 0.0, length_rad: 0.0, volume: NONE, flow: NONE };
+        let mut places = [UNUSED; MAX_PIECES];
+        let mut count = 0;
+        while count < pieces.len() {
+            let (start_rad, length_rad, c) = pieces[count];
+            let volume = Polynomial { c };
+            places[count] = Piece { start_rad, length_rad, volume, flow: volume.derivative() };
+            count += 1;
+        }
+        Self { pieces: places, count, pitch_rad, per_pitch: 1.0 / pitch_rad, pitch_ml }
+    }
+
+    /// Start and length within the pitch, rad, and coefficients of the volume since the start of the pitch, mL, over the
+    /// angle since that start, lowest order first, of each piece.
+    pub fn precomputed_pieces(&self) -> impl Iterator<Item = (f64, f64, [f64; DEGREE + 1])> {
+        self.pieces().iter().map(|piece| (piece.start_rad, piece.length_rad, piece.volume.c))
     }
 
     /// Refuses a curve whose flow per radian is not positive somewhere.

@@ -47,12 +47,9 @@ impl Polynomial {
     }
 
     /// First derivative.
-    pub fn derivative(&self) -> Self {
-        let mut derived = Self::default();
-        for (n, (to, from)) in derived.c.iter_mut().zip(self.c.iter().skip(1)).enumerate() {
-            *to = (n + 1) as f64 * from;
-        }
-        derived
+    pub const fn derivative(&self) -> Self {
+        let [_, c1, c2, c3, c4, c5] = self.c;
+        Self { c: [c1, 2.0 * c2, 3.0 * c3, 4.0 * c4, 5.0 * c5, 0.0] }
     }
 
     /// `p(x + shift)` as a polynomial in `x`.

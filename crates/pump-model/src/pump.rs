@@ -47,6 +47,17 @@ impl Pump {
         Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve }
     }
 
+    /// A pump from its parts with curves that were computed before: what `dose pumps show --format rust` writes, so that a
+    /// pump can be a constant. Nothing is checked; [`Self::new`] of the parts gives the same pump.
+    pub const fn precomputed(
+        geometry: Geometry,
+        roller_volume: RollerVolume,
+        [inlet, outlet]: [Line; 2],
+        [inlet_curve, outlet_curve]: [FlowCurve; 2],
+    ) -> Self {
+        Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve }
+    }
+
     /// Dimensions.
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
