@@ -27,7 +27,9 @@ pub mod quantity;
 mod record;
 mod report;
 mod report_text;
+pub mod sample;
 mod simulation;
+pub mod times;
 mod uncertainty;
 pub mod waveform;
 
