@@ -28,7 +28,9 @@ mod record;
 mod report;
 mod report_text;
 pub mod rust_source;
+pub mod sample;
 mod simulation;
+pub mod times;
 mod uncertainty;
 pub mod waveform;
 

@@ -5,7 +5,8 @@ use std::io::{self, Write};
 use indicatif::{ProgressBar, ProgressStyle};
 use pump_dose::pump_file::PumpFile;
 use pump_dose::quantity::Amount;
-use pump_dose::waveform::{Method, Waveform, times};
+use pump_dose::times::times;
+use pump_dose::waveform::{Method, Waveform};
 use pump_dose::{Bench, DoseReport, DoseRequest, Prepared, Purpose, csv};
 
 use super::args::Options;
@@ -117,9 +118,8 @@ fn write_outputs(bench: &Bench, prepared: &Prepared, options: &Options) -> Resul
     let motion_s = plan.profile.duration_s();
     let end_s = motion_s + prepared.prediction.settle_s;
     let samples = |dt_s| {
-        let waveform = Waveform::new(bench.model(), plan.legs(), Method::Exact);
-        let mut waveform = waveform.map_err(Failure::refused)?;
-        Ok::<_, Failure>(times(dt_s, motion_s, end_s).map(move |time_s| waveform.at(time_s)))
+        Waveform::new(bench.model(), plan.legs(), Method::Exact, times(dt_s, motion_s, end_s))
+            .map_err(Failure::refused)
     };
     let mut outputs = Outputs::default();
     if let Some(path) = &options.steps {

@@ -1,5 +1,7 @@
 //! Flow per radian of one port and its exact integral over the angle.
 
+use core::ops::Range;
+
 use crate::error::ModelError;
 use crate::geometry::Geometry;
 use crate::math::{degrees, floor, sqrt, wrap};
@@ -214,6 +216,22 @@ impl FlowCurve {
         let piece = self.piece_at(local_rad);
         let u = local_rad - piece.start_rad;
         (piece.flow.at(u), pitches * self.pitch_ml + piece.volume.at(u))
+    }
+
+    /// The piece at an angle of this pitch, and where it ends within the pitch, rad.
+    pub(crate) fn piece_to_its_end(&self, local_rad: f64) -> (&Piece, f64) {
+        let piece = self.piece_at(local_rad);
+        let next = self.pieces().iter().find(|next| next.start_rad > piece.start_rad);
+        (piece, next.map_or(self.pitch_rad, |next| next.start_rad))
+    }
+
+    /// Whether [`Self::split`] finds so many `pitches` and a rest in `local_rad`, a part of the pitch. On a seam, where
+    /// it may have to correct its rounding, the answer is no.
+    #[inline]
+    pub(crate) fn is_within(&self, angle_rad: f64, pitches: f64, local_rad: &Range<f64>) -> bool {
+        let turned = angle_rad * self.per_pitch;
+        let whole = pitches <= turned && turned < pitches + 1.0;
+        whole && local_rad.contains(&(angle_rad - pitches * self.pitch_rad))
     }
 
     /// Whole pitches and the angle within the pitch.
