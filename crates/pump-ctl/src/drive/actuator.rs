@@ -31,7 +31,7 @@ pub struct Actuator<M, const Q: usize> {
     motion: M,
     stepper: Stepper<Q>,
     on_fault: OnFault,
-    enabled: bool,
+    pub(super) enabled: bool,
     /// How late the call was that made the motor stop, ticks.
     late_ticks: Option<u64>,
     /// Whether the index sensor is looked at after every step, and what it said last.
