@@ -22,7 +22,7 @@ pub use request::{Cruise, Request};
 pub use segments::Segments;
 pub use steps::{Step, Steps};
 
-use pump_model::Pump;
+use pump_model::{Leg, Pump};
 
 /// What keeps a dose from being faster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,6 +104,42 @@ impl Plan {
     /// Angle after `count` steps, rad.
     pub fn angle_after(&self, count: u64) -> f64 {
         self.start.angle_rad + f64::from(self.direction()) * (count as f64 * self.step_rad)
+    }
+
+    /// Angle `t_s` after the start of motion, rad, of the smooth motion through the steps; before and after it the rotor
+    /// stands. For a drive that takes set-points instead of steps.
+    ///
+    /// ```
+    /// use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};
+    /// let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+    /// let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 });
+    /// let plan = plan(&pump_model::Pump::three_roller(), Phase::known(0.3), &request, &Limits::of_motor(motor))?;
+    /// assert_eq!(plan.angle_at(-1.0), 0.3);
+    /// let step = plan.steps().nth(5000).unwrap();
+    /// assert!((plan.angle_at(step.time_s) - step.angle_rad).abs() < 1e-9);
+    /// assert!((plan.angle_at(60.0) - plan.end_angle_rad()).abs() < 1e-9);
+    /// # Ok::<(), pump_ctl::plan::PlanError>(())
+    /// ```
+    pub fn angle_at(&self, t_s: f64) -> f64 {
+        let t_s = t_s.clamp(0.0, self.profile.duration_s());
+        self.leg_at(t_s).angle_at(t_s)
+    }
+
+    /// Speed `t_s` after the start of motion, rad/s, negative in reverse; 0 before and after it.
+    pub fn speed_at(&self, t_s: f64) -> f64 {
+        if t_s > 0.0 && t_s < self.profile.duration_s() { self.leg_at(t_s).speed_at(t_s) } else { 0.0 }
+    }
+
+    /// The leg under way at `t_s`.
+    fn leg_at(&self, t_s: f64) -> Leg {
+        let [up, cruise, down] = self.legs();
+        if t_s < cruise.start_s {
+            up
+        } else if t_s < down.start_s {
+            cruise
+        } else {
+            down
+        }
     }
 
     /// Every step with its time.
