@@ -5,7 +5,7 @@ use pump_ctl::drive::{Fault, Motion, OnFault, Pin, StepDir, Timing};
 use pump_ctl::step::Segment;
 
 use super::wires::{Bench, Event};
-use super::{dose, idle, on_pins, start, there_and_back, turn_on_time};
+use super::{deadlines, dose, idle, on_pins, start, there_and_back, turn, turn_on_time};
 
 fn any_timing() -> impl Strategy<Value = Timing> {
     let step = (0..30_000_u32, 0..30_000_u32);
@@ -59,12 +59,18 @@ proptest! {
 
     #[test]
     fn a_dose_that_turns_round_keeps_the_drivers_times_at_every_step(timing in any_timing()) {
-        let bench = Bench::default();
-        let mut actuator = on_pins::<256>(&bench, timing, OnFault::Hold);
-        let due = start(&mut actuator, &bench, there_and_back(0.2)).unwrap();
-        prop_assert_eq!(turn_on_time(&mut actuator, &bench, due), Ok(()));
         let (ahead, back) = (dose(0.2, 5.0).steps, dose(-0.1, 5.0).steps);
         prop_assert!(ahead > 50 && back < -50, "{ahead} {back}");
+        let due = deadlines(there_and_back(0.2), 0);
+        // Every other call is so late that the next step, the first one back among them, is due a moment after.
+        let late = |n: u64| match due.get(n as usize) {
+            Some(next) if n as i64 % 2 == ahead % 2 => next - due[n as usize - 1] - 5,
+            _ => 0,
+        };
+        let bench = Bench::default();
+        let mut actuator = on_pins::<256>(&bench, timing, OnFault::Hold);
+        let first = start(&mut actuator, &bench, there_and_back(0.2)).unwrap();
+        prop_assert_eq!(turn(&mut actuator, &bench, first, late), Ok(()));
         prop_assert_eq!(actuator.stepper().position(), ahead + back);
         prop_assert_eq!(bench.steps_ns().len() as i64, ahead - back);
         check_times(&bench.state().log, &timing);
