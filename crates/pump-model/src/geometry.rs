@@ -10,6 +10,8 @@ use crate::math::{TURN_RAD, degrees};
 /// McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
 /// roller-type peristaltic pump", Sensors and Actuators A.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Geometry {
     /// Number of rollers, 1 or more.
     pub rollers: u32,

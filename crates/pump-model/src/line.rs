@@ -5,6 +5,8 @@ use crate::math::sqrt;
 
 /// Lumped line of one port (McIntyre et al.): C at the pump, R and L in series to a reservoir.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Line {
     /// R, kPa s/mL, 0 to 1e6.
     pub resistance_kpa_s_ml: f64,

@@ -34,13 +34,8 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
                 stopping = stop();
                 if !stopping && let Err(error) = self.stepper().fill(segments) {
                     stopping = true;
-<<<<<<< HEAD
-                    // A motor that decelerates because it was late or starved takes no segment; its end tells why.
-                    refused = Some(error).filter(|error| *error != PushError::Stopped);
-=======
                     // Not told of a motor that takes nothing because it was late or starved: that is how it ends.
                     refused = Some(error);
->>>>>>> e21a24ec658d5553ba7cee2ec105e1c86243c7eb
                 }
                 if stopping {
                     self.stop(now);

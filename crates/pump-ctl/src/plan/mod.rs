@@ -23,15 +23,13 @@ pub use request::{Cruise, Request};
 pub use segments::Segments;
 pub use steps::{Step, Steps};
 
-<<<<<<< HEAD
-use pump_model::Pump;
-use target::Target;
-=======
 use pump_model::{Leg, Pump};
->>>>>>> e21a24ec658d5553ba7cee2ec105e1c86243c7eb
+use target::Target;
 
 /// What keeps a dose from being faster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitedBy {
     /// It cruises at the speed that was asked for.
     Nothing,
@@ -41,6 +39,8 @@ pub enum LimitedBy {
 
 /// A dose, ready to run: made by [`plan`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Plan {
     /// Volume asked for, mL; negative in reverse.
     pub requested_ml: f64,
@@ -134,12 +134,12 @@ impl Plan {
         self.start.angle_rad + f64::from(self.direction()) * (count as f64 * self.step_rad)
     }
 
-<<<<<<< HEAD
     /// Volume of the first `count` steps once the line has settled, mL; negative in reverse.
     pub fn delivered_ml(&self, pump: &Pump, count: u64) -> f64 {
         let curve = pump.outlet_curve();
         curve.volume_ml(self.angle_after(count)) - curve.volume_ml(self.start.angle_rad)
-=======
+    }
+
     /// Angle `t_s` after the start of motion, rad, of the smooth motion through the steps; before and after it the rotor
     /// stands. For a drive that takes set-points instead of steps.
     ///
@@ -155,7 +155,7 @@ impl Plan {
     /// # Ok::<(), pump_ctl::plan::PlanError>(())
     /// ```
     pub fn angle_at(&self, t_s: f64) -> f64 {
-        let t_s = t_s.clamp(0.0, self.profile.duration_s());
+        let t_s = t_s.max(0.0).min(self.profile.duration_s());
         self.leg_at(t_s).angle_at(t_s)
     }
 
@@ -174,7 +174,6 @@ impl Plan {
         } else {
             down
         }
->>>>>>> e21a24ec658d5553ba7cee2ec105e1c86243c7eb
     }
 
     /// Every step with its time.

@@ -74,24 +74,6 @@ proptest! {
     }
 
     #[test]
-<<<<<<< HEAD
-    fn calls_that_are_always_late_make_no_burst_either(part in 0.0..1.0_f64, late in 2000..100_000_u64) {
-        let expected = punctual();
-        let at = (part * (expected.len() - 2) as f64) as u64 + 1;
-        let interval = expected[at as usize] - expected[at as usize - 1];
-        let bench = Bench::default();
-        let (mut actuator, due, _) = started(&bench);
-        let began = bench.tick();
-        let end = turn(&mut actuator, &bench, due, |n| if n >= at { late + interval } else { 0 });
-        let position = bench.state().rotor;
-        prop_assert_eq!(end, Err(Fault::Late { late_ticks: late + interval, position }));
-        for gap in &bench.gaps_ns()[at as usize - 1..] {
-            prop_assert!(gap / TICK_NS + 1 >= interval, "{gap} ns after intervals of {interval} ticks");
-        }
-        // What is put off is no part of the past.
-        for (made, due) in (1..=at as i64).zip(&expected) {
-            prop_assert_eq!(actuator.stepper().position_at(began + due), Some(made));
-=======
     fn calls_that_are_late_again_on_the_way_down_make_no_burst_either(
         part in 0.0..1.0_f64,
         late in prop::collection::vec(2000..100_000_u64, 2..5),
@@ -120,7 +102,6 @@ proptest! {
         // What was put off is no part of the past.
         for (now, position) in calls {
             prop_assert_eq!(actuator.stepper().position_at(now), Some(position));
->>>>>>> e21a24ec658d5553ba7cee2ec105e1c86243c7eb
         }
     }
 

@@ -46,6 +46,7 @@ pub struct Statistics {
 
 /// Why an integration stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum IntegrationError {
     /// The state or its derivative is not a finite number.
