@@ -9,7 +9,12 @@
 use core::hint::black_box;
 use core::panic::PanicInfo;
 
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{ErrorKind, ErrorType, InputPin, OutputPin};
+use pump_ctl::drive::{Actuator, Clock, OnFault, StepDir, Timing};
+
 use pump_ctl::plan::{Cruise, Limits, Motor, Phase, PlanError, Request, Trapezoid, plan, speed_for_flow};
+use pump_ctl::step::{Brake, Segment, Stepper};
 use pump_model::math::{ceil, degrees, floor, pow, rad_s, radians, rpm, sqrt, wrap};
 use pump_model::polynomial::Polynomial;
 use pump_model::{ExactRun, FlowCurve, Geometry, Leg, Line, ModelError, Port, Pump};
@@ -160,5 +165,85 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
     let profile = Trapezoid::new(any(), any(), any());
     black_box((profile.time_of(any()), profile.duration_s(), profile.legs(any(), black_box(1))));
     black_box((profile.peak_rad_s(), profile.reaches_cruise(), profile.acceleration_rad_s2()));
+    black_box((plan.angle_at(any()), plan.speed_at(any()), plan.speed_after(black_box(1))));
+    let rest = plan.retarget(pump, black_box(1), any(), cruise, &limits)?;
+    black_box(rest.delivered_ml(pump, black_box(1)));
+    for segment in rest.segments(black_box(1)) {
+        black_box(segment);
+    }
+    moves(motor, rest.segments(black_box(1)));
     Ok(())
+}
+
+/// A pin, a delay and a clock of which nothing is known.
+struct Any;
+
+impl ErrorType for Any {
+    type Error = ErrorKind;
+}
+
+impl OutputPin for Any {
+    fn set_low(&mut self) -> Result<(), ErrorKind> {
+        black_box(Ok(()))
+    }
+
+    fn set_high(&mut self) -> Result<(), ErrorKind> {
+        black_box(Ok(()))
+    }
+}
+
+impl InputPin for Any {
+    fn is_high(&mut self) -> Result<bool, ErrorKind> {
+        black_box(Ok(true))
+    }
+
+    fn is_low(&mut self) -> Result<bool, ErrorKind> {
+        black_box(Ok(true))
+    }
+}
+
+impl DelayNs for Any {
+    fn delay_ns(&mut self, ns: u32) {
+        black_box(ns);
+    }
+}
+
+impl Clock for Any {
+    fn now(&mut self) -> u64 {
+        black_box(0)
+    }
+}
+
+fn any_segment() -> Segment {
+    Segment { count: black_box(1), interval: black_box(1), add: black_box(1), frac: black_box(1) }
+}
+
+fn moves(motor: Motor, segments: impl Iterator<Item = Segment>) {
+    let brake = Brake::from_climb([any_segment(), any_segment()]).unwrap_or(motor.brake(black_box(1)));
+    for segment in brake.climb() {
+        black_box((segment.steps(), segment.direction(), segment.is_valid()));
+    }
+    let mut stepper = Stepper::<8>::new(brake);
+    black_box((stepper.push(any_segment()).is_ok(), stepper.set_position(black_box(1)), stepper.clear()));
+
+    let timing = Timing { step_high_ns: black_box(1), ..Timing::default() };
+    let pins = StepDir::new(Any, Any, Any, Any, timing).with_index(Any);
+    let mut actuator = Actuator::new(pins, stepper, OnFault::Disable);
+    black_box((actuator.enable().is_ok(), actuator.watch_index().is_ok(), actuator.index_at()));
+    black_box(actuator.start(black_box(1)).is_ok());
+    while black_box(true) {
+        black_box(actuator.on_timer(black_box(1)).is_ok());
+        let stepper = actuator.stepper();
+        black_box((stepper.room(), stepper.position(), stepper.position_at(black_box(1))));
+        black_box((stepper.next_deadline(), stepper.is_moving(), stepper.retarget(black_box(1))));
+        if black_box(false) {
+            stepper.halt(black_box(true));
+            stepper.finish();
+        }
+        if black_box(false) {
+            black_box(actuator.stop(black_box(1)));
+        }
+    }
+    black_box(actuator.run(&mut Any, &mut segments.peekable(), || black_box(false)).is_ok());
+    black_box(actuator.disable().is_ok());
 }
