@@ -40,6 +40,12 @@ bench: $(VENV)/installed
 embedded:
 	rustup target add $(TARGETS)
 	for target in $(TARGETS); do cargo build --locked -p pump-ctl --target $$target || exit 1; done
+	command -v qemu-system-arm || (apt-get update && apt-get install -y --no-install-recommends qemu-system-arm)
+	cd examples/firmware && cargo fmt --check
+	cd examples/firmware && cargo clippy --locked --release --target-dir ../../target -- -D warnings
+	cd examples/firmware && cargo build --locked --release --target-dir ../../target
+	cd examples/firmware && timeout 300 cargo run --locked --release --target-dir ../../target >../../target/firmware.txt
+	cargo run --locked --example check_firmware target/firmware.txt
 
 docs:
 	cargo doc --locked --workspace --no-deps --open
