@@ -43,9 +43,16 @@ bench: $(VENV)/installed
 embedded:
 	rustup target add $(TARGETS)
 	for target in $(TARGETS); do cargo build --locked -p pump-model --target $$target || exit 1; done
+	cargo build --locked -p pump-ctl --features serde,defmt --target thumbv7em-none-eabihf
 	for target in $(TARGETS); do $(NO_PANIC) --release --target $$target || exit 1; done
 	for target in $(TARGETS); do $(NO_PANIC) --profile fast --target $$target || exit 1; done
 	$(NO_PANIC) --release --target thumbv7em-none-eabihf --features index 2>&1 | grep 'undefined symbol: a_panic_is_reachable'
+	command -v qemu-system-arm || (apt-get update && apt-get install -y --no-install-recommends qemu-system-arm)
+	cd examples/firmware && cargo fmt --check
+	cd examples/firmware && cargo clippy --locked --release --target-dir ../../target -- -D warnings
+	cd examples/firmware && cargo build --locked --release --target-dir ../../target
+	cd examples/firmware && timeout 300 cargo run --locked --release --target-dir ../../target >../../target/firmware.txt
+	cargo run --locked --example check_firmware target/firmware.txt
 
 docs:
 	cargo doc --locked --workspace --no-deps --open
