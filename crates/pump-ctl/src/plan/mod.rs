@@ -140,8 +140,8 @@ impl Plan {
         curve.volume_ml(self.angle_after(count)) - curve.volume_ml(self.start.angle_rad)
     }
 
-    /// Angle `t_s` after the start of motion, rad, of the smooth motion through the steps; before and after it the rotor
-    /// stands. For a drive that takes set-points instead of steps.
+    /// Angle `t_s` after the start of motion, rad, of the smooth motion through the steps; the start angle before it, the
+    /// end angle after it. For a drive that takes set-points instead of steps.
     ///
     /// ```
     /// use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};
@@ -161,7 +161,8 @@ impl Plan {
 
     /// Speed `t_s` after the start of motion, rad/s, negative in reverse; 0 before and after it.
     pub fn speed_at(&self, t_s: f64) -> f64 {
-        if t_s > 0.0 && t_s < self.profile.duration_s() { self.leg_at(t_s).speed_at(t_s) } else { 0.0 }
+        let moves = (0.0..self.profile.duration_s()).contains(&t_s);
+        if moves { self.leg_at(t_s).speed_at(t_s) } else { 0.0 }
     }
 
     /// The leg under way at `t_s`.
