@@ -7,13 +7,15 @@
 
 #[path = "src/dose.rs"]
 mod dose;
+#[path = "src/pump.rs"]
+mod pump;
 
 use std::process::ExitCode;
 
-use dose::{CHANGED_ML, DOSE_ML, Executor, MOTOR, TICK_HZ};
+use dose::{CHANGED_ML, DOSE_ML, Executor, TICK_HZ};
+use pump::{LIMITS, PUMP};
 use pump_ctl::plan::Plan;
 use pump_ctl::step::Action;
-use pump_model::Pump;
 
 /// How far from its deadline a pin may rise, counts: a tick.
 const TOLERANCE: i64 = COUNTS_PER_TICK;
@@ -27,7 +29,7 @@ const DIRECTION_COUNTS: i64 = 34;
 const CHANGE_TICKS: i64 = 10_000;
 
 /// What the lines of cost may say at most.
-const LIMITS: [(&str, f64); 2] = [("for a plan", 20e6), ("a step in on_deadline", 70.0)];
+const MOST: [(&str, f64); 2] = [("for a plan", 20e6), ("a step in on_deadline", 70.0)];
 
 type Checked = Result<(), String>;
 
@@ -51,9 +53,8 @@ fn check(text: &str) -> Checked {
     let (figures, done): (Vec<_>, Vec<_>) =
         text.lines().partition(|line| line.starts_with("cost:") || line.starts_with("memory:"));
     let mut done = done.into_iter();
-    let pump = Pump::three_roller();
-    let plan = dose::plan_dose(&pump, DOSE_ML).map_err(|error| error.to_string())?;
-    let prediction = plan.predict(&pump).map_err(|error| error.to_string())?;
+    let plan = dose::plan_dose(DOSE_ML).map_err(|error| error.to_string())?;
+    let prediction = plan.predict(&PUMP).map_err(|error| error.to_string())?;
     let mut expected = String::new();
     dose::write_plan(&mut expected, &plan, &prediction).map_err(|error| error.to_string())?;
     for line in expected.lines() {
@@ -62,7 +63,7 @@ fn check(text: &str) -> Checked {
     println!("plan: {} steps, every bit as on the host", plan.steps);
     whole(&mut done, &plan)?;
     stopped(&mut done, &plan)?;
-    changed(&mut done, &plan, &pump)?;
+    changed(&mut done, &plan)?;
     same(done.next(), "end")?;
     costs(&figures)
 }
@@ -84,7 +85,7 @@ fn numbers<const N: usize>(line: Option<&str>) -> Result<[i64; N], String> {
 }
 
 fn queued(plan: &Plan) -> Executor {
-    let mut executor = Executor::new(MOTOR.brake(TICK_HZ));
+    let mut executor = Executor::new(LIMITS.motor.brake(TICK_HZ));
     dose::queue(&mut executor, plan);
     executor
 }
@@ -172,10 +173,10 @@ fn stopped<'a>(done: &mut impl Iterator<Item = &'a str>, plan: &Plan) -> Checked
     steps(done, "stopped", &made, 0, promised)
 }
 
-fn changed<'a>(done: &mut impl Iterator<Item = &'a str>, plan: &Plan, pump: &Pump) -> Checked {
+fn changed<'a>(done: &mut impl Iterator<Item = &'a str>, plan: &Plan) -> Checked {
     same(done.next(), "run: changed")?;
     let [asked, count, not_before, position, at] = numbers(done.next())?;
-    let smaller = dose::plan_dose(pump, CHANGED_ML).map_err(|error| error.to_string())?;
+    let smaller = dose::plan_dose(CHANGED_ML).map_err(|error| error.to_string())?;
     let mut executor = queued(plan);
     let mut made = Vec::new();
     let due = executor.start(0).map_err(|error| error.to_string())?;
@@ -203,7 +204,7 @@ fn costs(figures: &[&str]) -> Checked {
     for line in figures {
         println!("{line}");
     }
-    for (what, most) in LIMITS {
+    for (what, most) in MOST {
         let line = figures
             .iter()
             .find(|line| line.contains(what))

@@ -2,9 +2,10 @@
 
 use core::fmt;
 
-use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Plan, PlanError, Prediction, Request, plan};
+use pump_ctl::plan::{Cruise, Phase, Plan, PlanError, Prediction, Request, plan};
 use pump_ctl::step::{Segment, Stepper};
-use pump_model::Pump;
+
+use crate::pump::{LIMITS, PUMP};
 
 /// The time of a step is counted in microseconds.
 pub const TICK_HZ: u32 = 1_000_000;
@@ -19,14 +20,10 @@ pub type Executor = Stepper<QUEUE>;
 pub const DOSE_ML: f64 = 25.0;
 pub const CHANGED_ML: f64 = 20.0;
 
-/// The motor of the published pump with 64 microsteps.
-pub const MOTOR: Motor =
-    Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
-
 /// A dose from 0.3 rad at 5 mL/s.
-pub fn plan_dose(pump: &Pump, volume_ml: f64) -> Result<Plan, PlanError> {
+pub fn plan_dose(volume_ml: f64) -> Result<Plan, PlanError> {
     let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 });
-    plan(pump, Phase::known(0.3), &request, &Limits::of_motor(MOTOR))
+    plan(&PUMP, Phase::known(0.3), &request, &LIMITS)
 }
 
 /// Queues a whole plan.

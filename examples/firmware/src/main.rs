@@ -11,7 +11,8 @@
 //!
 //! # How it works
 //!
-//! The main program plans ([`dose`]) and queues all of the plan's integer segments, 18 here; f64 is done with before the
+//! The pump is a constant ([`pump`]), printed by `dose pumps show three-roller --format rust`. The main program plans
+//! ([`dose`]) and queues all of the plan's integer segments, 18 here; f64 is done with before the
 //! motor starts. Then the interrupt ([`machine`]) calls `Actuator::on_timer`, which makes the step that is due by the
 //! pins of [`board`] and says when the next is, and sets SysTick for that. Deadlines are absolute, in microseconds of a
 //! free-running timer, so that latencies do not add up. The main program stops or changes the move in a critical section
@@ -47,6 +48,7 @@ mod machine;
 mod measure;
 mod memory;
 mod output;
+mod pump;
 mod runs;
 
 use core::fmt::Write;
@@ -57,7 +59,6 @@ use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, heprintln};
 use pump_ctl::drive::{Actuator, OnFault, StepDir, Timing};
 use pump_ctl::step::Stepper;
-use pump_model::Pump;
 
 use board::{Alarm, Output, StepPin, Wait};
 use machine::{Machine, Made, Record};
@@ -77,7 +78,7 @@ fn install() {
     let record = cortex_m::singleton!(: Record = [Made { due: 0, rose: 0 }; 16_384]);
     board::start_counter();
     let pins = StepDir::new(StepPin(Output::new(0)), Output::new(1), Output::new(2), Wait, Timing::default());
-    let executor = Stepper::new(dose::MOTOR.brake(dose::TICK_HZ));
+    let executor = Stepper::new(pump::LIMITS.motor.brake(dose::TICK_HZ));
     let mut actuator = Actuator::new(pins, executor, OnFault::Hold);
     actuator.enable().expect("these pins do not fail");
     Machine::install(actuator, Alarm::new(core.SYST), record.expect("it is made once"));
@@ -86,12 +87,11 @@ fn install() {
 fn write_all() -> core::fmt::Result {
     let mut out = output::Buffered::new();
     measure::check_clock();
-    let pump = Pump::three_roller();
-    let plan = measure::plan(&mut out, &pump)?;
+    let plan = measure::plan(&mut out)?;
     measure::executor(&mut out, &plan)?;
     runs::whole(&mut out, &plan)?;
     runs::stopped(&mut out, &plan)?;
-    runs::changed(&mut out, &pump, &plan)?;
+    runs::changed(&mut out, &plan)?;
     measure::memory(&mut out)?;
     writeln!(out, "end")?;
     out.flush()

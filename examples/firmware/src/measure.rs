@@ -5,12 +5,12 @@ use core::hint::black_box;
 
 use pump_ctl::plan::Plan;
 use pump_ctl::step::Action;
-use pump_model::Pump;
 
 use crate::board::counts;
-use crate::dose::{self, DOSE_ML, Executor, MOTOR, TICK_HZ};
+use crate::dose::{self, DOSE_ML, Executor, TICK_HZ};
 use crate::machine::Record;
 use crate::memory;
+use crate::pump::{LIMITS, PUMP};
 
 /// With `-icount shift=3` an instruction takes 8 ns of the emulated time, and a count of the 25 MHz timer 40 ns.
 pub const INSTRUCTIONS_PER_COUNT: u32 = 5;
@@ -36,27 +36,25 @@ pub fn tenths(out: &mut impl Write, total: u32, number: u32, what: &str) -> Resu
 
 /// Plans the dose and writes the plan and what it has cost. Not inlined: what it needs of the stack is free afterwards.
 #[inline(never)]
-pub fn plan(out: &mut impl Write, pump: &Pump) -> core::result::Result<Plan, core::fmt::Error> {
-    let (plan, planning) = counting(|| dose::plan_dose(black_box(pump), black_box(DOSE_ML)));
+pub fn plan(out: &mut impl Write) -> core::result::Result<Plan, core::fmt::Error> {
+    let (plan, planning) = counting(|| dose::plan_dose(black_box(DOSE_ML)));
     let plan = plan.expect("the dose can be planned");
     let (segments, fitting) = counting(|| black_box(&plan).segments(TICK_HZ).map(black_box).count());
-    let (prediction, predicting) = counting(|| black_box(&plan).predict(pump));
+    let (prediction, predicting) = counting(|| black_box(&plan).predict(&PUMP));
     dose::write_plan(out, &plan, &prediction.expect("the lines settle"))?;
-    let (_, deriving) = counting(Pump::three_roller);
-    let (_, braking) = counting(|| black_box(MOTOR).brake(TICK_HZ));
+    let (_, braking) = counting(|| black_box(LIMITS.motor).brake(TICK_HZ));
     writeln!(
         out,
         "cost: {} instructions for a plan: {planning} for angle and profile, {fitting} for {segments} segments",
         planning + fitting
     )?;
     writeln!(out, "cost: {predicting} instructions for a prediction of pressures and settling")?;
-    writeln!(out, "cost: {deriving} instructions for the pump's curves, once")?;
     writeln!(out, "cost: {braking} instructions for the motor's brake, once")?;
     Ok(plan)
 }
 
 fn queued(plan: &Plan) -> Executor {
-    let mut executor = Executor::new(MOTOR.brake(TICK_HZ));
+    let mut executor = Executor::new(LIMITS.motor.brake(TICK_HZ));
     dose::queue(&mut executor, plan);
     executor
 }

@@ -4,7 +4,6 @@ use core::fmt::{Result, Write};
 
 use pump_ctl::plan::Plan;
 use pump_ctl::step::Segment;
-use pump_model::Pump;
 
 use crate::board::{COUNT_HZ, StepPin, Wait, counts};
 use crate::dose::{self, CHANGED_ML, QUEUE, TICK_HZ};
@@ -57,12 +56,12 @@ pub fn stopped(out: &mut impl Write, plan: &Plan) -> Result {
 
 /// A dose whose volume is changed after 2 s; the change is planned while the motor turns.
 #[inline(never)]
-pub fn changed(out: &mut impl Write, pump: &Pump, plan: &Plan) -> Result {
+pub fn changed(out: &mut impl Write, plan: &Plan) -> Result {
     with(|machine| machine.start(plan));
     wait(2 * COUNT_HZ);
     let asked = with(|machine| machine.elapsed());
     // Computed before the queue is touched, so that pushing takes no time to speak of.
-    let changed = dose::plan_dose(pump, CHANGED_ML).expect("the smaller dose can be planned");
+    let changed = dose::plan_dose(CHANGED_ML).expect("the smaller dose can be planned");
     let mut segments = [Segment::default(); QUEUE];
     let count =
         segments.iter_mut().zip(changed.segments(TICK_HZ)).map(|(place, found)| *place = found).count();
