@@ -58,11 +58,6 @@ impl Staged {
     }
 }
 
-/// Replaces a file: the old one or the new one is there at any instant.
-pub fn replace_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    Staged::new(path, write)?.put()
-}
-
 fn folder_of(target: &Path) -> &Path {
     match target.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -94,6 +89,10 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn replace_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+        Staged::new(path, write)?.put()
+    }
 
     #[test]
     fn a_failed_write_leaves_the_old_contents_and_no_litter() {
