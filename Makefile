@@ -3,8 +3,9 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(CURDIR)/$(VENV)/bin
 TARGETS := thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imc-unknown-none-elf
+NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --target-dir target
 
-.PHONY: test test-rust test-python lint bench embedded docs
+.PHONY: test test-rust test-python faults lint bench embedded docs
 
 test: test-rust test-python
 
@@ -20,10 +21,15 @@ $(VENV)/installed: $(shell git ls-files -- Cargo.lock Cargo.toml 'src/*.rs' 'cra
 	$(BIN)/pip install --quiet "./crates/pump-py[test]"
 	touch $@
 
+# Doses cut off at random instants; `make test` runs 40 of them.
+faults:
+	FAULTS_RUNS=500 cargo test --locked --test faults
+
 lint: $(VENV)/installed
 	cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt
 	cargo clippy --version >/dev/null 2>&1 || rustup component add clippy
 	cargo fmt --all --check
+	cargo fmt --manifest-path tests/no_panic/Cargo.toml --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --document-private-items
 	cd crates/pump-py && $(BIN)/ruff check . && $(BIN)/ruff format --check .
@@ -36,10 +42,21 @@ bench: $(VENV)/installed
 	$(BIN)/pip install --quiet "./crates/pump-py[bench]"
 	$(BIN)/python crates/pump-py/benches/scipy_peers.py
 
-# One build a target: building the workspace at once would unify features.
+# The integrator too must do without std; what firmware needs must link without a panic, for size and for speed. The last
+# line is the test of that test: an index that may be out of range must not link.
 embedded:
 	rustup target add $(TARGETS)
-	for target in $(TARGETS); do cargo build --locked -p pump-ctl --target $$target || exit 1; done
+	for target in $(TARGETS); do cargo build --locked -p pump-model --target $$target || exit 1; done
+	cargo build --locked -p pump-ctl --features serde,defmt --target thumbv7em-none-eabihf
+	for target in $(TARGETS); do $(NO_PANIC) --release --target $$target || exit 1; done
+	for target in $(TARGETS); do $(NO_PANIC) --profile fast --target $$target || exit 1; done
+	$(NO_PANIC) --release --target thumbv7em-none-eabihf --features index 2>&1 | grep 'undefined symbol: a_panic_is_reachable'
+	command -v qemu-system-arm || (apt-get update && apt-get install -y --no-install-recommends qemu-system-arm)
+	cd examples/firmware && cargo fmt --check
+	cd examples/firmware && cargo clippy --locked --release --target-dir ../../target -- -D warnings
+	cd examples/firmware && cargo build --locked --release --target-dir ../../target
+	cd examples/firmware && timeout 300 cargo run --locked --release --target-dir ../../target >../../target/firmware.txt
+	cargo run --locked --example check_firmware target/firmware.txt
 
 docs:
 	cargo doc --locked --workspace --no-deps --open

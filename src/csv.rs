@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use pump_ctl::plan::Plan;
 
-use crate::waveform::Sample;
+use crate::sample::Sample;
 
 /// Header of [`write_steps`].
 pub const STEPS_HEADER: &str = "step,time_s,direction,angle_rad";

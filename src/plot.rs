@@ -4,7 +4,7 @@ use plotters::prelude::*;
 use pump_model::math::rpm;
 use thiserror::Error;
 
-use crate::waveform::Sample;
+use crate::sample::Sample;
 
 /// Width and height of the picture, px.
 const SIZE: (u32, u32) = (900, 1100);

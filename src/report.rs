@@ -143,7 +143,9 @@ impl DoseReport {
                 half_width_deg: degrees(plan.start.half_width_rad),
             },
             start_angle_deg: degrees(plan.start.angle_rad),
-            end_angle_deg: degrees(delivered.map_or(plan.end_angle_rad(), |delivered| delivered.end_angle_rad)),
+            end_angle_deg: degrees(
+                delivered.map_or(plan.end_angle_rad(), |delivered| delivered.end_angle_rad),
+            ),
             steps: plan.steps,
             steps_made: delivered.map(|delivered| delivered.made as i64 * plan.steps.signum()),
             steps_per_rev: plan.steps_per_rev,

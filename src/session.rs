@@ -28,6 +28,8 @@ pub struct Session<'a> {
     journal: Journal,
     /// None if nothing was ever recorded.
     state: Option<State>,
+    /// Whether the state is not on record yet as the rotor's rest.
+    cut_off: bool,
     _lock: Lock,
 }
 
@@ -48,7 +50,7 @@ impl<'a> Session<'a> {
     pub(crate) fn open(bench: &'a Bench) -> Result<Self, DoseError> {
         let lock = bench.folder().lock()?;
         let (journal, story) = lock.journal(bench.model(), bench.fresh())?;
-        Ok(Self { bench, journal, state: story.state, _lock: lock })
+        Ok(Self { bench, journal, state: story.state, cut_off: story.cut_off, _lock: lock })
     }
 
     /// How things stand; none if nothing was ever recorded.
@@ -108,6 +110,9 @@ impl<'a> Session<'a> {
     ) -> Result<Delivered, DoseError> {
         let (plan, model) = (&prepared.plan, self.bench.model());
         let purpose = prepared.request.purpose;
+        if let (true, Some(state)) = (self.cut_off, self.state) {
+            self.rest(Why::CutOff, state)?;
+        }
         let intent = Intent::of(plan, purpose, prepared.carry_out_ml, unix_s());
         self.journal.append(&Entry::Intent(intent))?;
 
@@ -141,8 +146,9 @@ impl<'a> Session<'a> {
             Ok(made) => made,
             Err(fault) => {
                 let state = before.after(&intent, fault.made_least, fault.made_most, model);
-                let (least_ml, most_ml) =
-                    state.unfinished.map_or((plan.planned_ml, plan.planned_ml), |dose| dose.delivered_ml(model));
+                let (least_ml, most_ml) = state
+                    .unfinished
+                    .map_or((plan.planned_ml, plan.planned_ml), |dose| dose.delivered_ml(model));
                 // The journal's last stretch says as much, with wider bounds.
                 let _ = self.rest(Why::Fault, state);
                 return Err(DoseError::Drive { error: fault.error, least_ml, most_ml });
@@ -174,9 +180,13 @@ impl<'a> Session<'a> {
         Ok(Delivered { volume_ml, made, end_angle_rad, completed })
     }
 
+    /// Records that the rotor stands. Where that cannot be written it is known to this session all the same, and the next
+    /// dose writes it down first.
     fn rest(&mut self, why: Why, state: State) -> Result<(), JournalError> {
-        self.journal.append(&Entry::Rest { unix_s: unix_s(), why, state })?;
         self.state = Some(state);
+        self.cut_off = true;
+        self.journal.append(&Entry::Rest { unix_s: unix_s(), why, state })?;
+        self.cut_off = false;
         Ok(())
     }
 }

@@ -1,9 +1,12 @@
 //! A run of the model at constant speed from lines at rest, without any dose.
 
+use std::array;
+
 use pump_model::{Leg, ModelError, Pump, SteadyState};
 use serde::Serialize;
 
-use crate::waveform::{Method, Sample, Waveform};
+use crate::times::EqualTimes;
+use crate::waveform::{Method, Waveform};
 
 /// Most samples that a run may have.
 pub const MAX_SAMPLES: f64 = 1e9;
@@ -57,10 +60,10 @@ impl Simulation {
     pub fn samples<'a>(
         &self,
         pump: &'a Pump,
-    ) -> Result<Box<dyn Iterator<Item = Result<Sample, ModelError>> + Send + 'a>, ModelError> {
+    ) -> Result<Waveform<'a, array::IntoIter<Leg, 1>, EqualTimes>, ModelError> {
         self.validate()?;
         let legs = [Leg::constant_speed(0.0, self.speed_rad_s)];
-        Ok(Waveform::new(pump, legs, self.method)?.every(self.dt_s, self.intervals()))
+        Ok(Waveform::every(pump, legs, self.method, self.dt_s, self.intervals())?)
     }
 }
 

@@ -1,28 +1,10 @@
 //! Flows, pressures and delivered volume of a motion, sampled over time.
 
 use pump_model::integrator::IntegrationError;
-use pump_model::{ExactRun, Leg, ModelError, Port, PortRun, Pump};
+use pump_model::{ExactRun, ExactSamples, Leg, Port, PortRun, Pump};
 
-/// The state of the pump at one instant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
-    /// s.
-    pub time_s: f64,
-    /// Angle of the rotor, rad, unwrapped.
-    pub angle_rad: f64,
-    /// Speed of the rotor, rad/s.
-    pub speed_rad_s: f64,
-    /// Flow at the inlet rollers, mL/s.
-    pub q_in_ml_s: f64,
-    /// Flow at the outlet rollers, mL/s.
-    pub q_out_ml_s: f64,
-    /// Pressure at the inlet, kPa absolute.
-    pub p_in_kpa: f64,
-    /// Pressure at the outlet, kPa absolute.
-    pub p_out_kpa: f64,
-    /// Volume that has passed the outlet line, mL.
-    pub delivered_ml: f64,
-}
+use crate::sample::{Columns, Sample};
+use crate::times::EqualTimes;
 
 /// How the pressures are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,27 +28,49 @@ impl Method {
     }
 }
 
-/// Follows a motion from lines at rest and samples it at rising times.
-pub struct Waveform<'a, M> {
+/// Samples of a motion from lines at rest, at rising times: one by one as an iterator, or faster in columns.
+pub struct Waveform<'a, M, T> {
     pump: &'a Pump,
+    times: T,
     legs: M,
     leg: Leg,
     start_ml: f64,
     ports: Ports<'a, M>,
 }
 
-/// Both ports by either method.
+/// Inlet and outlet by either method.
 enum Ports<'a, M> {
     Exact(Box<[ExactRun<'a, M>; 2]>),
+    /// At the next of equal intervals, whatever the time.
+    Every(Box<[ExactSamples<'a, M>; 2]>),
     Integrated(Box<(PortRun<'a, M, 2>, PortRun<'a, M, 3>)>),
 }
 
-impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M> {
-    /// A motion over `legs`, from lines at rest; afterwards the rotor stands.
+impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M, EqualTimes> {
+    /// A motion over `legs`, which start at time 0, at n `dt_s`, n = 0 to `intervals`: the fastest way through it.
+    pub fn every(
+        pump: &'a Pump,
+        legs: impl IntoIterator<IntoIter = M>,
+        method: Method,
+        dt_s: f64,
+        intervals: u64,
+    ) -> Result<Self, IntegrationError> {
+        let waveform = Self::new(pump, legs, method, EqualTimes::new(dt_s, intervals))?;
+        let ports = match waveform.ports {
+            Ports::Exact(ports) => Ports::Every(Box::new(ports.map(|run| run.every(dt_s)))),
+            other => other,
+        };
+        Ok(Self { ports, ..waveform })
+    }
+}
+
+impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, M, T> {
+    /// A motion over `legs`, at `times`, s, which must rise; after the last leg the rotor stands.
     pub fn new(
         pump: &'a Pump,
         legs: impl IntoIterator<IntoIter = M>,
         method: Method,
+        times: T,
     ) -> Result<Self, IntegrationError> {
         let mut legs = legs.into_iter();
         let ports = match method {
@@ -81,108 +85,146 @@ impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M> {
         };
         let leg = legs.next().unwrap_or(Leg::rest(0.0, 0.0));
         let start_ml = pump.outlet_curve().volume_ml(leg.angle_rad);
-        Ok(Self { pump, legs, leg, start_ml, ports })
+        Ok(Self { pump, times, legs, leg, start_ml, ports })
     }
 
-    /// The sample at `time_s`, which must not lie before the one asked for last.
-    pub fn at(&mut self, time_s: f64) -> Result<Sample, IntegrationError> {
-        self.enter_leg_of(time_s);
-        let (inlet_kpa, outlet_kpa, through_ml) = match &mut self.ports {
-            Ports::Exact(ports) => (ports[0].at(time_s)[0], ports[1].at(time_s)[0], None),
-            Ports::Integrated(ports) => {
-                let (inlet, outlet) = (ports.0.at(time_s)?, ports.1.at(time_s)?);
-                (inlet[0], outlet[0], Some(outlet[2]))
+    /// Fills the columns with the next samples and says how many there are: at the end fewer than there is room for.
+    pub fn fill(&mut self, columns: Columns<'_>) -> Result<usize, IntegrationError> {
+        let mut count = 0;
+        for (place, time) in columns[0].iter_mut().zip(&mut self.times) {
+            *place = time;
+            count += 1;
+        }
+        let [time_s, angle_rad, speed_rad_s, q_in_ml_s, q_out_ml_s, p_in_kpa, p_out_kpa, delivered_ml] =
+            columns.map(|column| &mut column[..count]);
+        self.follow_legs(time_s, angle_rad, speed_rad_s);
+        // Flows per angle until they are multiplied by the speed.
+        self.pump.at_angles(angle_rad, q_in_ml_s, q_out_ml_s, delivered_ml);
+        for n in 0..count {
+            q_in_ml_s[n] *= speed_rad_s[n];
+            q_out_ml_s[n] *= speed_rad_s[n];
+            delivered_ml[n] -= self.start_ml;
+        }
+        self.follow_ports(time_s, p_in_kpa, p_out_kpa, delivered_ml)?;
+        for n in 0..count {
+            p_in_kpa[n] += self.pump.inlet().reservoir_kpa;
+            p_out_kpa[n] += self.pump.outlet().reservoir_kpa;
+        }
+        Ok(count)
+    }
+
+    /// Angles, rad, and speeds, rad/s, at the times.
+    fn follow_legs(&mut self, time_s: &[f64], angle_rad: &mut [f64], speed_rad_s: &mut [f64]) {
+        let mut next = 0;
+        while let Some(&first_s) = time_s.get(next) {
+            while first_s >= self.leg.end_s() {
+                let rest = Leg::rest(self.leg.end_s(), self.leg.end_angle_rad());
+                self.leg = self.legs.next().unwrap_or(rest);
             }
-        };
-        Ok(self.sample(time_s, inlet_kpa, outlet_kpa, through_ml))
-    }
-
-    fn enter_leg_of(&mut self, time_s: f64) {
-        while time_s >= self.leg.end_s() {
-            let rest = Leg::rest(self.leg.end_s(), self.leg.end_angle_rad());
-            self.leg = self.legs.next().unwrap_or(rest);
+            let end = next + time_s[next..].partition_point(|time_s| *time_s < self.leg.end_s());
+            for n in next..end {
+                angle_rad[n] = self.leg.angle_at(time_s[n]);
+                speed_rad_s[n] = self.leg.speed_at(time_s[n]);
+            }
+            next = end;
         }
     }
 
-    /// A sample from pressures above the reservoirs. The volume through the outlet line is, by the balance of the
-    /// exact solution, what the rollers pushed less what the line holds, unless it was integrated itself.
-    fn sample(&self, time_s: f64, inlet_kpa: f64, outlet_kpa: f64, through_ml: Option<f64>) -> Sample {
-        let angle_rad = self.leg.angle_at(time_s);
-        let speed_rad_s = self.leg.speed_at(time_s);
-        let (inlet, outlet) = (self.pump.inlet(), self.pump.outlet());
-        let (inlet_ml_rad, outlet_ml_rad, volume_ml) = self.pump.at_angle(angle_rad);
-        let pushed_ml = volume_ml - self.start_ml;
-        Sample {
-            time_s,
-            angle_rad,
-            speed_rad_s,
-            q_in_ml_s: inlet_ml_rad * speed_rad_s,
-            q_out_ml_s: outlet_ml_rad * speed_rad_s,
-            p_in_kpa: inlet.reservoir_kpa + inlet_kpa,
-            p_out_kpa: outlet.reservoir_kpa + outlet_kpa,
-            delivered_ml: through_ml.unwrap_or(pushed_ml - outlet.compliance_ml_kpa * outlet_kpa),
+    /// Pressures above the reservoirs, kPa, at the times. `through_ml` is what the outlet rollers have pushed, mL, and
+    /// becomes what has passed the line.
+    fn follow_ports(
+        &mut self,
+        time_s: &[f64],
+        inlet_kpa: &mut [f64],
+        outlet_kpa: &mut [f64],
+        through_ml: &mut [f64],
+    ) -> Result<(), IntegrationError> {
+        match &mut self.ports {
+            Ports::Exact(ports) => {
+                for (run, kpa) in ports.iter_mut().zip([inlet_kpa, &mut *outlet_kpa]) {
+                    for (kpa, time_s) in kpa.iter_mut().zip(time_s) {
+                        [*kpa, _] = run.at(*time_s);
+                    }
+                }
+            }
+            Ports::Every(ports) => {
+                ports[0].fill_kpa(inlet_kpa);
+                ports[1].fill_kpa(outlet_kpa);
+            }
+            Ports::Integrated(ports) => {
+                for (n, time_s) in time_s.iter().enumerate() {
+                    let (inlet, outlet) = (ports.0.at(*time_s)?, ports.1.at(*time_s)?);
+                    (inlet_kpa[n], outlet_kpa[n], through_ml[n]) = (inlet[0], outlet[0], outlet[2]);
+                }
+                return Ok(());
+            }
         }
-    }
-
-    /// Samples at n `dt_s`, n = 0 to `intervals`: the fastest way through a motion.
-    pub fn every(
-        mut self,
-        dt_s: f64,
-        intervals: u64,
-    ) -> Box<dyn Iterator<Item = Result<Sample, ModelError>> + Send + 'a>
-    where
-        M: Send + 'a,
-    {
-        let times = (0..=intervals).map(move |n| n as f64 * dt_s);
-        let Ports::Exact(ports) = &self.ports else {
-            return Box::new(times.map(move |time_s| Ok(self.at(time_s)?)));
-        };
-        let [inlet, outlet] = ports.as_ref().clone();
-        let pressures = inlet.every(dt_s).zip(outlet.every(dt_s));
-        Box::new(times.zip(pressures).map(move |(time_s, (inlet, outlet))| {
-            self.enter_leg_of(time_s);
-            Ok(self.sample(time_s, inlet[0], outlet[0], None))
-        }))
+        // By the balance of the exact solution: what the line holds has not passed it.
+        for (through_ml, kpa) in through_ml.iter_mut().zip(outlet_kpa) {
+            *through_ml -= self.pump.outlet().compliance_ml_kpa * *kpa;
+        }
+        Ok(())
     }
 }
 
-/// Times every `dt_s` from 0 to `end_s`, with `also_s` in its place and `end_s` last.
-pub fn times(dt_s: f64, also_s: f64, end_s: f64) -> impl Iterator<Item = f64> {
-    let mut also = Some(also_s).filter(|also| *also < end_s);
-    let mut n = 0_u64;
-    let mut ended = false;
-    std::iter::from_fn(move || {
-        if ended {
-            return None;
+impl<M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Iterator for Waveform<'_, M, T> {
+    type Item = Result<Sample, IntegrationError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let mut sample = Sample::default();
+        match self.fill(sample.as_columns()) {
+            Ok(0) => None,
+            Ok(_) => Some(Ok(sample)),
+            Err(error) => Some(Err(error)),
         }
-        let grid = n as f64 * dt_s;
-        if let Some(extra) = also
-            && extra <= grid
-        {
-            also = None;
-            if extra < grid {
-                return Some(extra);
-            }
-        }
-        n += 1;
-        if grid >= end_s {
-            ended = true;
-            return Some(end_s);
-        }
-        Some(grid)
-    })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sample::COLUMNS;
 
     #[test]
-    fn the_grid_holds_the_last_step_and_both_ends_once() {
-        let all = |dt, also, end| times(dt, also, end).collect::<Vec<_>>();
-        assert_eq!(all(1.0, 1.5, 2.5), [0.0, 1.0, 1.5, 2.0, 2.5]);
-        assert_eq!(all(1.0, 1.0, 2.0), [0.0, 1.0, 2.0]);
-        assert_eq!(all(10.0, 1.0, 2.0), [0.0, 1.0, 2.0]);
-        assert_eq!(all(1.0, 2.0, 2.0), [0.0, 1.0, 2.0]);
+    fn columns_at_equal_intervals_hold_what_single_times_give() {
+        let pump = Pump::three_roller();
+        let leg = |start_s, duration_s, angle_rad, speed_rad_s, acceleration_rad_s2| Leg {
+            start_s,
+            duration_s,
+            angle_rad,
+            speed_rad_s,
+            acceleration_rad_s2,
+        };
+        // It turns back in the last leg, then stands.
+        let ramps =
+            [leg(0.0, 0.5, 1.0, 0.0, 20.0), leg(0.5, 0.4, 3.5, 10.0, 0.0), leg(0.9, 0.6, 7.5, 10.0, -20.0)];
+        let (forward, reverse) = ([Leg::constant_speed(0.0, 10.0)], [Leg::constant_speed(0.0, -10.0)]);
+        let (dt_s, intervals) = (1e-3, 2000);
+        for legs in [&ramps[..], &forward, &reverse] {
+            for method in [Method::Exact, Method::Rodas5p { tolerance: 1e-5 }] {
+                let legs = || legs.iter().copied();
+                let mut every = Waveform::every(&pump, legs(), method, dt_s, intervals).unwrap();
+                let times = (0..=intervals).map(|n| n as f64 * dt_s);
+                let mut single = Waveform::new(&pump, legs(), method, times).unwrap();
+                let mut columns = [[0.0; 64]; COLUMNS];
+                loop {
+                    let count = every.fill(columns.each_mut().map(|column| &mut column[..])).unwrap();
+                    for n in 0..count {
+                        let mut expected = single.next().unwrap().unwrap();
+                        for (column, expected) in columns.iter().zip(expected.as_columns()) {
+                            let (found, expected) = (column[n], expected[0]);
+                            assert!(
+                                (found - expected).abs() <= 1e-12 * expected.abs().max(1.0),
+                                "{found} {expected}"
+                            );
+                        }
+                    }
+                    if count < 64 {
+                        break;
+                    }
+                }
+                assert!(single.next().is_none());
+            }
+        }
     }
 }

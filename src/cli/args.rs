@@ -10,6 +10,9 @@ use pump_dose::{BUILT_IN, Bench, built_in, default_state_dir};
 
 use super::Failure;
 
+/// The command that prints pumps.
+pub(crate) const SHOW: &str = "dose pumps show";
+
 const EXAMPLES: &str = "Examples:
   dose 25mL
   dose 0.5mL --start-angle 30deg --dry-run
@@ -74,7 +77,7 @@ pub(crate) enum Command {
 pub(crate) enum PumpsCommand {
     /// List the built-in pumps
     List,
-    /// Print a pump as a pump file
+    /// Print a pump as a pump file, or with --format rust as constants for firmware
     Show {
         /// Built-in name or TOML file
         name: String,
@@ -92,6 +95,8 @@ pub(crate) enum Format {
     Text,
     /// One object a line
     Json,
+    /// Constants for firmware: `dose pumps show` alone
+    Rust,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -200,12 +205,13 @@ impl Options {
             ("--model", self.model.is_some()),
             ("--method", self.method.is_some()),
         ];
-        match given.iter().find(|(name, given)| *given && !accepted.contains(name)) {
-            Some((name, _)) => {
-                Err(Failure::refused(format!("{name} means nothing to `{command}`; leave it out")))
-            }
-            None => Ok(()),
+        if let Some((name, _)) = given.iter().find(|(name, given)| *given && !accepted.contains(name)) {
+            return Err(Failure::refused(format!("{name} means nothing to `{command}`; leave it out")));
         }
+        if self.format == Some(Format::Rust) && command != SHOW {
+            return Err(Failure::refused(format!("`--format rust` belongs to `{SHOW}`; leave it out")));
+        }
+        Ok(())
     }
 
     /// The cruise that is asked for; one of the three ways at most.

@@ -6,7 +6,8 @@ use std::ops::ControlFlow;
 use indicatif::{ProgressBar, ProgressStyle};
 use pump_dose::pump_file::PumpFile;
 use pump_dose::quantity::Amount;
-use pump_dose::waveform::{Method, Waveform, times};
+use pump_dose::times::times;
+use pump_dose::waveform::{Method, Waveform};
 use pump_dose::{Bench, Delivered, DoseReport, DoseRequest, Prepared, Purpose, Session, csv};
 
 use super::args::Options;
@@ -87,7 +88,8 @@ fn report(
     delivered: Option<(Delivered, Option<i32>)>,
     options: &Options,
 ) -> Result<(), Failure> {
-    let (delivered, signal) = (delivered.map(|(delivered, _)| delivered), delivered.and_then(|(_, signal)| signal));
+    let (delivered, signal) =
+        (delivered.map(|(delivered, _)| delivered), delivered.and_then(|(_, signal)| signal));
     let report = DoseReport::new(bench, prepared, delivered.as_ref());
     let printed = if options.json() {
         for warning in &report.warnings {
@@ -122,17 +124,12 @@ fn request(
         }
         volume_ml = -volume_ml;
     }
-    let asked =
-        DoseRequest { purpose, start_angle_rad: options.start_angle, ..DoseRequest::dose(volume_ml) };
+    let asked = DoseRequest { purpose, start_angle_rad: options.start_angle, ..DoseRequest::dose(volume_ml) };
     with_options(asked, options, file)
 }
 
 /// The same at the speed and within the pressures that were asked for.
-fn with_options(
-    request: DoseRequest,
-    options: &Options,
-    file: &PumpFile,
-) -> Result<DoseRequest, Failure> {
+fn with_options(request: DoseRequest, options: &Options, file: &PumpFile) -> Result<DoseRequest, Failure> {
     let ambient_kpa = file.ambient.pressure_kpa;
     Ok(DoseRequest {
         cruise: options.cruise()?,
@@ -148,9 +145,8 @@ fn write_outputs(bench: &Bench, prepared: &Prepared, options: &Options) -> Resul
     let motion_s = plan.profile.duration_s();
     let end_s = motion_s + prepared.prediction.settle_s;
     let samples = |dt_s| {
-        let waveform = Waveform::new(bench.model(), plan.legs(), Method::Exact);
-        let mut waveform = waveform.map_err(Failure::refused)?;
-        Ok::<_, Failure>(times(dt_s, motion_s, end_s).map(move |time_s| waveform.at(time_s)))
+        Waveform::new(bench.model(), plan.legs(), Method::Exact, times(dt_s, motion_s, end_s))
+            .map_err(Failure::refused)
     };
     let mut outputs = Outputs::default();
     if let Some(path) = &options.steps {

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use pump_dose::waveform::Sample;
+use pump_dose::sample::Sample;
 use pump_dose::{Staged, csv, plot};
 
 use super::Failure;

@@ -1,19 +1,32 @@
 //! `dose pumps`: built-in pumps and pump files.
 
 use pump_dose::pump_file::PumpFile;
+use pump_dose::rust_source::rust_source;
 use pump_dose::{BUILT_IN, built_in};
 use pump_model::math::degrees;
 
-use super::args::{Options, PumpsCommand, pump_named};
+use super::args::{Format, Options, PumpsCommand, SHOW, pump_named};
 use super::{Failure, print};
 
 pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result<(), Failure> {
-    options.accept_only("dose pumps", &[])?;
+    match command {
+        Some(PumpsCommand::Show { .. }) => options.accept_only(SHOW, &["--format"])?,
+        _ => options.accept_only("dose pumps", &[])?,
+    }
     match command {
         None | Some(PumpsCommand::List) => {
             print(&BUILT_IN.map(|(name, what)| format!("{name:<24}{what}\n")).concat())
         }
-        Some(PumpsCommand::Show { name }) => print(&pump_named(name)?.to_toml()),
+        Some(PumpsCommand::Show { name }) => {
+            let file = pump_named(name)?;
+            match options.format {
+                None => print(&file.to_toml()),
+                Some(Format::Rust) => print(&rust_source(&file).map_err(Failure::refused)?),
+                Some(Format::Text | Format::Json) => Err(Failure::refused(
+                    "`dose pumps show` prints a pump file (TOML), or Rust with `--format rust`",
+                )),
+            }
+        }
         Some(PumpsCommand::Check { file }) => {
             if !file.exists() && file.to_str().is_some_and(|name| built_in(name).is_some()) {
                 let name = file.display();

@@ -39,8 +39,10 @@ pub enum Why {
     Done,
     /// The user stopped it.
     Stopped,
-    /// The drive failed.
+    /// The drive failed, or the journal could not be written.
     Fault,
+    /// The process that ran the dose ended before it could say more.
+    CutOff,
     /// An unfinished dose was accepted as it is.
     Discarded,
     /// Its angle was set by hand.
@@ -163,7 +165,8 @@ impl Unfinished {
 
     /// Smallest and largest volume that it may have delivered, mL; both negative in reverse.
     pub fn delivered_ml(&self, pump: &Pump) -> (f64, f64) {
-        let [least, most] = [self.made_least, self.made_most].map(|made| self.intent.delivered_ml(pump, made));
+        let [least, most] =
+            [self.made_least, self.made_most].map(|made| self.intent.delivered_ml(pump, made));
         (least.min(most), least.max(most))
     }
 }

@@ -14,6 +14,8 @@ use std::path::{Path, PathBuf};
 use pump_model::Pump;
 use thiserror::Error;
 
+use crate::output::{folder_of, sync_folder};
+
 pub use entry::{Entry, Intent, State, Unfinished, Wear, Why};
 
 /// A journal that cannot be used.
@@ -21,7 +23,7 @@ pub use entry::{Entry, Intent, State, Unfinished, Wear, Why};
 #[non_exhaustive]
 pub enum JournalError {
     /// The file cannot be used.
-    #[error("cannot {action} {}: {source}; choose another folder with --state-dir or DOSE_STATE_DIR", .path.display())]
+    #[error("cannot {action} {}: {source}; make room there, or choose another folder with --state-dir or DOSE_STATE_DIR", .path.display())]
     File {
         /// What was tried.
         action: &'static str,
@@ -49,8 +51,9 @@ pub enum JournalError {
 /// A journal open for writing. Whoever holds it holds the pump's lock.
 #[derive(Debug)]
 pub struct Journal {
-    file: File,
     path: PathBuf,
+    /// Open once something was written by this process.
+    file: Option<File>,
     /// Length of what is written whole, bytes.
     length: u64,
 }
@@ -60,6 +63,8 @@ pub struct Journal {
 pub struct Story {
     /// How things stand; none if nothing was ever recorded.
     pub state: Option<State>,
+    /// Whether the process that wrote it ended with a dose under way.
+    pub cut_off: bool,
     /// A last line that was torn, by a crash while it was written; what it announced did not happen.
     pub torn: bool,
     /// Length of the whole lines, bytes.
@@ -74,8 +79,11 @@ impl Story {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Self::default()),
             Err(source) => return Err(JournalError::File { action: "read", path: path.to_owned(), source }),
         };
-        Self::of(&bytes, pump, fresh)
-            .map_err(|(line, message)| JournalError::Damaged { path: path.to_owned(), line, message })
+        Self::of(&bytes, pump, fresh).map_err(|(line, message)| JournalError::Damaged {
+            path: path.to_owned(),
+            line,
+            message,
+        })
     }
 
     /// Folds the entries since the last rest. Only the last line may be torn.
@@ -107,45 +115,53 @@ impl Story {
                 _ => return Err((n, "it does not follow from the lines before it".to_owned())),
             }
         }
-        if let Some(dose) = under_way {
+        if let Some(dose) = &under_way {
             let before = state.unwrap_or(fresh);
             state = Some(State {
-                unfinished: Some(dose),
+                unfinished: Some(*dose),
                 ..before.after(&dose.intent, dose.made_least, dose.made_most, pump)
             });
         }
-        Ok(Self { state, torn: !rest.is_empty(), length: whole as u64 })
+        Ok(Self { state, cut_off: under_way.is_some(), torn: !rest.is_empty(), length: whole as u64 })
     }
 }
 
 impl Journal {
-    /// Opens the journal at `path` and cuts off a torn last line.
+    /// The journal at `path`, and what it says. Nothing is created or changed yet.
     pub fn open(path: &Path, pump: &Pump, fresh: State) -> Result<(Self, Story), JournalError> {
         let story = Story::read(path, pump, fresh)?;
-        let failed = |source| JournalError::File { action: "write", path: path.to_owned(), source };
-        let file = OpenOptions::new().write(true).create(true).truncate(false).open(path).map_err(failed)?;
-        if story.torn {
-            file.set_len(story.length).and_then(|()| file.sync_all()).map_err(failed)?;
-        }
-        let length = story.length;
-        Ok((Self { file, path: path.to_owned(), length }, story))
+        Ok((Self { path: path.to_owned(), file: None, length: story.length }, story))
     }
 
-    /// Appends an entry and waits until it is on the disk. After an error the journal is as before.
+    /// Appends an entry, in place of a torn last line, and waits until it is on the disk. After an error the journal is as
+    /// before.
     pub fn append(&mut self, entry: &Entry) -> Result<(), JournalError> {
         let line = line::encode(entry).map_err(|error| self.failed(error.into()))?;
-        let written = self
-            .file
+        let file = match self.file.take() {
+            Some(file) => file,
+            None => self.writable().map_err(|error| self.failed(error))?,
+        };
+        let file = self.file.insert(file);
+        let written = file
             .seek(SeekFrom::Start(self.length))
-            .and_then(|_| self.file.write_all(line.as_bytes()))
-            .and_then(|()| self.file.sync_data());
+            .and_then(|_| file.write_all(line.as_bytes()))
+            .and_then(|()| file.sync_data());
         if let Err(error) = written {
             // Half a line that cannot be taken back is torn: the next reader ignores it.
-            let _ = self.file.set_len(self.length);
+            let _ = file.set_len(self.length);
             return Err(self.failed(error));
         }
         self.length += line.len() as u64;
         Ok(())
+    }
+
+    /// Opens the file and cuts off what is torn.
+    fn writable(&self) -> io::Result<File> {
+        let file = OpenOptions::new().write(true).create(true).truncate(false).open(&self.path)?;
+        file.set_len(self.length)?;
+        file.sync_all()?;
+        sync_folder(folder_of(&self.path))?;
+        Ok(file)
     }
 
     fn failed(&self, source: io::Error) -> JournalError {

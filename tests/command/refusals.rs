@@ -139,3 +139,17 @@ fn help_and_version_succeed_on_standard_output() {
     assert!(user.types(&["--version"]).out.starts_with("dose "));
     assert_eq!(user.types(&["--help"]).code, 0);
 }
+
+#[test]
+fn rust_constants_belong_to_pumps_show() {
+    let user = User::new();
+    assert!(
+        user.types(&["pumps", "show", "two-roller", "--format", "rust"]).out.contains("pub const PUMP: Pump")
+    );
+    for command in [&["1mL", "--format", "rust"][..], &["status", "--format", "rust"]] {
+        assert!(user.is_refused(command).contains("belongs to `dose pumps show`"));
+    }
+    assert!(
+        user.is_refused(&["pumps", "show", "two-roller", "--format", "json"]).contains("prints a pump file")
+    );
+}

@@ -21,3 +21,7 @@
 pub mod drive;
 pub mod plan;
 pub mod step;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/embedding.md")]
+struct Embedding;

@@ -122,7 +122,13 @@ proptest! {
         for step in plan.steps().step_by(97) {
             let leg = legs.iter().rev().find(|leg| leg.start_s <= step.time_s).unwrap();
             prop_assert!((leg.angle_at(step.time_s) - step.angle_rad).abs() < 1e-9);
+            prop_assert!((plan.angle_at(step.time_s) - step.angle_rad).abs() < 1e-9);
+            prop_assert!((plan.speed_at(step.time_s) - leg.speed_at(step.time_s)).abs() < 1e-6);
         }
+        let (before, after) = (-1.0, plan.profile.duration_s() + 1.0);
+        prop_assert_eq!((plan.angle_at(before), plan.speed_at(before)), (plan.start.angle_rad, 0.0));
+        prop_assert!((plan.angle_at(after) - plan.end_angle_rad()).abs() < 1e-9);
+        prop_assert_eq!(plan.speed_at(after), 0.0);
     }
 }
 

@@ -55,6 +55,7 @@ proptest! {
                     - pump.outlet_curve().volume_ml(start))).abs() < 1e-9);
                 // Speed goes on where it was, and ends at rest.
                 prop_assert!((rest.speed_after(0) - whole.speed_after(made)).abs() < 1e-9);
+                prop_assert!((rest.speed_at(0.0).abs() - rest.speed_after(0)).abs() < 1e-9);
                 prop_assert!(rest.profile.acceleration_rad_s2() <= MOTOR.max_acceleration_rad_s2);
                 let end = rest.legs()[2];
                 prop_assert!(end.speed_at(end.end_s()).abs() < 1e-6);

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// A pump, line or motion that the model refuses, with the value and what is allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ModelError {
     /// A single parameter outside its range.
@@ -107,6 +108,7 @@ pub enum ModelError {
         waited_s: f64,
     },
     /// The integrator gave up.
+    #[cfg(feature = "integrator")]
     #[error(transparent)]
     Integration(#[from] crate::integrator::IntegrationError),
 }

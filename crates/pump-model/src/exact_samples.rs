@@ -73,6 +73,22 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
         Self { run, start_s, dt_s, one, four, x: zeros, y: zeros, time_s: zeros, first: 0, next: 0, valid: 0 }
     }
 
+    /// Pressures of the next samples above the reservoir, kPa, for less than asking for them one by one.
+    pub fn fill_kpa(&mut self, mut kpa: &mut [f64]) {
+        while !kpa.is_empty() {
+            if self.next == self.valid {
+                self.fill();
+            }
+            // A state's x is the pressure.
+            let ready = &self.x[self.next..self.valid];
+            let count = ready.len().min(kpa.len());
+            let (now, later) = kpa.split_at_mut(count);
+            now.copy_from_slice(&ready[..count]);
+            self.next += count;
+            kpa = later;
+        }
+    }
+
     /// Computes the next samples: at least one.
     fn fill(&mut self) {
         self.first += self.valid as u64;
@@ -125,8 +141,8 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
             known.max(self.time_s.iter().take_while(|t| **t <= length_s).count())
         };
         if let Some(last) = self.valid.checked_sub(1) {
-            self.run.state = [self.x[last], self.y[last]];
-            self.run.reached_s = self.time_s[last];
+            self.run.state = [self.x[last % LANES], self.y[last % LANES]];
+            self.run.reached_s = self.time_s[last % LANES];
         }
     }
 }

@@ -2,6 +2,8 @@
 
 /// Smallest and largest pressure, kPa absolute.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Extremes {
     /// Smallest, kPa.
     pub min_kpa: f64,

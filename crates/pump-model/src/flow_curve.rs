@@ -1,9 +1,11 @@
 //! Flow per radian of one port and its exact integral over the angle.
 
+use core::ops::Range;
+
 use crate::error::ModelError;
 use crate::geometry::Geometry;
 use crate::math::{degrees, floor, sqrt, wrap};
-use crate::polynomial::Polynomial;
+use crate::polynomial::{DEGREE, Polynomial};
 use crate::roller_volume::{self, RollerVolume};
 
 /// Which end of the pump.
@@ -60,10 +62,10 @@ pub struct FlowCurve {
 }
 
 impl FlowCurve {
-    /// Curve of a validated geometry. Refused where the flow per radian is not positive somewhere.
-    pub(crate) fn new(geometry: &Geometry, roller: &RollerVolume, port: Port) -> Result<Self, ModelError> {
+    /// Curve of a validated geometry; [`Self::validate`] is still to be asked.
+    pub(crate) fn new(geometry: &Geometry, roller: &RollerVolume, port: Port) -> Self {
         let phi = roller.engagement_rad();
-        let psi = geometry.inlet_phase_rad(phi)?;
+        let psi = geometry.psi_rad(phi);
         let pitch_rad = geometry.pitch_rad();
         let nominal = geometry.nominal_ml_rad();
         let pulses = Pulses { roller, port, phi, psi, pitch_rad };
@@ -75,41 +77,63 @@ impl FlowCurve {
             per_pitch: 1.0 / pitch_rad,
             pitch_ml: 0.0,
         };
-        for start in pulses.edges() {
-            if start > pitch_rad - SAME_EDGE_RAD {
+        let inside = pulses.edges().into_iter().filter(|edge| pitch_rad - edge >= SAME_EDGE_RAD);
+        let mut start_rad = 0.0;
+        for end_rad in inside.chain([pitch_rad]) {
+            let length_rad = end_rad - start_rad;
+            if length_rad < SAME_EDGE_RAD {
                 continue;
             }
-            match curve.pieces().last() {
-                Some(last) if start - last.start_rad < SAME_EDGE_RAD => {}
-                _ => {
-                    curve.pieces[curve.count].start_rad = start;
-                    curve.count += 1;
-                }
-            }
-        }
-        let (edges, count) = (curve.pieces, curve.count);
-        curve.count = 0;
-        for n in 0..count {
-            let start_rad = edges[n].start_rad;
-            let end_rad = if n + 1 < count { edges[n + 1].start_rad } else { pitch_rad };
-            let length_rad = end_rad - start_rad;
             let mut volume = Polynomial { c: [0.0, nominal, 0.0, 0.0, 0.0, 0.0] };
             volume = volume.plus(&pulses.displaced(start_rad, length_rad).scaled(-1.0));
             volume.c[0] = curve.pitch_ml;
-            let flow = volume.derivative();
-            let (lowest, _) = flow.range_in(0.0, length_rad);
-            if lowest.1 <= 0.0 {
+            curve.push(Piece { start_rad, length_rad, volume, flow: volume.derivative() });
+            curve.pitch_ml = volume.at(length_rad);
+            start_rad = end_rad;
+        }
+        curve
+    }
+
+    /// A curve from what [`Self::precomputed_pieces`] said of it, for constants. Nothing is checked.
+    pub const fn precomputed(
+        pitch_rad: f64,
+        pitch_ml: f64,
+        pieces: &[(f64, f64, [f64; DEGREE + 1])],
+    ) -> Self {
+        const NONE: Polynomial = Polynomial { c: [0.0; DEGREE + 1] };
+        const UNUSED: Piece = Piece { start_rad: 0.0, length_rad: 0.0, volume: NONE, flow: NONE };
+        let mut places = [UNUSED; MAX_PIECES];
+        let mut count = 0;
+        while count < pieces.len() {
+            let (start_rad, length_rad, c) = pieces[count];
+            let volume = Polynomial { c };
+            places[count] = Piece { start_rad, length_rad, volume, flow: volume.derivative() };
+            count += 1;
+        }
+        Self { pieces: places, count, pitch_rad, per_pitch: 1.0 / pitch_rad, pitch_ml }
+    }
+
+    /// Start and length within the pitch, rad, and coefficients of the volume since the start of the pitch, mL, over the
+    /// angle since that start, lowest order first, of each piece.
+    pub fn precomputed_pieces(&self) -> impl Iterator<Item = (f64, f64, [f64; DEGREE + 1])> {
+        self.pieces().iter().map(|piece| (piece.start_rad, piece.length_rad, piece.volume.c))
+    }
+
+    /// Refuses a curve whose flow per radian is not positive somewhere.
+    pub(crate) fn validate(&self, rollers: u32, port: Port) -> Result<(), ModelError> {
+        for piece in self.pieces() {
+            let ((u, flow_ml_rad), _) = piece.flow.range_in(0.0, piece.length_rad);
+            if flow_ml_rad <= 0.0 {
+                let angle_deg = degrees(piece.start_rad + u);
                 return Err(ModelError::FlowNotPositive {
-                    rollers: geometry.rollers,
+                    rollers,
                     port: port.name(),
-                    flow_ml_rad: lowest.1,
-                    angle_deg: degrees(start_rad + lowest.0),
+                    flow_ml_rad,
+                    angle_deg,
                 });
             }
-            curve.push(Piece { start_rad, length_rad, volume, flow });
-            curve.pitch_ml = volume.at(length_rad);
         }
-        Ok(curve)
+        Ok(())
     }
 
     /// Appends a piece; one that goes on with the same constant flow makes the last longer.
@@ -118,8 +142,11 @@ impl FlowCurve {
         match self.count.checked_sub(1).and_then(|last| self.pieces.get_mut(last)) {
             Some(last) if is_constant && last.flow == piece.flow => last.length_rad += piece.length_rad,
             _ => {
-                self.pieces[self.count] = piece;
-                self.count += 1;
+                // There are as many places as edges.
+                if let Some(place) = self.pieces.get_mut(self.count) {
+                    *place = piece;
+                    self.count += 1;
+                }
             }
         }
     }
@@ -137,14 +164,14 @@ impl FlowCurve {
     /// Flow per radian at `angle_rad`, mL/rad. At an edge, the value just after it.
     pub fn flow_ml_rad(&self, angle_rad: f64) -> f64 {
         let (_, local_rad) = self.split(angle_rad);
-        let piece = &self.pieces[self.index_of(local_rad)];
+        let piece = self.piece_at(local_rad);
         piece.flow.at(local_rad - piece.start_rad)
     }
 
     /// Volume from angle 0 to `angle_rad`, mL; negative below 0. Exact up to rounding.
     pub fn volume_ml(&self, angle_rad: f64) -> f64 {
         let (pitches, local_rad) = self.split(angle_rad);
-        let piece = &self.pieces[self.index_of(local_rad)];
+        let piece = self.piece_at(local_rad);
         pitches * self.pitch_ml + piece.volume.at(local_rad - piece.start_rad)
     }
 
@@ -153,7 +180,7 @@ impl FlowCurve {
         let pitches = floor(volume_ml / self.pitch_ml);
         let local = volume_ml - pitches * self.pitch_ml;
         let piece = self.pieces().iter().rev().find(|piece| piece.volume.c[0] <= local);
-        let piece = piece.copied().unwrap_or(self.pieces[0]);
+        let piece = piece.unwrap_or(self.piece(0));
         pitches * self.pitch_rad + piece.start_rad + piece.volume.solve_monotone(local, 0.0, piece.length_rad)
     }
 
@@ -178,11 +205,33 @@ impl FlowCurve {
         self.pieces.get(..self.count).unwrap_or(&self.pieces)
     }
 
+    /// A piece by its number, which must be less than how many there are.
+    pub(crate) fn piece(&self, number: usize) -> &Piece {
+        let [first, ..] = &self.pieces;
+        self.pieces().get(number).unwrap_or(first)
+    }
+
     /// Flow per radian, mL/rad, and volume, mL, at an angle given as whole pitches and the rest.
     pub(crate) fn flow_and_volume_at(&self, (pitches, local_rad): (f64, f64)) -> (f64, f64) {
-        let piece = &self.pieces[self.index_of(local_rad)];
+        let piece = self.piece_at(local_rad);
         let u = local_rad - piece.start_rad;
         (piece.flow.at(u), pitches * self.pitch_ml + piece.volume.at(u))
+    }
+
+    /// The piece at an angle of this pitch, and where it ends within the pitch, rad.
+    pub(crate) fn piece_to_its_end(&self, local_rad: f64) -> (&Piece, f64) {
+        let piece = self.piece_at(local_rad);
+        let next = self.pieces().iter().find(|next| next.start_rad > piece.start_rad);
+        (piece, next.map_or(self.pitch_rad, |next| next.start_rad))
+    }
+
+    /// Whether [`Self::split`] finds so many `pitches` and a rest in `local_rad`, a part of the pitch. On a seam, where
+    /// it may have to correct its rounding, the answer is no.
+    #[inline]
+    pub(crate) fn is_within(&self, angle_rad: f64, pitches: f64, local_rad: &Range<f64>) -> bool {
+        let turned = angle_rad * self.per_pitch;
+        let whole = pitches <= turned && turned < pitches + 1.0;
+        whole && local_rad.contains(&(angle_rad - pitches * self.pitch_rad))
     }
 
     /// Whole pitches and the angle within the pitch.
@@ -197,6 +246,13 @@ impl FlowCurve {
         } else {
             (pitches, local_rad)
         }
+    }
+
+    /// The piece that contains an angle of this pitch: the last that starts there or before.
+    fn piece_at(&self, local_rad: f64) -> &Piece {
+        let [first, ..] = &self.pieces;
+        let later = self.pieces().iter().skip(1).take_while(|piece| piece.start_rad <= local_rad);
+        later.last().unwrap_or(first)
     }
 
     /// Number of the piece that contains an angle of this pitch.

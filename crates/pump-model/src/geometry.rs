@@ -10,6 +10,8 @@ use crate::math::{TURN_RAD, degrees};
 /// McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
 /// roller-type peristaltic pump", Sensors and Actuators A.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Geometry {
     /// Number of rollers, 1 or more.
     pub rollers: u32,
@@ -97,10 +99,15 @@ impl Geometry {
         TURN_RAD / f64::from(self.rollers)
     }
 
+    /// psi, rad; negative where rollers engage for too long.
+    pub(crate) fn psi_rad(&self, engagement_rad: f64) -> f64 {
+        PI - engagement_rad - 2.0 * self.contact_angle_rad
+    }
+
     /// psi = pi - phi - 2 beta, rad: how far behind the outlet's pulse the inlet's begins, for engagement
     /// angle phi.
     pub fn inlet_phase_rad(&self, engagement_rad: f64) -> Result<f64, ModelError> {
-        let psi = PI - engagement_rad - 2.0 * self.contact_angle_rad;
+        let psi = self.psi_rad(engagement_rad);
         if psi >= 0.0 {
             Ok(psi)
         } else {

@@ -6,6 +6,9 @@
 //!
 //! Units are mL, kPa absolute, s and rad, and stand in every name. Needs neither `std` nor an allocator.
 //!
+//! Feature `integrator`, on by default: the implicit integrator, for models that are not linear, and the runs made with it.
+//! Everything else links into firmware without a panic (`tests/no_panic`).
+//!
 //! ```
 //! use pump_model::Pump;
 //! let pump = Pump::three_roller();
@@ -15,6 +18,7 @@
 //! ```
 #![no_std]
 
+#[cfg(feature = "integrator")]
 pub mod circuit;
 mod error;
 mod exact;
@@ -22,11 +26,14 @@ mod exact_samples;
 mod extremes;
 pub mod flow_curve;
 mod geometry;
+mod hermite;
+#[cfg(feature = "integrator")]
 pub mod integrator;
 mod line;
 pub mod math;
 mod motion;
 pub mod polynomial;
+#[cfg(feature = "integrator")]
 mod port_run;
 mod presets;
 mod propagator;
@@ -44,6 +51,7 @@ pub use flow_curve::{FlowCurve, Port, Ripple};
 pub use geometry::Geometry;
 pub use line::Line;
 pub use motion::Leg;
+#[cfg(feature = "integrator")]
 pub use port_run::{DEFAULT_TOLERANCE, PortRun};
 pub use presets::{PUBLISHED_CONTACT_ANGLE_DEG, Variant};
 pub use pump::Pump;

@@ -5,6 +5,8 @@ use crate::math::sqrt;
 
 /// Lumped line of one port (McIntyre et al.): C at the pump, R and L in series to a reservoir.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Line {
     /// R, kPa s/mL, 0 to 1e6.
     pub resistance_kpa_s_ml: f64,
@@ -55,6 +57,7 @@ impl Line {
     }
 
     /// Flow that carries as much energy as 1 kPa of pressure: sqrt(C/L), mL/s.
+    #[cfg(feature = "integrator")]
     pub(crate) fn flow_scale_ml_s(&self) -> f64 {
         sqrt(self.compliance_ml_kpa / self.inertance_kpa_s2_ml)
     }

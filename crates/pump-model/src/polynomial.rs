@@ -47,24 +47,16 @@ impl Polynomial {
     }
 
     /// First derivative.
-    pub fn derivative(&self) -> Self {
-        let mut derived = Self::default();
-        for (n, (to, from)) in derived.c.iter_mut().zip(self.c.iter().skip(1)).enumerate() {
-            *to = (n + 1) as f64 * from;
-        }
-        derived
+    pub const fn derivative(&self) -> Self {
+        let [_, c1, c2, c3, c4, c5] = self.c;
+        Self { c: [c1, 2.0 * c2, 3.0 * c3, 4.0 * c4, 5.0 * c5, 0.0] }
     }
 
     /// `p(x + shift)` as a polynomial in `x`.
     pub fn shifted(&self, shift: f64) -> Self {
-        // Repeated Horner division (Taylor shift).
-        let mut c = self.c;
-        for stop in 0..DEGREE {
-            for k in (stop..DEGREE).rev() {
-                c[k] += shift * c[k + 1];
-            }
-        }
-        Self { c }
+        let mut shifted = *self;
+        shift_coefficients(&mut shifted.c, shift);
+        shifted
     }
 
     /// `p(factor x)` as a polynomial in `x`.
@@ -97,8 +89,10 @@ impl Polynomial {
     /// zero is found if its computed value there is exactly zero.
     pub fn roots_in(&self, low: f64, high: f64) -> Roots {
         let mut derivatives = [*self; DEGREE + 1];
-        for n in 1..=DEGREE {
-            derivatives[n] = derivatives[n - 1].derivative();
+        let mut last = *self;
+        for derivative in derivatives.iter_mut().skip(1) {
+            last = last.derivative();
+            *derivative = last;
         }
         // Between two neighbouring roots of its derivative a polynomial is monotone, so it has one root at
         // most there. Start from the constant fifth derivative and climb.
@@ -184,6 +178,20 @@ impl Polynomial {
             }
         }
         (smallest, largest)
+    }
+}
+
+/// From the coefficients of p(x), lowest order first, those of p(x + shift): repeated Horner division (Taylor shift).
+pub(crate) fn shift_coefficients(c: &mut [f64], shift: f64) {
+    let Some((highest, lower)) = c.split_last_mut() else {
+        return;
+    };
+    for stop in 0..lower.len() {
+        let mut above = *highest;
+        for c in lower.iter_mut().skip(stop).rev() {
+            *c += shift * above;
+            above = *c;
+        }
     }
 }
 

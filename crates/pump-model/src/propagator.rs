@@ -6,12 +6,11 @@
 //! enough (scaling and squaring, after Higham, "Functions of Matrices", chapter 10). Neither divides by A, so slow,
 //! stiff, critically damped and undamped lines are one case.
 
-use nalgebra::SVector;
-
 use crate::flow_curve::Port;
-use crate::integrator::{DenseStep, End};
+use crate::hermite::{self, End};
 use crate::line::Line;
 use crate::math::sqrt;
+use crate::polynomial::{Polynomial, shift_coefficients};
 
 /// Highest degree of the flow over time: a quartic in the angle, which is quadratic in time, times the speed.
 pub(crate) const DEGREE: usize = 9;
@@ -33,29 +32,31 @@ pub(crate) struct Flow {
 impl Flow {
     /// Value at `t`.
     pub(crate) fn at(&self, t: f64) -> f64 {
-        self.c[..=self.degree].iter().rev().fold(0.0, |sum, c| sum * t + c)
+        self.terms().rev().fold(0.0, |sum, c| sum * t + c)
     }
 
     /// The polynomial in time since `t`.
     pub(crate) fn shifted(&self, t: f64) -> Self {
-        let mut c = self.c;
-        for stop in 0..self.degree {
-            for k in (stop..self.degree).rev() {
-                c[k] += t * c[k + 1];
-            }
-        }
-        Self { c, degree: self.degree }
+        let mut shifted = *self;
+        let count = shifted.c.len().min(self.degree + 1);
+        shift_coefficients(&mut shifted.c[..count], t);
+        shifted
     }
 
     /// Derivative at `t`.
     pub(crate) fn rate_at(&self, t: f64) -> f64 {
-        (1..=self.degree).rev().fold(0.0, |sum, n| sum * t + n as f64 * self.c[n])
+        self.terms().enumerate().skip(1).rev().fold(0.0, |sum, (n, c)| sum * t + n as f64 * c)
+    }
+
+    /// Its coefficients but the zeros beyond its degree.
+    fn terms(&self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
+        self.c.into_iter().take(self.degree + 1)
     }
 }
 
 /// A line in coordinates in which both states carry energy alike: x = p, y = Q_L z with z = sqrt(L/C).
 ///
-/// With s = 1 at the outlet and -1 at the inlet and w = 1/sqrt(L C), the circuit of [`crate::circuit::Circuit`] reads
+/// With s = 1 at the outlet and -1 at the inlet and w = 1/sqrt(L C), the circuit of `circuit.rs` reads
 /// dx/dt = s w (z f - y), dy/dt = s w x - (R/L) y.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Oscillator {
@@ -131,7 +132,7 @@ impl Oscillator {
         } else if self.decay < 2.0 * self.rate.abs() {
             fast_s
         } else {
-            (0.3 * since_s).clamp(fast_s, (length_s / 16.0).max(fast_s))
+            (0.3 * since_s).min(length_s / 16.0).max(fast_s)
         }
     }
 
@@ -150,7 +151,7 @@ impl Oscillator {
     ) {
         let slope_at = |t| self.derivative(self.after(t, before, flow), flow.at(t))[0];
         if self.norm() * length_s <= 10.0 {
-            let slope = self.dense(length_s, before, after, flow).polynomial(0).derivative();
+            let slope = self.pressure(length_s, before, after, flow).derivative();
             for turn in slope.roots_in(0.0, 1.0).as_slice() {
                 found(self.turning_kpa(turn * length_s, before, flow));
             }
@@ -175,21 +176,20 @@ impl Oscillator {
         found(self.after(low, before, flow)[0]);
     }
 
-    /// A step between two states, for dense output; `flow` counts time from its start.
-    pub(crate) fn dense(
+    /// Pressure between two states over the fraction of the time passed, 0 to 1; `flow` counts time from `before`.
+    pub(crate) fn pressure(
         &self,
         length_s: f64,
         before: Balanced,
         after: Balanced,
         flow: &Flow,
-    ) -> DenseStep<2> {
-        let vector = |state| SVector::from(self.physical(state));
-        let end = |state, t| {
+    ) -> Polynomial {
+        let end = |state: Balanced, t| {
             let slope = self.derivative(state, flow.at(t));
             let curvature = self.derivative(slope, flow.rate_at(t));
-            End { value: vector(state), slope: vector(slope), curvature: vector(curvature) }
+            End { value: state[0], slope: slope[0], curvature: curvature[0] }
         };
-        DenseStep::hermite(0.0, length_s, &end(before, 0.0), &end(after, length_s))
+        Polynomial { c: hermite::quintic(length_s, &end(before, 0.0), &end(after, length_s)) }
     }
 
     /// Pressure where it turns near `near_s` after `state`, kPa.
@@ -224,17 +224,19 @@ impl Oscillator {
         let mut term = state;
         let mut sum = state;
         let mut power = self.rate * self.impedance;
-        for n in 0..TERMS {
+        let mut forcing = flow.terms();
+        for reciprocal in RECIPROCALS.iter().skip(1).take(TERMS) {
             let mut next = self.times(term);
-            if n <= flow.degree {
-                next[0] += power * flow.c[n];
+            let forced = forcing.next();
+            if let Some(c) = forced {
+                next[0] += power * c;
                 power *= h;
             }
-            let factor = h * RECIPROCALS[n + 1];
+            let factor = h * reciprocal;
             term = [factor * next[0], factor * next[1]];
             sum = [sum[0] + term[0], sum[1] + term[1]];
             // Beyond the flow's own terms they fall by |A| h / n each.
-            if n > flow.degree && term[0].abs() + term[1].abs() <= 1e-18 * (sum[0].abs() + sum[1].abs()) {
+            if forced.is_none() && term[0].abs() + term[1].abs() <= 1e-18 * (sum[0].abs() + sum[1].abs()) {
                 break;
             }
         }
@@ -289,19 +291,21 @@ impl Propagator {
         let mut columns = [[1.0, 0.0], [0.0, 1.0]];
         let mut response = [[0.0; 2]; DEGREE + 1];
         let mut input = [h * oscillator.rate * oscillator.impedance, 0.0];
-        // k!/(n+k+1)!, starting at n = 0.
+        // k!/(n+k)!, starting at n = 1.
         let mut weights = [0.0; DEGREE + 1];
         weights.copy_from_slice(&RECIPROCALS[1..DEGREE + 2]);
-        for n in 0..TERMS {
+        for (n, reciprocal) in RECIPROCALS.iter().enumerate().skip(1).take(TERMS) {
             for (sum, column) in change.iter_mut().zip(&mut columns) {
-                let factor = h * RECIPROCALS[n + 1];
+                let factor = h * reciprocal;
                 *column = oscillator.times(*column).map(|x| factor * x);
                 *sum = [sum[0] + column[0], sum[1] + column[1]];
             }
-            for k in 0..=degree {
-                response[k] =
-                    [response[k][0] + weights[k] * input[0], response[k][1] + weights[k] * input[1]];
-                weights[k] *= RECIPROCALS[n + k + 2];
+            let next = RECIPROCALS.iter().skip(n + 1);
+            for ((sum, weight), reciprocal) in
+                response.iter_mut().zip(&mut weights).zip(next).take(degree + 1)
+            {
+                *sum = [sum[0] + *weight * input[0], sum[1] + *weight * input[1]];
+                *weight *= reciprocal;
             }
             input = oscillator.times(input).map(|x| h * x);
         }
@@ -311,17 +315,19 @@ impl Propagator {
     /// The same for twice the step: F' = 2 F + F², gamma_k' = (e^(A h) gamma_k + sum_j C(k, j) gamma_j) / 2^k.
     fn double(&mut self) {
         let mut scale = 1.0;
-        let before = self.response;
-        for k in 0..=self.degree {
-            let mut sum = self.moved(before[k]);
+        let mut doubled = self.response;
+        for (k, doubled) in doubled.iter_mut().enumerate().take(self.degree + 1) {
+            let mut sum = self.moved(*doubled);
             let mut binomial = 1.0;
-            for (j, response) in before.iter().enumerate().take(k + 1) {
+            let next = RECIPROCALS.iter().skip(1);
+            for ((j, response), reciprocal) in self.response.iter().enumerate().zip(next).take(k + 1) {
                 sum = [sum[0] + binomial * response[0], sum[1] + binomial * response[1]];
-                binomial *= (k - j) as f64 * RECIPROCALS[j + 1];
+                binomial *= (k - j) as f64 * reciprocal;
             }
-            self.response[k] = sum.map(|x| scale * x);
+            *doubled = sum.map(|x| scale * x);
             scale *= 0.5;
         }
+        self.response = doubled;
         let twice = |column: Balanced| {
             let squared = self.changed(column);
             [2.0 * column[0] + squared[0], 2.0 * column[1] + squared[1]]

@@ -4,6 +4,7 @@ use crate::error::ModelError;
 use crate::flow_curve::{FlowCurve, Port};
 use crate::geometry::Geometry;
 use crate::line::Line;
+use crate::polynomial::Polynomial;
 use crate::roller_volume::RollerVolume;
 
 /// A validated pump with its two lines. Immutable; build another to change it.
@@ -28,9 +29,34 @@ impl Pump {
         geometry.validate()?;
         inlet.validate()?;
         outlet.validate()?;
-        let inlet_curve = FlowCurve::new(&geometry, &roller_volume, Port::Inlet)?;
-        let outlet_curve = FlowCurve::new(&geometry, &roller_volume, Port::Outlet)?;
-        Ok(Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve })
+        geometry.inlet_phase_rad(roller_volume.engagement_rad())?;
+        let pump = Self::of_valid(geometry, roller_volume, inlet, outlet);
+        pump.inlet_curve.validate(geometry.rollers, Port::Inlet)?;
+        pump.outlet_curve.validate(geometry.rollers, Port::Outlet)?;
+        Ok(pump)
+    }
+
+    /// Derives the flow curves of what is known to make a valid pump.
+    pub(crate) fn of_valid(
+        geometry: Geometry,
+        roller_volume: RollerVolume,
+        inlet: Line,
+        outlet: Line,
+    ) -> Self {
+        let inlet_curve = FlowCurve::new(&geometry, &roller_volume, Port::Inlet);
+        let outlet_curve = FlowCurve::new(&geometry, &roller_volume, Port::Outlet);
+        Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve }
+    }
+
+    /// A pump from its parts with curves that were computed before: what `dose pumps show --format rust` writes, so that a
+    /// pump can be a constant. Nothing is checked; [`Self::new`] of the parts gives the same pump.
+    pub const fn precomputed(
+        geometry: Geometry,
+        roller_volume: RollerVolume,
+        [inlet, outlet]: [Line; 2],
+        [inlet_curve, outlet_curve]: [FlowCurve; 2],
+    ) -> Self {
+        Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve }
     }
 
     /// Dimensions.
@@ -89,6 +115,45 @@ impl Pump {
         (inlet_ml_rad, outlet_ml_rad, outlet_ml)
     }
 
+    /// What [`Self::at_angle`] says of many angles, for less: neighbours in one piece of both curves need one look-up. The
+    /// slices should be of one length; what is longer is left as it is.
+    pub fn at_angles(
+        &self,
+        angle_rad: &[f64],
+        inlet_ml_rad: &mut [f64],
+        outlet_ml_rad: &mut [f64],
+        outlet_ml: &mut [f64],
+    ) {
+        let lengths = [inlet_ml_rad.len(), outlet_ml_rad.len(), outlet_ml.len()];
+        let angle_rad = &angle_rad[..lengths.into_iter().fold(angle_rad.len(), usize::min)];
+        let pitch_rad = self.pitch_rad();
+        let mut next = 0;
+        while let Some(&first_rad) = angle_rad.get(next) {
+            let (pitches, local_rad) = self.outlet_curve.split(first_rad);
+            let (inlet, inlet_end_rad) = self.inlet_curve.piece_to_its_end(local_rad);
+            let (outlet, outlet_end_rad) = self.outlet_curve.piece_to_its_end(local_rad);
+            let both = inlet.start_rad.max(outlet.start_rad)..inlet_end_rad.min(outlet_end_rad);
+            let neighbours = angle_rad[next..]
+                .iter()
+                .take_while(|angle_rad| self.outlet_curve.is_within(**angle_rad, pitches, &both));
+            let run = next..next + neighbours.count();
+            let fill = |to: &mut [f64], base: f64, piece_rad: f64, polynomial: Polynomial| {
+                for (to, angle_rad) in to[run.clone()].iter_mut().zip(&angle_rad[run.clone()]) {
+                    *to = base + polynomial.at(angle_rad - pitches * pitch_rad - piece_rad);
+                }
+            };
+            fill(inlet_ml_rad, 0.0, inlet.start_rad, inlet.flow);
+            fill(outlet_ml_rad, 0.0, outlet.start_rad, outlet.flow);
+            fill(outlet_ml, pitches * self.outlet_curve.pitch_ml(), outlet.start_rad, outlet.volume);
+            next = run.end;
+            if run.is_empty() {
+                // On a seam, or there would be one at least.
+                (inlet_ml_rad[next], outlet_ml_rad[next], outlet_ml[next]) = self.at_angle(first_rad);
+                next += 1;
+            }
+        }
+    }
+
     /// Angle between rollers, rad.
     pub fn pitch_rad(&self) -> f64 {
         self.outlet_curve.pitch_rad()
@@ -97,5 +162,33 @@ impl Pump {
     /// V_rot = V_nom - NU V_r, mL per revolution (McIntyre et al., with pulses and mean in agreement).
     pub fn revolution_ml(&self) -> f64 {
         self.outlet_curve.pitch_ml() * f64::from(self.geometry.rollers)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_angles_give_the_bits_of_each() {
+        let pump = Pump::three_roller();
+        let mut angles = [0.0; 4000];
+        // A pitch is 200 steps, as near as rounding comes: seams are met and missed by a bit either way.
+        for (n, angle_rad) in angles.iter_mut().enumerate() {
+            *angle_rad = (n as f64 - 1500.0) * (pump.pitch_rad() / 200.0);
+        }
+        let check = |angles: &[f64]| {
+            let [mut inlet, mut outlet, mut volume] = [[0.0; 4000]; 3];
+            pump.at_angles(angles, &mut inlet, &mut outlet, &mut volume);
+            for (n, angle_rad) in angles.iter().enumerate() {
+                assert_eq!((inlet[n], outlet[n], volume[n]), pump.at_angle(*angle_rad), "{angle_rad}");
+            }
+        };
+        check(&angles);
+        angles.reverse();
+        check(&angles);
+        // Back and forth.
+        angles.sort_unstable_by(|a, b| (a % 0.7).total_cmp(&(b % 0.7)));
+        check(&angles);
     }
 }

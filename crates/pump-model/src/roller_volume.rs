@@ -2,7 +2,7 @@
 
 use crate::error::{ModelError, positive};
 use crate::math::{TURN_RAD, degrees, radians};
-use crate::polynomial::Polynomial;
+use crate::polynomial::{DEGREE, Polynomial};
 
 /// Most pieces that a roller-volume curve may have.
 pub const MAX_PIECES: usize = 8;
@@ -72,6 +72,12 @@ impl RollerVolume {
                 });
             }
         }
+        let curve = Self::of_valid(highest_first, engagement_deg);
+        if curve.total_ml > 0.0 { Ok(curve) } else { Err(ModelError::RollerVolumeFlat { engagement_deg }) }
+    }
+
+    /// The same of what is known to be valid.
+    pub(crate) fn of_valid(highest_first: [f64; 6], engagement_deg: f64) -> Self {
         let mut c = highest_first;
         c.reverse();
         let volume = Polynomial { c }.stretched(360.0 / TURN_RAD);
@@ -89,12 +95,34 @@ impl RollerVolume {
             }
             start = end;
         }
-        if curve.total_ml > 0.0 { Ok(curve) } else { Err(ModelError::RollerVolumeFlat { engagement_deg }) }
+        curve
     }
 
     /// The curve that McIntyre et al. measured.
     pub fn measured() -> Result<Self, ModelError> {
         Self::from_polynomial_deg(PUBLISHED_COEFFICIENTS_DEG, PUBLISHED_ENGAGEMENT_DEG)
+    }
+
+    /// A curve from what [`Self::precomputed_pieces`] said of it, for constants. Nothing is checked.
+    pub const fn precomputed(
+        engagement_rad: f64,
+        total_ml: f64,
+        pieces: &[(f64, [f64; DEGREE + 1])],
+    ) -> Self {
+        const UNUSED: Piece = Piece { start_rad: 0.0, volume: Polynomial { c: [0.0; DEGREE + 1] } };
+        let mut places = [UNUSED; MAX_PIECES];
+        let mut count = 0;
+        while count < pieces.len() {
+            let (start_rad, c) = pieces[count];
+            places[count] = Piece { start_rad, volume: Polynomial { c } };
+            count += 1;
+        }
+        Self { pieces: places, count, engagement_rad, total_ml }
+    }
+
+    /// Start, rad, and coefficients of V, mL, over x - start, rad, lowest order first, of each piece.
+    pub fn precomputed_pieces(&self) -> impl Iterator<Item = (f64, [f64; DEGREE + 1])> {
+        self.pieces().iter().map(|piece| (piece.start_rad, piece.volume.c))
     }
 
     /// The same shape with another total volume, mL.

@@ -38,7 +38,7 @@ pub(crate) fn settling_s(
         // Never more than doubles the time, so that it stays finite.
         let length_s = oscillator.fine_step_s(time_s, f64::INFINITY).min(1.0 + time_s);
         let next = oscillator.after(length_s, state, &no_flow);
-        let pressure = oscillator.dense(length_s, state, next, &no_flow).polynomial(0);
+        let pressure = oscillator.pressure(length_s, state, next, &no_flow);
         for bound in [allowed_kpa, -allowed_kpa] {
             let crossings = pressure.plus(&Polynomial::constant(-bound)).roots_in(0.0, 1.0);
             if let Some(last) = crossings.as_slice().last() {

@@ -54,14 +54,19 @@ impl Stretch {
         // q(v) (speed + acceleration t) with v = speed t + acceleration t²/2, by Horner's rule.
         let mut c = [0.0; DEGREE + 1];
         for (n, coefficient) in q.iter().take(5).rev().enumerate() {
-            for k in (0..=2 * n).rev() {
-                let below = |back: usize| if k >= back { c[k - back] } else { 0.0 };
-                c[k] = speed * below(1) + 0.5 * acceleration * below(2);
+            let (mut below, mut two_below) = (0.0, 0.0);
+            for c in c.iter_mut().take(2 * n + 1) {
+                let old = *c;
+                *c = speed * below + 0.5 * acceleration * two_below;
+                (below, two_below) = (old, below);
             }
             c[0] += coefficient;
         }
-        for k in (0..=DEGREE).rev() {
-            c[k] = speed * c[k] + if k > 0 { acceleration * c[k - 1] } else { 0.0 };
+        let mut below = 0.0;
+        for c in &mut c {
+            let old = *c;
+            *c = speed * old + acceleration * below;
+            below = old;
         }
         Flow { c, degree: DEGREE }
     }
@@ -144,7 +149,7 @@ impl<M: Iterator<Item = Leg>> Iterator for Stretches<'_, M> {
             if self.ended && self.time_s.is_infinite() {
                 return None;
             }
-            let piece = &self.curve.pieces()[self.piece];
+            let piece = self.curve.piece(self.piece);
             let piece_rad = self.pitch * self.curve.pitch_rad() + piece.start_rad;
             let edge_rad = match self.leg.direction() {
                 forward if forward > 0.0 => Some(piece_rad + piece.length_rad),

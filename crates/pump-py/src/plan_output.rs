@@ -1,8 +1,8 @@
 //! What a planned dose looks like over time, and as plain data.
 
 use numpy::PyArray1;
-use pump_dose::waveform::{Method, Waveform, times};
-use pump_model::ModelError;
+use pump_dose::times::times;
+use pump_dose::waveform::{Method, Waveform};
 use pyo3::prelude::*;
 
 use crate::errors::{self, value};
@@ -61,11 +61,9 @@ impl Plan {
         }
         let model = &self.doser.get().pump.get().model;
         let legs = self.prepared.plan.legs();
-        let mut waveform = Waveform::new(model, legs, Method::Exact).map_err(errors::integration)?;
-        let samples =
-            times(dt_s, motion_s, end_s).map(move |time_s| waveform.at(time_s).map_err(ModelError::from));
+        let waveform = Waveform::new(model, legs, Method::Exact, times(dt_s, motion_s, end_s));
         // The grid, the last step and the end.
-        Run::collect(py, (end_s / dt_s) as u64 + 3, samples)
+        Run::collect(py, (end_s / dt_s) as u64 + 3, waveform.map_err(errors::integration)?)
     }
 
     /// The plan as the command reports a dry run: the object `dose/1` of its JSON.

@@ -1,8 +1,9 @@
 //! Flows and pressures over time, as columns.
 
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
-use pump_dose::waveform::Sample;
-use pump_model::ModelError;
+use pump_dose::sample::COLUMNS;
+use pump_dose::waveform::Waveform;
+use pump_model::Leg;
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -10,9 +11,7 @@ use pyo3::types::PyTuple;
 use crate::errors::{self, value};
 use crate::interrupt::Interrupt;
 
-const COLUMNS: usize = 8;
-
-/// Samples between two looks at the clock, and in a block of rows.
+/// Samples between two looks at the clock.
 const BLOCK: usize = 64;
 
 /// The pump over time: columns of equal length, read-only arrays of float64.
@@ -110,7 +109,11 @@ impl Run {
     pub(crate) fn collect(
         py: Python<'_>,
         count: u64,
-        samples: impl Iterator<Item = Result<Sample, ModelError>> + Send,
+        mut waveform: Waveform<
+            '_,
+            impl Iterator<Item = Leg> + Clone + Send,
+            impl Iterator<Item = f64> + Send,
+        >,
     ) -> PyResult<Self> {
         let columns = py.detach(|| -> PyResult<_> {
             let mut columns: [Vec<f64>; COLUMNS] = Default::default();
@@ -118,23 +121,18 @@ impl Run {
                 reserve(column, count)?;
             }
             let mut interrupt = Interrupt::new();
-            // Rows are turned into columns a block at a time: one check of the room for all of them.
-            let mut rows: Vec<[f64; COLUMNS]> = Vec::with_capacity(BLOCK);
-            let mut samples = samples.map(|sample| sample.map(row).map_err(errors::model));
+            let mut block = [[0.0; BLOCK]; COLUMNS];
             loop {
                 interrupt.check()?;
-                rows.clear();
-                for row in samples.by_ref().take(BLOCK) {
-                    rows.push(row?);
+                let places = block.each_mut().map(|column| column.as_mut_slice());
+                let filled = waveform.fill(places).map_err(errors::integration)?;
+                for (column, new) in columns.iter_mut().zip(&block) {
+                    column.extend_from_slice(&new[..filled]);
                 }
-                if rows.is_empty() {
-                    break;
-                }
-                for (n, column) in columns.iter_mut().enumerate() {
-                    column.extend(rows.iter().map(|row| row[n]));
+                if filled < BLOCK {
+                    return Ok(columns);
                 }
             }
-            Ok(columns)
         })?;
         Self::new(py, columns)
     }
@@ -166,9 +164,4 @@ pub(crate) fn frozen(py: Python<'_>, numbers: Vec<f64>) -> PyResult<Py<PyArray1<
     let array = PyArray1::from_vec(py, numbers);
     array.try_readwrite()?.make_nonwriteable();
     Ok(array.unbind())
-}
-
-/// A sample in the order of the columns.
-fn row(s: Sample) -> [f64; COLUMNS] {
-    [s.time_s, s.angle_rad, s.speed_rad_s, s.q_in_ml_s, s.q_out_ml_s, s.p_in_kpa, s.p_out_kpa, s.delivered_ml]
 }

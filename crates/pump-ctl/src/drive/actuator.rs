@@ -31,7 +31,7 @@ pub struct Actuator<M, const Q: usize> {
     motion: M,
     stepper: Stepper<Q>,
     on_fault: OnFault,
-    enabled: bool,
+    pub(super) enabled: bool,
     /// How late the call was that made the motor stop, ticks.
     late_ticks: Option<u64>,
     /// Whether the index sensor is looked at after every step, and what it said last.
@@ -81,8 +81,9 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         if !self.enabled {
             return Err(Fault::NotEnabled);
         }
+        let due = self.stepper.start(now)?;
         self.late_ticks = None;
-        Ok(self.stepper.start(now)?)
+        Ok(due)
     }
 
     /// Decelerates; see [`Stepper::stop`]. The timer must fire at [`Stepper::next_deadline`] if that is earlier now.
@@ -97,6 +98,7 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     /// step.
     #[inline]
     pub fn on_timer(&mut self, now: u64) -> Result<Timer, Fault<M::Error>> {
+        let due = self.stepper.next_deadline().unwrap_or(now);
         match self.stepper.on_deadline(now) {
             Action::Step { dir, next } => {
                 if let Err(fault) = self.motion.step(dir) {
@@ -107,7 +109,7 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
                     self.look_at_index()?;
                 }
                 if next < now && self.stepper.is_moving() {
-                    Ok(self.overrun(now, next))
+                    Ok(self.overrun(now, now - due))
                 } else {
                     Ok(Timer::At(next))
                 }
@@ -124,8 +126,13 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     /// Notes at which position the index sensor becomes active, from now on. Costs a look at its pin a step.
     pub fn watch_index(&mut self) -> Result<(), Fault<M::Error>> {
         self.index_at = None;
-        self.watching = self.motion.index().map_err(|error| self.fault(error))?;
-        Ok(())
+        match self.motion.index() {
+            Ok(active) => {
+                self.watching = active;
+                Ok(())
+            }
+            Err(error) => Err(self.failed(error)),
+        }
     }
 
     /// Position at which the index sensor last became active since [`Self::watch_index`].
@@ -150,17 +157,22 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     }
 
     #[cold]
-    fn overrun(&mut self, now: u64, next: u64) -> Timer {
-        if self.late_ticks.is_none() {
-            self.late_ticks = Some(now - next);
-        }
+    fn overrun(&mut self, now: u64, late_ticks: u64) -> Timer {
+        self.late_ticks.get_or_insert(late_ticks);
         self.stepper.stop(now);
+        // A way to rest that was planned or begun before is overdue too.
+        if self.stepper.next_deadline().is_some_and(|next| next < now) {
+            self.stepper.put_off(now);
+        }
         Timer::At(self.stepper.next_deadline().unwrap_or(now))
     }
 
-    /// Holds or lets go, as configured.
+    /// Stands, and holds or lets go, as configured.
     #[cold]
     fn failed(&mut self, error: M::Error) -> Fault<M::Error> {
+        if self.stepper.is_moving() {
+            self.stepper.halt(true);
+        }
         if self.on_fault == OnFault::Disable {
             self.enabled = false;
             // The first error is the one to tell.

@@ -6,11 +6,11 @@ use super::actuator::{Actuator, Timer};
 use super::clock::Clock;
 use super::error::Fault;
 use super::motion::Motion;
-use crate::step::Segment;
+use crate::step::{PushError, Segment, StartError};
 
 impl<M: Motion, const Q: usize> Actuator<M, Q> {
     /// Makes all steps of `segments` and returns when the motor stands. `stop` is asked over and over between steps;
-    /// once it says true the motor decelerates.
+    /// once it says true the motor decelerates, and so it does when a segment is refused on the way.
     ///
     /// Segments that do not fit into the queue are computed between steps: on a processor without f64 in hardware choose
     /// `Q` large enough for all of them, or steps come late.
@@ -20,25 +20,47 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         segments: &mut Peekable<impl Iterator<Item = Segment>>,
         mut stop: impl FnMut() -> bool,
     ) -> Result<(), Fault<M::Error>> {
-        self.stepper().fill(segments)?;
-        let mut due = self.start(clock.now())?;
+        let mut due = self.begin(clock, segments)?;
         let mut stopping = false;
+        let mut refused = None;
         loop {
             let now = clock.now();
             if now >= due {
                 match self.on_timer(now)? {
                     Timer::At(next) => due = next,
-                    Timer::Done => return Ok(()),
+                    Timer::Done => return refused.map_or(Ok(()), |error| Err(Fault::Push(error))),
                 }
-            } else if stopping {
-                continue;
-            } else if stop() {
-                stopping = true;
-                self.stop(now);
-                due = self.stepper().next_deadline().unwrap_or(now);
-            } else {
-                self.stepper().fill(segments)?;
+            } else if !stopping {
+                stopping = stop();
+                if !stopping && let Err(error) = self.stepper().fill(segments) {
+                    stopping = true;
+                    // Not told of a motor that takes nothing because it was late or starved: that is how it ends.
+                    refused = Some(error);
+                }
+                if stopping {
+                    self.stop(now);
+                    due = self.stepper().next_deadline().unwrap_or(now);
+                }
             }
         }
+    }
+
+    /// Queues and starts. What is refused leaves nothing queued.
+    fn begin(
+        &mut self,
+        clock: &mut impl Clock,
+        segments: &mut Peekable<impl Iterator<Item = Segment>>,
+    ) -> Result<u64, Fault<M::Error>> {
+        if !self.enabled {
+            return Err(Fault::NotEnabled);
+        }
+        let begun = match self.stepper().fill(segments) {
+            Ok(_) => self.start(clock.now()),
+            Err(error) => Err(error.into()),
+        };
+        if let Err(Fault::Push(PushError::Segment(_)) | Fault::Start(StartError::Empty)) = begun {
+            self.stepper().clear();
+        }
+        begun
     }
 }

@@ -182,7 +182,8 @@ where
     fn enable(&mut self) -> Result<(), PinFault> {
         self.step.set_low().map_err(|error| Pin::Step.fault(error))?;
         self.energise(true)?;
-        self.delay.delay_ns(self.timing.enable_setup_ns);
+        // A step pin that a fault left high has only just fallen.
+        self.delay.delay_ns(self.timing.enable_setup_ns.max(self.timing.step_low_ns));
         Ok(())
     }
 

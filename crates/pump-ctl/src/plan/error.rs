@@ -5,6 +5,7 @@ use thiserror::Error;
 
 /// A dose that is refused, with the nearest that could be had.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum PlanError {
     /// A single parameter outside its range.

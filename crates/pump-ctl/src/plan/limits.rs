@@ -7,6 +7,8 @@ use super::{Plan, PlanError};
 
 /// The stepper motor, as seen at the pump head.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Motor {
     /// Steps per revolution of the pump head, gear included.
     pub steps_per_rev: f64,
@@ -25,6 +27,8 @@ impl Motor {
 
 /// Limits of the motor and, where given, of the pressures.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Limits {
     /// Steps, speed and acceleration.
     pub motor: Motor,

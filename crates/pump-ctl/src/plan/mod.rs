@@ -23,11 +23,13 @@ pub use request::{Cruise, Request};
 pub use segments::Segments;
 pub use steps::{Step, Steps};
 
-use pump_model::Pump;
+use pump_model::{Leg, Pump};
 use target::Target;
 
 /// What keeps a dose from being faster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitedBy {
     /// It cruises at the speed that was asked for.
     Nothing,
@@ -37,6 +39,8 @@ pub enum LimitedBy {
 
 /// A dose, ready to run: made by [`plan`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Plan {
     /// Volume asked for, mL; negative in reverse.
     pub requested_ml: f64,
@@ -134,6 +138,43 @@ impl Plan {
     pub fn delivered_ml(&self, pump: &Pump, count: u64) -> f64 {
         let curve = pump.outlet_curve();
         curve.volume_ml(self.angle_after(count)) - curve.volume_ml(self.start.angle_rad)
+    }
+
+    /// Angle `t_s` after the start of motion, rad, of the smooth motion through the steps; the start angle before it, the
+    /// end angle after it. For a drive that takes set-points instead of steps.
+    ///
+    /// ```
+    /// use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};
+    /// let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+    /// let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 });
+    /// let plan = plan(&pump_model::Pump::three_roller(), Phase::known(0.3), &request, &Limits::of_motor(motor))?;
+    /// assert_eq!(plan.angle_at(-1.0), 0.3);
+    /// let step = plan.steps().nth(5000).unwrap();
+    /// assert!((plan.angle_at(step.time_s) - step.angle_rad).abs() < 1e-9);
+    /// assert!((plan.angle_at(60.0) - plan.end_angle_rad()).abs() < 1e-9);
+    /// # Ok::<(), pump_ctl::plan::PlanError>(())
+    /// ```
+    pub fn angle_at(&self, t_s: f64) -> f64 {
+        let t_s = t_s.max(0.0).min(self.profile.duration_s());
+        self.leg_at(t_s).angle_at(t_s)
+    }
+
+    /// Speed `t_s` after the start of motion, rad/s, negative in reverse; 0 before and after it.
+    pub fn speed_at(&self, t_s: f64) -> f64 {
+        let moves = (0.0..self.profile.duration_s()).contains(&t_s);
+        if moves { self.leg_at(t_s).speed_at(t_s) } else { 0.0 }
+    }
+
+    /// The leg under way at `t_s`.
+    fn leg_at(&self, t_s: f64) -> Leg {
+        let [up, cruise, down] = self.legs();
+        if t_s < cruise.start_s {
+            up
+        } else if t_s < down.start_s {
+            cruise
+        } else {
+            down
+        }
     }
 
     /// Every step with its time.

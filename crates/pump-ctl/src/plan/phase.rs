@@ -4,6 +4,8 @@ use super::PlanError;
 
 /// Angle of the rotor in the model's zero (a roller begins to leave the outlet), and how well it is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Phase {
     /// Angle, rad. Only the angle within a pitch matters.
     pub angle_rad: f64,

@@ -7,6 +7,8 @@ use super::{Plan, PlanError};
 /// Pressures over a dose, start-up, stop and settling included, for the smooth motion through the
 /// steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Prediction {
     /// Range at the inlet, kPa absolute.
     pub inlet: Extremes,

@@ -7,6 +7,8 @@ pub const MAX_VOLUME_ML: f64 = 1e5;
 
 /// How fast to dose.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Cruise {
     /// Mean flow at the cruise speed, mL/s, positive.
     Flow {
@@ -27,6 +29,8 @@ pub enum Cruise {
 
 /// A dose to plan.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Request {
     /// Volume, mL; negative in reverse; not zero.
     pub volume_ml: f64,

@@ -4,6 +4,8 @@ use super::Plan;
 
 /// One motor step.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Step {
     /// 1 for the first.
     pub number: u64,

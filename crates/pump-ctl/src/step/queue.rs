@@ -96,6 +96,22 @@ impl<const Q: usize> Queue<Q> {
         }
     }
 
+    /// Splits the segment under way after `made` steps; `rest` is the next to come. The oldest gives way if there is no
+    /// place, at worst the one under way.
+    pub(super) fn split(&mut self, made: u32, rest: Segment) {
+        let to_come = core::mem::take(&mut self.pending);
+        self.cut(made);
+        self.pending = to_come;
+        let mut carried = rest;
+        for n in self.taken..self.taken + to_come {
+            let place = self.place(n);
+            if let Some(slot) = self.slots.get_mut(place) {
+                core::mem::swap(&mut slot.segment, &mut carried);
+            }
+        }
+        self.push(carried);
+    }
+
     /// Forgets everything.
     pub(super) fn clear(&mut self) {
         (self.oldest, self.taken, self.pending) = (0, 0, 0);

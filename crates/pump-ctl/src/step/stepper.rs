@@ -67,6 +67,8 @@ pub struct Stepper<const Q: usize> {
     /// Steps left of the segment, the one due included; 0 when standing.
     pub(super) left: u32,
     pub(super) direction: i8,
+    /// Direction of the last step: after a turn-round `direction` is that of the next.
+    last_direction: i8,
     /// Nothing will be pushed after what is queued.
     pub(super) finished: bool,
 }
@@ -84,6 +86,7 @@ impl<const Q: usize> Stepper<Q> {
             add: 0,
             left: 0,
             direction: 1,
+            last_direction: 1,
             finished: false,
         }
     }
@@ -160,6 +163,7 @@ impl<const Q: usize> Stepper<Q> {
             return Action::Wait;
         }
         let dir = self.direction;
+        self.last_direction = dir;
         self.position = self.position.wrapping_add(i64::from(dir));
         self.left -= 1;
         if self.left > 0 {
@@ -212,7 +216,7 @@ impl<const Q: usize> Stepper<Q> {
     /// step of the last [`Action::Step`] was made; if not, it is not counted. The past is forgotten.
     pub fn halt(&mut self, last_step_made: bool) {
         if !last_step_made {
-            self.position = self.position.wrapping_sub(i64::from(self.direction));
+            self.position = self.position.wrapping_sub(i64::from(self.last_direction));
         }
         self.queue.clear();
         self.left = 0;
@@ -241,6 +245,11 @@ impl<const Q: usize> Stepper<Q> {
                 self.state = if *starved { State::Starved } else { State::Stopped };
             }
         }
+        self.take();
+    }
+
+    /// Goes on with the next segment of the queue.
+    pub(super) fn take(&mut self) {
         if let Some(segment) = self.queue.take(self.next, self.position) {
             self.left = segment.steps();
             self.direction = segment.direction();

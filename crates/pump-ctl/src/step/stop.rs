@@ -1,6 +1,7 @@
 //! Stopping in the midst of a move.
 
 use super::queue::Slot;
+use super::segment::Segment;
 use super::stepper::{State, Stepper};
 use super::ticks::Ticks;
 
@@ -28,7 +29,8 @@ impl<const Q: usize> Stepper<Q> {
     /// Decelerates from the next step on and stands; what was queued is dropped. A motor slow enough stands at once. If
     /// the plan itself comes to rest as soon, it is followed to that rest, so a stop never adds steps to a plan.
     ///
-    /// A step that is overdue at `now` is not made up for: the way down begins at `now`. Calling again changes nothing.
+    /// Where the brake takes over, a step that is overdue at `now` is not made up for: the way down begins at `now`.
+    /// Calling again changes nothing.
     pub fn stop(&mut self, now: u64) -> StopPlan {
         match self.state {
             State::Ready | State::Stopped | State::Starved => self.refuse_what_is_queued(),
@@ -77,6 +79,23 @@ impl<const Q: usize> Stepper<Q> {
         self.left = 1;
         let current = self.queue.current().copied().unwrap_or_default();
         self.after_step(&current, made + 1, steps, span)
+    }
+
+    /// Puts off what is left of a move that is ending, so that its next step comes an interval after `now`: for a motor
+    /// that has fallen behind.
+    pub(crate) fn put_off(&mut self, now: u64) {
+        if self.left == 0 {
+            return;
+        }
+        let rest = Segment {
+            count: i32::try_from(self.left).unwrap_or(i32::MAX) * i32::from(self.direction),
+            interval: self.interval.whole,
+            frac: self.interval.frac,
+            add: self.add,
+        };
+        self.queue.split(self.made_of_current(), rest);
+        self.next = Ticks::middle_of(now);
+        self.take();
     }
 
     /// The end of a way down of `steps` over `span` that follows step `k` of `slot`.

@@ -2,6 +2,7 @@
 
 use nalgebra::SVector;
 
+use crate::hermite::{self, End};
 use crate::polynomial::Polynomial;
 
 /// An accepted step with its dense output: every state as a polynomial in x = (t - start) / length.
@@ -16,30 +17,16 @@ pub struct DenseStep<const N: usize> {
     c: [SVector<f64, N>; 6],
 }
 
-/// Value, slope and curvature of the solution at one end of a step.
-pub(crate) struct End<const N: usize> {
-    pub(crate) value: SVector<f64, N>,
-    pub(crate) slope: SVector<f64, N>,
-    pub(crate) curvature: SVector<f64, N>,
-}
-
 impl<const N: usize> DenseStep<N> {
     /// Quintic Hermite polynomial through both ends. The curvature J f + f_t is exact along the solution, so it is of
     /// order six; in a stiff problem J magnifies the error of the ends by (h |J|)².
-    pub(crate) fn hermite(start_s: f64, length_s: f64, from: &End<N>, to: &End<N>) -> Self {
-        let h = length_s;
-        let rise = to.value - from.value;
-        let (d0, d1) = (from.slope * h, to.slope * h);
-        let (e0, e1) = (from.curvature * (h * h), to.curvature * (h * h));
-        let c = [
-            from.value,
-            d0,
-            e0 * 0.5,
-            rise * 10.0 - d0 * 6.0 - d1 * 4.0 - e0 * 1.5 + e1 * 0.5,
-            rise * -15.0 + d0 * 8.0 + d1 * 7.0 + e0 * 1.5 - e1,
-            rise * 6.0 - (d0 + d1) * 3.0 + (e1 - e0) * 0.5,
-        ];
-        Self { start_s, length_s, end: to.value, c }
+    pub(crate) fn hermite(
+        start_s: f64,
+        length_s: f64,
+        from: &End<SVector<f64, N>>,
+        to: &End<SVector<f64, N>>,
+    ) -> Self {
+        Self { start_s, length_s, end: to.value, c: hermite::quintic(length_s, from, to) }
     }
 
     /// RODAS5P's own output of order four, y0 (1 - x) + x (y1 + (1 - x) (k1 + x (k2 + x k3))), which stays between the

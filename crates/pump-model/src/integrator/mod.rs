@@ -6,7 +6,6 @@ mod rodas5p;
 mod tableau;
 
 pub use dense::DenseStep;
-pub(crate) use dense::End;
 pub use rodas5p::{IntegrationError, Options, Rodas5p, Statistics};
 
 use nalgebra::{SMatrix, SVector};

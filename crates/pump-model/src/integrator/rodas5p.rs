@@ -4,9 +4,10 @@ use nalgebra::{SMatrix, SVector};
 use thiserror::Error;
 
 use super::Ode;
-use super::dense::{DenseStep, End};
+use super::dense::DenseStep;
 use super::lu::Lu;
 use super::tableau::{A, ALPHA, C, GAMMA, GAMMA_I, H, STAGES};
+use crate::hermite::End;
 
 /// How exactly to integrate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +46,7 @@ pub struct Statistics {
 
 /// Why an integration stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum IntegrationError {
     /// The state or its derivative is not a finite number.
@@ -296,7 +298,7 @@ impl<const N: usize> Start<N> {
         self.jacobian * self.slope + self.slope_rate
     }
 
-    fn end(&self) -> End<N> {
+    fn end(&self) -> End<SVector<f64, N>> {
         End { value: self.state, slope: self.slope, curvature: self.curvature() }
     }
 }

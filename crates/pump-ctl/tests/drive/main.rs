@@ -1,0 +1,97 @@
+//! Claims about the drivers, on pins, a delay and a clock that share one time line.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod blocking;
+mod faults;
+mod foreign;
+mod index;
+mod late;
+mod pins;
+mod wires;
+
+use pump_ctl::drive::{Actuator, Fault, Motion, OnFault, StepDir, Timer, Timing};
+use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Plan, Request, plan};
+use pump_ctl::step::{Action, Segment, Stepper};
+use pump_model::Pump;
+use wires::{Bench, Wire};
+
+/// Ticks of the timer in these tests: microseconds.
+const TICK_HZ: u32 = 1_000_000;
+
+const MOTOR: Motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+
+type OnPins<const Q: usize> = Actuator<StepDir<Wire, Wire, Wire, Bench, Wire>, Q>;
+
+/// An enabled motor on pins.
+fn on_pins<const Q: usize>(bench: &Bench, timing: Timing, on_fault: OnFault) -> OnPins<Q> {
+    let mut actuator = idle(bench, timing, on_fault);
+    actuator.enable().unwrap();
+    actuator
+}
+
+/// A motor on pins that is not enabled yet.
+fn idle<const Q: usize>(bench: &Bench, timing: Timing, on_fault: OnFault) -> OnPins<Q> {
+    let [step, direction, enable, index] = bench.wires();
+    let driver = StepDir::new(step, direction, enable, bench.clone(), timing).with_index(index);
+    Actuator::new(driver, Stepper::new(MOTOR.brake(TICK_HZ)), on_fault)
+}
+
+fn dose(volume_ml: f64, flow_ml_s: f64) -> Plan {
+    let request = Request::new(volume_ml, Cruise::Flow { ml_s: flow_ml_s });
+    plan(&Pump::three_roller(), Phase::known(0.3), &request, &Limits::of_motor(MOTOR)).unwrap()
+}
+
+/// When the steps of `segments` are due, ticks, for a start at tick `start`.
+fn deadlines(segments: impl Iterator<Item = Segment>, start: u64) -> Vec<u64> {
+    let mut stepper = Stepper::<256>::new(MOTOR.brake(TICK_HZ));
+    stepper.fill(&mut segments.peekable()).unwrap();
+    let mut due = stepper.start(start).unwrap();
+    let mut all = Vec::new();
+    while let Action::Step { next, .. } = stepper.on_deadline(due) {
+        all.push(due);
+        due = next;
+    }
+    all
+}
+
+/// A dose and half of it back, in one move.
+fn there_and_back(volume_ml: f64) -> impl Iterator<Item = Segment> {
+    dose(volume_ml, 5.0).segments(TICK_HZ).chain(dose(-0.5 * volume_ml, 5.0).segments(TICK_HZ))
+}
+
+/// Queues all segments and starts at the bench's time.
+fn start<M: Motion, const Q: usize>(
+    actuator: &mut Actuator<M, Q>,
+    bench: &Bench,
+    segments: impl IntoIterator<Item = Segment>,
+) -> Result<u64, Fault<M::Error>> {
+    assert!(actuator.stepper().fill(&mut segments.into_iter().peekable())?, "more segments than places");
+    actuator.start(bench.tick())
+}
+
+/// The timer's interrupt until the move is over, each call `late(n)` ticks late.
+fn turn<M: Motion, const Q: usize>(
+    actuator: &mut Actuator<M, Q>,
+    bench: &Bench,
+    mut due: u64,
+    mut late: impl FnMut(u64) -> u64,
+) -> Result<(), Fault<M::Error>> {
+    for n in 1.. {
+        bench.wait_until(due + late(n));
+        match actuator.on_timer(bench.tick())? {
+            Timer::At(next) => due = next,
+            Timer::Done => break,
+        }
+    }
+    Ok(())
+}
+
+/// The same, always on time.
+fn turn_on_time<M: Motion, const Q: usize>(
+    actuator: &mut Actuator<M, Q>,
+    bench: &Bench,
+    due: u64,
+) -> Result<(), Fault<M::Error>> {
+    turn(actuator, bench, due, |_| 0)
+}

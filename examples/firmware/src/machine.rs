@@ -1,0 +1,186 @@
+//! The motor, shared by the main program and the timer's interrupt.
+
+use core::cell::RefCell;
+use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+use cortex_m_rt::exception;
+use critical_section::Mutex;
+use pump_ctl::drive::{Actuator, StepDir, Timer};
+use pump_ctl::plan::Plan;
+use pump_ctl::step::{Junction, Segment, StopPlan};
+
+use crate::board::{Alarm, COUNT_HZ, Output, StepPin, Wait, counts};
+use crate::dose::{QUEUE, TICK_HZ, queue};
+
+/// Step, direction and enable pin.
+pub type Driver = StepDir<StepPin, Output, Output, Wait>;
+
+/// Counts a tick.
+const TICK: u32 = COUNT_HZ / TICK_HZ;
+
+/// How much earlier than a deadline the alarm goes off, counts. From the alarm to the pin it takes 26 inside a segment,
+/// 32 into the next, 53 down the brake: with this all are within 20 of the deadline, which is less than a tick.
+const LEAD: u32 = 34;
+
+/// A step as it was made.
+#[derive(Clone, Copy)]
+pub struct Made {
+    /// When it was due, ticks since the start.
+    pub due: u32,
+    /// When its pin rose, counts since the start.
+    pub rose: u32,
+}
+
+/// Room for the steps of a move.
+pub type Record = [Made; 16_384];
+
+/// Ticks since power-up, [`LEAD`] ahead: what the time will be when a step that is made now is seen at the pin.
+struct Clock {
+    ticks: u64,
+    /// [`counts`] when that tick begins.
+    began: u32,
+}
+
+impl Clock {
+    /// To be called every 171 s at least.
+    fn now(&mut self) -> u64 {
+        let passed = counts().wrapping_sub(self.began) / TICK;
+        self.ticks += u64::from(passed);
+        self.began = self.began.wrapping_add(passed * TICK);
+        self.ticks
+    }
+
+    /// [`counts`] when `tick` begins, or 2 s from now if it is farther off.
+    fn counts_at(&self, tick: u64) -> u32 {
+        let ahead = tick.saturating_sub(self.ticks).min(u64::from(2 * TICK_HZ)) as u32;
+        self.began.wrapping_add(ahead * TICK)
+    }
+}
+
+pub struct Machine {
+    actuator: Actuator<Driver, QUEUE>,
+    alarm: Alarm,
+    clock: Clock,
+    /// What the alarm is set for.
+    due: u64,
+    started: u64,
+    /// [`counts`] at which a pin of a step at `started` would rise.
+    started_counts: u32,
+    record: &'static mut Record,
+    made: usize,
+}
+
+static MACHINE: Mutex<RefCell<Option<Machine>>> = Mutex::new(RefCell::new(None));
+
+/// Whether the motor turns. Asking does not hold up the interrupt.
+static MOVING: AtomicBool = AtomicBool::new(false);
+
+/// Whether the motor turns.
+pub fn is_moving() -> bool {
+    MOVING.load(Relaxed)
+}
+
+/// Does something to the machine, while its interrupt waits.
+pub fn with<R>(work: impl FnOnce(&mut Machine) -> R) -> R {
+    critical_section::with(|cs| {
+        work(MACHINE.borrow_ref_mut(cs).as_mut().expect("main installs it before it asks or sets an alarm"))
+    })
+}
+
+#[exception]
+fn SysTick() {
+    with(Machine::on_alarm);
+}
+
+impl Machine {
+    pub fn install(actuator: Actuator<Driver, QUEUE>, alarm: Alarm, record: &'static mut Record) {
+        let clock = Clock { ticks: 0, began: counts().wrapping_sub(LEAD) };
+        let machine = Self { actuator, alarm, clock, due: 0, started: 0, started_counts: 0, record, made: 0 };
+        critical_section::with(|cs| MACHINE.replace(cs, Some(machine)));
+    }
+
+    /// In the interrupt: makes the step that is due and sets the alarm for the next.
+    fn on_alarm(&mut self) {
+        let now = self.clock.now();
+        match self.actuator.on_timer(now).expect("pins do not fail, and the queue holds the whole move") {
+            Timer::At(next) => {
+                if now >= self.due {
+                    self.note();
+                }
+                self.set_alarm(next);
+            }
+            Timer::Done => self.end(),
+        }
+    }
+
+    fn set_alarm(&mut self, due: u64) {
+        self.due = due;
+        self.alarm.set(self.clock.counts_at(due));
+    }
+
+    fn note(&mut self) {
+        if let Some(place) = self.record.get_mut(self.made) {
+            place.due = (self.due - self.started) as u32;
+            place.rose = StepPin::rose_at().wrapping_sub(self.started_counts);
+            self.made += 1;
+        }
+    }
+
+    fn end(&mut self) {
+        self.alarm.off();
+        MOVING.store(false, Relaxed);
+    }
+
+    /// Queues the whole plan, while the motor stands, and starts it from position 0.
+    pub fn start(&mut self, plan: &Plan) {
+        let stepper = self.actuator.stepper();
+        assert!(stepper.set_position(0), "the motor moves");
+        queue(stepper, plan);
+        self.made = 0;
+        self.started = self.clock.now();
+        self.started_counts = self.clock.counts_at(self.started).wrapping_add(LEAD);
+        let due = self.actuator.start(self.started).expect("the motor is enabled, with segments queued");
+        MOVING.store(true, Relaxed);
+        self.set_alarm(due);
+    }
+
+    /// Ticks since the start.
+    pub fn elapsed(&mut self) -> u64 {
+        self.clock.now() - self.started
+    }
+
+    /// Steps made.
+    pub fn position(&mut self) -> i64 {
+        self.actuator.stepper().position()
+    }
+
+    /// Decelerates from the next step on. Times are ticks since the start.
+    pub fn stop(&mut self, elapsed: u64) -> StopPlan {
+        let promise = self.actuator.stop(self.started + elapsed);
+        match self.actuator.stepper().next_deadline() {
+            Some(due) => self.set_alarm(due),
+            None => self.end(),
+        }
+        StopPlan { last_step_at: promise.last_step_at - self.started, ..promise }
+    }
+
+    /// Drops what is planned after the first step at `not_before` or later. Times are ticks since the start.
+    pub fn retarget(&mut self, not_before: u64) -> Option<Junction> {
+        let junction = self.actuator.stepper().retarget(self.started + not_before)?;
+        Some(Junction { at: junction.at - self.started, ..junction })
+    }
+
+    pub fn push(&mut self, segment: Segment) {
+        self.actuator.stepper().push(segment).expect("the queue has room, and a plan's segments are valid");
+    }
+
+    /// Says that nothing will be pushed any more.
+    pub fn finish(&mut self) {
+        self.actuator.stepper().finish();
+    }
+
+    /// The steps of the move so far.
+    pub fn record(&self) -> &[Made] {
+        self.record.get(..self.made).unwrap_or_default()
+    }
+}

@@ -1,0 +1,110 @@
+//! Three moves: a whole dose, one that is stopped, one whose volume is changed on the way.
+
+use core::fmt::{Result, Write};
+
+use pump_ctl::plan::Plan;
+use pump_ctl::step::Segment;
+
+use crate::board::{COUNT_HZ, StepPin, Wait, counts};
+use crate::dose::{self, CHANGED_ML, QUEUE, TICK_HZ};
+use crate::machine::{self, with};
+use crate::measure::{INSTRUCTIONS_PER_COUNT, counting, tenths};
+
+/// A whole dose, and what its interrupts cost.
+pub fn whole(out: &mut impl Write, plan: &Plan) -> Result {
+    // Beside the steps the processor does pieces of work of a known length. What is missing in the end went into the
+    // interrupts.
+    let piece = || cortex_m::asm::delay(500_000);
+    let ((), ten) = counting(|| (0..10).for_each(|_| piece()));
+    let waited = Wait::waited();
+    with(|machine| machine.start(plan));
+    let (pieces, all) = counting(|| {
+        let mut pieces = 0;
+        while machine::is_moving() {
+            piece();
+            pieces += 1;
+        }
+        pieces
+    });
+    let waiting = INSTRUCTIONS_PER_COUNT * Wait::waited().wrapping_sub(waited);
+    let steps = plan.steps.unsigned_abs() as u32;
+    writeln!(out, "run: whole")?;
+    write_steps(out)?;
+    let interrupts = all - pieces * (ten / 10) - waiting;
+    tenths(out, interrupts, steps, "a step for the whole interrupt")?;
+    tenths(out, waiting, steps, "a step more of waiting: 1.9 us high, 1.9 us low")
+}
+
+/// A dose that is stopped after 2 s.
+pub fn stopped(out: &mut impl Write, plan: &Plan) -> Result {
+    with(|machine| machine.start(plan));
+    wait(2 * COUNT_HZ);
+    wait_for_step();
+    let (made, asked, (promise, cost)) = with(|machine| {
+        let asked = machine.elapsed();
+        (machine.position(), asked, counting(|| machine.stop(asked)))
+    });
+    writeln!(out, "run: stopped")?;
+    writeln!(
+        out,
+        "stop: after {made} steps, at {asked} us: {} steps, the last at {} us",
+        promise.final_count, promise.last_step_at
+    )?;
+    write_steps(out)?;
+    writeln!(out, "cost: {cost} instructions for a stop, with interrupts off")
+}
+
+/// A dose whose volume is changed after 2 s; the change is planned while the motor turns.
+#[inline(never)]
+pub fn changed(out: &mut impl Write, plan: &Plan) -> Result {
+    with(|machine| machine.start(plan));
+    wait(2 * COUNT_HZ);
+    let asked = with(|machine| machine.elapsed());
+    // Computed before the queue is touched, so that pushing takes no time to speak of.
+    let changed = dose::plan_dose(CHANGED_ML).expect("the smaller dose can be planned");
+    let mut segments = [Segment::default(); QUEUE];
+    let count =
+        segments.iter_mut().zip(changed.segments(TICK_HZ)).map(|(place, found)| *place = found).count();
+    wait_for_step();
+    let (made, not_before, (junction, cost)) = with(|machine| {
+        // In 1 ms: all is pushed within 0.1 ms.
+        let not_before = machine.elapsed() + u64::from(TICK_HZ / 1000);
+        (machine.position(), not_before, counting(|| machine.retarget(not_before)))
+    });
+    let junction = junction.expect("the motor turns, with seconds to go");
+    let new = segments.into_iter().take(count);
+    for segment in dose::after_steps(new, junction.position.unsigned_abs() as u32) {
+        with(|machine| machine.push(segment));
+    }
+    with(|machine| machine.finish());
+    writeln!(out, "run: changed")?;
+    writeln!(
+        out,
+        "change: asked at {asked} us, after {made} steps not before {not_before} us: from step {} at {} us",
+        junction.position, junction.at
+    )?;
+    write_steps(out)?;
+    writeln!(out, "cost: {cost} instructions for a retarget, with interrupts off")
+}
+
+fn wait(wanted: u32) {
+    let began = counts();
+    while counts().wrapping_sub(began) < wanted {}
+}
+
+/// Waits for the next step: what is done then with interrupts off delays no step.
+fn wait_for_step() {
+    let last = StepPin::rose_at();
+    while StepPin::rose_at() == last {}
+}
+
+/// Waits for the end, and writes when each step was due and when it was made.
+fn write_steps(out: &mut impl Write) -> Result {
+    while machine::is_moving() {}
+    with(|machine| {
+        for made in machine.record() {
+            writeln!(out, "step: due {} us, made {} counts", made.due, made.rose)?;
+        }
+        writeln!(out, "position: {}", machine.position())
+    })
+}

@@ -1,0 +1,93 @@
+//! A dose inside a control loop that has a clock and a motor of its own: every millisecond a servo axis is told where the
+//! plan's rotor is now. In mid-dose someone stops it; what the axis has really turned says what was delivered.
+//!
+//! `cargo run --example foreign_loop`
+
+use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Plan, PlanError, Request, plan};
+use pump_model::{Leg, Pump};
+
+/// Period of the loop, s.
+const PERIOD_S: f64 = 1e-3;
+
+/// Stands for your motor: a servo axis that follows a position set-point, some milliseconds behind.
+struct Servo {
+    angle_rad: f64,
+}
+
+impl Servo {
+    fn command(&mut self, set_point_rad: f64) {
+        self.angle_rad += 0.2 * (set_point_rad - self.angle_rad);
+    }
+}
+
+/// The way to rest from `t_s` on, at the plan's own deceleration: never beyond the plan's end.
+fn way_to_rest(plan: &Plan, t_s: f64) -> Leg {
+    let speed_rad_s = plan.speed_at(t_s);
+    let deceleration_rad_s2 = plan.profile.acceleration_rad_s2();
+    Leg {
+        start_s: t_s,
+        duration_s: speed_rad_s.abs() / deceleration_rad_s2,
+        angle_rad: plan.angle_at(t_s),
+        speed_rad_s,
+        acceleration_rad_s2: -deceleration_rad_s2.copysign(speed_rad_s),
+    }
+}
+
+/// The loop: follows the plan until it ends or `stop_asked` at some time, s. Returns when the axis stands, s.
+fn follow(servo: &mut Servo, plan: &Plan, stop_asked: impl Fn(f64) -> bool) -> f64 {
+    let mut stopping: Option<Leg> = None;
+    let mut t_s = 0.0;
+    loop {
+        if stopping.is_none() && stop_asked(t_s) {
+            stopping = Some(way_to_rest(plan, t_s));
+        }
+        let (set_point_rad, ends_s) = match stopping {
+            Some(leg) => (leg.angle_at(t_s.min(leg.end_s())), leg.end_s()),
+            None => (plan.angle_at(t_s), plan.profile.duration_s()),
+        };
+        servo.command(set_point_rad);
+        if t_s >= ends_s && (set_point_rad - servo.angle_rad).abs() < 0.5 * plan.step_rad {
+            return t_s;
+        }
+        t_s += PERIOD_S;
+    }
+}
+
+/// A dose of 25 mL that is stopped after 2.5 s, and then the rest of it.
+fn report() -> Result<String, PlanError> {
+    let pump = Pump::three_roller();
+    // For a servo a step is an increment of its encoder.
+    let motor = Motor { steps_per_rev: 65_536.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 50.0 };
+    let limits = Limits::of_motor(motor);
+    let cruise = Cruise::Flow { ml_s: 5.0 };
+    let start_rad = 0.3;
+    let mut servo = Servo { angle_rad: start_rad };
+    let delivered_ml = |servo: &Servo| {
+        pump.outlet_curve().volume_ml(servo.angle_rad) - pump.outlet_curve().volume_ml(start_rad)
+    };
+
+    let dose = plan(&pump, Phase::known(start_rad), &Request::new(25.0, cruise), &limits)?;
+    let stood_s = follow(&mut servo, &dose, |t_s| t_s >= 2.5);
+    let before_ml = delivered_ml(&servo);
+
+    let rest = plan(&pump, Phase::known(servo.angle_rad), &Request::new(25.0 - before_ml, cruise), &limits)?;
+    follow(&mut servo, &rest, |_| false);
+    Ok(format!(
+        "stopped at 2.500 s, stood at {stood_s:.3} s: {before_ml:.2} mL; with the rest {:.2} mL",
+        delivered_ml(&servo)
+    ))
+}
+
+#[allow(clippy::print_stdout, reason = "an example shows its result")]
+fn main() -> Result<(), PlanError> {
+    println!("{}", report()?);
+    Ok(())
+}
+
+#[test]
+fn it_prints_what_was_delivered() {
+    assert_eq!(
+        report().as_deref(),
+        Ok("stopped at 2.500 s, stood at 2.544 s: 12.42 mL; with the rest 25.00 mL")
+    );
+}

@@ -1,0 +1,67 @@
+//! When a waveform is sampled.
+
+use std::ops::Range;
+
+/// Times n `dt_s`, s.
+#[derive(Debug, Clone)]
+pub struct EqualTimes {
+    dt_s: f64,
+    numbers: Range<u64>,
+}
+
+impl EqualTimes {
+    /// n = 0 to `intervals`; `dt_s` in s.
+    pub fn new(dt_s: f64, intervals: u64) -> Self {
+        Self { dt_s, numbers: 0..intervals + 1 }
+    }
+}
+
+impl Iterator for EqualTimes {
+    type Item = f64;
+
+    #[inline]
+    fn next(&mut self) -> Option<f64> {
+        self.numbers.next().map(|n| n as f64 * self.dt_s)
+    }
+}
+
+/// Times every `dt_s` from 0 to `end_s`, with `also_s` in its place and `end_s` last.
+pub fn times(dt_s: f64, also_s: f64, end_s: f64) -> impl Iterator<Item = f64> {
+    let mut also = Some(also_s).filter(|also| *also < end_s);
+    let mut n = 0_u64;
+    let mut ended = false;
+    std::iter::from_fn(move || {
+        if ended {
+            return None;
+        }
+        let grid = n as f64 * dt_s;
+        if let Some(extra) = also
+            && extra <= grid
+        {
+            also = None;
+            if extra < grid {
+                return Some(extra);
+            }
+        }
+        n += 1;
+        if grid >= end_s {
+            ended = true;
+            return Some(end_s);
+        }
+        Some(grid)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_grid_holds_the_last_step_and_both_ends_once() {
+        let all = |dt, also, end| times(dt, also, end).collect::<Vec<_>>();
+        assert_eq!(all(1.0, 1.5, 2.5), [0.0, 1.0, 1.5, 2.0, 2.5]);
+        assert_eq!(all(1.0, 1.0, 2.0), [0.0, 1.0, 2.0]);
+        assert_eq!(all(10.0, 1.0, 2.0), [0.0, 1.0, 2.0]);
+        assert_eq!(all(1.0, 2.0, 2.0), [0.0, 1.0, 2.0]);
+    }
+}

@@ -1,0 +1,249 @@
+//! Calls everything that firmware may call, with inputs of which the compiler knows nothing. The panic handler calls a
+//! function that does not exist, so a program in which any panic can be reached does not link.
+//!
+//! That this test can fail is tested too: feature `index` adds an index that may be out of range, and `make embedded`
+//! wants that link to name the missing function.
+#![no_std]
+#![no_main]
+
+use core::hint::black_box;
+use core::panic::PanicInfo;
+
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::{ErrorKind, ErrorType, InputPin, OutputPin};
+use pump_ctl::drive::{Actuator, Clock, OnFault, StepDir, Timing};
+
+use pump_ctl::plan::{Cruise, Limits, Motor, Phase, PlanError, Request, Trapezoid, plan, speed_for_flow};
+use pump_ctl::step::{Brake, Segment, Stepper};
+use pump_model::math::{ceil, degrees, floor, pow, rad_s, radians, rpm, sqrt, wrap};
+use pump_model::polynomial::Polynomial;
+use pump_model::{ExactRun, FlowCurve, Geometry, Leg, Line, ModelError, Port, Pump};
+use pump_model::{RollerVolume, Stretches, Variant};
+
+unsafe extern "C" {
+    safe fn a_panic_is_reachable() -> !;
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    a_panic_is_reachable()
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn _start() -> ! {
+    loop {
+        black_box(everything().is_ok());
+    }
+}
+
+/// A number that may be anything.
+fn any() -> f64 {
+    black_box(0.0)
+}
+
+fn any_port() -> Port {
+    if black_box(true) { Port::Inlet } else { Port::Outlet }
+}
+
+fn any_leg() -> Leg {
+    Leg {
+        start_s: any(),
+        duration_s: any(),
+        angle_rad: any(),
+        speed_rad_s: any(),
+        acceleration_rad_s2: any(),
+    }
+}
+
+fn everything() -> Result<(), PlanError> {
+    numbers();
+    for pump in [own_pump()?, preset()?, Pump::three_roller(), Pump::two_roller()] {
+        let pump = black_box(pump);
+        curve(pump.inlet_curve());
+        curve(pump.outlet_curve());
+        curve(pump.curve(any_port()));
+        pressures(&pump)?;
+        dose(&pump)?;
+    }
+    #[cfg(feature = "index")]
+    black_box([1.0, 2.0][black_box(0_usize)]);
+    Ok(())
+}
+
+fn numbers() {
+    black_box((floor(any()), ceil(any()), sqrt(any()), pow(any(), any()), wrap(any(), any())));
+    black_box((radians(any()), degrees(any()), rpm(any()), rad_s(any())));
+    let p = Polynomial { c: [(); 6].map(|()| any()) };
+    black_box((p.at(any()), p.derivative(), p.shifted(any()), p.stretched(any()), p.scaled(any())));
+    black_box((p.plus(&Polynomial::constant(any())), p.roots_in(any(), any()).as_slice()));
+    black_box((p.solve_monotone(any(), any(), any()), p.range_in(any(), any())));
+    let leg = any_leg();
+    black_box((leg.end_s(), leg.end_angle_rad(), leg.angle_at(any()), leg.speed_at(any())));
+}
+
+fn own_pump() -> Result<Pump, ModelError> {
+    let geometry = Geometry {
+        rollers: black_box(3),
+        bore_radius_mm: any(),
+        tube_outer_radius_mm: any(),
+        backplate_radius_mm: any(),
+        contact_angle_rad: any(),
+        roller_radius_mm: any(),
+        roller_offset_mm: any(),
+    };
+    geometry.validate()?;
+    black_box((geometry.pitch_rad(), geometry.nominal_ml_rad(), geometry.inlet_phase_rad(any())?));
+    let volume = RollerVolume::from_polynomial_deg([(); 6].map(|()| any()), any())?;
+    let volume = volume.scaled_to(any())?;
+    black_box((volume.at(any()), volume.total_ml(), volume.engagement_deg(), volume.engagement_rad()));
+    let line = Line {
+        resistance_kpa_s_ml: any(),
+        compliance_ml_kpa: any(),
+        inertance_kpa_s2_ml: any(),
+        reservoir_kpa: any(),
+    };
+    line.validate()?;
+    black_box((line.natural_rad_s(), line.damping_ratio()));
+    Pump::new(geometry, volume, line, Line::PUBLISHED)
+}
+
+fn preset() -> Result<Pump, ModelError> {
+    let variant = match black_box(0) {
+        0 => Variant::Measured,
+        1 => Variant::Published,
+        _ => Variant::AsBuilt,
+    };
+    let geometry = Geometry::published(black_box(3), variant);
+    black_box(Pump::new(geometry, RollerVolume::measured()?, Line::PUBLISHED, Line::PUBLISHED)?);
+    Pump::preset(black_box(3), variant)
+}
+
+fn curve(curve: &FlowCurve) {
+    black_box((curve.flow_ml_rad(any()), curve.volume_ml(any()), curve.angle_rad(any())));
+    black_box((curve.pitch_rad(), curve.pitch_ml(), curve.flow_range_ml_rad(), curve.ripple()));
+}
+
+fn pressures(pump: &Pump) -> Result<(), ModelError> {
+    let port = any_port();
+    black_box((pump.at_angle(any()), pump.pitch_rad(), pump.revolution_ml()));
+    black_box((pump.geometry(), pump.roller_volume(), pump.inlet(), pump.outlet(), pump.line(port)));
+    black_box((pump.steady_state(any())?, pump.periodic_state(port, any())?, port.name()));
+    let legs = [any_leg(), Leg::constant_speed(any(), any()), Leg::rest(any(), any())];
+    let mut run = ExactRun::new(pump, port, legs, [any(), any()]);
+    black_box((run.at(any()), run.time_s(), run.state(), run.settling_s()?));
+    black_box(run.extremes(any()).and(run.extremes(any())));
+    for sample in run.every(any()).take(black_box(1000)) {
+        black_box(sample);
+    }
+    black_box(ExactRun::from_rest(pump, port, legs).at(any()));
+    for stretch in Stretches::new(pump.curve(port), legs) {
+        black_box((stretch.flow_ml_s(any()), stretch.flow_rate_ml_s2(any())));
+    }
+    Ok(())
+}
+
+fn dose(pump: &Pump) -> Result<(), PlanError> {
+    let motor = Motor { steps_per_rev: any(), max_speed_rad_s: any(), max_acceleration_rad_s2: any() };
+    let mut limits = Limits::of_motor(motor);
+    limits.max_outlet_kpa = black_box(true).then(any);
+    limits.min_inlet_kpa = black_box(true).then(any);
+    limits.validate()?;
+    let cruise = match black_box(0) {
+        0 => Cruise::Flow { ml_s: any() },
+        1 => Cruise::Speed { rad_s: any() },
+        _ => Cruise::Within { time_s: any() },
+    };
+    let request = Request { carry_in_ml: any(), ..Request::new(any(), cruise) };
+    let start = Phase { half_width_rad: any(), ..Phase::known(any()) };
+    let plan = plan(pump, start, &request, &limits)?;
+    black_box((plan.predict(pump)?, plan.end_step_ml(pump), plan.legs(), plan.end_angle_rad()));
+    black_box((plan.angle_after(black_box(1)), plan.direction(), start.is_known(any())));
+    black_box((speed_for_flow(pump, any()), motor.step_rad()));
+    for step in plan.steps() {
+        black_box(step);
+    }
+    let profile = Trapezoid::new(any(), any(), any());
+    black_box((profile.time_of(any()), profile.duration_s(), profile.legs(any(), black_box(1))));
+    black_box((profile.peak_rad_s(), profile.reaches_cruise(), profile.acceleration_rad_s2()));
+    black_box((plan.angle_at(any()), plan.speed_at(any()), plan.speed_after(black_box(1))));
+    let rest = plan.retarget(pump, black_box(1), any(), cruise, &limits)?;
+    black_box(rest.delivered_ml(pump, black_box(1)));
+    for segment in rest.segments(black_box(1)) {
+        black_box(segment);
+    }
+    moves(motor, rest.segments(black_box(1)));
+    Ok(())
+}
+
+/// A pin, a delay and a clock of which nothing is known.
+struct Any;
+
+impl ErrorType for Any {
+    type Error = ErrorKind;
+}
+
+impl OutputPin for Any {
+    fn set_low(&mut self) -> Result<(), ErrorKind> {
+        black_box(Ok(()))
+    }
+
+    fn set_high(&mut self) -> Result<(), ErrorKind> {
+        black_box(Ok(()))
+    }
+}
+
+impl InputPin for Any {
+    fn is_high(&mut self) -> Result<bool, ErrorKind> {
+        black_box(Ok(true))
+    }
+
+    fn is_low(&mut self) -> Result<bool, ErrorKind> {
+        black_box(Ok(true))
+    }
+}
+
+impl DelayNs for Any {
+    fn delay_ns(&mut self, ns: u32) {
+        black_box(ns);
+    }
+}
+
+impl Clock for Any {
+    fn now(&mut self) -> u64 {
+        black_box(0)
+    }
+}
+
+fn any_segment() -> Segment {
+    Segment { count: black_box(1), interval: black_box(1), add: black_box(1), frac: black_box(1) }
+}
+
+fn moves(motor: Motor, segments: impl Iterator<Item = Segment>) {
+    let brake = Brake::from_climb([any_segment(), any_segment()]).unwrap_or(motor.brake(black_box(1)));
+    for segment in brake.climb() {
+        black_box((segment.steps(), segment.direction(), segment.is_valid()));
+    }
+    let mut stepper = Stepper::<8>::new(brake);
+    black_box((stepper.push(any_segment()).is_ok(), stepper.set_position(black_box(1)), stepper.clear()));
+
+    let timing = Timing { step_high_ns: black_box(1), ..Timing::default() };
+    let pins = StepDir::new(Any, Any, Any, Any, timing).with_index(Any);
+    let mut actuator = Actuator::new(pins, stepper, OnFault::Disable);
+    black_box((actuator.enable().is_ok(), actuator.watch_index().is_ok(), actuator.index_at()));
+    black_box(actuator.start(black_box(1)).is_ok());
+    while black_box(true) {
+        black_box(actuator.on_timer(black_box(1)).is_ok());
+        let stepper = actuator.stepper();
+        black_box((stepper.room(), stepper.position(), stepper.position_at(black_box(1))));
+        black_box((stepper.next_deadline(), stepper.is_moving(), stepper.retarget(black_box(1))));
+        if black_box(false) {
+            stepper.halt(black_box(true));
+            stepper.finish();
+        }
+        if black_box(false) {
+            black_box(actuator.stop(black_box(1)));
+        }
+    }
+    black_box(actuator.run(&mut Any, &mut segments.peekable(), || black_box(false)).is_ok());
+    black_box(actuator.disable().is_ok());
+}
