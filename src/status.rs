@@ -107,13 +107,14 @@ impl Status {
             1e3 * self.carry_ml,
         );
         // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "tube: {:.1} mL in {:.1} revolutions and {:.2} h",
-            self.wear.volume_ml,
-            self.wear.revolutions,
-            self.wear.motion_s / 3600.0
-        );
+        let Wear { volume_ml, revolutions, motion_s } = self.wear;
+        let time = if motion_s < 3600.0 {
+            format!("{:.1} min", motion_s / 60.0)
+        } else {
+            format!("{:.1} h", motion_s / 3600.0)
+        };
+        let _ =
+            writeln!(text, "tube: {volume_ml:.1} mL in {revolutions:.1} revolutions and {time} of motion");
         if let Some(dose) = &self.unfinished {
             let _ = writeln!(
                 text,

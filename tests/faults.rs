@@ -143,7 +143,8 @@ fn check(folder: &Path, volume_ml: f64, random: &mut Random, cut: Cut) {
     child.stdout.take().unwrap().read_to_string(&mut said).unwrap();
     child.wait().unwrap();
     let words = |wanted: &str| {
-        let mut found = said.lines().filter_map(|line| line.split_once(' ')).filter(|(word, _)| *word == wanted);
+        let mut found =
+            said.lines().filter_map(|line| line.split_once(' ')).filter(|(word, _)| *word == wanted);
         found.next_back().map(|(_, number)| number.parse::<u64>().unwrap())
     };
 
