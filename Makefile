@@ -5,7 +5,7 @@ BIN := $(CURDIR)/$(VENV)/bin
 TARGETS := thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imc-unknown-none-elf
 NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --target-dir target
 
-.PHONY: test test-rust test-python lint bench embedded docs
+.PHONY: test test-rust test-python faults lint bench embedded docs
 
 test: test-rust test-python
 
@@ -20,6 +20,10 @@ $(VENV)/installed: $(shell git ls-files -- Cargo.lock Cargo.toml 'src/*.rs' 'cra
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet "./crates/pump-py[test]"
 	touch $@
+
+# Doses cut off at random instants; `make test` runs 40 of them.
+faults:
+	FAULTS_RUNS=500 cargo test --locked --test faults
 
 lint: $(VENV)/installed
 	cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt

@@ -1,19 +1,19 @@
-//! A bench: one pump, what turns it, and its record; doses are prepared, run and recorded here.
+//! A bench: one pump, what turns it, and what is recorded of it.
 
 use std::path::Path;
 
 use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
-use pump_model::integrator::IntegrationError;
-use pump_model::math::degrees;
 use thiserror::Error;
 
 use crate::dose::{DoseRequest, PhaseSource, Prepared};
-use crate::drivers::Sim;
+use crate::drivers::DriveError;
+use crate::folder::{Folder, FolderError};
+use crate::journal::{JournalError, State, Story};
 use crate::pump_file::{DriverName, PumpFile, PumpFileError};
-use crate::record::{Folder, Lock, Record, RecordError};
+use crate::session::Session;
 
-/// A pump with its driver and the folder of its record.
+/// A pump with its driver and the folder of its journal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bench {
     file: PumpFile,
@@ -32,16 +32,57 @@ pub enum DoseError {
     /// The dose cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// The record cannot be used; nothing has moved.
+    /// The folder cannot be used; nothing has moved.
     #[error(transparent)]
-    Record(#[from] RecordError),
+    Folder(#[from] FolderError),
+    /// The journal cannot be used; nothing has moved.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// An earlier dose was begun and not finished.
+    #[error(
+        "a dose of {requested_ml} mL is unfinished: {} were delivered; see `dose status`, then finish it with `dose resume` \
+         or accept it as it is with `dose discard`",
+        between(*least_ml, *most_ml)
+    )]
+    Unfinished {
+        /// What was asked, mL.
+        requested_ml: f64,
+        /// Smallest volume that it may have delivered, mL.
+        least_ml: f64,
+        /// Largest.
+        most_ml: f64,
+    },
+    /// There is no dose to resume or to discard.
+    #[error("no unfinished dose is on record: there is nothing to {0}")]
+    NothingUnfinished(&'static str),
+    /// The motor was stopped because what it was about to do could not be written down.
+    #[error(
+        "the dose was stopped after {delivered_ml:.4} mL because its progress could not be recorded: {source}; make room, \
+         then see `dose status`"
+    )]
+    NotJournalled {
+        /// mL.
+        delivered_ml: f64,
+        /// Why.
+        source: JournalError,
+    },
     /// The drive failed on the way.
-    #[error("the simulated drive failed: {0}; its record still says where it stood before")]
-    Drive(IntegrationError),
-    /// The dose is done but could not be recorded.
+    #[error(
+        "{error}; {} were delivered, the motor holds; see `dose status`, then `dose resume` or `dose discard`",
+        between(*least_ml, *most_ml)
+    )]
+    Drive {
+        /// Why.
+        error: DriveError,
+        /// Smallest volume that was delivered, mL.
+        least_ml: f64,
+        /// Largest.
+        most_ml: f64,
+    },
+    /// The dose is over but its end could not be recorded.
     #[error(
         "{delivered_ml:.4} mL were delivered and the rotor stands at {end_angle_deg:.4} deg, but this could not be \
-         recorded: {source}; start the next dose with --start-angle {end_angle_deg:.4}deg"
+         recorded: {source}; make room, then see `dose status`"
     )]
     NotRecorded {
         /// mL.
@@ -49,8 +90,17 @@ pub enum DoseError {
         /// deg.
         end_angle_deg: f64,
         /// Why.
-        source: RecordError,
+        source: JournalError,
     },
+}
+
+/// A volume that is known between bounds, in words.
+pub(crate) fn between(least_ml: f64, most_ml: f64) -> String {
+    if most_ml - least_ml < 1e-9 {
+        format!("{least_ml:.4} mL")
+    } else {
+        format!("between {least_ml:.4} and {most_ml:.4} mL")
+    }
 }
 
 impl Bench {
@@ -78,72 +128,48 @@ impl Bench {
         self.driver
     }
 
-    /// Where its record is kept.
+    /// Where its journal is kept.
     pub fn folder(&self) -> &Folder {
         &self.folder
     }
 
+    /// The state of this pump without a journal: a simulated one stands at 0 deg.
+    pub(crate) fn fresh(&self) -> State {
+        match self.driver {
+            DriverName::Sim => State::fresh(Phase::known(0.0)),
+        }
+    }
+
+    /// What its journal says.
+    pub fn story(&self) -> Result<Story, DoseError> {
+        Ok(self.folder.read(&self.model, self.fresh())?)
+    }
+
     /// Plans a dose from the recorded angle and predicts it. Moves and writes nothing.
     pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
-        let mut warnings = Vec::new();
-        // A damaged record stands in the way of nothing that does not need it.
-        let record = match (self.folder.read(), request.start_angle_rad) {
-            (Err(error @ RecordError::Damaged { .. }), Some(_)) => {
-                warnings.push(format!("{error}; what earlier doses owed is lost and set to zero"));
-                None
-            }
-            (record, _) => record?,
-        };
-        let (start, phase_source) = match (request.start_angle_rad, &record) {
+        self.prepare_from(self.story()?.state, request)
+    }
+
+    pub(crate) fn prepare_from(
+        &self,
+        state: Option<State>,
+        request: DoseRequest,
+    ) -> Result<Prepared, DoseError> {
+        if let Some(dose) = state.and_then(|state| state.unfinished) {
+            let (least_ml, most_ml) = dose.delivered_ml(&self.model);
+            return Err(DoseError::Unfinished { requested_ml: dose.intent.requested_ml, least_ml, most_ml });
+        }
+        let (start, source) = match (request.start_angle_rad, state) {
             (Some(angle_rad), _) => (Phase::known(angle_rad), PhaseSource::Given),
-            (None, Some(record)) => {
-                let phase = Phase { angle_rad: record.angle_rad, half_width_rad: record.half_width_rad };
-                (phase, PhaseSource::Recorded)
-            }
-            (None, None) => (Phase::known(0.0), PhaseSource::Home),
+            (None, Some(state)) => (state.phase(), PhaseSource::Recorded),
+            (None, None) => (self.fresh().phase(), PhaseSource::Home),
         };
-        let carry_ml = record.map_or(0.0, |record| record.carry_ml);
-        let mut prepared = Prepared::new(&self.file, &self.model, request, start, phase_source, carry_ml)?;
-        prepared.warnings.splice(0..0, warnings);
-        Ok(prepared)
+        let carry_ml = state.map_or(0.0, |state| state.carry_ml);
+        Ok(Prepared::new(&self.file, &self.model, request, start, source, carry_ml)?)
     }
 
     /// Takes the pump for this process until the session is dropped.
     pub fn session(&self) -> Result<Session<'_>, DoseError> {
-        Ok(Session { bench: self, lock: self.folder.lock()? })
-    }
-}
-
-/// A bench that no other process can move meanwhile.
-#[derive(Debug)]
-pub struct Session<'a> {
-    bench: &'a Bench,
-    lock: Lock,
-}
-
-impl Session<'_> {
-    /// Plans a dose from the recorded angle and predicts it. Moves nothing.
-    pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
-        self.bench.prepare(request)
-    }
-
-    /// Runs a dose that this session prepared and records where the rollers stand and what is owed. Returns what was
-    /// delivered, mL. `progress` is told now and then how many steps are done.
-    pub fn run(&self, prepared: &Prepared, progress: impl FnMut(u64)) -> Result<f64, DoseError> {
-        let plan = &prepared.plan;
-        let delivered_ml = match self.bench.driver {
-            DriverName::Sim => {
-                let mut sim = Sim::new(&self.bench.model);
-                sim.run(plan, progress).and_then(|()| sim.settle()).map_err(DoseError::Drive)?;
-                sim.received_ml()
-            }
-        };
-        let record = Record::new(plan.end_angle_rad(), plan.start.half_width_rad, prepared.carry_out_ml);
-        self.lock.write(&record).map_err(|source| DoseError::NotRecorded {
-            delivered_ml,
-            end_angle_deg: degrees(record.angle_rad),
-            source,
-        })?;
-        Ok(delivered_ml)
+        Session::open(self)
     }
 }

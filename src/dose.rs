@@ -3,13 +3,14 @@
 use pump_ctl::plan::{Cruise, LimitedBy, Limits, Phase, Plan, PlanError, Prediction, Request, plan};
 use pump_model::Pump;
 use pump_model::math::rpm;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::pump_file::PumpFile;
 use crate::uncertainty::Budget;
 
 /// Why the pump is to turn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Purpose {
     /// A dose into the vessel; earlier doses' carry is settled with it.
     Dose,

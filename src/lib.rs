@@ -2,15 +2,17 @@
 //! The command `dose` is a thin shell around this library, and other programs may be too.
 //!
 //! ```
+//! use std::ops::ControlFlow;
+//!
 //! use pump_dose::{Bench, DoseReport, DoseRequest, built_in};
 //!
 //! let state = tempfile::tempdir()?;
 //! let bench = Bench::new(built_in("three-roller").unwrap(), None, state.path())?;
-//! let session = bench.session()?;
+//! let mut session = bench.session()?;
 //! let prepared = session.prepare(DoseRequest::dose(25.0))?;
-//! let delivered_ml = session.run(&prepared, |_steps| {})?;
-//! let report = DoseReport::new(&bench, &prepared, Some(delivered_ml));
-//! assert!((delivered_ml - 25.0).abs() < 0.002);
+//! let delivered = session.run(&prepared, |_steps| ControlFlow::Continue(()))?;
+//! let report = DoseReport::new(&bench, &prepared, Some(&delivered));
+//! assert!(delivered.completed && (delivered.volume_ml - 25.0).abs() < 0.002);
 //! assert!((report.expanded_uncertainty_ml - 1.22).abs() < 0.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -20,28 +22,33 @@ mod built_in;
 pub mod csv;
 mod dose;
 mod drivers;
+mod folder;
+pub mod journal;
 mod output;
 pub mod plot;
 pub mod pump_file;
 pub mod quantity;
-mod record;
 mod report;
 mod report_text;
 pub mod rust_source;
 pub mod sample;
+mod session;
 mod simulation;
+mod status;
 pub mod times;
 mod uncertainty;
 pub mod waveform;
 
-pub use bench::{Bench, DoseError, Session};
+pub use bench::{Bench, DoseError};
 pub use built_in::{BUILT_IN, built_in};
 pub use dose::{DoseRequest, PhaseSource, Prepared, Purpose};
-pub use drivers::Sim;
+pub use drivers::{Drive, DriveError, DriveFault, Gate, Sim};
+pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use output::Staged;
-pub use record::{Folder, Lock, Record, RecordError, default_state_dir};
 pub use report::{DoseReport, PhaseReport};
+pub use session::{Delivered, Session};
 pub use simulation::{MAX_SAMPLES, Simulation, SteadyReport};
+pub use status::{Status, UnfinishedStatus};
 pub use uncertainty::{Budget, COVERAGE_FACTOR, Share};
 
 #[cfg(doctest)]

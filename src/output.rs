@@ -58,12 +58,7 @@ impl Staged {
     }
 }
 
-/// Replaces a file: the old one or the new one is there at any instant.
-pub fn replace_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    Staged::new(path, write)?.put()
-}
-
-fn folder_of(target: &Path) -> &Path {
+pub(crate) fn folder_of(target: &Path) -> &Path {
     match target.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -83,7 +78,7 @@ fn temporary_beside(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
 }
 
 /// Makes a rename in the folder survive a power loss.
-fn sync_folder(folder: &Path) -> io::Result<()> {
+pub(crate) fn sync_folder(folder: &Path) -> io::Result<()> {
     #[cfg(unix)]
     File::open(folder)?.sync_all()?;
     #[cfg(not(unix))]
@@ -94,6 +89,10 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn replace_file(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+        Staged::new(path, write)?.put()
+    }
 
     #[test]
     fn a_failed_write_leaves_the_old_contents_and_no_litter() {

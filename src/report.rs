@@ -8,6 +8,7 @@ use serde::Serialize;
 use crate::bench::Bench;
 use crate::dose::{PhaseSource, Prepared, Purpose};
 use crate::pump_file::{DriverName, PumpFile};
+use crate::session::Delivered;
 use crate::uncertainty::Share;
 
 /// A dose, planned or done (`schema` `dose/1`).
@@ -43,8 +44,10 @@ pub struct DoseReport {
     pub start_angle_deg: f64,
     /// Angle at the end, deg, counted on from the start.
     pub end_angle_deg: f64,
-    /// Motor steps; negative in reverse.
+    /// Planned motor steps; negative in reverse.
     pub steps: i64,
+    /// Steps made; null on a dry run.
+    pub steps_made: Option<i64>,
     /// Steps per revolution of the pump head.
     pub steps_per_rev: f64,
     /// What the next dose owes, mL: requested + carry in - planned; after a prime or purge, what was owed before.
@@ -91,10 +94,10 @@ pub struct PhaseReport {
 }
 
 impl DoseReport {
-    /// Report of a prepared dose that delivered `delivered_ml`, or of a dry run.
-    pub fn new(bench: &Bench, prepared: &Prepared, delivered_ml: Option<f64>) -> Self {
+    /// Report of a prepared dose that was run, or of a dry run.
+    pub fn new(bench: &Bench, prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
         let (file, model, driver) = (bench.file(), bench.model(), bench.driver());
-        Self::without_bench(file, model, driver, prepared, delivered_ml)
+        Self::without_bench(file, model, driver, prepared, delivered)
     }
 
     /// The same of a dose that was planned without a bench, so without a record.
@@ -103,7 +106,7 @@ impl DoseReport {
         model: &Pump,
         driver: DriverName,
         prepared: &Prepared,
-        delivered_ml: Option<f64>,
+        delivered: Option<&Delivered>,
     ) -> Self {
         let (plan, prediction) = (&prepared.plan, &prepared.prediction);
         let cruise_rad_s = plan.profile.peak_rad_s();
@@ -130,7 +133,7 @@ impl DoseReport {
             requested_ml: plan.requested_ml,
             carry_in_ml: plan.carry_in_ml,
             planned_ml: plan.planned_ml,
-            delivered_ml,
+            delivered_ml: delivered.map(|delivered| delivered.volume_ml),
             volume_basis: "model",
             expanded_uncertainty_ml: prepared.budget.expanded_ml(),
             uncertainty_budget: prepared.budget.shares.clone(),
@@ -140,8 +143,11 @@ impl DoseReport {
                 half_width_deg: degrees(plan.start.half_width_rad),
             },
             start_angle_deg: degrees(plan.start.angle_rad),
-            end_angle_deg: degrees(plan.end_angle_rad()),
+            end_angle_deg: degrees(
+                delivered.map_or(plan.end_angle_rad(), |delivered| delivered.end_angle_rad),
+            ),
             steps: plan.steps,
+            steps_made: delivered.map(|delivered| delivered.made as i64 * plan.steps.signum()),
             steps_per_rev: plan.steps_per_rev,
             carry_ml: prepared.carry_out_ml,
             cruise_speed_rpm: rpm(cruise_rad_s),
@@ -160,7 +166,7 @@ impl DoseReport {
             },
             limits_not_checked,
             warnings: prepared.warnings.clone(),
-            completed: delivered_ml.is_some(),
+            completed: delivered.is_some_and(|delivered| delivered.completed),
         }
     }
 

@@ -21,6 +21,7 @@ impl DoseReport {
         let uncertainty = format!("{:.decimals$}", self.expanded_uncertainty_ml);
         let (volume, verb) = match (self.delivered_ml, self.purpose) {
             (None, _) => (self.planned_ml, "planned (dry run, nothing recorded)"),
+            (Some(delivered), _) if !self.completed => (delivered, "delivered, then stopped"),
             (Some(delivered), "prime") => (delivered, "primed"),
             (Some(delivered), "purge") => (delivered, "purged"),
             (Some(delivered), _) => (delivered, "delivered"),
@@ -48,13 +49,16 @@ impl DoseReport {
             self.known(),
             self.end_angle_deg
         )?;
-        writeln!(
-            to,
-            "  steps        {} (a revolution has {}); {}",
-            self.steps,
-            self.steps_per_rev,
+        let steps = match self.steps_made {
+            Some(made) if !self.completed => format!("{made} of {}", self.steps),
+            _ => self.steps.to_string(),
+        };
+        let rest = if self.steps_made.is_some() && !self.completed {
+            "`dose resume` makes the rest, `dose discard` leaves it".to_owned()
+        } else {
             owed(self.carry_ml, "to the next dose")
-        )?;
+        };
+        writeln!(to, "  steps        {steps} (a revolution has {}); {rest}", self.steps_per_rev)?;
         let limited = match self.limited_by {
             "none" => String::new(),
             limit => format!(" (limited by {limit})"),

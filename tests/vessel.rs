@@ -54,7 +54,7 @@ fn the_vessel_receives_the_planned_volume_from_the_motion_curve() {
 fn the_vessel_receives_the_planned_volume_from_the_staircase_of_steps() {
     check(20, |pump, plan| {
         let mut sim = Sim::with_tolerance(pump, TOLERANCE);
-        sim.run(plan, |_| {}).unwrap();
+        sim.make(plan).unwrap();
         sim.wait(WAIT_S).unwrap();
         sim.received_ml()
     });
@@ -69,7 +69,7 @@ fn the_staircases_pressure_is_the_sum_of_the_responses_to_its_steps() {
     let request = Request::new(0.5, Cruise::Flow { ml_s: 5.0 });
     let plan = plan(&pump, Phase::known(1.0), &request, &limits).unwrap();
     let mut sim = Sim::with_tolerance(&pump, TOLERANCE);
-    sim.run(&plan, |_| {}).unwrap();
+    sim.make(&plan).unwrap();
     sim.wait(0.01).unwrap();
 
     // p(t) after an impulse dV into C of a line at rest: dV/C e^(-d t/2) (cos v t + d/(2 v) sin v t), d = R/L.

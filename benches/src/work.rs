@@ -50,7 +50,7 @@ pub fn rows(pump: &Pump) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
         }),
         row("simulated drive, 25 mL", (dose.steps as f64, "steps"), move || {
             let mut sim = Sim::new(pump);
-            sim.run(black_box(&dose), |_| {})?;
+            sim.make(black_box(&dose))?;
             black_box(sim.received_ml());
             Ok(())
         }),

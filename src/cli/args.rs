@@ -54,8 +54,18 @@ pub(crate) enum Command {
     },
     /// Run the model at constant speed (--speed or --rate, --duration)
     Simulate,
-    /// Say where the rollers stand and what is owed
+    /// Say where the rollers stand, what is owed, and what is unfinished
     Status,
+    /// Make the rest of a dose that was stopped or cut off
+    Resume,
+    /// Accept a dose that was stopped or cut off as it is
+    Discard,
+    /// Say where the rollers stand
+    Home {
+        /// The angle, as 30deg; 0deg: a roller begins to leave the outlet
+        #[arg(long, value_name = "ANGLE", value_parser = quantity::angle_rad)]
+        set: f64,
+    },
     /// Built-in pumps and pump files
     Pumps {
         #[command(subcommand)]

@@ -1,17 +1,21 @@
-//! `dose <VOLUME>`, `dose prime`, `dose purge`.
+//! `dose <VOLUME>`, `dose prime`, `dose purge`, `dose resume`.
 
 use std::io::{self, Write};
+use std::ops::ControlFlow;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use pump_dose::pump_file::PumpFile;
 use pump_dose::quantity::Amount;
 use pump_dose::times::times;
 use pump_dose::waveform::{Method, Waveform};
-use pump_dose::{Bench, DoseReport, DoseRequest, Prepared, Purpose, csv};
+use pump_dose::{Bench, Delivered, DoseReport, DoseRequest, Prepared, Purpose, Session, csv};
 
 use super::args::Options;
+use super::interrupt::Interrupt;
 use super::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use super::{Failure, print};
+
+const PRESSURES: [&str; 2] = ["--max-outlet-pressure", "--min-inlet-pressure"];
 
 /// A file of more rows is a mistake: it would fill disks (a row has up to 150 bytes).
 const MAX_ROWS: f64 = 1e8;
@@ -28,47 +32,65 @@ pub(crate) fn purge(amount: &Amount, options: &Options) -> Result<(), Failure> {
     run("dose purge", Purpose::Purge, amount, options)
 }
 
+/// Makes the rest of an unfinished dose.
+pub(crate) fn resume(options: &Options) -> Result<(), Failure> {
+    let accepted = [&PRESSURES[..], &["--rate", "--speed", "--within", "--driver", "--format"]].concat();
+    options.accept_only("dose resume", &accepted)?;
+    let bench = options.bench()?;
+    let request = with_options(DoseRequest::dose(0.0), options, bench.file())?;
+    let mut session = bench.session()?;
+    let prepared = session.prepare_rest(request)?;
+    let delivered = deliver(&mut session, &prepared)?;
+    report(&bench, &prepared, Some(delivered), options)
+}
+
 fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> Result<(), Failure> {
-    options.accept_only(
-        command,
-        &[
-            "--rate",
-            "--speed",
-            "--within",
-            "--reverse",
-            "--start-angle",
-            "--max-outlet-pressure",
-            "--min-inlet-pressure",
-            "--driver",
-            "--dry-run",
-            "--format",
-            "--steps",
-            "--trace",
-            "--plot",
-            "--dt",
-        ],
-    )?;
+    let accepted = [
+        &PRESSURES[..],
+        &["--rate", "--speed", "--within", "--reverse", "--start-angle", "--driver", "--dry-run", "--format"],
+        &["--steps", "--trace", "--plot", "--dt"],
+    ];
+    options.accept_only(command, &accepted.concat())?;
     options.outputs_differ()?;
     if options.dt.is_some() && options.trace.is_none() {
         return Err(Failure::refused("--dt is the time between rows of --trace; name that file too"));
     }
     let bench = options.bench()?;
     let request = request(purpose, amount, options, bench.file())?;
-
-    // The pump is taken before its record is read, so that nobody moves it in between.
-    let session = if options.dry_run { None } else { Some(bench.session()?) };
-    let prepared = bench.prepare(request)?;
+    if options.dry_run {
+        let prepared = bench.prepare(request)?;
+        write_outputs(&bench, &prepared, options)?;
+        return report(&bench, &prepared, None, options);
+    }
+    // The pump is taken before its journal is read, so that nobody moves it in between.
+    let mut session = bench.session()?;
+    let prepared = session.prepare(request)?;
     write_outputs(&bench, &prepared, options)?;
-    let delivered_ml = match &session {
-        None => None,
-        Some(session) => {
-            let bar = progress_bar(&prepared);
-            let delivered_ml = session.run(&prepared, |steps| bar.set_position(steps));
-            bar.finish_and_clear();
-            Some(delivered_ml?)
-        }
-    };
-    let report = DoseReport::new(&bench, &prepared, delivered_ml);
+    let delivered = deliver(&mut session, &prepared)?;
+    report(&bench, &prepared, Some(delivered), options)
+}
+
+/// Runs a dose, with its progress on standard error. A signal stops it.
+fn deliver(session: &mut Session<'_>, prepared: &Prepared) -> Result<(Delivered, Option<i32>), Failure> {
+    let interrupt = Interrupt::watch().map_err(Failure::refused)?;
+    let bar = progress_bar(prepared);
+    let delivered = session.run(prepared, |made| {
+        bar.set_position(made);
+        if interrupt.signal().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    bar.finish_and_clear();
+    Ok((delivered?, interrupt.signal()))
+}
+
+fn report(
+    bench: &Bench,
+    prepared: &Prepared,
+    delivered: Option<(Delivered, Option<i32>)>,
+    options: &Options,
+) -> Result<(), Failure> {
+    let (delivered, signal) =
+        (delivered.map(|(delivered, _)| delivered), delivered.and_then(|(_, signal)| signal));
+    let report = DoseReport::new(bench, prepared, delivered.as_ref());
     let printed = if options.json() {
         for warning in &report.warnings {
             // Standard error is for people; if it is closed nobody reads it.
@@ -78,10 +100,11 @@ fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> R
     } else {
         print(&report.text())
     };
-    match (printed, delivered_ml) {
-        (Err(Failure::Refused(message)), Some(delivered_ml)) => {
-            Err(Failure::Fault(format!("{delivered_ml:.4} mL were delivered and recorded, but {message}")))
+    match (printed, delivered) {
+        (Err(Failure::Refused(message)), Some(Delivered { volume_ml, .. })) => {
+            Err(Failure::Fault(format!("{volume_ml:.4} mL were delivered and recorded, but {message}")))
         }
+        (Ok(()), Some(delivered)) if !delivered.completed => Err(Failure::Stopped(signal.unwrap_or(0))),
         (printed, _) => printed,
     }
 }
@@ -101,14 +124,18 @@ fn request(
         }
         volume_ml = -volume_ml;
     }
+    let asked = DoseRequest { purpose, start_angle_rad: options.start_angle, ..DoseRequest::dose(volume_ml) };
+    with_options(asked, options, file)
+}
+
+/// The same at the speed and within the pressures that were asked for.
+fn with_options(request: DoseRequest, options: &Options, file: &PumpFile) -> Result<DoseRequest, Failure> {
     let ambient_kpa = file.ambient.pressure_kpa;
     Ok(DoseRequest {
-        purpose,
-        volume_ml,
         cruise: options.cruise()?,
-        start_angle_rad: options.start_angle,
         max_outlet_kpa: options.max_outlet_pressure.map(|pressure| pressure.absolute_kpa(ambient_kpa)),
         min_inlet_kpa: options.min_inlet_pressure.map(|pressure| pressure.absolute_kpa(ambient_kpa)),
+        ..request
     })
 }
 

@@ -2,6 +2,8 @@
 
 mod args;
 mod dose;
+mod home;
+mod interrupt;
 mod outputs;
 mod pumps;
 mod simulate;
@@ -13,7 +15,7 @@ use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches};
-use pump_dose::{DoseError, RecordError};
+use pump_dose::{DoseError, FolderError};
 
 use args::{Cli, Command};
 
@@ -23,8 +25,12 @@ pub(crate) enum Failure {
     Refused(String),
     /// Another process holds the pump: exit code 3.
     Busy(String),
+    /// An unfinished dose stands in the way: exit code 4.
+    Unfinished(String),
     /// Something went wrong after motion began: exit code 1.
     Fault(String),
+    /// The user stopped the dose by this signal, which is recorded: exit code 128 + its number.
+    Stopped(i32),
 }
 
 impl Failure {
@@ -38,15 +44,18 @@ impl From<DoseError> for Failure {
     fn from(error: DoseError) -> Self {
         let message = error.to_string();
         match error {
-            DoseError::Record(RecordError::Busy { .. }) => Self::Busy(message),
-            DoseError::Drive(_) | DoseError::NotRecorded { .. } => Self::Fault(message),
+            DoseError::Folder(FolderError::Busy { .. }) => Self::Busy(message),
+            DoseError::Unfinished { .. } => Self::Unfinished(message),
+            DoseError::Drive { .. } | DoseError::NotJournalled { .. } | DoseError::NotRecorded { .. } => {
+                Self::Fault(message)
+            }
             _ => Self::Refused(message),
         }
     }
 }
 
-impl From<RecordError> for Failure {
-    fn from(error: RecordError) -> Self {
+impl From<FolderError> for Failure {
+    fn from(error: FolderError) -> Self {
         DoseError::from(error).into()
     }
 }
@@ -71,6 +80,11 @@ pub(crate) fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                 Failure::Fault(message) => (1, message),
                 Failure::Refused(message) => (2, message),
                 Failure::Busy(message) => (3, message),
+                Failure::Unfinished(message) => (4, message),
+                Failure::Stopped(signal) => (
+                    128 + u8::try_from(signal).unwrap_or(0),
+                    "stopped by the user; `dose resume` makes the rest, `dose discard` leaves it".to_owned(),
+                ),
             };
             let _ = writeln!(io::stderr(), "error: {message}");
             ExitCode::from(code)
@@ -86,6 +100,9 @@ fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Prime { volume }) => dose::prime(&volume::only(volume)?, options),
         Some(Command::Purge { volume }) => dose::purge(&volume::only(volume)?, options),
         Some(Command::Simulate) => simulate::simulate(options),
+        Some(Command::Resume) => dose::resume(options),
+        Some(Command::Discard) => home::discard(options),
+        Some(Command::Home { set }) => home::set(*set, options),
         Some(Command::Status) => status::status(options),
         Some(Command::Pumps { command }) => pumps::pumps(command.as_ref(), options),
     }

@@ -1,10 +1,12 @@
 //! The simulated drive: a virtual stepper, pump, outlet line and vessel that follow every step.
 
 use nalgebra::SVector;
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::{Plan, Step};
 use pump_model::circuit::{Circuit, NoFlow, options};
 use pump_model::integrator::{IntegrationError, Rodas5p};
 use pump_model::{Line, Port, Pump};
+
+use super::drive::{Drive, DriveError, DriveFault, Gate};
 
 /// Error allowed in a step, relative to 1 kPa plus |P - P_res|. The volume does not depend on it: what leaves the line is
 /// what the rollers pushed less what the line holds, at any tolerance.
@@ -15,9 +17,6 @@ const AT_REST_ML: f64 = 1e-6;
 
 /// Longest wait for that, s.
 const LONGEST_WAIT_S: f64 = 36_000.0;
-
-/// Steps between two reports of progress.
-const REPORT_EVERY: u64 = 1024;
 
 /// A vessel behind an outlet line, fed by rollers that move in steps.
 ///
@@ -41,21 +40,21 @@ impl<'a> Sim<'a> {
         Self { pump, solver }
     }
 
-    /// Makes every step of `plan`. `progress` is told now and then how many are done.
-    pub fn run(&mut self, plan: &Plan, mut progress: impl FnMut(u64)) -> Result<(), IntegrationError> {
-        let curve = self.pump.outlet_curve();
-        let line = self.pump.outlet();
+    /// Makes every step of `plan`.
+    pub fn make(&mut self, plan: &Plan) -> Result<(), IntegrationError> {
         let started_s = self.solver.time_s();
-        let mut pushed_ml = curve.volume_ml(plan.start.angle_rad);
         for step in plan.steps() {
-            self.wait_until(started_s + step.time_s)?;
-            let volume_ml = curve.volume_ml(step.angle_rad);
-            self.push(line, volume_ml - pushed_ml);
-            pushed_ml = volume_ml;
-            if step.number % REPORT_EVERY == 0 {
-                progress(step.number);
-            }
+            self.step(plan, &step, started_s)?;
         }
+        Ok(())
+    }
+
+    /// Lets the line flow on until `step` is due, then makes it.
+    fn step(&mut self, plan: &Plan, step: &Step, started_s: f64) -> Result<(), IntegrationError> {
+        self.wait_until(started_s + step.time_s)?;
+        let curve = self.pump.outlet_curve();
+        let before_rad = plan.angle_after(step.number - 1);
+        self.push(self.pump.outlet(), curve.volume_ml(step.angle_rad) - curve.volume_ml(before_rad));
         Ok(())
     }
 
@@ -66,7 +65,7 @@ impl<'a> Sim<'a> {
 
     /// Waits until nothing that counts can still arrive: until the energy of the line is that of 1e-6 mL in its
     /// compliance.
-    pub fn settle(&mut self) -> Result<(), IntegrationError> {
+    fn wait_for_rest(&mut self) -> Result<(), IntegrationError> {
         let line = self.pump.outlet();
         let circuit = self.at_rest();
         let end_s = self.solver.time_s() + LONGEST_WAIT_S;
@@ -109,5 +108,32 @@ impl<'a> Sim<'a> {
             self.solver.step(&circuit, time_s)?;
         }
         Ok(())
+    }
+}
+
+impl Drive for Sim<'_> {
+    fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+        let started_s = self.solver.time_s();
+        let mut made = 0;
+        let failed = |made_least, error: IntegrationError| DriveFault {
+            made_least,
+            made_most: made_least + 1,
+            error: error.into(),
+        };
+        for step in plan.steps() {
+            if gate(made, step.number).is_break() {
+                let Some(stop) = plan.stop(self.pump, made) else { break };
+                self.make(&stop).map_err(|error| failed(made, error))?;
+                return Ok(made + stop.steps.unsigned_abs());
+            }
+            self.step(plan, &step, started_s).map_err(|error| failed(made, error))?;
+            made = step.number;
+        }
+        Ok(made)
+    }
+
+    fn settle(&mut self) -> Result<Option<f64>, DriveError> {
+        self.wait_for_rest()?;
+        Ok(Some(self.received_ml()))
     }
 }

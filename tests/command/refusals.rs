@@ -89,7 +89,7 @@ fn a_pump_file_is_obeyed_and_its_mistakes_are_named() {
     write(&three.replace("id = \"three-roller\"", "id = \"mine\"").replace("count = 3", "count = 4"));
     let report = user.json(&["25mL", "--pump", "my.toml"]);
     assert_eq!(report["pump"], "mine");
-    assert!(user.path("state/mine/sim/record.json").exists());
+    assert!(user.path("state/mine/sim/journal.jsonl").exists());
     assert!(user.types(&["pumps", "check", "my.toml"]).out.contains("19.2130 mL per revolution"));
 
     for (from, to, expected) in [
@@ -119,17 +119,6 @@ fn a_pump_file_is_obeyed_and_its_mistakes_are_named() {
     assert!(user.is_refused(&["25mL", "--pump", "my.toml"]).contains("cannot read pump file my.toml"));
     assert!(user.is_refused(&["25mL", "--pump", "gone.toml"]).contains("cannot read pump file gone.toml"));
     assert!(user.is_refused(&["25mL", "--pump", "."]).contains("cannot read pump file"));
-}
-
-#[test]
-fn a_damaged_record_stops_a_dose_until_the_angle_is_given() {
-    let user = User::new();
-    user.json(&["1mL"]);
-    fs::write(user.path("state/three-roller/sim/record.json"), "{").unwrap();
-    assert!(user.is_refused(&["1mL"]).contains("say where it stands with --start-angle"));
-    let report = user.json(&["1mL", "--start-angle", "0deg"]);
-    assert!(report["warnings"][0].as_str().unwrap().contains("what earlier doses owed is lost"));
-    assert_eq!(user.json(&["1mL"])["phase"]["source"], "recorded");
 }
 
 #[test]

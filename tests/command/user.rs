@@ -57,7 +57,7 @@ impl User {
     }
 
     pub fn record(&self) -> Option<String> {
-        fs::read_to_string(self.path("state/three-roller/sim/record.json")).ok()
+        fs::read_to_string(self.path("state/three-roller/sim/journal.jsonl")).ok()
     }
 }
 

@@ -5,7 +5,7 @@ use pump_model::{Port, Pump};
 
 use super::request::Request;
 use super::target::{Target, nearest_steps};
-use super::{Cruise, Limits, Phase, Plan, PlanError, Start, fastest};
+use super::{Cruise, LimitedBy, Limits, Phase, Plan, PlanError, Start, Trapezoid, fastest};
 
 impl Plan {
     /// Speed of the pump head when `count` steps are made, rad/s, not negative.
@@ -60,6 +60,40 @@ impl Plan {
         let time_s = self.profile.time_of(made as f64 * self.step_rad);
         let lines = [Port::Inlet, Port::Outlet].map(|port| self.run(pump, port).at(time_s));
         fastest(pump, Start { phase, speed_rad_s, lines }, target, &request, limits)
+    }
+
+    /// The way to rest from the moment at which `made` steps are made, at the plan's own acceleration; it makes no more
+    /// steps than the plan. `None` if the rotor stands then.
+    ///
+    /// Like the plan of [`Self::retarget`] it has time 0, start angle, volumes and steps of its own.
+    pub fn stop(&self, pump: &Pump, made: u64) -> Option<Self> {
+        let left = self.steps.unsigned_abs().checked_sub(made).filter(|left| *left > 0)?;
+        let speed_rad_s = self.speed_after(made);
+        let acceleration_rad_s2 = self.profile.acceleration_rad_s2();
+        let stopping_rad = speed_rad_s * speed_rad_s / (2.0 * acceleration_rad_s2);
+        let steps = (ceil(stopping_rad / self.step_rad - 1e-6) as u64).min(left);
+        if steps == 0 {
+            return None;
+        }
+        let volume_ml = self.delivered_ml(pump, made + steps) - self.delivered_ml(pump, made);
+        let time_s = self.profile.time_of(made as f64 * self.step_rad);
+        Some(Self {
+            requested_ml: volume_ml,
+            carry_in_ml: 0.0,
+            planned_ml: volume_ml,
+            carry_ml: 0.0,
+            start: Phase { angle_rad: self.angle_after(made), ..self.start },
+            steps: i64::from(self.direction()) * steps as i64,
+            profile: Trapezoid::from_speed(
+                speed_rad_s,
+                steps as f64 * self.step_rad,
+                speed_rad_s,
+                acceleration_rad_s2,
+            ),
+            limited_by: LimitedBy::Nothing,
+            lines: [Port::Inlet, Port::Outlet].map(|port| self.run(pump, port).at(time_s)),
+            ..*self
+        })
     }
 
     /// The steps that the request owes, if the rotor can stop that soon; otherwise the volume after which it can, mL.

@@ -1,0 +1,53 @@
+//! `dose home --set <ANGLE>` and `dose discard`: what a person says of the rotor and of an unfinished dose.
+
+use pump_ctl::plan::Phase;
+use pump_dose::journal::{JournalError, State};
+use pump_dose::{DoseError, Session};
+use pump_model::math::degrees;
+
+use super::args::Options;
+use super::{Failure, print};
+
+pub(crate) fn set(angle_rad: f64, options: &Options) -> Result<(), Failure> {
+    options.accept_only("dose home", &["--driver"])?;
+    let bench = options.bench()?;
+    let (mut session, aside) = match bench.session() {
+        Err(DoseError::Journal(JournalError::Damaged { .. })) => {
+            let aside = bench.folder().lock()?.set_journal_aside()?;
+            let aside = format!("the damaged journal is now {}\n", aside.display());
+            (bench.session()?, aside)
+        }
+        session => (session?, String::new()),
+    };
+    let owed_ml = owed(&session);
+    let state = session.set_angle(Phase::known(angle_rad))?;
+    print(&format!("{aside}{}{}", stands(&state), zeroed(owed_ml)))
+}
+
+pub(crate) fn discard(options: &Options) -> Result<(), Failure> {
+    options.accept_only("dose discard", &["--driver"])?;
+    let bench = options.bench()?;
+    let mut session = bench.session()?;
+    let owed_ml = owed(&session);
+    let state = session.discard()?;
+    print(&format!("the unfinished dose is accepted as it is\n{}{}", stands(&state), zeroed(owed_ml)))
+}
+
+fn owed(session: &Session<'_>) -> f64 {
+    session.state().map_or(0.0, |state| state.carry_ml)
+}
+
+fn stands(state: &State) -> String {
+    let width = match degrees(state.half_width_rad) {
+        0.0 => String::new(),
+        width => format!(" ± {width:.2}°"),
+    };
+    format!("the rollers stand at {:.2}°{width}\n", degrees(state.angle_rad))
+}
+
+fn zeroed(owed_ml: f64) -> String {
+    match owed_ml {
+        0.0 => String::new(),
+        owed => format!("warning: {:.2} µL that doses owed are forgotten\n", 1e3 * owed),
+    }
+}

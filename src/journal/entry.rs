@@ -1,0 +1,214 @@
+//! What a journal says.
+
+use pump_ctl::plan::{Phase, Plan};
+use pump_model::Pump;
+use pump_model::math::{TURN_RAD, wrap};
+use serde::{Deserialize, Serialize};
+
+use crate::dose::Purpose;
+
+/// One entry.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Entry {
+    /// A dose is about to move the rotor.
+    Intent(Intent),
+    /// Of the dose under way `made` steps are made; from now on up to `may` may be.
+    Progress {
+        /// Steps known to be made.
+        made: u64,
+        /// Steps that may be made before the next entry.
+        may: u64,
+    },
+    /// The rotor stands.
+    Rest {
+        /// Since when, seconds since 1970 by the clock of the day; for people only.
+        unix_s: u64,
+        /// Why.
+        why: Why,
+        /// How things stand.
+        state: State,
+    },
+}
+
+/// Why the rotor stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Why {
+    /// The dose was delivered.
+    Done,
+    /// The user stopped it.
+    Stopped,
+    /// The drive failed, or the journal could not be written.
+    Fault,
+    /// The process that ran the dose ended before it could say more.
+    CutOff,
+    /// An unfinished dose was accepted as it is.
+    Discarded,
+    /// Its angle was set by hand.
+    Set,
+}
+
+/// A dose as it was planned.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Intent {
+    /// When, seconds since 1970 by the clock of the day; for people only.
+    pub unix_s: u64,
+    /// Why the pump is to turn.
+    pub purpose: Purpose,
+    /// Volume asked for, mL; negative in reverse.
+    pub requested_ml: f64,
+    /// What earlier doses owed, mL.
+    pub carry_in_ml: f64,
+    /// Volume of the planned steps, mL.
+    pub planned_ml: f64,
+    /// What the next dose will owe, mL.
+    pub carry_out_ml: f64,
+    /// Angle at the start, rad.
+    pub start_angle_rad: f64,
+    /// The true angle lies within this of it, rad.
+    pub half_width_rad: f64,
+    /// Motor steps; negative in reverse.
+    pub steps: i64,
+    /// Angle of a step, rad.
+    pub step_rad: f64,
+    /// Time of the motion, s.
+    pub motion_s: f64,
+}
+
+/// How things stand with a pump between doses.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct State {
+    /// Angle of the rotor in the model's zero, rad, in [0, 2 pi).
+    pub angle_rad: f64,
+    /// The true angle lies within this of it, rad.
+    pub half_width_rad: f64,
+    /// What doses owe, mL, positive toward the outlet.
+    pub carry_ml: f64,
+    /// What the tube has gone through.
+    pub wear: Wear,
+    /// A dose that was begun and not finished.
+    pub unfinished: Option<Unfinished>,
+}
+
+/// What a tube has gone through since it was new.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Wear {
+    /// Volume either way, mL.
+    pub volume_ml: f64,
+    /// Revolutions either way.
+    pub revolutions: f64,
+    /// Time in motion, s.
+    pub motion_s: f64,
+}
+
+/// A dose that was begun and not finished.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unfinished {
+    /// The dose.
+    pub intent: Intent,
+    /// At least these steps were made.
+    pub made_least: u64,
+    /// At most these.
+    pub made_most: u64,
+}
+
+impl Intent {
+    /// Where the rollers stood at the start.
+    pub fn start(&self) -> Phase {
+        Phase { angle_rad: self.start_angle_rad, half_width_rad: self.half_width_rad }
+    }
+
+    /// Angle after `made` steps, rad, unwrapped: the same as the plan's.
+    pub fn angle_after(&self, made: u64) -> f64 {
+        let direction = if self.steps < 0 { -1.0 } else { 1.0 };
+        self.start_angle_rad + direction * (made as f64 * self.step_rad)
+    }
+
+    /// Volume of the first `made` steps, mL; negative in reverse.
+    pub fn delivered_ml(&self, pump: &Pump, made: u64) -> f64 {
+        let curve = pump.outlet_curve();
+        curve.volume_ml(self.angle_after(made)) - curve.volume_ml(self.start_angle_rad)
+    }
+
+    /// What `plan` is going to do.
+    pub(crate) fn of(plan: &Plan, purpose: Purpose, carry_out_ml: f64, unix_s: u64) -> Self {
+        Self {
+            unix_s,
+            purpose,
+            requested_ml: plan.requested_ml,
+            carry_in_ml: plan.carry_in_ml,
+            planned_ml: plan.planned_ml,
+            carry_out_ml,
+            start_angle_rad: plan.start.angle_rad,
+            half_width_rad: plan.start.half_width_rad,
+            steps: plan.steps,
+            step_rad: plan.step_rad,
+            motion_s: plan.profile.duration_s(),
+        }
+    }
+}
+
+impl Unfinished {
+    /// Where the rollers stand: the middle of what is possible, and how far off it may be.
+    pub fn phase(&self) -> Phase {
+        let [least, most] = [self.made_least, self.made_most].map(|made| self.intent.angle_after(made));
+        Phase {
+            angle_rad: 0.5 * (least + most),
+            half_width_rad: self.intent.half_width_rad + 0.5 * (most - least).abs(),
+        }
+    }
+
+    /// Smallest and largest volume that it may have delivered, mL; both negative in reverse.
+    pub fn delivered_ml(&self, pump: &Pump) -> (f64, f64) {
+        let [least, most] =
+            [self.made_least, self.made_most].map(|made| self.intent.delivered_ml(pump, made));
+        (least.min(most), least.max(most))
+    }
+}
+
+impl State {
+    /// A rotor at `phase` that owes nothing, with a new tube.
+    pub fn fresh(phase: Phase) -> Self {
+        Self {
+            angle_rad: wrap(phase.angle_rad, TURN_RAD),
+            half_width_rad: phase.half_width_rad,
+            carry_ml: 0.0,
+            wear: Wear::default(),
+            unfinished: None,
+        }
+    }
+
+    /// The same with the rotor at `phase`.
+    pub fn at(self, phase: Phase) -> Self {
+        Self { angle_rad: wrap(phase.angle_rad, TURN_RAD), half_width_rad: phase.half_width_rad, ..self }
+    }
+
+    /// Where the rollers stand.
+    pub fn phase(&self) -> Phase {
+        Phase { angle_rad: self.angle_rad, half_width_rad: self.half_width_rad }
+    }
+
+    /// The state once `intent` has made `made_least` to `made_most` of its steps and stands there.
+    pub(crate) fn after(self, intent: &Intent, made_least: u64, made_most: u64, pump: &Pump) -> Self {
+        let all = intent.steps.unsigned_abs();
+        let part = Unfinished { intent: *intent, made_least, made_most };
+        let wear = Wear {
+            volume_ml: self.wear.volume_ml + intent.delivered_ml(pump, made_most).abs(),
+            revolutions: self.wear.revolutions + made_most as f64 * intent.step_rad / TURN_RAD,
+            motion_s: self.wear.motion_s + intent.motion_s * made_most as f64 / all as f64,
+        };
+        let finished = made_least == all;
+        Self {
+            carry_ml: if finished { intent.carry_out_ml } else { self.carry_ml },
+            wear,
+            unfinished: (!finished).then_some(part),
+            ..self
+        }
+        .at(part.phase())
+    }
+}

@@ -1,0 +1,129 @@
+//! What is on record of a pump, for programs and for people.
+
+use std::fmt::Write;
+
+use pump_model::math::degrees;
+use serde::Serialize;
+
+use crate::bench::{Bench, DoseError, between};
+use crate::journal::Wear;
+
+/// What is on record (`schema` `status/1`).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Status {
+    /// `status/1`.
+    pub schema: &'static str,
+    /// Pump id.
+    pub pump: String,
+    /// Driver.
+    pub driver: &'static str,
+    /// Whether anything was ever recorded.
+    pub recorded: bool,
+    /// Angle of the rotor, deg.
+    pub angle_deg: f64,
+    /// How far off it may be, deg.
+    pub half_width_deg: f64,
+    /// What doses owe, mL, positive toward the outlet.
+    pub carry_ml: f64,
+    /// What the tube has gone through.
+    pub wear: Wear,
+    /// A dose that was begun and not finished.
+    pub unfinished: Option<UnfinishedStatus>,
+    /// The folder of the journal.
+    pub folder: String,
+}
+
+/// A dose that was begun and not finished.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct UnfinishedStatus {
+    /// What was asked, mL.
+    pub requested_ml: f64,
+    /// What was planned, mL.
+    pub planned_ml: f64,
+    /// Smallest volume that it may have delivered, mL.
+    pub delivered_least_ml: f64,
+    /// Largest.
+    pub delivered_most_ml: f64,
+    /// Planned steps; negative in reverse.
+    pub steps: i64,
+    /// At least these were made, without their sign.
+    pub steps_made_least: u64,
+    /// At most these.
+    pub steps_made_most: u64,
+    /// When it began, seconds since 1970 by the clock of that day.
+    pub began_unix_s: u64,
+}
+
+impl Status {
+    /// Reads the record of a bench; needs no lock.
+    pub fn of(bench: &Bench) -> Result<Self, DoseError> {
+        let recorded = bench.story()?.state;
+        let state = recorded.unwrap_or(bench.fresh());
+        let unfinished = state.unfinished.map(|dose| {
+            let (delivered_least_ml, delivered_most_ml) = dose.delivered_ml(bench.model());
+            UnfinishedStatus {
+                requested_ml: dose.intent.requested_ml,
+                planned_ml: dose.intent.planned_ml,
+                delivered_least_ml,
+                delivered_most_ml,
+                steps: dose.intent.steps,
+                steps_made_least: dose.made_least,
+                steps_made_most: dose.made_most,
+                began_unix_s: dose.intent.unix_s,
+            }
+        });
+        Ok(Self {
+            schema: "status/1",
+            pump: bench.file().pump.id.clone(),
+            driver: bench.driver().as_str(),
+            recorded: recorded.is_some(),
+            angle_deg: degrees(state.angle_rad),
+            half_width_deg: degrees(state.half_width_rad),
+            carry_ml: state.carry_ml,
+            wear: state.wear,
+            unfinished,
+            folder: bench.folder().path().display().to_string(),
+        })
+    }
+
+    /// One line of JSON.
+    pub fn json(&self) -> String {
+        serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a status is plain data: {error}"))
+    }
+
+    /// The same in words.
+    pub fn text(&self) -> String {
+        let (pump, driver) = (&self.pump, self.driver);
+        if !self.recorded {
+            return format!("{pump} ({driver}): nothing on record; a fresh simulated pump stands at 0°\n");
+        }
+        let width = match self.half_width_deg {
+            0.0 => String::new(),
+            width => format!(" ± {width:.2}°"),
+        };
+        let mut text = format!(
+            "{pump} ({driver}): rotor at {:.4}°{width}, {:.2} µL carried to the next dose\n",
+            self.angle_deg,
+            1e3 * self.carry_ml,
+        );
+        // Writing to a String cannot fail.
+        let Wear { volume_ml, revolutions, motion_s } = self.wear;
+        let time = if motion_s < 3600.0 {
+            format!("{:.1} min", motion_s / 60.0)
+        } else {
+            format!("{:.1} h", motion_s / 3600.0)
+        };
+        let _ =
+            writeln!(text, "tube: {volume_ml:.1} mL in {revolutions:.1} revolutions and {time} of motion");
+        if let Some(dose) = &self.unfinished {
+            let _ = writeln!(
+                text,
+                "unfinished: a dose of {} mL, of which {} were delivered; `dose resume` makes the rest, `dose discard` \
+                 leaves it",
+                dose.requested_ml,
+                between(dose.delivered_least_ml, dose.delivered_most_ml)
+            );
+        }
+        text
+    }
+}
