@@ -88,6 +88,9 @@ impl Polynomial {
     /// Real roots in `[low, high]`, simple ones to the last bits. A root where the polynomial only touches
     /// zero is found if its computed value there is exactly zero.
     pub fn roots_in(&self, low: f64, high: f64) -> Roots {
+        if self.shifted(low).stretched(high - low).keeps_its_sign() {
+            return Roots::default();
+        }
         let mut derivatives = [*self; DEGREE + 1];
         let mut last = *self;
         for derivative in derivatives.iter_mut().skip(1) {
@@ -109,6 +112,31 @@ impl Polynomial {
             roots = next;
         }
         roots
+    }
+
+    /// Whether its control points over [0, 1] all lie on one side of zero, as it then does itself: a polynomial lies within
+    /// the hull of its Bernstein coefficients (Farouki, "The Bernstein polynomial basis: a centennial retrospective",
+    /// Computer Aided Geometric Design 29, 2012). Says no where rounding might decide.
+    fn keeps_its_sign(&self) -> bool {
+        const BINOMIALS: [f64; DEGREE + 1] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
+        let mut points = self.c;
+        let mut size = 0.0;
+        for (point, binomial) in points.iter_mut().zip(BINOMIALS) {
+            size += point.abs();
+            *point /= binomial;
+        }
+        for done in 1..=DEGREE {
+            let mut before = 0.0;
+            for (n, point) in points.iter_mut().enumerate() {
+                let here = *point;
+                if n >= done {
+                    *point += before;
+                }
+                before = here;
+            }
+        }
+        let noise = 1e-14 * size;
+        points.iter().all(|point| *point > noise) || points.iter().all(|point| *point < -noise)
     }
 
     /// The root in `[low, high]` of a polynomial that is monotone there; none for the zero polynomial.
@@ -211,6 +239,16 @@ mod tests {
         assert_eq!(p.roots_in(2.5, 4.5).as_slice().len(), 2);
         assert!(Polynomial::constant(1.0).roots_in(0.0, 1.0).as_slice().is_empty());
         assert!(Polynomial::default().roots_in(0.0, 1.0).as_slice().is_empty());
+    }
+
+    #[test]
+    fn control_points_on_one_side_mean_no_root() {
+        // (x - 2)² + 0.1 and 1 - x⁵ / 2 have none in [0, 1]; x - 1/2 and 3x² - 3x + 0.7 cross or nearly touch zero.
+        assert!(Polynomial { c: [4.1, -4.0, 1.0, 0.0, 0.0, 0.0] }.keeps_its_sign());
+        assert!(Polynomial { c: [-1.0, 0.0, 0.0, 0.0, 0.0, 0.5] }.keeps_its_sign());
+        assert!(!Polynomial { c: [-0.5, 1.0, 0.0, 0.0, 0.0, 0.0] }.keeps_its_sign());
+        assert!(!Polynomial { c: [0.7, -3.0, 3.0, 0.0, 0.0, 0.0] }.keeps_its_sign());
+        assert!(!Polynomial::default().keeps_its_sign());
     }
 
     #[test]
