@@ -9,7 +9,7 @@ use super::motion::Motion;
 use crate::step::{PushError, Segment, StartError};
 
 impl<M: Motion, const Q: usize> Actuator<M, Q> {
-    /// Makes all steps of `segments` and returns when the motor stands. `stop` is asked over and over between steps;
+    /// Makes all steps of `segments` and returns when the motor stands. `stop` is asked over and over;
     /// once it says true the motor decelerates, and so it does when a segment is refused on the way.
     ///
     /// Segments that do not fit into the queue are computed between steps: on a processor without f64 in hardware choose
@@ -25,27 +25,27 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         let mut refused = None;
         loop {
             let now = clock.now();
+            if !stopping && stop() {
+                stopping = true;
+                self.stop(now);
+                due = self.stepper().next_deadline().unwrap_or(now);
+            }
             if now >= due {
                 match self.on_timer(now)? {
                     Timer::At(next) => due = next,
                     Timer::Done => return refused.map_or(Ok(()), |error| Err(Fault::Push(error))),
                 }
-            } else if !stopping {
-                stopping = stop();
-                if !stopping && let Err(error) = self.stepper().fill(segments) {
-                    stopping = true;
-                    // Not told of a motor that takes nothing because it was late or starved: that is how it ends.
-                    refused = Some(error);
-                }
-                if stopping {
-                    self.stop(now);
-                    due = self.stepper().next_deadline().unwrap_or(now);
-                }
+            } else if !stopping && let Err(error) = self.stepper().fill(segments) {
+                // Not told of a motor that takes nothing because it was late or starved: that is how it ends.
+                refused = Some(error);
+                stopping = true;
+                self.stop(now);
+                due = self.stepper().next_deadline().unwrap_or(now);
             }
         }
     }
 
-    /// Queues and starts. What is refused leaves nothing queued.
+    /// Queues and starts. Segments that are refused leave nothing queued.
     fn begin(
         &mut self,
         clock: &mut impl Clock,
@@ -59,7 +59,8 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
             Err(error) => Err(error.into()),
         };
         if let Err(Fault::Push(PushError::Segment(_)) | Fault::Start(StartError::Empty)) = begun {
-            self.stepper().clear();
+            // It stands: nothing has begun.
+            let _ = self.stepper().clear();
         }
         begun
     }

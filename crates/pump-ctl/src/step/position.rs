@@ -8,6 +8,9 @@ impl<const Q: usize> Stepper<Q> {
     ///
     /// The volume delivered by then is [`crate::plan::Plan::delivered_ml`] of the steps made since the start.
     pub fn position_at(&self, t: u64) -> Option<i64> {
+        if !self.is_moving() && self.next.whole <= t {
+            return Some(self.position);
+        }
         let mut newest = true;
         for slot in self.queue.taken() {
             let limit = if newest { slot.segment.steps() - self.left } else { slot.segment.steps() };

@@ -17,32 +17,46 @@ pub struct Junction {
 }
 
 impl<const Q: usize> Stepper<Q> {
-    /// Drops what is planned after the first step due at `not_before` or later, and says where that is. Push what is to
-    /// follow, then [`Self::finish`], before it comes: otherwise the motor decelerates and stands
+    /// Where a new plan could take over: after the first step due at `not_before` or later. Changes nothing.
+    ///
+    /// `None` if no such step is queued, if nothing is planned after it, or if the motor is stopping.
+    pub fn junction(&self, not_before: u64) -> Option<Junction> {
+        let (passed, slot, k) = self.first_step_from(not_before)?;
+        let ends = passed == self.queue.len() && k == slot.segment.steps();
+        (!(ends && self.finished)).then(|| Junction {
+            position: slot.position_after(k),
+            at: slot.due(k).whole,
+            interval: Ticks::of_fixed(slot.segment.interval_of(k)).whole,
+        })
+    }
+
+    /// Drops what is planned after the [`Self::junction`] for `not_before`, and says where that is. Push what is to follow,
+    /// and nothing of the old plan, then [`Self::finish`], before it comes: otherwise the motor decelerates and stands
     /// ([`super::Action::Starved`]).
     ///
-    /// `None`, and nothing changes, if no such step is queued or the motor is stopping.
+    /// So plan first, from [`Self::junction`], and drop the old plan at its `at` when there is a new one. `None`, and
+    /// nothing changes, if there is no junction then.
     pub fn retarget(&mut self, not_before: u64) -> Option<Junction> {
-        if self.state != State::Moving {
-            return None;
-        }
+        let junction = self.junction(not_before)?;
+        let (passed, _, k) = self.first_step_from(not_before)?;
         let made = self.made_of_current();
-        let (passed, slot, k) = self.first_step_from(not_before, made + 1)?;
         self.queue.keep_pending(passed);
         self.queue.cut(k);
         if passed == 0 {
             self.left = k - made;
         }
         self.finished = false;
-        let interval = Ticks::of_fixed(slot.segment.interval_of(k)).whole;
-        Some(Junction { position: slot.position_after(k), at: slot.due(k).whole, interval })
+        Some(junction)
     }
 
-    /// The first step due at `not_before` or later, not before step `from` of the segment under way: segments that end
-    /// before it, its segment, and its number in it.
-    fn first_step_from(&self, not_before: u64, from: u32) -> Option<(usize, Slot, u32)> {
+    /// The first step still to be made that is due at `not_before` or later: segments that end before it, its segment, and
+    /// its number in it.
+    fn first_step_from(&self, not_before: u64) -> Option<(usize, Slot, u32)> {
+        if self.state != State::Moving {
+            return None;
+        }
         let mut slot = *self.queue.current()?;
-        let mut from = from;
+        let mut from = self.made_of_current() + 1;
         let mut passed = 0;
         let mut to_come = self.queue.pending();
         loop {

@@ -39,7 +39,11 @@ impl Segment {
     /// Whether it has steps, and every interval is one tick at least and 2^48 at most.
     pub fn is_valid(&self) -> bool {
         let allowed = |interval: i128| (TICK..=MAX_INTERVAL * TICK).contains(&interval);
-        self.count != 0 && allowed(self.interval_of(1)) && allowed(self.interval_of(self.steps()))
+        let can_be_turned = self.count != i32::MIN && self.add != i64::MIN;
+        self.count != 0
+            && can_be_turned
+            && allowed(self.interval_of(1))
+            && allowed(self.interval_of(self.steps()))
     }
 
     /// The first interval.

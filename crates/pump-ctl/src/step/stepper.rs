@@ -38,8 +38,8 @@ pub(super) enum State {
     Moving,
     /// Walks down the brake.
     Braking { descent: Descent, starved: bool },
-    /// Walks the queue to its end after a stop.
-    Ending,
+    /// Walks the queue to its end after a stop; then down the brake, unless it rests there.
+    Ending { rests: bool },
     /// Stands after a stop; what was planned no longer holds.
     Stopped,
     /// Stands after the queue ran dry.
@@ -50,7 +50,7 @@ pub(super) enum State {
 /// done stay for [`Self::position_at`] until their place is needed.
 ///
 /// Share it between thread and interrupt behind a critical section; no call takes longer than a few hundred
-/// instructions but [`Self::stop`], [`Self::retarget`] and [`Self::position_at`] (some thousands).
+/// instructions but [`Self::stop`], [`Self::retarget`] and [`Self::position_at`] (some thousands), and [`Self::fill`].
 #[derive(Debug, Clone)]
 pub struct Stepper<const Q: usize> {
     pub(super) brake: Brake,
@@ -67,8 +67,8 @@ pub struct Stepper<const Q: usize> {
     /// Steps left of the segment, the one due included; 0 when standing.
     pub(super) left: u32,
     pub(super) direction: i8,
-    /// Direction of the last step: after a turn-round `direction` is that of the next.
-    last_direction: i8,
+    /// Direction of the last step, 0 before the first of a move: after a turn-round `direction` is that of the next.
+    pub(super) last_direction: i8,
     /// Nothing will be pushed after what is queued.
     pub(super) finished: bool,
 }
@@ -86,7 +86,7 @@ impl<const Q: usize> Stepper<Q> {
             add: 0,
             left: 0,
             direction: 1,
-            last_direction: 1,
+            last_direction: 0,
             finished: false,
         }
     }
@@ -99,7 +99,7 @@ impl<const Q: usize> Stepper<Q> {
     /// Queues a segment, at rest or in motion.
     pub fn push(&mut self, segment: Segment) -> Result<(), PushError> {
         match self.state {
-            State::Ending | State::Braking { .. } | State::Stopped | State::Starved => {
+            State::Ending { .. } | State::Braking { .. } | State::Stopped | State::Starved => {
                 return Err(PushError::Stopped);
             }
             State::Ready | State::Moving if self.finished => return Err(PushError::Finished),
@@ -116,38 +116,40 @@ impl<const Q: usize> Stepper<Q> {
     }
 
     /// Says that the move ends with what is queued. Without it a queue that runs out is a fault: see
-    /// [`Action::Starved`].
+    /// [`Action::Starved`]. At rest with nothing queued there is no move to end.
     pub fn finish(&mut self) {
-        self.finished = true;
+        self.finished = self.is_moving() || !self.queue.is_empty();
     }
 
     /// Queues segments as far as there is room and marks the move as complete when there are no more. True when done.
+    ///
+    /// Computes the segments here and now, some 20,000 instructions each where f64 is done in software: in a critical
+    /// section push what was computed before.
     pub fn fill(
         &mut self,
         segments: &mut Peekable<impl Iterator<Item = Segment>>,
     ) -> Result<bool, PushError> {
-        while !self.finished {
-            match segments.peek() {
-                None => self.finish(),
-                Some(_) if self.room() == 0 => return Ok(false),
-                Some(segment) => {
-                    self.push(*segment)?;
-                    segments.next();
-                }
-            }
+        while let Some(segment) = segments.peek() {
+            match self.push(*segment) {
+                Ok(()) => segments.next(),
+                Err(PushError::Full) => return Ok(false),
+                Err(refused) => return Err(refused),
+            };
         }
+        self.finish();
         Ok(true)
     }
 
     /// Starts the queued segments at `now`. Returns when to call [`Self::on_deadline`].
     pub fn start(&mut self, now: u64) -> Result<u64, StartError> {
         match self.state {
-            State::Moving | State::Ending | State::Braking { .. } => return Err(StartError::Moving),
+            State::Moving | State::Ending { .. } | State::Braking { .. } => return Err(StartError::Moving),
             State::Stopped | State::Starved => return Err(StartError::Stopped),
             State::Ready if self.queue.is_empty() => return Err(StartError::Empty),
             State::Ready => {}
         }
         self.state = State::Moving;
+        self.last_direction = 0;
         self.next = Ticks::middle_of(now);
         self.load();
         Ok(self.next.whole)
@@ -192,6 +194,7 @@ impl<const Q: usize> Stepper<Q> {
 
     /// Forgets what was queued and that the motor was stopped, so that a new plan can be pushed. False, and nothing
     /// changes, if it moves.
+    #[must_use]
     pub fn clear(&mut self) -> bool {
         if self.is_moving() {
             return false;
@@ -203,6 +206,7 @@ impl<const Q: usize> Stepper<Q> {
     }
 
     /// Counts on from `position`, as after homing, and forgets the past. False, and nothing changes, if it moves.
+    #[must_use]
     pub fn set_position(&mut self, position: i64) -> bool {
         let cleared = self.clear();
         if cleared {
@@ -232,7 +236,11 @@ impl<const Q: usize> Stepper<Q> {
                     .brake
                     .descent_from(self.interval.fixed())
                     .map_or(State::Starved, |descent| State::Braking { descent, starved: true }),
-                State::Ending => State::Stopped,
+                State::Ending { rests: false } => self
+                    .brake
+                    .descent_from(self.interval.fixed())
+                    .map_or(State::Stopped, |descent| State::Braking { descent, starved: false }),
+                State::Ending { rests: true } => State::Stopped,
                 other => other,
             };
             self.finished = false;

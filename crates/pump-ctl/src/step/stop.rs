@@ -9,32 +9,33 @@ use super::ticks::Ticks;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StopPlan {
-    /// When the last step is due, ticks.
+    /// When the last step is due, ticks; the start of the move if it makes none.
     pub last_step_at: u64,
     /// Position after it.
     pub final_count: i64,
 }
 
-/// What is planned up to the next turn-round or the end.
+/// What is planned up to the next turn-round or the end, and the way down from there where the plan goes on.
 struct Run {
     steps: u64,
     ends: Ticks,
     /// Segments of it still to come.
     segments: usize,
-    /// Whether the end is known, rather than just not queued yet.
-    known: bool,
+    /// Whether it ends at rest, rather than where what is queued so far ends.
+    rests: bool,
 }
 
 impl<const Q: usize> Stepper<Q> {
     /// Decelerates from the next step on and stands; what was queued is dropped. A motor slow enough stands at once. If
-    /// the plan itself comes to rest as soon, it is followed to that rest, so a stop never adds steps to a plan.
+    /// the plan itself comes to rest as soon, it is followed to that rest, so a stop never adds steps to a plan; to one that
+    /// is not [`Self::finish`]ed it may add one.
     ///
     /// Where the brake takes over, a step that is overdue at `now` is not made up for: the way down begins at `now`.
     /// Calling again changes nothing.
     pub fn stop(&mut self, now: u64) -> StopPlan {
         match self.state {
             State::Ready | State::Stopped | State::Starved => self.refuse_what_is_queued(),
-            State::Ending => self.planned_end(&self.planned_run()),
+            State::Ending { .. } => self.planned_end(&self.planned_run()),
             State::Braking { descent, .. } => {
                 let (steps, span) = self.brake.length(descent);
                 let current = self.queue.current().copied().unwrap_or_default();
@@ -53,14 +54,17 @@ impl<const Q: usize> Stepper<Q> {
     }
 
     fn stop_moving(&mut self, now: u64) -> StopPlan {
-        let Some(descent) = self.brake.descent_from(self.interval.fixed()) else {
+        // Before its first step and where it turns round the motor stands, however short the interval to come.
+        let turning = self.last_direction == self.direction;
+        let descent = self.brake.descent_from(self.interval.fixed()).filter(|_| turning);
+        let Some(descent) = descent else {
             return self.stand();
         };
         let (steps, span) = self.brake.length(descent);
         let run = self.planned_run();
-        if run.known && run.steps <= u64::from(steps) + 1 {
+        if run.steps <= u64::from(steps) + 1 {
             self.queue.keep_pending(run.segments);
-            self.state = State::Ending;
+            self.state = State::Ending { rests: run.rests };
             return self.planned_end(&run);
         }
 
@@ -119,23 +123,28 @@ impl<const Q: usize> Stepper<Q> {
     }
 
     fn planned_run(&self) -> Run {
+        let mut last = self.queue.current().copied().unwrap_or_default();
         let mut run = Run {
             steps: u64::from(self.left),
-            ends: self.next,
+            ends: last.due(last.segment.steps()),
             segments: 0,
-            known: self.finished || self.state == State::Ending,
+            rests: self.finished || self.state == State::Ending { rests: true },
         };
-        if let Some(current) = self.queue.current() {
-            run.ends = current.due(current.segment.steps());
-        }
         for segment in self.queue.pending() {
             if segment.direction() != self.direction {
-                run.known = true;
+                run.rests = true;
                 break;
             }
+            last.segment = *segment;
             run.steps += u64::from(segment.steps());
             run.ends = Ticks::of_fixed(run.ends.fixed() + segment.span(segment.steps()));
             run.segments += 1;
+        }
+        let last_interval = last.segment.interval_of(last.segment.steps());
+        if let Some(descent) = self.brake.descent_from(last_interval).filter(|_| !run.rests) {
+            let (steps, span) = self.brake.length(descent);
+            run.steps += u64::from(steps);
+            run.ends = Ticks::of_fixed(run.ends.fixed() + span);
         }
         run
     }

@@ -106,13 +106,22 @@ proptest! {
         let mut stepper = case.queued();
         let (mut made, due) = run_to(&mut stepper, &case, part);
         let not_before = due + (lead_s * f64::from(case.tick_hz)) as u64;
+        let promised = stepper.junction(not_before);
+        let before = format!("{stepper:?}");
+        prop_assert_eq!(stepper.junction(not_before), promised);
+        prop_assert_eq!(before, format!("{stepper:?}"));
         let junction = stepper.retarget(not_before);
+        prop_assert_eq!(junction, promised);
         let Some(at) = expected.iter().skip(made.len()).position(|t| *t >= not_before) else {
             prop_assert!(junction.is_none());
             return Ok(());
         };
-        let junction = junction.unwrap();
         let kept = made.len() + at + 1;
+        if kept == expected.len() {
+            prop_assert!(junction.is_none());
+            return Ok(());
+        }
+        let junction = junction.unwrap();
         prop_assert_eq!(junction.at, expected[kept - 1]);
         prop_assert_eq!(junction.position, case.direction() * kept as i64);
         // Go on evenly for ten steps.
@@ -130,6 +139,59 @@ proptest! {
         prop_assert_eq!(made.len(), kept + 10);
         prop_assert_eq!(&made[..kept], &expected[..kept]);
         prop_assert!(made[kept].abs_diff(junction.at + segment.interval) <= 1);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_stop_adds_one_step_at_most_to_a_plan_that_is_not_marked_as_complete(case in any_case(), part in 0.0..1.0_f64) {
+        let mut stepper = Executor::new(case.motor.brake(case.tick_hz));
+        for segment in case.plan.segments(case.tick_hz) {
+            stepper.push(segment).unwrap();
+        }
+        let (mut made, due) = run_to(&mut stepper, &case, part);
+        let promise = stepper.stop(due - 1);
+        prop_assert!(case.direction() * promise.final_count <= case.plan.steps.abs() + 1);
+        prop_assert_eq!(stepper.stop(due - 1), promise);
+        let (rest, end) = run(&mut stepper, due);
+        made.extend(rest);
+        prop_assert_eq!(end, Action::Done);
+        prop_assert_eq!(stepper.position(), promise.final_count);
+        if let Some(last) = made.last() {
+            prop_assert_eq!(*last, promise.last_step_at);
+        }
+    }
+}
+
+#[test]
+fn a_motor_that_stands_makes_no_step_when_it_is_stopped() {
+    let motor = pump_ctl::plan::Motor {
+        steps_per_rev: 12_800.0,
+        max_speed_rad_s: 17.8,
+        max_acceleration_rad_s2: 500.0,
+    };
+    let case = Case::new(motor, 1_000_000, 2.0, 0.0, 7.0);
+    let back = Case::new(motor, 1_000_000, -1.0, 0.0, 7.0);
+    for now in [0, 10_000] {
+        // Before the first step.
+        let mut stepper = case.queued();
+        stepper.start(0).unwrap();
+        assert_eq!(stepper.stop(now), StopPlan { last_step_at: 0, final_count: 0 });
+        assert_eq!(stepper.on_deadline(1_000_000), Action::Done);
+        // Where it turns round.
+        let mut stepper = Executor::new(motor.brake(1_000_000));
+        let both = case.plan.segments(1_000_000).chain(back.plan.segments(1_000_000));
+        stepper.fill(&mut both.peekable()).unwrap();
+        let mut due = stepper.start(0).unwrap();
+        let mut last = 0;
+        while stepper.position() < case.plan.steps {
+            let Action::Step { next, .. } = stepper.on_deadline(due) else { unreachable!() };
+            (last, due) = (due, next);
+        }
+        let promise = StopPlan { last_step_at: last, final_count: case.plan.steps };
+        assert_eq!(stepper.stop(last + now), promise);
     }
 }
 

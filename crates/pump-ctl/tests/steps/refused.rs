@@ -17,7 +17,9 @@ fn impossible_segments_are_refused() {
         Segment { interval: 0, frac: u32::MAX, ..EVEN },
         Segment { add: -(3 << 32), ..EVEN },
         Segment { interval: 1 << 49, ..EVEN },
-        Segment { count: i32::MIN, add: i64::MAX, ..EVEN },
+        Segment { count: i32::MIN, ..EVEN },
+        Segment { count: 1, add: i64::MIN, ..EVEN },
+        Segment { count: i32::MAX, add: i64::MAX, ..EVEN },
     ];
     for segment in refused {
         assert_eq!(stepper().push(segment), Err(PushError::Segment(segment)));
@@ -48,6 +50,18 @@ fn a_full_queue_a_finished_move_and_a_stopped_motor_take_no_segment() {
     assert_eq!(stepper.start(1), Err(StartError::Empty));
     stepper.push(EVEN).unwrap();
     stepper.start(1).unwrap();
+}
+
+#[test]
+fn a_plan_is_queued_whole_or_refused_but_never_swallowed() {
+    let plan = || [EVEN, EVEN].into_iter().peekable();
+    let mut stepper = stepper();
+    stepper.finish();
+    assert_eq!(stepper.fill(&mut plan()), Ok(true));
+    assert_eq!(stepper.fill(&mut plan()), Err(PushError::Finished));
+    assert_eq!(stepper.fill(&mut [].into_iter().peekable()), Ok(true));
+    stepper.start(0).unwrap();
+    assert_eq!(stepper.room(), 1);
 }
 
 #[test]
