@@ -12,7 +12,7 @@ mod pump;
 
 use std::process::ExitCode;
 
-use dose::{CHANGED_ML, DOSE_ML, Executor, TICK_HZ};
+use dose::{DOSE_ML, Executor, TICK_HZ};
 use pump::{LIMITS, PUMP};
 use pump_ctl::plan::Plan;
 use pump_ctl::step::Action;
@@ -175,13 +175,12 @@ fn stopped<'a>(done: &mut impl Iterator<Item = &'a str>, plan: &Plan) -> Checked
 
 fn changed<'a>(done: &mut impl Iterator<Item = &'a str>, plan: &Plan) -> Checked {
     same(done.next(), "run: changed")?;
-    let [asked, count, not_before, position, at] = numbers(done.next())?;
-    let smaller = dose::plan_dose(CHANGED_ML).map_err(|error| error.to_string())?;
+    let [asked, position, at] = numbers(done.next())?;
     let mut executor = queued(plan);
     let mut made = Vec::new();
     let due = executor.start(0).map_err(|error| error.to_string())?;
-    let due = go_on(&mut executor, due, count, &mut made);
-    let junction = executor.retarget(not_before as u64).ok_or("changed: no step to come")?;
+    let junction =
+        executor.retarget(asked as u64 + u64::from(dose::CHANGE_TICKS)).ok_or("changed: no step to come")?;
     if (junction.position, junction.at as i64) != (position, at) {
         return Err(format!(
             "changed: the firmware goes over at step {position}, {at} us, the host at {junction:?}"
@@ -190,13 +189,11 @@ fn changed<'a>(done: &mut impl Iterator<Item = &'a str>, plan: &Plan) -> Checked
     if at - asked > CHANGE_TICKS {
         return Err(format!("changed: asked for at {asked} us, done at {at} us"));
     }
-    for segment in dose::after_steps(smaller.segments(TICK_HZ), position as u32) {
-        executor.push(segment).map_err(|error| error.to_string())?;
-    }
-    executor.finish();
+    let rest = dose::change(plan, position as u64).map_err(|error| error.to_string())?;
+    dose::queue(&mut executor, &rest);
     go_on(&mut executor, due, i64::MAX, &mut made);
     println!("changed: {} us after it was asked for, planning included", at - asked);
-    steps(done, "changed", &made, 0, smaller.steps)
+    steps(done, "changed", &made, 0, position + rest.steps)
 }
 
 /// Prints what things cost, and holds the limits.

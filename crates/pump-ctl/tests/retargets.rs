@@ -127,6 +127,45 @@ proptest! {
 }
 
 #[test]
+fn a_dose_changed_twice_has_the_volume_that_was_said_last() {
+    let pump = Pump::three_roller();
+    let cruise = Cruise::Flow { ml_s: 5.0 };
+    let whole = dose(25.0, 0.3, 5.0);
+    let once = whole.retarget(&pump, 6000, 30.0, cruise, &limits()).unwrap();
+    let twice = once.retarget(&pump, 2000, 28.0, cruise, &limits()).unwrap();
+    let total_ml = whole.delivered_ml(&pump, 6000) + once.delivered_ml(&pump, 2000) + twice.planned_ml;
+    assert!((total_ml - 28.0).abs() < 1e-3, "{total_ml}");
+    assert!((twice.before_ml + twice.planned_ml - total_ml).abs() < 1e-9);
+    // The lines are those of the whole motion.
+    let changed_s = once.profile.time_of(2000.0 * once.step_rad);
+    let mut legs = joined(&whole, 6000, &once);
+    let begins_s = legs[legs.len() - 3].start_s;
+    legs.retain(|leg| leg.start_s < begins_s + changed_s);
+    let last = legs.last_mut().unwrap();
+    last.duration_s = begins_s + changed_s - last.start_s;
+    legs.extend(twice.legs().map(|leg| Leg { start_s: leg.start_s + begins_s + changed_s, ..leg }));
+    let mut run = ExactRun::from_rest(&pump, Port::Outlet, legs);
+    run.at(begins_s + changed_s);
+    let expected = run.extremes(begins_s + changed_s + twice.profile.duration_s() + 0.5);
+    let predicted = twice.predict(&pump).unwrap().outlet;
+    assert!((predicted.max_kpa - expected.max_kpa).abs() < 1e-6, "{predicted:?} {expected:?}");
+    assert!((predicted.min_kpa - expected.min_kpa).abs() < 1e-6, "{predicted:?} {expected:?}");
+}
+
+#[test]
+fn a_change_that_cannot_be_is_refused_for_what_it_is() {
+    let pump = Pump::three_roller();
+    let cruise = Cruise::Flow { ml_s: 5.0 };
+    let mut fine = limits();
+    fine.motor.steps_per_rev = 1e6;
+    let whole = plan(&pump, Phase::known(0.3), &Request::new(10.0, cruise), &fine).unwrap();
+    let too_many = whole.retarget(&pump, 1000, 9e4, cruise, &fine);
+    assert!(matches!(too_many, Err(PlanError::TooManySteps { .. })), "{too_many:?}");
+    let other = whole.retarget(&pump, 1000, 9.0, cruise, &limits());
+    assert!(matches!(other, Err(PlanError::OutOfRange { .. })), "{other:?}");
+}
+
+#[test]
 fn a_dose_at_its_end_cannot_be_changed() {
     let whole = dose(10.0, 0.3, 8.0);
     let steps = whole.steps.unsigned_abs();

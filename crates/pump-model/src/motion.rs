@@ -4,6 +4,8 @@ use crate::math::sqrt;
 
 /// A stretch of time with constant acceleration.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Leg {
     /// When it starts, s.
     pub start_s: f64,

@@ -3,7 +3,7 @@
 use core::fmt;
 
 use pump_ctl::plan::{Cruise, Phase, Plan, PlanError, Prediction, Request, plan};
-use pump_ctl::step::{Segment, Stepper};
+use pump_ctl::step::Stepper;
 
 use crate::pump::{LIMITS, PUMP};
 
@@ -16,9 +16,15 @@ pub const QUEUE: usize = 64;
 /// What says when to make a step.
 pub type Executor = Stepper<QUEUE>;
 
-/// The dose, and what it is changed to on the way, mL.
+/// The dose, mL.
 pub const DOSE_ML: f64 = 25.0;
-pub const CHANGED_ML: f64 = 20.0;
+
+/// What it is changed to on the way, mL and mL/s.
+const CHANGED_ML: f64 = 20.0;
+const CHANGED_ML_S: f64 = 3.0;
+
+/// How long the motor goes on with the old plan meanwhile, ticks.
+pub const CHANGE_TICKS: u32 = 9_000;
 
 /// A dose from 0.3 rad at 5 mL/s.
 pub fn plan_dose(volume_ml: f64) -> Result<Plan, PlanError> {
@@ -26,28 +32,15 @@ pub fn plan_dose(volume_ml: f64) -> Result<Plan, PlanError> {
     plan(&PUMP, Phase::known(0.3), &request, &LIMITS)
 }
 
+/// The rest of the dose after `made` steps of `plan`, changed.
+pub fn change(plan: &Plan, made: u64) -> Result<Plan, PlanError> {
+    plan.retarget(&PUMP, made, CHANGED_ML, Cruise::Flow { ml_s: CHANGED_ML_S }, &LIMITS)
+}
+
 /// Queues a whole plan.
 pub fn queue(executor: &mut Executor, plan: &Plan) {
     let all = executor.fill(&mut plan.segments(TICK_HZ).peekable());
     assert!(all == Ok(true), "the plan has more segments than the queue");
-}
-
-/// What is left of `segments` after the first `made` steps.
-pub fn after_steps(segments: impl Iterator<Item = Segment>, made: u32) -> impl Iterator<Item = Segment> {
-    let mut to_drop = made;
-    segments.filter_map(move |segment| {
-        let dropped = to_drop.min(segment.steps());
-        to_drop -= dropped;
-        let left = (segment.steps() - dropped) as i32;
-        let first = (i128::from(segment.interval) << 32) + i128::from(segment.frac);
-        let interval = first + i128::from(segment.add) * i128::from(dropped);
-        (left > 0).then_some(Segment {
-            count: i32::from(segment.direction()) * left,
-            interval: (interval >> 32) as u64,
-            frac: interval as u32,
-            add: segment.add,
-        })
-    })
 }
 
 /// Writes a plan, its profile, its segments and its prediction, to the last bit.

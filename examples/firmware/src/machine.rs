@@ -5,7 +5,7 @@ use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use cortex_m_rt::exception;
 use critical_section::Mutex;
-use pump_ctl::drive::{Actuator, StepDir, Timer};
+use pump_ctl::drive::{Actuator, Fault, PinFault, StepDir, Timer};
 use pump_ctl::plan::Plan;
 use pump_ctl::step::{Junction, Segment, StopPlan};
 
@@ -68,6 +68,8 @@ pub struct Machine {
     started_counts: u32,
     record: &'static mut Record,
     made: usize,
+    /// Why the last move ended early.
+    fault: Option<Fault<PinFault>>,
 }
 
 static MACHINE: Mutex<RefCell<Option<Machine>>> = Mutex::new(RefCell::new(None));
@@ -95,21 +97,36 @@ fn SysTick() {
 impl Machine {
     pub fn install(actuator: Actuator<Driver, QUEUE>, alarm: Alarm, record: &'static mut Record) {
         let clock = Clock { ticks: 0, began: counts().wrapping_sub(LEAD) };
-        let machine = Self { actuator, alarm, clock, due: 0, started: 0, started_counts: 0, record, made: 0 };
+        let machine = Self {
+            actuator,
+            alarm,
+            clock,
+            due: 0,
+            started: 0,
+            started_counts: 0,
+            record,
+            made: 0,
+            fault: None,
+        };
         critical_section::with(|cs| MACHINE.replace(cs, Some(machine)));
     }
 
     /// In the interrupt: makes the step that is due and sets the alarm for the next.
     fn on_alarm(&mut self) {
         let now = self.clock.now();
-        match self.actuator.on_timer(now).expect("pins do not fail, and the queue holds the whole move") {
-            Timer::At(next) => {
+        match self.actuator.on_timer(now) {
+            Ok(Timer::At(next)) => {
                 if now >= self.due {
                     self.note();
                 }
                 self.set_alarm(next);
             }
-            Timer::Done => self.end(),
+            Ok(Timer::Done) => self.end(),
+            // The motor stands already: no panic here, where nobody could say so. The main program asks.
+            Err(fault) => {
+                self.fault = Some(fault);
+                self.end();
+            }
         }
     }
 
@@ -137,6 +154,7 @@ impl Machine {
         assert!(stepper.set_position(0), "the motor moves");
         queue(stepper, plan);
         self.made = 0;
+        self.fault = None;
         self.started = self.clock.now();
         self.started_counts = self.clock.counts_at(self.started).wrapping_add(LEAD);
         let due = self.actuator.start(self.started).expect("the motor is enabled, with segments queued");
@@ -147,6 +165,11 @@ impl Machine {
     /// Ticks since the start.
     pub fn elapsed(&mut self) -> u64 {
         self.clock.now() - self.started
+    }
+
+    /// Why the last move ended early, if it did.
+    pub fn fault(&self) -> Option<Fault<PinFault>> {
+        self.fault
     }
 
     /// Steps made.
@@ -164,7 +187,13 @@ impl Machine {
         StopPlan { last_step_at: promise.last_step_at - self.started, ..promise }
     }
 
-    /// Drops what is planned after the first step at `not_before` or later. Times are ticks since the start.
+    /// Where a new plan could take over: after the first step at `not_before` or later. Times are ticks since the start.
+    pub fn junction(&mut self, not_before: u64) -> Option<Junction> {
+        let junction = self.actuator.stepper().junction(self.started + not_before)?;
+        Some(Junction { at: junction.at - self.started, ..junction })
+    }
+
+    /// Drops what is planned after that.
     pub fn retarget(&mut self, not_before: u64) -> Option<Junction> {
         let junction = self.actuator.stepper().retarget(self.started + not_before)?;
         Some(Junction { at: junction.at - self.started, ..junction })

@@ -24,7 +24,7 @@
 //! # What it prints
 //!
 //! - The plan of 25 mL from 0.3 rad at 5 mL/s: every number and its 64 bits, then every segment.
-//! - `run: whole`, `run: stopped` (after 2 s), `run: changed` (to 20 mL after 2 s): for each step when it was due, in us
+//! - `run: whole`, `run: stopped` (after 2 s), `run: changed` (to 20 mL at 3 mL/s after 2 s): for each step when it was due, in us
 //!   since the start, and when its pin rose, in counts of 40 ns; then the position.
 //! - `cost:` in instructions ([`measure`]), and `memory:`. To enter and leave an interrupt takes a real Cortex-M4 some 24
 //!   cycles more; the emulator counts none.

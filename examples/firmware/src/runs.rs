@@ -6,7 +6,7 @@ use pump_ctl::plan::Plan;
 use pump_ctl::step::Segment;
 
 use crate::board::{COUNT_HZ, StepPin, Wait, counts};
-use crate::dose::{self, CHANGED_ML, QUEUE, TICK_HZ};
+use crate::dose::{self, CHANGE_TICKS, QUEUE, TICK_HZ};
 use crate::machine::{self, with};
 use crate::measure::{INSTRUCTIONS_PER_COUNT, counting, tenths};
 
@@ -54,36 +54,34 @@ pub fn stopped(out: &mut impl Write, plan: &Plan) -> Result {
     writeln!(out, "cost: {cost} instructions for a stop, with interrupts off")
 }
 
-/// A dose whose volume is changed after 2 s; the change is planned while the motor turns.
+/// A dose whose volume and rate are changed after 2 s; the change is planned while the motor turns.
 #[inline(never)]
 pub fn changed(out: &mut impl Write, plan: &Plan) -> Result {
     with(|machine| machine.start(plan));
     wait(2 * COUNT_HZ);
-    let asked = with(|machine| machine.elapsed());
-    // Computed before the queue is touched, so that pushing takes no time to speak of.
-    let changed = dose::plan_dose(CHANGED_ML).expect("the smaller dose can be planned");
-    let mut segments = [Segment::default(); QUEUE];
-    let count =
-        segments.iter_mut().zip(changed.segments(TICK_HZ)).map(|(place, found)| *place = found).count();
-    wait_for_step();
-    let (made, not_before, (junction, cost)) = with(|machine| {
-        // In 1 ms: all is pushed within 0.1 ms.
-        let not_before = machine.elapsed() + u64::from(TICK_HZ / 1000);
-        (machine.position(), not_before, counting(|| machine.retarget(not_before)))
+    // The old plan stays until there is a new one.
+    let (asked, junction) = with(|machine| {
+        let asked = machine.elapsed();
+        (asked, machine.junction(asked + u64::from(CHANGE_TICKS)))
     });
     let junction = junction.expect("the motor turns, with seconds to go");
-    let new = segments.into_iter().take(count);
-    for segment in dose::after_steps(new, junction.position.unsigned_abs() as u32) {
+    let (changed, planning) = counting(|| dose::change(plan, junction.position.unsigned_abs()));
+    let changed = changed.expect("the rotor can still stop for the smaller volume");
+    let mut segments = [Segment::default(); QUEUE];
+    let (count, fitting) = counting(|| {
+        let places = segments.iter_mut().zip(changed.segments(TICK_HZ));
+        places.map(|(place, found)| *place = found).count()
+    });
+    let (taken_over, cost) = with(|machine| counting(|| machine.retarget(junction.at)));
+    assert!(taken_over == Some(junction), "planning took longer than the motor could wait");
+    for segment in segments.into_iter().take(count) {
         with(|machine| machine.push(segment));
     }
     with(|machine| machine.finish());
     writeln!(out, "run: changed")?;
-    writeln!(
-        out,
-        "change: asked at {asked} us, after {made} steps not before {not_before} us: from step {} at {} us",
-        junction.position, junction.at
-    )?;
+    writeln!(out, "change: asked at {asked} us: from step {} at {} us", junction.position, junction.at)?;
     write_steps(out)?;
+    writeln!(out, "cost: {planning} instructions to plan a change, {fitting} for its {count} segments")?;
     writeln!(out, "cost: {cost} instructions for a retarget, with interrupts off")
 }
 
@@ -102,6 +100,9 @@ fn wait_for_step() {
 fn write_steps(out: &mut impl Write) -> Result {
     while machine::is_moving() {}
     with(|machine| {
+        if let Some(fault) = machine.fault() {
+            writeln!(out, "fault: {fault:?}")?;
+        }
         for made in machine.record() {
             writeln!(out, "step: due {} us, made {} counts", made.due, made.rose)?;
         }

@@ -75,9 +75,14 @@ impl Limits {
         Ok(())
     }
 
+    /// Whether a pressure is limited.
+    pub(super) fn check_pressure(&self) -> bool {
+        self.max_outlet_kpa.is_some() || self.min_inlet_kpa.is_some()
+    }
+
     /// Refuses a plan whose predicted pressures break a limit. In reverse the ports swap roles.
     pub(super) fn check_pressures(&self, pump: &Pump, plan: &Plan) -> Result<(), PlanError> {
-        if self.max_outlet_kpa.is_none() && self.min_inlet_kpa.is_none() {
+        if !self.check_pressure() {
             return Ok(());
         }
         let prediction = plan.predict(pump)?;

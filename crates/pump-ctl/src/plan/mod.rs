@@ -4,6 +4,7 @@ mod brake;
 mod cruise;
 mod error;
 mod limits;
+mod lines;
 mod phase;
 mod prediction;
 mod profile;
@@ -23,6 +24,7 @@ pub use request::{Cruise, Request};
 pub use segments::Segments;
 pub use steps::{Step, Steps};
 
+use lines::Lines;
 use pump_model::{Leg, Pump};
 use target::Target;
 
@@ -62,8 +64,10 @@ pub struct Plan {
     pub profile: Trapezoid,
     /// What keeps the cruise speed down.
     pub limited_by: LimitedBy,
-    /// Inlet and outlet line at the start: pressure above the reservoir, kPa, and flow, mL/s.
-    lines: [[f64; 2]; 2],
+    /// Volume that this dose had delivered when this plan took over, mL; 0 unless [`Self::retarget`] made it.
+    pub before_ml: f64,
+    /// Inlet and outlet line at the start.
+    lines: Lines,
 }
 
 /// Plans a dose: the steps whose volume is nearest to what is asked, and the fastest profile that the request and the
@@ -77,14 +81,21 @@ pub fn plan(pump: &Pump, start: Phase, request: &Request, limits: &Limits) -> Re
     request.validate()?;
     start.validate()?;
     let target = target::nearest_steps(pump, start.angle_rad, request, limits.motor.step_rad())?;
-    fastest(pump, Start { phase: start, speed_rad_s: 0.0, lines: [[0.0; 2]; 2] }, target, request, limits)
+    fastest(
+        pump,
+        Start { phase: start, speed_rad_s: 0.0, before_ml: 0.0, lines: Lines::AT_REST },
+        target,
+        request,
+        limits,
+    )
 }
 
 /// What a plan goes on from.
 struct Start {
     phase: Phase,
     speed_rad_s: f64,
-    lines: [[f64; 2]; 2],
+    before_ml: f64,
+    lines: Lines,
 }
 
 /// The fastest plan that makes the steps of `target` within what the request and the limits allow.
@@ -110,6 +121,7 @@ fn fastest(
             step_rad: limits.motor.step_rad(),
             profile,
             limited_by: if profile.reaches_cruise() { LimitedBy::Nothing } else { LimitedBy::Acceleration },
+            before_ml: start.before_ml,
             lines: start.lines,
         }
     };

@@ -26,13 +26,6 @@ impl Plan {
         self.profile.legs(self.start.angle_rad, self.direction())
     }
 
-    /// The line of a port during this dose.
-    pub(super) fn run<'a>(&self, pump: &'a Pump, port: Port) -> ExactRun<'a, core::array::IntoIter<Leg, 3>> {
-        let [inlet, outlet] = self.lines;
-        let state = if port == Port::Inlet { inlet } else { outlet };
-        ExactRun::new(pump, port, self.legs(), state)
-    }
-
     /// Predicts pressures and settling of this dose on `pump`, exactly.
     pub fn predict(&self, pump: &Pump) -> Result<Prediction, PlanError> {
         let motion_s = self.profile.duration_s();

@@ -1,10 +1,11 @@
 //! Another volume or another rate in the midst of a dose.
 
+use pump_model::Pump;
 use pump_model::math::ceil;
-use pump_model::{Port, Pump};
 
+use super::lines::Lines;
 use super::request::Request;
-use super::target::{Target, nearest_steps};
+use super::target::nearest_steps;
 use super::{Cruise, LimitedBy, Limits, Phase, Plan, PlanError, Start, Trapezoid, fastest};
 
 impl Plan {
@@ -17,8 +18,9 @@ impl Plan {
     /// counted from its start, `cruise` for the rest of it (a time counts from that moment).
     ///
     /// The plan that comes back has time 0, start angle, volumes and steps of the rest alone: its `requested_ml` is what
-    /// was still to be delivered, its carry that of the whole dose. It starts at speed, with the lines as this plan
-    /// leaves them. Feed its segments after the [`crate::step::Junction`] at position `made`.
+    /// was still to be delivered, `before_ml` what was delivered before, its carry that of the whole dose. It starts at
+    /// speed, with the lines as this plan leaves them. Feed its segments after the [`crate::step::Junction`] at position
+    /// `made`. The motor's steps must be the same.
     ///
     /// ```
     /// # use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};
@@ -45,21 +47,45 @@ impl Plan {
         }
         limits.validate()?;
         Request { volume_ml, carry_in_ml: self.carry_in_ml, cruise }.validate()?;
-        let delivered_ml = self.delivered_ml(pump, made);
+        if limits.motor.step_rad() != self.step_rad {
+            return Err(PlanError::OutOfRange {
+                parameter: "steps per revolution of a dose under way",
+                value: limits.motor.steps_per_rev,
+                allowed: "those that it was planned with",
+            });
+        }
+        let delivered_ml = self.before_ml + self.delivered_ml(pump, made);
         let request = Request { volume_ml: volume_ml - delivered_ml, carry_in_ml: self.carry_in_ml, cruise };
 
         let phase = Phase { angle_rad: self.angle_after(made), ..self.start };
         let speed_rad_s = self.speed_after(made);
-        let target = self.beyond_stopping(pump, phase.angle_rad, speed_rad_s, &request, limits).map_err(
-            |nearest_ml| PlanError::CannotStopThere {
-                asked_ml: volume_ml,
-                delivered_ml,
-                nearest_ml: delivered_ml + nearest_ml,
-            },
-        )?;
-        let time_s = self.profile.time_of(made as f64 * self.step_rad);
-        let lines = [Port::Inlet, Port::Outlet].map(|port| self.run(pump, port).at(time_s));
-        fastest(pump, Start { phase, speed_rad_s, lines }, target, &request, limits)
+        let target = nearest_steps(pump, phase.angle_rad, &request, self.step_rad);
+        let stopping = self.stopping_steps(made, limits.motor.max_acceleration_rad_s2).max(1);
+        let too_few = match &target {
+            Ok(target) => target.steps * i64::from(self.direction()) < stopping,
+            // Nothing is left to deliver, but the rotor turns.
+            Err(PlanError::LessThanHalfAStep { .. }) => true,
+            Err(_) => false,
+        };
+        if too_few {
+            let stands = made.saturating_add_signed(stopping);
+            let nearest_ml = self.before_ml + self.delivered_ml(pump, stands);
+            return Err(PlanError::CannotStopThere { asked_ml: volume_ml, delivered_ml, nearest_ml });
+        }
+        let mut lines = self.lines_at(pump, made);
+        if limits.check_pressure() || matches!(cruise, Cruise::Within { .. }) {
+            // Needed at once, and at every speed that is tried.
+            lines = Lines::Are(lines.states(pump));
+        }
+        fastest(pump, Start { phase, speed_rad_s, before_ml: delivered_ml, lines }, target?, &request, limits)
+    }
+
+    /// Steps that the rotor makes at least once `made` are made, if it is to stop.
+    fn stopping_steps(&self, made: u64, acceleration_rad_s2: f64) -> i64 {
+        let speed_rad_s = self.speed_after(made);
+        let stopping_rad = speed_rad_s * speed_rad_s / (2.0 * acceleration_rad_s2);
+        // A dose stopped at its own end needs, up to rounding, just the steps that are left.
+        ceil(stopping_rad / self.step_rad - 1e-6) as i64
     }
 
     /// The way to rest from the moment at which `made` steps are made, at the plan's own acceleration; it makes no more
@@ -70,13 +96,11 @@ impl Plan {
         let left = self.steps.unsigned_abs().checked_sub(made).filter(|left| *left > 0)?;
         let speed_rad_s = self.speed_after(made);
         let acceleration_rad_s2 = self.profile.acceleration_rad_s2();
-        let stopping_rad = speed_rad_s * speed_rad_s / (2.0 * acceleration_rad_s2);
-        let steps = (ceil(stopping_rad / self.step_rad - 1e-6) as u64).min(left);
+        let steps = self.stopping_steps(made, acceleration_rad_s2).unsigned_abs().min(left);
         if steps == 0 {
             return None;
         }
         let volume_ml = self.delivered_ml(pump, made + steps) - self.delivered_ml(pump, made);
-        let time_s = self.profile.time_of(made as f64 * self.step_rad);
         Some(Self {
             requested_ml: volume_ml,
             carry_in_ml: 0.0,
@@ -91,32 +115,9 @@ impl Plan {
                 acceleration_rad_s2,
             ),
             limited_by: LimitedBy::Nothing,
-            lines: [Port::Inlet, Port::Outlet].map(|port| self.run(pump, port).at(time_s)),
+            before_ml: self.before_ml + self.delivered_ml(pump, made),
+            lines: self.lines_at(pump, made),
             ..*self
         })
-    }
-
-    /// The steps that the request owes, if the rotor can stop that soon; otherwise the volume after which it can, mL.
-    fn beyond_stopping(
-        &self,
-        pump: &Pump,
-        angle_rad: f64,
-        speed_rad_s: f64,
-        request: &Request,
-        limits: &Limits,
-    ) -> Result<Target, f64> {
-        let step_rad = limits.motor.step_rad();
-        let stopping_rad = speed_rad_s * speed_rad_s / (2.0 * limits.motor.max_acceleration_rad_s2);
-        // A dose retargeted to its own end needs, up to rounding, just the steps that are left.
-        let stopping_steps = ceil(stopping_rad / step_rad - 1e-6).max(1.0);
-        let direction = f64::from(self.direction());
-        match nearest_steps(pump, angle_rad, request, step_rad) {
-            Ok(target) if target.steps as f64 * direction >= stopping_steps => Ok(target),
-            _ => {
-                let curve = pump.outlet_curve();
-                let stands_rad = angle_rad + direction * stopping_steps * step_rad;
-                Err(curve.volume_ml(stands_rad) - curve.volume_ml(angle_rad))
-            }
-        }
     }
 }
