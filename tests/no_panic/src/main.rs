@@ -167,7 +167,7 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
     black_box((profile.peak_rad_s(), profile.reaches_cruise(), profile.acceleration_rad_s2()));
     black_box((plan.angle_at(any()), plan.speed_at(any()), plan.speed_after(black_box(1))));
     let rest = plan.retarget(pump, black_box(1), any(), cruise, &limits)?;
-    black_box(rest.delivered_ml(pump, black_box(1)));
+    black_box((rest.delivered_ml(pump, black_box(1)), rest.stop(pump, black_box(1)), rest.predict(pump)?));
     for segment in rest.segments(black_box(1)) {
         black_box(segment);
     }
@@ -236,6 +236,7 @@ fn moves(motor: Motor, segments: impl Iterator<Item = Segment>) {
         let stepper = actuator.stepper();
         black_box((stepper.room(), stepper.position(), stepper.position_at(black_box(1))));
         black_box((stepper.next_deadline(), stepper.is_moving(), stepper.retarget(black_box(1))));
+        black_box(stepper.junction(black_box(1)));
         if black_box(false) {
             stepper.halt(black_box(true));
             stepper.finish();
