@@ -81,3 +81,23 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn of_a_long_journal_the_end_is_read() {
+    // Longer than any window that is read at first, with and without a rest in the last of it.
+    let one = JOURNAL.len();
+    let many = 300_000 / one + 1;
+    let long = JOURNAL.repeat(many);
+    assert_eq!(story(&long).unwrap().state, story(&JOURNAL).unwrap().state);
+    let lines: Vec<&[u8]> = JOURNAL.split_inclusive(|byte| *byte == b'\n').collect();
+    let progress = lines.iter().find(|line| line.windows(8).any(|word| word == b"progress")).unwrap();
+    let intent = lines.iter().find(|line| line.windows(6).any(|word| word == b"intent")).unwrap();
+    let under_way = [&long, *intent, &progress.repeat(3000)].concat();
+    assert!(story(&under_way).unwrap().cut_off);
+    // The number of a damaged line is that in the file.
+    let mut damaged = long.clone();
+    let last = damaged.len() - 20;
+    damaged[last] ^= 1;
+    let message = story(&damaged).unwrap_err();
+    assert!(message.contains(&format!("line {} of", lines.len() * many)), "{message}");
+}

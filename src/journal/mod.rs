@@ -7,8 +7,8 @@
 mod entry;
 mod line;
 
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind, Seek, SeekFrom, Write};
+use std::fs::{File, OpenOptions};
+use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use pump_model::Pump;
@@ -17,6 +17,9 @@ use thiserror::Error;
 use crate::output::{folder_of, sync_folder};
 
 pub use entry::{Entry, Intent, State, Unfinished, Wear, Why};
+
+/// How much of the end of a journal is read at first, bytes: some hundred entries.
+const WINDOW: u64 = 65_536;
 
 /// A journal that cannot be used.
 #[derive(Debug, Error)]
@@ -72,25 +75,40 @@ pub struct Story {
 }
 
 impl Story {
-    /// Reads the journal at `path`, for a pump that without a journal is in state `fresh`.
+    /// Reads the journal at `path`, for a pump that without a journal is in state `fresh`: of a long one the end.
     pub fn read(path: &Path, pump: &Pump, fresh: State) -> Result<Self, JournalError> {
-        let bytes = match fs::read(path) {
-            Ok(bytes) => bytes,
+        let failed = |source| JournalError::File { action: "read", path: path.to_owned(), source };
+        let mut file = match File::open(path) {
+            Ok(file) => file,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Self::default()),
-            Err(source) => return Err(JournalError::File { action: "read", path: path.to_owned(), source }),
+            Err(source) => return Err(failed(source)),
         };
-        Self::of(&bytes, pump, fresh).map_err(|(line, message)| JournalError::Damaged {
-            path: path.to_owned(),
-            line,
-            message,
-        })
+        let length = file.metadata().map_err(failed)?.len();
+        let mut wanted = WINDOW;
+        loop {
+            let start = length.saturating_sub(wanted);
+            let mut bytes = Vec::new();
+            file.seek(SeekFrom::Start(start)).and_then(|_| file.read_to_end(&mut bytes)).map_err(failed)?;
+            match Self::of(&bytes, start, pump, fresh) {
+                Ok(Some(story)) => return Ok(story),
+                Ok(None) => wanted = wanted.saturating_mul(8),
+                // The number of a line is known once all are read.
+                Err(_) if start > 0 => wanted = u64::MAX,
+                Err((line, message)) => {
+                    return Err(JournalError::Damaged { path: path.to_owned(), line, message });
+                }
+            }
+        }
     }
 
-    /// Folds the entries since the last rest. Only the last line may be torn.
-    fn of(bytes: &[u8], pump: &Pump, fresh: State) -> Result<Self, (usize, String)> {
+    /// Folds the entries since the last rest, in the bytes of a journal from `start` on; `None` if that rest lies before
+    /// them. Only the last line may be torn.
+    fn of(bytes: &[u8], start: u64, pump: &Pump, fresh: State) -> Result<Option<Self>, (usize, String)> {
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let (lines, rest) = bytes.split_at(whole);
-        let lines: Vec<&[u8]> = lines.split_inclusive(|byte| *byte == b'\n').collect();
+        // In the midst of a file the first line may have begun before.
+        let partial = usize::from(start > 0);
+        let lines: Vec<&[u8]> = lines.split_inclusive(|byte| *byte == b'\n').skip(partial).collect();
         let mut since_rest = Vec::new();
         let mut state = None;
         for (n, line) in lines.iter().enumerate().rev() {
@@ -102,6 +120,9 @@ impl Story {
                 }
                 entry => since_rest.push((n + 1, entry)),
             }
+        }
+        if state.is_none() && start > 0 {
+            return Ok(None);
         }
         let mut under_way: Option<Unfinished> = None;
         for (n, entry) in since_rest.into_iter().rev() {
@@ -122,7 +143,8 @@ impl Story {
                 ..before.after(&dose.intent, dose.made_least, dose.made_most, pump)
             });
         }
-        Ok(Self { state, cut_off: under_way.is_some(), torn: !rest.is_empty(), length: whole as u64 })
+        let length = start + whole as u64;
+        Ok(Some(Self { state, cut_off: under_way.is_some(), torn: !rest.is_empty(), length }))
     }
 }
 
@@ -177,7 +199,8 @@ mod tests {
 
     fn story(entries: &[Entry]) -> Result<Story, (usize, String)> {
         let bytes: String = entries.iter().map(|entry| line::encode(entry).unwrap()).collect();
-        Story::of(bytes.as_bytes(), &Pump::three_roller(), State::fresh(Phase::known(0.0)))
+        let fresh = State::fresh(Phase::known(0.0));
+        Ok(Story::of(bytes.as_bytes(), 0, &Pump::three_roller(), fresh)?.unwrap())
     }
 
     fn rest(unix_s: u64, angle_rad: f64) -> Entry {
