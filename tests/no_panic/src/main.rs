@@ -171,6 +171,7 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
     for segment in rest.segments(black_box(1)) {
         black_box(segment);
     }
+    black_box(rest.segments(black_box(1)).steps_by(black_box(1)));
     moves(motor, rest.segments(black_box(1)));
     Ok(())
 }

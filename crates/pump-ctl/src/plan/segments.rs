@@ -54,6 +54,24 @@ impl Plan {
 }
 
 impl Segments {
+    /// Steps that are due by tick `since_start`, counted from a start at tick 0, of the segments not yet taken: what
+    /// [`crate::step::Stepper::position_at`] says of a move that nobody stopped, for as long ago as you like.
+    pub fn steps_by(self, since_start: u64) -> u64 {
+        // The executor rounds to whole ticks.
+        let by = (i128::from(since_start) << 32) + (1 << 31) - 1;
+        let (before, mut at) = (self.made, self.at);
+        let mut steps = before;
+        for segment in self {
+            let due = segment.steps_within(by - at, segment.steps());
+            steps += u64::from(due);
+            if due < segment.steps() {
+                break;
+            }
+            at += segment.span(segment.steps());
+        }
+        steps - before
+    }
+
     /// When step `number` of the plan is due, ticks since the start.
     fn due(&self, number: u64) -> f64 {
         self.profile.time_of(number as f64 * self.step_rad) * self.tick_hz

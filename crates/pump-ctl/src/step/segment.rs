@@ -64,7 +64,7 @@ impl Segment {
     }
 
     /// How many of the first `limit` steps are due `elapsed`, in 2^-32 tick, after the step before the segment.
-    pub(super) fn steps_within(&self, elapsed: i128, limit: u32) -> u32 {
+    pub(crate) fn steps_within(&self, elapsed: i128, limit: u32) -> u32 {
         let (mut within, mut beyond) = (0, limit.saturating_add(1));
         while beyond - within > 1 {
             let middle = within + (beyond - within) / 2;

@@ -32,6 +32,10 @@ proptest! {
             let t = 1000 + (part * (last - 1000) as f64) as u64;
             let expected = made.iter().filter(|at| **at <= t).count() as i64;
             prop_assert_eq!(stepper.position_at(t), Some(case.direction() * expected));
+            if part <= 0.5 {
+                let planned = case.plan.segments(case.tick_hz).steps_by(t - 1000);
+                prop_assert!(t > last || planned as i64 == expected);
+            }
         }
         prop_assert_eq!(stepper.position_at(999), None);
     }

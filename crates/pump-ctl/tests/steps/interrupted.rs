@@ -172,11 +172,11 @@ fn a_motor_that_stands_makes_no_step_when_it_is_stopped() {
     };
     let case = Case::new(motor, 1_000_000, 2.0, 0.0, 7.0);
     let back = Case::new(motor, 1_000_000, -1.0, 0.0, 7.0);
-    for now in [0, 10_000] {
+    for late in [0, 10_000] {
         // Before the first step.
         let mut stepper = case.queued();
         stepper.start(0).unwrap();
-        assert_eq!(stepper.stop(now), StopPlan { last_step_at: 0, final_count: 0 });
+        assert_eq!(stepper.stop(late), StopPlan { last_step_at: 0, final_count: 0 });
         assert_eq!(stepper.on_deadline(1_000_000), Action::Done);
         // Where it turns round.
         let mut stepper = Executor::new(motor.brake(1_000_000));
@@ -189,7 +189,7 @@ fn a_motor_that_stands_makes_no_step_when_it_is_stopped() {
             (last, due) = (due, next);
         }
         let promise = StopPlan { last_step_at: last, final_count: case.plan.steps };
-        assert_eq!(stepper.stop(last + now), promise);
+        assert_eq!(stepper.stop(last + late), promise);
     }
 }
 
