@@ -12,10 +12,30 @@ pub const BRAKE_ENTRIES: usize = 32;
 /// Made by [`crate::plan::Motor::brake`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "[Segment; BRAKE_ENTRIES]", into = "[Segment; BRAKE_ENTRIES]")
+)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Brake {
     /// Speeding up: counts positive, intervals falling. The rest are unused, with count 0.
     climb: [Segment; BRAKE_ENTRIES],
+}
+
+impl From<Brake> for [Segment; BRAKE_ENTRIES] {
+    fn from(brake: Brake) -> Self {
+        brake.climb
+    }
+}
+
+impl TryFrom<[Segment; BRAKE_ENTRIES]> for Brake {
+    type Error = &'static str;
+
+    /// As [`Brake::from_climb`], of the segments that have steps.
+    fn try_from(climb: [Segment; BRAKE_ENTRIES]) -> Result<Self, Self::Error> {
+        Self::from_climb(climb.into_iter().filter(|segment| segment.count != 0))
+            .ok_or("a brake's segments must speed up from rest, with valid intervals")
+    }
 }
 
 /// What is left of a way down.
