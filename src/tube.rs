@@ -58,11 +58,17 @@ mod tests {
     fn the_planned_dose_counts_for_the_warning_and_for_the_refusal() {
         assert_eq!(tube(0.0, 899.0).warning(), None);
         let warning = tube(890.0, 20.0).warning().unwrap();
-        assert!(warning.contains("910.0 mL of the 1000 mL") && warning.contains("90.0 mL are left"), "{warning}");
+        assert!(
+            warning.contains("910.0 mL of the 1000 mL") && warning.contains("90.0 mL are left"),
+            "{warning}"
+        );
         assert!(tube(890.0, 109.0).check().is_ok());
         for (pumped_ml, planned_ml) in [(890.0, 110.0), (1000.0, 0.1), (0.0, 2000.0)] {
             let error = tube(pumped_ml, planned_ml).check().unwrap_err().to_string();
-            assert!(error.contains("the 1000 mL that it lasts") && error.contains("`dose tube --new`"), "{error}");
+            assert!(
+                error.contains("the 1000 mL that it lasts") && error.contains("`dose tube --new`"),
+                "{error}"
+            );
         }
     }
 }
