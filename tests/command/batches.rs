@@ -171,7 +171,7 @@ fn a_signal_between_doses_ends_the_batch_at_once_with_nothing_unfinished() {
 #[test]
 fn a_signal_in_motion_stops_the_dose_and_with_it_the_batch() {
     let user = User::new();
-    let mut running = Running::start(&user, &["2L", "--repeat", "3"]);
+    let mut running = Running::start(&user, &["1L", "--repeat", "3"]);
     running.next_report();
     let deadline = Instant::now() + Duration::from_secs(20);
     let under_way =
@@ -187,7 +187,7 @@ fn a_signal_in_motion_stops_the_dose_and_with_it_the_batch() {
     assert_eq!((code, reports.len()), (130, 1), "{err}");
     assert_eq!(reports[0]["completed"], false);
     assert!(err.contains("`dose resume`") && err.contains("1 of 3 doses of the batch were done"), "{err}");
-    assert!((number(&user.json(&["status"])["unfinished"], "requested_ml") - 2000.0).abs() < 1e-9);
+    assert!((number(&user.json(&["status"])["unfinished"], "requested_ml") - 1000.0).abs() < 1e-9);
     let rest = user.json(&["resume"]);
     assert!(number(&rest, "carry_ml").abs() < STEP_ML);
 }

@@ -95,7 +95,7 @@ fn a_new_tube_has_pumped_nothing_and_doses_owe_nothing() {
 #[test]
 fn a_tube_is_not_exchanged_under_an_unfinished_dose_which_may_end_on_it() {
     let user = User::new();
-    let mut child = user.command(&["3L"]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let mut child = user.command(&["1L"]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let deadline = Instant::now() + Duration::from_secs(20);
     while !user.record().is_some_and(|text| text.contains("progress")) {
         assert!(Instant::now() < deadline, "no progress on record");
