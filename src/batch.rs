@@ -60,7 +60,8 @@ pub enum ScheduleError {
 
 /// When each dose of a batch is due, counted from the batch's start. It sleeps nowhere and reads no clock.
 ///
-/// Its clock must not be set by anybody, as [`std::time::Instant`]'s is not.
+/// Its clock must not be set by anybody, as [`std::time::Instant`]'s is not. That one stands still on Linux while the
+/// machine sleeps, and the batch with it; a process that alone is suspended misses doses.
 ///
 /// ```
 /// use std::time::Duration;
