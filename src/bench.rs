@@ -12,6 +12,7 @@ use crate::folder::{Folder, FolderError};
 use crate::journal::{JournalError, State, Story};
 use crate::pump_file::{DriverName, PumpFile, PumpFileError};
 use crate::session::Session;
+use crate::tube::TubeLife;
 
 /// A pump with its driver and the folder of its journal.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,6 +52,19 @@ pub enum DoseError {
         least_ml: f64,
         /// Largest.
         most_ml: f64,
+    },
+    /// The dose would use up the tube.
+    #[error(
+        "the tube has pumped {pumped_ml:.1} mL, and this dose of {planned_ml:.4} mL would use up the {life_ml} mL that it \
+         lasts; exchange the tube and say `dose tube --new`"
+    )]
+    TubeWorn {
+        /// Volume that it lasts, mL.
+        life_ml: f64,
+        /// Volume that it has pumped, mL.
+        pumped_ml: f64,
+        /// Volume of the planned dose, either way, mL.
+        planned_ml: f64,
     },
     /// There is no dose to resume or to discard.
     #[error("no unfinished dose is on record: there is nothing to {0}")]
@@ -150,7 +164,19 @@ impl Bench {
         self.prepare_from(self.story()?.state, request)
     }
 
+    /// Plans a dose as if `state` were on record.
     pub(crate) fn prepare_from(
+        &self,
+        state: Option<State>,
+        request: DoseRequest,
+    ) -> Result<Prepared, DoseError> {
+        let prepared = self.plan_from(state, request)?;
+        self.tube_life(state, &prepared).map_or(Ok(()), |tube| tube.check())?;
+        Ok(prepared)
+    }
+
+    /// The same with whatever tube there is: a dose that was begun may end on it.
+    pub(crate) fn plan_from(
         &self,
         state: Option<State>,
         request: DoseRequest,
@@ -165,7 +191,18 @@ impl Bench {
             (None, None) => (self.fresh().phase(), PhaseSource::Home),
         };
         let carry_ml = state.map_or(0.0, |state| state.carry_ml);
-        Ok(Prepared::new(&self.file, &self.model, request, start, source, carry_ml)?)
+        let mut prepared = Prepared::new(&self.file, &self.model, request, start, source, carry_ml)?;
+        prepared.warnings.extend(self.tube_life(state, &prepared).and_then(|tube| tube.warning()));
+        Ok(prepared)
+    }
+
+    /// None if nobody has said how long a tube lasts.
+    fn tube_life(&self, state: Option<State>, prepared: &Prepared) -> Option<TubeLife> {
+        Some(TubeLife {
+            life_ml: self.file.tube.life_ml?,
+            pumped_ml: state.map_or(0.0, |state| state.wear.volume_ml),
+            planned_ml: prepared.plan.planned_ml.abs(),
+        })
     }
 
     /// Takes the pump for this process until the session is dropped.

@@ -58,6 +58,7 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
         tube: TubeTable {
             bore_radius_mm: geometry.bore_radius_mm,
             outer_radius_mm: geometry.tube_outer_radius_mm,
+            life_ml: None,
         },
         rollers: RollersTable {
             count: rollers,

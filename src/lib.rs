@@ -17,6 +17,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod batch;
 mod bench;
 mod built_in;
 pub mod csv;
@@ -36,6 +37,7 @@ mod session;
 mod simulation;
 mod status;
 pub mod times;
+mod tube;
 mod uncertainty;
 pub mod waveform;
 

@@ -70,6 +70,9 @@ pub struct TubeTable {
     pub bore_radius_mm: f64,
     /// r_o, mm.
     pub outer_radius_mm: f64,
+    /// Volume that a tube lasts, either way, mL; none if it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub life_ml: Option<f64>,
 }
 
 /// `[rollers]`
@@ -319,6 +322,9 @@ impl PumpFile {
         )?;
         if let Some(mark) = self.pump.mark_angle_deg {
             value(mark.is_finite() && mark.abs() <= 360.0, "[pump] mark_angle_deg", &mark, "-360 to 360")?;
+        }
+        if let Some(life_ml) = self.tube.life_ml {
+            value(life_ml > 0.0 && life_ml.is_finite(), "[tube] life_ml", &life_ml, "more than 0")?;
         }
         let motor = &self.motor;
         value(

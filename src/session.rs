@@ -11,7 +11,7 @@ use crate::bench::{Bench, DoseError};
 use crate::dose::{DoseRequest, Prepared, Purpose};
 use crate::drivers::{Drive, Sim};
 use crate::folder::Lock;
-use crate::journal::{Entry, Intent, Journal, JournalError, State, Why};
+use crate::journal::{Entry, Intent, Journal, JournalError, State, Wear, Why};
 use crate::pump_file::DriverName;
 
 /// Longest stretch between two entries of the journal, s and mL, whichever is shorter.
@@ -30,6 +30,8 @@ pub struct Session<'a> {
     state: Option<State>,
     /// Whether the state is not on record yet as the rotor's rest.
     cut_off: bool,
+    /// What turns the motor, opened by the first dose.
+    drive: Option<Box<dyn Drive + 'a>>,
     _lock: Lock,
 }
 
@@ -50,7 +52,7 @@ impl<'a> Session<'a> {
     pub(crate) fn open(bench: &'a Bench) -> Result<Self, DoseError> {
         let lock = bench.folder().lock()?;
         let (journal, story) = lock.journal(bench.model(), bench.fresh())?;
-        Ok(Self { bench, journal, state: story.state, cut_off: story.cut_off, _lock: lock })
+        Ok(Self { bench, journal, state: story.state, cut_off: story.cut_off, drive: None, _lock: lock })
     }
 
     /// How things stand; none if nothing was ever recorded.
@@ -75,7 +77,7 @@ impl<'a> Session<'a> {
         let volume_ml = intent.requested_ml - 0.5 * (least_ml + most_ml);
         let carry_ml = if intent.purpose == Purpose::Dose { intent.carry_in_ml } else { state.carry_ml };
         let rest = DoseRequest { purpose: intent.purpose, volume_ml, ..request };
-        self.bench.prepare_from(Some(State { unfinished: None, carry_ml, ..state }), rest)
+        self.bench.plan_from(Some(State { unfinished: None, carry_ml, ..state }), rest)
     }
 
     /// Accepts the unfinished dose as it is. What doses owe is zero afterwards. Returns the state.
@@ -91,14 +93,24 @@ impl<'a> Session<'a> {
 
     /// Records that the rotor stands at `phase`. What doses owe is zero afterwards. Refused with a dose unfinished.
     pub fn set_angle(&mut self, phase: Phase) -> Result<State, DoseError> {
-        let state = self.state.unwrap_or(self.bench.fresh());
-        if let Some(dose) = state.unfinished {
-            let (least_ml, most_ml) = dose.delivered_ml(self.bench.model());
-            return Err(DoseError::Unfinished { requested_ml: dose.intent.requested_ml, least_ml, most_ml });
-        }
-        let state = State { carry_ml: 0.0, ..state.at(phase) };
+        let state = State { carry_ml: 0.0, ..self.finished()?.at(phase) };
         self.rest(Why::Set, state)?;
         Ok(state)
+    }
+
+    /// Records that the tube is new. What doses owe is zero afterwards. Refused with a dose unfinished.
+    pub fn new_tube(&mut self) -> Result<State, DoseError> {
+        let state = State { carry_ml: 0.0, wear: Wear::default(), ..self.finished()? };
+        self.rest(Why::NewTube, state)?;
+        Ok(state)
+    }
+
+    /// The state, unless a dose is unfinished.
+    fn finished(&self) -> Result<State, DoseError> {
+        let state = self.state.unwrap_or(self.bench.fresh());
+        let Some(dose) = state.unfinished else { return Ok(state) };
+        let (least_ml, most_ml) = dose.delivered_ml(self.bench.model());
+        Err(DoseError::Unfinished { requested_ml: dose.intent.requested_ml, least_ml, most_ml })
     }
 
     /// Runs a dose that this session prepared, and records what comes of it. `watch` is told now and then how many steps
@@ -134,13 +146,9 @@ impl<'a> Session<'a> {
             ControlFlow::Continue(())
         };
 
-        let mut sim;
-        let drive: &mut dyn Drive = match self.bench.driver() {
-            DriverName::Sim => {
-                sim = Sim::new(model);
-                &mut sim
-            }
-        };
+        let drive = self.drive.get_or_insert_with(|| match self.bench.driver() {
+            DriverName::Sim => Box::new(Sim::new(model)),
+        });
         let before = self.state.unwrap_or(self.bench.fresh());
         let made = match drive.run(plan, &mut gate) {
             Ok(made) => made,

@@ -27,6 +27,8 @@ pub struct Status {
     pub carry_ml: f64,
     /// What the tube has gone through.
     pub wear: Wear,
+    /// Volume that a tube lasts, mL; null if it is not known.
+    pub tube_life_ml: Option<f64>,
     /// A dose that was begun and not finished.
     pub unfinished: Option<UnfinishedStatus>,
     /// The folder of the journal.
@@ -81,6 +83,7 @@ impl Status {
             half_width_deg: degrees(state.half_width_rad),
             carry_ml: state.carry_ml,
             wear: state.wear,
+            tube_life_ml: bench.file().tube.life_ml,
             unfinished,
             folder: bench.folder().path().display().to_string(),
         })
@@ -113,8 +116,11 @@ impl Status {
         } else {
             format!("{:.1} h", motion_s / 3600.0)
         };
-        let _ =
-            writeln!(text, "tube: {volume_ml:.1} mL in {revolutions:.1} revolutions and {time} of motion");
+        let life = self.tube_life_ml.map_or(String::new(), |life_ml| format!(" of {life_ml} mL"));
+        let _ = writeln!(
+            text,
+            "tube: {volume_ml:.1} mL{life} in {revolutions:.1} revolutions and {time} of motion"
+        );
         if let Some(dose) = &self.unfinished {
             let _ = writeln!(
                 text,

@@ -8,7 +8,7 @@ use pump_dose::pump_file::{DriverName, PumpFile};
 use pump_dose::quantity::{self, Pressure};
 use pump_dose::{BUILT_IN, Bench, built_in, default_state_dir};
 
-use super::Failure;
+use super::{Failure, batch};
 
 /// The command that prints pumps.
 pub(crate) const SHOW: &str = "dose pumps show";
@@ -60,6 +60,12 @@ pub(crate) enum Command {
     Resume,
     /// Accept a dose that was stopped or cut off as it is
     Discard,
+    /// Say that the tube was exchanged
+    Tube {
+        /// The tube is new: it has pumped nothing, and doses owe nothing
+        #[arg(long, required = true)]
+        new: bool,
+    },
     /// Say where the rollers stand
     Home {
         /// The angle, as 30deg; 0deg: a roller begins to leave the outlet
@@ -103,6 +109,14 @@ pub(crate) enum Format {
 pub(crate) enum Driver {
     /// Simulated stepper, pump and vessel
     Sim,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Missed {
+    /// Leave it out
+    Skip,
+    /// Make it at once
+    Now,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -151,6 +165,18 @@ pub(crate) struct Options {
     /// Smallest pressure at the port that sucks, as 45kPaa
     #[arg(long, global = true, value_name = "PRESSURE", value_parser = quantity::pressure)]
     pub(crate) min_inlet_pressure: Option<Pressure>,
+    /// Volume that a tube lasts, as 100L: warned of from 90 % on, then doses are refused [default: the pump file's]
+    #[arg(long, global = true, value_name = "VOLUME", value_parser = quantity::volume_ml)]
+    pub(crate) tube_limit: Option<f64>,
+    /// A batch of this many doses, one after the other or as --every says
+    #[arg(long, global = true, value_name = "N", value_parser = batch::number_of_doses)]
+    pub(crate) repeat: Option<u64>,
+    /// Time from the start of one dose of a batch to the start of the next, as 30s
+    #[arg(long, global = true, value_name = "TIME", value_parser = quantity::time_s)]
+    pub(crate) every: Option<f64>,
+    /// What becomes of a dose whose time has passed [default: skip]
+    #[arg(long, global = true)]
+    pub(crate) missed: Option<Missed>,
     /// What turns the motor [default: the pump file's, else sim]
     #[arg(long, global = true)]
     pub(crate) driver: Option<Driver>,
@@ -194,6 +220,10 @@ impl Options {
             ("--start-angle", self.start_angle.is_some()),
             ("--max-outlet-pressure", self.max_outlet_pressure.is_some()),
             ("--min-inlet-pressure", self.min_inlet_pressure.is_some()),
+            ("--tube-limit", self.tube_limit.is_some()),
+            ("--repeat", self.repeat.is_some()),
+            ("--every", self.every.is_some()),
+            ("--missed", self.missed.is_some()),
             ("--driver", self.driver.is_some()),
             ("--dry-run", self.dry_run),
             ("--format", self.format.is_some()),
@@ -235,7 +265,8 @@ impl Options {
 
     /// The bench of that pump.
     pub(crate) fn bench(&self) -> Result<Bench, Failure> {
-        let file = self.pump_file()?;
+        let mut file = self.pump_file()?;
+        file.tube.life_ml = self.tube_limit.or(file.tube.life_ml);
         let driver = self.driver.map(|driver| match driver {
             Driver::Sim => DriverName::Sim,
         });

@@ -13,7 +13,10 @@ use pump_dose::{Bench, Delivered, DoseReport, DoseRequest, Prepared, Purpose, Se
 use super::args::Options;
 use super::interrupt::Interrupt;
 use super::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
-use super::{Failure, print};
+use super::{Failure, batch, print};
+
+/// Said after a signal.
+const STOPPED: &str = "stopped by the user; `dose resume` makes the rest, `dose discard` leaves it";
 
 const PRESSURES: [&str; 2] = ["--max-outlet-pressure", "--min-inlet-pressure"];
 
@@ -40,7 +43,7 @@ pub(crate) fn resume(options: &Options) -> Result<(), Failure> {
     let request = with_options(DoseRequest::dose(0.0), options, bench.file())?;
     let mut session = bench.session()?;
     let prepared = session.prepare_rest(request)?;
-    let delivered = deliver(&mut session, &prepared)?;
+    let delivered = deliver(&mut session, &prepared, &watch()?)?;
     report(&bench, &prepared, Some(delivered), options)
 }
 
@@ -48,15 +51,20 @@ fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> R
     let accepted = [
         &PRESSURES[..],
         &["--rate", "--speed", "--within", "--reverse", "--start-angle", "--driver", "--dry-run", "--format"],
-        &["--steps", "--trace", "--plot", "--dt"],
+        &["--steps", "--trace", "--plot", "--dt", "--tube-limit"],
+        if purpose == Purpose::Dose { &["--repeat", "--every", "--missed"] } else { &[] },
     ];
     options.accept_only(command, &accepted.concat())?;
     options.outputs_differ()?;
     if options.dt.is_some() && options.trace.is_none() {
         return Err(Failure::refused("--dt is the time between rows of --trace; name that file too"));
     }
+    let schedule = batch::schedule(options)?;
     let bench = options.bench()?;
     let request = request(purpose, amount, options, bench.file())?;
+    if let Some(schedule) = schedule {
+        return batch::run(&bench, request, schedule, options);
+    }
     if options.dry_run {
         let prepared = bench.prepare(request)?;
         write_outputs(&bench, &prepared, options)?;
@@ -66,13 +74,21 @@ fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> R
     let mut session = bench.session()?;
     let prepared = session.prepare(request)?;
     write_outputs(&bench, &prepared, options)?;
-    let delivered = deliver(&mut session, &prepared)?;
+    let delivered = deliver(&mut session, &prepared, &watch()?)?;
     report(&bench, &prepared, Some(delivered), options)
 }
 
+/// Signals stop doses from now on.
+pub(crate) fn watch() -> Result<Interrupt, Failure> {
+    Interrupt::watch().map_err(Failure::refused)
+}
+
 /// Runs a dose, with its progress on standard error. A signal stops it.
-fn deliver(session: &mut Session<'_>, prepared: &Prepared) -> Result<(Delivered, Option<i32>), Failure> {
-    let interrupt = Interrupt::watch().map_err(Failure::refused)?;
+pub(crate) fn deliver(
+    session: &mut Session<'_>,
+    prepared: &Prepared,
+    interrupt: &Interrupt,
+) -> Result<(Delivered, Option<i32>), Failure> {
     let bar = progress_bar(prepared);
     let delivered = session.run(prepared, |made| {
         bar.set_position(made);
@@ -88,23 +104,36 @@ fn report(
     delivered: Option<(Delivered, Option<i32>)>,
     options: &Options,
 ) -> Result<(), Failure> {
-    let (delivered, signal) =
-        (delivered.map(|(delivered, _)| delivered), delivered.and_then(|(_, signal)| signal));
-    let report = DoseReport::new(bench, prepared, delivered.as_ref());
+    let report = DoseReport::new(bench, prepared, delivered.as_ref().map(|(delivered, _)| delivered));
     let printed = if options.json() {
-        for warning in &report.warnings {
-            // Standard error is for people; if it is closed nobody reads it.
-            let _ = writeln!(io::stderr(), "warning: {warning}");
-        }
+        warn(&report.warnings);
         print(&(report.json() + "\n"))
     } else {
         print(&report.text())
     };
+    ended(printed, delivered)
+}
+
+/// Warns a person whose program reads the report.
+pub(crate) fn warn(warnings: &[String]) {
+    for warning in warnings {
+        // Standard error is for people; if it is closed nobody reads it.
+        let _ = writeln!(io::stderr(), "warning: {warning}");
+    }
+}
+
+/// How the command ends after a dose (none: a dry run) whose report was printed or not.
+pub(crate) fn ended(
+    printed: Result<(), Failure>,
+    delivered: Option<(Delivered, Option<i32>)>,
+) -> Result<(), Failure> {
     match (printed, delivered) {
-        (Err(Failure::Refused(message)), Some(Delivered { volume_ml, .. })) => {
+        (Err(Failure::Refused(message)), Some((Delivered { volume_ml, .. }, _))) => {
             Err(Failure::Fault(format!("{volume_ml:.4} mL were delivered and recorded, but {message}")))
         }
-        (Ok(()), Some(delivered)) if !delivered.completed => Err(Failure::Stopped(signal.unwrap_or(0))),
+        (Ok(()), Some((delivered, signal))) if !delivered.completed => {
+            Err(Failure::Stopped(signal.unwrap_or(0), STOPPED.to_owned()))
+        }
         (printed, _) => printed,
     }
 }

@@ -1,4 +1,5 @@
-//! `dose home --set <ANGLE>` and `dose discard`: what a person says of the rotor and of an unfinished dose.
+//! `dose home --set <ANGLE>`, `dose tube --new` and `dose discard`: what a person says of the rotor, of the tube and of an
+//! unfinished dose.
 
 use pump_ctl::plan::Phase;
 use pump_dose::journal::{JournalError, State};
@@ -22,6 +23,21 @@ pub(crate) fn set(angle_rad: f64, options: &Options) -> Result<(), Failure> {
     let owed_ml = owed(&session);
     let state = session.set_angle(Phase::known(angle_rad))?;
     print(&format!("{aside}{}{}", stands(&state), zeroed(owed_ml)))
+}
+
+pub(crate) fn new_tube(options: &Options) -> Result<(), Failure> {
+    options.accept_only("dose tube", &["--driver"])?;
+    let bench = options.bench()?;
+    let mut session = bench.session()?;
+    let owed_ml = owed(&session);
+    let worn_ml = session.state().map_or(0.0, |state| state.wear.volume_ml);
+    let state = session.new_tube()?;
+    print(&format!(
+        "a new tube is on record; the one before pumped {worn_ml:.1} mL\n{}{}warning: a new tube gives another volume per \
+         revolution: calibrate it\nif the rotor was turned by hand, say where it stands with `dose home --set <ANGLE>`\n",
+        stands(&state),
+        zeroed(owed_ml)
+    ))
 }
 
 pub(crate) fn discard(options: &Options) -> Result<(), Failure> {

@@ -1,6 +1,7 @@
 //! The command line: arguments in, exit code out.
 
 mod args;
+mod batch;
 mod dose;
 mod home;
 mod interrupt;
@@ -29,14 +30,25 @@ pub(crate) enum Failure {
     Unfinished(String),
     /// Something went wrong after motion began: exit code 1.
     Fault(String),
-    /// The user stopped the dose by this signal, which is recorded: exit code 128 + its number.
-    Stopped(i32),
+    /// The user stopped it by this signal, and what was delivered is recorded: exit code 128 + the signal's number.
+    Stopped(i32, String),
 }
 
 impl Failure {
     /// A refusal with this message.
     pub(crate) fn refused(message: impl ToString) -> Self {
         Self::Refused(message.to_string())
+    }
+
+    /// The same failure with more to say.
+    pub(crate) fn with(mut self, more: &str) -> Self {
+        let (Self::Refused(message)
+        | Self::Busy(message)
+        | Self::Unfinished(message)
+        | Self::Fault(message)
+        | Self::Stopped(_, message)) = &mut self;
+        message.push_str(more);
+        self
     }
 }
 
@@ -81,10 +93,7 @@ pub(crate) fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                 Failure::Refused(message) => (2, message),
                 Failure::Busy(message) => (3, message),
                 Failure::Unfinished(message) => (4, message),
-                Failure::Stopped(signal) => (
-                    128 + u8::try_from(signal).unwrap_or(0),
-                    "stopped by the user; `dose resume` makes the rest, `dose discard` leaves it".to_owned(),
-                ),
+                Failure::Stopped(signal, message) => (128 + u8::try_from(signal).unwrap_or(0), message),
             };
             let _ = writeln!(io::stderr(), "error: {message}");
             ExitCode::from(code)
@@ -103,6 +112,8 @@ fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Resume) => dose::resume(options),
         Some(Command::Discard) => home::discard(options),
         Some(Command::Home { set }) => home::set(*set, options),
+        // Required, so true.
+        Some(Command::Tube { new: _ }) => home::new_tube(options),
         Some(Command::Status) => status::status(options),
         Some(Command::Pumps { command }) => pumps::pumps(command.as_ref(), options),
     }

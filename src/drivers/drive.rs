@@ -1,5 +1,6 @@
 //! What every driver does: it makes the steps of a plan, asking before each stretch whether it may.
 
+use std::fmt::Debug;
 use std::ops::ControlFlow;
 
 use pump_ctl::plan::Plan;
@@ -10,13 +11,13 @@ use thiserror::Error;
 pub type Gate<'a> = dyn FnMut(u64, u64) -> ControlFlow<()> + 'a;
 
 /// A driver of one motor.
-pub trait Drive {
+pub trait Drive: Debug {
     /// Makes the steps of `plan`, asking `gate` before them. When it breaks, the motor decelerates and holds. Returns how
     /// many were made, those of the deceleration included.
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault>;
 
-    /// Waits until nothing that counts can still arrive, and returns what the vessel has received, mL; none where nobody
-    /// can read it.
+    /// Waits until nothing that counts can still arrive, and returns what the vessel has received since the last plan was
+    /// begun, mL; none where nobody can read it.
     fn settle(&mut self) -> Result<Option<f64>, DriveError>;
 }
 

@@ -26,6 +26,8 @@ const LONGEST_WAIT_S: f64 = 36_000.0;
 pub struct Sim<'a> {
     pump: &'a Pump,
     solver: Rodas5p<3>,
+    /// What the vessel held when the last plan was begun, mL.
+    begun_ml: f64,
 }
 
 impl<'a> Sim<'a> {
@@ -37,7 +39,7 @@ impl<'a> Sim<'a> {
     /// The same with another error allowed in a step.
     pub fn with_tolerance(pump: &'a Pump, tolerance: f64) -> Self {
         let solver = Rodas5p::new(0.0, SVector::zeros(), options(pump.outlet(), tolerance, 1.0));
-        Self { pump, solver }
+        Self { pump, solver, begun_ml: 0.0 }
     }
 
     /// Makes every step of `plan`.
@@ -114,6 +116,7 @@ impl<'a> Sim<'a> {
 impl Drive for Sim<'_> {
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
         let started_s = self.solver.time_s();
+        self.begun_ml = self.received_ml();
         let mut made = 0;
         let failed = |made_least, error: IntegrationError| DriveFault {
             made_least,
@@ -134,6 +137,6 @@ impl Drive for Sim<'_> {
 
     fn settle(&mut self) -> Result<Option<f64>, DriveError> {
         self.wait_for_rest()?;
-        Ok(Some(self.received_ml()))
+        Ok(Some(self.received_ml() - self.begun_ml))
     }
 }

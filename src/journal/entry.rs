@@ -47,6 +47,8 @@ pub enum Why {
     Discarded,
     /// Its angle was set by hand.
     Set,
+    /// The tube was exchanged.
+    NewTube,
 }
 
 /// A dose as it was planned.

@@ -49,6 +49,11 @@ pub fn amount(text: &str) -> Result<Amount, QuantityError> {
     Ok(if mass.is_some() { Amount::Mass(value) } else { Amount::Volume(value) })
 }
 
+/// A volume in mL, positive.
+pub fn volume_ml(text: &str) -> Result<f64, QuantityError> {
+    positive(text, Kind::Volume)
+}
+
 /// A flow in mL/s, positive.
 pub fn flow_ml_s(text: &str) -> Result<f64, QuantityError> {
     positive(text, Kind::Flow)
@@ -148,6 +153,7 @@ mod tests {
         ] {
             assert!((ml(text) - expected).abs() < 1e-12, "{text}");
         }
+        assert!((volume_ml("2 L").unwrap() - 2000.0).abs() < 1e-9);
         assert!((flow_ml_s("600 mL/min").unwrap() - 10.0).abs() < 1e-12);
         assert!((flow_ml_s("2 L/h").unwrap() - 2000.0 / 3600.0).abs() < 1e-12);
         assert!((flow_ml_s("10mL/s").unwrap() - 10.0).abs() < 1e-12);
@@ -194,7 +200,7 @@ mod tests {
         #[test]
         fn no_text_makes_it_panic(text in "\\PC*") {
             let _ = (amount(&text), flow_ml_s(&text), speed_rad_s(&text), time_s(&text));
-            let _ = (angle_rad(&text), pressure(&text));
+            let _ = (angle_rad(&text), pressure(&text), volume_ml(&text));
         }
     }
 }

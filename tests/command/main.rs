@@ -2,9 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+mod batches;
 mod doses;
 mod endings;
 mod files;
 mod refusals;
 mod simulations;
+mod tube;
 mod user;

@@ -1,0 +1,122 @@
+//! How long a tube lasts, and its exchange.
+
+use std::fs;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use crate::user::{User, number};
+
+#[test]
+fn a_tube_is_warned_of_from_nine_tenths_on_and_refused_at_its_end() {
+    let user = User::new();
+    let limit = ["--tube-limit", "100mL"];
+    let dose = |volume| user.json(&[&[volume][..], &limit].concat());
+    assert_eq!(dose("40mL")["warnings"], serde_json::json!([]));
+    assert_eq!(dose("-45mL")["warnings"], serde_json::json!([]), "85 mL either way");
+    let report = dose("6mL");
+    let warning = report["warnings"][0].as_str().unwrap();
+    assert!(warning.contains("91.0 mL of the 100 mL that it lasts, 9.0 mL are left"), "{warning}");
+    for arguments in [&["10mL"][..], &["prime", "10mL"], &["10mL", "--dry-run"]] {
+        let message = user.is_refused(&[arguments, &limit].concat());
+        assert!(
+            message.contains("has pumped 91.0 mL") && message.contains("the 100 mL that it lasts"),
+            "{message}"
+        );
+        assert!(message.contains("exchange the tube and say `dose tube --new`"), "{message}");
+    }
+    let status = user.types(&["status", "--tube-limit", "100mL"]).out;
+    assert!(status.contains("tube: 91.0 mL of 100 mL in"), "{status}");
+    user.json(&["10mL"]);
+}
+
+#[test]
+fn a_batch_ends_where_the_tube_does_also_in_its_rehearsal() {
+    let user = User::new();
+    let arguments = ["10mL", "--repeat", "9", "--tube-limit", "35mL", "--format", "json"];
+    let rehearsed = user.types(&[&arguments[..], &["--dry-run"]].concat());
+    let made = user.types(&arguments);
+    for (answer, verb) in [(rehearsed, "planned"), (made, "done")] {
+        assert_eq!((answer.code, answer.out.lines().count()), (2, 3), "{}", answer.err);
+        let count = format!("`dose tube --new`; 3 of 9 doses of the batch were {verb}");
+        assert!(answer.err.contains(&count), "{}", answer.err);
+    }
+}
+
+#[test]
+fn the_pump_file_says_how_long_a_tube_lasts_and_the_option_overrides_it() {
+    let user = User::new();
+    let three = user.types(&["pumps", "show", "three-roller"]).out;
+    assert!(!three.contains("life_ml"), "nobody knows it for the built-in pumps");
+    let write = |life: &str| {
+        let text =
+            three.replace("outer_radius_mm = 7.0\n", &format!("outer_radius_mm = 7.0\nlife_ml = {life}\n"));
+        fs::write(user.path("my.toml"), text).unwrap();
+    };
+    write("5.0");
+    assert!(user.types(&["pumps", "show", "my.toml"]).out.contains("life_ml = 5.0"));
+    assert!(user.is_refused(&["10mL", "--pump", "my.toml"]).contains("the 5 mL that it lasts"));
+    user.json(&["10mL", "--pump", "my.toml", "--tube-limit", "1L"]);
+    for life in ["0.0", "-1.0", "nan", "inf"] {
+        write(life);
+        let message = user.is_refused(&["10mL", "--pump", "my.toml"]);
+        assert!(
+            message.contains("[tube] life_ml is ") && message.contains("allowed: more than 0"),
+            "{message}"
+        );
+    }
+    assert!(user.is_refused(&["1mL", "--tube-limit", "0L"]).contains("is zero"));
+    assert!(user.is_refused(&["1mL", "--tube-limit", "5kg"]).contains("which is a mass unit"));
+}
+
+#[test]
+fn a_new_tube_has_pumped_nothing_and_doses_owe_nothing() {
+    let user = User::new();
+    let before = user.json(&["10mL"]);
+    let owed = number(&before, "carry_ml");
+    assert_ne!(owed, 0.0);
+    let answer = user.types(&["tube", "--new"]);
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    assert!(answer.out.contains("the one before pumped 10.0 mL"), "{}", answer.out);
+    assert!(answer.out.contains(&format!("warning: {:.2} µL that doses owed are forgotten", 1e3 * owed)));
+    assert!(answer.out.contains("volume per revolution: calibrate it"), "{}", answer.out);
+    assert!(user.record().unwrap().lines().last().unwrap().contains("\"new_tube\""));
+    let status = user.json(&["status"]);
+    assert_eq!((number(&status, "carry_ml"), number(&status["wear"], "volume_ml")), (0.0, 0.0));
+    assert_eq!(number(&status["wear"], "revolutions"), 0.0);
+    assert!((number(&status, "angle_deg") - number(&before, "end_angle_deg").rem_euclid(360.0)).abs() < 1e-9);
+    assert!(!user.types(&["tube", "--new"]).out.contains("forgotten"));
+    assert!(user.is_refused(&["tube"]).contains("--new"), "nothing is reset by half a command");
+    assert!(
+        user.is_refused(&["tube", "--new", "--dry-run"]).contains("--dry-run means nothing to `dose tube`")
+    );
+}
+
+#[test]
+fn a_tube_is_not_exchanged_under_an_unfinished_dose_which_may_end_on_it() {
+    let user = User::new();
+    let mut child = user.command(&["1L"]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let deadline = Instant::now() + Duration::from_secs(20);
+    while !user.record().is_some_and(|text| text.contains("progress")) {
+        assert!(Instant::now() < deadline, "no progress on record");
+        sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let before = user.record();
+    let refused = user.types(&["tube", "--new"]);
+    assert_eq!(refused.code, 4, "{}", refused.err);
+    assert!(
+        refused.err.contains("`dose resume`") && refused.err.contains("`dose discard`"),
+        "{}",
+        refused.err
+    );
+    assert_eq!(user.record(), before);
+    // Whatever the file says by now: the dose was accepted when it began.
+    let file =
+        user.types(&["pumps", "show", "three-roller"]).out.replace("[rollers]", "life_ml = 1.0\n\n[rollers]");
+    fs::write(user.path("my.toml"), file).unwrap();
+    let rest = user.json(&["resume", "--pump", "my.toml"]);
+    assert!(rest["warnings"][0].as_str().unwrap().contains("0.0 mL are left"), "{rest}");
+    assert_eq!(user.types(&["tube", "--new"]).code, 0);
+}
