@@ -4,7 +4,7 @@ use pump_model::math::ceil;
 use pump_model::{Port, Pump};
 
 use super::request::Request;
-use super::target::{Target, nearest_steps};
+use super::target::{Target, delivered, middle, nearest_steps};
 use super::{Cruise, LimitedBy, Limits, Phase, Plan, PlanError, Start, Trapezoid, fastest};
 
 impl Plan {
@@ -17,7 +17,8 @@ impl Plan {
     /// counted from its start, `cruise` for the rest of it (a time counts from that moment).
     ///
     /// The plan that comes back has time 0, start angle, volumes and steps of the rest alone: its `requested_ml` is what
-    /// was still to be delivered, its carry that of the whole dose. It starts at speed, with the lines as this plan
+    /// was still to be delivered, its carry that of the whole dose; where the start angle is not known exactly, what is
+    /// delivered counts by its middle, and the range of the rest is its own. It starts at speed, with the lines as this plan
     /// leaves them. Feed its segments after the [`crate::step::Junction`] at position `made`.
     ///
     /// ```
@@ -50,13 +51,14 @@ impl Plan {
 
         let phase = Phase { angle_rad: self.angle_after(made), ..self.start };
         let speed_rad_s = self.speed_after(made);
-        let target = self.beyond_stopping(pump, phase.angle_rad, speed_rad_s, &request, limits).map_err(
-            |nearest_ml| PlanError::CannotStopThere {
-                asked_ml: volume_ml,
-                delivered_ml,
-                nearest_ml: delivered_ml + nearest_ml,
-            },
-        )?;
+        let target =
+            self.beyond_stopping(pump, phase, speed_rad_s, &request, limits).map_err(|nearest_ml| {
+                PlanError::CannotStopThere {
+                    asked_ml: volume_ml,
+                    delivered_ml,
+                    nearest_ml: delivered_ml + nearest_ml,
+                }
+            })?;
         let time_s = self.profile.time_of(made as f64 * self.step_rad);
         let lines = [Port::Inlet, Port::Outlet].map(|port| self.run(pump, port).at(time_s));
         fastest(pump, Start { phase, speed_rad_s, lines }, target, &request, limits)
@@ -75,14 +77,23 @@ impl Plan {
         if steps == 0 {
             return None;
         }
-        let volume_ml = self.delivered_ml(pump, made + steps) - self.delivered_ml(pump, made);
+        let start = Phase { angle_rad: self.angle_after(made), ..self.start };
+        let range_ml = if start.half_width_rad == 0.0 {
+            let volume_ml = self.delivered_ml(pump, made + steps) - self.delivered_ml(pump, made);
+            (volume_ml, volume_ml)
+        } else {
+            delivered(pump, start, f64::from(self.direction()) * steps as f64, self.step_rad)
+        };
+        let volume_ml = middle(range_ml);
         let time_s = self.profile.time_of(made as f64 * self.step_rad);
         Some(Self {
             requested_ml: volume_ml,
             carry_in_ml: 0.0,
             planned_ml: volume_ml,
+            least_ml: range_ml.0,
+            most_ml: range_ml.1,
             carry_ml: 0.0,
-            start: Phase { angle_rad: self.angle_after(made), ..self.start },
+            start,
             steps: i64::from(self.direction()) * steps as i64,
             profile: Trapezoid::from_speed(
                 speed_rad_s,
@@ -100,7 +111,7 @@ impl Plan {
     fn beyond_stopping(
         &self,
         pump: &Pump,
-        angle_rad: f64,
+        start: Phase,
         speed_rad_s: f64,
         request: &Request,
         limits: &Limits,
@@ -110,13 +121,9 @@ impl Plan {
         // A dose retargeted to its own end needs, up to rounding, just the steps that are left.
         let stopping_steps = ceil(stopping_rad / step_rad - 1e-6).max(1.0);
         let direction = f64::from(self.direction());
-        match nearest_steps(pump, angle_rad, request, step_rad) {
+        match nearest_steps(pump, start, request, step_rad) {
             Ok(target) if target.steps as f64 * direction >= stopping_steps => Ok(target),
-            _ => {
-                let curve = pump.outlet_curve();
-                let stands_rad = angle_rad + direction * stopping_steps * step_rad;
-                Err(curve.volume_ml(stands_rad) - curve.volume_ml(angle_rad))
-            }
+            _ => Err(middle(delivered(pump, start, direction * stopping_steps, step_rad))),
         }
     }
 }
