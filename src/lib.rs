@@ -37,6 +37,7 @@ mod simulation;
 mod status;
 pub mod times;
 mod uncertainty;
+mod unknown_angle;
 pub mod waveform;
 
 pub use bench::{Bench, DoseError};

@@ -102,7 +102,7 @@ fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Simulate) => simulate::simulate(options),
         Some(Command::Resume) => dose::resume(options),
         Some(Command::Discard) => home::discard(options),
-        Some(Command::Home { set }) => home::set(*set, options),
+        Some(Command::Home { set, unknown: _ }) => home::home(*set, options),
         Some(Command::Status) => status::status(options),
         Some(Command::Pumps { command }) => pumps::pumps(command.as_ref(), options),
     }

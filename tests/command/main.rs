@@ -7,4 +7,5 @@ mod endings;
 mod files;
 mod refusals;
 mod simulations;
+mod unknown_angle;
 mod user;

@@ -12,17 +12,22 @@ fn turned_ml(curve: &FlowCurve, start_rad: f64, turn_rad: f64) -> f64 {
     curve.volume_ml(start_rad + turn_rad) - curve.volume_ml(start_rad)
 }
 
-/// The largest of `value` over `[low, high]`: the best of a grid, refined by ternary search beside it.
+/// The largest of `value` over `[low, high]`: every summit of a grid, refined by ternary search beside it.
 fn largest(value: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let at = |n: u32| low + (high - low) * f64::from(n) / f64::from(POINTS);
-    let best = (0..=POINTS).max_by(|a, b| value(at(*a)).total_cmp(&value(at(*b)))).unwrap();
-    let (mut left, mut right) = (at(best.saturating_sub(1)), at((best + 1).min(POINTS)));
-    let coarse = value(at(best));
-    for _ in 0..60 {
-        let (a, b) = (left + (right - left) / 3.0, right - (right - left) / 3.0);
-        if value(a) < value(b) { left = a } else { right = b }
-    }
-    coarse.max(value(0.5 * (left + right)))
+    let refined = |n: u32| {
+        let (mut left, mut right) = (at(n.saturating_sub(1)), at((n + 1).min(POINTS)));
+        for _ in 0..60 {
+            let (a, b) = (left + (right - left) / 3.0, right - (right - left) / 3.0);
+            if value(a) < value(b) { left = a } else { right = b }
+        }
+        value(at(n)).max(value(0.5 * (left + right)))
+    };
+    let is_summit = |n: &u32| {
+        let beside = [n.saturating_sub(1), (n + 1).min(POINTS)];
+        beside.into_iter().all(|beside| value(at(beside)) <= value(at(*n)))
+    };
+    (0..=POINTS).filter(is_summit).map(refined).fold(f64::NEG_INFINITY, f64::max)
 }
 
 proptest! {
