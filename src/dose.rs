@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::pump_file::PumpFile;
 use crate::uncertainty::Budget;
+use crate::unknown_angle;
 
 /// Why the pump is to turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -115,14 +116,17 @@ impl Prepared {
             limits,
             phase_source,
             carry_out_ml: if is_dose { plan.carry_ml } else { carry_ml },
-            warnings: warnings_of(&plan, &prediction),
+            warnings: warnings_of(model, &plan, &prediction),
         })
     }
 }
 
 /// What a person should know of a plan before it runs.
-fn warnings_of(plan: &Plan, prediction: &Prediction) -> Vec<String> {
+fn warnings_of(model: &Pump, plan: &Plan, prediction: &Prediction) -> Vec<String> {
     let mut warnings = Vec::new();
+    if !plan.start.is_known(model.pitch_rad()) {
+        warnings.extend(unknown_angle::warnings(model, plan));
+    }
     if plan.limited_by == LimitedBy::Acceleration {
         warnings.push(format!(
             "the dose is too short to reach its cruise speed at {} rad/s2; it peaks at {:.4} r/min",

@@ -39,6 +39,7 @@ mod status;
 pub mod times;
 mod tube;
 mod uncertainty;
+mod unknown_angle;
 pub mod waveform;
 
 pub use bench::{Bench, DoseError};

@@ -28,8 +28,12 @@ pub struct DoseReport {
     pub requested_ml: f64,
     /// What earlier doses owed, mL.
     pub carry_in_ml: f64,
-    /// Model volume of the planned steps after settling, mL.
+    /// Model volume of the planned steps after settling, mL; the middle of the two that follow.
     pub planned_ml: f64,
+    /// Smallest model volume of the planned steps from an angle at which the rollers may stand, mL.
+    pub volume_least_ml: f64,
+    /// Largest such volume, mL; both are `planned_ml` if the angle is known exactly.
+    pub volume_most_ml: f64,
     /// What the vessel received, mL; null on a dry run.
     pub delivered_ml: Option<f64>,
     /// `model`: from the model alone.
@@ -40,7 +44,7 @@ pub struct DoseReport {
     pub uncertainty_budget: Vec<Share>,
     /// How the start angle is known.
     pub phase: PhaseReport,
-    /// Angle at the start, deg.
+    /// Angle at the start, deg; like the end, the middle of what may be.
     pub start_angle_deg: f64,
     /// Angle at the end, deg, counted on from the start.
     pub end_angle_deg: f64,
@@ -133,6 +137,8 @@ impl DoseReport {
             requested_ml: plan.requested_ml,
             carry_in_ml: plan.carry_in_ml,
             planned_ml: plan.planned_ml,
+            volume_least_ml: plan.least_ml,
+            volume_most_ml: plan.most_ml,
             delivered_ml: delivered.map(|delivered| delivered.volume_ml),
             volume_basis: "model",
             expanded_uncertainty_ml: prepared.budget.expanded_ml(),

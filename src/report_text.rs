@@ -42,13 +42,18 @@ impl DoseReport {
             same if same == self.end_angle_deg => String::new(),
             wrapped => format!(", that is {wrapped:.2}°"),
         };
-        writeln!(
-            to,
-            "  rollers      from {:.2}° ({}) to {:.2}°{wrapped}",
-            self.start_angle_deg,
-            self.known(),
-            self.end_angle_deg
-        )?;
+        if self.phase.known {
+            writeln!(
+                to,
+                "  rollers      from {:.2}° ({}) to {:.2}°{wrapped}",
+                self.start_angle_deg,
+                self.known(),
+                self.end_angle_deg
+            )?;
+        } else {
+            let turned_deg = self.end_angle_deg - self.start_angle_deg;
+            writeln!(to, "  rollers      turned by {turned_deg:.2}° from an unknown angle")?;
+        }
         let steps = match self.steps_made {
             Some(made) if !self.completed => format!("{made} of {}", self.steps),
             _ => self.steps.to_string(),
@@ -97,9 +102,7 @@ impl DoseReport {
             PhaseSource::Recorded => "as recorded",
             PhaseSource::Given => "as given",
         };
-        if !self.phase.known {
-            "unknown".to_owned()
-        } else if self.phase.half_width_deg > 0.0 {
+        if self.phase.half_width_deg > 0.0 {
             format!("{source}, ± {:.2}°", self.phase.half_width_deg)
         } else {
             source.to_owned()
@@ -136,7 +139,7 @@ fn decimals_of(uncertainty: f64) -> usize {
 }
 
 /// A number with `digits` significant digits, without an exponent and without zeros at its end.
-fn significant(value: f64, digits: i32) -> String {
+pub(crate) fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }

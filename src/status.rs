@@ -23,6 +23,8 @@ pub struct Status {
     pub angle_deg: f64,
     /// How far off it may be, deg.
     pub half_width_deg: f64,
+    /// Whether the angle is known at all.
+    pub angle_known: bool,
     /// What doses owe, mL, positive toward the outlet.
     pub carry_ml: f64,
     /// What the tube has gone through.
@@ -81,6 +83,7 @@ impl Status {
             recorded: recorded.is_some(),
             angle_deg: degrees(state.angle_rad),
             half_width_deg: degrees(state.half_width_rad),
+            angle_known: state.phase().is_known(bench.model().pitch_rad()),
             carry_ml: state.carry_ml,
             wear: state.wear,
             tube_life_ml: bench.file().tube.life_ml,
@@ -100,13 +103,13 @@ impl Status {
         if !self.recorded {
             return format!("{pump} ({driver}): nothing on record; a fresh simulated pump stands at 0°\n");
         }
-        let width = match self.half_width_deg {
-            0.0 => String::new(),
-            width => format!(" ± {width:.2}°"),
+        let angle = match self.half_width_deg {
+            _ if !self.angle_known => "an unknown angle".to_owned(),
+            0.0 => format!("{:.4}°", self.angle_deg),
+            width => format!("{:.4}° ± {width:.2}°", self.angle_deg),
         };
         let mut text = format!(
-            "{pump} ({driver}): rotor at {:.4}°{width}, {:.2} µL carried to the next dose\n",
-            self.angle_deg,
+            "{pump} ({driver}): rotor at {angle}, {:.2} µL carried to the next dose\n",
             1e3 * self.carry_ml,
         );
         // Writing to a String cannot fail.

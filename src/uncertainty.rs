@@ -33,7 +33,8 @@ impl Budget {
     /// the part of a pulse that it sweeps: the roller volume's share is that fraction of it, one roller's at most, since
     /// what several have in common is in the model's share. The step's share is that of a rotor that stands anywhere
     /// within a step, rectangular: dV/sqrt(12) (GUM, JCGM 100:2008, 4.3.7). The phase's share is the root of the mean
-    /// square deviation from the plan over the start angles that the record allows.
+    /// square deviation from the plan, the middle of the range, over the start angles that the record allows, each as likely:
+    /// the volumes crowd at the ends of their range, so a rectangle over it would say too little.
     pub fn new(pump: &Pump, plan: &Plan, table: &UncertaintyTable) -> Self {
         let volume_ml = plan.planned_ml.abs();
         let turn_rad = (plan.end_angle_rad() - plan.start.angle_rad).abs();
@@ -141,5 +142,21 @@ mod tests {
         assert!(phase_of(1.0) > 0.2);
         let pitch_ml = crate::built_in("three-roller").unwrap().model().unwrap().revolution_ml() / 3.0;
         assert!(phase_of(pitch_ml) < 2e-3);
+    }
+
+    #[test]
+    fn the_phases_share_lies_within_the_range_of_the_volume_and_doubled_covers_it() {
+        let file = crate::built_in("three-roller").unwrap();
+        let pump = file.model().unwrap();
+        for half_width_rad in [1e-4, 0.01, 0.3, 2.0] {
+            for volume_ml in [0.5, 5.0, 25.0, -25.0] {
+                let start = Phase { angle_rad: 0.7, half_width_rad };
+                let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 });
+                let plan = plan(&pump, start, &request, &file.limits()).unwrap();
+                let share_ml = Budget::new(&pump, &plan, &file.uncertainty).shares[4].standard_ml;
+                let half_ml = 0.5 * (plan.most_ml - plan.least_ml);
+                assert!(share_ml < half_ml && COVERAGE_FACTOR * share_ml > half_ml, "{share_ml} {half_ml}");
+            }
+        }
     }
 }

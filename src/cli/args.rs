@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf, absolute};
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use pump_ctl::plan::Cruise;
 use pump_dose::pump_file::{DriverName, PumpFile};
 use pump_dose::quantity::{self, Pressure};
@@ -67,10 +67,14 @@ pub(crate) enum Command {
         new: bool,
     },
     /// Say where the rollers stand
+    #[command(group = ArgGroup::new("angle").required(true).args(["set", "unknown"]))]
     Home {
         /// The angle, as 30deg; 0deg: a roller begins to leave the outlet
         #[arg(long, value_name = "ANGLE", value_parser = quantity::angle_rad)]
-        set: f64,
+        set: Option<f64>,
+        /// Nobody knows: the rotor was turned by hand
+        #[arg(long)]
+        unknown: bool,
     },
     /// Built-in pumps and pump files
     Pumps {

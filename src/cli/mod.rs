@@ -111,7 +111,7 @@ fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Simulate) => simulate::simulate(options),
         Some(Command::Resume) => dose::resume(options),
         Some(Command::Discard) => home::discard(options),
-        Some(Command::Home { set }) => home::set(*set, options),
+        Some(Command::Home { set, unknown: _ }) => home::home(*set, options),
         // Required, so true.
         Some(Command::Tube { new: _ }) => home::new_tube(options),
         Some(Command::Status) => status::status(options),

@@ -131,10 +131,20 @@ impl Intent {
         self.start_angle_rad + direction * (made as f64 * self.step_rad)
     }
 
-    /// Volume of the first `made` steps, mL; negative in reverse.
+    /// Volume of the first `made` steps from the middle of the angles that may be, mL; negative in reverse.
     pub fn delivered_ml(&self, pump: &Pump, made: u64) -> f64 {
         let curve = pump.outlet_curve();
         curve.volume_ml(self.angle_after(made)) - curve.volume_ml(self.start_angle_rad)
+    }
+
+    /// Smallest and largest volume of the first `made` steps from an angle at which the rollers may have stood, mL.
+    fn range_ml(&self, pump: &Pump, made: u64) -> (f64, f64) {
+        if self.half_width_rad == 0.0 {
+            let volume_ml = self.delivered_ml(pump, made);
+            return (volume_ml, volume_ml);
+        }
+        let direction = if self.steps < 0 { -1.0 } else { 1.0 };
+        self.start().range_ml(pump, direction * (made as f64 * self.step_rad))
     }
 
     /// What `plan` is going to do.
@@ -167,9 +177,8 @@ impl Unfinished {
 
     /// Smallest and largest volume that it may have delivered, mL; both negative in reverse.
     pub fn delivered_ml(&self, pump: &Pump) -> (f64, f64) {
-        let [least, most] =
-            [self.made_least, self.made_most].map(|made| self.intent.delivered_ml(pump, made));
-        (least.min(most), least.max(most))
+        let [least, most] = [self.made_least, self.made_most].map(|made| self.intent.range_ml(pump, made));
+        (least.0.min(most.0), least.1.max(most.1))
     }
 }
 

@@ -24,6 +24,8 @@ fn the_report_has_every_field_of_the_contract() {
         "requested_ml",
         "carry_in_ml",
         "planned_ml",
+        "volume_least_ml",
+        "volume_most_ml",
         "delivered_ml",
         "volume_basis",
         "expanded_uncertainty_ml",

@@ -9,4 +9,5 @@ mod files;
 mod refusals;
 mod simulations;
 mod tube;
+mod unknown_angle;
 mod user;

@@ -42,6 +42,7 @@ pub mod roller_volume;
 mod settling;
 mod steady;
 mod stretches;
+mod turn_range;
 
 pub use error::ModelError;
 pub use exact::ExactRun;

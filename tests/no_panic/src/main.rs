@@ -121,6 +121,7 @@ fn preset() -> Result<Pump, ModelError> {
 fn curve(curve: &FlowCurve) {
     black_box((curve.flow_ml_rad(any()), curve.volume_ml(any()), curve.angle_rad(any())));
     black_box((curve.pitch_rad(), curve.pitch_ml(), curve.flow_range_ml_rad(), curve.ripple()));
+    black_box(curve.turn_range_ml(any(), any(), any()));
 }
 
 fn pressures(pump: &Pump) -> Result<(), ModelError> {
@@ -158,6 +159,7 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
     let plan = plan(pump, start, &request, &limits)?;
     black_box((plan.predict(pump)?, plan.end_step_ml(pump), plan.legs(), plan.end_angle_rad()));
     black_box((plan.angle_after(black_box(1)), plan.direction(), start.is_known(any())));
+    black_box((Phase::unknown(any()), start.range_ml(pump, any()), plan.range_ml(pump, black_box(1))));
     black_box((speed_for_flow(pump, any()), motor.step_rad()));
     for step in plan.steps() {
         black_box(step);

@@ -26,7 +26,7 @@ pub use steps::{Step, Steps};
 
 use lines::Lines;
 use pump_model::{Leg, Pump};
-use target::Target;
+use target::{Target, delivered, middle};
 
 /// What keeps a dose from being faster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,8 +48,14 @@ pub struct Plan {
     pub requested_ml: f64,
     /// What earlier doses owed, mL.
     pub carry_in_ml: f64,
-    /// Volume of the planned steps once the line has settled, mL.
+    /// Volume of the planned steps once the line has settled, mL; of a start angle that is not known exactly, the middle of
+    /// what it may be.
     pub planned_ml: f64,
+    /// Smallest volume that the planned steps deliver from an angle at which the rollers may stand, mL; `planned_ml` if the
+    /// angle is known exactly. In reverse it is the one farther from zero.
+    pub least_ml: f64,
+    /// Largest such volume, mL.
+    pub most_ml: f64,
     /// What the next dose owes: requested + carry_in - planned, mL.
     pub carry_ml: f64,
     /// Where the rollers stand at the start.
@@ -74,13 +80,17 @@ pub struct Plan {
 /// limits allow. Steps and end angle do not depend on the speed.
 ///
 /// The angle solves V_out(theta_1) = V_out(theta_0) + V for the outlet's exact volume curve, so the dose is right from
-/// any start angle. Where a pressure limit is given the dose's pressures are predicted and a plan that breaks it is
-/// refused.
+/// any start angle. Of an angle that is not known exactly the steps are those whose worst deviation over all the angles that
+/// it may be is smallest (minimax), and [`Plan::least_ml`] and [`Plan::most_ml`] say between which volumes they deliver;
+/// whole pitches deliver the same from anywhere.
+///
+/// Where a pressure limit is given the dose's pressures are predicted and a plan that breaks it is refused. Pressures,
+/// settling and angles are those of the middle of the angles that may be.
 pub fn plan(pump: &Pump, start: Phase, request: &Request, limits: &Limits) -> Result<Plan, PlanError> {
     limits.validate()?;
     request.validate()?;
     start.validate()?;
-    let target = target::nearest_steps(pump, start.angle_rad, request, limits.motor.step_rad())?;
+    let target = target::nearest_steps(pump, start, request, limits.motor.step_rad())?;
     fastest(
         pump,
         Start { phase: start, speed_rad_s: 0.0, before_ml: 0.0, lines: Lines::AT_REST },
@@ -114,6 +124,8 @@ fn fastest(
             requested_ml: request.volume_ml,
             carry_in_ml: request.carry_in_ml,
             planned_ml: target.planned_ml,
+            least_ml: target.range_ml.0,
+            most_ml: target.range_ml.1,
             carry_ml: request.owed_ml() - target.planned_ml,
             start: start.phase,
             steps: target.steps,
@@ -146,10 +158,17 @@ impl Plan {
         self.start.angle_rad + f64::from(self.direction()) * (count as f64 * self.step_rad)
     }
 
-    /// Volume of the first `count` steps once the line has settled, mL; negative in reverse.
+    /// Volume of the first `count` steps once the line has settled, mL; negative in reverse. The middle of
+    /// [`Self::range_ml`].
     pub fn delivered_ml(&self, pump: &Pump, count: u64) -> f64 {
-        let curve = pump.outlet_curve();
-        curve.volume_ml(self.angle_after(count)) - curve.volume_ml(self.start.angle_rad)
+        middle(self.range_ml(pump, count))
+    }
+
+    /// Smallest and largest volume of the first `count` steps from an angle at which the rollers may stand, mL; a single
+    /// one if the angle is known exactly.
+    pub fn range_ml(&self, pump: &Pump, count: u64) -> (f64, f64) {
+        let steps = f64::from(self.direction()) * count as f64;
+        delivered(pump, self.start, steps, self.step_rad)
     }
 
     /// Angle `t_s` after the start of motion, rad, of the smooth motion through the steps; the start angle before it, the

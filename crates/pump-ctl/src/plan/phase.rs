@@ -1,5 +1,7 @@
 //! Where the rollers stand.
 
+use pump_model::Pump;
+
 use super::PlanError;
 
 /// Angle of the rotor in the model's zero (a roller begins to leave the outlet), and how well it is known.
@@ -19,9 +21,19 @@ impl Phase {
         Self { angle_rad, half_width_rad: 0.0 }
     }
 
+    /// An angle of which nothing is known, for a pump of this pitch: its middle, 0, stands for all of them.
+    pub fn unknown(pitch_rad: f64) -> Self {
+        Self { angle_rad: 0.0, half_width_rad: 0.5 * pitch_rad }
+    }
+
     /// False if the angle may be anything, for a pump of this pitch.
     pub fn is_known(&self, pitch_rad: f64) -> bool {
         self.half_width_rad < 0.5 * pitch_rad
+    }
+
+    /// Smallest and largest volume, mL, that a turn by `turn_rad` delivers from wherever the rollers may stand.
+    pub fn range_ml(&self, pump: &Pump, turn_rad: f64) -> (f64, f64) {
+        pump.outlet_curve().turn_range_ml(self.angle_rad, self.half_width_rad, turn_rad)
     }
 
     pub(super) fn validate(&self) -> Result<(), PlanError> {

@@ -5,7 +5,7 @@ use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
 use super::{Plan, PlanError};
 
 /// Pressures over a dose, start-up, stop and settling included, for the smooth motion through the
-/// steps.
+/// steps. From an angle that is not known exactly, those from the middle of what it may be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -5,7 +5,7 @@ use pump_model::math::ceil;
 
 use super::lines::Lines;
 use super::request::Request;
-use super::target::nearest_steps;
+use super::target::{delivered, middle, nearest_steps};
 use super::{Cruise, LimitedBy, Limits, Phase, Plan, PlanError, Start, Trapezoid, fastest};
 
 impl Plan {
@@ -18,8 +18,9 @@ impl Plan {
     /// counted from its start, `cruise` for the rest of it (a time counts from that moment).
     ///
     /// The plan that comes back has time 0, start angle, volumes and steps of the rest alone: its `requested_ml` is what
-    /// was still to be delivered, `before_ml` what was delivered before, its carry that of the whole dose. It starts at
-    /// speed, with the lines as this plan leaves them. Feed its segments after the [`crate::step::Junction`] at position
+    /// was still to be delivered, `before_ml` what was delivered before, its carry that of the whole dose; where the start
+    /// angle is not known exactly, what is delivered counts by its middle, and the range of the rest is its own. It starts
+    /// at speed, with the lines as this plan leaves them. Feed its segments after the [`crate::step::Junction`] at position
     /// `made`. The motor's steps must be the same.
     ///
     /// ```
@@ -59,7 +60,7 @@ impl Plan {
 
         let phase = Phase { angle_rad: self.angle_after(made), ..self.start };
         let speed_rad_s = self.speed_after(made);
-        let target = nearest_steps(pump, phase.angle_rad, &request, self.step_rad);
+        let target = nearest_steps(pump, phase, &request, self.step_rad);
         let stopping = self.stopping_steps(made, limits.motor.max_acceleration_rad_s2).max(1);
         let too_few = match &target {
             Ok(target) => target.steps * i64::from(self.direction()) < stopping,
@@ -100,13 +101,22 @@ impl Plan {
         if steps == 0 {
             return None;
         }
-        let volume_ml = self.delivered_ml(pump, made + steps) - self.delivered_ml(pump, made);
+        let start = Phase { angle_rad: self.angle_after(made), ..self.start };
+        let range_ml = if start.half_width_rad == 0.0 {
+            let volume_ml = self.delivered_ml(pump, made + steps) - self.delivered_ml(pump, made);
+            (volume_ml, volume_ml)
+        } else {
+            delivered(pump, start, f64::from(self.direction()) * steps as f64, self.step_rad)
+        };
+        let volume_ml = middle(range_ml);
         Some(Self {
             requested_ml: volume_ml,
             carry_in_ml: 0.0,
             planned_ml: volume_ml,
+            least_ml: range_ml.0,
+            most_ml: range_ml.1,
             carry_ml: 0.0,
-            start: Phase { angle_rad: self.angle_after(made), ..self.start },
+            start,
             steps: i64::from(self.direction()) * steps as i64,
             profile: Trapezoid::from_speed(
                 speed_rad_s,

@@ -1,0 +1,192 @@
+//! Claims about doses whose start angle is not known, or only to lie in an interval.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use proptest::prelude::*;
+use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Plan, PlanError, Request, plan};
+use pump_model::Pump;
+
+const FLOW: Cruise = Cruise::Flow { ml_s: 5.0 };
+
+/// The motor of the built-in pumps, with a number of steps.
+fn limits(steps_per_rev: f64) -> Limits {
+    Limits::of_motor(Motor { steps_per_rev, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 })
+}
+
+fn pump(rollers: u32) -> Pump {
+    if rollers == 3 { Pump::three_roller() } else { Pump::two_roller() }
+}
+
+fn planned(pump: &Pump, start: Phase, volume_ml: f64) -> Plan {
+    plan(pump, start, &Request::new(volume_ml, FLOW), &limits(12_800.0)).unwrap()
+}
+
+/// The largest deviation from `owed_ml` of `steps` from all the angles that `start` may be, mL.
+fn worst_ml(pump: &Pump, start: Phase, steps: i64, owed_ml: f64) -> f64 {
+    let (least_ml, most_ml) = start.range_ml(pump, steps as f64 * limits(12_800.0).motor.step_rad());
+    (owed_ml - least_ml).max(most_ml - owed_ml)
+}
+
+/// The same from a grid of the angles, which misses their extremes by half a microlitre at most.
+fn worst_on_a_grid_ml(pump: &Pump, start: Phase, steps: i64, owed_ml: f64) -> f64 {
+    const POINTS: i32 = 2000;
+    let half_width_rad = start.half_width_rad.min(0.5 * pump.pitch_rad());
+    let curve = pump.outlet_curve();
+    let turn_rad = steps as f64 * limits(12_800.0).motor.step_rad();
+    (0..=POINTS)
+        .map(|n| start.angle_rad + half_width_rad * (2.0 * f64::from(n) / f64::from(POINTS) - 1.0))
+        .map(|angle_rad| curve.volume_ml(angle_rad + turn_rad) - curve.volume_ml(angle_rad))
+        .map(|volume_ml| (volume_ml - owed_ml).abs())
+        .fold(0.0, f64::max)
+}
+
+fn any_volume() -> impl Strategy<Value = f64> {
+    (prop_oneof![0.01..60.0_f64, 0.01..1.0_f64], any::<bool>())
+        .prop_map(|(ml, back)| if back { -ml } else { ml })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_other_number_of_steps_has_a_smaller_worst_case(
+        rollers in 2u32..=3,
+        volume in any_volume(),
+        angle_rad in 0.0..6.0_f64,
+        half_width_rad in prop_oneof![Just(2.0), 0.001..0.8_f64],
+        farther in 2i64..3000,
+    ) {
+        let pump = pump(rollers);
+        let start = Phase { angle_rad, half_width_rad };
+        let plan = planned(&pump, start, volume);
+        let worst = worst_ml(&pump, start, plan.steps, volume);
+        for other in [1, 2, farther].into_iter().flat_map(|away| [plan.steps - away, plan.steps + away]) {
+            prop_assert!(worst_ml(&pump, start, other, volume) > worst - 1e-12, "{} {other}", plan.steps);
+            let on_a_grid = worst_on_a_grid_ml(&pump, start, other, volume);
+            prop_assert!(on_a_grid > worst - 5e-4, "{} {other}", plan.steps);
+        }
+    }
+
+    #[test]
+    fn the_plan_says_between_which_volumes_it_delivers_and_plans_their_middle(
+        rollers in 2u32..=3,
+        volume in any_volume(),
+        angle_rad in 0.0..6.0_f64,
+        half_width_rad in prop_oneof![Just(2.0), 0.001..0.8_f64],
+    ) {
+        let pump = pump(rollers);
+        let start = Phase { angle_rad, half_width_rad };
+        let plan = planned(&pump, start, volume);
+        let farthest = (volume - plan.least_ml).max(plan.most_ml - volume);
+        let found = worst_on_a_grid_ml(&pump, start, plan.steps, volume);
+        prop_assert!(found <= farthest + 1e-12 && found > farthest - 5e-4, "{found} {farthest}");
+        prop_assert!((plan.planned_ml - 0.5 * (plan.least_ml + plan.most_ml)).abs() < 1e-12);
+        prop_assert!((plan.planned_ml + plan.carry_ml - volume).abs() < 1e-12);
+        // Half of the largest step that there is.
+        prop_assert!(plan.carry_ml.abs() <= 0.5 * 4.4 * plan.step_rad + 1e-12);
+        let made = plan.steps.unsigned_abs();
+        prop_assert_eq!(plan.delivered_ml(&pump, made).to_bits(), plan.planned_ml.to_bits());
+        prop_assert_eq!(plan.range_ml(&pump, made), (plan.least_ml, plan.most_ml));
+    }
+
+    #[test]
+    fn every_angle_is_the_same_when_none_is_known(volume in any_volume(), angle_rad in 0.0..6.0_f64) {
+        let pump = pump(3);
+        let unknown = planned(&pump, Phase::unknown(pump.pitch_rad()), volume);
+        let anywhere = planned(&pump, Phase { angle_rad, half_width_rad: 50.0 }, volume);
+        prop_assert_eq!(unknown.steps, anywhere.steps);
+        prop_assert!((unknown.least_ml - anywhere.least_ml).abs() < 1e-12);
+        prop_assert!((unknown.most_ml - anywhere.most_ml).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_narrow_interval_comes_close_to_the_known_angle(volume in any_volume(), angle_rad in 0.0..6.0_f64) {
+        let pump = pump(3);
+        let known = planned(&pump, Phase::known(angle_rad), volume);
+        let nearly = planned(&pump, Phase { angle_rad, half_width_rad: 1e-9 }, volume);
+        prop_assert!(known.steps.abs_diff(nearly.steps) <= 1);
+        prop_assert!((known.planned_ml.abs() - nearly.planned_ml.abs()).abs() <= 4.4 * known.step_rad);
+        prop_assert!(nearly.least_ml <= nearly.most_ml && nearly.most_ml - nearly.least_ml < 1e-8);
+    }
+
+    #[test]
+    fn a_known_angle_gives_the_bits_of_the_nearest_step(
+        rollers in 2u32..=3,
+        volume in any_volume(),
+        carry_in_ml in -0.005..0.005_f64,
+        start in -7.0..7.0_f64,
+    ) {
+        let pump = pump(rollers);
+        let curve = pump.outlet_curve();
+        let request = Request { carry_in_ml, ..Request::new(volume, FLOW) };
+        let plan = plan(&pump, Phase::known(start), &request, &limits(12_800.0)).unwrap();
+        let (start_ml, owed_ml) = (curve.volume_ml(start), volume + carry_in_ml);
+        let delivered = |steps: f64| curve.volume_ml(start + steps * plan.step_rad) - start_ml;
+        let below = ((curve.angle_rad(start_ml + owed_ml) - start) / plan.step_rad).floor();
+        let (low_ml, high_ml) = (delivered(below), delivered(below + 1.0));
+        let (steps, planned_ml) =
+            if owed_ml - low_ml <= high_ml - owed_ml { (below, low_ml) } else { (below + 1.0, high_ml) };
+        prop_assert_eq!(plan.steps, steps as i64);
+        for ml in [plan.planned_ml, plan.least_ml, plan.most_ml] {
+            prop_assert_eq!(ml.to_bits(), planned_ml.to_bits());
+        }
+        prop_assert_eq!(plan.carry_ml.to_bits(), (owed_ml - planned_ml).to_bits());
+    }
+}
+
+#[test]
+fn whole_pitches_are_exact_at_any_angle() {
+    for rollers in 2..=3 {
+        let pump = pump(rollers);
+        for pitches in [1.0, 2.0, 3.0, 7.0, -2.0] {
+            let volume_ml = pitches * pump.outlet_curve().pitch_ml();
+            let request = Request::new(volume_ml, FLOW);
+            // Whole steps to a pitch.
+            let unknown = Phase::unknown(pump.pitch_rad());
+            let plan = plan(&pump, unknown, &request, &limits(12_000.0)).unwrap();
+            assert_eq!(plan.steps as f64, pitches * 12_000.0 / f64::from(rollers));
+            assert!(plan.most_ml - plan.least_ml < 1e-12 && plan.carry_ml.abs() < 1e-12, "{plan:?}");
+        }
+    }
+}
+
+/// (Volume asked, smallest, largest), mL, of the three-roller pump at an unknown angle.
+const KNOWN_RANGES: [(f64, f64, f64); 3] =
+    [(25.0, 23.9477, 26.0531), (5.0, 3.9850, 6.0165), (0.5, 0.1038, 0.8960)];
+
+#[test]
+fn an_unknown_angle_costs_what_is_known() {
+    let pump = pump(3);
+    for (volume_ml, least_ml, most_ml) in KNOWN_RANGES {
+        let plan = planned(&pump, Phase::unknown(pump.pitch_rad()), volume_ml);
+        let near = |found: f64, expected: f64| (found - expected).abs() < 5e-4;
+        assert!(near(plan.least_ml, least_ml) && near(plan.most_ml, most_ml), "{plan:?}");
+    }
+}
+
+#[test]
+fn a_dose_that_no_angle_makes_a_step_of_is_refused_with_the_smallest_that_can_be_had() {
+    let pump = pump(3);
+    let dose = |volume_ml| {
+        plan(&pump, Phase::unknown(pump.pitch_rad()), &Request::new(volume_ml, FLOW), &limits(12_800.0))
+    };
+    for sign in [1.0, -1.0] {
+        let Err(PlanError::LessThanHalfAStep { smallest_ml, .. }) = dose(sign * 1e-5) else {
+            panic!("too small a dose was planned");
+        };
+        assert_eq!(dose(smallest_ml * (1.0 + 1e-9)).unwrap().steps, sign as i64);
+        assert!(dose(smallest_ml * (1.0 - 1e-9)).is_err());
+    }
+}
+
+#[test]
+fn a_dose_from_an_unknown_angle_can_be_changed_and_stopped() {
+    let pump = pump(3);
+    let whole = planned(&pump, Phase::unknown(pump.pitch_rad()), 25.0);
+    let rest = whole.retarget(&pump, 6000, 30.0, FLOW, &limits(12_800.0)).unwrap();
+    let total_ml = whole.delivered_ml(&pump, 6000) + rest.planned_ml + rest.carry_ml;
+    assert!((total_ml - 30.0).abs() < 1e-9 && rest.carry_ml.abs() < 2e-3);
+    assert!(!rest.start.is_known(pump.pitch_rad()));
+    let stop = whole.stop(&pump, 6000).unwrap();
+    assert_eq!((stop.least_ml, stop.most_ml), stop.range_ml(&pump, stop.steps.unsigned_abs()));
+}
