@@ -1,6 +1,6 @@
 //! Plans doses of one pump within its limits.
 
-use pump_ctl::plan::{Cruise, Limits as CtlLimits};
+use pump_ctl::plan::{Cruise, Limits as CtlLimits, Phase};
 use pump_dose::{DoseRequest, Purpose, quantity};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -65,6 +65,9 @@ impl Doser {
     ///     At most one of these three is given; without any, the rate is the pump's `default_rate_ml_s`.
     /// start_angle_rad : float
     ///     Where the rollers stand, rad. Only the angle within a pitch matters.
+    /// start_half_width_rad : float
+    ///     The true angle lies within this of it, rad. Half a pitch and more is any angle, as `math.pi`: the plan is then the
+    ///     one whose worst case over all angles is smallest, and whole pitches are exact.
     /// carry_in_ml : float
     ///     What earlier doses owe, mL, positive toward the outlet: `carry_ml` of the plan before.
     ///
@@ -82,7 +85,7 @@ impl Doser {
     /// PlanError
     ///     If the pump cannot do it, as a rate above its fastest or a pressure beyond a limit.
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
-    #[pyo3(signature = (volume, *, rate=None, speed=None, within=None, start_angle_rad=0.0, carry_in_ml=0.0))]
+    #[pyo3(signature = (volume, *, rate=None, speed=None, within=None, start_angle_rad=0.0, start_half_width_rad=0.0, carry_in_ml=0.0))]
     fn plan(
         slf: &Bound<'_, Self>,
         volume: &Bound<'_, PyAny>,
@@ -90,6 +93,7 @@ impl Doser {
         speed: Option<&Bound<'_, PyAny>>,
         within: Option<&Bound<'_, PyAny>>,
         start_angle_rad: f64,
+        start_half_width_rad: f64,
         carry_in_ml: f64,
     ) -> PyResult<Plan> {
         let doser = slf.get();
@@ -102,7 +106,8 @@ impl Doser {
             max_outlet_kpa: doser.limits.max_outlet_kpa,
             min_inlet_kpa: doser.limits.min_inlet_kpa,
         };
-        Plan::new(slf, request, carry_in_ml)
+        let start = Phase { angle_rad: start_angle_rad, half_width_rad: start_half_width_rad };
+        Plan::new(slf, request, start, carry_in_ml)
     }
 
     fn __eq__(&self, other: &Self) -> bool {

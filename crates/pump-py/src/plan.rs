@@ -13,7 +13,7 @@ use crate::pump::Pump;
 /// A cruise as plain data: which of rate (mL/s), speed (rad/s) and within (s), and its value.
 type PlainCruise = Option<(String, f64)>;
 /// What a plan is pickled as.
-type Plain = (Py<Doser>, f64, PlainCruise, f64, f64);
+type Plain = (Py<Doser>, f64, PlainCruise, f64, f64, f64);
 
 /// A dose, ready to run: made by `Doser.plan`.
 ///
@@ -46,10 +46,22 @@ impl Plan {
         self.report.carry_in_ml
     }
 
-    /// Volume of the planned steps once the line has settled, mL.
+    /// Volume of the planned steps once the line has settled, mL: the middle of `volume_least_ml` and `volume_most_ml`.
     #[getter]
     fn planned_ml(&self) -> f64 {
         self.report.planned_ml
+    }
+
+    /// Smallest volume of the planned steps from an angle at which the rollers may stand, mL.
+    #[getter]
+    fn volume_least_ml(&self) -> f64 {
+        self.report.volume_least_ml
+    }
+
+    /// Largest volume of the planned steps from an angle at which the rollers may stand, mL.
+    #[getter]
+    fn volume_most_ml(&self) -> f64 {
+        self.report.volume_most_ml
     }
 
     /// What the next dose owes: requested + carry_in - planned, mL.
@@ -80,6 +92,12 @@ impl Plan {
     #[getter]
     fn start_angle_rad(&self) -> f64 {
         self.prepared.plan.start.angle_rad
+    }
+
+    /// The true start angle lies within this of it, rad.
+    #[getter]
+    fn start_half_width_rad(&self) -> f64 {
+        self.prepared.plan.start.half_width_rad
     }
 
     /// Where they stand at the end, rad, counted on from the start angle.
@@ -189,6 +207,7 @@ impl Plan {
             request.volume_ml,
             cruise,
             self.start_angle_rad(),
+            self.start_half_width_rad(),
             self.report.carry_in_ml,
         );
         Ok((py.get_type::<Self>().getattr("_rebuild")?, plain))
@@ -196,12 +215,13 @@ impl Plan {
 
     /// Plans again: the same request on the same pump is the same plan.
     #[staticmethod]
-    #[pyo3(signature = (doser, volume_ml, cruise, start_angle_rad, carry_in_ml))]
+    #[pyo3(signature = (doser, volume_ml, cruise, start_angle_rad, start_half_width_rad, carry_in_ml))]
     fn _rebuild(
         doser: &Bound<'_, Doser>,
         volume_ml: f64,
         cruise: PlainCruise,
         start_angle_rad: f64,
+        start_half_width_rad: f64,
         carry_in_ml: f64,
     ) -> PyResult<Self> {
         let cruise = match cruise {
@@ -220,12 +240,18 @@ impl Plan {
             max_outlet_kpa: limits.max_outlet_kpa,
             min_inlet_kpa: limits.min_inlet_kpa,
         };
-        Self::new(doser, request, carry_in_ml)
+        let start = Phase { angle_rad: start_angle_rad, half_width_rad: start_half_width_rad };
+        Self::new(doser, request, start, carry_in_ml)
     }
 }
 
 impl Plan {
-    pub(crate) fn new(doser: &Bound<'_, Doser>, request: DoseRequest, carry_in_ml: f64) -> PyResult<Self> {
+    pub(crate) fn new(
+        doser: &Bound<'_, Doser>,
+        request: DoseRequest,
+        start: Phase,
+        carry_in_ml: f64,
+    ) -> PyResult<Self> {
         let Pump { file, model } = doser.get().pump.get();
         let limits = doser.get().ctl_limits();
         // The request carries no limits of its own: the doser's stand for the pump file's.
@@ -234,7 +260,6 @@ impl Plan {
             min_inlet_kpa: request.min_inlet_kpa.or(limits.min_inlet_kpa),
             ..request
         };
-        let start = Phase::known(request.start_angle_rad.unwrap_or(0.0));
         let prepared =
             doser.py().detach(|| Prepared::new(file, model, request, start, PhaseSource::Given, carry_in_ml));
         let prepared = prepared.map_err(errors::plan)?;

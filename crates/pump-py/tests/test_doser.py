@@ -1,5 +1,6 @@
 import json
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -184,3 +185,22 @@ def test_a_plan_as_a_dict_is_the_commands_dry_run() -> None:
     assert report["end_angle_deg"] == pytest.approx(math.degrees(plan.end_angle_rad))
     for name in report.keys() & set(dir(plan)) - {"pump"}:
         assert report[name] == getattr(plan, name), name
+
+
+def test_an_unknown_angle_gives_the_range_of_the_volume() -> None:
+    pump = pm.Pump.three_roller()
+    doser = pm.Doser(pump)
+    known = doser.plan("25mL")
+    assert (known.volume_least_ml, known.volume_most_ml) == (known.planned_ml, known.planned_ml)
+    assert known.start_half_width_rad == 0
+    plan = doser.plan("25mL", start_half_width_rad=math.pi)
+    turn_rad = plan.end_angle_rad - plan.start_angle_rad
+    start_rad = np.linspace(0, math.tau, 10_000)
+    volume_ml = pump.outlet_volume(start_rad + turn_rad) - pump.outlet_volume(start_rad)
+    assert plan.volume_least_ml == pytest.approx(volume_ml.min(), abs=1e-3)
+    assert plan.volume_most_ml == pytest.approx(volume_ml.max(), abs=1e-3)
+    assert plan.planned_ml == pytest.approx((plan.volume_least_ml + plan.volume_most_ml) / 2)
+    assert "exact at any angle" in plan.warnings[1]
+    assert pickle.loads(pickle.dumps(plan)) == plan
+    with pytest.raises(ValueError, match="half width of the start angle"):
+        doser.plan("25mL", start_half_width_rad=-1)

@@ -216,6 +216,7 @@ class Doser:
         speed: None = None,
         within: None = None,
         start_angle_rad: float = 0.0,
+        start_half_width_rad: float = 0.0,
         carry_in_ml: float = 0.0,
     ) -> Plan: ...
     @overload
@@ -227,6 +228,7 @@ class Doser:
         speed: str,
         within: None = None,
         start_angle_rad: float = 0.0,
+        start_half_width_rad: float = 0.0,
         carry_in_ml: float = 0.0,
     ) -> Plan: ...
     @overload
@@ -238,6 +240,7 @@ class Doser:
         speed: None = None,
         within: str,
         start_angle_rad: float = 0.0,
+        start_half_width_rad: float = 0.0,
         carry_in_ml: float = 0.0,
     ) -> Plan: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -255,6 +258,10 @@ class Plan:
     @property
     def planned_ml(self) -> float: ...
     @property
+    def volume_least_ml(self) -> float: ...
+    @property
+    def volume_most_ml(self) -> float: ...
+    @property
     def carry_ml(self) -> float: ...
     @property
     def expanded_uncertainty_ml(self) -> float: ...
@@ -264,6 +271,8 @@ class Plan:
     def steps_per_rev(self) -> float: ...
     @property
     def start_angle_rad(self) -> float: ...
+    @property
+    def start_half_width_rad(self) -> float: ...
     @property
     def end_angle_rad(self) -> float: ...
     @property
