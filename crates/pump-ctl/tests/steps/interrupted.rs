@@ -11,8 +11,8 @@ fn steepest(ticks: &[u64], tick_hz: u32) -> f64 {
     ticks
         .windows(3)
         .map(|t| {
-            // Whole ticks: the time of each step is uncertain by half a tick.
-            let (before, after) = ((t[1] - t[0]) as f64 + 1.0, (t[2] - t[1]) as f64 - 1.0);
+            // A step is made within half a tick of its time, rounded, and that is a quarter of a tick from the plan's.
+            let (before, after) = ((t[1] - t[0]) as f64 + 1.5, (t[2] - t[1]) as f64 - 1.5);
             2.0 * (hz / before - hz / after) / ((before + after) / hz)
         })
         .fold(f64::NEG_INFINITY, f64::max)
