@@ -6,7 +6,6 @@ use pump_model::math::rpm;
 use serde::{Deserialize, Serialize};
 
 use crate::pump_file::PumpFile;
-use crate::uncertainty::Budget;
 use crate::unknown_angle;
 
 /// Why the pump is to turn.
@@ -73,8 +72,6 @@ pub struct Prepared {
     pub plan: Plan,
     /// Pressures and settling.
     pub prediction: Prediction,
-    /// How sure the volume is.
-    pub budget: Budget,
     /// What it was planned within.
     pub limits: Limits,
     /// Where the start angle comes from.
@@ -112,7 +109,6 @@ impl Prepared {
             request,
             plan,
             prediction,
-            budget: Budget::new(model, &plan, &file.uncertainty),
             limits,
             phase_source,
             carry_out_ml: if is_dose { plan.carry_ml } else { carry_ml },

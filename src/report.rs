@@ -9,7 +9,7 @@ use crate::bench::Bench;
 use crate::dose::{PhaseSource, Prepared, Purpose};
 use crate::pump_file::{DriverName, PumpFile};
 use crate::session::Delivered;
-use crate::uncertainty::Share;
+use crate::uncertainty::{Budget, Share};
 
 /// A dose, planned or done (`schema` `dose/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -115,6 +115,14 @@ impl DoseReport {
         let (plan, prediction) = (&prepared.plan, &prepared.prediction);
         let cruise_rad_s = plan.profile.peak_rad_s();
         let motion_s = plan.profile.duration_s();
+        // A dose that was stopped is as unsure as the part that was made.
+        let mut part = *plan;
+        if let Some(delivered) = delivered.filter(|delivered| !delivered.completed) {
+            part.steps = delivered.made as i64 * plan.steps.signum();
+            (part.least_ml, part.most_ml) = plan.range_ml(model, delivered.made);
+            part.planned_ml = plan.delivered_ml(model, delivered.made);
+        }
+        let budget = Budget::new(model, &part, &file.uncertainty);
         let limits = &prepared.limits;
         let limits_not_checked = [
             ("outlet_pressure", limits.max_outlet_kpa.is_none()),
@@ -137,12 +145,12 @@ impl DoseReport {
             requested_ml: plan.requested_ml,
             carry_in_ml: plan.carry_in_ml,
             planned_ml: plan.planned_ml,
-            volume_least_ml: plan.least_ml,
-            volume_most_ml: plan.most_ml,
+            volume_least_ml: part.least_ml,
+            volume_most_ml: part.most_ml,
             delivered_ml: delivered.map(|delivered| delivered.volume_ml),
             volume_basis: "model",
-            expanded_uncertainty_ml: prepared.budget.expanded_ml(),
-            uncertainty_budget: prepared.budget.shares.clone(),
+            expanded_uncertainty_ml: budget.expanded_ml(),
+            uncertainty_budget: budget.shares,
             phase: PhaseReport {
                 known: plan.start.is_known(model.pitch_rad()),
                 source: prepared.phase_source,

@@ -111,11 +111,15 @@ impl DoseReport {
 
     /// Each share of the uncertainty in percent of the volume.
     fn budget_line(&self) -> String {
+        let volume_ml = self.delivered_ml.unwrap_or(self.planned_ml).abs();
+        if volume_ml == 0.0 {
+            return "none: nothing was delivered".to_owned();
+        }
         let shares: Vec<String> = self
             .uncertainty_budget
             .iter()
             .map(|share| {
-                let percent = 100.0 * share.standard_ml / self.planned_ml.abs();
+                let percent = 100.0 * share.standard_ml / volume_ml;
                 format!("{} {}", share.source.replace('_', " "), significant(percent, 2))
             })
             .collect();

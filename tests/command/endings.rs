@@ -41,6 +41,10 @@ fn a_stopped_dose_says_exactly_what_it_delivered_and_resume_makes_the_rest() {
             (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
         assert!(out.contains("delivered, then stopped"), "{out}");
         assert!(err.contains("stopped by the user; `dose resume`"), "{err}");
+        // As unsure as what was delivered, not as what was asked.
+        let words: Vec<&str> = out.lines().nth(1).unwrap().split(' ').collect();
+        let [said, unsure] = [1, 4].map(|n| words[n].parse::<f64>().unwrap());
+        assert!(unsure < 0.06 * said + 0.2, "{out}");
 
         let status = user.json(&["status"]);
         let unfinished = &status["unfinished"];
