@@ -66,6 +66,16 @@ pub enum DoseError {
         /// Volume of the planned dose, either way, mL.
         planned_ml: f64,
     },
+    /// The rotor has moved since the dose was prepared.
+    #[error(
+        "the dose was planned from {planned_deg:.4} deg, and the rotor stands at {stands_deg:.4} deg now; prepare it anew"
+    )]
+    Stale {
+        /// Start angle of the plan, deg.
+        planned_deg: f64,
+        /// Angle on record, deg.
+        stands_deg: f64,
+    },
     /// There is no dose to resume or to discard.
     #[error("no unfinished dose is on record: there is nothing to {0}")]
     NothingUnfinished(&'static str),

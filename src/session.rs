@@ -122,6 +122,11 @@ impl<'a> Session<'a> {
     ) -> Result<Delivered, DoseError> {
         let (plan, model) = (&prepared.plan, self.bench.model());
         let purpose = prepared.request.purpose;
+        let stands = self.state.unwrap_or(self.bench.fresh()).phase();
+        if prepared.request.start_angle_rad.is_none() && plan.start != stands {
+            let [planned_deg, stands_deg] = [plan.start, stands].map(|phase| degrees(phase.angle_rad));
+            return Err(DoseError::Stale { planned_deg, stands_deg });
+        }
         if let (true, Some(state)) = (self.cut_off, self.state) {
             self.rest(Why::CutOff, state)?;
         }

@@ -101,3 +101,16 @@ fn of_a_long_journal_the_end_is_read() {
     let message = story(&damaged).unwrap_err();
     assert!(message.contains(&format!("line {} of", lines.len() * many)), "{message}");
 }
+
+#[test]
+fn a_dose_prepared_before_another_one_moved_the_rotor_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = Bench::new(built_in("three-roller").unwrap(), None, folder.path()).unwrap();
+    let mut session = bench.session().unwrap();
+    let prepared = session.prepare(DoseRequest::dose(1.0)).unwrap();
+    session.run(&prepared, |_| ControlFlow::Continue(())).unwrap();
+    let before = session.state().copied();
+    let refused = session.run(&prepared, |_| ControlFlow::Continue(())).unwrap_err().to_string();
+    assert!(refused.contains("prepare it anew"), "{refused}");
+    assert_eq!(session.state().copied(), before);
+}
