@@ -128,13 +128,17 @@ impl RollerVolume {
     /// The same shape with another total volume, mL.
     pub fn scaled_to(&self, total_ml: f64) -> Result<Self, ModelError> {
         positive("roller volume in mL", total_ml)?;
-        let factor = total_ml / self.total_ml;
+        Ok(Self { total_ml, ..self.scaled(total_ml / self.total_ml) })
+    }
+
+    /// The same shape with every volume times `factor`, which must be positive.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
         let mut scaled = *self;
         for piece in &mut scaled.pieces {
             piece.volume = piece.volume.scaled(factor);
         }
-        scaled.total_ml = total_ml;
-        Ok(scaled)
+        scaled.total_ml *= factor;
+        scaled
     }
 
     /// phi, rad.
