@@ -20,6 +20,7 @@
 pub mod batch;
 mod bench;
 mod built_in;
+pub mod calibration;
 pub mod csv;
 mod dose;
 mod drivers;
@@ -33,6 +34,8 @@ mod report;
 mod report_text;
 pub mod rust_source;
 pub mod sample;
+#[cfg(test)]
+mod sampling;
 mod session;
 mod simulation;
 mod status;

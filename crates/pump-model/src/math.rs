@@ -1,7 +1,7 @@
 //! Transcendental and rounding functions, from `libm` on every target, so that a server, a microcontroller
 //! and Python compute the same bits.
 
-pub use libm::{ceil, floor, pow, sqrt};
+pub use libm::{ceil, exp, floor, pow, round, sqrt};
 
 /// A full turn, rad.
 pub const TURN_RAD: f64 = 2.0 * core::f64::consts::PI;

@@ -82,8 +82,7 @@ impl Pump {
 
     /// The same pump with its angles counted from where this one has `zero_rad`.
     pub fn shifted(&self, zero_rad: f64) -> Result<Self, ModelError> {
-        let refused =
-            |parameter, value, allowed| Err(ModelError::OutOfRange { parameter, value, allowed });
+        let refused = |parameter, value, allowed| Err(ModelError::OutOfRange { parameter, value, allowed });
         if !zero_rad.is_finite() {
             return refused("shift of the zero in rad", zero_rad, "a finite number");
         }
@@ -226,7 +225,9 @@ mod tests {
             }
             assert!((scaled.nominal_ml_rad() / pump.nominal_ml_rad() - 0.97).abs() < 1e-15);
             assert!((pump.nominal_ml_rad() - pump.geometry().nominal_ml_rad()).abs() < 1e-14);
-            assert!((scaled.roller_volume().total_ml() / pump.roller_volume().total_ml() - 0.97).abs() < 1e-15);
+            assert!(
+                (scaled.roller_volume().total_ml() / pump.roller_volume().total_ml() - 0.97).abs() < 1e-15
+            );
             assert_eq!(scaled.geometry(), pump.geometry());
             assert_eq!(scaled.pitch_rad(), pump.pitch_rad());
         }
@@ -252,7 +253,9 @@ mod tests {
                 let range = |pump: &Pump| pump.outlet_curve().flow_range_ml_rad();
                 assert!((range(&shifted).0 - range(&pump).0).abs() < 1e-12);
                 let back = shifted.shifted(-zero_rad).unwrap();
-                assert!((back.outlet_curve().volume_ml(1.3) - pump.outlet_curve().volume_ml(1.3)).abs() < 1e-12);
+                assert!(
+                    (back.outlet_curve().volume_ml(1.3) - pump.outlet_curve().volume_ml(1.3)).abs() < 1e-12
+                );
             }
             assert!(pump.shifted(f64::NAN).is_err());
         }
