@@ -6,6 +6,7 @@ use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
 use thiserror::Error;
 
+use crate::calibration::CalibrationError;
 use crate::dose::{DoseRequest, PhaseSource, Prepared};
 use crate::drivers::DriveError;
 use crate::folder::{Folder, FolderError};
@@ -39,6 +40,9 @@ pub enum DoseError {
     /// The journal cannot be used; nothing has moved.
     #[error(transparent)]
     Journal(#[from] JournalError),
+    /// A calibration cannot be made or used; nothing has moved.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
     /// An earlier dose was begun and not finished.
     #[error(
         "a dose of {requested_ml} mL is unfinished: {} were delivered; see `dose status`, then finish it with `dose resume` \

@@ -5,6 +5,8 @@ use pump_model::Pump;
 use pump_model::math::rpm;
 use serde::{Deserialize, Serialize};
 
+use crate::bench::DoseError;
+use crate::calibration::{Applied, Planner, Stored};
 use crate::pump_file::PumpFile;
 use crate::unknown_angle;
 
@@ -18,6 +20,8 @@ pub enum Purpose {
     Prime,
     /// Emptying the line; owes nothing and repays nothing.
     Purge,
+    /// A run that is weighed for a calibration: of the uncalibrated model, owing and repaying nothing.
+    Calibrate,
 }
 
 /// What is asked of a bench.
@@ -68,6 +72,10 @@ pub enum PhaseSource {
 pub struct Prepared {
     /// What was asked.
     pub request: DoseRequest,
+    /// The pump that it was planned for: with its calibration at the dose's speed, if there is one.
+    pub model: Pump,
+    /// That calibration.
+    pub calibration: Option<Applied>,
     /// Steps and profile.
     pub plan: Plan,
     /// Pressures and settling.
@@ -92,29 +100,67 @@ impl Prepared {
         phase_source: PhaseSource,
         carry_ml: f64,
     ) -> Result<Self, PlanError> {
-        let is_dose = request.purpose == Purpose::Dose;
-        let default_cruise = Cruise::Flow { ml_s: file.pump.default_rate_ml_s };
-        let planned = Request {
-            volume_ml: request.volume_ml,
-            carry_in_ml: if is_dose { carry_ml } else { 0.0 },
-            cruise: request.cruise.unwrap_or(default_cruise),
-        };
-        let mut limits = file.limits();
-        limits.max_outlet_kpa = request.max_outlet_kpa.or(limits.max_outlet_kpa);
-        limits.min_inlet_kpa = request.min_inlet_kpa.or(limits.min_inlet_kpa);
+        let (asked, limits) = asked_of(file, &request, carry_ml);
+        let plan = plan(model, start, &asked, &limits)?;
+        Self::of_plan(request, *model, None, plan, limits, phase_source, carry_ml)
+    }
 
-        let plan = plan(model, start, &planned, &limits)?;
-        let prediction = plan.predict(model)?;
+    /// The same of a pump with a calibration.
+    pub fn calibrated(
+        file: &PumpFile,
+        model: &Pump,
+        stored: &Stored,
+        request: DoseRequest,
+        start: Phase,
+        phase_source: PhaseSource,
+        carry_ml: f64,
+    ) -> Result<Self, DoseError> {
+        let (asked, limits) = asked_of(file, &request, carry_ml);
+        let planner = Planner { file, base: model, stored, limits: &limits };
+        let found = planner.plan(start, &asked)?;
+        let applied = Some(found.applied);
+        let mut prepared =
+            Self::of_plan(request, found.model, applied, found.plan, limits, phase_source, carry_ml)?;
+        prepared.warnings.extend(found.warning);
+        Ok(prepared)
+    }
+
+    fn of_plan(
+        request: DoseRequest,
+        model: Pump,
+        calibration: Option<Applied>,
+        plan: Plan,
+        limits: Limits,
+        phase_source: PhaseSource,
+        carry_ml: f64,
+    ) -> Result<Self, PlanError> {
+        let prediction = plan.predict(&model)?;
         Ok(Self {
             request,
+            model,
+            calibration,
             plan,
             prediction,
             limits,
             phase_source,
-            carry_out_ml: if is_dose { plan.carry_ml } else { carry_ml },
-            warnings: warnings_of(model, &plan, &prediction),
+            carry_out_ml: if request.purpose == Purpose::Dose { plan.carry_ml } else { carry_ml },
+            warnings: warnings_of(&model, &plan, &prediction),
         })
     }
+}
+
+/// What is asked of the planner, and within which limits: the pump file's where the request names none.
+fn asked_of(file: &PumpFile, request: &DoseRequest, carry_ml: f64) -> (Request, Limits) {
+    let default_cruise = Cruise::Flow { ml_s: file.pump.default_rate_ml_s };
+    let asked = Request {
+        volume_ml: request.volume_ml,
+        carry_in_ml: if request.purpose == Purpose::Dose { carry_ml } else { 0.0 },
+        cruise: request.cruise.unwrap_or(default_cruise),
+    };
+    let mut limits = file.limits();
+    limits.max_outlet_kpa = request.max_outlet_kpa.or(limits.max_outlet_kpa);
+    limits.min_inlet_kpa = request.min_inlet_kpa.or(limits.min_inlet_kpa);
+    (asked, limits)
 }
 
 /// What a person should know of a plan before it runs.

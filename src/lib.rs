@@ -51,7 +51,7 @@ pub use dose::{DoseRequest, PhaseSource, Prepared, Purpose};
 pub use drivers::{Drive, DriveError, DriveFault, Gate, Sim};
 pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use output::Staged;
-pub use report::{DoseReport, PhaseReport};
+pub use report::{CalibrationReport, DoseReport, PhaseReport};
 pub use session::{Delivered, Session};
 pub use simulation::{MAX_SAMPLES, Simulation, SteadyReport};
 pub use status::{Status, UnfinishedStatus};

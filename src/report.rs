@@ -1,7 +1,6 @@
 //! What a dose reports to programs: one JSON object. `report_text.rs` is the same for people.
 
 use pump_ctl::plan::LimitedBy;
-use pump_model::Pump;
 use pump_model::math::{degrees, rpm};
 use serde::Serialize;
 
@@ -22,7 +21,7 @@ pub struct DoseReport {
     pub driver: &'static str,
     /// Whether no motor moved.
     pub simulated: bool,
-    /// `dose`, `prime` or `purge`.
+    /// `dose`, `prime`, `purge` or `calibrate`.
     pub purpose: &'static str,
     /// Volume asked for, mL.
     pub requested_ml: f64,
@@ -36,8 +35,10 @@ pub struct DoseReport {
     pub volume_most_ml: f64,
     /// What the vessel received, mL; null on a dry run.
     pub delivered_ml: Option<f64>,
-    /// `model`: from the model alone.
+    /// `model`: from the model alone; `calibrated`: from the volume that was weighed.
     pub volume_basis: &'static str,
+    /// The calibration that was used; null if there was none.
+    pub calibration: Option<CalibrationReport>,
     /// Expanded uncertainty (k = 2), mL.
     pub expanded_uncertainty_ml: f64,
     /// Its shares.
@@ -86,6 +87,19 @@ pub struct DoseReport {
     pub completed: bool,
 }
 
+/// The calibration of a dose.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CalibrationReport {
+    /// Its number.
+    pub version: u32,
+    /// When it was made, UTC.
+    pub date: String,
+    /// Volumes are the model's times this, at the dose's cruise speed.
+    pub displacement_factor: f64,
+    /// Model angle of the rollers where the record says 0, deg.
+    pub zero_deg: f64,
+}
+
 /// How the start angle is known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PhaseReport {
@@ -100,19 +114,18 @@ pub struct PhaseReport {
 impl DoseReport {
     /// Report of a prepared dose that was run, or of a dry run.
     pub fn new(bench: &Bench, prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
-        let (file, model, driver) = (bench.file(), bench.model(), bench.driver());
-        Self::without_bench(file, model, driver, prepared, delivered)
+        Self::without_bench(bench.file(), bench.driver(), prepared, delivered)
     }
 
     /// The same of a dose that was planned without a bench, so without a record.
     pub fn without_bench(
         file: &PumpFile,
-        model: &Pump,
         driver: DriverName,
         prepared: &Prepared,
         delivered: Option<&Delivered>,
     ) -> Self {
-        let (plan, prediction) = (&prepared.plan, &prepared.prediction);
+        let (model, plan, prediction) = (&prepared.model, &prepared.plan, &prepared.prediction);
+        let applied = prepared.calibration.as_ref();
         let cruise_rad_s = plan.profile.peak_rad_s();
         let motion_s = plan.profile.duration_s();
         // A dose that was stopped is as unsure as the part that was made.
@@ -122,7 +135,7 @@ impl DoseReport {
             (part.least_ml, part.most_ml) = plan.range_ml(model, delivered.made);
             part.planned_ml = plan.delivered_ml(model, delivered.made);
         }
-        let budget = Budget::new(model, &part, &file.uncertainty);
+        let budget = Budget::new(model, &part, &file.uncertainty, applied);
         let limits = &prepared.limits;
         let limits_not_checked = [
             ("outlet_pressure", limits.max_outlet_kpa.is_none()),
@@ -141,6 +154,7 @@ impl DoseReport {
                 Purpose::Dose => "dose",
                 Purpose::Prime => "prime",
                 Purpose::Purge => "purge",
+                Purpose::Calibrate => "calibrate",
             },
             requested_ml: plan.requested_ml,
             carry_in_ml: plan.carry_in_ml,
@@ -148,7 +162,16 @@ impl DoseReport {
             volume_least_ml: part.least_ml,
             volume_most_ml: part.most_ml,
             delivered_ml: delivered.map(|delivered| delivered.volume_ml),
-            volume_basis: "model",
+            volume_basis: match applied.and_then(|applied| applied.displacement) {
+                Some(_) => "calibrated",
+                None => "model",
+            },
+            calibration: applied.map(|applied| CalibrationReport {
+                version: applied.version,
+                date: applied.date.clone(),
+                displacement_factor: applied.correction.factor,
+                zero_deg: degrees(applied.correction.zero_rad),
+            }),
             expanded_uncertainty_ml: budget.expanded_ml(),
             uncertainty_budget: budget.shares,
             phase: PhaseReport {
