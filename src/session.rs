@@ -138,7 +138,9 @@ impl<'a> Session<'a> {
         let journal = &mut self.journal;
         let mut gate = |made: u64, about_to: u64| {
             let ends = about_to > stretches.end;
-            if (ends || made.is_multiple_of(WATCH_EVERY)) && watch(made).is_break() {
+            // Drives that make many steps at a time ask seldom enough to look every time.
+            let seldom = made.is_multiple_of(WATCH_EVERY) || about_to > made + 1;
+            if (ends || seldom) && watch(made).is_break() {
                 return ControlFlow::Break(());
             }
             if ends {
@@ -167,7 +169,7 @@ impl<'a> Session<'a> {
                 return Err(DoseError::Drive { error: fault.error, least_ml, most_ml });
             }
         };
-        let read_ml = drive.settle();
+        let read_ml = drive.settle(prepared.prediction.settle_s);
         let counted_ml = plan.delivered_ml(model, made);
         let completed = made == plan.steps.unsigned_abs();
         let state = before.after(&intent, made, made, model);

@@ -3,5 +3,5 @@
 mod drive;
 mod sim;
 
-pub use drive::{Drive, DriveError, DriveFault, Gate};
+pub use drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Found, Gate};
 pub use sim::Sim;
