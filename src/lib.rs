@@ -22,7 +22,7 @@ mod bench;
 mod built_in;
 pub mod csv;
 mod dose;
-mod drivers;
+pub mod drivers;
 mod folder;
 pub mod journal;
 mod output;
@@ -45,7 +45,9 @@ pub mod waveform;
 pub use bench::{Bench, DoseError};
 pub use built_in::{BUILT_IN, built_in};
 pub use dose::{DoseRequest, PhaseSource, Prepared, Purpose};
-pub use drivers::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Found, Gate, Sim};
+pub use drivers::{
+    Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Found, Gate, Grbl, GrblError, Sim,
+};
 pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use output::Staged;
 pub use report::{DoseReport, PhaseReport};
