@@ -1,6 +1,6 @@
 //! What every driver does: it makes the steps of a plan, asking before each stretch whether it may.
 
-use std::fmt::Debug;
+use std::fmt::{self, Debug, Display, Formatter};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -49,13 +49,23 @@ pub enum Disturbance {
     LinkLost,
 }
 
-/// What a search for the index mark found.
+impl Display for Disturbance {
+    fn fmt(&self, to: &mut Formatter<'_>) -> fmt::Result {
+        to.write_str(match self {
+            Self::Reset => "the device was reset",
+            Self::Disabled => "the motor was without current",
+            Self::LinkLost => "the device was out of reach in motion",
+        })
+    }
+}
+
+/// How a search for the index mark ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Found {
+pub struct Sought {
     /// Steps made in all.
     pub made: u64,
-    /// How many of them after the mark.
-    pub beyond: u64,
+    /// How many of them after the mark; none if it was not found.
+    pub beyond: Option<u64>,
 }
 
 /// A driver of one motor.
@@ -76,8 +86,8 @@ pub trait Drive: Debug {
     /// many were made, those of the deceleration included.
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault>;
 
-    /// Makes steps of `plan` until the index mark is found, then stops and holds. None if all are made without it.
-    fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<Option<Found>, DriveFault>;
+    /// Makes steps of `plan` until the index mark is found or `gate` breaks, then stops and holds.
+    fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<Sought, DriveFault>;
 
     /// Waits for `settle_s` at least, until nothing that counts can still arrive, and returns what the vessel has received
     /// since the last plan was begun, mL; none where nobody can read it.

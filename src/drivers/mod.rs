@@ -4,6 +4,6 @@ mod drive;
 pub mod grbl;
 mod sim;
 
-pub use drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Found, Gate};
+pub use drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
 pub use grbl::{Grbl, GrblError};
 pub use sim::Sim;

@@ -6,7 +6,7 @@ use pump_model::circuit::{Circuit, NoFlow, options};
 use pump_model::integrator::{IntegrationError, Rodas5p};
 use pump_model::{Line, Port, Pump};
 
-use super::drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Found, Gate};
+use super::drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
 
 /// Error allowed in a step, relative to 1 kPa plus |P - P_res|. The volume does not depend on it: what leaves the line is
 /// what the rollers pushed less what the line holds, at any tolerance.
@@ -134,7 +134,7 @@ impl Drive for Sim<'_> {
         None
     }
 
-    fn seek(&mut self, _plan: &Plan, _gate: &mut Gate<'_>) -> Result<Option<Found>, DriveFault> {
+    fn seek(&mut self, _plan: &Plan, _gate: &mut Gate<'_>) -> Result<Sought, DriveFault> {
         let error = DriveError::Unable {
             driver: "sim",
             ability: "index sensor",

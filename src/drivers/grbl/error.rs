@@ -187,9 +187,6 @@ pub enum GrblError {
         /// How long, s.
         waited_s: f64,
     },
-    /// Whoever runs the search has ended it.
-    #[error("the search for the index mark was stopped")]
-    Stopped,
     /// It does not stop.
     #[error("the board has not come to rest for {waited_s:.1} s after it was told to stop; switch it off")]
     Unstoppable {

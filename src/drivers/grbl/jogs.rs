@@ -97,7 +97,7 @@ pub(super) fn feed_text(units_min: f64) -> String {
 
 /// How a motion ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Ended {
+enum Ended {
     /// With its last step.
     Done,
     /// The gate broke; the motor may be under way.
@@ -139,8 +139,14 @@ impl<'a> Motion<'a> {
         }
     }
 
+    /// Makes the steps, or stops where the gate breaks.
+    pub fn run(&mut self, gate: &mut Gate<'_>) -> Result<(), GrblError> {
+        let asked = self.travel(gate)? == Ended::Asked;
+        if asked && self.sent > 0 { self.stop() } else { Ok(()) }
+    }
+
     /// Sends the jogs as the motor comes along.
-    pub fn travel(&mut self, gate: &mut Gate<'_>) -> Result<Ended, GrblError> {
+    fn travel(&mut self, gate: &mut Gate<'_>) -> Result<Ended, GrblError> {
         let mut watched = Instant::now();
         loop {
             if self.awaited.is_none() && self.has_room() {

@@ -17,17 +17,16 @@ mod scale;
 mod search;
 mod settings;
 
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use pump_ctl::plan::{Motor, Plan};
 
 pub use error::GrblError;
 
-use super::drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Found, Gate};
+use super::drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
 use crate::pump_file::{DriveTable, MotorTable};
 use board::{Board, Heard};
-use jogs::{Ended, Motion, Task};
+use jogs::{Motion, Task};
 use port::Port;
 use reply::Reply;
 use scale::Scale;
@@ -43,7 +42,6 @@ const TOLD: f64 = 1e-5;
 /// One axis of a board.
 #[derive(Debug)]
 pub struct Grbl {
-    port: PathBuf,
     board: Board,
     settings: Settings,
     scale: Scale,
@@ -53,8 +51,8 @@ pub struct Grbl {
     least_steps_s: f64,
     most_steps_s: f64,
     steps_s2: f64,
-    /// Its count when it was last heard at rest.
-    stands: i64,
+    /// Its count at rest; none where it has to be asked again.
+    stands: Option<i64>,
     disturbed: Option<Disturbance>,
     notes: Vec<String>,
 }
@@ -100,10 +98,9 @@ impl Grbl {
         let place = connect::rest(&mut board, &mut reset)?;
         notes.extend(remarks(&settings, &scale));
         Ok(Self {
-            port: table.port.clone().unwrap_or_default(),
             least_steps_s: settings.least_steps_s(&scale),
             most_steps_s: settings.rate_units_min()? / 60.0 * scale.steps_per_unit,
-            stands: scale.count(scale.reported_mm(place)),
+            stands: Some(scale.count(scale.reported_mm(place))),
             disturbed: reset.then_some(Disturbance::Reset),
             board,
             settings,
@@ -119,11 +116,11 @@ impl Grbl {
         let mut reset = false;
         let place = connect::rest(&mut self.board, &mut reset)?;
         let counted = self.scale.count(self.scale.reported_mm(place));
-        let expected = std::mem::replace(&mut self.stands, counted);
+        let expected = self.stands.replace(counted);
         if reset {
             return Err(GrblError::Reset);
         }
-        if counted != expected {
+        if let Some(expected) = expected.filter(|expected| *expected != counted) {
             return Err(GrblError::Count { counted, expected });
         }
         let task = Task {
@@ -180,7 +177,7 @@ impl Grbl {
             }
         }
         let (made, sent) = (under_way.made, under_way.sent);
-        self.stands = task.count_after(made);
+        self.stands = known.then(|| task.count_after(made));
         if sent > 0 && self.settings.holds() != Some(true) {
             self.disturbed.get_or_insert(Disturbance::Disabled);
         }
@@ -205,7 +202,7 @@ impl Grbl {
         while let Some(heard) = self.board.hear(wait)? {
             if let Heard::Reply(Reply::Banner(_)) = heard {
                 self.disturbed = Some(Disturbance::Reset);
-                self.stands = 0;
+                self.stands = None;
             }
         }
         Ok(())
@@ -226,7 +223,7 @@ impl Drive for Grbl {
     }
 
     fn count(&self) -> Option<i64> {
-        Some(self.stands)
+        self.stands
     }
 
     fn disturbed(&mut self) -> Option<Disturbance> {
@@ -237,16 +234,10 @@ impl Drive for Grbl {
     }
 
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
-        let (_, made) = self.travel(plan, |motion| {
-            if motion.travel(gate)? == Ended::Asked && motion.sent > 0 {
-                motion.stop()?;
-            }
-            Ok(())
-        })?;
-        Ok(made)
+        self.travel(plan, |motion| motion.run(gate)).map(|((), made)| made)
     }
 
-    fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<Option<Found>, DriveFault> {
+    fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<Sought, DriveFault> {
         self.travel(plan, |motion| motion.search(gate)).map(|(found, _)| found)
     }
 

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use super::board::{Heard, POLL};
 use super::connect::{RESET, rest};
 use super::error::GrblError;
-use super::jogs::{Ended, Motion, feed_text};
+use super::jogs::{Motion, feed_text};
 use super::reply::{Reply, State};
-use crate::drivers::{Found, Gate};
+use crate::drivers::{Gate, Sought};
 
 /// Holds the motion under way; jogs alone can be cancelled.
 const HOLD: u8 = b'!';
@@ -25,20 +25,22 @@ enum Probed {
     Found(i64),
     /// It did not.
     Nothing,
+    /// The gate broke; the motor rests.
+    Asked,
 }
 
 impl Motion<'_> {
-    /// Turns until the sensor answers, and rests. None once all steps are made without it.
+    /// Turns until the sensor answers, all steps are made or the gate breaks, and rests.
     ///
     /// Probing moves have relative targets, which the board rounds itself: this one is a step shorter, and a jog makes what
     /// is missing.
-    pub fn search(&mut self, gate: &mut Gate<'_>) -> Result<Option<Found>, GrblError> {
+    pub fn search(&mut self, gate: &mut Gate<'_>) -> Result<Sought, GrblError> {
         let delta = self.task.direction * (self.task.steps as i64 - 1);
         let far = GrblError::Far { count: self.task.count_after(self.task.steps), most: self.scale.most_count() };
         let target = self.scale.text(delta).ok_or(far)?;
         let modes = self.modes()?;
         if gate(0, self.task.steps).is_break() {
-            return Err(GrblError::Stopped);
+            return Ok(Sought { made: 0, beyond: None });
         }
         let feed = feed_text(self.task.steps_s * 60.0 / self.scale.steps_per_unit);
         self.sent = self.task.steps;
@@ -49,22 +51,21 @@ impl Motion<'_> {
         self.board.command(&modes)?;
         let (_, place) = self.board.status(|| {})?;
         self.take(Heard::Status(State::Idle, Some(place)))?;
+        let stands = self.task.count_after(self.made);
         match probed {
             Probed::Found(count) => {
-                let beyond = (self.task.count_after(self.made) - count) * self.task.direction;
-                let expected = self.task.count_after(self.made);
-                let beyond = u64::try_from(beyond).ok().filter(|beyond| *beyond <= self.made);
-                let beyond = beyond.ok_or(GrblError::Count { counted: count, expected })?;
-                Ok(Some(Found { made: self.made, beyond }))
+                let beyond = u64::try_from((stands - count) * self.task.direction).ok();
+                let beyond = beyond.filter(|beyond| *beyond <= self.made);
+                let beyond = beyond.ok_or(GrblError::Count { counted: count, expected: stands })?;
+                return Ok(Sought { made: self.made, beyond: Some(beyond) });
             }
+            Probed::Asked => {}
             Probed::Nothing => {
                 self.sent = self.made;
-                match self.travel(gate)? {
-                    Ended::Done => Ok(None),
-                    Ended::Asked => Err(GrblError::Stopped),
-                }
+                self.run(gate)?;
             }
         }
+        Ok(Sought { made: self.made, beyond: None })
     }
 
     /// The line that sets the modes of the G-code parser that a probing move changes as they are now. The feed is not one of
@@ -91,7 +92,7 @@ impl Motion<'_> {
                 watched = Instant::now();
                 if gate(self.made, self.sent).is_break() {
                     self.hold()?;
-                    return Err(GrblError::Stopped);
+                    return Ok(Probed::Asked);
                 }
             }
             match self.board.listen()? {
