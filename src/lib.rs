@@ -22,7 +22,7 @@ mod bench;
 mod built_in;
 pub mod csv;
 mod dose;
-mod drivers;
+pub mod drivers;
 mod error;
 mod folder;
 pub mod journal;
@@ -47,7 +47,7 @@ pub use bench::Bench;
 pub use built_in::{BUILT_IN, built_in};
 pub use dose::{DoseRequest, PhaseSource, Prepared, Purpose};
 pub use drivers::{
-    Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Grbl, Sim, Sought,
+    Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Grbl, GrblError, Sim, Sought,
 };
 pub use error::DoseError;
 pub use folder::{Folder, FolderError, Lock, default_state_dir};

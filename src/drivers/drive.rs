@@ -8,6 +8,8 @@ use pump_ctl::plan::Plan;
 use pump_model::integrator::IntegrationError;
 use thiserror::Error;
 
+use super::grbl::GrblError;
+
 /// Asked before steps are made: `made` are made, and the next up to `about_to` are about to be. To break is to stop.
 pub type Gate<'a> = dyn FnMut(u64, u64) -> ControlFlow<()> + 'a;
 
@@ -134,6 +136,9 @@ pub enum DriveError {
         /// What to do.
         instead: &'static str,
     },
+    /// A grbl board.
+    #[error(transparent)]
+    Grbl(#[from] GrblError),
     /// The simulation's own arithmetic failed.
     #[error("the simulated drive failed: {0}")]
     Sim(#[from] IntegrationError),

@@ -1,9 +1,9 @@
 //! What turns a motor.
 
 mod drive;
-mod grbl;
+pub mod grbl;
 mod sim;
 
 pub use drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
-pub use grbl::Grbl;
+pub use grbl::{Grbl, GrblError};
 pub use sim::Sim;

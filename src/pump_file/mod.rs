@@ -146,6 +146,17 @@ pub struct MotorTable {
     pub max_acceleration_rad_s2: f64,
 }
 
+impl MotorTable {
+    /// The motor as seen at the pump head.
+    pub fn at_pump_head(&self) -> Motor {
+        Motor {
+            steps_per_rev: f64::from(self.steps_per_rev) * self.gear,
+            max_speed_rad_s: rad_s(self.max_speed_rpm),
+            max_acceleration_rad_s2: self.max_acceleration_rad_s2,
+        }
+    }
+}
+
 fn one() -> f64 {
     1.0
 }
@@ -397,11 +408,7 @@ impl PumpFile {
     /// Limits of motor and pressures.
     pub fn limits(&self) -> Limits {
         Limits {
-            motor: Motor {
-                steps_per_rev: f64::from(self.motor.steps_per_rev) * self.motor.gear,
-                max_speed_rad_s: rad_s(self.motor.max_speed_rpm),
-                max_acceleration_rad_s2: self.motor.max_acceleration_rad_s2,
-            },
+            motor: self.motor.at_pump_head(),
             max_outlet_kpa: self.limits.max_outlet_kpa,
             min_inlet_kpa: self.limits.min_inlet_kpa,
         }
