@@ -5,8 +5,8 @@ use pump_model::Pump;
 use pump_model::math::rpm;
 use serde::{Deserialize, Serialize};
 
-use crate::bench::DoseError;
 use crate::calibration::{Applied, Planner, Stored};
+use crate::error::DoseError;
 use crate::pump_file::PumpFile;
 use crate::unknown_angle;
 
@@ -22,6 +22,26 @@ pub enum Purpose {
     Purge,
     /// A run that is weighed for a calibration: of the uncalibrated model, owing and repaying nothing.
     Calibrate,
+    /// Turning the rotor to a mark, or on to the index; owes nothing and repays nothing.
+    Jog,
+}
+
+impl Purpose {
+    /// In reports and in the journal.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Dose => "dose",
+            Self::Prime => "prime",
+            Self::Purge => "purge",
+            Self::Calibrate => "calibrate",
+            Self::Jog => "jog",
+        }
+    }
+
+    /// Whether what is cut off of it is to be resumed or discarded.
+    pub fn is_delivery(self) -> bool {
+        !matches!(self, Self::Calibrate | Self::Jog)
+    }
 }
 
 /// What is asked of a bench.
@@ -56,15 +76,20 @@ impl DoseRequest {
 }
 
 /// Where the start angle comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PhaseSource {
-    /// A fresh simulated pump stands at 0 deg.
+    /// Set by hand or found by a sensor; a fresh simulated pump stands at 0 deg.
     Home,
-    /// The record of earlier motion.
+    /// The rotor's mark was turned to the housing's.
+    Mark,
+    /// The record of motion since then.
+    #[default]
     Recorded,
     /// The request.
     Given,
+    /// Nobody knows: the middle of what may be.
+    Assumed,
 }
 
 /// A dose that is planned and may run.

@@ -5,7 +5,7 @@ use pump_model::Pump;
 use pump_model::math::{rad_s, rpm};
 
 use super::{Applied, CalibrationError, Displacement, Stored};
-use crate::bench::DoseError;
+use crate::error::DoseError;
 use crate::pump_file::PumpFile;
 
 /// Model volumes of a revolution that are the same.
