@@ -2,8 +2,8 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Now, as `2026-11-21T13:50:00Z`.
-pub(super) fn now() -> String {
+/// Now, UTC, by the clock of the day: as `2026-11-21T13:50:00Z`.
+pub fn now() -> String {
     let unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs());
     of_unix(unix_s)
 }

@@ -16,6 +16,7 @@ mod verification;
 pub mod weighing;
 
 pub use active::{Applied, Calibration, Correction, Source, Sureness};
+pub use date::now as now_utc;
 pub use displacement::{Displacement, Expected};
 pub use error::CalibrationError;
 pub use phase::{PhaseFit, ShortDose, short_doses_of_csv};

@@ -43,14 +43,14 @@ impl Planner<'_> {
     /// time it is found by planning again with the displacement at the speed found before, until both agree.
     pub(crate) fn plan(&self, start: Phase, request: &Request) -> Result<CalibratedPlan, DoseError> {
         let calibration = &self.stored.calibration;
+        let Some(displacement) = &calibration.displacement else {
+            return self.at_speed(0.0, start, request);
+        };
         let (then_ml, now_ml) = (calibration.revolution_ml, self.base.revolution_ml());
         if (then_ml - now_ml).abs() > SAME_PUMP * now_ml {
             let version = self.stored.version;
             return Err(CalibrationError::OtherPump { version, then_ml, now_ml }.into());
         }
-        let Some(displacement) = &calibration.displacement else {
-            return self.at_speed(0.0, start, request);
-        };
         match request.cruise {
             Cruise::Speed { rad_s } => {
                 let speed_rpm = rpm(rad_s);

@@ -4,6 +4,8 @@ use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
 use super::active::SCHEMA;
 use super::{Calibration, CalibrationError};
 use crate::folder::Folder;
@@ -21,11 +23,12 @@ pub struct Calibrations {
 }
 
 /// A calibration with its number.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stored {
     /// From 1 on.
     pub version: u32,
     /// What it says.
+    #[serde(flatten)]
     pub calibration: Calibration,
 }
 

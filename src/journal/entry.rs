@@ -311,6 +311,7 @@ mod tests {
             steps: -1000,
             step_rad: 0.001,
             motion_s: 1.0,
+            correction: Correction::NONE,
         };
         let before = State { carry_ml: 0.25, ..State::fresh(Phase::known(1.0), PhaseSource::Home) };
         let after = before.after(&intent, 400, 600, &Pump::three_roller());

@@ -19,6 +19,8 @@ pub enum Kind {
     Angle,
     /// kPa absolute
     Pressure,
+    /// °C
+    Temperature,
 }
 
 impl fmt::Display for Kind {
@@ -31,6 +33,7 @@ impl fmt::Display for Kind {
             Self::Time => "time",
             Self::Angle => "angle",
             Self::Pressure => "pressure",
+            Self::Temperature => "temperature",
         })
     }
 }
@@ -62,6 +65,7 @@ const SECONDS: Units = &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("µs", 1e-6), 
 const TURN: f64 = std::f64::consts::TAU;
 const ANGLES: Units =
     &[("deg", TURN / 360.0), ("°", TURN / 360.0), ("rad", 1.0), ("mrad", 1e-3), ("rev", TURN)];
+const CELSIUS: Units = &[("degC", 1.0), ("°C", 1.0), ("celsius", 1.0)];
 const SPEEDS: Units = &[
     ("rpm", TURN / 60.0),
     ("r/min", TURN / 60.0),
@@ -93,6 +97,7 @@ impl Kind {
             Self::Time => "1.5s",
             Self::Angle => "30deg",
             Self::Pressure => "120kPaa",
+            Self::Temperature => "20degC",
         }
     }
 
@@ -108,6 +113,7 @@ impl Kind {
             Self::Time => "s, ms, us, min, h",
             Self::Angle => "deg, rad, mrad, rev",
             Self::Pressure => "Paa, kPaa, MPaa, mbara, bara, psia (absolute), or with g at the end (gauge)",
+            Self::Temperature => "degC (°C)",
         }
     }
 
@@ -122,6 +128,7 @@ impl Kind {
             Self::Time => SECONDS,
             Self::Angle => ANGLES,
             Self::Pressure => PRESSURES,
+            Self::Temperature => CELSIUS,
         };
         if let Some((name, _)) = own.iter().find(|(name, _)| name.to_lowercase() == lower) {
             return format!(", did you mean `{name}` (case matters)");
@@ -144,6 +151,7 @@ impl Kind {
             Self::Time => factor_in(SECONDS, unit),
             Self::Angle => factor_in(ANGLES, unit),
             Self::Pressure => factor_in(PRESSURES, unit),
+            Self::Temperature => factor_in(CELSIUS, unit),
         }
     }
 }
