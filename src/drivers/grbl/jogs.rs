@@ -126,17 +126,7 @@ pub(super) struct Motion<'a> {
 
 impl<'a> Motion<'a> {
     pub fn new(board: &'a mut Board, scale: &'a Scale, task: Task) -> Self {
-        Self {
-            board,
-            scale,
-            task,
-            sent: 0,
-            made: 0,
-            awaited: None,
-            moved: Instant::now(),
-            odd: 0,
-            short: 0,
-        }
+        Self { board, scale, task, sent: 0, made: 0, awaited: None, moved: Instant::now(), odd: 0, short: 0 }
     }
 
     /// Makes the steps, or stops where the gate breaks.

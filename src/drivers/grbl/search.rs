@@ -36,7 +36,8 @@ impl Motion<'_> {
     /// is missing.
     pub fn search(&mut self, gate: &mut Gate<'_>) -> Result<Sought, GrblError> {
         let delta = self.task.direction * (self.task.steps as i64 - 1);
-        let far = GrblError::Far { count: self.task.count_after(self.task.steps), most: self.scale.most_count() };
+        let far =
+            GrblError::Far { count: self.task.count_after(self.task.steps), most: self.scale.most_count() };
         let target = self.scale.text(delta).ok_or(far)?;
         let modes = self.modes()?;
         if gate(0, self.task.steps).is_break() {
@@ -44,7 +45,8 @@ impl Motion<'_> {
         }
         let feed = feed_text(self.task.steps_s * 60.0 / self.scale.steps_per_unit);
         self.sent = self.task.steps;
-        let probed = self.probe(gate, &format!("G91G21G94G38.2{}{target}F{feed}", self.scale.axis.letter()))?;
+        let probed =
+            self.probe(gate, &format!("G91G21G94G38.2{}{target}F{feed}", self.scale.axis.letter()))?;
         if matches!(probed, Probed::Nothing) {
             self.board.command("$X")?;
         }
