@@ -4,8 +4,9 @@ use std::time::Duration;
 
 use thiserror::Error;
 
-use crate::bench::{Bench, DoseError};
+use crate::bench::Bench;
 use crate::dose::{DoseRequest, Prepared};
+use crate::error::DoseError;
 use crate::journal::{Intent, State};
 
 /// Most doses of a batch.
@@ -157,7 +158,7 @@ impl<'a> Rehearsal<'a> {
 
     /// Plans a dose and goes on as if it had been delivered.
     pub fn prepare(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
-        let prepared = self.bench.prepare_from(self.state, request)?;
+        let prepared = self.bench.prepare_from(self.bench.file(), self.state, request)?;
         let intent = Intent::of(&prepared.plan, request.purpose, prepared.carry_out_ml, 0);
         let all = prepared.plan.steps.unsigned_abs();
         let before = self.state.unwrap_or(self.bench.fresh());

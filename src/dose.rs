@@ -18,6 +18,25 @@ pub enum Purpose {
     Prime,
     /// Emptying the line; owes nothing and repays nothing.
     Purge,
+    /// Turning the rotor to a mark, or on to the index; owes nothing and repays nothing.
+    Jog,
+}
+
+impl Purpose {
+    /// In reports and in the journal.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Dose => "dose",
+            Self::Prime => "prime",
+            Self::Purge => "purge",
+            Self::Jog => "jog",
+        }
+    }
+
+    /// Whether what is cut off of it is to be resumed or discarded.
+    pub fn is_delivery(self) -> bool {
+        self != Self::Jog
+    }
 }
 
 /// What is asked of a bench.
@@ -52,15 +71,20 @@ impl DoseRequest {
 }
 
 /// Where the start angle comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PhaseSource {
-    /// A fresh simulated pump stands at 0 deg.
+    /// Set by hand or found by a sensor; a fresh simulated pump stands at 0 deg.
     Home,
-    /// The record of earlier motion.
+    /// The rotor's mark was turned to the housing's.
+    Mark,
+    /// The record of motion since then.
+    #[default]
     Recorded,
     /// The request.
     Given,
+    /// Nobody knows: the middle of what may be.
+    Assumed,
 }
 
 /// A dose that is planned and may run.

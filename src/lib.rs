@@ -22,7 +22,8 @@ mod bench;
 mod built_in;
 pub mod csv;
 mod dose;
-mod drivers;
+pub mod drivers;
+mod error;
 mod folder;
 pub mod journal;
 mod output;
@@ -42,10 +43,13 @@ mod uncertainty;
 mod unknown_angle;
 pub mod waveform;
 
-pub use bench::{Bench, DoseError};
+pub use bench::Bench;
 pub use built_in::{BUILT_IN, built_in};
 pub use dose::{DoseRequest, PhaseSource, Prepared, Purpose};
-pub use drivers::{Drive, DriveError, DriveFault, Gate, Sim};
+pub use drivers::{
+    Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Grbl, GrblError, Sim, Sought,
+};
+pub use error::DoseError;
 pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use output::Staged;
 pub use report::{DoseReport, PhaseReport};

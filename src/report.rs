@@ -6,7 +6,7 @@ use pump_model::math::{degrees, rpm};
 use serde::Serialize;
 
 use crate::bench::Bench;
-use crate::dose::{PhaseSource, Prepared, Purpose};
+use crate::dose::{PhaseSource, Prepared};
 use crate::pump_file::{DriverName, PumpFile};
 use crate::session::Delivered;
 use crate::uncertainty::{Budget, Share};
@@ -22,6 +22,8 @@ pub struct DoseReport {
     pub driver: &'static str,
     /// Whether no motor moved.
     pub simulated: bool,
+    /// Where the motor is connected; null if it is simulated.
+    pub device: Option<String>,
     /// `dose`, `prime` or `purge`.
     pub purpose: &'static str,
     /// Volume asked for, mL.
@@ -100,8 +102,11 @@ pub struct PhaseReport {
 impl DoseReport {
     /// Report of a prepared dose that was run, or of a dry run.
     pub fn new(bench: &Bench, prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
-        let (file, model, driver) = (bench.file(), bench.model(), bench.driver());
-        Self::without_bench(file, model, driver, prepared, delivered)
+        let device = bench.drive().port.as_ref().map(|port| port.display().to_string());
+        Self {
+            device,
+            ..Self::without_bench(bench.file(), bench.model(), bench.driver(), prepared, delivered)
+        }
     }
 
     /// The same of a dose that was planned without a bench, so without a record.
@@ -137,11 +142,8 @@ impl DoseReport {
             pump: file.pump.id.clone(),
             driver: driver.as_str(),
             simulated: driver == DriverName::Sim,
-            purpose: match prepared.request.purpose {
-                Purpose::Dose => "dose",
-                Purpose::Prime => "prime",
-                Purpose::Purge => "purge",
-            },
+            device: None,
+            purpose: prepared.request.purpose.as_str(),
             requested_ml: plan.requested_ml,
             carry_in_ml: plan.carry_in_ml,
             planned_ml: plan.planned_ml,
