@@ -7,6 +7,9 @@ use pump_model::math::{floor, wrap};
 use crate::dose::PhaseSource;
 use crate::report::DoseReport;
 
+/// Shares of less of the variance are left out, percent.
+const TELLING_PERCENT: f64 = 1e-4;
+
 impl DoseReport {
     /// The report in words.
     pub fn text(&self) -> String {
@@ -128,7 +131,7 @@ impl DoseReport {
         let shares: Vec<String> = self
             .uncertainty_budget
             .iter()
-            .filter(|share| share.standard_ml > 0.0)
+            .filter(|share| share.variance_percent >= TELLING_PERCENT)
             .map(|share| {
                 let percent = 100.0 * share.standard_ml / volume_ml;
                 format!("{} {}", share.source.replace('_', " "), significant(percent, 2))

@@ -68,8 +68,7 @@ impl Budget {
         share(
             "repeatability",
             repeatability * volume_ml,
-            "weigh repeated doses, `dose calibrate verify`, and put \
-            their CV into the pump file's repeatability_percent; else dose slower, or exchange a worn tube",
+            "measure it, `dose calibrate verify`, and put the CV into the pump file",
         );
         share(
             "roller_volume",

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{CalibrationError, Displacement, Run, ShortDose, date};
 use crate::pump_file::PumpFile;
+use crate::report_text::significant;
 
 /// Schema of stored calibrations.
 pub(super) const SCHEMA: &str = "calibration/1";
@@ -196,11 +197,12 @@ impl Sureness {
     pub(crate) fn warning(&self, version: u32, calibrated: &Displacement, rpm: f64) -> Option<String> {
         let percent = 100.0 * self.speed_law;
         (calibrated.speeds_rpm.len() < 3 && percent > 0.0).then(|| {
-            let speeds: Vec<String> = calibrated.speeds_rpm.iter().map(|speed| format!("{speed:.4}")).collect();
+            let speeds: Vec<String> = calibrated.speeds_rpm.iter().map(|speed| significant(*speed, 5)).collect();
             format!(
-                "calibration {version} was made at {} r/min alone, and this dose cruises at {rpm:.4}: {percent:.2} % of the \
+                "calibration {version} was made at {} r/min alone, and this dose cruises at {}: {percent:.2} % of the \
                  volume is added to the uncertainty for that; calibrate at three speeds or more",
-                speeds.join(" and ")
+                speeds.join(" and "),
+                significant(rpm, 5),
             )
         })
     }

@@ -335,6 +335,7 @@ mod tests {
                 steps,
                 step_rad: 0.001,
                 motion_s: 1.0,
+                correction: Correction::NONE,
             },
             made_least: 0,
             made_most: 500,

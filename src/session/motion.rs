@@ -88,6 +88,7 @@ impl Session<'_> {
 
         let Some(device) = &mut self.device else { unreachable!("it was connected above") };
         let drive = device.drive.as_mut();
+        drive.displaces(motion.correction);
         let moved = if motion.seeks {
             drive.seek(plan, &mut gate)
         } else {

@@ -11,6 +11,7 @@ use super::super::dose::{deliver, watch};
 use super::super::interrupt::Interrupt;
 use super::RunArgs;
 use super::answers::{Answer, Answers, say};
+use super::summary::short;
 
 /// Volume of a run, mL: on a scale that shows 0.01 g a reading is then good to 2e-4.
 const LEAST_ML: f64 = 50.0;
@@ -54,14 +55,14 @@ pub(super) fn runs(bench: &Bench, args: &RunArgs, options: &Options) -> Result<O
          the vessel before each\n"
     ));
     let middle = speeds_rad_s.get(speeds_rad_s.len() / 2).copied().unwrap_or_default();
-    if guide.weighed(middle, "trial run")?.is_none() {
+    if guide.weighed(middle, 1, "trial run")?.is_none() {
         return Ok(None);
     }
     let mut runs = Vec::new();
     for speed_rad_s in &speeds_rad_s {
         for _ in 0..each {
-            let title = format!("run {} of {all}, {:.4} r/min", runs.len() + 1, rpm(*speed_rad_s));
-            match guide.weighed(*speed_rad_s, &title)? {
+            let title = format!("run {} of {all}, {} r/min", runs.len() + 1, short(rpm(*speed_rad_s)));
+            match guide.weighed(*speed_rad_s, runs.len() + 1, &title)? {
                 Some(run) => runs.push(run),
                 None => return Ok(None),
             }
@@ -74,7 +75,7 @@ pub(super) fn runs(bench: &Bench, args: &RunArgs, options: &Options) -> Result<O
             "quit" => return Ok(None),
             "redo" => {
                 let title = format!("run {all} of {all}, again");
-                match guide.weighed(rad_s(last.speed_rpm), &title)? {
+                match guide.weighed(rad_s(last.speed_rpm), all, &title)? {
                     Some(run) => {
                         runs.pop();
                         runs.push(run);
@@ -108,7 +109,7 @@ impl Guide<'_, '_> {
     }
 
     /// Makes a run until there is a reading of it that can be right. None if the person left.
-    fn weighed(&mut self, speed_rad_s: f64, title: &str) -> Result<Option<Run>, Failure> {
+    fn weighed(&mut self, speed_rad_s: f64, number: usize, title: &str) -> Result<Option<Run>, Failure> {
         loop {
             say(&format!("{title}: moving\n"));
             let prepared = self.prepare(speed_rad_s)?;
@@ -136,7 +137,7 @@ impl Guide<'_, '_> {
                     time: Some(now_utc()),
                 };
                 // The reading is refused, not the run.
-                match run.volumes_ml(self.bench.model(), &Weighing::of(self.bench.file()), 1) {
+                match run.volumes_ml(self.bench.model(), &Weighing::of(self.bench.file()), number) {
                     Ok(_) => return Ok(Some(run)),
                     Err(error) => say(&format!("{error}\n")),
                 }

@@ -17,8 +17,13 @@ pub(super) fn list_json(all: &[Stored], active: Option<u32>) -> String {
 
 /// Speeds in words.
 fn speeds(displacement: &Displacement) -> String {
-    let speeds: Vec<String> = displacement.speeds_rpm.iter().map(|rpm| format!("{rpm:.4}")).collect();
+    let speeds: Vec<String> = displacement.speeds_rpm.iter().map(|rpm| short(*rpm)).collect();
     format!("{} r/min", speeds.join(", "))
+}
+
+/// A number with four decimals at most.
+pub(super) fn short(value: f64) -> String {
+    format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 /// What was found, and what becomes of it.
@@ -39,7 +44,8 @@ pub(super) fn text(bench: &Bench, stored: &Stored) -> String {
         let (factor, standard) = (found.factor_at(*rpm), found.standard_at(*rpm));
         let _ = writeln!(
             text,
-            "  at {rpm:>8.4} r/min  model volume times {factor:.5} ± {:.5} (k = 2), {:.4} mL per revolution",
+            "  at {:>7} r/min  model volume times {factor:.4} ± {:.4} (k = 2), {:.3} mL per revolution",
+            short(*rpm),
             2.0 * standard,
             factor * calibration.revolution_ml
         );
@@ -92,7 +98,7 @@ pub(super) fn list(bench: &Bench, all: &[Stored], active: Option<u32>) -> String
     for Stored { version, calibration } in all {
         let mark = if active == Some(*version) { '*' } else { ' ' };
         let what = calibration.displacement.as_ref().map_or("zero only".to_owned(), |found| {
-            format!("{} runs at {}, times {:.5}", calibration.runs.len(), speeds(found), found.factor)
+            format!("{} runs at {}, times {:.4}", calibration.runs.len(), speeds(found), found.factor)
         });
         let _ = write!(text, "{mark} {version:>3}  {}  {what}", calibration.date);
         if calibration.zero_deg != 0.0 {
