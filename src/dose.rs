@@ -5,9 +5,10 @@ use pump_model::Pump;
 use pump_model::math::rpm;
 use serde::{Deserialize, Serialize};
 
-use crate::calibration::{Applied, Planner, Stored};
+use crate::calibration::{Applied, Correction, Planner, Stored};
 use crate::error::DoseError;
 use crate::pump_file::PumpFile;
+use crate::retraction::Retraction;
 use crate::unknown_angle;
 
 /// Why the pump is to turn.
@@ -22,6 +23,8 @@ pub enum Purpose {
     Purge,
     /// A run that is weighed for a calibration: of the uncalibrated model, owing and repaying nothing.
     Calibrate,
+    /// Sucking back after a dose; the next dose owes as much more.
+    Retract,
     /// Turning the rotor to a mark, or on to the index; owes nothing and repays nothing.
     Jog,
 }
@@ -34,13 +37,14 @@ impl Purpose {
             Self::Prime => "prime",
             Self::Purge => "purge",
             Self::Calibrate => "calibrate",
+            Self::Retract => "retract",
             Self::Jog => "jog",
         }
     }
 
     /// Whether what is cut off of it is to be resumed or discarded.
     pub fn is_delivery(self) -> bool {
-        !matches!(self, Self::Calibrate | Self::Jog)
+        !matches!(self, Self::Calibrate | Self::Retract | Self::Jog)
     }
 }
 
@@ -55,6 +59,8 @@ pub struct DoseRequest {
     pub cruise: Option<Cruise>,
     /// Where the rollers stand, rad; none takes the recorded angle.
     pub start_angle_rad: Option<f64>,
+    /// What is sucked back after the dose, mL, positive; none sucks nothing back.
+    pub retract_ml: Option<f64>,
     /// Limit at the port that pushes, kPa absolute; none takes the pump file's.
     pub max_outlet_kpa: Option<f64>,
     /// Limit at the port that sucks, kPa absolute; none takes the pump file's.
@@ -69,6 +75,7 @@ impl DoseRequest {
             volume_ml,
             cruise: None,
             start_angle_rad: None,
+            retract_ml: None,
             max_outlet_kpa: None,
             min_inlet_kpa: None,
         }
@@ -111,6 +118,8 @@ pub struct Prepared {
     pub phase_source: PhaseSource,
     /// What the next dose owes afterwards, mL: the plan's carry, or what was on record before a prime or purge.
     pub carry_out_ml: f64,
+    /// The way back after it.
+    pub retraction: Option<Retraction>,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -160,7 +169,7 @@ impl Prepared {
         carry_ml: f64,
     ) -> Result<Self, PlanError> {
         let prediction = plan.predict(&model)?;
-        Ok(Self {
+        let mut prepared = Self {
             request,
             model,
             calibration,
@@ -169,8 +178,23 @@ impl Prepared {
             limits,
             phase_source,
             carry_out_ml: if request.purpose == Purpose::Dose { plan.carry_ml } else { carry_ml },
+            retraction: None,
             warnings: warnings_of(&model, &plan, &prediction),
-        })
+        };
+        if let Some(volume_ml) = request.retract_ml {
+            prepared.retraction = Some(Retraction::new(&prepared, volume_ml)?);
+        }
+        Ok(prepared)
+    }
+
+    /// What its calibration changes of the pump.
+    pub fn correction(&self) -> Correction {
+        self.calibration.as_ref().map_or(Correction::NONE, |applied| applied.correction)
+    }
+
+    /// What the next dose owes once this one and its retraction are made, mL.
+    pub fn owes_ml(&self) -> f64 {
+        self.retraction.as_ref().map_or(self.carry_out_ml, |retraction| retraction.carry_out_ml)
     }
 }
 

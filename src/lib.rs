@@ -33,6 +33,7 @@ pub mod pump_file;
 pub mod quantity;
 mod report;
 mod report_text;
+mod retraction;
 pub mod rust_source;
 pub mod sample;
 #[cfg(test)]
@@ -56,6 +57,7 @@ pub use error::DoseError;
 pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use output::Staged;
 pub use report::{CalibrationReport, DoseReport, PhaseReport};
+pub use retraction::Retraction;
 pub use session::{Delivered, Session};
 pub use simulation::{MAX_SAMPLES, Simulation, SteadyReport};
 pub use status::{Status, UnfinishedStatus};

@@ -72,6 +72,13 @@ impl DoseReport {
             owed(self.carry_ml, "to the next dose")
         };
         writeln!(to, "  steps        {steps} (a revolution has {}); {rest}", self.steps_per_rev)?;
+        if let Some(back_ml) = self.retraction_ml {
+            writeln!(
+                to,
+                "  retraction   {} µL sucked back, for the next dose to repay",
+                significant(1e3 * back_ml, 4)
+            )?;
+        }
         let limited = match self.limited_by {
             "none" => String::new(),
             limit => format!(" (limited by {limit})"),

@@ -184,6 +184,9 @@ pub(crate) struct Options {
     /// Total time with ramps and settling, as 10s
     #[arg(long, global = true, value_name = "TIME", value_parser = quantity::time_s)]
     pub(crate) within: Option<f64>,
+    /// Suck back so much after the dose; the next one repays it
+    #[arg(long, global = true, value_name = "VOLUME", value_parser = quantity::volume_ml)]
+    pub(crate) retract: Option<f64>,
     /// Run in reverse
     #[arg(long, global = true)]
     pub(crate) reverse: bool,
@@ -253,6 +256,7 @@ impl Options {
             ("--rate", self.rate.is_some()),
             ("--speed", self.speed.is_some()),
             ("--within", self.within.is_some()),
+            ("--retract", self.retract.is_some()),
             ("--reverse", self.reverse),
             ("--start-angle", self.start_angle.is_some()),
             ("--max-outlet-pressure", self.max_outlet_pressure.is_some()),

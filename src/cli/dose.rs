@@ -54,7 +54,7 @@ fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> R
         &["--rate", "--speed", "--within", "--reverse", "--start-angle", "--dry-run", "--format"],
         &["--driver", "--port", "--configure"],
         &["--steps", "--trace", "--plot", "--dt", "--tube-limit"],
-        if purpose == Purpose::Dose { &["--repeat", "--every", "--missed"] } else { &[] },
+        if purpose == Purpose::Dose { &["--repeat", "--every", "--missed", "--retract"] } else { &[] },
     ];
     options.accept_only(command, &accepted.concat())?;
     options.outputs_differ()?;
@@ -185,7 +185,12 @@ fn request(
         }
         volume_ml = -volume_ml;
     }
-    let asked = DoseRequest { purpose, start_angle_rad: options.start_angle, ..DoseRequest::dose(volume_ml) };
+    let asked = DoseRequest {
+        purpose,
+        start_angle_rad: options.start_angle,
+        retract_ml: options.retract,
+        ..DoseRequest::dose(volume_ml)
+    };
     with_options(asked, options, file)
 }
 

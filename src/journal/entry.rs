@@ -270,7 +270,12 @@ impl State {
         };
         let finished = made_least == all;
         Self {
-            carry_ml: if finished { intent.carry_out_ml } else { self.carry_ml },
+            carry_ml: match intent.purpose {
+                _ if finished => intent.carry_out_ml,
+                // The middle of what may have been sucked back.
+                Purpose::Retract => self.carry_ml - middle(intent, made_least, made_most, pump),
+                _ => self.carry_ml,
+            },
             wear,
             unfinished: (!finished && intent.purpose.is_delivery()).then_some(part),
             source: PhaseSource::Recorded,
@@ -278,6 +283,11 @@ impl State {
         }
         .at(part.phase())
     }
+}
+
+/// Middle of the volumes of the steps that may have been made, mL.
+fn middle(intent: &Intent, made_least: u64, made_most: u64, pump: &Pump) -> f64 {
+    0.5 * (intent.delivered_ml(pump, made_least) + intent.delivered_ml(pump, made_most))
 }
 
 #[cfg(test)]

@@ -12,7 +12,6 @@ use pump_ctl::plan::Plan;
 use pump_model::math::{ceil, degrees, rpm};
 
 use crate::bench::Bench;
-use crate::calibration::Correction;
 use crate::dose::{DoseRequest, Prepared, Purpose};
 use crate::error::DoseError;
 use crate::folder::Lock;
@@ -48,6 +47,8 @@ pub struct Delivered {
     pub end_angle_rad: f64,
     /// Whether that is the whole dose.
     pub completed: bool,
+    /// What was sucked back afterwards, mL, positive; 0 if nothing was.
+    pub retracted_ml: f64,
 }
 
 impl<'a> Session<'a> {
@@ -156,7 +157,7 @@ impl<'a> Session<'a> {
     pub fn run(
         &mut self,
         prepared: &Prepared,
-        watch: impl FnMut(u64) -> ControlFlow<()>,
+        mut watch: impl FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Delivered, DoseError> {
         let plan = &prepared.plan;
         let given = prepared.request.start_angle_rad.is_some();
@@ -165,24 +166,42 @@ impl<'a> Session<'a> {
             let [planned_deg, stands_deg] = [plan.start, stands].map(|phase| degrees(phase.angle_rad));
             return Err(DoseError::Stale { planned_deg, stands_deg });
         }
-        let applied = prepared.calibration.as_ref();
         let motion = Motion {
             plan,
             model: &prepared.model,
-            correction: applied.map_or(Correction::NONE, |applied| applied.correction),
+            correction: prepared.correction(),
             purpose: prepared.request.purpose,
             carry_out_ml: prepared.carry_out_ml,
             given,
             settle_s: prepared.prediction.settle_s,
             seeks: false,
         };
-        let moved = self.perform(&motion, watch)?;
-        Ok(Delivered {
+        let moved = self.perform(&motion, &mut watch)?;
+        let mut delivered = Delivered {
             volume_ml: moved.volume_ml,
             made: moved.made,
             end_angle_rad: plan.angle_after(moved.made),
             completed: moved.made == plan.steps.unsigned_abs(),
-        })
+            retracted_ml: 0.0,
+        };
+        if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {
+            let plan = &retraction.plan;
+            let motion = Motion {
+                plan,
+                model: &prepared.model,
+                correction: prepared.correction(),
+                purpose: Purpose::Retract,
+                carry_out_ml: retraction.carry_out_ml,
+                given: false,
+                settle_s: retraction.prediction.settle_s,
+                seeks: false,
+            };
+            // The dose is delivered and on record whatever becomes of the way back.
+            let back = self.perform(&motion, &mut watch)?;
+            delivered.end_angle_rad = plan.angle_after(back.made);
+            delivered.retracted_ml = -plan.delivered_ml(&prepared.model, back.made);
+        }
+        Ok(delivered)
     }
 
     /// Records that the rotor stands. Where that cannot be written it is known to this session all the same, and the next

@@ -252,3 +252,29 @@ fn the_zero_that_short_doses_show_corrects_the_doses() {
     assert!((number(&there, "steps") - number(&corrected, "steps")).abs() <= 2.0);
     assert!((number(&corrected, "delivered_ml") - 1.0).abs() < 2e-3);
 }
+
+#[test]
+fn the_guided_example_prints_what_it_shows() {
+    let text = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/calibration.md")).unwrap();
+    let after = text.split("<!-- typed by the test").nth(1).unwrap();
+    let block = after.split("```text\n$ dose ").nth(1).unwrap().split("```").next().unwrap();
+    let (typed, shown) = block.split_once('\n').unwrap();
+    // What stands behind a question is the answer; a pipe does not show it.
+    let (mut lines, mut expected) = (String::new(), String::new());
+    for line in shown.lines() {
+        let question = ["quit): ", "quit keeps nothing: "].iter().find_map(|end| {
+            let place = line.find(end)?;
+            Some(line.split_at(place + end.len()))
+        });
+        match question {
+            Some((question, answer)) => {
+                expected.push_str(question);
+                lines.push_str(&format!("{answer}\n"));
+            }
+            None => expected.push_str(&format!("{line}\n")),
+        }
+    }
+    let user = User::new();
+    let said = answers(&user, &typed.split(' ').collect::<Vec<_>>(), &lines);
+    assert_eq!(said.err + &said.out, expected);
+}
