@@ -8,7 +8,7 @@ use crate::dose::PhaseSource;
 use crate::report::DoseReport;
 
 /// Shares of less of the variance are left out, percent.
-const TELLING_PERCENT: f64 = 1e-4;
+const TELLING_PERCENT: f64 = 1e-5;
 
 impl DoseReport {
     /// The report in words.
