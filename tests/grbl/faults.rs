@@ -33,7 +33,7 @@ fn an_alarm_that_stops_at_once_loses_the_rotor_and_one_that_decelerates_does_not
 
 #[test]
 fn a_reset_in_motion_leaves_bounds_and_is_told() {
-    for place in [1, 500, 1_900] {
+    for place in [1, 500, 1_200] {
         let board = defective(Defects { resets: Some(place), ..Defects::default() });
         let mut grbl = open(&board);
         let plan = dose(&grbl, 2.0, 5.0);
@@ -48,7 +48,7 @@ fn a_reset_in_motion_leaves_bounds_and_is_told() {
 
 #[test]
 fn a_pulled_cable_leaves_bounds_that_hold_what_the_board_still_makes() {
-    for place in [1, 400, 900, 1_600] {
+    for place in [1, 400, 900, 1_300] {
         let board = defective(Defects { unplugged: Some(place), ..Defects::default() });
         let mut grbl = open(&board);
         let plan = dose(&grbl, 2.0, 5.0);

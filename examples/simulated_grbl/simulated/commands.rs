@@ -37,7 +37,11 @@ impl Machine {
                     Ok(false) => Ok(()),
                     Err(code) => Err(code),
                 },
-                None => self.command(command),
+                None => match self.command(command) {
+                    // The answer comes once it is stored.
+                    Ok(()) if self.storing_s > 0.0 => return,
+                    answer => answer,
+                },
             },
         };
         self.answer(answer);

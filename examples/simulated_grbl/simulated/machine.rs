@@ -233,7 +233,12 @@ impl Machine {
 
     /// Lets time pass on the board, s.
     pub fn advance(&mut self, time_s: f64) {
-        self.storing_s = (self.storing_s - time_s).max(0.0);
+        if self.storing_s > 0.0 {
+            self.storing_s = (self.storing_s - time_s).max(0.0);
+            if self.storing_s == 0.0 {
+                self.answer(Ok(()));
+            }
+        }
         if self.stalled {
             return;
         }

@@ -27,6 +27,7 @@ pub enum Firmware {
     /// grbl 1.1h.
     Grbl,
     /// grbl 0.9j, which has no jogs.
+    #[allow(dead_code, reason = "only tests want one")]
     Grbl09,
     /// grblHAL.
     GrblHal,
@@ -57,7 +58,7 @@ impl Sensor {
 pub struct Defects {
     /// What is at random follows from this.
     pub seed: u64,
-    /// Longest delay of an `ok`.
+    /// Longest delay of the answer to a jog, and to what comes after one.
     pub late_ok: Duration,
     /// How many jog cancels are missed.
     pub lost_cancels: u32,

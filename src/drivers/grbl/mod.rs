@@ -95,7 +95,8 @@ impl Grbl {
                 setting: acceleration,
             });
         }
-        let place = connect::rest(&mut board, &mut reset)?;
+        connect::rest(&mut board, &mut reset)?;
+        let place = board.rests_at()?;
         notes.extend(remarks(&settings, &scale));
         Ok(Self {
             least_steps_s: settings.least_steps_s(&scale),
@@ -114,7 +115,8 @@ impl Grbl {
     /// What `plan` asks of the board. Refused here if it cannot do it, before anything moves.
     fn task(&mut self, plan: &Plan) -> Result<Task, GrblError> {
         let mut reset = false;
-        let place = connect::rest(&mut self.board, &mut reset)?;
+        connect::rest(&mut self.board, &mut reset)?;
+        let place = self.board.rests_at()?;
         let counted = self.scale.count(self.scale.reported_mm(place));
         let expected = self.stands.replace(counted);
         if reset {

@@ -49,7 +49,7 @@ impl Motion<'_> {
             self.board.command("$X")?;
         }
         self.board.command(&modes)?;
-        let (_, place) = self.board.status(|| {})?;
+        let place = self.board.rests_at()?;
         self.take(Heard::Status(State::Idle, Some(place)))?;
         let stands = self.task.count_after(self.made);
         match probed {
@@ -156,7 +156,8 @@ impl Motion<'_> {
                 break;
             }
         }
-        let place = rest(self.board, &mut true)?;
+        rest(self.board, &mut true)?;
+        let place = self.board.rests_at()?;
         self.take(Heard::Status(State::Idle, Some(place))).map(|_| ())
     }
 }
