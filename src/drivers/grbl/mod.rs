@@ -9,6 +9,7 @@ mod code;
 mod configure;
 mod connect;
 mod error;
+mod holder;
 mod jogs;
 mod port;
 #[doc(hidden)]
@@ -160,6 +161,7 @@ impl Grbl {
         let mut under_way = Motion::new(&mut self.board, &self.scale, task);
         let mut outcome = motion(&mut under_way);
         let mut known = outcome.is_ok();
+        let mut made = under_way.made;
         if let Err(error) = &outcome {
             if error.ends_link() {
                 under_way.call_out();
@@ -168,7 +170,7 @@ impl Grbl {
                 let _ = under_way.stop();
             } else if !matches!(error, GrblError::Count { .. }) {
                 match under_way.stop() {
-                    Ok(()) => known = true,
+                    Ok(()) => (known, made) = (true, under_way.made),
                     Err(also) if also.ends_link() || also.loses() || matches!(also, GrblError::Reset) => {
                         outcome = Err(also);
                     }
@@ -178,7 +180,7 @@ impl Grbl {
                 let _ = under_way.stop();
             }
         }
-        let (made, sent) = (under_way.made, under_way.sent);
+        let sent = under_way.sent;
         self.stands = known.then(|| task.count_after(made));
         if sent > 0 && self.settings.holds() != Some(true) {
             self.disturbed.get_or_insert(Disturbance::Disabled);
@@ -229,9 +231,8 @@ impl Drive for Grbl {
     }
 
     fn disturbed(&mut self) -> Option<Disturbance> {
-        if self.overhear(Duration::ZERO).is_err() {
-            self.disturbed = Some(Disturbance::LinkLost);
-        }
+        // A connection that broke at rest is the next motion's fault.
+        let _ = self.overhear(Duration::ZERO);
         self.disturbed.take()
     }
 
@@ -245,10 +246,16 @@ impl Drive for Grbl {
 
     fn settle(&mut self, settle_s: f64) -> Result<Option<f64>, DriveError> {
         let until = Instant::now() + Duration::from_secs_f64(settle_s.max(0.0));
-        while Instant::now() < until {
-            self.overhear(until.saturating_duration_since(Instant::now()))?;
+        loop {
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Ok(None);
+            }
+            // A connection that broke at rest is the next motion's fault; what was made is known.
+            if self.overhear(left).is_err() {
+                std::thread::sleep(left);
+            }
         }
-        Ok(None)
     }
 
     fn notes(&mut self) -> Vec<String> {
