@@ -44,7 +44,12 @@ fn main() -> Result<(), Box<dyn Error>> {
                     other => return Err(format!("no firmware {other}: grbl, grblhal or fluidnc").into()),
                 }
             }
-            other => return Err(format!("{other} is not an option; see the head of examples/simulated_grbl/main.rs").into()),
+            other => {
+                return Err(format!(
+                    "{other} is not an option; see the head of examples/simulated_grbl/main.rs"
+                )
+                .into());
+            }
         }
     }
     let board = Simulated::start(options)?;

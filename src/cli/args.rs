@@ -90,6 +90,11 @@ pub(crate) enum Command {
         #[arg(long)]
         unknown: bool,
     },
+    /// Print what a shell needs to complete this command
+    Completions {
+        /// bash, zsh, fish, elvish or powershell
+        shell: clap_complete::Shell,
+    },
     /// Built-in pumps and pump files
     Pumps {
         #[command(subcommand)]

@@ -121,8 +121,17 @@ fn dispatch(cli: &Cli) -> Result<(), Failure> {
         // Required, so true.
         Some(Command::Tube { new: _ }) => home::new_tube(options),
         Some(Command::Status) => status::status(options),
+        Some(Command::Completions { shell }) => completions(*shell, options),
         Some(Command::Pumps { command }) => pumps::pumps(command.as_ref(), options),
     }
+}
+
+/// Prints the completions of a shell.
+fn completions(shell: clap_complete::Shell, options: &args::Options) -> Result<(), Failure> {
+    options.accept_only("dose completions", &[])?;
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "dose", &mut script);
+    print(&String::from_utf8_lossy(&script))
 }
 
 /// Prints to standard output. A reader that went away is no failure of the dose.

@@ -82,6 +82,9 @@ pub trait Drive: Debug {
     /// What has happened to the rotor since this was last asked, or since the driver was opened.
     fn disturbed(&mut self) -> Option<Disturbance>;
 
+    /// Refuses a plan that it cannot run, and a rotor that is not where it was left, before anything moves or is announced.
+    fn check(&mut self, plan: &Plan) -> Result<(), DriveError>;
+
     /// Makes the steps of `plan`, asking `gate` before them. When it breaks, the motor decelerates and holds. Returns how
     /// many were made, those of the deceleration included.
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault>;

@@ -143,6 +143,10 @@ impl Drive for Sim<'_> {
         Err(DriveFault { made_least: 0, made_most: 0, lost: false, error })
     }
 
+    fn check(&mut self, _plan: &Plan) -> Result<(), DriveError> {
+        Ok(())
+    }
+
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
         let started_s = self.solver.time_s();
         self.begun_ml = self.received_ml();

@@ -269,3 +269,68 @@ impl State {
         .at(part.phase())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PITCH_RAD: f64 = TURN_RAD / 3.0;
+    const FALL_RAD: f64 = TURN_RAD / 100.0;
+
+    #[test]
+    fn a_rotor_that_was_let_go_once_is_known_less_well_and_twice_not_at_all() {
+        let stood = State::fresh(Phase { angle_rad: 1.0, half_width_rad: 0.01 }, PhaseSource::Home);
+        let once = stood.disturbed(FALL_RAD, PITCH_RAD);
+        assert_eq!((once.angle_rad, once.half_width_rad), (1.0, 0.01 + FALL_RAD));
+        assert!(!once.disturbed(FALL_RAD, PITCH_RAD).phase().is_known(PITCH_RAD));
+        let found = once.found(Phase::known(2.0), PhaseSource::Mark);
+        assert!(found.disturbed(FALL_RAD, PITCH_RAD).phase().is_known(PITCH_RAD), "found anew");
+    }
+
+    #[test]
+    fn a_rotor_that_was_turned_to_a_mark_leaves_nothing_to_resume() {
+        let intent = Intent {
+            unix_s: 0,
+            purpose: Purpose::Jog,
+            requested_ml: 1.0,
+            carry_in_ml: 0.0,
+            planned_ml: 1.0,
+            carry_out_ml: 0.25,
+            start_angle_rad: 1.0,
+            half_width_rad: 0.0,
+            steps: -1000,
+            step_rad: 0.001,
+            motion_s: 1.0,
+        };
+        let before = State { carry_ml: 0.25, ..State::fresh(Phase::known(1.0), PhaseSource::Home) };
+        let after = before.after(&intent, 400, 600, &Pump::three_roller());
+        assert_eq!(after.unfinished, None);
+        assert_eq!((after.angle_rad, after.carry_ml), (0.5, 0.25));
+        assert!((after.half_width_rad - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_count_is_within_what_was_announced_only_in_its_direction() {
+        let unfinished = |steps| Unfinished {
+            intent: Intent {
+                unix_s: 0,
+                purpose: Purpose::Dose,
+                requested_ml: 1.0,
+                carry_in_ml: 0.0,
+                planned_ml: 1.0,
+                carry_out_ml: 0.0,
+                start_angle_rad: 0.0,
+                half_width_rad: 0.0,
+                steps,
+                step_rad: 0.001,
+                motion_s: 1.0,
+            },
+            made_least: 0,
+            made_most: 500,
+        };
+        assert!([0, 1, 500].iter().all(|moved| unfinished(900).holds(*moved)));
+        assert!([-1, 501].iter().all(|moved| !unfinished(900).holds(*moved)));
+        assert!([0, -1, -500].iter().all(|moved| unfinished(-900).holds(*moved)));
+        assert!([1, -501].iter().all(|moved| !unfinished(-900).holds(*moved)));
+    }
+}

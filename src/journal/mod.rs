@@ -101,6 +101,12 @@ impl Story {
         }
     }
 
+    /// Reads the bytes of a whole journal; otherwise tells which line, from 1, is damaged and how.
+    pub fn from_bytes(bytes: &[u8], pump: &Pump, fresh: State) -> Result<Self, (usize, String)> {
+        // From the beginning there is nothing before the bytes.
+        Ok(Self::of(bytes, 0, pump, fresh)?.unwrap_or_default())
+    }
+
     /// Folds the entries since the last rest, in the bytes of a journal from `start` on; `None` if that rest lies before
     /// them. Only the last line may be torn.
     fn of(bytes: &[u8], start: u64, pump: &Pump, fresh: State) -> Result<Option<Self>, (usize, String)> {

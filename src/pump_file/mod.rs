@@ -338,7 +338,7 @@ impl PumpFile {
             "4 to 100000",
         )?;
         if let Some(drive) = &self.drive {
-            drive.check(&value)?;
+            drive.check(value)?;
         }
         let density = self.fluid.density_kg_m3;
         value((10.0..=25_000.0).contains(&density), "[fluid] density_kg_m3", &density, "10 to 25000")?;

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use pump_ctl::plan::Plan;
 use pump_model::math::rpm;
 
 use crate::drivers::{Drive, DriveError, DriveLimits, Grbl, Sim};
@@ -106,6 +107,20 @@ impl<'a> Session<'a> {
             };
         }
         State { count, ..met }
+    }
+
+    /// Refuses a plan that the device cannot run. What it was met as is on record.
+    pub(super) fn check(&mut self, plan: &Plan) -> Result<(), DoseError> {
+        let Some(mut device) = self.device.take() else { return Ok(()) };
+        let Err(error) = device.drive.check(plan) else {
+            self.device = Some(device);
+            return Ok(());
+        };
+        let met = self.meet(device.drive.as_mut(), &mut device.notes);
+        if met != self.stands() {
+            self.rest(Why::Met, met)?;
+        }
+        Err(DoseError::Connection(error))
     }
 
     /// Lets go of the rotor: its angle is less well known afterwards.

@@ -52,6 +52,7 @@ impl Session<'_> {
             self.rest(Why::CutOff, state)?;
         }
         let (plan, model) = (motion.plan, self.bench.model());
+        self.check(plan)?;
         let mut before = self.stands();
         if motion.given {
             before.disturbances = 0;

@@ -114,7 +114,9 @@ fn late_answers_noise_pieces_and_merged_lines_cost_no_step() {
 
 #[test]
 fn positions_are_read_in_every_kind_of_report() {
-    for settings in [vec![(10, 0.0)], vec![(10, 2.0)], vec![(10, 3.0), (13, 1.0)], vec![(10, 0.0), (100, 80.0)]] {
+    for settings in
+        [vec![(10, 0.0)], vec![(10, 2.0)], vec![(10, 3.0), (13, 1.0)], vec![(10, 0.0), (100, 80.0)]]
+    {
         let board = start(Options { settings: settings.clone(), ..Options::default() });
         let mut grbl = open(&board);
         let plan = dose(&grbl, 1.0, 1.0);
@@ -125,7 +127,11 @@ fn positions_are_read_in_every_kind_of_report() {
 
 #[test]
 fn many_doses_far_from_zero_stay_exact() {
-    let board = start(Options { time_scale: 20.0, settings: vec![(100, 37.5), (110, 30_000.0), (120, 2_000.0)], ..Options::default() });
+    let board = start(Options {
+        time_scale: 20.0,
+        settings: vec![(100, 37.5), (110, 30_000.0), (120, 2_000.0)],
+        ..Options::default()
+    });
     let mut grbl = open(&board);
     let mut stands = 0;
     for volume_ml in [500.0, 0.3, -0.31, 0.37] {

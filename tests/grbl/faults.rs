@@ -54,7 +54,10 @@ fn a_pulled_cable_leaves_bounds_that_hold_what_the_board_still_makes() {
         let plan = dose(&grbl, 2.0, 5.0);
         let (result, announced) = run(&mut grbl, &board, &plan);
         let (fault, made) = (result.unwrap_err(), board.rest().steps as u64);
-        assert!(fault.made_least <= made && made <= fault.made_most && fault.made_most <= announced, "{made}: {fault:?}");
+        assert!(
+            fault.made_least <= made && made <= fault.made_most && fault.made_most <= announced,
+            "{made}: {fault:?}"
+        );
         assert!(!fault.lost);
         assert!(matches!(why(fault), GrblError::Gone(_)));
         assert_eq!(grbl.disturbed(), Some(Disturbance::LinkLost));

@@ -33,7 +33,9 @@ fn every_kind_of_line_is_read() {
     assert_eq!(one("[MSG:Grbl is fine]"), Reply::Message("MSG:Grbl is fine".into()));
     assert_eq!(one(">G54:ok"), Reply::Message(">G54:ok".into()));
     assert!(matches!(one("hello"), Reply::Unknown(_)));
-    let Reply::Status(status) = one("<Hold:1|WPos:1.000,-2.5,0|Bf:15,128|FS:0,0|WCO:0.5,0,0>") else { panic!() };
+    let Reply::Status(status) = one("<Hold:1|WPos:1.000,-2.5,0|Bf:15,128|FS:0,0|WCO:0.5,0,0>") else {
+        panic!()
+    };
     assert_eq!(status.state, State::Hold { still: false });
     assert_eq!((status.machine, status.work), (None, Some(vec![1.0, -2.5, 0.0])));
     assert_eq!(status.offset, Some(vec![0.5, 0.0, 0.0]));
@@ -41,7 +43,13 @@ fn every_kind_of_line_is_read() {
 
 #[test]
 fn damaged_reports_are_not_positions() {
-    for line in ["<Idle|MPos:1.0,2.x,3>", "<Idle|MPos:1e9,0,0>", "<Idle|MPos:inf,0,0>", "<|MPos:1,2,3>", "<Idle|MPos:>"] {
+    for line in [
+        "<Idle|MPos:1.0,2.x,3>",
+        "<Idle|MPos:1e9,0,0>",
+        "<Idle|MPos:inf,0,0>",
+        "<|MPos:1,2,3>",
+        "<Idle|MPos:>",
+    ] {
         assert!(matches!(one(line), Reply::Unknown(_)), "{line}");
     }
 }

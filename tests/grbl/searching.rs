@@ -57,7 +57,9 @@ fn a_search_that_is_stopped_decelerates_and_keeps_its_count() {
     let mut grbl = open(&board);
     let plan = dose(&grbl, 12.0, 2.0);
     let sought = grbl
-        .seek(&plan, &mut |made, _| if made > 1_500 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        .seek(&plan, &mut |made, _| {
+            if made > 1_500 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
         .unwrap();
     assert_eq!(sought.beyond, None);
     assert_eq!(sought.made, board.rest().steps as u64);

@@ -94,6 +94,9 @@ fn configuring_writes_what_differs_and_says_what() {
     assert_eq!(grbl.disturbed(), None);
     drop(grbl);
     let mut again = Grbl::open(&table(&board), &motor(), true).unwrap();
-    assert!(!again.notes().iter().any(|note| note.contains(" was ")), "a second time there is nothing to write");
+    assert!(
+        !again.notes().iter().any(|note| note.contains(" was ")),
+        "a second time there is nothing to write"
+    );
     assert!(!board.truth().lines.iter().any(|line| line.starts_with("$100=")));
 }

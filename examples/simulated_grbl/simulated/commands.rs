@@ -98,7 +98,8 @@ impl Machine {
 
     fn setting(&mut self, command: &str) -> Result<(), u16> {
         if let Some(path) = command.strip_prefix('/') {
-            let item = self.settings.item(&path.to_lowercase()).filter(|_| self.firmware == Firmware::FluidNc);
+            let item =
+                self.settings.item(&path.to_lowercase()).filter(|_| self.firmware == Firmware::FluidNc);
             self.say(&item.ok_or(3_u16)?);
             return Ok(());
         }

@@ -369,7 +369,11 @@ impl Machine {
             self.motor.push(end, steps_s);
             self.answer(Ok(()));
         }
-        while self.pending.is_none() && self.state != State::Run && self.state != State::Hold && self.storing_s == 0.0 {
+        while self.pending.is_none()
+            && self.state != State::Run
+            && self.state != State::Hold
+            && self.storing_s == 0.0
+        {
             let Some(byte) = self.received.pop_front() else { return };
             match byte {
                 b'\n' | b'\r' => {

@@ -132,9 +132,8 @@ impl Motor {
             if left > 1e-3 {
                 break;
             }
-            let turns = self.blocks.get(1).is_none_or(|next| {
-                ((next.end - block.end) as f64).signum() != direction
-            });
+            let turns =
+                self.blocks.get(1).is_none_or(|next| ((next.end - block.end) as f64).signum() != direction);
             if turns {
                 self.at = block.end as f64;
                 self.speed = 0.0;

@@ -62,14 +62,19 @@ impl Settings {
             return Err(10);
         }
         // grbl keeps 30,000 steps/s where that is compiled in; whole numbers have eight bits.
-        let kept = if number < FIRST_WITH_DECIMALS && !(11..=12).contains(&number) { value.trunc() } else { value };
+        let kept =
+            if number < FIRST_WITH_DECIMALS && !(11..=12).contains(&number) { value.trunc() } else { value };
         self.values.insert(number, kept);
         Ok(())
     }
 
     /// The answer to `$$`.
     pub fn lines(&self) -> Vec<String> {
-        self.values.iter().filter(|(number, _)| self.lists(**number)).map(|(n, v)| self.line(*n, *v)).collect()
+        self.values
+            .iter()
+            .filter(|(number, _)| self.lists(**number))
+            .map(|(n, v)| self.line(*n, *v))
+            .collect()
     }
 
     /// FluidNC's configuration, by path.

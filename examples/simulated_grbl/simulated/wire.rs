@@ -169,7 +169,11 @@ impl Wire {
                 Output::Line(text) => self.put(&text),
                 Output::Answer(text) => {
                     let most_us = self.machine.defects.late_ok.as_micros() as u64;
-                    let delay = if most_us == 0 || self.machine.jogs == 0 { 0 } else { self.machine.random.below(most_us) };
+                    let delay = if most_us == 0 || self.machine.jogs == 0 {
+                        0
+                    } else {
+                        self.machine.random.below(most_us)
+                    };
                     self.late.push_back((now + Duration::from_micros(delay), text));
                 }
             }

@@ -37,11 +37,7 @@ pub(super) fn configure(
     Ok((now, notes))
 }
 
-fn wanted(
-    found: &Settings,
-    motor: &Motor,
-    notes: &mut Vec<String>,
-) -> Result<Vec<(u16, f64)>, GrblError> {
+fn wanted(found: &Settings, motor: &Motor, notes: &mut Vec<String>) -> Result<Vec<(u16, f64)>, GrblError> {
     let steps_per_unit = found.steps_per_unit()?;
     let mut steps_s = motor.max_speed_rad_s / motor.step_rad();
     if found.flavour == Flavour::Grbl && steps_s > MOST_STEPS_S {

@@ -12,7 +12,9 @@ use super::code::{alarm_text, error_text, stops_at_once};
 #[non_exhaustive]
 pub enum GrblError {
     /// Nobody has said where the board is.
-    #[error("no serial port is named for the grbl board; say `--port /dev/ttyUSB0`, or `port = \"...\"` in [drive]")]
+    #[error(
+        "no serial port is named for the grbl board; say `--port /dev/ttyUSB0`, or `port = \"...\"` in [drive]"
+    )]
     NoPort,
     /// The port cannot be opened.
     #[error("{} cannot be opened as a serial port: {reason}", .port.display())]
@@ -46,7 +48,9 @@ pub enum GrblError {
         minor: u32,
     },
     /// A setting that is needed and not listed.
-    #[error("the board does not tell its {what} (${number} in its answer to `$$`): it may not have this axis, see [drive] axis")]
+    #[error(
+        "the board does not tell its {what} (${number} in its answer to `$$`): it may not have this axis, see [drive] axis"
+    )]
     NoSetting {
         /// Number of the setting.
         number: u16,
@@ -62,7 +66,9 @@ pub enum GrblError {
         instead: &'static str,
     },
     /// Something else moves it.
-    #[error("the board has been moving for {waited_s} s without being told to by this program; stop what moves it")]
+    #[error(
+        "the board has been moving for {waited_s} s without being told to by this program; stop what moves it"
+    )]
     Moving {
         /// How long was waited, s.
         waited_s: f64,
@@ -112,7 +118,9 @@ pub enum GrblError {
         most: i64,
     },
     /// It cannot turn as slowly.
-    #[error("the dose needs {steps_s:.2} steps/s, the board makes no less than {least_s:.2}; dose faster, or with finer microsteps")]
+    #[error(
+        "the dose needs {steps_s:.2} steps/s, the board makes no less than {least_s:.2}; dose faster, or with finer microsteps"
+    )]
     Slow {
         /// Steps per second at the cruise.
         steps_s: f64,
@@ -120,7 +128,9 @@ pub enum GrblError {
         least_s: f64,
     },
     /// It will not turn as fast.
-    #[error("the dose needs {steps_s:.0} steps/s, the board makes no more than {most_s:.0} (${number}={setting}); dose slower, or raise it")]
+    #[error(
+        "the dose needs {steps_s:.0} steps/s, the board makes no more than {most_s:.0} (${number}={setting}); dose slower, or raise it"
+    )]
     Fast {
         /// Steps per second at the cruise.
         steps_s: f64,
@@ -168,7 +178,9 @@ pub enum GrblError {
         waited_s: f64,
     },
     /// Its reports have no position.
-    #[error("the board's reports have told no position of the axis for {waited_s:.1} s; set `$10=1`, and look at [drive] axis")]
+    #[error(
+        "the board's reports have told no position of the axis for {waited_s:.1} s; set `$10=1`, and look at [drive] axis"
+    )]
     NoPosition {
         /// How long, s.
         waited_s: f64,
@@ -182,7 +194,9 @@ pub enum GrblError {
         waited_s: f64,
     },
     /// It does not move, although it should.
-    #[error("the board has made no step for {waited_s:.1} s, although it should; look for a hold, a door or a jammed board")]
+    #[error(
+        "the board has made no step for {waited_s:.1} s, although it should; look for a hold, a door or a jammed board"
+    )]
     Stalled {
         /// How long, s.
         waited_s: f64,
@@ -194,7 +208,9 @@ pub enum GrblError {
         waited_s: f64,
     },
     /// Its count is not ours.
-    #[error("the board counts {counted} steps where {expected} were to be: nobody knows where the rotor stands")]
+    #[error(
+        "the board counts {counted} steps where {expected} were to be: nobody knows where the rotor stands"
+    )]
     Count {
         /// Its count.
         counted: i64,

@@ -236,6 +236,14 @@ impl Drive for Grbl {
         self.disturbed.take()
     }
 
+    fn check(&mut self, plan: &Plan) -> Result<(), DriveError> {
+        let checked = self.task(plan);
+        if let Err(GrblError::Reset) = checked {
+            self.disturbed = Some(Disturbance::Reset);
+        }
+        Ok(checked.map(drop)?)
+    }
+
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
         self.travel(plan, |motion| motion.run(gate)).map(|((), made)| made)
     }

@@ -33,7 +33,8 @@ impl Motion<'_> {
     /// is missing.
     pub fn search(&mut self, gate: &mut Gate<'_>) -> Result<Sought, GrblError> {
         let delta = self.task.direction * (self.task.steps as i64 - 1);
-        let far = GrblError::Far { count: self.task.count_after(self.task.steps), most: self.scale.most_count() };
+        let far =
+            GrblError::Far { count: self.task.count_after(self.task.steps), most: self.scale.most_count() };
         let target = self.scale.text(delta).ok_or(far)?;
         let modes = self.modes()?;
         if gate(0, self.task.steps).is_break() {
