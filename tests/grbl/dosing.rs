@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use pump_dose::Drive;
 
-use crate::rig::{defective, dose, open, run, run_until, start};
+use crate::rig::{defective, dose, each, open, run, run_until, start};
 use crate::simulated::options::{Defects, Options};
 
 #[test]
@@ -97,7 +97,7 @@ fn a_cancel_that_is_missed_is_repeated() {
 
 #[test]
 fn late_answers_noise_pieces_and_merged_lines_cost_no_step() {
-    for seed in 0..6 {
+    each(0..6, |seed| {
         let board = defective(Defects {
             seed,
             late_ok: Duration::from_millis(if seed % 2 == 0 { 0 } else { 120 }),
@@ -109,20 +109,21 @@ fn late_answers_noise_pieces_and_merged_lines_cost_no_step() {
         let plan = dose(&grbl, 2.5, 5.0);
         assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64, "seed {seed}");
         assert_eq!(board.truth().steps, plan.steps, "seed {seed}");
-    }
+    });
 }
 
 #[test]
 fn positions_are_read_in_every_kind_of_report() {
-    for settings in
-        [vec![(10, 0.0)], vec![(10, 2.0)], vec![(10, 3.0), (13, 1.0)], vec![(10, 0.0), (100, 80.0)]]
-    {
-        let board = start(Options { settings: settings.clone(), ..Options::default() });
-        let mut grbl = open(&board);
-        let plan = dose(&grbl, 1.0, 1.0);
-        assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64, "{settings:?}");
-        assert_eq!(board.truth().steps, plan.steps, "{settings:?}");
-    }
+    each(
+        [vec![(10, 0.0)], vec![(10, 2.0)], vec![(10, 3.0), (13, 1.0)], vec![(10, 0.0), (100, 80.0)]],
+        |settings: Vec<(u16, f32)>| {
+            let board = start(Options { settings: settings.clone(), ..Options::default() });
+            let mut grbl = open(&board);
+            let plan = dose(&grbl, 1.0, 1.0);
+            assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64, "{settings:?}");
+            assert_eq!(board.truth().steps, plan.steps, "{settings:?}");
+        },
+    );
 }
 
 #[test]

@@ -98,3 +98,12 @@ pub fn grbl_error(error: DriveError) -> GrblError {
         other => panic!("{other}"),
     }
 }
+
+/// Does the same with each, all at a time: they mostly wait.
+pub fn each<T: Send>(cases: impl IntoIterator<Item = T>, test: impl Fn(T) + Sync) {
+    std::thread::scope(|scope| {
+        for case in cases {
+            scope.spawn(|| test(case));
+        }
+    });
+}
