@@ -21,6 +21,9 @@ const STALL_S: f64 = 2.0;
 /// Cancels jogs: the motor decelerates. It can be missed, so it is repeated.
 const CANCEL: u8 = 0x85;
 
+/// Holds any motion; one that is no jog can be stopped by nothing else.
+pub(super) const HOLD: u8 = b'!';
+
 /// Longest wait for the motor to rest, beyond the time that it needs, s.
 const STOP_LIMIT_S: f64 = 8.0;
 
@@ -118,6 +121,8 @@ pub(super) struct Motion<'a> {
     awaited: Option<(String, Instant)>,
     /// When a step was last reported, or when there were none left to make.
     moved: Instant,
+    /// Whether this is a probing move and not a jog.
+    pub probing: bool,
     /// Reports in a row that cannot be.
     odd: u32,
     /// Reports in a row of a rest elsewhere than at the last step sent.
@@ -126,7 +131,18 @@ pub(super) struct Motion<'a> {
 
 impl<'a> Motion<'a> {
     pub fn new(board: &'a mut Board, scale: &'a Scale, task: Task) -> Self {
-        Self { board, scale, task, sent: 0, made: 0, awaited: None, moved: Instant::now(), odd: 0, short: 0 }
+        Self {
+            board,
+            scale,
+            task,
+            sent: 0,
+            made: 0,
+            awaited: None,
+            moved: Instant::now(),
+            probing: false,
+            odd: 0,
+            short: 0,
+        }
     }
 
     /// Makes the steps, or stops where the gate breaks.
@@ -309,8 +325,9 @@ impl<'a> Motion<'a> {
 
     /// Tells a board that does not answer to stop: it may hear all the same.
     pub fn call_out(&mut self) {
+        let stop = if self.probing { HOLD } else { CANCEL };
         for _ in 0..5 {
-            if self.board.send_byte(CANCEL).is_err() {
+            if self.board.send_byte(stop).is_err() {
                 return;
             }
             std::thread::sleep(POLL);

@@ -9,6 +9,7 @@ mod code;
 mod configure;
 mod connect;
 mod error;
+mod holder;
 mod jogs;
 mod port;
 #[doc(hidden)]
@@ -95,7 +96,8 @@ impl Grbl {
                 setting: acceleration,
             });
         }
-        let place = connect::rest(&mut board, &mut reset)?;
+        connect::rest(&mut board, &mut reset)?;
+        let place = board.rests_at()?;
         notes.extend(remarks(&settings, &scale));
         Ok(Self {
             least_steps_s: settings.least_steps_s(&scale),
@@ -114,7 +116,8 @@ impl Grbl {
     /// What `plan` asks of the board. Refused here if it cannot do it, before anything moves.
     fn task(&mut self, plan: &Plan) -> Result<Task, GrblError> {
         let mut reset = false;
-        let place = connect::rest(&mut self.board, &mut reset)?;
+        connect::rest(&mut self.board, &mut reset)?;
+        let place = self.board.rests_at()?;
         let counted = self.scale.count(self.scale.reported_mm(place));
         let expected = self.stands.replace(counted);
         if reset {
@@ -158,6 +161,7 @@ impl Grbl {
         let mut under_way = Motion::new(&mut self.board, &self.scale, task);
         let mut outcome = motion(&mut under_way);
         let mut known = outcome.is_ok();
+        let mut made = under_way.made;
         if let Err(error) = &outcome {
             if error.ends_link() {
                 under_way.call_out();
@@ -166,7 +170,7 @@ impl Grbl {
                 let _ = under_way.stop();
             } else if !matches!(error, GrblError::Count { .. }) {
                 match under_way.stop() {
-                    Ok(()) => known = true,
+                    Ok(()) => (known, made) = (true, under_way.made),
                     Err(also) if also.ends_link() || also.loses() || matches!(also, GrblError::Reset) => {
                         outcome = Err(also);
                     }
@@ -176,7 +180,7 @@ impl Grbl {
                 let _ = under_way.stop();
             }
         }
-        let (made, sent) = (under_way.made, under_way.sent);
+        let sent = under_way.sent;
         self.stands = known.then(|| task.count_after(made));
         if sent > 0 && self.settings.holds() != Some(true) {
             self.disturbed.get_or_insert(Disturbance::Disabled);
@@ -227,9 +231,8 @@ impl Drive for Grbl {
     }
 
     fn disturbed(&mut self) -> Option<Disturbance> {
-        if self.overhear(Duration::ZERO).is_err() {
-            self.disturbed = Some(Disturbance::LinkLost);
-        }
+        // A connection that broke at rest is the next motion's fault.
+        let _ = self.overhear(Duration::ZERO);
         self.disturbed.take()
     }
 
@@ -251,10 +254,16 @@ impl Drive for Grbl {
 
     fn settle(&mut self, settle_s: f64) -> Result<Option<f64>, DriveError> {
         let until = Instant::now() + Duration::from_secs_f64(settle_s.max(0.0));
-        while Instant::now() < until {
-            self.overhear(until.saturating_duration_since(Instant::now()))?;
+        loop {
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Ok(None);
+            }
+            // A connection that broke at rest is the next motion's fault; what was made is known.
+            if self.overhear(left).is_err() {
+                std::thread::sleep(left);
+            }
         }
-        Ok(None)
     }
 
     fn notes(&mut self) -> Vec<String> {
