@@ -35,22 +35,24 @@ fn an_inverted_axis_turns_the_other_way_and_counts_the_same() {
 
 #[test]
 fn jogs_blend_at_the_cruise_speed() {
-    let board = start(Options::default());
+    // Slow, so that a machine with other things to do is in time.
+    let board = start(Options { time_scale: 0.3, ..Options::default() });
     let mut grbl = open(&board);
-    let plan = dose(&grbl, 8.0, 4.0);
+    let plan = dose(&grbl, 6.0, 4.0);
     run(&mut grbl, &board, &plan).0.unwrap();
     let truth = board.truth();
     let cruise = plan.profile.peak_rad_s() / plan.step_rad;
     assert_eq!(truth.starts, 1, "it came to rest between jogs");
     assert!((truth.peak_steps_s / cruise - 1.0).abs() < 1e-3, "{} of {cruise} steps/s", truth.peak_steps_s);
-    assert!(truth.lines.iter().filter(|line| line.starts_with("$J=")).count() > 15);
+    assert!(truth.lines.iter().filter(|line| line.starts_with("$J=")).count() > 10);
 }
 
 #[test]
 fn no_more_is_sent_ahead_than_a_stop_and_half_a_second() {
-    let board = start(Options::default());
+    // Slow, so that a machine with other things to do is in time.
+    let board = start(Options { time_scale: 0.3, ..Options::default() });
     let mut grbl = open(&board);
-    let plan = dose(&grbl, 8.0, 4.0);
+    let plan = dose(&grbl, 6.0, 4.0);
     let cruise = plan.profile.peak_rad_s() / plan.step_rad;
     let stop = cruise * cruise * plan.step_rad / (2.0 * grbl.limits().unwrap().acceleration_rad_s2);
     let mut ahead = 0;

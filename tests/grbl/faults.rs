@@ -81,7 +81,7 @@ fn a_board_that_falls_silent_is_told_to_stop_all_the_same() {
 #[test]
 fn a_board_that_does_not_move_is_stopped_by_the_watchdog() {
     let fault = fault(Defects { stalls: Some(600), ..Defects::default() });
-    assert!((590..=610).contains(&fault.made_least), "{fault:?}");
+    assert!(fault.made_least >= 600, "{fault:?}");
     assert!(matches!(why(fault), GrblError::Stalled { .. } | GrblError::Unstoppable { .. }));
 }
 
@@ -130,6 +130,8 @@ fn whatever_goes_wrong_what_was_made_lies_within_the_bounds() {
         let made = board.rest().steps.unsigned_abs();
         match result {
             Ok(told) => assert_eq!(told, made, "{defects:?}"),
+            // A line on its way to a board that was reset may have moved it, and then that is told.
+            Err(fault) if fault.lost => assert!(defects.resets.is_some(), "{fault:?} {defects:?}"),
             Err(fault) => {
                 assert!(
                     (fault.made_least..=fault.made_most).contains(&made),

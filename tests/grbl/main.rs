@@ -1,5 +1,7 @@
 //! The grbl driver against a simulated board at the end of a pseudo-terminal.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 mod connecting;
 mod dosing;
 mod faults;

@@ -171,12 +171,11 @@ impl Machine {
         match byte {
             b'?' => self.report(),
             b'!' => self.hold(),
-            b'~' => {
-                if self.state == State::Hold && self.motor.stands() {
-                    self.motor.stopping = false;
-                    self.state = State::Run;
-                }
+            b'~' if self.state == State::Hold && self.motor.stands() => {
+                self.motor.stopping = false;
+                self.state = State::Run;
             }
+            b'~' => {}
             0x18 => self.soft_reset(),
             0x85 => self.cancel(),
             0x80.. => {}

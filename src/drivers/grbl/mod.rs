@@ -12,6 +12,7 @@ mod error;
 mod holder;
 mod jogs;
 mod port;
+mod recovery;
 #[doc(hidden)]
 pub mod reply;
 mod scale;
@@ -29,6 +30,7 @@ use crate::pump_file::{DriveTable, MotorTable};
 use board::{Board, Heard};
 use jogs::{Motion, Task};
 use port::Port;
+use recovery::Known;
 use reply::Reply;
 use scale::Scale;
 use settings::{Flavour, Settings};
@@ -159,37 +161,22 @@ impl Grbl {
             Err(error) => return Err(self.fault(error, 0, 0)),
         };
         let mut under_way = Motion::new(&mut self.board, &self.scale, task);
-        let mut outcome = motion(&mut under_way);
-        let mut known = outcome.is_ok();
-        let mut made = under_way.made;
-        if let Err(error) = &outcome {
-            if error.ends_link() {
-                under_way.call_out();
-            } else if matches!(error, GrblError::Reset) {
-                // A line that was under way would set it in motion again; where it stands is not to be learned.
-                let _ = under_way.stop();
-            } else if !matches!(error, GrblError::Count { .. }) {
-                match under_way.stop() {
-                    Ok(()) => (known, made) = (true, under_way.made),
-                    Err(also) if also.ends_link() || also.loses() || matches!(also, GrblError::Reset) => {
-                        outcome = Err(also);
-                    }
-                    Err(_) => {}
-                }
-            } else {
-                let _ = under_way.stop();
-            }
-        }
-        let sent = under_way.sent;
+        let outcome = motion(&mut under_way).map_err(|error| under_way.recover(error));
+        let (made, sent) = (under_way.made, under_way.sent);
+        let known = match &outcome {
+            Ok(_) => true,
+            Err((_, known)) => *known == Known::Exactly,
+        };
         self.stands = known.then(|| task.count_after(made));
         if sent > 0 && self.settings.holds() != Some(true) {
             self.disturbed.get_or_insert(Disturbance::Disabled);
         }
-        match outcome {
-            Ok(value) => Ok((value, made)),
-            Err(error) if known => Err(self.fault(error, made, made)),
-            Err(error) => Err(self.fault(error, made, sent)),
-        }
+        outcome.map(|value| (value, made)).map_err(|(error, known)| {
+            let most = if known == Known::Exactly { made } else { sent };
+            let lost = known == Known::Nowhere;
+            let fault = self.fault(error, made, most);
+            DriveFault { lost: lost || fault.lost, ..fault }
+        })
     }
 
     fn fault(&mut self, error: GrblError, made_least: u64, made_most: u64) -> DriveFault {

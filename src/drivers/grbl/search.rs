@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 use super::board::{Heard, POLL};
 use super::connect::{RESET, rest};
 use super::error::GrblError;
-use super::jogs::{HOLD, Motion, feed_text};
+use super::jogs::{Motion, feed_text};
+use super::recovery::HOLD;
 use super::reply::{Reply, State};
 use crate::drivers::{Gate, Sought};
 
