@@ -7,6 +7,7 @@
 //! Units are mL, kPa absolute, s and rad, and stand in every name. Needs neither `std` nor an allocator.
 //!
 //! Feature `integrator`, on by default: the implicit integrator, for models that are not linear, and the runs made with it.
+//! Feature `identification`, on by default: roller volumes from a drawing or from measured points, lines from hoses.
 //! Everything else links into firmware without a panic (`tests/no_panic`).
 //!
 //! ```
@@ -20,6 +21,10 @@
 
 #[cfg(feature = "integrator")]
 pub mod circuit;
+#[cfg(feature = "identification")]
+mod drawing;
+#[cfg(feature = "identification")]
+mod drawing_fit;
 mod error;
 mod exact;
 mod exact_samples;
@@ -38,12 +43,16 @@ mod port_run;
 mod presets;
 mod propagator;
 mod pump;
+#[cfg(feature = "identification")]
+mod quadrature;
 pub mod roller_volume;
 mod settling;
 mod steady;
 mod stretches;
 mod turn_range;
 
+#[cfg(feature = "identification")]
+pub use drawing::Drawing;
 pub use error::ModelError;
 pub use exact::ExactRun;
 pub use exact_samples::ExactSamples;
