@@ -88,6 +88,14 @@ pub enum ModelError {
         /// phi, degrees.
         engagement_deg: f64,
     },
+    /// Too few measured points for a curve.
+    #[error("there are measured points at {angles} different angles; the curve needs {needed} at least")]
+    TooFewPoints {
+        /// Different angles.
+        angles: usize,
+        /// How many are needed.
+        needed: usize,
+    },
     /// A roller-volume curve with more pieces than there are places.
     #[error(
         "the roller volume needs more than {allowed} pieces; give fewer measured points (or their fit), or check the dimensions"

@@ -34,8 +34,12 @@ mod geometry;
 mod hermite;
 #[cfg(feature = "integrator")]
 pub mod integrator;
+#[cfg(feature = "identification")]
+mod least_squares;
 mod line;
 pub mod math;
+#[cfg(feature = "identification")]
+mod monotone_spline;
 mod motion;
 pub mod polynomial;
 #[cfg(feature = "integrator")]
@@ -50,6 +54,8 @@ mod settling;
 mod steady;
 mod stretches;
 mod turn_range;
+#[cfg(feature = "identification")]
+pub mod volume_fit;
 
 #[cfg(feature = "identification")]
 pub use drawing::Drawing;
@@ -69,3 +75,5 @@ pub use roller_volume::RollerVolume;
 pub use settling::SETTLED_ML;
 pub use steady::SteadyState;
 pub use stretches::{Stretch, Stretches};
+#[cfg(feature = "identification")]
+pub use volume_fit::{VolumeFit, VolumePoint};

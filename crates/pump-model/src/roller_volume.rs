@@ -179,6 +179,17 @@ impl RollerVolume {
         }
     }
 
+    /// Stretches over which the volume is held, rad: from, to.
+    pub fn held_rad(&self) -> impl Iterator<Item = (f64, f64)> {
+        let ends = self.pieces().iter().skip(1).map(|next| next.start_rad).chain([self.engagement_rad]);
+        let held = |piece: &Piece| piece.volume.c.iter().skip(1).all(|c| *c == 0.0);
+        self.pieces()
+            .iter()
+            .zip(ends)
+            .filter(move |(piece, _)| held(piece))
+            .map(|(piece, end)| (piece.start_rad, end))
+    }
+
     pub(crate) fn pieces(&self) -> &[Piece] {
         self.pieces.get(..self.count).unwrap_or(&self.pieces)
     }
@@ -229,38 +240,21 @@ impl RollerVolume {
 mod tests {
     use super::*;
 
-    /// Mean of seven measured roller volumes, McIntyre et al.: (deg, mL).
-    const MEASURED: [(f64, f64); 15] = [
-        (0.0, 0.0),
-        (3.37, 0.0207143),
-        (6.92, 0.1057143),
-        (10.62, 0.2528571),
-        (13.98, 0.4357143),
-        (17.68, 0.6842857),
-        (21.20, 0.9007143),
-        (24.93, 1.175),
-        (28.50, 1.4014286),
-        (32.25, 1.6157143),
-        (35.75, 1.815),
-        (39.59, 1.9542857),
-        (42.87, 2.0242857),
-        (46.53, 2.08),
-        (50.53, 2.1064286),
-    ];
-
     #[test]
+    #[cfg(feature = "identification")]
     fn published_curve_passes_the_measured_points_within_its_residual() {
         let curve = RollerVolume::measured().unwrap();
         // Value of the polynomial at its minimum (0.567 deg), where the curve starts to rise from 0.
         const OFFSET_ML: f64 = -0.001_182_011;
-        let square: f64 = MEASURED
+        let measured = crate::volume_fit::PUBLISHED_POINTS;
+        let square: f64 = measured
             .iter()
             .map(|&(deg, ml)| {
                 let error = curve.at(radians(deg)) + OFFSET_ML - ml;
                 error * error
             })
             .sum();
-        let rms = libm::sqrt(square / MEASURED.len() as f64);
+        let rms = libm::sqrt(square / measured.len() as f64);
         assert!((0.007..0.0078).contains(&rms), "RMS {rms} mL");
     }
 

@@ -5,26 +5,8 @@
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use proptest::prelude::*;
+use pump_model::volume_fit::PUBLISHED_POINTS;
 use pump_model::{Drawing, Geometry, Line, ModelError, Pump, RollerVolume, Variant};
-
-/// Mean of seven measured roller volumes, McIntyre et al.: (deg, mL).
-const MEASURED: [(f64, f64); 15] = [
-    (0.0, 0.0),
-    (3.37, 0.0207143),
-    (6.92, 0.1057143),
-    (10.62, 0.2528571),
-    (13.98, 0.4357143),
-    (17.68, 0.6842857),
-    (21.20, 0.9007143),
-    (24.93, 1.175),
-    (28.50, 1.4014286),
-    (32.25, 1.6157143),
-    (35.75, 1.815),
-    (39.59, 1.9542857),
-    (42.87, 2.0242857),
-    (46.53, 2.08),
-    (50.53, 2.1064286),
-];
 
 fn drawing(variant: Variant) -> Drawing {
     Drawing::new(&Geometry::published(3, variant)).unwrap()
@@ -85,14 +67,14 @@ fn angles_are_those_of_the_drawing() {
 
 #[test]
 fn volumes_are_as_near_to_those_measured_as_is_known() {
-    let end_ml = MEASURED[14].1;
+    let end_ml = PUBLISHED_POINTS[14].1;
     for (variant, end_percent, rms_ml, arc_ml) in
         [(Variant::AsBuilt, -2.3, 0.0595, 2.1147), (Variant::Measured, 2.6, 0.030, 2.2267)]
     {
         let drawing = drawing(variant);
         let volume = |deg: f64| drawing.volume_ml(deg.to_radians());
         assert!((100.0 * (volume(50.53) / end_ml - 1.0) - end_percent).abs() < 0.05, "{}", volume(50.53));
-        let square: f64 = MEASURED.iter().map(|(deg, ml)| (volume(*deg) - ml).powi(2)).sum();
+        let square: f64 = PUBLISHED_POINTS.iter().map(|(deg, ml)| (volume(*deg) - ml).powi(2)).sum();
         assert!(((square / 15.0).sqrt() - rms_ml).abs() < 5e-4, "{}", (square / 15.0).sqrt());
         assert!((drawing.volume_ml(drawing.engagement_rad()) - arc_ml).abs() < 5e-5);
     }
