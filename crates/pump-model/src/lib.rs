@@ -30,8 +30,14 @@ mod exact;
 mod exact_samples;
 mod extremes;
 pub mod flow_curve;
+#[cfg(feature = "identification")]
+mod fluid;
+#[cfg(feature = "identification")]
+mod friction;
 mod geometry;
 mod hermite;
+#[cfg(feature = "identification")]
+mod hose;
 #[cfg(feature = "integrator")]
 pub mod integrator;
 #[cfg(feature = "identification")]
@@ -64,7 +70,13 @@ pub use exact::ExactRun;
 pub use exact_samples::ExactSamples;
 pub use extremes::Extremes;
 pub use flow_curve::{FlowCurve, Port, Ripple};
+#[cfg(feature = "identification")]
+pub use fluid::Fluid;
+#[cfg(feature = "identification")]
+pub use friction::Friction;
 pub use geometry::Geometry;
+#[cfg(feature = "identification")]
+pub use hose::Hose;
 pub use line::Line;
 pub use motion::Leg;
 #[cfg(feature = "integrator")]
