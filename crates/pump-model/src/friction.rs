@@ -12,7 +12,7 @@ const LAMINAR_REYNOLDS: f64 = 100.0;
 /// dP(Q) = (f l/d + K) rho v|v|/2 of a smooth hose, with Churchill's f ("Friction-factor equation spans all fluid-flow
 /// regimes", Chem. Eng. 84, 1977), one formula for laminar flow, turbulence and what lies between. f is Darcy's factor.
 ///
-/// It is not linear in Q, so it is for the integrator alone: `PortRun::with_loss`.
+/// It is not linear in Q, so it is for the integrator alone: `PortRun::with_friction`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction {
     /// Reynolds number over flow, s/mL.
