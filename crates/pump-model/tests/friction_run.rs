@@ -53,7 +53,8 @@ fn the_jacobian_is_the_derivative_of_the_right_hand_side() {
     }
 }
 
-/// Runge's classic method with equal steps, which knows nothing of edges.
+/// Runge's classic method with equal steps, which knows nothing of edges: they cost it 1e-6 mL/s at 160,000 steps and four times
+/// that at half as many.
 fn classic(pump: &Pump, friction: &Friction, speed_rad_s: f64, end_s: f64, steps: u32) -> [f64; 2] {
     let line = pump.outlet();
     let derivative = |t: f64, [p, q]: [f64; 2]| {
@@ -86,9 +87,9 @@ fn an_independent_solver_finds_the_same_pressures() {
         let start = SVector::<f64, 2>::zeros();
         let mut run = PortRun::with_friction(&pump, friction, Port::Outlet, legs, start, 1e-10).unwrap();
         let found = run.run_to(end_s).unwrap();
-        let [p, q] = classic(&pump, &friction, speed, end_s, 80_000);
+        let [p, q] = classic(&pump, &friction, speed, end_s, 160_000);
         assert!(
-            (found[0] - p).abs() < 3e-6 && (found[1] - q).abs() < 3e-6,
+            (found[0] - p).abs() < 2e-6 && (found[1] - q).abs() < 2e-6,
             "{found} for {p} {q} at {speed_rpm}"
         );
     }
