@@ -105,6 +105,13 @@ impl Prepared {
 
         let plan = plan(model, start, &planned, &limits)?;
         let prediction = plan.predict(model)?;
+        let mut warnings = warnings_of(model, &plan, &prediction);
+        if file.is_estimated() {
+            warnings.push(
+                "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on it"
+                    .to_owned(),
+            );
+        }
         Ok(Self {
             request,
             plan,
@@ -112,7 +119,7 @@ impl Prepared {
             limits,
             phase_source,
             carry_out_ml: if is_dose { plan.carry_ml } else { carry_ml },
-            warnings: warnings_of(model, &plan, &prediction),
+            warnings,
         })
     }
 }
