@@ -58,7 +58,8 @@ impl DrawnPump {
         file.rollers.radius_mm = geometry.roller_radius_mm;
         file.rollers.offset_mm = geometry.roller_offset_mm;
         file.backplate.radius_mm = geometry.backplate_radius_mm;
-        file.backplate.contact_angle_deg = degrees(geometry.contact_angle_rad);
+        // 30 degrees are 30 again, and not their neighbour.
+        file.backplate.contact_angle_deg = floor(1e9 * degrees(geometry.contact_angle_rad) + 0.5) / 1e9;
         file.roller_volume = roller_volume;
         file.inlet = line.clone();
         file.outlet = line;
@@ -97,12 +98,12 @@ impl DrawnPump {
                 }
                 _ => "",
             };
-            for part in [remark, line] {
-                if !part.is_empty() || part == line {
-                    text.push_str(part);
-                    text.push('\n');
-                }
+            if !remark.is_empty() {
+                text.push_str(remark);
+                text.push('\n');
             }
+            text.push_str(line);
+            text.push('\n');
         }
         Ok(text)
     }

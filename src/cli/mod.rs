@@ -5,6 +5,7 @@ mod batch;
 mod dose;
 mod home;
 mod interrupt;
+mod new_pump;
 mod outputs;
 mod pumps;
 mod simulate;
