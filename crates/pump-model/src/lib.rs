@@ -57,6 +57,8 @@ mod pump;
 mod quadrature;
 pub mod roller_volume;
 mod settling;
+#[cfg(feature = "identification")]
+mod speed_law;
 mod steady;
 mod stretches;
 mod turn_range;
@@ -85,6 +87,8 @@ pub use presets::{PUBLISHED_CONTACT_ANGLE_DEG, Variant};
 pub use pump::Pump;
 pub use roller_volume::RollerVolume;
 pub use settling::SETTLED_ML;
+#[cfg(feature = "identification")]
+pub use speed_law::SpeedLaw;
 pub use steady::SteadyState;
 pub use stretches::{Stretch, Stretches};
 #[cfg(feature = "identification")]
