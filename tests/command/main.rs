@@ -8,6 +8,7 @@ mod drawings;
 mod endings;
 mod files;
 mod refusals;
+mod retraction;
 mod simulations;
 mod tube;
 mod unknown_angle;

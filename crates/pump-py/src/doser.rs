@@ -103,6 +103,7 @@ impl Doser {
             volume_ml: amount.volume_ml(doser.pump.get().file.fluid.density_kg_m3),
             cruise: cruise(rate, speed, within)?,
             start_angle_rad: Some(start_angle_rad),
+            retract_ml: None,
             max_outlet_kpa: doser.limits.max_outlet_kpa,
             min_inlet_kpa: doser.limits.min_inlet_kpa,
         };

@@ -13,6 +13,7 @@ mod retarget;
 mod segments;
 mod steps;
 mod target;
+mod turn;
 
 pub use cruise::speed_for_flow;
 pub use error::PlanError;
@@ -23,6 +24,7 @@ pub use profile::Trapezoid;
 pub use request::{Cruise, Request};
 pub use segments::Segments;
 pub use steps::{Step, Steps};
+pub use turn::turn;
 
 use lines::Lines;
 use pump_model::{Leg, Pump};
