@@ -138,6 +138,13 @@ impl Prepared {
 
         let plan = plan(model, start, &planned, &limits)?;
         let prediction = plan.predict(model)?;
+        let mut warnings = warnings_of(model, &plan, &prediction);
+        if file.is_estimated() {
+            warnings.push(
+                "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on it"
+                    .to_owned(),
+            );
+        }
         let mut prepared = Self {
             request,
             plan,
@@ -146,7 +153,7 @@ impl Prepared {
             phase_source,
             carry_out_ml: if is_dose { plan.carry_ml } else { carry_ml },
             retraction: None,
-            warnings: warnings_of(model, &plan, &prediction),
+            warnings,
         };
         if let Some(volume_ml) = request.retract_ml {
             prepared.retraction = Some(Retraction::new(model, &prepared, volume_ml)?);

@@ -22,6 +22,7 @@ mod bench;
 mod built_in;
 pub mod csv;
 mod dose;
+mod drawn_pump;
 pub mod drivers;
 mod error;
 mod folder;
@@ -47,6 +48,7 @@ pub mod waveform;
 pub use bench::Bench;
 pub use built_in::{BUILT_IN, built_in};
 pub use dose::{DoseRequest, PhaseSource, Prepared, Purpose};
+pub use drawn_pump::DrawnPump;
 pub use drivers::{
     Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Grbl, GrblError, Sim, Sought,
 };

@@ -38,7 +38,7 @@ pub struct DoseReport {
     pub volume_most_ml: f64,
     /// What the vessel received, mL; null on a dry run.
     pub delivered_ml: Option<f64>,
-    /// `model`: from the model alone.
+    /// `model`: from the model alone; `estimated`: from the model of a drawing.
     pub volume_basis: &'static str,
     /// Expanded uncertainty (k = 2), mL.
     pub expanded_uncertainty_ml: f64,
@@ -158,7 +158,7 @@ impl DoseReport {
             volume_least_ml: part.least_ml,
             volume_most_ml: part.most_ml,
             delivered_ml: delivered.map(|delivered| delivered.volume_ml),
-            volume_basis: "model",
+            volume_basis: if file.is_estimated() { "estimated" } else { "model" },
             expanded_uncertainty_ml: budget.expanded_ml(),
             uncertainty_budget: budget.shares,
             phase: PhaseReport {

@@ -19,6 +19,8 @@ pub enum Kind {
     Angle,
     /// kPa absolute
     Pressure,
+    /// mm
+    Length,
 }
 
 impl fmt::Display for Kind {
@@ -31,6 +33,7 @@ impl fmt::Display for Kind {
             Self::Time => "time",
             Self::Angle => "angle",
             Self::Pressure => "pressure",
+            Self::Length => "length",
         })
     }
 }
@@ -82,6 +85,10 @@ const PRESSURES: Units = &[
     ("psi", 6.894_757_293_168_361),
 ];
 
+/// The international inch is 25.4 mm.
+const LENGTHS: Units =
+    &[("mm", 1.0), ("cm", 10.0), ("m", 1e3), ("um", 1e-3), ("µm", 1e-3), ("in", 25.4), ("inch", 25.4)];
+
 impl Kind {
     /// An example of what to write.
     pub fn example(self) -> &'static str {
@@ -93,6 +100,7 @@ impl Kind {
             Self::Time => "1.5s",
             Self::Angle => "30deg",
             Self::Pressure => "120kPaa",
+            Self::Length => "63mm",
         }
     }
 
@@ -108,6 +116,7 @@ impl Kind {
             Self::Time => "s, ms, us, min, h",
             Self::Angle => "deg, rad, mrad, rev",
             Self::Pressure => "Paa, kPaa, MPaa, mbara, bara, psia (absolute), or with g at the end (gauge)",
+            Self::Length => "mm, cm, m, um (µm), in",
         }
     }
 
@@ -122,12 +131,21 @@ impl Kind {
             Self::Time => SECONDS,
             Self::Angle => ANGLES,
             Self::Pressure => PRESSURES,
+            Self::Length => LENGTHS,
         };
         if let Some((name, _)) = own.iter().find(|(name, _)| name.to_lowercase() == lower) {
             return format!(", did you mean `{name}` (case matters)");
         }
-        let all =
-            [Self::Volume, Self::Mass, Self::Flow, Self::Speed, Self::Time, Self::Angle, Self::Pressure];
+        let all = [
+            Self::Volume,
+            Self::Mass,
+            Self::Flow,
+            Self::Speed,
+            Self::Time,
+            Self::Angle,
+            Self::Pressure,
+            Self::Length,
+        ];
         let other = all.into_iter().find(|other| *other != self && other.factor(unit).is_some());
         other.map_or(String::new(), |other| format!(", which is a {other} unit"))
     }
@@ -144,6 +162,7 @@ impl Kind {
             Self::Time => factor_in(SECONDS, unit),
             Self::Angle => factor_in(ANGLES, unit),
             Self::Pressure => factor_in(PRESSURES, unit),
+            Self::Length => factor_in(LENGTHS, unit),
         }
     }
 }

@@ -4,6 +4,7 @@
 
 mod batches;
 mod doses;
+mod drawings;
 mod endings;
 mod files;
 mod refusals;
