@@ -41,12 +41,7 @@ pub fn built_in(name: &str) -> Option<PumpFile> {
 
 fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
     let geometry = Geometry::published(rollers, variant);
-    let line = LineTable {
-        resistance_kpa_s_ml: Line::PUBLISHED.resistance_kpa_s_ml,
-        compliance_ml_kpa: Line::PUBLISHED.compliance_ml_kpa,
-        inertance_kpa_s2_ml: Line::PUBLISHED.inertance_kpa_s2_ml,
-        reservoir_kpa: Line::PUBLISHED.reservoir_kpa,
-    };
+    let line = LineTable::from(Line::PUBLISHED);
     PumpFile {
         schema: SCHEMA.to_owned(),
         pump: PumpTable {
@@ -69,7 +64,7 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
             radius_mm: geometry.backplate_radius_mm,
             contact_angle_deg: PUBLISHED_CONTACT_ANGLE_DEG,
         },
-        roller_volume: RollerVolumeTable {
+        roller_volume: RollerVolumeTable::Polynomial {
             engagement_angle_deg: PUBLISHED_ENGAGEMENT_DEG,
             polynomial_ml_deg: PUBLISHED_COEFFICIENTS_DEG,
             total_ml: (variant == Variant::Published).then_some(PUBLISHED_TOTAL_ML),
@@ -84,7 +79,13 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
             max_speed_rpm: if rollers == 3 { 170.0 } else { 300.0 },
             max_acceleration_rad_s2: 500.0,
         },
-        fluid: FluidTable { name: "water".to_owned(), temperature_degc: 25.0, density_kg_m3: 997.0 },
+        fluid: FluidTable {
+            name: "water".to_owned(),
+            temperature_degc: 25.0,
+            density_kg_m3: 997.0,
+            viscosity_mpa_s: None,
+            bulk_modulus_mpa: None,
+        },
         ambient: AmbientTable { pressure_kpa: 85.7 },
         limits: LimitsTable::default(),
         uncertainty: UncertaintyTable {

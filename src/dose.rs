@@ -136,7 +136,7 @@ impl Prepared {
     ) -> Result<Self, PlanError> {
         let (asked, limits) = asked_of(file, &request, carry_ml);
         let plan = plan(model, start, &asked, &limits)?;
-        Self::of_plan(request, *model, None, plan, limits, phase_source, carry_ml)
+        Self::of_plan(file, request, *model, None, plan, limits, phase_source, carry_ml)
     }
 
     /// The same of a pump with a calibration.
@@ -154,12 +154,14 @@ impl Prepared {
         let found = planner.plan(start, &asked)?;
         let applied = Some(found.applied);
         let mut prepared =
-            Self::of_plan(request, found.model, applied, found.plan, limits, phase_source, carry_ml)?;
+            Self::of_plan(file, request, found.model, applied, found.plan, limits, phase_source, carry_ml)?;
         prepared.warnings.extend(found.warning);
         Ok(prepared)
     }
 
+    #[allow(clippy::too_many_arguments, reason = "what a plan was made of")]
     fn of_plan(
+        file: &PumpFile,
         request: DoseRequest,
         model: Pump,
         calibration: Option<Applied>,
@@ -169,6 +171,14 @@ impl Prepared {
         carry_ml: f64,
     ) -> Result<Self, PlanError> {
         let prediction = plan.predict(&model)?;
+        let mut warnings = warnings_of(&model, &plan, &prediction);
+        let is_weighed = calibration.as_ref().is_some_and(|applied| applied.displacement.is_some());
+        if file.is_estimated() && !is_weighed {
+            warnings.push(
+                "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on it"
+                    .to_owned(),
+            );
+        }
         let mut prepared = Self {
             request,
             model,
@@ -179,7 +189,7 @@ impl Prepared {
             phase_source,
             carry_out_ml: if request.purpose == Purpose::Dose { plan.carry_ml } else { carry_ml },
             retraction: None,
-            warnings: warnings_of(&model, &plan, &prediction),
+            warnings,
         };
         if let Some(volume_ml) = request.retract_ml {
             prepared.retraction = Some(Retraction::new(&prepared, volume_ml)?);

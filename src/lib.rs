@@ -23,6 +23,7 @@ mod built_in;
 pub mod calibration;
 pub mod csv;
 mod dose;
+mod drawn_pump;
 pub mod drivers;
 mod error;
 mod folder;
@@ -50,6 +51,7 @@ pub mod waveform;
 pub use bench::Bench;
 pub use built_in::{BUILT_IN, built_in};
 pub use dose::{DoseRequest, PhaseSource, Prepared, Purpose};
+pub use drawn_pump::DrawnPump;
 pub use drivers::{
     Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Grbl, GrblError, Sim, Sought,
 };

@@ -37,7 +37,7 @@ pub struct DoseReport {
     pub volume_most_ml: f64,
     /// What the vessel received, mL; null on a dry run.
     pub delivered_ml: Option<f64>,
-    /// `model`: from the model alone; `calibrated`: from the volume that was weighed.
+    /// `model`: from the model alone; `estimated`: from the model of a drawing; `calibrated`: from what was weighed.
     pub volume_basis: &'static str,
     /// The calibration that was used; null if there was none.
     pub calibration: Option<CalibrationReport>,
@@ -171,6 +171,7 @@ impl DoseReport {
             delivered_ml: delivered.map(|delivered| delivered.volume_ml),
             volume_basis: match applied.and_then(|applied| applied.displacement) {
                 Some(_) => "calibrated",
+                None if file.is_estimated() => "estimated",
                 None => "model",
             },
             calibration: applied.map(|applied| CalibrationReport {

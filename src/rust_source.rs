@@ -52,8 +52,9 @@ fn write_pump(out: &mut String, pump: &Pump) {
     let volume = pump.roller_volume();
     let _ = writeln!(
         out,
-        "    RollerVolume::precomputed({:?}, {:?}, &[",
+        "    RollerVolume::precomputed({:?}, {:?}, {:?}, &[",
         volume.engagement_rad(),
+        volume.inset_rad(),
         volume.total_ml()
     );
     for piece in volume.precomputed_pieces() {

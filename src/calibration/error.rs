@@ -73,12 +73,6 @@ pub enum CalibrationError {
         /// mL.
         model_ml: f64,
     },
-    /// The density of water is not known at this temperature.
-    #[error("the water is at {temperature_degc} °C; its density is known from 0 to 40 °C")]
-    WaterTemperature {
-        /// °C.
-        temperature_degc: f64,
-    },
     /// The density of the fluid is not known at this temperature.
     #[error(
         "{fluid} was weighed at {temperature_degc} °C, but its density is known at {known_degc} °C; put the density at the \

@@ -1,5 +1,6 @@
 //! From what a scale shows to a volume: density of water and air, and the factor Z of ISO 8655-6.
 
+use pump_model::Fluid;
 use pump_model::math::exp;
 
 use super::CalibrationError;
@@ -10,9 +11,6 @@ const WEIGHTS_KG_M3: f64 = 8000.0;
 
 /// Relative humidity where nobody measured it, percent: ISO 8655-6 asks for more than 50. From 30 to 80 % Z changes by 4e-6.
 const HUMIDITY_PERCENT: f64 = 50.0;
-
-/// Temperatures for which the density of water holds, °C.
-const WATER_DEGC: std::ops::RangeInclusive<f64> = 0.0..=40.0;
 
 /// How far from the temperature of its density another fluid may be weighed, °C.
 const SAME_TEMPERATURE_DEGC: f64 = 2.0;
@@ -37,11 +35,8 @@ impl<'a> Weighing<'a> {
     /// Water has the density of its temperature; of another fluid only the density in the pump file is known, so its
     /// temperature must be the one there within 2 °C.
     pub fn volume_ml(&self, mass_g: f64, temperature_degc: f64) -> Result<f64, CalibrationError> {
-        let density_kg_m3 = if self.fluid.name == "water" {
-            if !WATER_DEGC.contains(&temperature_degc) {
-                return Err(CalibrationError::WaterTemperature { temperature_degc });
-            }
-            water_kg_m3(temperature_degc)
+        let density_kg_m3 = if self.fluid.is_water() {
+            Fluid::water(temperature_degc)?.density_kg_m3
         } else {
             let known_degc = self.fluid.temperature_degc;
             if (temperature_degc - known_degc).abs() > SAME_TEMPERATURE_DEGC {
@@ -52,15 +47,6 @@ impl<'a> Weighing<'a> {
         };
         Ok(mass_g * z_ml_g(density_kg_m3, air_kg_m3(temperature_degc, self.ambient_kpa)))
     }
-}
-
-/// Density of air-free water at 101.325 kPa, kg/m³, from 0 to 40 °C: Tanaka, Girard, Davis, Peuto, Bignell, "Recommended
-/// table for the density of water between 0 °C and 40 °C based on recent experimental reports", Metrologia 38 (2001)
-/// 301-309, which the CIPM recommends; standard uncertainty below 0.001 kg/m³.
-pub fn water_kg_m3(temperature_degc: f64) -> f64 {
-    let t = temperature_degc;
-    let departure = (t - 3.983_035) * (t - 3.983_035) * (t + 301.797) / (522_528.9 * (t + 69.348_81));
-    999.974_950 * (1.0 - departure)
 }
 
 /// Density of air at 50 % relative humidity, kg/m³: OIML R 111-1:2004, equation E.3-1, good to 2e-4 of it near 20 °C.
@@ -81,16 +67,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn water_weighs_what_the_cipm_recommends() {
-        // Tanaka et al., table 1.
-        for (degc, kg_m3) in
-            [(4.0, 999.974_9), (10.0, 999.702_5), (20.0, 998.206_7), (25.0, 997.047_0), (40.0, 992.215_2)]
-        {
-            assert!((water_kg_m3(degc) - kg_m3).abs() < 3e-4, "{degc}: {}", water_kg_m3(degc));
-        }
-    }
-
-    #[test]
     fn z_is_that_of_the_standards_table() {
         // ISO 8655-6:2002, table of Z for distilled water, mL/mg times 1000: °C, kPa, Z.
         for (degc, kpa, z) in [
@@ -100,15 +76,20 @@ mod tests {
             (25.0, 101.3, 1.0040),
             (30.0, 101.3, 1.0054),
         ] {
-            let computed = z_ml_g(water_kg_m3(degc), air_kg_m3(degc, kpa));
+            let computed = z_ml_g(Fluid::water(degc).unwrap().density_kg_m3, air_kg_m3(degc, kpa));
             assert!((computed - z).abs() < 0.6e-4, "{degc} °C, {kpa} kPa: {computed}");
         }
     }
 
     #[test]
     fn other_fluids_float_too_and_must_have_the_temperature_of_their_density() {
-        let fluid =
-            FluidTable { name: "glycerol 50 %".to_owned(), temperature_degc: 20.0, density_kg_m3: 1126.0 };
+        let fluid = FluidTable {
+            name: "glycerol 50 %".to_owned(),
+            temperature_degc: 20.0,
+            density_kg_m3: 1126.0,
+            viscosity_mpa_s: None,
+            bulk_modulus_mpa: None,
+        };
         let weighing = Weighing { fluid: &fluid, ambient_kpa: 101.3 };
         let volume_ml = weighing.volume_ml(112.6, 21.0).unwrap();
         // Buoyancy: 1.2/1126 less 1.2/8000.

@@ -9,6 +9,7 @@ use pump_dose::quantity::{self, Pressure};
 use pump_dose::{BUILT_IN, Bench, built_in, default_state_dir};
 
 use super::calibrate::CalibrateCommand;
+use super::new_pump::NewPump;
 use super::{Failure, batch};
 
 /// The command that prints pumps.
@@ -117,6 +118,8 @@ pub(crate) enum PumpsCommand {
         /// Built-in name or TOML file
         name: String,
     },
+    /// Write a pump file from a drawing
+    New(NewPump),
     /// Check a pump file and say what it gives
     Check {
         /// TOML file

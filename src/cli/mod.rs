@@ -7,6 +7,7 @@ mod dose;
 mod home;
 mod interrupt;
 mod mark;
+mod new_pump;
 mod outputs;
 mod pumps;
 mod simulate;

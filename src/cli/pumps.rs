@@ -1,9 +1,10 @@
 //! `dose pumps`: built-in pumps and pump files.
 
-use pump_dose::pump_file::PumpFile;
+use pump_dose::pump_file::{LineTable, PumpFile, RollerVolumeTable};
 use pump_dose::rust_source::rust_source;
 use pump_dose::{BUILT_IN, built_in};
 use pump_model::math::degrees;
+use pump_model::{Line, RollerVolume};
 
 use super::args::{Format, Options, PumpsCommand, SHOW, pump_named};
 use super::{Failure, print};
@@ -27,6 +28,7 @@ pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result
                 )),
             }
         }
+        Some(PumpsCommand::New(drawing)) => drawing.write(),
         Some(PumpsCommand::Check { file }) => {
             if !file.exists() && file.to_str().is_some_and(|name| built_in(name).is_some()) {
                 let name = file.display();
@@ -55,13 +57,18 @@ fn summary(file: &PumpFile) -> Result<String, Failure> {
     };
     Ok(format!(
         "{} ({}): ok\n\n  \
+         roller    {}\n  \
          volume    {revolution_ml:.4} mL per revolution, {:.4} mL per pitch of {:.2}°\n  \
          flow      {low:.4} to {high:.4} mL/rad at the outlet rollers\n  \
          fastest   {} r/min, {:.3} mL/s\n  \
          step      {} per revolution, {:.3} µL on average\n  \
-         fluid     {} at {} °C, {} kg/m³\n{overlap}",
+         fluid     {} at {} °C, {} kg/m³\n  \
+         inlet     {}\n  \
+         outlet    {}\n  \
+         unsure    {} % of the volume and {} mL of a roller (standard uncertainty)\n{overlap}",
         file.pump.id,
         file.pump.name,
+        roller_text(file, pump.roller_volume())?,
         pump.outlet_curve().pitch_ml(),
         degrees(pump.pitch_rad()),
         file.motor.max_speed_rpm,
@@ -71,5 +78,41 @@ fn summary(file: &PumpFile) -> Result<String, Failure> {
         file.fluid.name,
         file.fluid.temperature_degc,
         file.fluid.density_kg_m3,
+        line_text(file, &file.inlet, pump.inlet()),
+        line_text(file, &file.outlet, pump.outlet()),
+        file.uncertainty.model_percent,
+        file.uncertainty.roller_volume_ml,
     ))
+}
+
+/// A roller's volume and where it comes from.
+fn roller_text(file: &PumpFile, curve: &RollerVolume) -> Result<String, Failure> {
+    let source = match &file.roller_volume {
+        RollerVolumeTable::Polynomial { .. } => "from its polynomial".to_owned(),
+        RollerVolumeTable::Drawing => "estimated from the drawing".to_owned(),
+        RollerVolumeTable::Measured { fit, points } => {
+            let fit = fit.of(points).map_err(Failure::refused)?;
+            let mut source = format!("from {} measured points, {:.4} mL RMS off", points.len(), fit.rms_ml());
+            for (from_deg, to_deg, fall_ml) in fit.falls().into_iter().flatten() {
+                source += &format!("; they fall by {fall_ml:.4} mL from {from_deg:.2}° to {to_deg:.2}°");
+            }
+            source
+        }
+    };
+    Ok(format!("{:.4} mL over {:.2}°, {source}", curve.total_ml(), curve.engagement_deg()))
+}
+
+/// A line and where it comes from.
+fn line_text(file: &PumpFile, table: &LineTable, line: &Line) -> String {
+    let source = match table {
+        LineTable::Given(_) => "as given".to_owned(),
+        LineTable::Hose { hose, .. } => {
+            let at_ml_s = hose.resistance_at_ml_s.unwrap_or(file.pump.default_rate_ml_s);
+            format!("estimated from its hose, R at {at_ml_s} mL/s")
+        }
+    };
+    format!(
+        "R {:.4} kPa s/mL, C {:.4} mL/kPa, L {:.5} kPa s²/mL, {source}",
+        line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml
+    )
 }

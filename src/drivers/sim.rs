@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 use pump_ctl::plan::{Plan, Step};
-use pump_model::circuit::{Circuit, NoFlow, options};
+use pump_model::circuit::{Circuit, Linear, NoFlow, options};
 use pump_model::integrator::{IntegrationError, Rodas5p};
 use pump_model::{Line, Port, Pump};
 
@@ -97,7 +97,7 @@ impl<'a> Sim<'a> {
     }
 
     fn at_rest(&self) -> Circuit<NoFlow> {
-        Circuit::new(self.pump.outlet(), Port::Outlet, NoFlow)
+        Circuit::new(self.pump.outlet(), Linear::of(self.pump.outlet()), Port::Outlet, NoFlow)
     }
 
     fn push(&mut self, line: &Line, volume_ml: f64) {

@@ -1,16 +1,22 @@
 //! Pump files: one TOML file that says everything about a pump, each number with its unit in its key.
 
 mod drive;
+mod fluid;
+mod line;
+mod roller_volume;
 
 use std::path::{Path, PathBuf};
 
 use pump_ctl::plan::{Limits, Motor, PlanError};
 use pump_model::math::{rad_s, radians};
-use pump_model::{Geometry, Line, ModelError, Pump, RollerVolume};
+use pump_model::{Geometry, ModelError, Pump};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use drive::{Axis, DriveTable, DriverName};
+pub use fluid::FluidTable;
+pub use line::{HoseTable, LineTable};
+pub use roller_volume::{Fit, RollerVolumeTable};
 
 /// Schema of pump files.
 pub const SCHEMA: &str = "pump/1";
@@ -101,33 +107,6 @@ pub struct BackplateTable {
     pub contact_angle_deg: f64,
 }
 
-/// `[roller_volume]`
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RollerVolumeTable {
-    /// phi, deg.
-    pub engagement_angle_deg: f64,
-    /// V in mL over deg, highest order (5) first.
-    pub polynomial_ml_deg: [f64; 6],
-    /// V_r that the curve is scaled to, mL; none keeps the polynomial's.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub total_ml: Option<f64>,
-}
-
-/// `[inlet]`, `[outlet]`
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LineTable {
-    /// R, kPa s/mL.
-    pub resistance_kpa_s_ml: f64,
-    /// C, mL/kPa.
-    pub compliance_ml_kpa: f64,
-    /// L, kPa s²/mL.
-    pub inertance_kpa_s2_ml: f64,
-    /// P_res, kPa absolute.
-    pub reservoir_kpa: f64,
-}
-
 /// `[motor]`
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -163,18 +142,6 @@ fn one() -> f64 {
 
 fn usual_full_steps() -> u32 {
     200
-}
-
-/// `[fluid]`
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FluidTable {
-    /// For people.
-    pub name: String,
-    /// Temperature at which the density holds, °C.
-    pub temperature_degc: f64,
-    /// Density, kg/m³: turns a mass into a volume.
-    pub density_kg_m3: f64,
 }
 
 /// `[ambient]`
@@ -349,6 +316,15 @@ impl PumpFile {
             &temperature,
             "-273.15 to 1000",
         )?;
+        let has_hose = self.inlet.is_estimated() || self.outlet.is_estimated();
+        if let Some(key) = self.fluid.missing().filter(|_| has_hose) {
+            value(
+                false,
+                key,
+                &"missing",
+                "a number: a line from a hose needs it, and only water's is known",
+            )?;
+        }
         let ambient = self.ambient.pressure_kpa;
         value((1.0..=1e4).contains(&ambient), "[ambient] pressure_kpa", &ambient, "1 to 10000")?;
         let percent = 0.0..=100.0;
@@ -396,13 +372,14 @@ impl PumpFile {
             roller_radius_mm: self.rollers.radius_mm,
             roller_offset_mm: self.rollers.offset_mm,
         };
-        let table = &self.roller_volume;
-        let mut volume =
-            RollerVolume::from_polynomial_deg(table.polynomial_ml_deg, table.engagement_angle_deg)?;
-        if let Some(total_ml) = table.total_ml {
-            volume = volume.scaled_to(total_ml)?;
-        }
-        Pump::new(geometry, volume, self.inlet.line(), self.outlet.line())
+        let volume = self.roller_volume.curve(&geometry)?;
+        let line = |table: &LineTable| table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s);
+        Pump::new(geometry, volume, line(&self.inlet)?, line(&self.outlet)?)
+    }
+
+    /// Whether volumes follow from a drawing that nobody has held against the pump.
+    pub fn is_estimated(&self) -> bool {
+        self.roller_volume.is_estimated()
     }
 
     /// Limits of motor and pressures.
@@ -417,16 +394,5 @@ impl PumpFile {
     /// What turns the motor unless another driver is named.
     pub fn driver(&self) -> DriverName {
         self.drive.as_ref().map_or(DriverName::Sim, |drive| drive.driver)
-    }
-}
-
-impl LineTable {
-    fn line(&self) -> Line {
-        Line {
-            resistance_kpa_s_ml: self.resistance_kpa_s_ml,
-            compliance_ml_kpa: self.compliance_ml_kpa,
-            inertance_kpa_s2_ml: self.inertance_kpa_s2_ml,
-            reservoir_kpa: self.reservoir_kpa,
-        }
     }
 }

@@ -68,6 +68,12 @@ pub enum QuantityError {
         /// Its unit.
         unit: String,
     },
+    /// A tube that does not say its two diameters.
+    #[error("`{text}` is no tube; write bore x outer diameter with their unit, as 10x14mm")]
+    NoTube {
+        /// What was read.
+        text: String,
+    },
     /// Zero where it means nothing.
     #[error("`{text}` is zero; a {kind} must be more than that")]
     Zero {

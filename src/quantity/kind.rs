@@ -21,6 +21,8 @@ pub enum Kind {
     Pressure,
     /// °C
     Temperature,
+    /// mm
+    Length,
 }
 
 impl fmt::Display for Kind {
@@ -34,6 +36,7 @@ impl fmt::Display for Kind {
             Self::Angle => "angle",
             Self::Pressure => "pressure",
             Self::Temperature => "temperature",
+            Self::Length => "length",
         })
     }
 }
@@ -86,6 +89,10 @@ const PRESSURES: Units = &[
     ("psi", 6.894_757_293_168_361),
 ];
 
+/// The international inch is 25.4 mm.
+const LENGTHS: Units =
+    &[("mm", 1.0), ("cm", 10.0), ("m", 1e3), ("um", 1e-3), ("µm", 1e-3), ("in", 25.4), ("inch", 25.4)];
+
 impl Kind {
     /// An example of what to write.
     pub fn example(self) -> &'static str {
@@ -98,6 +105,7 @@ impl Kind {
             Self::Angle => "30deg",
             Self::Pressure => "120kPaa",
             Self::Temperature => "20degC",
+            Self::Length => "63mm",
         }
     }
 
@@ -114,6 +122,7 @@ impl Kind {
             Self::Angle => "deg, rad, mrad, rev",
             Self::Pressure => "Paa, kPaa, MPaa, mbara, bara, psia (absolute), or with g at the end (gauge)",
             Self::Temperature => "degC (°C)",
+            Self::Length => "mm, cm, m, um (µm), in",
         }
     }
 
@@ -129,12 +138,21 @@ impl Kind {
             Self::Angle => ANGLES,
             Self::Pressure => PRESSURES,
             Self::Temperature => CELSIUS,
+            Self::Length => LENGTHS,
         };
         if let Some((name, _)) = own.iter().find(|(name, _)| name.to_lowercase() == lower) {
             return format!(", did you mean `{name}` (case matters)");
         }
-        let all =
-            [Self::Volume, Self::Mass, Self::Flow, Self::Speed, Self::Time, Self::Angle, Self::Pressure];
+        let all = [
+            Self::Volume,
+            Self::Mass,
+            Self::Flow,
+            Self::Speed,
+            Self::Time,
+            Self::Angle,
+            Self::Pressure,
+            Self::Length,
+        ];
         let other = all.into_iter().find(|other| *other != self && other.factor(unit).is_some());
         other.map_or(String::new(), |other| format!(", which is a {other} unit"))
     }
@@ -152,6 +170,7 @@ impl Kind {
             Self::Angle => factor_in(ANGLES, unit),
             Self::Pressure => factor_in(PRESSURES, unit),
             Self::Temperature => factor_in(CELSIUS, unit),
+            Self::Length => factor_in(LENGTHS, unit),
         }
     }
 }

@@ -79,6 +79,35 @@ pub fn temperature_degc(text: &str) -> Result<f64, QuantityError> {
     Reading::new(text, Kind::Temperature)?.value()
 }
 
+/// A length in mm, positive.
+pub fn length_mm(text: &str) -> Result<f64, QuantityError> {
+    positive(text, Kind::Length)
+}
+
+/// A tube's two diameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TubeSize {
+    /// Inner diameter, mm.
+    pub bore_mm: f64,
+    /// Outer diameter, mm.
+    pub outer_mm: f64,
+}
+
+/// A tube: bore x outer diameter, `10x14mm`, `3.2 x 6.4 mm`. Both positive.
+pub fn tube_size(text: &str) -> Result<TubeSize, QuantityError> {
+    let no_tube = || QuantityError::NoTube { text: shown(text.trim()) };
+    let (bore, outer) = text.split_once(['x', 'X', '×']).ok_or_else(no_tube)?;
+    let outer_mm = length_mm(outer)?;
+    let bore = bore.trim();
+    // The unit may be said once.
+    let unit = Reading::new(outer, Kind::Length)?.unit;
+    let bore_mm = match bore.ends_with(|c: char| c.is_ascii_digit() || c == '.') {
+        true => length_mm(&format!("{bore}{unit}"))?,
+        false => length_mm(bore)?,
+    };
+    Ok(TubeSize { bore_mm, outer_mm })
+}
+
 /// A pressure that says what it is measured against.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pressure {
@@ -204,11 +233,29 @@ mod tests {
         assert!(pressure("15furlongsa").is_err());
     }
 
+    #[test]
+    fn lengths_and_tubes_are_read() {
+        for (text, mm) in [("63mm", 63.0), ("6.3 cm", 63.0), ("0.331m", 331.0), ("1in", 25.4)] {
+            assert!((length_mm(text).unwrap() - mm).abs() < 1e-12, "{text}");
+        }
+        for text in ["10x14mm", "10 x 14 mm", "10mm x 14mm", "1x1.4cm", "10×14mm", "1cmx14mm"] {
+            assert_eq!(tube_size(text).unwrap(), TubeSize { bore_mm: 10.0, outer_mm: 14.0 }, "{text}");
+        }
+        assert_eq!(
+            tube_size("10mm").unwrap_err().to_string(),
+            "`10mm` is no tube; write bore x outer diameter with their unit, as 10x14mm"
+        );
+        for text in ["10x14", "x14mm", "10xmm", "0x14mm", "-10x14mm", "10x14mL", ""] {
+            assert!(tube_size(text).is_err(), "{text}");
+        }
+        assert!(length_mm("63").unwrap_err().to_string().contains("has no unit; write for example 63mm"));
+    }
+
     proptest::proptest! {
         #[test]
         fn no_text_makes_it_panic(text in "\\PC*") {
             let _ = (amount(&text), flow_ml_s(&text), speed_rad_s(&text), time_s(&text));
-            let _ = (angle_rad(&text), pressure(&text), volume_ml(&text));
+            let _ = (angle_rad(&text), pressure(&text), volume_ml(&text), length_mm(&text), tube_size(&text));
         }
     }
 }

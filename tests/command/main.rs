@@ -5,6 +5,7 @@
 mod batches;
 mod calibrate;
 mod doses;
+mod drawings;
 mod endings;
 mod files;
 mod refusals;

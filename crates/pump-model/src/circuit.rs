@@ -3,6 +3,8 @@
 use nalgebra::{SMatrix, SVector};
 
 use crate::flow_curve::Port;
+#[cfg(feature = "identification")]
+use crate::friction::Friction;
 use crate::integrator::{Ode, Options};
 use crate::line::Line;
 use crate::stretches::Stretch;
@@ -37,27 +39,88 @@ impl Forcing for NoFlow {
     }
 }
 
+/// How a line slows the flow in it.
+pub trait Resistance {
+    /// The resisting pressure over L, mL/s².
+    fn deceleration_ml_s2(&self, flow_ml_s: f64) -> f64;
+    /// Its derivative over the flow, 1/s.
+    fn damping_per_s(&self, flow_ml_s: f64) -> f64;
+}
+
+/// A resistance that is the same at every flow: that of [`Line`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Linear {
+    /// R/L, 1/s.
+    damping_per_s: f64,
+}
+
+impl Linear {
+    /// Of a valid line.
+    pub fn of(line: &Line) -> Self {
+        Self { damping_per_s: line.resistance_kpa_s_ml / line.inertance_kpa_s2_ml }
+    }
+}
+
+impl Resistance for Linear {
+    #[inline]
+    fn deceleration_ml_s2(&self, flow_ml_s: f64) -> f64 {
+        self.damping_per_s * flow_ml_s
+    }
+    #[inline]
+    fn damping_per_s(&self, _flow_ml_s: f64) -> f64 {
+        self.damping_per_s
+    }
+}
+
+/// A hose's friction, which grows with the flow, in place of a line's R.
+#[cfg(feature = "identification")]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rough {
+    friction: Friction,
+    /// 1/L, mL/(s² kPa).
+    per_inertance: f64,
+}
+
+#[cfg(feature = "identification")]
+impl Rough {
+    /// Of a hose whose L is that of the line.
+    pub fn new(friction: Friction, line: &Line) -> Self {
+        Self { friction, per_inertance: 1.0 / line.inertance_kpa_s2_ml }
+    }
+}
+
+#[cfg(feature = "identification")]
+impl Resistance for Rough {
+    fn deceleration_ml_s2(&self, flow_ml_s: f64) -> f64 {
+        self.per_inertance * self.friction.drop_kpa(flow_ml_s)
+    }
+    fn damping_per_s(&self, flow_ml_s: f64) -> f64 {
+        self.per_inertance * self.friction.slope_kpa_s_ml(flow_ml_s)
+    }
+}
+
 /// One port of the pump between the rollers and its reservoir.
 ///
 /// State: p = P - P_res, kPa; the line's flow Q_L, mL/s, positive from inlet to outlet; and with `N = 3` the
 /// volume that has passed the line, mL. With s = 1 at the outlet and -1 at the inlet:
 ///
-/// C dp/dt = s (Q - Q_L), L dQ_L/dt = s p - R Q_L, dV/dt = Q_L
+/// C dp/dt = s (Q - Q_L), L dQ_L/dt = s p - dP(Q_L), dV/dt = Q_L
+///
+/// dP(Q_L) is R Q_L for a [`Linear`] resistance.
 #[derive(Debug, Clone, Copy)]
-pub struct Circuit<F> {
+pub struct Circuit<F, R = Linear> {
     /// s/C, kPa/mL.
     pressure_per_volume: f64,
     /// s/L, mL/(s² kPa).
     flow_rate_per_pressure: f64,
-    /// R/L, 1/s.
-    damping: f64,
+    resistance: R,
     /// Q, the flow at the rollers.
     forcing: F,
 }
 
-impl<F: Forcing> Circuit<F> {
-    /// The circuit of a valid line at a port.
-    pub fn new(line: &Line, port: Port, forcing: F) -> Self {
+impl<F: Forcing, R: Resistance> Circuit<F, R> {
+    /// The circuit of a valid line at a port. Of the line C and L count; what it resists is `resistance`.
+    pub fn new(line: &Line, resistance: R, port: Port, forcing: F) -> Self {
         let sign = match port {
             Port::Inlet => -1.0,
             Port::Outlet => 1.0,
@@ -65,30 +128,30 @@ impl<F: Forcing> Circuit<F> {
         Self {
             pressure_per_volume: sign / line.compliance_ml_kpa,
             flow_rate_per_pressure: sign / line.inertance_kpa_s2_ml,
-            damping: line.resistance_kpa_s_ml / line.inertance_kpa_s2_ml,
+            resistance,
             forcing,
         }
     }
 }
 
-impl<F: Forcing, const N: usize> Ode<N> for Circuit<F> {
+impl<F: Forcing, R: Resistance, const N: usize> Ode<N> for Circuit<F, R> {
     fn derivative(&self, t: f64, y: &SVector<f64, N>) -> SVector<f64, N> {
         const { assert!(N == 2 || N == 3, "pressure and flow, or these and the volume") };
         let (pressure, flow) = (y[0], y[1]);
         let mut dy = SVector::zeros();
         dy[0] = self.pressure_per_volume * (self.forcing.flow_ml_s(t) - flow);
-        dy[1] = self.flow_rate_per_pressure * pressure - self.damping * flow;
+        dy[1] = self.flow_rate_per_pressure * pressure - self.resistance.deceleration_ml_s2(flow);
         if N == 3 {
             dy[2] = flow;
         }
         dy
     }
 
-    fn jacobian(&self, _t: f64, _y: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+    fn jacobian(&self, _t: f64, y: &SVector<f64, N>) -> SMatrix<f64, N, N> {
         let mut j = SMatrix::zeros();
         j[(0, 1)] = -self.pressure_per_volume;
         j[(1, 0)] = self.flow_rate_per_pressure;
-        j[(1, 1)] = -self.damping;
+        j[(1, 1)] = -self.resistance.damping_per_s(y[1]);
         if N == 3 {
             j[(2, 1)] = 1.0;
         }

@@ -19,15 +19,15 @@ pub enum ModelError {
     },
     /// At some angle no roller closes the tube.
     #[error(
-        "{rollers} rollers stand {pitch_deg:.1} deg apart but the backplate spans {span_deg:.1} deg, so at some \
-         angles no roller seals; use more rollers or a larger contact angle"
+        "{rollers} rollers stand {pitch_deg:.1} deg apart but each seals over {span_deg:.1} deg of the backplate, so at \
+         some angles no roller seals; use more rollers or a larger contact angle"
     )]
     NotSealing {
         /// Number of rollers.
         rollers: u32,
         /// Angle between rollers, degrees.
         pitch_deg: f64,
-        /// pi + 2 beta, degrees.
+        /// Over how much a roller is fully engaged, degrees.
         span_deg: f64,
     },
     /// Roller and backplate overlap.
@@ -53,14 +53,15 @@ pub enum ModelError {
     },
     /// Rollers engage and leave at the same time on one straight: psi < 0.
     #[error(
-        "engagement angle {engagement_deg:.2} deg and contact angle {contact_deg:.2} deg leave \
-         psi = 180 - engagement - 2 contact = {psi_deg:.2} deg; it must not be negative"
+        "rollers engage over {engagement_deg:.2} deg and seal over {span_deg:.2} deg, which leaves \
+         psi = 360 - {span_deg:.2} - {engagement_deg:.2} = {psi_deg:.2} deg; it must not be negative: use a smaller \
+         contact angle"
     )]
     EngagementTooLong {
         /// phi, degrees.
         engagement_deg: f64,
-        /// beta, degrees.
-        contact_deg: f64,
+        /// Over how much a roller is fully engaged, degrees.
+        span_deg: f64,
         /// psi, degrees.
         psi_deg: f64,
     },
@@ -86,6 +87,22 @@ pub enum ModelError {
     RollerVolumeFlat {
         /// phi, degrees.
         engagement_deg: f64,
+    },
+    /// Too few measured points for a curve.
+    #[error("there are measured points at {angles} different angles; the curve needs {needed} at least")]
+    TooFewPoints {
+        /// Different angles.
+        angles: usize,
+        /// How many are needed.
+        needed: usize,
+    },
+    /// A roller-volume curve with more pieces than there are places.
+    #[error(
+        "the roller volume needs more than {allowed} pieces; give fewer measured points (or their fit), or check the dimensions"
+    )]
+    TooManyPieces {
+        /// How many there may be.
+        allowed: usize,
     },
     /// A periodic steady state does not exist.
     #[error(

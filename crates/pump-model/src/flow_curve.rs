@@ -65,7 +65,7 @@ impl FlowCurve {
     /// Curve of a validated geometry; [`Self::validate`] is still to be asked.
     pub(crate) fn new(geometry: &Geometry, roller: &RollerVolume, port: Port) -> Self {
         let phi = roller.engagement_rad();
-        let psi = geometry.psi_rad(phi);
+        let psi = geometry.psi_rad(roller);
         let pitch_rad = geometry.pitch_rad();
         let nominal = geometry.nominal_ml_rad();
         let pulses = Pulses { roller, port, phi, psi, pitch_rad };
@@ -77,13 +77,10 @@ impl FlowCurve {
             per_pitch: 1.0 / pitch_rad,
             pitch_ml: 0.0,
         };
-        let inside = pulses.edges().into_iter().filter(|edge| pitch_rad - edge >= SAME_EDGE_RAD);
         let mut start_rad = 0.0;
-        for end_rad in inside.chain([pitch_rad]) {
+        while start_rad < pitch_rad {
+            let end_rad = pulses.edge_after(start_rad);
             let length_rad = end_rad - start_rad;
-            if length_rad < SAME_EDGE_RAD {
-                continue;
-            }
             let mut volume = Polynomial { c: [0.0, nominal, 0.0, 0.0, 0.0, 0.0] };
             volume = volume.plus(&pulses.displaced(start_rad, length_rad).scaled(-1.0));
             volume.c[0] = curve.pitch_ml;
@@ -341,17 +338,13 @@ struct Pulses<'a> {
 }
 
 impl Pulses<'_> {
-    /// Angles within a pitch where a pulse changes its polynomial, sorted, 0 included. Unused places stand at
-    /// the pitch's end.
-    fn edges(&self) -> [f64; MAX_PIECES] {
-        let mut edges = [self.pitch_rad; MAX_PIECES];
-        edges[0] = 0.0;
-        edges[1] = self.edge(self.phi);
-        for (slot, piece) in edges.iter_mut().skip(2).zip(self.roller.pieces()) {
-            *slot = self.edge(piece.start_rad);
-        }
-        edges.sort_unstable_by(f64::total_cmp);
-        edges
+    /// The next angle of the pitch where a pulse changes its polynomial, or the pitch's end.
+    fn edge_after(&self, start_rad: f64) -> f64 {
+        let starts = self.roller.pieces().iter().map(|piece| piece.start_rad);
+        let edges = starts.chain([self.phi]).map(|x| self.edge(x));
+        let distinct =
+            |edge: &f64| edge - start_rad >= SAME_EDGE_RAD && self.pitch_rad - edge >= SAME_EDGE_RAD;
+        edges.filter(distinct).fold(self.pitch_rad, f64::min)
     }
 
     /// Where in the pitch a roller stands at `x`.

@@ -4,6 +4,7 @@ use core::f64::consts::PI;
 
 use crate::error::{ModelError, positive};
 use crate::math::{TURN_RAD, degrees};
+use crate::roller_volume::RollerVolume;
 
 /// Dimensions of pump head and tube.
 ///
@@ -76,7 +77,12 @@ impl Geometry {
         if gap_mm > closed_mm {
             return Err(ModelError::NotOccluding { gap_mm, closed_mm });
         }
-        let span_rad = PI + 2.0 * self.contact_angle_rad;
+        self.validate_seal(0.0)
+    }
+
+    /// Refuses rollers of which at some angle not one has fully engaged, for rollers that do so `inset_rad` inside the arc.
+    pub(crate) fn validate_seal(&self, inset_rad: f64) -> Result<(), ModelError> {
+        let span_rad = self.sealed_span_rad(inset_rad);
         if self.pitch_rad() > span_rad {
             return Err(ModelError::NotSealing {
                 rollers: self.rollers,
@@ -85,6 +91,11 @@ impl Geometry {
             });
         }
         Ok(())
+    }
+
+    /// Lam = pi + 2 beta - 2 inset, rad: how far a roller turns fully engaged.
+    fn sealed_span_rad(&self, inset_rad: f64) -> f64 {
+        PI + 2.0 * self.contact_angle_rad - 2.0 * inset_rad
     }
 
     /// Flow per radian without roller pulses, a = pi r_i² (r_b - r_o), mL/rad (McIntyre et al.).
@@ -100,20 +111,20 @@ impl Geometry {
     }
 
     /// psi, rad; negative where rollers engage for too long.
-    pub(crate) fn psi_rad(&self, engagement_rad: f64) -> f64 {
-        PI - engagement_rad - 2.0 * self.contact_angle_rad
+    pub(crate) fn psi_rad(&self, roller: &RollerVolume) -> f64 {
+        PI - roller.engagement_rad() - 2.0 * self.contact_angle_rad + 2.0 * roller.inset_rad()
     }
 
-    /// psi = pi - phi - 2 beta, rad: how far behind the outlet's pulse the inlet's begins, for engagement
-    /// angle phi.
-    pub fn inlet_phase_rad(&self, engagement_rad: f64) -> Result<f64, ModelError> {
-        let psi = self.psi_rad(engagement_rad);
+    /// psi = 2 pi - Lam - phi, rad: how far behind the outlet's pulse the inlet's begins. A roller is fully engaged over
+    /// Lam = pi + 2 beta - 2 inset: for a measured roller volume psi = pi - phi - 2 beta (McIntyre et al.).
+    pub fn inlet_phase_rad(&self, roller: &RollerVolume) -> Result<f64, ModelError> {
+        let psi = self.psi_rad(roller);
         if psi >= 0.0 {
             Ok(psi)
         } else {
             Err(ModelError::EngagementTooLong {
-                engagement_deg: degrees(engagement_rad),
-                contact_deg: degrees(self.contact_angle_rad),
+                engagement_deg: roller.engagement_deg(),
+                span_deg: degrees(self.sealed_span_rad(roller.inset_rad())),
                 psi_deg: degrees(psi),
             })
         }

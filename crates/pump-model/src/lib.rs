@@ -7,6 +7,7 @@
 //! Units are mL, kPa absolute, s and rad, and stand in every name. Needs neither `std` nor an allocator.
 //!
 //! Feature `integrator`, on by default: the implicit integrator, for models that are not linear, and the runs made with it.
+//! Feature `identification`, on by default: roller volumes from a drawing or from measured points, lines from hoses.
 //! Everything else links into firmware without a panic (`tests/no_panic`).
 //!
 //! ```
@@ -20,17 +21,31 @@
 
 #[cfg(feature = "integrator")]
 pub mod circuit;
+#[cfg(feature = "identification")]
+mod drawing;
+#[cfg(feature = "identification")]
+mod drawing_fit;
 mod error;
 mod exact;
 mod exact_samples;
 mod extremes;
 pub mod flow_curve;
+#[cfg(feature = "identification")]
+mod fluid;
+#[cfg(feature = "identification")]
+mod friction;
 mod geometry;
 mod hermite;
+#[cfg(feature = "identification")]
+mod hose;
 #[cfg(feature = "integrator")]
 pub mod integrator;
+#[cfg(feature = "identification")]
+mod least_squares;
 mod line;
 pub mod math;
+#[cfg(feature = "identification")]
+mod monotone_spline;
 mod motion;
 pub mod polynomial;
 #[cfg(feature = "integrator")]
@@ -38,18 +53,32 @@ mod port_run;
 mod presets;
 mod propagator;
 mod pump;
+#[cfg(feature = "identification")]
+mod quadrature;
 pub mod roller_volume;
 mod settling;
+#[cfg(feature = "identification")]
+mod speed_law;
 mod steady;
 mod stretches;
 mod turn_range;
+#[cfg(feature = "identification")]
+pub mod volume_fit;
 
+#[cfg(feature = "identification")]
+pub use drawing::Drawing;
 pub use error::ModelError;
 pub use exact::ExactRun;
 pub use exact_samples::ExactSamples;
 pub use extremes::Extremes;
 pub use flow_curve::{FlowCurve, Port, Ripple};
+#[cfg(feature = "identification")]
+pub use fluid::Fluid;
+#[cfg(feature = "identification")]
+pub use friction::Friction;
 pub use geometry::Geometry;
+#[cfg(feature = "identification")]
+pub use hose::Hose;
 pub use line::Line;
 pub use motion::Leg;
 #[cfg(feature = "integrator")]
@@ -58,5 +87,9 @@ pub use presets::{PUBLISHED_CONTACT_ANGLE_DEG, Variant};
 pub use pump::Pump;
 pub use roller_volume::RollerVolume;
 pub use settling::SETTLED_ML;
+#[cfg(feature = "identification")]
+pub use speed_law::SpeedLaw;
 pub use steady::SteadyState;
 pub use stretches::{Stretch, Stretches};
+#[cfg(feature = "identification")]
+pub use volume_fit::{VolumeFit, VolumePoint};

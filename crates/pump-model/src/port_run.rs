@@ -2,9 +2,13 @@
 
 use nalgebra::SVector;
 
-use crate::circuit::{Circuit, options};
+#[cfg(feature = "identification")]
+use crate::circuit::Rough;
+use crate::circuit::{Circuit, Linear, Resistance, options};
 use crate::extremes::Extremes;
 use crate::flow_curve::Port;
+#[cfg(feature = "identification")]
+use crate::friction::Friction;
 use crate::integrator::{DenseStep, IntegrationError, Rodas5p, Statistics};
 use crate::line::Line;
 use crate::motion::Leg;
@@ -20,10 +24,13 @@ const TOLERANCES: core::ops::RangeInclusive<f64> = 1e-13..=0.1;
 
 /// The integration of one port over a motion, pulled forward by its user.
 ///
-/// `N = 2`: P - P_res in kPa and the line's flow in mL/s; `N = 3`: the volume through the line in mL too.
+/// `N = 2`: P - P_res in kPa and the line's flow in mL/s; `N = 3`: the volume through the line in mL too. Its type says
+/// what the line resists: R of the pump's line, or a hose's friction ([`PortRun::with_friction`]), which the exact solution
+/// ([`crate::ExactRun`]) cannot be given.
 #[derive(Debug, Clone)]
-pub struct PortRun<'a, M, const N: usize> {
+pub struct PortRun<'a, M, const N: usize, R = Linear> {
     line: &'a Line,
+    resistance: R,
     port: Port,
     stretches: Stretches<'a, M>,
     stretch: Option<Stretch>,
@@ -40,14 +47,7 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
         state: SVector<f64, N>,
         tolerance: f64,
     ) -> Result<Self, IntegrationError> {
-        if !TOLERANCES.contains(&tolerance) {
-            return Err(IntegrationError::Tolerance { tolerance });
-        }
-        let line = pump.line(port);
-        let mut stretches = Stretches::new(pump.curve(port), legs);
-        let solver = Rodas5p::new(stretches.time_s(), state, options(line, tolerance, 1.0));
-        let stretch = stretches.next();
-        Ok(Self { line, port, stretches, stretch, solver, last: None })
+        Self::resisted(pump, Linear::of(pump.line(port)), port, legs, state, tolerance)
     }
 
     /// Starts with the line at rest: P = P_res, no flow.
@@ -58,6 +58,41 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
         tolerance: f64,
     ) -> Result<Self, IntegrationError> {
         Self::new(pump, port, legs, SVector::zeros(), tolerance)
+    }
+}
+
+#[cfg(feature = "identification")]
+impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N, Rough> {
+    /// As [`PortRun::new`], with a hose's friction in place of R of the port's line; C and L are the line's.
+    pub fn with_friction(
+        pump: &'a Pump,
+        friction: Friction,
+        port: Port,
+        legs: impl IntoIterator<IntoIter = M>,
+        state: SVector<f64, N>,
+        tolerance: f64,
+    ) -> Result<Self, IntegrationError> {
+        Self::resisted(pump, Rough::new(friction, pump.line(port)), port, legs, state, tolerance)
+    }
+}
+
+impl<'a, M: Iterator<Item = Leg>, const N: usize, R: Resistance + Copy> PortRun<'a, M, N, R> {
+    fn resisted(
+        pump: &'a Pump,
+        resistance: R,
+        port: Port,
+        legs: impl IntoIterator<IntoIter = M>,
+        state: SVector<f64, N>,
+        tolerance: f64,
+    ) -> Result<Self, IntegrationError> {
+        if !TOLERANCES.contains(&tolerance) {
+            return Err(IntegrationError::Tolerance { tolerance });
+        }
+        let line = pump.line(port);
+        let mut stretches = Stretches::new(pump.curve(port), legs);
+        let solver = Rodas5p::new(stretches.time_s(), state, options(line, tolerance, 1.0));
+        let stretch = stretches.next();
+        Ok(Self { line, resistance, port, stretches, stretch, solver, last: None })
     }
 
     /// Makes one step that ends at `stop_s` at the latest. None once that time is reached.
@@ -72,7 +107,7 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
         let Some(stretch) = self.stretch else {
             return Ok(None);
         };
-        let circuit = Circuit::new(self.line, self.port, stretch);
+        let circuit = Circuit::new(self.line, self.resistance, self.port, stretch);
         let step = self.solver.step(&circuit, stretch.end_s.min(stop_s))?;
         self.last = Some(step);
         Ok(Some(step))

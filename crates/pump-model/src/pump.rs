@@ -30,7 +30,8 @@ impl Pump {
         geometry.validate()?;
         inlet.validate()?;
         outlet.validate()?;
-        geometry.inlet_phase_rad(roller_volume.engagement_rad())?;
+        geometry.validate_seal(roller_volume.inset_rad())?;
+        geometry.inlet_phase_rad(&roller_volume)?;
         let pump = Self::of_valid(geometry, roller_volume, inlet, outlet);
         pump.inlet_curve.validate(geometry.rollers, Port::Inlet)?;
         pump.outlet_curve.validate(geometry.rollers, Port::Outlet)?;

@@ -2,10 +2,12 @@
 
 use crate::error::{ModelError, positive};
 use crate::math::{TURN_RAD, degrees, radians};
+#[cfg(feature = "identification")]
+use crate::polynomial::Roots;
 use crate::polynomial::{DEGREE, Polynomial};
 
 /// Most pieces that a roller-volume curve may have.
-pub const MAX_PIECES: usize = 8;
+pub const MAX_PIECES: usize = 24;
 
 /// One stretch of the curve.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -24,6 +26,7 @@ pub struct RollerVolume {
     pieces: [Piece; MAX_PIECES],
     count: usize,
     engagement_rad: f64,
+    inset_rad: f64,
     total_ml: f64,
 }
 
@@ -83,19 +86,24 @@ impl RollerVolume {
         let volume = Polynomial { c }.stretched(360.0 / TURN_RAD);
         let engagement_rad = radians(engagement_deg);
 
-        let mut curve =
-            Self { pieces: [Piece::default(); MAX_PIECES], count: 0, engagement_rad, total_ml: 0.0 };
+        let mut curve = Self::empty(engagement_rad, 0.0);
         let slope = volume.derivative();
         let turns = slope.roots_in(0.0, engagement_rad);
         let mut start = 0.0;
         for &end in turns.as_slice().iter().chain(core::iter::once(&engagement_rad)) {
             if end > start {
                 let rises = slope.at(0.5 * (start + end)) > 0.0;
-                curve.push(start, end, rises.then_some(&volume));
+                // A quintic turns four times at most, and there is a place for each of its five pieces.
+                curve.push(start, end, rises.then(|| volume.shifted(start)));
             }
             start = end;
         }
         curve
+    }
+
+    /// A curve without a piece, to be made of [`Self::append`]'s.
+    pub(crate) fn empty(engagement_rad: f64, inset_rad: f64) -> Self {
+        Self { pieces: [Piece::default(); MAX_PIECES], count: 0, engagement_rad, inset_rad, total_ml: 0.0 }
     }
 
     /// The curve that McIntyre et al. measured.
@@ -106,6 +114,7 @@ impl RollerVolume {
     /// A curve from what [`Self::precomputed_pieces`] said of it, for constants. Nothing is checked.
     pub const fn precomputed(
         engagement_rad: f64,
+        inset_rad: f64,
         total_ml: f64,
         pieces: &[(f64, [f64; DEGREE + 1])],
     ) -> Self {
@@ -117,7 +126,7 @@ impl RollerVolume {
             places[count] = Piece { start_rad, volume: Polynomial { c } };
             count += 1;
         }
-        Self { pieces: places, count, engagement_rad, total_ml }
+        Self { pieces: places, count, engagement_rad, inset_rad, total_ml }
     }
 
     /// Start, rad, and coefficients of V, mL, over x - start, rad, lowest order first, of each piece.
@@ -164,6 +173,12 @@ impl RollerVolume {
         degrees(self.engagement_rad)
     }
 
+    /// How far inside the backplate's arc a roller is fully engaged, rad: phi - eta_c where the engagement is drawn, 0 where
+    /// it is measured, which takes the arc's end for the end of the engagement (McIntyre et al.).
+    pub fn inset_rad(&self) -> f64 {
+        self.inset_rad
+    }
+
     /// V_r = V(phi), mL.
     pub fn total_ml(&self) -> f64 {
         self.total_ml
@@ -181,6 +196,17 @@ impl RollerVolume {
         }
     }
 
+    /// Stretches over which the volume is held, rad: from, to.
+    pub fn held_rad(&self) -> impl Iterator<Item = (f64, f64)> {
+        let ends = self.pieces().iter().skip(1).map(|next| next.start_rad).chain([self.engagement_rad]);
+        let held = |piece: &Piece| piece.volume.c.iter().skip(1).all(|c| *c == 0.0);
+        self.pieces()
+            .iter()
+            .zip(ends)
+            .filter(move |(piece, _)| held(piece))
+            .map(|(piece, end)| (piece.start_rad, end))
+    }
+
     pub(crate) fn pieces(&self) -> &[Piece] {
         self.pieces.get(..self.count).unwrap_or(&self.pieces)
     }
@@ -190,15 +216,40 @@ impl RollerVolume {
         self.pieces().iter().rev().find(|piece| piece.start_rad <= x_rad).copied().unwrap_or_default()
     }
 
-    /// Appends [start, end]; `source` is V over x, rad, none where the volume is held.
-    fn push(&mut self, start: f64, end: f64, source: Option<&Polynomial>) {
-        let mut local = source.map_or(Polynomial::default(), |volume| volume.shifted(start));
-        local.c[0] = self.total_ml;
-        if let Some(piece) = self.pieces.get_mut(self.count) {
-            *piece = Piece { start_rad: start, volume: local };
-            self.count += 1;
-            self.total_ml = local.at(end - start);
+    /// Appends [start, end] with what `volume`, over x - start, rad, gains there; where it falls the volume is held.
+    #[cfg(feature = "identification")]
+    pub(crate) fn append(&mut self, start: f64, end: f64, volume: &Polynomial) -> Result<(), ModelError> {
+        /// A slope below zero by this part of the largest is rounding.
+        const ROUNDING: f64 = 1e-12;
+        let length = end - start;
+        let slope = volume.derivative();
+        let ((_, least), (_, most)) = slope.range_in(0.0, length);
+        let turns = if least >= -ROUNDING * most { Roots::default() } else { slope.roots_in(0.0, length) };
+        let mut from = 0.0;
+        for &to in turns.as_slice().iter().chain(core::iter::once(&length)) {
+            if to > from {
+                let rises = slope.at(0.5 * (from + to)) > 0.0;
+                if !self.push(start + from, start + to, rises.then(|| volume.shifted(from))) {
+                    return Err(ModelError::TooManyPieces { allowed: MAX_PIECES });
+                }
+            }
+            from = to;
         }
+        Ok(())
+    }
+
+    /// Appends [start, end]; `local` is V over x - start, rad, up to a constant, none where the volume is held. Whether
+    /// there was a place.
+    fn push(&mut self, start: f64, end: f64, local: Option<Polynomial>) -> bool {
+        let mut local = local.unwrap_or_default();
+        local.c[0] = self.total_ml;
+        let Some(piece) = self.pieces.get_mut(self.count) else {
+            return false;
+        };
+        *piece = Piece { start_rad: start, volume: local };
+        self.count += 1;
+        self.total_ml = local.at(end - start);
+        true
     }
 }
 
@@ -206,38 +257,21 @@ impl RollerVolume {
 mod tests {
     use super::*;
 
-    /// Mean of seven measured roller volumes, McIntyre et al.: (deg, mL).
-    const MEASURED: [(f64, f64); 15] = [
-        (0.0, 0.0),
-        (3.37, 0.0207143),
-        (6.92, 0.1057143),
-        (10.62, 0.2528571),
-        (13.98, 0.4357143),
-        (17.68, 0.6842857),
-        (21.20, 0.9007143),
-        (24.93, 1.175),
-        (28.50, 1.4014286),
-        (32.25, 1.6157143),
-        (35.75, 1.815),
-        (39.59, 1.9542857),
-        (42.87, 2.0242857),
-        (46.53, 2.08),
-        (50.53, 2.1064286),
-    ];
-
     #[test]
+    #[cfg(feature = "identification")]
     fn published_curve_passes_the_measured_points_within_its_residual() {
         let curve = RollerVolume::measured().unwrap();
         // Value of the polynomial at its minimum (0.567 deg), where the curve starts to rise from 0.
         const OFFSET_ML: f64 = -0.001_182_011;
-        let square: f64 = MEASURED
+        let measured = crate::volume_fit::PUBLISHED_POINTS;
+        let square: f64 = measured
             .iter()
             .map(|&(deg, ml)| {
                 let error = curve.at(radians(deg)) + OFFSET_ML - ml;
                 error * error
             })
             .sum();
-        let rms = libm::sqrt(square / MEASURED.len() as f64);
+        let rms = libm::sqrt(square / measured.len() as f64);
         assert!((0.007..0.0078).contains(&rms), "RMS {rms} mL");
     }
 

@@ -36,7 +36,7 @@ fn published_figures_are_met() {
     let (low, high) = three.outlet_curve().flow_range_ml_rad();
     assert!(((high - low) * TAU - 25.089).abs() < 1e-3);
     assert!((three.roller_volume().engagement_rad() / TAU - 0.140_36).abs() < 5e-6);
-    let psi = three.geometry().inlet_phase_rad(three.roller_volume().engagement_rad()).unwrap();
+    let psi = three.geometry().inlet_phase_rad(three.roller_volume()).unwrap();
     assert!((psi / TAU - 0.192_97).abs() < 5e-6);
     // The jump at full engagement at 100 r/min.
     let jump = three.outlet_curve().flow_ml_rad(-1e-9) - three.outlet_curve().flow_ml_rad(0.0);

@@ -119,10 +119,10 @@ impl Pump {
                 .map_err(|_| value(format_args!("rollers is {count}; allowed: 1 to 1000")))?;
         }
         if let Some(line) = inlet {
-            file.inlet = table(line.get());
+            file.inlet = LineTable::from(line.get().0);
         }
         if let Some(line) = outlet {
-            file.outlet = table(line.get());
+            file.outlet = LineTable::from(line.get().0);
         }
         let pump = Self::new(file)?;
         pump.file.check(&pump.file.pump.id).map_err(value)?;
@@ -233,16 +233,6 @@ impl Pump {
         };
         let file = built_in(&full).ok_or_else(|| value(format_args!("no built-in pump is `{full}`")))?;
         Self::new(file)
-    }
-}
-
-fn table(line: &Line) -> LineTable {
-    let line = line.0;
-    LineTable {
-        resistance_kpa_s_ml: line.resistance_kpa_s_ml,
-        compliance_ml_kpa: line.compliance_ml_kpa,
-        inertance_kpa_s2_ml: line.inertance_kpa_s2_ml,
-        reservoir_kpa: line.reservoir_kpa,
     }
 }
 

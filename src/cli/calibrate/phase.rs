@@ -4,6 +4,7 @@ use pump_dose::Bench;
 use pump_dose::calibration::{
     Calibration, PhaseFit, ShortDose, Source, Stored, Weighing, short_doses_of_csv,
 };
+use pump_dose::pump_file::RollerVolumeTable;
 use serde_json::json;
 
 use super::super::args::Options;
@@ -54,14 +55,6 @@ fn keep(
 
 fn text(bench: &Bench, found: &PhaseFit, version: Option<u32>) -> String {
     let PhaseFit { roller_volume_ml, engagement_deg, zero_deg, scatter_ml, degrees_of_freedom } = found;
-    let table = &bench.file().roller_volume;
-    // V(x) is the polynomial of x over the ratio of the angles.
-    let ratio = engagement_deg.value / table.engagement_angle_deg;
-    let mut order = table.polynomial_ml_deg.len() as i32;
-    let polynomial = table.polynomial_ml_deg.map(|coefficient| {
-        order -= 1;
-        coefficient / ratio.powi(order)
-    });
     let used = version.map_or("`--use` has doses correct the zero by this\n".to_owned(), |version| {
         format!("doses correct the zero by this from now on: calibration {version}\n")
     });
@@ -70,11 +63,7 @@ fn text(bench: &Bench, found: &PhaseFit, version: Option<u32>) -> String {
          roller volume     {:.4} ± {:.4} mL\n  \
          engagement angle  {:.2}° ± {:.2}°\n  \
          zero              {:.2}° ± {:.2}°: the model's angle where the record says 0°\n\
-         {used}for the pump file, after which the displacement is to be calibrated again:\n\
-         [roller_volume]\n\
-         engagement_angle_deg = {:?}\n\
-         polynomial_ml_deg = {polynomial:?}\n\
-         total_ml = {:?}\n",
+         {used}{}",
         degrees_of_freedom,
         roller_volume_ml.value,
         2.0 * roller_volume_ml.standard,
@@ -82,7 +71,37 @@ fn text(bench: &Bench, found: &PhaseFit, version: Option<u32>) -> String {
         2.0 * engagement_deg.standard,
         zero_deg.value,
         2.0 * zero_deg.standard,
-        engagement_deg.value,
-        roller_volume_ml.value,
+        for_the_pump_file(bench, found),
     )
+}
+
+/// What to change in the pump file.
+fn for_the_pump_file(bench: &Bench, found: &PhaseFit) -> String {
+    let roller = bench.model().roller_volume();
+    let angles = found.engagement_deg.value / roller.engagement_deg();
+    let volumes = found.roller_volume_ml.value / roller.total_ml();
+    let change = match &bench.file().roller_volume {
+        RollerVolumeTable::Polynomial { engagement_angle_deg, polynomial_ml_deg, .. } => {
+            // V(x) is the polynomial of x over the ratio of the angles.
+            let mut order = polynomial_ml_deg.len() as i32;
+            let polynomial = polynomial_ml_deg.map(|coefficient| {
+                order -= 1;
+                coefficient / angles.powi(order)
+            });
+            format!(
+                "[roller_volume]\nengagement_angle_deg = {:?}\npolynomial_ml_deg = {polynomial:?}\ntotal_ml = {:?}\n",
+                angles * engagement_angle_deg,
+                found.roller_volume_ml.value,
+            )
+        }
+        RollerVolumeTable::Measured { .. } => {
+            format!("multiply the angles of points_deg_ml by {angles:.5} and their volumes by {volumes:.5}\n")
+        }
+        RollerVolumeTable::Drawing => {
+            format!(
+                "the drawing's angle times {angles:.5} and its volume times {volumes:.5} are these: check its dimensions\n"
+            )
+        }
+    };
+    format!("for the pump file, after which the displacement is to be calibrated again:\n{change}")
 }

@@ -160,20 +160,31 @@ impl Board {
         }
     }
 
-    /// Asks for the state and the axis's coordinate and waits for an answer that is newer than the question. `at_banner` is
-    /// called if the board was reset.
-    pub fn status(&mut self, mut at_banner: impl FnMut()) -> Result<(State, f64), GrblError> {
+    /// Asks for the state and waits for an answer that is newer than the question. `at_banner` is called if the board was
+    /// reset.
+    pub fn state(&mut self, mut at_banner: impl FnMut()) -> Result<State, GrblError> {
         while let Some(heard) = self.hear(Duration::ZERO)? {
             if let Heard::Reply(Reply::Banner(_)) = heard {
                 at_banner();
             }
         }
         self.ask()?;
+        loop {
+            match self.listen()? {
+                Some(Heard::Status(state, _)) => return Ok(state),
+                Some(Heard::Reply(Reply::Banner(_))) => at_banner(),
+                _ => {}
+            }
+        }
+    }
+
+    /// Where the axis of a board at rest stands, as reported. `WCO` is only in every tenth report of a board at rest.
+    pub fn rests_at(&mut self) -> Result<f64, GrblError> {
         let started = Instant::now();
         while started.elapsed() < OK_LIMIT {
             match self.listen()? {
-                Some(Heard::Status(state, Some(place))) => return Ok((state, place)),
-                Some(Heard::Reply(Reply::Banner(_))) => at_banner(),
+                Some(Heard::Status(State::Idle, Some(place))) => return Ok(place),
+                Some(Heard::Reply(Reply::Banner(_))) => return Err(GrblError::Reset),
                 _ => {}
             }
         }

@@ -68,16 +68,16 @@ fn quiet(board: &mut Board) -> Result<bool, GrblError> {
     Ok(reset)
 }
 
-/// Brings the board to rest, ready for jogs. Returns where the axis stands, as reported. A locked board is unlocked if that
-/// is because it was just reset; `reset` becomes true if it is.
-pub(super) fn rest(board: &mut Board, reset: &mut bool) -> Result<f64, GrblError> {
+/// Brings the board to rest, ready for jogs. A locked board is unlocked if that is because it was just reset; `reset`
+/// becomes true if it is.
+pub(super) fn rest(board: &mut Board, reset: &mut bool) -> Result<(), GrblError> {
     let started = Instant::now();
     let mut unlocked = false;
     loop {
-        let (state, place) = board.status(|| *reset = true)?;
+        let state = board.state(|| *reset = true)?;
         let waited = started.elapsed();
         match state {
-            State::Idle => return Ok(place),
+            State::Idle => return Ok(()),
             State::Alarm if *reset && !unlocked => {
                 board.command("$X")?;
                 unlocked = true;

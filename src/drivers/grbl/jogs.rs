@@ -18,12 +18,6 @@ const JOGS_AHEAD: f64 = 8.0;
 /// A board that makes no step for this long, and twice what its next step takes, is stopped, s.
 const STALL_S: f64 = 2.0;
 
-/// Cancels jogs: the motor decelerates. It can be missed, so it is repeated.
-const CANCEL: u8 = 0x85;
-
-/// Longest wait for the motor to rest, beyond the time that it needs, s.
-const STOP_LIMIT_S: f64 = 8.0;
-
 /// What is to be done.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Task {
@@ -115,18 +109,31 @@ pub(super) struct Motion<'a> {
     /// The last step that was reported.
     pub made: u64,
     /// The line that is not acknowledged yet.
-    awaited: Option<(String, Instant)>,
+    pub awaited: Option<(String, Instant)>,
     /// When a step was last reported, or when there were none left to make.
     moved: Instant,
+    /// Whether this is a probing move and not a jog.
+    pub probing: bool,
     /// Reports in a row that cannot be.
-    odd: u32,
+    pub odd: u32,
     /// Reports in a row of a rest elsewhere than at the last step sent.
     short: u32,
 }
 
 impl<'a> Motion<'a> {
     pub fn new(board: &'a mut Board, scale: &'a Scale, task: Task) -> Self {
-        Self { board, scale, task, sent: 0, made: 0, awaited: None, moved: Instant::now(), odd: 0, short: 0 }
+        Self {
+            board,
+            scale,
+            task,
+            sent: 0,
+            made: 0,
+            awaited: None,
+            moved: Instant::now(),
+            probing: false,
+            odd: 0,
+            short: 0,
+        }
     }
 
     /// Makes the steps, or stops where the gate breaks.
@@ -173,6 +180,10 @@ impl<'a> Motion<'a> {
         if gate(self.made, last).is_break() {
             return Ok(ControlFlow::Break(()));
         }
+        // The gate may have taken its time. A board that was reset meanwhile counts from zero, and must not get this line.
+        while let Some(heard) = self.board.hear(Duration::ZERO)? {
+            self.take(heard)?;
+        }
         let far = GrblError::Far { count: self.task.count_after(last), most: self.scale.most_count() };
         let line = self.task.line(self.scale, last).ok_or(far)?;
         if self.sent == self.made {
@@ -213,7 +224,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Follows a reported position. One that cannot be is noise, two in a row are not.
-    fn see(&mut self, place: f64) -> Result<(), GrblError> {
+    pub fn see(&mut self, place: f64) -> Result<(), GrblError> {
         let counted = self.scale.count(self.scale.reported_mm(place));
         let travelled = (counted - self.task.start) * self.task.direction;
         match u64::try_from(travelled) {
@@ -260,60 +271,5 @@ impl<'a> Motion<'a> {
             return Err(GrblError::Stalled { waited_s: self.moved.elapsed().as_secs_f64() });
         }
         Ok(())
-    }
-
-    /// Decelerates to rest, whatever goes on. Afterwards `made` is where it stands.
-    pub fn stop(&mut self) -> Result<(), GrblError> {
-        let started = Instant::now();
-        let limit_s = STOP_LIMIT_S + 2.0 * self.task.steps_s / self.task.steps_s2;
-        let mut cancelled: Option<Instant> = None;
-        let mut rests: Option<u64> = None;
-        // What is heard from now on must be newer than the first cancel.
-        self.odd = 0;
-        loop {
-            if started.elapsed().as_secs_f64() > limit_s {
-                return Err(GrblError::Unstoppable { waited_s: started.elapsed().as_secs_f64() });
-            }
-            if cancelled.is_none_or(|at| at.elapsed() >= POLL) {
-                self.board.send_byte(CANCEL)?;
-                self.board.ask()?;
-                cancelled = Some(Instant::now());
-            }
-            let Some(heard) = self.board.listen()? else { continue };
-            let state = match heard {
-                Heard::Status(state, Some(place)) => {
-                    self.see(place)?;
-                    state
-                }
-                // An acknowledged or a refused line will not set it in motion any more; an alarm will not either.
-                Heard::Reply(Reply::Ok | Reply::Error(_)) => {
-                    self.awaited = None;
-                    continue;
-                }
-                Heard::Reply(Reply::Alarm(code)) => return Err(GrblError::Alarm { code }),
-                Heard::Reply(Reply::Banner(_)) => return Err(GrblError::Reset),
-                _ => continue,
-            };
-            let still = matches!(state, State::Idle | State::Alarm) && self.odd == 0;
-            let line_pending = self.awaited.as_ref().is_some_and(|(_, since)| since.elapsed() < OK_LIMIT);
-            if still && !line_pending {
-                if rests == Some(self.made) {
-                    return Ok(());
-                }
-                rests = Some(self.made);
-            } else {
-                rests = None;
-            }
-        }
-    }
-
-    /// Tells a board that does not answer to stop: it may hear all the same.
-    pub fn call_out(&mut self) {
-        for _ in 0..5 {
-            if self.board.send_byte(CANCEL).is_err() {
-                return;
-            }
-            std::thread::sleep(POLL);
-        }
     }
 }

@@ -9,8 +9,10 @@ mod code;
 mod configure;
 mod connect;
 mod error;
+mod holder;
 mod jogs;
 mod port;
+mod recovery;
 #[doc(hidden)]
 pub mod reply;
 mod scale;
@@ -28,6 +30,7 @@ use crate::pump_file::{DriveTable, MotorTable};
 use board::{Board, Heard};
 use jogs::{Motion, Task};
 use port::Port;
+use recovery::Known;
 use reply::Reply;
 use scale::Scale;
 use settings::{Flavour, Settings};
@@ -95,7 +98,8 @@ impl Grbl {
                 setting: acceleration,
             });
         }
-        let place = connect::rest(&mut board, &mut reset)?;
+        connect::rest(&mut board, &mut reset)?;
+        let place = board.rests_at()?;
         notes.extend(remarks(&settings, &scale));
         Ok(Self {
             least_steps_s: settings.least_steps_s(&scale),
@@ -114,7 +118,8 @@ impl Grbl {
     /// What `plan` asks of the board. Refused here if it cannot do it, before anything moves.
     fn task(&mut self, plan: &Plan) -> Result<Task, GrblError> {
         let mut reset = false;
-        let place = connect::rest(&mut self.board, &mut reset)?;
+        connect::rest(&mut self.board, &mut reset)?;
+        let place = self.board.rests_at()?;
         let counted = self.scale.count(self.scale.reported_mm(place));
         let expected = self.stands.replace(counted);
         if reset {
@@ -156,36 +161,22 @@ impl Grbl {
             Err(error) => return Err(self.fault(error, 0, 0)),
         };
         let mut under_way = Motion::new(&mut self.board, &self.scale, task);
-        let mut outcome = motion(&mut under_way);
-        let mut known = outcome.is_ok();
-        if let Err(error) = &outcome {
-            if error.ends_link() {
-                under_way.call_out();
-            } else if matches!(error, GrblError::Reset) {
-                // A line that was under way would set it in motion again; where it stands is not to be learned.
-                let _ = under_way.stop();
-            } else if !matches!(error, GrblError::Count { .. }) {
-                match under_way.stop() {
-                    Ok(()) => known = true,
-                    Err(also) if also.ends_link() || also.loses() || matches!(also, GrblError::Reset) => {
-                        outcome = Err(also);
-                    }
-                    Err(_) => {}
-                }
-            } else {
-                let _ = under_way.stop();
-            }
-        }
+        let outcome = motion(&mut under_way).map_err(|error| under_way.recover(error));
         let (made, sent) = (under_way.made, under_way.sent);
+        let known = match &outcome {
+            Ok(_) => true,
+            Err((_, known)) => *known == Known::Exactly,
+        };
         self.stands = known.then(|| task.count_after(made));
         if sent > 0 && self.settings.holds() != Some(true) {
             self.disturbed.get_or_insert(Disturbance::Disabled);
         }
-        match outcome {
-            Ok(value) => Ok((value, made)),
-            Err(error) if known => Err(self.fault(error, made, made)),
-            Err(error) => Err(self.fault(error, made, sent)),
-        }
+        outcome.map(|value| (value, made)).map_err(|(error, known)| {
+            let most = if known == Known::Exactly { made } else { sent };
+            let lost = known == Known::Nowhere;
+            let fault = self.fault(error, made, most);
+            DriveFault { lost: lost || fault.lost, ..fault }
+        })
     }
 
     fn fault(&mut self, error: GrblError, made_least: u64, made_most: u64) -> DriveFault {
@@ -227,9 +218,8 @@ impl Drive for Grbl {
     }
 
     fn disturbed(&mut self) -> Option<Disturbance> {
-        if self.overhear(Duration::ZERO).is_err() {
-            self.disturbed = Some(Disturbance::LinkLost);
-        }
+        // A connection that broke at rest is the next motion's fault.
+        let _ = self.overhear(Duration::ZERO);
         self.disturbed.take()
     }
 
@@ -251,10 +241,16 @@ impl Drive for Grbl {
 
     fn settle(&mut self, settle_s: f64) -> Result<Option<f64>, DriveError> {
         let until = Instant::now() + Duration::from_secs_f64(settle_s.max(0.0));
-        while Instant::now() < until {
-            self.overhear(until.saturating_duration_since(Instant::now()))?;
+        loop {
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Ok(None);
+            }
+            // A connection that broke at rest is the next motion's fault; what was made is known.
+            if self.overhear(left).is_err() {
+                std::thread::sleep(left);
+            }
         }
-        Ok(None)
     }
 
     fn notes(&mut self) -> Vec<String> {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use serialport::SerialPort;
 
 use super::error::GrblError;
+use super::holder;
 use crate::drivers::DriveError;
 use crate::pump_file::DriveTable;
 
@@ -24,13 +25,21 @@ impl Port {
     pub fn open(table: &DriveTable) -> Result<Self, DriveError> {
         let path = table.port.as_deref().ok_or(GrblError::NoPort)?;
         let fails = |reason: String| GrblError::Open { port: path.to_owned(), reason };
-        // serialport takes a lock of the system (flock) and forbids further opens (TIOCEXCL).
+        let busy = || DriveError::Busy { device: path.to_owned(), holder: holder::of(path) };
+        // Opened first: once serialport has it, nobody else may open it.
+        let line = match Line::open(path) {
+            Ok(line) => line,
+            Err(error) if error.kind() == io::ErrorKind::ResourceBusy => return Err(busy()),
+            Err(error) => return Err(fails(error.to_string()).into()),
+        };
+        // It takes a lock of the system (flock) and forbids further opens (TIOCEXCL).
         let builder = serialport::new(path.to_string_lossy(), table.baud).timeout(Duration::from_millis(1));
-        let serial = builder.open().map_err(|error| match holder(path, &error) {
-            Some(holder) => DriveError::Busy { device: path.to_owned(), holder },
-            None => fails(error.to_string()).into(),
-        })?;
-        stay_awake(path).map_err(|error| fails(error.to_string()))?;
+        let serial = match builder.open() {
+            Ok(serial) => serial,
+            Err(error) if holder::has_it(&error, path) => return Err(busy()),
+            Err(error) => return Err(fails(error.to_string()).into()),
+        };
+        line.stays_awake().map_err(|error| fails(error.to_string()))?;
         serial.clear(serialport::ClearBuffer::Input).map_err(|error| fails(error.to_string()))?;
         Ok(Self { serial })
     }
@@ -68,57 +77,41 @@ impl Port {
     }
 }
 
-/// Who has the port, if it could not be opened because somebody has it.
+/// The device, beside the serial port made of it.
 #[cfg(unix)]
-fn holder(path: &Path, error: &serialport::Error) -> Option<String> {
-    use rustix::io::Errno;
+struct Line(std::os::fd::OwnedFd);
 
-    // serialport says of a locked port that there is no device.
-    let locked = error.kind() == serialport::ErrorKind::NoDevice && path.exists();
-    let busy = Errno::from_io_error(&io::Error::from(error.clone())) == Some(Errno::BUSY)
-        || error.kind() == serialport::ErrorKind::Io(io::ErrorKind::ResourceBusy);
-    (locked || busy).then(|| lock_holder(path).unwrap_or_else(|| "another process".to_owned()))
+#[cfg(unix)]
+impl Line {
+    fn open(path: &Path) -> io::Result<Self> {
+        use rustix::fs::{Mode, OFlags};
+
+        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
+        Ok(Self(rustix::fs::open(path, flags, Mode::empty())?))
+    }
+
+    /// Keeps the line that resets Arduinos (DTR) from falling when the port is closed, so that the next open does not reset
+    /// the board. The first one since the computer was started may all the same.
+    fn stays_awake(&self) -> io::Result<()> {
+        use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
+
+        let mut modes = tcgetattr(&self.0)?;
+        modes.control_modes.remove(ControlModes::HUPCL);
+        Ok(tcsetattr(&self.0, OptionalActions::Now, &modes)?)
+    }
 }
+
+/// Systems where only serialport opens the device.
+#[cfg(not(unix))]
+struct Line;
 
 #[cfg(not(unix))]
-fn holder(_path: &Path, error: &serialport::Error) -> Option<String> {
-    let denied = error.kind() == serialport::ErrorKind::Io(io::ErrorKind::PermissionDenied);
-    denied.then(|| "another process".to_owned())
-}
+impl Line {
+    fn open(_path: &Path) -> io::Result<Self> {
+        Ok(Self)
+    }
 
-/// The process that has a lock on the file, as Linux lists it: device and inode are the sixth column of /proc/locks.
-#[cfg(unix)]
-fn lock_holder(path: &Path) -> Option<String> {
-    let stat = rustix::fs::stat(path).ok()?;
-    let (major, minor) = (rustix::fs::major(stat.st_dev), rustix::fs::minor(stat.st_dev));
-    let file = format!("{major:02x}:{minor:02x}:{}", stat.st_ino);
-    let locks = std::fs::read_to_string("/proc/locks").ok()?;
-    locks.lines().find_map(|lock| {
-        let columns: Vec<_> = lock.split_whitespace().collect();
-        let [_, _, _, _, process, locked, ..] = columns.as_slice() else { return None };
-        (*locked == file).then(|| {
-            let name = std::fs::read_to_string(format!("/proc/{process}/comm")).unwrap_or_default();
-            format!("process {process} ({})", name.trim())
-        })
-    })
-}
-
-/// Keeps the line that resets Arduinos (DTR) from falling when the port is closed, so that the next open does not reset
-/// the board. The first one since the computer was started may all the same.
-#[cfg(unix)]
-fn stay_awake(path: &Path) -> io::Result<()> {
-    use rustix::fs::{Mode, OFlags};
-    use rustix::termios::{ControlModes, OptionalActions};
-
-    // Of the port that is open already: what is set on one is set on both.
-    let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
-    let file = rustix::fs::open(path, flags, Mode::empty())?;
-    let mut modes = rustix::termios::tcgetattr(&file)?;
-    modes.control_modes.remove(ControlModes::HUPCL);
-    Ok(rustix::termios::tcsetattr(&file, OptionalActions::Now, &modes)?)
-}
-
-#[cfg(not(unix))]
-fn stay_awake(_path: &Path) -> io::Result<()> {
-    Ok(())
+    fn stays_awake(&self) -> io::Result<()> {
+        Ok(())
+    }
 }

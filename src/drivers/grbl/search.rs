@@ -6,11 +6,9 @@ use super::board::{Heard, POLL};
 use super::connect::{RESET, rest};
 use super::error::GrblError;
 use super::jogs::{Motion, feed_text};
+use super::recovery::HOLD;
 use super::reply::{Reply, State};
 use crate::drivers::{Gate, Sought};
-
-/// Holds the motion under way; jogs alone can be cancelled.
-const HOLD: u8 = b'!';
 
 /// Longest wait for a held motion to stand, s beyond the time that it needs.
 const HOLD_LIMIT_S: f64 = 8.0;
@@ -45,13 +43,20 @@ impl Motion<'_> {
         }
         let feed = feed_text(self.task.steps_s * 60.0 / self.scale.steps_per_unit);
         self.sent = self.task.steps;
-        let probed =
-            self.probe(gate, &format!("G91G21G94G38.2{}{target}F{feed}", self.scale.axis.letter()))?;
+        let line = format!("G91G21G94G38.2{}{target}F{feed}", self.scale.axis.letter());
+        self.probing = true;
+        let probed = self.probe(gate, &line);
+        if let Err(GrblError::Count { .. } | GrblError::Stalled { .. } | GrblError::NoOk { .. }) = probed {
+            // Whatever went wrong, it must not go on.
+            self.hold()?;
+        }
+        self.probing = probed.as_ref().is_err_and(GrblError::ends_link);
+        let probed = probed?;
         if matches!(probed, Probed::Nothing) {
             self.board.command("$X")?;
         }
         self.board.command(&modes)?;
-        let (_, place) = self.board.status(|| {})?;
+        let place = self.board.rests_at()?;
         self.take(Heard::Status(State::Idle, Some(place)))?;
         let stands = self.task.count_after(self.made);
         match probed {
@@ -158,7 +163,8 @@ impl Motion<'_> {
                 break;
             }
         }
-        let place = rest(self.board, &mut true)?;
+        rest(self.board, &mut true)?;
+        let place = self.board.rests_at()?;
         self.take(Heard::Status(State::Idle, Some(place))).map(|_| ())
     }
 }

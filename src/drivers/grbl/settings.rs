@@ -50,7 +50,8 @@ pub(super) fn flavour(board: &mut Board) -> Result<Flavour, GrblError> {
     let texts: Vec<_> = said.iter().filter_map(text).collect();
     let says = |name: &str| texts.iter().any(|text| text.contains(name));
     let version = said.iter().find_map(|reply| match reply {
-        Reply::Version(text) => leading_version(text),
+        // Before 1.1 there is no `VER:`.
+        Reply::Version(text) | Reply::Message(text) => leading_version(text),
         Reply::Banner(text) => version_of(text),
         _ => None,
     });

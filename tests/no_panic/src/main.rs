@@ -92,10 +92,10 @@ fn own_pump() -> Result<Pump, ModelError> {
         roller_offset_mm: any(),
     };
     geometry.validate()?;
-    black_box((geometry.pitch_rad(), geometry.nominal_ml_rad(), geometry.inlet_phase_rad(any())?));
     let volume = RollerVolume::from_polynomial_deg([(); 6].map(|()| any()), any())?;
     let volume = volume.scaled_to(any())?.stretched_to(any())?;
-    black_box((volume.at(any()), volume.total_ml(), volume.engagement_deg(), volume.engagement_rad()));
+    black_box((geometry.pitch_rad(), geometry.nominal_ml_rad(), geometry.inlet_phase_rad(&volume)?));
+    black_box((volume.at(any()), volume.inset_rad(), volume.total_ml(), volume.engagement_deg(), volume.engagement_rad()));
     let line = Line {
         resistance_kpa_s_ml: any(),
         compliance_ml_kpa: any(),

@@ -1,0 +1,73 @@
+//! Volume against speed: what is known of it from the published summary numbers.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use core::f64::consts::TAU;
+
+use pump_model::{ModelError, Pump, SpeedLaw, Variant};
+
+/// Speeds of the paper's tests, r/min, ten revolutions at each, mL: by the law, by the linear model with V_r 2.06, and the
+/// largest and smallest inlet pressure of the steady state.
+fn volumes(rollers: u32, fastest_rpm: u32) -> Vec<(f64, f64, f64)> {
+    let pump = Pump::preset(rollers, Variant::Measured).unwrap();
+    let linear_ml = 10.0 * Pump::preset(rollers, Variant::Published).unwrap().revolution_ml();
+    (1..=fastest_rpm / 10)
+        .map(|n| {
+            let speed = f64::from(10 * n) * TAU / 60.0;
+            let law_ml = 10.0 * SpeedLaw::PUBLISHED.revolution_ml(&pump, speed).unwrap();
+            (law_ml, linear_ml, pump.steady_state(speed).unwrap().inlet.max_kpa)
+        })
+        .collect()
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let values: Vec<_> = values.collect();
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+fn pearson(pairs: &[(f64, f64)]) -> f64 {
+    let (mean_a, mean_b) = (mean(pairs.iter().map(|pair| pair.0)), mean(pairs.iter().map(|pair| pair.1)));
+    let moment = |of: fn(f64, f64) -> f64| mean(pairs.iter().map(|(a, b)| of(a - mean_a, b - mean_b)));
+    moment(|a, b| a * b) / (moment(|a, _| a * a) * moment(|_, b| b * b)).sqrt()
+}
+
+#[test]
+fn the_published_means_deviations_and_correlations_come_out() {
+    for (rollers, fastest_rpm, mean_ml, nrmse_percent, correlation) in
+        [(3, 170, 211.37, 1.90, 0.87), (2, 300, 232.35, 2.01, 0.97)]
+    {
+        let runs = volumes(rollers, fastest_rpm);
+        let found_ml = mean(runs.iter().map(|run| run.0));
+        assert!((found_ml - mean_ml).abs() < 0.006, "{found_ml}");
+        let rms_ml = mean(runs.iter().map(|(law, linear, _)| (law - linear).powi(2))).sqrt();
+        assert!((100.0 * rms_ml / found_ml - nrmse_percent).abs() < 0.006, "{}", 100.0 * rms_ml / found_ml);
+        let pairs: Vec<_> = runs.iter().map(|(law, _, peak_kpa)| (*law, *peak_kpa)).collect();
+        assert!((pearson(&pairs) - correlation).abs() < 0.006, "{}", pearson(&pairs));
+    }
+}
+
+#[test]
+fn without_distensibility_the_volume_is_that_of_the_segments_at_every_speed() {
+    let pump = Pump::three_roller();
+    let stiff = SpeedLaw { distensibility_per_kpa: 0.0, ..SpeedLaw::PUBLISHED };
+    let at = |rpm: f64| stiff.revolution_ml(&pump, rpm * TAU / 60.0).unwrap();
+    // 0.953 x 27.63489 - 3/2 (2.105466 + 1.541325)
+    assert!((at(10.0) - at(170.0)).abs() < 1e-12 && (at(10.0) - 20.865_864).abs() < 1e-5, "{}", at(10.0));
+}
+
+#[test]
+fn laws_and_speeds_that_mean_nothing_are_refused() {
+    let pump = Pump::three_roller();
+    for law in [
+        SpeedLaw { scale: 0.0, ..SpeedLaw::PUBLISHED },
+        SpeedLaw { distensibility_per_kpa: -1e-3, ..SpeedLaw::PUBLISHED },
+        SpeedLaw { closure_rad: f64::NAN, ..SpeedLaw::PUBLISHED },
+        SpeedLaw { ambient_kpa: 0.0, ..SpeedLaw::PUBLISHED },
+        SpeedLaw { scale: 0.1, ..SpeedLaw::PUBLISHED },
+    ] {
+        assert!(matches!(law.revolution_ml(&pump, 10.0), Err(ModelError::OutOfRange { .. })), "{law:?}");
+    }
+    for speed in [0.0, -1.0, f64::NAN] {
+        assert!(SpeedLaw::PUBLISHED.revolution_ml(&pump, speed).is_err());
+    }
+}

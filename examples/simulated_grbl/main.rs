@@ -1,0 +1,63 @@
+//! A simulated grbl board at the end of a pseudo-terminal, for people without hardware:
+//!
+//!     cargo run --example simulated_grbl
+//!
+//! prints a device that `dose --driver grbl --port` takes, and runs until it is interrupted.
+//!
+//!     --for <seconds>       ends by itself
+//!     --fast <factor>       its motor runs so many times faster
+//!     --resets              opening the port resets it, as an Arduino
+//!     --set <number>=<value>  a setting that differs, as --set 100=80
+//!     --sensor <step>       an index sensor at this step of 12800
+//!     --firmware grbl|grblhal|fluidnc
+
+mod simulated;
+
+use std::error::Error;
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+use simulated::Simulated;
+use simulated::options::{Firmware, Options, Sensor};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut options = Options::default();
+    let mut limit = None;
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let mut value = || words.next().ok_or(format!("{word} needs a value"));
+        match word.as_str() {
+            "--for" => limit = Some(Duration::from_secs_f64(value()?.parse()?)),
+            "--fast" => options.time_scale = value()?.parse()?,
+            "--resets" => options.resets_on_open = true,
+            "--set" => {
+                let text = value()?;
+                let (number, value) = text.split_once('=').ok_or("--set needs <number>=<value>")?;
+                options.settings.push((number.parse()?, value.parse()?));
+            }
+            "--sensor" => options.sensor = Some(Sensor { at: value()?.parse()?, width: 128, every: 12_800 }),
+            "--firmware" => {
+                options.firmware = match value()?.as_str() {
+                    "grbl" => Firmware::Grbl,
+                    "grblhal" => Firmware::GrblHal,
+                    "fluidnc" => Firmware::FluidNc,
+                    other => return Err(format!("no firmware {other}: grbl, grblhal or fluidnc").into()),
+                }
+            }
+            other => {
+                return Err(format!(
+                    "{other} is not an option; see the head of examples/simulated_grbl/main.rs"
+                )
+                .into());
+            }
+        }
+    }
+    let board = Simulated::start(options)?;
+    writeln!(std::io::stdout(), "{}", board.path().display())?;
+    let started = Instant::now();
+    while limit.is_none_or(|limit| started.elapsed() < limit) {
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    writeln!(std::io::stdout(), "{} steps", board.truth().steps)?;
+    Ok(())
+}

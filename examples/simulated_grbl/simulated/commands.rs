@@ -1,0 +1,233 @@
+//! The lines that a simulated board understands.
+
+use super::machine::{Machine, State};
+use super::number::read;
+use super::options::Firmware;
+
+/// How long a board is deaf while it stores a setting, s.
+const STORING_S: f64 = 0.004;
+
+/// Slowest feed of the planner, mm/min.
+const LEAST_FEED_MM_MIN: f32 = 1.0;
+
+/// An inch, mm.
+const INCH_MM: f32 = 25.4;
+
+/// Words of a line of G-code.
+#[derive(Debug, Default)]
+struct Words {
+    codes: Vec<String>,
+    target: Option<f32>,
+    feed: Option<f32>,
+}
+
+impl Machine {
+    /// Does what a line says and answers, now or when it is done.
+    pub(super) fn execute(&mut self, line: &str) {
+        let answer = match line.strip_prefix('$') {
+            None if line.is_empty() => Ok(()),
+            None => match self.g_code(line) {
+                Ok(true) => return,
+                Ok(false) => Ok(()),
+                Err(code) => Err(code),
+            },
+            Some(command) => match command.strip_prefix("J=") {
+                Some(words) => match self.jog(words) {
+                    Ok(true) => return,
+                    Ok(false) => Ok(()),
+                    Err(code) => Err(code),
+                },
+                None => match self.command(command) {
+                    // The answer comes once it is stored.
+                    Ok(()) if self.storing_s > 0.0 => return,
+                    answer => answer,
+                },
+            },
+        };
+        self.answer(answer);
+    }
+
+    fn command(&mut self, command: &str) -> Result<(), u16> {
+        if matches!(self.state, State::Jog | State::Run | State::Hold) {
+            return Err(8);
+        }
+        if self.state == State::Sleep {
+            return Err(8);
+        }
+        match command {
+            "$" => {
+                for line in self.settings.lines() {
+                    self.say(&line);
+                }
+            }
+            "I" => self.say_version(),
+            "G" => {
+                let unit = if self.inches { "G20" } else { "G21" };
+                let distance = if self.relative { "G91" } else { "G90" };
+                let motion = self.motion;
+                self.say(&format!("[GC:{motion} G54 G17 {unit} {distance} G94 M5 M9 T0 F0 S0]"));
+            }
+            "X" => {
+                if self.state == State::Alarm {
+                    self.say("[MSG:Caution: Unlocked]");
+                    self.state = State::Idle;
+                }
+            }
+            "SLP" => {
+                self.state = State::Sleep;
+                self.say("[MSG:Sleeping]");
+            }
+            "MD" if self.firmware == Firmware::FluidNc => {}
+            _ => return self.setting(command),
+        }
+        Ok(())
+    }
+
+    fn say_version(&mut self) {
+        self.say(match self.firmware {
+            Firmware::Grbl => "[VER:1.1h.20190830:]",
+            Firmware::Grbl09 => "[0.9j.20160303:]",
+            Firmware::GrblHal => "[VER:1.1f.20240205:]",
+            Firmware::FluidNc => "[VER:3.7 FluidNC v3.7.8:]",
+        });
+        self.say("[OPT:V,15,128]");
+        if self.firmware == Firmware::GrblHal {
+            self.say("[FIRMWARE:grblHAL]");
+        }
+    }
+
+    fn setting(&mut self, command: &str) -> Result<(), u16> {
+        if let Some(path) = command.strip_prefix('/') {
+            let item =
+                self.settings.item(&path.to_lowercase()).filter(|_| self.firmware == Firmware::FluidNc);
+            self.say(&item.ok_or(3_u16)?);
+            return Ok(());
+        }
+        let (number, value) = command.split_once('=').ok_or(3_u16)?;
+        let number = number.parse().map_err(|_| 3_u16)?;
+        let (value, rest) = read(value).ok_or(2_u16)?;
+        if !rest.is_empty() {
+            return Err(2);
+        }
+        self.settings.set(number, value)?;
+        self.apply();
+        self.storing_s = STORING_S;
+        Ok(())
+    }
+
+    /// Queues a jog. True if it has to wait for room.
+    fn jog(&mut self, words: &str) -> Result<bool, u16> {
+        if !matches!(self.state, State::Idle | State::Jog) {
+            return Err(8);
+        }
+        self.jogs += 1;
+        if let Some((which, code)) = self.defects.refuses
+            && which == self.jogs
+        {
+            return Err(code);
+        }
+        let words = parse(words)?;
+        let has = |code: &str| words.codes.iter().any(|word| word == code);
+        if words.codes.iter().any(|code| !["G20", "G21", "G53", "G90", "G91"].contains(&code.as_str())) {
+            return Err(16);
+        }
+        let inches = (self.inches || has("G20")) && !has("G21");
+        let unit_mm = if inches { INCH_MM } else { 1.0 };
+        let target = words.target.ok_or(26_u16)? * unit_mm;
+        let feed = words.feed.ok_or(22_u16)? * unit_mm;
+        let relative = (self.relative || has("G91")) && !has("G90");
+        let mm = if relative {
+            target + self.planned_mm()
+        } else if has("G53") {
+            target
+        } else {
+            target + self.offset_mm
+        };
+        if self.settings.get(20) != 0.0 && !(-self.settings.get(130)..=0.0).contains(&mm) {
+            return Err(15);
+        }
+        let waits = self.way(mm, feed);
+        self.state = State::Jog;
+        Ok(waits)
+    }
+
+    /// Where the planner's queue ends, mm.
+    fn planned_mm(&self) -> f32 {
+        (self.motor.planned() + self.miscounted) as f32 / self.settings.get(100)
+    }
+
+    /// Queues a way to `mm` at `feed` mm/min. True if there is no room.
+    fn way(&mut self, mm: f32, feed: f32) -> bool {
+        let end = f64::from(mm * self.settings.get(100)).round() as i64 - self.miscounted;
+        let feed = feed.min(self.settings.get(110)).max(LEAST_FEED_MM_MIN);
+        let steps_s = f64::from(feed * self.settings.get(100) / 60.0);
+        if self.motor.is_full() {
+            self.pending = Some((end, steps_s));
+            return true;
+        }
+        self.motor.push(end, steps_s);
+        false
+    }
+
+    /// Sets modes, and probes. True if the answer comes at the end of the motion.
+    fn g_code(&mut self, line: &str) -> Result<bool, u16> {
+        if matches!(self.state, State::Alarm | State::Jog | State::Sleep) {
+            return Err(9);
+        }
+        let words = parse(line)?;
+        let mut probes = false;
+        for code in &words.codes {
+            match code.as_str() {
+                "G20" => self.inches = true,
+                "G21" => self.inches = false,
+                "G90" => self.relative = false,
+                "G91" => self.relative = true,
+                "G94" => {}
+                "G0" => self.motion = "G0",
+                "G1" => self.motion = "G1",
+                "G80" => self.motion = "G80",
+                "G38.2" => {
+                    self.motion = "G38.2";
+                    probes = true;
+                }
+                _ => return Err(20),
+            }
+        }
+        if !probes {
+            return if words.target.is_some() { Err(31) } else { Ok(false) };
+        }
+        let feed = words.feed.ok_or(22_u16)?;
+        let target = words.target.ok_or(26_u16)?;
+        if self.touches() {
+            self.say("ALARM:4");
+            self.state = State::Alarm;
+            return Ok(false);
+        }
+        let mm = if self.relative { target + self.planned_mm() } else { target + self.offset_mm };
+        self.way(mm, feed);
+        self.state = State::Run;
+        Ok(true)
+    }
+}
+
+/// Reads letters with their numbers; `X` is the only axis that moves.
+fn parse(line: &str) -> Result<Words, u16> {
+    let mut words = Words::default();
+    let mut rest = line;
+    while let Some(letter) = rest.chars().next() {
+        if !letter.is_ascii_uppercase() {
+            return Err(1);
+        }
+        let (value, after) = read(&rest[1..]).ok_or(2_u16)?;
+        let text = &rest[..rest.len() - after.len()];
+        match letter {
+            'G' => words.codes.push(text.to_owned()),
+            'X' if words.target.replace(value).is_some() => return Err(25),
+            'F' if words.feed.replace(value).is_some() => return Err(25),
+            'X' | 'F' => {}
+            _ => return Err(20),
+        }
+        rest = after;
+    }
+    Ok(words)
+}

@@ -1,0 +1,392 @@
+//! What a simulated board does with bytes and with time, as grbl's documentation describes it (doc/markdown of grbl 1.1:
+//! interface, jogging, settings, commands).
+
+use std::collections::VecDeque;
+
+use super::motor::Motor;
+use super::number::print;
+use super::options::{Defects, Firmware, Options, Random, Sensor};
+use super::settings::Settings;
+
+/// Bytes that wait to be read; what comes to more is lost.
+const RECEIVE_BUFFER: usize = 128;
+
+/// Longest line.
+const LONGEST_LINE: usize = 80;
+
+/// Reports from one with `WCO` to the next: at rest and in motion.
+const OFFSET_EVERY: [u32; 2] = [10, 30];
+
+/// Axes of grbl 1.1.
+const AXES: usize = 3;
+
+/// What it does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum State {
+    Idle,
+    Jog,
+    /// A probing move.
+    Run,
+    Hold,
+    Alarm,
+    Sleep,
+}
+
+/// Something that leaves the board.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Output {
+    Line(String),
+    /// The answer to a line, which may be late.
+    Answer(String),
+}
+
+/// A board.
+#[derive(Debug)]
+pub struct Machine {
+    pub settings: Settings,
+    pub motor: Motor,
+    pub state: State,
+    pub firmware: Firmware,
+    pub defects: Defects,
+    pub random: Random,
+    sensor: Option<Sensor>,
+    /// Bytes received and not read.
+    received: VecDeque<u8>,
+    line: String,
+    /// A jog that waits for room in the planner's queue.
+    pub(super) pending: Option<(i64, f64)>,
+    pub output: Vec<Output>,
+    /// What the motor has turned since it was switched on, and how far it has turned in all.
+    pub true_steps: i64,
+    pub turned: u64,
+    /// By how much the board's counter is off.
+    pub miscounted: i64,
+    /// Work coordinates less machine coordinates of the first axis, mm.
+    pub(super) offset_mm: f32,
+    pub(super) inches: bool,
+    pub(super) relative: bool,
+    pub(super) motion: &'static str,
+    until_offset: u32,
+    /// The motor stands although it should not.
+    pub stalled: bool,
+    /// While a setting is stored, s of board time left.
+    pub storing_s: f64,
+    /// Jogs so far, and every line that was read.
+    pub(super) jogs: u32,
+    pub lines: Vec<String>,
+    /// Where the sensor answered in the probing move under way.
+    touched: Option<i64>,
+}
+
+impl Machine {
+    /// A board that was just switched on.
+    pub fn new(options: &Options) -> Self {
+        let settings = Settings::new(options);
+        let mut machine = Self {
+            settings,
+            motor: Motor::default(),
+            state: State::Idle,
+            firmware: options.firmware,
+            defects: options.defects.clone(),
+            random: Random::new(options.defects.seed),
+            sensor: options.sensor,
+            received: VecDeque::new(),
+            line: String::new(),
+            pending: None,
+            output: Vec::new(),
+            true_steps: 0,
+            turned: 0,
+            miscounted: 0,
+            offset_mm: -5.0,
+            inches: false,
+            relative: false,
+            motion: "G0",
+            until_offset: 0,
+            stalled: false,
+            storing_s: 0.0,
+            jogs: 0,
+            lines: Vec::new(),
+            touched: None,
+        };
+        machine.initialize();
+        machine
+    }
+
+    fn initialize(&mut self) {
+        self.state = if self.settings.get(22) != 0.0 { State::Alarm } else { State::Idle };
+        self.apply();
+    }
+
+    /// What follows from the settings.
+    pub(super) fn apply(&mut self) {
+        self.motor.acceleration = f64::from(self.settings.get(120) * self.settings.get(100));
+    }
+
+    /// The processor starts anew: the counter too.
+    pub fn power_on(&mut self) {
+        self.motor.zero();
+        self.miscounted = 0;
+        self.forget();
+        self.initialize();
+    }
+
+    fn forget(&mut self) {
+        self.received.clear();
+        self.line.clear();
+        self.pending = None;
+        self.output.clear();
+        self.until_offset = 0;
+        self.motor.stopping = false;
+        self.touched = None;
+        (self.inches, self.relative, self.motion) = (false, false, "G0");
+    }
+
+    /// The lines of a board that has started.
+    pub fn banner(&mut self) {
+        self.say(match self.firmware {
+            Firmware::Grbl => "Grbl 1.1h ['$' for help]",
+            Firmware::Grbl09 => "Grbl 0.9j ['$' for help]",
+            Firmware::GrblHal => "GrblHAL 1.1f ['$' or '$HELP' for help]",
+            Firmware::FluidNc => "Grbl 3.7 [FluidNC v3.7.8 (wifi) '$' for help]",
+        });
+        if self.state == State::Alarm {
+            self.say("[MSG:'$H'|'$X' to unlock]");
+        }
+    }
+
+    pub(super) fn say(&mut self, line: &str) {
+        self.output.push(Output::Line(line.to_owned()));
+    }
+
+    pub(super) fn answer(&mut self, answer: Result<(), u16>) {
+        let text = answer.map_or_else(|code| format!("error:{code}"), |()| "ok".to_owned());
+        self.output.push(Output::Answer(text));
+    }
+
+    /// Takes a byte from the line.
+    pub fn receive(&mut self, byte: u8) {
+        if self.storing_s > 0.0 {
+            return;
+        }
+        match byte {
+            b'?' => self.report(),
+            b'!' => self.hold(),
+            b'~' if self.state == State::Hold && self.motor.stands() => {
+                self.motor.stopping = false;
+                self.state = State::Run;
+            }
+            b'~' => {}
+            0x18 => self.soft_reset(),
+            0x85 => self.cancel(),
+            0x80.. => {}
+            _ if self.received.len() < RECEIVE_BUFFER => self.received.push_back(byte),
+            _ => {}
+        }
+    }
+
+    fn cancel(&mut self) {
+        if self.state != State::Jog {
+            return;
+        }
+        if self.defects.lost_cancels > 0 {
+            self.defects.lost_cancels -= 1;
+            return;
+        }
+        self.motor.stopping = true;
+    }
+
+    fn hold(&mut self) {
+        match self.state {
+            State::Jog => self.motor.stopping = true,
+            State::Run => {
+                self.state = State::Hold;
+                self.motor.stopping = true;
+            }
+            _ => {}
+        }
+    }
+
+    fn soft_reset(&mut self) {
+        let moving = matches!(self.state, State::Jog | State::Run | State::Hold) && !self.motor.stands();
+        self.motor.halt();
+        self.forget();
+        self.state = match self.state {
+            State::Alarm | State::Sleep => State::Alarm,
+            _ if moving => State::Alarm,
+            _ => State::Idle,
+        };
+        if moving {
+            self.say("ALARM:3");
+        }
+        self.banner();
+    }
+
+    /// Stops at once and locks.
+    pub fn alarm(&mut self, code: u16) {
+        self.motor.halt();
+        self.pending = None;
+        self.state = State::Alarm;
+        self.say(&format!("ALARM:{code}"));
+        self.say("[MSG:Reset to continue]");
+    }
+
+    /// Lets time pass on the board, s.
+    pub fn advance(&mut self, time_s: f64) {
+        if self.storing_s > 0.0 {
+            self.storing_s = (self.storing_s - time_s).max(0.0);
+            if self.storing_s == 0.0 {
+                self.answer(Ok(()));
+            }
+        }
+        if self.stalled {
+            return;
+        }
+        let (sensor, probing, miscounted) = (self.sensor, self.state == State::Run, self.miscounted);
+        let before = self.motor.step();
+        let mut touched = self.touched;
+        self.motor.advance(time_s, |step| {
+            if probing && touched.is_none() && sensor.is_some_and(|sensor| sensor.answers(step)) {
+                touched = Some(step + miscounted);
+                return false;
+            }
+            true
+        });
+        let travelled = self.motor.step() - before;
+        self.true_steps += travelled;
+        self.turned += travelled.unsigned_abs();
+        if touched != self.touched {
+            self.touched = touched;
+            self.motor.stopping = true;
+        }
+        self.settle();
+    }
+
+    /// What follows once the motor stands.
+    fn settle(&mut self) {
+        if !self.motor.stands() {
+            return;
+        }
+        match self.state {
+            State::Jog if self.motor.stopping => {
+                self.motor.halt();
+                self.pending_is_dropped();
+                self.state = State::Idle;
+            }
+            State::Jog if self.motor.is_done() && self.pending.is_none() => self.state = State::Idle,
+            State::Run if self.motor.stopping => {
+                self.motor.halt();
+                self.state = State::Idle;
+                self.probed(true);
+            }
+            State::Run if self.motor.is_done() => {
+                self.say("ALARM:5");
+                self.probed(false);
+                self.state = State::Alarm;
+            }
+            _ => {}
+        }
+    }
+
+    /// A jog that waited for room is cancelled with the others, and was taken.
+    fn pending_is_dropped(&mut self) {
+        if self.pending.take().is_some() {
+            self.answer(Ok(()));
+        }
+    }
+
+    fn probed(&mut self, found: bool) {
+        let at = self.touched.take().unwrap_or(0);
+        let place = print(self.reported(at), self.decimals());
+        let zero = print(0.0, self.decimals());
+        self.say(&format!("[PRB:{place},{zero},{zero}:{}]", u8::from(found)));
+        self.answer(Ok(()));
+    }
+
+    /// Whether the sensor answers where the motor stands.
+    pub(super) fn touches(&self) -> bool {
+        self.sensor.is_some_and(|sensor| sensor.answers(self.motor.step()))
+    }
+
+    /// Steps as the board counts them.
+    pub fn counted(&self) -> i64 {
+        self.motor.step() + self.miscounted
+    }
+
+    /// Coordinate of a count, in the unit of reports.
+    fn reported(&self, count: i64) -> f32 {
+        let mm = count as f32 / self.settings.get(100);
+        if self.settings.get(13) != 0.0 { mm * (1.0 / 25.4) } else { mm }
+    }
+
+    fn decimals(&self) -> u32 {
+        if self.settings.get(13) != 0.0 { 4 } else { 3 }
+    }
+
+    fn report(&mut self) {
+        let state = match self.state {
+            State::Idle => "Idle",
+            State::Jog => "Jog",
+            State::Run => "Run",
+            State::Hold if self.motor.stands() => "Hold:0",
+            State::Hold => "Hold:1",
+            State::Alarm => "Alarm",
+            State::Sleep => "Sleep",
+        };
+        let mask = self.settings.get(10) as u32;
+        let decimals = self.decimals();
+        let offset = if self.settings.get(13) != 0.0 { self.offset_mm / 25.4 } else { self.offset_mm };
+        let machine = self.reported(self.counted());
+        let triple = |first: f32| {
+            let rest = vec![print(0.0, decimals); AXES - 1].join(",");
+            format!("{},{rest}", print(first, decimals))
+        };
+        let place = if mask & 1 != 0 {
+            format!("MPos:{}", triple(machine))
+        } else {
+            format!("WPos:{}", triple(machine - offset))
+        };
+        let mut text = format!("<{state}|{place}");
+        if mask & 2 != 0 {
+            text += &format!("|Bf:{},{}", self.motor.room(), RECEIVE_BUFFER - self.received.len());
+        }
+        text += "|FS:0,0";
+        if self.until_offset == 0 {
+            text += &format!("|WCO:{}", triple(offset));
+            self.until_offset = OFFSET_EVERY[usize::from(self.state != State::Idle)];
+        }
+        self.until_offset -= 1;
+        self.say(&(text + ">"));
+    }
+
+    /// Reads lines as long as none has to wait.
+    pub fn work(&mut self) {
+        if let Some((end, steps_s)) = self.pending {
+            if self.motor.is_full() {
+                return;
+            }
+            self.pending = None;
+            self.motor.push(end, steps_s);
+            self.answer(Ok(()));
+        }
+        while self.pending.is_none()
+            && self.state != State::Run
+            && self.state != State::Hold
+            && self.storing_s == 0.0
+        {
+            let Some(byte) = self.received.pop_front() else { return };
+            match byte {
+                b'\n' | b'\r' => {
+                    let line = std::mem::take(&mut self.line);
+                    self.lines.push(line.clone());
+                    if line.len() > LONGEST_LINE {
+                        self.answer(Err(11));
+                    } else {
+                        self.execute(&line);
+                    }
+                }
+                b' ' => {}
+                _ => self.line.push(char::from(byte).to_ascii_uppercase()),
+            }
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! A simulated grbl board at the end of a pseudo-terminal.
+
+mod commands;
+mod machine;
+mod motor;
+mod number;
+pub mod options;
+mod settings;
+mod wire;
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::thread::JoinHandle;
+
+use options::Options;
+use wire::Wire;
+
+/// What is true of a board, whatever it says.
+#[derive(Debug, Clone, Default)]
+pub struct Truth {
+    /// Steps that the motor has made since the board was switched on, those in reverse taken off.
+    pub steps: i64,
+    /// Whether it turns.
+    pub moving: bool,
+    /// Its fastest speed so far, steps/s.
+    pub peak_steps_s: f64,
+    /// How often it started from rest.
+    pub starts: u64,
+    /// How often its processor was reset.
+    pub resets: u32,
+    /// Lines that it has read.
+    pub lines: Vec<String>,
+    /// Set to end the simulation.
+    pub over: bool,
+}
+
+/// A board that runs in a thread of its own until it is dropped.
+#[derive(Debug)]
+pub struct Simulated {
+    path: PathBuf,
+    truth: Arc<Mutex<Truth>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Simulated {
+    /// Switches a board on.
+    pub fn start(options: Options) -> std::io::Result<Self> {
+        let truth = Arc::new(Mutex::new(Truth::default()));
+        let (mut wire, path) = Wire::new(options, Arc::clone(&truth))?;
+        let thread = std::thread::spawn(move || wire.run());
+        Ok(Self { path, truth, thread: Some(thread) })
+    }
+
+    /// The device that it is connected to.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// How things are.
+    pub fn truth(&self) -> Truth {
+        lock(&self.truth).clone()
+    }
+
+    /// Waits until the motor has stood for a while.
+    #[allow(dead_code, reason = "only tests want to wait for it")]
+    pub fn rest(&self) -> Truth {
+        let mut still = 0;
+        while still < 10 {
+            std::thread::sleep(std::time::Duration::from_millis(10));
+            still = if self.truth().moving { 0 } else { still + 1 };
+        }
+        self.truth()
+    }
+}
+
+impl Drop for Simulated {
+    fn drop(&mut self) {
+        lock(&self.truth).over = true;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn lock(truth: &Mutex<Truth>) -> MutexGuard<'_, Truth> {
+    truth.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}

@@ -1,0 +1,166 @@
+//! The planner's queue and the motor that follows it: one axis, ramps of one acceleration, looking ahead over the queue.
+
+use std::collections::VecDeque;
+
+/// Blocks that grbl plans ahead.
+const BLOCKS: usize = 15;
+
+/// Longest step of the integration, s.
+const STEP_S: f64 = 2e-4;
+
+/// A way to go at one speed.
+#[derive(Debug, Clone, Copy)]
+struct Block {
+    /// Where it ends, steps.
+    end: i64,
+    /// Fastest, steps/s.
+    steps_s: f64,
+}
+
+/// A motor with its queue.
+#[derive(Debug, Default)]
+pub struct Motor {
+    blocks: VecDeque<Block>,
+    /// Where it stands, in parts of a step.
+    at: f64,
+    /// Speed along the way, steps/s.
+    speed: f64,
+    /// Steps/s².
+    pub acceleration: f64,
+    /// Whether it decelerates to rest wherever that is.
+    pub stopping: bool,
+    /// Fastest so far, steps/s.
+    pub peak: f64,
+    /// Starts from rest so far.
+    pub starts: u64,
+}
+
+impl Motor {
+    /// The step at which it stands.
+    pub fn step(&self) -> i64 {
+        self.at.round() as i64
+    }
+
+    /// Where the queue ends.
+    pub fn planned(&self) -> i64 {
+        self.blocks.back().map_or(self.step(), |block| block.end)
+    }
+
+    pub fn is_full(&self) -> bool {
+        self.blocks.len() >= BLOCKS
+    }
+
+    pub fn is_done(&self) -> bool {
+        self.blocks.is_empty() && self.speed == 0.0
+    }
+
+    /// Whether it stands, however much there is to do.
+    pub fn stands(&self) -> bool {
+        self.speed == 0.0
+    }
+
+    /// Blocks that have room.
+    pub fn room(&self) -> usize {
+        BLOCKS - self.blocks.len().min(BLOCKS)
+    }
+
+    /// Queues a way to `end`; none if it is no way at all.
+    pub fn push(&mut self, end: i64, steps_s: f64) {
+        if end != self.planned() {
+            self.blocks.push_back(Block { end, steps_s });
+        }
+    }
+
+    /// Forgets the queue and stands at once.
+    pub fn halt(&mut self) {
+        self.blocks.clear();
+        self.speed = 0.0;
+        self.at = self.at.round();
+        self.stopping = false;
+    }
+
+    /// The counter starts anew.
+    pub fn zero(&mut self) {
+        self.halt();
+        self.at = 0.0;
+    }
+
+    /// Goes on for `time_s`, or until `each` breaks it off at a new step.
+    pub fn advance(&mut self, time_s: f64, mut each: impl FnMut(i64) -> bool) {
+        let mut left_s = time_s;
+        while left_s > 0.0 {
+            let step_s = left_s.min(STEP_S);
+            left_s -= step_s;
+            let before = self.step();
+            self.integrate(step_s);
+            let after = self.step();
+            let direction = (after - before).signum();
+            let mut step = before;
+            while step != after {
+                step += direction;
+                if !each(step) {
+                    self.at = step as f64;
+                    return;
+                }
+            }
+        }
+    }
+
+    fn integrate(&mut self, step_s: f64) {
+        let Some(block) = self.blocks.front().copied() else {
+            self.speed = 0.0;
+            return;
+        };
+        let was_at_rest = self.speed == 0.0;
+        if self.stopping {
+            self.speed = (self.speed - self.acceleration * step_s).max(0.0);
+            if self.speed == 0.0 {
+                self.at = self.at.round();
+                return;
+            }
+        } else {
+            self.speed = (self.speed + self.acceleration * step_s).min(self.allowed());
+            if was_at_rest {
+                self.starts += 1;
+            }
+        }
+        self.peak = self.peak.max(self.speed);
+        let direction = (block.end as f64 - self.at).signum();
+        self.at += direction * self.speed * step_s;
+        while let Some(block) = self.blocks.front() {
+            let left = (block.end as f64 - self.at) * direction;
+            if left > 1e-3 {
+                break;
+            }
+            let turns =
+                self.blocks.get(1).is_none_or(|next| ((next.end - block.end) as f64).signum() != direction);
+            if turns {
+                self.at = block.end as f64;
+                self.speed = 0.0;
+            }
+            self.blocks.pop_front();
+            if turns {
+                break;
+            }
+        }
+    }
+
+    /// Fastest speed here from which every later block's speed, and rest at the end, can be kept.
+    fn allowed(&self) -> f64 {
+        let mut fastest = f64::INFINITY;
+        let (mut from, mut way) = (self.at, 0.0);
+        let mut heading = 0.0;
+        for block in &self.blocks {
+            let length = block.end as f64 - from;
+            if heading != 0.0 && length.signum() != heading {
+                break;
+            }
+            heading = length.signum();
+            let speed = block.steps_s;
+            fastest = fastest.min((speed * speed + 2.0 * self.acceleration * way).sqrt());
+            way += length.abs();
+            from = block.end as f64;
+        }
+        fastest.min((2.0 * self.acceleration * way).sqrt())
+    }
+}

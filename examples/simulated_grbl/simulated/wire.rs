@@ -1,0 +1,239 @@
+//! The pseudo-terminal between a simulated board and whoever opens it.
+
+use std::collections::VecDeque;
+use std::io;
+use std::os::fd::OwnedFd;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use rustix::fs::{Mode, OFlags};
+use rustix::io::Errno;
+use rustix::pty::OpenptFlags;
+use rustix::termios::ControlModes;
+
+use super::machine::{Machine, Output};
+use super::options::Options;
+use super::{Truth, lock};
+
+/// Between two looks at the line.
+const TICK: Duration = Duration::from_micros(700);
+
+/// Longest way that a late thread makes up at once, s of board time.
+const LONGEST_TICK_S: f64 = 0.25;
+
+/// The board's end of the line.
+#[derive(Debug)]
+pub struct Wire {
+    /// None once the cable is pulled.
+    line: Option<OwnedFd>,
+    machine: Machine,
+    options: Options,
+    truth: Arc<Mutex<Truth>>,
+    open: bool,
+    /// Whether DTR falls when the port is closed.
+    hangs_up: bool,
+    /// When the processor has started, after a reset.
+    starts_at: Option<Instant>,
+    /// Bytes on their way out.
+    outgoing: VecDeque<u8>,
+    /// Answers that are late, with when they are due; what follows them does not wait.
+    late: VecDeque<(Instant, String)>,
+    silent: bool,
+}
+
+impl Wire {
+    /// A board that is switched on, and the path of the other end.
+    pub fn new(options: Options, truth: Arc<Mutex<Truth>>) -> io::Result<(Self, PathBuf)> {
+        let line = rustix::pty::openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
+        rustix::pty::grantpt(&line)?;
+        rustix::pty::unlockpt(&line)?;
+        let name = rustix::pty::ptsname(&line, Vec::new())?;
+        let path = PathBuf::from(name.to_string_lossy().into_owned());
+        rustix::fs::fcntl_setfl(&line, OFlags::RDWR | OFlags::NONBLOCK)?;
+        // A line that was open once says so when it is closed.
+        drop(rustix::fs::open(&path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?);
+        let wire = Self {
+            line: Some(line),
+            machine: Machine::new(&options),
+            options,
+            truth,
+            open: false,
+            hangs_up: true,
+            starts_at: None,
+            outgoing: VecDeque::new(),
+            late: VecDeque::new(),
+            silent: false,
+        };
+        Ok((wire, path))
+    }
+
+    /// Runs until it is told that it is over.
+    pub fn run(&mut self) {
+        let mut before = Instant::now();
+        while !self.publish() {
+            std::thread::sleep(TICK);
+            let now = Instant::now();
+            let passed_s = (now - before).as_secs_f64() * self.options.time_scale;
+            before = now;
+            self.read();
+            if let Some(at) = self.starts_at {
+                if now >= at {
+                    self.starts_at = None;
+                    self.machine.banner();
+                }
+            } else {
+                self.machine.advance(passed_s.min(LONGEST_TICK_S));
+                self.fail();
+                self.machine.work();
+            }
+            self.write(now);
+        }
+    }
+
+    /// Says how things are. True if it is over.
+    fn publish(&mut self) -> bool {
+        let motor = &self.machine.motor;
+        let mut truth = lock(&self.truth);
+        truth.steps = self.machine.true_steps;
+        truth.moving = !motor.is_done() && !self.machine.stalled;
+        truth.peak_steps_s = motor.peak;
+        truth.starts = motor.starts;
+        truth.lines.append(&mut self.machine.lines);
+        truth.over
+    }
+
+    fn read(&mut self) {
+        let Some(line) = &self.line else { return };
+        let mut bytes = [0; 256];
+        match rustix::io::read(line, &mut bytes) {
+            Ok(count) => {
+                self.opened();
+                for byte in bytes.iter().take(count) {
+                    if self.starts_at.is_none() {
+                        self.machine.receive(*byte);
+                    }
+                }
+            }
+            Err(Errno::AGAIN | Errno::INTR) => self.opened(),
+            // Nobody has the other end open.
+            Err(_) => self.open = false,
+        }
+    }
+
+    fn opened(&mut self) {
+        if !std::mem::replace(&mut self.open, true) && self.options.resets_on_open && self.hangs_up {
+            self.reset();
+        }
+        // DTR is what it was set to by the last who had the port open.
+        if let Some(modes) = self.line.as_ref().and_then(|line| rustix::termios::tcgetattr(line).ok()) {
+            self.hangs_up = modes.control_modes.contains(ControlModes::HUPCL) || !is_raw(&modes);
+        }
+    }
+
+    /// The processor starts anew.
+    fn reset(&mut self) {
+        self.machine.power_on();
+        self.outgoing.clear();
+        self.late.clear();
+        self.starts_at = Some(Instant::now() + self.options.boot);
+        lock(&self.truth).resets += 1;
+    }
+
+    /// Lets what is wrong happen where it is due.
+    fn fail(&mut self) {
+        let turned = self.machine.turned;
+        let due = |place: Option<u64>| place.is_some_and(|place| turned >= place);
+        let defects = &mut self.machine.defects;
+        if due(defects.alarm.map(|(place, _)| place)) {
+            let code = defects.alarm.take().map_or(1, |(_, code)| code);
+            self.machine.alarm(code);
+        } else if due(defects.resets) {
+            defects.resets = None;
+            self.reset();
+        } else if due(defects.unplugged) {
+            defects.unplugged = None;
+            self.line = None;
+        } else if due(defects.silent) {
+            self.silent = true;
+        } else if due(defects.stalls) {
+            self.machine.stalled = true;
+        } else if due(defects.miscounts.map(|(place, _)| place)) {
+            self.machine.miscounted += defects.miscounts.take().map_or(0, |(_, by)| by);
+        }
+    }
+
+    fn write(&mut self, now: Instant) {
+        for output in std::mem::take(&mut self.machine.output) {
+            match output {
+                Output::Line(text) => self.put(&text),
+                Output::Answer(text) => {
+                    let most_us = self.machine.defects.late_ok.as_micros() as u64;
+                    let delay = if most_us == 0 || self.machine.jogs == 0 {
+                        0
+                    } else {
+                        self.machine.random.below(most_us)
+                    };
+                    self.late.push_back((now + Duration::from_micros(delay), text));
+                }
+            }
+        }
+        while self.late.front().is_some_and(|(due, _)| *due <= now) {
+            if let Some((_, text)) = self.late.pop_front() {
+                self.put(&text);
+            }
+        }
+        if self.silent || !self.open {
+            self.outgoing.clear();
+            return;
+        }
+        let random = &mut self.machine.random;
+        let most = match self.machine.defects.chopped {
+            // In pieces, or after a while in one.
+            true if random.below(4) > 0 => 0,
+            true if random.below(2) > 0 => random.below(9) as usize,
+            _ => usize::MAX,
+        };
+        let count = self.outgoing.len().min(most);
+        let bytes: Vec<u8> = self.outgoing.iter().copied().take(count).collect();
+        if let (Some(line), false) = (&self.line, bytes.is_empty())
+            && let Ok(written) = rustix::io::write(line, &bytes)
+        {
+            self.outgoing.drain(..written);
+        }
+    }
+
+    /// Puts a line among what is on its way out, with what is wrong with the wire.
+    fn put(&mut self, text: &str) {
+        let (random, defects) = (&mut self.machine.random, &self.machine.defects);
+        if defects.noise && random.below(4) == 0 {
+            let noise = (0..random.below(12)).map(|_| random.below(256) as u8).filter(|byte| *byte != b'\n');
+            let noise: Vec<u8> = noise.collect();
+            self.outgoing.extend(noise);
+            self.outgoing.extend(b"\r\n");
+        }
+        // The end of an answer's line is lost where a report follows.
+        let merges = defects.chopped && text.starts_with('<') && random.below(3) == 0;
+        if merges && self.outgoing.ends_with_ok() {
+            self.outgoing.truncate(self.outgoing.len() - 2);
+        }
+        self.outgoing.extend(text.as_bytes());
+        self.outgoing.extend(b"\r\n");
+    }
+}
+
+/// What ends a queue of bytes.
+trait Ends {
+    fn ends_with_ok(&self) -> bool;
+}
+
+impl Ends for VecDeque<u8> {
+    fn ends_with_ok(&self) -> bool {
+        self.iter().rev().take(4).eq(b"\n\rko")
+    }
+}
+
+/// Whether the port was set up by a program, and not as it is before.
+fn is_raw(modes: &rustix::termios::Termios) -> bool {
+    !modes.local_modes.contains(rustix::termios::LocalModes::ICANON)
+}

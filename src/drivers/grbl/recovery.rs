@@ -1,0 +1,144 @@
+//! What is done about a motion that went wrong: it is stopped, and what it made is learned if that is possible.
+
+use std::time::{Duration, Instant};
+
+use super::board::{Heard, OK_LIMIT, POLL};
+use super::error::GrblError;
+use super::jogs::Motion;
+use super::reply::{Reply, State};
+
+/// Cancels jogs: the motor decelerates. It can be missed, so it is repeated.
+const CANCEL: u8 = 0x85;
+
+/// Holds any motion; one that is no jog can be stopped by nothing else.
+pub(super) const HOLD: u8 = b'!';
+
+/// Longest wait for the motor to rest, beyond the time that it needs, s.
+const STOP_LIMIT_S: f64 = 8.0;
+
+/// How long a board that was reset has to stand before no line can be on its way to it any more.
+const AFTERMATH: Duration = Duration::from_millis(300);
+
+/// How well the end of a motion is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Known {
+    /// To the step.
+    Exactly,
+    /// Between the last step that was reported and the last that was sent.
+    Between,
+    /// Not at all.
+    Nowhere,
+}
+
+impl Motion<'_> {
+    /// Stops after `error`. Returns the error that remains, and how well `made` is known.
+    pub fn recover(&mut self, error: GrblError) -> (GrblError, Known) {
+        if error.ends_link() {
+            self.call_out();
+            return (error, Known::Between);
+        }
+        if matches!(error, GrblError::Reset) {
+            let at_zero = self.aftermath().unwrap_or(false);
+            return (error, if at_zero { Known::Between } else { Known::Nowhere });
+        }
+        let reported = self.made;
+        match self.stop() {
+            Ok(()) if error.loses() => (error, Known::Nowhere),
+            Ok(()) => (error, Known::Exactly),
+            Err(also @ (GrblError::Reset | GrblError::Gone(_) | GrblError::Quiet { .. })) => {
+                self.recover(also)
+            }
+            Err(also) if also.loses() => (also, Known::Nowhere),
+            Err(_) => {
+                self.made = reported;
+                (error, Known::Between)
+            }
+        }
+    }
+
+    /// Decelerates to rest, whatever goes on. Afterwards `made` is where it stands.
+    pub fn stop(&mut self) -> Result<(), GrblError> {
+        let started = Instant::now();
+        let limit_s = STOP_LIMIT_S + 2.0 * self.task.steps_s / self.task.steps_s2;
+        let mut cancelled: Option<Instant> = None;
+        let mut rests: Option<u64> = None;
+        // What is heard from now on must be newer than the first cancel.
+        self.odd = 0;
+        loop {
+            if started.elapsed().as_secs_f64() > limit_s {
+                return Err(GrblError::Unstoppable { waited_s: started.elapsed().as_secs_f64() });
+            }
+            if cancelled.is_none_or(|at| at.elapsed() >= POLL) {
+                self.board.send_byte(CANCEL)?;
+                self.board.ask()?;
+                cancelled = Some(Instant::now());
+            }
+            let Some(heard) = self.board.listen()? else { continue };
+            let state = match heard {
+                Heard::Status(state, Some(place)) => {
+                    self.see(place)?;
+                    state
+                }
+                // An acknowledged or a refused line will not set it in motion any more; an alarm will not either.
+                Heard::Reply(Reply::Ok | Reply::Error(_)) => {
+                    self.awaited = None;
+                    continue;
+                }
+                Heard::Reply(Reply::Alarm(code)) => return Err(GrblError::Alarm { code }),
+                Heard::Reply(Reply::Banner(_)) => return Err(GrblError::Reset),
+                _ => continue,
+            };
+            let still = matches!(state, State::Idle | State::Alarm) && self.odd == 0;
+            let line_pending = self.awaited.as_ref().is_some_and(|(_, since)| since.elapsed() < OK_LIMIT);
+            if still && !line_pending {
+                if rests == Some(self.made) {
+                    return Ok(());
+                }
+                rests = Some(self.made);
+            } else {
+                rests = None;
+            }
+        }
+    }
+
+    /// Stops a board that was reset in motion: a line that was on its way to it may have set it in motion again, from zero.
+    /// True if it stands at zero, so that it has not.
+    pub fn aftermath(&mut self) -> Result<bool, GrblError> {
+        let started = Instant::now();
+        let mut cancelled: Option<Instant> = None;
+        let mut rests: Option<(i64, Instant)> = None;
+        while started.elapsed() < OK_LIMIT {
+            if cancelled.is_none_or(|at| at.elapsed() >= POLL) {
+                self.board.send_byte(CANCEL)?;
+                cancelled = Some(Instant::now());
+            }
+            match self.board.listen()? {
+                Some(Heard::Status(State::Idle | State::Alarm, Some(place))) => {
+                    let counted = self.scale.count(self.scale.reported_mm(place));
+                    match rests {
+                        Some((count, since)) if count == counted => {
+                            if since.elapsed() >= AFTERMATH {
+                                return Ok(counted == 0);
+                            }
+                        }
+                        _ => rests = Some((counted, Instant::now())),
+                    }
+                }
+                Some(Heard::Status(..)) => rests = None,
+                _ => {}
+            }
+        }
+        Ok(false)
+    }
+
+    /// Tells a board that does not answer to stop: it may hear all the same.
+    pub fn call_out(&mut self) {
+        let stop = if self.probing { HOLD } else { CANCEL };
+        for _ in 0..5 {
+            if self.board.send_byte(stop).is_err() {
+                return;
+            }
+            std::thread::sleep(POLL);
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! `[inlet]`, `[outlet]`: a line given as R, C and L, or by its hose.
+
+use pump_model::{Fluid, Hose, Line, ModelError};
+use serde::{Deserialize, Serialize};
+
+/// `[inlet]`, `[outlet]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Keys", into = "Keys")]
+pub enum LineTable {
+    /// R, C, L and the reservoir, as they are.
+    Given(Line),
+    /// A hose, from which R, C and L are estimated.
+    Hose {
+        /// P_res, kPa absolute.
+        reservoir_kpa: f64,
+        /// `[inlet.hose]`, `[outlet.hose]`
+        hose: HoseTable,
+    },
+}
+
+/// `[inlet.hose]`, `[outlet.hose]`
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HoseTable {
+    /// a, mm.
+    pub bore_radius_mm: f64,
+    /// b, mm.
+    pub outer_radius_mm: f64,
+    /// l, mm.
+    pub length_mm: f64,
+    /// Young's modulus E, MPa.
+    pub modulus_mpa: f64,
+    /// nu, 0 to 0.5.
+    pub poisson_ratio: f64,
+    /// K, in velocity heads.
+    pub minor_loss: f64,
+    /// Flow at which R is taken, since the model's lines are linear, mL/s; none takes the pump's default rate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resistance_at_ml_s: Option<f64>,
+}
+
+impl HoseTable {
+    /// The hose.
+    pub fn hose(&self) -> Hose {
+        Hose {
+            bore_radius_mm: self.bore_radius_mm,
+            outer_radius_mm: self.outer_radius_mm,
+            length_mm: self.length_mm,
+            modulus_mpa: self.modulus_mpa,
+            poisson_ratio: self.poisson_ratio,
+            minor_loss: self.minor_loss,
+        }
+    }
+}
+
+impl LineTable {
+    /// The line for a pump whose default rate is `rate_ml_s`; a hose needs to know what flows in it.
+    pub fn line(
+        &self,
+        fluid: impl FnOnce() -> Result<Fluid, ModelError>,
+        rate_ml_s: f64,
+    ) -> Result<Line, ModelError> {
+        match self {
+            Self::Given(line) => Ok(*line),
+            Self::Hose { reservoir_kpa, hose } => {
+                hose.hose().line(&fluid()?, *reservoir_kpa, hose.resistance_at_ml_s.unwrap_or(rate_ml_s))
+            }
+        }
+    }
+
+    /// Whether nobody has measured it.
+    pub fn is_estimated(&self) -> bool {
+        matches!(self, Self::Hose { .. })
+    }
+}
+
+impl From<Line> for LineTable {
+    fn from(line: Line) -> Self {
+        Self::Given(line)
+    }
+}
+
+/// The keys of both.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resistance_kpa_s_ml: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    compliance_ml_kpa: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    inertance_kpa_s2_ml: Option<f64>,
+    reservoir_kpa: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hose: Option<HoseTable>,
+}
+
+impl TryFrom<Keys> for LineTable {
+    type Error = String;
+
+    fn try_from(keys: Keys) -> Result<Self, String> {
+        let Keys { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa, hose } = keys;
+        let given = [
+            ("resistance_kpa_s_ml", resistance_kpa_s_ml),
+            ("compliance_ml_kpa", compliance_ml_kpa),
+            ("inertance_kpa_s2_ml", inertance_kpa_s2_ml),
+        ];
+        let Some(hose) = hose else {
+            let [resistance, compliance, inertance] =
+                given.map(|(key, value)| value.ok_or_else(|| format!("missing field `{key}` (or a `hose`)")));
+            return Ok(Self::Given(Line {
+                resistance_kpa_s_ml: resistance?,
+                compliance_ml_kpa: compliance?,
+                inertance_kpa_s2_ml: inertance?,
+                reservoir_kpa,
+            }));
+        };
+        match given.iter().find(|(_, value)| value.is_some()) {
+            Some((key, _)) => Err(format!("`{key}` and `hose` exclude each other: a hose gives R, C and L")),
+            None => Ok(Self::Hose { reservoir_kpa, hose }),
+        }
+    }
+}
+
+impl From<LineTable> for Keys {
+    fn from(table: LineTable) -> Self {
+        match table {
+            LineTable::Given(line) => Self {
+                resistance_kpa_s_ml: Some(line.resistance_kpa_s_ml),
+                compliance_ml_kpa: Some(line.compliance_ml_kpa),
+                inertance_kpa_s2_ml: Some(line.inertance_kpa_s2_ml),
+                reservoir_kpa: line.reservoir_kpa,
+                hose: None,
+            },
+            LineTable::Hose { reservoir_kpa, hose } => Self {
+                resistance_kpa_s_ml: None,
+                compliance_ml_kpa: None,
+                inertance_kpa_s2_ml: None,
+                reservoir_kpa,
+                hose: Some(hose),
+            },
+        }
+    }
+}

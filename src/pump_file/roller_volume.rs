@@ -1,0 +1,155 @@
+//! `[roller_volume]`: the volume that a roller displaces, from a published polynomial, the drawing or measured points.
+
+use pump_model::{Geometry, ModelError, RollerVolume, VolumeFit, VolumePoint};
+use serde::{Deserialize, Serialize};
+
+/// `[roller_volume]`
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Keys", into = "Keys")]
+pub enum RollerVolumeTable {
+    /// A polynomial, as measured curves are published.
+    Polynomial {
+        /// phi, deg.
+        engagement_angle_deg: f64,
+        /// V in mL over deg, highest order (5) first.
+        polynomial_ml_deg: [f64; 6],
+        /// V_r that the curve is scaled to, mL; none keeps the polynomial's.
+        total_ml: Option<f64>,
+    },
+    /// The dimensions of tube, rollers and backplate: `source = "drawing"`.
+    Drawing,
+    /// Measured points: `source = "measured"`.
+    Measured {
+        /// How the curve goes through them.
+        fit: Fit,
+        /// Angle since first contact, deg, and volume displaced since then, mL.
+        points: Vec<VolumePoint>,
+    },
+}
+
+/// How a curve goes through measured points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Fit {
+    /// A rising cubic spline through the mean of each angle: a flow without jumps.
+    Spline,
+    /// Least squares of 5th order, as McIntyre et al.
+    Quintic,
+}
+
+impl RollerVolumeTable {
+    /// The curve of a pump with these dimensions.
+    pub fn curve(&self, geometry: &Geometry) -> Result<RollerVolume, ModelError> {
+        match self {
+            Self::Polynomial { engagement_angle_deg, polynomial_ml_deg, total_ml } => {
+                let curve = RollerVolume::from_polynomial_deg(*polynomial_ml_deg, *engagement_angle_deg)?;
+                total_ml.map_or(Ok(curve), |total_ml| curve.scaled_to(total_ml))
+            }
+            Self::Drawing => RollerVolume::from_drawing(geometry),
+            Self::Measured { fit, points } => Ok(*fit.of(points)?.curve()),
+        }
+    }
+
+    /// Whether nobody has measured it.
+    pub fn is_estimated(&self) -> bool {
+        *self == Self::Drawing
+    }
+}
+
+impl Fit {
+    /// The fit of these points.
+    pub fn of(self, points: &[VolumePoint]) -> Result<VolumeFit<'_>, ModelError> {
+        match self {
+            Self::Spline => VolumeFit::spline(points),
+            Self::Quintic => VolumeFit::quintic(points),
+        }
+    }
+}
+
+/// Where a roller volume comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Source {
+    #[default]
+    Polynomial,
+    Drawing,
+    Measured,
+}
+
+/// The keys of all sources.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Keys {
+    #[serde(default, skip_serializing_if = "is_polynomial")]
+    source: Source,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    engagement_angle_deg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    polynomial_ml_deg: Option<[f64; 6]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    total_ml: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fit: Option<Fit>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points_deg_ml: Option<Vec<[f64; 2]>>,
+}
+
+fn is_polynomial(source: &Source) -> bool {
+    *source == Source::Polynomial
+}
+
+impl TryFrom<Keys> for RollerVolumeTable {
+    type Error = String;
+
+    fn try_from(keys: Keys) -> Result<Self, String> {
+        let Keys { source, engagement_angle_deg, polynomial_ml_deg, total_ml, fit, points_deg_ml } = keys;
+        let given = [
+            ("engagement_angle_deg", engagement_angle_deg.is_some(), Source::Polynomial),
+            ("polynomial_ml_deg", polynomial_ml_deg.is_some(), Source::Polynomial),
+            ("total_ml", total_ml.is_some(), Source::Polynomial),
+            ("fit", fit.is_some(), Source::Measured),
+            ("points_deg_ml", points_deg_ml.is_some(), Source::Measured),
+        ];
+        if let Some((key, ..)) = given.iter().find(|(_, given, owner)| *given && *owner != source) {
+            let source = format!("{source:?}").to_lowercase();
+            return Err(format!("`{key}` means nothing with source = \"{source}\"; leave one of them out"));
+        }
+        let missing = |key: &str| format!("missing field `{key}`");
+        Ok(match source {
+            Source::Polynomial => Self::Polynomial {
+                engagement_angle_deg: engagement_angle_deg.ok_or_else(|| missing("engagement_angle_deg"))?,
+                polynomial_ml_deg: polynomial_ml_deg.ok_or_else(|| missing("polynomial_ml_deg"))?,
+                total_ml,
+            },
+            Source::Drawing => Self::Drawing,
+            Source::Measured => {
+                let points = points_deg_ml.ok_or_else(|| missing("points_deg_ml"))?;
+                let point = |[angle_deg, volume_ml]: [f64; 2]| VolumePoint { angle_deg, volume_ml };
+                Self::Measured {
+                    fit: fit.ok_or_else(|| missing("fit") + ": \"spline\" or \"quintic\"")?,
+                    points: points.into_iter().map(point).collect(),
+                }
+            }
+        })
+    }
+}
+
+impl From<RollerVolumeTable> for Keys {
+    fn from(table: RollerVolumeTable) -> Self {
+        match table {
+            RollerVolumeTable::Polynomial { engagement_angle_deg, polynomial_ml_deg, total_ml } => Self {
+                engagement_angle_deg: Some(engagement_angle_deg),
+                polynomial_ml_deg: Some(polynomial_ml_deg),
+                total_ml,
+                ..Self::default()
+            },
+            RollerVolumeTable::Drawing => Self { source: Source::Drawing, ..Self::default() },
+            RollerVolumeTable::Measured { fit, points } => Self {
+                source: Source::Measured,
+                fit: Some(fit),
+                points_deg_ml: Some(points.iter().map(|point| [point.angle_deg, point.volume_ml]).collect()),
+                ..Self::default()
+            },
+        }
+    }
+}

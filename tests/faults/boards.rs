@@ -1,0 +1,203 @@
+//! Doses on a simulated board at the end of a pseudo-terminal, cut off by the death of the process, by what goes wrong on the
+//! board and by a disk that fills up. The board knows how many steps its motor has made; what is on record must hold that.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use pump_ctl::plan::Phase;
+use pump_dose::journal::State;
+use pump_dose::pump_file::DriverName;
+use pump_dose::{Bench, built_in};
+
+use crate::child;
+use crate::random::Random;
+use crate::simulated::Simulated;
+use crate::simulated::options::{Defects, Options};
+
+/// How many times faster than a real board these run.
+const TIME_SCALE: f64 = 8.0;
+
+/// Steps of the largest dose here, about.
+const LONGEST: f64 = 3000.0;
+
+/// Doses between two boards.
+const DOSES_A_BOARD: u32 = 4;
+
+/// Angle of a step, rad.
+const STEP_RAD: f64 = std::f64::consts::TAU / 12_800.0;
+
+/// A pump, its record and the board of the day.
+struct Rig {
+    folder: PathBuf,
+    board: Simulated,
+    /// Angle of the rotor when the board's motor had made no step, rad.
+    stood_rad: f64,
+}
+
+/// What happened so far.
+#[derive(Default)]
+struct Tally {
+    midway: u32,
+    exact: u32,
+    resumed: u32,
+    unknown: u32,
+}
+
+pub fn run(runs: u32, random: &mut Random) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut rig = Rig::new(folder.path(), random, 0.4);
+    let mut tally = Tally::default();
+    for run in 0..runs {
+        if run % DOSES_A_BOARD == 0 {
+            let stands_rad = rig.truth_rad();
+            rig = Rig::new(folder.path(), random, stands_rad);
+            rig.home();
+        }
+        rig.dose(random, &mut tally);
+    }
+    let Tally { midway, exact, resumed, unknown } = tally;
+    println!(
+        "{runs} doses on boards, {midway} cut off midway, {exact} of them known exactly from the board's count, {resumed} \
+         resumed, {unknown} times the angle was unknown and said so: nothing lost"
+    );
+    assert!(midway > runs / 8, "too few of them were cut off midway to say much");
+    assert!(runs < 100 || (exact > 0 && unknown > 0), "a kind of ending never came");
+}
+
+impl Rig {
+    /// Switches a board on, with something wrong with every second one.
+    fn new(folder: &Path, random: &mut Random, stood_rad: f64) -> Self {
+        let at = (LONGEST * 2.0 * random.part()) as u64;
+        let mut defects = Defects { seed: at, ..Defects::default() };
+        match (12.0 * random.part()) as u32 {
+            0 => defects.alarm = Some((at, 1)),
+            1 => defects.refuses = Some((1 + at as u32 / 100, 15)),
+            2 => defects.resets = Some(at),
+            3 => defects.silent = Some(at),
+            4 => defects.stalls = Some(at),
+            5 => defects.miscounts = Some((at, 40)),
+            6 => defects.unplugged = Some(at),
+            7 => defects.lost_cancels = 3,
+            8 => (defects.noise, defects.chopped) = (true, true),
+            _ => {}
+        }
+        let options = Options {
+            time_scale: TIME_SCALE,
+            resets_on_open: random.part() < 0.3,
+            defects,
+            ..Options::default()
+        };
+        Self { folder: folder.to_owned(), board: Simulated::start(options).unwrap(), stood_rad }
+    }
+
+    fn bench(&self) -> Bench {
+        let bench = Bench::new(built_in("three-roller").unwrap(), Some(DriverName::Grbl), &self.folder);
+        bench.unwrap().at_port(Some(self.board.path().to_owned()))
+    }
+
+    fn state(&self) -> Option<State> {
+        self.bench().story().unwrap().state
+    }
+
+    /// Where the rotor really stands, rad.
+    fn truth_rad(&self) -> f64 {
+        self.stood_rad + self.board.rest().steps as f64 * STEP_RAD
+    }
+
+    /// Says where the rotor stands. A board that cannot be used any more leaves the record as it is.
+    fn home(&self) {
+        let bench = self.bench();
+        let mut session = bench.session().unwrap();
+        if session.state().is_some_and(|state| state.unfinished.is_some()) {
+            session.discard().unwrap();
+        }
+        let _ = session.set_angle(Some(Phase::known(self.truth_rad())));
+    }
+
+    /// Holds the record against the truth. Returns whether the angle is known.
+    fn holds(&self, state: &State, what: &str) -> bool {
+        let pitch_rad = std::f64::consts::TAU / 3.0;
+        if state.half_width_rad >= 0.5 * pitch_rad {
+            return false;
+        }
+        let off_rad =
+            (self.truth_rad() - state.angle_rad + 0.5 * pitch_rad).rem_euclid(pitch_rad) - 0.5 * pitch_rad;
+        assert!(
+            off_rad.abs() <= state.half_width_rad + 1e-9,
+            "{what}: {} steps off, {} said: {state:?}",
+            off_rad / STEP_RAD,
+            state.half_width_rad / STEP_RAD
+        );
+        true
+    }
+
+    /// Runs a dose, or the rest of one (0 mL), until something ends it, and compares.
+    fn cut(&self, random: &mut Random, volume_ml: f64, within_s: Option<f64>, full_disk: bool) {
+        let before = self.state();
+        let started = self.board.rest().steps;
+        let journal = self.folder.join("three-roller/grbl/journal.jsonl");
+        let length = fs::metadata(&journal).map_or(0, |found| found.len());
+        let bytes = full_disk.then(|| length + (3000.0 * random.part()) as u64);
+        let mut process = child::start(&self.folder, volume_ml, bytes, Some(self.board.path()));
+        let deadline = Instant::now() + Duration::from_secs_f64(within_s.unwrap_or(90.0));
+        while Instant::now() < deadline && process.try_wait().unwrap().is_none() {
+            sleep(Duration::from_millis(1));
+        }
+        assert!(within_s.is_some() || process.try_wait().unwrap().is_some(), "a dose without an end");
+        process.kill().unwrap();
+        let said = child::said(process);
+        let moved = self.board.rest().steps - started;
+        let after = self.state();
+        let Some(state) = after else {
+            assert_eq!(moved, 0, "nothing is on record: {said}");
+            return;
+        };
+        let known = self.holds(&state, &said);
+        match state.unfinished {
+            Some(dose) if Some(dose) != before.and_then(|state| state.unfinished) => {
+                let made = moved * dose.intent.steps.signum();
+                assert!(
+                    !known || (dose.made_least as i64..=dose.made_most as i64).contains(&made),
+                    "{made} steps made: {dose:?}; {said}"
+                );
+            }
+            Some(_) => assert_eq!(moved, 0, "the rest was not begun: {said}"),
+            None if after == before => assert_eq!(moved, 0, "a dose is lost: {said}"),
+            None => {}
+        }
+    }
+
+    fn dose(&mut self, random: &mut Random, tally: &mut Tally) {
+        let volume_ml = (0.2 + 0.9 * random.part()) * if random.part() < 0.3 { -1.0 } else { 1.0 };
+        let kind = random.part();
+        let within_s = (kind < 0.6).then(|| 1.2 * random.part());
+        self.cut(random, volume_ml, within_s, kind > 0.9);
+        for _ in 0..3 {
+            let Some(state) = self.state() else { return };
+            let Some(dose) = state.unfinished else { break };
+            tally.midway += 1;
+            // Met again, the board may know more.
+            let bench = self.bench();
+            let mut session = bench.session().unwrap();
+            if session.connect().is_ok() {
+                let met = *session.state().unwrap();
+                self.holds(&met, "met again");
+                let exact = met.unfinished.is_some_and(|now| now.made_least == now.made_most);
+                tally.exact += u32::from(exact && dose.made_least < dose.made_most);
+            }
+            if random.part() < 0.4 {
+                if session.state().is_some_and(|state| state.unfinished.is_some()) {
+                    session.discard().unwrap();
+                }
+                break;
+            }
+            drop(session);
+            self.cut(random, 0.0, None, false);
+            tally.resumed += 1;
+        }
+        let unknown = self.state().is_some_and(|state| !self.holds(&state, "at the end"));
+        tally.unknown += u32::from(unknown);
+    }
+}

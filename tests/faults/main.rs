@@ -1,0 +1,32 @@
+//! Doses cut off at random instants: none is lost, none is counted twice, and what was delivered lies within the bounds on
+//! record.
+//!
+//! `cargo test` runs a few dozen; `make faults` runs 500 on the simulated drive and 500 on simulated boards. The program
+//! starts itself again to have something to kill: what the child says, and what the board knows, is the truth that its
+//! parent compares the record with.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and says what it did")]
+
+mod boards;
+mod child;
+mod random;
+#[path = "../../examples/simulated_grbl/simulated/mod.rs"]
+mod simulated;
+mod simulation;
+
+use std::env;
+
+use random::Random;
+
+fn main() {
+    let arguments: Vec<String> = env::args().collect();
+    if arguments.get(1).is_some_and(|word| word == "child") {
+        return child::main(&arguments[2..]);
+    }
+    let wanted: Option<u32> = env::var("FAULTS_RUNS").ok().map(|runs| runs.parse().unwrap());
+    let seed = env::var("FAULTS_SEED").map_or(u64::from(std::process::id()), |seed| seed.parse().unwrap());
+    println!("FAULTS_SEED={seed}");
+    let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ seed);
+    simulation::run(wanted.unwrap_or(40), &mut random);
+    boards::run(wanted.unwrap_or(24), &mut random);
+}

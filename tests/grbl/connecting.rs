@@ -1,0 +1,139 @@
+//! Finding a board, and what is refused.
+
+use std::time::{Duration, Instant};
+
+use pump_dose::drivers::GrblError;
+use pump_dose::pump_file::{Axis, DriveTable};
+use pump_dose::{Disturbance, Drive, DriveError, Grbl};
+
+use crate::rig::{defective, dose, grbl_error, motor, open, refusal, run, start, table};
+use crate::simulated::options::{Defects, Firmware, Options};
+
+#[test]
+fn a_board_that_resets_on_open_is_waited_for_unlocked_and_the_reset_told_once() {
+    let board = start(Options {
+        resets_on_open: true,
+        boot: Duration::from_millis(700),
+        settings: vec![(22, 1.0)],
+        ..Options::default()
+    });
+    let mut grbl = open(&board);
+    assert_eq!(grbl.disturbed(), Some(Disturbance::Reset));
+    assert_eq!(grbl.disturbed(), None);
+    let plan = dose(&grbl, 0.5, 5.0);
+    assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64);
+}
+
+#[test]
+fn a_board_that_was_opened_once_is_not_reset_again() {
+    let board = start(Options { resets_on_open: true, ..Options::default() });
+    let mut grbl = open(&board);
+    let plan = dose(&grbl, 0.5, 5.0);
+    run(&mut grbl, &board, &plan).0.unwrap();
+    drop(grbl);
+    let mut again = open(&board);
+    assert_eq!((again.count(), again.disturbed()), (Some(plan.steps), None));
+    assert_eq!(board.truth().resets, 1);
+}
+
+#[test]
+fn a_second_driver_is_told_who_has_the_port() {
+    let board = start(Options::default());
+    let _grbl = open(&board);
+    let error = Grbl::open(&table(&board), &motor(), false).unwrap_err();
+    let DriveError::Busy { holder, .. } = &error else { panic!("{error}") };
+    assert!(holder.contains(&std::process::id().to_string()), "{error}");
+}
+
+#[test]
+fn a_port_that_is_not_named_or_not_there_is_an_error_that_says_so() {
+    let board = start(Options::default());
+    let nowhere = DriveTable { port: None, ..table(&board) };
+    let error = Grbl::open(&nowhere, &motor(), false).unwrap_err().to_string();
+    assert!(error.contains("--port"), "{error}");
+    let missing = DriveTable { port: Some("/dev/ttyNOTHERE".into()), ..table(&board) };
+    let error = Grbl::open(&missing, &motor(), false).unwrap_err().to_string();
+    assert!(error.contains("ttyNOTHERE"), "{error}");
+}
+
+#[test]
+fn firmwares_of_the_family_are_driven_and_older_ones_refused() {
+    for firmware in [Firmware::GrblHal, Firmware::FluidNc] {
+        let board = start(Options { firmware, ..Options::default() });
+        let mut grbl = open(&board);
+        assert!(grbl.notes().is_empty());
+        let plan = dose(&grbl, 0.5, 5.0);
+        assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64, "{firmware:?}");
+    }
+    let old = refusal(Options { firmware: Firmware::Grbl09, ..Options::default() });
+    assert!(matches!(grbl_error(old), GrblError::Old { .. }));
+}
+
+#[test]
+fn an_axis_that_the_board_does_not_have_is_named() {
+    let board = start(Options::default());
+    let table = DriveTable { axis: Axis::A, ..table(&board) };
+    let error = Grbl::open(&table, &motor(), false).unwrap_err().to_string();
+    assert!(error.contains("axis") && error.contains('A'), "{error}");
+}
+
+#[test]
+fn a_motion_that_is_under_way_is_waited_for() {
+    // Slow, so that it still moves when the panic below has been printed.
+    let board = start(Options { time_scale: 0.2, ..Options::default() });
+    let mut grbl = open(&board);
+    let plan = dose(&grbl, 6.0, 5.0);
+    // As if this process died: the port is closed with jogs in the queue.
+    let mut sent = 0;
+    let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        let _ = grbl.run(&plan, &mut |made, about_to| {
+            assert!(made < 500, "dies here");
+            sent = about_to;
+            std::ops::ControlFlow::Continue(())
+        });
+    }));
+    assert!(result.is_err());
+    drop(grbl);
+    assert!(board.truth().moving);
+    let again = open(&board);
+    let truth = board.truth();
+    assert!(!truth.moving);
+    assert_eq!(again.count(), Some(truth.steps));
+    assert!(truth.steps >= 500 && truth.steps < plan.steps && truth.steps <= sent as i64);
+}
+
+#[test]
+fn a_locked_board_is_refused_with_what_to_do() {
+    let board = defective(Defects { alarm: Some((300, 1)), ..Defects::default() });
+    let mut grbl = open(&board);
+    let plan = dose(&grbl, 1.0, 5.0);
+    assert!(run(&mut grbl, &board, &plan).0.is_err());
+    let again = run(&mut grbl, &board, &plan).0.unwrap_err();
+    assert_eq!((again.made_least, again.made_most), (0, 0));
+    assert!(again.to_string().contains("$X"), "{again}");
+    drop(grbl);
+    let error = Grbl::open(&table(&board), &motor(), false).unwrap_err();
+    assert!(matches!(grbl_error(error), GrblError::Locked { .. }));
+}
+
+#[test]
+fn a_sleeping_board_is_woken_and_that_is_a_reset() {
+    let board = start(Options::default());
+    let mut grbl = open(&board);
+    grbl.release().unwrap();
+    assert_eq!(grbl.disturbed(), Some(Disturbance::Disabled));
+    drop(grbl);
+    let mut again = open(&board);
+    assert_eq!(again.disturbed(), Some(Disturbance::Reset));
+    let plan = dose(&again, 0.3, 5.0);
+    assert_eq!(run(&mut again, &board, &plan).0.unwrap(), plan.steps as u64);
+}
+
+#[test]
+fn a_port_where_no_board_answers_is_refused_in_bounded_time() {
+    let board = defective(Defects { silent: Some(0), ..Defects::default() });
+    let started = Instant::now();
+    let error = Grbl::open(&table(&board), &motor(), false).unwrap_err();
+    assert!(matches!(grbl_error(error), GrblError::NoGrbl { .. }));
+    assert!(started.elapsed() < Duration::from_secs(20));
+}

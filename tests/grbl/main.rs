@@ -1,0 +1,13 @@
+//! The grbl driver against a simulated board at the end of a pseudo-terminal.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod connecting;
+mod dosing;
+mod faults;
+mod replies;
+mod rig;
+mod searching;
+mod settings;
+#[path = "../../examples/simulated_grbl/simulated/mod.rs"]
+mod simulated;

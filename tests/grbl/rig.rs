@@ -1,0 +1,109 @@
+//! A simulated board, a driver and a plan.
+
+use std::ops::ControlFlow;
+
+use pump_ctl::plan::{Cruise, Phase, Plan, Request, plan};
+use pump_dose::drivers::GrblError;
+use pump_dose::pump_file::{DriveTable, DriverName, MotorTable};
+use pump_dose::{Drive, DriveError, DriveFault, Grbl, built_in};
+
+use crate::simulated::Simulated;
+use crate::simulated::options::{Defects, Options};
+
+/// The published pump's motor.
+pub fn motor() -> MotorTable {
+    built_in("three-roller").unwrap().motor
+}
+
+pub fn start(options: Options) -> Simulated {
+    Simulated::start(options).unwrap()
+}
+
+/// A board with this wrong with it.
+pub fn defective(defects: Defects) -> Simulated {
+    start(Options { defects, ..Options::default() })
+}
+
+pub fn table(board: &Simulated) -> DriveTable {
+    DriveTable { port: Some(board.path().to_owned()), ..DriveTable::of(DriverName::Grbl) }
+}
+
+pub fn open(board: &Simulated) -> Grbl {
+    Grbl::open(&table(board), &motor(), false).unwrap()
+}
+
+/// Why a board cannot be opened.
+pub fn refusal(options: Options) -> DriveError {
+    let board = start(options);
+    Grbl::open(&table(&board), &motor(), false).map(drop).unwrap_err()
+}
+
+/// A dose as a session plans it for this driver: with the board's own ramps.
+pub fn dose(grbl: &Grbl, volume_ml: f64, ml_s: f64) -> Plan {
+    let file = built_in("three-roller").unwrap();
+    let mut limits = file.limits();
+    limits.motor.max_acceleration_rad_s2 = grbl.limits().unwrap().acceleration_rad_s2;
+    let request = Request::new(volume_ml, Cruise::Flow { ml_s });
+    plan(&file.model().unwrap(), Phase::known(0.4), &request, &limits).unwrap()
+}
+
+/// Runs a plan to its end, and checks that nothing moves that was not announced. Returns the result and the last step that
+/// was announced.
+pub fn run(grbl: &mut Grbl, board: &Simulated, plan: &Plan) -> (Result<u64, DriveFault>, u64) {
+    run_until(grbl, board, plan, |_, _| false)
+}
+
+/// The same; stops once `stop` says so.
+pub fn run_until(
+    grbl: &mut Grbl,
+    board: &Simulated,
+    plan: &Plan,
+    mut stop: impl FnMut(u64, u64) -> bool,
+) -> (Result<u64, DriveFault>, u64) {
+    let from = board.truth().steps;
+    let mut announced = 0;
+    let result = grbl.run(plan, &mut |made, about_to| {
+        let turned = board.truth().steps.abs_diff(from);
+        assert!(turned <= announced, "{turned} steps made and {announced} announced");
+        assert!(made <= turned, "{made} said to be made and {turned} are");
+        if stop(made, about_to) {
+            return ControlFlow::Break(());
+        }
+        announced = announced.max(about_to);
+        ControlFlow::Continue(())
+    });
+    (result, announced)
+}
+
+/// Runs a dose of 2 mL on a board with this wrong with it. Checks that what was made lies between the bounds of the fault,
+/// and returns it.
+pub fn fault(defects: Defects) -> DriveFault {
+    let board = defective(defects);
+    let mut grbl = open(&board);
+    let plan = dose(&grbl, 2.0, 5.0);
+    let (result, announced) = run(&mut grbl, &board, &plan);
+    let fault = result.unwrap_err();
+    let made = board.rest().steps.unsigned_abs();
+    assert!(fault.made_most <= announced.max(fault.made_least), "{fault:?}: {announced} announced");
+    if !fault.lost {
+        assert!((fault.made_least..=fault.made_most).contains(&made), "{made} made: {fault:?}");
+    }
+    fault
+}
+
+/// The board's error.
+pub fn grbl_error(error: DriveError) -> GrblError {
+    match error {
+        DriveError::Grbl(error) => error,
+        other => panic!("{other}"),
+    }
+}
+
+/// Does the same with each, all at a time: they mostly wait.
+pub fn each<T: Send>(cases: impl IntoIterator<Item = T>, test: impl Fn(T) + Sync) {
+    std::thread::scope(|scope| {
+        for case in cases {
+            scope.spawn(|| test(case));
+        }
+    });
+}

@@ -1,0 +1,102 @@
+//! Settings: what is refused, what is told, what is written on request.
+
+use pump_dose::drivers::GrblError;
+use pump_dose::{Disturbance, Drive, Grbl};
+
+use crate::rig::{dose, grbl_error, motor, open, refusal, run, start, table};
+use crate::simulated::options::{Firmware, Options};
+
+fn with(settings: &[(u16, f32)]) -> Options {
+    Options { settings: settings.to_vec(), ..Options::default() }
+}
+
+#[test]
+fn limits_are_the_boards_own() {
+    let board = start(with(&[(100, 200.0), (110, 3000.0), (120, 100.0)]));
+    let limits = open(&board).limits().unwrap();
+    let step_rad = std::f64::consts::TAU / 12_800.0;
+    assert!((limits.max_speed_rad_s / step_rad - 10_000.0).abs() < 1e-6);
+    assert!((limits.acceleration_rad_s2 / step_rad - 20_000.0).abs() < 1e-6);
+    assert!((limits.min_speed_rad_s / step_rad - 30.517_578_125).abs() < 1e-9);
+}
+
+#[test]
+fn settings_that_cannot_dose_exactly_are_refused_with_what_to_do() {
+    let coarse = grbl_error(refusal(with(&[(100, 900.0)])));
+    assert!(matches!(coarse, GrblError::Coarse { .. }), "{coarse}");
+    let inches = grbl_error(refusal(with(&[(100, 400.0), (13, 1.0)])));
+    assert!(matches!(inches, GrblError::Coarse { .. }), "{inches}");
+    let steep = grbl_error(refusal(with(&[(120, 100_000.0)])));
+    assert!(matches!(steep, GrblError::Steep { .. }) && steep.to_string().contains("--configure"), "{steep}");
+    let soft = grbl_error(refusal(with(&[(22, 0.0), (20, 1.0)])));
+    assert!(matches!(soft, GrblError::SoftLimits) && soft.to_string().contains("--configure"), "{soft}");
+}
+
+#[test]
+fn speeds_out_of_reach_are_refused_before_anything_moves() {
+    let board = start(with(&[(110, 600.0)]));
+    let mut grbl = open(&board);
+    for (ml_s, slow) in [(0.01, true), (5.0, false)] {
+        let plan = dose(&grbl, 1.0, ml_s);
+        let fault = run(&mut grbl, &board, &plan).0.unwrap_err();
+        assert_eq!((fault.made_least, fault.made_most, fault.lost), (0, 0, false));
+        let error = grbl_error(fault.error);
+        assert!(matches!(&error, GrblError::Slow { .. }) == slow, "{error}");
+        assert!(slow || matches!(error, GrblError::Fast { number: 110, .. }));
+    }
+    assert_eq!(board.truth().lines.iter().filter(|line| line.starts_with("$J")).count(), 0);
+}
+
+#[test]
+fn grblhal_has_no_floor_of_thirty_steps_a_second() {
+    let board = start(Options { firmware: Firmware::GrblHal, ..Options::default() });
+    let mut grbl = open(&board);
+    let plan = dose(&grbl, 0.002, 0.01);
+    assert!(plan.profile.peak_rad_s() / plan.step_rad < 30.0);
+    assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64);
+    assert_eq!(board.truth().steps, plan.steps);
+}
+
+#[test]
+fn nothing_is_written_unless_it_is_asked_for() {
+    let board = start(with(&[(1, 25.0), (10, 0.0)]));
+    let mut grbl = open(&board);
+    let plan = dose(&grbl, 0.4, 5.0);
+    run(&mut grbl, &board, &plan).0.unwrap();
+    let written = |line: &String| line.starts_with('$') && line.contains('=') && !line.starts_with("$J=");
+    assert!(!board.truth().lines.iter().any(written), "{:?}", board.truth().lines);
+    assert!(grbl.notes().iter().any(|note| note.contains("--configure")));
+}
+
+#[test]
+fn a_board_that_cuts_the_current_disturbs_the_rotor_once_a_motion() {
+    let board = start(with(&[(1, 25.0)]));
+    let mut grbl = open(&board);
+    for _ in 0..2 {
+        let plan = dose(&grbl, 0.4, 5.0);
+        run(&mut grbl, &board, &plan).0.unwrap();
+        assert_eq!(grbl.disturbed(), Some(Disturbance::Disabled));
+        assert_eq!(grbl.disturbed(), None);
+    }
+}
+
+#[test]
+fn configuring_writes_what_differs_and_says_what() {
+    let board = start(with(&[(1, 25.0), (10, 2.0), (13, 1.0), (20, 1.0), (120, 100_000.0)]));
+    let mut grbl = Grbl::open(&table(&board), &motor(), true).unwrap();
+    let notes = grbl.notes();
+    for number in ["$1 ", "$10 ", "$13 ", "$20 ", "$110 ", "$120 "] {
+        assert!(notes.iter().any(|note| note.starts_with(number)), "{number}: {notes:?}");
+    }
+    assert!(grbl.limits().unwrap().acceleration_rad_s2 <= motor().max_acceleration_rad_s2);
+    let plan = dose(&grbl, 0.4, 5.0);
+    assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64);
+    assert_eq!(grbl.disturbed(), None);
+    drop(grbl);
+    let mut again = Grbl::open(&table(&board), &motor(), true).unwrap();
+    assert!(
+        !again.notes().iter().any(|note| note.contains(" was ")),
+        "a second time there is nothing to write"
+    );
+    assert!(!board.truth().lines.iter().any(|line| line.starts_with("$100=")));
+}
