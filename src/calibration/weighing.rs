@@ -98,7 +98,7 @@ mod tests {
         assert!(error.contains("glycerol 50 %") && error.contains("20 °C"), "{error}");
         let water = crate::built_in("three-roller").unwrap();
         let weighing = Weighing::of(&water);
-        assert!(weighing.volume_ml(10.0, 45.0).unwrap_err().to_string().contains("0 to 40"));
+        assert!(weighing.volume_ml(10.0, 120.0).unwrap_err().to_string().contains("temperature of water"));
         assert!(weighing.volume_ml(10.0, f64::NAN).is_err());
         assert!((weighing.volume_ml(10.0, 25.0).unwrap() - 10.0384).abs() < 1e-3);
     }

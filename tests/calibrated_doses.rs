@@ -1,0 +1,75 @@
+//! Doses of a calibrated pump from start to record.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::ops::ControlFlow;
+
+use pump_dose::calibration::{Calibration, Displacement, Expected, Reading, Run, Source, Weighing};
+use pump_dose::{Bench, Delivered, DoseRequest, Prepared, built_in};
+
+/// A bench whose calibration says that a revolution delivers `factor` times the model's volume, at a zero of 20 deg.
+fn bench(folder: &std::path::Path, factor: f64) -> Bench {
+    let bench = Bench::new(built_in("three-roller").unwrap(), None, folder).unwrap();
+    let run = Run {
+        speed_rpm: 14.0,
+        start_angle_deg: None,
+        turned_deg: 720.0,
+        reading: Reading::VolumeMl(2.0 * factor * bench.model().revolution_ml()),
+        temperature_degc: None,
+        time: None,
+    };
+    let expected = Expected { repeatability: 0.0047, reading_ml: 0.0 };
+    let displacement =
+        Displacement::fit(bench.model(), &[run], &Weighing::of(bench.file()), &expected).unwrap();
+    let mut calibration = Calibration::empty(bench.file(), Source::File).unwrap();
+    calibration.displacement = Some(displacement);
+    calibration.zero_deg = 20.0;
+    let calibrations = bench.calibrations();
+    let version = calibrations.add(&calibration).unwrap();
+    calibrations.activate(Some(version)).unwrap();
+    bench
+}
+
+#[test]
+fn a_calibrated_dose_that_was_stopped_is_on_record_and_resumed_as_it_was_calibrated() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path(), 1.03);
+    let request = DoseRequest::dose(25.0);
+    let first: (Prepared, Delivered) = {
+        let mut session = bench.session().unwrap();
+        let prepared = session.prepare(request).unwrap();
+        let stop = |made| if made >= 3000 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let delivered = session.run(&prepared, stop).unwrap();
+        (prepared, delivered)
+    };
+    assert!(!first.1.completed && (first.0.plan.planned_ml - 25.0).abs() < 2e-3);
+    // What is used now does not change what was delivered then.
+    bench.calibrations().activate(None).unwrap();
+    let unfinished = bench.story().unwrap().state.unwrap().unfinished.unwrap();
+    let (least_ml, most_ml) = unfinished.delivered_ml(bench.model());
+    assert!(
+        (least_ml - first.1.volume_ml).abs() < 1e-5 && least_ml == most_ml,
+        "{least_ml} {}",
+        first.1.volume_ml
+    );
+
+    bench.calibrations().activate(Some(1)).unwrap();
+    let mut session = bench.session().unwrap();
+    let rest = session.prepare_rest(DoseRequest::dose(0.0)).unwrap();
+    let second = session.run(&rest, |_| ControlFlow::Continue(())).unwrap();
+    assert!(second.completed);
+    let all_ml = first.1.volume_ml + second.volume_ml;
+    assert!((all_ml - 25.0).abs() < 2e-3, "{all_ml}");
+    assert_eq!(rest.plan.end_angle_rad(), first.0.plan.end_angle_rad());
+}
+
+#[test]
+fn a_retraction_of_a_calibrated_dose_is_as_large_as_was_asked() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path(), 0.96);
+    let mut session = bench.session().unwrap();
+    let prepared = session.prepare(DoseRequest { retract_ml: Some(0.5), ..DoseRequest::dose(10.0) }).unwrap();
+    let delivered = session.run(&prepared, |_| ControlFlow::Continue(())).unwrap();
+    assert!((delivered.volume_ml - 10.0).abs() < 2e-3 && (delivered.retracted_ml - 0.5).abs() < 2e-3);
+    assert!((session.state().unwrap().carry_ml - 0.5).abs() < 2e-3);
+}
