@@ -409,6 +409,7 @@ impl PumpFile {
             },
             max_outlet_kpa: self.limits.max_outlet_kpa,
             min_inlet_kpa: self.limits.min_inlet_kpa,
+            torque: None,
         }
     }
 

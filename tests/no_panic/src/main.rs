@@ -13,7 +13,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorKind, ErrorType, InputPin, OutputPin};
 use pump_ctl::drive::{Actuator, Clock, OnFault, StepDir, Timing};
 
-use pump_ctl::plan::{Cruise, Limits, Motor, Phase, PlanError, Request, Trapezoid, plan, speed_for_flow};
+use pump_ctl::plan::{Cruise, Limits, Motor, Phase, PlanError, Request, plan, speed_for_flow};
 use pump_ctl::step::{Brake, Segment, Stepper};
 use pump_model::math::{ceil, degrees, floor, pow, rad_s, radians, rpm, sqrt, wrap};
 use pump_model::polynomial::Polynomial;
@@ -154,21 +154,26 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
         1 => Cruise::Speed { rad_s: any() },
         _ => Cruise::Within { time_s: any() },
     };
-    let request = Request { carry_in_ml: any(), ..Request::new(any(), cruise) };
+    let request = Request { carry_in_ml: any(), smooth: black_box(true), ..Request::new(any(), cruise) };
     let start = Phase { half_width_rad: any(), ..Phase::known(any()) };
     let plan = plan(pump, start, &request, &limits)?;
-    black_box((plan.predict(pump)?, plan.end_step_ml(pump), plan.legs(), plan.end_angle_rad()));
+    black_box((plan.predict(pump)?, plan.end_step_ml(pump), plan.end_angle_rad()));
+    for leg in plan.legs() {
+        black_box(leg);
+    }
     black_box((plan.angle_after(black_box(1)), plan.direction(), start.is_known(any())));
     black_box((Phase::unknown(any()), start.range_ml(pump, any()), plan.range_ml(pump, black_box(1))));
     black_box((speed_for_flow(pump, any()), motor.step_rad()));
     for step in plan.steps() {
         black_box(step);
     }
-    let profile = Trapezoid::new(any(), any(), any());
-    black_box((profile.time_of(any()), profile.duration_s(), profile.legs(any(), black_box(1))));
-    black_box((profile.peak_rad_s(), profile.reaches_cruise(), profile.acceleration_rad_s2()));
+    let profile = plan.profile;
+    black_box((profile.time_of(any()), profile.duration_s(), profile.cruise_rad_s()));
+    black_box((profile.peak_rad_s(), profile.reaches_limit(), profile.acceleration_rad_s2()));
+    black_box((plan.is_smooth(), plan.cruise_flow_ml_s(pump), plan.ripples(pump)));
     black_box((plan.angle_at(any()), plan.speed_at(any()), plan.speed_after(black_box(1))));
-    let rest = plan.retarget(pump, black_box(1), any(), cruise, &limits)?;
+    black_box(plan.retarget(pump, black_box(1), any(), cruise, &limits)?);
+    let rest = plan.retarget_shaped(pump, black_box(1), any(), cruise, black_box(true), &limits)?;
     black_box((rest.delivered_ml(pump, black_box(1)), rest.stop(pump, black_box(1)), rest.predict(pump)?));
     for segment in rest.segments(black_box(1)) {
         black_box(segment);

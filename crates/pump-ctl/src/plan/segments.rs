@@ -2,7 +2,7 @@
 
 use pump_model::math::floor;
 
-use super::{Plan, Trapezoid};
+use super::{Plan, Profile};
 use crate::step::Segment;
 
 /// How far the time of a step may be from the plan's before it is rounded to a tick, ticks: with the rounding less than
@@ -19,7 +19,7 @@ const FRACTIONS: f64 = 4_294_967_296.0;
 /// add up.
 #[derive(Debug, Clone)]
 pub struct Segments {
-    profile: Trapezoid,
+    profile: Profile,
     tick_hz: f64,
     step_rad: f64,
     backward: bool,
@@ -79,9 +79,9 @@ impl Segments {
 
     /// Goes on to the next leg that has steps.
     fn enter_leg(&mut self) {
-        let ends = self.profile.corners_rad().map(|corner_rad| floor(corner_rad / self.step_rad) as u64);
-        let end = ends.into_iter().find(|end| *end > self.made).unwrap_or(self.steps);
-        self.leg_steps = end.min(self.steps);
+        let next = self.made + 1;
+        let corner_rad = self.profile.corner_from(next as f64 * self.step_rad);
+        self.leg_steps = (floor(corner_rad / self.step_rad) as u64).clamp(next, self.steps.max(next));
         self.guess = u64::MAX;
     }
 
