@@ -6,6 +6,7 @@ mod batches;
 mod doses;
 mod endings;
 mod files;
+mod limits;
 mod refusals;
 mod simulations;
 mod tube;

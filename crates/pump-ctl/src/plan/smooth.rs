@@ -48,27 +48,27 @@ impl Knots {
 
     /// The largest function below (flow/q)² and the motor's limit that is nowhere steeper than the acceleration allows.
     ///
-    /// Two sweeps from the smallest of the bounds, where it is the bound: forward and backward once round.
+    /// Sweeps forward and backward, twice round each: wherever the smallest bound is, the second time passes everything after it.
     fn envelope(&self, flow_ml_s: f64) -> Envelope {
         let square = flow_ml_s * flow_ml_s;
         let mut squares = self.per_square.map(|row| row.map(|part| (square * part).min(self.most)));
         let all = squares.as_flattened_mut();
-        let lowest = all.iter().enumerate().fold((0, f64::INFINITY), |lowest, (knot, square)| {
-            if *square < lowest.1 { (knot, *square) } else { lowest }
-        });
-        // The lowest first: then it is the neighbour of the last knot too.
-        all.rotate_left(lowest.0);
-        let mut before = lowest.1;
-        for square in all.iter_mut() {
+        let mut before = f64::INFINITY;
+        let mut sweep = |square: &mut f64| {
             *square = square.min(before + self.rise);
             before = *square;
+        };
+        for _ in 0..2 {
+            all.iter_mut().for_each(&mut sweep);
         }
-        before = lowest.1;
-        for square in all.iter_mut().rev() {
+        let mut before = f64::INFINITY;
+        let mut sweep = |square: &mut f64| {
             *square = square.min(before + self.rise);
             before = *square;
+        };
+        for _ in 0..2 {
+            all.iter_mut().rev().for_each(&mut sweep);
         }
-        all.rotate_right(lowest.0);
         Envelope::new(self.pitch_rad, self.uneven_rad, &squares)
     }
 }
