@@ -81,7 +81,7 @@ impl Envelope {
     }
 
     /// Speed at the start of a part, rad/s; the even part starts and ends at that of the first.
-    fn knot_rad_s(&self, part: usize) -> f64 {
+    pub(super) fn knot_rad_s(&self, part: usize) -> f64 {
         let [[first, ..], ..] = &self.speed_rad_s;
         *self.speed_rad_s.as_flattened().get(part).unwrap_or(first)
     }

@@ -58,6 +58,8 @@ pub struct Profile {
     /// The limit, if it is not constant, and the angle in it at the start.
     envelope: Option<Envelope>,
     phase_rad: f64,
+    /// Time from angle 0 of the envelope to where the limit is reached, s.
+    reached_s: f64,
     /// Angles turned where the limit is reached and left.
     pub(super) corners_rad: [f64; 2],
     /// Speeds there.
@@ -66,6 +68,25 @@ pub struct Profile {
     pub(super) along_s: f64,
     down_s: f64,
     reaches_limit: bool,
+}
+
+/// A leg along an envelope, from its first knot on, for many times of it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Along {
+    /// Angle turned at the knot.
+    from_rad: f64,
+    start_s: f64,
+    speed_rad_s: f64,
+    acceleration_rad_s2: f64,
+}
+
+impl Along {
+    /// When the rotor has turned `turned_rad`, s since the start.
+    pub(super) fn time_of(&self, turned_rad: f64) -> f64 {
+        let on_rad = turned_rad - self.from_rad;
+        let square = self.speed_rad_s * self.speed_rad_s + 2.0 * self.acceleration_rad_s2 * on_rad;
+        self.start_s + 2.0 * on_rad / (self.speed_rad_s + sqrt(square.max(0.0)))
+    }
 }
 
 impl Profile {
@@ -96,6 +117,7 @@ impl Profile {
             course,
             envelope: None,
             phase_rad: 0.0,
+            reached_s: 0.0,
             corners_rad: [ramp_rad, turn_rad - down_rad],
             corner_rad_s: [plateau_rad_s; 2],
             ramp_s,
@@ -128,14 +150,16 @@ impl Profile {
             return Self { envelope: Some(envelope), phase_rad, ..Self::constant(course, f64::INFINITY) };
         }
         let corner_rad_s = [reached_rad, left_rad].map(|angle_rad| envelope.speed_at(angle_rad));
+        let reached_s = envelope.time_at(reached_rad);
         Self {
             course,
             envelope: Some(envelope),
             phase_rad,
+            reached_s,
             corners_rad: [reached_rad - phase_rad, left_rad - phase_rad],
             corner_rad_s,
             ramp_s: (corner_rad_s[0] - start_rad_s).abs() / acceleration_rad_s2,
-            along_s: envelope.time_at(left_rad) - envelope.time_at(reached_rad),
+            along_s: envelope.time_at(left_rad) - reached_s,
             down_s: corner_rad_s[1] / acceleration_rad_s2,
             reaches_limit: true,
         }
@@ -199,8 +223,7 @@ impl Profile {
             let left_rad = (self.course.turn_rad - turned_rad).max(0.0);
             self.duration_s() - sqrt(2.0 * left_rad / self.course.acceleration_rad_s2)
         } else if let Some(envelope) = self.along_envelope() {
-            let reached_s = envelope.time_at(self.phase_rad + reached_rad);
-            self.ramp_s + (envelope.time_at(self.phase_rad + turned_rad) - reached_s)
+            self.ramp_s + (envelope.time_at(self.phase_rad + turned_rad) - self.reached_s)
         } else {
             self.ramp_s + (turned_rad - reached_rad) / self.corner_rad_s[0]
         }
@@ -236,6 +259,21 @@ impl Profile {
         }
     }
 
+    /// The leg along the envelope when the rotor has turned `turned_rad`; none elsewhere.
+    pub(super) fn along_at(&self, turned_rad: f64) -> Option<Along> {
+        let [reached_rad, left_rad] = self.corners_rad;
+        let envelope =
+            self.along_envelope().filter(|_| turned_rad > reached_rad && turned_rad <= left_rad)?;
+        let place = envelope.place_at(self.phase_rad + turned_rad);
+        let (from_rad, _) = envelope.ends_rad(place);
+        Some(Along {
+            from_rad: from_rad - self.phase_rad,
+            start_s: self.ramp_s + (envelope.time_in(place, from_rad) - self.reached_s),
+            speed_rad_s: envelope.knot_rad_s(place.part),
+            acceleration_rad_s2: envelope.acceleration_rad_s2(place.part),
+        })
+    }
+
     /// The motion, from time 0.
     pub fn legs(&self) -> Legs<'_> {
         Legs::new(self)
@@ -249,8 +287,7 @@ impl Profile {
             self.along_envelope().map_or_else(
                 || self.even_leg(),
                 |envelope| {
-                    let reached_s = envelope.time_at(self.phase_rad + self.corners_rad[0]);
-                    self.leg_along(envelope, envelope.place_at_time(reached_s + (t_s - self.ramp_s)))
+                    self.leg_along(envelope, envelope.place_at_time(self.reached_s + (t_s - self.ramp_s)))
                 },
             )
         } else {
@@ -299,9 +336,8 @@ impl Profile {
         let (start_rad, end_rad) = envelope.ends_rad(place);
         let start_rad = start_rad.max(reached_rad);
         let end_rad = end_rad.min(left_rad).max(start_rad);
-        let [start_s, end_s] = [start_rad, end_rad].map(|angle_rad| {
-            self.ramp_s + (envelope.time_in(place, angle_rad) - envelope.time_at(reached_rad))
-        });
+        let [start_s, end_s] = [start_rad, end_rad]
+            .map(|angle_rad| self.ramp_s + (envelope.time_in(place, angle_rad) - self.reached_s));
         let speed_rad_s = envelope.speed_at(start_rad);
         let acceleration_rad_s2 = envelope.acceleration_rad_s2(place.part);
         self.leg(start_s, end_s - start_s, start_rad - self.phase_rad, speed_rad_s, acceleration_rad_s2)

@@ -9,6 +9,8 @@ use super::profile::Course;
 /// The flow per radian at the knots of the uneven part, and what bounds the speed there.
 struct Knots {
     pitch_rad: f64,
+    /// Where the uneven part starts, as an angle in the direction of motion, rad.
+    origin_rad: f64,
     uneven_rad: f64,
     /// 1/q², rad²/mL².
     per_square: PerPart,
@@ -18,27 +20,23 @@ struct Knots {
     most: f64,
 }
 
-/// Where the uneven part starts, as an angle in the direction of motion, rad.
-fn origin_rad(curve: &FlowCurve, direction: i8) -> f64 {
-    let (from_rad, length_rad) = curve.uneven_part();
-    if direction < 0 { -(from_rad + length_rad) } else { from_rad }
-}
-
 impl Knots {
     fn new(curve: &FlowCurve, direction: i8, max_rad_s: f64, acceleration_rad_s2: f64) -> Self {
         /// The flow jumps at full engagement, where a pulse begins: the first knot holds for both sides of it, rad.
         const BESIDE_RAD: f64 = 1e-9;
-        let (_, uneven_rad) = curve.uneven_part();
+        let (from_rad, uneven_rad) = curve.uneven_part();
+        let origin_rad = if direction < 0 { -(from_rad + uneven_rad) } else { from_rad };
         let sign = f64::from(direction);
         let part_rad = uneven_rad / PARTS as f64;
         let mut per_square = [[0.0; 16]; PARTS / 16];
         for (knot, slot) in per_square.as_flattened_mut().iter_mut().enumerate() {
-            let angle_rad = sign * (origin_rad(curve, direction) + knot as f64 * part_rad);
+            let angle_rad = sign * (origin_rad + knot as f64 * part_rad);
             let flow = curve.flow_ml_rad(angle_rad).max(curve.flow_ml_rad(angle_rad - BESIDE_RAD));
             *slot = 1.0 / (flow * flow);
         }
         Self {
             pitch_rad: curve.pitch_rad(),
+            origin_rad,
             uneven_rad,
             per_square,
             rise: 2.0 * acceleration_rad_s2 * part_rad,
@@ -82,7 +80,7 @@ pub(super) fn envelope(
 ) -> (Envelope, f64) {
     let knots = Knots::new(curve, course.direction, max_rad_s, course.acceleration_rad_s2);
     let along_rad = f64::from(course.direction) * course.start_rad;
-    let phase_rad = wrap(along_rad - origin_rad(curve, course.direction), curve.pitch_rad());
+    let phase_rad = wrap(along_rad - knots.origin_rad, curve.pitch_rad());
     (knots.envelope(flow_ml_s), phase_rad)
 }
 
@@ -100,17 +98,23 @@ pub(super) fn flow_limit_ml_s(
     let knots = Knots::new(curve, direction, max_rad_s, acceleration_rad_s2);
     let missing = |flow_ml_s| knots.envelope(flow_ml_s).mean_rad_s() / mean_rad_s - 1.0;
     let flow_ml_s = mean_rad_s * curve.pitch_ml() / curve.pitch_rad();
-    // Below half of the mean flow no mean reaches it; with the largest flow of the fastest motor the speed is constant.
-    let (mut low, mut high) = (0.5 * flow_ml_s, max_rad_s * curve.flow_range_ml_rad().1);
+    // A limit of half the mean flow is too low. With the largest flow of the fastest motor the speed is constant.
+    let most_ml_s = max_rad_s * curve.flow_range_ml_rad().1;
+    let (mut low, mut high) = (0.5 * flow_ml_s, (1.1 * flow_ml_s).min(most_ml_s));
     let (mut below, mut above) = (missing(low), missing(high));
-    if above <= 0.0 {
-        return high;
+    while above < 0.0 {
+        if high >= most_ml_s {
+            return high;
+        }
+        (low, below) = (high, above);
+        high = (1.5 * high).min(most_ml_s);
+        above = missing(high);
     }
     let mut last = 0.0;
     for _ in 0..100 {
         let middle = (low * above - high * below) / (above - below);
         let found = missing(middle);
-        if found.abs() < 1e-14 || high - low < 1e-15 * high {
+        if found.abs() < 1e-12 || high - low < 1e-15 * high {
             return middle;
         }
         // An end that stays a second time counts half.
