@@ -5,7 +5,7 @@ BIN := $(CURDIR)/$(VENV)/bin
 TARGETS := thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imc-unknown-none-elf
 NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --target-dir target
 
-.PHONY: test test-rust test-python faults lint bench embedded docs
+.PHONY: test test-rust test-python faults fuzz lint bench embedded docs
 
 test: test-rust test-python
 
@@ -24,6 +24,18 @@ $(VENV)/installed: $(shell git ls-files -- Cargo.lock Cargo.toml 'src/*.rs' 'cra
 # Doses cut off at random instants; `make test` runs 40 of them.
 faults:
 	FAULTS_RUNS=500 cargo test --locked --test faults
+
+# Each target for FUZZ_SECONDS, from the seeds in fuzz/corpus. What else it finds worth keeping is in target/fuzz; a crash is
+# kept in fuzz/artifacts and belongs into a test.
+FUZZ_SECONDS ?= 60
+FUZZ := PATH="$(CURDIR)/target/tools/bin:$$PATH" cargo +nightly fuzz
+fuzz:
+	rustup toolchain install nightly --profile minimal
+	test -x target/tools/bin/cargo-fuzz || cargo install cargo-fuzz --locked --root target/tools
+	for target in quantities pump_files journals grbl_replies; do \
+		mkdir -p target/fuzz/$$target && \
+		$(FUZZ) run --target-dir target/fuzz-build $$target target/fuzz/$$target fuzz/corpus/$$target -- -max_total_time=$(FUZZ_SECONDS) || exit 1; \
+	done
 
 lint: $(VENV)/installed
 	cargo fmt --version >/dev/null 2>&1 || rustup component add rustfmt

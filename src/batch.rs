@@ -2,10 +2,12 @@
 
 use std::time::Duration;
 
+use pump_ctl::plan::Plan;
 use thiserror::Error;
 
-use crate::bench::{Bench, DoseError};
-use crate::dose::{DoseRequest, Prepared};
+use crate::bench::Bench;
+use crate::dose::{DoseRequest, Prepared, Purpose};
+use crate::error::DoseError;
 use crate::journal::{Intent, State};
 
 /// Most doses of a batch.
@@ -157,11 +159,17 @@ impl<'a> Rehearsal<'a> {
 
     /// Plans a dose and goes on as if it had been delivered.
     pub fn prepare(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
-        let prepared = self.bench.prepare_from(self.state, request)?;
-        let intent = Intent::of(&prepared.plan, request.purpose, prepared.carry_out_ml, 0);
-        let all = prepared.plan.steps.unsigned_abs();
-        let before = self.state.unwrap_or(self.bench.fresh());
-        self.state = Some(before.after(&intent, all, all, self.bench.model()));
+        let prepared = self.bench.prepare_from(self.bench.file(), self.state, request)?;
+        let mut made = |plan: &Plan, purpose, carry_out_ml| {
+            let intent = Intent::of(plan, purpose, carry_out_ml, 0);
+            let all = plan.steps.unsigned_abs();
+            let before = self.state.unwrap_or(self.bench.fresh());
+            self.state = Some(before.after(&intent, all, all, self.bench.model()));
+        };
+        made(&prepared.plan, request.purpose, prepared.carry_out_ml);
+        if let Some(back) = &prepared.retraction {
+            made(&back.plan, Purpose::Retract, back.carry_out_ml);
+        }
         Ok(prepared)
     }
 }

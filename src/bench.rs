@@ -1,16 +1,17 @@
 //! A bench: one pump, what turns it, and what is recorded of it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
-use thiserror::Error;
+use pump_model::math::TURN_RAD;
 
 use crate::dose::{DoseRequest, PhaseSource, Prepared};
-use crate::drivers::DriveError;
-use crate::folder::{Folder, FolderError};
-use crate::journal::{JournalError, State, Story};
-use crate::pump_file::{DriverName, PumpFile, PumpFileError};
+use crate::error::DoseError;
+use crate::folder::Folder;
+use crate::journal::{State, Story};
+use crate::pump_file::{DriveTable, DriverName, PumpFile};
+use crate::report_text::headline;
 use crate::session::Session;
 use crate::tube::TubeLife;
 
@@ -19,112 +20,10 @@ use crate::tube::TubeLife;
 pub struct Bench {
     file: PumpFile,
     model: Pump,
-    driver: DriverName,
+    drive: DriveTable,
     folder: Folder,
-}
-
-/// A dose that was refused or failed.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum DoseError {
-    /// The pump file cannot be used.
-    #[error(transparent)]
-    PumpFile(#[from] PumpFileError),
-    /// The dose cannot be planned.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// The folder cannot be used; nothing has moved.
-    #[error(transparent)]
-    Folder(#[from] FolderError),
-    /// The journal cannot be used; nothing has moved.
-    #[error(transparent)]
-    Journal(#[from] JournalError),
-    /// An earlier dose was begun and not finished.
-    #[error(
-        "a dose of {requested_ml} mL is unfinished: {} were delivered; see `dose status`, then finish it with `dose resume` \
-         or accept it as it is with `dose discard`",
-        between(*least_ml, *most_ml)
-    )]
-    Unfinished {
-        /// What was asked, mL.
-        requested_ml: f64,
-        /// Smallest volume that it may have delivered, mL.
-        least_ml: f64,
-        /// Largest.
-        most_ml: f64,
-    },
-    /// The dose would use up the tube.
-    #[error(
-        "the tube has pumped {pumped_ml:.1} mL, and this dose of {planned_ml:.4} mL would use up the {life_ml} mL that it \
-         lasts; exchange the tube and say `dose tube --new`"
-    )]
-    TubeWorn {
-        /// Volume that it lasts, mL.
-        life_ml: f64,
-        /// Volume that it has pumped, mL.
-        pumped_ml: f64,
-        /// Volume of the planned dose, either way, mL.
-        planned_ml: f64,
-    },
-    /// The rotor has moved since the dose was prepared.
-    #[error(
-        "the dose was planned from {planned_deg:.4} deg, and the rotor stands at {stands_deg:.4} deg now; prepare it anew"
-    )]
-    Stale {
-        /// Start angle of the plan, deg.
-        planned_deg: f64,
-        /// Angle on record, deg.
-        stands_deg: f64,
-    },
-    /// There is no dose to resume or to discard.
-    #[error("no unfinished dose is on record: there is nothing to {0}")]
-    NothingUnfinished(&'static str),
-    /// The motor was stopped because what it was about to do could not be written down.
-    #[error(
-        "the dose was stopped after {delivered_ml:.4} mL because its progress could not be recorded: {source}; make room, \
-         then see `dose status`"
-    )]
-    NotJournalled {
-        /// mL.
-        delivered_ml: f64,
-        /// Why.
-        source: JournalError,
-    },
-    /// The drive failed on the way.
-    #[error(
-        "{error}; {} were delivered, the motor holds; see `dose status`, then `dose resume` or `dose discard`",
-        between(*least_ml, *most_ml)
-    )]
-    Drive {
-        /// Why.
-        error: DriveError,
-        /// Smallest volume that was delivered, mL.
-        least_ml: f64,
-        /// Largest.
-        most_ml: f64,
-    },
-    /// The dose is over but its end could not be recorded.
-    #[error(
-        "{delivered_ml:.4} mL were delivered and the rotor stands at {end_angle_deg:.4} deg, but this could not be \
-         recorded: {source}; make room, then see `dose status`"
-    )]
-    NotRecorded {
-        /// mL.
-        delivered_ml: f64,
-        /// deg.
-        end_angle_deg: f64,
-        /// Why.
-        source: JournalError,
-    },
-}
-
-/// A volume that is known between bounds, in words.
-pub(crate) fn between(least_ml: f64, most_ml: f64) -> String {
-    if most_ml - least_ml < 1e-9 {
-        format!("{least_ml:.4} mL")
-    } else {
-        format!("between {least_ml:.4} and {most_ml:.4} mL")
-    }
+    /// Whether the device's settings may be written.
+    configure: bool,
 }
 
 impl Bench {
@@ -133,8 +32,21 @@ impl Bench {
         file.check(&file.pump.id)?;
         let model = file.model().map_err(PlanError::from)?;
         let driver = driver.unwrap_or(file.driver());
+        let named = file.drive.clone().filter(|drive| drive.driver == driver);
+        let drive = named.unwrap_or(DriveTable::of(driver));
         let folder = Folder::new(state_dir, &file.pump.id, driver.as_str());
-        Ok(Self { file, model, driver, folder })
+        Ok(Self { file, model, drive, folder, configure: false })
+    }
+
+    /// The same with the device at another port. What has no port is refused by whoever turns it.
+    pub fn at_port(mut self, port: Option<PathBuf>) -> Self {
+        self.drive.port = port.or(self.drive.port);
+        self
+    }
+
+    /// The same; the device's settings may be written where they do not fit the pump.
+    pub fn configuring(self, configure: bool) -> Self {
+        Self { configure, ..self }
     }
 
     /// The pump file.
@@ -149,7 +61,28 @@ impl Bench {
 
     /// What turns the motor.
     pub fn driver(&self) -> DriverName {
-        self.driver
+        self.drive.driver
+    }
+
+    /// The same with all that is said of it.
+    pub fn drive(&self) -> &DriveTable {
+        &self.drive
+    }
+
+    /// Whether the device's settings may be written.
+    pub(crate) fn may_configure(&self) -> bool {
+        self.configure
+    }
+
+    /// What is said before a motor moves, and at the head of every report.
+    pub fn headline(&self) -> String {
+        let device = self.drive.port.as_ref().map(|port| port.display().to_string());
+        headline(&self.file.pump.id, self.driver() == DriverName::Sim, device.as_deref())
+    }
+
+    /// How far a rotor may fall that is let go and caught again, rad of the pump head: two full steps of the motor.
+    pub(crate) fn fall_rad(&self) -> f64 {
+        2.0 * TURN_RAD / (f64::from(self.file.motor.full_steps_per_rev) * self.file.motor.gear)
     }
 
     /// Where its journal is kept.
@@ -157,11 +90,13 @@ impl Bench {
         &self.folder
     }
 
-    /// The state of this pump without a journal: a simulated one stands at 0 deg.
+    /// The state of this pump without a journal: a simulated one stands at 0 deg, of others nobody knows.
     pub(crate) fn fresh(&self) -> State {
-        match self.driver {
-            DriverName::Sim => State::fresh(Phase::known(0.0)),
-        }
+        let phase = match self.driver() {
+            DriverName::Sim => Phase::known(0.0),
+            DriverName::Grbl => Phase::unknown(self.model.pitch_rad()),
+        };
+        State::fresh(phase, PhaseSource::Home)
     }
 
     /// What its journal says.
@@ -171,23 +106,26 @@ impl Bench {
 
     /// Plans a dose from the recorded angle and predicts it. Moves and writes nothing.
     pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
-        self.prepare_from(self.story()?.state, request)
+        self.prepare_from(&self.file, self.story()?.state, request)
     }
 
     /// Plans a dose as if `state` were on record.
     pub(crate) fn prepare_from(
         &self,
+        file: &PumpFile,
         state: Option<State>,
         request: DoseRequest,
     ) -> Result<Prepared, DoseError> {
-        let prepared = self.plan_from(state, request)?;
+        let prepared = self.plan_from(file, state, request)?;
         self.tube_life(state, &prepared).map_or(Ok(()), |tube| tube.check())?;
         Ok(prepared)
     }
 
-    /// The same with whatever tube there is: a dose that was begun may end on it.
+    /// The same with whatever tube there is: a dose that was begun may end on it. `file` is the pump file as the device
+    /// allows it.
     pub(crate) fn plan_from(
         &self,
+        file: &PumpFile,
         state: Option<State>,
         request: DoseRequest,
     ) -> Result<Prepared, DoseError> {
@@ -195,13 +133,16 @@ impl Bench {
             let (least_ml, most_ml) = dose.delivered_ml(&self.model);
             return Err(DoseError::Unfinished { requested_ml: dose.intent.requested_ml, least_ml, most_ml });
         }
-        let (start, source) = match (request.start_angle_rad, state) {
-            (Some(angle_rad), _) => (Phase::known(angle_rad), PhaseSource::Given),
-            (None, Some(state)) => (state.phase(), PhaseSource::Recorded),
-            (None, None) => (self.fresh().phase(), PhaseSource::Home),
+        let stands = state.unwrap_or(self.fresh());
+        let (start, source) = match request.start_angle_rad {
+            Some(angle_rad) => (Phase::known(angle_rad), PhaseSource::Given),
+            None if !stands.phase().is_known(self.model.pitch_rad()) => {
+                (stands.phase(), PhaseSource::Assumed)
+            }
+            None => (stands.phase(), stands.source),
         };
         let carry_ml = state.map_or(0.0, |state| state.carry_ml);
-        let mut prepared = Prepared::new(&self.file, &self.model, request, start, source, carry_ml)?;
+        let mut prepared = Prepared::new(file, &self.model, request, start, source, carry_ml)?;
         prepared.warnings.extend(self.tube_life(state, &prepared).and_then(|tube| tube.warning()));
         Ok(prepared)
     }

@@ -78,6 +78,7 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
         outlet: line,
         motor: MotorTable {
             steps_per_rev: 12_800,
+            full_steps_per_rev: 200,
             gear: 1.0,
             // As tested in McIntyre et al.: 10 to 170 r/min with 3 rollers, 10 to 300 with 2.
             max_speed_rpm: if rollers == 3 { 170.0 } else { 300.0 },

@@ -8,6 +8,7 @@ use pump_model::math::rpm;
 use serde::{Deserialize, Serialize};
 
 use crate::pump_file::PumpFile;
+use crate::retraction::Retraction;
 use crate::unknown_angle;
 
 /// A limit of which more than this is used is worth a warning.
@@ -23,6 +24,28 @@ pub enum Purpose {
     Prime,
     /// Emptying the line; owes nothing and repays nothing.
     Purge,
+    /// Sucking back after a dose; the next dose owes as much more.
+    Retract,
+    /// Turning the rotor to a mark, or on to the index; owes nothing and repays nothing.
+    Jog,
+}
+
+impl Purpose {
+    /// In reports and in the journal.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Dose => "dose",
+            Self::Prime => "prime",
+            Self::Purge => "purge",
+            Self::Retract => "retract",
+            Self::Jog => "jog",
+        }
+    }
+
+    /// Whether what is cut off of it is to be resumed or discarded.
+    pub fn is_delivery(self) -> bool {
+        !matches!(self, Self::Retract | Self::Jog)
+    }
 }
 
 /// What is asked of a bench.
@@ -38,6 +61,8 @@ pub struct DoseRequest {
     pub smooth: bool,
     /// Where the rollers stand, rad; none takes the recorded angle.
     pub start_angle_rad: Option<f64>,
+    /// What is sucked back after the dose, mL, positive; none sucks nothing back.
+    pub retract_ml: Option<f64>,
     /// Limit at the port that pushes, kPa absolute; none takes the pump file's.
     pub max_outlet_kpa: Option<f64>,
     /// Limit at the port that sucks, kPa absolute; none takes the pump file's.
@@ -53,6 +78,7 @@ impl DoseRequest {
             cruise: None,
             smooth: false,
             start_angle_rad: None,
+            retract_ml: None,
             max_outlet_kpa: None,
             min_inlet_kpa: None,
         }
@@ -60,15 +86,20 @@ impl DoseRequest {
 }
 
 /// Where the start angle comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PhaseSource {
-    /// A fresh simulated pump stands at 0 deg.
+    /// Set by hand or found by a sensor; a fresh simulated pump stands at 0 deg.
     Home,
-    /// The record of earlier motion.
+    /// The rotor's mark was turned to the housing's.
+    Mark,
+    /// The record of motion since then.
+    #[default]
     Recorded,
     /// The request.
     Given,
+    /// Nobody knows: the middle of what may be.
+    Assumed,
 }
 
 /// A dose that is planned and may run.
@@ -86,6 +117,8 @@ pub struct Prepared {
     pub phase_source: PhaseSource,
     /// What the next dose owes afterwards, mL: the plan's carry, or what was on record before a prime or purge.
     pub carry_out_ml: f64,
+    /// The way back after it.
+    pub retraction: Option<Retraction>,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
@@ -114,15 +147,25 @@ impl Prepared {
 
         let plan = plan(model, start, &planned, &limits)?;
         let prediction = plan.predict(model)?;
-        Ok(Self {
+        let mut prepared = Self {
             request,
             plan,
             prediction,
             limits,
             phase_source,
             carry_out_ml: if is_dose { plan.carry_ml } else { carry_ml },
+            retraction: None,
             warnings: warnings_of(model, &plan, &prediction, &limits.margins(model, &plan)?),
-        })
+        };
+        if let Some(volume_ml) = request.retract_ml {
+            prepared.retraction = Some(Retraction::new(model, &prepared, volume_ml)?);
+        }
+        Ok(prepared)
+    }
+
+    /// What the next dose owes once this one and its retraction are made, mL.
+    pub fn owes_ml(&self) -> f64 {
+        self.retraction.as_ref().map_or(self.carry_out_ml, |retraction| retraction.carry_out_ml)
     }
 }
 

@@ -22,7 +22,8 @@ mod bench;
 mod built_in;
 pub mod csv;
 mod dose;
-mod drivers;
+pub mod drivers;
+mod error;
 mod folder;
 pub mod journal;
 mod output;
@@ -31,6 +32,7 @@ pub mod pump_file;
 pub mod quantity;
 mod report;
 mod report_text;
+mod retraction;
 pub mod rust_source;
 pub mod sample;
 mod session;
@@ -42,13 +44,17 @@ mod uncertainty;
 mod unknown_angle;
 pub mod waveform;
 
-pub use bench::{Bench, DoseError};
+pub use bench::Bench;
 pub use built_in::{BUILT_IN, built_in};
 pub use dose::{DoseRequest, PhaseSource, Prepared, Purpose};
-pub use drivers::{Drive, DriveError, DriveFault, Gate, Sim};
+pub use drivers::{
+    Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Grbl, GrblError, Sim, Sought,
+};
+pub use error::DoseError;
 pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use output::Staged;
 pub use report::{DoseReport, PhaseReport};
+pub use retraction::Retraction;
 pub use session::{Delivered, Session};
 pub use simulation::{MAX_SAMPLES, Simulation, SteadyReport};
 pub use status::{Status, UnfinishedStatus};

@@ -6,7 +6,7 @@ use pump_model::{Pump, Ripple};
 use serde::Serialize;
 
 use crate::bench::Bench;
-use crate::dose::{PhaseSource, Prepared, Purpose};
+use crate::dose::{PhaseSource, Prepared};
 use crate::pump_file::{DriverName, PumpFile};
 use crate::session::Delivered;
 use crate::uncertainty::{Budget, Share};
@@ -22,6 +22,8 @@ pub struct DoseReport {
     pub driver: &'static str,
     /// Whether no motor moved.
     pub simulated: bool,
+    /// Where the motor is connected; null if it is simulated.
+    pub device: Option<String>,
     /// `dose`, `prime` or `purge`.
     pub purpose: &'static str,
     /// Volume asked for, mL.
@@ -46,7 +48,7 @@ pub struct DoseReport {
     pub phase: PhaseReport,
     /// Angle at the start, deg; like the end, the middle of what may be.
     pub start_angle_deg: f64,
-    /// Angle at the end, deg, counted on from the start.
+    /// Angle at the end, the retraction included, deg, counted on from the start.
     pub end_angle_deg: f64,
     /// Planned motor steps; negative in reverse.
     pub steps: i64,
@@ -54,6 +56,8 @@ pub struct DoseReport {
     pub steps_made: Option<i64>,
     /// Steps per revolution of the pump head.
     pub steps_per_rev: f64,
+    /// What is sucked back after the dose, mL: of a dose that was run, what was; null if it was not asked for.
+    pub retraction_ml: Option<f64>,
     /// What the next dose owes, mL: requested + carry in - planned; after a prime or purge, what was owed before.
     pub carry_ml: f64,
     /// Fastest speed, r/min.
@@ -119,8 +123,11 @@ pub struct PhaseReport {
 impl DoseReport {
     /// Report of a prepared dose that was run, or of a dry run.
     pub fn new(bench: &Bench, prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
-        let (file, model, driver) = (bench.file(), bench.model(), bench.driver());
-        Self::without_bench(file, model, driver, prepared, delivered)
+        let device = bench.drive().port.as_ref().map(|port| port.display().to_string());
+        Self {
+            device,
+            ..Self::without_bench(bench.file(), bench.model(), bench.driver(), prepared, delivered)
+        }
     }
 
     /// The same of a dose that was planned without a bench, so without a record.
@@ -132,6 +139,12 @@ impl DoseReport {
         delivered: Option<&Delivered>,
     ) -> Self {
         let (plan, prediction) = (&prepared.plan, &prepared.prediction);
+        let (mut inlet, mut outlet, mut planned_end_rad) =
+            (prediction.inlet, prediction.outlet, plan.end_angle_rad());
+        if let Some(back) = &prepared.retraction {
+            (inlet, outlet) = (inlet.and(back.prediction.inlet), outlet.and(back.prediction.outlet));
+            planned_end_rad = back.plan.end_angle_rad();
+        }
         let cruise_rad_s = plan.profile.peak_rad_s();
         let motion_s = plan.profile.duration_s();
         // A dose that was stopped is as unsure as the part that was made.
@@ -157,11 +170,8 @@ impl DoseReport {
             pump: file.pump.id.clone(),
             driver: driver.as_str(),
             simulated: driver == DriverName::Sim,
-            purpose: match prepared.request.purpose {
-                Purpose::Dose => "dose",
-                Purpose::Prime => "prime",
-                Purpose::Purge => "purge",
-            },
+            device: None,
+            purpose: prepared.request.purpose.as_str(),
             requested_ml: plan.requested_ml,
             carry_in_ml: plan.carry_in_ml,
             planned_ml: plan.planned_ml,
@@ -177,22 +187,24 @@ impl DoseReport {
                 half_width_deg: degrees(plan.start.half_width_rad),
             },
             start_angle_deg: degrees(plan.start.angle_rad),
-            end_angle_deg: degrees(
-                delivered.map_or(plan.end_angle_rad(), |delivered| delivered.end_angle_rad),
-            ),
+            end_angle_deg: degrees(delivered.map_or(planned_end_rad, |delivered| delivered.end_angle_rad)),
             steps: plan.steps,
             steps_made: delivered.map(|delivered| delivered.made as i64 * plan.steps.signum()),
             steps_per_rev: plan.steps_per_rev,
-            carry_ml: prepared.carry_out_ml,
+            retraction_ml: prepared
+                .retraction
+                .as_ref()
+                .map(|back| delivered.map_or(-back.plan.planned_ml, |delivered| delivered.retracted_ml)),
+            carry_ml: prepared.owes_ml(),
             cruise_speed_rpm: rpm(cruise_rad_s),
             cruise_flow_ml_s: plan.cruise_flow_ml_s(model),
             mean_flow_ml_s: plan.planned_ml.abs() / motion_s,
             motion_s,
             settle_s: prediction.settle_s,
-            inlet_min_kpa: prediction.inlet.min_kpa,
-            inlet_max_kpa: prediction.inlet.max_kpa,
-            outlet_min_kpa: prediction.outlet.min_kpa,
-            outlet_max_kpa: prediction.outlet.max_kpa,
+            inlet_min_kpa: inlet.min_kpa,
+            inlet_max_kpa: inlet.max_kpa,
+            outlet_min_kpa: outlet.min_kpa,
+            outlet_max_kpa: outlet.max_kpa,
             ambient_kpa: file.ambient.pressure_kpa,
             ripple_before: ripples.before.into(),
             ripple_after: ripples.after.into(),

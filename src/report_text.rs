@@ -31,7 +31,11 @@ impl DoseReport {
             0.0 => String::new(),
             carry => format!(", with {}", owed(carry, "from before")),
         };
-        writeln!(to, "SIMULATED: no motor moved")?;
+        if self.delivered_ml.is_none() && !self.simulated {
+            writeln!(to, "DRY RUN: {} does not move", self.pump)?;
+        } else {
+            writeln!(to, "{}", headline(&self.pump, self.simulated, self.device.as_deref()))?;
+        }
         writeln!(
             to,
             "{}: {volume:.decimals$} mL ± {uncertainty} mL {verb}, {asked} mL asked{repaid}",
@@ -64,6 +68,13 @@ impl DoseReport {
             owed(self.carry_ml, "to the next dose")
         };
         writeln!(to, "  steps        {steps} (a revolution has {}); {rest}", self.steps_per_rev)?;
+        if let Some(back_ml) = self.retraction_ml {
+            writeln!(
+                to,
+                "  retraction   {} µL sucked back, for the next dose to repay",
+                significant(1e3 * back_ml, 4)
+            )?;
+        }
         let limited = match self.limited_by {
             "none" => String::new(),
             limit => format!(" (limited by {limit})"),
@@ -108,9 +119,11 @@ impl DoseReport {
 
     fn known(&self) -> String {
         let source = match self.phase.source {
-            PhaseSource::Home => "a fresh simulated pump",
+            PhaseSource::Home => "home",
+            PhaseSource::Mark => "by its mark",
             PhaseSource::Recorded => "as recorded",
             PhaseSource::Given => "as given",
+            PhaseSource::Assumed => "unknown",
         };
         if self.phase.half_width_deg > 0.0 {
             format!("{source}, ± {:.2}°", self.phase.half_width_deg)
@@ -134,6 +147,15 @@ impl DoseReport {
             })
             .collect();
         format!("k = 2, not calibrated; standard, % of volume: {}", shares.join(", "))
+    }
+}
+
+/// What a report begins with: whether a motor moves.
+pub(crate) fn headline(pump: &str, simulated: bool, device: Option<&str>) -> String {
+    match device {
+        _ if simulated => "SIMULATED: no motor moved".to_owned(),
+        Some(device) => format!("MOVING {pump} on {device}"),
+        None => format!("MOVING {pump}"),
     }
 }
 

@@ -5,7 +5,9 @@ use std::fmt::Write;
 use pump_model::math::degrees;
 use serde::Serialize;
 
-use crate::bench::{Bench, DoseError, between};
+use crate::bench::Bench;
+use crate::dose::PhaseSource;
+use crate::error::{DoseError, between};
 use crate::journal::Wear;
 
 /// What is on record (`schema` `status/1`).
@@ -25,6 +27,12 @@ pub struct Status {
     pub half_width_deg: f64,
     /// Whether the angle is known at all.
     pub angle_known: bool,
+    /// Where the angle comes from.
+    pub angle_source: PhaseSource,
+    /// How often since it was last found the rotor was let go, its device reset or lost; the second time it is unknown.
+    pub disturbances: u8,
+    /// The device's own count of steps when it was last seen; null if it has none.
+    pub device_count: Option<i64>,
     /// What doses owe, mL, positive toward the outlet.
     pub carry_ml: f64,
     /// What the tube has gone through.
@@ -84,6 +92,13 @@ impl Status {
             angle_deg: degrees(state.angle_rad),
             half_width_deg: degrees(state.half_width_rad),
             angle_known: state.phase().is_known(bench.model().pitch_rad()),
+            angle_source: if state.phase().is_known(bench.model().pitch_rad()) {
+                state.source
+            } else {
+                PhaseSource::Assumed
+            },
+            disturbances: state.disturbances,
+            device_count: state.count,
             carry_ml: state.carry_ml,
             wear: state.wear,
             tube_life_ml: bench.file().tube.life_ml,
@@ -101,7 +116,14 @@ impl Status {
     pub fn text(&self) -> String {
         let (pump, driver) = (&self.pump, self.driver);
         if !self.recorded {
-            return format!("{pump} ({driver}): nothing on record; a fresh simulated pump stands at 0°\n");
+            return format!(
+                "{pump} ({driver}): nothing on record; {}\n",
+                if self.angle_known {
+                    "a fresh simulated pump stands at 0°"
+                } else {
+                    "where the rollers stand is unknown"
+                }
+            );
         }
         let angle = match self.half_width_deg {
             _ if !self.angle_known => "an unknown angle".to_owned(),
@@ -113,6 +135,9 @@ impl Status {
             1e3 * self.carry_ml,
         );
         // Writing to a String cannot fail.
+        if self.disturbances == 1 && self.angle_known {
+            text += "the rotor was let go, or its device reset, since its angle was found: another time, and it is unknown\n";
+        }
         let Wear { volume_ml, revolutions, motion_s } = self.wear;
         let time = if motion_s < 3600.0 {
             format!("{:.1} min", motion_s / 60.0)

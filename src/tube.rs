@@ -1,6 +1,6 @@
 //! How much of a tube's life is used up.
 
-use crate::bench::DoseError;
+use crate::error::DoseError;
 
 /// From this part of its life on a tube is warned of.
 const WARNED_FROM: f64 = 0.9;

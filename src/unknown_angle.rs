@@ -4,7 +4,7 @@ use pump_ctl::plan::Plan;
 use pump_model::Pump;
 use pump_model::math::floor;
 
-use crate::bench::between;
+use crate::error::between;
 use crate::report_text::significant;
 
 /// Digits of a volume that is offered: a ten-thousandth of it is less than any budget's share.

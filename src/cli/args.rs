@@ -60,21 +60,40 @@ pub(crate) enum Command {
     Resume,
     /// Accept a dose that was stopped or cut off as it is
     Discard,
+    /// Let go of the rotor; its angle is less well known afterwards
+    Release,
     /// Say that the tube was exchanged
     Tube {
         /// The tube is new: it has pumped nothing, and doses owe nothing
         #[arg(long, required = true)]
         new: bool,
     },
-    /// Say where the rollers stand
-    #[command(group = ArgGroup::new("angle").required(true).args(["set", "unknown"]))]
+    /// Find out where the rollers stand, or say it
+    #[command(group = ArgGroup::new("angle").required(true).args(["mark", "sensor", "set", "unknown"]))]
     Home {
+        /// Turn the rotor with the arrow keys until its mark meets the housing's
+        #[arg(long)]
+        mark: bool,
+        /// How well the two marks can be seen to meet [default: 0.5deg]
+        #[arg(long, value_name = "ANGLE", value_parser = quantity::angle_rad, requires = "mark")]
+        mark_tolerance: Option<f64>,
+        /// Turn forward until the index sensor answers, a revolution at most
+        #[arg(long)]
+        sensor: bool,
+        /// Do not ask before the sensor is looked for, whatever the pump pumps meanwhile
+        #[arg(long, requires = "sensor")]
+        yes: bool,
         /// The angle, as 30deg; 0deg: a roller begins to leave the outlet
         #[arg(long, value_name = "ANGLE", value_parser = quantity::angle_rad)]
         set: Option<f64>,
         /// Nobody knows: the rotor was turned by hand
         #[arg(long)]
         unknown: bool,
+    },
+    /// Print what a shell needs to complete this command
+    Completions {
+        /// bash, zsh, fish, elvish or powershell
+        shell: clap_complete::Shell,
     },
     /// Built-in pumps and pump files
     Pumps {
@@ -113,6 +132,8 @@ pub(crate) enum Format {
 pub(crate) enum Driver {
     /// Simulated stepper, pump and vessel
     Sim,
+    /// A controller that speaks grbl 1.1's protocol over a serial port: grbl, grblHAL, FluidNC
+    Grbl,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -160,6 +181,9 @@ pub(crate) struct Options {
     /// Let the speed follow the rollers' angle, for a flow as smooth as the limits allow
     #[arg(long, global = true)]
     pub(crate) smooth: bool,
+    /// Suck back so much after the dose; the next one repays it
+    #[arg(long, global = true, value_name = "VOLUME", value_parser = quantity::volume_ml)]
+    pub(crate) retract: Option<f64>,
     /// Run in reverse
     #[arg(long, global = true)]
     pub(crate) reverse: bool,
@@ -187,6 +211,12 @@ pub(crate) struct Options {
     /// What turns the motor [default: the pump file's, else sim]
     #[arg(long, global = true)]
     pub(crate) driver: Option<Driver>,
+    /// Serial port of the controller, as /dev/ttyUSB0 [default: the pump file's]
+    #[arg(long, global = true, value_name = "DEVICE")]
+    pub(crate) port: Option<PathBuf>,
+    /// Write the controller's settings where they do not fit the pump; what was changed is said
+    #[arg(long, global = true)]
+    pub(crate) configure: bool,
     /// Plan and predict; move nothing, record nothing
     #[arg(long, global = true)]
     pub(crate) dry_run: bool,
@@ -224,6 +254,7 @@ impl Options {
             ("--speed", self.speed.is_some()),
             ("--within", self.within.is_some()),
             ("--smooth", self.smooth),
+            ("--retract", self.retract.is_some()),
             ("--reverse", self.reverse),
             ("--start-angle", self.start_angle.is_some()),
             ("--max-outlet-pressure", self.max_outlet_pressure.is_some()),
@@ -233,6 +264,8 @@ impl Options {
             ("--every", self.every.is_some()),
             ("--missed", self.missed.is_some()),
             ("--driver", self.driver.is_some()),
+            ("--port", self.port.is_some()),
+            ("--configure", self.configure),
             ("--dry-run", self.dry_run),
             ("--format", self.format.is_some()),
             ("--steps", self.steps.is_some()),
@@ -276,7 +309,16 @@ impl Options {
         file.tube.life_ml = self.tube_limit.or(file.tube.life_ml);
         let driver = self.driver.map(|driver| match driver {
             Driver::Sim => DriverName::Sim,
+            Driver::Grbl => DriverName::Grbl,
         });
+        if driver.unwrap_or(file.driver()) == DriverName::Sim {
+            let given = [("--port", self.port.is_some()), ("--configure", self.configure)];
+            if let Some((name, _)) = given.iter().find(|(_, given)| *given) {
+                return Err(Failure::refused(format!(
+                    "{name} means nothing to a simulated motor; to move a real one name its driver, as --driver grbl"
+                )));
+            }
+        }
         let state_dir = match &self.state_dir {
             Some(dir) if dir.as_os_str().is_empty() => {
                 return Err(Failure::refused("--state-dir is empty"));
@@ -284,7 +326,7 @@ impl Options {
             Some(dir) => dir.clone(),
             None => default_state_dir()?,
         };
-        Ok(Bench::new(file, driver, &state_dir)?)
+        Ok(Bench::new(file, driver, &state_dir)?.at_port(self.port.clone()).configuring(self.configure))
     }
 
     /// Whether a program reads the report.

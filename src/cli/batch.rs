@@ -8,7 +8,7 @@ use pump_dose::batch::{Action, MAX_DOSES, Missed, Rehearsal, Schedule};
 use pump_dose::{Bench, Delivered, DoseReport, DoseRequest, Prepared, Session};
 
 use super::args::{Missed as MissedName, Options};
-use super::dose::{deliver, ended, warn, watch};
+use super::dose::{deliver, ended, warn, watch, words};
 use super::interrupt::Interrupt;
 use super::{Failure, print};
 
@@ -118,11 +118,11 @@ impl Batch<'_> {
             match action {
                 Action::Done => return Ok(()),
                 Action::Skip(_) => {}
-                Action::Wait(until) => self.wait(started, until, interrupt)?,
+                Action::Wait(until) => self.wait(session, started, until, interrupt)?,
                 Action::Dose(number) => {
                     self.still_wanted(interrupt)?;
                     let prepared = session.prepare(self.next_request())?;
-                    let delivered = deliver(session, &prepared, interrupt)?;
+                    let delivered = deliver(self.bench, session, &prepared, interrupt, self.options)?;
                     self.done += u64::from(delivered.0.completed);
                     self.report(number, &prepared, Some(delivered))?;
                 }
@@ -136,8 +136,15 @@ impl Batch<'_> {
         mem::replace(&mut self.request, after)
     }
 
-    fn wait(&self, started: Instant, until: Duration, interrupt: &Interrupt) -> Result<(), Failure> {
+    fn wait(
+        &self,
+        session: &mut Session<'_>,
+        started: Instant,
+        until: Duration,
+        interrupt: &Interrupt,
+    ) -> Result<(), Failure> {
         loop {
+            session.release_when_due()?;
             self.still_wanted(interrupt)?;
             let left = until.saturating_sub(started.elapsed());
             if left.is_zero() {
@@ -187,7 +194,7 @@ impl Batch<'_> {
             print(&(report.json() + "\n"))
         } else {
             let space = if number < count { "\n" } else { "" };
-            print(&format!("{}  batch        dose {number} of {count}\n{space}", report.text()))
+            print(&format!("{}  batch        dose {number} of {count}\n{space}", words(self.bench, &report)))
         };
         ended(printed, delivered)
     }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use pump_dose::pump_file::PumpFile;
+use pump_dose::pump_file::{DriverName, PumpFile};
 use pump_dose::quantity::Amount;
 use pump_dose::times::times;
 use pump_dose::waveform::{Method, Waveform};
@@ -37,33 +37,25 @@ pub(crate) fn purge(amount: &Amount, options: &Options) -> Result<(), Failure> {
 
 /// Makes the rest of an unfinished dose.
 pub(crate) fn resume(options: &Options) -> Result<(), Failure> {
+    let device = ["--driver", "--port", "--configure"];
     let accepted =
-        [&PRESSURES[..], &["--rate", "--speed", "--within", "--smooth", "--driver", "--format"]].concat();
+        [&PRESSURES[..], &["--rate", "--speed", "--within", "--smooth", "--format"], &device].concat();
     options.accept_only("dose resume", &accepted)?;
     let bench = options.bench()?;
     let request = with_options(DoseRequest::dose(0.0), options, bench.file())?;
     let mut session = bench.session()?;
     let prepared = session.prepare_rest(request)?;
-    let delivered = deliver(&mut session, &prepared, &watch()?)?;
+    let delivered = deliver(&bench, &mut session, &prepared, &watch()?, options)?;
     report(&bench, &prepared, Some(delivered), options)
 }
 
 fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> Result<(), Failure> {
     let accepted = [
         &PRESSURES[..],
-        &[
-            "--rate",
-            "--speed",
-            "--within",
-            "--smooth",
-            "--reverse",
-            "--start-angle",
-            "--driver",
-            "--dry-run",
-            "--format",
-        ],
+        &["--rate", "--speed", "--within", "--smooth", "--reverse", "--start-angle", "--dry-run", "--format"],
+        &["--driver", "--port", "--configure"],
         &["--steps", "--trace", "--plot", "--dt", "--tube-limit"],
-        if purpose == Purpose::Dose { &["--repeat", "--every", "--missed"] } else { &[] },
+        if purpose == Purpose::Dose { &["--repeat", "--every", "--missed", "--retract"] } else { &[] },
     ];
     options.accept_only(command, &accepted.concat())?;
     options.outputs_differ()?;
@@ -77,7 +69,12 @@ fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> R
         return batch::run(&bench, request, schedule, options);
     }
     if options.dry_run {
-        let prepared = bench.prepare(request)?;
+        let mut prepared = bench.prepare(request)?;
+        if bench.driver() != DriverName::Sim {
+            let unread =
+                "a dry run does not ask the device: its own speeds, acceleration and count are not known";
+            prepared.warnings.push(unread.to_owned());
+        }
         write_outputs(&bench, &prepared, options)?;
         return report(&bench, &prepared, None, options);
     }
@@ -85,7 +82,7 @@ fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> R
     let mut session = bench.session()?;
     let prepared = session.prepare(request)?;
     write_outputs(&bench, &prepared, options)?;
-    let delivered = deliver(&mut session, &prepared, &watch()?)?;
+    let delivered = deliver(&bench, &mut session, &prepared, &watch()?, options)?;
     report(&bench, &prepared, Some(delivered), options)
 }
 
@@ -94,12 +91,15 @@ pub(crate) fn watch() -> Result<Interrupt, Failure> {
     Interrupt::watch().map_err(Failure::refused)
 }
 
-/// Runs a dose, with its progress on standard error. A signal stops it.
+/// Runs a dose, with its progress on standard error. A signal stops it. That a motor moves is said before it does.
 pub(crate) fn deliver(
+    bench: &Bench,
     session: &mut Session<'_>,
     prepared: &Prepared,
     interrupt: &Interrupt,
+    options: &Options,
 ) -> Result<(Delivered, Option<i32>), Failure> {
+    announce(bench, options)?;
     let bar = progress_bar(prepared);
     let delivered = session.run(prepared, |made| {
         bar.set_position(made);
@@ -107,6 +107,28 @@ pub(crate) fn deliver(
     });
     bar.finish_and_clear();
     Ok((delivered?, interrupt.signal()))
+}
+
+/// Says that a motor moves, before it does: to people on standard output, to the people behind a program on standard error.
+pub(crate) fn announce(bench: &Bench, options: &Options) -> Result<(), Failure> {
+    let headline = bench.headline() + "\n";
+    if bench.driver() == DriverName::Sim {
+        return Ok(());
+    }
+    if !options.json() {
+        return print(&headline);
+    }
+    // Standard error is for people; if it is closed nobody reads it.
+    let _ = io::stderr().write_all(headline.as_bytes());
+    Ok(())
+}
+
+/// The report for people; its head was said already if a motor moved.
+pub(crate) fn words(bench: &Bench, report: &DoseReport) -> String {
+    let text = report.text();
+    let moved = report.delivered_ml.is_some() && !report.simulated;
+    let rest = text.strip_prefix(&bench.headline()).and_then(|rest| rest.strip_prefix('\n'));
+    rest.filter(|_| moved).map_or(text.clone(), str::to_owned)
 }
 
 fn report(
@@ -120,7 +142,7 @@ fn report(
         warn(&report.warnings);
         print(&(report.json() + "\n"))
     } else {
-        print(&report.text())
+        print(&words(bench, &report))
     };
     ended(printed, delivered)
 }
@@ -164,7 +186,12 @@ fn request(
         }
         volume_ml = -volume_ml;
     }
-    let asked = DoseRequest { purpose, start_angle_rad: options.start_angle, ..DoseRequest::dose(volume_ml) };
+    let asked = DoseRequest {
+        purpose,
+        start_angle_rad: options.start_angle,
+        retract_ml: options.retract,
+        ..DoseRequest::dose(volume_ml)
+    };
     with_options(asked, options, file)
 }
 

@@ -1,5 +1,8 @@
-//! `dose home --set <ANGLE>`, `dose home --unknown`, `dose tube --new` and `dose discard`: what a person says of the rotor, of
-//! the tube and of an unfinished dose.
+//! `dose home`, `dose release`, `dose tube --new` and `dose discard`: what is known and what a person says of the rotor, of
+//! the tube and of an unfinished dose. Turning the rotor to its mark is `mark.rs`.
+
+use std::io::{self, BufRead, IsTerminal, Write};
+use std::ops::ControlFlow;
 
 use pump_ctl::plan::Phase;
 use pump_dose::journal::{JournalError, State};
@@ -7,28 +10,83 @@ use pump_dose::{Bench, DoseError, Session};
 use pump_model::math::degrees;
 
 use super::args::Options;
+use super::dose::{announce, watch};
 use super::{Failure, print};
 
-/// Records the angle, or that it is unknown.
-pub(crate) fn home(angle_rad: Option<f64>, options: &Options) -> Result<(), Failure> {
-    options.accept_only("dose home", &["--driver"])?;
-    let bench = options.bench()?;
-    let (mut session, aside) = match bench.session() {
+/// Options that name the motor.
+pub(crate) const DEVICE: [&str; 3] = ["--driver", "--port", "--configure"];
+
+/// A session; a journal that cannot be read is moved aside. Says so.
+pub(crate) fn session_for_homing(bench: &Bench) -> Result<(Session<'_>, String), Failure> {
+    Ok(match bench.session() {
         Err(DoseError::Journal(JournalError::Damaged { .. })) => {
             let aside = bench.folder().lock()?.set_journal_aside()?;
-            let aside = format!("the damaged journal is now {}\n", aside.display());
-            (bench.session()?, aside)
+            (bench.session()?, format!("the damaged journal is now {}\n", aside.display()))
         }
         session => (session?, String::new()),
-    };
+    })
+}
+
+/// Records the angle, or that it is unknown.
+pub(crate) fn set(angle_rad: Option<f64>, options: &Options) -> Result<(), Failure> {
+    options.accept_only("dose home", &DEVICE)?;
+    let bench = options.bench()?;
+    let (mut session, aside) = session_for_homing(&bench)?;
     let owed_ml = owed(&session);
-    let unknown = || Phase::unknown(bench.model().pitch_rad());
-    let state = session.set_angle(angle_rad.map_or_else(unknown, Phase::known))?;
+    let state = session.set_angle(angle_rad.map(Phase::known))?;
     print(&format!("{aside}{}{}", stands(&bench, &state), zeroed(owed_ml)))
 }
 
+/// Finds the angle by the index sensor.
+pub(crate) fn sensor(yes: bool, options: &Options) -> Result<(), Failure> {
+    options.accept_only("dose home --sensor", &DEVICE)?;
+    let bench = options.bench()?;
+    let (mut session, aside) = session_for_homing(&bench)?;
+    let owed_ml = owed(&session);
+    session.index_rad()?;
+    if !yes {
+        let most_ml = bench.model().revolution_ml();
+        agree(&format!("the pump turns forward until the sensor answers, and pumps up to {most_ml:.1} mL"))?;
+    }
+    announce(&bench, options)?;
+    let interrupt = watch()?;
+    let stopped =
+        || if interrupt.signal().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    match session.seek_index(|_| stopped())? {
+        Some(state) => print(&format!("{aside}{}{}", stands(&bench, &state), zeroed(owed_ml))),
+        None => Err(Failure::Stopped(
+            interrupt.signal().unwrap_or(0),
+            "stopped by the user before the sensor answered; the rotor is where the record says".to_owned(),
+        )),
+    }
+}
+
+/// Asks a person at a terminal; nobody else can agree.
+fn agree(what: &str) -> Result<(), Failure> {
+    let refused = |why: &str| Err(Failure::refused(format!("{what}; {why}")));
+    if !io::stdin().is_terminal() {
+        return refused("nobody is there to agree: say --yes");
+    }
+    let mut answer = String::new();
+    let asked = write!(io::stderr(), "{what}. Go on? [y/N] ")
+        .and_then(|()| io::stdin().lock().read_line(&mut answer));
+    match asked {
+        Ok(_) if ["y", "yes"].contains(&answer.trim().to_lowercase().as_str()) => Ok(()),
+        Ok(_) => refused("nobody agreed, and nothing was moved"),
+        Err(error) => refused(&format!("the answer could not be read: {error}")),
+    }
+}
+
+/// Lets go of the rotor.
+pub(crate) fn release(options: &Options) -> Result<(), Failure> {
+    options.accept_only("dose release", &DEVICE)?;
+    let bench = options.bench()?;
+    let state = bench.session()?.release()?;
+    print(&format!("the motor is without current\n{}", stands(&bench, &state)))
+}
+
 pub(crate) fn new_tube(options: &Options) -> Result<(), Failure> {
-    options.accept_only("dose tube", &["--driver"])?;
+    options.accept_only("dose tube", &DEVICE)?;
     let bench = options.bench()?;
     let mut session = bench.session()?;
     let owed_ml = owed(&session);
@@ -43,7 +101,7 @@ pub(crate) fn new_tube(options: &Options) -> Result<(), Failure> {
 }
 
 pub(crate) fn discard(options: &Options) -> Result<(), Failure> {
-    options.accept_only("dose discard", &["--driver"])?;
+    options.accept_only("dose discard", &DEVICE)?;
     let bench = options.bench()?;
     let mut session = bench.session()?;
     let owed_ml = owed(&session);
@@ -51,13 +109,14 @@ pub(crate) fn discard(options: &Options) -> Result<(), Failure> {
     print(&format!("the unfinished dose is accepted as it is\n{}{}", stands(&bench, &state), zeroed(owed_ml)))
 }
 
-fn owed(session: &Session<'_>) -> f64 {
+pub(crate) fn owed(session: &Session<'_>) -> f64 {
     session.state().map_or(0.0, |state| state.carry_ml)
 }
 
-fn stands(bench: &Bench, state: &State) -> String {
+pub(crate) fn stands(bench: &Bench, state: &State) -> String {
     if !state.phase().is_known(bench.model().pitch_rad()) {
-        return "the rollers stand at an unknown angle; `dose home --set <ANGLE>` says where\n".to_owned();
+        return "the rollers stand at an unknown angle; `dose home` finds it, or `dose home --set <ANGLE>` says it\n"
+            .to_owned();
     }
     let width = match degrees(state.half_width_rad) {
         0.0 => String::new(),
@@ -66,7 +125,7 @@ fn stands(bench: &Bench, state: &State) -> String {
     format!("the rollers stand at {:.2}°{width}\n", degrees(state.angle_rad))
 }
 
-fn zeroed(owed_ml: f64) -> String {
+pub(crate) fn zeroed(owed_ml: f64) -> String {
     match owed_ml {
         0.0 => String::new(),
         owed => format!("warning: {:.2} µL that doses owed are forgotten\n", 1e3 * owed),

@@ -5,6 +5,7 @@ mod batch;
 mod dose;
 mod home;
 mod interrupt;
+mod mark;
 mod outputs;
 mod pumps;
 mod simulate;
@@ -16,7 +17,7 @@ use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches};
-use pump_dose::{DoseError, FolderError};
+use pump_dose::{DoseError, DriveError, FolderError};
 
 use args::{Cli, Command};
 
@@ -56,7 +57,9 @@ impl From<DoseError> for Failure {
     fn from(error: DoseError) -> Self {
         let message = error.to_string();
         match error {
-            DoseError::Folder(FolderError::Busy { .. }) => Self::Busy(message),
+            DoseError::Folder(FolderError::Busy { .. }) | DoseError::Connection(DriveError::Busy { .. }) => {
+                Self::Busy(message)
+            }
             DoseError::Unfinished { .. } => Self::Unfinished(message),
             DoseError::Drive { .. } | DoseError::NotJournalled { .. } | DoseError::NotRecorded { .. } => {
                 Self::Fault(message)
@@ -111,12 +114,24 @@ fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Simulate) => simulate::simulate(options),
         Some(Command::Resume) => dose::resume(options),
         Some(Command::Discard) => home::discard(options),
-        Some(Command::Home { set, unknown: _ }) => home::home(*set, options),
+        Some(Command::Home { mark: true, mark_tolerance, .. }) => mark::mark(*mark_tolerance, options),
+        Some(Command::Home { sensor: true, yes, .. }) => home::sensor(*yes, options),
+        Some(Command::Home { set, .. }) => home::set(*set, options),
+        Some(Command::Release) => home::release(options),
         // Required, so true.
         Some(Command::Tube { new: _ }) => home::new_tube(options),
         Some(Command::Status) => status::status(options),
+        Some(Command::Completions { shell }) => completions(*shell, options),
         Some(Command::Pumps { command }) => pumps::pumps(command.as_ref(), options),
     }
+}
+
+/// Prints the completions of a shell.
+fn completions(shell: clap_complete::Shell, options: &args::Options) -> Result<(), Failure> {
+    options.accept_only("dose completions", &[])?;
+    let mut script = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "dose", &mut script);
+    print(&String::from_utf8_lossy(&script))
 }
 
 /// Prints to standard output. A reader that went away is no failure of the dose.

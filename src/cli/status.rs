@@ -6,7 +6,7 @@ use super::args::Options;
 use super::{Failure, print};
 
 pub(crate) fn status(options: &Options) -> Result<(), Failure> {
-    options.accept_only("dose status", &["--driver", "--format", "--tube-limit"])?;
+    options.accept_only("dose status", &["--driver", "--port", "--format", "--tube-limit"])?;
     let status = Status::of(&options.bench()?)?;
     print(&if options.json() { status.json() + "\n" } else { status.text() })
 }

@@ -1,7 +1,9 @@
 //! What turns a motor.
 
 mod drive;
+pub mod grbl;
 mod sim;
 
-pub use drive::{Drive, DriveError, DriveFault, Gate};
+pub use drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
+pub use grbl::{Grbl, GrblError};
 pub use sim::Sim;

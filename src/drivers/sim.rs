@@ -6,7 +6,7 @@ use pump_model::circuit::{Circuit, NoFlow, options};
 use pump_model::integrator::{IntegrationError, Rodas5p};
 use pump_model::{Line, Port, Pump};
 
-use super::drive::{Drive, DriveError, DriveFault, Gate};
+use super::drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
 
 /// Error allowed in a step, relative to 1 kPa plus |P - P_res|. The volume does not depend on it: what leaves the line is
 /// what the rollers pushed less what the line holds, at any tolerance.
@@ -113,7 +113,40 @@ impl<'a> Sim<'a> {
     }
 }
 
+/// What the simulated drive can do.
+const ABILITIES: Abilities =
+    Abilities { step_times: true, angle_dependent_speed: true, index: false, readback: false };
+
 impl Drive for Sim<'_> {
+    fn abilities(&self) -> Abilities {
+        ABILITIES
+    }
+
+    fn limits(&self) -> Option<DriveLimits> {
+        None
+    }
+
+    fn count(&self) -> Option<i64> {
+        None
+    }
+
+    fn disturbed(&mut self) -> Option<Disturbance> {
+        None
+    }
+
+    fn seek(&mut self, _plan: &Plan, _gate: &mut Gate<'_>) -> Result<Sought, DriveFault> {
+        let error = DriveError::Unable {
+            driver: "sim",
+            ability: "index sensor",
+            instead: "say where the rollers stand with `dose home --set <ANGLE>`",
+        };
+        Err(DriveFault { made_least: 0, made_most: 0, lost: false, error })
+    }
+
+    fn check(&mut self, _plan: &Plan) -> Result<(), DriveError> {
+        Ok(())
+    }
+
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
         let started_s = self.solver.time_s();
         self.begun_ml = self.received_ml();
@@ -121,6 +154,7 @@ impl Drive for Sim<'_> {
         let failed = |made_least, error: IntegrationError| DriveFault {
             made_least,
             made_most: made_least + 1,
+            lost: false,
             error: error.into(),
         };
         for step in plan.steps() {
@@ -135,8 +169,17 @@ impl Drive for Sim<'_> {
         Ok(made)
     }
 
-    fn settle(&mut self) -> Result<Option<f64>, DriveError> {
+    fn settle(&mut self, settle_s: f64) -> Result<Option<f64>, DriveError> {
+        self.wait(settle_s)?;
         self.wait_for_rest()?;
         Ok(Some(self.received_ml() - self.begun_ml))
+    }
+
+    fn notes(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn release(&mut self) -> Result<(), DriveError> {
+        Ok(())
     }
 }

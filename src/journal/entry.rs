@@ -5,7 +5,7 @@ use pump_model::Pump;
 use pump_model::math::{TURN_RAD, wrap};
 use serde::{Deserialize, Serialize};
 
-use crate::dose::Purpose;
+use crate::dose::{PhaseSource, Purpose};
 
 /// One entry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -47,6 +47,14 @@ pub enum Why {
     Discarded,
     /// Its angle was set by hand.
     Set,
+    /// Its angle was found by the mark.
+    Mark,
+    /// Its angle was found by the index sensor.
+    Sensor,
+    /// The device was met in another state than it was left in.
+    Met,
+    /// The motor was let go.
+    Released,
     /// The tube was exchanged.
     NewTube,
 }
@@ -93,6 +101,15 @@ pub struct State {
     pub wear: Wear,
     /// A dose that was begun and not finished.
     pub unfinished: Option<Unfinished>,
+    /// Where the angle comes from.
+    #[serde(default)]
+    pub source: PhaseSource,
+    /// The device's own count of steps, positive toward the outlet; none if it has none, or if it was not asked.
+    #[serde(default)]
+    pub count: Option<i64>,
+    /// How often since its angle was last found the rotor was let go, its device reset or lost.
+    #[serde(default)]
+    pub disturbances: u8,
 }
 
 /// What a tube has gone through since it was new.
@@ -166,6 +183,12 @@ impl Intent {
 }
 
 impl Unfinished {
+    /// Whether a device that has counted `moved` steps since the start is within what was announced.
+    pub(crate) fn holds(&self, moved: i64) -> bool {
+        let forward = moved.signum() != -self.intent.steps.signum();
+        forward && (self.made_least..=self.made_most).contains(&moved.unsigned_abs())
+    }
+
     /// Where the rollers stand: the middle of what is possible, and how far off it may be.
     pub fn phase(&self) -> Phase {
         let [least, most] = [self.made_least, self.made_most].map(|made| self.intent.angle_after(made));
@@ -184,14 +207,36 @@ impl Unfinished {
 
 impl State {
     /// A rotor at `phase` that owes nothing, with a new tube.
-    pub fn fresh(phase: Phase) -> Self {
+    pub fn fresh(phase: Phase, source: PhaseSource) -> Self {
         Self {
             angle_rad: wrap(phase.angle_rad, TURN_RAD),
             half_width_rad: phase.half_width_rad,
             carry_ml: 0.0,
             wear: Wear::default(),
             unfinished: None,
+            source,
+            count: None,
+            disturbances: 0,
         }
+    }
+
+    /// The same with the angle found: what doses owed is forgotten.
+    pub(crate) fn found(self, phase: Phase, source: PhaseSource) -> Self {
+        Self { carry_ml: 0.0, source, disturbances: 0, ..self.at(phase) }
+    }
+
+    /// The same after the rotor was let go and caught again, or may have been: it fell by `by_rad` at most. Who has seen
+    /// this twice knows nothing.
+    pub(crate) fn disturbed(self, by_rad: f64, pitch_rad: f64) -> Self {
+        let disturbances = self.disturbances.saturating_add(1);
+        let wider = Phase { half_width_rad: self.half_width_rad + by_rad, ..self.phase() };
+        let stands = if disturbances < 2 { self.at(wider) } else { self.lost(pitch_rad) };
+        Self { disturbances, ..stands }
+    }
+
+    /// The same with the angle unknown.
+    pub(crate) fn lost(self, pitch_rad: f64) -> Self {
+        self.at(Phase::unknown(pitch_rad))
     }
 
     /// The same with the rotor at `phase`.
@@ -215,11 +260,87 @@ impl State {
         };
         let finished = made_least == all;
         Self {
-            carry_ml: if finished { intent.carry_out_ml } else { self.carry_ml },
+            carry_ml: match intent.purpose {
+                _ if finished => intent.carry_out_ml,
+                // The middle of what may have been sucked back.
+                Purpose::Retract => self.carry_ml - middle(intent, made_least, made_most, pump),
+                _ => self.carry_ml,
+            },
             wear,
-            unfinished: (!finished).then_some(part),
+            unfinished: (!finished && intent.purpose.is_delivery()).then_some(part),
+            source: PhaseSource::Recorded,
             ..self
         }
         .at(part.phase())
+    }
+}
+
+/// Middle of the volumes of the steps that may have been made, mL.
+fn middle(intent: &Intent, made_least: u64, made_most: u64, pump: &Pump) -> f64 {
+    0.5 * (intent.delivered_ml(pump, made_least) + intent.delivered_ml(pump, made_most))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PITCH_RAD: f64 = TURN_RAD / 3.0;
+    const FALL_RAD: f64 = TURN_RAD / 100.0;
+
+    #[test]
+    fn a_rotor_that_was_let_go_once_is_known_less_well_and_twice_not_at_all() {
+        let stood = State::fresh(Phase { angle_rad: 1.0, half_width_rad: 0.01 }, PhaseSource::Home);
+        let once = stood.disturbed(FALL_RAD, PITCH_RAD);
+        assert_eq!((once.angle_rad, once.half_width_rad), (1.0, 0.01 + FALL_RAD));
+        assert!(!once.disturbed(FALL_RAD, PITCH_RAD).phase().is_known(PITCH_RAD));
+        let found = once.found(Phase::known(2.0), PhaseSource::Mark);
+        assert!(found.disturbed(FALL_RAD, PITCH_RAD).phase().is_known(PITCH_RAD), "found anew");
+    }
+
+    #[test]
+    fn a_rotor_that_was_turned_to_a_mark_leaves_nothing_to_resume() {
+        let intent = Intent {
+            unix_s: 0,
+            purpose: Purpose::Jog,
+            requested_ml: 1.0,
+            carry_in_ml: 0.0,
+            planned_ml: 1.0,
+            carry_out_ml: 0.25,
+            start_angle_rad: 1.0,
+            half_width_rad: 0.0,
+            steps: -1000,
+            step_rad: 0.001,
+            motion_s: 1.0,
+        };
+        let before = State { carry_ml: 0.25, ..State::fresh(Phase::known(1.0), PhaseSource::Home) };
+        let after = before.after(&intent, 400, 600, &Pump::three_roller());
+        assert_eq!(after.unfinished, None);
+        assert_eq!((after.angle_rad, after.carry_ml), (0.5, 0.25));
+        assert!((after.half_width_rad - 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_count_is_within_what_was_announced_only_in_its_direction() {
+        let unfinished = |steps| Unfinished {
+            intent: Intent {
+                unix_s: 0,
+                purpose: Purpose::Dose,
+                requested_ml: 1.0,
+                carry_in_ml: 0.0,
+                planned_ml: 1.0,
+                carry_out_ml: 0.0,
+                start_angle_rad: 0.0,
+                half_width_rad: 0.0,
+                steps,
+                step_rad: 0.001,
+                motion_s: 1.0,
+            },
+            made_least: 0,
+            made_most: 500,
+        };
+        assert!([0, 1, 500].iter().all(|moved| unfinished(900).holds(*moved)));
+        assert!([-1, 501].iter().all(|moved| !unfinished(900).holds(*moved)));
+        assert!([0, -1, -500].iter().all(|moved| unfinished(-900).holds(*moved)));
+        assert!([1, -501].iter().all(|moved| !unfinished(-900).holds(*moved)));
     }
 }

@@ -66,8 +66,8 @@ pub struct Journal {
 pub struct Story {
     /// How things stand; none if nothing was ever recorded.
     pub state: Option<State>,
-    /// Whether the process that wrote it ended with a dose under way.
-    pub cut_off: bool,
+    /// The motion under way when the process that wrote it ended, and how things stood before; none if the rotor stood.
+    pub cut_off: Option<(State, Unfinished)>,
     /// A last line that was torn, by a crash while it was written; what it announced did not happen.
     pub torn: bool,
     /// Length of the whole lines, bytes.
@@ -99,6 +99,12 @@ impl Story {
                 }
             }
         }
+    }
+
+    /// Reads the bytes of a whole journal; otherwise tells which line, from 1, is damaged and how.
+    pub fn from_bytes(bytes: &[u8], pump: &Pump, fresh: State) -> Result<Self, (usize, String)> {
+        // From the beginning there is nothing before the bytes.
+        Ok(Self::of(bytes, 0, pump, fresh)?.unwrap_or_default())
     }
 
     /// Folds the entries since the last rest, in the bytes of a journal from `start` on; `None` if that rest lies before
@@ -136,15 +142,14 @@ impl Story {
                 _ => return Err((n, "it does not follow from the lines before it".to_owned())),
             }
         }
-        if let Some(dose) = &under_way {
-            let before = state.unwrap_or(fresh);
-            state = Some(State {
-                unfinished: Some(*dose),
-                ..before.after(&dose.intent, dose.made_least, dose.made_most, pump)
-            });
+        let cut_off = under_way.map(|part| (state.unwrap_or(fresh), part));
+        if let Some((before, part)) = cut_off {
+            let after = before.after(&part.intent, part.made_least, part.made_most, pump);
+            let unfinished = part.intent.purpose.is_delivery().then_some(part);
+            state = Some(State { unfinished, ..after });
         }
         let length = start + whole as u64;
-        Ok(Some(Self { state, cut_off: under_way.is_some(), torn: !rest.is_empty(), length }))
+        Ok(Some(Self { state, cut_off, torn: !rest.is_empty(), length }))
     }
 }
 
@@ -196,15 +201,16 @@ mod tests {
     use pump_ctl::plan::Phase;
 
     use super::*;
+    use crate::dose::PhaseSource;
 
     fn story(entries: &[Entry]) -> Result<Story, (usize, String)> {
         let bytes: String = entries.iter().map(|entry| line::encode(entry).unwrap()).collect();
-        let fresh = State::fresh(Phase::known(0.0));
+        let fresh = State::fresh(Phase::known(0.0), PhaseSource::Home);
         Ok(Story::of(bytes.as_bytes(), 0, &Pump::three_roller(), fresh)?.unwrap())
     }
 
     fn rest(unix_s: u64, angle_rad: f64) -> Entry {
-        Entry::Rest { unix_s, why: Why::Set, state: State::fresh(Phase::known(angle_rad)) }
+        Entry::Rest { unix_s, why: Why::Set, state: State::fresh(Phase::known(angle_rad), PhaseSource::Home) }
     }
 
     const INTENT: Entry = Entry::Intent(Intent {

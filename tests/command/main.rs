@@ -8,6 +8,7 @@ mod endings;
 mod files;
 mod limits;
 mod refusals;
+mod retraction;
 mod simulations;
 mod tube;
 mod unknown_angle;

@@ -108,6 +108,7 @@ impl Doser {
             cruise: cruise(rate, speed, within)?,
             smooth,
             start_angle_rad: Some(start_angle_rad),
+            retract_ml: None,
             max_outlet_kpa: doser.limits.max_outlet_kpa,
             min_inlet_kpa: doser.limits.min_inlet_kpa,
         };

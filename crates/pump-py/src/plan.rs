@@ -255,6 +255,7 @@ impl Plan {
             cruise,
             smooth,
             start_angle_rad: Some(start_angle_rad),
+            retract_ml: None,
             max_outlet_kpa: limits.max_outlet_kpa,
             min_inlet_kpa: limits.min_inlet_kpa,
         };

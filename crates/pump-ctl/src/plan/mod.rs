@@ -21,6 +21,7 @@ mod smooth;
 mod steps;
 mod target;
 mod torque;
+mod turn;
 
 pub use cruise::speed_for_flow;
 pub use error::{Nearest, PlanError};
@@ -35,6 +36,7 @@ pub use ripple::Ripples;
 pub use segments::Segments;
 pub use steps::{Step, Steps};
 pub use torque::{TORQUE_POINTS, Torque, TorqueCurve};
+pub use turn::turn;
 
 use lines::Lines;
 use profile::{Course, SpeedLimit};

@@ -1,5 +1,7 @@
 //! Pump files: one TOML file that says everything about a pump, each number with its unit in its key.
 
+mod drive;
+
 use std::path::{Path, PathBuf};
 
 use pump_ctl::plan::{Limits, Motor, PlanError};
@@ -7,6 +9,8 @@ use pump_model::math::{rad_s, radians};
 use pump_model::{Geometry, Line, ModelError, Pump, RollerVolume};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
+
+pub use drive::{Axis, DriveTable, DriverName};
 
 /// Schema of pump files.
 pub const SCHEMA: &str = "pump/1";
@@ -133,14 +137,32 @@ pub struct MotorTable {
     /// Revolutions of the motor per revolution of the pump head.
     #[serde(default = "one")]
     pub gear: f64,
+    /// Full steps per revolution of the motor: a rotor that is let go may fall by two of them.
+    #[serde(default = "usual_full_steps")]
+    pub full_steps_per_rev: u32,
     /// Fastest speed of the pump head, r/min.
     pub max_speed_rpm: f64,
     /// Largest acceleration of the pump head, rad/s².
     pub max_acceleration_rad_s2: f64,
 }
 
+impl MotorTable {
+    /// The motor as seen at the pump head.
+    pub fn at_pump_head(&self) -> Motor {
+        Motor {
+            steps_per_rev: f64::from(self.steps_per_rev) * self.gear,
+            max_speed_rad_s: rad_s(self.max_speed_rpm),
+            max_acceleration_rad_s2: self.max_acceleration_rad_s2,
+        }
+    }
+}
+
 fn one() -> f64 {
     1.0
+}
+
+fn usual_full_steps() -> u32 {
+    200
 }
 
 /// `[fluid]`
@@ -191,31 +213,6 @@ pub struct UncertaintyTable {
     pub repeatability_percent: f64,
     /// Standard uncertainty of the volume of one roller, mL: what a dose within a single pulse is unsure of.
     pub roller_volume_ml: f64,
-}
-
-/// `[drive]`
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DriveTable {
-    /// What turns the motor.
-    pub driver: DriverName,
-}
-
-/// The drivers that exist.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum DriverName {
-    /// A virtual stepper, pump and vessel: nothing moves.
-    Sim,
-}
-
-impl DriverName {
-    /// As in pump files and on the command line.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Sim => "sim",
-        }
-    }
 }
 
 /// A pump file that cannot be used.
@@ -334,6 +331,15 @@ impl PumpFile {
             "1 to 100000000",
         )?;
         value((1e-3..=1e4).contains(&motor.gear), "[motor] gear", &motor.gear, "0.001 to 10000")?;
+        value(
+            (4..=100_000).contains(&motor.full_steps_per_rev),
+            "[motor] full_steps_per_rev",
+            &motor.full_steps_per_rev,
+            "4 to 100000",
+        )?;
+        if let Some(drive) = &self.drive {
+            drive.check(value)?;
+        }
         let density = self.fluid.density_kg_m3;
         value((10.0..=25_000.0).contains(&density), "[fluid] density_kg_m3", &density, "10 to 25000")?;
         let temperature = self.fluid.temperature_degc;
@@ -402,11 +408,7 @@ impl PumpFile {
     /// Limits of motor and pressures.
     pub fn limits(&self) -> Limits {
         Limits {
-            motor: Motor {
-                steps_per_rev: f64::from(self.motor.steps_per_rev) * self.motor.gear,
-                max_speed_rad_s: rad_s(self.motor.max_speed_rpm),
-                max_acceleration_rad_s2: self.motor.max_acceleration_rad_s2,
-            },
+            motor: self.motor.at_pump_head(),
             max_outlet_kpa: self.limits.max_outlet_kpa,
             min_inlet_kpa: self.limits.min_inlet_kpa,
             torque: None,

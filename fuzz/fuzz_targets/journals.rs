@@ -1,0 +1,28 @@
+//! Whatever a journal holds, it is read or refused, and what it says of the rotor and of the dose hangs together. Its lines
+//! get right checksums here, since chance does not find them.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use pump_ctl::plan::Phase;
+use pump_dose::PhaseSource;
+use pump_dose::journal::{State, Story};
+use pump_model::Pump;
+
+fuzz_target!(|text: &str| {
+    let lines = text.lines().map(|entry| {
+        let crc32 = crc32fast::hash(entry.as_bytes());
+        format!("{{\"crc32\":\"{crc32:08x}\",\"entry\":{entry}}}\n")
+    });
+    let written: String = lines.collect();
+    let pump = Pump::three_roller();
+    let fresh = State::fresh(Phase::known(0.0), PhaseSource::Home);
+    for bytes in [written.as_bytes(), text.as_bytes()] {
+        let Ok(story) = Story::from_bytes(bytes, &pump, fresh) else { continue };
+        let Some(state) = story.state else { continue };
+        if let Some(dose) = state.unfinished {
+            assert!(dose.made_least <= dose.made_most);
+            let (least_ml, most_ml) = dose.delivered_ml(&pump);
+            assert!(least_ml <= most_ml || least_ml.is_nan(), "{least_ml} {most_ml}");
+        }
+    }
+});

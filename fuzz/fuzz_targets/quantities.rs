@@ -1,0 +1,28 @@
+//! Whatever is typed as a quantity is a finite number or refused with a message.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use pump_dose::quantity;
+
+fuzz_target!(|text: &str| {
+    let plain = [
+        quantity::volume_ml(text),
+        quantity::flow_ml_s(text),
+        quantity::speed_rad_s(text),
+        quantity::time_s(text),
+        quantity::angle_rad(text),
+    ];
+    for read in plain {
+        match read {
+            Ok(number) => assert!(number.is_finite(), "{text:?} is {number}"),
+            Err(error) => assert!(!error.to_string().is_empty()),
+        }
+    }
+    if let Ok(amount) = quantity::amount(text) {
+        let volume_ml = amount.volume_ml(997.0);
+        assert!(volume_ml.is_finite() && volume_ml != 0.0, "{text:?} is {amount:?}");
+    }
+    if let Ok(pressure) = quantity::pressure(text) {
+        assert!(pressure.absolute_kpa(101.325).is_finite(), "{text:?} is {pressure:?}");
+    }
+});

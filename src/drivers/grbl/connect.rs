@@ -1,0 +1,119 @@
+//! Finding a board, and bringing it to rest.
+
+use std::time::{Duration, Instant};
+
+use super::board::{Board, Heard, POLL};
+use super::error::GrblError;
+use super::reply::{Reply, State};
+use crate::pump_file::DriveTable;
+
+/// Longest wait for a first answer: bootloaders take two seconds, boards with a network some more.
+const ANSWER_LIMIT: Duration = Duration::from_secs(8);
+
+/// Between questions until the first answer.
+const KNOCK: Duration = Duration::from_millis(200);
+
+/// After a banner more lines come; a board is ready once it has been quiet for this long.
+const QUIET: Duration = Duration::from_millis(150);
+
+/// Longest wait for a motion that is under way at the start: what an earlier process has sent takes a second or two.
+const REST_LIMIT: Duration = Duration::from_secs(30);
+
+/// Longest wait for a hold to end by itself.
+const HOLD_LIMIT: Duration = Duration::from_secs(2);
+
+/// Resets grbl, without its counter.
+pub(super) const RESET: u8 = 0x18;
+
+/// Waits until a board answers. True if it was reset meanwhile.
+pub(super) fn find(board: &mut Board, table: &DriveTable) -> Result<bool, GrblError> {
+    let started = Instant::now();
+    let mut reset = false;
+    let mut noise = String::new();
+    while started.elapsed() < ANSWER_LIMIT {
+        board.ask()?;
+        let until = Instant::now() + KNOCK;
+        while let Some(heard) = board.hear(until.saturating_duration_since(Instant::now()))? {
+            match heard {
+                Heard::Reply(Reply::Banner(_)) => {
+                    reset = true;
+                    reset |= quiet(board)?;
+                    return Ok(reset);
+                }
+                Heard::Status(..) => {
+                    reset |= quiet(board)?;
+                    return Ok(reset);
+                }
+                Heard::Reply(Reply::Unknown(line)) if noise.is_empty() => noise = line,
+                Heard::Reply(_) => {}
+            }
+        }
+    }
+    let port = table.port.clone().unwrap_or_default();
+    let heard: String = noise.chars().take(60).collect();
+    let heard = if heard.is_empty() { heard } else { format!(" (it said {heard:?})") };
+    Err(GrblError::NoGrbl { port, baud: table.baud, waited_s: ANSWER_LIMIT.as_secs_f64(), heard })
+}
+
+/// Waits until nothing more is said. True if a banner was.
+fn quiet(board: &mut Board) -> Result<bool, GrblError> {
+    let until = Instant::now() + ANSWER_LIMIT;
+    let mut reset = false;
+    while let Some(heard) = board.hear(QUIET)? {
+        reset |= matches!(heard, Heard::Reply(Reply::Banner(_)));
+        if Instant::now() >= until {
+            break;
+        }
+    }
+    Ok(reset)
+}
+
+/// Brings the board to rest, ready for jogs. Returns where the axis stands, as reported. A locked board is unlocked if that
+/// is because it was just reset; `reset` becomes true if it is.
+pub(super) fn rest(board: &mut Board, reset: &mut bool) -> Result<f64, GrblError> {
+    let started = Instant::now();
+    let mut unlocked = false;
+    loop {
+        let (state, place) = board.status(|| *reset = true)?;
+        let waited = started.elapsed();
+        match state {
+            State::Idle => return Ok(place),
+            State::Alarm if *reset && !unlocked => {
+                board.command("$X")?;
+                unlocked = true;
+            }
+            State::Sleep if !*reset => {
+                board.send_byte(RESET)?;
+                quiet(board)?;
+                *reset = true;
+            }
+            State::Run | State::Jog | State::Home if waited < REST_LIMIT => pause(board)?,
+            State::Run | State::Jog | State::Home => {
+                return Err(GrblError::Moving { waited_s: waited.as_secs_f64() });
+            }
+            State::Hold { .. } if waited < HOLD_LIMIT => pause(board)?,
+            other => return Err(locked(other)),
+        }
+    }
+}
+
+fn pause(board: &mut Board) -> Result<(), GrblError> {
+    std::thread::sleep(POLL);
+    board.hear(Duration::ZERO).map(|_| ())
+}
+
+fn locked(state: State) -> GrblError {
+    let instead = match state {
+        State::Alarm => "find out why, make sure that it is safe, then send it `$X` or switch it off and on",
+        State::Hold { .. } => "resume it with its button or `~`, or switch it off and on",
+        State::Door => "close the safety door",
+        State::Check => "it only checks G-code; send it `$C`",
+        _ => "switch it off and on",
+    };
+    let state = match state {
+        State::Hold { .. } => "Hold".to_owned(),
+        State::Other(word) => word,
+        state => format!("{state:?}"),
+    };
+    GrblError::Locked { state, instead }
+}

@@ -1,0 +1,182 @@
+//! What a board is, and how it is set.
+
+use std::collections::BTreeMap;
+
+use super::board::Board;
+use super::error::GrblError;
+use super::reply::{Reply, leading_version, version_of};
+use super::scale::Scale;
+use crate::pump_file::{Axis, DriveTable};
+
+/// Fewest steps per second of grbl 1.1: its 16-bit timer counts 2 MHz (16 MHz / 8).
+const LEAST_STEPS_S: f64 = 16e6 / 8.0 / 65_536.0;
+
+/// Slowest feed of every planner of this family, units/min (MINIMUM_FEED_RATE in grbl's planner).
+const LEAST_FEED_UNITS_MIN: f64 = 1.0;
+
+/// Most steps per second of grbl 1.1 (its documentation: 30 kHz).
+pub(super) const MOST_STEPS_S: f64 = 30_000.0;
+
+/// Value of `$1` with which the motor is never let go.
+pub(super) const NEVER_LET_GO: f64 = 255.0;
+
+/// Firmwares of the family.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Flavour {
+    /// grbl 1.1 on an Arduino.
+    Grbl,
+    /// grblHAL.
+    GrblHal,
+    /// FluidNC, and the ESP32 firmwares before it.
+    FluidNc,
+}
+
+/// What a board says of itself.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Settings {
+    pub flavour: Flavour,
+    pub axis: Axis,
+    /// Settings by their numbers.
+    pub values: BTreeMap<u16, f64>,
+}
+
+/// Asks a board what it is. Refuses what is older than 1.1.
+pub(super) fn flavour(board: &mut Board) -> Result<Flavour, GrblError> {
+    let said = board.command("$I")?;
+    let text = |reply: &Reply| match reply {
+        Reply::Version(text) | Reply::Message(text) | Reply::Banner(text) => Some(text.to_lowercase()),
+        _ => None,
+    };
+    let texts: Vec<_> = said.iter().filter_map(text).collect();
+    let says = |name: &str| texts.iter().any(|text| text.contains(name));
+    let version = said.iter().find_map(|reply| match reply {
+        Reply::Version(text) => leading_version(text),
+        Reply::Banner(text) => version_of(text),
+        _ => None,
+    });
+    let (major, minor) = version.unwrap_or((0, 0));
+    if (major, minor) < (1, 1) {
+        return Err(GrblError::Old { major, minor });
+    }
+    Ok(if says("grblhal") {
+        Flavour::GrblHal
+    } else if says("fluidnc") || (major, minor) > (1, 1) {
+        Flavour::FluidNc
+    } else {
+        Flavour::Grbl
+    })
+}
+
+/// Asks a board for its settings.
+pub(super) fn settings(board: &mut Board, flavour: Flavour, axis: Axis) -> Result<Settings, GrblError> {
+    let listed = board.command("$$")?.into_iter().filter_map(|reply| match reply {
+        Reply::Setting { number, value } => Some((number, value)),
+        _ => None,
+    });
+    let mut settings = Settings { flavour, axis, values: listed.collect() };
+    if flavour == Flavour::FluidNc {
+        settings.complete(board)?;
+    }
+    Ok(settings)
+}
+
+impl Settings {
+    /// Number of this axis's setting in the group that begins with `first`.
+    pub fn number(&self, first: u16) -> u16 {
+        first + self.axis.number() as u16
+    }
+
+    /// FluidNC lists no axes, or only three, and not all settings; its configuration has them by name.
+    fn complete(&mut self, board: &mut Board) -> Result<(), GrblError> {
+        let letter = self.axis.letter().to_ascii_lowercase();
+        let items = [
+            (1, "stepping/idle_ms".to_owned()),
+            (self.number(100), format!("axes/{letter}/steps_per_mm")),
+            (self.number(110), format!("axes/{letter}/max_rate_mm_per_min")),
+            (self.number(120), format!("axes/{letter}/acceleration_mm_per_sec2")),
+        ];
+        for (number, path) in items {
+            if self.values.contains_key(&number) {
+                continue;
+            }
+            let said = match board.command(&format!("$/{path}")) {
+                Ok(said) => said,
+                Err(GrblError::Refused { .. }) => continue,
+                Err(error) => return Err(error),
+            };
+            let value = said.iter().find_map(|reply| match reply {
+                Reply::Item { path: told, text } if *told == path => text.parse().ok(),
+                _ => None,
+            });
+            if let Some(value) = value {
+                self.values.insert(number, value);
+            }
+        }
+        Ok(())
+    }
+
+    fn needed(&self, first: u16, what: &str) -> Result<f64, GrblError> {
+        let number = self.number(first);
+        let value = self.values.get(&number).copied().filter(|value| *value > 0.0);
+        value.ok_or_else(|| GrblError::NoSetting {
+            number,
+            what: format!("{what} of axis {}", self.axis.letter()),
+        })
+    }
+
+    /// A switch or a mask; as grbl comes if it is not told.
+    fn mask(&self, number: u16, usual: f64) -> u32 {
+        self.values.get(&number).copied().unwrap_or(usual) as u32
+    }
+
+    /// Steps per unit.
+    pub fn steps_per_unit(&self) -> Result<f64, GrblError> {
+        self.needed(100, "steps per unit")
+    }
+
+    /// How the axis counts. Refuses reports that do not tell single steps apart.
+    pub fn scale(&self, table: &DriveTable) -> Result<Scale, GrblError> {
+        let scale = Scale {
+            axis: self.axis,
+            steps_per_unit: self.steps_per_unit()?,
+            inverted: table.invert,
+            inches: self.mask(13, 0.0) & 1 != 0,
+            summed: self.mask(10, 1.0) & 1 == 0,
+        };
+        if scale.tells_steps() {
+            return Ok(scale);
+        }
+        Err(GrblError::Coarse {
+            step: scale.report_error(),
+            steps_per_unit: scale.steps_per_unit,
+            number: self.number(100),
+            most: Scale::most_steps_per_unit(),
+        })
+    }
+
+    /// Largest rate, units/min.
+    pub fn rate_units_min(&self) -> Result<f64, GrblError> {
+        self.needed(110, "largest rate")
+    }
+
+    /// Acceleration, units/s².
+    pub fn acceleration_units_s2(&self) -> Result<f64, GrblError> {
+        self.needed(120, "acceleration")
+    }
+
+    /// Fewest steps per second that it makes.
+    pub fn least_steps_s(&self, scale: &Scale) -> f64 {
+        let feed = LEAST_FEED_UNITS_MIN / 60.0 * scale.steps_per_unit;
+        if self.flavour == Flavour::Grbl { feed.max(LEAST_STEPS_S) } else { feed }
+    }
+
+    /// Whether the motor holds at rest; none if it is not told.
+    pub fn holds(&self) -> Option<bool> {
+        self.values.get(&1).map(|delay_ms| *delay_ms == NEVER_LET_GO)
+    }
+
+    /// Whether it refuses to go beyond a travel.
+    pub fn soft_limits(&self) -> bool {
+        self.mask(20, 0.0) & 1 != 0
+    }
+}

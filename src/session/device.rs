@@ -1,0 +1,162 @@
+//! What turns the motor in a session, and how its rotor was met.
+
+use std::time::{Duration, Instant};
+
+use pump_ctl::plan::Plan;
+use pump_model::math::rpm;
+
+use crate::drivers::{Drive, DriveError, DriveLimits, Grbl, Sim};
+use crate::error::DoseError;
+use crate::journal::{State, Why};
+use crate::pump_file::{DriverName, PumpFile};
+
+use super::Session;
+
+/// A driver that is connected.
+#[derive(Debug)]
+pub(super) struct Device<'a> {
+    pub(super) drive: Box<dyn Drive + 'a>,
+    /// The pump file, its motor as the device allows it.
+    file: PumpFile,
+    limits: Option<DriveLimits>,
+    /// What a person should know of it and was not told.
+    pub(super) notes: Vec<String>,
+    /// Since when it holds.
+    pub(super) holds_since: Instant,
+}
+
+impl Device<'_> {
+    /// Slowest cruise of the pump head, rad/s.
+    pub(super) fn least_rad_s(&self) -> f64 {
+        self.limits.map_or(0.0, |limits| limits.min_speed_rad_s)
+    }
+}
+
+/// The pump file with the motor's limits as a device sets them: never faster than the file, its own acceleration.
+fn as_allowed(file: &PumpFile, limits: Option<DriveLimits>) -> PumpFile {
+    let mut file = file.clone();
+    if let Some(limits) = limits {
+        file.motor.max_speed_rpm = file.motor.max_speed_rpm.min(rpm(limits.max_speed_rad_s));
+        file.motor.max_acceleration_rad_s2 = limits.acceleration_rad_s2;
+    }
+    file
+}
+
+impl<'a> Session<'a> {
+    /// Connects what turns the motor, unless it is already, and compares its count with the record.
+    pub fn connect(&mut self) -> Result<(), DoseError> {
+        if self.device.is_some() {
+            return Ok(());
+        }
+        let bench = self.bench;
+        let mut drive: Box<dyn Drive + 'a> = match bench.driver() {
+            DriverName::Sim => Box::new(Sim::new(bench.model())),
+            DriverName::Grbl => {
+                let opened = Grbl::open(bench.drive(), &bench.file().motor, bench.may_configure());
+                Box::new(opened.map_err(DoseError::Connection)?)
+            }
+        };
+        let limits = drive.limits();
+        let mut notes = drive.notes();
+        let met = self.meet(drive.as_mut(), &mut notes);
+        let file = as_allowed(bench.file(), limits);
+        self.device = Some(Device { drive, file, limits, notes, holds_since: Instant::now() });
+        if met != self.stands() || (self.state.is_none() && met.count.is_some()) {
+            self.rest(Why::Met, met)?;
+        }
+        Ok(())
+    }
+
+    /// The pump file as the device allows it; as it is while none is connected.
+    pub(super) fn file(&self) -> &PumpFile {
+        self.device.as_ref().map_or(self.bench.file(), |device| &device.file)
+    }
+
+    /// How things stand by what a device says that was just connected.
+    fn meet(&self, drive: &mut dyn Drive, notes: &mut Vec<String>) -> State {
+        let (model, stands) = (self.bench.model(), self.stands());
+        let (was_known, pitch_rad) = (stands.phase().is_known(model.pitch_rad()), model.pitch_rad());
+        let count = drive.count();
+        let mut met = stands;
+        if let Some(event) = drive.disturbed() {
+            met = stands.disturbed(self.bench.fall_rad(), pitch_rad);
+            if was_known {
+                let now = if met.phase().is_known(pitch_rad) {
+                    "by two full steps less well"
+                } else {
+                    "no more: that was the second time since it was found"
+                };
+                notes.push(format!("{event}: where the rollers stand is known {now} (`dose home` finds it)"));
+            }
+        } else if let (Some(before), Some(now)) = (stands.count, count) {
+            let moved = now - before;
+            met = match self.cut_off {
+                // The board made more of the motion than the process that died could say, and has counted it.
+                Some((before, part)) if part.holds(moved) => {
+                    let made = moved.unsigned_abs();
+                    before.after(&part.intent, made, made, model)
+                }
+                None if moved == 0 => stands,
+                _ => {
+                    notes.push(format!(
+                        "the device counts {now}, and {before} were on record: something else has moved it, and where the \
+                         rollers stand is not known any more (`dose home` finds it)"
+                    ));
+                    stands.lost(pitch_rad)
+                }
+            };
+        }
+        State { count, ..met }
+    }
+
+    /// Refuses a plan that the device cannot run. What it was met as is on record.
+    pub(super) fn check(&mut self, plan: &Plan) -> Result<(), DoseError> {
+        let Some(mut device) = self.device.take() else { return Ok(()) };
+        let Err(error) = device.drive.check(plan) else {
+            self.device = Some(device);
+            return Ok(());
+        };
+        let met = self.meet(device.drive.as_mut(), &mut device.notes);
+        if met != self.stands() {
+            self.rest(Why::Met, met)?;
+        }
+        Err(DoseError::Connection(error))
+    }
+
+    /// Lets go of the rotor: its angle is less well known afterwards.
+    pub fn release(&mut self) -> Result<State, DoseError> {
+        self.connect()?;
+        if let Some(device) = &mut self.device {
+            device.drive.release().map_err(DoseError::Connection)?;
+        }
+        let state = self.stands().disturbed(self.bench.fall_rad(), self.bench.model().pitch_rad());
+        self.rest(Why::Released, state)?;
+        // It is met anew before it moves again.
+        self.device = None;
+        Ok(state)
+    }
+
+    /// Lets go of a rotor that has held for the pump file's `hold_timeout_s`. Whoever waits in a session asks now and then.
+    pub fn release_when_due(&mut self) -> Result<(), DoseError> {
+        let timeout_s = self.bench.drive().hold_timeout_s.filter(|_| self.device.is_some());
+        let held = self.device.as_ref().map_or(Duration::ZERO, |device| device.holds_since.elapsed());
+        match timeout_s {
+            Some(timeout_s) if held.as_secs_f64() >= timeout_s => self.release().map(drop),
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuses what the driver has no means for.
+    pub(super) fn need_index(&self) -> Result<(), DoseError> {
+        let has = self.device.as_ref().is_some_and(|device| device.drive.abilities().index);
+        if has {
+            return Ok(());
+        }
+        Err(DoseError::Connection(DriveError::Unable {
+            driver: self.bench.driver().as_str(),
+            ability: "index sensor",
+            instead: "say where the rollers stand with `dose home --set <ANGLE>`, or turn them to a mark with \
+                      `dose home --mark`",
+        }))
+    }
+}

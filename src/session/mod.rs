@@ -1,0 +1,223 @@
+//! A session: the pump is this process's; doses are run, and every stretch of them is on record before it happens.
+
+mod device;
+mod homing;
+mod motion;
+mod stretches;
+
+use std::ops::ControlFlow;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use pump_ctl::plan::Plan;
+use pump_model::math::{ceil, degrees, rpm};
+
+use crate::bench::Bench;
+use crate::dose::{DoseRequest, Prepared, Purpose};
+use crate::error::DoseError;
+use crate::folder::Lock;
+use crate::journal::{Entry, Journal, JournalError, State, Unfinished, Wear, Why};
+
+use device::Device;
+use motion::Motion;
+
+/// A bench that no other process can move meanwhile.
+#[derive(Debug)]
+pub struct Session<'a> {
+    bench: &'a Bench,
+    journal: Journal,
+    /// None if nothing was ever recorded.
+    state: Option<State>,
+    /// Whether the state is on record as the rotor's rest.
+    written: bool,
+    /// The motion under way when the process before this one ended, and how things stood before it.
+    cut_off: Option<(State, Unfinished)>,
+    /// What turns the motor, opened when it is needed.
+    device: Option<Device<'a>>,
+    _lock: Lock,
+}
+
+/// What became of a dose.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Delivered {
+    /// What the vessel received, mL; where nobody can read it, the model volume of the steps made.
+    pub volume_ml: f64,
+    /// Steps made, without their sign.
+    pub made: u64,
+    /// Angle where the rotor stands, rad, counted on from the start.
+    pub end_angle_rad: f64,
+    /// Whether that is the whole dose.
+    pub completed: bool,
+    /// What was sucked back afterwards, mL, positive; 0 if nothing was.
+    pub retracted_ml: f64,
+}
+
+impl<'a> Session<'a> {
+    pub(crate) fn open(bench: &'a Bench) -> Result<Self, DoseError> {
+        let lock = bench.folder().lock()?;
+        let (journal, story) = lock.journal(bench.model(), bench.fresh())?;
+        Ok(Self {
+            bench,
+            journal,
+            state: story.state,
+            written: story.cut_off.is_none(),
+            cut_off: story.cut_off,
+            device: None,
+            _lock: lock,
+        })
+    }
+
+    /// How things stand; none if nothing was ever recorded.
+    pub fn state(&self) -> Option<&State> {
+        self.state.as_ref()
+    }
+
+    /// How things stand.
+    fn stands(&self) -> State {
+        self.state.unwrap_or(self.bench.fresh())
+    }
+
+    /// Plans a dose from the recorded angle, within what the device allows, and predicts it. Moves nothing.
+    pub fn prepare(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
+        self.connect()?;
+        let prepared = self.bench.prepare_from(self.file(), self.state, request)?;
+        self.checked(prepared)
+    }
+
+    /// Plans the rest of the unfinished dose, at `cruise` or the pump's default rate: to the same end angle if what was
+    /// delivered is known, to where it is most probably otherwise.
+    pub fn prepare_rest(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
+        if self.stands().unfinished.is_none() {
+            return Err(DoseError::NothingUnfinished("resume"));
+        }
+        self.connect()?;
+        let state = self.stands();
+        let Some(dose) = state.unfinished else {
+            return Err(DoseError::WasFinished);
+        };
+        let (least_ml, most_ml) = dose.delivered_ml(self.bench.model());
+        let intent = dose.intent;
+        let volume_ml = intent.requested_ml - 0.5 * (least_ml + most_ml);
+        let carry_ml = if intent.purpose == Purpose::Dose { intent.carry_in_ml } else { state.carry_ml };
+        let rest = DoseRequest { purpose: intent.purpose, volume_ml, ..request };
+        let state = State { unfinished: None, carry_ml, ..state };
+        let prepared = self.bench.plan_from(self.file(), Some(state), rest)?;
+        self.checked(prepared)
+    }
+
+    /// Refuses what the device would do in another way, and adds what it has to say.
+    fn checked(&mut self, mut prepared: Prepared) -> Result<Prepared, DoseError> {
+        let Some(device) = &mut self.device else { return Ok(prepared) };
+        let speed_rad_s = prepared.plan.profile.peak_rad_s();
+        let least_rad_s = device.least_rad_s();
+        if speed_rad_s < least_rad_s {
+            let up = |x: f64| ceil(1e4 * x) / 1e4;
+            return Err(DoseError::TooSlow {
+                driver: self.bench.driver().as_str(),
+                speed_rpm: rpm(speed_rad_s),
+                least_rpm: up(rpm(least_rad_s)),
+                least_ml_s: up(self.bench.model().average_flow_ml_s(least_rad_s)),
+            });
+        }
+        prepared.warnings.append(&mut device.notes);
+        Ok(prepared)
+    }
+
+    /// Accepts the unfinished dose as it is. What doses owe is zero afterwards. Returns the state.
+    pub fn discard(&mut self) -> Result<State, DoseError> {
+        if self.stands().unfinished.is_none() {
+            return Err(DoseError::NothingUnfinished("discard"));
+        }
+        // A device that still knows its count says what was made. Without it the bounds on record stay, and whatever it
+        // counts when it is met again is where it begins.
+        let connected = self.connect().is_ok();
+        let state = self.stands();
+        let count = state.count.filter(|_| connected);
+        let state = State { unfinished: None, carry_ml: 0.0, count, ..state };
+        self.rest(Why::Discarded, state)?;
+        Ok(state)
+    }
+
+    /// Records that the tube is new. What doses owe is zero afterwards. Refused with a dose unfinished.
+    pub fn new_tube(&mut self) -> Result<State, DoseError> {
+        let state = State { carry_ml: 0.0, wear: Wear::default(), ..self.finished()? };
+        self.rest(Why::NewTube, state)?;
+        Ok(state)
+    }
+
+    /// The state, unless a dose is unfinished.
+    fn finished(&self) -> Result<State, DoseError> {
+        let state = self.stands();
+        let Some(dose) = state.unfinished else { return Ok(state) };
+        let (least_ml, most_ml) = dose.delivered_ml(self.bench.model());
+        Err(DoseError::Unfinished { requested_ml: dose.intent.requested_ml, least_ml, most_ml })
+    }
+
+    /// Runs a dose that this session prepared, and records what comes of it. `watch` is told now and then how many steps
+    /// are made; when it breaks the motor decelerates and holds.
+    pub fn run(
+        &mut self,
+        prepared: &Prepared,
+        mut watch: impl FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<Delivered, DoseError> {
+        let plan = &prepared.plan;
+        let given = prepared.request.start_angle_rad.is_some();
+        let stands = self.stands().phase();
+        if !given && plan.start != stands {
+            let [planned_deg, stands_deg] = [plan.start, stands].map(|phase| degrees(phase.angle_rad));
+            return Err(DoseError::Stale { planned_deg, stands_deg });
+        }
+        let motion = Motion {
+            plan,
+            purpose: prepared.request.purpose,
+            carry_out_ml: prepared.carry_out_ml,
+            given,
+            settle_s: prepared.prediction.settle_s,
+            seeks: false,
+        };
+        let moved = self.perform(&motion, &mut watch)?;
+        let mut delivered = Delivered {
+            volume_ml: moved.volume_ml,
+            made: moved.made,
+            end_angle_rad: plan.angle_after(moved.made),
+            completed: moved.made == plan.steps.unsigned_abs(),
+            retracted_ml: 0.0,
+        };
+        if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {
+            let plan = &retraction.plan;
+            let motion = Motion {
+                plan,
+                purpose: Purpose::Retract,
+                carry_out_ml: retraction.carry_out_ml,
+                given: false,
+                settle_s: retraction.prediction.settle_s,
+                seeks: false,
+            };
+            // The dose is delivered and on record whatever becomes of the way back.
+            let back = self.perform(&motion, &mut watch)?;
+            delivered.end_angle_rad = plan.angle_after(back.made);
+            delivered.retracted_ml = -plan.delivered_ml(self.bench.model(), back.made);
+        }
+        Ok(delivered)
+    }
+
+    /// Records that the rotor stands. Where that cannot be written it is known to this session all the same, and the next
+    /// motion writes it down first.
+    fn rest(&mut self, why: Why, state: State) -> Result<(), JournalError> {
+        self.state = Some(state);
+        self.written = false;
+        self.journal.append(&Entry::Rest { unix_s: unix_s(), why, state })?;
+        self.written = true;
+        self.cut_off = None;
+        Ok(())
+    }
+
+    /// What was made of `plan` and is on record as unfinished, mL; all of it if nothing is.
+    fn delivered_of(&self, state: &State, plan: &Plan) -> (f64, f64) {
+        state.unfinished.map_or((plan.least_ml, plan.most_ml), |dose| dose.delivered_ml(self.bench.model()))
+    }
+}
+
+/// Seconds since 1970, for people who read the journal.
+fn unix_s() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs())
+}
