@@ -7,6 +7,7 @@ mod doses;
 mod drawings;
 mod endings;
 mod files;
+mod limits;
 mod refusals;
 mod retraction;
 mod simulations;
