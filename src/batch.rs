@@ -160,8 +160,9 @@ impl<'a> Rehearsal<'a> {
     /// Plans a dose and goes on as if it had been delivered.
     pub fn prepare(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
         let prepared = self.bench.prepare_from(self.bench.file(), self.state, request)?;
+        let correction = prepared.correction();
         let mut made = |plan: &Plan, purpose, carry_out_ml| {
-            let intent = Intent::of(plan, purpose, carry_out_ml, 0);
+            let intent = Intent::of(plan, correction, purpose, carry_out_ml, 0);
             let all = plan.steps.unsigned_abs();
             let before = self.state.unwrap_or(self.bench.fresh());
             self.state = Some(before.after(&intent, all, all, self.bench.model()));

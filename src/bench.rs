@@ -6,7 +6,8 @@ use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
 use pump_model::math::TURN_RAD;
 
-use crate::dose::{DoseRequest, PhaseSource, Prepared};
+use crate::calibration::Calibrations;
+use crate::dose::{DoseRequest, PhaseSource, Prepared, Purpose};
 use crate::error::DoseError;
 use crate::folder::Folder;
 use crate::journal::{State, Story};
@@ -90,6 +91,11 @@ impl Bench {
         &self.folder
     }
 
+    /// Its calibrations.
+    pub fn calibrations(&self) -> Calibrations {
+        Calibrations::of(&self.folder)
+    }
+
     /// The state of this pump without a journal: a simulated one stands at 0 deg, of others nobody knows.
     pub(crate) fn fresh(&self) -> State {
         let phase = match self.driver() {
@@ -142,7 +148,13 @@ impl Bench {
             None => (stands.phase(), stands.source),
         };
         let carry_ml = state.map_or(0.0, |state| state.carry_ml);
-        let mut prepared = Prepared::new(file, &self.model, request, start, source, carry_ml)?;
+        let stored = self.calibrations().active()?.filter(|_| request.purpose != Purpose::Calibrate);
+        let mut prepared = match stored {
+            Some(stored) => {
+                Prepared::calibrated(file, &self.model, &stored, request, start, source, carry_ml)?
+            }
+            None => Prepared::new(file, &self.model, request, start, source, carry_ml)?,
+        };
         prepared.warnings.extend(self.tube_life(state, &prepared).and_then(|tube| tube.warning()));
         Ok(prepared)
     }

@@ -7,6 +7,8 @@ use pump_model::Pump;
 use pump_model::math::rpm;
 use serde::{Deserialize, Serialize};
 
+use crate::calibration::{Applied, Correction, Planner, Stored};
+use crate::error::DoseError;
 use crate::pump_file::PumpFile;
 use crate::retraction::Retraction;
 use crate::unknown_angle;
@@ -24,6 +26,8 @@ pub enum Purpose {
     Prime,
     /// Emptying the line; owes nothing and repays nothing.
     Purge,
+    /// A run that is weighed for a calibration: of the uncalibrated model, owing and repaying nothing.
+    Calibrate,
     /// Sucking back after a dose; the next dose owes as much more.
     Retract,
     /// Turning the rotor to a mark, or on to the index; owes nothing and repays nothing.
@@ -37,6 +41,7 @@ impl Purpose {
             Self::Dose => "dose",
             Self::Prime => "prime",
             Self::Purge => "purge",
+            Self::Calibrate => "calibrate",
             Self::Retract => "retract",
             Self::Jog => "jog",
         }
@@ -44,7 +49,7 @@ impl Purpose {
 
     /// Whether what is cut off of it is to be resumed or discarded.
     pub fn is_delivery(self) -> bool {
-        !matches!(self, Self::Retract | Self::Jog)
+        !matches!(self, Self::Calibrate | Self::Retract | Self::Jog)
     }
 }
 
@@ -107,6 +112,10 @@ pub enum PhaseSource {
 pub struct Prepared {
     /// What was asked.
     pub request: DoseRequest,
+    /// The pump that it was planned for: with its calibration at the dose's speed, if there is one.
+    pub model: Pump,
+    /// That calibration.
+    pub calibration: Option<Applied>,
     /// Steps and profile.
     pub plan: Plan,
     /// Pressures and settling.
@@ -133,22 +142,46 @@ impl Prepared {
         phase_source: PhaseSource,
         carry_ml: f64,
     ) -> Result<Self, PlanError> {
-        let is_dose = request.purpose == Purpose::Dose;
-        let default_cruise = Cruise::Flow { ml_s: file.pump.default_rate_ml_s };
-        let planned = Request {
-            volume_ml: request.volume_ml,
-            carry_in_ml: if is_dose { carry_ml } else { 0.0 },
-            cruise: request.cruise.unwrap_or(default_cruise),
-            smooth: request.smooth,
-        };
-        let mut limits = file.limits();
-        limits.max_outlet_kpa = request.max_outlet_kpa.or(limits.max_outlet_kpa);
-        limits.min_inlet_kpa = request.min_inlet_kpa.or(limits.min_inlet_kpa);
+        let (asked, limits) = asked_of(file, &request, carry_ml);
+        let plan = plan(model, start, &asked, &limits)?;
+        Self::of_plan(file, request, *model, None, plan, limits, phase_source, carry_ml)
+    }
 
-        let plan = plan(model, start, &planned, &limits)?;
-        let prediction = plan.predict(model)?;
-        let mut warnings = warnings_of(model, &plan, &prediction, &limits.margins(model, &plan)?);
-        if file.is_estimated() {
+    /// The same of a pump with a calibration.
+    pub fn calibrated(
+        file: &PumpFile,
+        model: &Pump,
+        stored: &Stored,
+        request: DoseRequest,
+        start: Phase,
+        phase_source: PhaseSource,
+        carry_ml: f64,
+    ) -> Result<Self, DoseError> {
+        let (asked, limits) = asked_of(file, &request, carry_ml);
+        let planner = Planner { file, base: model, stored, limits: &limits };
+        let found = planner.plan(start, &asked)?;
+        let applied = Some(found.applied);
+        let mut prepared =
+            Self::of_plan(file, request, found.model, applied, found.plan, limits, phase_source, carry_ml)?;
+        prepared.warnings.extend(found.warning);
+        Ok(prepared)
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "what a plan was made of")]
+    fn of_plan(
+        file: &PumpFile,
+        request: DoseRequest,
+        model: Pump,
+        calibration: Option<Applied>,
+        plan: Plan,
+        limits: Limits,
+        phase_source: PhaseSource,
+        carry_ml: f64,
+    ) -> Result<Self, PlanError> {
+        let prediction = plan.predict(&model)?;
+        let mut warnings = warnings_of(&model, &plan, &prediction, &limits.margins(&model, &plan)?);
+        let is_weighed = calibration.as_ref().is_some_and(|applied| applied.displacement.is_some());
+        if file.is_estimated() && !is_weighed {
             warnings.push(
                 "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on it"
                     .to_owned(),
@@ -156,24 +189,46 @@ impl Prepared {
         }
         let mut prepared = Self {
             request,
+            model,
+            calibration,
             plan,
             prediction,
             limits,
             phase_source,
-            carry_out_ml: if is_dose { plan.carry_ml } else { carry_ml },
+            carry_out_ml: if request.purpose == Purpose::Dose { plan.carry_ml } else { carry_ml },
             retraction: None,
             warnings,
         };
         if let Some(volume_ml) = request.retract_ml {
-            prepared.retraction = Some(Retraction::new(model, &prepared, volume_ml)?);
+            prepared.retraction = Some(Retraction::new(&prepared, volume_ml)?);
         }
         Ok(prepared)
+    }
+
+    /// What its calibration changes of the pump.
+    pub fn correction(&self) -> Correction {
+        self.calibration.as_ref().map_or(Correction::NONE, |applied| applied.correction)
     }
 
     /// What the next dose owes once this one and its retraction are made, mL.
     pub fn owes_ml(&self) -> f64 {
         self.retraction.as_ref().map_or(self.carry_out_ml, |retraction| retraction.carry_out_ml)
     }
+}
+
+/// What is asked of the planner, and within which limits: the pump file's where the request names none.
+fn asked_of(file: &PumpFile, request: &DoseRequest, carry_ml: f64) -> (Request, Limits) {
+    let default_cruise = Cruise::Flow { ml_s: file.pump.default_rate_ml_s };
+    let asked = Request {
+        volume_ml: request.volume_ml,
+        carry_in_ml: if request.purpose == Purpose::Dose { carry_ml } else { 0.0 },
+        cruise: request.cruise.unwrap_or(default_cruise),
+        smooth: request.smooth,
+    };
+    let mut limits = file.limits();
+    limits.max_outlet_kpa = request.max_outlet_kpa.or(limits.max_outlet_kpa);
+    limits.min_inlet_kpa = request.min_inlet_kpa.or(limits.min_inlet_kpa);
+    (asked, limits)
 }
 
 /// What a person should know of a plan before it runs.

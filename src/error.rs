@@ -3,6 +3,7 @@
 use pump_ctl::plan::PlanError;
 use thiserror::Error;
 
+use crate::calibration::CalibrationError;
 use crate::drivers::DriveError;
 use crate::folder::FolderError;
 use crate::journal::JournalError;
@@ -24,6 +25,9 @@ pub enum DoseError {
     /// The journal cannot be used; nothing has moved.
     #[error(transparent)]
     Journal(#[from] JournalError),
+    /// A calibration cannot be made or used; nothing has moved.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
     /// An earlier dose was begun and not finished.
     #[error(
         "a dose of {requested_ml} mL is unfinished: {} were delivered; see `dose status`, then finish it with `dose resume` \

@@ -20,6 +20,7 @@
 pub mod batch;
 mod bench;
 mod built_in;
+pub mod calibration;
 pub mod csv;
 mod dose;
 mod drawn_pump;
@@ -36,6 +37,8 @@ mod report_text;
 mod retraction;
 pub mod rust_source;
 pub mod sample;
+#[cfg(test)]
+mod sampling;
 mod session;
 mod simulation;
 mod status;
@@ -55,7 +58,7 @@ pub use drivers::{
 pub use error::DoseError;
 pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use output::Staged;
-pub use report::{DoseReport, PhaseReport};
+pub use report::{CalibrationReport, DoseReport, PhaseReport};
 pub use retraction::Retraction;
 pub use session::{Delivered, Session};
 pub use simulation::{MAX_SAMPLES, Simulation, SteadyReport};

@@ -56,6 +56,13 @@ impl Staged {
         }
         Ok(())
     }
+
+    /// Puts the file in place, or fails if there is one already.
+    pub fn put_new(self) -> io::Result<()> {
+        let Some(temporary) = self.temporary else { return Err(io::ErrorKind::AlreadyExists.into()) };
+        temporary.persist_noclobber(&self.target)?;
+        sync_folder(folder_of(&self.target))
+    }
 }
 
 pub(crate) fn folder_of(target: &Path) -> &Path {
@@ -108,6 +115,17 @@ mod tests {
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
         assert!(replace_file(folder.path(), |_| Ok(())).is_err(), "a folder is no file");
         assert!(replace_file(&folder.path().join("no/such/folder"), |_| Ok(())).is_err());
+    }
+
+    #[test]
+    fn a_new_file_overwrites_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("1.json");
+        let new = |text: &str| Staged::new(&path, |file| file.write_all(text.as_bytes()))?.put_new();
+        new("first").unwrap();
+        assert_eq!(new("second").unwrap_err().kind(), io::ErrorKind::AlreadyExists);
+        assert_eq!(fs::read(&path).unwrap(), b"first");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 
     #[cfg(unix)]

@@ -1,8 +1,8 @@
 //! What a dose reports to programs: one JSON object. `report_text.rs` is the same for people.
 
 use pump_ctl::plan::LimitedBy;
+use pump_model::Ripple;
 use pump_model::math::{degrees, rpm};
-use pump_model::{Pump, Ripple};
 use serde::Serialize;
 
 use crate::bench::Bench;
@@ -24,7 +24,7 @@ pub struct DoseReport {
     pub simulated: bool,
     /// Where the motor is connected; null if it is simulated.
     pub device: Option<String>,
-    /// `dose`, `prime` or `purge`.
+    /// `dose`, `prime`, `purge` or `calibrate`.
     pub purpose: &'static str,
     /// Volume asked for, mL.
     pub requested_ml: f64,
@@ -38,8 +38,10 @@ pub struct DoseReport {
     pub volume_most_ml: f64,
     /// What the vessel received, mL; null on a dry run.
     pub delivered_ml: Option<f64>,
-    /// `model`: from the model alone; `estimated`: from the model of a drawing.
+    /// `model`: from the model alone; `estimated`: from the model of a drawing; `calibrated`: from what was weighed.
     pub volume_basis: &'static str,
+    /// The calibration that was used; null if there was none.
+    pub calibration: Option<CalibrationReport>,
     /// Expanded uncertainty (k = 2), mL.
     pub expanded_uncertainty_ml: f64,
     /// Its shares.
@@ -109,6 +111,19 @@ impl From<Ripple> for RippleReport {
     }
 }
 
+/// The calibration of a dose.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CalibrationReport {
+    /// Its number.
+    pub version: u32,
+    /// When it was made, UTC.
+    pub date: String,
+    /// Volumes are the model's times this, at the dose's cruise speed.
+    pub displacement_factor: f64,
+    /// Model angle of the rollers where the record says 0, deg.
+    pub zero_deg: f64,
+}
+
 /// How the start angle is known.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PhaseReport {
@@ -124,21 +139,18 @@ impl DoseReport {
     /// Report of a prepared dose that was run, or of a dry run.
     pub fn new(bench: &Bench, prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
         let device = bench.drive().port.as_ref().map(|port| port.display().to_string());
-        Self {
-            device,
-            ..Self::without_bench(bench.file(), bench.model(), bench.driver(), prepared, delivered)
-        }
+        Self { device, ..Self::without_bench(bench.file(), bench.driver(), prepared, delivered) }
     }
 
     /// The same of a dose that was planned without a bench, so without a record.
     pub fn without_bench(
         file: &PumpFile,
-        model: &Pump,
         driver: DriverName,
         prepared: &Prepared,
         delivered: Option<&Delivered>,
     ) -> Self {
-        let (plan, prediction) = (&prepared.plan, &prepared.prediction);
+        let (model, plan, prediction) = (&prepared.model, &prepared.plan, &prepared.prediction);
+        let applied = prepared.calibration.as_ref();
         let (mut inlet, mut outlet, mut planned_end_rad) =
             (prediction.inlet, prediction.outlet, plan.end_angle_rad());
         if let Some(back) = &prepared.retraction {
@@ -154,7 +166,7 @@ impl DoseReport {
             (part.least_ml, part.most_ml) = plan.range_ml(model, delivered.made);
             part.planned_ml = plan.delivered_ml(model, delivered.made);
         }
-        let budget = Budget::new(model, &part, &file.uncertainty);
+        let budget = Budget::new(model, &part, &file.uncertainty, applied);
         let limits = &prepared.limits;
         let ripples = plan.ripples(model);
         let limits_not_checked = [
@@ -178,7 +190,17 @@ impl DoseReport {
             volume_least_ml: part.least_ml,
             volume_most_ml: part.most_ml,
             delivered_ml: delivered.map(|delivered| delivered.volume_ml),
-            volume_basis: if file.is_estimated() { "estimated" } else { "model" },
+            volume_basis: match applied.and_then(|applied| applied.displacement) {
+                Some(_) => "calibrated",
+                None if file.is_estimated() => "estimated",
+                None => "model",
+            },
+            calibration: applied.map(|applied| CalibrationReport {
+                version: applied.version,
+                date: applied.date.clone(),
+                displacement_factor: applied.correction.factor,
+                zero_deg: degrees(applied.correction.zero_rad),
+            }),
             expanded_uncertainty_ml: budget.expanded_ml(),
             uncertainty_budget: budget.shares,
             phase: PhaseReport {

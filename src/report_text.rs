@@ -7,6 +7,9 @@ use pump_model::math::{floor, wrap};
 use crate::dose::PhaseSource;
 use crate::report::DoseReport;
 
+/// Shares of less of the variance are left out, percent.
+const TELLING_PERCENT: f64 = 1e-5;
+
 impl DoseReport {
     /// The report in words.
     pub fn text(&self) -> String {
@@ -24,6 +27,7 @@ impl DoseReport {
             (Some(delivered), _) if !self.completed => (delivered, "delivered, then stopped"),
             (Some(delivered), "prime") => (delivered, "primed"),
             (Some(delivered), "purge") => (delivered, "purged"),
+            (Some(delivered), "calibrate") => (delivered, "delivered to be weighed"),
             (Some(delivered), _) => (delivered, "delivered"),
         };
         let asked = significant(self.requested_ml, 6);
@@ -111,6 +115,9 @@ impl DoseReport {
         )?;
         writeln!(to, "  not checked  {}", self.limits_not_checked.join(", ").replace('_', " "))?;
         writeln!(to, "  uncertainty  {}", self.budget_line())?;
+        if let Some(remedy) = self.remedy_line() {
+            writeln!(to, "  surer        {remedy}")?;
+        }
         for warning in &self.warnings {
             writeln!(to, "  warning      {warning}")?;
         }
@@ -132,7 +139,7 @@ impl DoseReport {
         }
     }
 
-    /// Each share of the uncertainty in percent of the volume.
+    /// Each share of the uncertainty in percent of the volume, and how to make the largest smaller.
     fn budget_line(&self) -> String {
         let volume_ml = self.delivered_ml.unwrap_or(self.planned_ml).abs();
         if volume_ml == 0.0 {
@@ -141,12 +148,34 @@ impl DoseReport {
         let shares: Vec<String> = self
             .uncertainty_budget
             .iter()
+            .filter(|share| share.variance_percent >= TELLING_PERCENT)
             .map(|share| {
                 let percent = 100.0 * share.standard_ml / volume_ml;
                 format!("{} {}", share.source.replace('_', " "), significant(percent, 2))
             })
             .collect();
-        format!("k = 2, not calibrated; standard, % of volume: {}", shares.join(", "))
+        let basis = match &self.calibration {
+            Some(calibration) if self.volume_basis == "calibrated" => {
+                let factor = significant(calibration.displacement_factor, 6);
+                format!("calibration {} (model volume times {factor})", calibration.version)
+            }
+            _ => "not calibrated".to_owned(),
+        };
+        format!("k = 2, {basis}; standard, % of volume: {}", shares.join(", "))
+    }
+
+    /// The largest share, and how to make it smaller.
+    fn remedy_line(&self) -> Option<String> {
+        let shares = self.uncertainty_budget.iter();
+        let largest = shares.max_by(|a, b| a.standard_ml.total_cmp(&b.standard_ml))?;
+        let percent = largest.variance_percent;
+        (percent > 0.0).then(|| {
+            format!(
+                "{} makes {percent:.0} % of the variance: {}",
+                largest.source.replace('_', " "),
+                largest.remedy
+            )
+        })
     }
 }
 

@@ -1,7 +1,6 @@
 //! Retraction (suck-back): after a dose the pump turns back by a little, so that nothing drips. The next dose repays it.
 
 use pump_ctl::plan::{Cruise, Phase, Plan, PlanError, Prediction, Request, plan};
-use pump_model::Pump;
 
 use crate::dose::Prepared;
 
@@ -17,9 +16,10 @@ pub struct Retraction {
 }
 
 impl Retraction {
-    /// Plans the way back by `volume_ml` (positive) from where `dose` ends, at the dose's own rate or speed.
-    pub(crate) fn new(model: &Pump, dose: &Prepared, volume_ml: f64) -> Result<Self, PlanError> {
-        let asked = dose.plan.requested_ml;
+    /// Plans the way back by `volume_ml` (positive) from where `dose` ends, at the dose's own speed and with its
+    /// calibration there.
+    pub(crate) fn new(dose: &Prepared, volume_ml: f64) -> Result<Self, PlanError> {
+        let (model, asked) = (&dose.model, dose.plan.requested_ml);
         if !(volume_ml > 0.0 && asked > 0.0) {
             let (parameter, value, allowed) = if asked > 0.0 {
                 ("retraction in mL", volume_ml, "more than 0")

@@ -8,6 +8,7 @@ use pump_dose::pump_file::{DriverName, PumpFile};
 use pump_dose::quantity::{self, Pressure};
 use pump_dose::{BUILT_IN, Bench, built_in, default_state_dir};
 
+use super::calibrate::CalibrateCommand;
 use super::new_pump::NewPump;
 use super::{Failure, batch};
 
@@ -52,6 +53,11 @@ pub(crate) enum Command {
         /// How much, with its unit
         #[arg(value_name = "VOLUME")]
         volume: Vec<String>,
+    },
+    /// Weigh what the pump delivers, so that doses are right
+    Calibrate {
+        #[command(subcommand)]
+        command: Option<CalibrateCommand>,
     },
     /// Run the model at constant speed (--speed or --rate, --duration)
     Simulate,

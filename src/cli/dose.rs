@@ -213,7 +213,7 @@ fn write_outputs(bench: &Bench, prepared: &Prepared, options: &Options) -> Resul
     let motion_s = plan.profile.duration_s();
     let end_s = motion_s + prepared.prediction.settle_s;
     let samples = |dt_s| {
-        Waveform::new(bench.model(), plan.legs(), Method::Exact, times(dt_s, motion_s, end_s))
+        Waveform::new(&prepared.model, plan.legs(), Method::Exact, times(dt_s, motion_s, end_s))
             .map_err(Failure::refused)
     };
     let mut outputs = Outputs::default();

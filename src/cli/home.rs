@@ -91,9 +91,15 @@ pub(crate) fn new_tube(options: &Options) -> Result<(), Failure> {
     let mut session = bench.session()?;
     let owed_ml = owed(&session);
     let worn_ml = session.state().map_or(0.0, |state| state.wear.volume_ml);
+    // First, so that no dose of the new tube is calibrated with the old one.
+    let calibrations = bench.calibrations();
+    let unused = calibrations.active_version()?.map_or(String::new(), |version| {
+        format!("calibration {version} is not used any more; `dose calibrate use {version}` uses it again\n")
+    });
+    calibrations.activate(None)?;
     let state = session.new_tube()?;
     print(&format!(
-        "a new tube is on record; the one before pumped {worn_ml:.1} mL\n{}{}warning: a new tube gives another volume per \
+        "a new tube is on record; the one before pumped {worn_ml:.1} mL\n{}{}{unused}warning: a new tube gives another volume per \
          revolution: calibrate it\nif the rotor was turned by hand, say where it stands with `dose home --set <ANGLE>`\n",
         stands(&bench, &state),
         zeroed(owed_ml)

@@ -2,6 +2,7 @@
 
 mod args;
 mod batch;
+mod calibrate;
 mod dose;
 mod home;
 mod interrupt;
@@ -18,6 +19,7 @@ use std::io::{self, ErrorKind, Write};
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches};
+use pump_dose::calibration::CalibrationError;
 use pump_dose::{DoseError, DriveError, FolderError};
 
 use args::{Cli, Command};
@@ -70,6 +72,12 @@ impl From<DoseError> for Failure {
     }
 }
 
+impl From<CalibrationError> for Failure {
+    fn from(error: CalibrationError) -> Self {
+        Self::Refused(error.to_string())
+    }
+}
+
 impl From<FolderError> for Failure {
     fn from(error: FolderError) -> Self {
         DoseError::from(error).into()
@@ -118,6 +126,7 @@ fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Home { mark: true, mark_tolerance, .. }) => mark::mark(*mark_tolerance, options),
         Some(Command::Home { sensor: true, yes, .. }) => home::sensor(*yes, options),
         Some(Command::Home { set, .. }) => home::set(*set, options),
+        Some(Command::Calibrate { command }) => calibrate::calibrate(command.as_ref(), options),
         Some(Command::Release) => home::release(options),
         // Required, so true.
         Some(Command::Tube { new: _ }) => home::new_tube(options),

@@ -9,6 +9,7 @@ use pump_model::integrator::IntegrationError;
 use thiserror::Error;
 
 use super::grbl::GrblError;
+use crate::calibration::Correction;
 
 /// Asked before steps are made: `made` are made, and the next up to `about_to` are about to be. To break is to stop.
 pub type Gate<'a> = dyn FnMut(u64, u64) -> ControlFlow<()> + 'a;
@@ -84,6 +85,9 @@ pub trait Drive: Debug {
 
     /// Refuses a plan that it cannot run, and a rotor that is not where it was left, before anything moves or is announced.
     fn check(&mut self, plan: &Plan) -> Result<(), DriveError>;
+
+    /// The rollers displace as this calibration says from now on. Only a simulation needs to be told.
+    fn displaces(&mut self, _correction: Correction) {}
 
     /// Makes the steps of `plan`, asking `gate` before them. When it breaks, the motor decelerates and holds. Returns how
     /// many were made, those of the deceleration included.

@@ -6,6 +6,8 @@ use pump_model::circuit::{Circuit, Linear, NoFlow, options};
 use pump_model::integrator::{IntegrationError, Rodas5p};
 use pump_model::{Line, Port, Pump};
 
+use crate::calibration::Correction;
+
 use super::drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
 
 /// Error allowed in a step, relative to 1 kPa plus |P - P_res|. The volume does not depend on it: what leaves the line is
@@ -26,6 +28,8 @@ const LONGEST_WAIT_S: f64 = 36_000.0;
 pub struct Sim<'a> {
     pump: &'a Pump,
     solver: Rodas5p<3>,
+    /// The pump is what is known of it, so a calibrated one displaces as its calibration says.
+    correction: Correction,
     /// What the vessel held when the last plan was begun, mL.
     begun_ml: f64,
 }
@@ -39,7 +43,7 @@ impl<'a> Sim<'a> {
     /// The same with another error allowed in a step.
     pub fn with_tolerance(pump: &'a Pump, tolerance: f64) -> Self {
         let solver = Rodas5p::new(0.0, SVector::zeros(), options(pump.outlet(), tolerance, 1.0));
-        Self { pump, solver, begun_ml: 0.0 }
+        Self { pump, solver, correction: Correction::NONE, begun_ml: 0.0 }
     }
 
     /// Makes every step of `plan`.
@@ -54,9 +58,8 @@ impl<'a> Sim<'a> {
     /// Lets the line flow on until `step` is due, then makes it.
     fn step(&mut self, plan: &Plan, step: &Step, started_s: f64) -> Result<(), IntegrationError> {
         self.wait_until(started_s + step.time_s)?;
-        let curve = self.pump.outlet_curve();
         let before_rad = plan.angle_after(step.number - 1);
-        self.push(self.pump.outlet(), curve.volume_ml(step.angle_rad) - curve.volume_ml(before_rad));
+        self.push(self.pump.outlet(), self.correction.volume_ml(self.pump, before_rad, step.angle_rad));
         Ok(())
     }
 
@@ -118,6 +121,10 @@ const ABILITIES: Abilities =
     Abilities { step_times: true, angle_dependent_speed: true, index: false, readback: false };
 
 impl Drive for Sim<'_> {
+    fn displaces(&mut self, correction: Correction) {
+        self.correction = correction;
+    }
+
     fn abilities(&self) -> Abilities {
         ABILITIES
     }

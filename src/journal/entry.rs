@@ -5,6 +5,7 @@ use pump_model::Pump;
 use pump_model::math::{TURN_RAD, wrap};
 use serde::{Deserialize, Serialize};
 
+use crate::calibration::Correction;
 use crate::dose::{PhaseSource, Purpose};
 
 /// One entry.
@@ -85,6 +86,9 @@ pub struct Intent {
     pub step_rad: f64,
     /// Time of the motion, s.
     pub motion_s: f64,
+    /// The calibration that it was planned with.
+    #[serde(default, skip_serializing_if = "Correction::is_none")]
+    pub correction: Correction,
 }
 
 /// How things stand with a pump between doses.
@@ -153,8 +157,7 @@ impl Intent {
 
     /// Volume of the first `made` steps from the middle of the angles that may be, mL; negative in reverse.
     pub fn delivered_ml(&self, pump: &Pump, made: u64) -> f64 {
-        let curve = pump.outlet_curve();
-        curve.volume_ml(self.angle_after(made)) - curve.volume_ml(self.start_angle_rad)
+        self.correction.volume_ml(pump, self.start_angle_rad, self.angle_after(made))
     }
 
     /// Smallest and largest volume of the first `made` steps from an angle at which the rollers may have stood, mL.
@@ -164,11 +167,17 @@ impl Intent {
             return (volume_ml, volume_ml);
         }
         let direction = if self.steps < 0 { -1.0 } else { 1.0 };
-        self.start().range_ml(pump, direction * (made as f64 * self.step_rad))
+        self.correction.range_ml(pump, self.start(), direction * (made as f64 * self.step_rad))
     }
 
     /// What `plan` is going to do.
-    pub(crate) fn of(plan: &Plan, purpose: Purpose, carry_out_ml: f64, unix_s: u64) -> Self {
+    pub(crate) fn of(
+        plan: &Plan,
+        correction: Correction,
+        purpose: Purpose,
+        carry_out_ml: f64,
+        unix_s: u64,
+    ) -> Self {
         Self {
             unix_s,
             purpose,
@@ -181,6 +190,7 @@ impl Intent {
             steps: plan.steps,
             step_rad: plan.step_rad,
             motion_s: plan.profile.duration_s(),
+            correction,
         }
     }
 }
@@ -315,6 +325,7 @@ mod tests {
             steps: -1000,
             step_rad: 0.001,
             motion_s: 1.0,
+            correction: Correction::NONE,
         };
         let before = State { carry_ml: 0.25, ..State::fresh(Phase::known(1.0), PhaseSource::Home) };
         let after = before.after(&intent, 400, 600, &Pump::three_roller());
@@ -338,6 +349,7 @@ mod tests {
                 steps,
                 step_rad: 0.001,
                 motion_s: 1.0,
+                correction: Correction::NONE,
             },
             made_least: 0,
             made_most: 500,

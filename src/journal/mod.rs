@@ -200,6 +200,8 @@ impl Journal {
 mod tests {
     use pump_ctl::plan::Phase;
 
+    use crate::calibration::Correction;
+
     use super::*;
     use crate::dose::PhaseSource;
 
@@ -225,6 +227,7 @@ mod tests {
         steps: -2000,
         step_rad: 0.0005,
         motion_s: 1.0,
+        correction: Correction::NONE,
     });
 
     #[test]

@@ -52,7 +52,7 @@ impl FluidTable {
         Ok(fluid)
     }
 
-    fn is_water(&self) -> bool {
+    pub(crate) fn is_water(&self) -> bool {
         self.name.eq_ignore_ascii_case("water")
     }
 }

@@ -19,6 +19,8 @@ pub enum Kind {
     Angle,
     /// kPa absolute
     Pressure,
+    /// °C
+    Temperature,
     /// mm
     Length,
 }
@@ -33,6 +35,7 @@ impl fmt::Display for Kind {
             Self::Time => "time",
             Self::Angle => "angle",
             Self::Pressure => "pressure",
+            Self::Temperature => "temperature",
             Self::Length => "length",
         })
     }
@@ -65,6 +68,7 @@ const SECONDS: Units = &[("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("µs", 1e-6), 
 const TURN: f64 = std::f64::consts::TAU;
 const ANGLES: Units =
     &[("deg", TURN / 360.0), ("°", TURN / 360.0), ("rad", 1.0), ("mrad", 1e-3), ("rev", TURN)];
+const CELSIUS: Units = &[("degC", 1.0), ("°C", 1.0), ("celsius", 1.0)];
 const SPEEDS: Units = &[
     ("rpm", TURN / 60.0),
     ("r/min", TURN / 60.0),
@@ -100,6 +104,7 @@ impl Kind {
             Self::Time => "1.5s",
             Self::Angle => "30deg",
             Self::Pressure => "120kPaa",
+            Self::Temperature => "20degC",
             Self::Length => "63mm",
         }
     }
@@ -116,6 +121,7 @@ impl Kind {
             Self::Time => "s, ms, us, min, h",
             Self::Angle => "deg, rad, mrad, rev",
             Self::Pressure => "Paa, kPaa, MPaa, mbara, bara, psia (absolute), or with g at the end (gauge)",
+            Self::Temperature => "degC (°C)",
             Self::Length => "mm, cm, m, um (µm), in",
         }
     }
@@ -131,6 +137,7 @@ impl Kind {
             Self::Time => SECONDS,
             Self::Angle => ANGLES,
             Self::Pressure => PRESSURES,
+            Self::Temperature => CELSIUS,
             Self::Length => LENGTHS,
         };
         if let Some((name, _)) = own.iter().find(|(name, _)| name.to_lowercase() == lower) {
@@ -162,6 +169,7 @@ impl Kind {
             Self::Time => factor_in(SECONDS, unit),
             Self::Angle => factor_in(ANGLES, unit),
             Self::Pressure => factor_in(PRESSURES, unit),
+            Self::Temperature => factor_in(CELSIUS, unit),
             Self::Length => factor_in(LENGTHS, unit),
         }
     }

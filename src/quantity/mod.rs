@@ -80,6 +80,11 @@ pub fn angle_rad(text: &str) -> Result<f64, QuantityError> {
     Reading::new(text, Kind::Angle)?.value()
 }
 
+/// A temperature in °C; negative ones too.
+pub fn temperature_degc(text: &str) -> Result<f64, QuantityError> {
+    Reading::new(text, Kind::Temperature)?.value()
+}
+
 /// A length in mm, positive.
 pub fn length_mm(text: &str) -> Result<f64, QuantityError> {
     positive(text, Kind::Length)
@@ -200,6 +205,9 @@ mod tests {
         assert_eq!(angle_rad("0.5rad").unwrap(), 0.5);
         assert_eq!(angle_rad("1rev").unwrap(), TURN);
         assert_eq!(angle_rad("0deg").unwrap(), 0.0);
+        assert_eq!(temperature_degc("21.5degC").unwrap(), 21.5);
+        assert_eq!(temperature_degc("-4 °C").unwrap(), -4.0);
+        assert!(temperature_degc("21").is_err() && temperature_degc("21K").is_err());
         assert_eq!(pressure("120kPaa").unwrap().absolute_kpa(85.7), 120.0);
         assert!((pressure("20kPag").unwrap().absolute_kpa(85.7) - 105.7).abs() < 1e-12);
         assert!((pressure("1.2bara").unwrap().absolute_kpa(85.7) - 120.0).abs() < 1e-12);

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use pump_ctl::plan::{Phase, Plan, turn};
 use pump_model::math::{ceil, degrees, floor, rad_s, radians};
 
+use crate::calibration::Correction;
 use crate::dose::{PhaseSource, Purpose};
 use crate::error::DoseError;
 use crate::journal::{State, Why};
@@ -109,7 +110,10 @@ impl Session<'_> {
         watch: impl FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Moved, DoseError> {
         let carry_out_ml = self.stands().carry_ml;
-        let motion = Motion { plan, purpose: Purpose::Jog, carry_out_ml, given: false, settle_s: 0.0, seeks };
+        let (model, correction) = (self.bench.model(), Correction::NONE);
+        let purpose = Purpose::Jog;
+        let motion =
+            Motion { plan, model, correction, purpose, carry_out_ml, given: false, settle_s: 0.0, seeks };
         self.perform(&motion, watch)
     }
 

@@ -115,7 +115,7 @@ impl<'a> Session<'a> {
                 driver: self.bench.driver().as_str(),
                 speed_rpm: rpm(speed_rad_s),
                 least_rpm: up(rpm(least_rad_s)),
-                least_ml_s: up(self.bench.model().average_flow_ml_s(least_rad_s)),
+                least_ml_s: up(prepared.model.average_flow_ml_s(least_rad_s)),
             });
         }
         prepared.warnings.append(&mut device.notes);
@@ -168,6 +168,8 @@ impl<'a> Session<'a> {
         }
         let motion = Motion {
             plan,
+            model: &prepared.model,
+            correction: prepared.correction(),
             purpose: prepared.request.purpose,
             carry_out_ml: prepared.carry_out_ml,
             given,
@@ -186,6 +188,8 @@ impl<'a> Session<'a> {
             let plan = &retraction.plan;
             let motion = Motion {
                 plan,
+                model: &prepared.model,
+                correction: prepared.correction(),
                 purpose: Purpose::Retract,
                 carry_out_ml: retraction.carry_out_ml,
                 given: false,
@@ -195,7 +199,7 @@ impl<'a> Session<'a> {
             // The dose is delivered and on record whatever becomes of the way back.
             let back = self.perform(&motion, &mut watch)?;
             delivered.end_angle_rad = plan.angle_after(back.made);
-            delivered.retracted_ml = -plan.delivered_ml(self.bench.model(), back.made);
+            delivered.retracted_ml = -plan.delivered_ml(&prepared.model, back.made);
         }
         Ok(delivered)
     }

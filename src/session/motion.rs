@@ -4,8 +4,10 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use pump_ctl::plan::Plan;
+use pump_model::Pump;
 use pump_model::math::degrees;
 
+use crate::calibration::Correction;
 use crate::dose::Purpose;
 use crate::drivers::{Drive, Sought};
 use crate::error::DoseError;
@@ -20,6 +22,10 @@ const WATCH_EVERY: u64 = 256;
 /// What is to be done.
 pub(super) struct Motion<'p> {
     pub(super) plan: &'p Plan,
+    /// The pump that it was planned for.
+    pub(super) model: &'p Pump,
+    /// The calibration in that pump.
+    pub(super) correction: Correction,
     pub(super) purpose: Purpose,
     /// What the next dose owes afterwards, mL.
     pub(super) carry_out_ml: f64,
@@ -57,10 +63,10 @@ impl Session<'_> {
         if motion.given {
             before.disturbances = 0;
         }
-        let intent = Intent::of(plan, motion.purpose, motion.carry_out_ml, unix_s());
+        let intent = Intent::of(plan, motion.correction, motion.purpose, motion.carry_out_ml, unix_s());
         self.journal.append(&Entry::Intent(intent))?;
 
-        let mut stretches = Stretches::new(plan, model);
+        let mut stretches = Stretches::new(plan, motion.model);
         let mut unwritten: Option<JournalError> = None;
         let journal = &mut self.journal;
         let mut gate = |made: u64, about_to: u64| {
@@ -82,6 +88,7 @@ impl Session<'_> {
 
         let Some(device) = &mut self.device else { unreachable!("it was connected above") };
         let drive = device.drive.as_mut();
+        drive.displaces(motion.correction);
         let moved = if motion.seeks {
             drive.seek(plan, &mut gate)
         } else {
@@ -107,7 +114,7 @@ impl Session<'_> {
             }
         };
         let read_ml = drive.settle(motion.settle_s);
-        let counted_ml = plan.delivered_ml(model, made);
+        let counted_ml = plan.delivered_ml(motion.model, made);
         let state = met(drive, before.after(&intent, made, made, model));
         let why = match &unwritten {
             Some(_) => Why::Fault,

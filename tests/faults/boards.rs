@@ -122,7 +122,8 @@ impl Rig {
         if state.half_width_rad >= 0.5 * pitch_rad {
             return false;
         }
-        let off_rad = (self.truth_rad() - state.angle_rad + 0.5 * pitch_rad).rem_euclid(pitch_rad) - 0.5 * pitch_rad;
+        let off_rad =
+            (self.truth_rad() - state.angle_rad + 0.5 * pitch_rad).rem_euclid(pitch_rad) - 0.5 * pitch_rad;
         assert!(
             off_rad.abs() <= state.half_width_rad + 1e-9,
             "{what}: {} steps off, {} said: {state:?}",

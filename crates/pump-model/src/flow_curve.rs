@@ -134,6 +134,47 @@ impl FlowCurve {
         Ok(())
     }
 
+    /// The same with flow and volume times `factor`, which must be positive.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = *self;
+        for piece in &mut scaled.pieces {
+            piece.volume = piece.volume.scaled(factor);
+            piece.flow = piece.flow.scaled(factor);
+        }
+        scaled.pitch_ml *= factor;
+        scaled
+    }
+
+    /// The same counted from another zero: at any angle what this curve has at that angle + `zero_rad`, which must be
+    /// finite. None if there is no room for the piece that the new zero cuts in two.
+    pub(crate) fn shifted(&self, zero_rad: f64) -> Option<Self> {
+        let (_, first_rad) = self.split(zero_rad);
+        let cut = self.index_of(first_rad);
+        let mut shifted = Self { pieces: [Piece::default(); MAX_PIECES], count: 0, pitch_ml: 0.0, ..*self };
+        let mut rest_rad = self.pitch_rad;
+        // The piece at the new zero comes first, from there on, and again last, up to there.
+        for (number, piece) in self.pieces().iter().enumerate().cycle().skip(cut).take(self.count + 1) {
+            let first = shifted.count == 0;
+            let skipped_rad = if first && number == cut { first_rad - piece.start_rad } else { 0.0 };
+            let length_rad = (piece.length_rad - skipped_rad).min(rest_rad);
+            if length_rad < SAME_EDGE_RAD {
+                continue;
+            }
+            if shifted.count == MAX_PIECES {
+                return None;
+            }
+            let mut volume = piece.volume.shifted(skipped_rad);
+            volume.c[0] = shifted.pitch_ml;
+            let start_rad = self.pitch_rad - rest_rad;
+            shifted.push(Piece { start_rad, length_rad, volume, flow: volume.derivative() });
+            shifted.pitch_ml = volume.at(length_rad);
+            rest_rad -= length_rad;
+        }
+        // A pitch has one volume, wherever it begins.
+        shifted.pitch_ml = self.pitch_ml;
+        Some(shifted)
+    }
+
     /// Appends a piece; one that goes on with the same constant flow makes the last longer.
     fn push(&mut self, piece: Piece) {
         let is_constant = piece.flow.c.iter().skip(1).all(|c| *c == 0.0);

@@ -1,9 +1,10 @@
 //! A pump: dimensions, roller volume and lines, with the flow curves that follow from them.
 
-use crate::error::ModelError;
+use crate::error::{ModelError, positive};
 use crate::flow_curve::{FlowCurve, Port};
 use crate::geometry::Geometry;
 use crate::line::Line;
+use crate::math::TURN_RAD;
 use crate::polynomial::Polynomial;
 use crate::roller_volume::RollerVolume;
 
@@ -58,6 +59,38 @@ impl Pump {
         [inlet_curve, outlet_curve]: [FlowCurve; 2],
     ) -> Self {
         Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve }
+    }
+
+    /// The same pump displacing `factor` times as much at every angle: flows and volumes of both ports, of a revolution
+    /// and of a roller. Dimensions and lines stay as they are.
+    ///
+    /// ```
+    /// let pump = pump_model::Pump::three_roller();
+    /// let calibrated = pump.scaled(1.02)?;
+    /// assert!((calibrated.revolution_ml() / pump.revolution_ml() - 1.02).abs() < 1e-15);
+    /// assert!(pump.scaled(0.0).is_err());
+    /// # Ok::<(), pump_model::ModelError>(())
+    /// ```
+    pub fn scaled(&self, factor: f64) -> Result<Self, ModelError> {
+        positive("displacement factor", factor)?;
+        Ok(Self {
+            roller_volume: self.roller_volume.scaled(factor),
+            inlet_curve: self.inlet_curve.scaled(factor),
+            outlet_curve: self.outlet_curve.scaled(factor),
+            ..*self
+        })
+    }
+
+    /// The same pump with its angles counted from where this one has `zero_rad`.
+    pub fn shifted(&self, zero_rad: f64) -> Result<Self, ModelError> {
+        let refused = |parameter, value, allowed| Err(ModelError::OutOfRange { parameter, value, allowed });
+        if !zero_rad.is_finite() {
+            return refused("shift of the zero in rad", zero_rad, "a finite number");
+        }
+        match [&self.inlet_curve, &self.outlet_curve].map(|curve| curve.shifted(zero_rad)) {
+            [Some(inlet_curve), Some(outlet_curve)] => Ok(Self { inlet_curve, outlet_curve, ..*self }),
+            _ => refused("shift of the zero in rad", zero_rad, "one shift of a pump with so many edges"),
+        }
     }
 
     /// Dimensions.
@@ -160,6 +193,13 @@ impl Pump {
         self.outlet_curve.pitch_rad()
     }
 
+    /// Flow per radian between pulses, mL/rad: a = (V_rot + NU V_r)/(2 pi) (McIntyre et al.), which is
+    /// [`Geometry::nominal_ml_rad`] unless the pump was [scaled](Self::scaled).
+    pub fn nominal_ml_rad(&self) -> f64 {
+        let rollers_ml = f64::from(self.geometry.rollers) * self.roller_volume.total_ml();
+        (self.revolution_ml() + rollers_ml) / TURN_RAD
+    }
+
     /// V_rot = V_nom - NU V_r, mL per revolution (McIntyre et al., with pulses and mean in agreement).
     pub fn revolution_ml(&self) -> f64 {
         self.outlet_curve.pitch_ml() * f64::from(self.geometry.rollers)
@@ -169,6 +209,58 @@ impl Pump {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const ANGLES_RAD: [f64; 7] = [-7.3, -0.2, 0.0, 0.4, 0.8819, 2.0943951023931953, 12.6];
+
+    #[test]
+    fn a_scaled_pump_scales_every_flow_and_volume_and_nothing_else() {
+        for pump in [Pump::three_roller(), Pump::two_roller()] {
+            let scaled = pump.scaled(0.97).unwrap();
+            for angle_rad in ANGLES_RAD {
+                let (inlet, outlet, volume) = pump.at_angle(angle_rad);
+                let (inlet_2, outlet_2, volume_2) = scaled.at_angle(angle_rad);
+                for (one, other) in [(inlet, inlet_2), (outlet, outlet_2), (volume, volume_2)] {
+                    assert!((0.97 * one - other).abs() < 1e-12, "{angle_rad}");
+                }
+                assert!((scaled.outlet_curve().angle_rad(0.97 * volume) - angle_rad).abs() < 1e-11);
+            }
+            assert!((scaled.nominal_ml_rad() / pump.nominal_ml_rad() - 0.97).abs() < 1e-15);
+            assert!((pump.nominal_ml_rad() - pump.geometry().nominal_ml_rad()).abs() < 1e-14);
+            assert!(
+                (scaled.roller_volume().total_ml() / pump.roller_volume().total_ml() - 0.97).abs() < 1e-15
+            );
+            assert_eq!(scaled.geometry(), pump.geometry());
+            assert_eq!(scaled.pitch_rad(), pump.pitch_rad());
+        }
+        for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(Pump::three_roller().scaled(factor).is_err(), "{factor}");
+        }
+    }
+
+    #[test]
+    fn a_shifted_pump_has_at_each_angle_what_the_other_has_further_on() {
+        for pump in [Pump::three_roller(), Pump::two_roller()] {
+            for zero_rad in ANGLES_RAD {
+                let shifted = pump.shifted(zero_rad).unwrap();
+                let before_ml = pump.outlet_curve().volume_ml(zero_rad);
+                for angle_rad in ANGLES_RAD.map(|angle_rad| angle_rad + 0.05) {
+                    let (inlet, outlet, volume) = pump.at_angle(angle_rad + zero_rad);
+                    let (inlet_2, outlet_2, volume_2) = shifted.at_angle(angle_rad);
+                    assert!((inlet - inlet_2).abs() < 1e-10, "{zero_rad} {angle_rad}");
+                    assert!((outlet - outlet_2).abs() < 1e-10, "{zero_rad} {angle_rad}");
+                    assert!((volume - before_ml - volume_2).abs() < 1e-10, "{zero_rad} {angle_rad}");
+                }
+                assert_eq!(shifted.revolution_ml(), pump.revolution_ml());
+                let range = |pump: &Pump| pump.outlet_curve().flow_range_ml_rad();
+                assert!((range(&shifted).0 - range(&pump).0).abs() < 1e-12);
+                let back = shifted.shifted(-zero_rad).unwrap();
+                assert!(
+                    (back.outlet_curve().volume_ml(1.3) - pump.outlet_curve().volume_ml(1.3)).abs() < 1e-12
+                );
+            }
+            assert!(pump.shifted(f64::NAN).is_err());
+        }
+    }
 
     #[test]
     fn many_angles_give_the_bits_of_each() {

@@ -137,13 +137,30 @@ impl RollerVolume {
     /// The same shape with another total volume, mL.
     pub fn scaled_to(&self, total_ml: f64) -> Result<Self, ModelError> {
         positive("roller volume in mL", total_ml)?;
-        let factor = total_ml / self.total_ml;
+        Ok(Self { total_ml, ..self.scaled(total_ml / self.total_ml) })
+    }
+
+    /// The same shape with every volume times `factor`, which must be positive.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
         let mut scaled = *self;
         for piece in &mut scaled.pieces {
             piece.volume = piece.volume.scaled(factor);
         }
-        scaled.total_ml = total_ml;
-        Ok(scaled)
+        scaled.total_ml *= factor;
+        scaled
+    }
+
+    /// The same shape and total over another engagement angle, degrees.
+    pub fn stretched_to(&self, engagement_deg: f64) -> Result<Self, ModelError> {
+        positive("engagement angle in deg", engagement_deg)?;
+        let engagement_rad = radians(engagement_deg);
+        let factor = engagement_rad / self.engagement_rad;
+        let mut stretched = Self { engagement_rad, ..*self };
+        for piece in &mut stretched.pieces {
+            piece.start_rad *= factor;
+            piece.volume = piece.volume.stretched(1.0 / factor);
+        }
+        Ok(stretched)
     }
 
     /// phi, rad.
@@ -270,6 +287,17 @@ mod tests {
             last = volume;
         }
         assert_eq!(curve.at(9.0), curve.total_ml());
+    }
+
+    #[test]
+    fn a_stretched_curve_has_at_the_stretched_angle_what_it_had_before() {
+        let curve = RollerVolume::measured().unwrap();
+        let stretched = curve.stretched_to(1.1 * curve.engagement_deg()).unwrap();
+        for deg in [0.3, 5.0, 20.0, 50.0, 50.53, 70.0] {
+            assert!((stretched.at(radians(1.1 * deg)) - curve.at(radians(deg))).abs() < 1e-12, "{deg}");
+        }
+        assert_eq!(stretched.total_ml(), curve.total_ml());
+        assert!(curve.stretched_to(0.0).is_err());
     }
 
     #[test]

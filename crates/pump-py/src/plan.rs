@@ -283,7 +283,7 @@ impl Plan {
             doser.py().detach(|| Prepared::new(file, model, request, start, PhaseSource::Given, carry_in_ml));
         let prepared = prepared.map_err(errors::plan)?;
         Ok(Self {
-            report: DoseReport::without_bench(file, model, file.driver(), &prepared, None),
+            report: DoseReport::without_bench(file, file.driver(), &prepared, None),
             doser: doser.clone().unbind(),
             prepared,
             step_times_s: PyOnceLock::new(),

@@ -94,7 +94,7 @@ fn own_pump() -> Result<Pump, ModelError> {
     };
     geometry.validate()?;
     let volume = RollerVolume::from_polynomial_deg([(); 6].map(|()| any()), any())?;
-    let volume = volume.scaled_to(any())?;
+    let volume = volume.scaled_to(any())?.stretched_to(any())?;
     black_box((geometry.pitch_rad(), geometry.nominal_ml_rad(), geometry.inlet_phase_rad(&volume)?));
     black_box((volume.at(any()), volume.inset_rad(), volume.total_ml(), volume.engagement_deg(), volume.engagement_rad()));
     let line = Line {
@@ -110,7 +110,7 @@ fn own_pump() -> Result<Pump, ModelError> {
         line.slowest_decay_per_s(),
         line.worst_kpa_s_ml(),
     ));
-    Pump::new(geometry, volume, line, Line::PUBLISHED)
+    Pump::new(geometry, volume, line, Line::PUBLISHED)?.shifted(any())?.scaled(any())
 }
 
 fn preset() -> Result<Pump, ModelError> {
@@ -132,7 +132,7 @@ fn curve(curve: &FlowCurve) {
 
 fn pressures(pump: &Pump) -> Result<(), ModelError> {
     let port = any_port();
-    black_box((pump.at_angle(any()), pump.pitch_rad(), pump.revolution_ml()));
+    black_box((pump.at_angle(any()), pump.pitch_rad(), pump.revolution_ml(), pump.nominal_ml_rad()));
     black_box((pump.geometry(), pump.roller_volume(), pump.inlet(), pump.outlet(), pump.line(port)));
     black_box((pump.steady_state(any())?, pump.periodic_state(port, any())?, port.name()));
     let legs = [any_leg(), Leg::constant_speed(any(), any()), Leg::rest(any(), any())];

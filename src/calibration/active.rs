@@ -1,0 +1,236 @@
+//! A calibration, and what it makes of a dose at one speed.
+
+use pump_ctl::plan::Phase;
+use pump_model::math::{radians, sqrt};
+use pump_model::{ModelError, Pump};
+use serde::{Deserialize, Serialize};
+
+use super::{CalibrationError, Displacement, Run, ShortDose, date};
+use crate::pump_file::PumpFile;
+use crate::report_text::significant;
+
+/// Schema of stored calibrations.
+pub(super) const SCHEMA: &str = "calibration/1";
+
+/// End to end difference of a straight line whose RMS about its mean is 1.
+const LINE_OVER_RMS: f64 = 3.464_101_615_137_754_6;
+
+/// Where runs come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Source {
+    /// A table.
+    File,
+    /// Runs that `dose calibrate run` made, with readings that were typed.
+    Guided,
+    /// Short doses: the zero of the angle.
+    Phase,
+}
+
+/// A calibration as it is stored: raw data, what was found, and of what.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Calibration {
+    /// `calibration/1`.
+    pub schema: String,
+    /// When it was made, UTC.
+    pub date: String,
+    /// Where the runs come from.
+    pub source: Source,
+    /// The tube, as the user calls it.
+    pub tube: Option<String>,
+    /// What the user wants remembered.
+    pub note: Option<String>,
+    /// Fluid that was pumped.
+    pub fluid: String,
+    /// Its mean temperature, °C.
+    pub temperature_degc: f64,
+    /// Pressure of the air around the scale, kPa absolute.
+    pub ambient_kpa: f64,
+    /// Model volume of a revolution that the factors multiply, mL.
+    pub revolution_ml: f64,
+    /// The displacement factor; none while only the zero was sought.
+    pub displacement: Option<Displacement>,
+    /// Its runs.
+    pub runs: Vec<Run>,
+    /// The rollers stand at the model's angle less this where the record says 0, deg.
+    pub zero_deg: f64,
+    /// Standard uncertainty of that, deg.
+    pub zero_standard_deg: f64,
+    /// The short doses that it comes from.
+    pub short_doses: Vec<ShortDose>,
+}
+
+/// What a calibration changes of a pump.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Correction {
+    /// Every flow and volume times this: kappa at the cruise speed.
+    pub factor: f64,
+    /// Model angle of the rollers where the record says 0, rad.
+    pub zero_rad: f64,
+}
+
+/// A calibration at the cruise speed of a dose; uncertainties are parts of the volume.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Applied {
+    /// Its number.
+    pub version: u32,
+    /// When it was made.
+    pub date: String,
+    /// What it changes.
+    pub correction: Correction,
+    /// How sure the displacement is; none if it is the model's.
+    pub displacement: Option<Sureness>,
+    /// Standard uncertainty of the zero, rad.
+    pub zero_standard_rad: f64,
+}
+
+/// How sure a calibrated displacement is: parts of the volume, standard.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sureness {
+    /// Of the factor at this speed: scatter of the runs and the readings.
+    pub factor: f64,
+    /// What the volume may depend on the speed beyond what the runs show.
+    pub speed_law: f64,
+    /// Standard deviation of the runs; 0 if it could not be told.
+    pub repeatability: f64,
+    /// Fluid of the dose less fluid of the runs, °C.
+    pub warmer_degc: f64,
+}
+
+impl Default for Correction {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+impl Correction {
+    /// Nothing is changed.
+    pub const NONE: Self = Self { factor: 1.0, zero_rad: 0.0 };
+
+    /// Whether nothing is changed.
+    pub fn is_none(&self) -> bool {
+        *self == Self::NONE
+    }
+
+    /// Volume of a turn of the uncorrected `pump`, mL: the same as of the corrected one.
+    pub fn volume_ml(&self, pump: &Pump, from_rad: f64, to_rad: f64) -> f64 {
+        let curve = pump.outlet_curve();
+        self.factor * (curve.volume_ml(to_rad + self.zero_rad) - curve.volume_ml(from_rad + self.zero_rad))
+    }
+
+    /// Smallest and largest such volume of a turn from wherever the rollers may stand, mL.
+    pub fn range_ml(&self, pump: &Pump, start: Phase, turn_rad: f64) -> (f64, f64) {
+        let start = Phase { angle_rad: start.angle_rad + self.zero_rad, ..start };
+        let (least_ml, most_ml) = start.range_ml(pump, turn_rad);
+        (self.factor * least_ml, self.factor * most_ml)
+    }
+
+    /// The pump with this correction.
+    pub fn of(&self, pump: &Pump) -> Result<Pump, ModelError> {
+        let shifted = if self.zero_rad == 0.0 { *pump } else { pump.shifted(self.zero_rad)? };
+        if self.factor == 1.0 { Ok(shifted) } else { shifted.scaled(self.factor) }
+    }
+}
+
+impl Calibration {
+    /// A calibration of the pump of `file` that says nothing yet.
+    pub fn empty(file: &PumpFile, source: Source) -> Result<Self, CalibrationError> {
+        Ok(Self {
+            schema: SCHEMA.to_owned(),
+            date: date::now(),
+            source,
+            tube: None,
+            note: None,
+            fluid: file.fluid.name.clone(),
+            temperature_degc: file.fluid.temperature_degc,
+            ambient_kpa: file.ambient.pressure_kpa,
+            revolution_ml: file.model()?.revolution_ml(),
+            displacement: None,
+            runs: Vec::new(),
+            zero_deg: 0.0,
+            zero_standard_deg: 0.0,
+            short_doses: Vec::new(),
+        })
+    }
+
+    /// Model angle of the rollers where the record says 0, rad.
+    pub fn zero_rad(&self) -> f64 {
+        radians(self.zero_deg)
+    }
+
+    /// What it makes of a dose that cruises at `rpm` on the pump of `file`.
+    ///
+    /// With one speed or two nobody has seen how the volume depends on the speed. The share for that is then what it is if
+    /// all of the model's uncertainty over the motor's speeds were a straight line, over the distance to the nearest speed
+    /// of the runs: sqrt(12) model_percent |N - N_nearest|/N_max. With three or more it is what the runs depart from their
+    /// line by.
+    pub fn at(&self, version: u32, rpm: f64, file: &PumpFile) -> Applied {
+        let displacement = self.displacement.as_ref();
+        let sureness = displacement.map(|displacement| Sureness {
+            factor: displacement.standard_at(rpm),
+            speed_law: if displacement.speeds_rpm.len() < 3 {
+                let distance = displacement.distance_rpm(rpm) / file.motor.max_speed_rpm;
+                LINE_OVER_RMS * file.uncertainty.model_percent / 100.0 * distance
+            } else {
+                displacement.lack_of_fit
+            },
+            repeatability: displacement.scatter.unwrap_or(0.0),
+            warmer_degc: file.fluid.temperature_degc - self.temperature_degc,
+        });
+        Applied {
+            version,
+            date: self.date.clone(),
+            correction: Correction {
+                factor: displacement.map_or(1.0, |displacement| displacement.factor_at(rpm)),
+                zero_rad: self.zero_rad(),
+            },
+            displacement: sureness,
+            zero_standard_rad: radians(self.zero_standard_deg),
+        }
+    }
+}
+
+impl Sureness {
+    /// What the user should know of a speed at which nothing was weighed.
+    pub(crate) fn warning(&self, version: u32, calibrated: &Displacement, rpm: f64) -> Option<String> {
+        let percent = 100.0 * self.speed_law;
+        (calibrated.speeds_rpm.len() < 3 && percent > 0.0).then(|| {
+            let speeds: Vec<String> = calibrated.speeds_rpm.iter().map(|speed| significant(*speed, 5)).collect();
+            format!(
+                "calibration {version} was made at {} r/min alone, and this dose cruises at {}: {percent:.2} % of the \
+                 volume is added to the uncertainty for that; calibrate at three speeds or more",
+                speeds.join(" and "),
+                significant(rpm, 5),
+            )
+        })
+    }
+
+    /// Root of the sum of squares of what is common to all doses at this speed.
+    pub fn common(&self) -> f64 {
+        sqrt(self.factor * self.factor + self.speed_law * self.speed_law)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_correction_gives_the_volumes_of_the_corrected_pump() {
+        let pump = Pump::three_roller();
+        let correction = Correction { factor: 1.03, zero_rad: 0.4 };
+        let corrected = correction.of(&pump).unwrap();
+        for (from_rad, turn_rad) in [(0.0, 0.2), (1.1, 7.0), (-2.0, -0.5)] {
+            let curve = corrected.outlet_curve();
+            let expected_ml = curve.volume_ml(from_rad + turn_rad) - curve.volume_ml(from_rad);
+            assert!((correction.volume_ml(&pump, from_rad, from_rad + turn_rad) - expected_ml).abs() < 1e-12);
+            let start = Phase { angle_rad: from_rad, half_width_rad: 0.3 };
+            let (range, expected) =
+                (correction.range_ml(&pump, start, turn_rad), start.range_ml(&corrected, turn_rad));
+            assert!((range.0 - expected.0).abs() < 1e-9 && (range.1 - expected.1).abs() < 1e-9);
+        }
+        assert_eq!(Correction::default().of(&pump).unwrap(), pump);
+    }
+}

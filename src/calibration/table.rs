@@ -1,0 +1,115 @@
+//! A table as people and spreadsheets write it: CSV with a header, numbers without quotes.
+
+use super::CalibrationError;
+
+/// A table whose columns are known; which of them it has, and in which order, is its own affair.
+#[derive(Debug)]
+pub(super) struct Table<'a> {
+    columns: Vec<&'a str>,
+    rows: Vec<(usize, Vec<&'a str>)>,
+}
+
+/// A line of a table.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row<'t> {
+    line: usize,
+    columns: &'t [&'t str],
+    cells: &'t [&'t str],
+}
+
+impl<'a> Table<'a> {
+    /// Reads `text`; empty lines and lines that begin with `#` are passed over.
+    pub(super) fn parse(text: &'a str, known: &[&str]) -> Result<Self, CalibrationError> {
+        let refuse = |line, message| Err(CalibrationError::Line { line, message });
+        let mut lines = text
+            .trim_start_matches('\u{feff}')
+            .lines()
+            .enumerate()
+            .map(|(n, line)| (n + 1, line.trim()))
+            .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+        let Some((first, header)) = lines.next() else {
+            return refuse(
+                1,
+                format!("the table is empty; its first line names columns of {}", known.join(", ")),
+            );
+        };
+        let cells = |line: &'a str| line.split(',').map(str::trim).collect::<Vec<_>>();
+        let columns = cells(header);
+        for (n, column) in columns.iter().enumerate() {
+            if !known.contains(column) {
+                return refuse(first, format!("unknown column `{column}`; known: {}", known.join(", ")));
+            }
+            if columns[..n].contains(column) {
+                return refuse(first, format!("column `{column}` stands twice"));
+            }
+        }
+        let mut rows = Vec::new();
+        for (line, text) in lines {
+            let cells = cells(text);
+            if cells.len() != columns.len() {
+                return refuse(line, format!("{} cells under {} columns", cells.len(), columns.len()));
+            }
+            rows.push((line, cells));
+        }
+        Ok(Self { columns, rows })
+    }
+
+    pub(super) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+        self.rows.iter().map(|(line, cells)| Row { line: *line, columns: &self.columns, cells })
+    }
+}
+
+impl Row<'_> {
+    pub(super) fn error(&self, message: String) -> CalibrationError {
+        CalibrationError::Line { line: self.line, message }
+    }
+
+    /// What stands in a column, if anything does.
+    pub(super) fn text(&self, column: &str) -> Option<&str> {
+        let place = self.columns.iter().position(|name| *name == column)?;
+        self.cells.get(place).copied().filter(|cell| !cell.is_empty())
+    }
+
+    /// A finite number, if anything stands there.
+    pub(super) fn number(&self, column: &str) -> Result<Option<f64>, CalibrationError> {
+        let Some(text) = self.text(column) else { return Ok(None) };
+        match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(Some(value)),
+            _ => Err(self.error(format!(
+                "{column} is `{text}`; write a number, as 42.5, in the unit of the column's name"
+            ))),
+        }
+    }
+
+    /// A number that must stand there.
+    pub(super) fn required(&self, column: &str) -> Result<f64, CalibrationError> {
+        self.number(column)?.ok_or_else(|| self.error(format!("{column} is missing")))
+    }
+
+    /// A positive number that must stand there.
+    pub(super) fn positive(&self, column: &str) -> Result<f64, CalibrationError> {
+        let value = self.required(column)?;
+        if value > 0.0 {
+            Ok(value)
+        } else {
+            Err(self.error(format!("{column} is {value}; allowed: more than 0")))
+        }
+    }
+
+    /// The only column of several with a number, that number, and what belongs to the column.
+    pub(super) fn one_of<T: Copy, const N: usize>(
+        &self,
+        columns: [(&'static str, T); N],
+    ) -> Result<(&'static str, f64, T), CalibrationError> {
+        let mut found = None;
+        for (name, of) in columns {
+            if let Some(value) = self.number(name)?
+                && found.replace((name, value, of)).is_some()
+            {
+                found = None;
+                break;
+            }
+        }
+        found.ok_or_else(|| self.error(format!("give one of {}", columns.map(|(name, _)| name).join(", "))))
+    }
+}

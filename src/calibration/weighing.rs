@@ -1,0 +1,105 @@
+//! From what a scale shows to a volume: density of water and air, and the factor Z of ISO 8655-6.
+
+use pump_model::Fluid;
+use pump_model::math::exp;
+
+use super::CalibrationError;
+use crate::pump_file::{FluidTable, PumpFile};
+
+/// Density of the weights that scales are adjusted with, kg/m³ (OIML R 111-1:2004; ISO 8655-6:2002 uses it too).
+const WEIGHTS_KG_M3: f64 = 8000.0;
+
+/// Relative humidity where nobody measured it, percent: ISO 8655-6 asks for more than 50. From 30 to 80 % Z changes by 4e-6.
+const HUMIDITY_PERCENT: f64 = 50.0;
+
+/// How far from the temperature of its density another fluid may be weighed, °C.
+const SAME_TEMPERATURE_DEGC: f64 = 2.0;
+
+/// What is weighed, and where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weighing<'a> {
+    /// The fluid.
+    pub fluid: &'a FluidTable,
+    /// Pressure of the air around the scale, kPa absolute.
+    pub ambient_kpa: f64,
+}
+
+impl<'a> Weighing<'a> {
+    /// The fluid and the air of a pump file.
+    pub fn of(file: &'a PumpFile) -> Self {
+        Self { fluid: &file.fluid, ambient_kpa: file.ambient.pressure_kpa }
+    }
+
+    /// Volume, mL, of a mass in g that a scale shows for fluid at `temperature_degc`.
+    ///
+    /// Water has the density of its temperature; of another fluid only the density in the pump file is known, so its
+    /// temperature must be the one there within 2 °C.
+    pub fn volume_ml(&self, mass_g: f64, temperature_degc: f64) -> Result<f64, CalibrationError> {
+        let density_kg_m3 = if self.fluid.is_water() {
+            Fluid::water(temperature_degc)?.density_kg_m3
+        } else {
+            let known_degc = self.fluid.temperature_degc;
+            if (temperature_degc - known_degc).abs() > SAME_TEMPERATURE_DEGC {
+                let fluid = self.fluid.name.clone();
+                return Err(CalibrationError::FluidTemperature { fluid, temperature_degc, known_degc });
+            }
+            self.fluid.density_kg_m3
+        };
+        Ok(mass_g * z_ml_g(density_kg_m3, air_kg_m3(temperature_degc, self.ambient_kpa)))
+    }
+}
+
+/// Density of air at 50 % relative humidity, kg/m³: OIML R 111-1:2004, equation E.3-1, good to 2e-4 of it near 20 °C.
+pub fn air_kg_m3(temperature_degc: f64, ambient_kpa: f64) -> f64 {
+    let ambient_hpa = 10.0 * ambient_kpa;
+    (0.348_48 * ambient_hpa - 0.009 * HUMIDITY_PERCENT * exp(0.061 * temperature_degc))
+        / (273.15 + temperature_degc)
+}
+
+/// Z, mL/g: volume of the fluid for each gram that the scale shows. Fluid and weights float in air:
+/// Z = (1 - rho_air/rho_weights)/(rho_fluid - rho_air) (ISO 8655-6:2002).
+pub fn z_ml_g(fluid_kg_m3: f64, air_kg_m3: f64) -> f64 {
+    1e3 * (1.0 - air_kg_m3 / WEIGHTS_KG_M3) / (fluid_kg_m3 - air_kg_m3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn z_is_that_of_the_standards_table() {
+        // ISO 8655-6:2002, table of Z for distilled water, mL/mg times 1000: °C, kPa, Z.
+        for (degc, kpa, z) in [
+            (15.0, 101.3, 1.0020),
+            (20.0, 101.3, 1.0029),
+            (20.0, 80.0, 1.0026),
+            (25.0, 101.3, 1.0040),
+            (30.0, 101.3, 1.0054),
+        ] {
+            let computed = z_ml_g(Fluid::water(degc).unwrap().density_kg_m3, air_kg_m3(degc, kpa));
+            assert!((computed - z).abs() < 0.6e-4, "{degc} °C, {kpa} kPa: {computed}");
+        }
+    }
+
+    #[test]
+    fn other_fluids_float_too_and_must_have_the_temperature_of_their_density() {
+        let fluid = FluidTable {
+            name: "glycerol 50 %".to_owned(),
+            temperature_degc: 20.0,
+            density_kg_m3: 1126.0,
+            viscosity_mpa_s: None,
+            bulk_modulus_mpa: None,
+        };
+        let weighing = Weighing { fluid: &fluid, ambient_kpa: 101.3 };
+        let volume_ml = weighing.volume_ml(112.6, 21.0).unwrap();
+        // Buoyancy: 1.2/1126 less 1.2/8000.
+        assert!((volume_ml - 100.0 * (1.0 + 1.195 / 1126.0 - 1.195 / 8000.0)).abs() < 1e-3, "{volume_ml}");
+        let error = weighing.volume_ml(112.6, 25.0).unwrap_err().to_string();
+        assert!(error.contains("glycerol 50 %") && error.contains("20 °C"), "{error}");
+        let water = crate::built_in("three-roller").unwrap();
+        let weighing = Weighing::of(&water);
+        assert!(weighing.volume_ml(10.0, 45.0).unwrap_err().to_string().contains("0 to 40"));
+        assert!(weighing.volume_ml(10.0, f64::NAN).is_err());
+        assert!((weighing.volume_ml(10.0, 25.0).unwrap() - 10.0384).abs() < 1e-3);
+    }
+}

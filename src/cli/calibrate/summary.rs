@@ -1,0 +1,118 @@
+//! Calibrations in words and as JSON.
+
+use std::fmt::Write;
+
+use pump_dose::Bench;
+use pump_dose::calibration::{Displacement, Stored};
+use serde_json::json;
+
+/// One line of JSON.
+pub(super) fn json(stored: &Stored) -> String {
+    format!("{}\n", json!(stored))
+}
+
+pub(super) fn list_json(all: &[Stored], active: Option<u32>) -> String {
+    format!("{}\n", json!({ "schema": "calibrations/1", "active": active, "calibrations": all }))
+}
+
+/// Speeds in words.
+fn speeds(displacement: &Displacement) -> String {
+    let speeds: Vec<String> = displacement.speeds_rpm.iter().map(|rpm| short(*rpm)).collect();
+    format!("{} r/min", speeds.join(", "))
+}
+
+/// A number with four decimals at most.
+pub(super) fn short(value: f64) -> String {
+    format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// What was found, and what becomes of it.
+pub(super) fn text(bench: &Bench, stored: &Stored) -> String {
+    let (version, calibration, file) = (stored.version, &stored.calibration, bench.file());
+    let Some(found) = &calibration.displacement else { return String::new() };
+    let mut text = format!(
+        "calibration {version} of {} ({}): {} runs at {}, {} at {} °C\n",
+        file.pump.id,
+        bench.driver().as_str(),
+        calibration.runs.len(),
+        speeds(found),
+        calibration.fluid,
+        calibration.temperature_degc,
+    );
+    // Writing to a String cannot fail.
+    for rpm in &found.speeds_rpm {
+        let (factor, standard) = (found.factor_at(*rpm), found.standard_at(*rpm));
+        let _ = writeln!(
+            text,
+            "  at {:>7} r/min  model volume times {factor:.4} ± {:.4} (k = 2), {:.3} mL per revolution",
+            short(*rpm),
+            2.0 * standard,
+            factor * calibration.revolution_ml
+        );
+    }
+    if let Some(scatter) = found.scatter {
+        let expected = file.uncertainty.repeatability_percent;
+        let percent = 100.0 * scatter;
+        let _ = write!(text, "  runs scatter by {percent:.3} % (the pump file says {expected} %)");
+        let _ = match found.speeds_rpm.len() {
+            0..3 => writeln!(text),
+            _ => writeln!(text, ", speeds depart from the line by {:.3} %", 100.0 * found.lack_of_fit),
+        };
+    }
+    for run in &found.outliers {
+        let _ =
+            writeln!(text, "  warning: run {run} lies far from the others; it is in the fit: weigh it again");
+    }
+    match found.speeds_rpm.len() {
+        0 | 1 => {
+            text.push_str("  warning: one speed; doses at others are less sure, calibrate at three or more\n")
+        }
+        2 => text
+            .push_str("  warning: two speeds do not show whether a line fits; calibrate at three or more\n"),
+        _ => {}
+    }
+    if found.is_line() {
+        let (least, most) = found.range_rpm();
+        let flow = |rpm: f64| found.factor_at(rpm) * calibration.revolution_ml * rpm / 60.0;
+        let _ = writeln!(
+            text,
+            "doses from {:.3} to {:.3} mL/s use it from now on; `dose calibrate use none` goes back to the model",
+            flow(least),
+            flow(most)
+        );
+    } else {
+        text.push_str("doses use it from now on; `dose calibrate use none` goes back to the model\n");
+    }
+    text
+}
+
+/// Every calibration, a line each; the one in use is marked.
+pub(super) fn list(bench: &Bench, all: &[Stored], active: Option<u32>) -> String {
+    if all.is_empty() {
+        let (pump, driver) = (&bench.file().pump.id, bench.driver().as_str());
+        return format!(
+            "{pump} ({driver}) is not calibrated; `dose calibrate run` weighs what it delivers\n"
+        );
+    }
+    let mut text = String::new();
+    for Stored { version, calibration } in all {
+        let mark = if active == Some(*version) { '*' } else { ' ' };
+        let what = calibration.displacement.as_ref().map_or("zero only".to_owned(), |found| {
+            format!("{} runs at {}, times {:.4}", calibration.runs.len(), speeds(found), found.factor)
+        });
+        let _ = write!(text, "{mark} {version:>3}  {}  {what}", calibration.date);
+        if calibration.zero_deg != 0.0 {
+            let _ = write!(text, ", zero at {:.2}°", calibration.zero_deg);
+        }
+        for (name, said) in [("tube", &calibration.tube), ("note", &calibration.note)] {
+            if let Some(said) = said {
+                let _ = write!(text, ", {name} {said}");
+            }
+        }
+        text.push('\n');
+    }
+    if active.is_none() {
+        text.push_str("none is in use; `dose calibrate use <N>` uses one\n");
+    }
+    text
+}
