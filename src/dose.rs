@@ -1,6 +1,8 @@
 //! A dose that is asked for, and the same planned and predicted.
 
-use pump_ctl::plan::{Cruise, LimitedBy, Limits, Phase, Plan, PlanError, Prediction, Request, plan};
+use pump_ctl::plan::{
+    Cruise, LimitedBy, Limits, Margin, Margins, Phase, Plan, PlanError, Prediction, Request, plan,
+};
 use pump_model::Pump;
 use pump_model::math::rpm;
 use serde::{Deserialize, Serialize};
@@ -10,6 +12,9 @@ use crate::error::DoseError;
 use crate::pump_file::PumpFile;
 use crate::retraction::Retraction;
 use crate::unknown_angle;
+
+/// A limit of which more than this is used is worth a warning.
+const CLOSE: f64 = 0.95;
 
 /// Why the pump is to turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -57,6 +62,8 @@ pub struct DoseRequest {
     pub volume_ml: f64,
     /// How fast; none takes the pump file's default rate.
     pub cruise: Option<Cruise>,
+    /// Whether the speed follows the rollers' angle for a smooth flow.
+    pub smooth: bool,
     /// Where the rollers stand, rad; none takes the recorded angle.
     pub start_angle_rad: Option<f64>,
     /// What is sucked back after the dose, mL, positive; none sucks nothing back.
@@ -74,6 +81,7 @@ impl DoseRequest {
             purpose: Purpose::Dose,
             volume_ml,
             cruise: None,
+            smooth: false,
             start_angle_rad: None,
             retract_ml: None,
             max_outlet_kpa: None,
@@ -171,7 +179,7 @@ impl Prepared {
         carry_ml: f64,
     ) -> Result<Self, PlanError> {
         let prediction = plan.predict(&model)?;
-        let mut warnings = warnings_of(&model, &plan, &prediction);
+        let mut warnings = warnings_of(&model, &plan, &prediction, &limits.margins(&model, &plan)?);
         let is_weighed = calibration.as_ref().is_some_and(|applied| applied.displacement.is_some());
         if file.is_estimated() && !is_weighed {
             warnings.push(
@@ -215,6 +223,7 @@ fn asked_of(file: &PumpFile, request: &DoseRequest, carry_ml: f64) -> (Request, 
         volume_ml: request.volume_ml,
         carry_in_ml: if request.purpose == Purpose::Dose { carry_ml } else { 0.0 },
         cruise: request.cruise.unwrap_or(default_cruise),
+        smooth: request.smooth,
     };
     let mut limits = file.limits();
     limits.max_outlet_kpa = request.max_outlet_kpa.or(limits.max_outlet_kpa);
@@ -223,7 +232,7 @@ fn asked_of(file: &PumpFile, request: &DoseRequest, carry_ml: f64) -> (Request, 
 }
 
 /// What a person should know of a plan before it runs.
-fn warnings_of(model: &Pump, plan: &Plan, prediction: &Prediction) -> Vec<String> {
+fn warnings_of(model: &Pump, plan: &Plan, prediction: &Prediction, margins: &Margins) -> Vec<String> {
     let mut warnings = Vec::new();
     if !plan.start.is_known(model.pitch_rad()) {
         warnings.extend(unknown_angle::warnings(model, plan));
@@ -248,6 +257,20 @@ fn warnings_of(model: &Pump, plan: &Plan, prediction: &Prediction) -> Vec<String
                 "the {port} pressure would fall to {:.1} kPa absolute, which no liquid can: it would cavitate and the \
                  dose be short; lower the rate",
                 range.min_kpa
+            ));
+        }
+    }
+    for (what, unit, margin) in [
+        ("outlet pressure", "kPa", margins.outlet),
+        ("inlet pressure", "kPa", margins.inlet),
+        ("torque", "N m", margins.torque),
+    ] {
+        if let Some(Margin { reached, limit, used }) = margin
+            && used > CLOSE
+        {
+            warnings.push(format!(
+                "the {what} comes close to its limit: {reached:.4} of {limit:.4} {unit}, {:.1} % of the room from rest",
+                100.0 * used
             ));
         }
     }

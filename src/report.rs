@@ -1,6 +1,7 @@
 //! What a dose reports to programs: one JSON object. `report_text.rs` is the same for people.
 
 use pump_ctl::plan::LimitedBy;
+use pump_model::Ripple;
 use pump_model::math::{degrees, rpm};
 use serde::Serialize;
 
@@ -81,6 +82,10 @@ pub struct DoseReport {
     pub outlet_max_kpa: f64,
     /// Ambient pressure, kPa absolute.
     pub ambient_kpa: f64,
+    /// Ripple of the flow at the outlet's rollers while cruising, at constant speed.
+    pub ripple_before: RippleReport,
+    /// The same as planned: less with a smooth flow.
+    pub ripple_after: RippleReport,
     /// What keeps the dose from being faster.
     pub limited_by: &'static str,
     /// Limits for which no value is known, so that nobody checked them.
@@ -89,6 +94,21 @@ pub struct DoseReport {
     pub warnings: Vec<String>,
     /// Whether the dose was delivered in full.
     pub completed: bool,
+}
+
+/// How far a flow departs from its mean over time, over the mean.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct RippleReport {
+    /// (largest - smallest) / mean.
+    pub peak_to_peak: f64,
+    /// Root of the mean square deviation, over the mean.
+    pub rms: f64,
+}
+
+impl From<Ripple> for RippleReport {
+    fn from(ripple: Ripple) -> Self {
+        Self { peak_to_peak: ripple.peak_to_peak, rms: ripple.rms }
+    }
 }
 
 /// The calibration of a dose.
@@ -148,10 +168,11 @@ impl DoseReport {
         }
         let budget = Budget::new(model, &part, &file.uncertainty, applied);
         let limits = &prepared.limits;
+        let ripples = plan.ripples(model);
         let limits_not_checked = [
             ("outlet_pressure", limits.max_outlet_kpa.is_none()),
             ("inlet_pressure", limits.min_inlet_kpa.is_none()),
-            ("torque", true),
+            ("torque", limits.torque.is_none()),
         ]
         .into_iter()
         .filter_map(|(name, missing)| missing.then_some(name))
@@ -198,7 +219,7 @@ impl DoseReport {
                 .map(|back| delivered.map_or(-back.plan.planned_ml, |delivered| delivered.retracted_ml)),
             carry_ml: prepared.owes_ml(),
             cruise_speed_rpm: rpm(cruise_rad_s),
-            cruise_flow_ml_s: model.average_flow_ml_s(cruise_rad_s),
+            cruise_flow_ml_s: plan.cruise_flow_ml_s(model),
             mean_flow_ml_s: plan.planned_ml.abs() / motion_s,
             motion_s,
             settle_s: prediction.settle_s,
@@ -207,9 +228,15 @@ impl DoseReport {
             outlet_min_kpa: outlet.min_kpa,
             outlet_max_kpa: outlet.max_kpa,
             ambient_kpa: file.ambient.pressure_kpa,
+            ripple_before: ripples.before.into(),
+            ripple_after: ripples.after.into(),
             limited_by: match plan.limited_by {
                 LimitedBy::Nothing => "none",
                 LimitedBy::Acceleration => "acceleration",
+                LimitedBy::Speed => "speed",
+                LimitedBy::OutletPressure => "outlet_pressure",
+                LimitedBy::InletPressure => "inlet_pressure",
+                LimitedBy::Torque => "torque",
             },
             limits_not_checked,
             warnings: prepared.warnings.clone(),

@@ -89,6 +89,16 @@ impl DoseReport {
             significant(self.cruise_speed_rpm, 4),
             significant(self.cruise_flow_ml_s, 4)
         )?;
+        if self.ripple_after != self.ripple_before {
+            writeln!(
+                to,
+                "  flow         ripple {} % peak to peak, {} % RMS; at constant speed {} and {} %",
+                significant(100.0 * self.ripple_after.peak_to_peak, 3),
+                significant(100.0 * self.ripple_after.rms, 3),
+                significant(100.0 * self.ripple_before.peak_to_peak, 3),
+                significant(100.0 * self.ripple_before.rms, 3)
+            )?;
+        }
         writeln!(
             to,
             "  time         {:.3} s in motion, {:.3} s to settle within 1 µL",

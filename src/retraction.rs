@@ -33,7 +33,7 @@ impl Retraction {
             return Err(PlanError::OutOfRange { parameter, value, allowed });
         }
         let stands = Phase { angle_rad: dose.plan.end_angle_rad(), ..dose.plan.start };
-        let cruise = Cruise::Speed { rad_s: dose.plan.profile.peak_rad_s() };
+        let cruise = Cruise::Speed { rad_s: dose.plan.profile.cruise_rad_s() };
         let plan = plan(model, stands, &Request::new(-volume_ml, cruise), &dose.limits)?;
         let prediction = plan.predict(model)?;
         Ok(Self { plan, prediction, carry_out_ml: dose.carry_out_ml - plan.planned_ml })

@@ -35,7 +35,8 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
                  max_acceleration_rad_s2: {:?},\n    \
              }},\n    \
              max_outlet_kpa: {},\n    \
-             min_inlet_kpa: {},\n\
+             min_inlet_kpa: {},\n    \
+             torque: None,\n\
          }};\n",
         motor.steps_per_rev,
         motor.max_speed_rad_s,

@@ -86,6 +86,17 @@ pub enum CalibrationError {
         /// °C.
         known_degc: f64,
     },
+    /// Speed and displacement do not settle.
+    #[error(
+        "the fastest dose was not found with calibration {version} in {rounds} rounds: its displacement changes too much with \
+         the speed; ask for a rate"
+    )]
+    NoSpeed {
+        /// Its number.
+        version: u32,
+        /// How often it was planned.
+        rounds: u32,
+    },
     /// The dose cruises at a speed that was not calibrated.
     #[error(
         "calibration {version} holds from {least_rpm:.4} to {most_rpm:.4} r/min ({least_ml_s:.4} to {most_ml_s:.4} mL/s), and \

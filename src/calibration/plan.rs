@@ -66,6 +66,7 @@ impl Planner<'_> {
                 self.at_speed(speed_rpm, start, request)
             }
             Cruise::Within { time_s } => self.within(displacement, time_s, start, request),
+            Cruise::Fastest => self.fastest(displacement, start, request),
         }
     }
 
@@ -100,7 +101,7 @@ impl Planner<'_> {
         let mut speed_rpm = displacement.reference_rpm;
         for _ in 0..MOST_ROUNDS {
             let planned = self.at_speed(inside(speed_rpm), start, request)?;
-            speed_rpm = rpm(planned.plan.profile.peak_rad_s());
+            speed_rpm = rpm(planned.plan.profile.cruise_rad_s());
             let (with, found) =
                 (planned.applied.correction.factor, displacement.factor_at(inside(speed_rpm)));
             if (found - with).abs() <= SAME_FACTOR {
@@ -123,6 +124,42 @@ impl Planner<'_> {
             speed_rpm *= 1.0 + FASTER;
         }
         Err(PlanError::TimeTooShort { asked_s: time_s, fastest_s: shortest_s }.into())
+    }
+
+    /// The fastest plan within the calibrated speeds: again and again with the displacement at the speed found before.
+    fn fastest(
+        &self,
+        displacement: &Displacement,
+        start: Phase,
+        request: &Request,
+    ) -> Result<CalibratedPlan, DoseError> {
+        let (least_rpm, most_rpm) = displacement.range_rpm();
+        let mut limits = *self.limits;
+        let ends_early = displacement.is_line() && rad_s(most_rpm) < limits.motor.max_speed_rad_s;
+        if ends_early {
+            limits.motor.max_speed_rad_s = rad_s(most_rpm);
+        }
+        let within = Planner { limits: &limits, ..*self };
+        let mut speed_rpm = displacement.reference_rpm;
+        for _ in 0..MOST_ROUNDS {
+            let planned = within.at_speed(speed_rpm, start, request)?;
+            let found_rpm = rpm(planned.plan.profile.cruise_rad_s());
+            let (with, found) = (planned.applied.correction.factor, displacement.factor_at(found_rpm));
+            // What limits the speed is found to 1e-6 of it, so the displacement is not known better.
+            if (found - with).abs() <= FASTER {
+                self.covers(displacement, found_rpm, || format!("{found_rpm:.4} r/min, the fastest,"))?;
+                let (applied, mut warning) = self.applied(found_rpm);
+                if ends_early && found_rpm > most_rpm * (1.0 - FASTER) {
+                    warning = Some(format!(
+                        "the motor could turn faster, but the calibration ends at {most_rpm:.2} r/min; calibrate at higher speeds"
+                    ));
+                }
+                return Ok(CalibratedPlan { applied, warning, ..planned });
+            }
+            speed_rpm = if displacement.is_line() { found_rpm.clamp(least_rpm, most_rpm) } else { found_rpm };
+        }
+        let version = self.stored.version;
+        Err(CalibrationError::NoSpeed { version, rounds: MOST_ROUNDS }.into())
     }
 
     /// Refuses a speed that was not calibrated. One beyond the motor is left to the plan to refuse.

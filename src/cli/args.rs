@@ -178,15 +178,18 @@ pub(crate) struct Options {
     /// Where angle and carry are kept
     #[arg(long, global = true, value_name = "DIR", env = "DOSE_STATE_DIR")]
     pub(crate) state_dir: Option<PathBuf>,
-    /// Mean flow while cruising, as 10mL/s [default: the pump file's]
-    #[arg(long, global = true, value_name = "FLOW", value_parser = quantity::flow_ml_s)]
-    pub(crate) rate: Option<f64>,
+    /// Mean flow while cruising, as 10mL/s, or max: the fastest that holds every limit [default: the pump file's]
+    #[arg(long, global = true, value_name = "FLOW", value_parser = quantity::rate)]
+    pub(crate) rate: Option<Cruise>,
     /// Speed of the pump head while cruising, as 100rpm
     #[arg(long, global = true, value_name = "SPEED", value_parser = quantity::speed_rad_s)]
     pub(crate) speed: Option<f64>,
     /// Total time with ramps and settling, as 10s
     #[arg(long, global = true, value_name = "TIME", value_parser = quantity::time_s)]
     pub(crate) within: Option<f64>,
+    /// Let the speed follow the rollers' angle, for a flow as smooth as the limits allow
+    #[arg(long, global = true)]
+    pub(crate) smooth: bool,
     /// Suck back so much after the dose; the next one repays it
     #[arg(long, global = true, value_name = "VOLUME", value_parser = quantity::volume_ml)]
     pub(crate) retract: Option<f64>,
@@ -259,6 +262,7 @@ impl Options {
             ("--rate", self.rate.is_some()),
             ("--speed", self.speed.is_some()),
             ("--within", self.within.is_some()),
+            ("--smooth", self.smooth),
             ("--retract", self.retract.is_some()),
             ("--reverse", self.reverse),
             ("--start-angle", self.start_angle.is_some()),
@@ -292,10 +296,9 @@ impl Options {
 
     /// The cruise that is asked for; one of the three ways at most.
     pub(crate) fn cruise(&self) -> Result<Option<Cruise>, Failure> {
-        let flow = self.rate.map(|ml_s| Cruise::Flow { ml_s });
         let speed = self.speed.map(|rad_s| Cruise::Speed { rad_s });
         let within = self.within.map(|time_s| Cruise::Within { time_s });
-        let mut given = [flow, speed, within].into_iter().flatten();
+        let mut given = [self.rate, speed, within].into_iter().flatten();
         match (given.next(), given.next()) {
             (_, Some(_)) => {
                 Err(Failure::refused("--rate, --speed and --within exclude each other; give one at most"))

@@ -38,7 +38,8 @@ pub(crate) fn purge(amount: &Amount, options: &Options) -> Result<(), Failure> {
 /// Makes the rest of an unfinished dose.
 pub(crate) fn resume(options: &Options) -> Result<(), Failure> {
     let device = ["--driver", "--port", "--configure"];
-    let accepted = [&PRESSURES[..], &["--rate", "--speed", "--within", "--format"], &device].concat();
+    let accepted =
+        [&PRESSURES[..], &["--rate", "--speed", "--within", "--smooth", "--format"], &device].concat();
     options.accept_only("dose resume", &accepted)?;
     let bench = options.bench()?;
     let request = with_options(DoseRequest::dose(0.0), options, bench.file())?;
@@ -51,7 +52,7 @@ pub(crate) fn resume(options: &Options) -> Result<(), Failure> {
 fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> Result<(), Failure> {
     let accepted = [
         &PRESSURES[..],
-        &["--rate", "--speed", "--within", "--reverse", "--start-angle", "--dry-run", "--format"],
+        &["--rate", "--speed", "--within", "--smooth", "--reverse", "--start-angle", "--dry-run", "--format"],
         &["--driver", "--port", "--configure"],
         &["--steps", "--trace", "--plot", "--dt", "--tube-limit"],
         if purpose == Purpose::Dose { &["--repeat", "--every", "--missed", "--retract"] } else { &[] },
@@ -199,6 +200,7 @@ fn with_options(request: DoseRequest, options: &Options, file: &PumpFile) -> Res
     let ambient_kpa = file.ambient.pressure_kpa;
     Ok(DoseRequest {
         cruise: options.cruise()?,
+        smooth: options.smooth,
         max_outlet_kpa: options.max_outlet_pressure.map(|pressure| pressure.absolute_kpa(ambient_kpa)),
         min_inlet_kpa: options.min_inlet_pressure.map(|pressure| pressure.absolute_kpa(ambient_kpa)),
         ..request

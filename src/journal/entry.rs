@@ -114,6 +114,9 @@ pub struct State {
     /// How often since its angle was last found the rotor was let go, its device reset or lost.
     #[serde(default)]
     pub disturbances: u8,
+    /// Whether the motor was let go on purpose: waking the device is no disturbance of its own then.
+    #[serde(default)]
+    pub released: bool,
 }
 
 /// What a tube has gone through since it was new.
@@ -227,6 +230,7 @@ impl State {
             source,
             count: None,
             disturbances: 0,
+            released: false,
         }
     }
 

@@ -388,6 +388,7 @@ impl PumpFile {
             motor: self.motor.at_pump_head(),
             max_outlet_kpa: self.limits.max_outlet_kpa,
             min_inlet_kpa: self.limits.min_inlet_kpa,
+            torque: None,
         }
     }
 

@@ -9,6 +9,7 @@ mod reading;
 pub use error::QuantityError;
 pub use kind::Kind;
 
+use pump_ctl::plan::Cruise;
 use reading::{Reading, shown};
 
 /// What a dose may be given as.
@@ -57,6 +58,11 @@ pub fn volume_ml(text: &str) -> Result<f64, QuantityError> {
 /// A flow in mL/s, positive.
 pub fn flow_ml_s(text: &str) -> Result<f64, QuantityError> {
     positive(text, Kind::Flow)
+}
+
+/// A rate: a flow, or `max` for the fastest that holds every limit.
+pub fn rate(text: &str) -> Result<Cruise, QuantityError> {
+    if text.trim() == "max" { Ok(Cruise::Fastest) } else { Ok(Cruise::Flow { ml_s: flow_ml_s(text)? }) }
 }
 
 /// A speed of the pump head in rad/s, positive.

@@ -78,7 +78,7 @@ impl<'a> Session<'a> {
         let (was_known, pitch_rad) = (stands.phase().is_known(model.pitch_rad()), model.pitch_rad());
         let count = drive.count();
         let mut met = stands;
-        if let Some(event) = drive.disturbed() {
+        if let Some(event) = drive.disturbed().filter(|_| !stands.released) {
             met = stands.disturbed(self.bench.fall_rad(), pitch_rad);
             if was_known {
                 let now = if met.phase().is_known(pitch_rad) {
@@ -88,7 +88,7 @@ impl<'a> Session<'a> {
                 };
                 notes.push(format!("{event}: where the rollers stand is known {now} (`dose home` finds it)"));
             }
-        } else if let (Some(before), Some(now)) = (stands.count, count) {
+        } else if let (Some(before), Some(now), false) = (stands.count, count, stands.released) {
             let moved = now - before;
             met = match self.cut_off {
                 // The board made more of the motion than the process that died could say, and has counted it.
@@ -106,7 +106,7 @@ impl<'a> Session<'a> {
                 }
             };
         }
-        State { count, ..met }
+        State { count, released: false, ..met }
     }
 
     /// Refuses a plan that the device cannot run. What it was met as is on record.
@@ -130,6 +130,7 @@ impl<'a> Session<'a> {
             device.drive.release().map_err(DoseError::Connection)?;
         }
         let state = self.stands().disturbed(self.bench.fall_rad(), self.bench.model().pitch_rad());
+        let state = State { released: true, ..state };
         self.rest(Why::Released, state)?;
         // It is met anew before it moves again.
         self.device = None;

@@ -8,6 +8,7 @@ mod doses;
 mod drawings;
 mod endings;
 mod files;
+mod limits;
 mod refusals;
 mod retraction;
 mod simulations;

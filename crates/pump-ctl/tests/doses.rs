@@ -118,7 +118,7 @@ proptest! {
     #[test]
     fn the_motion_passes_every_step_at_its_time((rollers, volume, start) in any_dose(), rpm in 0.5..170.0_f64) {
         let plan = planned(rollers, volume, start, Cruise::Speed { rad_s: rad_s(rpm) });
-        let legs = plan.legs();
+        let legs: Vec<_> = plan.legs().collect();
         for step in plan.steps().step_by(97) {
             let leg = legs.iter().rev().find(|leg| leg.start_s <= step.time_s).unwrap();
             prop_assert!((leg.angle_at(step.time_s) - step.angle_rad).abs() < 1e-9);

@@ -22,7 +22,7 @@ fn dose(volume_ml: f64, start_rad: f64, flow_ml_s: f64) -> Plan {
 /// Legs of `whole` up to the moment at which `made` steps are made, then those of `rest`.
 fn joined(whole: &Plan, made: u64, rest: &Plan) -> Vec<Leg> {
     let changed_s = whole.profile.time_of(made as f64 * whole.step_rad);
-    let before = whole.legs().into_iter().filter(|leg| leg.start_s < changed_s);
+    let before = whole.legs().filter(|leg| leg.start_s < changed_s);
     let before = before.map(|leg| Leg { duration_s: leg.duration_s.min(changed_s - leg.start_s), ..leg });
     let after = rest.legs().map(|leg| Leg { start_s: leg.start_s + changed_s, ..leg });
     before.chain(after).collect()
@@ -57,7 +57,7 @@ proptest! {
                 prop_assert!((rest.speed_after(0) - whole.speed_after(made)).abs() < 1e-9);
                 prop_assert!((rest.speed_at(0.0).abs() - rest.speed_after(0)).abs() < 1e-9);
                 prop_assert!(rest.profile.acceleration_rad_s2() <= MOTOR.max_acceleration_rad_s2);
-                let end = rest.legs()[2];
+                let end = rest.legs().last().unwrap();
                 prop_assert!(end.speed_at(end.end_s()).abs() < 1e-6);
             }
             Err(PlanError::CannotStopThere { nearest_ml, .. }) => {

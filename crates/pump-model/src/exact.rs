@@ -70,6 +70,11 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
         self.state()
     }
 
+    /// Goes on to `t_s` as [`Self::at`] does and returns the pressure there, kPa absolute.
+    pub fn pressure_kpa(&mut self, t_s: f64) -> f64 {
+        self.line.reservoir_kpa + self.at(t_s)[0]
+    }
+
     /// States at n `dt_s` from the start on, n = 0, 1, 2 ... without end; `dt_s` must be positive.
     pub fn every(self, dt_s: f64) -> ExactSamples<'a, M> {
         ExactSamples::new(self, dt_s)

@@ -6,6 +6,7 @@ use crate::error::ModelError;
 use crate::geometry::Geometry;
 use crate::math::{degrees, floor, sqrt, wrap};
 use crate::polynomial::{DEGREE, Polynomial};
+use crate::ripple::{Ripple, square_integral};
 use crate::roller_volume::{self, RollerVolume};
 
 /// Which end of the pump.
@@ -230,11 +231,29 @@ impl FlowCurve {
         })
     }
 
+    /// The part of a pitch in which rollers take from the flow: where it starts and how long it is, rad. Elsewhere the flow
+    /// is constant, at its largest. The whole pitch where pulses leave no gap.
+    pub fn uneven_part(&self) -> (f64, f64) {
+        let largest = self.flow_range_ml_rad().1;
+        let is_even = |piece: &&Piece| {
+            let [c0, rest @ ..] = piece.flow.c;
+            // The bare tube's flow is a sum that may round.
+            rest.iter().all(|c| *c == 0.0) && c0 >= largest * (1.0 - 1e-12)
+        };
+        let longest = |a: &&Piece, b: &&Piece| a.length_rad.total_cmp(&b.length_rad);
+        self.pieces().iter().filter(is_even).max_by(longest).map_or((0.0, self.pitch_rad), |even| {
+            let start_rad = even.start_rad + even.length_rad;
+            let start_rad = if self.pitch_rad - start_rad < SAME_EDGE_RAD { 0.0 } else { start_rad };
+            (start_rad, self.pitch_rad - even.length_rad)
+        })
+    }
+
     /// Peak-to-peak and root-mean-square deviation of the flow at constant speed, both divided by its mean.
     pub fn ripple(&self) -> Ripple {
         let mean = self.pitch_ml / self.pitch_rad;
         let (low, high) = self.flow_range_ml_rad();
-        let square = self.pieces().iter().map(|piece| mean_square_integral(&piece.flow, piece.length_rad));
+        let square =
+            self.pieces().iter().map(|piece| square_integral(|x| piece.flow.at(x), piece.length_rad));
         let mean_square = square.sum::<f64>() / self.pitch_rad;
         Ripple { peak_to_peak: (high - low) / mean, rms: sqrt((mean_square - mean * mean).max(0.0)) / mean }
     }
@@ -297,35 +316,6 @@ impl FlowCurve {
     pub(crate) fn index_of(&self, local_rad: f64) -> usize {
         self.pieces().iter().rposition(|piece| piece.start_rad <= local_rad).unwrap_or(0)
     }
-}
-
-/// How far a flow departs from its mean, as fractions of the mean.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ripple {
-    /// (largest - smallest) / mean.
-    pub peak_to_peak: f64,
-    /// Root of the mean square deviation, over the mean.
-    pub rms: f64,
-}
-
-/// Integral of the square of a polynomial of degree 4 over [0, length], by Gauss-Legendre quadrature with five
-/// nodes (Abramowitz and Stegun, table 25.4), which is exact to degree 9.
-fn mean_square_integral(polynomial: &Polynomial, length: f64) -> f64 {
-    const NODES: [(f64, f64); 5] = [
-        (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
-        (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
-        (0.0, 0.568_888_888_888_888_9),
-        (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
-        (0.906_179_845_938_664, 0.236_926_885_056_189_1),
-    ];
-    let half = 0.5 * length;
-    NODES
-        .iter()
-        .map(|(x, weight)| {
-            let value = polynomial.at(half * (1.0 + x));
-            half * weight * value * value
-        })
-        .sum()
 }
 
 /// The pulses of all rollers at one port.

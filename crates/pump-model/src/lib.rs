@@ -55,6 +55,7 @@ mod propagator;
 mod pump;
 #[cfg(feature = "identification")]
 mod quadrature;
+mod ripple;
 pub mod roller_volume;
 mod settling;
 #[cfg(feature = "identification")]
@@ -71,7 +72,7 @@ pub use error::ModelError;
 pub use exact::ExactRun;
 pub use exact_samples::ExactSamples;
 pub use extremes::Extremes;
-pub use flow_curve::{FlowCurve, Port, Ripple};
+pub use flow_curve::{FlowCurve, Port};
 #[cfg(feature = "identification")]
 pub use fluid::Fluid;
 #[cfg(feature = "identification")]
@@ -85,6 +86,7 @@ pub use motion::Leg;
 pub use port_run::{DEFAULT_TOLERANCE, PortRun};
 pub use presets::{PUBLISHED_CONTACT_ANGLE_DEG, Variant};
 pub use pump::Pump;
+pub use ripple::Ripple;
 pub use roller_volume::RollerVolume;
 pub use settling::SETTLED_ML;
 #[cfg(feature = "identification")]

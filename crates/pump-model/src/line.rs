@@ -1,7 +1,9 @@
 //! The hydraulic line of one port: what stands between the rollers and the reservoir.
 
 use crate::error::ModelError;
-use crate::math::sqrt;
+use crate::flow_curve::Port;
+use crate::math::{pow, sqrt};
+use crate::propagator::Oscillator;
 
 /// Lumped line of one port (McIntyre et al.): C at the pump, R and L in series to a reservoir.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +56,33 @@ impl Line {
     /// ```
     pub fn damping_ratio(&self) -> f64 {
         0.5 * self.resistance_kpa_s_ml * sqrt(self.compliance_ml_kpa / self.inertance_kpa_s2_ml)
+    }
+
+    /// Rate at which its slowest mode dies out, 1/s: half of R/L where it swings.
+    ///
+    /// ```
+    /// assert!((pump_model::Line::PUBLISHED.slowest_decay_per_s() - 13.19).abs() < 5e-3);
+    /// ```
+    pub fn slowest_decay_per_s(&self) -> f64 {
+        Oscillator::new(self, Port::Outlet).slowest_decay()
+    }
+
+    /// How far a flow at the rollers within `flow` either way can move the pressure of a line that was at rest: at most so many
+    /// times `flow`, kPa s/mL. Infinite for a line without resistance, which may resonate.
+    ///
+    /// The integral of |p| after 1 mL is pushed in at once, p'' + (R/L) p' + p/(L C) = 0 from 1/C with p' = 0. Of an overdamped
+    /// line p stays positive, and the integral is R. Otherwise it is R + 2 L (Q_1 + Q_2 + ...), with the flows Q_n at the
+    /// zeros of p, which fall by exp(-pi k) each, k = z/sqrt(1 - z²) with the damping ratio z, from
+    /// Q_1 = w exp(-k (pi/2 + asin z)), w = 1/sqrt(L C); asin z >= z bounds it.
+    pub fn worst_kpa_s_ml(&self) -> f64 {
+        use core::f64::consts::{E, PI};
+        let z = self.damping_ratio();
+        if z >= 1.0 {
+            return self.resistance_kpa_s_ml;
+        }
+        let k = z / sqrt(1.0 - z * z);
+        let first = self.inertance_kpa_s2_ml * self.natural_rad_s() * pow(E, -k * (0.5 * PI + z));
+        self.resistance_kpa_s_ml + 2.0 * first / (1.0 - pow(E, -k * PI))
     }
 
     /// Flow that carries as much energy as 1 kPa of pressure: sqrt(C/L), mL/s.

@@ -115,7 +115,7 @@ impl Oscillator {
     }
 
     /// Rate at which its slowest mode dies out, 1/s.
-    fn slowest_decay(&self) -> f64 {
+    pub(crate) fn slowest_decay(&self) -> f64 {
         let half = 0.5 * self.decay;
         let square = half * half - self.rate * self.rate;
         // The slow root of the overdamped line, in the form that does not cancel.

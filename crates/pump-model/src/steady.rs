@@ -3,11 +3,12 @@
 use crate::error::ModelError;
 use crate::exact::ExactRun;
 use crate::extremes::Extremes;
-use crate::flow_curve::{Port, Ripple};
+use crate::flow_curve::Port;
 use crate::math::TURN_RAD;
 use crate::motion::Leg;
 use crate::propagator::{Oscillator, Propagator};
 use crate::pump::Pump;
+use crate::ripple::Ripple;
 
 /// What a pump does at constant speed once start-up is forgotten.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -37,6 +37,11 @@ impl Stretch {
         self.flow.at(self.offset_rad + self.leg.turned(elapsed)) * speed
     }
 
+    /// Flow per radian at time `t_s`, mL/rad: at an edge, that of this side of it.
+    pub fn flow_ml_rad(&self, t_s: f64) -> f64 {
+        self.flow.at(self.offset_rad + self.leg.turned(t_s - self.leg.start_s))
+    }
+
     /// The flow as a polynomial in time since the stretch's start, mL/s.
     pub(crate) fn flow(&self) -> Flow {
         let elapsed = self.start_s - self.leg.start_s;

@@ -57,12 +57,15 @@ impl Doser {
     /// volume : str
     ///     Volume or mass with its unit, as "25mL", "0.025 L", "250uL", "25 g"; negative in reverse.
     /// rate : str, optional
-    ///     Average flow while cruising, as "10 mL/s".
+    ///     Average flow while cruising, as "10 mL/s"; "max" is the fastest that holds every limit.
     /// speed : str, optional
     ///     Speed of the pump head while cruising, as "100rpm".
     /// within : str, optional
     ///     Total time with ramps and settling, as "10s": the slowest cruise that meets it.
     ///     At most one of these three is given; without any, the rate is the pump's `default_rate_ml_s`.
+    /// smooth : bool
+    ///     Let the speed follow the rollers' angle, so that the flow at the outlet is as smooth as the motor's speed and
+    ///     acceleration allow. Rate and speed are then means over whole pitches.
     /// start_angle_rad : float
     ///     Where the rollers stand, rad. Only the angle within a pitch matters.
     /// start_half_width_rad : float
@@ -85,13 +88,14 @@ impl Doser {
     /// PlanError
     ///     If the pump cannot do it, as a rate above its fastest or a pressure beyond a limit.
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
-    #[pyo3(signature = (volume, *, rate=None, speed=None, within=None, start_angle_rad=0.0, start_half_width_rad=0.0, carry_in_ml=0.0))]
+    #[pyo3(signature = (volume, *, rate=None, speed=None, within=None, smooth=false, start_angle_rad=0.0, start_half_width_rad=0.0, carry_in_ml=0.0))]
     fn plan(
         slf: &Bound<'_, Self>,
         volume: &Bound<'_, PyAny>,
         rate: Option<&Bound<'_, PyAny>>,
         speed: Option<&Bound<'_, PyAny>>,
         within: Option<&Bound<'_, PyAny>>,
+        smooth: bool,
         start_angle_rad: f64,
         start_half_width_rad: f64,
         carry_in_ml: f64,
@@ -102,6 +106,7 @@ impl Doser {
             purpose: Purpose::Dose,
             volume_ml: amount.volume_ml(doser.pump.get().file.fluid.density_kg_m3),
             cruise: cruise(rate, speed, within)?,
+            smooth,
             start_angle_rad: Some(start_angle_rad),
             retract_ml: None,
             max_outlet_kpa: doser.limits.max_outlet_kpa,
@@ -149,10 +154,7 @@ fn cruise(
 ) -> PyResult<Option<Cruise>> {
     match (rate, speed, within) {
         (None, None, None) => Ok(None),
-        (Some(rate), None, None) => {
-            let ml_s = quantity::flow_ml_s(text("rate", "10 mL/s", rate)?).map_err(value)?;
-            Ok(Some(Cruise::Flow { ml_s }))
-        }
+        (Some(rate), None, None) => Ok(Some(quantity::rate(text("rate", "10 mL/s", rate)?).map_err(value)?)),
         (None, Some(speed), None) => {
             let rad_s = quantity::speed_rad_s(text("speed", "100rpm", speed)?).map_err(value)?;
             Ok(Some(Cruise::Speed { rad_s }))

@@ -13,7 +13,7 @@ use crate::pump::Pump;
 /// A cruise as plain data: which of rate (mL/s), speed (rad/s) and within (s), and its value.
 type PlainCruise = Option<(String, f64)>;
 /// What a plan is pickled as.
-type Plain = (Py<Doser>, f64, PlainCruise, f64, f64, f64);
+type Plain = (Py<Doser>, f64, PlainCruise, f64, f64, f64, bool);
 
 /// A dose, ready to run: made by `Doser.plan`.
 ///
@@ -160,10 +160,23 @@ impl Plan {
         self.report.outlet_max_kpa
     }
 
-    /// What keeps the dose from being faster: "none" if it cruises as asked, or "acceleration".
+    /// What keeps the dose from being faster: "none" if it cruises as asked, "acceleration", and of the fastest dose "speed",
+    /// "outlet_pressure", "inlet_pressure" or "torque".
     #[getter]
     fn limited_by(&self) -> &str {
         self.report.limited_by
+    }
+
+    /// Ripple of the flow at the outlet's rollers at constant speed, over its mean: (peak to peak, root mean square).
+    #[getter]
+    fn ripple_before(&self) -> (f64, f64) {
+        (self.report.ripple_before.peak_to_peak, self.report.ripple_before.rms)
+    }
+
+    /// The same as planned: less with a smooth flow.
+    #[getter]
+    fn ripple_after(&self) -> (f64, f64) {
+        (self.report.ripple_after.peak_to_peak, self.report.ripple_after.rms)
     }
 
     /// What to know before running it.
@@ -201,6 +214,7 @@ impl Plan {
             Cruise::Flow { ml_s } => ("rate".to_owned(), ml_s),
             Cruise::Speed { rad_s } => ("speed".to_owned(), rad_s),
             Cruise::Within { time_s } => ("within".to_owned(), time_s),
+            Cruise::Fastest => ("fastest".to_owned(), 0.0),
         });
         let plain = (
             self.doser.clone_ref(py),
@@ -209,13 +223,14 @@ impl Plan {
             self.start_angle_rad(),
             self.start_half_width_rad(),
             self.report.carry_in_ml,
+            request.smooth,
         );
         Ok((py.get_type::<Self>().getattr("_rebuild")?, plain))
     }
 
     /// Plans again: the same request on the same pump is the same plan.
     #[staticmethod]
-    #[pyo3(signature = (doser, volume_ml, cruise, start_angle_rad, start_half_width_rad, carry_in_ml))]
+    #[pyo3(signature = (doser, volume_ml, cruise, start_angle_rad, start_half_width_rad, carry_in_ml, smooth))]
     fn _rebuild(
         doser: &Bound<'_, Doser>,
         volume_ml: f64,
@@ -223,12 +238,14 @@ impl Plan {
         start_angle_rad: f64,
         start_half_width_rad: f64,
         carry_in_ml: f64,
+        smooth: bool,
     ) -> PyResult<Self> {
         let cruise = match cruise {
             None => None,
             Some((name, ml_s)) if name == "rate" => Some(Cruise::Flow { ml_s }),
             Some((name, rad_s)) if name == "speed" => Some(Cruise::Speed { rad_s }),
             Some((name, time_s)) if name == "within" => Some(Cruise::Within { time_s }),
+            Some((name, _)) if name == "fastest" => Some(Cruise::Fastest),
             Some((name, _)) => return Err(value(format_args!("no cruise is `{name}`"))),
         };
         let limits = doser.get().limits;
@@ -236,6 +253,7 @@ impl Plan {
             purpose: Purpose::Dose,
             volume_ml,
             cruise,
+            smooth,
             start_angle_rad: Some(start_angle_rad),
             retract_ml: None,
             max_outlet_kpa: limits.max_outlet_kpa,

@@ -204,3 +204,27 @@ def test_an_unknown_angle_gives_the_range_of_the_volume() -> None:
     assert pickle.loads(pickle.dumps(plan)) == plan
     with pytest.raises(ValueError, match="half width of the start angle"):
         doser.plan("25mL", start_half_width_rad=-1)
+
+
+def test_a_smooth_flow_has_less_ripple_and_the_same_steps() -> None:
+    doser = pm.Doser(pm.Pump.three_roller())
+    even = doser.plan("25mL", rate="4 mL/s", start_angle_rad=0.3)
+    smooth = doser.plan("25mL", rate="4 mL/s", smooth=True, start_angle_rad=0.3)
+    assert (smooth.steps, smooth.carry_ml) == (even.steps, even.carry_ml)
+    assert even.ripple_after == even.ripple_before == smooth.ripple_before
+    assert smooth.ripple_after[0] < 0.035
+    assert smooth.ripple_after[1] < 0.003
+    assert smooth.cruise_flow_ml_s == pytest.approx(4)
+    assert pickle.loads(pickle.dumps(smooth)) == smooth
+    with pytest.raises(pm.PlanError, match="smooth flow needs the rollers' angle"):
+        doser.plan("25mL", smooth=True, start_half_width_rad=math.pi)
+
+
+def test_the_fastest_dose_is_limited_by_what_binds() -> None:
+    pump = pm.Pump.three_roller()
+    fastest = pm.Doser(pump).plan("60mL", rate="max")
+    assert fastest.limited_by == "speed"
+    held = pm.Doser(pump, pm.Limits(min_inlet_kpa=75)).plan("60mL", rate="max")
+    assert held.limited_by == "inlet_pressure"
+    assert held.inlet_min_kpa == pytest.approx(75, abs=0.01)
+    assert pickle.loads(pickle.dumps(held)) == held

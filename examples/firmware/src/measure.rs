@@ -42,6 +42,14 @@ pub fn plan(out: &mut impl Write) -> core::result::Result<Plan, core::fmt::Error
     let (segments, fitting) = counting(|| black_box(&plan).segments(TICK_HZ).map(black_box).count());
     let (prediction, predicting) = counting(|| black_box(&plan).predict(&PUMP));
     dose::write_plan(out, &plan, &prediction.expect("the lines settle"))?;
+    let (smooth, smoothing) = counting(|| dose::plan_smooth(black_box(DOSE_ML)));
+    let smooth = smooth.expect("the dose can be planned with a smooth flow");
+    let (pieces, cutting) = counting(|| black_box(&smooth).segments(TICK_HZ).map(black_box).count());
+    writeln!(
+        out,
+        "cost: {} instructions for a plan with a smooth flow: {smoothing} for angle and profile, {cutting} for {pieces} segments",
+        smoothing + cutting
+    )?;
     let (_, braking) = counting(|| black_box(LIMITS.motor).brake(TICK_HZ));
     writeln!(
         out,

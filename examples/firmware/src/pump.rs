@@ -46,4 +46,5 @@ pub const LIMITS: Limits = Limits {
     },
     max_outlet_kpa: None,
     min_inlet_kpa: None,
+    torque: None,
 };

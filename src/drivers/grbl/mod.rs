@@ -224,6 +224,13 @@ impl Drive for Grbl {
     }
 
     fn check(&mut self, plan: &Plan) -> Result<(), DriveError> {
+        if plan.is_smooth() {
+            return Err(DriveError::Unable {
+                driver: "grbl",
+                ability: "speed that follows the rollers' angle",
+                instead: "leave out --smooth",
+            });
+        }
         let checked = self.task(plan);
         if let Err(GrblError::Reset) = checked {
             self.disturbed = Some(Disturbance::Reset);

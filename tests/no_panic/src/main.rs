@@ -13,7 +13,8 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorKind, ErrorType, InputPin, OutputPin};
 use pump_ctl::drive::{Actuator, Clock, OnFault, StepDir, Timing};
 
-use pump_ctl::plan::{Cruise, Limits, Motor, Phase, PlanError, Request, Trapezoid, plan, speed_for_flow};
+use pump_ctl::plan::{Cruise, Limits, Motor, Phase, PlanError, Request, plan, speed_for_flow};
+use pump_ctl::plan::{Torque, TorqueCurve};
 use pump_ctl::step::{Brake, Segment, Stepper};
 use pump_model::math::{ceil, degrees, floor, pow, rad_s, radians, rpm, sqrt, wrap};
 use pump_model::polynomial::Polynomial;
@@ -103,7 +104,12 @@ fn own_pump() -> Result<Pump, ModelError> {
         reservoir_kpa: any(),
     };
     line.validate()?;
-    black_box((line.natural_rad_s(), line.damping_ratio()));
+    black_box((
+        line.natural_rad_s(),
+        line.damping_ratio(),
+        line.slowest_decay_per_s(),
+        line.worst_kpa_s_ml(),
+    ));
     Pump::new(geometry, volume, line, Line::PUBLISHED)?.shifted(any())?.scaled(any())
 }
 
@@ -121,7 +127,7 @@ fn preset() -> Result<Pump, ModelError> {
 fn curve(curve: &FlowCurve) {
     black_box((curve.flow_ml_rad(any()), curve.volume_ml(any()), curve.angle_rad(any())));
     black_box((curve.pitch_rad(), curve.pitch_ml(), curve.flow_range_ml_rad(), curve.ripple()));
-    black_box(curve.turn_range_ml(any(), any(), any()));
+    black_box((curve.turn_range_ml(any(), any(), any()), curve.uneven_part()));
 }
 
 fn pressures(pump: &Pump) -> Result<(), ModelError> {
@@ -131,14 +137,14 @@ fn pressures(pump: &Pump) -> Result<(), ModelError> {
     black_box((pump.steady_state(any())?, pump.periodic_state(port, any())?, port.name()));
     let legs = [any_leg(), Leg::constant_speed(any(), any()), Leg::rest(any(), any())];
     let mut run = ExactRun::new(pump, port, legs, [any(), any()]);
-    black_box((run.at(any()), run.time_s(), run.state(), run.settling_s()?));
+    black_box((run.at(any()), run.pressure_kpa(any()), run.time_s(), run.state(), run.settling_s()?));
     black_box(run.extremes(any()).and(run.extremes(any())));
     for sample in run.every(any()).take(black_box(1000)) {
         black_box(sample);
     }
     black_box(ExactRun::from_rest(pump, port, legs).at(any()));
     for stretch in Stretches::new(pump.curve(port), legs) {
-        black_box((stretch.flow_ml_s(any()), stretch.flow_rate_ml_s2(any())));
+        black_box((stretch.flow_ml_s(any()), stretch.flow_ml_rad(any()), stretch.flow_rate_ml_s2(any())));
     }
     Ok(())
 }
@@ -148,27 +154,40 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
     let mut limits = Limits::of_motor(motor);
     limits.max_outlet_kpa = black_box(true).then(any);
     limits.min_inlet_kpa = black_box(true).then(any);
+    let points = [(any(), any()), (any(), any()), (any(), any())];
+    if let Some(curve) = TorqueCurve::new(points.get(..black_box(3)).unwrap_or(&points)) {
+        black_box(curve.at(any()));
+        let [occlusion_n_m, inertia_kg_m2, ambient_kpa] = [(); 3].map(|()| any());
+        limits.torque = Some(Torque { occlusion_n_m, inertia_kg_m2, ambient_kpa, motor: curve });
+    }
     limits.validate()?;
     let cruise = match black_box(0) {
         0 => Cruise::Flow { ml_s: any() },
         1 => Cruise::Speed { rad_s: any() },
-        _ => Cruise::Within { time_s: any() },
+        2 => Cruise::Within { time_s: any() },
+        _ => Cruise::Fastest,
     };
-    let request = Request { carry_in_ml: any(), ..Request::new(any(), cruise) };
+    let request = Request { carry_in_ml: any(), smooth: black_box(true), ..Request::new(any(), cruise) };
     let start = Phase { half_width_rad: any(), ..Phase::known(any()) };
     let plan = plan(pump, start, &request, &limits)?;
-    black_box((plan.predict(pump)?, plan.end_step_ml(pump), plan.legs(), plan.end_angle_rad()));
+    black_box((plan.predict(pump)?, plan.end_step_ml(pump), plan.end_angle_rad()));
+    for leg in plan.legs() {
+        black_box(leg);
+    }
     black_box((plan.angle_after(black_box(1)), plan.direction(), start.is_known(any())));
     black_box((Phase::unknown(any()), start.range_ml(pump, any()), plan.range_ml(pump, black_box(1))));
     black_box((speed_for_flow(pump, any()), motor.step_rad()));
     for step in plan.steps() {
         black_box(step);
     }
-    let profile = Trapezoid::new(any(), any(), any());
-    black_box((profile.time_of(any()), profile.duration_s(), profile.legs(any(), black_box(1))));
-    black_box((profile.peak_rad_s(), profile.reaches_cruise(), profile.acceleration_rad_s2()));
+    let profile = plan.profile;
+    black_box((profile.time_of(any()), profile.duration_s(), profile.cruise_rad_s()));
+    black_box((profile.peak_rad_s(), profile.reaches_limit(), profile.acceleration_rad_s2()));
+    black_box(limits.margins(pump, &plan)?.nearest());
+    black_box((plan.is_smooth(), plan.cruise_flow_ml_s(pump), plan.ripples(pump)));
     black_box((plan.angle_at(any()), plan.speed_at(any()), plan.speed_after(black_box(1))));
-    let rest = plan.retarget(pump, black_box(1), any(), cruise, &limits)?;
+    black_box(plan.retarget(pump, black_box(1), any(), cruise, &limits)?);
+    let rest = plan.retarget_shaped(pump, black_box(1), any(), cruise, black_box(true), &limits)?;
     black_box((rest.delivered_ml(pump, black_box(1)), rest.stop(pump, black_box(1)), rest.predict(pump)?));
     for segment in rest.segments(black_box(1)) {
         black_box(segment);

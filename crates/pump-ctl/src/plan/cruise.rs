@@ -3,7 +3,9 @@
 use pump_model::Pump;
 use pump_model::math::{TURN_RAD, ceil, floor, rpm};
 
-use super::{Cruise, Limits, Plan, PlanError};
+use super::fastest::{Fastest, fastest};
+use super::margins::Margin;
+use super::{Cruise, LimitedBy, Limits, Nearest, Plan, PlanError};
 
 /// Longest dose, s: 58 days, over which f64 resolves a step's time to a nanosecond.
 const MAX_DURATION_S: f64 = 5e6;
@@ -30,7 +32,7 @@ fn down(x: f64, parts: f64) -> f64 {
     floor(x * parts) / parts
 }
 
-/// Plan at the speed that `cruise` means, within the motor's limits.
+/// Plan at the speed that `cruise` means, within every limit.
 pub(super) fn choose(
     pump: &Pump,
     cruise: Cruise,
@@ -40,7 +42,7 @@ pub(super) fn choose(
     let limit_rad_s = limits.motor.max_speed_rad_s;
     // A limit written in r/min may round to a hair less than the same speed asked for.
     let allowed = |speed_rad_s: f64| speed_rad_s <= limit_rad_s * (1.0 + 1e-12);
-    let plan = match cruise {
+    let (plan, top_rad_s) = match cruise {
         Cruise::Flow { ml_s } => {
             let speed_rad_s = speed_for_flow(pump, ml_s);
             if !allowed(speed_rad_s) {
@@ -51,18 +53,88 @@ pub(super) fn choose(
                     limit_ml_s: down(pump.average_flow_ml_s(limit_rad_s), 1e3),
                 });
             }
-            at_speed(speed_rad_s)
+            (at_speed(speed_rad_s), speed_rad_s)
         }
         Cruise::Speed { rad_s } => {
             if !allowed(rad_s) {
                 return Err(PlanError::SpeedTooHigh { speed_rpm: rpm(rad_s), limit_rpm: rpm(limit_rad_s) });
             }
-            at_speed(rad_s)
+            (at_speed(rad_s), rad_s)
         }
-        Cruise::Within { time_s } => slowest_within(pump, time_s, limit_rad_s, at_speed)?,
+        Cruise::Within { time_s } => {
+            let found = slowest_within(pump, time_s, limit_rad_s, &at_speed);
+            (found.map_err(|error| shortest_within_limits(pump, limits, error, &at_speed))?, limit_rad_s)
+        }
+        Cruise::Fastest => {
+            let Fastest { plan, limited_by, beyond } = fastest(pump, limits, limit_rad_s, &at_speed)?;
+            let Some((_, plan)) = plan else {
+                return Err(refusal(limited_by, beyond, Nearest::Nothing));
+            };
+            return short_enough(plan);
+        }
     };
+    let plan = short_enough(plan)?;
+    let Some((limited_by, margin)) = limits.margins(pump, &plan)?.broken() else {
+        return Ok(plan);
+    };
+    let nearest = match (fastest(pump, limits, top_rad_s, &at_speed)?.plan, cruise) {
+        (None, _) => Nearest::Nothing,
+        (Some((_, plan)), Cruise::Within { .. }) => {
+            Nearest::Within { time_s: up(total_s(pump, &plan)?, 1e3) }
+        }
+        (Some((rad_s, _)), Cruise::Flow { .. }) => {
+            Nearest::Flow { ml_s: down(pump.average_flow_ml_s(rad_s), 1e3) }
+        }
+        (Some((rad_s, _)), _) => Nearest::Speed { rpm: down(rpm(rad_s), 1e2) },
+    };
+    Err(refusal(limited_by, Some(margin), nearest))
+}
+
+fn short_enough(plan: Plan) -> Result<Plan, PlanError> {
     let duration_s = plan.profile.duration_s();
     if duration_s <= MAX_DURATION_S { Ok(plan) } else { Err(PlanError::TooSlow { duration_s }) }
+}
+
+/// Why a plan that breaks a limit is refused.
+fn refusal(limited_by: LimitedBy, margin: Option<Margin>, nearest: Nearest) -> PlanError {
+    let (reached, limit) = margin.map_or((f64::NAN, f64::NAN), |margin| (margin.reached, margin.limit));
+    match limited_by {
+        LimitedBy::OutletPressure => {
+            PlanError::OutletPressure { predicted_kpa: reached, limit_kpa: limit, nearest }
+        }
+        LimitedBy::InletPressure => {
+            PlanError::InletPressure { predicted_kpa: reached, limit_kpa: limit, nearest }
+        }
+        _ => PlanError::Torque { needed_n_m: reached, limit_n_m: limit, nearest },
+    }
+}
+
+/// The refusal of a time that no speed meets, where limits are predicted with a time that holds them.
+fn shortest_within_limits(
+    pump: &Pump,
+    limits: &Limits,
+    error: PlanError,
+    at_speed: &impl Fn(f64) -> Plan,
+) -> PlanError {
+    let PlanError::TimeTooShort { asked_s, fastest_s } = error else {
+        return error;
+    };
+    if !limits.are_predicted() {
+        return error;
+    }
+    match fastest(pump, limits, limits.motor.max_speed_rad_s, at_speed) {
+        Ok(Fastest { plan: Some((_, plan)), .. }) => match total_s(pump, &plan) {
+            Ok(total_s) => PlanError::TimeTooShort { asked_s, fastest_s: fastest_s.max(up(total_s, 1e3)) },
+            Err(error) => error,
+        },
+        Ok(Fastest { plan: None, limited_by, beyond }) => refusal(limited_by, beyond, Nearest::Nothing),
+        Err(error) => error,
+    }
+}
+
+/// Time of motion and settling, s.
+fn total_s(pump: &Pump, plan: &Plan) -> Result<f64, PlanError> {
+    Ok(plan.profile.duration_s() + plan.settle_s(pump)?)
 }
 
 /// The slowest cruise whose motion and settling take `time_s` at most.
@@ -74,16 +146,13 @@ fn slowest_within(
     pump: &Pump,
     time_s: f64,
     limit_rad_s: f64,
-    at_speed: impl Fn(f64) -> Plan,
+    at_speed: &impl Fn(f64) -> Plan,
 ) -> Result<Plan, PlanError> {
     const RATIO: f64 = 1.01;
-    let total_s = |speed_rad_s| -> Result<f64, PlanError> {
-        let plan = at_speed(speed_rad_s);
-        Ok(plan.profile.duration_s() + plan.settle_s(pump)?)
-    };
+    let total_s = |speed_rad_s| total_s(pump, &at_speed(speed_rad_s));
 
-    let fastest_rad_s = at_speed(limit_rad_s).profile.peak_rad_s();
-    let mut slow = slowest_motion_within(time_s, fastest_rad_s, &at_speed);
+    let fastest_rad_s = at_speed(limit_rad_s).profile.peak_rad_s().min(limit_rad_s);
+    let mut slow = slowest_motion_within(time_s, fastest_rad_s, at_speed);
     if total_s(slow)? <= time_s {
         return Ok(at_speed(slow));
     }

@@ -1,7 +1,45 @@
 //! Why a dose cannot be planned.
 
+use core::fmt;
+
 use pump_model::ModelError;
 use thiserror::Error;
+
+/// The fastest dose that holds every limit, in the terms of what was asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Nearest {
+    /// Mean flow while cruising.
+    Flow {
+        /// mL/s.
+        ml_s: f64,
+    },
+    /// Speed of the pump head while cruising.
+    Speed {
+        /// r/min.
+        rpm: f64,
+    },
+    /// Time, settling included.
+    Within {
+        /// s.
+        time_s: f64,
+    },
+    /// No speed that was tried holds them.
+    Nothing,
+}
+
+impl fmt::Display for Nearest {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Flow { ml_s } => write!(to, "{ml_s:.3} mL/s is the fastest that holds every limit"),
+            Self::Speed { rpm } => write!(to, "{rpm:.2} r/min is the fastest that holds every limit"),
+            Self::Within { time_s } => {
+                write!(to, "{time_s:.3} s is the shortest time that holds every limit")
+            }
+            Self::Nothing => write!(to, "no speed holds every limit"),
+        }
+    }
+}
 
 /// A dose that is refused, with the nearest that could be had.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -91,6 +129,20 @@ pub enum PlanError {
         /// Steps of the plan.
         steps: u64,
     },
+    /// The angle is so uncertain that a speed that follows it does harm.
+    #[error(
+        "a smooth flow needs the rollers' angle: it is known within {half_width_deg:.1} degrees, and a speed that follows it \
+         could make a ripple of {ripple_percent:.0} % (RMS) where constant speed makes {constant_percent:.0} %; find the angle \
+         first, or dose at constant speed"
+    )]
+    SmoothWithoutAngle {
+        /// How far off the start angle may be, deg.
+        half_width_deg: f64,
+        /// Worst ripple of the flow with the speed changed at the wrong angles, RMS, %.
+        ripple_percent: f64,
+        /// That at constant speed, %.
+        constant_percent: f64,
+    },
     /// The time is too short.
     #[error(
         "the dose cannot be done within {asked_s} s; the fastest found takes {fastest_s:.3} s, settling included"
@@ -104,24 +156,40 @@ pub enum PlanError {
     /// Too much pressure where the pump pushes.
     #[error(
         "the outlet pressure would reach {predicted_kpa:.2} kPa absolute, above the limit of {limit_kpa:.2} kPa; \
-         lower the rate"
+         {nearest}"
     )]
     OutletPressure {
         /// Largest predicted pressure, kPa absolute.
         predicted_kpa: f64,
         /// The limit, kPa absolute.
         limit_kpa: f64,
+        /// What holds every limit.
+        nearest: Nearest,
     },
     /// Too little pressure where the pump sucks.
     #[error(
         "the inlet pressure would fall to {predicted_kpa:.2} kPa absolute, below the limit of {limit_kpa:.2} kPa; \
-         lower the rate"
+         {nearest}"
     )]
     InletPressure {
         /// Smallest predicted pressure, kPa absolute.
         predicted_kpa: f64,
         /// The limit, kPa absolute.
         limit_kpa: f64,
+        /// What holds every limit.
+        nearest: Nearest,
+    },
+    /// More torque than the motor has.
+    #[error(
+        "the motor would need {needed_n_m:.4} N m at a speed at which it has {limit_n_m:.4} N m; {nearest}"
+    )]
+    Torque {
+        /// Largest predicted torque, compared with what there is, N m.
+        needed_n_m: f64,
+        /// What there is at that speed, N m; 0 beyond the motor's last point.
+        limit_n_m: f64,
+        /// What holds every limit.
+        nearest: Nearest,
     },
     /// The model refuses.
     #[error(transparent)]

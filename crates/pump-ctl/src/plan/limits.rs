@@ -1,9 +1,9 @@
 //! What a dose must not exceed.
 
-use pump_model::Pump;
 use pump_model::math::TURN_RAD;
 
-use super::{Plan, PlanError};
+use super::PlanError;
+use super::torque::Torque;
 
 /// The stepper motor, as seen at the pump head.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +25,7 @@ impl Motor {
     }
 }
 
-/// Limits of the motor and, where given, of the pressures.
+/// Limits of the motor and, where given, of the pressures and the torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -36,12 +36,14 @@ pub struct Limits {
     pub max_outlet_kpa: Option<f64>,
     /// Smallest pressure at the port that sucks, kPa absolute; none is not checked.
     pub min_inlet_kpa: Option<f64>,
+    /// What turning takes and what the motor can give; none is not checked.
+    pub torque: Option<Torque>,
 }
 
 impl Limits {
     /// The motor alone.
     pub fn of_motor(motor: Motor) -> Self {
-        Self { motor, max_outlet_kpa: None, min_inlet_kpa: None }
+        Self { motor, max_outlet_kpa: None, min_inlet_kpa: None, torque: None }
     }
 
     /// Refuses limits that mean nothing.
@@ -72,34 +74,8 @@ impl Limits {
         if let Some(limit) = self.min_inlet_kpa {
             within("inlet pressure limit in kPa absolute", limit, -1e6..=1e6, "within 1e6 either way")?;
         }
-        Ok(())
-    }
-
-    /// Whether a pressure is limited.
-    pub(super) fn check_pressure(&self) -> bool {
-        self.max_outlet_kpa.is_some() || self.min_inlet_kpa.is_some()
-    }
-
-    /// Refuses a plan whose predicted pressures break a limit. In reverse the ports swap roles.
-    pub(super) fn check_pressures(&self, pump: &Pump, plan: &Plan) -> Result<(), PlanError> {
-        if !self.check_pressure() {
-            return Ok(());
-        }
-        let prediction = plan.predict(pump)?;
-        let (sucking, pushing) = if plan.direction() > 0 {
-            (prediction.inlet, prediction.outlet)
-        } else {
-            (prediction.outlet, prediction.inlet)
-        };
-        if let Some(limit_kpa) = self.max_outlet_kpa
-            && pushing.max_kpa > limit_kpa
-        {
-            return Err(PlanError::OutletPressure { predicted_kpa: pushing.max_kpa, limit_kpa });
-        }
-        if let Some(limit_kpa) = self.min_inlet_kpa
-            && sucking.min_kpa < limit_kpa
-        {
-            return Err(PlanError::InletPressure { predicted_kpa: sucking.min_kpa, limit_kpa });
+        if let Some(torque) = &self.torque {
+            torque.validate()?;
         }
         Ok(())
     }

@@ -1,8 +1,9 @@
 //! How the lines are when a plan begins.
 
-use pump_model::{ExactRun, Leg, Port, Pump};
+use pump_model::{ExactRun, Port, Pump};
 
-use super::Plan;
+use super::profile::{Course, Profile};
+use super::{Legs, Plan};
 
 /// Pressure above the reservoir, kPa, and flow, mL/s, of the inlet and of the outlet line.
 pub(super) type LineStates = [[f64; 2]; 2];
@@ -15,12 +16,12 @@ pub(super) type LineStates = [[f64; 2]; 2];
 pub(super) enum Lines {
     /// Known.
     Are(LineStates),
-    /// As `legs` leave them at `time_s`, having found them as `were`.
+    /// As the motion over `course` leaves them at `time_s`, having found them as `were`.
     After {
-        /// At the start of the legs.
+        /// At the start of the motion.
         were: LineStates,
         /// The motion.
-        legs: [Leg; 3],
+        course: Course,
         /// s since its start.
         time_s: f64,
     },
@@ -33,8 +34,9 @@ impl Lines {
     pub(super) fn states(&self, pump: &Pump) -> LineStates {
         match *self {
             Self::Are(states) => states,
-            Self::After { were: [inlet, outlet], legs, time_s } => {
-                let after = |port, state| ExactRun::new(pump, port, legs, state).at(time_s);
+            Self::After { were: [inlet, outlet], course, time_s } => {
+                let profile = Profile::new(course, pump.outlet_curve());
+                let after = |port, state| ExactRun::new(pump, port, profile.legs(), state).at(time_s);
                 [after(Port::Inlet, inlet), after(Port::Outlet, outlet)]
             }
         }
@@ -43,7 +45,7 @@ impl Lines {
 
 impl Plan {
     /// The line of a port during this dose.
-    pub(super) fn run<'a>(&self, pump: &'a Pump, port: Port) -> ExactRun<'a, core::array::IntoIter<Leg, 3>> {
+    pub(super) fn run<'a>(&'a self, pump: &'a Pump, port: Port) -> ExactRun<'a, Legs<'a>> {
         let [inlet, outlet] = self.lines.states(pump);
         let state = if port == Port::Inlet { inlet } else { outlet };
         ExactRun::new(pump, port, self.legs(), state)
@@ -52,6 +54,6 @@ impl Plan {
     /// The lines as this plan leaves them when `made` steps are made.
     pub(super) fn lines_at(&self, pump: &Pump, made: u64) -> Lines {
         let time_s = self.profile.time_of(made as f64 * self.step_rad);
-        Lines::After { were: self.lines.states(pump), legs: self.legs(), time_s }
+        Lines::After { were: self.lines.states(pump), course: self.profile.course, time_s }
     }
 }

@@ -2,32 +2,45 @@
 
 mod brake;
 mod cruise;
+mod envelope;
 mod error;
+mod fastest;
+mod legs;
 mod limits;
 mod lines;
+mod margins;
+mod motion;
 mod phase;
 mod prediction;
 mod profile;
 mod request;
 mod retarget;
+mod ripple;
 mod segments;
+mod smooth;
 mod steps;
 mod target;
+mod torque;
 mod turn;
 
 pub use cruise::speed_for_flow;
-pub use error::PlanError;
+pub use error::{Nearest, PlanError};
+pub use legs::Legs;
 pub use limits::{Limits, Motor};
+pub use margins::{Margin, Margins};
 pub use phase::Phase;
 pub use prediction::Prediction;
-pub use profile::Trapezoid;
+pub use profile::Profile;
 pub use request::{Cruise, Request};
+pub use ripple::Ripples;
 pub use segments::Segments;
 pub use steps::{Step, Steps};
+pub use torque::{TORQUE_POINTS, Torque, TorqueCurve};
 pub use turn::turn;
 
 use lines::Lines;
-use pump_model::{Leg, Pump};
+use profile::{Course, SpeedLimit};
+use pump_model::Pump;
 use target::{Target, delivered, middle};
 
 /// What keeps a dose from being faster.
@@ -37,8 +50,16 @@ use target::{Target, delivered, middle};
 pub enum LimitedBy {
     /// It cruises at the speed that was asked for.
     Nothing,
-    /// The dose is too short to reach that speed within the acceleration limit.
+    /// The dose is too short to reach that speed, or the envelope of a smooth flow, within the acceleration limit.
     Acceleration,
+    /// The motor's largest speed.
+    Speed,
+    /// The pressure at the port that pushes.
+    OutletPressure,
+    /// The pressure at the port that sucks.
+    InletPressure,
+    /// The torque that the motor has.
+    Torque,
 }
 
 /// A dose, ready to run: made by [`plan`].
@@ -69,7 +90,7 @@ pub struct Plan {
     /// Angle of a step, rad.
     pub step_rad: f64,
     /// Speed over time.
-    pub profile: Trapezoid,
+    pub profile: Profile,
     /// What keeps the cruise speed down.
     pub limited_by: LimitedBy,
     /// Volume that this dose had delivered when this plan took over, mL; 0 unless [`Self::retarget`] made it.
@@ -86,8 +107,11 @@ pub struct Plan {
 /// it may be is smallest (minimax), and [`Plan::least_ml`] and [`Plan::most_ml`] say between which volumes they deliver;
 /// whole pitches deliver the same from anywhere.
 ///
-/// Where a pressure limit is given the dose's pressures are predicted and a plan that breaks it is refused. Pressures,
-/// settling and angles are those of the middle of the angles that may be.
+/// A smooth flow changes when each step is made, and neither how many there are nor where they end. Where the angle is so
+/// uncertain that it could be less smooth than at constant speed, it is refused.
+///
+/// Where a pressure or torque limit is given the whole dose is predicted, and one that breaks it is refused with the nearest
+/// that holds them all. Pressures, settling and angles are those of the middle of the angles that may be.
 pub fn plan(pump: &Pump, start: Phase, request: &Request, limits: &Limits) -> Result<Plan, PlanError> {
     limits.validate()?;
     request.validate()?;
@@ -119,9 +143,30 @@ fn fastest(
     limits: &Limits,
 ) -> Result<Plan, PlanError> {
     let at_speed = |cruise_rad_s: f64| {
-        let turn_rad = target.steps.unsigned_abs() as f64 * limits.motor.step_rad();
-        let acceleration_rad_s2 = limits.motor.max_acceleration_rad_s2;
-        let profile = Trapezoid::from_speed(start.speed_rad_s, turn_rad, cruise_rad_s, acceleration_rad_s2);
+        let Motor { max_speed_rad_s, max_acceleration_rad_s2, .. } = limits.motor;
+        let direction = if target.steps < 0 { -1 } else { 1 };
+        let curve = pump.outlet_curve();
+        let limit = if request.smooth {
+            let flow_ml_s = smooth::flow_limit_ml_s(
+                curve,
+                direction,
+                cruise_rad_s,
+                max_speed_rad_s,
+                max_acceleration_rad_s2,
+            );
+            SpeedLimit::Smooth { flow_ml_s, max_rad_s: max_speed_rad_s }
+        } else {
+            SpeedLimit::Constant { rad_s: cruise_rad_s }
+        };
+        let course = Course {
+            start_rad: start.phase.angle_rad,
+            direction,
+            start_rad_s: start.speed_rad_s,
+            turn_rad: target.steps.unsigned_abs() as f64 * limits.motor.step_rad(),
+            acceleration_rad_s2: max_acceleration_rad_s2,
+            limit,
+        };
+        let profile = Profile::new(course, curve);
         Plan {
             requested_ml: request.volume_ml,
             carry_in_ml: request.carry_in_ml,
@@ -134,13 +179,13 @@ fn fastest(
             steps_per_rev: limits.motor.steps_per_rev,
             step_rad: limits.motor.step_rad(),
             profile,
-            limited_by: if profile.reaches_cruise() { LimitedBy::Nothing } else { LimitedBy::Acceleration },
+            limited_by: if profile.reaches_limit() { LimitedBy::Nothing } else { LimitedBy::Acceleration },
             before_ml: start.before_ml,
             lines: start.lines,
         }
     };
     let planned = cruise::choose(pump, request.cruise, limits, at_speed)?;
-    limits.check_pressures(pump, &planned)?;
+    planned.check_ripples(pump)?;
     Ok(planned)
 }
 
@@ -189,25 +234,13 @@ impl Plan {
     /// ```
     pub fn angle_at(&self, t_s: f64) -> f64 {
         let t_s = t_s.max(0.0).min(self.profile.duration_s());
-        self.leg_at(t_s).angle_at(t_s)
+        self.profile.leg_at(t_s).angle_at(t_s)
     }
 
     /// Speed `t_s` after the start of motion, rad/s, negative in reverse; 0 before and after it.
     pub fn speed_at(&self, t_s: f64) -> f64 {
         let moves = (0.0..self.profile.duration_s()).contains(&t_s);
-        if moves { self.leg_at(t_s).speed_at(t_s) } else { 0.0 }
-    }
-
-    /// The leg under way at `t_s`.
-    fn leg_at(&self, t_s: f64) -> Leg {
-        let [up, cruise, down] = self.legs();
-        if t_s < cruise.start_s {
-            up
-        } else if t_s < down.start_s {
-            cruise
-        } else {
-            down
-        }
+        if moves { self.profile.leg_at(t_s).speed_at(t_s) } else { 0.0 }
     }
 
     /// Every step with its time.

@@ -2,7 +2,7 @@
 
 use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
 
-use super::{Plan, PlanError};
+use super::{Legs, Plan, PlanError};
 
 /// Pressures over a dose, start-up, stop and settling included, for the smooth motion through the
 /// steps. From an angle that is not known exactly, those from the middle of what it may be.
@@ -22,8 +22,8 @@ pub struct Prediction {
 
 impl Plan {
     /// The motion: ramp, cruise, ramp; then the motor holds.
-    pub fn legs(&self) -> [Leg; 3] {
-        self.profile.legs(self.start.angle_rad, self.direction())
+    pub fn legs(&self) -> Legs<'_> {
+        self.profile.legs()
     }
 
     /// Predicts pressures and settling of this dose on `pump`, exactly.
@@ -56,7 +56,7 @@ impl Plan {
 
     /// Settling time of a port that the smooth motion leaves in `state`. The last step comes at once, so the volume of
     /// one step is in the line at first.
-    fn settling_at(
+    pub(super) fn settling_at(
         &self,
         pump: &Pump,
         port: Port,

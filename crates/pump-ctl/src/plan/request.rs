@@ -25,6 +25,8 @@ pub enum Cruise {
         /// s.
         time_s: f64,
     },
+    /// The fastest that holds every limit, of those below which every speed does.
+    Fastest,
 }
 
 /// A dose to plan.
@@ -38,12 +40,20 @@ pub struct Request {
     pub carry_in_ml: f64,
     /// How fast.
     pub cruise: Cruise,
+    /// Whether the speed follows the rollers' angle so that the flow at the outlet is as smooth as the motor allows.
+    /// Flow and speed of `cruise` are then means over whole pitches.
+    pub smooth: bool,
 }
 
 impl Request {
-    /// A dose with nothing owed.
+    /// A dose at constant speed with nothing owed.
     pub fn new(volume_ml: f64, cruise: Cruise) -> Self {
-        Self { volume_ml, carry_in_ml: 0.0, cruise }
+        Self { volume_ml, carry_in_ml: 0.0, cruise, smooth: false }
+    }
+
+    /// The same with a smooth flow.
+    pub fn smooth(self) -> Self {
+        Self { smooth: true, ..self }
     }
 
     /// Volume to bring to the vessel: requested plus owed, mL.
@@ -70,6 +80,7 @@ impl Request {
             Cruise::Flow { ml_s } => ("rate in mL/s", ml_s),
             Cruise::Speed { rad_s } => ("speed in rad/s", rad_s),
             Cruise::Within { time_s } => ("time in s", time_s),
+            Cruise::Fastest => return Ok(()),
         };
         if value.is_finite() && value > 0.0 {
             Ok(())

@@ -4,9 +4,10 @@ use pump_model::Pump;
 use pump_model::math::ceil;
 
 use super::lines::Lines;
+use super::profile::{Course, Profile, SpeedLimit};
 use super::request::Request;
 use super::target::{delivered, middle, nearest_steps};
-use super::{Cruise, LimitedBy, Limits, Phase, Plan, PlanError, Start, Trapezoid, fastest};
+use super::{Cruise, LimitedBy, Limits, Phase, Plan, PlanError, Start, fastest};
 
 impl Plan {
     /// Speed of the pump head when `count` steps are made, rad/s, not negative.
@@ -15,7 +16,7 @@ impl Plan {
     }
 
     /// Plans the rest of this dose anew from the moment at which `made` steps are made: `volume_ml` for the whole dose,
-    /// counted from its start, `cruise` for the rest of it (a time counts from that moment).
+    /// counted from its start, `cruise` for the rest of it (a time counts from that moment). A smooth flow stays smooth.
     ///
     /// The plan that comes back has time 0, start angle, volumes and steps of the rest alone: its `requested_ml` is what
     /// was still to be delivered, `before_ml` what was delivered before, its carry that of the whole dose; where the start
@@ -42,12 +43,26 @@ impl Plan {
         cruise: Cruise,
         limits: &Limits,
     ) -> Result<Self, PlanError> {
+        self.retarget_shaped(pump, made, volume_ml, cruise, self.is_smooth(), limits)
+    }
+
+    /// [`Self::retarget`], from here on with a smooth flow or at constant speed.
+    pub fn retarget_shaped(
+        &self,
+        pump: &Pump,
+        made: u64,
+        volume_ml: f64,
+        cruise: Cruise,
+        smooth: bool,
+        limits: &Limits,
+    ) -> Result<Self, PlanError> {
         let steps = self.steps.unsigned_abs();
         if made >= steps {
             return Err(PlanError::NoSuchStep { made, steps });
         }
         limits.validate()?;
-        Request { volume_ml, carry_in_ml: self.carry_in_ml, cruise }.validate()?;
+        let carry_in_ml = self.carry_in_ml;
+        Request { volume_ml, carry_in_ml, cruise, smooth }.validate()?;
         if limits.motor.step_rad() != self.step_rad {
             return Err(PlanError::OutOfRange {
                 parameter: "steps per revolution of a dose under way",
@@ -56,7 +71,7 @@ impl Plan {
             });
         }
         let delivered_ml = self.before_ml + self.delivered_ml(pump, made);
-        let request = Request { volume_ml: volume_ml - delivered_ml, carry_in_ml: self.carry_in_ml, cruise };
+        let request = Request { volume_ml: volume_ml - delivered_ml, carry_in_ml, cruise, smooth };
 
         let phase = Phase { angle_rad: self.angle_after(made), ..self.start };
         let speed_rad_s = self.speed_after(made);
@@ -74,7 +89,7 @@ impl Plan {
             return Err(PlanError::CannotStopThere { asked_ml: volume_ml, delivered_ml, nearest_ml });
         }
         let mut lines = self.lines_at(pump, made);
-        if limits.check_pressure() || matches!(cruise, Cruise::Within { .. }) {
+        if limits.are_predicted() || matches!(cruise, Cruise::Within { .. } | Cruise::Fastest) {
             // Needed at once, and at every speed that is tried.
             lines = Lines::Are(lines.states(pump));
         }
@@ -109,6 +124,13 @@ impl Plan {
             delivered(pump, start, f64::from(self.direction()) * steps as f64, self.step_rad)
         };
         let volume_ml = middle(range_ml);
+        let course = Course {
+            start_rad: start.angle_rad,
+            start_rad_s: speed_rad_s,
+            turn_rad: steps as f64 * self.step_rad,
+            limit: SpeedLimit::Constant { rad_s: speed_rad_s },
+            ..self.profile.course
+        };
         Some(Self {
             requested_ml: volume_ml,
             carry_in_ml: 0.0,
@@ -118,12 +140,7 @@ impl Plan {
             carry_ml: 0.0,
             start,
             steps: i64::from(self.direction()) * steps as i64,
-            profile: Trapezoid::from_speed(
-                speed_rad_s,
-                steps as f64 * self.step_rad,
-                speed_rad_s,
-                acceleration_rad_s2,
-            ),
+            profile: Profile::new(course, pump.outlet_curve()),
             limited_by: LimitedBy::Nothing,
             before_ml: self.before_ml + self.delivered_ml(pump, made),
             lines: self.lines_at(pump, made),

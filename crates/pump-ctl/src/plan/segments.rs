@@ -2,7 +2,8 @@
 
 use pump_model::math::floor;
 
-use super::{Plan, Trapezoid};
+use super::profile::Along;
+use super::{Plan, Profile};
 use crate::step::Segment;
 
 /// How far the time of a step may be from the plan's before it is rounded to a tick, ticks: with the rounding less than
@@ -19,13 +20,15 @@ const FRACTIONS: f64 = 4_294_967_296.0;
 /// add up.
 #[derive(Debug, Clone)]
 pub struct Segments {
-    profile: Trapezoid,
+    profile: Profile,
     tick_hz: f64,
     step_rad: f64,
     backward: bool,
     /// Steps in all, and up to the end of the leg under way.
     steps: u64,
     leg_steps: u64,
+    /// The leg under way, if it follows an envelope.
+    along: Option<Along>,
     made: u64,
     /// When the last step made is due, 2^-32 tick since the start.
     at: i128,
@@ -46,6 +49,7 @@ impl Plan {
             backward: self.steps < 0,
             steps: self.steps.unsigned_abs(),
             leg_steps: 0,
+            along: None,
             made: 0,
             at: 0,
             guess: 0,
@@ -74,14 +78,21 @@ impl Segments {
 
     /// When step `number` of the plan is due, ticks since the start.
     fn due(&self, number: u64) -> f64 {
-        self.profile.time_of(number as f64 * self.step_rad) * self.tick_hz
+        let turned_rad = number as f64 * self.step_rad;
+        let due_s = match &self.along {
+            Some(along) => along.time_of(turned_rad),
+            None => self.profile.time_of(turned_rad),
+        };
+        due_s * self.tick_hz
     }
 
     /// Goes on to the next leg that has steps.
     fn enter_leg(&mut self) {
-        let ends = self.profile.corners_rad().map(|corner_rad| floor(corner_rad / self.step_rad) as u64);
-        let end = ends.into_iter().find(|end| *end > self.made).unwrap_or(self.steps);
-        self.leg_steps = end.min(self.steps);
+        let next = self.made + 1;
+        let next_rad = next as f64 * self.step_rad;
+        self.along = self.profile.along_at(next_rad);
+        let corner_rad = self.profile.corner_from(next_rad);
+        self.leg_steps = (floor(corner_rad / self.step_rad) as u64).clamp(next, self.steps.max(next));
         self.guess = u64::MAX;
     }
 

@@ -215,6 +215,7 @@ class Doser:
         rate: str | None = None,
         speed: None = None,
         within: None = None,
+        smooth: bool = False,
         start_angle_rad: float = 0.0,
         start_half_width_rad: float = 0.0,
         carry_in_ml: float = 0.0,
@@ -227,6 +228,7 @@ class Doser:
         rate: None = None,
         speed: str,
         within: None = None,
+        smooth: bool = False,
         start_angle_rad: float = 0.0,
         start_half_width_rad: float = 0.0,
         carry_in_ml: float = 0.0,
@@ -239,6 +241,7 @@ class Doser:
         rate: None = None,
         speed: None = None,
         within: str,
+        smooth: bool = False,
         start_angle_rad: float = 0.0,
         start_half_width_rad: float = 0.0,
         carry_in_ml: float = 0.0,
@@ -294,7 +297,13 @@ class Plan:
     @property
     def outlet_max_kpa(self) -> float: ...
     @property
-    def limited_by(self) -> Literal["none", "acceleration"]: ...
+    def limited_by(self) -> Literal[
+        "none", "acceleration", "speed", "outlet_pressure", "inlet_pressure", "torque"
+    ]: ...
+    @property
+    def ripple_before(self) -> tuple[float, float]: ...
+    @property
+    def ripple_after(self) -> tuple[float, float]: ...
     @property
     def warnings(self) -> list[str]: ...
     @property

@@ -1,0 +1,68 @@
+//! What the lines of a plan see.
+
+use pump_model::math::{ceil, floor};
+use pump_model::{ExactRun, Extremes, Port, Pump};
+
+use super::lines::LineStates;
+use super::profile::{Course, Profile};
+use super::{Legs, Plan, PlanError};
+
+/// Part of a line's swing from the start that may be left when pitches are left out, as a power of 1/e: 1e-11.
+const FORGOTTEN: f64 = 25.0;
+
+/// The motion of a plan, less what only repeats itself.
+///
+/// Once the line has forgotten how the motion began, every pitch at the cruise speed is like the last: whole pitches beyond
+/// that are left out, so that a dose of litres costs no more than one of some pitches. Pressures are those of the whole dose to
+/// 1e-11 of their swing.
+pub(super) struct Motion {
+    profile: Profile,
+    states: LineStates,
+}
+
+impl Motion {
+    pub(super) fn new(plan: &Plan, pump: &Pump) -> Self {
+        let states = plan.lines.states(pump);
+        let profile = plan.profile;
+        let decay_per_s = pump.inlet().slowest_decay_per_s().min(pump.outlet().slowest_decay_per_s());
+        let pitch_rad = pump.pitch_rad();
+        let [reached_rad, left_rad] = profile.corners_rad;
+        let pitch_s = pitch_rad / profile.cruise_rad_s();
+        let kept = ceil(FORGOTTEN / (decay_per_s * pitch_s)) + 1.0;
+        let surplus = floor((left_rad - reached_rad) / pitch_rad) - kept;
+        if !(profile.reaches_limit() && surplus >= 1.0) {
+            return Self { profile, states };
+        }
+        let turn_rad = profile.course.turn_rad - surplus * pitch_rad;
+        let course = Course { turn_rad, ..profile.course };
+        Self { profile: Profile::new(course, pump.outlet_curve()), states }
+    }
+
+    pub(super) fn legs(&self) -> Legs<'_> {
+        self.profile.legs()
+    }
+
+    pub(super) fn duration_s(&self) -> f64 {
+        self.profile.duration_s()
+    }
+
+    /// 1 or -1.
+    pub(super) fn direction(&self) -> f64 {
+        f64::from(self.profile.course.direction)
+    }
+
+    pub(super) fn run<'a>(&'a self, pump: &'a Pump, port: Port) -> ExactRun<'a, Legs<'a>> {
+        let [inlet, outlet] = self.states;
+        let state = if port == Port::Inlet { inlet } else { outlet };
+        ExactRun::new(pump, port, self.legs(), state)
+    }
+
+    /// Range of a port's pressure, the settling after the last step of `plan` included.
+    pub(super) fn extremes(&self, plan: &Plan, pump: &Pump, port: Port) -> Result<Extremes, PlanError> {
+        let motion_s = self.duration_s();
+        let mut run = self.run(pump, port);
+        let moving = run.extremes(motion_s);
+        let stopping = run.extremes(motion_s + plan.settling_at(pump, port, run.state())?);
+        Ok(moving.and(stopping))
+    }
+}

@@ -1,0 +1,68 @@
+//! How even the flow at the outlet's rollers is.
+
+use pump_model::math::degrees;
+use pump_model::{Leg, Pump, Ripple};
+
+use super::{Plan, PlanError, SpeedLimit};
+
+/// Ripple of the flow at the outlet's rollers while cruising, over time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ripples {
+    /// At constant speed, with the same mean flow.
+    pub before: Ripple,
+    /// As planned.
+    pub after: Ripple,
+}
+
+impl Plan {
+    /// Whether the speed follows the angle for a smooth flow.
+    pub fn is_smooth(&self) -> bool {
+        matches!(self.profile.course.limit, SpeedLimit::Smooth { .. })
+    }
+
+    /// Mean flow over whole pitches while cruising, mL/s, not negative; if the turn is too short for that, that of the fastest speed.
+    pub fn cruise_flow_ml_s(&self, pump: &Pump) -> f64 {
+        pump.average_flow_ml_s(self.profile.cruise_rad_s())
+    }
+
+    /// Ripple of the flow while cruising, periodic: a dose too short to cruise does not get there. Where the angle is not known
+    /// exactly, the worst for the start angles that may be, of 17 that are tried.
+    pub fn ripples(&self, pump: &Pump) -> Ripples {
+        const BESIDE: i32 = 8;
+        let before = pump.outlet_curve().ripple();
+        if !self.is_smooth() {
+            return Ripples { before, after: before };
+        }
+        let half_rad = self.start.half_width_rad.min(0.5 * pump.pitch_rad());
+        let beside = if half_rad > 0.0 { BESIDE } else { 0 };
+        let mut after = Ripple { peak_to_peak: 0.0, rms: 0.0 };
+        for n in -beside..=beside {
+            let there = self.ripple_beside(pump, half_rad * f64::from(n) / f64::from(BESIDE));
+            after.peak_to_peak = after.peak_to_peak.max(there.peak_to_peak);
+            after.rms = after.rms.max(there.rms);
+        }
+        Ripples { before, after }
+    }
+
+    /// Refuses a smooth flow that may be less smooth than at constant speed.
+    pub(super) fn check_ripples(&self, pump: &Pump) -> Result<(), PlanError> {
+        if !self.is_smooth() || self.start.half_width_rad == 0.0 {
+            return Ok(());
+        }
+        let Ripples { before, after } = self.ripples(pump);
+        if after.rms < before.rms {
+            return Ok(());
+        }
+        Err(PlanError::SmoothWithoutAngle {
+            half_width_deg: degrees(self.start.half_width_rad),
+            ripple_percent: 100.0 * after.rms,
+            constant_percent: 100.0 * before.rms,
+        })
+    }
+
+    /// Ripple where the rollers stand `off_rad` before what the plan takes for their angle.
+    fn ripple_beside(&self, pump: &Pump, off_rad: f64) -> Ripple {
+        let legs = self.profile.pitch_along().map(|leg| Leg { angle_rad: leg.angle_rad + off_rad, ..leg });
+        Ripple::of_motion(pump.outlet_curve(), legs).unwrap_or_else(|| pump.outlet_curve().ripple())
+    }
+}

@@ -1,0 +1,268 @@
+//! Claims about doses at the limits of pressure, torque and speed.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use proptest::prelude::*;
+use pump_ctl::plan::{
+    Cruise, LimitedBy, Limits, Motor, Nearest, Phase, Plan, PlanError, Request, Torque, TorqueCurve, plan,
+};
+use pump_model::{ExactRun, Port, Pump};
+
+const TAU: f64 = core::f64::consts::TAU;
+const COLLAPSE_KPA: f64 = 42.7;
+const AMBIENT_KPA: f64 = 85.7;
+
+fn rad_s(rpm: f64) -> f64 {
+    rpm * TAU / 60.0
+}
+
+fn rpm(rad_s: f64) -> f64 {
+    rad_s * 60.0 / TAU
+}
+
+fn limits(max_rpm: f64) -> Limits {
+    Limits::of_motor(Motor {
+        steps_per_rev: 12_800.0,
+        max_speed_rad_s: rad_s(max_rpm),
+        max_acceleration_rad_s2: 500.0,
+    })
+}
+
+fn collapse(max_rpm: f64) -> Limits {
+    Limits { min_inlet_kpa: Some(COLLAPSE_KPA), ..limits(max_rpm) }
+}
+
+fn dose(
+    pump: &Pump,
+    volume_ml: f64,
+    start_rad: f64,
+    cruise: Cruise,
+    limits: &Limits,
+) -> Result<Plan, PlanError> {
+    plan(pump, Phase::known(start_rad), &Request::new(volume_ml, cruise), limits)
+}
+
+fn speed(rpm: f64) -> Cruise {
+    Cruise::Speed { rad_s: rad_s(rpm) }
+}
+
+#[test]
+fn the_fastest_dose_holds_the_collapse_limit_within_the_speeds_connected_to_rest() {
+    let pump = Pump::three_roller();
+    let limits = collapse(400.0);
+    let fastest = dose(&pump, 100.0, 0.3, Cruise::Fastest, &limits).unwrap();
+    let at_rpm = rpm(fastest.profile.peak_rad_s());
+    assert_eq!(fastest.limited_by, LimitedBy::InletPressure);
+    assert!(fastest.predict(&pump).unwrap().inlet.min_kpa >= COLLAPSE_KPA);
+    let used = limits.margins(&pump, &fastest).unwrap().inlet.unwrap().used;
+    assert!(used <= 1.0 && used > 0.9999, "{used}");
+    // Steady state breaks it from 222 r/min; start-up reaches further, so the answer is slower.
+    assert!(at_rpm < 222.0 && at_rpm > 100.0, "{at_rpm}");
+    // Every slower speed holds it, the next one does not.
+    for part in 1..100 {
+        let slower = speed(at_rpm * f64::from(part) / 100.0);
+        dose(&pump, 100.0, 0.3, slower, &limits).unwrap();
+    }
+    assert!(dose(&pump, 100.0, 0.3, speed(1.0001 * at_rpm), &limits).is_err());
+}
+
+#[test]
+fn speeds_that_hold_are_not_an_interval_and_the_fastest_is_below_the_gap() {
+    // In steady state three rollers pass again above 324 r/min. A soft start, so that start-up reaches no further.
+    let pump = Pump::three_roller();
+    let mut limits = collapse(400.0);
+    limits.motor.max_acceleration_rad_s2 = 10.0;
+    let holds = |rpm| pump.steady_state(rad_s(rpm)).unwrap().inlet.min_kpa >= COLLAPSE_KPA;
+    assert_eq!([221.0, 223.0, 320.0, 327.0].map(holds), [true, false, false, true]);
+    let fastest = dose(&pump, 3000.0, 0.3, Cruise::Fastest, &limits).unwrap();
+    assert!(rpm(fastest.profile.peak_rad_s()) < 222.5, "{}", rpm(fastest.profile.peak_rad_s()));
+}
+
+#[test]
+fn what_breaks_a_limit_is_refused_with_what_can_be_had() {
+    let pump = Pump::three_roller();
+    let limits = collapse(400.0);
+    let refused = |cruise| match dose(&pump, 60.0, 0.3, cruise, &limits) {
+        Err(PlanError::InletPressure { predicted_kpa, limit_kpa, nearest }) => {
+            assert!(predicted_kpa < limit_kpa && limit_kpa == COLLAPSE_KPA);
+            nearest
+        }
+        other => panic!("{other:?}"),
+    };
+    let fastest = dose(&pump, 60.0, 0.3, Cruise::Fastest, &limits).unwrap();
+    let at_rpm = rpm(fastest.profile.peak_rad_s());
+
+    let Nearest::Speed { rpm } = refused(speed(250.0)) else { panic!() };
+    assert!(rpm <= at_rpm && rpm > at_rpm - 0.02, "{rpm} {at_rpm}");
+    dose(&pump, 60.0, 0.3, speed(rpm), &limits).unwrap();
+
+    let Nearest::Flow { ml_s } = refused(Cruise::Flow { ml_s: 80.0 }) else { panic!() };
+    assert!((ml_s - fastest.cruise_flow_ml_s(&pump)).abs() < 2e-3);
+    dose(&pump, 60.0, 0.3, Cruise::Flow { ml_s }, &limits).unwrap();
+
+    let total_s = fastest.profile.duration_s() + fastest.predict(&pump).unwrap().settle_s;
+    let Nearest::Within { time_s } = refused(Cruise::Within { time_s: 0.85 * total_s }) else { panic!() };
+    assert!((time_s - total_s).abs() < 0.002, "{time_s} {total_s}");
+    dose(&pump, 60.0, 0.3, Cruise::Within { time_s }, &limits).unwrap();
+
+    // A time that nothing meets, too, is answered with one that holds the limits.
+    let error = dose(&pump, 60.0, 0.3, Cruise::Within { time_s: 0.1 }, &limits).unwrap_err();
+    let PlanError::TimeTooShort { fastest_s, .. } = error else { panic!("{error}") };
+    dose(&pump, 60.0, 0.3, Cruise::Within { time_s: fastest_s }, &limits).unwrap();
+
+    let message = dose(&pump, 60.0, 0.3, speed(250.0), &limits).unwrap_err().to_string();
+    assert!(message.ends_with("r/min is the fastest that holds every limit"), "{message}");
+}
+
+#[test]
+fn a_limit_that_rest_breaks_is_refused_whatever_the_speed() {
+    let pump = Pump::three_roller();
+    let limits = Limits { max_outlet_kpa: Some(80.0), ..limits(170.0) };
+    for cruise in [Cruise::Fastest, speed(10.0)] {
+        let error = dose(&pump, 25.0, 0.3, cruise, &limits).unwrap_err();
+        assert!(matches!(error, PlanError::OutletPressure { nearest: Nearest::Nothing, .. }), "{error}");
+    }
+}
+
+#[test]
+fn without_a_limit_that_binds_the_motor_does() {
+    let pump = Pump::three_roller();
+    let fastest = |volume_ml| dose(&pump, volume_ml, 0.3, Cruise::Fastest, &limits(170.0)).unwrap();
+    assert_eq!(fastest(60.0).limited_by, LimitedBy::Speed);
+    assert!((fastest(60.0).profile.peak_rad_s() - rad_s(170.0)).abs() < 1e-9);
+    assert_eq!(fastest(0.2).limited_by, LimitedBy::Acceleration);
+}
+
+#[test]
+fn smoothing_the_outlet_worsens_the_inlet_whose_limit_refuses_it() {
+    let pump = Pump::three_roller();
+    for rpm in [20.0, 50.0] {
+        let even = Request::new(60.0, speed(rpm));
+        let with = |request: Request, min_inlet_kpa| {
+            plan(&pump, Phase::known(0.3), &request, &Limits { min_inlet_kpa, ..limits(170.0) })
+        };
+        let least_kpa = |request| with(request, None).unwrap().predict(&pump).unwrap().inlet.min_kpa;
+        let (before_kpa, after_kpa) = (least_kpa(even), least_kpa(even.smooth()));
+        assert!(after_kpa < before_kpa, "{after_kpa} {before_kpa} at {rpm} r/min");
+        let between_kpa = Some(0.5 * (before_kpa + after_kpa));
+        with(even, between_kpa).unwrap();
+        let refused = with(even.smooth(), between_kpa).unwrap_err();
+        let PlanError::InletPressure { nearest: Nearest::Speed { rpm }, .. } = refused else {
+            panic!("{refused}")
+        };
+        with(Request { cruise: speed(rpm), ..even.smooth() }, between_kpa).unwrap();
+    }
+}
+
+#[test]
+fn a_long_dose_has_the_margins_that_following_every_pitch_gives() {
+    let pump = Pump::two_roller();
+    let limits = Limits { max_outlet_kpa: Some(150.0), min_inlet_kpa: Some(20.0), ..limits(300.0) };
+    for (volume_ml, rpm, smooth) in [(2000.0, 150.0, false), (-1500.0, 90.0, true), (900.0, 40.0, true)] {
+        let request = Request { smooth, ..Request::new(volume_ml, speed(rpm)) };
+        let plan = plan(&pump, Phase::known(1.1), &request, &limits).unwrap();
+        let (all, margins) = (plan.predict(&pump).unwrap(), limits.margins(&pump, &plan).unwrap());
+        let (sucking, pushing) =
+            if volume_ml > 0.0 { (all.inlet, all.outlet) } else { (all.outlet, all.inlet) };
+        assert!((margins.outlet.unwrap().reached - pushing.max_kpa).abs() < 1e-8, "{margins:?} {all:?}");
+        assert!((margins.inlet.unwrap().reached - sucking.min_kpa).abs() < 1e-8, "{margins:?} {all:?}");
+    }
+}
+
+fn torque(occlusion_n_m: f64, points: &[(f64, f64)]) -> Torque {
+    Torque {
+        occlusion_n_m,
+        inertia_kg_m2: 2e-4,
+        ambient_kpa: AMBIENT_KPA,
+        motor: TorqueCurve::new(points).unwrap(),
+    }
+}
+
+/// Needed over what there is, at many times of the dose.
+fn worst_used(pump: &Pump, plan: &Plan, torque: &Torque) -> f64 {
+    let mut runs = [Port::Inlet, Port::Outlet].map(|port| ExactRun::from_rest(pump, port, plan.legs()));
+    let mut worst = 0.0_f64;
+    for leg in plan.legs() {
+        let looks = 1.0 + (leg.duration_s * 2e4).ceil();
+        for look in 0..=looks as u32 {
+            let t = leg.start_s + leg.duration_s * f64::from(look) / looks;
+            let work = [Port::Inlet, Port::Outlet].map(|port| {
+                let kpa = runs[usize::from(port == Port::Outlet)].pressure_kpa(t) - torque.ambient_kpa;
+                kpa * pump.curve(port).flow_ml_rad(leg.angle_at(t))
+            });
+            let shaft = 1e-3 * (work[1] - work[0]) + torque.inertia_kg_m2 * leg.acceleration_rad_s2;
+            let needed = f64::from(plan.direction()) * shaft + torque.occlusion_n_m;
+            worst = worst.max(needed.abs() / torque.motor.at(leg.speed_at(t).abs()));
+        }
+    }
+    worst
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_torques_margin_is_that_of_ten_times_as_many_looks(
+        volume in 2.0..60.0_f64,
+        reverse in any::<bool>(),
+        smooth in any::<bool>(),
+        start in 0.0..6.2_f64,
+        rpm in 5.0..170.0_f64,
+        occlusion in 0.0..2.0_f64,
+    ) {
+        let pump = Pump::three_roller();
+        let torque = torque(occlusion, &[(0.0, 10.0), (10.0, 6.0), (60.0, 3.0)]);
+        let limits = Limits { torque: Some(torque), ..limits(170.0) };
+        let volume = if reverse { -volume } else { volume };
+        let request = Request { smooth, ..Request::new(volume, speed(rpm)) };
+        let plan = plan(&pump, Phase::known(start), &request, &limits).unwrap();
+        let found = limits.margins(&pump, &plan).unwrap().torque.unwrap();
+        let expected = worst_used(&pump, &plan, &torque);
+        prop_assert!((found.used / expected - 1.0).abs() < 2e-3, "{found:?} {expected}");
+    }
+}
+
+#[test]
+fn the_fluids_torque_at_150_rpm_is_about_two_tenths_of_a_newton_metre() {
+    let pump = Pump::three_roller();
+    let torque = Torque { inertia_kg_m2: 0.0, ..torque(0.0, &[(0.0, 5.0), (60.0, 5.0)]) };
+    let limits = Limits { torque: Some(torque), ..limits(170.0) };
+    let plan = dose(&pump, 200.0, 0.3, speed(150.0), &limits).unwrap();
+    let needed = limits.margins(&pump, &plan).unwrap().torque.unwrap().reached;
+    assert!((0.1..0.3).contains(&needed), "{needed} N m");
+}
+
+#[test]
+fn the_motors_torque_binds_and_is_never_passed() {
+    let pump = Pump::three_roller();
+    let torque = torque(0.5, &[(0.0, 1.2), (5.0, 1.0), (15.0, 0.62)]);
+    let limits = Limits { torque: Some(torque), ..limits(170.0) };
+    let fastest = dose(&pump, 60.0, 0.3, Cruise::Fastest, &limits).unwrap();
+    assert_eq!(fastest.limited_by, LimitedBy::Torque);
+    assert!(worst_used(&pump, &fastest, &torque) < 1.002);
+    assert!(fastest.profile.peak_rad_s() < 15.0);
+    let error = dose(&pump, 60.0, 0.3, speed(160.0), &limits).unwrap_err();
+    let PlanError::Torque { nearest: Nearest::Speed { rpm }, limit_n_m, .. } = error else {
+        panic!("{error}")
+    };
+    assert_eq!(limit_n_m, 0.0, "the motor has nothing beyond its last point");
+    dose(&pump, 60.0, 0.3, speed(rpm), &limits).unwrap();
+}
+
+#[test]
+fn torque_curves_that_mean_nothing_are_refused() {
+    let refused: [&[(f64, f64)]; 6] = [
+        &[],
+        &[(0.0, 1.0)],
+        &[(1.0, 1.0), (2.0, 1.0)],
+        &[(0.0, 1.0), (0.0, 2.0)],
+        &[(0.0, 1.0), (5.0, -1.0)],
+        &[(0.0, 1.0), (f64::NAN, 1.0)],
+    ];
+    for points in refused {
+        assert_eq!(TorqueCurve::new(points), None, "{points:?}");
+    }
+    assert_eq!(TorqueCurve::new(&[(0.0, 1.0); 9]), None);
+    let curve = TorqueCurve::new(&[(0.0, 2.0), (10.0, 1.0)]).unwrap();
+    assert_eq!([0.0, 5.0, 10.0, 10.1].map(|speed| curve.at(speed)), [2.0, 1.5, 1.0, 0.0]);
+}
