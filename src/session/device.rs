@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use pump_ctl::plan::Plan;
 use pump_model::math::rpm;
 
-use crate::drivers::{Drive, DriveError, DriveLimits, Grbl, Sim};
+use crate::drivers::{Disturbance, Drive, DriveError, DriveLimits, Grbl, Sim};
 use crate::error::DoseError;
 use crate::journal::{State, Why};
 use crate::pump_file::{DriverName, PumpFile};
@@ -78,7 +78,10 @@ impl<'a> Session<'a> {
         let (was_known, pitch_rad) = (stands.phase().is_known(model.pitch_rad()), model.pitch_rad());
         let count = drive.count();
         let mut met = stands;
-        if let Some(event) = drive.disturbed().filter(|_| !stands.released) {
+        // A device that counts from zero again was switched off and on while nobody listened.
+        let starts_anew = count == Some(0) && stands.count.is_some_and(|before| before != 0);
+        let event = drive.disturbed().or(starts_anew.then_some(Disturbance::Reset));
+        if let Some(event) = event.filter(|_| !stands.released) {
             met = stands.disturbed(self.bench.fall_rad(), pitch_rad);
             if was_known {
                 let now = if met.phase().is_known(pitch_rad) {

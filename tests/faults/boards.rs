@@ -94,12 +94,16 @@ impl Rig {
             8 => (defects.noise, defects.chopped) = (true, true),
             _ => {}
         }
-        let options = Options {
-            time_scale: TIME_SCALE,
-            resets_on_open: random.part() < 0.3,
-            defects,
-            ..Options::default()
-        };
+        Self::with(folder, stood_rad, random.part() < 0.3, defects)
+    }
+
+    /// Switches a board on that works.
+    fn healthy(folder: &Path, stood_rad: f64) -> Self {
+        Self::with(folder, stood_rad, false, Defects::default())
+    }
+
+    fn with(folder: &Path, stood_rad: f64, resets_on_open: bool, defects: Defects) -> Self {
+        let options = Options { time_scale: TIME_SCALE, resets_on_open, defects, ..Options::default() };
         Self { folder: folder.to_owned(), board: Simulated::start(options).unwrap(), stood_rad }
     }
 
@@ -117,14 +121,14 @@ impl Rig {
         self.stood_rad + self.board.rest().steps as f64 * STEP_RAD
     }
 
-    /// Says where the rotor stands. A board that cannot be used any more leaves the record as it is.
+    /// Says where the rotor stands, on a board that has not moved yet.
     fn home(&self) {
         let bench = self.bench();
         let mut session = bench.session().unwrap();
         if session.state().is_some_and(|state| state.unfinished.is_some()) {
             session.discard().unwrap();
         }
-        let _ = session.set_angle(Some(Phase::known(self.truth_rad())));
+        session.set_angle(Some(Phase::known(self.truth_rad()))).unwrap();
     }
 
     /// Holds the record against the truth. Returns whether the angle is known.
@@ -210,12 +214,16 @@ impl Rig {
             // Met again, the board may know more.
             let bench = self.bench();
             let mut session = bench.session().unwrap();
-            if session.connect().is_ok() {
-                let met = *session.state().unwrap();
-                self.holds(&met, "met again");
-                let exact = met.unfinished.is_some_and(|now| now.made_least == now.made_most);
-                tally.exact += u32::from(exact && dose.made_least < dose.made_most);
+            if session.connect().is_err() {
+                // It does not answer any more: off and on.
+                drop(session);
+                *self = Self::healthy(&self.folder, self.truth_rad());
+                continue;
             }
+            let met = *session.state().unwrap();
+            self.holds(&met, "met again");
+            let exact = met.unfinished.is_some_and(|now| now.made_least == now.made_most);
+            tally.exact += u32::from(exact && dose.made_least < dose.made_most);
             if random.part() < 0.4 {
                 if session.state().is_some_and(|state| state.unfinished.is_some()) {
                     session.discard().unwrap();
