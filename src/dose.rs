@@ -225,10 +225,7 @@ fn asked_of(file: &PumpFile, request: &DoseRequest, carry_ml: f64) -> (Request, 
         cruise: request.cruise.unwrap_or(default_cruise),
         smooth: request.smooth,
     };
-    let mut limits = file.limits();
-    limits.max_outlet_kpa = request.max_outlet_kpa.or(limits.max_outlet_kpa);
-    limits.min_inlet_kpa = request.min_inlet_kpa.or(limits.min_inlet_kpa);
-    (asked, limits)
+    (asked, file.limits_with(request.max_outlet_kpa, request.min_inlet_kpa))
 }
 
 /// What a person should know of a plan before it runs.

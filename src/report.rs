@@ -1,6 +1,6 @@
 //! What a dose reports to programs: one JSON object. `report_text.rs` is the same for people.
 
-use pump_ctl::plan::LimitedBy;
+use pump_ctl::plan::{InletBound, LimitedBy};
 use pump_model::Ripple;
 use pump_model::math::{degrees, rpm};
 use serde::Serialize;
@@ -88,6 +88,10 @@ pub struct DoseReport {
     pub ripple_after: RippleReport,
     /// What keeps the dose from being faster.
     pub limited_by: &'static str,
+    /// Smallest pressure that is allowed at the port that sucks, kPa absolute; null if none is known.
+    pub inlet_limit_kpa: Option<f64>,
+    /// What it is: `given`, `tube_collapse` or `vapour_pressure`, the largest of those that are known.
+    pub inlet_limit: Option<&'static str>,
     /// Limits for which no value is known, so that nobody checked them.
     pub limits_not_checked: Vec<&'static str>,
     /// What the user should know.
@@ -169,14 +173,6 @@ impl DoseReport {
         let budget = Budget::new(model, &part, &file.uncertainty, applied);
         let limits = &prepared.limits;
         let ripples = plan.ripples(model);
-        let limits_not_checked = [
-            ("outlet_pressure", limits.max_outlet_kpa.is_none()),
-            ("inlet_pressure", limits.min_inlet_kpa.is_none()),
-            ("torque", limits.torque.is_none()),
-        ]
-        .into_iter()
-        .filter_map(|(name, missing)| missing.then_some(name))
-        .collect();
         Self {
             schema: "dose/1",
             pump: file.pump.id.clone(),
@@ -238,7 +234,13 @@ impl DoseReport {
                 LimitedBy::InletPressure => "inlet_pressure",
                 LimitedBy::Torque => "torque",
             },
-            limits_not_checked,
+            inlet_limit_kpa: limits.min_inlet_kpa,
+            inlet_limit: limits.min_inlet_kpa.map(|_| match limits.inlet_bound {
+                InletBound::Given => "given",
+                InletBound::TubeCollapse => "tube_collapse",
+                InletBound::Vapour => "vapour_pressure",
+            }),
+            limits_not_checked: file.not_checked(limits, prepared.request.min_inlet_kpa),
             warnings: prepared.warnings.clone(),
             completed: delivered.is_some_and(|delivered| delivered.completed),
         }

@@ -89,6 +89,7 @@ mod tests {
             density_kg_m3: 1126.0,
             viscosity_mpa_s: None,
             bulk_modulus_mpa: None,
+            vapour_kpa: None,
         };
         let weighing = Weighing { fluid: &fluid, ambient_kpa: 101.3 };
         let volume_ml = weighing.volume_ml(112.6, 21.0).unwrap();

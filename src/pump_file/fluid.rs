@@ -19,6 +19,9 @@ pub struct FluidTable {
     /// Bulk modulus, MPa, which a hose's C needs; water's is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bulk_modulus_mpa: Option<f64>,
+    /// Vapour pressure, kPa absolute; that of water from 0 to 100 °C is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vapour_kpa: Option<f64>,
 }
 
 impl FluidTable {
@@ -50,6 +53,12 @@ impl FluidTable {
         };
         fluid.validate()?;
         Ok(fluid)
+    }
+
+    /// Vapour pressure, kPa absolute: as the file says, or water's at its temperature; none if it is not known.
+    pub fn vapour_kpa(&self) -> Option<f64> {
+        let of_water = || Fluid::water(self.temperature_degc).ok().filter(|_| self.is_water())?.vapour_kpa;
+        self.vapour_kpa.or_else(of_water)
     }
 
     pub(crate) fn is_water(&self) -> bool {

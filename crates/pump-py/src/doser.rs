@@ -135,14 +135,9 @@ impl Doser {
 }
 
 impl Doser {
-    /// Those of the pump file, with the pressures given here in their place.
+    /// Those of the pump file, with the pressures given here in place of its `[limits]`.
     pub(crate) fn ctl_limits(&self) -> CtlLimits {
-        let limits = self.pump.get().file.limits();
-        CtlLimits {
-            max_outlet_kpa: self.limits.max_outlet_kpa.or(limits.max_outlet_kpa),
-            min_inlet_kpa: self.limits.min_inlet_kpa.or(limits.min_inlet_kpa),
-            ..limits
-        }
+        self.pump.get().file.limits_with(self.limits.max_outlet_kpa, self.limits.min_inlet_kpa)
     }
 }
 

@@ -272,13 +272,6 @@ impl Plan {
         carry_in_ml: f64,
     ) -> PyResult<Self> {
         let Pump { file, model } = doser.get().pump.get();
-        let limits = doser.get().ctl_limits();
-        // The request carries no limits of its own: the doser's stand for the pump file's.
-        let request = DoseRequest {
-            max_outlet_kpa: request.max_outlet_kpa.or(limits.max_outlet_kpa),
-            min_inlet_kpa: request.min_inlet_kpa.or(limits.min_inlet_kpa),
-            ..request
-        };
         let prepared =
             doser.py().detach(|| Prepared::new(file, model, request, start, PhaseSource::Given, carry_in_ml));
         let prepared = prepared.map_err(errors::plan)?;

@@ -5,6 +5,8 @@ use core::fmt;
 use pump_model::ModelError;
 use thiserror::Error;
 
+use super::InletBound;
+
 /// The fastest dose that holds every limit, in the terms of what was asked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -168,7 +170,7 @@ pub enum PlanError {
     },
     /// Too little pressure where the pump sucks.
     #[error(
-        "the inlet pressure would fall to {predicted_kpa:.2} kPa absolute, below the limit of {limit_kpa:.2} kPa; \
+        "the inlet pressure would fall to {predicted_kpa:.2} kPa absolute, below the limit of {limit_kpa:.2} kPa{bound}; \
          {nearest}"
     )]
     InletPressure {
@@ -176,6 +178,8 @@ pub enum PlanError {
         predicted_kpa: f64,
         /// The limit, kPa absolute.
         limit_kpa: f64,
+        /// What it is.
+        bound: InletBound,
         /// What holds every limit.
         nearest: Nearest,
     },

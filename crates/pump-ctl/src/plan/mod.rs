@@ -26,7 +26,7 @@ mod turn;
 pub use cruise::speed_for_flow;
 pub use error::{Nearest, PlanError};
 pub use legs::Legs;
-pub use limits::{Limits, Motor};
+pub use limits::{InletBound, Limits, Motor};
 pub use margins::{Margin, Margins};
 pub use phase::Phase;
 pub use prediction::Prediction;
