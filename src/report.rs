@@ -1,6 +1,6 @@
 //! What a dose reports to programs: one JSON object. `report_text.rs` is the same for people.
 
-use pump_ctl::plan::{InletBound, LimitedBy};
+use pump_ctl::plan::{Finish, InletBound, LimitedBy};
 use pump_model::Ripple;
 use pump_model::math::{degrees, rpm};
 use serde::Serialize;
@@ -60,6 +60,8 @@ pub struct DoseReport {
     pub steps_per_rev: f64,
     /// What is sucked back after the dose, mL: of a dose that was run, what was; null if it was not asked for.
     pub retraction_ml: Option<f64>,
+    /// Where in a pitch the dose may end: `any` or `low-flow`.
+    pub finish: &'static str,
     /// What the next dose owes, mL: requested + carry in - planned; after a prime or purge, what was owed before.
     pub carry_ml: f64,
     /// Fastest speed, r/min.
@@ -213,6 +215,10 @@ impl DoseReport {
                 .retraction
                 .as_ref()
                 .map(|back| delivered.map_or(-back.plan.planned_ml, |delivered| delivered.retracted_ml)),
+            finish: match plan.finish {
+                Finish::Any => "any",
+                Finish::LowFlow => "low-flow",
+            },
             carry_ml: prepared.owes_ml(),
             cruise_speed_rpm: rpm(cruise_rad_s),
             cruise_flow_ml_s: plan.cruise_flow_ml_s(model),

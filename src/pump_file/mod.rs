@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use drive::{Axis, DriveTable, DriverName};
-pub use fluid::FluidTable;
+pub use fluid::{FluidError, FluidTable};
 pub use limits::LimitsTable;
 pub use line::{HoseTable, LineTable};
 pub use motor::MotorTable;

@@ -62,10 +62,10 @@ fn the_largest_of_collapse_vapour_and_what_is_given_binds_and_is_named() {
     assert_eq!(name, "vapour_pressure");
     assert_eq!(not_checked, r#"["outlet_pressure","tube_collapse","torque"]"#);
     assert!((kpa - 3.1699).abs() < 3e-3, "{kpa}");
-    let boiling = own_pump(&user, &[COLLAPSE[0], COLLAPSE[1], ("# vapour_kpa = 3.17", "vapour_kpa = 50.0")]);
+    let boiling = own_pump(&user, &[COLLAPSE[0], COLLAPSE[1], ("# vapour_kpa = 3.17", "vapour_kpa = 60.0")]);
     assert_eq!(limit(&["--pump", &boiling]).0, "vapour_pressure");
     let refused = user.is_refused(&["60mL", "--speed", "170rpm", "--pump", &boiling]);
-    assert!(refused.contains("below the limit of 50.00 kPa, the fluid's vapour pressure; "), "{refused}");
+    assert!(refused.contains("below the limit of 60.00 kPa, the fluid's vapour pressure; "), "{refused}");
     assert_eq!(limit(&["--min-inlet-pressure", "60kPaa"]).0, "given");
     assert_eq!(limit(&["--min-inlet-pressure", "20kPaa"]).0, "tube_collapse", "a lower one does not lift it");
     // Nothing is known of this fluid and this tube, so nothing is claimed to be checked.

@@ -1,19 +1,19 @@
 //! A planned dose.
 
 use numpy::PyArray1;
-use pump_ctl::plan::{Cruise, Phase};
+use pump_ctl::plan::{Cruise, Finish, Phase};
 use pump_dose::{DoseReport, DoseRequest, PhaseSource, Prepared, Purpose};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-use crate::doser::Doser;
+use crate::doser::{Doser, finish_named};
 use crate::errors::{self, value};
 use crate::pump::Pump;
 
 /// A cruise as plain data: which of rate (mL/s), speed (rad/s) and within (s), and its value.
 type PlainCruise = Option<(String, f64)>;
 /// What a plan is pickled as.
-type Plain = (Py<Doser>, f64, PlainCruise, f64, f64, f64, bool);
+type Plain = (Py<Doser>, f64, PlainCruise, f64, f64, f64, bool, String);
 
 /// A dose, ready to run: made by `Doser.plan`.
 ///
@@ -224,13 +224,14 @@ impl Plan {
             self.start_half_width_rad(),
             self.report.carry_in_ml,
             request.smooth,
+            if request.finish == Finish::LowFlow { "low-flow" } else { "any" }.to_owned(),
         );
         Ok((py.get_type::<Self>().getattr("_rebuild")?, plain))
     }
 
     /// Plans again: the same request on the same pump is the same plan.
     #[staticmethod]
-    #[pyo3(signature = (doser, volume_ml, cruise, start_angle_rad, start_half_width_rad, carry_in_ml, smooth))]
+    #[pyo3(signature = (doser, volume_ml, cruise, start_angle_rad, start_half_width_rad, carry_in_ml, smooth, finish))]
     fn _rebuild(
         doser: &Bound<'_, Doser>,
         volume_ml: f64,
@@ -239,6 +240,7 @@ impl Plan {
         start_half_width_rad: f64,
         carry_in_ml: f64,
         smooth: bool,
+        finish: &str,
     ) -> PyResult<Self> {
         let cruise = match cruise {
             None => None,
@@ -254,6 +256,7 @@ impl Plan {
             volume_ml,
             cruise,
             smooth,
+            finish: finish_named(finish)?,
             start_angle_rad: Some(start_angle_rad),
             retract_ml: None,
             max_outlet_kpa: limits.max_outlet_kpa,
