@@ -23,10 +23,7 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
     let out = &mut source;
     let torque = if limits.torque.is_some() { ", Torque, TorqueCurve" } else { "" };
     let _ = writeln!(out, "use pump_ctl::plan::{{InletBound, Limits, Motor{torque}}};");
-    out.push_str(
-        "use pump_ctl::plan::Torque;
-use pump_model::{FlowCurve, Geometry, Line, Pump, RollerVolume};\n\n",
-    );
+    out.push_str("use pump_model::{FlowCurve, Geometry, Line, Pump, RollerVolume};\n\n");
 
     write_pump(out, &pump);
     let option = |limit: Option<f64>| limit.map_or("None".to_owned(), |kpa| format!("Some({kpa:?})"));

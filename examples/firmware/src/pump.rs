@@ -2,7 +2,6 @@
 // Written by `dose pumps show`; change the pump file, not this.
 // Units: mm, rad, mL, kPa, s.
 
-use pump_ctl::plan::Torque;
 use pump_ctl::plan::{InletBound, Limits, Motor};
 use pump_model::{FlowCurve, Geometry, Line, Pump, RollerVolume};
 
