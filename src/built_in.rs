@@ -53,6 +53,9 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
         tube: TubeTable {
             bore_radius_mm: geometry.bore_radius_mm,
             outer_radius_mm: geometry.tube_outer_radius_mm,
+            // Soft PVC, nearly incompressible: estimates, as the paper gives neither.
+            modulus_mpa: Some(3.5),
+            poisson_ratio: Some(0.49),
             life_ml: None,
         },
         rollers: RollersTable {
@@ -78,6 +81,9 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
             // As tested in McIntyre et al.: 10 to 170 r/min with 3 rollers, 10 to 300 with 2.
             max_speed_rpm: if rollers == 3 { 170.0 } else { 300.0 },
             max_acceleration_rad_s2: 500.0,
+            torque_curve_rpm_n_m: None,
+            occlusion_torque_n_m: None,
+            inertia_kg_m2: None,
         },
         fluid: FluidTable {
             name: "water".to_owned(),
@@ -85,6 +91,7 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
             density_kg_m3: 997.0,
             viscosity_mpa_s: None,
             bulk_modulus_mpa: None,
+            vapour_kpa: None,
         },
         ambient: AmbientTable { pressure_kpa: 85.7 },
         limits: LimitsTable::default(),

@@ -1,7 +1,7 @@
 //! A dose that is asked for, and the same planned and predicted.
 
 use pump_ctl::plan::{
-    Cruise, LimitedBy, Limits, Margin, Margins, Phase, Plan, PlanError, Prediction, Request, plan,
+    Cruise, Finish, LimitedBy, Limits, Margin, Margins, Phase, Plan, PlanError, Prediction, Request, plan,
 };
 use pump_model::Pump;
 use pump_model::math::rpm;
@@ -64,6 +64,8 @@ pub struct DoseRequest {
     pub cruise: Option<Cruise>,
     /// Whether the speed follows the rollers' angle for a smooth flow.
     pub smooth: bool,
+    /// Where in a pitch it may end; its retraction ends anywhere.
+    pub finish: Finish,
     /// Where the rollers stand, rad; none takes the recorded angle.
     pub start_angle_rad: Option<f64>,
     /// What is sucked back after the dose, mL, positive; none sucks nothing back.
@@ -82,6 +84,7 @@ impl DoseRequest {
             volume_ml,
             cruise: None,
             smooth: false,
+            finish: Finish::Any,
             start_angle_rad: None,
             retract_ml: None,
             max_outlet_kpa: None,
@@ -179,7 +182,7 @@ impl Prepared {
         carry_ml: f64,
     ) -> Result<Self, PlanError> {
         let prediction = plan.predict(&model)?;
-        let mut warnings = warnings_of(&model, &plan, &prediction, &limits.margins(&model, &plan)?);
+        let mut warnings = warnings_of(&model, &plan, &prediction, &limits.margins(&model, &plan)?)?;
         let is_weighed = calibration.as_ref().is_some_and(|applied| applied.displacement.is_some());
         if file.is_estimated() && !is_weighed {
             warnings.push(
@@ -224,15 +227,18 @@ fn asked_of(file: &PumpFile, request: &DoseRequest, carry_ml: f64) -> (Request, 
         carry_in_ml: if request.purpose == Purpose::Dose { carry_ml } else { 0.0 },
         cruise: request.cruise.unwrap_or(default_cruise),
         smooth: request.smooth,
+        finish: request.finish,
     };
-    let mut limits = file.limits();
-    limits.max_outlet_kpa = request.max_outlet_kpa.or(limits.max_outlet_kpa);
-    limits.min_inlet_kpa = request.min_inlet_kpa.or(limits.min_inlet_kpa);
-    (asked, limits)
+    (asked, file.limits_with(request.max_outlet_kpa, request.min_inlet_kpa))
 }
 
 /// What a person should know of a plan before it runs.
-fn warnings_of(model: &Pump, plan: &Plan, prediction: &Prediction, margins: &Margins) -> Vec<String> {
+fn warnings_of(
+    model: &Pump,
+    plan: &Plan,
+    prediction: &Prediction,
+    margins: &Margins,
+) -> Result<Vec<String>, PlanError> {
     let mut warnings = Vec::new();
     if !plan.start.is_known(model.pitch_rad()) {
         warnings.extend(unknown_angle::warnings(model, plan));
@@ -244,7 +250,9 @@ fn warnings_of(model: &Pump, plan: &Plan, prediction: &Prediction, margins: &Mar
             rpm(plan.profile.peak_rad_s()),
         ));
     }
-    if plan.carry_ml.abs() > 0.05 * plan.requested_ml.abs() {
+    if let Some(warning) = low_flow_warning(model, plan)? {
+        warnings.push(warning);
+    } else if plan.carry_ml.abs() > 0.05 * plan.requested_ml.abs() {
         warnings.push(format!(
             "a motor step is coarse for this dose: it gives {:.2} µL, and the other {:.2} µL are carried to the next",
             1e3 * plan.planned_ml,
@@ -280,5 +288,26 @@ fn warnings_of(model: &Pump, plan: &Plan, prediction: &Prediction, margins: &Mar
             prediction.step_kpa
         ));
     }
-    warnings
+    Ok(warnings)
+}
+
+/// What a dose that ends at low flow carries because of that, and what it need not.
+fn low_flow_warning(model: &Pump, plan: &Plan) -> Result<Option<String>, PlanError> {
+    // Within half a step of what was asked the end is where it would be anyway.
+    let half_step_ml = 0.5 * plan.step_rad * model.nominal_ml_rad();
+    if plan.finish == Finish::Any || plan.carry_ml.abs() <= half_step_ml {
+        return Ok(None);
+    }
+    let volumes = plan.low_flow_volumes_ml(model)?.into_iter().flatten();
+    let nearest: Vec<String> =
+        volumes.map(|volume_ml| format!("{:.4} mL", volume_ml - plan.carry_in_ml)).collect();
+    let word = if plan.carry_ml * plan.requested_ml < 0.0 { "too much" } else { "too little" };
+    Ok(Some(format!(
+        "to end at low flow the dose gives {:.4} mL for {} mL asked; {:.4} mL {word} are carried to the next; nearest volumes that \
+         end there and carry nothing: {}",
+        plan.planned_ml,
+        plan.requested_ml,
+        plan.carry_ml.abs(),
+        nearest.join(" and ")
+    )))
 }

@@ -54,6 +54,8 @@ impl DrawnPump {
         file.pump.name = format!("{} rollers, from a drawing", geometry.rollers);
         file.tube.bore_radius_mm = geometry.bore_radius_mm;
         file.tube.outer_radius_mm = geometry.tube_outer_radius_mm;
+        // A drawing does not tell what the tube is made of.
+        (file.tube.modulus_mpa, file.tube.poisson_ratio) = (None, None);
         file.rollers.count = geometry.rollers;
         file.rollers.radius_mm = geometry.roller_radius_mm;
         file.rollers.offset_mm = geometry.roller_offset_mm;

@@ -1,6 +1,6 @@
 //! What a dose reports to programs: one JSON object. `report_text.rs` is the same for people.
 
-use pump_ctl::plan::LimitedBy;
+use pump_ctl::plan::{Finish, InletBound, LimitedBy};
 use pump_model::Ripple;
 use pump_model::math::{degrees, rpm};
 use serde::Serialize;
@@ -60,6 +60,8 @@ pub struct DoseReport {
     pub steps_per_rev: f64,
     /// What is sucked back after the dose, mL: of a dose that was run, what was; null if it was not asked for.
     pub retraction_ml: Option<f64>,
+    /// Where in a pitch the dose may end: `any` or `low-flow`.
+    pub finish: &'static str,
     /// What the next dose owes, mL: requested + carry in - planned; after a prime or purge, what was owed before.
     pub carry_ml: f64,
     /// Fastest speed, r/min.
@@ -88,6 +90,10 @@ pub struct DoseReport {
     pub ripple_after: RippleReport,
     /// What keeps the dose from being faster.
     pub limited_by: &'static str,
+    /// Smallest pressure that is allowed at the port that sucks, kPa absolute; null if none is known.
+    pub inlet_limit_kpa: Option<f64>,
+    /// What it is: `given`, `tube_collapse` or `vapour_pressure`, the largest of those that are known.
+    pub inlet_limit: Option<&'static str>,
     /// Limits for which no value is known, so that nobody checked them.
     pub limits_not_checked: Vec<&'static str>,
     /// What the user should know.
@@ -169,14 +175,6 @@ impl DoseReport {
         let budget = Budget::new(model, &part, &file.uncertainty, applied);
         let limits = &prepared.limits;
         let ripples = plan.ripples(model);
-        let limits_not_checked = [
-            ("outlet_pressure", limits.max_outlet_kpa.is_none()),
-            ("inlet_pressure", limits.min_inlet_kpa.is_none()),
-            ("torque", limits.torque.is_none()),
-        ]
-        .into_iter()
-        .filter_map(|(name, missing)| missing.then_some(name))
-        .collect();
         Self {
             schema: "dose/1",
             pump: file.pump.id.clone(),
@@ -217,6 +215,10 @@ impl DoseReport {
                 .retraction
                 .as_ref()
                 .map(|back| delivered.map_or(-back.plan.planned_ml, |delivered| delivered.retracted_ml)),
+            finish: match plan.finish {
+                Finish::Any => "any",
+                Finish::LowFlow => "low-flow",
+            },
             carry_ml: delivered
                 .map_or(prepared.owes_ml(), |delivered| prepared.carry_out_ml + delivered.retracted_ml),
             cruise_speed_rpm: rpm(cruise_rad_s),
@@ -239,7 +241,13 @@ impl DoseReport {
                 LimitedBy::InletPressure => "inlet_pressure",
                 LimitedBy::Torque => "torque",
             },
-            limits_not_checked,
+            inlet_limit_kpa: limits.min_inlet_kpa,
+            inlet_limit: limits.min_inlet_kpa.map(|_| match limits.inlet_bound {
+                InletBound::Given => "given",
+                InletBound::TubeCollapse => "tube_collapse",
+                InletBound::Vapour => "vapour_pressure",
+            }),
+            limits_not_checked: file.not_checked(limits, prepared.request.min_inlet_kpa),
             warnings: prepared.warnings.clone(),
             completed: delivered.is_some_and(|delivered| delivered.completed),
         }

@@ -113,7 +113,14 @@ impl DoseReport {
             self.outlet_max_kpa,
             self.ambient_kpa
         )?;
-        writeln!(to, "  not checked  {}", self.limits_not_checked.join(", ").replace('_', " "))?;
+        if let Some((limit_kpa, of)) = self.inlet_limit_kpa.zip(self.inlet_limit) {
+            writeln!(to, "  suction      not below {limit_kpa:.2} kPa absolute ({})", of.replace('_', " "))?;
+        }
+        let not_checked = match self.limits_not_checked.join(", ").replace('_', " ") {
+            none if none.is_empty() => "nothing: every limit has a value".to_owned(),
+            names => names,
+        };
+        writeln!(to, "  not checked  {not_checked}")?;
         writeln!(to, "  uncertainty  {}", self.budget_line())?;
         if let Some(remedy) = self.remedy_line() {
             writeln!(to, "  surer        {remedy}")?;

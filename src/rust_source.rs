@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use pump_ctl::plan::Torque;
 use pump_model::{FlowCurve, Geometry, Line, ModelError, Pump};
 
 use crate::pump_file::PumpFile;
@@ -20,7 +21,8 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
         env!("CARGO_PKG_VERSION"),
     );
     let out = &mut source;
-    out.push_str("use pump_ctl::plan::{Limits, Motor};\n");
+    let torque = if limits.torque.is_some() { ", Torque, TorqueCurve" } else { "" };
+    let _ = writeln!(out, "use pump_ctl::plan::{{InletBound, Limits, Motor{torque}}};");
     out.push_str("use pump_model::{FlowCurve, Geometry, Line, Pump, RollerVolume};\n\n");
 
     write_pump(out, &pump);
@@ -36,15 +38,33 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
              }},\n    \
              max_outlet_kpa: {},\n    \
              min_inlet_kpa: {},\n    \
-             torque: None,\n\
+             inlet_bound: InletBound::{:?},\n    \
+             torque: {},\n\
          }};\n",
         motor.steps_per_rev,
         motor.max_speed_rad_s,
         motor.max_acceleration_rad_s2,
         option(limits.max_outlet_kpa),
         option(limits.min_inlet_kpa),
+        limits.inlet_bound,
+        limits.torque.as_ref().map_or("None".to_owned(), torque_source),
     );
     Ok(source)
+}
+
+fn torque_source(torque: &Torque) -> String {
+    format!(
+        "Some(Torque {{\n        \
+             occlusion_n_m: {:?},\n        \
+             inertia_kg_m2: {:?},\n        \
+             ambient_kpa: {:?},\n        \
+             motor: TorqueCurve::precomputed({:?}),\n    \
+         }})",
+        torque.occlusion_n_m,
+        torque.inertia_kg_m2,
+        torque.ambient_kpa,
+        torque.motor.precomputed_points(),
+    )
 }
 
 fn write_pump(out: &mut String, pump: &Pump) {

@@ -13,7 +13,7 @@ const WEIGHTS_KG_M3: f64 = 8000.0;
 const HUMIDITY_PERCENT: f64 = 50.0;
 
 /// How far from the temperature of its density another fluid may be weighed, °C.
-const SAME_TEMPERATURE_DEGC: f64 = 2.0;
+pub(crate) const SAME_TEMPERATURE_DEGC: f64 = 2.0;
 
 /// What is weighed, and where.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,6 +89,7 @@ mod tests {
             density_kg_m3: 1126.0,
             viscosity_mpa_s: None,
             bulk_modulus_mpa: None,
+            vapour_kpa: None,
         };
         let weighing = Weighing { fluid: &fluid, ambient_kpa: 101.3 };
         let volume_ml = weighing.volume_ml(112.6, 21.0).unwrap();

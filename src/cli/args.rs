@@ -146,6 +146,14 @@ pub(crate) enum Driver {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FinishAt {
+    /// Anywhere
+    Any,
+    /// Where the flow is at most half of what it is between pulses: drips less, in finer steps
+    LowFlow,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Missed {
     /// Leave it out
     Skip,
@@ -190,6 +198,15 @@ pub(crate) struct Options {
     /// Let the speed follow the rollers' angle, for a flow as smooth as the limits allow
     #[arg(long, global = true)]
     pub(crate) smooth: bool,
+    /// Where in a pitch the dose may end [default: any]
+    #[arg(long, global = true, value_name = "any|low-flow")]
+    pub(crate) finish: Option<FinishAt>,
+    /// What is pumped, where it is not the pump file's fluid: water
+    #[arg(long, global = true, value_name = "NAME")]
+    pub(crate) fluid: Option<String>,
+    /// Temperature of what is pumped, as 20degC [default: the pump file's]
+    #[arg(long, global = true, value_name = "TEMPERATURE", value_parser = quantity::temperature_degc)]
+    pub(crate) temperature: Option<f64>,
     /// Suck back so much after the dose; the next one repays it
     #[arg(long, global = true, value_name = "VOLUME", value_parser = quantity::volume_ml)]
     pub(crate) retract: Option<f64>,
@@ -263,6 +280,9 @@ impl Options {
             ("--speed", self.speed.is_some()),
             ("--within", self.within.is_some()),
             ("--smooth", self.smooth),
+            ("--finish", self.finish.is_some()),
+            ("--fluid", self.fluid.is_some()),
+            ("--temperature", self.temperature.is_some()),
             ("--retract", self.retract.is_some()),
             ("--reverse", self.reverse),
             ("--start-angle", self.start_angle.is_some()),
@@ -316,6 +336,8 @@ impl Options {
     pub(crate) fn bench(&self) -> Result<Bench, Failure> {
         let mut file = self.pump_file()?;
         file.tube.life_ml = self.tube_limit.or(file.tube.life_ml);
+        file.fluid =
+            file.fluid.changed_to(self.fluid.as_deref(), self.temperature).map_err(Failure::refused)?;
         let driver = self.driver.map(|driver| match driver {
             Driver::Sim => DriverName::Sim,
             Driver::Grbl => DriverName::Grbl,

@@ -4,13 +4,14 @@ use std::io::{self, Write};
 use std::ops::ControlFlow;
 
 use indicatif::{ProgressBar, ProgressStyle};
+use pump_ctl::plan::Finish;
 use pump_dose::pump_file::{DriverName, PumpFile};
 use pump_dose::quantity::Amount;
 use pump_dose::times::times;
 use pump_dose::waveform::{Method, Waveform};
 use pump_dose::{Bench, Delivered, DoseReport, DoseRequest, Prepared, Purpose, Session, csv};
 
-use super::args::Options;
+use super::args::{FinishAt, Options};
 use super::interrupt::Interrupt;
 use super::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use super::{Failure, batch, print};
@@ -18,7 +19,8 @@ use super::{Failure, batch, print};
 /// Said after a signal.
 const STOPPED: &str = "stopped by the user; `dose resume` makes the rest, `dose discard` leaves it";
 
-const PRESSURES: [&str; 2] = ["--max-outlet-pressure", "--min-inlet-pressure"];
+/// What decides on pressures.
+const PRESSURES: [&str; 4] = ["--max-outlet-pressure", "--min-inlet-pressure", "--fluid", "--temperature"];
 
 /// A file of more rows is a mistake: it would fill disks (a row has up to 150 bytes).
 const MAX_ROWS: f64 = 1e8;
@@ -39,7 +41,8 @@ pub(crate) fn purge(amount: &Amount, options: &Options) -> Result<(), Failure> {
 pub(crate) fn resume(options: &Options) -> Result<(), Failure> {
     let device = ["--driver", "--port", "--configure"];
     let accepted =
-        [&PRESSURES[..], &["--rate", "--speed", "--within", "--smooth", "--format"], &device].concat();
+        [&PRESSURES[..], &["--rate", "--speed", "--within", "--smooth", "--finish", "--format"], &device]
+            .concat();
     options.accept_only("dose resume", &accepted)?;
     let bench = options.bench()?;
     let request = with_options(DoseRequest::dose(0.0), options, bench.file())?;
@@ -55,7 +58,11 @@ fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> R
         &["--rate", "--speed", "--within", "--smooth", "--reverse", "--start-angle", "--dry-run", "--format"],
         &["--driver", "--port", "--configure"],
         &["--steps", "--trace", "--plot", "--dt", "--tube-limit"],
-        if purpose == Purpose::Dose { &["--repeat", "--every", "--missed", "--retract"] } else { &[] },
+        if purpose == Purpose::Dose {
+            &["--repeat", "--every", "--missed", "--retract", "--finish"]
+        } else {
+            &[]
+        },
     ];
     options.accept_only(command, &accepted.concat())?;
     options.outputs_differ()?;
@@ -205,6 +212,10 @@ fn with_options(request: DoseRequest, options: &Options, file: &PumpFile) -> Res
     Ok(DoseRequest {
         cruise: options.cruise()?,
         smooth: options.smooth,
+        finish: match options.finish {
+            Some(FinishAt::LowFlow) => Finish::LowFlow,
+            Some(FinishAt::Any) | None => Finish::Any,
+        },
         max_outlet_kpa: options.max_outlet_pressure.map(|pressure| pressure.absolute_kpa(ambient_kpa)),
         min_inlet_kpa: options.min_inlet_pressure.map(|pressure| pressure.absolute_kpa(ambient_kpa)),
         ..request

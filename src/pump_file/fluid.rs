@@ -2,6 +2,12 @@
 
 use pump_model::{Fluid, ModelError};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::calibration::weighing::SAME_TEMPERATURE_DEGC;
+
+/// The fluid that the model knows.
+const WATER: &str = "water";
 
 /// `[fluid]`
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,9 +25,84 @@ pub struct FluidTable {
     /// Bulk modulus, MPa, which a hose's C needs; water's is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bulk_modulus_mpa: Option<f64>,
+    /// Vapour pressure, kPa absolute; that of water from 0 to 100 °C is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub vapour_kpa: Option<f64>,
+}
+
+/// A fluid or a temperature that is not known.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum FluidError {
+    /// A fluid of which nothing is known.
+    #[error(
+        "nothing is known of the fluid `{name}`; known: water and the pump file's own, {own}; or write a pump file for it"
+    )]
+    Unknown {
+        /// What was given.
+        name: String,
+        /// The pump file's fluid.
+        own: String,
+    },
+    /// A fluid that is known at one temperature.
+    #[error(
+        "the density of {name} is known at {known_degc} °C alone (within 2 °C), not at {asked_degc} °C; write a pump file with its density there"
+    )]
+    Temperature {
+        /// The fluid.
+        name: String,
+        /// What was asked, °C.
+        asked_degc: f64,
+        /// Where it is known, °C.
+        known_degc: f64,
+    },
+    /// Water is not known at that temperature.
+    #[error(transparent)]
+    Model(#[from] ModelError),
 }
 
 impl FluidTable {
+    /// The fluid of this name at this temperature, °C; what is not given stays as it is. The fluid of this table at its own
+    /// temperature is the table; water has the density of any other, and other fluids that of the table within 2 °C.
+    ///
+    /// ```
+    /// let own = pump_dose::built_in("three-roller").unwrap().fluid;
+    /// assert_eq!(own.changed_to(Some("water"), None)?, own);
+    /// assert!((own.changed_to(None, Some(40.0))?.density_kg_m3 - 992.22).abs() < 0.01);
+    /// assert!(own.changed_to(Some("oil"), None).is_err());
+    /// # Ok::<(), pump_dose::pump_file::FluidError>(())
+    /// ```
+    pub fn changed_to(&self, name: Option<&str>, temperature_degc: Option<f64>) -> Result<Self, FluidError> {
+        let degc = temperature_degc.unwrap_or(self.temperature_degc);
+        let same = name.is_none_or(|name| name.eq_ignore_ascii_case(&self.name));
+        if same && degc == self.temperature_degc {
+            return Ok(self.clone());
+        }
+        let water =
+            if same { self.is_water() } else { name.is_some_and(|name| name.eq_ignore_ascii_case(WATER)) };
+        if water {
+            let density_kg_m3 = Fluid::water(degc)?.density_kg_m3;
+            return Ok(Self {
+                name: WATER.to_owned(),
+                temperature_degc: degc,
+                density_kg_m3,
+                viscosity_mpa_s: None,
+                bulk_modulus_mpa: None,
+                vapour_kpa: None,
+            });
+        }
+        if same && (degc - self.temperature_degc).abs() <= SAME_TEMPERATURE_DEGC {
+            return Ok(Self { temperature_degc: degc, ..self.clone() });
+        }
+        let own = self.name.clone();
+        Err(match name.filter(|_| !same) {
+            Some(name) => FluidError::Unknown { name: name.to_owned(), own },
+            None => {
+                FluidError::Temperature { name: own, asked_degc: degc, known_degc: self.temperature_degc }
+            }
+        })
+    }
+
     /// What is not known of it, though a hose needs it: table and key.
     pub(super) fn missing(&self) -> Option<&'static str> {
         let keys = [
@@ -52,7 +133,13 @@ impl FluidTable {
         Ok(fluid)
     }
 
+    /// Vapour pressure, kPa absolute: as the file says, or water's at its temperature; none if it is not known.
+    pub fn vapour_kpa(&self) -> Option<f64> {
+        let of_water = || Fluid::water(self.temperature_degc).ok().filter(|_| self.is_water())?.vapour_kpa;
+        self.vapour_kpa.or_else(of_water)
+    }
+
     pub(crate) fn is_water(&self) -> bool {
-        self.name.eq_ignore_ascii_case("water")
+        self.name.eq_ignore_ascii_case(WATER)
     }
 }

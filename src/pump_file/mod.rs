@@ -2,21 +2,27 @@
 
 mod drive;
 mod fluid;
+mod limits;
 mod line;
+mod motor;
 mod roller_volume;
+mod tube;
 
 use std::path::{Path, PathBuf};
 
-use pump_ctl::plan::{Limits, Motor, PlanError};
-use pump_model::math::{rad_s, radians};
+use pump_ctl::plan::PlanError;
+use pump_model::math::radians;
 use pump_model::{Geometry, ModelError, Pump};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 pub use drive::{Axis, DriveTable, DriverName};
-pub use fluid::FluidTable;
+pub use fluid::{FluidError, FluidTable};
+pub use limits::LimitsTable;
 pub use line::{HoseTable, LineTable};
+pub use motor::MotorTable;
 pub use roller_volume::{Fit, RollerVolumeTable};
+pub use tube::TubeTable;
 
 /// Schema of pump files.
 pub const SCHEMA: &str = "pump/1";
@@ -72,19 +78,6 @@ pub struct PumpTable {
     pub mark_angle_deg: Option<f64>,
 }
 
-/// `[tube]`
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct TubeTable {
-    /// r_i, mm.
-    pub bore_radius_mm: f64,
-    /// r_o, mm.
-    pub outer_radius_mm: f64,
-    /// Volume that a tube lasts, either way, mL; none if it is not known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub life_ml: Option<f64>,
-}
-
 /// `[rollers]`
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -107,67 +100,12 @@ pub struct BackplateTable {
     pub contact_angle_deg: f64,
 }
 
-/// `[motor]`
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct MotorTable {
-    /// Steps per revolution of the motor, microsteps included.
-    pub steps_per_rev: u32,
-    /// Revolutions of the motor per revolution of the pump head.
-    #[serde(default = "one")]
-    pub gear: f64,
-    /// Full steps per revolution of the motor: a rotor that is let go may fall by two of them.
-    #[serde(default = "usual_full_steps")]
-    pub full_steps_per_rev: u32,
-    /// Fastest speed of the pump head, r/min.
-    pub max_speed_rpm: f64,
-    /// Largest acceleration of the pump head, rad/s².
-    pub max_acceleration_rad_s2: f64,
-}
-
-impl MotorTable {
-    /// The motor as seen at the pump head.
-    pub fn at_pump_head(&self) -> Motor {
-        Motor {
-            steps_per_rev: f64::from(self.steps_per_rev) * self.gear,
-            max_speed_rad_s: rad_s(self.max_speed_rpm),
-            max_acceleration_rad_s2: self.max_acceleration_rad_s2,
-        }
-    }
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-fn usual_full_steps() -> u32 {
-    200
-}
-
 /// `[ambient]`
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AmbientTable {
     /// Atmospheric pressure, kPa absolute: what gauge pressures are measured against.
     pub pressure_kpa: f64,
-}
-
-/// `[limits]`
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LimitsTable {
-    /// Largest pressure at the port that pushes, kPa absolute.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub max_outlet_kpa: Option<f64>,
-    /// Smallest pressure at the port that sucks, kPa absolute.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub min_inlet_kpa: Option<f64>,
-}
-
-impl LimitsTable {
-    fn is_empty(&self) -> bool {
-        *self == Self::default()
-    }
 }
 
 /// `[uncertainty]`
@@ -287,23 +225,9 @@ impl PumpFile {
         if let Some(mark) = self.pump.mark_angle_deg {
             value(mark.is_finite() && mark.abs() <= 360.0, "[pump] mark_angle_deg", &mark, "-360 to 360")?;
         }
-        if let Some(life_ml) = self.tube.life_ml {
-            value(life_ml > 0.0 && life_ml.is_finite(), "[tube] life_ml", &life_ml, "more than 0")?;
+        if let Some((key, found, allowed)) = self.tube.wrong().or_else(|| self.motor.wrong()) {
+            value(false, key, &found, allowed)?;
         }
-        let motor = &self.motor;
-        value(
-            (1..=100_000_000).contains(&motor.steps_per_rev),
-            "[motor] steps_per_rev",
-            &motor.steps_per_rev,
-            "1 to 100000000",
-        )?;
-        value((1e-3..=1e4).contains(&motor.gear), "[motor] gear", &motor.gear, "0.001 to 10000")?;
-        value(
-            (4..=100_000).contains(&motor.full_steps_per_rev),
-            "[motor] full_steps_per_rev",
-            &motor.full_steps_per_rev,
-            "4 to 100000",
-        )?;
         if let Some(drive) = &self.drive {
             drive.check(value)?;
         }
@@ -316,6 +240,9 @@ impl PumpFile {
             &temperature,
             "-273.15 to 1000",
         )?;
+        if let Some(vapour) = self.fluid.vapour_kpa {
+            value((0.0..=1e4).contains(&vapour), "[fluid] vapour_kpa", &vapour, "0 to 10000 (absolute)")?;
+        }
         let has_hose = self.inlet.is_estimated() || self.outlet.is_estimated();
         if let Some(key) = self.fluid.missing().filter(|_| has_hose) {
             value(
@@ -380,16 +307,6 @@ impl PumpFile {
     /// Whether volumes follow from a drawing that nobody has held against the pump.
     pub fn is_estimated(&self) -> bool {
         self.roller_volume.is_estimated()
-    }
-
-    /// Limits of motor and pressures.
-    pub fn limits(&self) -> Limits {
-        Limits {
-            motor: self.motor.at_pump_head(),
-            max_outlet_kpa: self.limits.max_outlet_kpa,
-            min_inlet_kpa: self.limits.min_inlet_kpa,
-            torque: None,
-        }
     }
 
     /// What turns the motor unless another driver is named.

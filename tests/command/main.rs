@@ -8,6 +8,8 @@ mod doses;
 mod drawings;
 mod endings;
 mod files;
+mod finish;
+mod fluids;
 mod limits;
 mod refusals;
 mod retraction;

@@ -83,7 +83,7 @@ fn what_breaks_a_limit_is_refused_with_what_can_be_had() {
     let pump = Pump::three_roller();
     let limits = collapse(400.0);
     let refused = |cruise| match dose(&pump, 60.0, 0.3, cruise, &limits) {
-        Err(PlanError::InletPressure { predicted_kpa, limit_kpa, nearest }) => {
+        Err(PlanError::InletPressure { predicted_kpa, limit_kpa, nearest, .. }) => {
             assert!(predicted_kpa < limit_kpa && limit_kpa == COLLAPSE_KPA);
             nearest
         }

@@ -1,6 +1,6 @@
 //! Plans doses of one pump within its limits.
 
-use pump_ctl::plan::{Cruise, Limits as CtlLimits, Phase};
+use pump_ctl::plan::{Cruise, Finish, Limits as CtlLimits, Phase};
 use pump_dose::{DoseRequest, Purpose, quantity};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -66,6 +66,9 @@ impl Doser {
     /// smooth : bool
     ///     Let the speed follow the rollers' angle, so that the flow at the outlet is as smooth as the motor's speed and
     ///     acceleration allow. Rate and speed are then means over whole pitches.
+    /// finish : str
+    ///     "any" or "low-flow": where in a pitch the dose may end. At "low-flow" the outlet's flow is at most half of what it is
+    ///     between pulses; the plan takes the nearest such end and carries the difference.
     /// start_angle_rad : float
     ///     Where the rollers stand, rad. Only the angle within a pitch matters.
     /// start_half_width_rad : float
@@ -88,7 +91,7 @@ impl Doser {
     /// PlanError
     ///     If the pump cannot do it, as a rate above its fastest or a pressure beyond a limit.
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
-    #[pyo3(signature = (volume, *, rate=None, speed=None, within=None, smooth=false, start_angle_rad=0.0, start_half_width_rad=0.0, carry_in_ml=0.0))]
+    #[pyo3(signature = (volume, *, rate=None, speed=None, within=None, smooth=false, finish="any", start_angle_rad=0.0, start_half_width_rad=0.0, carry_in_ml=0.0))]
     fn plan(
         slf: &Bound<'_, Self>,
         volume: &Bound<'_, PyAny>,
@@ -96,6 +99,7 @@ impl Doser {
         speed: Option<&Bound<'_, PyAny>>,
         within: Option<&Bound<'_, PyAny>>,
         smooth: bool,
+        finish: &str,
         start_angle_rad: f64,
         start_half_width_rad: f64,
         carry_in_ml: f64,
@@ -107,6 +111,7 @@ impl Doser {
             volume_ml: amount.volume_ml(doser.pump.get().file.fluid.density_kg_m3),
             cruise: cruise(rate, speed, within)?,
             smooth,
+            finish: finish_named(finish)?,
             start_angle_rad: Some(start_angle_rad),
             retract_ml: None,
             max_outlet_kpa: doser.limits.max_outlet_kpa,
@@ -135,14 +140,18 @@ impl Doser {
 }
 
 impl Doser {
-    /// Those of the pump file, with the pressures given here in their place.
+    /// Those of the pump file, with the pressures given here in place of its `[limits]`.
     pub(crate) fn ctl_limits(&self) -> CtlLimits {
-        let limits = self.pump.get().file.limits();
-        CtlLimits {
-            max_outlet_kpa: self.limits.max_outlet_kpa.or(limits.max_outlet_kpa),
-            min_inlet_kpa: self.limits.min_inlet_kpa.or(limits.min_inlet_kpa),
-            ..limits
-        }
+        self.pump.get().file.limits_with(self.limits.max_outlet_kpa, self.limits.min_inlet_kpa)
+    }
+}
+
+/// Where in a pitch a dose may end.
+pub(crate) fn finish_named(name: &str) -> PyResult<Finish> {
+    match name {
+        "any" => Ok(Finish::Any),
+        "low-flow" => Ok(Finish::LowFlow),
+        _ => Err(value(format_args!("finish is '{name}'; allowed: 'any', 'low-flow'"))),
     }
 }
 

@@ -1,19 +1,19 @@
 //! A planned dose.
 
 use numpy::PyArray1;
-use pump_ctl::plan::{Cruise, Phase};
+use pump_ctl::plan::{Cruise, Finish, Phase};
 use pump_dose::{DoseReport, DoseRequest, PhaseSource, Prepared, Purpose};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
-use crate::doser::Doser;
+use crate::doser::{Doser, finish_named};
 use crate::errors::{self, value};
 use crate::pump::Pump;
 
 /// A cruise as plain data: which of rate (mL/s), speed (rad/s) and within (s), and its value.
 type PlainCruise = Option<(String, f64)>;
 /// What a plan is pickled as.
-type Plain = (Py<Doser>, f64, PlainCruise, f64, f64, f64, bool);
+type Plain = (Py<Doser>, f64, PlainCruise, f64, f64, f64, bool, String);
 
 /// A dose, ready to run: made by `Doser.plan`.
 ///
@@ -224,13 +224,15 @@ impl Plan {
             self.start_half_width_rad(),
             self.report.carry_in_ml,
             request.smooth,
+            if request.finish == Finish::LowFlow { "low-flow" } else { "any" }.to_owned(),
         );
         Ok((py.get_type::<Self>().getattr("_rebuild")?, plain))
     }
 
     /// Plans again: the same request on the same pump is the same plan.
     #[staticmethod]
-    #[pyo3(signature = (doser, volume_ml, cruise, start_angle_rad, start_half_width_rad, carry_in_ml, smooth))]
+    #[allow(clippy::too_many_arguments, reason = "everything that a plan is made of, for pickle")]
+    #[pyo3(signature = (doser, volume_ml, cruise, start_angle_rad, start_half_width_rad, carry_in_ml, smooth, finish))]
     fn _rebuild(
         doser: &Bound<'_, Doser>,
         volume_ml: f64,
@@ -239,6 +241,7 @@ impl Plan {
         start_half_width_rad: f64,
         carry_in_ml: f64,
         smooth: bool,
+        finish: &str,
     ) -> PyResult<Self> {
         let cruise = match cruise {
             None => None,
@@ -254,6 +257,7 @@ impl Plan {
             volume_ml,
             cruise,
             smooth,
+            finish: finish_named(finish)?,
             start_angle_rad: Some(start_angle_rad),
             retract_ml: None,
             max_outlet_kpa: limits.max_outlet_kpa,
@@ -272,13 +276,6 @@ impl Plan {
         carry_in_ml: f64,
     ) -> PyResult<Self> {
         let Pump { file, model } = doser.get().pump.get();
-        let limits = doser.get().ctl_limits();
-        // The request carries no limits of its own: the doser's stand for the pump file's.
-        let request = DoseRequest {
-            max_outlet_kpa: request.max_outlet_kpa.or(limits.max_outlet_kpa),
-            min_inlet_kpa: request.min_inlet_kpa.or(limits.min_inlet_kpa),
-            ..request
-        };
         let prepared =
             doser.py().detach(|| Prepared::new(file, model, request, start, PhaseSource::Given, carry_in_ml));
         let prepared = prepared.map_err(errors::plan)?;

@@ -206,6 +206,20 @@ def test_an_unknown_angle_gives_the_range_of_the_volume() -> None:
         doser.plan("25mL", start_half_width_rad=-1)
 
 
+def test_a_dose_that_ends_at_low_flow_carries_the_difference() -> None:
+    pump = pm.Pump.three_roller()
+    doser = pm.Doser(pump)
+    plan = doser.plan("25mL", finish="low-flow", start_angle_rad=0.3)
+    end_rad = 0.3 + plan.steps * 2 * math.pi / 12800
+    assert pump.outlet_flow_per_rad(end_rad) <= 0.5 * pump.outlet_flow_per_rad(1.5) < pump.outlet_flow_per_rad(0.3)
+    assert plan.planned_ml + plan.carry_ml == pytest.approx(25)
+    assert pickle.loads(pickle.dumps(plan)) == plan
+    with pytest.raises(pm.PlanError, match="needs the rollers' angle"):
+        doser.plan("25mL", finish="low-flow", start_half_width_rad=math.pi)
+    with pytest.raises(ValueError, match="finish is 'dry'"):
+        doser.plan("25mL", finish="dry")
+
+
 def test_a_smooth_flow_has_less_ripple_and_the_same_steps() -> None:
     doser = pm.Doser(pm.Pump.three_roller())
     even = doser.plan("25mL", rate="4 mL/s", start_angle_rad=0.3)

@@ -43,7 +43,7 @@ pub(super) fn runs(bench: &Bench, args: &RunArgs, options: &Options) -> Result<O
     let pitches = args.pitches.unwrap_or(ceil(LEAST_ML / pitch_ml) as u32);
     let (answers, interrupt) = (Answers::new(), watch()?);
     let mut guide =
-        Guide { bench, session, answers, interrupt, pitches, temperature_degc: args.temperature, options };
+        Guide { bench, session, answers, interrupt, pitches, temperature_degc: options.temperature, options };
     // Every speed is planned before anything moves.
     for speed_rad_s in &speeds_rad_s {
         guide.prepare(*speed_rad_s)?;

@@ -35,6 +35,9 @@ pub(crate) enum CalibrateCommand {
     },
 }
 
+/// What was weighed: the temperature of the fluid is that of its readings where a table says none.
+const FLUID: [&str; 2] = ["--fluid", "--temperature"];
+
 /// What is known of the readings.
 #[derive(Debug, Args)]
 pub(crate) struct ReadingArgs {
@@ -65,9 +68,6 @@ pub(crate) struct RunArgs {
     /// Whole pitches of each guided run [default: 50 mL or more]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), conflicts_with = "from")]
     pitches: Option<u32>,
-    /// Temperature of the fluid in the guided runs, as 21.5degC [default: the pump file's]
-    #[arg(long, value_name = "TEMPERATURE", value_parser = quantity::temperature_degc, conflicts_with = "from")]
-    temperature: Option<f64>,
 }
 
 #[derive(Debug, Args)]
@@ -84,9 +84,6 @@ pub(crate) struct VerifyArgs {
     /// Random error (CV) allowed, as 0.2% [default: ISO 8655-5's for 10 mL]
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     random: Option<f64>,
-    /// Temperature of the fluid, as 21.5degC [default: the pump file's]
-    #[arg(long, value_name = "TEMPERATURE", value_parser = quantity::temperature_degc, conflicts_with = "from")]
-    temperature: Option<f64>,
     /// Table of doses that were made before, CSV: mass_g or volume_ml, temperature_degc
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,

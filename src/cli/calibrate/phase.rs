@@ -9,10 +9,10 @@ use serde_json::json;
 
 use super::super::args::Options;
 use super::super::{Failure, print};
-use super::{PhaseArgs, expected, in_table, read};
+use super::{FLUID, PhaseArgs, expected, in_table, read};
 
 pub(super) fn phase(args: &PhaseArgs, options: &Options) -> Result<(), Failure> {
-    options.accept_only("dose calibrate phase", &["--driver", "--format"])?;
+    options.accept_only("dose calibrate phase", &[&FLUID[..], &["--driver", "--format"]].concat())?;
     let bench = options.bench()?;
     let doses = in_table(&args.from, short_doses_of_csv(&read(&args.from)?, &Weighing::of(bench.file())))?;
     let _held = bench.folder().lock()?;

@@ -9,11 +9,11 @@ use pump_dose::calibration::{
 use super::super::args::Options;
 use super::super::home::DEVICE;
 use super::super::{Failure, print};
-use super::{RunArgs, expected, guided, in_table, read, summary};
+use super::{FLUID, RunArgs, expected, guided, in_table, read, summary};
 
 pub(super) fn run(args: &RunArgs, options: &Options) -> Result<(), Failure> {
     let accepted: &[&str] = if args.from.is_some() { &["--driver"] } else { &DEVICE };
-    options.accept_only("dose calibrate run", &[accepted, &["--format"]].concat())?;
+    options.accept_only("dose calibrate run", &[accepted, &FLUID, &["--format"]].concat())?;
     let bench = options.bench()?;
     let Some(path) = &args.from else {
         return match guided::runs(&bench, args, options)? {

@@ -8,7 +8,7 @@ use super::super::dose::{deliver, watch};
 use super::super::home::DEVICE;
 use super::super::{Failure, print};
 use super::answers::{Answer, Answers, say, volume_ml};
-use super::{VerifyArgs, in_table, read};
+use super::{FLUID, VerifyArgs, in_table, read};
 
 /// Doses that ISO 8655-6 asks for.
 const DOSES: u32 = 10;
@@ -17,7 +17,7 @@ pub(super) fn verify(args: &VerifyArgs, options: &Options) -> Result<(), Failure
     let from_table = args.from.is_some();
     let device: &[&str] = if from_table { &["--driver"] } else { &DEVICE };
     let cruise: &[&str] = if from_table { &[] } else { &["--rate", "--speed", "--within"] };
-    options.accept_only("dose calibrate verify", &[device, cruise, &["--format"]].concat())?;
+    options.accept_only("dose calibrate verify", &[device, cruise, &FLUID, &["--format"]].concat())?;
     let bench = options.bench()?;
     let nominal_ml = args.nominal.volume_ml(bench.file().fluid.density_kg_m3);
     if nominal_ml < 0.0 {
@@ -71,7 +71,7 @@ fn doses(
     let all = args.runs.unwrap_or(DOSES);
     let request = DoseRequest { cruise: options.cruise()?, ..DoseRequest::dose(nominal_ml) };
     let weighing = Weighing::of(bench.file());
-    let degc = args.temperature.unwrap_or(weighing.fluid.temperature_degc);
+    let degc = weighing.fluid.temperature_degc;
     let mut volumes_ml = Vec::new();
     while volumes_ml.len() < all as usize {
         let title = format!("dose {} of {all}", volumes_ml.len() + 1);

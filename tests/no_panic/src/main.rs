@@ -13,7 +13,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorKind, ErrorType, InputPin, OutputPin};
 use pump_ctl::drive::{Actuator, Clock, OnFault, StepDir, Timing};
 
-use pump_ctl::plan::{Cruise, Limits, Motor, Phase, PlanError, Request, plan, speed_for_flow};
+use pump_ctl::plan::{Cruise, Finish, InletBound, Limits, Motor, Phase, PlanError, Request, plan, speed_for_flow};
 use pump_ctl::plan::{Torque, TorqueCurve};
 use pump_ctl::step::{Brake, Segment, Stepper};
 use pump_model::math::{ceil, degrees, floor, pow, rad_s, radians, rpm, sqrt, wrap};
@@ -160,6 +160,7 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
         let [occlusion_n_m, inertia_kg_m2, ambient_kpa] = [(); 3].map(|()| any());
         limits.torque = Some(Torque { occlusion_n_m, inertia_kg_m2, ambient_kpa, motor: curve });
     }
+    limits.inlet_bound = if black_box(true) { InletBound::Vapour } else { InletBound::TubeCollapse };
     limits.validate()?;
     let cruise = match black_box(0) {
         0 => Cruise::Flow { ml_s: any() },
@@ -167,7 +168,8 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
         2 => Cruise::Within { time_s: any() },
         _ => Cruise::Fastest,
     };
-    let request = Request { carry_in_ml: any(), smooth: black_box(true), ..Request::new(any(), cruise) };
+    let finish = if black_box(true) { Finish::LowFlow } else { Finish::Any };
+    let request = Request { carry_in_ml: any(), smooth: black_box(true), finish, ..Request::new(any(), cruise) };
     let start = Phase { half_width_rad: any(), ..Phase::known(any()) };
     let plan = plan(pump, start, &request, &limits)?;
     black_box((plan.predict(pump)?, plan.end_step_ml(pump), plan.end_angle_rad()));
@@ -184,6 +186,7 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
     black_box((profile.time_of(any()), profile.duration_s(), profile.cruise_rad_s()));
     black_box((profile.peak_rad_s(), profile.reaches_limit(), profile.acceleration_rad_s2()));
     black_box(limits.margins(pump, &plan)?.nearest());
+    black_box(plan.low_flow_volumes_ml(pump)?);
     black_box((plan.is_smooth(), plan.cruise_flow_ml_s(pump), plan.ripples(pump)));
     black_box((plan.angle_at(any()), plan.speed_at(any()), plan.speed_after(black_box(1))));
     black_box(plan.retarget(pump, black_box(1), any(), cruise, &limits)?);

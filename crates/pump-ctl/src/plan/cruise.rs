@@ -68,7 +68,7 @@ pub(super) fn choose(
         Cruise::Fastest => {
             let Fastest { plan, limited_by, beyond } = fastest(pump, limits, limit_rad_s, &at_speed)?;
             let Some((_, plan)) = plan else {
-                return Err(refusal(limited_by, beyond, Nearest::Nothing));
+                return Err(refusal(limits, limited_by, beyond, Nearest::Nothing));
             };
             return short_enough(plan);
         }
@@ -87,7 +87,7 @@ pub(super) fn choose(
         }
         (Some((rad_s, _)), _) => Nearest::Speed { rpm: down(rpm(rad_s), 1e2) },
     };
-    Err(refusal(limited_by, Some(margin), nearest))
+    Err(refusal(limits, limited_by, Some(margin), nearest))
 }
 
 fn short_enough(plan: Plan) -> Result<Plan, PlanError> {
@@ -96,14 +96,15 @@ fn short_enough(plan: Plan) -> Result<Plan, PlanError> {
 }
 
 /// Why a plan that breaks a limit is refused.
-fn refusal(limited_by: LimitedBy, margin: Option<Margin>, nearest: Nearest) -> PlanError {
+fn refusal(limits: &Limits, limited_by: LimitedBy, margin: Option<Margin>, nearest: Nearest) -> PlanError {
     let (reached, limit) = margin.map_or((f64::NAN, f64::NAN), |margin| (margin.reached, margin.limit));
     match limited_by {
         LimitedBy::OutletPressure => {
             PlanError::OutletPressure { predicted_kpa: reached, limit_kpa: limit, nearest }
         }
         LimitedBy::InletPressure => {
-            PlanError::InletPressure { predicted_kpa: reached, limit_kpa: limit, nearest }
+            let bound = limits.inlet_bound;
+            PlanError::InletPressure { predicted_kpa: reached, limit_kpa: limit, bound, nearest }
         }
         _ => PlanError::Torque { needed_n_m: reached, limit_n_m: limit, nearest },
     }
@@ -127,7 +128,9 @@ fn shortest_within_limits(
             Ok(total_s) => PlanError::TimeTooShort { asked_s, fastest_s: fastest_s.max(up(total_s, 1e3)) },
             Err(error) => error,
         },
-        Ok(Fastest { plan: None, limited_by, beyond }) => refusal(limited_by, beyond, Nearest::Nothing),
+        Ok(Fastest { plan: None, limited_by, beyond }) => {
+            refusal(limits, limited_by, beyond, Nearest::Nothing)
+        }
         Err(error) => error,
     }
 }

@@ -5,6 +5,8 @@ use core::fmt;
 use pump_model::ModelError;
 use thiserror::Error;
 
+use super::InletBound;
+
 /// The fastest dose that holds every limit, in the terms of what was asked.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -143,6 +145,45 @@ pub enum PlanError {
         /// That at constant speed, %.
         constant_percent: f64,
     },
+    /// The flow never is low enough to end there.
+    #[error(
+        "a dose cannot end at low flow: the rollers always deliver {least_ml_rad:.4} mL/rad or more, and low is \
+         {limit_ml_rad:.4} mL/rad, half of the flow between pulses, or less; let the dose end anywhere"
+    )]
+    NoLowFlow {
+        /// Smallest flow per radian at the outlet, mL/rad.
+        least_ml_rad: f64,
+        /// What counts as low, mL/rad.
+        limit_ml_rad: f64,
+    },
+    /// The angle is so uncertain that nobody knows where the dose ends.
+    #[error(
+        "a dose that ends at low flow needs the rollers' angle: it is known within {half_width_deg:.1} degrees only, so it \
+         cannot be known where in a pitch the dose ends; find the angle first, or let the dose end anywhere"
+    )]
+    LowFlowWithoutAngle {
+        /// How far off the start angle may be, deg.
+        half_width_deg: f64,
+        /// Widest stretch of low flow, deg; 0 if nothing is known of the angle.
+        widest_deg: f64,
+    },
+    /// No end at low flow is nearer to the volume than not moving at all.
+    #[error(
+        "no end at low flow is nearer to what is owed than not moving at all; {smallest_ml:.4} mL, the smallest dose from this \
+         angle that ends there, can be had in place of {requested_ml} mL, or an end anywhere"
+    )]
+    NoLowFlowEnd {
+        /// What was asked, mL.
+        requested_ml: f64,
+        /// Volume of the first end at low flow less the carry, mL.
+        smallest_ml: f64,
+    },
+    /// Steps so coarse that none ends at low flow.
+    #[error("a motor step of {step_deg:.3} degrees passes over all angles of low flow; use more microsteps")]
+    LowFlowTooNarrow {
+        /// A step at the pump head, deg.
+        step_deg: f64,
+    },
     /// The time is too short.
     #[error(
         "the dose cannot be done within {asked_s} s; the fastest found takes {fastest_s:.3} s, settling included"
@@ -168,7 +209,7 @@ pub enum PlanError {
     },
     /// Too little pressure where the pump sucks.
     #[error(
-        "the inlet pressure would fall to {predicted_kpa:.2} kPa absolute, below the limit of {limit_kpa:.2} kPa; \
+        "the inlet pressure would fall to {predicted_kpa:.2} kPa absolute, below the limit of {limit_kpa:.2} kPa{bound}; \
          {nearest}"
     )]
     InletPressure {
@@ -176,6 +217,8 @@ pub enum PlanError {
         predicted_kpa: f64,
         /// The limit, kPa absolute.
         limit_kpa: f64,
+        /// What it is.
+        bound: InletBound,
         /// What holds every limit.
         nearest: Nearest,
     },

@@ -1,5 +1,7 @@
 //! What a dose must not exceed.
 
+use core::fmt;
+
 use pump_model::math::TURN_RAD;
 
 use super::PlanError;
@@ -25,6 +27,31 @@ impl Motor {
     }
 }
 
+/// What the smallest pressure at the port that sucks is, for messages and reports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum InletBound {
+    /// Somebody's figure.
+    #[default]
+    Given,
+    /// Where the tube would collapse.
+    TubeCollapse,
+    /// The fluid's vapour pressure.
+    Vapour,
+}
+
+impl fmt::Display for InletBound {
+    /// What is said behind the pressure: nothing of a figure that was given.
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.write_str(match self {
+            Self::Given => "",
+            Self::TubeCollapse => ", at which the tube would collapse (thin-wall estimate)",
+            Self::Vapour => ", the fluid's vapour pressure",
+        })
+    }
+}
+
 /// Limits of the motor and, where given, of the pressures and the torque.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -36,6 +63,8 @@ pub struct Limits {
     pub max_outlet_kpa: Option<f64>,
     /// Smallest pressure at the port that sucks, kPa absolute; none is not checked.
     pub min_inlet_kpa: Option<f64>,
+    /// What that pressure is.
+    pub inlet_bound: InletBound,
     /// What turning takes and what the motor can give; none is not checked.
     pub torque: Option<Torque>,
 }
@@ -43,7 +72,13 @@ pub struct Limits {
 impl Limits {
     /// The motor alone.
     pub fn of_motor(motor: Motor) -> Self {
-        Self { motor, max_outlet_kpa: None, min_inlet_kpa: None, torque: None }
+        Self {
+            motor,
+            max_outlet_kpa: None,
+            min_inlet_kpa: None,
+            inlet_bound: InletBound::Given,
+            torque: None,
+        }
     }
 
     /// Refuses limits that mean nothing.

@@ -5,6 +5,7 @@ mod cruise;
 mod envelope;
 mod error;
 mod fastest;
+mod finish;
 mod legs;
 mod limits;
 mod lines;
@@ -25,8 +26,9 @@ mod turn;
 
 pub use cruise::speed_for_flow;
 pub use error::{Nearest, PlanError};
+pub use finish::Finish;
 pub use legs::Legs;
-pub use limits::{Limits, Motor};
+pub use limits::{InletBound, Limits, Motor};
 pub use margins::{Margin, Margins};
 pub use phase::Phase;
 pub use prediction::Prediction;
@@ -81,6 +83,8 @@ pub struct Plan {
     pub most_ml: f64,
     /// What the next dose owes: requested + carry_in - planned, mL.
     pub carry_ml: f64,
+    /// Where in a pitch it may end.
+    pub finish: Finish,
     /// Where the rollers stand at the start.
     pub start: Phase,
     /// Motor steps; negative in reverse.
@@ -106,6 +110,9 @@ pub struct Plan {
 /// any start angle. Of an angle that is not known exactly the steps are those whose worst deviation over all the angles that
 /// it may be is smallest (minimax), and [`Plan::least_ml`] and [`Plan::most_ml`] say between which volumes they deliver;
 /// whole pitches deliver the same from anywhere.
+///
+/// Where the dose must end at low flow ([`Finish::LowFlow`]) the steps are those of the allowed end whose volume is nearest,
+/// and the difference is carried; an end farther from what is owed than not moving at all is refused.
 ///
 /// A smooth flow changes when each step is made, and neither how many there are nor where they end. Where the angle is so
 /// uncertain that it could be less smooth than at constant speed, it is refused.
@@ -174,6 +181,7 @@ fn fastest(
             least_ml: target.range_ml.0,
             most_ml: target.range_ml.1,
             carry_ml: request.owed_ml() - target.planned_ml,
+            finish: request.finish,
             start: start.phase,
             steps: target.steps,
             steps_per_rev: limits.motor.steps_per_rev,

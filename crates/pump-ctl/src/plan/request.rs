@@ -1,6 +1,6 @@
 //! What is asked of a dose.
 
-use super::PlanError;
+use super::{Finish, PlanError};
 
 /// Largest dose, mL: 100 L are five hours at the default rate of the published pump.
 pub const MAX_VOLUME_ML: f64 = 1e5;
@@ -43,17 +43,24 @@ pub struct Request {
     /// Whether the speed follows the rollers' angle so that the flow at the outlet is as smooth as the motor allows.
     /// Flow and speed of `cruise` are then means over whole pitches.
     pub smooth: bool,
+    /// Where in a pitch it may end.
+    pub finish: Finish,
 }
 
 impl Request {
     /// A dose at constant speed with nothing owed.
     pub fn new(volume_ml: f64, cruise: Cruise) -> Self {
-        Self { volume_ml, carry_in_ml: 0.0, cruise, smooth: false }
+        Self { volume_ml, carry_in_ml: 0.0, cruise, smooth: false, finish: Finish::Any }
     }
 
     /// The same with a smooth flow.
     pub fn smooth(self) -> Self {
         Self { smooth: true, ..self }
+    }
+
+    /// The same, ending where the flow is low.
+    pub fn low_flow(self) -> Self {
+        Self { finish: Finish::LowFlow, ..self }
     }
 
     /// Volume to bring to the vessel: requested plus owed, mL.

@@ -16,7 +16,9 @@ impl Plan {
     }
 
     /// Plans the rest of this dose anew from the moment at which `made` steps are made: `volume_ml` for the whole dose,
-    /// counted from its start, `cruise` for the rest of it (a time counts from that moment). A smooth flow stays smooth.
+    /// counted from its start, `cruise` for the rest of it (a time counts from that moment). A smooth flow stays smooth, and a dose
+    /// that ends at low flow ends at low flow; where the rotor cannot stop at the end nearest to the new volume any more, it is
+    /// refused.
     ///
     /// The plan that comes back has time 0, start angle, volumes and steps of the rest alone: its `requested_ml` is what
     /// was still to be delivered, `before_ml` what was delivered before, its carry that of the whole dose; where the start
@@ -62,7 +64,8 @@ impl Plan {
         }
         limits.validate()?;
         let carry_in_ml = self.carry_in_ml;
-        Request { volume_ml, carry_in_ml, cruise, smooth }.validate()?;
+        let finish = self.finish;
+        Request { volume_ml, carry_in_ml, cruise, smooth, finish }.validate()?;
         if limits.motor.step_rad() != self.step_rad {
             return Err(PlanError::OutOfRange {
                 parameter: "steps per revolution of a dose under way",
@@ -71,7 +74,7 @@ impl Plan {
             });
         }
         let delivered_ml = self.before_ml + self.delivered_ml(pump, made);
-        let request = Request { volume_ml: volume_ml - delivered_ml, carry_in_ml, cruise, smooth };
+        let request = Request { volume_ml: volume_ml - delivered_ml, carry_in_ml, cruise, smooth, finish };
 
         let phase = Phase { angle_rad: self.angle_after(made), ..self.start };
         let speed_rad_s = self.speed_after(made);

@@ -3,8 +3,9 @@
 use pump_model::Pump;
 use pump_model::math::{ceil, floor};
 
+use super::finish::at_low_flow;
 use super::request::Request;
-use super::{Phase, PlanError};
+use super::{Finish, Phase, PlanError};
 
 /// Most steps of a dose: eight hours at 36,000 a second.
 const MAX_STEPS: f64 = 1e9;
@@ -46,7 +47,10 @@ pub(super) fn nearest_steps(
     if steps.abs() > MAX_STEPS {
         return Err(PlanError::TooManySteps { steps: steps.abs() });
     }
-    Ok(Target { steps: steps as i64, planned_ml: middle(range_ml), range_ml })
+    match request.finish {
+        Finish::Any => Ok(Target { steps: steps as i64, planned_ml: middle(range_ml), range_ml }),
+        Finish::LowFlow => at_low_flow(pump, start, request, steps, step_rad),
+    }
 }
 
 /// The middle of a range; where it is a single number, that number to the last bit.

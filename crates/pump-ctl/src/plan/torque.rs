@@ -38,8 +38,22 @@ impl TorqueCurve {
         (counts && rising && starts && points.iter().all(allowed)).then_some(curve)
     }
 
+    /// A curve from what [`Self::precomputed_points`] said of it, for constants. Nothing is checked.
+    pub const fn precomputed(points: [(f64, f64); TORQUE_POINTS]) -> Self {
+        Self { points }
+    }
+
+    /// (rad/s, N m), rising in speed; the last is repeated in the places left.
+    pub fn precomputed_points(&self) -> [(f64, f64); TORQUE_POINTS] {
+        self.points
+    }
+
     /// Torque at a speed, not negative, N m; 0 beyond the last.
     pub fn at(&self, speed_rad_s: f64) -> f64 {
+        let [.., (last_rad_s, _)] = self.points;
+        // A speed at the end of the curve may round to a hair more.
+        let rounded = speed_rad_s > last_rad_s && speed_rad_s <= last_rad_s * (1.0 + 1e-9);
+        let speed_rad_s = if rounded { last_rad_s } else { speed_rad_s };
         let parts = self.points.iter().zip(self.points.iter().skip(1));
         for ((from, torque), (to, next)) in parts {
             if speed_rad_s <= *to && to > from {

@@ -1,0 +1,43 @@
+//! Doses that end where the flow is low, as typed and reported.
+
+use crate::user::{User, number};
+
+#[test]
+fn a_dose_that_ends_at_low_flow_carries_the_difference_and_says_what_would_not() {
+    let user = User::new();
+    let anywhere = user.json(&["25mL", "--dry-run"]);
+    let low = user.json(&["25mL", "--finish", "low-flow"]);
+    assert_eq!((&anywhere["finish"], &low["finish"]), (&"any".into(), &"low-flow".into()));
+    let (planned, carry) = (number(&low, "planned_ml"), number(&low, "carry_ml"));
+    assert!((planned + carry - 25.0).abs() < 1e-9 && carry.abs() > 0.1, "{low}");
+    assert!((number(&low, "delivered_ml") - planned).abs() < 1e-6);
+    // The next one owes it.
+    let status = user.types(&["status"]);
+    assert!(status.out.contains(&format!("{:.2} µL", 1e3 * carry.abs())), "{}", status.out);
+    let warning = low["warnings"][0].as_str().unwrap();
+    assert!(
+        warning.contains("25 mL asked") && warning.contains(&format!("{:.4} mL", carry.abs())),
+        "{warning}"
+    );
+    let offered = warning.split("carry nothing: ").last().unwrap().replace(" mL", "mL");
+    assert_eq!(offered.split(" and ").count(), 2, "{warning}");
+    let fresh = User::new();
+    for volume in offered.split(" and ") {
+        let exact = fresh.json(&[volume, "--finish", "low-flow", "--dry-run"]);
+        // As near as the four decimals that were offered.
+        assert!(number(&exact, "carry_ml").abs() < 1e-3 && exact["warnings"].to_string() == "[]", "{exact}");
+    }
+}
+
+#[test]
+fn a_low_flow_end_that_cannot_be_known_or_had_is_refused_by_name() {
+    let user = User::new();
+    let nearest = user.is_refused(&["0.1mL", "--finish", "low-flow"]);
+    assert!(nearest.contains("no end at low flow is nearer"), "{nearest}");
+    assert!(user.is_refused(&["prime", "5mL", "--finish", "low-flow"]).contains("--finish means nothing"));
+    assert!(user.is_refused(&["5mL", "--finish", "dry"]).contains("low-flow"));
+    assert!(user.command(&["home", "--unknown"]).status().unwrap().success());
+    let unknown = user.is_refused(&["25mL", "--finish", "low-flow"]);
+    assert!(unknown.contains("a dose that ends at low flow needs the rollers' angle"), "{unknown}");
+    user.json(&["25mL", "--finish", "low-flow", "--start-angle", "10deg", "--dry-run"]);
+}
