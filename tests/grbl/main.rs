@@ -8,6 +8,7 @@ mod faults;
 mod replies;
 mod rig;
 mod searching;
+mod sessions;
 mod settings;
 #[path = "../../examples/simulated_grbl/simulated/mod.rs"]
 mod simulated;

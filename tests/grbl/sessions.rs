@@ -1,0 +1,206 @@
+//! What is on record of a board that resets, is switched off and on, or lets go of its motor.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::Duration;
+
+use pump_ctl::plan::Phase;
+use pump_dose::journal::State;
+use pump_dose::pump_file::{DriveTable, DriverName};
+use pump_dose::{Bench, DoseError, DoseRequest, built_in};
+
+use crate::rig::{defective, each, start};
+use crate::simulated::Simulated;
+use crate::simulated::options::{Defects, Options, Sensor};
+
+/// Two full steps of 200 a revolution, rad.
+const FALL_RAD: f64 = 2.0 * std::f64::consts::TAU / 200.0;
+
+fn go(_: u64) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+/// A bench with this board; `slow` has a line that settles for seconds.
+fn bench(folder: &Path, board: &Simulated, slow: bool) -> Bench {
+    let mut file = built_in("three-roller").unwrap();
+    if slow {
+        file.outlet = pump_model::Line { inertance_kpa_s2_ml: 0.1, ..pump_model::Line::PUBLISHED }.into();
+    }
+    file.drive = Some(DriveTable { index_angle_deg: Some(40.0), ..DriveTable::of(DriverName::Grbl) });
+    Bench::new(file, None, folder).unwrap().at_port(Some(board.path().to_owned()))
+}
+
+fn close(one: f64, two: f64) -> bool {
+    (one - two).abs() < 1e-9
+}
+
+#[test]
+fn a_board_that_was_switched_off_and_on_unseen_makes_the_angle_wider_and_its_count_proves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let state = {
+        let board = start(Options::default());
+        let bench = bench(folder.path(), &board, false);
+        let mut session = bench.session().unwrap();
+        session.set_angle(Some(Phase::known(0.5))).unwrap();
+        let prepared = session.prepare(DoseRequest::dose(1.0)).unwrap();
+        session.run(&prepared, go).unwrap();
+        *session.state().unwrap()
+    };
+    assert!(state.count.is_some_and(|count| count != 0));
+    let board = start(Options::default());
+    let bench = bench(folder.path(), &board, false);
+    let mut session = bench.session().unwrap();
+    session.connect().unwrap();
+    let met = *session.state().unwrap();
+    assert!(close(met.half_width_rad, FALL_RAD) && met.disturbances == 1, "{met:?}");
+    assert!(session.notes().iter().any(|note| note.contains("the device was reset")));
+}
+
+#[test]
+fn a_dose_cut_off_with_the_boards_power_keeps_its_bounds() {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("three-roller/grbl/journal.jsonl");
+    let made = {
+        let board = start(Options::default());
+        let bench = bench(folder.path(), &board, false);
+        let mut session = bench.session().unwrap();
+        session.set_angle(Some(Phase::known(0.5))).unwrap();
+        let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
+        // What the journal holds early in the motion is what a kill leaves.
+        let mut early = Vec::new();
+        session
+            .run(&prepared, |made| {
+                if early.is_empty() && made > 0 {
+                    early = std::fs::read(&journal).unwrap();
+                }
+                go(made)
+            })
+            .unwrap();
+        std::fs::write(&journal, early).unwrap();
+        board.rest().steps.unsigned_abs()
+    };
+    let board = start(Options::default());
+    let bench = bench(folder.path(), &board, false);
+    let before = bench.story().unwrap().state.unwrap().unfinished.unwrap();
+    assert!(before.made_least < before.made_most && made > before.made_least);
+    let mut session = bench.session().unwrap();
+    session.connect().unwrap();
+    let met = *session.state().unwrap();
+    let unfinished = met.unfinished.unwrap();
+    assert_eq!((unfinished.made_least, unfinished.made_most), (before.made_least, before.made_most));
+    assert_eq!(met.disturbances, 1);
+}
+
+#[test]
+fn a_retraction_goes_on_from_an_angle_that_a_reset_has_widened() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = start(Options::default());
+    let bench = bench(folder.path(), &board, true);
+    let mut session = bench.session().unwrap();
+    session.set_angle(Some(Phase::known(0.0))).unwrap();
+    let request = DoseRequest { retract_ml: Some(0.3), ..DoseRequest::dose(1.0) };
+    let prepared = session.prepare(request).unwrap();
+    assert!(
+        prepared.prediction.settle_s > 0.8,
+        "long enough to be reset in: {}",
+        prepared.prediction.settle_s
+    );
+    let steps = prepared.plan.steps;
+    let (path, board) = (board.path().to_owned(), &board);
+    let delivered = std::thread::scope(|scope| {
+        scope.spawn(move || {
+            while board.truth().steps < steps || board.truth().moving {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            std::thread::sleep(Duration::from_millis(300));
+            std::fs::write(&path, [0x18]).unwrap();
+        });
+        session.run(&prepared, go)
+    });
+    let state = *session.state().unwrap();
+    assert!(state.disturbances >= 1 && state.half_width_rad >= FALL_RAD - 1e-9, "{state:?}");
+    match delivered {
+        Ok(delivered) => assert!(delivered.completed && delivered.sucked_back),
+        // The board may have been met reset before the way back: then the dose is delivered, and said to be.
+        Err(DoseError::Retraction { delivered_ml, .. }) => assert!((delivered_ml - 1.0).abs() < 0.01),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+#[test]
+fn an_index_found_by_a_board_that_lets_go_of_its_motor_is_known_less_well() {
+    let seek = |settings: Vec<(u16, f32)>| -> State {
+        let folder = tempfile::tempdir().unwrap();
+        let sensor = Some(Sensor { at: 4000, width: 128, every: 12_800 });
+        let board = start(Options { settings, time_scale: 4.0, sensor, ..Options::default() });
+        let bench = bench(folder.path(), &board, false);
+        let mut session = bench.session().unwrap();
+        session.seek_index(go).unwrap().unwrap()
+    };
+    let (held, freed) = (seek(vec![(1, 255.0)]), seek(vec![(1, 25.0)]));
+    assert_eq!((held.disturbances, freed.disturbances), (0, 1));
+    assert!(close(freed.half_width_rad, held.half_width_rad + FALL_RAD));
+}
+
+#[test]
+fn alarms_that_nobody_knows_leave_the_angle_unknown() {
+    each([1, 10, 17], |code| {
+        let folder = tempfile::tempdir().unwrap();
+        let board = defective(Defects { alarm: Some((700, code)), ..Defects::default() });
+        let bench = bench(folder.path(), &board, false);
+        let mut session = bench.session().unwrap();
+        session.set_angle(Some(Phase::known(0.0))).unwrap();
+        let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
+        let error = session.run(&prepared, go).unwrap_err().to_string();
+        assert!(error.contains("`dose resume` or `dose discard`"), "{error}");
+        assert!(!session.state().unwrap().phase().is_known(bench.model().pitch_rad()), "{code}");
+    });
+}
+
+#[test]
+fn a_fault_on_the_way_back_or_in_a_turn_says_what_was_made_of_it_and_nothing_to_resume() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = defective(Defects { alarm: Some((1300, 2)), ..Defects::default() });
+    let bench = bench(folder.path(), &board, false);
+    let mut session = bench.session().unwrap();
+    session.set_angle(Some(Phase::known(0.0))).unwrap();
+    let request = DoseRequest { retract_ml: Some(2.0), ..DoseRequest::dose(1.0) };
+    let prepared = session.prepare(request).unwrap();
+    assert!(prepared.plan.steps < 1300, "the alarm comes on the way back");
+    let error = session.run(&prepared, go).unwrap_err();
+    let DoseError::Retraction { delivered_ml, source } = &error else { panic!("{error}") };
+    assert!((delivered_ml - 1.0).abs() < 0.01);
+    let DoseError::Drive { least_ml, most_ml, unfinished, .. } = **source else { panic!("{source}") };
+    assert!(!unfinished && -2.0 < least_ml && least_ml <= most_ml && most_ml < 0.0, "{error}");
+    assert!(!error.to_string().contains("resume"), "{error}");
+    let owed_ml = session.state().unwrap().carry_ml;
+    assert!((owed_ml + 0.5 * (least_ml + most_ml)).abs() < 0.01, "what was sucked back is owed: {owed_ml}");
+}
+
+#[test]
+fn a_smooth_dose_is_refused_before_the_board_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = start(Options::default());
+    let bench = bench(folder.path(), &board, false);
+    let mut session = bench.session().unwrap();
+    session.set_angle(Some(Phase::known(0.0))).unwrap();
+    let smooth = DoseRequest { smooth: true, ..DoseRequest::dose(1.0) };
+    for refused in [session.prepare(smooth), bench.prepare(smooth)] {
+        let error = refused.unwrap_err().to_string();
+        assert!(error.contains("leave --smooth out"), "{error}");
+    }
+}
+
+#[test]
+fn a_motor_that_was_let_go_on_purpose_is_disturbed_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = start(Options::default());
+    let bench = bench(folder.path(), &board, false);
+    let mut session = bench.session().unwrap();
+    session.set_angle(Some(Phase::known(1.0))).unwrap();
+    let released = session.release().unwrap();
+    assert!(close(released.half_width_rad, FALL_RAD));
+    session.connect().unwrap();
+    let met = *session.state().unwrap();
+    assert!(close(met.half_width_rad, FALL_RAD) && met.disturbances == 1, "{met:?}");
+}
