@@ -95,12 +95,14 @@ pub enum DoseError {
     },
     /// The index sensor did not answer within a revolution.
     #[error(
-        "the index sensor did not answer within {turned_deg:.1} deg; look at its wiring and at the disc; where the rollers \
-         stand is as unknown as before"
+        "the index sensor did not answer within {turned_deg:.1} deg, in which {pumped_ml:.1} mL were pumped; look at its \
+         wiring and at the disc; the turn is on record, and where the rollers stand is known as well as before"
     )]
     NoIndex {
         /// How far the rotor has turned, deg.
         turned_deg: f64,
+        /// What it has pumped, mL.
+        pumped_ml: f64,
     },
     /// The process that ran the dose had died, and the device has finished it since.
     #[error(
@@ -123,8 +125,10 @@ pub enum DoseError {
     },
     /// The drive failed on the way.
     #[error(
-        "{error}; {} were delivered, the motor holds; see `dose status`{}",
+        "{error}; {} were delivered{}; see `dose status`{}",
         between(*least_ml, *most_ml),
+        // Bounds mean that nobody has heard where it stands.
+        if least_ml == most_ml { ", the motor holds" } else { "" },
         if *unfinished { ", then `dose resume` or `dose discard`" } else { "" }
     )]
     Drive {

@@ -20,6 +20,10 @@ impl Retraction {
     /// calibration there.
     pub(crate) fn new(dose: &Prepared, volume_ml: f64) -> Result<Self, PlanError> {
         let (model, asked) = (&dose.model, dose.plan.requested_ml);
+        if volume_ml > asked && asked > 0.0 {
+            let allowed = "no more than the dose: `dose -5mL` runs back farther";
+            return Err(PlanError::OutOfRange { parameter: "retraction in mL", value: volume_ml, allowed });
+        }
         if !(volume_ml > 0.0 && asked > 0.0) {
             let (parameter, value, allowed) = if asked > 0.0 {
                 ("retraction in mL", volume_ml, "more than 0")

@@ -63,6 +63,13 @@ pub(crate) fn run(
     let (ended, verb) = if options.dry_run {
         (batch.rehearse(), "planned")
     } else {
+        let hold_s = bench.drive().hold_timeout_s.unwrap_or(f64::INFINITY);
+        if let Some(every_s) = options.every.filter(|every_s| *every_s > hold_s) {
+            warn(&[format!(
+                "[drive] hold_timeout_s = {hold_s} is shorter than --every {every_s} s: the motor is let go between doses, and \
+                 after the second time nobody knows where the rollers stand"
+            )]);
+        }
         // One session and one watch for signals, so that nothing comes between two doses.
         let interrupt = watch()?;
         (batch.run(&mut bench.session()?, schedule, &interrupt), "done")

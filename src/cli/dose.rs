@@ -107,6 +107,10 @@ pub(crate) fn deliver(
     options: &Options,
 ) -> Result<(Delivered, Option<i32>), Failure> {
     announce(bench, options)?;
+    if bench.driver() != DriverName::Sim {
+        // Said again in the report; before the motor moves there is still time to stop it.
+        warn(&prepared.warnings);
+    }
     let bar = progress_bar(prepared);
     let delivered = session.run(prepared, |made| {
         bar.set_position(made);

@@ -1,10 +1,10 @@
-//! SIGINT (Ctrl-C) and SIGTERM: the dose is stopped, not the process.
+//! SIGINT (Ctrl-C), SIGTERM and SIGHUP (the terminal is closed): the dose is stopped, not the process.
 
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 
 /// Notes the first of these signals, from now on.
@@ -16,7 +16,7 @@ pub(crate) struct Interrupt {
 impl Interrupt {
     pub(crate) fn watch() -> io::Result<Self> {
         let signal = Arc::new(AtomicUsize::new(0));
-        for number in [SIGINT, SIGTERM] {
+        for number in [SIGINT, SIGTERM, SIGHUP] {
             flag::register_usize(number, Arc::clone(&signal), number as usize)?;
         }
         Ok(Self { signal })

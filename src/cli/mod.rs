@@ -65,6 +65,7 @@ impl From<DoseError> for Failure {
             }
             DoseError::Unfinished { .. } => Self::Unfinished(message),
             DoseError::Drive { .. }
+            | DoseError::NoIndex { .. }
             | DoseError::Retraction { .. }
             | DoseError::NotJournalled { .. }
             | DoseError::NotRecorded { .. } => Self::Fault(message),

@@ -31,9 +31,9 @@ pub(crate) struct NewPump {
     /// Number of rollers
     #[arg(long, value_name = "N")]
     rollers: u32,
-    /// Name of the pump in records
-    #[arg(long, default_value = "my-pump")]
-    id: String,
+    /// Name of the pump in records [default: FILE's name without its ending, or my-pump]
+    #[arg(long)]
+    id: Option<String>,
     /// Length of the hose on either side, as 0.5m
     #[arg(long, value_name = "LENGTH", default_value = "331mm", value_parser = quantity::length_mm)]
     hose: f64,
@@ -43,10 +43,21 @@ pub(crate) struct NewPump {
 }
 
 impl NewPump {
+    /// Two files mostly are two pumps, and the id names the record.
+    fn usual_id(&self) -> String {
+        let stem = self
+            .file
+            .as_ref()
+            .and_then(|file| file.file_stem())
+            .map(|stem| stem.to_string_lossy().to_lowercase());
+        stem.filter(|stem| !stem.is_empty() && stem.chars().all(may_be_in_id))
+            .unwrap_or_else(|| "my-pump".to_owned())
+    }
+
     /// Writes the file, or refuses a pump that cannot work.
     pub(crate) fn write(&self) -> Result<(), Failure> {
         let drawn = DrawnPump {
-            id: self.id.clone(),
+            id: self.id.clone().unwrap_or_else(|| self.usual_id()),
             geometry: Geometry {
                 rollers: self.rollers,
                 bore_radius_mm: 0.5 * self.tube.bore_mm,
@@ -66,6 +77,11 @@ impl NewPump {
             Some(path) => write_new(path, &text),
         }
     }
+}
+
+/// What an id may hold.
+fn may_be_in_id(letter: char) -> bool {
+    letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '-' || letter == '_'
 }
 
 fn write_new(path: &Path, text: &str) -> Result<(), Failure> {

@@ -107,7 +107,7 @@ pub trait Drive: Debug {
     fn release(&mut self) -> Result<(), DriveError>;
 }
 
-/// A driver that failed with the motor under way; the motor holds.
+/// A driver that failed with the motor under way. As far as it can be reached, the motor holds.
 #[derive(Debug, Error)]
 #[error("{error}")]
 pub struct DriveFault {

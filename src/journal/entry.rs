@@ -144,6 +144,9 @@ pub struct Unfinished {
     pub made_least: u64,
     /// At most these.
     pub made_most: u64,
+    /// What the device counted at the start, if it was lost on the way: met again, its count tells what was made.
+    #[serde(default)]
+    pub count_before: Option<i64>,
 }
 
 impl Intent {
@@ -252,6 +255,20 @@ impl State {
         Self { disturbances, ..stands }
     }
 
+    /// The same once a device that was lost in the midst of the unfinished dose `part` has told that it made `made` steps of it.
+    /// What else made the angle less sure stays.
+    pub(crate) fn recounted(self, part: &Unfinished, made: u64) -> Self {
+        let exact = Unfinished { made_least: made, made_most: made, count_before: None, ..*part };
+        let disturbed_rad = (self.half_width_rad - part.phase().half_width_rad).max(0.0);
+        let Phase { angle_rad, half_width_rad } = exact.phase();
+        let all = part.intent.steps.unsigned_abs();
+        Self {
+            carry_ml: if made == all { part.intent.carry_out_ml } else { self.carry_ml },
+            unfinished: (made < all).then_some(exact),
+            ..self.at(Phase { angle_rad, half_width_rad: half_width_rad + disturbed_rad })
+        }
+    }
+
     /// The same with the angle unknown.
     pub(crate) fn lost(self, pitch_rad: f64) -> Self {
         self.at(Phase::unknown(pitch_rad))
@@ -270,7 +287,7 @@ impl State {
     /// The state once `intent` has made `made_least` to `made_most` of its steps and stands there.
     pub(crate) fn after(self, intent: &Intent, made_least: u64, made_most: u64, pump: &Pump) -> Self {
         let all = intent.steps.unsigned_abs();
-        let part = Unfinished { intent: *intent, made_least, made_most };
+        let part = Unfinished { intent: *intent, made_least, made_most, count_before: None };
         let wear = Wear {
             volume_ml: self.wear.volume_ml + intent.delivered_ml(pump, made_most).abs(),
             revolutions: self.wear.revolutions + made_most as f64 * intent.step_rad / TURN_RAD,
@@ -359,6 +376,7 @@ mod tests {
             },
             made_least: 0,
             made_most: 500,
+            count_before: None,
         };
         assert!([0, 1, 500].iter().all(|moved| unfinished(900).holds(*moved)));
         assert!([-1, 501].iter().all(|moved| !unfinished(900).holds(*moved)));

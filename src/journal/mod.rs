@@ -134,7 +134,7 @@ impl Story {
         for (n, entry) in since_rest.into_iter().rev() {
             match (entry, &mut under_way) {
                 (Entry::Intent(intent), None) => {
-                    under_way = Some(Unfinished { intent, made_least: 0, made_most: 0 });
+                    under_way = Some(Unfinished { intent, made_least: 0, made_most: 0, count_before: None });
                 }
                 (Entry::Progress { made, may }, Some(dose)) if made <= may => {
                     (dose.made_least, dose.made_most) = (made, may);

@@ -7,7 +7,7 @@ use pump_model::math::rpm;
 
 use crate::drivers::{Disturbance, Drive, DriveError, DriveLimits, Grbl, Sim};
 use crate::error::DoseError;
-use crate::journal::{State, Why};
+use crate::journal::{State, Unfinished, Why};
 use crate::pump_file::{DriverName, PumpFile};
 
 use super::Session;
@@ -40,6 +40,15 @@ fn as_allowed(file: &PumpFile, limits: Option<DriveLimits>) -> PumpFile {
         file.motor.max_acceleration_rad_s2 = limits.acceleration_rad_s2;
     }
     file
+}
+
+/// The unfinished dose in whose midst the device was lost, and what it has counted since the start of it; none if its count
+/// does not fit, or begins anew.
+fn lost_and_found(stands: &State, count: Option<i64>) -> Option<(Unfinished, i64)> {
+    let part = stands.unfinished?;
+    let now = count.filter(|now| *now != 0)?;
+    let moved = now - part.count_before?;
+    part.holds(moved).then_some((part, moved))
 }
 
 impl<'a> Session<'a> {
@@ -95,6 +104,8 @@ impl<'a> Session<'a> {
                 };
                 notes.push(format!("{event}: where the rollers stand is known {now} (`dose home` finds it)"));
             }
+        } else if let (Some((part, moved)), false) = (lost_and_found(&stands, count), stands.released) {
+            met = stands.recounted(&part, moved.unsigned_abs());
         } else if let (Some(before), Some(now), false) = (stands.count, count, stands.released) {
             let moved = now - before;
             met = match self.cut_off {

@@ -96,7 +96,8 @@ impl Session<'_> {
                 Ok(Some(state))
             }
             None if made == plan.steps.unsigned_abs() => {
-                Err(DoseError::NoIndex { turned_deg: degrees(made as f64 * plan.step_rad) })
+                let turned_deg = degrees(made as f64 * plan.step_rad);
+                Err(DoseError::NoIndex { turned_deg, pumped_ml: plan.planned_ml })
             }
             None => Ok(None),
         }

@@ -12,9 +12,10 @@ use pump_model::math::{ceil, degrees, rpm};
 
 use crate::bench::Bench;
 use crate::dose::{DoseRequest, Prepared, Purpose};
-use crate::error::DoseError;
+use crate::error::{DoseError, between};
 use crate::folder::Lock;
 use crate::journal::{Entry, Journal, JournalError, State, Unfinished, Wear, Why};
+use crate::report_text::significant;
 
 use device::Device;
 use motion::Motion;
@@ -108,7 +109,17 @@ impl<'a> Session<'a> {
         let retract_ml = intent.retract_ml;
         let rest = DoseRequest { purpose: intent.purpose, volume_ml, retract_ml, ..request };
         let state = State { unfinished: None, carry_ml, ..state };
-        let prepared = self.bench.plan_from(self.file(), Some(state), rest)?;
+        let mut prepared = self.bench.plan_from(self.file(), Some(state), rest)?;
+        if most_ml - least_ml > prepared.plan.end_step_ml(&prepared.model) {
+            let rest_ml = prepared.plan.planned_ml;
+            prepared.warnings.push(format!(
+                "of the {} mL asked for first, {} were delivered before; this rest is for the middle of that, so that {} will be \
+                 delivered in all: `dose discard` accepts what is instead",
+                significant(intent.requested_ml, 6),
+                between(least_ml, most_ml),
+                between(least_ml + rest_ml, most_ml + rest_ml),
+            ));
+        }
         self.checked(prepared)
     }
 

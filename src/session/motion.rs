@@ -118,13 +118,17 @@ impl Session<'_> {
             Ok(moved) => moved,
             Err(fault) => {
                 let after = before.after(&intent, fault.made_least, fault.made_most, model);
-                let state = met(drive, if fault.lost { after.lost(pitch_rad) } else { after });
+                let mut state = met(drive, if fault.lost { after.lost(pitch_rad) } else { after });
+                if let (None, false, Some(part)) = (state.count, fault.lost, &mut state.unfinished) {
+                    part.count_before = before.count;
+                }
                 // What turned the motor is met anew before it moves again.
                 self.device = None;
                 // The journal's last stretch says as much, with wider bounds.
                 let _ = self.rest(Why::Fault, state);
                 let (made_least, made_most) = (fault.made_least, fault.made_most);
-                let (least_ml, most_ml) = Unfinished { intent, made_least, made_most }.delivered_ml(model);
+                let (least_ml, most_ml) =
+                    Unfinished { intent, made_least, made_most, count_before: None }.delivered_ml(model);
                 let unfinished = state.unfinished.is_some();
                 return Err(DoseError::Drive { error: fault.error, least_ml, most_ml, unfinished });
             }

@@ -37,7 +37,7 @@ fn a_planned_retraction_counts_in_angle_pressures_and_limits() {
     // From 90 deg a millilitre sucks at the inlet down to 88.33 kPa; 3 mL back suck at the outlet down to 86.26.
     let limited = ["1mL", "--start-angle", "90deg", "--min-inlet-pressure", "87kPaa"];
     assert_eq!(user.types(&[&limited[..], &["--dry-run"]].concat()).code, 0);
-    let refused = user.is_refused(&[&limited[..], &["--retract", "3mL"]].concat());
+    let refused = user.is_refused(&[&limited[..], &["--retract", "1mL"]].concat());
     assert!(refused.contains("86.26 kPa"), "{refused}");
 }
 

@@ -164,7 +164,7 @@ fn a_fault_on_the_way_back_or_in_a_turn_says_what_was_made_of_it_and_nothing_to_
     let bench = bench(folder.path(), &board, false);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
-    let request = DoseRequest { retract_ml: Some(2.0), ..DoseRequest::dose(1.0) };
+    let request = DoseRequest { retract_ml: Some(1.0), ..DoseRequest::dose(1.0) };
     let prepared = session.prepare(request).unwrap();
     assert!(prepared.plan.steps < 1300, "the alarm comes on the way back");
     let error = session.run(&prepared, go).unwrap_err();
