@@ -231,6 +231,7 @@ impl Plan {
 
     /// Plans again: the same request on the same pump is the same plan.
     #[staticmethod]
+    #[allow(clippy::too_many_arguments, reason = "what a plan was made of")]
     #[pyo3(signature = (doser, volume_ml, cruise, start_angle_rad, start_half_width_rad, carry_in_ml, smooth, finish))]
     fn _rebuild(
         doser: &Bound<'_, Doser>,
