@@ -8,6 +8,7 @@ use pump_model::math::TURN_RAD;
 
 use crate::calibration::Calibrations;
 use crate::dose::{DoseRequest, PhaseSource, Prepared, Purpose};
+use crate::drivers::{DriveError, abilities};
 use crate::error::DoseError;
 use crate::folder::Folder;
 use crate::journal::{State, Story};
@@ -138,6 +139,13 @@ impl Bench {
         if let Some(dose) = state.and_then(|state| state.unfinished) {
             let (least_ml, most_ml) = dose.delivered_ml(&self.model);
             return Err(DoseError::Unfinished { requested_ml: dose.intent.requested_ml, least_ml, most_ml });
+        }
+        if request.smooth && !abilities(self.driver()).angle_dependent_speed {
+            return Err(DoseError::Connection(DriveError::Unable {
+                driver: self.driver().as_str(),
+                ability: "speed that follows the rollers' angle: the board plans its own ramps",
+                instead: "leave --smooth out",
+            }));
         }
         let stands = state.unwrap_or(self.fresh());
         let (start, source) = match request.start_angle_rad {

@@ -123,8 +123,9 @@ pub enum DoseError {
     },
     /// The drive failed on the way.
     #[error(
-        "{error}; {} were delivered, the motor holds; see `dose status`, then `dose resume` or `dose discard`",
-        between(*least_ml, *most_ml)
+        "{error}; {} were delivered, the motor holds; see `dose status`{}",
+        between(*least_ml, *most_ml),
+        if *unfinished { ", then `dose resume` or `dose discard`" } else { "" }
     )]
     Drive {
         /// Why.
@@ -133,6 +134,16 @@ pub enum DoseError {
         least_ml: f64,
         /// Largest.
         most_ml: f64,
+        /// Whether there is something to resume or to discard.
+        unfinished: bool,
+    },
+    /// The dose is delivered and on record, but it was not sucked back.
+    #[error("{delivered_ml:.4} mL were delivered and are on record, but they were not sucked back: {source}")]
+    Retraction {
+        /// mL.
+        delivered_ml: f64,
+        /// Why.
+        source: Box<DoseError>,
     },
     /// The dose is over but its end could not be recorded.
     #[error(

@@ -8,6 +8,7 @@ use pump_model::Pump;
 use thiserror::Error;
 
 use crate::journal::{Journal, JournalError, State, Story};
+use crate::output::sync_folder;
 
 const JOURNAL: &str = "journal.jsonl";
 const LOCK: &str = "lock";
@@ -80,6 +81,10 @@ impl Folder {
             move |source| FolderError::File { action, path, source }
         };
         fs::create_dir_all(&self.path).map_err(failed("create the folder", &self.path))?;
+        // The folders that hold this one may be as new as it.
+        for folder in self.path.ancestors().skip(1).take(3).filter(|folder| !folder.as_os_str().is_empty()) {
+            sync_folder(folder).map_err(failed("sync", folder))?;
+        }
         let path = self.path.join(LOCK);
         let mut file = OpenOptions::new()
             .read(true)
@@ -121,6 +126,12 @@ impl Lock {
     /// The journal, and what it says so far.
     pub fn journal(&self, pump: &Pump, fresh: State) -> Result<(Journal, Story), JournalError> {
         Journal::open(&self.folder.path.join(JOURNAL), pump, fresh)
+    }
+
+    /// Takes back that a journal was moved aside.
+    pub fn put_journal_back(&self, aside: &Path) -> Result<(), FolderError> {
+        let path = self.folder.path.join(JOURNAL);
+        fs::rename(aside, &path).map_err(|source| FolderError::File { action: "put back", path, source })
     }
 
     /// Moves a journal that cannot be read aside and starts a new one. Returns where the old one is now.

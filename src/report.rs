@@ -219,7 +219,8 @@ impl DoseReport {
                 Finish::Any => "any",
                 Finish::LowFlow => "low-flow",
             },
-            carry_ml: prepared.owes_ml(),
+            carry_ml: delivered
+                .map_or(prepared.owes_ml(), |delivered| prepared.carry_out_ml + delivered.retracted_ml),
             cruise_speed_rpm: rpm(cruise_rad_s),
             cruise_flow_ml_s: plan.cruise_flow_ml_s(model),
             mean_flow_ml_s: plan.planned_ml.abs() / motion_s,

@@ -70,6 +70,11 @@ pub(crate) fn run(
     let Batch { count, done, skipped, .. } = batch;
     let skipped = if skipped > 0 { format!(" and {skipped} skipped") } else { String::new() };
     ended.map_err(|failure| {
+        let failure = match failure {
+            // Refused, but not before anything moved.
+            Failure::Refused(message) if done > 0 && !options.dry_run => Failure::Fault(message),
+            failure => failure,
+        };
         failure.with(&format!("; {done} of {count} doses of the batch were {verb}{skipped}"))
     })
 }

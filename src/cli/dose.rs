@@ -174,6 +174,10 @@ pub(crate) fn ended(
         (Ok(()), Some((delivered, signal))) if !delivered.completed => {
             Err(Failure::Stopped(signal.unwrap_or(0), STOPPED.to_owned()))
         }
+        (Ok(()), Some((delivered, Some(signal)))) if !delivered.sucked_back => {
+            let words = "stopped by the user while it sucked back; the dose is delivered, and what was sucked back is owed";
+            Err(Failure::Stopped(signal, words.to_owned()))
+        }
         (printed, _) => printed,
     }
 }

@@ -10,40 +10,49 @@ use pump_dose::{Bench, DoseError, Session};
 use pump_model::math::degrees;
 
 use super::args::Options;
-use super::dose::{announce, watch};
+use super::dose::{announce, warn, watch};
 use super::{Failure, print};
 
 /// Options that name the motor.
 pub(crate) const DEVICE: [&str; 3] = ["--driver", "--port", "--configure"];
 
-/// A session; a journal that cannot be read is moved aside. Says so.
-pub(crate) fn session_for_homing(bench: &Bench) -> Result<(Session<'_>, String), Failure> {
-    Ok(match bench.session() {
-        Err(DoseError::Journal(JournalError::Damaged { .. })) => {
-            let aside = bench.folder().lock()?.set_journal_aside()?;
-            (bench.session()?, format!("the damaged journal is now {}\n", aside.display()))
-        }
-        session => (session?, String::new()),
-    })
-}
-
-/// Records the angle, or that it is unknown.
+/// Records the angle, or that it is unknown. A journal that cannot be read is moved aside, once all else is well.
 pub(crate) fn set(angle_rad: Option<f64>, options: &Options) -> Result<(), Failure> {
     options.accept_only("dose home", &DEVICE)?;
     let bench = options.bench()?;
-    let (mut session, aside) = session_for_homing(&bench)?;
-    let owed_ml = owed(&session);
-    let state = session.set_angle(angle_rad.map(Phase::known))?;
-    print(&format!("{aside}{}{}", stands(&bench, &state), zeroed(owed_ml)))
+    let phase = angle_rad.map(Phase::known);
+    match bench.session() {
+        Err(DoseError::Journal(JournalError::Damaged { .. })) => {
+            let aside = bench.folder().lock()?.set_journal_aside()?;
+            let set = bench
+                .session()
+                .map_err(Failure::from)
+                .and_then(|mut session| found(&bench, &mut session, phase));
+            if set.is_err() {
+                bench.folder().lock()?.put_journal_back(&aside)?;
+            }
+            print(&format!("the damaged journal is now {}\n{}", aside.display(), set?))
+        }
+        session => print(&found(&bench, &mut session?, phase)?),
+    }
+}
+
+/// Records the angle and says so.
+fn found(bench: &Bench, session: &mut Session<'_>, phase: Option<Phase>) -> Result<String, Failure> {
+    let owed_ml = owed(session);
+    let state = session.set_angle(phase)?;
+    warn(&session.notes());
+    Ok(format!("{}{}", stands(bench, &state), zeroed(owed_ml)))
 }
 
 /// Finds the angle by the index sensor.
 pub(crate) fn sensor(yes: bool, options: &Options) -> Result<(), Failure> {
     options.accept_only("dose home --sensor", &DEVICE)?;
     let bench = options.bench()?;
-    let (mut session, aside) = session_for_homing(&bench)?;
+    let mut session = bench.session()?;
     let owed_ml = owed(&session);
     session.index_rad()?;
+    warn(&session.notes());
     if !yes {
         let most_ml = bench.model().revolution_ml();
         agree(&format!("the pump turns forward until the sensor answers, and pumps up to {most_ml:.1} mL"))?;
@@ -53,7 +62,7 @@ pub(crate) fn sensor(yes: bool, options: &Options) -> Result<(), Failure> {
     let stopped =
         || if interrupt.signal().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     match session.seek_index(|_| stopped())? {
-        Some(state) => print(&format!("{aside}{}{}", stands(&bench, &state), zeroed(owed_ml))),
+        Some(state) => print(&format!("{}{}", stands(&bench, &state), zeroed(owed_ml))),
         None => Err(Failure::Stopped(
             interrupt.signal().unwrap_or(0),
             "stopped by the user before the sensor answered; the rotor is where the record says".to_owned(),
@@ -81,7 +90,10 @@ fn agree(what: &str) -> Result<(), Failure> {
 pub(crate) fn release(options: &Options) -> Result<(), Failure> {
     options.accept_only("dose release", &DEVICE)?;
     let bench = options.bench()?;
-    let state = bench.session()?.release()?;
+    let mut session = bench.session()?;
+    session.connect()?;
+    warn(&session.notes());
+    let state = session.release()?;
     print(&format!("the motor is without current\n{}", stands(&bench, &state)))
 }
 
@@ -91,6 +103,7 @@ pub(crate) fn new_tube(options: &Options) -> Result<(), Failure> {
     let mut session = bench.session()?;
     let owed_ml = owed(&session);
     let worn_ml = session.state().map_or(0.0, |state| state.wear.volume_ml);
+    session.finished()?;
     // First, so that no dose of the new tube is calibrated with the old one.
     let calibrations = bench.calibrations();
     let unused = calibrations.active_version()?.map_or(String::new(), |version| {
@@ -111,7 +124,9 @@ pub(crate) fn discard(options: &Options) -> Result<(), Failure> {
     let bench = options.bench()?;
     let mut session = bench.session()?;
     let owed_ml = owed(&session);
-    let state = session.discard()?;
+    let (state, unasked) = session.discard()?;
+    let unasked = unasked.map(|error| format!("the device could not be asked what it has counted: {error}"));
+    warn(&unasked.into_iter().chain(session.notes()).collect::<Vec<_>>());
     print(&format!("the unfinished dose is accepted as it is\n{}{}", stands(&bench, &state), zeroed(owed_ml)))
 }
 

@@ -8,8 +8,8 @@ use pump_dose::Session;
 use pump_model::math::{degrees, rad_s, radians};
 
 use super::args::Options;
-use super::dose::{announce, watch};
-use super::home::{DEVICE, owed, session_for_homing, stands, zeroed};
+use super::dose::{announce, warn, watch};
+use super::home::{DEVICE, owed, stands, zeroed};
 use super::{Failure, print};
 
 /// How well a painted line and another can be seen to meet, deg: half a millimetre on a rotor of 60 mm radius.
@@ -52,7 +52,7 @@ pub(crate) fn mark(tolerance_rad: Option<f64>, options: &Options) -> Result<(), 
         return Err(Failure::refused(format!("--mark-tolerance is {degrees} deg; allowed: 0deg or more")));
     }
     let bench = options.bench()?;
-    let (mut session, aside) = session_for_homing(&bench)?;
+    let mut session = bench.session()?;
     let mark_deg = degrees(session.mark_rad()?);
     if !(io::stdin().is_terminal() && io::stderr().is_terminal()) {
         return Err(Failure::refused(
@@ -61,6 +61,7 @@ pub(crate) fn mark(tolerance_rad: Option<f64>, options: &Options) -> Result<(), 
         ));
     }
     session.connect()?;
+    warn(&session.notes());
     let owed_ml = owed(&session);
     announce(&bench, options)?;
     say(&format!(
@@ -68,10 +69,10 @@ pub(crate) fn mark(tolerance_rad: Option<f64>, options: &Options) -> Result<(), 
          → ←    forward, back\n  ↑ ↓    coarser, finer\n  Enter  the marks meet\n  q      leave it\n"
     ))?;
     let Some(step_deg) = turn_to_mark(&mut session)? else {
-        return print(&format!("{aside}nothing was set; the turns are on record\n"));
+        return print("nothing was set; the turns are on record\n");
     };
     let state = session.set_at_mark(radians(0.5 * step_deg) + tolerance_rad)?;
-    print(&format!("{aside}{}{}", stands(&bench, &state), zeroed(owed_ml)))
+    print(&format!("{}{}", stands(&bench, &state), zeroed(owed_ml)))
 }
 
 /// Obeys keys until the marks meet. Returns the step at that moment, deg; none if the person left.
@@ -103,9 +104,9 @@ fn turn_to_mark(session: &mut Session<'_>) -> Result<Option<f64>, Failure> {
             }
             Wish::Nothing => {}
         }
-        if interrupt.signal().is_some() {
+        if let Some(signal) = interrupt.signal() {
             say("\n")?;
-            return Ok(None);
+            return Err(Failure::Stopped(signal, "stopped by the user; the turns are on record".to_owned()));
         }
     }
 }

@@ -64,9 +64,10 @@ impl From<DoseError> for Failure {
                 Self::Busy(message)
             }
             DoseError::Unfinished { .. } => Self::Unfinished(message),
-            DoseError::Drive { .. } | DoseError::NotJournalled { .. } | DoseError::NotRecorded { .. } => {
-                Self::Fault(message)
-            }
+            DoseError::Drive { .. }
+            | DoseError::Retraction { .. }
+            | DoseError::NotJournalled { .. }
+            | DoseError::NotRecorded { .. } => Self::Fault(message),
             _ => Self::Refused(message),
         }
     }

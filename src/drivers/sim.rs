@@ -117,7 +117,7 @@ impl<'a> Sim<'a> {
 }
 
 /// What the simulated drive can do.
-const ABILITIES: Abilities =
+pub(super) const ABILITIES: Abilities =
     Abilities { step_times: true, angle_dependent_speed: true, index: false, readback: false };
 
 impl Drive for Sim<'_> {
@@ -167,7 +167,8 @@ impl Drive for Sim<'_> {
         for step in plan.steps() {
             if gate(made, step.number).is_break() {
                 let Some(stop) = plan.stop(self.pump, made) else { break };
-                self.make(&stop).map_err(|error| failed(made, error))?;
+                let most = made + stop.steps.unsigned_abs();
+                self.make(&stop).map_err(|error| DriveFault { made_most: most, ..failed(made, error) })?;
                 return Ok(made + stop.steps.unsigned_abs());
             }
             self.step(plan, &step, started_s).map_err(|error| failed(made, error))?;

@@ -86,6 +86,9 @@ pub struct Intent {
     pub step_rad: f64,
     /// Time of the motion, s.
     pub motion_s: f64,
+    /// What is to be sucked back afterwards, mL.
+    #[serde(default)]
+    pub retract_ml: Option<f64>,
     /// The calibration that it was planned with.
     #[serde(default, skip_serializing_if = "Correction::is_none")]
     pub correction: Correction,
@@ -190,6 +193,7 @@ impl Intent {
             steps: plan.steps,
             step_rad: plan.step_rad,
             motion_s: plan.profile.duration_s(),
+            retract_ml: None,
             correction,
         }
     }
@@ -325,6 +329,7 @@ mod tests {
             steps: -1000,
             step_rad: 0.001,
             motion_s: 1.0,
+            retract_ml: None,
             correction: Correction::NONE,
         };
         let before = State { carry_ml: 0.25, ..State::fresh(Phase::known(1.0), PhaseSource::Home) };
@@ -349,6 +354,7 @@ mod tests {
                 steps,
                 step_rad: 0.001,
                 motion_s: 1.0,
+                retract_ml: None,
                 correction: Correction::NONE,
             },
             made_least: 0,

@@ -227,6 +227,7 @@ mod tests {
         steps: -2000,
         step_rad: 0.0005,
         motion_s: 1.0,
+        retract_ml: None,
         correction: Correction::NONE,
     });
 

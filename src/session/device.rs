@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use pump_ctl::plan::Plan;
 use pump_model::math::rpm;
 
-use crate::drivers::{Drive, DriveError, DriveLimits, Grbl, Sim};
+use crate::drivers::{Disturbance, Drive, DriveError, DriveLimits, Grbl, Sim};
 use crate::error::DoseError;
 use crate::journal::{State, Why};
 use crate::pump_file::{DriverName, PumpFile};
@@ -76,9 +76,16 @@ impl<'a> Session<'a> {
     fn meet(&self, drive: &mut dyn Drive, notes: &mut Vec<String>) -> State {
         let (model, stands) = (self.bench.model(), self.stands());
         let (was_known, pitch_rad) = (stands.phase().is_known(model.pitch_rad()), model.pitch_rad());
+        // Asked first: it may hear of a reset that changes the count.
+        let told = drive.disturbed();
         let count = drive.count();
         let mut met = stands;
-        if let Some(event) = drive.disturbed().filter(|_| !stands.released) {
+        // A device that counts from zero again was switched off and on while nobody listened. So a count of zero proves
+        // nothing of a motion that was cut off.
+        let cut_off = self.cut_off.is_some_and(|(_, part)| part.made_least < part.made_most);
+        let starts_anew = count == Some(0) && stands.count.is_some_and(|before| before != 0 || cut_off);
+        let event = told.or(starts_anew.then_some(Disturbance::Reset));
+        if let Some(event) = event.filter(|_| !stands.released) {
             met = stands.disturbed(self.bench.fall_rad(), pitch_rad);
             if was_known {
                 let now = if met.phase().is_known(pitch_rad) {
@@ -126,15 +133,15 @@ impl<'a> Session<'a> {
     /// Lets go of the rotor: its angle is less well known afterwards.
     pub fn release(&mut self) -> Result<State, DoseError> {
         self.connect()?;
-        if let Some(device) = &mut self.device {
-            device.drive.release().map_err(DoseError::Connection)?;
-        }
         let state = self.stands().disturbed(self.bench.fall_rad(), self.bench.model().pitch_rad());
         let state = State { released: true, ..state };
+        // On record first: whatever comes between, the angle is not claimed better than it is.
         self.rest(Why::Released, state)?;
         // It is met anew before it moves again.
-        self.device = None;
-        Ok(state)
+        match self.device.take() {
+            Some(mut device) => device.drive.release().map_err(DoseError::Connection).map(|()| state),
+            None => Ok(state),
+        }
     }
 
     /// Lets go of a rotor that has held for the pump file's `hold_timeout_s`. Whoever waits in a session asks now and then.
@@ -145,6 +152,11 @@ impl<'a> Session<'a> {
             Some(timeout_s) if held.as_secs_f64() >= timeout_s => self.release().map(drop),
             _ => Ok(()),
         }
+    }
+
+    /// What a person should know of the device and was not told.
+    pub fn notes(&mut self) -> Vec<String> {
+        self.device.as_mut().map_or_else(Vec::new, |device| std::mem::take(&mut device.notes))
     }
 
     /// Refuses what the driver has no means for.

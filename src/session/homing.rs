@@ -79,14 +79,21 @@ impl Session<'_> {
         let index_rad = self.index_rad()?;
         let steps = ceil(self.bench.file().limits().motor.steps_per_rev) as i64;
         let plan = self.planned_turn(steps, rad_s(SEEK_RPM))?;
+        let before = self.stands().disturbances;
         let Moved { made, beyond, .. } = self.turn(&plan, true, watch)?;
+        let disturbed = self.stands().disturbances > before;
         match beyond {
             Some(beyond) => {
                 let phase = Phase {
                     angle_rad: index_rad + beyond as f64 * plan.step_rad,
                     half_width_rad: radians(self.bench.drive().index_width_deg) + 0.5 * plan.step_rad,
                 };
-                self.find(Some(phase), PhaseSource::Home, Why::Sensor).map(Some)
+                let found = self.stands().found(phase, PhaseSource::Home);
+                // A board that lets go of the motor after each motion has done so after this one.
+                let pitch_rad = self.bench.model().pitch_rad();
+                let state = if disturbed { found.disturbed(self.bench.fall_rad(), pitch_rad) } else { found };
+                self.rest(Why::Sensor, state)?;
+                Ok(Some(state))
             }
             None if made == plan.steps.unsigned_abs() => {
                 Err(DoseError::NoIndex { turned_deg: degrees(made as f64 * plan.step_rad) })
@@ -112,8 +119,17 @@ impl Session<'_> {
         let carry_out_ml = self.stands().carry_ml;
         let (model, correction) = (self.bench.model(), Correction::NONE);
         let purpose = Purpose::Jog;
-        let motion =
-            Motion { plan, model, correction, purpose, carry_out_ml, given: false, settle_s: 0.0, seeks };
+        let motion = Motion {
+            plan,
+            model,
+            correction,
+            purpose,
+            carry_out_ml,
+            given: false,
+            retract_ml: None,
+            settle_s: 0.0,
+            seeks,
+        };
         self.perform(&motion, watch)
     }
 

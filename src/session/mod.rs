@@ -8,7 +8,6 @@ mod stretches;
 use std::ops::ControlFlow;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use pump_ctl::plan::Plan;
 use pump_model::math::{ceil, degrees, rpm};
 
 use crate::bench::Bench;
@@ -49,6 +48,8 @@ pub struct Delivered {
     pub completed: bool,
     /// What was sucked back afterwards, mL, positive; 0 if nothing was.
     pub retracted_ml: f64,
+    /// Whether that is all that was to be sucked back.
+    pub sucked_back: bool,
 }
 
 impl<'a> Session<'a> {
@@ -78,7 +79,13 @@ impl<'a> Session<'a> {
 
     /// Plans a dose from the recorded angle, within what the device allows, and predicts it. Moves nothing.
     pub fn prepare(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
-        self.connect()?;
+        if self.cut_off.is_none() {
+            self.finished()?;
+        }
+        if let Err(error) = self.connect() {
+            self.finished()?;
+            return Err(error);
+        }
         let prepared = self.bench.prepare_from(self.file(), self.state, request)?;
         self.checked(prepared)
     }
@@ -98,7 +105,8 @@ impl<'a> Session<'a> {
         let intent = dose.intent;
         let volume_ml = intent.requested_ml - 0.5 * (least_ml + most_ml);
         let carry_ml = if intent.purpose == Purpose::Dose { intent.carry_in_ml } else { state.carry_ml };
-        let rest = DoseRequest { purpose: intent.purpose, volume_ml, ..request };
+        let retract_ml = intent.retract_ml;
+        let rest = DoseRequest { purpose: intent.purpose, volume_ml, retract_ml, ..request };
         let state = State { unfinished: None, carry_ml, ..state };
         let prepared = self.bench.plan_from(self.file(), Some(state), rest)?;
         self.checked(prepared)
@@ -122,19 +130,20 @@ impl<'a> Session<'a> {
         Ok(prepared)
     }
 
-    /// Accepts the unfinished dose as it is. What doses owe is zero afterwards. Returns the state.
-    pub fn discard(&mut self) -> Result<State, DoseError> {
+    /// Accepts the unfinished dose as it is. What doses owe is zero afterwards. Returns the state, and why the device could
+    /// not say what it has counted, if it could not.
+    pub fn discard(&mut self) -> Result<(State, Option<DoseError>), DoseError> {
         if self.stands().unfinished.is_none() {
             return Err(DoseError::NothingUnfinished("discard"));
         }
         // A device that still knows its count says what was made. Without it the bounds on record stay, and whatever it
         // counts when it is met again is where it begins.
-        let connected = self.connect().is_ok();
+        let unasked = self.connect().err();
         let state = self.stands();
-        let count = state.count.filter(|_| connected);
+        let count = state.count.filter(|_| unasked.is_none());
         let state = State { unfinished: None, carry_ml: 0.0, count, ..state };
         self.rest(Why::Discarded, state)?;
-        Ok(state)
+        Ok((state, unasked))
     }
 
     /// Records that the tube is new. What doses owe is zero afterwards. Refused with a dose unfinished.
@@ -145,7 +154,7 @@ impl<'a> Session<'a> {
     }
 
     /// The state, unless a dose is unfinished.
-    fn finished(&self) -> Result<State, DoseError> {
+    pub fn finished(&self) -> Result<State, DoseError> {
         let state = self.stands();
         let Some(dose) = state.unfinished else { return Ok(state) };
         let (least_ml, most_ml) = dose.delivered_ml(self.bench.model());
@@ -173,6 +182,7 @@ impl<'a> Session<'a> {
             purpose: prepared.request.purpose,
             carry_out_ml: prepared.carry_out_ml,
             given,
+            retract_ml: prepared.request.retract_ml,
             settle_s: prepared.prediction.settle_s,
             seeks: false,
         };
@@ -183,6 +193,7 @@ impl<'a> Session<'a> {
             end_angle_rad: plan.angle_after(moved.made),
             completed: moved.made == plan.steps.unsigned_abs(),
             retracted_ml: 0.0,
+            sucked_back: prepared.retraction.is_none(),
         };
         if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {
             let plan = &retraction.plan;
@@ -193,11 +204,16 @@ impl<'a> Session<'a> {
                 purpose: Purpose::Retract,
                 carry_out_ml: retraction.carry_out_ml,
                 given: false,
+                retract_ml: None,
                 settle_s: retraction.prediction.settle_s,
                 seeks: false,
             };
             // The dose is delivered and on record whatever becomes of the way back.
-            let back = self.perform(&motion, &mut watch)?;
+            let back = self.perform(&motion, &mut watch);
+            let delivered_ml = delivered.volume_ml;
+            let back =
+                back.map_err(|source| DoseError::Retraction { delivered_ml, source: Box::new(source) })?;
+            delivered.sucked_back = back.made == plan.steps.unsigned_abs();
             delivered.end_angle_rad = plan.angle_after(back.made);
             delivered.retracted_ml = -plan.delivered_ml(&prepared.model, back.made);
         }
@@ -208,16 +224,11 @@ impl<'a> Session<'a> {
     /// motion writes it down first.
     fn rest(&mut self, why: Why, state: State) -> Result<(), JournalError> {
         self.state = Some(state);
+        self.cut_off = None;
         self.written = false;
         self.journal.append(&Entry::Rest { unix_s: unix_s(), why, state })?;
         self.written = true;
-        self.cut_off = None;
         Ok(())
-    }
-
-    /// What was made of `plan` and is on record as unfinished, mL; all of it if nothing is.
-    fn delivered_of(&self, state: &State, plan: &Plan) -> (f64, f64) {
-        state.unfinished.map_or((plan.least_ml, plan.most_ml), |dose| dose.delivered_ml(self.bench.model()))
     }
 }
 

@@ -9,9 +9,9 @@ use pump_model::math::degrees;
 
 use crate::calibration::Correction;
 use crate::dose::Purpose;
-use crate::drivers::{Drive, Sought};
+use crate::drivers::{Disturbance, Drive, Sought};
 use crate::error::DoseError;
-use crate::journal::{Entry, Intent, JournalError, State, Why};
+use crate::journal::{Entry, Intent, JournalError, State, Unfinished, Why};
 
 use super::stretches::Stretches;
 use super::{Session, unix_s};
@@ -31,6 +31,8 @@ pub(super) struct Motion<'p> {
     pub(super) carry_out_ml: f64,
     /// Whether the start angle was given and overrides the record.
     pub(super) given: bool,
+    /// What is to be sucked back afterwards, mL.
+    pub(super) retract_ml: Option<f64>,
     /// How long the line needs to settle, s.
     pub(super) settle_s: f64,
     /// Whether it ends at the index mark.
@@ -63,7 +65,12 @@ impl Session<'_> {
         if motion.given {
             before.disturbances = 0;
         }
-        let intent = Intent::of(plan, motion.correction, motion.purpose, motion.carry_out_ml, unix_s());
+        let mut intent = Intent::of(plan, motion.correction, motion.purpose, motion.carry_out_ml, unix_s());
+        intent.retract_ml = motion.retract_ml;
+        if !motion.given {
+            // A disturbance since it was planned counts.
+            intent.half_width_rad = intent.half_width_rad.max(before.half_width_rad);
+        }
         self.journal.append(&Entry::Intent(intent))?;
 
         let mut stretches = Stretches::new(plan, motion.model);
@@ -96,9 +103,16 @@ impl Session<'_> {
         };
         device.holds_since = Instant::now();
         let (fall_rad, pitch_rad) = (self.bench.fall_rad(), model.pitch_rad());
-        let met = |drive: &mut dyn Drive, state: State| {
+        let notes = &mut device.notes;
+        let mut met = |drive: &mut dyn Drive, state: State| {
+            // Asked first: it may hear of a reset that changes the count.
+            let event = drive.disturbed();
             let state = State { count: drive.count(), ..state };
-            if drive.disturbed().is_some() { state.disturbed(fall_rad, pitch_rad) } else { state }
+            let Some(event) = event else { return state };
+            if event != Disturbance::Disabled {
+                notes.push(format!("{event}: where the rollers stand is known less well"));
+            }
+            state.disturbed(fall_rad, pitch_rad)
         };
         let Sought { made, beyond } = match moved {
             Ok(moved) => moved,
@@ -109,8 +123,10 @@ impl Session<'_> {
                 self.device = None;
                 // The journal's last stretch says as much, with wider bounds.
                 let _ = self.rest(Why::Fault, state);
-                let (least_ml, most_ml) = self.delivered_of(&state, plan);
-                return Err(DoseError::Drive { error: fault.error, least_ml, most_ml });
+                let (made_least, made_most) = (fault.made_least, fault.made_most);
+                let (least_ml, most_ml) = Unfinished { intent, made_least, made_most }.delivered_ml(model);
+                let unfinished = state.unfinished.is_some();
+                return Err(DoseError::Drive { error: fault.error, least_ml, most_ml, unfinished });
             }
         };
         let read_ml = drive.settle(motion.settle_s);
@@ -124,7 +140,15 @@ impl Session<'_> {
         let rested = self.rest(why, state);
         let volume_ml = match read_ml {
             Ok(read_ml) => read_ml.unwrap_or(counted_ml),
-            Err(error) => return Err(DoseError::Drive { error, least_ml: counted_ml, most_ml: counted_ml }),
+            Err(error) => {
+                let unfinished = state.unfinished.is_some();
+                return Err(DoseError::Drive {
+                    error,
+                    least_ml: counted_ml,
+                    most_ml: counted_ml,
+                    unfinished,
+                });
+            }
         };
         if let Some(source) = unwritten {
             return Err(DoseError::NotJournalled { delivered_ml: volume_ml, source });

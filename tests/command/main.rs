@@ -14,6 +14,8 @@ mod limits;
 mod refusals;
 mod retraction;
 mod simulations;
+#[cfg(unix)]
+mod terminal;
 mod tube;
 mod unknown_angle;
 mod user;

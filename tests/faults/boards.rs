@@ -20,7 +20,10 @@ use crate::simulated::options::{Defects, Options};
 const TIME_SCALE: f64 = 8.0;
 
 /// Steps of the largest dose here, about.
-const LONGEST: f64 = 3000.0;
+const LONGEST: f64 = 2500.0;
+
+/// A dose takes about so long here once it is announced, s.
+const USUAL_S: f64 = 0.7;
 
 /// Doses between two boards.
 const DOSES_A_BOARD: u32 = 4;
@@ -34,6 +37,14 @@ struct Rig {
     board: Simulated,
     /// Angle of the rotor when the board's motor had made no step, rad.
     stood_rad: f64,
+}
+
+/// How a dose is cut off; the board has its own ways.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Cut {
+    None,
+    Kill,
+    FullDisk,
 }
 
 /// What happened so far.
@@ -83,12 +94,16 @@ impl Rig {
             8 => (defects.noise, defects.chopped) = (true, true),
             _ => {}
         }
-        let options = Options {
-            time_scale: TIME_SCALE,
-            resets_on_open: random.part() < 0.3,
-            defects,
-            ..Options::default()
-        };
+        Self::with(folder, stood_rad, random.part() < 0.3, defects)
+    }
+
+    /// Switches a board on that works.
+    fn healthy(folder: &Path, stood_rad: f64) -> Self {
+        Self::with(folder, stood_rad, false, Defects::default())
+    }
+
+    fn with(folder: &Path, stood_rad: f64, resets_on_open: bool, defects: Defects) -> Self {
+        let options = Options { time_scale: TIME_SCALE, resets_on_open, defects, ..Options::default() };
         Self { folder: folder.to_owned(), board: Simulated::start(options).unwrap(), stood_rad }
     }
 
@@ -106,14 +121,14 @@ impl Rig {
         self.stood_rad + self.board.rest().steps as f64 * STEP_RAD
     }
 
-    /// Says where the rotor stands. A board that cannot be used any more leaves the record as it is.
+    /// Says where the rotor stands, on a board that has not moved yet.
     fn home(&self) {
         let bench = self.bench();
         let mut session = bench.session().unwrap();
         if session.state().is_some_and(|state| state.unfinished.is_some()) {
             session.discard().unwrap();
         }
-        let _ = session.set_angle(Some(Phase::known(self.truth_rad())));
+        session.set_angle(Some(Phase::known(self.truth_rad()))).unwrap();
     }
 
     /// Holds the record against the truth. Returns whether the angle is known.
@@ -134,18 +149,33 @@ impl Rig {
     }
 
     /// Runs a dose, or the rest of one (0 mL), until something ends it, and compares.
-    fn cut(&self, random: &mut Random, volume_ml: f64, within_s: Option<f64>, full_disk: bool) {
+    fn cut(&self, random: &mut Random, volume_ml: f64, cut: Cut) {
         let before = self.state();
         let started = self.board.rest().steps;
         let journal = self.folder.join("three-roller/grbl/journal.jsonl");
         let length = fs::metadata(&journal).map_or(0, |found| found.len());
-        let bytes = full_disk.then(|| length + (3000.0 * random.part()) as u64);
+        let bytes = (cut == Cut::FullDisk).then(|| length + (3000.0 * random.part()) as u64);
         let mut process = child::start(&self.folder, volume_ml, bytes, Some(self.board.path()));
-        let deadline = Instant::now() + Duration::from_secs_f64(within_s.unwrap_or(90.0));
-        while Instant::now() < deadline && process.try_wait().unwrap().is_none() {
-            sleep(Duration::from_millis(1));
+        let mut runs_for = |longest_s: f64, until: &dyn Fn() -> bool| {
+            let deadline = Instant::now() + Duration::from_secs_f64(longest_s);
+            while Instant::now() < deadline && process.try_wait().unwrap().is_none() && !until() {
+                sleep(Duration::from_millis(1));
+            }
+            process.try_wait().unwrap().is_none()
+        };
+        match cut {
+            Cut::Kill => {
+                // Some while they look for the board, most once they have announced what they are about to do.
+                let announced = || fs::metadata(&journal).is_ok_and(|now| now.len() > length);
+                if random.part() < 0.2 {
+                    runs_for(random.part(), &|| false);
+                } else {
+                    runs_for(90.0, &announced);
+                    runs_for(USUAL_S * random.part(), &|| false);
+                }
+            }
+            Cut::None | Cut::FullDisk => assert!(!runs_for(120.0, &|| false), "a dose without an end"),
         }
-        assert!(within_s.is_some() || process.try_wait().unwrap().is_some(), "a dose without an end");
         process.kill().unwrap();
         let said = child::said(process);
         let moved = self.board.rest().steps - started;
@@ -170,10 +200,13 @@ impl Rig {
     }
 
     fn dose(&mut self, random: &mut Random, tally: &mut Tally) {
-        let volume_ml = (0.2 + 0.9 * random.part()) * if random.part() < 0.3 { -1.0 } else { 1.0 };
-        let kind = random.part();
-        let within_s = (kind < 0.6).then(|| 1.2 * random.part());
-        self.cut(random, volume_ml, within_s, kind > 0.9);
+        let volume_ml = (0.5 + 2.0 * random.part()) * if random.part() < 0.3 { -1.0 } else { 1.0 };
+        let cut = match random.part() {
+            part if part < 0.6 => Cut::Kill,
+            part if part < 0.7 => Cut::FullDisk,
+            _ => Cut::None,
+        };
+        self.cut(random, volume_ml, cut);
         for _ in 0..3 {
             let Some(state) = self.state() else { return };
             let Some(dose) = state.unfinished else { break };
@@ -181,12 +214,16 @@ impl Rig {
             // Met again, the board may know more.
             let bench = self.bench();
             let mut session = bench.session().unwrap();
-            if session.connect().is_ok() {
-                let met = *session.state().unwrap();
-                self.holds(&met, "met again");
-                let exact = met.unfinished.is_some_and(|now| now.made_least == now.made_most);
-                tally.exact += u32::from(exact && dose.made_least < dose.made_most);
+            if session.connect().is_err() {
+                // It does not answer any more: off and on.
+                drop(session);
+                *self = Self::healthy(&self.folder, self.truth_rad());
+                continue;
             }
+            let met = *session.state().unwrap();
+            self.holds(&met, "met again");
+            let exact = met.unfinished.is_some_and(|now| now.made_least == now.made_most);
+            tally.exact += u32::from(exact && dose.made_least < dose.made_most);
             if random.part() < 0.4 {
                 if session.state().is_some_and(|state| state.unfinished.is_some()) {
                     session.discard().unwrap();
@@ -194,7 +231,7 @@ impl Rig {
                 break;
             }
             drop(session);
-            self.cut(random, 0.0, None, false);
+            self.cut(random, 0.0, Cut::None);
             tally.resumed += 1;
         }
         let unknown = self.state().is_some_and(|state| !self.holds(&state, "at the end"));

@@ -28,5 +28,5 @@ fn main() {
     println!("FAULTS_SEED={seed}");
     let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ seed);
     simulation::run(wanted.unwrap_or(40), &mut random);
-    boards::run(wanted.unwrap_or(24), &mut random);
+    boards::run(wanted.unwrap_or(16), &mut random);
 }

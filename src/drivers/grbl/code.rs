@@ -56,11 +56,14 @@ pub fn alarm_text(code: u16) -> &'static str {
         7 => "homing was interrupted by the safety door",
         8 => "homing did not get off its switch",
         9 => "homing did not find its switch",
+        10 => "an emergency stop",
+        13 | 17 => "a hard stop or a motor's fault",
         _ => "see the manual of its firmware",
     }
 }
 
-/// Whether the motor was stopped at once, or may have been, so that it may have turned on.
+/// Whether the motor was stopped at once, or may have been, so that it may have turned on. Soft limits (2) decelerate first, and
+/// a search (4, 5) has ended; of alarms that other firmwares have nobody knows.
 pub fn stops_at_once(alarm: u16) -> bool {
-    matches!(alarm, 0 | 1 | 3)
+    !matches!(alarm, 2 | 4 | 5)
 }

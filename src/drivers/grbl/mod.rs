@@ -36,7 +36,7 @@ use scale::Scale;
 use settings::{Flavour, Settings};
 
 /// What these boards can do.
-const ABILITIES: Abilities =
+pub(super) const ABILITIES: Abilities =
     Abilities { step_times: false, angle_dependent_speed: false, index: true, readback: true };
 
 /// What a number may be off that is kept in single precision and told with three decimals.
