@@ -20,3 +20,18 @@ fn the_firmwares_constants_are_what_the_command_prints() {
     let printed = rust_source(&built_in("three-roller").unwrap()).unwrap();
     assert_eq!(printed, include_str!("../examples/firmware/src/pump.rs"));
 }
+
+#[test]
+fn a_torque_that_the_pump_file_knows_is_printed_too() {
+    let mut file = built_in("three-roller").unwrap();
+    file.motor.torque_curve_rpm_n_m = Some(vec![(0.0, 1.2), (170.0, 0.9)]);
+    (file.motor.occlusion_torque_n_m, file.motor.inertia_kg_m2) = (Some(0.4), Some(2e-4));
+    let printed = rust_source(&file).unwrap();
+    assert!(
+        printed.contains("use pump_ctl::plan::{InletBound, Limits, Motor, Torque, TorqueCurve};"),
+        "{printed}"
+    );
+    let motor = file.limits().torque.unwrap().motor;
+    assert!(printed.contains(&format!("motor: TorqueCurve::precomputed({:?})", motor.precomputed_points())));
+    assert!(printed.contains("occlusion_n_m: 0.4,") && printed.contains("inertia_kg_m2: 0.0002,"));
+}

@@ -265,4 +265,6 @@ fn torque_curves_that_mean_nothing_are_refused() {
     assert_eq!(TorqueCurve::new(&[(0.0, 1.0); 9]), None);
     let curve = TorqueCurve::new(&[(0.0, 2.0), (10.0, 1.0)]).unwrap();
     assert_eq!([0.0, 5.0, 10.0, 10.1].map(|speed| curve.at(speed)), [2.0, 1.5, 1.0, 0.0]);
+    assert_eq!(curve.at(10.0 + 1e-12), 1.0, "a speed at the end of the curve may round");
+    assert_eq!(TorqueCurve::precomputed(curve.precomputed_points()), curve);
 }

@@ -2,10 +2,13 @@
 
 use core::fmt;
 
-use pump_ctl::plan::{Cruise, Phase, Plan, PlanError, Prediction, Request, plan};
+use pump_ctl::plan::{Cruise, Limits, Phase, Plan, PlanError, Prediction, Request, plan};
 use pump_ctl::step::Stepper;
 
-use crate::pump::{LIMITS, PUMP};
+use crate::pump::{self, PUMP};
+
+/// The motor alone: pressures are predicted in a step of their own, so that planning stays fast.
+const LIMITS: Limits = Limits::of_motor(pump::LIMITS.motor);
 
 /// The time of a step is counted in microseconds.
 pub const TICK_HZ: u32 = 1_000_000;

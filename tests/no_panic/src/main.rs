@@ -13,7 +13,9 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorKind, ErrorType, InputPin, OutputPin};
 use pump_ctl::drive::{Actuator, Clock, OnFault, StepDir, Timing};
 
-use pump_ctl::plan::{Cruise, Finish, InletBound, Limits, Motor, Phase, PlanError, Request, plan, speed_for_flow};
+use pump_ctl::plan::{
+    Cruise, Finish, InletBound, Limits, Motor, Phase, PlanError, Request, plan, speed_for_flow,
+};
 use pump_ctl::plan::{Torque, TorqueCurve};
 use pump_ctl::step::{Brake, Segment, Stepper};
 use pump_model::math::{ceil, degrees, floor, pow, rad_s, radians, rpm, sqrt, wrap};
@@ -96,7 +98,13 @@ fn own_pump() -> Result<Pump, ModelError> {
     let volume = RollerVolume::from_polynomial_deg([(); 6].map(|()| any()), any())?;
     let volume = volume.scaled_to(any())?.stretched_to(any())?;
     black_box((geometry.pitch_rad(), geometry.nominal_ml_rad(), geometry.inlet_phase_rad(&volume)?));
-    black_box((volume.at(any()), volume.inset_rad(), volume.total_ml(), volume.engagement_deg(), volume.engagement_rad()));
+    black_box((
+        volume.at(any()),
+        volume.inset_rad(),
+        volume.total_ml(),
+        volume.engagement_deg(),
+        volume.engagement_rad(),
+    ));
     let line = Line {
         resistance_kpa_s_ml: any(),
         compliance_ml_kpa: any(),
@@ -169,7 +177,8 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
         _ => Cruise::Fastest,
     };
     let finish = if black_box(true) { Finish::LowFlow } else { Finish::Any };
-    let request = Request { carry_in_ml: any(), smooth: black_box(true), finish, ..Request::new(any(), cruise) };
+    let request =
+        Request { carry_in_ml: any(), smooth: black_box(true), finish, ..Request::new(any(), cruise) };
     let start = Phase { half_width_rad: any(), ..Phase::known(any()) };
     let plan = plan(pump, start, &request, &limits)?;
     black_box((plan.predict(pump)?, plan.end_step_ml(pump), plan.end_angle_rad()));

@@ -71,7 +71,7 @@ pub struct Limits {
 
 impl Limits {
     /// The motor alone.
-    pub fn of_motor(motor: Motor) -> Self {
+    pub const fn of_motor(motor: Motor) -> Self {
         Self {
             motor,
             max_outlet_kpa: None,
