@@ -4,7 +4,7 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
-use pump_ctl::plan::{Cruise, Phase, Plan, Request, plan};
+use pump_ctl::plan::{Cruise, Limits, Phase, Plan, Request, plan};
 use pump_dose::{Sim, built_in};
 use pump_model::{Port, PortRun, Pump};
 
@@ -17,7 +17,7 @@ fn any_plan() -> impl Strategy<Value = (Pump, Plan)> {
     (any::<bool>(), 0.5..500.0_f64, any::<bool>(), 0.0..std::f64::consts::TAU, 0.02..1.0_f64).prop_map(
         |(three, volume, reverse, start, speed)| {
             let file = built_in(if three { "three-roller" } else { "two-roller" }).unwrap();
-            let (pump, limits) = (file.model().unwrap(), file.limits());
+            let (pump, limits) = (file.model().unwrap(), Limits::of_motor(file.limits().motor));
             let cruise = Cruise::Speed { rad_s: speed * limits.motor.max_speed_rad_s };
             let request = Request::new(if reverse { -volume } else { volume }, cruise);
             let plan = plan(&pump, Phase::known(start), &request, &limits).unwrap();
@@ -65,7 +65,7 @@ fn the_vessel_receives_the_planned_volume_from_the_staircase_of_steps() {
 #[test]
 fn the_staircases_pressure_is_the_sum_of_the_responses_to_its_steps() {
     let file = built_in("three-roller").unwrap();
-    let (pump, limits) = (file.model().unwrap(), file.limits());
+    let (pump, limits) = (file.model().unwrap(), Limits::of_motor(file.limits().motor));
     let request = Request::new(0.5, Cruise::Flow { ml_s: 5.0 });
     let plan = plan(&pump, Phase::known(1.0), &request, &limits).unwrap();
     let mut sim = Sim::with_tolerance(&pump, TOLERANCE);

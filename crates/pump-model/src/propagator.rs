@@ -153,7 +153,7 @@ impl Oscillator {
         if self.norm() * length_s <= 10.0 {
             let slope = self.pressure(length_s, before, after, flow).derivative();
             for turn in slope.roots_in(0.0, 1.0).as_slice() {
-                found(self.turning_kpa(turn * length_s, before, flow));
+                found(self.turning_kpa(turn * length_s, length_s, before, flow));
             }
             return;
         }
@@ -192,8 +192,9 @@ impl Oscillator {
         Polynomial { c: hermite::quintic(length_s, &end(before, 0.0), &end(after, length_s)) }
     }
 
-    /// Pressure where it turns near `near_s` after `state`, kPa.
-    fn turning_kpa(&self, near_s: f64, state: Balanced, flow: &Flow) -> f64 {
+    /// Pressure where it turns near `near_s` after `state`, kPa. Beyond `length_s` the flow is another one: of a turn that
+    /// would lie there the end is taken. (In a sliver of a stretch rounding makes such turns.)
+    fn turning_kpa(&self, near_s: f64, length_s: f64, state: Balanced, flow: &Flow) -> f64 {
         let mut t = near_s;
         let mut there = self.after(t, state, flow);
         for _ in 0..2 {
@@ -204,7 +205,7 @@ impl Oscillator {
             if shift.is_nan() || shift.abs() >= 0.1 / self.norm() {
                 break;
             }
-            t = (t - shift).max(0.0);
+            t = (t - shift).max(0.0).min(length_s);
             there = self.after(t, state, flow);
         }
         there[0]
