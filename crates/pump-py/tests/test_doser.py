@@ -181,10 +181,13 @@ def test_a_plan_as_a_dict_is_the_commands_dry_run() -> None:
     assert json.loads(json.dumps(report)) == report
     assert (report["schema"], report["pump"], report["completed"]) == ("dose/1", "three-roller", False)
     assert report["delivered_ml"] is None
-    assert report["limits_not_checked"] == ["inlet_pressure", "torque"]
+    assert report["limits_not_checked"] == ["torque"], "the inlet is kept above collapse and vapour"
     assert report["end_angle_deg"] == pytest.approx(math.degrees(plan.end_angle_rad))
     for name in report.keys() & set(dir(plan)) - {"pump"}:
-        assert report[name] == getattr(plan, name), name
+        value = report[name]
+        # A ripple is a pair in Python.
+        value = tuple(value.values()) if isinstance(value, dict) else value
+        assert value == getattr(plan, name), name
 
 
 def test_an_unknown_angle_gives_the_range_of_the_volume() -> None:
@@ -211,7 +214,7 @@ def test_a_dose_that_ends_at_low_flow_carries_the_difference() -> None:
     doser = pm.Doser(pump)
     plan = doser.plan("25mL", finish="low-flow", start_angle_rad=0.3)
     end_rad = 0.3 + plan.steps * 2 * math.pi / 12800
-    assert pump.outlet_flow_per_rad(end_rad) <= 0.5 * pump.outlet_flow_per_rad(1.5) < pump.outlet_flow_per_rad(0.3)
+    assert pump.outlet_flow_per_rad(end_rad) <= 0.5 * pump.outlet_flow_per_rad(1.5)
     assert plan.planned_ml + plan.carry_ml == pytest.approx(25)
     assert pickle.loads(pickle.dumps(plan)) == plan
     with pytest.raises(pm.PlanError, match="needs the rollers' angle"):
