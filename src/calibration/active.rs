@@ -53,7 +53,7 @@ pub struct Calibration {
     pub displacement: Option<Displacement>,
     /// Its runs.
     pub runs: Vec<Run>,
-    /// The rollers stand at the model's angle less this where the record says 0, deg.
+    /// Model angle of the rollers where the record says 0, deg.
     pub zero_deg: f64,
     /// Standard uncertainty of that, deg.
     pub zero_standard_deg: f64,

@@ -131,6 +131,10 @@ fn without_a_limit_that_binds_the_motor_does() {
     assert_eq!(fastest(60.0).limited_by, LimitedBy::Speed);
     assert!((fastest(60.0).profile.peak_rad_s() - rad_s(170.0)).abs() < 1e-9);
     assert_eq!(fastest(0.2).limited_by, LimitedBy::Acceleration);
+    // A limit that is far away changes nothing.
+    let far = Limits { min_inlet_kpa: Some(1.0), ..limits(170.0) };
+    let with = |volume_ml| dose(&pump, volume_ml, 0.3, Cruise::Fastest, &far).unwrap().limited_by;
+    assert_eq!((with(60.0), with(0.2)), (LimitedBy::Speed, LimitedBy::Acceleration));
 }
 
 #[test]

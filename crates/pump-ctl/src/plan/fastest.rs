@@ -34,8 +34,9 @@ pub(super) fn fastest(
     at_speed: &impl Fn(f64) -> Plan,
 ) -> Result<Fastest, PlanError> {
     let topmost = at_speed(top_rad_s);
+    let unbound = if topmost.profile.reaches_limit() { LimitedBy::Speed } else { LimitedBy::Acceleration };
     if !limits.are_predicted() {
-        return Ok(unbroken(top_rad_s, topmost));
+        return Ok(unbroken(top_rad_s, topmost, unbound));
     }
     let damping = pump.inlet().damping_ratio().min(pump.outlet().damping_ratio());
     let ratio = 1.0 + (damping / 16.0).clamp(0.001, 0.01);
@@ -56,7 +57,7 @@ pub(super) fn fastest(
     }
     let (mut bad, mut broken) = loop {
         if good >= top_rad_s {
-            return Ok(unbroken(good, holds));
+            return Ok(unbroken(good, holds, unbound));
         }
         let next = (good * ratio).min(top_rad_s);
         let plan = at_speed(next);
@@ -78,8 +79,7 @@ pub(super) fn fastest(
 }
 
 /// A plan that speed or acceleration bind.
-fn unbroken(speed_rad_s: f64, plan: Plan) -> Fastest {
-    let limited_by = if plan.profile.reaches_limit() { LimitedBy::Speed } else { LimitedBy::Acceleration };
+fn unbroken(speed_rad_s: f64, plan: Plan, limited_by: LimitedBy) -> Fastest {
     Fastest { plan: Some((speed_rad_s, Plan { limited_by, ..plan })), limited_by, beyond: None }
 }
 
