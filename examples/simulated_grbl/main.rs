@@ -9,7 +9,7 @@
 //!     --resets              opening the port resets it, as an Arduino
 //!     --set <number>=<value>  a setting that differs, as --set 100=80
 //!     --sensor <step>       an index sensor at this step of 12800
-//!     --firmware grbl|grblhal|fluidnc
+//!     --firmware grbl|grbl09|grblhal|fluidnc
 
 mod simulated;
 
@@ -18,7 +18,7 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use simulated::Simulated;
-use simulated::options::{Firmware, Options, Sensor};
+use simulated::options::{Options, Sensor};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut options = Options::default();
@@ -36,14 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 options.settings.push((number.parse()?, value.parse()?));
             }
             "--sensor" => options.sensor = Some(Sensor { at: value()?.parse()?, width: 128, every: 12_800 }),
-            "--firmware" => {
-                options.firmware = match value()?.as_str() {
-                    "grbl" => Firmware::Grbl,
-                    "grblhal" => Firmware::GrblHal,
-                    "fluidnc" => Firmware::FluidNc,
-                    other => return Err(format!("no firmware {other}: grbl, grblhal or fluidnc").into()),
-                }
-            }
+            "--firmware" => options.firmware = value()?.parse()?,
             other => {
                 return Err(format!(
                     "{other} is not an option; see the head of examples/simulated_grbl/main.rs"
@@ -58,6 +51,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     while limit.is_none_or(|limit| started.elapsed() < limit) {
         std::thread::sleep(Duration::from_millis(50));
     }
-    writeln!(std::io::stdout(), "{} steps", board.truth().steps)?;
+    writeln!(std::io::stdout(), "{} steps", board.rest().steps)?;
     Ok(())
 }

@@ -35,13 +35,6 @@ pub fn plan_dose(volume_ml: f64) -> Result<Plan, PlanError> {
     plan(&PUMP, Phase::known(0.3), &request, &LIMITS)
 }
 
-/// The same dose with a smooth flow.
-#[allow(dead_code, reason = "the host only checks the others")]
-pub fn plan_smooth(volume_ml: f64) -> Result<Plan, PlanError> {
-    let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }).smooth();
-    plan(&PUMP, Phase::known(0.3), &request, &LIMITS)
-}
-
 /// The rest of the dose after `made` steps of `plan`, changed.
 pub fn change(plan: &Plan, made: u64) -> Result<Plan, PlanError> {
     plan.retarget(&PUMP, made, CHANGED_ML, Cruise::Flow { ml_s: CHANGED_ML_S }, &LIMITS)

@@ -3,7 +3,7 @@
 use core::fmt::{Result, Write};
 use core::hint::black_box;
 
-use pump_ctl::plan::Plan;
+use pump_ctl::plan::{self, Cruise, Limits, Phase, Plan, PlanError, Request};
 use pump_ctl::step::Action;
 
 use crate::board::counts;
@@ -34,6 +34,12 @@ pub fn tenths(out: &mut impl Write, total: u32, number: u32, what: &str) -> Resu
     writeln!(out, "cost: {}.{} instructions {what}", tenths / 10, tenths % 10)
 }
 
+/// The dose with a smooth flow.
+fn plan_smooth(volume_ml: f64) -> core::result::Result<Plan, PlanError> {
+    let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }).smooth();
+    plan::plan(&PUMP, Phase::known(0.3), &request, &Limits::of_motor(LIMITS.motor))
+}
+
 /// Plans the dose and writes the plan and what it has cost. Not inlined: what it needs of the stack is free afterwards.
 #[inline(never)]
 pub fn plan(out: &mut impl Write) -> core::result::Result<Plan, core::fmt::Error> {
@@ -42,7 +48,7 @@ pub fn plan(out: &mut impl Write) -> core::result::Result<Plan, core::fmt::Error
     let (segments, fitting) = counting(|| black_box(&plan).segments(TICK_HZ).map(black_box).count());
     let (prediction, predicting) = counting(|| black_box(&plan).predict(&PUMP));
     dose::write_plan(out, &plan, &prediction.expect("the lines settle"))?;
-    let (smooth, smoothing) = counting(|| dose::plan_smooth(black_box(DOSE_ML)));
+    let (smooth, smoothing) = counting(|| plan_smooth(black_box(DOSE_ML)));
     let smooth = smooth.expect("the dose can be planned with a smooth flow");
     let (pieces, cutting) = counting(|| black_box(&smooth).segments(TICK_HZ).map(black_box).count());
     writeln!(

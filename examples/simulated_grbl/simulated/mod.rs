@@ -62,7 +62,6 @@ impl Simulated {
     }
 
     /// Waits until the motor has stood for a while.
-    #[allow(dead_code, reason = "only tests want to wait for it")]
     pub fn rest(&self) -> Truth {
         let mut still = 0;
         while still < 10 {

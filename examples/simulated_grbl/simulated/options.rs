@@ -1,5 +1,6 @@
 //! What is simulated, and what is wrong with it.
 
+use std::str::FromStr;
 use std::time::Duration;
 
 /// A simulated board.
@@ -27,12 +28,25 @@ pub enum Firmware {
     /// grbl 1.1h.
     Grbl,
     /// grbl 0.9j, which has no jogs.
-    #[allow(dead_code, reason = "only tests want one")]
     Grbl09,
     /// grblHAL.
     GrblHal,
     /// FluidNC as of 2022, which lists few settings and has the others as items of its configuration.
     FluidNc,
+}
+
+impl FromStr for Firmware {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        match name {
+            "grbl" => Ok(Self::Grbl),
+            "grbl09" => Ok(Self::Grbl09),
+            "grblhal" => Ok(Self::GrblHal),
+            "fluidnc" => Ok(Self::FluidNc),
+            other => Err(format!("no firmware {other}: grbl, grbl09, grblhal or fluidnc")),
+        }
+    }
 }
 
 /// A sensor on the pump head.
