@@ -102,6 +102,13 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
         extremes.above(self.line.reservoir_kpa)
     }
 
+    /// Goes on to `end_s`, when the motion must be over, and returns the smallest and largest pressure from now on for ever,
+    /// kPa absolute: the energy of a line left alone only falls, so its first swing is its widest.
+    pub fn extremes_to_rest(&mut self, end_s: f64) -> Extremes {
+        let moving = self.extremes(end_s);
+        moving.and(self.extremes(end_s + self.oscillator.widest_swing_s()))
+    }
+
     /// Time, s, after which the undelivered volume |C p| stays below [`crate::SETTLED_ML`] if the rotor rests from now
     /// on.
     pub fn settling_s(&self) -> Result<f64, ModelError> {

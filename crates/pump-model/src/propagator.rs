@@ -9,7 +9,7 @@
 use crate::flow_curve::Port;
 use crate::hermite::{self, End};
 use crate::line::Line;
-use crate::math::sqrt;
+use crate::math::{TURN_RAD, sqrt};
 use crate::polynomial::{Polynomial, shift_coefficients};
 
 /// Highest degree of the flow over time: a quartic in the angle, which is quadratic in time, times the speed.
@@ -120,6 +120,15 @@ impl Oscillator {
         let square = half * half - self.rate * self.rate;
         // The slow root of the overdamped line, in the form that does not cancel.
         if square <= 0.0 { half } else { self.rate * self.rate / (half + sqrt(square)) }
+    }
+
+    /// Time, s, in which a line left alone has reached the largest swings either way that it ever will, from any state: a whole
+    /// swing; in an overdamped line, which turns once at most, until every mode has died out.
+    pub(crate) fn widest_swing_s(&self) -> f64 {
+        let half = 0.5 * self.decay;
+        let square = self.rate * self.rate - half * half;
+        let died_out_s = 40.0 / self.slowest_decay();
+        if square > 0.0 { (TURN_RAD / sqrt(square)).min(died_out_s) } else { died_out_s }
     }
 
     /// Length of a step, s, over which the solution is simple: a fraction of the swing; in an overdamped line a fraction

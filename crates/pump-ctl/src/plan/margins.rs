@@ -90,12 +90,12 @@ impl Limits {
         let [sucking, pushing] = Self::ports(plan.direction());
         let mut margins = Margins::default();
         if let Some(limit_kpa) = self.max_outlet_kpa {
-            let reached_kpa = motion.extremes(plan, pump, pushing)?.max_kpa;
+            let reached_kpa = motion.extremes(pump, pushing).max_kpa;
             let rest_kpa = pump.line(pushing).reservoir_kpa;
             margins.outlet = Some(Margin::of_pressure(reached_kpa, limit_kpa, rest_kpa, 1.0));
         }
         if let Some(limit_kpa) = self.min_inlet_kpa {
-            let reached_kpa = motion.extremes(plan, pump, sucking)?.min_kpa;
+            let reached_kpa = motion.extremes(pump, sucking).min_kpa;
             let rest_kpa = pump.line(sucking).reservoir_kpa;
             margins.inlet = Some(Margin::of_pressure(reached_kpa, limit_kpa, rest_kpa, -1.0));
         }

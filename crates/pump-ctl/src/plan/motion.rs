@@ -5,7 +5,7 @@ use pump_model::{ExactRun, Extremes, Port, Pump};
 
 use super::lines::LineStates;
 use super::profile::{Course, Profile};
-use super::{Legs, Plan, PlanError};
+use super::{Legs, Plan};
 
 /// Part of a line's swing from the start that may be left when pitches are left out, as a power of 1/e: 1e-11.
 const FORGOTTEN: f64 = 25.0;
@@ -57,12 +57,8 @@ impl Motion {
         ExactRun::new(pump, port, self.legs(), state)
     }
 
-    /// Range of a port's pressure, the settling after the last step of `plan` included.
-    pub(super) fn extremes(&self, plan: &Plan, pump: &Pump, port: Port) -> Result<Extremes, PlanError> {
-        let motion_s = self.duration_s();
-        let mut run = self.run(pump, port);
-        let moving = run.extremes(motion_s);
-        let stopping = run.extremes(motion_s + plan.settling_at(pump, port, run.state())?);
-        Ok(moving.and(stopping))
+    /// Range of a port's pressure from the start of the motion on.
+    pub(super) fn extremes(&self, pump: &Pump, port: Port) -> Extremes {
+        self.run(pump, port).extremes_to_rest(self.duration_s())
     }
 }

@@ -28,45 +28,27 @@ impl Plan {
 
     /// Predicts pressures and settling of this dose on `pump`, exactly.
     pub fn predict(&self, pump: &Pump) -> Result<Prediction, PlanError> {
-        let motion_s = self.profile.duration_s();
-        let range = |port| {
-            let mut run = self.run(pump, port);
-            let moving = run.extremes(motion_s);
-            let stopping = run.extremes(motion_s + self.settling_at(pump, port, run.state())?);
-            Ok::<_, PlanError>(moving.and(stopping))
-        };
+        let range = |port| self.run(pump, port).extremes_to_rest(self.profile.duration_s());
         let step_kpa = |port| {
             let largest_ml = pump.curve(port).flow_range_ml_rad().1 * self.step_rad;
             largest_ml / pump.line(port).compliance_ml_kpa
         };
         Ok(Prediction {
-            inlet: range(Port::Inlet)?,
-            outlet: range(Port::Outlet)?,
+            inlet: range(Port::Inlet),
+            outlet: range(Port::Outlet),
             step_kpa: step_kpa(Port::Inlet).max(step_kpa(Port::Outlet)),
             settle_s: self.settle_s(pump)?,
         })
     }
 
-    /// Time from the last step until the undelivered volume stays below 1 uL, s.
+    /// Time from the last step until the undelivered volume stays below 1 uL, s. The last step comes at once, so its volume is
+    /// in the line at first.
     pub(super) fn settle_s(&self, pump: &Pump) -> Result<f64, PlanError> {
-        let mut outlet = self.run(pump, Port::Outlet);
-        let state = outlet.at(self.profile.duration_s());
-        self.settling_at(pump, Port::Outlet, state)
-    }
-
-    /// Settling time of a port that the smooth motion leaves in `state`. The last step comes at once, so the volume of
-    /// one step is in the line at first.
-    pub(super) fn settling_at(
-        &self,
-        pump: &Pump,
-        port: Port,
-        [pressure_kpa, flow_ml_s]: [f64; 2],
-    ) -> Result<f64, PlanError> {
+        let [pressure_kpa, flow_ml_s] = self.run(pump, Port::Outlet).at(self.profile.duration_s());
         let end_rad = self.end_angle_rad();
-        let step_ml = pump.curve(port).flow_ml_rad(end_rad) * self.step_rad * f64::from(self.direction());
-        let sign = if port == Port::Outlet { 1.0 } else { -1.0 };
-        let stepped_kpa = pressure_kpa + sign * step_ml / pump.line(port).compliance_ml_kpa;
+        let step_ml = self.end_step_ml(pump) * f64::from(self.direction());
+        let stepped_kpa = pressure_kpa + step_ml / pump.outlet().compliance_ml_kpa;
         let rest = [Leg::rest(0.0, end_rad)];
-        Ok(ExactRun::new(pump, port, rest, [stepped_kpa, flow_ml_s]).settling_s()?)
+        Ok(ExactRun::new(pump, Port::Outlet, rest, [stepped_kpa, flow_ml_s]).settling_s()?)
     }
 }
