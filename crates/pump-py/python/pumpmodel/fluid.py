@@ -47,8 +47,8 @@ class Fluid(Record):
     def water(cls, *, temperature_degc: float) -> Self:
         """Water.
 
-        Density and compressibility are those of Kell (J. Chem. Eng. Data 20:97, 1975), viscosity of IAPWS SR6-08, vapour
-        pressure of IAPWS SR1-86.
+        Density and compressibility are those of Kell (J. Chem. Eng. Data 20:97, 1975), viscosity of IAPWS
+        SR6-08, vapour pressure of IAPWS SR1-86.
 
         Parameters
         ----------

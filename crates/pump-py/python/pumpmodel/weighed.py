@@ -117,7 +117,7 @@ class ShortDose(Record):
 
 @dataclass(frozen=True)
 class PhaseFit:
-    """What short doses say of a pump, each with its standard uncertainty, and the calibration that keeps the zero.
+    """What short doses say of a pump, with standard uncertainties, and the calibration that keeps the zero.
 
     `zero_rad` is the model's angle of the rollers where the record says 0.
     """
