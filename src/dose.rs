@@ -182,7 +182,7 @@ impl Prepared {
         carry_ml: f64,
     ) -> Result<Self, PlanError> {
         let prediction = plan.predict(&model)?;
-        let mut warnings = warnings_of(&model, &plan, &prediction, &limits.margins(&model, &plan)?)?;
+        let mut warnings = warnings_of(&model, &plan, &prediction, &limits.margins(&model, &plan))?;
         let is_weighed = calibration.as_ref().is_some_and(|applied| applied.displacement.is_some());
         if file.is_estimated() && !is_weighed {
             warnings.push(
@@ -271,6 +271,7 @@ fn warnings_of(
     for (what, unit, margin) in [
         ("outlet pressure", "kPa", margins.outlet),
         ("inlet pressure", "kPa", margins.inlet),
+        ("outlet pressure where the flow falls", "kPa", margins.outlet_suction),
         ("torque", "N m", margins.torque),
     ] {
         if let Some(Margin { reached, limit, used }) = margin

@@ -1,6 +1,6 @@
 //! What a dose reports to programs: one JSON object. `report_text.rs` is the same for people.
 
-use pump_ctl::plan::{Finish, InletBound, LimitedBy};
+use pump_ctl::plan::{Finish, LimitedBy, SetBy};
 use pump_model::Ripple;
 use pump_model::math::{degrees, rpm};
 use serde::Serialize;
@@ -174,6 +174,7 @@ impl DoseReport {
         }
         let budget = Budget::new(model, &part, &file.uncertainty, applied);
         let limits = &prepared.limits;
+        let lowest = limits.lowest_where_it_sucks();
         let ripples = plan.ripples(model);
         Self {
             schema: "dose/1",
@@ -237,17 +238,17 @@ impl DoseReport {
                 LimitedBy::Nothing => "none",
                 LimitedBy::Acceleration => "acceleration",
                 LimitedBy::Speed => "speed",
-                LimitedBy::OutletPressure => "outlet_pressure",
+                LimitedBy::OutletPressure | LimitedBy::OutletSuction => "outlet_pressure",
                 LimitedBy::InletPressure => "inlet_pressure",
                 LimitedBy::Torque => "torque",
             },
-            inlet_limit_kpa: limits.min_inlet_kpa,
-            inlet_limit: limits.min_inlet_kpa.map(|_| match limits.inlet_bound {
-                InletBound::Given => "given",
-                InletBound::TubeCollapse => "tube_collapse",
-                InletBound::Vapour => "vapour_pressure",
+            inlet_limit_kpa: lowest.map(|lowest| lowest.kpa),
+            inlet_limit: lowest.map(|lowest| match lowest.set_by {
+                SetBy::Given => "given",
+                SetBy::TubeCollapse => "tube_collapse",
+                SetBy::Vapour => "vapour_pressure",
             }),
-            limits_not_checked: file.not_checked(limits, prepared.request.min_inlet_kpa),
+            limits_not_checked: file.not_checked(limits),
             warnings: prepared.warnings.clone(),
             completed: delivered.is_some_and(|delivered| delivered.completed),
         }
