@@ -16,6 +16,9 @@ use crate::unknown_angle;
 /// A limit of which more than this is used is worth a warning.
 const CLOSE: f64 = 0.95;
 
+/// A smooth flow that keeps more than this part of the ripple is hardly one.
+const HARDLY: f64 = 0.9;
+
 /// Why the pump is to turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -248,6 +251,15 @@ fn warnings_of(
             "the dose is too short to reach its cruise speed at {} rad/s2; it peaks at {:.4} r/min",
             plan.profile.acceleration_rad_s2(),
             rpm(plan.profile.peak_rad_s()),
+        ));
+    }
+    let ripples = plan.ripples(model);
+    if plan.is_smooth() && ripples.after.rms > HARDLY * ripples.before.rms {
+        warnings.push(format!(
+            "a smooth flow was asked for, but at this rate the motor has no room to follow it: {:.1} % of ripple (RMS) stay of \
+             {:.1} %; a slower rate is smoother",
+            100.0 * ripples.after.rms,
+            100.0 * ripples.before.rms
         ));
     }
     if let Some(warning) = low_flow_warning(model, plan)? {

@@ -64,9 +64,11 @@ pub struct DoseReport {
     pub finish: &'static str,
     /// What the next dose owes, mL: requested + carry in - planned; after a prime or purge, what was owed before.
     pub carry_ml: f64,
-    /// Fastest speed, r/min.
+    /// Speed while cruising, r/min; of a smooth flow its mean over time.
     pub cruise_speed_rpm: f64,
-    /// Mean flow at that speed, mL/s.
+    /// Fastest speed, r/min.
+    pub peak_speed_rpm: f64,
+    /// Mean flow while cruising, mL/s.
     pub cruise_flow_ml_s: f64,
     /// Planned volume over the time of motion, mL/s.
     pub mean_flow_ml_s: f64,
@@ -163,7 +165,6 @@ impl DoseReport {
             (inlet, outlet) = (inlet.and(back.prediction.inlet), outlet.and(back.prediction.outlet));
             planned_end_rad = back.plan.end_angle_rad();
         }
-        let cruise_rad_s = plan.profile.peak_rad_s();
         let motion_s = plan.profile.duration_s();
         // A dose that was stopped is as unsure as the part that was made.
         let mut part = *plan;
@@ -222,7 +223,8 @@ impl DoseReport {
             },
             carry_ml: delivered
                 .map_or(prepared.owes_ml(), |delivered| prepared.carry_out_ml + delivered.retracted_ml),
-            cruise_speed_rpm: rpm(cruise_rad_s),
+            cruise_speed_rpm: rpm(plan.profile.cruise_rad_s()),
+            peak_speed_rpm: rpm(plan.profile.peak_rad_s()),
             cruise_flow_ml_s: plan.cruise_flow_ml_s(model),
             mean_flow_ml_s: plan.planned_ml.abs() / motion_s,
             motion_s,

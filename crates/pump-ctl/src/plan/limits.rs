@@ -83,13 +83,7 @@ pub struct Limits {
 impl Limits {
     /// The motor alone.
     pub const fn of_motor(motor: Motor) -> Self {
-        Self {
-            motor,
-            max_outlet_kpa: None,
-            min_inlet_kpa: None,
-            lowest: None,
-            torque: None,
-        }
+        Self { motor, max_outlet_kpa: None, min_inlet_kpa: None, lowest: None, torque: None }
     }
 
     /// The smallest pressure that is allowed at the port that sucks: the larger of what was given and what tube and fluid stand.

@@ -2,8 +2,8 @@
 
 use pump_model::{ExactRun, Port, Pump};
 
-use super::profile::{Course, Profile};
 use super::Plan;
+use super::profile::{Course, Profile};
 
 /// Pressure above the reservoir, kPa, and flow, mL/s, of the inlet and of the outlet line.
 pub(super) type LineStates = [[f64; 2]; 2];

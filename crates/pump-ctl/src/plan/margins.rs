@@ -89,9 +89,7 @@ impl Margins {
 impl Limits {
     /// Whether anything but speed and acceleration is limited.
     pub(super) fn are_predicted(&self) -> bool {
-        self.max_outlet_kpa.is_some()
-            || self.lowest_where_it_sucks().is_some()
-            || self.torque.is_some()
+        self.max_outlet_kpa.is_some() || self.lowest_where_it_sucks().is_some() || self.torque.is_some()
     }
 
     /// The ports that suck and push, in this order: in reverse they swap roles.

@@ -3,9 +3,9 @@
 use pump_model::math::{ceil, floor};
 use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
 
+use super::Plan;
 use super::lines::LineStates;
 use super::profile::{Course, Profile};
-use super::Plan;
 
 /// Part of a line's swing from the start that may be left when pitches are left out, as a power of 1/e: 1e-11.
 const FORGOTTEN: f64 = 25.0;
