@@ -87,6 +87,7 @@ class Dose(Record):
     finish: str
     carry_ml: float
     cruise_speed_rpm: float
+    peak_speed_rpm: float
     cruise_flow_ml_s: float
     mean_flow_ml_s: float
     motion_s: float

@@ -61,7 +61,7 @@ class _Bench:
     ) -> Calibration: ...
     def calibrate_phase(
         self,
-        doses: Sequence[tuple[float, float, float]],
+        doses: Sequence[tuple[float, float, float, float | None]],
         scale: str | None,
         tube: str | None,
         note: str | None,
