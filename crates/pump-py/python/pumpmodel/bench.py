@@ -231,7 +231,9 @@ class Bench(BenchRecord, BenchCalibration):
         start_angle_rad: float | None = None,
         limits: Limits | None = None,
     ) -> Plan:
-        """Plan a dose from the record, with the calibration in use, for its steps and waveform. Moves and records nothing.
+        """Plan a dose from the record, with the calibration in use, for its steps and waveform.
+
+        Moves and records nothing.
 
         Parameters and errors are those of `dose`.
 
