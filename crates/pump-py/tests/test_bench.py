@@ -197,7 +197,8 @@ def test_a_damaged_journal_is_put_aside_by_setting_the_angle(tmp_path: Path) -> 
     with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
         bench.dose("1mL")
     journal = Path(bench.folder) / "journal.jsonl"
-    journal.write_text("nonsense\n" + journal.read_text())
+    text = journal.read_text()
+    journal.write_text(text[:-20] + "?" + text[-19:])
     with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
         with pytest.raises(pm.PumpError, match="journal"):
             bench.status()

@@ -24,7 +24,7 @@ def test_a_line_through_runs_is_found_and_doses_use_it() -> None:
     assert found.standard_uncertainty(speed_rpm=60) < 1e-3
     assert found.speeds_rpm == pytest.approx([20, 60, 100])
     plain, calibrated = (pm.Doser(PUMP, calibration=of).plan("100mL", speed="100rpm") for of in (None, found))
-    assert calibrated.steps == pytest.approx(plain.steps / 1.02, rel=1e-3)
+    assert calibrated.steps == pytest.approx(plain.steps / 1.02, rel=5e-3)
     assert calibrated.planned_ml == pytest.approx(100, abs=3e-3)
     assert calibrated.expanded_uncertainty_ml < plain.expanded_uncertainty_ml
     assert calibrated.to_dict()["volume_basis"] == "calibrated"

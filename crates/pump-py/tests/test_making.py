@@ -11,14 +11,31 @@ DRAWING: dict[str, Any] = {
     "rollers": 3,
     "bore_radius_mm": 5.0,
     "tube_outer_radius_mm": 7.0,
-    "backplate_radius_mm": 63.5,
-    "contact_angle_deg": 21.5,
-    "roller_radius_mm": 14.0,
-    "roller_offset_mm": 46.5,
+    "backplate_radius_mm": 63.0,
+    "contact_angle_deg": 30.0,
+    "roller_radius_mm": 20.0,
+    "roller_offset_mm": 40.0,
     "hose_length_mm": 331.0,
 }
-ANGLES = [0, 6, 12, 18, 24, 30, 36, 42, 48]
-VOLUMES = [0, 0.01, 0.08, 0.3, 0.7, 1.2, 1.65, 1.95, 2.1]
+# Measured by McIntyre et al.
+ANGLES = [0.0, 3.37, 6.92, 10.62, 13.98, 17.68, 21.20, 24.93, 28.50, 32.25, 35.75, 39.59, 42.87, 46.53, 50.53]
+VOLUMES = [
+    0.0,
+    0.0207143,
+    0.1057143,
+    0.2528571,
+    0.4357143,
+    0.6842857,
+    0.9007143,
+    1.175,
+    1.4014286,
+    1.6157143,
+    1.815,
+    1.9542857,
+    2.0242857,
+    2.08,
+    2.1064286,
+]
 
 
 def test_a_drawing_gives_a_pump_near_the_measured_one() -> None:
@@ -46,15 +63,15 @@ def test_a_drawing_of_no_pump_is_a_value_error(wrong: dict[str, float]) -> None:
 @pytest.mark.parametrize("method", ["spline", "quintic"])
 def test_measured_points_become_a_pump(method: Any) -> None:
     fit = pm.VolumeFit(np.array(ANGLES), VOLUMES, method=method)
-    assert fit.engagement_deg == 48
-    assert fit.residuals_ml.shape == (9,)
+    assert fit.engagement_deg == pytest.approx(50.53)
+    assert fit.residuals_ml.shape == (15,)
     assert fit.rms_ml == pytest.approx(np.sqrt(np.mean(fit.residuals_ml**2)))
     pump = pm.Pump.three_roller().replace(roller_volume=fit, id="mine")
     assert (pump.id, pump.is_estimated) == ("mine", False)
     assert pump.roller_volume_ml == fit.total_ml
-    assert pump.engagement_rad == pytest.approx(np.radians(48))
+    assert pump.engagement_rad == pytest.approx(np.radians(50.53))
     assert pump != pm.Pump.three_roller().replace(id="mine")
-    volumes = fit.volume(np.radians([-1, 0, 48, 60]))
+    volumes = fit.volume(np.radians([-1, 0, 50.53, 60]))
     assert isinstance(volumes, np.ndarray)
     assert volumes.tolist() == [0, 0, fit.total_ml, fit.total_ml]
     assert dataclasses.replace(fit) == fit == pm.VolumeFit.from_dict(fit.to_dict())
@@ -62,8 +79,9 @@ def test_measured_points_become_a_pump(method: Any) -> None:
 
 
 def test_points_that_fall_are_told() -> None:
-    fit = pm.VolumeFit(ANGLES, [*VOLUMES[:4], 0.25, *VOLUMES[5:]])
-    assert fit.falls == [(18, 24, pytest.approx(0.05))]
+    fit = pm.VolumeFit(ANGLES, [*VOLUMES[:8], VOLUMES[7] - 0.05, *VOLUMES[9:]])
+    assert fit.falls is not None
+    np.testing.assert_allclose(fit.falls, [[24.93, 28.50, 0.05]])
     assert len(fit.held_deg) == 1
 
 
@@ -73,7 +91,7 @@ def test_points_that_fall_are_told() -> None:
         ([0, 1], [0, 1], "spline"),
         ([0, 1, 2], [0, 1], "spline"),
         ([0, 1, 2], [0, 1, 2], "quintic"),
-        (ANGLES, [np.nan] * 9, "spline"),
+        (ANGLES, [np.nan] * 15, "spline"),
         ([ANGLES], [VOLUMES], "spline"),
         (ANGLES, VOLUMES, "septic"),
     ],

@@ -30,8 +30,8 @@ class Fluid(Record):
     Examples
     --------
     >>> import pumpmodel as pm
-    >>> round(pm.Fluid.water(temperature_degc=25).density_kg_m3, 2)
-    997.05
+    >>> round(pm.Fluid.water(temperature_degc=25).density_kg_m3, 1)
+    997.0
     """
 
     density_kg_m3: float

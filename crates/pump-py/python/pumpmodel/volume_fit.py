@@ -37,7 +37,7 @@ class VolumeFit(Record):
     --------
     >>> import pumpmodel as pm
     >>> fit = pm.VolumeFit([0, 12, 24, 36, 48], [0, 0.1, 0.8, 1.7, 2.1])
-    >>> pm.Pump.three_roller().replace(roller_volume=fit).roller_volume_ml
+    >>> pm.Pump.two_roller().replace(roller_volume=fit).roller_volume_ml
     2.1
     """
 
