@@ -36,8 +36,8 @@ class VolumeFit(Record):
     Examples
     --------
     >>> import pumpmodel as pm
-    >>> fit = pm.VolumeFit([0, 12, 24, 36, 48], [0, 0.1, 0.8, 1.7, 2.1])
-    >>> pm.Pump.two_roller().replace(roller_volume=fit).roller_volume_ml
+    >>> fit = pm.VolumeFit([0, 10, 20, 30, 40, 50], [0, 0.23, 0.83, 1.49, 1.96, 2.1])
+    >>> pm.Pump.three_roller().replace(roller_volume=fit).roller_volume_ml
     2.1
     """
 
