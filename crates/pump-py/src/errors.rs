@@ -4,9 +4,9 @@ use pump_ctl::plan::PlanError as CtlPlanError;
 use pump_dose::pump_file::PumpFileError as DosePumpFileError;
 use pump_model::ModelError;
 use pump_model::integrator::IntegrationError;
-use pyo3::PyErr;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::import_exception;
+use pyo3::prelude::*;
 
 import_exception!(pumpmodel.errors, PlanError);
 import_exception!(pumpmodel.errors, PumpError);
@@ -15,6 +15,11 @@ import_exception!(pumpmodel.errors, PumpFileError);
 /// A bad argument.
 pub(crate) fn value(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
+}
+
+/// The same error with where it came from.
+pub(crate) fn within(place: impl std::fmt::Display, error: PyErr) -> PyErr {
+    Python::attach(|py| PyErr::from_type(error.get_type(py), format!("{place}: {}", error.value(py))))
 }
 
 /// What the model refuses is a bad argument, but for an integration that fails on the way.

@@ -9,11 +9,13 @@ mod line;
 mod plan;
 mod plan_output;
 mod pump;
+mod pump_dimensions;
 mod pump_flow;
 mod pump_run;
 mod run;
 mod speed;
 mod steady;
+mod sweep;
 
 /// Compiled half of `pumpmodel`; import that instead.
 #[pyo3::pymodule]
@@ -32,6 +34,8 @@ mod _pumpmodel {
     use crate::run::Run;
     #[pymodule_export]
     use crate::steady::SteadyState;
+    #[pymodule_export]
+    use crate::sweep::_steady_states;
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name for it")]

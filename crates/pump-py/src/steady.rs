@@ -9,7 +9,7 @@ use crate::errors;
 use crate::floats::Floats;
 use crate::interrupt::Interrupt;
 
-const FIELDS: usize = 9;
+pub(crate) const FIELDS: usize = 9;
 
 /// What a pump does at constant speed once start-up is forgotten; made by `Pump.steady_state`.
 ///
@@ -87,21 +87,12 @@ impl SteadyState {
             }
             Ok(reports)
         })?;
-        let of: [fn(&SteadyReport) -> f64; FIELDS] = [
-            |report| report.inlet_min_kpa,
-            |report| report.inlet_max_kpa,
-            |report| report.inlet_mean_kpa,
-            |report| report.outlet_min_kpa,
-            |report| report.outlet_max_kpa,
-            |report| report.outlet_mean_kpa,
-            |report| report.mean_flow_ml_s,
-            |report| report.ripple_peak_to_peak,
-            |report| report.ripple_rms,
-        ];
-        Self::new(py, of.map(|field| speeds_rad_s.with_values(reports.iter().map(field).collect())))
+        let reports: Vec<_> = reports.iter().map(numbers).collect();
+        let column = |field: usize| reports.iter().map(|numbers| numbers[field]).collect();
+        Self::new(py, std::array::from_fn(|field| speeds_rad_s.with_values(column(field))))
     }
 
-    fn new(py: Python<'_>, fields: [Floats; FIELDS]) -> PyResult<Self> {
+    pub(crate) fn new(py: Python<'_>, fields: [Floats; FIELDS]) -> PyResult<Self> {
         let [inlet_min, inlet_max, inlet_mean, outlet_min, outlet_max, outlet_mean, flow, peak_to_peak, rms] =
             fields;
         Ok(Self {
@@ -130,4 +121,19 @@ impl SteadyState {
             ("ripple_rms", &self.ripple_rms),
         ]
     }
+}
+
+/// The fields' values, in their order.
+pub(crate) fn numbers(report: &SteadyReport) -> [f64; FIELDS] {
+    [
+        report.inlet_min_kpa,
+        report.inlet_max_kpa,
+        report.inlet_mean_kpa,
+        report.outlet_min_kpa,
+        report.outlet_max_kpa,
+        report.outlet_mean_kpa,
+        report.mean_flow_ml_s,
+        report.ripple_peak_to_peak,
+        report.ripple_rms,
+    ]
 }

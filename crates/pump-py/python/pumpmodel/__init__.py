@@ -14,6 +14,7 @@ Examples
 
 from pumpmodel._pumpmodel import Doser, Limits, Line, Plan, Pump, Run, SteadyState, __version__
 from pumpmodel.errors import PlanError, PumpError, PumpFileError
+from pumpmodel.sweeps import Sweep, sweep
 
 __all__ = [
     "Doser",
@@ -26,5 +27,7 @@ __all__ = [
     "PumpFileError",
     "Run",
     "SteadyState",
+    "Sweep",
     "__version__",
+    "sweep",
 ]
