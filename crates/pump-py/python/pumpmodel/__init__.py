@@ -14,6 +14,8 @@ Examples
 
 from pumpmodel._pumpmodel import Doser, Limits, Line, Plan, Pump, Run, SteadyState, __version__
 from pumpmodel.errors import PlanError, PumpError, PumpFileError
+from pumpmodel.plotting import plot, plot_map
+from pumpmodel.section import plot_pump
 from pumpmodel.sweeps import Sweep, sweep
 
 __all__ = [
@@ -29,5 +31,8 @@ __all__ = [
     "SteadyState",
     "Sweep",
     "__version__",
+    "plot",
+    "plot_map",
+    "plot_pump",
     "sweep",
 ]

@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Final, Generic, Literal, TypeAlias, TypeVar, f
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Doser", "Limits", "Line", "Plan", "Pump", "Run", "SteadyState", "__version__"]
+__all__ = ["Doser", "Limits", "Line", "Plan", "Pump", "Run", "SteadyState", "__version__", "_steady_states"]
 
 __version__: Final[str]
 
