@@ -16,7 +16,7 @@ from pumpmodel.sweeps import UNITS, Sweep
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_Panel: TypeAlias = Literal["flow", "pressure", "speed", "delivered"]
+    _Panel: TypeAlias = Literal["flow", "pressure", "speed", "delivered"]
 
 # Colours that stay apart for colour-blind readers (Okabe and Ito, 2008); as in `dose --plot`.
 BLUE = "#0072B2"
