@@ -43,23 +43,10 @@ impl Pump {
         self.model.geometry().roller_offset_mm
     }
 
-    /// Engagement angle phi, rad: how far a roller turns from first contact until it displaces its whole volume, and as
-    /// far again while it leaves.
-    #[getter]
-    fn engagement_rad(&self) -> f64 {
-        self.model.roller_volume().engagement_rad()
-    }
-
     /// Inlet phase psi, rad: how far behind the outlet's pulse the inlet's begins. Between the two a roller stays fully
     /// engaged for `2*pi - engagement_rad - inlet_phase_rad`.
     #[getter]
     fn inlet_phase_rad(&self) -> PyResult<f64> {
         self.model.geometry().inlet_phase_rad(self.model.roller_volume()).map_err(errors::model)
-    }
-
-    /// Volume that a fully engaged roller displaces V_r, mL.
-    #[getter]
-    fn roller_volume_ml(&self) -> f64 {
-        self.model.roller_volume().total_ml()
     }
 }

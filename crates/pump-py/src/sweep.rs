@@ -7,6 +7,7 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use pump_dose::SteadyReport;
 use pump_model::{ModelError, Pump as Model};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
@@ -17,8 +18,9 @@ use crate::interrupt::Interrupt;
 use crate::pump::Pump;
 use crate::run::reserve;
 use crate::speed::{self, Argument};
-use crate::steady::{self, FIELDS, SteadyState};
 
+/// Results of a point.
+const FIELDS: usize = 9;
 /// The longest wait for the next result before signals are looked for; with `Interrupt`'s own 0.1 s a Ctrl-C is answered
 /// within 0.2 s.
 const PATIENCE: Duration = Duration::from_millis(40);
@@ -29,7 +31,8 @@ const BLOCK: usize = 64;
 /// Blocks a thread gets at least, so that all end at about the same time.
 const BLOCKS_EACH: usize = 8;
 
-/// Steady states of every pump at every speed: arrays of shape (pumps, speeds).
+/// Steady states of every pump at every speed: for each attribute of a `SteadyState` but the speed, in their order, an array
+/// of shape (pumps, speeds).
 ///
 /// `first` is the number of the first pump in errors; `progress(done, total)` is called now and then and at the end.
 #[pyfunction]
@@ -42,7 +45,7 @@ pub(crate) fn _steady_states<'py>(
     threads: Option<NonZero<usize>>,
     first: usize,
     progress: Option<Py<PyAny>>,
-) -> PyResult<SteadyState> {
+) -> PyResult<Vec<Py<PyAny>>> {
     let pumps: Vec<Model> = pumps.iter().map(|pump| pump.get().model).collect();
     let speeds_rad_s = speed::speeds_rad_s(speed_rpm, speed_rad_s)?.values().to_vec();
     let shape = vec![pumps.len(), speeds_rad_s.len()];
@@ -52,7 +55,7 @@ pub(crate) fn _steady_states<'py>(
         None => thread::available_parallelism()?,
     };
     let columns = py.detach(|| sweep.columns(threads.get(), first, progress))?;
-    SteadyState::new(py, columns.map(|values| Floats::Many { shape: shape.clone(), values }))
+    columns.into_iter().map(|values| Floats::Many { shape: shape.clone(), values }.into_frozen(py)).collect()
 }
 
 /// What the threads share.
@@ -164,14 +167,14 @@ impl Sweep {
             if start >= points {
                 return;
             }
-            let mut numbers = Vec::with_capacity(block);
+            let mut results = Vec::with_capacity(block);
             for point in start..points.min(start + block) {
                 if self.abandoned.load(Ordering::Relaxed) {
                     return;
                 }
                 let (pump, speed) = (point / self.speeds_rad_s.len(), point % self.speeds_rad_s.len());
                 match self.pumps[pump].steady_state(self.speeds_rad_s[speed]) {
-                    Ok(steady) => numbers.push(steady::numbers(&steady.into())),
+                    Ok(steady) => results.push(numbers(&steady.into())),
                     Err(error) => {
                         self.next.fetch_max(points, Ordering::Relaxed);
                         // Nobody to tell means that nobody waits.
@@ -180,9 +183,23 @@ impl Sweep {
                     }
                 }
             }
-            if answers.send(Ok((start, numbers))).is_err() {
+            if answers.send(Ok((start, results))).is_err() {
                 return;
             }
         }
     }
+}
+
+fn numbers(report: &SteadyReport) -> [f64; FIELDS] {
+    [
+        report.inlet_min_kpa,
+        report.inlet_max_kpa,
+        report.inlet_mean_kpa,
+        report.outlet_min_kpa,
+        report.outlet_max_kpa,
+        report.outlet_mean_kpa,
+        report.mean_flow_ml_s,
+        report.ripple_peak_to_peak,
+        report.ripple_rms,
+    ]
 }

@@ -97,7 +97,7 @@ def test_a_map_has_a_cell_for_each_pump_and_speed() -> None:
         np.testing.assert_array_equal(values[row], alone.inlet_min_kpa)
     assert (axis.get_xlabel(), axis.get_ylabel()) == ("speed (r/min)", "rollers")
     assert cells.colorbar
-    assert cells.colorbar.ax.get_ylabel() == "smallest inlet pressure (kPa)"
+    assert cells.colorbar.ax.get_ylabel() == "smallest inlet pressure, absolute (kPa)"
 
 
 def test_a_map_of_numbers_of_ones_own_needs_their_names() -> None:
@@ -198,7 +198,7 @@ def test_angles_are_marked_with_their_size() -> None:
 def test_without_matplotlib_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     pump = pm.Pump.three_roller()
     monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
-    message = r"a picture needs matplotlib.pyplot: pip install 'pumpmodel\[plot\]'"
+    message = r'matplotlib.pyplot is not installed: pip install "pumpmodel\[plot\]"'
     with pytest.raises(ImportError, match=message):
         pm.plot_pump(pump)
     with pytest.raises(ImportError, match=message):

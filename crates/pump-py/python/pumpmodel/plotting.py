@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel._pumpmodel import Plan, Run
-from pumpmodel.extras import extra
-from pumpmodel.sweeps import UNITS, Sweep
+from pumpmodel._tables import COLUMNS, optional
+from pumpmodel.sweeps import RESULTS, Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,19 +44,6 @@ _PANELS: dict[str, tuple[str, tuple[_Curve, ...]]] = {
     "speed": ("speed\n(r/min)", (_Curve("pump head", "speed_rad_s", BLUE, _RPM_PER_RAD_S),)),
     "delivered": ("delivered\n(mL)", (_Curve("vessel", "delivered_ml", VERMILION),)),
 }
-
-_QUANTITIES = {
-    "inlet_min_kpa": "smallest inlet pressure",
-    "inlet_max_kpa": "largest inlet pressure",
-    "inlet_mean_kpa": "mean inlet pressure",
-    "outlet_min_kpa": "smallest outlet pressure",
-    "outlet_max_kpa": "largest outlet pressure",
-    "outlet_mean_kpa": "mean outlet pressure",
-    "mean_flow_ml_s": "mean flow",
-    "ripple_peak_to_peak": "flow ripple, peak to peak over mean",
-    "ripple_rms": "flow ripple, RMS over mean",
-}
-
 
 @overload
 def plot(result: Run | Plan, *, panels: _Panel, ax: Axes | None = None) -> Axes: ...
@@ -210,11 +197,10 @@ def plot_map(
 
 def _quantity(sweep: Sweep, quantity: str | ArrayLike, label: str | None) -> tuple[NDArray[Any], str]:
     if isinstance(quantity, str):
-        if quantity not in _QUANTITIES:
-            message = f"quantity is {quantity!r}; allowed: {', '.join(_QUANTITIES)}"
+        if quantity not in RESULTS:
+            message = f"quantity is {quantity!r}; allowed: {', '.join(RESULTS)}"
             raise ValueError(message)
-        unit = UNITS[quantity]
-        name = _QUANTITIES[quantity]
+        unit, name = COLUMNS[quantity]
         return getattr(sweep, quantity), label or (name if unit == "1" else f"{name} ({unit})")
     values = np.asarray(quantity, dtype=np.float64)
     if values.shape != sweep.shape:
@@ -236,8 +222,8 @@ def _edges(middles: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def axes_for(names: list[str], ax: Axes | Sequence[Axes] | None) -> list[Axes]:
     """Give one of the caller's axes to each name, or those of a new figure."""
-    pyplot = extra("matplotlib.pyplot", "plot", "a picture")
-    axes_type = extra("matplotlib.axes", "plot", "a picture").Axes
+    pyplot = optional("matplotlib.pyplot", "plot")
+    axes_type = optional("matplotlib.axes", "plot").Axes
     if ax is None:
         height = 1.0 + 1.5 * len(names) if len(names) > 1 else 4.0
         _, grid = pyplot.subplots(

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel._pumpmodel import Pump, _steady_states
-from pumpmodel.extras import extra
+from pumpmodel._tables import COLUMNS, optional
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,17 +25,17 @@ _Progress: TypeAlias = Callable[[int, int], object]
 # Points that go to an executor as one task: a tenth of a second of work or so.
 _TASK = 2000
 
-UNITS = {
-    "inlet_min_kpa": "kPa",
-    "inlet_max_kpa": "kPa",
-    "inlet_mean_kpa": "kPa",
-    "outlet_min_kpa": "kPa",
-    "outlet_max_kpa": "kPa",
-    "outlet_mean_kpa": "kPa",
-    "mean_flow_ml_s": "mL/s",
-    "ripple_peak_to_peak": "1",
-    "ripple_rms": "1",
-}
+RESULTS = (
+    "inlet_min_kpa",
+    "inlet_max_kpa",
+    "inlet_mean_kpa",
+    "outlet_min_kpa",
+    "outlet_max_kpa",
+    "outlet_mean_kpa",
+    "mean_flow_ml_s",
+    "ripple_peak_to_peak",
+    "ripple_rms",
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -118,18 +118,17 @@ class Sweep:
         ImportError
             Without pandas, which `pip install 'pumpmodel[dataframe]'` brings.
         """
-        pandas = extra("pandas", "dataframe", "Sweep.to_dataframe")
         pumps, speeds = self.shape
-        columns: dict[str, Any] = {
+        columns = {
             "pump": np.repeat(np.arange(pumps), speeds),
             "pump_id": np.repeat([pump.id for pump in self.pumps], speeds),
             "rollers": np.repeat([pump.rollers for pump in self.pumps], speeds),
             "speed_rpm": np.tile(self.speed_rpm, pumps),
             "speed_rad_s": np.tile(self.speed_rad_s, pumps),
         }
-        columns |= {name: getattr(self, name).ravel() for name in UNITS}
-        frame: pd.DataFrame = pandas.DataFrame(columns)
-        frame.attrs["units"] = {"speed_rpm": "r/min", "speed_rad_s": "rad/s", **UNITS}
+        columns |= {name: getattr(self, name).ravel() for name in RESULTS}
+        frame: pd.DataFrame = optional("pandas", "dataframe").DataFrame(columns)
+        frame.attrs["units"] = {name: COLUMNS[name][0] for name in columns if name in COLUMNS}
         return frame
 
     def to_xarray(self) -> xr.Dataset:
@@ -138,26 +137,28 @@ class Sweep:
         Returns
         -------
         xarray.Dataset
-            Each variable has its unit in `attrs["units"]`; `pump_id` and `rollers` are coordinates along
+            Each variable has `units` and `long_name` as attributes; `pump_id` and `rollers` are coordinates along
             `pump`.
 
         Raises
         ------
         ImportError
-            Without xarray, which `pip install 'pumpmodel[dataframe]'` brings.
+            Without xarray, which `pip install 'pumpmodel[xarray]'` brings.
         """
-        xarray = extra("xarray", "dataframe", "Sweep.to_xarray")
-        dataset: xr.Dataset = xarray.Dataset(
-            {
-                name: (("pump", "speed_rpm"), getattr(self, name), {"units": unit})
-                for name, unit in UNITS.items()
-            },
+
+        def described(name: str, dims: str | tuple[str, ...], numbers: object) -> tuple[Any, ...]:
+            units, long_name = COLUMNS[name]
+            return dims, numbers, {"units": units, "long_name": long_name}
+
+        dims = ("pump", "speed_rpm")
+        dataset: xr.Dataset = optional("xarray", "xarray").Dataset(
+            {name: described(name, dims, getattr(self, name)) for name in RESULTS},
             coords={
                 "pump": np.arange(len(self.pumps)),
                 "pump_id": ("pump", [pump.id for pump in self.pumps]),
                 "rollers": ("pump", [pump.rollers for pump in self.pumps]),
-                "speed_rpm": ("speed_rpm", self.speed_rpm, {"units": "r/min"}),
-                "speed_rad_s": ("speed_rpm", self.speed_rad_s, {"units": "rad/s"}),
+                "speed_rpm": described("speed_rpm", "speed_rpm", self.speed_rpm),
+                "speed_rad_s": described("speed_rad_s", "speed_rpm", self.speed_rad_s),
             },
         )
         return dataset
@@ -249,17 +250,16 @@ def _compute(
     progress: _Progress | None = None,
 ) -> list[_Array]:
     rpm, rad_s = (speeds, None) if name == "speed_rpm" else (None, speeds)
-    steady = _steady_states(
+    return _steady_states(
         pumps, speed_rpm=rpm, speed_rad_s=rad_s, threads=threads, first=first, progress=progress
     )
-    return [getattr(steady, field) for field in UNITS]
 
 
 def _on_executor(
     executor: Executor, pumps: tuple[Pump, ...], name: str, speeds: NDArray[Any], progress: _Progress | None
 ) -> list[_Array]:
     shape = len(pumps), len(speeds)
-    results = [np.empty(shape) for _ in UNITS]
+    results = [np.empty(shape) for _ in RESULTS]
     tiles = list(_tiles(*shape))
     futures = [
         executor.submit(_tile, pumps[rows], name, speeds[columns], rows.start) for rows, columns in tiles
