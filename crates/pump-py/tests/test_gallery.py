@@ -58,3 +58,19 @@ def test_a_fit_finds_the_line_within_its_errors(tmp_path: Path) -> None:
         within += int((np.abs(again.found - again.true) < 2 * again.standard_error).sum())
     # 60 numbers of which 95 % are expected; fewer than 51 would happen once in a thousand times.
     assert within >= 51
+
+
+def test_the_rollers_that_are_chosen_keep_to_the_target(tmp_path: Path) -> None:
+    choice, names = run("choose_rollers.py", tmp_path)
+    head = choice.head
+    assert (head.rollers, round(np.degrees(head.contact_angle_rad))) == (4, 20)
+    # Seen over a long run of the chosen head, contact angle and all, and of the next smaller one.
+    swings = []
+    for pump in (head, names["head"](3, 45)):
+        run_ = pump.simulate(speed_rpm=pump.speed_for_flow(flow_ml_s=45), duration_s=5)
+        swings.append(np.ptp(run_.p_out_kpa[run_.time_s > 4]))
+    assert swings[0] == pytest.approx(choice.swing_kpa[2], abs=0.01)
+    assert swings[0] <= 25 < swings[1]
+    with pytest.raises(ValueError, match="at some angles no roller seals"):
+        names["head"](2, 0)
+    assert list(choice.sealing[0][:5]) == [0, 0, 0, 0, 1]

@@ -214,6 +214,7 @@ def _steady_states(
     first: int = 0,
     progress: Callable[[int, int], object] | None = None,
 ) -> list[_Array]: ...
+
 @final
 class Limits:
     def __new__(

@@ -45,6 +45,7 @@ _PANELS: dict[str, tuple[str, tuple[_Curve, ...]]] = {
     "delivered": ("delivered\n(mL)", (_Curve("vessel", "delivered_ml", VERMILION),)),
 }
 
+
 @overload
 def plot(result: Run | Plan, *, panels: _Panel, ax: Axes | None = None) -> Axes: ...
 @overload

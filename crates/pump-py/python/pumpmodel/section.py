@@ -79,7 +79,7 @@ def plot_pump(pump: Pump, angle_rad: float = 0.0, *, ax: Axes | None = None) -> 
     axis.set_ylabel("mm")
     axis.set_title(pump.name, fontsize="medium")
     reach = pump.backplate_radius_mm + _PLATE_MM
-    axis.set_xlim(-1.35 * reach, 1.35 * reach)
+    axis.set_xlim(-1.4 * reach, 1.4 * reach)
     axis.set_ylim(-1.08 * reach, 1.3 * reach)
     return axis
 

@@ -137,8 +137,8 @@ class Sweep:
         Returns
         -------
         xarray.Dataset
-            Each variable has `units` and `long_name` as attributes; `pump_id` and `rollers` are coordinates along
-            `pump`.
+            Each variable has `units` and `long_name` as attributes; `pump_id` and `rollers` are coordinates
+            along `pump`.
 
         Raises
         ------
