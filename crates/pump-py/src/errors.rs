@@ -24,6 +24,11 @@ pub(crate) fn value(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
+/// The same error with where it came from.
+pub(crate) fn within(place: impl std::fmt::Display, error: PyErr) -> PyErr {
+    Python::attach(|py| PyErr::from_type(error.get_type(py), format!("{place}: {}", error.value(py))))
+}
+
 /// What the model refuses is a bad argument, but for an integration that fails on the way.
 pub(crate) fn model(error: ModelError) -> PyErr {
     match error {

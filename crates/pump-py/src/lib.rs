@@ -15,6 +15,7 @@ mod line;
 mod plan;
 mod plan_output;
 mod pump;
+mod pump_dimensions;
 mod pump_flow;
 mod pump_make;
 mod pump_run;
@@ -22,6 +23,7 @@ mod run;
 mod speed;
 mod speed_law;
 mod steady;
+mod sweep;
 mod volume_fit;
 mod worker;
 
@@ -50,6 +52,8 @@ mod _pumpmodel {
     use crate::speed_law::{_law_check, _law_published, _law_revolution, _law_trapped};
     #[pymodule_export]
     use crate::steady::SteadyState;
+    #[pymodule_export]
+    use crate::sweep::_steady_states;
     #[pymodule_export]
     use crate::volume_fit::{_volume_fit, _volume_fit_at};
 

@@ -18,7 +18,10 @@ from pumpmodel.dose import Dose, Status
 from pumpmodel.errors import DriveError, PlanError, PumpError, PumpFileError, UnfinishedError
 from pumpmodel.fluid import Fluid
 from pumpmodel.hose import Hose
+from pumpmodel.plotting import plot, plot_map
+from pumpmodel.section import plot_pump
 from pumpmodel.speed_law import SpeedLaw
+from pumpmodel.sweeps import Sweep, sweep
 from pumpmodel.volume_fit import VolumeFit
 from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun
 
@@ -43,8 +46,13 @@ __all__ = [
     "SpeedLaw",
     "Status",
     "SteadyState",
+    "Sweep",
     "UnfinishedError",
     "VolumeFit",
     "WeighedRun",
     "__version__",
+    "plot",
+    "plot_map",
+    "plot_pump",
+    "sweep",
 ]

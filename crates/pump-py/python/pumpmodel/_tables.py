@@ -34,7 +34,8 @@ COLUMNS = {
 }
 
 
-def _optional(module: str, extra: str) -> ModuleType:
+def optional(module: str, extra: str) -> ModuleType:
+    """Import a package of an extra; the ImportError of one that is not installed says how to install it."""
     try:
         return import_module(module)
     except ImportError as error:
@@ -42,7 +43,7 @@ def _optional(module: str, extra: str) -> ModuleType:
 
 
 def _dataframe(columns: dict[str, Any]) -> Any:
-    frame = _optional("pandas", "dataframe").DataFrame(columns)
+    frame = optional("pandas", "dataframe").DataFrame(columns)
     frame.attrs["units"] = {name: COLUMNS[name][0] for name in columns}
     return frame
 
@@ -52,7 +53,7 @@ def _dataset(dims: tuple[str, ...], coordinates: dict[str, Any], variables: dict
         units, long_name = COLUMNS[name]
         return dims, numbers, {"units": units, "long_name": long_name}
 
-    return _optional("xarray", "xarray").Dataset(
+    return optional("xarray", "xarray").Dataset(
         {name: described(name, numbers) for name, numbers in variables.items()},
         coords={name: described(name, numbers) for name, numbers in coordinates.items()},
     )

@@ -15,6 +15,7 @@ from .functions import _law_published as _law_published
 from .functions import _law_revolution as _law_revolution
 from .functions import _law_trapped as _law_trapped
 from .functions import _reading as _reading
+from .functions import _steady_states as _steady_states
 from .functions import _volume_fit as _volume_fit
 from .functions import _volume_fit_at as _volume_fit_at
 from .pump import Line as Line

@@ -1,4 +1,4 @@
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -34,3 +34,12 @@ def _volume_fit(
 ) -> tuple[float, float, list[float], float, _Falls | None, list[tuple[float, float]]]: ...
 def _volume_fit_at(method: str, points: _Points, angle_rad: float | _Numbers) -> float | _Array: ...
 def _reading(reading: str) -> tuple[float | None, float | None]: ...
+def _steady_states(
+    pumps: Sequence[Pump],
+    *,
+    speed_rpm: _Numbers | None = None,
+    speed_rad_s: _Numbers | None = None,
+    threads: int | None = None,
+    first: int = 0,
+    progress: Callable[[int, int], object] | None = None,
+) -> list[_Array]: ...
