@@ -47,6 +47,8 @@ pub mod math;
 #[cfg(feature = "identification")]
 mod monotone_spline;
 mod motion;
+#[cfg(feature = "integrator")]
+mod periodic;
 pub mod polynomial;
 #[cfg(feature = "integrator")]
 mod port_run;
@@ -56,6 +58,8 @@ mod pump;
 #[cfg(feature = "identification")]
 mod quadrature;
 mod ripple;
+#[cfg(feature = "integrator")]
+mod roller_centric;
 pub mod roller_volume;
 mod settling;
 #[cfg(feature = "identification")]
@@ -65,6 +69,7 @@ mod stretches;
 mod turn_range;
 #[cfg(feature = "identification")]
 pub mod volume_fit;
+mod walk;
 
 #[cfg(feature = "identification")]
 pub use drawing::Drawing;
@@ -87,6 +92,8 @@ pub use port_run::{DEFAULT_TOLERANCE, PortRun};
 pub use presets::{PUBLISHED_CONTACT_ANGLE_DEG, Variant};
 pub use pump::Pump;
 pub use ripple::Ripple;
+#[cfg(feature = "integrator")]
+pub use roller_centric::{RollerCentric, RollerRun, RollerSample};
 pub use roller_volume::RollerVolume;
 pub use settling::SETTLED_ML;
 #[cfg(feature = "identification")]
