@@ -61,7 +61,7 @@ pub use output::Staged;
 pub use report::{CalibrationReport, DoseReport, PhaseReport};
 pub use retraction::Retraction;
 pub use session::{Delivered, Session};
-pub use simulation::{MAX_SAMPLES, Simulation, SteadyReport};
+pub use simulation::{AskedMethod, MAX_SAMPLES, MethodError, Simulation, SteadyReport, choose_method};
 pub use status::{Status, UnfinishedStatus};
 pub use uncertainty::{Budget, COVERAGE_FACTOR, Share};
 

@@ -165,6 +165,8 @@ pub(crate) enum Missed {
 pub(crate) enum Model {
     /// Flows at the rollers drive the lines
     FlowCentric,
+    /// Every roller a valve, every segment between two a chamber (experimental)
+    RollerCentric,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -21,7 +21,9 @@ pub(crate) fn value(error: impl std::fmt::Display) -> PyErr {
 pub(crate) fn model(error: ModelError) -> PyErr {
     match error {
         ModelError::Integration(error) => integration(error),
-        ModelError::NeverSettles { .. } => PumpError::new_err(error.to_string()),
+        ModelError::NeverSettles { .. } | ModelError::NotPeriodic { .. } => {
+            PumpError::new_err(error.to_string())
+        }
         _ => value(error),
     }
 }
