@@ -83,9 +83,15 @@ impl DoseReport {
             "none" => String::new(),
             limit => format!(" (limited by {limit})"),
         };
+        let peak = match self.peak_speed_rpm {
+            peak_rpm if peak_rpm > 1.001 * self.cruise_speed_rpm => {
+                format!(" on average, {} at most", significant(peak_rpm, 4))
+            }
+            _ => String::new(),
+        };
         writeln!(
             to,
-            "  speed        {} r/min, {} mL/s cruising{limited}",
+            "  speed        {} r/min{peak}, {} mL/s cruising{limited}",
             significant(self.cruise_speed_rpm, 4),
             significant(self.cruise_flow_ml_s, 4)
         )?;
@@ -115,6 +121,10 @@ impl DoseReport {
         )?;
         if let Some((limit_kpa, of)) = self.inlet_limit_kpa.zip(self.inlet_limit) {
             writeln!(to, "  suction      not below {limit_kpa:.2} kPa absolute ({})", of.replace('_', " "))?;
+        }
+        if let Some((needed_n_m, available_n_m)) = self.torque_needed_n_m.zip(self.torque_available_n_m) {
+            let [needed, available] = [needed_n_m, available_n_m].map(|n_m| significant(n_m, 3));
+            writeln!(to, "  torque       {needed} N m needed where the motor has {available}")?;
         }
         let not_checked = match self.limits_not_checked.join(", ").replace('_', " ") {
             none if none.is_empty() => "nothing: every limit has a value".to_owned(),

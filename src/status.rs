@@ -39,10 +39,21 @@ pub struct Status {
     pub wear: Wear,
     /// Volume that a tube lasts, mL; null if it is not known.
     pub tube_life_ml: Option<f64>,
+    /// The calibration that doses use; null if they use none.
+    pub calibration: Option<CalibrationStatus>,
     /// A dose that was begun and not finished.
     pub unfinished: Option<UnfinishedStatus>,
     /// The folder of the journal.
     pub folder: String,
+}
+
+/// The calibration that doses use.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CalibrationStatus {
+    /// Its number.
+    pub version: u32,
+    /// When it was made, UTC.
+    pub date: String,
 }
 
 /// A dose that was begun and not finished.
@@ -102,6 +113,10 @@ impl Status {
             carry_ml: state.carry_ml,
             wear: state.wear,
             tube_life_ml: bench.file().tube.life_ml,
+            calibration: bench
+                .calibrations()
+                .active()?
+                .map(|stored| CalibrationStatus { version: stored.version, date: stored.calibration.date }),
             unfinished,
             folder: bench.folder().path().display().to_string(),
         })
@@ -149,6 +164,9 @@ impl Status {
             text,
             "tube: {volume_ml:.1} mL{life} in {revolutions:.1} revolutions and {time} of motion"
         );
+        if let Some(CalibrationStatus { version, date }) = &self.calibration {
+            let _ = writeln!(text, "doses use calibration {version} of {date}");
+        }
         if let Some(dose) = &self.unfinished {
             let _ = writeln!(
                 text,
