@@ -1,5 +1,7 @@
 //! The roller-centric model: its limit, its balance, its segments.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use pump_model::math::{TURN_RAD, rad_s};
 use pump_model::{
     DEFAULT_TOLERANCE, ExactRun, Leg, Line, ModelError, Port, Pump, RollerCentric, RollerRun, SpeedLaw,
