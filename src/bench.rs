@@ -111,9 +111,16 @@ impl Bench {
         Ok(self.folder.read(&self.model, self.fresh())?)
     }
 
-    /// Plans a dose from the recorded angle and predicts it. Moves and writes nothing.
+    /// Plans a dose from the recorded angle and predicts it. Moves and writes nothing. Refused while another process moves the
+    /// pump: where it will stop is not known yet.
     pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
-        self.prepare_from(&self.file, self.story()?.state, request)
+        let state = self.story()?.state;
+        if state.is_some_and(|state| state.unfinished.is_some())
+            && let Some(holder) = self.folder.holder()
+        {
+            return Err(self.folder.busy(holder).into());
+        }
+        self.prepare_from(&self.file, state, request)
     }
 
     /// Plans a dose as if `state` were on record.
