@@ -38,6 +38,7 @@ pub mod quantity;
 mod report;
 mod report_text;
 mod retraction;
+mod roller_runs;
 pub mod rust_source;
 pub mod sample;
 #[cfg(test)]
@@ -64,6 +65,7 @@ pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use output::Staged;
 pub use report::{CalibrationReport, DoseReport, PhaseReport};
 pub use retraction::Retraction;
+pub use roller_runs::{Fall, RollerRuns};
 pub use session::{Delivered, Session};
 pub use simulation::{MAX_SAMPLES, Simulation, SteadyReport};
 pub use status::{Status, UnfinishedStatus};

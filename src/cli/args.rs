@@ -208,7 +208,7 @@ pub(crate) struct Options {
     /// Where in a pitch the dose may end [default: any]
     #[arg(long, global = true, value_name = "any|low-flow")]
     pub(crate) finish: Option<FinishAt>,
-    /// What is pumped, where it is not the pump file's fluid: water
+    /// What is pumped, where it is not the pump file's fluid: water, ethanol, isopropanol, glycerol 50%
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) fluid: Option<String>,
     /// Temperature of what is pumped, as 20degC [default: the pump file's]

@@ -20,6 +20,8 @@
 //! ```
 #![no_std]
 
+#[cfg(feature = "identification")]
+mod alcohols;
 #[cfg(feature = "integrator")]
 pub mod circuit;
 #[cfg(feature = "identification")]
@@ -36,6 +38,8 @@ mod fluid;
 #[cfg(feature = "identification")]
 mod friction;
 mod geometry;
+#[cfg(feature = "identification")]
+mod glycerol;
 mod hermite;
 #[cfg(feature = "identification")]
 mod hose;
