@@ -2,7 +2,7 @@
 
 use pump_dose::Bench;
 use pump_dose::calibration::{
-    Calibration, PhaseFit, ShortDose, Source, Stored, Weighing, short_doses_of_csv,
+    Calibration, PhaseFit, Revolution, ShortDose, Source, Stored, Weighing, short_doses_of_csv,
 };
 use pump_dose::pump_file::RollerVolumeTable;
 use serde_json::json;
@@ -18,8 +18,9 @@ pub(super) fn phase(args: &PhaseArgs, options: &Options) -> Result<(), Failure> 
     let _held = bench.folder().lock()?;
     let active = bench.calibrations().active()?;
     let displacement = active.as_ref().and_then(|active| active.calibration.displacement.as_ref());
-    let factor = displacement.map_or(1.0, |displacement| displacement.factor);
-    let found = PhaseFit::of(bench.model(), factor, &doses, &expected(&bench, &args.reading)?)?;
+    let model_standard = bench.file().uncertainty.model_percent / 100.0;
+    let revolution = Revolution { displacement, model_standard };
+    let found = PhaseFit::of(bench.model(), revolution, &doses, &expected(&bench, &args.reading)?)?;
     let version = if args.uses { Some(keep(&bench, active, doses, &found, args)?) } else { None };
     if options.json() {
         return print(&format!("{}\n", json!({ "schema": "phase/1", "found": found, "version": version })));
