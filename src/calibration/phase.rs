@@ -73,7 +73,7 @@ pub fn short_doses_of_csv(text: &str, weighing: &Weighing<'_>) -> Result<Vec<Sho
         };
         let speed_rpm = row.number("speed_rpm")?;
         if let Some(rpm) = speed_rpm.filter(|rpm| *rpm <= 0.0) {
-            return Err(row.error(format!("speed_rpm is {rpm}; allowed: more than 0")));
+            return Err(row.error(format!("speed_rpm is {rpm}; allowed: more than 0")).into());
         }
         let start_angle_deg = row.required("start_angle_deg")?;
         doses.push(ShortDose { start_angle_deg, turned_deg, volume_ml, speed_rpm });

@@ -15,7 +15,6 @@ use super::{DataArgs, LineName, plot};
 
 #[derive(Debug, Args)]
 pub(crate) struct ComplianceArgs {
-    /// CSV: volume_ml injected since the start, and pressure_kpa (or p_in_kpa, p_out_kpa)
     #[command(flatten)]
     data: DataArgs,
     /// Which line it is

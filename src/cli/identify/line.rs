@@ -5,9 +5,9 @@ use pump_ctl::plan::{Cruise, speed_for_flow};
 use pump_dose::fit_plot::{Axes, Fitted};
 use pump_dose::identification::waveforms_of_csv;
 use pump_dose::quantity;
-use pump_model::identification::{LineFit, Motion, PressureSample, Recording, Sought};
+use pump_model::identification::{Estimate, LineFit, Motion, PressureSample, Recording, Sought};
 use pump_model::math::{degrees, rpm};
-use pump_model::{Leg, Port, Pump};
+use pump_model::{Leg, Line, Port, Pump};
 
 use super::super::args::Options;
 use super::super::outputs::Outputs;
@@ -17,7 +17,6 @@ use super::{DataArgs, plot};
 
 #[derive(Debug, Args)]
 pub(crate) struct LineArgs {
-    /// CSV: time_s, and the absolute pressure p_in_kpa, p_out_kpa or both; a trace is such a table
     #[command(flatten)]
     data: DataArgs,
     /// What the rotor did
@@ -149,10 +148,7 @@ fn report(
         .zip(fitted)
         .map(|(sample, fitted)| Fitted { x: sample.time_s, measured: sample.pressure_kpa, fitted })
         .collect();
-    let moved = |found: pump_model::identification::Estimate, by: f64| pump_model::identification::Estimate {
-        value: found.value + by,
-        ..found
-    };
+    let moved = |found: Estimate, by: f64| Estimate { value: found.value + by, ..found };
     let angle = moved(fit.angle_rad, angle_rad).times(degrees(1.0));
     let parameters = [
         ("resistance_kpa_s_ml", "resistance", "kPa s/mL", fit.resistance_kpa_s_ml, sought.resistance),
@@ -187,7 +183,7 @@ fn report(
 }
 
 /// Whether the swings of the line pass between the samples.
-fn too_few_per_swing(samples: &[PressureSample], line: &pump_model::Line) -> Option<String> {
+fn too_few_per_swing(samples: &[PressureSample], line: &Line) -> Option<String> {
     let (first, last) = (samples.first()?, samples.last()?);
     let interval_s = (last.time_s - first.time_s) / (samples.len() - 1) as f64;
     let swing_s = std::f64::consts::TAU / line.natural_rad_s();

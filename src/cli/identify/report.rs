@@ -31,12 +31,12 @@ pub(super) struct Report {
     /// The first line for people.
     pub(super) headline: String,
     pub(super) parameters: Vec<Parameter>,
-    /// Unit and key of what was measured and fitted.
+    /// What was measured, kPa, and fitted.
     pub(super) points: Vec<Fitted>,
-    /// How many points are worth as much as independent ones.
+    /// How many independent points they are worth.
     pub(super) independent: f64,
     pub(super) warnings: Vec<String>,
-    /// The line with what was found in it, and which keys that were.
+    /// The line with what was found in it.
     pub(super) line: Line,
 }
 

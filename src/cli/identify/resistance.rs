@@ -14,7 +14,6 @@ use super::{DataArgs, LineName, plot};
 
 #[derive(Debug, Args)]
 pub(crate) struct ResistanceArgs {
-    /// CSV: flow_ml_s, and drop_kpa or the pressure at the pump (p_in_kpa, p_out_kpa, absolute); perhaps standard_kpa
     #[command(flatten)]
     data: DataArgs,
     /// Which line it is
