@@ -52,7 +52,7 @@ pub fn pearson(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<f64> {
     }
     let pearson = product / (sqrt(square_x) * sqrt(square_y));
     // Rounding may leave the range by a bit.
-    pearson.is_finite().then(|| pearson.max(-1.0).min(1.0))
+    pearson.is_finite().then(|| pearson.clamp(-1.0, 1.0))
 }
 
 #[cfg(test)]

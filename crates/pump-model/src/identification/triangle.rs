@@ -38,9 +38,8 @@ impl<const N: usize> Triangle<N> {
             let diagonal = self.r[k][k];
             let length = sqrt(diagonal * diagonal + row[k] * row[k]);
             let (c, s) = (diagonal / length, row[k] / length);
-            for n in k..N {
-                let (up, down) = (self.r[k][n], row[n]);
-                (self.r[k][n], row[n]) = (c * up + s * down, c * down - s * up);
+            for (above, below) in self.r[k].iter_mut().zip(&mut row).skip(k) {
+                (*above, *below) = (c * *above + s * *below, c * *below - s * *above);
             }
             (self.right[k], right) = (c * self.right[k] + s * right, c * right - s * self.right[k]);
         }
@@ -65,8 +64,9 @@ impl<const N: usize> Triangle<N> {
     /// The first column that is 0, or a combination of those before it.
     pub(super) fn singular(&self) -> Option<usize> {
         let lengths = self.lengths();
-        // Written so that NaN is singular too.
-        (0..N).find(|n| !(self.r[*n][*n].abs() > SINGULAR * lengths[*n]))
+        let is_regular = |n: usize| self.r[n][n].abs() > SINGULAR * lengths[n];
+        // A column that is NaN is singular too.
+        (0..N).find(|n| !is_regular(*n))
     }
 
     /// The x with the least sum of squares; none if it is not unique.
