@@ -50,7 +50,7 @@ fn keep(
     };
     let calibrations = bench.calibrations();
     let version = calibrations.add(&calibration)?;
-    calibrations.activate(Some(version))?;
+    bench.use_calibration(Some(version))?;
     Ok(version)
 }
 

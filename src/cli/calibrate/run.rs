@@ -57,7 +57,7 @@ fn keep(
     calibration.tube = args.reading.tube.clone();
     calibration.note = args.reading.note.clone();
     let version = calibrations.add(&calibration)?;
-    calibrations.activate(Some(version))?;
+    bench.use_calibration(Some(version))?;
     let stored = Stored { version, calibration };
     print(&if options.json() { summary::json(&stored) } else { summary::text(bench, &stored) })
 }
