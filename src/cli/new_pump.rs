@@ -126,8 +126,7 @@ impl NewPump {
                 };
                 let fitted = runs.fitted(fit).map_err(refused)?;
                 let title = format!("volume that a roller of {} displaces", drawn.id);
-                let svg = fit_plot::svg(&title, axes, &fitted).map_err(Failure::refused)?;
-                outputs.write(path, |to| to.write_all(svg.as_bytes()))?;
+                outputs.drawing(path, fit_plot::svg(&title, axes, &fitted))?;
             }
             (Some(_), None) => {
                 return Err(Failure::refused(

@@ -152,6 +152,10 @@ fn tables_and_options_that_mean_nothing_are_refused() {
         (&["identify", "compliance", "--data", "compliance.csv", "--total-volume", "26"], "no unit"),
         (&["identify", "compliance"], "--data"),
         (
+            &["identify", "compliance", "--data", "compliance.csv", "--plot", "fit.png"],
+            "fit.png: plots are SVG",
+        ),
+        (
             &[
                 "identify",
                 "line",

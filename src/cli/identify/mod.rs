@@ -91,6 +91,5 @@ fn plot(
     axes: Axes,
     points: &[Fitted],
 ) -> Result<(), Failure> {
-    let svg = fit_plot::svg(title, axes, points).map_err(Failure::refused)?;
-    outputs.write(path, |to| to.write_all(svg.as_bytes()))
+    outputs.drawing(path, fit_plot::svg(title, axes, points))
 }
