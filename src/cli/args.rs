@@ -1,15 +1,17 @@
 //! What may be typed.
 
-use std::path::{Path, PathBuf, absolute};
+use std::path::{PathBuf, absolute};
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use pump_ctl::plan::Cruise;
 use pump_dose::pump_file::{DriverName, PumpFile};
 use pump_dose::quantity::{self, Pressure};
-use pump_dose::{BUILT_IN, Bench, built_in, default_state_dir};
+use pump_dose::{Bench, default_state_dir};
 
 use super::calibrate::CalibrateCommand;
+use super::identify::IdentifyCommand;
 use super::new_pump::NewPump;
+use super::pumps::pump_named;
 use super::{Failure, batch};
 
 /// The command that prints pumps.
@@ -58,6 +60,11 @@ pub(crate) enum Command {
     Calibrate {
         #[command(subcommand)]
         command: Option<CalibrateCommand>,
+    },
+    /// Find the resistance, compliance and inertance of a line from measurements
+    Identify {
+        #[command(subcommand)]
+        command: IdentifyCommand,
     },
     /// Run the model at constant speed (--speed or --rate, --duration)
     Simulate,
@@ -203,7 +210,7 @@ pub(crate) struct Options {
     /// Where in a pitch the dose may end [default: any]
     #[arg(long, global = true, value_name = "any|low-flow")]
     pub(crate) finish: Option<FinishAt>,
-    /// What is pumped, where it is not the pump file's fluid: water
+    /// What is pumped, where it is not the pump file's fluid: water, ethanol, isopropanol, glycerol 50%
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) fluid: Option<String>,
     /// Temperature of what is pumped, as 20degC [default: the pump file's]
@@ -384,19 +391,4 @@ impl Options {
         }
         Ok(())
     }
-}
-
-/// A built-in pump or a pump file.
-pub(crate) fn pump_named(name: &str) -> Result<PumpFile, Failure> {
-    if let Some(file) = built_in(name) {
-        return Ok(file);
-    }
-    let path = Path::new(name);
-    if path.exists() || name.contains(['/', '\\']) || name.ends_with(".toml") {
-        return PumpFile::read(path).map_err(Failure::refused);
-    }
-    let names = BUILT_IN.map(|(name, _)| name).join(", ");
-    Err(Failure::refused(format!(
-        "there is no pump `{name}`; built-in pumps: {names}; or name a TOML pump file"
-    )))
 }

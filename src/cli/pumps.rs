@@ -5,13 +5,15 @@ use pump_dose::rust_source::rust_source;
 use pump_dose::{BUILT_IN, built_in};
 use pump_model::math::degrees;
 use pump_model::{Line, RollerVolume};
+use std::path::Path;
 
-use super::args::{Format, Options, PumpsCommand, SHOW, pump_named};
+use super::args::{Format, Options, PumpsCommand, SHOW};
 use super::{Failure, print};
 
 pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result<(), Failure> {
     match command {
         Some(PumpsCommand::Show { .. }) => options.accept_only(SHOW, &["--format"])?,
+        Some(PumpsCommand::New(_)) => options.accept_only("dose pumps new", &["--plot"])?,
         _ => options.accept_only("dose pumps", &[])?,
     }
     match command {
@@ -28,7 +30,7 @@ pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result
                 )),
             }
         }
-        Some(PumpsCommand::New(drawing)) => drawing.write(),
+        Some(PumpsCommand::New(drawing)) => drawing.write(options),
         Some(PumpsCommand::Check { file }) => {
             if !file.exists() && file.to_str().is_some_and(|name| built_in(name).is_some()) {
                 let name = file.display();
@@ -115,4 +117,19 @@ fn line_text(file: &PumpFile, table: &LineTable, line: &Line) -> String {
         "R {:.4} kPa s/mL, C {:.4} mL/kPa, L {:.5} kPa s²/mL, {source}",
         line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml
     )
+}
+
+/// A built-in pump or a pump file.
+pub(crate) fn pump_named(name: &str) -> Result<PumpFile, Failure> {
+    if let Some(file) = built_in(name) {
+        return Ok(file);
+    }
+    let path = Path::new(name);
+    if path.exists() || name.contains(['/', '\\']) || name.ends_with(".toml") {
+        return PumpFile::read(path).map_err(Failure::refused);
+    }
+    let names = BUILT_IN.map(|(name, _)| name).join(", ");
+    Err(Failure::refused(format!(
+        "there is no pump `{name}`; built-in pumps: {names}; or name a TOML pump file"
+    )))
 }

@@ -249,7 +249,7 @@ impl PumpFile {
                 false,
                 key,
                 &"missing",
-                "a number: a line from a hose needs it, and only water's is known",
+                "a number: a line from a hose needs it, and nothing is known of this fluid",
             )?;
         }
         let ambient = self.ambient.pressure_kpa;

@@ -7,7 +7,8 @@
 //! Units are mL, kPa absolute, s and rad, and stand in every name. Needs neither `std` nor an allocator.
 //!
 //! Feature `integrator`, on by default: the implicit integrator, for models that are not linear, and the runs made with it.
-//! Feature `identification`, on by default: roller volumes from a drawing or from measured points, lines from hoses.
+//! Feature `identification`, on by default: roller volumes from a drawing or from measured points, lines from hoses
+//! or from measurements.
 //! Everything else links into firmware without a panic (`tests/no_panic`).
 //!
 //! ```
@@ -19,6 +20,8 @@
 //! ```
 #![no_std]
 
+#[cfg(feature = "identification")]
+mod alcohols;
 #[cfg(feature = "integrator")]
 pub mod circuit;
 #[cfg(feature = "identification")]
@@ -35,15 +38,20 @@ mod fluid;
 #[cfg(feature = "identification")]
 mod friction;
 mod geometry;
+#[cfg(feature = "identification")]
+mod glycerol;
 mod hermite;
 #[cfg(feature = "identification")]
 mod hose;
+#[cfg(feature = "identification")]
+pub mod identification;
 #[cfg(feature = "integrator")]
 pub mod integrator;
 #[cfg(feature = "identification")]
 mod least_squares;
 mod line;
 pub mod math;
+pub mod metrics;
 #[cfg(feature = "identification")]
 mod monotone_spline;
 mod motion;
