@@ -128,6 +128,8 @@ pub struct Prepared {
     pub prediction: Prediction,
     /// What it was planned within.
     pub limits: Limits,
+    /// How near it comes to that.
+    pub margins: Margins,
     /// Where the start angle comes from.
     pub phase_source: PhaseSource,
     /// What the next dose owes afterwards, mL: the plan's carry, or what was on record before a prime or purge.
@@ -185,7 +187,8 @@ impl Prepared {
         carry_ml: f64,
     ) -> Result<Self, PlanError> {
         let prediction = plan.predict(&model)?;
-        let mut warnings = warnings_of(&model, &plan, &prediction, &limits.margins(&model, &plan))?;
+        let margins = limits.margins(&model, &plan);
+        let mut warnings = warnings_of(&model, &plan, &prediction, &margins)?;
         let is_weighed = calibration.as_ref().is_some_and(|applied| applied.displacement.is_some());
         if file.is_estimated() && !is_weighed {
             warnings.push(
@@ -200,6 +203,7 @@ impl Prepared {
             plan,
             prediction,
             limits,
+            margins,
             phase_source,
             carry_out_ml: if request.purpose == Purpose::Dose { plan.carry_ml } else { carry_ml },
             retraction: None,

@@ -86,6 +86,11 @@ pub struct DoseReport {
     pub outlet_max_kpa: f64,
     /// Ambient pressure, kPa absolute.
     pub ambient_kpa: f64,
+    /// Largest torque that the motor needs compared with what it has at that speed, N m at the pump head; null if nothing is known
+    /// of the torque.
+    pub torque_needed_n_m: Option<f64>,
+    /// What it has there, N m.
+    pub torque_available_n_m: Option<f64>,
     /// Ripple of the flow at the outlet's rollers while cruising, at constant speed.
     pub ripple_before: RippleReport,
     /// The same as planned: less with a smooth flow.
@@ -234,6 +239,8 @@ impl DoseReport {
             outlet_min_kpa: outlet.min_kpa,
             outlet_max_kpa: outlet.max_kpa,
             ambient_kpa: file.ambient.pressure_kpa,
+            torque_needed_n_m: prepared.margins.torque.map(|torque| torque.reached),
+            torque_available_n_m: prepared.margins.torque.map(|torque| torque.limit),
             ripple_before: ripples.before.into(),
             ripple_after: ripples.after.into(),
             limited_by: match plan.limited_by {

@@ -122,6 +122,10 @@ impl DoseReport {
         if let Some((limit_kpa, of)) = self.inlet_limit_kpa.zip(self.inlet_limit) {
             writeln!(to, "  suction      not below {limit_kpa:.2} kPa absolute ({})", of.replace('_', " "))?;
         }
+        if let Some((needed_n_m, available_n_m)) = self.torque_needed_n_m.zip(self.torque_available_n_m) {
+            let [needed, available] = [needed_n_m, available_n_m].map(|n_m| significant(n_m, 3));
+            writeln!(to, "  torque       {needed} N m needed where the motor has {available}")?;
+        }
         let not_checked = match self.limits_not_checked.join(", ").replace('_', " ") {
             none if none.is_empty() => "nothing: every limit has a value".to_owned(),
             names => names,

@@ -39,10 +39,23 @@ pub struct Status {
     pub wear: Wear,
     /// Volume that a tube lasts, mL; null if it is not known.
     pub tube_life_ml: Option<f64>,
+    /// The calibration that doses use; null if they use none.
+    pub calibration: Option<CalibrationStatus>,
     /// A dose that was begun and not finished.
     pub unfinished: Option<UnfinishedStatus>,
+    /// Who has the pump at the moment, so that what is unfinished is in motion; null if nobody has.
+    pub in_use_by: Option<String>,
     /// The folder of the journal.
     pub folder: String,
+}
+
+/// The calibration that doses use.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CalibrationStatus {
+    /// Its number.
+    pub version: u32,
+    /// When it was made, UTC.
+    pub date: String,
 }
 
 /// A dose that was begun and not finished.
@@ -102,7 +115,12 @@ impl Status {
             carry_ml: state.carry_ml,
             wear: state.wear,
             tube_life_ml: bench.file().tube.life_ml,
+            calibration: bench
+                .calibrations()
+                .active()?
+                .map(|stored| CalibrationStatus { version: stored.version, date: stored.calibration.date }),
             unfinished,
+            in_use_by: bench.folder().holder(),
             folder: bench.folder().path().display().to_string(),
         })
     }
@@ -149,14 +167,23 @@ impl Status {
             text,
             "tube: {volume_ml:.1} mL{life} in {revolutions:.1} revolutions and {time} of motion"
         );
+        if let Some(CalibrationStatus { version, date }) = &self.calibration {
+            let _ = writeln!(text, "doses use calibration {version} of {date}");
+        }
         if let Some(dose) = &self.unfinished {
-            let _ = writeln!(
-                text,
-                "unfinished: a dose of {} mL, of which {} were delivered; `dose resume` makes the rest, `dose discard` \
-                 leaves it",
-                dose.requested_ml,
-                between(dose.delivered_least_ml, dose.delivered_most_ml)
-            );
+            let (asked_ml, made) =
+                (dose.requested_ml, between(dose.delivered_least_ml, dose.delivered_most_ml));
+            let _ = match &self.in_use_by {
+                Some(holder) => writeln!(
+                    text,
+                    "in motion, by {holder}: a dose of {asked_ml} mL, of which {made} are delivered by the end of this stretch"
+                ),
+                None => writeln!(
+                    text,
+                    "unfinished: a dose of {asked_ml} mL, of which {made} were delivered; `dose resume` makes the rest, `dose \
+                     discard` leaves it"
+                ),
+            };
         }
         text
     }

@@ -1,10 +1,10 @@
 //! The displacement factor: measured over model volume, at one speed or as a line over several.
 
 use pump_model::Pump;
+use pump_model::identification::widening;
 use pump_model::math::sqrt;
 use serde::{Deserialize, Serialize};
 
-use super::student::widening;
 use super::{CalibrationError, Run, Weighing};
 
 /// Speeds that differ by less than this part are one.

@@ -11,8 +11,6 @@ mod phase;
 mod plan;
 mod run;
 mod store;
-mod student;
-mod table;
 mod verification;
 pub mod weighing;
 

@@ -192,9 +192,8 @@ impl<'a> Session<'a> {
     /// The state, unless a dose is unfinished.
     pub fn finished(&self) -> Result<State, DoseError> {
         let state = self.stands();
-        let Some(dose) = state.unfinished else { return Ok(state) };
-        let (least_ml, most_ml) = dose.delivered_ml(self.bench.model());
-        Err(DoseError::Unfinished { requested_ml: dose.intent.requested_ml, least_ml, most_ml })
+        self.bench.refuse_unfinished(Some(state))?;
+        Ok(state)
     }
 
     /// Runs a dose that this session prepared, and records what comes of it. `watch` is told now and then how many steps

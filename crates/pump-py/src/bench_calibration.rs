@@ -127,7 +127,7 @@ impl Bench {
             |()| "it was done".to_owned(),
             move |held, _| {
                 held.session()?;
-                Ok(held.bench.calibrations().activate(version)?)
+                held.bench.use_calibration(version)
             },
         )
     }
@@ -151,10 +151,9 @@ impl Bench {
             |(stored, _): &(Stored, T)| format!("calibration {} is kept and used", stored.version),
             move |held, _| {
                 held.session()?;
-                let calibrations = held.bench.calibrations();
-                let before = calibrations.active()?.map(|active| active.calibration);
+                let before = held.bench.calibrations().active()?.map(|active| active.calibration);
                 let (calibration, more) = make(held.bench.file(), before.as_ref())?;
-                Ok((calibrations.keep(calibration)?, more))
+                Ok((held.bench.keep_calibration(calibration)?, more))
             },
         )?;
         Ok((Calibration(stored), more))

@@ -135,7 +135,7 @@ fn use_version(version: &str, options: &Options) -> Result<(), Failure> {
         })?),
     };
     let _held = bench.folder().lock()?;
-    bench.calibrations().activate(wanted)?;
+    bench.use_calibration(wanted)?;
     print(&wanted.map_or("doses use no calibration from now on\n".to_owned(), |version| {
         format!("doses use calibration {version} from now on\n")
     }))

@@ -32,12 +32,11 @@ fn keep(
     options: &Options,
 ) -> Result<(), Failure> {
     let _held = bench.folder().lock()?;
-    let calibrations = bench.calibrations();
-    let before = calibrations.active()?.map(|active| active.calibration);
+    let before = bench.calibrations().active()?.map(|active| active.calibration);
     let expected = expected(bench, &args.reading)?;
     let mut calibration = Calibration::of_runs(bench.file(), source, runs, &expected, before.as_ref())?;
     calibration.tube = args.reading.tube.clone();
     calibration.note = args.reading.note.clone();
-    let stored = calibrations.keep(calibration)?;
+    let stored = bench.keep_calibration(calibration)?;
     print(&if options.json() { summary::json(&stored) } else { summary::text(bench, &stored) })
 }

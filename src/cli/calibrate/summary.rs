@@ -63,6 +63,15 @@ pub(super) fn text(bench: &Bench, stored: &Stored) -> String {
         let _ =
             writeln!(text, "  warning: run {run} lies far from the others; it is in the fit: weigh it again");
     }
+    let limit_rpm = file.motor.max_speed_rpm;
+    if found.range_rpm().1 > 1.01 * limit_rpm {
+        let _ = writeln!(
+            text,
+            "  warning: {} r/min is beyond the motor's {} r/min; were these runs made with this pump?",
+            short(found.range_rpm().1),
+            short(limit_rpm)
+        );
+    }
     match found.speeds_rpm.len() {
         0 | 1 => {
             text.push_str("  warning: one speed; doses at others are less sure, calibrate at three or more\n")
