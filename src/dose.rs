@@ -16,6 +16,9 @@ use crate::unknown_angle;
 /// A limit of which more than this is used is worth a warning.
 const CLOSE: f64 = 0.95;
 
+/// A smooth flow that keeps more than this part of the ripple is hardly one.
+const HARDLY: f64 = 0.9;
+
 /// Why the pump is to turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -182,7 +185,7 @@ impl Prepared {
         carry_ml: f64,
     ) -> Result<Self, PlanError> {
         let prediction = plan.predict(&model)?;
-        let mut warnings = warnings_of(&model, &plan, &prediction, &limits.margins(&model, &plan)?)?;
+        let mut warnings = warnings_of(&model, &plan, &prediction, &limits.margins(&model, &plan))?;
         let is_weighed = calibration.as_ref().is_some_and(|applied| applied.displacement.is_some());
         if file.is_estimated() && !is_weighed {
             warnings.push(
@@ -250,6 +253,15 @@ fn warnings_of(
             rpm(plan.profile.peak_rad_s()),
         ));
     }
+    let ripples = plan.ripples(model);
+    if plan.is_smooth() && ripples.after.rms > HARDLY * ripples.before.rms {
+        warnings.push(format!(
+            "a smooth flow was asked for, but at this rate the motor has no room to follow it: {:.1} % of ripple (RMS) stay of \
+             {:.1} %; a slower rate is smoother",
+            100.0 * ripples.after.rms,
+            100.0 * ripples.before.rms
+        ));
+    }
     if let Some(warning) = low_flow_warning(model, plan)? {
         warnings.push(warning);
     } else if plan.carry_ml.abs() > 0.05 * plan.requested_ml.abs() {
@@ -271,6 +283,7 @@ fn warnings_of(
     for (what, unit, margin) in [
         ("outlet pressure", "kPa", margins.outlet),
         ("inlet pressure", "kPa", margins.inlet),
+        ("outlet pressure where the flow falls", "kPa", margins.outlet_suction),
         ("torque", "N m", margins.torque),
     ] {
         if let Some(Margin { reached, limit, used }) = margin

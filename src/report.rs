@@ -1,6 +1,6 @@
 //! What a dose reports to programs: one JSON object. `report_text.rs` is the same for people.
 
-use pump_ctl::plan::{Finish, InletBound, LimitedBy};
+use pump_ctl::plan::{Finish, LimitedBy, SetBy};
 use pump_model::Ripple;
 use pump_model::math::{degrees, rpm};
 use serde::Serialize;
@@ -64,9 +64,11 @@ pub struct DoseReport {
     pub finish: &'static str,
     /// What the next dose owes, mL: requested + carry in - planned; after a prime or purge, what was owed before.
     pub carry_ml: f64,
-    /// Fastest speed, r/min.
+    /// Speed while cruising, r/min; of a smooth flow its mean over time.
     pub cruise_speed_rpm: f64,
-    /// Mean flow at that speed, mL/s.
+    /// Fastest speed, r/min.
+    pub peak_speed_rpm: f64,
+    /// Mean flow while cruising, mL/s.
     pub cruise_flow_ml_s: f64,
     /// Planned volume over the time of motion, mL/s.
     pub mean_flow_ml_s: f64,
@@ -163,7 +165,6 @@ impl DoseReport {
             (inlet, outlet) = (inlet.and(back.prediction.inlet), outlet.and(back.prediction.outlet));
             planned_end_rad = back.plan.end_angle_rad();
         }
-        let cruise_rad_s = plan.profile.peak_rad_s();
         let motion_s = plan.profile.duration_s();
         // A dose that was stopped is as unsure as the part that was made.
         let mut part = *plan;
@@ -174,6 +175,7 @@ impl DoseReport {
         }
         let budget = Budget::new(model, &part, &file.uncertainty, applied);
         let limits = &prepared.limits;
+        let lowest = limits.lowest_where_it_sucks();
         let ripples = plan.ripples(model);
         Self {
             schema: "dose/1",
@@ -221,7 +223,8 @@ impl DoseReport {
             },
             carry_ml: delivered
                 .map_or(prepared.owes_ml(), |delivered| prepared.carry_out_ml + delivered.retracted_ml),
-            cruise_speed_rpm: rpm(cruise_rad_s),
+            cruise_speed_rpm: rpm(plan.profile.cruise_rad_s()),
+            peak_speed_rpm: rpm(plan.profile.peak_rad_s()),
             cruise_flow_ml_s: plan.cruise_flow_ml_s(model),
             mean_flow_ml_s: plan.planned_ml.abs() / motion_s,
             motion_s,
@@ -237,17 +240,17 @@ impl DoseReport {
                 LimitedBy::Nothing => "none",
                 LimitedBy::Acceleration => "acceleration",
                 LimitedBy::Speed => "speed",
-                LimitedBy::OutletPressure => "outlet_pressure",
+                LimitedBy::OutletPressure | LimitedBy::OutletSuction => "outlet_pressure",
                 LimitedBy::InletPressure => "inlet_pressure",
                 LimitedBy::Torque => "torque",
             },
-            inlet_limit_kpa: limits.min_inlet_kpa,
-            inlet_limit: limits.min_inlet_kpa.map(|_| match limits.inlet_bound {
-                InletBound::Given => "given",
-                InletBound::TubeCollapse => "tube_collapse",
-                InletBound::Vapour => "vapour_pressure",
+            inlet_limit_kpa: lowest.map(|lowest| lowest.kpa),
+            inlet_limit: lowest.map(|lowest| match lowest.set_by {
+                SetBy::Given => "given",
+                SetBy::TubeCollapse => "tube_collapse",
+                SetBy::Vapour => "vapour_pressure",
             }),
-            limits_not_checked: file.not_checked(limits, prepared.request.min_inlet_kpa),
+            limits_not_checked: file.not_checked(limits),
             warnings: prepared.warnings.clone(),
             completed: delivered.is_some_and(|delivered| delivered.completed),
         }

@@ -83,9 +83,15 @@ impl DoseReport {
             "none" => String::new(),
             limit => format!(" (limited by {limit})"),
         };
+        let peak = match self.peak_speed_rpm {
+            peak_rpm if peak_rpm > 1.001 * self.cruise_speed_rpm => {
+                format!(" on average, {} at most", significant(peak_rpm, 4))
+            }
+            _ => String::new(),
+        };
         writeln!(
             to,
-            "  speed        {} r/min, {} mL/s cruising{limited}",
+            "  speed        {} r/min{peak}, {} mL/s cruising{limited}",
             significant(self.cruise_speed_rpm, 4),
             significant(self.cruise_flow_ml_s, 4)
         )?;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use pump_ctl::plan::Torque;
+use pump_ctl::plan::{Lowest, Torque};
 use pump_model::{FlowCurve, Geometry, Line, ModelError, Pump};
 
 use crate::pump_file::PumpFile;
@@ -22,7 +22,8 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
     );
     let out = &mut source;
     let torque = if limits.torque.is_some() { ", Torque, TorqueCurve" } else { "" };
-    let _ = writeln!(out, "use pump_ctl::plan::{{InletBound, Limits, Motor{torque}}};");
+    let (lowest, set_by) = if limits.lowest.is_some() { (", Lowest", ", SetBy") } else { ("", "") };
+    let _ = writeln!(out, "use pump_ctl::plan::{{Limits{lowest}, Motor{set_by}{torque}}};");
     out.push_str("use pump_model::{FlowCurve, Geometry, Line, Pump, RollerVolume};\n\n");
 
     write_pump(out, &pump);
@@ -38,7 +39,7 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
              }},\n    \
              max_outlet_kpa: {},\n    \
              min_inlet_kpa: {},\n    \
-             inlet_bound: InletBound::{:?},\n    \
+             lowest: {},\n    \
              torque: {},\n\
          }};\n",
         motor.steps_per_rev,
@@ -46,7 +47,9 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
         motor.max_acceleration_rad_s2,
         option(limits.max_outlet_kpa),
         option(limits.min_inlet_kpa),
-        limits.inlet_bound,
+        limits.lowest.map_or("None".to_owned(), |Lowest { kpa, set_by }| {
+            format!("Some(Lowest {{ kpa: {kpa:?}, set_by: SetBy::{set_by:?} }})")
+        }),
         limits.torque.as_ref().map_or("None".to_owned(), torque_source),
     );
     Ok(source)

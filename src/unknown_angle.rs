@@ -22,8 +22,8 @@ pub(crate) fn warnings(model: &Pump, plan: &Plan) -> [String; 2] {
     let below = floor(asked_ml.abs() / pitch_ml);
     [
         format!(
-            "where the rollers stand is unknown: by that alone the volume lies {}; pressures and times are predicted for one of \
-             the angles",
+            "where the rollers stand is unknown: by that alone the volume lies {}; pressures and settling are the \
+             worst of all angles",
             between(plan.least_ml, plan.most_ml)
         ),
         format!(

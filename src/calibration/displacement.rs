@@ -40,9 +40,11 @@ pub struct Displacement {
     pub slope_per_rpm: f64,
     /// Its standard error, min/r.
     pub slope_standard_per_rpm: f64,
-    /// Runs less parameters; 0 if there were only as many as that, and the standard errors are those that were expected.
+    /// Of the standard errors: runs less speeds where speeds were repeated, else runs less parameters; 0 if nothing is left, and
+    /// the standard errors are those that were expected.
     pub degrees_of_freedom: u32,
-    /// Standard deviation of the runs about the line, part of the volume; none without degrees of freedom.
+    /// Standard deviation of the runs at one speed, part of the volume; where none was repeated, that about the line; none
+    /// without degrees of freedom.
     pub scatter: Option<f64>,
     /// How far the means at three speeds or more lie from the line beyond that scatter, RMS, part of the volume.
     pub lack_of_fit: f64,
@@ -103,19 +105,31 @@ impl Displacement {
         };
         let residual = |point: &Point| point.ratio - factor - slope_per_rpm * (point.rpm - reference_rpm);
 
-        let parameters = if is_line { 2 } else { 1 };
-        let degrees_of_freedom = points.len().saturating_sub(parameters) as u32;
-        // Variance of the runs over what was expected of them.
-        let variance_ratio = (degrees_of_freedom > 0)
-            .then(|| sum(&|point| residual(point) * residual(point)) / f64::from(degrees_of_freedom));
-        let mean_sigma = sqrt(points.len() as f64 / weight);
-        let error = sqrt(variance_ratio.unwrap_or(1.0));
         let residuals: Vec<f64> = points.iter().map(residual).collect();
         let groups = by_speed(&points, &speeds_rpm, &residuals);
+        let repeated = points.len() > groups.len();
+        let parameters = if is_line { 2 } else { 1 };
+        let used = if repeated { groups.len() } else { parameters };
+        let degrees_of_freedom = points.len().saturating_sub(used) as u32;
+        // What the runs scatter by at one speed; how the speeds' means depart from the line is the lack of fit, and counts once.
+        let squares = groups.iter().map(|group| {
+            let middle = if repeated { mean(group) } else { 0.0 };
+            let weighted = |(n, left): &(usize, f64)| {
+                points.get(*n).map_or(0.0, |point| point.weight * (left - middle) * (left - middle))
+            };
+            group.iter().map(weighted).sum::<f64>()
+        });
+        // Variance of the runs over what was expected of them.
+        let variance_ratio =
+            (degrees_of_freedom > 0).then(|| squares.sum::<f64>() / f64::from(degrees_of_freedom));
+        let mean_sigma = sqrt(points.len() as f64 / weight);
+        let error = sqrt(variance_ratio.unwrap_or(1.0));
+        // Without a scatter that contains it the reading has a share of its own in the factor, `reading`.
+        let factor_error = variance_ratio.map_or(expected.repeatability / mean_sigma, sqrt);
         Ok(Self {
             reference_rpm,
             factor,
-            factor_standard: error / sqrt(weight),
+            factor_standard: factor_error / sqrt(weight),
             slope_per_rpm,
             slope_standard_per_rpm: if is_line { error / sqrt(spread) } else { 0.0 },
             degrees_of_freedom,
@@ -200,6 +214,10 @@ fn by_speed(points: &[Point], speeds_rpm: &[f64], residuals: &[f64]) -> Vec<Vec<
     groups
 }
 
+fn mean(group: &[(usize, f64)]) -> f64 {
+    group.iter().map(|(_, residual)| residual).sum::<f64>() / group.len() as f64
+}
+
 /// Root of the variance of the speeds' means about the line that the scatter within the speeds does not explain.
 fn lack_of_fit(groups: &[Vec<(usize, f64)>]) -> f64 {
     let runs = groups.iter().map(Vec::len).sum::<usize>();
@@ -208,7 +226,7 @@ fn lack_of_fit(groups: &[Vec<(usize, f64)>]) -> f64 {
     }
     let (mut between, mut within) = (0.0, 0.0);
     for group in groups {
-        let mean = group.iter().map(|(_, residual)| residual).sum::<f64>() / group.len() as f64;
+        let mean = mean(group);
         between += group.len() as f64 * mean * mean;
         within += group.iter().map(|(_, residual)| (residual - mean) * (residual - mean)).sum::<f64>();
     }

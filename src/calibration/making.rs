@@ -1,8 +1,8 @@
 //! A calibration made of what was weighed.
 
 use super::{
-    Calibration, CalibrationError, Calibrations, Correction, Displacement, Expected, PhaseFit, Run,
-    ShortDose, Source, Stored, Weighing,
+    Calibration, CalibrationError, Calibrations, Correction, Displacement, Expected, PhaseFit, Revolution,
+    Run, ShortDose, Source, Stored, Weighing,
 };
 use crate::pump_file::PumpFile;
 
@@ -55,8 +55,8 @@ impl Calibration {
     ) -> Result<(Self, PhaseFit), CalibrationError> {
         let empty = Self::empty(file, Source::Phase)?;
         let displacement = before.and_then(|before| before.displacement.as_ref());
-        let factor = displacement.map_or(1.0, |displacement| displacement.factor);
-        let found = PhaseFit::of(&file.model()?, factor, &doses, expected)?;
+        let revolution = Revolution { displacement, model_standard: file.uncertainty.model_percent / 100.0 };
+        let found = PhaseFit::of(&file.model()?, revolution, &doses, expected)?;
         let calibration = Self {
             date: empty.date.clone(),
             source: Source::Phase,

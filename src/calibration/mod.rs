@@ -20,7 +20,7 @@ pub use active::{Applied, Calibration, Correction, Source, Sureness};
 pub use date::now as now_utc;
 pub use displacement::{Displacement, Expected};
 pub use error::CalibrationError;
-pub use phase::{PhaseFit, ShortDose, short_doses_of_csv};
+pub use phase::{PhaseFit, Revolution, ShortDose, short_doses_of_csv};
 pub(crate) use plan::Planner;
 pub use run::{Reading, Run, runs_of_csv};
 pub use store::{Calibrations, Stored};

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::student::widening;
 use super::table::Table;
-use super::{CalibrationError, Expected, Reading, Weighing};
+use super::{CalibrationError, Displacement, Expected, Reading, Weighing};
 
 /// Zeros that the search starts from, over a pitch.
 const STARTS: u32 = 36;
@@ -28,6 +28,9 @@ pub struct ShortDose {
     pub turned_deg: f64,
     /// What arrived, mL, without sign.
     pub volume_ml: f64,
+    /// Its cruise speed, r/min; none takes the mean speed of the calibration's runs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_rpm: Option<f64>,
 }
 
 /// A value with its standard uncertainty, widened so that twice it covers 95 % whatever the number of doses.
@@ -54,10 +57,11 @@ pub struct PhaseFit {
     pub degrees_of_freedom: u32,
 }
 
-/// Reads short doses: CSV with `start_angle_deg`, `turned_deg`, one of `mass_g` and `volume_ml`, and perhaps a
-/// `temperature_degc`.
+/// Reads short doses: CSV with `start_angle_deg`, `turned_deg`, one of `mass_g` and `volume_ml`, and perhaps
+/// `temperature_degc` and `speed_rpm`.
 pub fn short_doses_of_csv(text: &str, weighing: &Weighing<'_>) -> Result<Vec<ShortDose>, CalibrationError> {
-    let known = ["start_angle_deg", "turned_deg", "mass_g", "volume_ml", "temperature_degc", "time"];
+    let known =
+        ["start_angle_deg", "turned_deg", "mass_g", "volume_ml", "temperature_degc", "speed_rpm", "time"];
     let table = Table::parse(text, &known)?;
     let mut doses = Vec::new();
     for row in table.rows() {
@@ -75,7 +79,12 @@ pub fn short_doses_of_csv(text: &str, weighing: &Weighing<'_>) -> Result<Vec<Sho
             Reading::MassG(mass_g) => weighing.volume_ml(mass_g, degc)?,
             Reading::VolumeMl(volume_ml) => volume_ml,
         };
-        doses.push(ShortDose { start_angle_deg: row.required("start_angle_deg")?, turned_deg, volume_ml });
+        let speed_rpm = row.number("speed_rpm")?;
+        if let Some(rpm) = speed_rpm.filter(|rpm| *rpm <= 0.0) {
+            return Err(row.error(format!("speed_rpm is {rpm}; allowed: more than 0")));
+        }
+        let start_angle_deg = row.required("start_angle_deg")?;
+        doses.push(ShortDose { start_angle_deg, turned_deg, volume_ml, speed_rpm });
     }
     Ok(doses)
 }
@@ -83,21 +92,44 @@ pub fn short_doses_of_csv(text: &str, weighing: &Weighing<'_>) -> Result<Vec<Sho
 /// V_r over the model's, phi over the model's, and the zero, rad.
 type Parameters = Vector3<f64>;
 
-/// Doses of a pump whose displacement factor is known.
+/// What is known of the volume of a revolution without looking at short doses.
+#[derive(Debug, Clone, Copy)]
+pub struct Revolution<'a> {
+    /// Weighed; none takes the model's volume.
+    pub displacement: Option<&'a Displacement>,
+    /// Standard uncertainty of the model's volume, part of it.
+    pub model_standard: f64,
+}
+
+impl Revolution<'_> {
+    /// Volume of a revolution over the model's.
+    fn factor(&self, speed_rpm: Option<f64>) -> f64 {
+        self.displacement.map_or(1.0, |known| speed_rpm.map_or(known.factor, |rpm| known.factor_at(rpm)))
+    }
+
+    /// Standard uncertainty of that, part of the volume.
+    fn standard(&self) -> f64 {
+        self.displacement.map_or(self.model_standard, |known| known.standard_at(known.reference_rpm))
+    }
+}
+
+/// Doses of a pump whose volume of a revolution is known.
 struct Doses<'a> {
     pump: &'a Pump,
-    factor: f64,
+    revolution: Revolution<'a>,
+    /// Every volume by the model times this, to see what the uncertainty of the revolution does.
+    tilt: f64,
     doses: &'a [ShortDose],
     expected: &'a Expected,
 }
 
 impl PhaseFit {
-    /// Fits the doses of `pump`, as it is without calibration, whose volumes are `factor` times the model's: weighted
-    /// nonlinear least squares after Levenberg and Marquardt, with the flow per radian between pulses held. A dose weighs
-    /// as in [`Displacement::fit`](super::Displacement::fit).
+    /// Fits the doses of `pump`, as it is without calibration: weighted nonlinear least squares after Levenberg and Marquardt,
+    /// with the volume of a revolution held, which whole pitches tell better than any short dose. What is unsure of it is part
+    /// of the standard uncertainties, by a second fit to so much more. A dose weighs as in [`Displacement::fit`].
     pub fn of(
         pump: &Pump,
-        factor: f64,
+        revolution: Revolution<'_>,
         doses: &[ShortDose],
         expected: &Expected,
     ) -> Result<Self, CalibrationError> {
@@ -105,19 +137,23 @@ impl PhaseFit {
         if doses.len() < NEEDED {
             return Err(CalibrationError::TooFew { given: doses.len(), of: "short doses", needed: NEEDED });
         }
-        let all = Doses { pump, factor, doses, expected };
+        let all = Doses { pump, revolution, tilt: 1.0, doses, expected };
         let (best, left) = all.search()?;
         let degrees_of_freedom = doses.len() as u32 - 3;
         let variance_ratio = left / f64::from(degrees_of_freedom);
-        let normal = all.normal_equations(&best)?.0;
         let undetermined =
             |why| CalibrationError::Undetermined { what: "roller volume, engagement angle and zero", why };
-        let covariance = inverse(&normal)
+        let covariance = inverse(&all.normal_equations(&best)?.0)
             .filter(|inverse| inverse.diagonal().iter().all(|variance| *variance > 0.0))
             .ok_or(undetermined(
                 "they do not sweep a pulse; turn a fifth of a pitch from angles all over a pitch",
-            ))?;
-        let standard = |n: usize| widening(degrees_of_freedom) * sqrt(covariance[(n, n)] * variance_ratio);
+            ))?
+            * variance_ratio;
+        let tilted = Doses { tilt: 1.0 + revolution.standard(), ..all }.search_from(best)?.0 - best;
+        let standard = |n: usize| {
+            let scattered = widening(degrees_of_freedom) * sqrt(covariance[(n, n)]);
+            sqrt(scattered * scattered + tilted[n] * tilted[n])
+        };
         let found = |value: f64, unit: f64, n| Found { value: value * unit, standard: standard(n) * unit };
         let pitch_rad = pump.pitch_rad();
         let zero_rad = wrap(best[2] + 0.5 * pitch_rad, pitch_rad) - 0.5 * pitch_rad;
@@ -143,14 +179,15 @@ impl Doses<'_> {
         let roller =
             roller.scaled_to(at[0] * roller.total_ml())?.stretched_to(at[1] * roller.engagement_deg())?;
         let pump = Pump::new(*self.pump.geometry(), roller, *self.pump.inlet(), *self.pump.outlet())?;
-        pump.shifted(at[2])?.scaled(self.factor)
+        pump.shifted(at[2])?.scaled(self.tilt * self.pump.revolution_ml() / pump.revolution_ml())
     }
 
     /// Volume of a dose by the model, mL.
-    fn volume_ml(pump: &Pump, dose: &ShortDose) -> f64 {
+    fn volume_ml(&self, pump: &Pump, dose: &ShortDose) -> f64 {
         let curve = pump.outlet_curve();
         let start_rad = radians(dose.start_angle_deg);
-        (curve.volume_ml(start_rad + radians(dose.turned_deg)) - curve.volume_ml(start_rad)).abs()
+        let model_ml = curve.volume_ml(start_rad + radians(dose.turned_deg)) - curve.volume_ml(start_rad);
+        self.revolution.factor(dose.speed_rpm) * model_ml.abs()
     }
 
     /// What each dose gave beyond the model, over what is expected of it.
@@ -160,14 +197,14 @@ impl Doses<'_> {
             let repeated_ml = self.expected.repeatability * dose.volume_ml;
             sqrt(repeated_ml * repeated_ml + self.expected.reading_ml * self.expected.reading_ml).max(1e-9)
         };
-        let residual = |dose: &ShortDose| (dose.volume_ml - Self::volume_ml(&pump, dose)) / sigma_ml(dose);
+        let residual = |dose: &ShortDose| (dose.volume_ml - self.volume_ml(&pump, dose)) / sigma_ml(dose);
         Ok(self.doses.iter().map(residual).collect())
     }
 
     fn scatter_ml(&self, at: &Parameters) -> Result<f64, ModelError> {
         let pump = self.model(at)?;
         let squares = self.doses.iter().map(|dose| {
-            let left_ml = dose.volume_ml - Self::volume_ml(&pump, dose);
+            let left_ml = dose.volume_ml - self.volume_ml(&pump, dose);
             left_ml * left_ml
         });
         Ok(sqrt(squares.sum::<f64>() / (self.doses.len() - 3) as f64))
@@ -205,8 +242,15 @@ impl Doses<'_> {
                 best = Some((start, sum));
             }
         }
+        let why = "the model has no volume";
+        let (start, _) = best.ok_or(CalibrationError::Undetermined { what: "the zero", why })?;
+        self.search_from(start)
+    }
+
+    /// The nearest minimum downhill.
+    fn search_from(&self, start: Parameters) -> Result<(Parameters, f64), CalibrationError> {
         let undetermined = |why| CalibrationError::Undetermined { what: "the zero", why };
-        let (mut at, mut sum) = best.ok_or(undetermined("the model has no volume"))?;
+        let (mut at, mut sum) = (start, self.sum(&start)?);
         let mut damping = 1e-3;
         for _ in 0..MOST_STEPS {
             let (normal, gradient) = self.normal_equations(&at)?;
@@ -251,35 +295,61 @@ mod tests {
 
     const EXPECTED: Expected = Expected { repeatability: 0.0047, reading_ml: 0.005 };
 
+    /// The plant's volume of a revolution, as if it had been weighed without any error.
+    fn weighed(plant: &Pump) -> Displacement {
+        let factor = plant.revolution_ml() / Pump::three_roller().revolution_ml();
+        Displacement {
+            reference_rpm: 60.0,
+            factor,
+            factor_standard: 0.0,
+            slope_per_rpm: 0.0,
+            slope_standard_per_rpm: 0.0,
+            degrees_of_freedom: 100,
+            scatter: None,
+            lack_of_fit: 0.0,
+            reading: 0.0,
+            speeds_rpm: vec![60.0],
+            outliers: vec![],
+        }
+    }
+
     /// Doses of a fifth of a pitch from angles all over one, of a pump with V_r, phi, zero, with the expected noise.
-    fn doses(truth: (f64, f64, f64), factor: f64, count: u32, dice: &mut Dice) -> Vec<ShortDose> {
-        let base = Pump::three_roller();
-        let all = Doses { pump: &base, factor, doses: &[], expected: &EXPECTED };
-        let roller = base.roller_volume();
-        let parameters =
-            Parameters::new(truth.0 / roller.total_ml(), truth.1 / roller.engagement_deg(), radians(truth.2));
-        let pump = all.model(&parameters).unwrap();
+    fn doses(plant: &Pump, count: u32, dice: &mut Dice) -> Vec<ShortDose> {
         (0..count)
             .map(|n| {
                 let start_angle_deg = f64::from(n) * 120.0 / f64::from(count);
-                let mut dose = ShortDose { start_angle_deg, turned_deg: 24.0, volume_ml: 0.0 };
-                let exact_ml = Doses::volume_ml(&pump, &dose);
-                dose.volume_ml = exact_ml * (1.0 + EXPECTED.repeatability * dice.normal())
+                let (from_rad, to_rad) = (radians(start_angle_deg), radians(start_angle_deg + 24.0));
+                let curve = plant.outlet_curve();
+                let exact_ml = curve.volume_ml(to_rad) - curve.volume_ml(from_rad);
+                let volume_ml = exact_ml * (1.0 + EXPECTED.repeatability * dice.normal())
                     + EXPECTED.reading_ml * dice.normal();
-                dose
+                ShortDose { start_angle_deg, turned_deg: 24.0, volume_ml, speed_rpm: None }
             })
             .collect()
+    }
+
+    /// A three-roller pump with another roller volume and engagement angle, a bore larger by 1 % and its zero elsewhere.
+    fn plant(roller_ml: f64, engagement_deg: f64, zero_deg: f64) -> Pump {
+        let base = Pump::three_roller();
+        let roller = base.roller_volume().scaled_to(roller_ml).unwrap().stretched_to(engagement_deg).unwrap();
+        let pump = Pump::new(*base.geometry(), roller, *base.inlet(), *base.outlet()).unwrap();
+        pump.shifted(radians(zero_deg)).unwrap().scaled(1.01).unwrap()
+    }
+
+    fn weighed_as(displacement: &Displacement) -> Revolution<'_> {
+        Revolution { displacement: Some(displacement), model_standard: 0.024 }
     }
 
     #[test]
     fn parameters_are_recovered_within_twice_their_errors_as_often_as_stated() {
         let (mut dice, mut inside) = (Dice::new(11), [0; 3]);
-        const SEEDS: u32 = 200;
-        for n in 0..SEEDS {
-            let truth = (2.0 + 0.001 * f64::from(n), 48.0 + 0.02 * f64::from(n), -55.0 + 0.5 * f64::from(n));
+        const PLANTS: u32 = 1000;
+        for n in 0..PLANTS {
+            let truth = (2.0 + 2e-4 * f64::from(n), 48.0 + 0.004 * f64::from(n), -55.0 + 0.1 * f64::from(n));
+            let plant = plant(truth.0, truth.1, truth.2);
+            let doses = doses(&plant, 24, &mut dice);
             let found =
-                PhaseFit::of(&Pump::three_roller(), 1.01, &doses(truth, 1.01, 24, &mut dice), &EXPECTED)
-                    .unwrap();
+                PhaseFit::of(&Pump::three_roller(), weighed_as(&weighed(&plant)), &doses, &EXPECTED).unwrap();
             let errors = [
                 (found.roller_volume_ml, truth.0),
                 (found.engagement_deg, truth.1),
@@ -290,17 +360,34 @@ mod tests {
             }
             assert!(found.zero_deg.standard < 0.5 && found.roller_volume_ml.standard < 0.02, "{found:?}");
         }
-        // 95.45 % of 200 are 191; a binomial count lies within three of its deviations, 8.8, nearly always.
+        // 95.45 % of 1000; a binomial count lies within three of its deviations, 20, nearly always.
         for inside in inside {
-            assert!((182..=200).contains(&inside), "{inside} of {SEEDS}");
+            assert!((934..=975).contains(&inside), "{inside} of {PLANTS}");
         }
+    }
+
+    #[test]
+    fn what_is_unsure_of_the_revolution_is_unsure_of_the_roller_volume() {
+        let plant = plant(2.06, 50.0, 10.0);
+        let doses = doses(&plant, 24, &mut Dice::new(3));
+        let with = |displacement: Option<&Displacement>| {
+            let revolution = Revolution { displacement, model_standard: 0.024 };
+            PhaseFit::of(&Pump::three_roller(), revolution, &doses, &EXPECTED).unwrap().roller_volume_ml
+        };
+        let (weighed, unweighed) = (with(Some(&weighed(&plant))), with(None));
+        assert!(unweighed.standard > 3.0 * weighed.standard, "{weighed:?} {unweighed:?}");
+        assert!((weighed.value - 2.06).abs() < 2.0 * weighed.standard, "{weighed:?}");
+        assert!((unweighed.value - 2.06).abs() < 2.0 * unweighed.standard, "{unweighed:?}");
     }
 
     #[test]
     fn doses_that_say_nothing_of_a_pulse_are_refused() {
         let mut dice = Dice::new(5);
-        let good = doses((2.1, 50.0, 10.0), 1.0, 12, &mut dice);
-        let fit = |doses: &[ShortDose]| PhaseFit::of(&Pump::three_roller(), 1.0, doses, &EXPECTED);
+        let plant = plant(2.1, 50.0, 10.0);
+        let known = weighed(&plant);
+        let good = doses(&plant, 12, &mut dice);
+        let fit =
+            |doses: &[ShortDose]| PhaseFit::of(&Pump::three_roller(), weighed_as(&known), doses, &EXPECTED);
         assert!(fit(&good).is_ok());
         assert!(fit(&good[..4]).unwrap_err().to_string().contains("4 short doses; 5 at least"));
         let pitches: Vec<ShortDose> = good
@@ -323,7 +410,10 @@ mod tests {
         let file = crate::built_in("three-roller").unwrap();
         let text = "start_angle_deg,turned_deg,volume_ml\n0,24,1.2\n-10,-24,0.9\n";
         let doses = short_doses_of_csv(text, &Weighing::of(&file)).unwrap();
-        assert_eq!(doses[1], ShortDose { start_angle_deg: -10.0, turned_deg: -24.0, volume_ml: 0.9 });
+        assert_eq!(
+            doses[1],
+            ShortDose { start_angle_deg: -10.0, turned_deg: -24.0, volume_ml: 0.9, speed_rpm: None }
+        );
         for bad in ["turned_deg,volume_ml\n24,1\n", "start_angle_deg,turned_deg,volume_ml\n0,0,1\n"] {
             assert!(short_doses_of_csv(bad, &Weighing::of(&file)).is_err());
         }

@@ -1,6 +1,6 @@
 //! `[limits]`, and all that a pump file knows of what a dose must not exceed.
 
-use pump_ctl::plan::{InletBound, Limits};
+use pump_ctl::plan::{Limits, Lowest, SetBy};
 use serde::{Deserialize, Serialize};
 
 use super::PumpFile;
@@ -29,36 +29,30 @@ impl PumpFile {
         self.limits_with(None, None)
     }
 
-    /// The same with pressures, kPa absolute, in place of those in `[limits]`. At the port that sucks the largest of three
-    /// binds: that pressure, the one at which the tube collapses, and the fluid's vapour pressure.
+    /// The same with pressures, kPa absolute, in place of those in `[limits]`. Tube and fluid stand the larger of the pressure at
+    /// which the tube collapses and the fluid's vapour pressure.
     pub fn limits_with(&self, max_outlet_kpa: Option<f64>, min_inlet_kpa: Option<f64>) -> Limits {
-        let bounds = [
-            (self.fluid.vapour_kpa(), InletBound::Vapour),
-            (self.collapse_kpa(), InletBound::TubeCollapse),
-            (min_inlet_kpa.or(self.limits.min_inlet_kpa), InletBound::Given),
-        ];
-        let known = bounds.into_iter().filter_map(|(kpa, bound)| Some((kpa?, bound)));
-        let largest = known.max_by(|a, b| a.0.total_cmp(&b.0));
+        let bounds = [(self.fluid.vapour_kpa(), SetBy::Vapour), (self.collapse_kpa(), SetBy::TubeCollapse)];
+        let known = bounds.into_iter().filter_map(|(kpa, set_by)| Some(Lowest { kpa: kpa?, set_by }));
         Limits {
             motor: self.motor.at_pump_head(),
             max_outlet_kpa: max_outlet_kpa.or(self.limits.max_outlet_kpa),
-            min_inlet_kpa: largest.map(|(kpa, _)| kpa),
-            inlet_bound: largest.map_or(InletBound::Given, |(_, bound)| bound),
+            min_inlet_kpa: min_inlet_kpa.or(self.limits.min_inlet_kpa),
+            lowest: known.max_by(|a, b| a.kpa.total_cmp(&b.kpa)),
             torque: self.motor.torque(self.ambient.pressure_kpa),
         }
     }
 
-    /// Limits that nobody checks, since no value is known: of a dose within `limits` with this pressure asked for at the
-    /// port that sucks. Whoever gives that pressure answers for tube and fluid.
-    pub fn not_checked(&self, limits: &Limits, min_inlet_kpa: Option<f64>) -> Vec<&'static str> {
-        let given = min_inlet_kpa.or(self.limits.min_inlet_kpa).is_some();
-        let no_collapse = !given && self.tube.collapse_below_ambient_kpa().is_none();
-        let no_vapour = !given && self.fluid.vapour_kpa().is_none();
+    /// Limits that nobody checks, since no value is known, of a dose within `limits`.
+    pub fn not_checked(&self, limits: &Limits) -> Vec<&'static str> {
+        let no_collapse = self.tube.collapse_below_ambient_kpa().is_none();
+        let no_vapour = self.fluid.vapour_kpa().is_none();
+        let nothing = no_collapse && no_vapour && limits.min_inlet_kpa.is_none();
         let all = [
             ("outlet_pressure", limits.max_outlet_kpa.is_none()),
-            ("inlet_pressure", no_collapse && no_vapour),
-            ("tube_collapse", no_collapse && !no_vapour),
-            ("vapour_pressure", no_vapour && !no_collapse),
+            ("inlet_pressure", nothing),
+            ("tube_collapse", no_collapse && !nothing),
+            ("vapour_pressure", no_vapour && !nothing),
             ("torque", limits.torque.is_none()),
         ];
         all.into_iter().filter_map(|(name, missing)| missing.then_some(name)).collect()

@@ -13,7 +13,7 @@ pub struct Extremes {
 
 impl Extremes {
     /// Of a single pressure.
-    pub(crate) fn at(pressure_kpa: f64) -> Self {
+    pub fn at(pressure_kpa: f64) -> Self {
         Self { min_kpa: pressure_kpa, max_kpa: pressure_kpa }
     }
 

@@ -240,12 +240,30 @@ impl FlowCurve {
             // The bare tube's flow is a sum that may round.
             rest.iter().all(|c| *c == 0.0) && c0 >= largest * (1.0 - 1e-12)
         };
-        let longest = |a: &&Piece, b: &&Piece| a.length_rad.total_cmp(&b.length_rad);
-        self.pieces().iter().filter(is_even).max_by(longest).map_or((0.0, self.pitch_rad), |even| {
-            let start_rad = even.start_rad + even.length_rad;
-            let start_rad = if self.pitch_rad - start_rad < SAME_EDGE_RAD { 0.0 } else { start_rad };
-            (start_rad, self.pitch_rad - even.length_rad)
-        })
+        let (mut from_rad, mut length_rad) = (0.0, 0.0);
+        let mut longest = (0.0, 0.0);
+        // Twice round: a shifted curve has its even part partly at the end of the pitch and partly at its start.
+        for piece in self.pieces().iter().chain(self.pieces()) {
+            if !is_even(&piece) {
+                length_rad = 0.0;
+                continue;
+            }
+            if length_rad == 0.0 {
+                from_rad = piece.start_rad;
+            }
+            length_rad = (length_rad + piece.length_rad).min(self.pitch_rad);
+            if length_rad > longest.1 {
+                longest = (from_rad, length_rad);
+            }
+        }
+        let (from_rad, length_rad) = longest;
+        if length_rad == 0.0 {
+            return (0.0, self.pitch_rad);
+        }
+        let start_rad = from_rad + length_rad;
+        let start_rad = if start_rad >= self.pitch_rad { start_rad - self.pitch_rad } else { start_rad };
+        let start_rad = if self.pitch_rad - start_rad < SAME_EDGE_RAD { 0.0 } else { start_rad };
+        (start_rad, self.pitch_rad - length_rad)
     }
 
     /// Peak-to-peak and root-mean-square deviation of the flow at constant speed, both divided by its mean.

@@ -1,7 +1,7 @@
 //! Transcendental and rounding functions, from `libm` on every target, so that a server, a microcontroller
 //! and Python compute the same bits.
 
-pub use libm::{acos, asin, atan2, ceil, cos, exp, floor, log, pow, round, sin, sqrt};
+pub use libm::{acos, asin, atan2, ceil, cos, exp, floor, log, log10, pow, round, sin, sqrt};
 
 /// A full turn, rad.
 pub const TURN_RAD: f64 = 2.0 * core::f64::consts::PI;

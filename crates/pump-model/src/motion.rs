@@ -30,6 +30,11 @@ impl Leg {
         Self { start_s, ..Self::constant_speed(angle_rad, 0.0) }
     }
 
+    /// The same with the rollers `off_rad` farther on.
+    pub fn beside(self, off_rad: f64) -> Self {
+        Self { angle_rad: self.angle_rad + off_rad, ..self }
+    }
+
     /// When it ends, s.
     pub fn end_s(&self) -> f64 {
         self.start_s + self.duration_s

@@ -83,17 +83,18 @@ impl Bench {
     fn calibrate_phase(
         &self,
         py: Python<'_>,
-        doses: Vec<(f64, f64, f64)>,
+        doses: Vec<(f64, f64, f64, Option<f64>)>,
         scale: Option<&Bound<'_, PyAny>>,
         tube: Option<String>,
         note: Option<String>,
     ) -> PyResult<(Calibration, [(f64, f64); 3])> {
         let doses: Vec<ShortDose> = doses
             .into_iter()
-            .map(|(start_angle_deg, turned_deg, volume_ml)| ShortDose {
+            .map(|(start_angle_deg, turned_deg, volume_ml, speed_rpm)| ShortDose {
                 start_angle_deg,
                 turned_deg,
                 volume_ml,
+                speed_rpm,
             })
             .collect();
         let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);

@@ -113,10 +113,16 @@ impl Plan {
         self.prepared.plan.end_angle_rad()
     }
 
-    /// Fastest speed of the pump head, r/min.
+    /// Speed of the pump head while cruising, r/min; of a smooth flow its mean over time.
     #[getter]
     fn cruise_speed_rpm(&self) -> f64 {
         self.report.cruise_speed_rpm
+    }
+
+    /// Fastest speed of the pump head, r/min.
+    #[getter]
+    fn peak_speed_rpm(&self) -> f64 {
+        self.report.peak_speed_rpm
     }
 
     /// Average flow at that speed, mL/s.

@@ -65,8 +65,8 @@ impl Pump {
     /// --------
     /// >>> import pumpmodel as pm
     /// >>> pump = pm.Pump.from_drawing(
-    /// ...     "bench-2", rollers=3, bore_radius_mm=5, tube_outer_radius_mm=7, backplate_radius_mm=63.5,
-    /// ...     contact_angle_deg=21.5, roller_radius_mm=14, roller_offset_mm=46.5, hose_length_mm=331,
+    /// ...     "bench-2", rollers=3, bore_radius_mm=5, tube_outer_radius_mm=7, backplate_radius_mm=63,
+    /// ...     contact_angle_deg=30, roller_radius_mm=20, roller_offset_mm=40, hose_length_mm=331,
     /// ... )
     /// >>> pump.is_estimated
     /// True

@@ -2,7 +2,7 @@
 // Written by `dose pumps show`; change the pump file, not this.
 // Units: mm, rad, mL, kPa, s.
 
-use pump_ctl::plan::{InletBound, Limits, Motor};
+use pump_ctl::plan::{Limits, Lowest, Motor, SetBy};
 use pump_model::{FlowCurve, Geometry, Line, Pump, RollerVolume};
 
 /// The pump.
@@ -45,7 +45,7 @@ pub const LIMITS: Limits = Limits {
         max_acceleration_rad_s2: 500.0,
     },
     max_outlet_kpa: None,
-    min_inlet_kpa: Some(43.05306302486196),
-    inlet_bound: InletBound::TubeCollapse,
+    min_inlet_kpa: None,
+    lowest: Some(Lowest { kpa: 43.05306302486196, set_by: SetBy::TubeCollapse }),
     torque: None,
 };

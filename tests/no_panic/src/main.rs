@@ -14,7 +14,7 @@ use embedded_hal::digital::{ErrorKind, ErrorType, InputPin, OutputPin};
 use pump_ctl::drive::{Actuator, Clock, OnFault, StepDir, Timing};
 
 use pump_ctl::plan::{
-    Cruise, Finish, InletBound, Limits, Motor, Phase, PlanError, Request, plan, speed_for_flow,
+    Cruise, Finish, Limits, Lowest, Motor, Phase, PlanError, Request, SetBy, plan, speed_for_flow,
 };
 use pump_ctl::plan::{Torque, TorqueCurve};
 use pump_ctl::step::{Brake, Segment, Stepper};
@@ -168,7 +168,8 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
         let [occlusion_n_m, inertia_kg_m2, ambient_kpa] = [(); 3].map(|()| any());
         limits.torque = Some(Torque { occlusion_n_m, inertia_kg_m2, ambient_kpa, motor: curve });
     }
-    limits.inlet_bound = if black_box(true) { InletBound::Vapour } else { InletBound::TubeCollapse };
+    let set_by = if black_box(true) { SetBy::Vapour } else { SetBy::TubeCollapse };
+    limits.lowest = black_box(true).then(|| Lowest { kpa: any(), set_by });
     limits.validate()?;
     let cruise = match black_box(0) {
         0 => Cruise::Flow { ml_s: any() },

@@ -1,11 +1,11 @@
 //! Which cruise speed a request means.
 
 use pump_model::Pump;
-use pump_model::math::{TURN_RAD, ceil, floor, rpm};
+use pump_model::math::{TURN_RAD, ceil, floor, log10, pow, rad_s, rpm};
 
 use super::fastest::{Fastest, fastest};
 use super::margins::Margin;
-use super::{Cruise, LimitedBy, Limits, Nearest, Plan, PlanError};
+use super::{Cruise, LimitedBy, Limits, Lowest, Nearest, Plan, PlanError, SetBy};
 
 /// Longest dose, s: 58 days, over which f64 resolves a step's time to a nanosecond.
 const MAX_DURATION_S: f64 = 5e6;
@@ -22,14 +22,22 @@ pub fn speed_for_flow(pump: &Pump, flow_ml_s: f64) -> f64 {
     flow_ml_s * TURN_RAD / pump.revolution_ml()
 }
 
-/// `x` rounded up to a multiple of 1/`parts`, so that what a message says is needed is enough.
-fn up(x: f64, parts: f64) -> f64 {
-    ceil(x * parts) / parts
+/// Digits of what a message says can be had or is needed.
+const DIGITS: f64 = 5.0;
+
+/// The power of ten that makes [`DIGITS`] digits of a positive number whole.
+fn scale(x: f64) -> f64 {
+    pow(10.0, DIGITS - 1.0 - floor(log10(x)))
 }
 
-/// `x` rounded down to a multiple of 1/`parts`, so that what a message says can be had can be had.
-fn down(x: f64, parts: f64) -> f64 {
-    floor(x * parts) / parts
+/// `x` rounded up, so that what a message says is needed is enough.
+fn up(x: f64) -> f64 {
+    ceil(x * scale(x)) / scale(x)
+}
+
+/// `x` rounded down, so that what a message says can be had can be had.
+fn down(x: f64) -> f64 {
+    floor(x * scale(x)) / scale(x)
 }
 
 /// Plan at the speed that `cruise` means, within every limit.
@@ -48,9 +56,9 @@ pub(super) fn choose(
             if !allowed(speed_rad_s) {
                 return Err(PlanError::RateTooHigh {
                     flow_ml_s: ml_s,
-                    needed_rpm: up(rpm(speed_rad_s), 1e2),
+                    needed_rpm: up(rpm(speed_rad_s)),
                     limit_rpm: rpm(limit_rad_s),
-                    limit_ml_s: down(pump.average_flow_ml_s(limit_rad_s), 1e3),
+                    limit_ml_s: down(pump.average_flow_ml_s(limit_rad_s)),
                 });
             }
             (at_speed(speed_rad_s), speed_rad_s)
@@ -74,20 +82,60 @@ pub(super) fn choose(
         }
     };
     let plan = short_enough(plan)?;
-    let Some((limited_by, margin)) = limits.margins(pump, &plan)?.broken() else {
+    let Some((limited_by, margin)) = limits.margins(pump, &plan).broken() else {
         return Ok(plan);
     };
-    let nearest = match (fastest(pump, limits, top_rad_s, &at_speed)?.plan, cruise) {
-        (None, _) => Nearest::Nothing,
-        (Some((_, plan)), Cruise::Within { .. }) => {
-            Nearest::Within { time_s: up(total_s(pump, &plan)?, 1e3) }
-        }
-        (Some((rad_s, _)), Cruise::Flow { .. }) => {
-            Nearest::Flow { ml_s: down(pump.average_flow_ml_s(rad_s), 1e3) }
-        }
-        (Some((rad_s, _)), _) => Nearest::Speed { rpm: down(rpm(rad_s), 1e2) },
+    let nearest = match fastest(pump, limits, top_rad_s, &at_speed)?.plan {
+        None => Nearest::Nothing,
+        Some((rad_s, plan)) => offer(pump, limits, cruise, rad_s, &plan, &at_speed)?,
     };
     Err(refusal(limits, limited_by, Some(margin), nearest))
+}
+
+/// What can be had in place of a dose that is refused, in the terms of what was asked: `fastest`, rounded to where whoever asks for
+/// just that gets it. Rounding changes the speed, which may break a limit again by a hair; then the next number is tried.
+fn offer(
+    pump: &Pump,
+    limits: &Limits,
+    cruise: Cruise,
+    fastest_rad_s: f64,
+    fastest: &Plan,
+    at_speed: &impl Fn(f64) -> Plan,
+) -> Result<Nearest, PlanError> {
+    const TRIES: u32 = 20;
+    let holds = |plan: &Plan| limits.broken(pump, plan).is_none();
+    let next = |x: f64| 1.0 / scale(x);
+    match cruise {
+        Cruise::Within { .. } => {
+            let mut time_s = up(total_s(pump, fastest)?);
+            for _ in 0..TRIES {
+                let plan = slowest_within(pump, time_s, fastest_rad_s, at_speed);
+                if plan.is_ok_and(|plan| holds(&plan)) {
+                    return Ok(Nearest::Within { time_s });
+                }
+                time_s = up(time_s + 0.5 * next(time_s));
+            }
+        }
+        Cruise::Flow { .. } => {
+            let mut ml_s = down(pump.average_flow_ml_s(fastest_rad_s));
+            for _ in 0..TRIES {
+                if holds(&at_speed(speed_for_flow(pump, ml_s))) {
+                    return Ok(Nearest::Flow { ml_s });
+                }
+                ml_s = down(ml_s - 0.5 * next(ml_s));
+            }
+        }
+        Cruise::Speed { .. } | Cruise::Fastest => {
+            let mut speed_rpm = down(rpm(fastest_rad_s));
+            for _ in 0..TRIES {
+                if holds(&at_speed(rad_s(speed_rpm))) {
+                    return Ok(Nearest::Speed { rpm: speed_rpm });
+                }
+                speed_rpm = down(speed_rpm - 0.5 * next(speed_rpm));
+            }
+        }
+    }
+    Ok(Nearest::Nothing)
 }
 
 fn short_enough(plan: Plan) -> Result<Plan, PlanError> {
@@ -98,13 +146,18 @@ fn short_enough(plan: Plan) -> Result<Plan, PlanError> {
 /// Why a plan that breaks a limit is refused.
 fn refusal(limits: &Limits, limited_by: LimitedBy, margin: Option<Margin>, nearest: Nearest) -> PlanError {
     let (reached, limit) = margin.map_or((f64::NAN, f64::NAN), |margin| (margin.reached, margin.limit));
+    let set_by = |lowest: Option<Lowest>| lowest.map_or(SetBy::Given, |lowest| lowest.set_by);
     match limited_by {
         LimitedBy::OutletPressure => {
             PlanError::OutletPressure { predicted_kpa: reached, limit_kpa: limit, nearest }
         }
         LimitedBy::InletPressure => {
-            let bound = limits.inlet_bound;
-            PlanError::InletPressure { predicted_kpa: reached, limit_kpa: limit, bound, nearest }
+            let set_by = set_by(limits.lowest_where_it_sucks());
+            PlanError::InletPressure { predicted_kpa: reached, limit_kpa: limit, set_by, nearest }
+        }
+        LimitedBy::OutletSuction => {
+            let set_by = set_by(limits.lowest);
+            PlanError::OutletSuction { predicted_kpa: reached, limit_kpa: limit, set_by, nearest }
         }
         _ => PlanError::Torque { needed_n_m: reached, limit_n_m: limit, nearest },
     }
@@ -125,7 +178,7 @@ fn shortest_within_limits(
     }
     match fastest(pump, limits, limits.motor.max_speed_rad_s, at_speed) {
         Ok(Fastest { plan: Some((_, plan)), .. }) => match total_s(pump, &plan) {
-            Ok(total_s) => PlanError::TimeTooShort { asked_s, fastest_s: fastest_s.max(up(total_s, 1e3)) },
+            Ok(total_s) => PlanError::TimeTooShort { asked_s, fastest_s: fastest_s.max(up(total_s)) },
             Err(error) => error,
         },
         Ok(Fastest { plan: None, limited_by, beyond }) => {
@@ -163,7 +216,7 @@ fn slowest_within(
     let mut shortest_s = f64::INFINITY;
     loop {
         if fast >= fastest_rad_s {
-            return Err(PlanError::TimeTooShort { asked_s: time_s, fastest_s: up(shortest_s, 1e3) });
+            return Err(PlanError::TimeTooShort { asked_s: time_s, fastest_s: up(shortest_s) });
         }
         fast = (fast * RATIO).min(fastest_rad_s);
         let total_s = total_s(fast)?;

@@ -5,7 +5,7 @@ use core::fmt;
 use pump_model::ModelError;
 use thiserror::Error;
 
-use super::InletBound;
+use super::SetBy;
 
 /// The fastest dose that holds every limit, in the terms of what was asked.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,10 +33,10 @@ pub enum Nearest {
 impl fmt::Display for Nearest {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Flow { ml_s } => write!(to, "{ml_s:.3} mL/s is the fastest that holds every limit"),
-            Self::Speed { rpm } => write!(to, "{rpm:.2} r/min is the fastest that holds every limit"),
+            Self::Flow { ml_s } => write!(to, "{ml_s} mL/s is the fastest that holds every limit"),
+            Self::Speed { rpm } => write!(to, "{rpm} r/min is the fastest that holds every limit"),
             Self::Within { time_s } => {
-                write!(to, "{time_s:.3} s is the shortest time that holds every limit")
+                write!(to, "{time_s} s is the shortest time that holds every limit")
             }
             Self::Nothing => write!(to, "no speed holds every limit"),
         }
@@ -81,8 +81,8 @@ pub enum PlanError {
     },
     /// The flow needs more speed than the motor may have.
     #[error(
-        "a rate of {flow_ml_s} mL/s needs {needed_rpm:.2} r/min; the pump's limit of {limit_rpm:.2} r/min gives \
-         {limit_ml_s:.3} mL/s at most"
+        "a rate of {flow_ml_s} mL/s needs {needed_rpm} r/min; the pump's limit of {limit_rpm:.2} r/min gives \
+         {limit_ml_s} mL/s at most"
     )]
     RateTooHigh {
         /// What was asked, mL/s.
@@ -186,7 +186,7 @@ pub enum PlanError {
     },
     /// The time is too short.
     #[error(
-        "the dose cannot be done within {asked_s} s; the fastest found takes {fastest_s:.3} s, settling included"
+        "the dose cannot be done within {asked_s} s; the fastest found takes {fastest_s} s, settling included"
     )]
     TimeTooShort {
         /// What was asked, s.
@@ -209,7 +209,7 @@ pub enum PlanError {
     },
     /// Too little pressure where the pump sucks.
     #[error(
-        "the inlet pressure would fall to {predicted_kpa:.2} kPa absolute, below the limit of {limit_kpa:.2} kPa{bound}; \
+        "the inlet pressure would fall to {predicted_kpa:.2} kPa absolute, below the limit of {limit_kpa:.2} kPa{set_by}; \
          {nearest}"
     )]
     InletPressure {
@@ -218,7 +218,22 @@ pub enum PlanError {
         /// The limit, kPa absolute.
         limit_kpa: f64,
         /// What it is.
-        bound: InletBound,
+        set_by: SetBy,
+        /// What holds every limit.
+        nearest: Nearest,
+    },
+    /// Too little pressure where the pump pushes.
+    #[error(
+        "the pressure at the port that pushes would fall to {predicted_kpa:.2} kPa absolute where the flow falls and the line \
+         runs on, below the limit of {limit_kpa:.2} kPa{set_by}; {nearest}"
+    )]
+    OutletSuction {
+        /// Smallest predicted pressure, kPa absolute.
+        predicted_kpa: f64,
+        /// The limit, kPa absolute.
+        limit_kpa: f64,
+        /// What it is.
+        set_by: SetBy,
         /// What holds every limit.
         nearest: Nearest,
     },

@@ -52,7 +52,7 @@ pub(super) fn fastest(
         slowest *= 0.5;
     }
     let (mut good, mut holds) = (slowest, at_speed(slowest));
-    if let Some((limited_by, margin)) = limits.margins(pump, &holds)?.broken() {
+    if let Some((limited_by, margin)) = limits.broken(pump, &holds) {
         return Ok(Fastest { plan: None, limited_by, beyond: Some(margin) });
     }
     let (mut bad, mut broken) = loop {
@@ -61,7 +61,7 @@ pub(super) fn fastest(
         }
         let next = (good * ratio).min(top_rad_s);
         let plan = at_speed(next);
-        if let Some(broken) = limits.margins(pump, &plan)?.broken() {
+        if let Some(broken) = limits.broken(pump, &plan) {
             break (next, broken);
         }
         (good, holds) = (next, plan);
@@ -69,7 +69,7 @@ pub(super) fn fastest(
     while bad - good > 1e-6 * bad {
         let middle = 0.5 * (good + bad);
         let plan = at_speed(middle);
-        match limits.margins(pump, &plan)?.broken() {
+        match limits.broken(pump, &plan) {
             Some(by) => (bad, broken) = (middle, by),
             None => (good, holds) = (middle, plan),
         }
@@ -94,13 +94,16 @@ fn cannot_break(pump: &Pump, limits: &Limits, plan: &Plan) -> bool {
         inlet * peak_rad_s * pump.inlet().worst_kpa_s_ml(),
         outlet * peak_rad_s * pump.outlet().worst_kpa_s_ml(),
     ];
-    let room = |limit: Option<f64>, port, sign: f64| {
-        limit.map_or(f64::INFINITY, |kpa| sign * (kpa - pump.line(port).reservoir_kpa))
-    };
     let most_kpa = within_kpa[0].max(within_kpa[1]);
     let [sucking, pushing] = Limits::ports(plan.direction());
+    let room = |limit: Option<f64>, port, sign: f64| {
+        let room_kpa = limit.map_or(f64::INFINITY, |kpa| sign * (kpa - pump.line(port).reservoir_kpa));
+        room_kpa - plan.step_kpa(pump, port)
+    };
+    let lowest_kpa = limits.lowest_where_it_sucks().map(|lowest| lowest.kpa);
     let pressures = most_kpa < room(limits.max_outlet_kpa, pushing, 1.0)
-        && most_kpa < room(limits.min_inlet_kpa, sucking, -1.0);
+        && most_kpa < room(lowest_kpa, sucking, -1.0)
+        && most_kpa < room(limits.lowest.map(|lowest| lowest.kpa), pushing, -1.0);
     pressures
         && limits.torque.is_none_or(|torque| {
             let acceleration_rad_s2 = plan.profile.acceleration_rad_s2();

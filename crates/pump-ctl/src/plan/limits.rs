@@ -27,13 +27,12 @@ impl Motor {
     }
 }
 
-/// What the smallest pressure at the port that sucks is, for messages and reports.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// What sets the smallest pressure at a port, for messages and reports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum InletBound {
+pub enum SetBy {
     /// Somebody's figure.
-    #[default]
     Given,
     /// Where the tube would collapse.
     TubeCollapse,
@@ -41,7 +40,7 @@ pub enum InletBound {
     Vapour,
 }
 
-impl fmt::Display for InletBound {
+impl fmt::Display for SetBy {
     /// What is said behind the pressure: nothing of a figure that was given.
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         to.write_str(match self {
@@ -50,6 +49,17 @@ impl fmt::Display for InletBound {
             Self::Vapour => ", the fluid's vapour pressure",
         })
     }
+}
+
+/// The smallest pressure that is allowed at a port.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Lowest {
+    /// kPa absolute.
+    pub kpa: f64,
+    /// What sets it.
+    pub set_by: SetBy,
 }
 
 /// Limits of the motor and, where given, of the pressures and the torque.
@@ -63,8 +73,9 @@ pub struct Limits {
     pub max_outlet_kpa: Option<f64>,
     /// Smallest pressure at the port that sucks, kPa absolute; none is not checked.
     pub min_inlet_kpa: Option<f64>,
-    /// What that pressure is.
-    pub inlet_bound: InletBound,
+    /// Smallest pressure that tube and fluid stand, at either port: a long outlet line runs on when the rotor stops. None is not
+    /// checked.
+    pub lowest: Option<Lowest>,
     /// What turning takes and what the motor can give; none is not checked.
     pub torque: Option<Torque>,
 }
@@ -72,13 +83,13 @@ pub struct Limits {
 impl Limits {
     /// The motor alone.
     pub const fn of_motor(motor: Motor) -> Self {
-        Self {
-            motor,
-            max_outlet_kpa: None,
-            min_inlet_kpa: None,
-            inlet_bound: InletBound::Given,
-            torque: None,
-        }
+        Self { motor, max_outlet_kpa: None, min_inlet_kpa: None, lowest: None, torque: None }
+    }
+
+    /// The smallest pressure that is allowed at the port that sucks: the larger of what was given and what tube and fluid stand.
+    pub fn lowest_where_it_sucks(&self) -> Option<Lowest> {
+        let given = self.min_inlet_kpa.map(|kpa| Lowest { kpa, set_by: SetBy::Given });
+        given.into_iter().chain(self.lowest).max_by(|a, b| a.kpa.total_cmp(&b.kpa))
     }
 
     /// Refuses limits that mean nothing.
@@ -108,6 +119,9 @@ impl Limits {
         }
         if let Some(limit) = self.min_inlet_kpa {
             within("inlet pressure limit in kPa absolute", limit, -1e6..=1e6, "within 1e6 either way")?;
+        }
+        if let Some(lowest) = self.lowest {
+            within("smallest pressure in kPa absolute", lowest.kpa, -1e6..=1e6, "within 1e6 either way")?;
         }
         if let Some(torque) = &self.torque {
             torque.validate()?;

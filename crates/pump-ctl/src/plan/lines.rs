@@ -2,8 +2,8 @@
 
 use pump_model::{ExactRun, Port, Pump};
 
+use super::Plan;
 use super::profile::{Course, Profile};
-use super::{Legs, Plan};
 
 /// Pressure above the reservoir, kPa, and flow, mL/s, of the inlet and of the outlet line.
 pub(super) type LineStates = [[f64; 2]; 2];
@@ -30,13 +30,16 @@ pub(super) enum Lines {
 impl Lines {
     pub(super) const AT_REST: Self = Self::Are([[0.0; 2]; 2]);
 
-    /// The lines themselves.
-    pub(super) fn states(&self, pump: &Pump) -> LineStates {
+    /// The lines themselves, where the rollers stand `off_rad` beside what the motion takes for their angle.
+    pub(super) fn states(&self, pump: &Pump, off_rad: f64) -> LineStates {
         match *self {
             Self::Are(states) => states,
             Self::After { were: [inlet, outlet], course, time_s } => {
                 let profile = Profile::new(course, pump.outlet_curve());
-                let after = |port, state| ExactRun::new(pump, port, profile.legs(), state).at(time_s);
+                let after = |port, state| {
+                    let legs = profile.legs().map(|leg| leg.beside(off_rad));
+                    ExactRun::new(pump, port, legs, state).at(time_s)
+                };
                 [after(Port::Inlet, inlet), after(Port::Outlet, outlet)]
             }
         }
@@ -44,16 +47,9 @@ impl Lines {
 }
 
 impl Plan {
-    /// The line of a port during this dose.
-    pub(super) fn run<'a>(&'a self, pump: &'a Pump, port: Port) -> ExactRun<'a, Legs<'a>> {
-        let [inlet, outlet] = self.lines.states(pump);
-        let state = if port == Port::Inlet { inlet } else { outlet };
-        ExactRun::new(pump, port, self.legs(), state)
-    }
-
-    /// The lines as this plan leaves them when `made` steps are made.
+    /// The lines as this plan leaves them when `made` steps are made. What was before this plan is that of the middle angle.
     pub(super) fn lines_at(&self, pump: &Pump, made: u64) -> Lines {
         let time_s = self.profile.time_of(made as f64 * self.step_rad);
-        Lines::After { were: self.lines.states(pump), course: self.profile.course, time_s }
+        Lines::After { were: self.lines.states(pump, 0.0), course: self.profile.course, time_s }
     }
 }

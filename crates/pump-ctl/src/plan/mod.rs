@@ -28,7 +28,7 @@ pub use cruise::speed_for_flow;
 pub use error::{Nearest, PlanError};
 pub use finish::Finish;
 pub use legs::Legs;
-pub use limits::{InletBound, Limits, Motor};
+pub use limits::{Limits, Lowest, Motor, SetBy};
 pub use margins::{Margin, Margins};
 pub use phase::Phase;
 pub use prediction::Prediction;
@@ -60,6 +60,8 @@ pub enum LimitedBy {
     OutletPressure,
     /// The pressure at the port that sucks.
     InletPressure,
+    /// Too little pressure at the port that pushes, as a long line makes where the flow falls.
+    OutletSuction,
     /// The torque that the motor has.
     Torque,
 }
@@ -118,7 +120,7 @@ pub struct Plan {
 /// uncertain that it could be less smooth than at constant speed, it is refused.
 ///
 /// Where a pressure or torque limit is given the whole dose is predicted, and one that breaks it is refused with the nearest
-/// that holds them all. Pressures, settling and angles are those of the middle of the angles that may be.
+/// that holds them all, from wherever the rollers may stand.
 pub fn plan(pump: &Pump, start: Phase, request: &Request, limits: &Limits) -> Result<Plan, PlanError> {
     limits.validate()?;
     request.validate()?;

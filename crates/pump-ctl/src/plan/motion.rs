@@ -1,11 +1,11 @@
 //! What the lines of a plan see.
 
 use pump_model::math::{ceil, floor};
-use pump_model::{ExactRun, Extremes, Port, Pump};
+use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
 
+use super::Plan;
 use super::lines::LineStates;
 use super::profile::{Course, Profile};
-use super::{Legs, Plan};
 
 /// Part of a line's swing from the start that may be left when pitches are left out, as a power of 1/e: 1e-11.
 const FORGOTTEN: f64 = 25.0;
@@ -18,11 +18,14 @@ const FORGOTTEN: f64 = 25.0;
 pub(super) struct Motion {
     profile: Profile,
     states: LineStates,
+    /// How far beside the plan's start angle the rollers stand, rad.
+    off_rad: f64,
 }
 
 impl Motion {
-    pub(super) fn new(plan: &Plan, pump: &Pump) -> Self {
-        let states = plan.lines.states(pump);
+    /// Of `plan` where the rollers stand `off_rad` beside the middle of the angles that may be.
+    pub(super) fn new(plan: &Plan, pump: &Pump, off_rad: f64) -> Self {
+        let states = plan.lines.states(pump, off_rad);
         let profile = plan.profile;
         let decay_per_s = pump.inlet().slowest_decay_per_s().min(pump.outlet().slowest_decay_per_s());
         let pitch_rad = pump.pitch_rad();
@@ -31,15 +34,16 @@ impl Motion {
         let kept = ceil(FORGOTTEN / (decay_per_s * pitch_s)) + 1.0;
         let surplus = floor((left_rad - reached_rad) / pitch_rad) - kept;
         if !(profile.reaches_limit() && surplus >= 1.0) {
-            return Self { profile, states };
+            return Self { profile, states, off_rad };
         }
         let turn_rad = profile.course.turn_rad - surplus * pitch_rad;
         let course = Course { turn_rad, ..profile.course };
-        Self { profile: Profile::new(course, pump.outlet_curve()), states }
+        Self { profile: Profile::new(course, pump.outlet_curve()), states, off_rad }
     }
 
-    pub(super) fn legs(&self) -> Legs<'_> {
-        self.profile.legs()
+    pub(super) fn legs(&self) -> impl Iterator<Item = Leg> + Clone {
+        let off_rad = self.off_rad;
+        self.profile.legs().map(move |leg| leg.beside(off_rad))
     }
 
     pub(super) fn duration_s(&self) -> f64 {
@@ -51,7 +55,7 @@ impl Motion {
         f64::from(self.profile.course.direction)
     }
 
-    pub(super) fn run<'a>(&'a self, pump: &'a Pump, port: Port) -> ExactRun<'a, Legs<'a>> {
+    pub(super) fn run<'a>(&'a self, pump: &'a Pump, port: Port) -> ExactRun<'a, impl Iterator<Item = Leg>> {
         let [inlet, outlet] = self.states;
         let state = if port == Port::Inlet { inlet } else { outlet };
         ExactRun::new(pump, port, self.legs(), state)

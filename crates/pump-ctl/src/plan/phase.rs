@@ -1,6 +1,7 @@
 //! Where the rollers stand.
 
 use pump_model::Pump;
+use pump_model::math::ceil;
 
 use super::PlanError;
 
@@ -34,6 +35,15 @@ impl Phase {
     /// Smallest and largest volume, mL, that a turn by `turn_rad` delivers from wherever the rollers may stand.
     pub fn range_ml(&self, pump: &Pump, turn_rad: f64) -> (f64, f64) {
         pump.outlet_curve().turn_range_ml(self.angle_rad, self.half_width_rad, turn_rad)
+    }
+
+    /// How far before and behind this angle, rad, the rollers are looked at: at the ends of where they may stand, in its
+    /// middle, and between them a sixteenth of a pitch apart at most. Of an angle that is known, 0 alone.
+    pub(super) fn beside(&self, pitch_rad: f64) -> impl Iterator<Item = f64> + use<> {
+        let half_rad = self.half_width_rad.min(0.5 * pitch_rad);
+        // 8 at most.
+        let looks = ceil(16.0 * half_rad / pitch_rad) as i32;
+        (-looks..=looks).map(move |n| if n == 0 { 0.0 } else { half_rad * f64::from(n) / f64::from(looks) })
     }
 
     pub(super) fn validate(&self) -> Result<(), PlanError> {

@@ -2,10 +2,12 @@
 
 use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
 
+use super::motion::Motion;
 use super::{Legs, Plan, PlanError};
 
 /// Pressures over a dose, start-up, stop and settling included, for the smooth motion through the
-/// steps. From an angle that is not known exactly, those from the middle of what it may be.
+/// steps. From an angle that is not known exactly, those of every angle at which the rollers may stand, looked at a sixteenth
+/// of a pitch apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -16,7 +18,7 @@ pub struct Prediction {
     pub outlet: Extremes,
     /// What a single motor step adds to or takes from these at most, kPa: its volume over the compliance.
     pub step_kpa: f64,
-    /// Time from the last step until the undelivered volume stays below 1 uL, s.
+    /// Time from the last step until the undelivered volume stays below 1 uL, s; the longest from where the rollers may stand.
     pub settle_s: f64,
 }
 
@@ -28,25 +30,41 @@ impl Plan {
 
     /// Predicts pressures and settling of this dose on `pump`, exactly.
     pub fn predict(&self, pump: &Pump) -> Result<Prediction, PlanError> {
-        let range = |port| self.run(pump, port).extremes_to_rest(self.profile.duration_s());
-        let step_kpa = |port| {
-            let largest_ml = pump.curve(port).flow_range_ml_rad().1 * self.step_rad;
-            largest_ml / pump.line(port).compliance_ml_kpa
+        let range = |port| {
+            let beside = self.start.beside(pump.pitch_rad());
+            let ranges = beside.map(|off_rad| Motion::new(self, pump, off_rad).extremes(pump, port));
+            // The middle is always looked at.
+            ranges.reduce(Extremes::and).unwrap_or(Extremes::at(pump.line(port).reservoir_kpa))
         };
         Ok(Prediction {
             inlet: range(Port::Inlet),
             outlet: range(Port::Outlet),
-            step_kpa: step_kpa(Port::Inlet).max(step_kpa(Port::Outlet)),
+            step_kpa: self.step_kpa(pump, Port::Inlet).max(self.step_kpa(pump, Port::Outlet)),
             settle_s: self.settle_s(pump)?,
         })
     }
 
-    /// Time from the last step until the undelivered volume stays below 1 uL, s. The last step comes at once, so its volume is
-    /// in the line at first.
+    /// What a single motor step adds to or takes from the pressure of a port at most, kPa: its volume over the compliance.
+    pub(super) fn step_kpa(&self, pump: &Pump, port: Port) -> f64 {
+        let largest_ml = pump.curve(port).flow_range_ml_rad().1 * self.step_rad;
+        largest_ml / pump.line(port).compliance_ml_kpa
+    }
+
+    /// Time from the last step until the undelivered volume stays below 1 uL, s, the longest from where the rollers may stand.
     pub(super) fn settle_s(&self, pump: &Pump) -> Result<f64, PlanError> {
-        let [pressure_kpa, flow_ml_s] = self.run(pump, Port::Outlet).at(self.profile.duration_s());
-        let end_rad = self.end_angle_rad();
-        let step_ml = self.end_step_ml(pump) * f64::from(self.direction());
+        let mut longest_s: f64 = 0.0;
+        for off_rad in self.start.beside(pump.pitch_rad()) {
+            longest_s = longest_s.max(self.settle_beside_s(pump, off_rad)?);
+        }
+        Ok(longest_s)
+    }
+
+    /// The same of rollers `off_rad` beside the middle. The last step comes at once, so its volume is in the line at first.
+    fn settle_beside_s(&self, pump: &Pump, off_rad: f64) -> Result<f64, PlanError> {
+        let motion = Motion::new(self, pump, off_rad);
+        let [pressure_kpa, flow_ml_s] = motion.run(pump, Port::Outlet).at(motion.duration_s());
+        let end_rad = self.end_angle_rad() + off_rad;
+        let step_ml = pump.outlet_curve().flow_ml_rad(end_rad) * self.step_rad * f64::from(self.direction());
         let stepped_kpa = pressure_kpa + step_ml / pump.outlet().compliance_ml_kpa;
         let rest = [Leg::rest(0.0, end_rad)];
         Ok(ExactRun::new(pump, Port::Outlet, rest, [stepped_kpa, flow_ml_s]).settling_s()?)

@@ -92,9 +92,10 @@ impl Plan {
             return Err(PlanError::CannotStopThere { asked_ml: volume_ml, delivered_ml, nearest_ml });
         }
         let mut lines = self.lines_at(pump, made);
-        if limits.are_predicted() || matches!(cruise, Cruise::Within { .. } | Cruise::Fastest) {
+        let needed = limits.are_predicted() || matches!(cruise, Cruise::Within { .. } | Cruise::Fastest);
+        if needed && phase.half_width_rad == 0.0 {
             // Needed at once, and at every speed that is tried.
-            lines = Lines::Are(lines.states(pump));
+            lines = Lines::Are(lines.states(pump, 0.0));
         }
         fastest(pump, Start { phase, speed_rad_s, before_ml: delivered_ml, lines }, target?, &request, limits)
     }

@@ -1,7 +1,7 @@
 //! How even the flow at the outlet's rollers is.
 
 use pump_model::math::degrees;
-use pump_model::{Leg, Pump, Ripple};
+use pump_model::{Pump, Ripple};
 
 use super::{Plan, PlanError, SpeedLimit};
 
@@ -26,18 +26,15 @@ impl Plan {
     }
 
     /// Ripple of the flow while cruising, periodic: a dose too short to cruise does not get there. Where the angle is not known
-    /// exactly, the worst for the start angles that may be, of 17 that are tried.
+    /// exactly, the worst of angles at which the rollers may stand, a sixteenth of a pitch apart at most.
     pub fn ripples(&self, pump: &Pump) -> Ripples {
-        const BESIDE: i32 = 8;
         let before = pump.outlet_curve().ripple();
         if !self.is_smooth() {
             return Ripples { before, after: before };
         }
-        let half_rad = self.start.half_width_rad.min(0.5 * pump.pitch_rad());
-        let beside = if half_rad > 0.0 { BESIDE } else { 0 };
         let mut after = Ripple { peak_to_peak: 0.0, rms: 0.0 };
-        for n in -beside..=beside {
-            let there = self.ripple_beside(pump, half_rad * f64::from(n) / f64::from(BESIDE));
+        for off_rad in self.start.beside(pump.pitch_rad()) {
+            let there = self.ripple_beside(pump, off_rad);
             after.peak_to_peak = after.peak_to_peak.max(there.peak_to_peak);
             after.rms = after.rms.max(there.rms);
         }
@@ -62,7 +59,7 @@ impl Plan {
 
     /// Ripple where the rollers stand `off_rad` before what the plan takes for their angle.
     fn ripple_beside(&self, pump: &Pump, off_rad: f64) -> Ripple {
-        let legs = self.profile.pitch_along().map(|leg| Leg { angle_rad: leg.angle_rad + off_rad, ..leg });
+        let legs = self.profile.pitch_along().map(|leg| leg.beside(off_rad));
         Ripple::of_motion(pump.outlet_curve(), legs).unwrap_or_else(|| pump.outlet_curve().ripple())
     }
 }

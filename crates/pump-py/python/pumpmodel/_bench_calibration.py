@@ -94,7 +94,7 @@ class BenchCalibration:
         ValueError
             If the doses do not determine the zero.
         """
-        numbers = [(dose.start_angle_deg, dose.turned_deg, dose.volume_ml) for dose in doses]
+        numbers = [(dose.start_angle_deg, dose.turned_deg, dose.volume_ml, dose.speed_rpm) for dose in doses]
         calibration, (roller, engagement, zero) = self._core.calibrate_phase(numbers, scale, tube, note)
         return PhaseFit(calibration, *roller, *engagement, *zero)
 

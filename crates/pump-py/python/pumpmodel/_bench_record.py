@@ -101,7 +101,10 @@ class BenchRecord:
         return _told(self._core.release())
 
     def new_tube(self) -> Status:
-        """Record that the tube was exchanged: it has pumped nothing, doses owe nothing, no calibration is used."""
+        """Record that the tube was exchanged.
+
+        It has pumped nothing, doses owe nothing, and no calibration is used.
+        """
         return _told(self._core.new_tube())
 
 

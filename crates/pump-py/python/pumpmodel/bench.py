@@ -16,18 +16,18 @@ Progress = Callable[[int, int], object]
 class Bench(BenchRecord, BenchCalibration):
     """A pump with its driver, its journal and its lock: the same that the command `dose` uses.
 
-    Opening moves and creates nothing. The first call that moves or records takes the pump, and keeps it until `close`, or the
-    end of a `with` block: until then other processes, the command among them, are refused it. Calls from several threads
-    come one after the other; other Python threads run meanwhile.
+    Opening moves and creates nothing. The first call that moves or records takes the pump, and keeps it until
+    `close`, or the end of a `with` block: until then other processes, the command among them, are refused it.
+    Calls from several threads come one after the other; other Python threads run meanwhile.
 
-    A motor moves only if the pump file has a `[drive]` or `driver` names one. Ctrl-C in a call decelerates the motor, which
-    then holds; what was delivered is on record, and KeyboardInterrupt is raised.
+    A motor moves only if the pump file has a `[drive]` or `driver` names one. Ctrl-C in a call decelerates
+    the motor, which then holds; what was delivered is on record, and KeyboardInterrupt is raised.
 
     Examples
     --------
     >>> import tempfile
     >>> import pumpmodel as pm
-    >>> with tempfile.TemporaryDirectory() as folder, pm.Bench.open("three-roller", state_dir=folder) as bench:
+    >>> with tempfile.TemporaryDirectory() as tmp, pm.Bench.open("three-roller", state_dir=tmp) as bench:
     ...     dose = bench.dose("25mL")
     ...     print(f"{dose.delivered_ml:.2f} mL, {bench.status().angle_deg:.1f} deg")
     25.00 mL, 75.4 deg
@@ -139,8 +139,8 @@ class Bench(BenchRecord, BenchCalibration):
         volume : str
             Volume or mass with its unit, as "25mL", "250uL", "25 g"; negative in reverse.
         rate, speed, within : str, optional
-            Average flow while cruising ("10 mL/s", or "max" for the fastest that holds every limit), speed of the pump head
-            ("100rpm") or total time with ramps and settling ("10s"); one at most.
+            Average flow while cruising ("10 mL/s", or "max" for the fastest that holds every limit), speed of
+            the pump head ("100rpm") or total time with ramps and settling ("10s"); one at most.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
@@ -154,7 +154,8 @@ class Bench(BenchRecord, BenchCalibration):
         dry_run : bool
             Plan and predict; move nothing, record nothing.
         progress : callable, optional
-            Called with the steps made and the steps planned, a few times a second; what it raises stops the motor.
+            Called with the steps made and the steps planned, a few times a second; what it raises stops the
+            motor.
 
         Returns
         -------
@@ -230,7 +231,9 @@ class Bench(BenchRecord, BenchCalibration):
         start_angle_rad: float | None = None,
         limits: Limits | None = None,
     ) -> Plan:
-        """Plan a dose from the record, with the calibration in use, for its steps and waveform. Moves and records nothing.
+        """Plan a dose from the record, with the calibration in use, for its steps and waveform.
+
+        Moves and records nothing.
 
         Parameters and errors are those of `dose`.
 

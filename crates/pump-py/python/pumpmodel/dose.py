@@ -8,7 +8,7 @@ from pumpmodel._record import Record
 
 @dataclass(frozen=True)
 class Share(Record):
-    """A source of uncertainty: its standard uncertainty, its part of the variance, and how to make it smaller."""
+    """A source of uncertainty: standard uncertainty, part of the variance, and how to make it smaller."""
 
     source: str
     standard_ml: float
@@ -47,9 +47,10 @@ class CalibrationUsed(Record):
 class Dose(Record):
     """A dose of a bench, run or planned: the fields of the command's JSON `dose/1`.
 
-    Volumes are in mL and negative in reverse, angles in deg of the pump head, pressures in kPa absolute, times in s.
-    `delivered_ml` is what the vessel of a simulation received, or the model's volume of the steps that a motor made; None of
-    a dose that was only planned. `completed` says whether the dose was delivered in full.
+    Volumes are in mL and negative in reverse, angles in deg of the pump head, pressures in kPa absolute,
+    times in s. `delivered_ml` is what the vessel of a simulation received, or the model's volume of the steps
+    that a motor made; None of a dose that was only planned. `completed` says whether the dose was delivered
+    in full.
     """
 
     _records: ClassVar[dict[str, type[Record]]] = {
@@ -86,6 +87,7 @@ class Dose(Record):
     finish: str
     carry_ml: float
     cruise_speed_rpm: float
+    peak_speed_rpm: float
     cruise_flow_ml_s: float
     mean_flow_ml_s: float
     motion_s: float

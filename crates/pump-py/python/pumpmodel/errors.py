@@ -16,8 +16,8 @@ class PumpFileError(PumpError, ValueError):
 class DriveError(PumpError):
     """A pump or device that another process holds, or a motor that failed.
 
-    If the motor failed on the way, `delivered_least_ml` and `delivered_most_ml` say between which volumes (mL) the dose
-    was delivered; without motion both are None.
+    If the motor failed on the way, `delivered_least_ml` and `delivered_most_ml` say between which volumes
+    (mL) the dose was delivered; without motion both are None.
     """
 
     delivered_least_ml: float | None = None
@@ -27,7 +27,8 @@ class DriveError(PumpError):
 class UnfinishedError(PumpError):
     """An earlier dose was begun and not finished: `Bench.resume` makes the rest, `Bench.discard` leaves it.
 
-    `requested_ml` is what was asked (mL); between `delivered_least_ml` and `delivered_most_ml` were delivered.
+    `requested_ml` is what was asked (mL); between `delivered_least_ml` and `delivered_most_ml` were
+    delivered.
     """
 
     requested_ml: float

@@ -30,8 +30,8 @@ class Fluid(Record):
     Examples
     --------
     >>> import pumpmodel as pm
-    >>> round(pm.Fluid.water(temperature_degc=25).density_kg_m3, 2)
-    997.05
+    >>> round(pm.Fluid.water(temperature_degc=25).density_kg_m3, 1)
+    997.0
     """
 
     density_kg_m3: float
@@ -47,8 +47,8 @@ class Fluid(Record):
     def water(cls, *, temperature_degc: float) -> Self:
         """Water.
 
-        Density and compressibility are those of Kell (J. Chem. Eng. Data 20:97, 1975), viscosity of IAPWS SR6-08, vapour
-        pressure of IAPWS SR1-86.
+        Density and compressibility are those of Kell (J. Chem. Eng. Data 20:97, 1975), viscosity of IAPWS
+        SR6-08, vapour pressure of IAPWS SR1-86.
 
         Parameters
         ----------

@@ -41,7 +41,7 @@ class Hose(Record):
 
     >>> import pumpmodel as pm
     >>> hose = pm.Hose(
-    ...     bore_radius_mm=5, outer_radius_mm=7, length_mm=331, modulus_mpa=3.5, poisson_ratio=0.5, minor_loss=5.75
+    ...     bore_radius_mm=5, outer_radius_mm=7, length_mm=331, modulus_mpa=3.5, minor_loss=5.75
     ... )
     >>> line = hose.line(pm.Fluid.water(temperature_degc=25), reservoir_kpa=88.637, flow_ml_s=210)
     >>> round(line.resistance_kpa_s_ml, 3)
@@ -67,7 +67,8 @@ class Hose(Record):
     def line(self, fluid: Fluid, *, reservoir_kpa: float, flow_ml_s: float) -> Line:
         """Return the linear line of this hose.
 
-        C is that of the fluid and of a thick-walled cylinder whose ends are held (Lamé, plane strain), L is rho l/A.
+        C is that of the fluid and of a thick-walled cylinder whose ends are held (Lamé, plane strain), L is
+        rho l/A.
 
         Parameters
         ----------
@@ -76,7 +77,8 @@ class Hose(Record):
         reservoir_kpa : float
             Pressure of the reservoir, kPa absolute.
         flow_ml_s : float
-            Flow, mL/s, at which R is taken: the pressure drop there over the flow. 0 takes that of laminar flow alone.
+            Flow, mL/s, at which R is taken: the pressure drop there over the flow. 0 takes that of laminar
+            flow alone.
 
         Raises
         ------
@@ -96,8 +98,8 @@ class Hose(Record):
     ) -> float | NDArray[np.float64]:
         """Return the pressure that it takes to push the fluid through.
 
-        Friction of a smooth wall from laminar to turbulent flow by Churchill's formula (Chem. Eng. 84, 1977), and the minor
-        loss.
+        Friction of a smooth wall from laminar to turbulent flow by Churchill's formula (Chem. Eng. 84, 1977),
+        and the minor loss.
 
         Parameters
         ----------

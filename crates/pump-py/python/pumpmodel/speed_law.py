@@ -14,9 +14,10 @@ from pumpmodel._record import Record
 
 @dataclass(frozen=True, kw_only=True)
 class SpeedLaw(Record):
-    """How the volume of a revolution depends on the speed, by the inlet pressure at which a segment is trapped.
+    """How the volume of a revolution depends on the speed, by the inlet pressure that traps a segment.
 
-    Experimental: what is dosed does not use it. Its parameters are fitted to summary numbers that McIntyre et al. publish.
+    Experimental: what is dosed does not use it. Its parameters are fitted to summary numbers that McIntyre et
+    al. publish.
 
     Parameters
     ----------
@@ -38,7 +39,7 @@ class SpeedLaw(Record):
     --------
     >>> import pumpmodel as pm
     >>> law, pump = pm.SpeedLaw.published(), pm.Pump.three_roller()
-    >>> law.revolution_ml(pump, speed_rpm=150) < law.revolution_ml(pump, speed_rpm=10)
+    >>> law.revolution_ml(pump, speed_rpm=150) > law.revolution_ml(pump, speed_rpm=10)
     True
     """
 

@@ -15,8 +15,8 @@ from pumpmodel._record import Record
 class VolumeFit(Record):
     """The volume that a roller displaces while it engages, fitted to measured points.
 
-    The smallest angle is the first contact and the largest the engagement angle. `Pump.replace(roller_volume=fit)` makes a
-    pump of it.
+    The smallest angle is the first contact and the largest the engagement angle.
+    `Pump.replace(roller_volume=fit)` makes a pump of it.
 
     Parameters
     ----------
@@ -25,8 +25,8 @@ class VolumeFit(Record):
     volume_ml : array_like
         Volumes displaced since then, mL, shape (n,).
     method : {"spline", "quintic"}
-        A rising cubic spline through the mean volume of each of 3 to 25 angles, whose flow has no jump; or least squares
-        of 5th order over 6 angles or more, as McIntyre et al. do it.
+        A rising cubic spline through the mean volume of each of 3 to 25 angles, whose flow has no jump; or
+        least squares of 5th order over 6 angles or more, as McIntyre et al. do it.
 
     Raises
     ------
@@ -36,7 +36,7 @@ class VolumeFit(Record):
     Examples
     --------
     >>> import pumpmodel as pm
-    >>> fit = pm.VolumeFit([0, 12, 24, 36, 48], [0, 0.1, 0.8, 1.7, 2.1])
+    >>> fit = pm.VolumeFit([0, 10, 20, 30, 40, 50], [0, 0.23, 0.83, 1.49, 1.96, 2.1])
     >>> pm.Pump.three_roller().replace(roller_volume=fit).roller_volume_ml
     2.1
     """
@@ -55,7 +55,8 @@ class VolumeFit(Record):
         angles, volumes = (np.asarray(numbers, dtype=np.float64) for numbers in (angle_deg, volume_ml))
         if angles.ndim != 1 or angles.shape != volumes.shape:
             raise ValueError(
-                f"angle_deg has the shape {angles.shape} and volume_ml {volumes.shape}; allowed: one (n,) for both"
+                f"angle_deg has the shape {angles.shape} and volume_ml {volumes.shape}; "
+                "allowed: one (n,) for both"
             )
         object.__setattr__(self, "method", method)
         object.__setattr__(self, "angle_deg", tuple(angles.tolist()))
@@ -100,7 +101,7 @@ class VolumeFit(Record):
 
     @property
     def falls(self) -> list[tuple[float, float, float]] | None:
-        """Where the measured volumes fall: from and to, deg, and by how much, mL; None of more than 25 angles."""
+        """Where measured volumes fall: from and to, deg, and by how much, mL; None of more than 25 angles."""
         return core._volume_fit(*self._fit)[4]
 
     @property
@@ -119,7 +120,8 @@ class VolumeFit(Record):
         Returns
         -------
         float or numpy.ndarray
-            mL, 0 before the first contact and V_r beyond phi; of arrays an array of float64 of the same shape.
+            mL, 0 before the first contact and V_r beyond phi; of arrays an array of float64 of the same
+            shape.
 
         Raises
         ------

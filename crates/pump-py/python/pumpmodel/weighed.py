@@ -1,6 +1,7 @@
 """Runs and doses that were weighed."""
 
 import json
+import math
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
@@ -46,15 +47,15 @@ class WeighedRun(Record):
 
     def __post_init__(self) -> None:
         """Refuse a run that cannot be."""
-        if not 0 < self.speed_rpm < float("inf"):
+        if not 0 < self.speed_rpm < math.inf:
             raise ValueError(f"speed_rpm is {self.speed_rpm}; allowed: more than 0")
-        if self.turned_deg == 0 or not abs(self.turned_deg) < float("inf"):
+        if self.turned_deg == 0 or not abs(self.turned_deg) < math.inf:
             raise ValueError(f"turned_deg is {self.turned_deg}; allowed: a finite angle, not 0")
         if self.mass_g is not None and self.volume_ml is not None:
             raise ValueError("mass_g and volume_ml are both given; give one")
         for name in ("mass_g", "volume_ml"):
             reading = getattr(self, name)
-            if reading is not None and not 0 < reading < float("inf"):
+            if reading is not None and not 0 < reading < math.inf:
                 raise ValueError(f"{name} is {reading}; allowed: more than 0")
 
     def weighed(self, reading: str, *, temperature_degc: float | None = None) -> Self:
@@ -108,16 +109,35 @@ class ShortDose(Record):
         How far the rotor turned, deg; negative in reverse.
     volume_ml : float
         What arrived, mL, without sign.
+    speed_rpm : float, optional
+        Its cruise speed, r/min; by default the mean speed of the calibration's runs.
+
+    Raises
+    ------
+    ValueError
+        If a number is not allowed.
     """
 
     start_angle_deg: float
     turned_deg: float
     volume_ml: float
+    speed_rpm: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a dose that cannot be."""
+        if not abs(self.start_angle_deg) < math.inf:
+            raise ValueError(f"start_angle_deg is {self.start_angle_deg}; allowed: a finite angle")
+        if self.turned_deg == 0 or not abs(self.turned_deg) < math.inf:
+            raise ValueError(f"turned_deg is {self.turned_deg}; allowed: a finite angle, not 0")
+        if not 0 < self.volume_ml < math.inf:
+            raise ValueError(f"volume_ml is {self.volume_ml}; allowed: more than 0")
+        if self.speed_rpm is not None and not 0 < self.speed_rpm < math.inf:
+            raise ValueError(f"speed_rpm is {self.speed_rpm}; allowed: more than 0")
 
 
 @dataclass(frozen=True)
 class PhaseFit:
-    """What short doses say of a pump, each with its standard uncertainty, and the calibration that keeps the zero.
+    """What short doses say of a pump, with standard uncertainties, and the calibration that keeps the zero.
 
     `zero_rad` is the model's angle of the rollers where the record says 0.
     """
