@@ -101,9 +101,10 @@ def plot(
             message = f"panel is {name!r}; allowed: {', '.join(_PANELS)}"
             raise ValueError(message)
     axes = axes_for(names, ax)
-    run = result
     if isinstance(result, Plan):
         run = result.trace(dt_s=max(1e-3, (result.motion_s + result.settle_s) / _SAMPLES))
+    else:
+        run = result
     for name, axis in zip(names, axes, strict=True):
         label, curves = _PANELS[name]
         for curve in curves:

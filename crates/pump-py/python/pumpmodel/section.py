@@ -155,7 +155,9 @@ def _draw_tube(axis: Axes, pump: Pump, rollers: NDArray[np.float64]) -> None:
         head, tail = (tip + 10 * outward, tip + 2 * outward)[:: (1 if name == "outlet" else -1)]
         axis.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", "color": "0.2"})
         x_text, y_text = tip + 14 * outward
-        axis.text(x_text, y_text, name, ha="center", va="center")
+        axis.text(
+            x_text, max(y_text, 1.1 * (pump.backplate_radius_mm + _PLATE_MM)), name, ha="center", va="center"
+        )
 
 
 def _draw_rotor(axis: Axes, pump: Pump, rollers: NDArray[np.float64]) -> None:
@@ -223,7 +225,7 @@ def _mark_angles(axis: Axes, pump: Pump, angle_rad: float) -> None:
     engaging = math.pi - leaving
     arc(leaving, leaving + phi, inside, "phi, leaving", VERMILION, 3)
     arc(engaging - phi, engaging, inside, "phi, engaging", BLUE, 3)
-    for place, colour in ((leaving + 0.75 * phi, VERMILION), (engaging - 0.75 * phi, BLUE)):
+    for place, colour in ((leaving + 0.6 * phi, VERMILION), (engaging - 0.6 * phi, BLUE)):
         text(place, inside - 8, f"φ {math.degrees(phi):.4g}°", colour)
     first = leaving + angle_rad
     if pump.rollers > 1:
