@@ -26,8 +26,8 @@ def run(work: Coroutine[Any, Any, None]) -> None:
 
 
 async def in_motion(pump: BenchPump) -> None:
-    """Wait until the record says that a dose has begun."""
-    while pump.backend.bench.status().unfinished is None:
+    """Wait until the record says that steps of a dose are made."""
+    while (dose := pump.backend.bench.status().unfinished) is None or dose.steps_made_least == 0:
         await asyncio.sleep(0.01)
 
 
