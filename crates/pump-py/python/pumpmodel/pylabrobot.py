@@ -15,16 +15,14 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Literal, NoReturn
 
+from pumpmodel._tables import optional
 from pumpmodel.bench import Bench
 from pumpmodel.dose import Dose
 from pumpmodel.errors import PumpError
 
-try:
-    from pylabrobot.pumps import Pump
-    from pylabrobot.pumps.backend import PumpBackend
-except ModuleNotFoundError as error:
-    message = f'{error.name} is not installed: pip install "pumpmodel[pylabrobot]"'
-    raise ImportError(message, name=error.name) from error
+# Without types, so that type checkers take them for anything.
+_Pump: Any = optional("pylabrobot.pumps", "pylabrobot").Pump
+_PumpBackend: Any = optional("pylabrobot.pumps.backend", "pylabrobot").PumpBackend
 
 __all__ = ["BenchBackend", "BenchPump", "HaltedError"]
 
@@ -46,7 +44,7 @@ class HaltedError(PumpError):
         self.dose = dose
 
 
-class BenchBackend(PumpBackend):
+class BenchBackend(_PumpBackend):
     """The bench behind a `BenchPump`: opened by its `setup`, closed by its `stop`.
 
     Parameters
@@ -116,7 +114,7 @@ class BenchBackend(PumpBackend):
         self.bench.stop()
 
 
-class BenchPump(Pump):
+class BenchPump(_Pump):
     """A PyLabRobot pump whose volumes are doses of a bench, exact from whatever angle the rollers stand at.
 
     Its commands complete when the motion has. A dose that is cancelled decelerates, holds and goes on record
