@@ -104,7 +104,8 @@ mod tests {
         // Densities at 20 and 30 °C: Riddick, Bunger, Sakano (ethanol), Bosart and Snoddy (glycerol).
         for (name, there, kg_m3) in [("ethanol", 789.24, 780.7), ("Glycerol 50 %", 1126.3, 1121.1)] {
             let table = fluid(name, 20.0, there);
-            let volume_ml = Weighing { fluid: &table, ambient_kpa: 101.3 }.volume_ml(0.1 * kg_m3, 30.0).unwrap();
+            let volume_ml =
+                Weighing { fluid: &table, ambient_kpa: 101.3 }.volume_ml(0.1 * kg_m3, 30.0).unwrap();
             let expected_ml = 0.1 * kg_m3 * z_ml_g(kg_m3, air_kg_m3(30.0, 101.3));
             assert!((volume_ml / expected_ml - 1.0).abs() < 6e-4, "{name}: {volume_ml} for {expected_ml}");
         }

@@ -39,8 +39,7 @@ pub struct Turning {
 impl Turning {
     /// The motion from rest.
     fn legs(&self) -> Vec<Leg> {
-        let cruise =
-            Leg { start_s: self.start_s, ..Leg::constant_speed(self.angle_rad, self.speed_rad_s) };
+        let cruise = Leg { start_s: self.start_s, ..Leg::constant_speed(self.angle_rad, self.speed_rad_s) };
         let Begin::Ramp { acceleration_rad_s2 } = self.begin else {
             return vec![cruise];
         };

@@ -139,8 +139,7 @@ fn near_standstill_a_steady_state_is_that_of_the_resistance_alone() {
             let range_kpa = 0.9999 * quasi_kpa - 2e-14..most_kpa;
             assert!(range_kpa.contains(&above_kpa), "{rpm}: {above_kpa} for {quasi_kpa}");
             let [_, flow_ml_s] = pump.periodic_state(Port::Outlet, speed_rad_s).unwrap();
-            let before_ml_s =
-                speed_rad_s * pump.curve(Port::Outlet).flow_ml_rad(pump.pitch_rad() - 1e-9);
+            let before_ml_s = speed_rad_s * pump.curve(Port::Outlet).flow_ml_rad(pump.pitch_rad() - 1e-9);
             assert!((flow_ml_s / before_ml_s - 1.0).abs() < 1e-4, "{rpm}: {flow_ml_s} for {before_ml_s}");
         }
     }

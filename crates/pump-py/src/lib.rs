@@ -61,7 +61,7 @@ mod _pumpmodel {
     #[pymodule_export]
     use crate::sweep::_steady_states;
     #[pymodule_export]
-    use crate::volume_fit::{_volume_fit, _volume_fit_at};
+    use crate::volume_fit::{_volume_fit, _volume_fit_at, _volume_run_falls, _volume_runs};
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name for it")]

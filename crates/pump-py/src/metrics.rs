@@ -98,7 +98,9 @@ fn pairs(model: &Bound<'_, PyAny>, measured: &Bound<'_, PyAny>) -> PyResult<Vec<
     let measured = Floats::read("measured", measured, f64::MAX)?;
     let (one, other) = (model.shape(), measured.shape());
     if one != other {
-        return Err(value(format_args!("model has the shape {one:?} and measured {other:?}; allowed: one shape")));
+        return Err(value(format_args!(
+            "model has the shape {one:?} and measured {other:?}; allowed: one shape"
+        )));
     }
     Ok(model.values().iter().copied().zip(measured.values().iter().copied()).collect())
 }

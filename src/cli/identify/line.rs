@@ -73,9 +73,9 @@ pub(super) fn line(args: &LineArgs, options: &Options) -> Result<(), Failure> {
     }
     let waveforms = args.data.read(waveforms_of_csv)?;
     let begin = match args.begin {
-        Begin::Ramp => identification::Begin::Ramp {
-            acceleration_rad_s2: file.limits().motor.max_acceleration_rad_s2,
-        },
+        Begin::Ramp => {
+            identification::Begin::Ramp { acceleration_rad_s2: file.limits().motor.max_acceleration_rad_s2 }
+        }
         Begin::Step => identification::Begin::Step,
         Begin::Steady => identification::Begin::Steady,
     };

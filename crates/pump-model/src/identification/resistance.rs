@@ -97,7 +97,7 @@ impl ResistanceFit {
             |why| IdentificationError::Undetermined { of: POINTS, parameter: "resistance", why };
         let straight = through(false).ok_or(undetermined("they are all at one flow; measure at several"))?;
         let resistance = straight.slope;
-        if resistance.value <= 0.0 {
+        if !straight.is_rising() {
             return Err(undetermined("the pressure does not rise with the flow; check signs and columns"));
         }
         if !resistance.differs_from_zero() {
@@ -107,9 +107,7 @@ impl ResistanceFit {
         }
         let missed = if with_offset { None } else { with(true, false) };
         let missed = missed.filter(|line| line.offset.differs_from_zero());
-        // Of drops that are all the same rounding alone is left of the slope.
-        let is_flat = |slope: Estimate| slope.value < 1e-9 * resistance.value || !slope.differs_from_zero();
-        if missed.is_some_and(|line| is_flat(line.slope)) {
+        if missed.is_some_and(|line| !line.is_rising() || !line.slope.differs_from_zero()) {
             return Err(undetermined(
                 "the drop is as large at every flow; check columns and reservoir, or measure at larger flows",
             ));

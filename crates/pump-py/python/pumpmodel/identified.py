@@ -120,8 +120,7 @@ class Identified:
         if not isinstance(other, Identified):
             return NotImplemented
         return (self._json, self.line) == (other._json, other.line) and all(
-            np.array_equal(mine, theirs)
-            for mine, theirs in zip(self._arrays(), other._arrays(), strict=True)
+            np.array_equal(mine, theirs) for mine, theirs in zip(self._arrays(), other._arrays(), strict=True)
         )
 
     def __hash__(self) -> int:
@@ -195,9 +194,7 @@ def identify_resistance(
     0.1108
     """
     return Identified._of(
-        core._identify_resistance(
-            _pump(pump), port, flow_ml_s, pressure_kpa, drop_kpa, standard_kpa, offset
-        )
+        core._identify_resistance(_pump(pump), port, flow_ml_s, pressure_kpa, drop_kpa, standard_kpa, offset)
     )
 
 
