@@ -234,7 +234,7 @@ impl LineFit {
 
 /// 1 - (rms/spread)². Samples that are all the same have nothing to be explained.
 fn explained(rms_kpa: f64, spread_kpa: f64) -> f64 {
-    if spread_kpa > 0.0 { 1.0 - (rms_kpa / spread_kpa) * (rms_kpa / spread_kpa) } else { f64::NEG_INFINITY }
+    if spread_kpa > 0.0 { 1.0 - (rms_kpa / spread_kpa) * (rms_kpa / spread_kpa) } else { 0.0 }
 }
 
 /// A recording whose line is sought.

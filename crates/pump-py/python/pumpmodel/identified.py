@@ -20,7 +20,10 @@ _Port: TypeAlias = Literal["inlet", "outlet"]
 
 @dataclass(frozen=True)
 class Estimate(Record):
-    """A value with its standard uncertainty, twice which covers 95 %; `held` says that it was given and not sought."""
+    """A value with its standard uncertainty, twice which covers 95 %.
+
+    `held` says that it was given and not sought.
+    """
 
     value: float
     standard: float
@@ -254,7 +257,9 @@ def identify_line(
     start_s: float | None = None,
     start_angle_rad: float | None = None,
 ) -> Identified:
-    """Find R, C and L of a line from the pressure over time while the pump turns, by least squares on the model.
+    """Find R, C and L of a line from the pressure over time while the pump turns.
+
+    Least squares on the model, from several starts.
 
     Parameters
     ----------
@@ -298,7 +303,7 @@ def identify_line(
     ...     speed_rpm=100, duration_s=0.5, dt_s=2e-3
     ... )
     >>> found = pm.identify_line(
-    ...     pump, time_s=run.time_s, pressure_kpa=run.p_out_kpa, speed_rpm=100, begin="step", start_angle_rad=0
+    ...     pump, time_s=run.time_s, pressure_kpa=run.p_out_kpa, speed_rpm=100, begin="step"
     ... )
     >>> round(found.line.inertance_kpa_s2_ml, 6)
     0.006
