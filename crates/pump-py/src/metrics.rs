@@ -83,7 +83,7 @@ pub(crate) fn nrmse(model: &Bound<'_, PyAny>, measured: &Bound<'_, PyAny>) -> Py
 /// Examples
 /// --------
 /// >>> import pumpmodel as pm
-/// >>> pm.pearson([1.0, 2.0, 3.0], [10.0, 12.0, 14.0])
+/// >>> round(pm.pearson([1.0, 2.0, 3.0], [10.0, 12.0, 14.0]), 12)
 /// 1.0
 #[pyfunction]
 pub(crate) fn pearson(model: &Bound<'_, PyAny>, measured: &Bound<'_, PyAny>) -> PyResult<f64> {

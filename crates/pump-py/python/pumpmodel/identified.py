@@ -15,7 +15,6 @@ from pumpmodel._pumpmodel import Line, Pump
 from pumpmodel._record import Record
 
 _Array: TypeAlias = NDArray[np.float64]
-_Port: TypeAlias = Literal["inlet", "outlet"]
 
 
 @dataclass(frozen=True)
@@ -155,7 +154,7 @@ def identify_resistance(
     *,
     drop_kpa: ArrayLike | None = None,
     pump: Pump | None = None,
-    port: _Port = "outlet",
+    port: Literal["inlet", "outlet"] = "outlet",
     standard_kpa: ArrayLike | None = None,
     offset: bool = False,
 ) -> Identified:
@@ -206,7 +205,7 @@ def identify_compliance(
     pressure_kpa: ArrayLike,
     *,
     pump: Pump | None = None,
-    port: _Port = "outlet",
+    port: Literal["inlet", "outlet"] = "outlet",
     total_ml: float | None = None,
 ) -> Identified:
     """Find C of a closed line from a syringe that injects into it: C = dV/dP.
@@ -249,7 +248,7 @@ def identify_line(
     *,
     time_s: ArrayLike,
     pressure_kpa: ArrayLike,
-    port: _Port = "outlet",
+    port: Literal["inlet", "outlet"] = "outlet",
     speed_rpm: float | None = None,
     speed_rad_s: float | None = None,
     fit: Sequence[Literal["R", "C", "L", "reservoir", "start"]] = ("R", "C", "L"),

@@ -132,7 +132,7 @@ def plot(
 
 
 def plot_map(
-    sweep: Sweep | SteadyState,
+    sweep: Sweep | SteadyState[Any],
     quantity: str | ArrayLike = "outlet_max_kpa",
     *,
     label: str | None = None,
@@ -211,7 +211,7 @@ def plot_map(
 
 
 def _quantity(
-    sweep: Sweep | SteadyState, quantity: str | ArrayLike, label: str | None
+    sweep: Sweep | SteadyState[Any], quantity: str | ArrayLike, label: str | None
 ) -> tuple[NDArray[Any], str]:
     shape = sweep.shape if isinstance(sweep, Sweep) else np.shape(sweep.speed_rpm)
     if not isinstance(sweep, Sweep) and len(shape) != 1:
