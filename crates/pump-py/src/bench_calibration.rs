@@ -29,7 +29,7 @@ impl Bench {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Turned> {
         let rad_s = speed::speed_rad_s(speed_rpm, speed_rad_s)?;
-        if !(rad_s > 0.0) {
+        if rad_s <= 0.0 {
             return Err(value(format_args!("the speed is {} r/min; allowed: more than 0", rpm(rad_s))));
         }
         if !(1..=100_000).contains(&pitches) {
