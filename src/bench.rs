@@ -111,9 +111,20 @@ impl Bench {
         Ok(self.folder.read(&self.model, self.fresh())?)
     }
 
+    /// How things stand by its journal, or without one.
+    pub fn stands(&self) -> Result<State, DoseError> {
+        Ok(self.story()?.state.unwrap_or(self.fresh()))
+    }
+
     /// Plans a dose from the recorded angle and predicts it. Moves and writes nothing.
     pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
-        self.prepare_from(&self.file, self.story()?.state, request)
+        let mut prepared = self.prepare_from(&self.file, self.story()?.state, request)?;
+        if self.driver() != DriverName::Sim {
+            let unread =
+                "a dry run does not ask the device: its own speeds, acceleration and count are not known";
+            prepared.warnings.push(unread.to_owned());
+        }
+        Ok(prepared)
     }
 
     /// Plans a dose as if `state` were on record.

@@ -3,12 +3,14 @@
 //! McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
 //! roller-type peristaltic pump", Sensors and Actuators A.
 
+use std::path::Path;
+
 use pump_model::roller_volume::{PUBLISHED_COEFFICIENTS_DEG, PUBLISHED_ENGAGEMENT_DEG, PUBLISHED_TOTAL_ML};
 use pump_model::{Geometry, Line, PUBLISHED_CONTACT_ANGLE_DEG, Variant};
 
 use crate::pump_file::{
-    AmbientTable, BackplateTable, FluidTable, LimitsTable, LineTable, MotorTable, PumpFile, PumpTable,
-    RollerVolumeTable, RollersTable, SCHEMA, TubeTable, UncertaintyTable,
+    AmbientTable, BackplateTable, FluidTable, LimitsTable, LineTable, MotorTable, PumpFile, PumpFileError,
+    PumpTable, RollerVolumeTable, RollersTable, SCHEMA, TubeTable, UncertaintyTable,
 };
 
 /// Names and what they are.
@@ -37,6 +39,25 @@ pub fn built_in(name: &str) -> Option<PumpFile> {
         _ => Variant::Measured,
     };
     Some(published(known, rollers, variant))
+}
+
+/// A built-in pump, or a pump file if the name is a path: it has a `/`, ends in `.toml`, or is there.
+///
+/// ```
+/// assert_eq!(pump_dose::pump_named("two-roller")?.rollers.count, 2);
+/// assert!(pump_dose::pump_named("four-roller").is_err());
+/// # Ok::<(), pump_dose::pump_file::PumpFileError>(())
+/// ```
+pub fn pump_named(name: &str) -> Result<PumpFile, PumpFileError> {
+    if let Some(file) = built_in(name) {
+        return Ok(file);
+    }
+    let path = Path::new(name);
+    if path.exists() || name.contains(['/', '\\']) || name.ends_with(".toml") {
+        return PumpFile::read(path);
+    }
+    let known = BUILT_IN.map(|(known, _)| known).join(", ");
+    Err(PumpFileError::Unknown { name: name.to_owned(), known })
 }
 
 fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {

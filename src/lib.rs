@@ -49,7 +49,7 @@ mod unknown_angle;
 pub mod waveform;
 
 pub use bench::Bench;
-pub use built_in::{BUILT_IN, built_in};
+pub use built_in::{BUILT_IN, built_in, pump_named};
 pub use dose::{DoseRequest, PhaseSource, Prepared, Purpose};
 pub use drawn_pump::DrawnPump;
 pub use drivers::{
@@ -60,7 +60,7 @@ pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use output::Staged;
 pub use report::{CalibrationReport, DoseReport, PhaseReport};
 pub use retraction::Retraction;
-pub use session::{Delivered, Session};
+pub use session::{AngleSet, Delivered, NewTube, Session};
 pub use simulation::{MAX_SAMPLES, Simulation, SteadyReport};
 pub use status::{Status, UnfinishedStatus};
 pub use uncertainty::{Budget, COVERAGE_FACTOR, Share};

@@ -10,7 +10,7 @@ use crate::pump_file::PumpFile;
 use crate::report_text::significant;
 
 /// Schema of stored calibrations.
-pub(super) const SCHEMA: &str = "calibration/1";
+const SCHEMA: &str = "calibration/1";
 
 /// End to end difference of a straight line whose RMS about its mean is 1.
 const LINE_OVER_RMS: f64 = 3.464_101_615_137_754_6;
@@ -153,6 +153,14 @@ impl Calibration {
             zero_standard_deg: 0.0,
             short_doses: Vec::new(),
         })
+    }
+
+    /// Refuses data of another schema, in words.
+    pub fn check_schema(&self) -> Result<(), String> {
+        if self.schema == SCHEMA {
+            return Ok(());
+        }
+        Err(format!("its schema is `{}`; this version reads `{SCHEMA}`", self.schema))
     }
 
     /// Model angle of the rollers where the record says 0, rad.

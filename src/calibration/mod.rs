@@ -6,6 +6,7 @@ mod coverage;
 mod date;
 mod displacement;
 mod error;
+mod making;
 mod phase;
 mod plan;
 mod run;

@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::active::SCHEMA;
 use super::{Calibration, CalibrationError};
 use crate::folder::Folder;
 use crate::output::Staged;
@@ -113,11 +112,10 @@ impl Calibrations {
             Err(source) => return Err(CalibrationError::File { action: "read", path, source }),
         };
         match serde_json::from_str::<Calibration>(&text) {
-            Ok(calibration) if calibration.schema == SCHEMA => Ok(Stored { version, calibration }),
-            Ok(calibration) => Err(CalibrationError::Damaged {
-                path,
-                message: format!("its schema is `{}`; this version reads `{SCHEMA}`", calibration.schema),
-            }),
+            Ok(calibration) => match calibration.check_schema() {
+                Ok(()) => Ok(Stored { version, calibration }),
+                Err(message) => Err(CalibrationError::Damaged { path, message }),
+            },
             Err(error) => Err(CalibrationError::Damaged { path, message: error.to_string() }),
         }
     }

@@ -1,12 +1,12 @@
 //! What may be typed.
 
-use std::path::{Path, PathBuf, absolute};
+use std::path::{PathBuf, absolute};
 
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use pump_ctl::plan::Cruise;
 use pump_dose::pump_file::{DriverName, PumpFile};
 use pump_dose::quantity::{self, Pressure};
-use pump_dose::{BUILT_IN, Bench, built_in, default_state_dir};
+use pump_dose::{Bench, default_state_dir, pump_named};
 
 use super::calibrate::CalibrateCommand;
 use super::new_pump::NewPump;
@@ -329,7 +329,7 @@ impl Options {
 
     /// The pump that is named.
     pub(crate) fn pump_file(&self) -> Result<PumpFile, Failure> {
-        pump_named(&self.pump)
+        pump_named(&self.pump).map_err(Failure::refused)
     }
 
     /// The bench of that pump.
@@ -382,19 +382,4 @@ impl Options {
         }
         Ok(())
     }
-}
-
-/// A built-in pump or a pump file.
-pub(crate) fn pump_named(name: &str) -> Result<PumpFile, Failure> {
-    if let Some(file) = built_in(name) {
-        return Ok(file);
-    }
-    let path = Path::new(name);
-    if path.exists() || name.contains(['/', '\\']) || name.ends_with(".toml") {
-        return PumpFile::read(path).map_err(Failure::refused);
-    }
-    let names = BUILT_IN.map(|(name, _)| name).join(", ");
-    Err(Failure::refused(format!(
-        "there is no pump `{name}`; built-in pumps: {names}; or name a TOML pump file"
-    )))
 }

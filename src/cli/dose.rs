@@ -76,12 +76,7 @@ fn run(command: &str, purpose: Purpose, amount: &Amount, options: &Options) -> R
         return batch::run(&bench, request, schedule, options);
     }
     if options.dry_run {
-        let mut prepared = bench.prepare(request)?;
-        if bench.driver() != DriverName::Sim {
-            let unread =
-                "a dry run does not ask the device: its own speeds, acceleration and count are not known";
-            prepared.warnings.push(unread.to_owned());
-        }
+        let prepared = bench.prepare(request)?;
         write_outputs(&bench, &prepared, options)?;
         return report(&bench, &prepared, None, options);
     }

@@ -5,8 +5,8 @@ use std::io::{self, BufRead, IsTerminal, Write};
 use std::ops::ControlFlow;
 
 use pump_ctl::plan::Phase;
-use pump_dose::journal::{JournalError, State};
-use pump_dose::{Bench, DoseError, Session};
+use pump_dose::journal::State;
+use pump_dose::{AngleSet, Bench, NewTube};
 use pump_model::math::degrees;
 
 use super::args::Options;
@@ -20,29 +20,10 @@ pub(crate) const DEVICE: [&str; 3] = ["--driver", "--port", "--configure"];
 pub(crate) fn set(angle_rad: Option<f64>, options: &Options) -> Result<(), Failure> {
     options.accept_only("dose home", &DEVICE)?;
     let bench = options.bench()?;
-    let phase = angle_rad.map(Phase::known);
-    match bench.session() {
-        Err(DoseError::Journal(JournalError::Damaged { .. })) => {
-            let aside = bench.folder().lock()?.set_journal_aside()?;
-            let set = bench
-                .session()
-                .map_err(Failure::from)
-                .and_then(|mut session| found(&bench, &mut session, phase));
-            if set.is_err() {
-                bench.folder().lock()?.put_journal_back(&aside)?;
-            }
-            print(&format!("the damaged journal is now {}\n{}", aside.display(), set?))
-        }
-        session => print(&found(&bench, &mut session?, phase)?),
-    }
-}
-
-/// Records the angle and says so.
-fn found(bench: &Bench, session: &mut Session<'_>, phase: Option<Phase>) -> Result<String, Failure> {
-    let owed_ml = owed(session);
-    let state = session.set_angle(phase)?;
+    let (mut session, AngleSet { state, owed_ml, aside }) = bench.set_angle(angle_rad.map(Phase::known))?;
     warn(&session.notes());
-    Ok(format!("{}{}", stands(bench, &state), zeroed(owed_ml)))
+    let aside = aside.map(|aside| format!("the damaged journal is now {}\n", aside.display()));
+    print(&format!("{}{}{}", aside.unwrap_or_default(), stands(&bench, &state), zeroed(owed_ml)))
 }
 
 /// Finds the angle by the index sensor.
@@ -50,7 +31,7 @@ pub(crate) fn sensor(yes: bool, options: &Options) -> Result<(), Failure> {
     options.accept_only("dose home --sensor", &DEVICE)?;
     let bench = options.bench()?;
     let mut session = bench.session()?;
-    let owed_ml = owed(&session);
+    let owed_ml = session.owed_ml();
     session.index_rad()?;
     warn(&session.notes());
     if !yes {
@@ -101,16 +82,10 @@ pub(crate) fn new_tube(options: &Options) -> Result<(), Failure> {
     options.accept_only("dose tube", &DEVICE)?;
     let bench = options.bench()?;
     let mut session = bench.session()?;
-    let owed_ml = owed(&session);
-    let worn_ml = session.state().map_or(0.0, |state| state.wear.volume_ml);
-    session.finished()?;
-    // First, so that no dose of the new tube is calibrated with the old one.
-    let calibrations = bench.calibrations();
-    let unused = calibrations.active_version()?.map_or(String::new(), |version| {
+    let NewTube { state, worn_ml, owed_ml, unused } = session.new_tube()?;
+    let unused = unused.map_or(String::new(), |version| {
         format!("calibration {version} is not used any more; `dose calibrate use {version}` uses it again\n")
     });
-    calibrations.activate(None)?;
-    let state = session.new_tube()?;
     print(&format!(
         "a new tube is on record; the one before pumped {worn_ml:.1} mL\n{}{}{unused}warning: a new tube gives another volume per \
          revolution: calibrate it\nif the rotor was turned by hand, say where it stands with `dose home --set <ANGLE>`\n",
@@ -123,15 +98,11 @@ pub(crate) fn discard(options: &Options) -> Result<(), Failure> {
     options.accept_only("dose discard", &DEVICE)?;
     let bench = options.bench()?;
     let mut session = bench.session()?;
-    let owed_ml = owed(&session);
+    let owed_ml = session.owed_ml();
     let (state, unasked) = session.discard()?;
     let unasked = unasked.map(|error| format!("the device could not be asked what it has counted: {error}"));
     warn(&unasked.into_iter().chain(session.notes()).collect::<Vec<_>>());
     print(&format!("the unfinished dose is accepted as it is\n{}{}", stands(&bench, &state), zeroed(owed_ml)))
-}
-
-pub(crate) fn owed(session: &Session<'_>) -> f64 {
-    session.state().map_or(0.0, |state| state.carry_ml)
 }
 
 pub(crate) fn stands(bench: &Bench, state: &State) -> String {

@@ -9,7 +9,7 @@ use pump_model::math::{degrees, rad_s, radians};
 
 use super::args::Options;
 use super::dose::{announce, warn, watch};
-use super::home::{DEVICE, owed, stands, zeroed};
+use super::home::{DEVICE, stands, zeroed};
 use super::{Failure, print};
 
 /// How well a painted line and another can be seen to meet, deg: half a millimetre on a rotor of 60 mm radius.
@@ -62,7 +62,7 @@ pub(crate) fn mark(tolerance_rad: Option<f64>, options: &Options) -> Result<(), 
     }
     session.connect()?;
     warn(&session.notes());
-    let owed_ml = owed(&session);
+    let owed_ml = session.owed_ml();
     announce(&bench, options)?;
     say(&format!(
         "Turn the rotor until its mark meets the housing's (at {mark_deg:.2}°); the pump pumps as it turns.\n  \

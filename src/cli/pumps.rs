@@ -2,11 +2,11 @@
 
 use pump_dose::pump_file::{LineTable, PumpFile, RollerVolumeTable};
 use pump_dose::rust_source::rust_source;
-use pump_dose::{BUILT_IN, built_in};
+use pump_dose::{BUILT_IN, built_in, pump_named};
 use pump_model::math::degrees;
 use pump_model::{Line, RollerVolume};
 
-use super::args::{Format, Options, PumpsCommand, SHOW, pump_named};
+use super::args::{Format, Options, PumpsCommand, SHOW};
 use super::{Failure, print};
 
 pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result<(), Failure> {
@@ -19,7 +19,7 @@ pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result
             print(&BUILT_IN.map(|(name, what)| format!("{name:<24}{what}\n")).concat())
         }
         Some(PumpsCommand::Show { name }) => {
-            let file = pump_named(name)?;
+            let file = pump_named(name).map_err(Failure::refused)?;
             match options.format {
                 None => print(&file.to_toml()),
                 Some(Format::Rust) => print(&rust_source(&file).map_err(Failure::refused)?),

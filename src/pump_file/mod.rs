@@ -132,6 +132,14 @@ pub enum PumpFileError {
         /// Why.
         source: std::io::Error,
     },
+    /// Neither a built-in pump nor a file.
+    #[error("there is no pump `{name}`; built-in pumps: {known}; or name a TOML pump file")]
+    Unknown {
+        /// What was named.
+        name: String,
+        /// The built-in pumps.
+        known: String,
+    },
     /// It is no TOML, or has unknown, missing or mistyped keys.
     #[error("pump file {origin}: {message}")]
     Syntax {

@@ -1,20 +1,62 @@
 //! Finding the rollers' angle: by hand, by a mark, by an index sensor.
 
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 
 use pump_ctl::plan::{Phase, Plan, turn};
 use pump_model::math::{ceil, degrees, floor, rad_s, radians};
 
+use crate::bench::Bench;
 use crate::calibration::Correction;
 use crate::dose::{PhaseSource, Purpose};
 use crate::error::DoseError;
-use crate::journal::{State, Why};
+use crate::journal::{JournalError, State, Why};
 
 use super::Session;
 use super::motion::{Motion, Moved};
 
 /// Speed of a search for the index, r/min: what stops within a degree on any motor, and a revolution takes six seconds.
 const SEEK_RPM: f64 = 10.0;
+
+/// An angle that was set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AngleSet {
+    /// How things stand now.
+    pub state: State,
+    /// What doses owed and is forgotten, mL.
+    pub owed_ml: f64,
+    /// Where a journal that could not be read is now.
+    pub aside: Option<PathBuf>,
+}
+
+impl Bench {
+    /// Takes the pump and records that the rotor stands at `phase`, as [`Session::set_angle`] does. A journal that cannot be
+    /// read is moved aside, and put back if the angle cannot be recorded all the same.
+    pub fn set_angle(&self, phase: Option<Phase>) -> Result<(Session<'_>, AngleSet), DoseError> {
+        let aside = match self.session() {
+            Err(DoseError::Journal(JournalError::Damaged { .. })) => {
+                self.folder().lock()?.set_journal_aside()?
+            }
+            session => {
+                let mut session = session?;
+                let owed_ml = session.owed_ml();
+                let state = session.set_angle(phase)?;
+                return Ok((session, AngleSet { state, owed_ml, aside: None }));
+            }
+        };
+        let set = self.session().and_then(|mut session| {
+            let state = session.set_angle(phase)?;
+            Ok((session, state))
+        });
+        match set {
+            Ok((session, state)) => Ok((session, AngleSet { state, owed_ml: 0.0, aside: Some(aside) })),
+            Err(error) => {
+                self.folder().lock()?.put_journal_back(&aside)?;
+                Err(error)
+            }
+        }
+    }
+}
 
 impl Session<'_> {
     /// Records that the rotor stands at `phase`; `None`: nobody knows where. What doses owe is zero afterwards. Refused

@@ -18,6 +18,7 @@ use crate::journal::{Entry, Journal, JournalError, State, Unfinished, Wear, Why}
 use crate::report_text::significant;
 
 use device::Device;
+pub use homing::AngleSet;
 use motion::Motion;
 
 /// A bench that no other process can move meanwhile.
@@ -53,6 +54,19 @@ pub struct Delivered {
     pub sucked_back: bool,
 }
 
+/// A tube that was exchanged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NewTube {
+    /// How things stand now.
+    pub state: State,
+    /// What the tube before pumped, mL.
+    pub worn_ml: f64,
+    /// What doses owed and is forgotten, mL.
+    pub owed_ml: f64,
+    /// The calibration of the tube before, which is not used any more.
+    pub unused: Option<u32>,
+}
+
 impl<'a> Session<'a> {
     pub(crate) fn open(bench: &'a Bench) -> Result<Self, DoseError> {
         let lock = bench.folder().lock()?;
@@ -71,6 +85,11 @@ impl<'a> Session<'a> {
     /// How things stand; none if nothing was ever recorded.
     pub fn state(&self) -> Option<&State> {
         self.state.as_ref()
+    }
+
+    /// What doses owe, mL.
+    pub fn owed_ml(&self) -> f64 {
+        self.stands().carry_ml
     }
 
     /// How things stand.
@@ -157,11 +176,17 @@ impl<'a> Session<'a> {
         Ok((state, unasked))
     }
 
-    /// Records that the tube is new. What doses owe is zero afterwards. Refused with a dose unfinished.
-    pub fn new_tube(&mut self) -> Result<State, DoseError> {
-        let state = State { carry_ml: 0.0, wear: Wear::default(), ..self.finished()? };
+    /// Records that the tube is new. What doses owe is zero afterwards, and no calibration is used. Refused with a dose
+    /// unfinished.
+    pub fn new_tube(&mut self) -> Result<NewTube, DoseError> {
+        let before = self.finished()?;
+        // First, so that no dose of the new tube is calibrated with the old one.
+        let calibrations = self.bench.calibrations();
+        let unused = calibrations.active_version()?;
+        calibrations.activate(None)?;
+        let state = State { carry_ml: 0.0, wear: Wear::default(), ..before };
         self.rest(Why::NewTube, state)?;
-        Ok(state)
+        Ok(NewTube { state, worn_ml: before.wear.volume_ml, owed_ml: before.carry_ml, unused })
     }
 
     /// The state, unless a dose is unfinished.

@@ -6,6 +6,8 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
 
+use crate::asked::retracted_ml;
+use crate::calibration::Calibration;
 use crate::errors::{self, value};
 use crate::limits::Limits;
 use crate::plan::Plan;
@@ -19,6 +21,8 @@ use crate::pump::Pump;
 ///     The pump.
 /// limits : Limits, optional
 ///     Pressures to keep in place of the pump file's.
+/// calibration : Calibration, optional
+///     What the pump really displaces. Without one the model says it, and the uncertainty is the model's.
 ///
 /// Raises
 /// ------
@@ -37,15 +41,21 @@ pub(crate) struct Doser {
     pub(crate) pump: Py<Pump>,
     /// Pressures to keep in place of the pump file's.
     pub(crate) limits: Limits,
+    /// What the pump really displaces, or None.
+    pub(crate) calibration: Option<Py<Calibration>>,
 }
 
 #[pymethods]
 impl Doser {
     #[new]
-    #[pyo3(signature = (pump, limits=None))]
-    fn new(pump: Py<Pump>, limits: Option<Py<Limits>>) -> PyResult<Self> {
+    #[pyo3(signature = (pump, limits=None, calibration=None))]
+    fn new(
+        pump: Py<Pump>,
+        limits: Option<Py<Limits>>,
+        calibration: Option<Py<Calibration>>,
+    ) -> PyResult<Self> {
         let limits = limits.map_or(Limits::default(), |limits| *limits.get());
-        let doser = Self { pump, limits };
+        let doser = Self { pump, limits, calibration };
         doser.ctl_limits().validate().map_err(errors::plan)?;
         Ok(doser)
     }
@@ -69,6 +79,8 @@ impl Doser {
     /// finish : str
     ///     "any" or "low-flow": where in a pitch the dose may end. At "low-flow" the outlet's flow is at most half of what it is
     ///     between pulses; the plan takes the nearest such end and carries the difference.
+    /// retract : str, optional
+    ///     What is sucked back after the dose, as "0.1mL", so that nothing drips; `carry_ml` has the next dose repay it.
     /// start_angle_rad : float
     ///     Where the rollers stand, rad. Only the angle within a pitch matters.
     /// start_half_width_rad : float
@@ -91,7 +103,7 @@ impl Doser {
     /// PlanError
     ///     If the pump cannot do it, as a rate above its fastest or a pressure beyond a limit.
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
-    #[pyo3(signature = (volume, *, rate=None, speed=None, within=None, smooth=false, finish="any", start_angle_rad=0.0, start_half_width_rad=0.0, carry_in_ml=0.0))]
+    #[pyo3(signature = (volume, *, rate=None, speed=None, within=None, smooth=false, finish="any", retract=None, start_angle_rad=0.0, start_half_width_rad=0.0, carry_in_ml=0.0))]
     fn plan(
         slf: &Bound<'_, Self>,
         volume: &Bound<'_, PyAny>,
@@ -100,6 +112,7 @@ impl Doser {
         within: Option<&Bound<'_, PyAny>>,
         smooth: bool,
         finish: &str,
+        retract: Option<&Bound<'_, PyAny>>,
         start_angle_rad: f64,
         start_half_width_rad: f64,
         carry_in_ml: f64,
@@ -113,7 +126,7 @@ impl Doser {
             smooth,
             finish: finish_named(finish)?,
             start_angle_rad: Some(start_angle_rad),
-            retract_ml: None,
+            retract_ml: retracted_ml(retract)?,
             max_outlet_kpa: doser.limits.max_outlet_kpa,
             min_inlet_kpa: doser.limits.min_inlet_kpa,
         };
@@ -121,8 +134,11 @@ impl Doser {
         Plan::new(slf, request, start, carry_in_ml)
     }
 
-    fn __eq__(&self, other: &Self) -> bool {
-        self.limits == other.limits && self.pump.get() == other.pump.get()
+    pub(crate) fn __eq__(&self, other: &Self) -> bool {
+        let calibrations = [self, other].map(|doser| doser.calibration.as_ref().map(Py::get));
+        self.limits == other.limits
+            && self.pump.get() == other.pump.get()
+            && calibrations[0] == calibrations[1]
     }
 
     pub(crate) fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
@@ -131,11 +147,20 @@ impl Doser {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(format!("Doser({}, {})", self.pump.bind(py).repr()?, self.limits.__repr__()))
+        let calibration = match &self.calibration {
+            Some(calibration) => format!(", {}", calibration.bind(py).repr()?),
+            None => String::new(),
+        };
+        Ok(format!("Doser({}, {}{calibration})", self.pump.bind(py).repr()?, self.limits.__repr__()))
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, (Py<Pump>, Limits)) {
-        (py.get_type::<Self>().into_any(), (self.pump.clone_ref(py), self.limits))
+    #[allow(clippy::type_complexity, reason = "a class and what it is called with")]
+    fn __reduce__<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> (Bound<'py, PyAny>, (Py<Pump>, Limits, Option<Py<Calibration>>)) {
+        let calibration = self.calibration.as_ref().map(|calibration| calibration.clone_ref(py));
+        (py.get_type::<Self>().into_any(), (self.pump.clone_ref(py), self.limits, calibration))
     }
 }
 
@@ -156,7 +181,7 @@ pub(crate) fn finish_named(name: &str) -> PyResult<Finish> {
 }
 
 /// The one of the three that is given.
-fn cruise(
+pub(crate) fn cruise(
     rate: Option<&Bound<'_, PyAny>>,
     speed: Option<&Bound<'_, PyAny>>,
     within: Option<&Bound<'_, PyAny>>,
@@ -177,7 +202,7 @@ fn cruise(
 }
 
 /// A quantity's text; a bare number has no unit.
-fn text<'a>(name: &str, example: &str, argument: &'a Bound<'_, PyAny>) -> PyResult<&'a str> {
+pub(crate) fn text<'a>(name: &str, example: &str, argument: &'a Bound<'_, PyAny>) -> PyResult<&'a str> {
     match argument.cast::<PyString>() {
         Ok(text) => text.to_str(),
         Err(_) => Err(PyTypeError::new_err(format!(

@@ -1,20 +1,32 @@
 //! Which Python exception an error of the Rust crates becomes. The message stays.
 
+use std::io;
+use std::path::Path;
+
 use pump_ctl::plan::PlanError as CtlPlanError;
+use pump_dose::calibration::CalibrationError;
 use pump_dose::pump_file::PumpFileError as DosePumpFileError;
+use pump_dose::{DoseError, FolderError};
 use pump_model::ModelError;
 use pump_model::integrator::IntegrationError;
-use pyo3::PyErr;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::import_exception;
+use pyo3::prelude::*;
 
+import_exception!(pumpmodel.errors, DriveError);
 import_exception!(pumpmodel.errors, PlanError);
 import_exception!(pumpmodel.errors, PumpError);
 import_exception!(pumpmodel.errors, PumpFileError);
+import_exception!(pumpmodel.errors, UnfinishedError);
 
 /// A bad argument.
 pub(crate) fn value(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
+}
+
+/// The same error with where it came from.
+pub(crate) fn within(place: impl std::fmt::Display, error: PyErr) -> PyErr {
+    Python::attach(|py| PyErr::from_type(error.get_type(py), format!("{place}: {}", error.value(py))))
 }
 
 /// What the model refuses is a bad argument, but for an integration that fails on the way.
@@ -45,15 +57,74 @@ pub(crate) fn plan(error: CtlPlanError) -> PyErr {
 /// A file that the system cannot open is its `OSError`; one that can be read but not used a `PumpFileError`.
 pub(crate) fn pump_file(error: DosePumpFileError) -> PyErr {
     match &error {
-        DosePumpFileError::Read { path, source } => match source.raw_os_error() {
-            // With three arguments OSError chooses its subclass, as FileNotFoundError.
-            Some(number) => {
-                let text = source.to_string();
-                let text = text.strip_suffix(&format!(" (os error {number})")).unwrap_or(&text).to_owned();
-                PyOSError::new_err((number, text, path.clone().into_os_string()))
-            }
-            None => PumpFileError::new_err(error.to_string()),
-        },
+        DosePumpFileError::Read { path, source } if source.raw_os_error().is_some() => file(path, source),
         _ => PumpFileError::new_err(error.to_string()),
+    }
+}
+
+/// The `OSError` of a file.
+pub(crate) fn file(path: &Path, error: &io::Error) -> PyErr {
+    let text = error.to_string();
+    match error.raw_os_error() {
+        // With three arguments OSError chooses its subclass, as FileNotFoundError.
+        Some(number) => {
+            let text = text.strip_suffix(&format!(" (os error {number})")).unwrap_or(&text).to_owned();
+            PyOSError::new_err((number, text, path.as_os_str().to_owned()))
+        }
+        None => PyOSError::new_err(format!("{}: {text}", path.display())),
+    }
+}
+
+/// Readings that cannot be right are bad arguments; a dose that a calibration does not cover is a `PlanError`.
+pub(crate) fn calibration(error: CalibrationError) -> PyErr {
+    match &error {
+        CalibrationError::File { path, source, .. } => file(path, source),
+        CalibrationError::Damaged { .. } => PumpError::new_err(error.to_string()),
+        CalibrationError::NoSpeed { .. }
+        | CalibrationError::OutsideSpeeds { .. }
+        | CalibrationError::OtherPump { .. } => PlanError::new_err(error.to_string()),
+        CalibrationError::Model(error) => model(*error),
+        _ => value(error),
+    }
+}
+
+/// Errors of a bench. Who holds a pump or a device is a `DriveError`, as is a motor that fails.
+pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
+    let message = error.to_string();
+    let with = |of: PyErr, numbers: &[(&str, f64)]| {
+        for (name, number) in numbers {
+            // An exception takes any attribute.
+            let _ = of.value(py).setattr(*name, *number);
+        }
+        of
+    };
+    match error {
+        DoseError::PumpFile(error) => pump_file(error),
+        DoseError::Plan(error) => plan(error),
+        DoseError::Calibration(error) => calibration(error),
+        DoseError::Unfinished { requested_ml, least_ml, most_ml } => with(
+            UnfinishedError::new_err(format!(
+                "a dose of {requested_ml} mL is unfinished: between {least_ml:.4} and {most_ml:.4} mL were delivered; \
+                 finish it with bench.resume(), or accept it as it is with bench.discard()"
+            )),
+            &[
+                ("requested_ml", requested_ml),
+                ("delivered_least_ml", least_ml),
+                ("delivered_most_ml", most_ml),
+            ],
+        ),
+        DoseError::Drive { least_ml, most_ml, .. } => with(
+            DriveError::new_err(message),
+            &[("delivered_least_ml", least_ml), ("delivered_most_ml", most_ml)],
+        ),
+        DoseError::Folder(FolderError::Busy { .. })
+        | DoseError::Connection(_)
+        | DoseError::NoIndex { .. }
+        | DoseError::Retraction { .. } => DriveError::new_err(message),
+        DoseError::TubeWorn { .. } | DoseError::TooSlow { .. } | DoseError::Stale { .. } => {
+            PlanError::new_err(message)
+        }
+        DoseError::NoAngle { .. } => PumpFileError::new_err(message),
+        _ => PumpError::new_err(message),
     }
 }

@@ -1,7 +1,7 @@
 //! Pressures that a dose must keep.
 
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyDict, PyTuple};
 
 /// Pressures that a dose must keep; what is left out is the pump file's, if it has one.
 ///
@@ -28,6 +28,19 @@ impl Limits {
     #[pyo3(signature = (*, max_outlet_kpa=None, min_inlet_kpa=None))]
     fn new(max_outlet_kpa: Option<f64>, min_inlet_kpa: Option<f64>) -> Self {
         Self { max_outlet_kpa, min_inlet_kpa }
+    }
+
+    /// The limits as plain data.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     `max_outlet_kpa` and `min_inlet_kpa`: floats or None; `Limits(**...)` reads it back.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        dict.set_item("max_outlet_kpa", self.max_outlet_kpa)?;
+        dict.set_item("min_inlet_kpa", self.min_inlet_kpa)?;
+        Ok(dict)
     }
 
     pub(crate) fn __repr__(&self) -> String {

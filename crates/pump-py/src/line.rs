@@ -1,7 +1,7 @@
 //! The hydraulic line of one port.
 
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::errors;
 
@@ -73,6 +73,49 @@ impl Line {
     #[getter]
     fn reservoir_kpa(&self) -> f64 {
         self.0.reservoir_kpa
+    }
+
+    /// This line with something else; all that is left out stays.
+    ///
+    /// Parameters
+    /// ----------
+    /// resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa : float, optional
+    ///     As of the constructor.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a value is outside its range.
+    #[pyo3(signature = (*, resistance_kpa_s_ml=None, compliance_ml_kpa=None, inertance_kpa_s2_ml=None, reservoir_kpa=None))]
+    fn replace(
+        &self,
+        resistance_kpa_s_ml: Option<f64>,
+        compliance_ml_kpa: Option<f64>,
+        inertance_kpa_s2_ml: Option<f64>,
+        reservoir_kpa: Option<f64>,
+    ) -> PyResult<Self> {
+        let [resistance, compliance, inertance, reservoir] = self.numbers();
+        Self::new(
+            resistance_kpa_s_ml.unwrap_or(resistance),
+            compliance_ml_kpa.unwrap_or(compliance),
+            inertance_kpa_s2_ml.unwrap_or(inertance),
+            reservoir_kpa.unwrap_or(reservoir),
+        )
+    }
+
+    /// The line as plain data.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     Its four floats by their names; `Line(**...)` reads it back.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        let names = ["resistance_kpa_s_ml", "compliance_ml_kpa", "inertance_kpa_s2_ml", "reservoir_kpa"];
+        for (name, number) in names.into_iter().zip(self.numbers()) {
+            dict.set_item(name, number)?;
+        }
+        Ok(dict)
     }
 
     fn __repr__(&self) -> String {

@@ -13,7 +13,7 @@ use crate::pump::Pump;
 /// A cruise as plain data: which of rate (mL/s), speed (rad/s) and within (s), and its value.
 type PlainCruise = Option<(String, f64)>;
 /// What a plan is pickled as.
-type Plain = (Py<Doser>, f64, PlainCruise, f64, f64, f64, bool, String);
+type Plain = (Py<Doser>, f64, PlainCruise, f64, f64, f64, bool, String, Option<f64>);
 
 /// A dose, ready to run: made by `Doser.plan`.
 ///
@@ -76,6 +76,13 @@ impl Plan {
         self.report.expanded_uncertainty_ml
     }
 
+    /// What the volume's uncertainty is made of: dicts of `source`, `standard_ml` (standard uncertainty, mL),
+    /// `variance_percent` (part of the variance) and `remedy`.
+    #[getter]
+    fn uncertainty_budget<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.to_dict(py)?.get_item("uncertainty_budget")
+    }
+
     /// Motor steps; negative in reverse.
     #[getter]
     fn steps(&self) -> i64 {
@@ -100,16 +107,22 @@ impl Plan {
         self.prepared.plan.start.half_width_rad
     }
 
-    /// Where they stand at the end, rad, counted on from the start angle.
+    /// Where they stand at the end, before a retraction, rad, counted on from the start angle.
     #[getter]
     fn end_angle_rad(&self) -> f64 {
         self.prepared.plan.end_angle_rad()
     }
 
-    /// Fastest speed of the pump head, r/min.
+    /// Speed of the pump head while cruising, r/min; of a smooth flow its mean over time.
     #[getter]
     fn cruise_speed_rpm(&self) -> f64 {
         self.report.cruise_speed_rpm
+    }
+
+    /// Fastest speed of the pump head, r/min.
+    #[getter]
+    fn peak_speed_rpm(&self) -> f64 {
+        self.report.peak_speed_rpm
     }
 
     /// Average flow at that speed, mL/s.
@@ -186,7 +199,7 @@ impl Plan {
     }
 
     fn __eq__(&self, other: &Self) -> bool {
-        self.prepared == other.prepared && self.doser.get().pump.get() == other.doser.get().pump.get()
+        self.prepared == other.prepared && self.doser.get().__eq__(other.doser.get())
     }
 
     fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
@@ -225,6 +238,7 @@ impl Plan {
             self.report.carry_in_ml,
             request.smooth,
             if request.finish == Finish::LowFlow { "low-flow" } else { "any" }.to_owned(),
+            request.retract_ml,
         );
         Ok((py.get_type::<Self>().getattr("_rebuild")?, plain))
     }
@@ -232,7 +246,7 @@ impl Plan {
     /// Plans again: the same request on the same pump is the same plan.
     #[staticmethod]
     #[allow(clippy::too_many_arguments, reason = "everything that a plan is made of, for pickle")]
-    #[pyo3(signature = (doser, volume_ml, cruise, start_angle_rad, start_half_width_rad, carry_in_ml, smooth, finish))]
+    #[pyo3(signature = (doser, volume_ml, cruise, start_angle_rad, start_half_width_rad, carry_in_ml, smooth, finish, retract_ml))]
     fn _rebuild(
         doser: &Bound<'_, Doser>,
         volume_ml: f64,
@@ -242,6 +256,7 @@ impl Plan {
         carry_in_ml: f64,
         smooth: bool,
         finish: &str,
+        retract_ml: Option<f64>,
     ) -> PyResult<Self> {
         let cruise = match cruise {
             None => None,
@@ -259,7 +274,7 @@ impl Plan {
             smooth,
             finish: finish_named(finish)?,
             start_angle_rad: Some(start_angle_rad),
-            retract_ml: None,
+            retract_ml,
             max_outlet_kpa: limits.max_outlet_kpa,
             min_inlet_kpa: limits.min_inlet_kpa,
         };
@@ -275,10 +290,15 @@ impl Plan {
         start: Phase,
         carry_in_ml: f64,
     ) -> PyResult<Self> {
-        let Pump { file, model } = doser.get().pump.get();
-        let prepared =
-            doser.py().detach(|| Prepared::new(file, model, request, start, PhaseSource::Given, carry_in_ml));
-        let prepared = prepared.map_err(errors::plan)?;
+        let Doser { pump, calibration, .. } = doser.get();
+        let (Pump { file, model }, py) = (pump.get(), doser.py());
+        let (stored, source) =
+            (calibration.as_ref().map(|calibration| &calibration.get().0), PhaseSource::Given);
+        let prepared = py.detach(|| match stored {
+            Some(stored) => Prepared::calibrated(file, model, stored, request, start, source, carry_in_ml),
+            None => Ok(Prepared::new(file, model, request, start, source, carry_in_ml)?),
+        });
+        let prepared = prepared.map_err(|error| errors::dose(py, error))?;
         Ok(Self {
             report: DoseReport::without_bench(file, file.driver(), &prepared, None),
             doser: doser.clone().unbind(),

@@ -59,11 +59,54 @@ impl Plan {
                 "dt_s is {dt_s}; allowed: a finite time, {least_s:e} or more for this dose"
             )));
         }
-        let model = &self.doser.get().pump.get().model;
+        let model = &self.prepared.model;
         let legs = self.prepared.plan.legs();
         let waveform = Waveform::new(model, legs, Method::Exact, times(dt_s, motion_s, end_s));
         // The grid, the last step and the end.
         Run::collect(py, (end_s / dt_s) as u64 + 3, waveform.map_err(errors::integration)?)
+    }
+
+    /// Every step, as `dose --steps` writes them. Needs pandas.
+    ///
+    /// Returns
+    /// -------
+    /// pandas.DataFrame
+    ///     Columns `step`, `time_s`, `direction` and `angle_rad` (after the step), of shape (abs(steps),); `attrs["units"]`
+    ///     has their units.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If pandas is not installed: `pip install "pumpmodel[dataframe]"`.
+    fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("pumpmodel._tables")?.call_method1("plan_dataframe", (slf,))
+    }
+
+    /// Every step, as `dose --steps` writes them. Needs xarray.
+    ///
+    /// Returns
+    /// -------
+    /// xarray.Dataset
+    ///     Variables `direction` and `angle_rad` (after the step) over `time_s`, whose attributes have their units.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If xarray is not installed: `pip install "pumpmodel[xarray]"`.
+    fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("pumpmodel._tables")?.call_method1("plan_xarray", (slf,))
+    }
+
+    /// Angle of the pump head after every step, rad; read-only, shape (abs(steps),).
+    #[getter]
+    fn step_angles_rad(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
+        let angles = py.detach(|| {
+            let mut angles = Vec::new();
+            reserve(&mut angles, self.prepared.plan.steps.unsigned_abs())?;
+            angles.extend(self.prepared.plan.steps().map(|step| step.angle_rad));
+            Ok::<_, PyErr>(angles)
+        })?;
+        frozen(py, angles)
     }
 
     /// The plan as the command reports a dry run: the object `dose/1` of its JSON.
@@ -72,7 +115,7 @@ impl Plan {
     /// -------
     /// dict
     ///     Numbers, texts, lists and dicts alone; angles in deg, `delivered_ml` None.
-    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    pub(crate) fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         py.import("json")?.call_method1("loads", (self.report.json(),))
     }
 }

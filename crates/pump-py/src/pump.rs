@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use pump_dose::built_in;
-use pump_dose::pump_file::{LineTable, PumpFile};
+use pump_dose::pump_file::PumpFile;
 use pump_model::Pump as Model;
 use pyo3::prelude::*;
 
@@ -12,7 +12,8 @@ use crate::line::Line;
 
 /// A roller pump with its two lines, its motor and what is pumped: what a pump file says.
 ///
-/// Made by `Pump.three_roller`, `Pump.two_roller`, `Pump.from_toml` and `Pump.replace`. Volumes are in mL, pressures in
+/// Made by `Pump.three_roller`, `Pump.two_roller`, `Pump.named`, `Pump.from_toml`, `Pump.from_drawing`, `Pump.from_dict` and
+/// `Pump.replace`. Volumes are in mL, pressures in
 /// kPa absolute, angles in rad of the pump head; angle 0 is where a roller begins to leave the outlet.
 ///
 /// Examples
@@ -91,42 +92,6 @@ impl Pump {
     ///     TOML that `from_toml` reads back as an equal pump.
     fn to_toml(&self) -> String {
         self.file.to_toml()
-    }
-
-    /// This pump with other rollers or lines; id, name and all else stay.
-    ///
-    /// Parameters
-    /// ----------
-    /// rollers : int, optional
-    ///     Number of rollers.
-    /// inlet, outlet : Line, optional
-    ///     Lines.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     If such a pump cannot work, as when its rollers leave the tube open.
-    #[pyo3(signature = (*, rollers=None, inlet=None, outlet=None))]
-    fn replace(
-        &self,
-        rollers: Option<i64>,
-        inlet: Option<Py<Line>>,
-        outlet: Option<Py<Line>>,
-    ) -> PyResult<Self> {
-        let mut file = self.file.clone();
-        if let Some(count) = rollers {
-            file.rollers.count = u32::try_from(count)
-                .map_err(|_| value(format_args!("rollers is {count}; allowed: 1 to 1000")))?;
-        }
-        if let Some(line) = inlet {
-            file.inlet = LineTable::from(line.get().0);
-        }
-        if let Some(line) = outlet {
-            file.outlet = LineTable::from(line.get().0);
-        }
-        let pump = Self::new(file)?;
-        pump.file.check(&pump.file.pump.id).map_err(value)?;
-        Ok(pump)
     }
 
     /// Name of the pump in records and reports.
@@ -220,7 +185,7 @@ impl Pump {
 }
 
 impl Pump {
-    fn new(file: PumpFile) -> PyResult<Self> {
+    pub(crate) fn new(file: PumpFile) -> PyResult<Self> {
         let model = file.model().map_err(errors::model)?;
         Ok(Self { file, model })
     }

@@ -6,13 +6,26 @@ use pump_dose::waveform::Waveform;
 use pump_model::Leg;
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::errors::{self, value};
+use crate::floats::Floats;
 use crate::interrupt::Interrupt;
 
 /// Samples between two looks at the clock.
 const BLOCK: usize = 64;
+
+/// The columns.
+const NAMES: [&str; COLUMNS] = [
+    "time_s",
+    "angle_rad",
+    "speed_rad_s",
+    "q_in_ml_s",
+    "q_out_ml_s",
+    "p_in_kpa",
+    "p_out_kpa",
+    "delivered_ml",
+];
 
 /// The pump over time: columns of equal length, read-only arrays of float64.
 ///
@@ -39,6 +52,81 @@ pub(crate) struct Run {
 
 #[pymethods]
 impl Run {
+    /// The columns as a table. Needs pandas.
+    ///
+    /// Returns
+    /// -------
+    /// pandas.DataFrame
+    ///     The columns, of shape (n,); `attrs["units"]` has their units.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If pandas is not installed: `pip install "pumpmodel[dataframe]"`.
+    fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("pumpmodel._tables")?.call_method1("run_dataframe", (slf,))
+    }
+
+    /// The columns over `time_s`. Needs xarray.
+    ///
+    /// Returns
+    /// -------
+    /// xarray.Dataset
+    ///     A variable each column, of shape (n,), over the coordinate `time_s`; the attributes `units` and `long_name`.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If xarray is not installed: `pip install "pumpmodel[xarray]"`.
+    fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("pumpmodel._tables")?.call_method1("run_xarray", (slf,))
+    }
+
+    /// The columns by their names.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     The read-only arrays themselves, of shape (n,), without a copy.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (name, column) in NAMES.into_iter().zip(self.columns()) {
+            dict.set_item(name, column)?;
+        }
+        Ok(dict)
+    }
+
+    /// The run of what `to_dict` gave.
+    ///
+    /// Parameters
+    /// ----------
+    /// data : dict
+    ///     The eight columns by their names: array_like of equal length.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If one is missing, too many or of another length.
+    #[staticmethod]
+    fn from_dict(data: &Bound<'_, PyDict>) -> PyResult<Self> {
+        if let Some(name) =
+            data.keys().iter().find(|name| !name.extract().is_ok_and(|name| NAMES.contains(&name)))
+        {
+            return Err(value(format_args!("{name} is no column of a run; allowed: {}", NAMES.join(", "))));
+        }
+        let mut columns: [Vec<f64>; COLUMNS] = Default::default();
+        for (name, column) in NAMES.into_iter().zip(&mut columns) {
+            let Some(numbers) = data.get_item(name)? else {
+                return Err(value(format_args!("the column {name} is missing")));
+            };
+            *column = Floats::extract(name, &numbers)?.values().to_vec();
+        }
+        if columns.iter().any(|column| column.len() != columns[0].len()) {
+            return Err(value("the columns of a run have one length"));
+        }
+        Self::new(data.py(), columns)
+    }
+
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
         self.time_s.bind(py).len()
     }

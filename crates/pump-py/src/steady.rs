@@ -3,19 +3,22 @@
 use pump_dose::SteadyReport;
 use pump_model::Pump as Model;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::errors;
 use crate::floats::Floats;
 use crate::interrupt::Interrupt;
+use crate::speed;
 
-const FIELDS: usize = 9;
+const FIELDS: usize = 10;
 
 /// What a pump does at constant speed once start-up is forgotten; made by `Pump.steady_state`.
 ///
 /// Its attributes are floats if the speed was one number, else read-only arrays of the speeds' shape.
 #[pyclass(frozen, generic, get_all, module = "pumpmodel")]
 pub(crate) struct SteadyState {
+    /// Speed of the pump head, r/min; negative in reverse.
+    speed_rpm: Py<PyAny>,
     /// Smallest inlet pressure, kPa absolute.
     inlet_min_kpa: Py<PyAny>,
     /// Largest inlet pressure, kPa absolute.
@@ -38,6 +41,51 @@ pub(crate) struct SteadyState {
 
 #[pymethods]
 impl SteadyState {
+    /// A row a speed, in C order. Needs pandas.
+    ///
+    /// Returns
+    /// -------
+    /// pandas.DataFrame
+    ///     A column each attribute; `attrs["units"]` has their units.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If pandas is not installed: `pip install "pumpmodel[dataframe]"`.
+    fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("pumpmodel._tables")?.call_method1("steady_dataframe", (slf,))
+    }
+
+    /// The attributes over the speed. Needs xarray.
+    ///
+    /// Returns
+    /// -------
+    /// xarray.Dataset
+    ///     A variable each attribute, of the speeds' shape; of one dimension over the coordinate `speed_rpm`. The attributes
+    ///     `units` and `long_name`.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If xarray is not installed: `pip install "pumpmodel[xarray]"`.
+    fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("pumpmodel._tables")?.call_method1("steady_xarray", (slf,))
+    }
+
+    /// The attributes by their names.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     Floats or read-only arrays, without a copy.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (name, numbers) in self.fields() {
+            dict.set_item(name, numbers)?;
+        }
+        Ok(dict)
+    }
+
     fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
         for ((name, mine), (_, theirs)) in self.fields().into_iter().zip(other.fields()) {
             if Floats::extract(name, mine.bind(py))? != Floats::extract(name, theirs.bind(py))? {
@@ -68,8 +116,8 @@ impl SteadyState {
             .iter()
             .map(|numbers| Floats::extract("a field of a steady state", numbers))
             .collect::<PyResult<Vec<_>>>()?;
-        let fields =
-            <[Floats; FIELDS]>::try_from(fields).map_err(|_| errors::value("a steady state has 9 fields"))?;
+        let fields = <[Floats; FIELDS]>::try_from(fields)
+            .map_err(|_| errors::value("a steady state has 10 fields"))?;
         Self::new(py, fields)
     }
 }
@@ -87,7 +135,7 @@ impl SteadyState {
             }
             Ok(reports)
         })?;
-        let of: [fn(&SteadyReport) -> f64; FIELDS] = [
+        let of: [fn(&SteadyReport) -> f64; FIELDS - 1] = [
             |report| report.inlet_min_kpa,
             |report| report.inlet_max_kpa,
             |report| report.inlet_mean_kpa,
@@ -98,13 +146,42 @@ impl SteadyState {
             |report| report.ripple_peak_to_peak,
             |report| report.ripple_rms,
         ];
-        Self::new(py, of.map(|field| speeds_rad_s.with_values(reports.iter().map(field).collect())))
+        let columns = of.map(|field| speeds_rad_s.with_values(reports.iter().map(field).collect()));
+        let [inlet_min, inlet_max, inlet_mean, outlet_min, outlet_max, outlet_mean, flow, peak_to_peak, rms] =
+            columns;
+        let speed = speeds_rad_s.map(speed::rpm);
+        Self::new(
+            py,
+            [
+                speed,
+                inlet_min,
+                inlet_max,
+                inlet_mean,
+                outlet_min,
+                outlet_max,
+                outlet_mean,
+                flow,
+                peak_to_peak,
+                rms,
+            ],
+        )
     }
 
     fn new(py: Python<'_>, fields: [Floats; FIELDS]) -> PyResult<Self> {
-        let [inlet_min, inlet_max, inlet_mean, outlet_min, outlet_max, outlet_mean, flow, peak_to_peak, rms] =
-            fields;
+        let [
+            speed,
+            inlet_min,
+            inlet_max,
+            inlet_mean,
+            outlet_min,
+            outlet_max,
+            outlet_mean,
+            flow,
+            peak_to_peak,
+            rms,
+        ] = fields;
         Ok(Self {
+            speed_rpm: speed.into_frozen(py)?,
             inlet_min_kpa: inlet_min.into_frozen(py)?,
             inlet_max_kpa: inlet_max.into_frozen(py)?,
             inlet_mean_kpa: inlet_mean.into_frozen(py)?,
@@ -119,6 +196,7 @@ impl SteadyState {
 
     fn fields(&self) -> [(&'static str, &Py<PyAny>); FIELDS] {
         [
+            ("speed_rpm", &self.speed_rpm),
             ("inlet_min_kpa", &self.inlet_min_kpa),
             ("inlet_max_kpa", &self.inlet_max_kpa),
             ("inlet_mean_kpa", &self.inlet_mean_kpa),

@@ -243,5 +243,6 @@ def test_the_fastest_dose_is_limited_by_what_binds() -> None:
     assert fastest.limited_by == "speed"
     held = pm.Doser(pump, pm.Limits(min_inlet_kpa=75)).plan("60mL", rate="max")
     assert held.limited_by == "inlet_pressure"
-    assert held.inlet_min_kpa == pytest.approx(75, abs=0.01)
+    # A motor's step adds to what is predicted.
+    assert 75 <= held.inlet_min_kpa < 75.1
     assert pickle.loads(pickle.dumps(held)) == held

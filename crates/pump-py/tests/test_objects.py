@@ -19,6 +19,12 @@ def line(resistance_kpa_s_ml: float = 0.1) -> pm.Line:
     )
 
 
+CALIBRATION = pm.Calibration.from_runs(
+    pm.Pump.three_roller().replace(rollers=4),
+    [pm.WeighedRun(speed_rpm=60, turned_deg=720, mass_g=40.5)],
+)
+
+
 def every_object() -> list[object]:
     pump = pm.Pump.three_roller().replace(rollers=4, outlet=line())
     doser = pm.Doser(pump, pm.Limits(max_outlet_kpa=150))
@@ -34,6 +40,13 @@ def every_object() -> list[object]:
         doser.plan("2mL", within="5s"),
         doser.plan("2mL").trace(),
         pump.simulate(speed_rpm=50, duration_s=0.1),
+        pm.Doser(pump, calibration=CALIBRATION).plan("2mL", speed="60rpm", retract="0.1mL"),
+        copy.copy(CALIBRATION),
+        pm.Fluid.water(temperature_degc=20),
+        pm.SpeedLaw.published(),
+        pm.VolumeFit([0, 12, 24, 36, 48], [0, 0.1, 0.8, 1.7, 2.1]),
+        pm.WeighedRun(speed_rpm=60, turned_deg=720),
+        pm.ShortDose(start_angle_deg=0, turned_deg=24, volume_ml=1),
         pump.steady_state(speed_rpm=50),
         pump.steady_state(speed_rpm=[[50, 100]]),
     ]
@@ -93,7 +106,13 @@ def test_pumps_and_runs_travel_between_processes() -> None:
 
 
 def test_errors_pickle() -> None:
-    for error in (pm.PumpError("a"), pm.PlanError("b"), pm.PumpFileError("c")):
+    for error in (
+        pm.PumpError("a"),
+        pm.PlanError("b"),
+        pm.PumpFileError("c"),
+        pm.DriveError("d"),
+        pm.UnfinishedError("e"),
+    ):
         again = pickle.loads(pickle.dumps(error))
         assert type(again) is type(error)
         assert again.args == error.args
@@ -124,7 +143,7 @@ def test_objects_print_usefully() -> None:
     assert "mean_flow_ml_s=35.53" in repr(pump.steady_state(speed_rpm=100))
 
 
-@pytest.mark.parametrize("made", [pm.Pump, pm.Run, pm.SteadyState, pm.Plan])
+@pytest.mark.parametrize("made", [pm.Pump, pm.Run, pm.SteadyState, pm.Plan, pm.Calibration])
 def test_what_is_made_by_others_has_no_constructor(made: type) -> None:
     with pytest.raises(TypeError, match=r"No constructor defined|cannot create"):
         made()

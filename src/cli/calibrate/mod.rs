@@ -148,7 +148,7 @@ fn expected(bench: &Bench, reading: &ReadingArgs) -> Result<Expected, Failure> {
     if reading_ml < 0.0 {
         return Err(Failure::refused("--scale is negative; write how unsure a reading is, as 0.01g"));
     }
-    Ok(Expected { repeatability: file.uncertainty.repeatability_percent / 100.0, reading_ml })
+    Ok(Expected::of(file, reading_ml))
 }
 
 /// A table that a person wrote.

@@ -1,9 +1,7 @@
 //! `dose calibrate phase`: roller volume, engagement angle and zero from short doses.
 
 use pump_dose::Bench;
-use pump_dose::calibration::{
-    Calibration, PhaseFit, Revolution, ShortDose, Source, Stored, Weighing, short_doses_of_csv,
-};
+use pump_dose::calibration::{Calibration, PhaseFit, Weighing, short_doses_of_csv};
 use pump_dose::pump_file::RollerVolumeTable;
 use serde_json::json;
 
@@ -16,42 +14,24 @@ pub(super) fn phase(args: &PhaseArgs, options: &Options) -> Result<(), Failure> 
     let bench = options.bench()?;
     let doses = in_table(&args.from, short_doses_of_csv(&read(&args.from)?, &Weighing::of(bench.file())))?;
     let _held = bench.folder().lock()?;
-    let active = bench.calibrations().active()?;
-    let displacement = active.as_ref().and_then(|active| active.calibration.displacement.as_ref());
-    let model_standard = bench.file().uncertainty.model_percent / 100.0;
-    let revolution = Revolution { displacement, model_standard };
-    let found = PhaseFit::of(bench.model(), revolution, &doses, &expected(&bench, &args.reading)?)?;
-    let version = if args.uses { Some(keep(&bench, active, doses, &found, args)?) } else { None };
+    let calibrations = bench.calibrations();
+    let before = calibrations.active()?.map(|active| active.calibration);
+    let expected = expected(&bench, &args.reading)?;
+    let (mut calibration, found) =
+        Calibration::of_short_doses(bench.file(), doses, &expected, before.as_ref())?;
+    calibration.tube = args.reading.tube.clone().or(calibration.tube);
+    calibration.note = args.reading.note.clone();
+    let version = if args.uses {
+        let version = calibrations.add(&calibration)?;
+        bench.use_calibration(Some(version))?;
+        Some(version)
+    } else {
+        None
+    };
     if options.json() {
         return print(&format!("{}\n", json!({ "schema": "phase/1", "found": found, "version": version })));
     }
     print(&text(&bench, &found, version))
-}
-
-/// Has doses use the zero that was found, beside the displacement that they use already.
-fn keep(
-    bench: &Bench,
-    active: Option<Stored>,
-    doses: Vec<ShortDose>,
-    found: &PhaseFit,
-    args: &PhaseArgs,
-) -> Result<u32, Failure> {
-    let empty = Calibration::empty(bench.file(), Source::Phase)?;
-    let before = active.map_or(empty.clone(), |active| active.calibration);
-    let calibration = Calibration {
-        date: empty.date,
-        source: Source::Phase,
-        tube: args.reading.tube.clone().or(before.tube.clone()),
-        note: args.reading.note.clone(),
-        zero_deg: found.zero_deg.value,
-        zero_standard_deg: found.zero_deg.standard,
-        short_doses: doses,
-        ..before
-    };
-    let calibrations = bench.calibrations();
-    let version = calibrations.add(&calibration)?;
-    bench.use_calibration(Some(version))?;
-    Ok(version)
 }
 
 fn text(bench: &Bench, found: &PhaseFit, version: Option<u32>) -> String {

@@ -1,10 +1,7 @@
 //! `dose calibrate run`: runs in, a calibration out that the next dose uses.
 
-use pump_ctl::plan::PlanError;
 use pump_dose::Bench;
-use pump_dose::calibration::{
-    Calibration, Correction, Displacement, Run, Source, Stored, Weighing, runs_of_csv,
-};
+use pump_dose::calibration::{Calibration, Run, Source, Stored, runs_of_csv};
 
 use super::super::args::Options;
 use super::super::home::DEVICE;
@@ -35,25 +32,10 @@ fn keep(
     options: &Options,
 ) -> Result<(), Failure> {
     let _held = bench.folder().lock()?;
-    let (file, calibrations) = (bench.file(), bench.calibrations());
-    let weighing = Weighing::of(file);
-    let mut calibration = Calibration::empty(file, source)?;
-    if let Some(active) = calibrations.active()? {
-        // The zero was found by other doses and stays.
-        calibration.zero_deg = active.calibration.zero_deg;
-        calibration.zero_standard_deg = active.calibration.zero_standard_deg;
-        calibration.short_doses = active.calibration.short_doses;
-    }
-    let zero_rad = calibration.zero_rad();
-    let pump = Correction { factor: 1.0, zero_rad }
-        .of(bench.model())
-        .map_err(PlanError::from)
-        .map_err(Failure::refused)?;
-    let displacement = Displacement::fit(&pump, &runs, &weighing, &expected(bench, &args.reading)?)?;
-    calibration.temperature_degc =
-        runs.iter().map(|run| run.temperature_degc(&weighing)).sum::<f64>() / runs.len() as f64;
-    calibration.displacement = Some(displacement);
-    calibration.runs = runs;
+    let calibrations = bench.calibrations();
+    let before = calibrations.active()?.map(|active| active.calibration);
+    let expected = expected(bench, &args.reading)?;
+    let mut calibration = Calibration::of_runs(bench.file(), source, runs, &expected, before.as_ref())?;
     calibration.tube = args.reading.tube.clone();
     calibration.note = args.reading.note.clone();
     let version = calibrations.add(&calibration)?;

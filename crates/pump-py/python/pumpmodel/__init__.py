@@ -12,19 +12,47 @@ Examples
 '71.7 to 98.1 kPa'
 """
 
-from pumpmodel._pumpmodel import Doser, Limits, Line, Plan, Pump, Run, SteadyState, __version__
-from pumpmodel.errors import PlanError, PumpError, PumpFileError
+from pumpmodel._pumpmodel import Calibration, Doser, Limits, Line, Plan, Pump, Run, SteadyState, __version__
+from pumpmodel.bench import Bench
+from pumpmodel.dose import Dose, Status
+from pumpmodel.errors import DriveError, PlanError, PumpError, PumpFileError, UnfinishedError
+from pumpmodel.fluid import Fluid
+from pumpmodel.hose import Hose
+from pumpmodel.plotting import plot, plot_map
+from pumpmodel.section import plot_pump
+from pumpmodel.speed_law import SpeedLaw
+from pumpmodel.sweeps import Sweep, sweep
+from pumpmodel.volume_fit import VolumeFit
+from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun
 
 __all__ = [
+    "Bench",
+    "Calibration",
+    "Dose",
     "Doser",
+    "DriveError",
+    "Fluid",
+    "Hose",
     "Limits",
     "Line",
+    "PhaseFit",
     "Plan",
     "PlanError",
     "Pump",
     "PumpError",
     "PumpFileError",
     "Run",
+    "ShortDose",
+    "SpeedLaw",
+    "Status",
     "SteadyState",
+    "Sweep",
+    "UnfinishedError",
+    "VolumeFit",
+    "WeighedRun",
     "__version__",
+    "plot",
+    "plot_map",
+    "plot_pump",
+    "sweep",
 ]

@@ -1,0 +1,27 @@
+from typing import Final
+
+from .bench import _Bench as _Bench
+from .doser import Calibration as Calibration
+from .doser import Doser as Doser
+from .doser import Limits as Limits
+from .functions import _fluid_check as _fluid_check
+from .functions import _fluid_water as _fluid_water
+from .functions import _hose_drop as _hose_drop
+from .functions import _hose_line as _hose_line
+from .functions import _hose_reynolds as _hose_reynolds
+from .functions import _hose_volume as _hose_volume
+from .functions import _law_check as _law_check
+from .functions import _law_published as _law_published
+from .functions import _law_revolution as _law_revolution
+from .functions import _law_trapped as _law_trapped
+from .functions import _reading as _reading
+from .functions import _steady_states as _steady_states
+from .functions import _volume_fit as _volume_fit
+from .functions import _volume_fit_at as _volume_fit_at
+from .pump import Line as Line
+from .pump import Pump as Pump
+from .results import Plan as Plan
+from .results import Run as Run
+from .results import SteadyState as SteadyState
+
+__version__: Final[str]

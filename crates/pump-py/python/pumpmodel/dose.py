@@ -1,0 +1,161 @@
+"""What a bench reports: a dose, and how things stand."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from pumpmodel._record import Record
+
+
+@dataclass(frozen=True)
+class Share(Record):
+    """A source of uncertainty: standard uncertainty, part of the variance, and how to make it smaller."""
+
+    source: str
+    standard_ml: float
+    variance_percent: float
+    remedy: str
+
+
+@dataclass(frozen=True)
+class Phase(Record):
+    """How a start angle is known."""
+
+    known: bool
+    source: str
+    half_width_deg: float
+
+
+@dataclass(frozen=True)
+class Ripple(Record):
+    """How far a flow departs from its mean over time, over the mean."""
+
+    peak_to_peak: float
+    rms: float
+
+
+@dataclass(frozen=True)
+class CalibrationUsed(Record):
+    """The calibration of a dose, at its cruise speed."""
+
+    version: int
+    date: str
+    displacement_factor: float
+    zero_deg: float
+
+
+@dataclass(frozen=True)
+class Dose(Record):
+    """A dose of a bench, run or planned: the fields of the command's JSON `dose/1`.
+
+    Volumes are in mL and negative in reverse, angles in deg of the pump head, pressures in kPa absolute,
+    times in s. `delivered_ml` is what the vessel of a simulation received, or the model's volume of the steps
+    that a motor made; None of a dose that was only planned. `completed` says whether the dose was delivered
+    in full.
+    """
+
+    _records: ClassVar[dict[str, type[Record]]] = {
+        "calibration": CalibrationUsed,
+        "uncertainty_budget": Share,
+        "phase": Phase,
+        "ripple_before": Ripple,
+        "ripple_after": Ripple,
+    }
+
+    schema: str
+    pump: str
+    driver: str
+    simulated: bool
+    device: str | None
+    purpose: str
+    requested_ml: float
+    carry_in_ml: float
+    planned_ml: float
+    volume_least_ml: float
+    volume_most_ml: float
+    delivered_ml: float | None
+    volume_basis: str
+    calibration: CalibrationUsed | None
+    expanded_uncertainty_ml: float
+    uncertainty_budget: tuple[Share, ...]
+    phase: Phase
+    start_angle_deg: float
+    end_angle_deg: float
+    steps: int
+    steps_made: int | None
+    steps_per_rev: float
+    retraction_ml: float | None
+    finish: str
+    carry_ml: float
+    cruise_speed_rpm: float
+    peak_speed_rpm: float
+    cruise_flow_ml_s: float
+    mean_flow_ml_s: float
+    motion_s: float
+    settle_s: float
+    inlet_min_kpa: float
+    inlet_max_kpa: float
+    outlet_min_kpa: float
+    outlet_max_kpa: float
+    ambient_kpa: float
+    ripple_before: Ripple
+    ripple_after: Ripple
+    limited_by: str
+    inlet_limit_kpa: float | None
+    inlet_limit: str | None
+    limits_not_checked: tuple[str, ...]
+    warnings: tuple[str, ...]
+    completed: bool
+
+    def __repr__(self) -> str:
+        """Say what was asked and what came of it."""
+        made = "planned" if self.delivered_ml is None else f"delivered_ml {self.delivered_ml:.6f}"
+        return (
+            f"<Dose of {self.requested_ml!r} mL on '{self.pump}' ({self.driver}): {made}, "
+            f"expanded_uncertainty_ml {self.expanded_uncertainty_ml:.4f}, completed {self.completed}>"
+        )
+
+
+@dataclass(frozen=True)
+class Wear(Record):
+    """What a tube has gone through since it was new."""
+
+    volume_ml: float
+    revolutions: float
+    motion_s: float
+
+
+@dataclass(frozen=True)
+class Unfinished(Record):
+    """A dose that was begun and not finished."""
+
+    requested_ml: float
+    planned_ml: float
+    delivered_least_ml: float
+    delivered_most_ml: float
+    steps: int
+    steps_made_least: int
+    steps_made_most: int
+    began_unix_s: int
+
+
+@dataclass(frozen=True)
+class Status(Record):
+    """What is on record of a bench: the fields of the command's JSON `status/1`."""
+
+    _records: ClassVar[dict[str, type[Record]]] = {"wear": Wear, "unfinished": Unfinished}
+
+    schema: str
+    pump: str
+    driver: str
+    recorded: bool
+    angle_deg: float
+    half_width_deg: float
+    angle_known: bool
+    angle_source: str
+    disturbances: int
+    device_count: int | None
+    carry_ml: float
+    wear: Wear
+    tube_life_ml: float | None
+    unfinished: Unfinished | None
+    folder: str

@@ -1,0 +1,149 @@
+"""A line from its hose."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pumpmodel import _pumpmodel as core
+from pumpmodel._pumpmodel import Line
+from pumpmodel._record import Record
+from pumpmodel.fluid import Fluid
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hose(Record):
+    """A straight hose of one bore, and what the fluid in it makes of R, C and L.
+
+    Parameters
+    ----------
+    bore_radius_mm, outer_radius_mm : float
+        Inner and outer radius, mm.
+    length_mm : float
+        Length, mm.
+    modulus_mpa : float
+        Young's modulus of the wall, MPa.
+    poisson_ratio : float
+        Poisson ratio of the wall, 0 to 0.5; 0.5 is rubber, which keeps its volume.
+    minor_loss : float
+        What ends, bends and fittings take together, in velocity heads of the bore.
+
+    Raises
+    ------
+    ValueError
+        If a value is outside its range.
+
+    Examples
+    --------
+    The line of McIntyre et al., whose R they took at 210 mL/s:
+
+    >>> import pumpmodel as pm
+    >>> hose = pm.Hose(
+    ...     bore_radius_mm=5, outer_radius_mm=7, length_mm=331, modulus_mpa=3.5, minor_loss=5.75
+    ... )
+    >>> line = hose.line(pm.Fluid.water(temperature_degc=25), reservoir_kpa=88.637, flow_ml_s=210)
+    >>> round(line.resistance_kpa_s_ml, 3)
+    0.111
+    """
+
+    bore_radius_mm: float
+    outer_radius_mm: float
+    length_mm: float
+    modulus_mpa: float
+    poisson_ratio: float = 0.5
+    minor_loss: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse dimensions that are no hose's."""
+        core._hose_volume(self._numbers())
+
+    @property
+    def volume_ml(self) -> float:
+        """Volume of the bore, mL."""
+        return core._hose_volume(self._numbers())
+
+    def line(self, fluid: Fluid, *, reservoir_kpa: float, flow_ml_s: float) -> Line:
+        """Return the linear line of this hose.
+
+        C is that of the fluid and of a thick-walled cylinder whose ends are held (Lamé, plane strain), L is
+        rho l/A.
+
+        Parameters
+        ----------
+        fluid : Fluid
+            What flows in it.
+        reservoir_kpa : float
+            Pressure of the reservoir, kPa absolute.
+        flow_ml_s : float
+            Flow, mL/s, at which R is taken: the pressure drop there over the flow. 0 takes that of laminar
+            flow alone.
+
+        Raises
+        ------
+        ValueError
+            If a value is outside its range.
+        """
+        return core._hose_line(self._numbers(), fluid._numbers(), reservoir_kpa, flow_ml_s)
+
+    @overload
+    def pressure_drop_kpa(self, fluid: Fluid, *, flow_ml_s: float) -> float: ...
+    @overload
+    def pressure_drop_kpa(
+        self, fluid: Fluid, *, flow_ml_s: NDArray[Any] | Sequence[Any]
+    ) -> NDArray[np.float64]: ...
+    def pressure_drop_kpa(
+        self, fluid: Fluid, *, flow_ml_s: float | NDArray[Any] | Sequence[Any]
+    ) -> float | NDArray[np.float64]:
+        """Return the pressure that it takes to push the fluid through.
+
+        Friction of a smooth wall from laminar to turbulent flow by Churchill's formula (Chem. Eng. 84, 1977),
+        and the minor loss.
+
+        Parameters
+        ----------
+        fluid : Fluid
+            What flows in it.
+        flow_ml_s : float or array_like
+            Flow, mL/s, either way, up to 1e6.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            kPa in the direction of the flow; of arrays an array of float64 of the same shape.
+
+        Raises
+        ------
+        ValueError
+            If a flow is not finite or beyond 1e6 mL/s.
+        """
+        return core._hose_drop(self._numbers(), fluid._numbers(), flow_ml_s)
+
+    @overload
+    def reynolds(self, fluid: Fluid, *, flow_ml_s: float) -> float: ...
+    @overload
+    def reynolds(self, fluid: Fluid, *, flow_ml_s: NDArray[Any] | Sequence[Any]) -> NDArray[np.float64]: ...
+    def reynolds(
+        self, fluid: Fluid, *, flow_ml_s: float | NDArray[Any] | Sequence[Any]
+    ) -> float | NDArray[np.float64]:
+        """Return the Reynolds number of a flow.
+
+        Parameters and errors are those of `pressure_drop_kpa`.
+
+        Returns
+        -------
+        float or numpy.ndarray
+            rho v d/mu; of arrays an array of float64 of the same shape.
+        """
+        return core._hose_reynolds(self._numbers(), fluid._numbers(), flow_ml_s)
+
+    def _numbers(self) -> tuple[float, float, float, float, float, float]:
+        return (
+            self.bore_radius_mm,
+            self.outer_radius_mm,
+            self.length_mm,
+            self.modulus_mpa,
+            self.poisson_ratio,
+            self.minor_loss,
+        )

@@ -1,0 +1,300 @@
+"""Steady states of many pumps at many speeds, on all cores or on any executor."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from pumpmodel._pumpmodel import Pump, _steady_states
+from pumpmodel._tables import COLUMNS, optional
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+_Array: TypeAlias = NDArray[np.float64]
+_Progress: TypeAlias = Callable[[int, int], object]
+
+# Points that go to an executor as one task: a tenth of a second of work or so.
+_TASK = 2000
+
+RESULTS = (
+    "inlet_min_kpa",
+    "inlet_max_kpa",
+    "inlet_mean_kpa",
+    "outlet_min_kpa",
+    "outlet_max_kpa",
+    "outlet_mean_kpa",
+    "mean_flow_ml_s",
+    "ripple_peak_to_peak",
+    "ripple_rms",
+)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Sweep:
+    """Steady states of pumps at speeds; made by `sweep`.
+
+    Results are read-only arrays of float64 of shape (pumps, speeds). Pressures are absolute.
+    """
+
+    #: Pumps, one for each row.
+    pumps: tuple[Pump, ...]
+    #: Speeds of the pump head, r/min, one for each column; shape (speeds,).
+    speed_rpm: _Array
+    #: The same, rad/s.
+    speed_rad_s: _Array
+    #: Smallest inlet pressure, kPa.
+    inlet_min_kpa: _Array
+    #: Largest inlet pressure, kPa.
+    inlet_max_kpa: _Array
+    #: Mean inlet pressure, kPa.
+    inlet_mean_kpa: _Array
+    #: Smallest outlet pressure, kPa.
+    outlet_min_kpa: _Array
+    #: Largest outlet pressure, kPa.
+    outlet_max_kpa: _Array
+    #: Mean outlet pressure, kPa.
+    outlet_mean_kpa: _Array
+    #: Mean flow, mL/s; negative in reverse.
+    mean_flow_ml_s: _Array
+    #: (Largest - smallest) / mean of the flow at the outlet rollers.
+    ripple_peak_to_peak: _Array
+    #: Standard deviation / mean of the flow at the outlet rollers.
+    ripple_rms: _Array
+
+    def __post_init__(self) -> None:
+        """Make the arrays read-only, after unpickling too."""
+        for field in fields(self)[1:]:
+            getattr(self, field.name).setflags(write=False)
+
+    def __reduce__(self) -> tuple[type[Sweep], tuple[Any, ...]]:
+        """Pickle by its fields."""
+        return Sweep, tuple(getattr(self, field.name) for field in fields(self))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of pumps, number of speeds."""
+        return len(self.pumps), len(self.speed_rpm)
+
+    def __eq__(self, other: object) -> bool:
+        """Tell whether pumps, speeds and every number are equal."""
+        if not isinstance(other, Sweep):
+            return NotImplemented
+        arrays = [field.name for field in fields(self)[1:]]
+        return self.pumps == other.pumps and all(
+            np.array_equal(getattr(self, name), getattr(other, name)) for name in arrays
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        """Tell its size and ranges."""
+        ranges = "".join(
+            f", {name} {values.min():.4g} to {values.max():.4g}"
+            for name in ("speed_rpm", "inlet_min_kpa", "outlet_max_kpa")
+            if (values := getattr(self, name)).size
+        )
+        return f"<Sweep of {len(self.pumps)} pumps at {len(self.speed_rpm)} speeds{ranges}>"
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return one row for each pump and speed.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns `pump` (its number), `pump_id`, `rollers`, `speed_rpm`, `speed_rad_s` and the results;
+            `attrs["units"]` maps columns to units.
+
+        Raises
+        ------
+        ImportError
+            Without pandas, which `pip install 'pumpmodel[dataframe]'` brings.
+        """
+        pumps, speeds = self.shape
+        columns = {
+            "pump": np.repeat(np.arange(pumps), speeds),
+            "pump_id": np.repeat([pump.id for pump in self.pumps], speeds),
+            "rollers": np.repeat([pump.rollers for pump in self.pumps], speeds),
+            "speed_rpm": np.tile(self.speed_rpm, pumps),
+            "speed_rad_s": np.tile(self.speed_rad_s, pumps),
+        }
+        columns |= {name: getattr(self, name).ravel() for name in RESULTS}
+        frame: pd.DataFrame = optional("pandas", "dataframe").DataFrame(columns)
+        frame.attrs["units"] = {name: COLUMNS[name][0] for name in columns if name in COLUMNS}
+        return frame
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return the results over the dimensions `pump` and `speed_rpm`.
+
+        Returns
+        -------
+        xarray.Dataset
+            Each variable has `units` and `long_name` as attributes; `pump_id` and `rollers` are coordinates
+            along `pump`.
+
+        Raises
+        ------
+        ImportError
+            Without xarray, which `pip install 'pumpmodel[xarray]'` brings.
+        """
+
+        def described(name: str, dims: str | tuple[str, ...], numbers: object) -> tuple[Any, ...]:
+            units, long_name = COLUMNS[name]
+            return dims, numbers, {"units": units, "long_name": long_name}
+
+        dims = ("pump", "speed_rpm")
+        dataset: xr.Dataset = optional("xarray", "xarray").Dataset(
+            {name: described(name, dims, getattr(self, name)) for name in RESULTS},
+            coords={
+                "pump": np.arange(len(self.pumps)),
+                "pump_id": ("pump", [pump.id for pump in self.pumps]),
+                "rollers": ("pump", [pump.rollers for pump in self.pumps]),
+                "speed_rpm": described("speed_rpm", "speed_rpm", self.speed_rpm),
+                "speed_rad_s": described("speed_rad_s", "speed_rpm", self.speed_rad_s),
+            },
+        )
+        return dataset
+
+
+def sweep(
+    pumps: Pump | Iterable[Pump],
+    *,
+    speed_rpm: ArrayLike | None = None,
+    speed_rad_s: ArrayLike | None = None,
+    executor: Executor | None = None,
+    progress: bool | _Progress = False,
+) -> Sweep:
+    """Compute the periodic steady state of every pump at every speed.
+
+    All cores of this machine work at it, in Rust, while other Python threads run; Ctrl-C ends it within
+    0.2 s. With an executor its workers do instead, one core each, and the numbers are the same to the last
+    bit.
+
+    Parameters
+    ----------
+    pumps : Pump or iterable of Pump
+        Pumps.
+    speed_rpm : array_like
+        Speeds of the pump head, r/min, a number or shape (speeds,); negative in reverse; not zero.
+    speed_rad_s : array_like
+        The same in rad/s; exactly one of both is given.
+    executor : concurrent.futures.Executor, optional
+        What runs the work: a ThreadPoolExecutor, a ProcessPoolExecutor, `get_executor()` of a Dask client.
+    progress : bool or callable
+        True shows a line on standard error; a callable is called as `progress(done, total)`.
+
+    Returns
+    -------
+    Sweep
+        Arrays of shape (pumps, speeds).
+
+    Raises
+    ------
+    ValueError
+        If a speed is not allowed, or a line without resistance resonates at one; names the pump.
+    PumpError
+        If the solver fails on the way.
+    MemoryError
+        If there is no room for the results.
+
+    Examples
+    --------
+    >>> import pumpmodel as pm
+    >>> three = pm.Pump.three_roller()
+    >>> result = pm.sweep([three, three.replace(rollers=4)], speed_rpm=[50, 100, 150])
+    >>> result.outlet_max_kpa.shape
+    (2, 3)
+    """
+    pumps = (pumps,) if isinstance(pumps, Pump) else tuple(pumps)
+    for number, pump in enumerate(pumps):
+        if not isinstance(pump, Pump):
+            message = f"pumps[{number}] must be a Pump, not {type(pump).__name__}"
+            raise TypeError(message)
+    if (speed_rpm is None) == (speed_rad_s is None):
+        message = "give exactly one of speed_rpm and speed_rad_s"
+        raise ValueError(message)
+    name = "speed_rad_s" if speed_rpm is None else "speed_rpm"
+    speeds = np.atleast_1d(np.asarray(speed_rad_s if speed_rpm is None else speed_rpm))
+    if speeds.ndim != 1:
+        message = f"{name} has shape {speeds.shape}; allowed: a number or one dimension"
+        raise ValueError(message)
+
+    shown = _show if progress is True else progress or None
+    if executor is None:
+        results = _compute(pumps, name, speeds, progress=shown)
+    else:
+        results = _on_executor(executor, pumps, name, speeds, shown)
+
+    speeds = speeds.astype(np.float64)
+    # The bits of the compiled module's own conversion.
+    rad_s_per_rpm = math.tau / 60
+    rpm, rad_s = (speeds, speeds * rad_s_per_rpm) if name == "speed_rpm" else (speeds / rad_s_per_rpm, speeds)
+    return Sweep(pumps, rpm, rad_s, *results)
+
+
+def _compute(
+    pumps: Sequence[Pump],
+    name: str,
+    speeds: NDArray[Any],
+    *,
+    threads: int | None = None,
+    first: int = 0,
+    progress: _Progress | None = None,
+) -> list[_Array]:
+    rpm, rad_s = (speeds, None) if name == "speed_rpm" else (None, speeds)
+    return _steady_states(
+        pumps, speed_rpm=rpm, speed_rad_s=rad_s, threads=threads, first=first, progress=progress
+    )
+
+
+def _on_executor(
+    executor: Executor, pumps: tuple[Pump, ...], name: str, speeds: NDArray[Any], progress: _Progress | None
+) -> list[_Array]:
+    shape = len(pumps), len(speeds)
+    results = [np.empty(shape) for _ in RESULTS]
+    tiles = list(_tiles(*shape))
+    futures = [
+        executor.submit(_tile, pumps[rows], name, speeds[columns], rows.start) for rows, columns in tiles
+    ]
+    done = 0
+    try:
+        # In their order, so that of several errors the first is raised.
+        for (rows, columns), future in zip(tiles, futures, strict=True):
+            for whole, part in zip(results, future.result(), strict=True):
+                whole[rows, columns] = part
+                count = part.size
+            done += count
+            if progress:
+                progress(done, shape[0] * shape[1])
+    finally:
+        for future in futures:
+            future.cancel()
+    return results
+
+
+def _tile(pumps: Sequence[Pump], name: str, speeds: NDArray[Any], first: int) -> list[_Array]:
+    """Do one task; an executor's workers import it."""
+    return _compute(pumps, name, speeds, threads=1, first=first)
+
+
+def _tiles(pumps: int, speeds: int) -> Iterator[tuple[slice, slice]]:
+    """Cut the table into tasks: whole rows if they are short, else parts of one row."""
+    rows = max(1, _TASK // max(1, speeds))
+    for row in range(0, pumps, rows):
+        for column in range(0, speeds, _TASK):
+            yield slice(row, min(row + rows, pumps)), slice(column, min(column + _TASK, speeds))
+
+
+def _show(done: int, total: int) -> None:
+    end = "\n" if done == total else ""
+    share = done / total if total else 1.0
+    sys.stderr.write(f"\r{share:4.0%} of {total:,} steady states{end}")
+    sys.stderr.flush()

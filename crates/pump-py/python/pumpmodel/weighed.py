@@ -1,0 +1,151 @@
+"""Runs and doses that were weighed."""
+
+import json
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+from pumpmodel._pumpmodel import Calibration, _reading
+from pumpmodel._record import Record
+from pumpmodel.errors import DriveError
+
+
+@dataclass(frozen=True, kw_only=True)
+class WeighedRun(Record):
+    """A run at constant speed, and what arrived of it.
+
+    Parameters
+    ----------
+    speed_rpm : float
+        Cruise speed, r/min.
+    turned_deg : float
+        How far the rotor turned, deg; negative in reverse.
+    mass_g : float, optional
+        What the scale showed, g.
+    volume_ml : float, optional
+        What a measuring vessel showed, mL; one of both at most, and one before it is fitted.
+    start_angle_deg : float, optional
+        Where the rollers stood, deg; whole pitches do not need it.
+    temperature_degc : float, optional
+        Temperature of the fluid, degC; by default the pump file's.
+    time : str, optional
+        When, as it was written down.
+
+    Raises
+    ------
+    ValueError
+        If a number is not allowed, or both readings are given.
+    """
+
+    speed_rpm: float
+    turned_deg: float
+    mass_g: float | None = None
+    volume_ml: float | None = None
+    start_angle_deg: float | None = None
+    temperature_degc: float | None = None
+    time: str | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a run that cannot be."""
+        if not 0 < self.speed_rpm < math.inf:
+            raise ValueError(f"speed_rpm is {self.speed_rpm}; allowed: more than 0")
+        if self.turned_deg == 0 or not abs(self.turned_deg) < math.inf:
+            raise ValueError(f"turned_deg is {self.turned_deg}; allowed: a finite angle, not 0")
+        if self.mass_g is not None and self.volume_ml is not None:
+            raise ValueError("mass_g and volume_ml are both given; give one")
+        for name in ("mass_g", "volume_ml"):
+            reading = getattr(self, name)
+            if reading is not None and not 0 < reading < math.inf:
+                raise ValueError(f"{name} is {reading}; allowed: more than 0")
+
+    def weighed(self, reading: str, *, temperature_degc: float | None = None) -> Self:
+        """Return the run with a reading.
+
+        Parameters
+        ----------
+        reading : str
+            What scale or vessel showed, as "42.51g" or "42.6mL".
+        temperature_degc : float, optional
+            Temperature of the fluid, degC; by default as it is.
+
+        Raises
+        ------
+        TypeError
+            If the reading is a bare number.
+        ValueError
+            If it is no such quantity.
+        """
+        mass_g, volume_ml = _reading(reading)
+        temperature = self.temperature_degc if temperature_degc is None else temperature_degc
+        return replace(self, mass_g=mass_g, volume_ml=volume_ml, temperature_degc=temperature)
+
+    @classmethod
+    def _made(cls, made: tuple[float, float | None, float, str, bool]) -> Self:
+        speed_rpm, start_angle_deg, turned_deg, time, whole = made
+        if not whole:
+            raise DriveError("the run was stopped and is on record; weigh no part of a run")
+        return cls(speed_rpm=speed_rpm, turned_deg=turned_deg, start_angle_deg=start_angle_deg, time=time)
+
+    def _json(self) -> str:
+        if self.mass_g is None and self.volume_ml is None:
+            raise ValueError('a run has no reading; say what arrived, as run.weighed("42.51g")')
+        reading: dict[str, Any] = (
+            {"volume_ml": self.volume_ml} if self.mass_g is None else {"mass_g": self.mass_g}
+        )
+        data = self.to_dict()
+        del data["mass_g"], data["volume_ml"]
+        return json.dumps({**data, "reading": reading})
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShortDose(Record):
+    """A short dose from a known angle, and what arrived of it.
+
+    Parameters
+    ----------
+    start_angle_deg : float
+        Where the rollers stood by the record, deg.
+    turned_deg : float
+        How far the rotor turned, deg; negative in reverse.
+    volume_ml : float
+        What arrived, mL, without sign.
+    speed_rpm : float, optional
+        Its cruise speed, r/min; by default the mean speed of the calibration's runs.
+
+    Raises
+    ------
+    ValueError
+        If a number is not allowed.
+    """
+
+    start_angle_deg: float
+    turned_deg: float
+    volume_ml: float
+    speed_rpm: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a dose that cannot be."""
+        if not abs(self.start_angle_deg) < math.inf:
+            raise ValueError(f"start_angle_deg is {self.start_angle_deg}; allowed: a finite angle")
+        if self.turned_deg == 0 or not abs(self.turned_deg) < math.inf:
+            raise ValueError(f"turned_deg is {self.turned_deg}; allowed: a finite angle, not 0")
+        if not 0 < self.volume_ml < math.inf:
+            raise ValueError(f"volume_ml is {self.volume_ml}; allowed: more than 0")
+        if self.speed_rpm is not None and not 0 < self.speed_rpm < math.inf:
+            raise ValueError(f"speed_rpm is {self.speed_rpm}; allowed: more than 0")
+
+
+@dataclass(frozen=True)
+class PhaseFit:
+    """What short doses say of a pump, with standard uncertainties, and the calibration that keeps the zero.
+
+    `zero_rad` is the model's angle of the rollers where the record says 0.
+    """
+
+    calibration: Calibration
+    roller_volume_ml: float
+    roller_volume_standard_ml: float
+    engagement_rad: float
+    engagement_standard_rad: float
+    zero_rad: float
+    zero_standard_rad: float

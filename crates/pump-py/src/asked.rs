@@ -1,0 +1,56 @@
+//! What is asked of a bench, as Python's keywords say it.
+
+use pump_dose::{DoseRequest, Purpose, quantity};
+use pyo3::prelude::*;
+
+use crate::doser::{cruise, finish_named, text};
+use crate::errors::value;
+use crate::limits::Limits;
+
+/// Keywords of a dose, from a dict.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Asked<'py> {
+    volume: Option<Bound<'py, PyAny>>,
+    rate: Option<Bound<'py, PyAny>>,
+    speed: Option<Bound<'py, PyAny>>,
+    within: Option<Bound<'py, PyAny>>,
+    smooth: bool,
+    finish: String,
+    retract: Option<Bound<'py, PyAny>>,
+    start_angle_rad: Option<f64>,
+    limits: Option<Py<Limits>>,
+}
+
+impl Asked<'_> {
+    /// The request, of a fluid of this density.
+    pub(crate) fn request(&self, purpose: Purpose, density_kg_m3: f64) -> PyResult<DoseRequest> {
+        let volume_ml = match &self.volume {
+            Some(volume) => {
+                quantity::amount(text("volume", "25mL", volume)?).map_err(value)?.volume_ml(density_kg_m3)
+            }
+            // Of a rest, which is known.
+            None => 0.0,
+        };
+        if let Some(angle) = self.start_angle_rad.filter(|angle| !angle.is_finite()) {
+            return Err(value(format_args!("start_angle_rad is {angle}; allowed: a finite angle")));
+        }
+        let limits = self.limits.as_ref().map_or(Limits::default(), |limits| *limits.get());
+        Ok(DoseRequest {
+            purpose,
+            volume_ml,
+            cruise: cruise(self.rate.as_ref(), self.speed.as_ref(), self.within.as_ref())?,
+            smooth: self.smooth,
+            finish: finish_named(&self.finish)?,
+            start_angle_rad: self.start_angle_rad,
+            retract_ml: retracted_ml(self.retract.as_ref())?,
+            max_outlet_kpa: limits.max_outlet_kpa,
+            min_inlet_kpa: limits.min_inlet_kpa,
+        })
+    }
+}
+
+/// Volume to be sucked back, mL.
+pub(crate) fn retracted_ml(retract: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
+    retract.map(|retract| quantity::volume_ml(text("retract", "0.1mL", retract)?).map_err(value)).transpose()
+}

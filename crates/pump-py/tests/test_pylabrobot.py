@@ -1,0 +1,181 @@
+import asyncio
+import json
+import subprocess
+import sys
+from collections.abc import Coroutine
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pylabrobot.pumps import Pump, PumpCalibration
+
+import pumpmodel as pm
+from pumpmodel.pylabrobot import BenchBackend, BenchPump, HaltedError
+
+# At 170 r/min this takes minutes of simulation: long enough to be interrupted.
+LONG_ML = 20_000
+
+
+def bench_pump(folder: Path) -> BenchPump:
+    return BenchPump(BenchBackend("three-roller", driver="sim", state_dir=folder))
+
+
+def run(work: Coroutine[Any, Any, None]) -> None:
+    """Run a test's own coroutine; a minute is more than any of them needs."""
+    asyncio.run(asyncio.wait_for(work, 60))
+
+
+async def in_motion(pump: BenchPump) -> None:
+    """Wait until the record says that a dose has begun."""
+    while pump.backend.bench.status().unfinished is None:
+        await asyncio.sleep(0.01)
+
+
+def test_a_volume_is_a_dose_of_the_bench_from_the_rollers_angle(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            assert isinstance(pump, Pump)
+            owed = 0.0
+            for volume in (3, 3.0, -1, 0.5):
+                dose = await pump.pump_volume(speed=50, volume=volume)
+                assert dose.completed
+                assert dose.delivered_ml == pytest.approx(volume + owed, abs=2e-3)
+                assert dose.cruise_speed_rpm <= 50 + 1e-9
+                owed = dose.carry_ml
+                status = pump.backend.bench.status()
+                assert status.unfinished is None, "the command completes when the motion has"
+                assert status.carry_ml == dose.carry_ml
+        with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
+            assert bench.status().carry_ml == owed, "the record is the bench's own"
+
+    run(work())
+
+
+def test_other_tasks_run_during_a_dose_and_doses_come_one_after_the_other(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            doses = asyncio.gather(*(pump.pump_volume(speed=100, volume=200) for _ in range(3)))
+            ticks = 0
+            while not doses.done():
+                await asyncio.sleep(0.001)
+                ticks += 1
+            first, second, third = await doses
+            assert (second.carry_in_ml, third.carry_in_ml) == (first.carry_ml, second.carry_ml)
+            assert ticks > 3
+
+    run(work())
+
+
+def test_a_cancelled_dose_decelerates_and_is_on_record(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            dose = asyncio.create_task(pump.pump_volume(speed=170, volume=LONG_ML))
+            await in_motion(pump)
+            dose.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await dose
+            unfinished = pump.backend.bench.status().unfinished
+            assert unfinished is not None
+            assert unfinished.steps_made_least == unfinished.steps_made_most < unfinished.steps
+            with pytest.raises(pm.UnfinishedError, match="20000 mL is unfinished"):
+                await pump.pump_volume(speed=50, volume=1)
+            await pump.discard()
+            assert (await pump.pump_volume(speed=50, volume=1)).completed
+
+    run(work())
+
+
+def test_a_dose_cancelled_before_it_begins_moves_nothing(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            dose = asyncio.create_task(pump.pump_volume(speed=170, volume=LONG_ML))
+            await asyncio.sleep(0)
+            dose.cancel()
+            with pytest.raises((asyncio.CancelledError, pm.PumpError)):
+                await dose
+            unfinished = pump.backend.bench.status().unfinished
+            assert unfinished is None or unfinished.steps_made_most < 0.01 * unfinished.steps
+
+    run(work())
+
+
+def test_a_halted_dose_says_what_was_delivered_and_can_be_resumed(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            await pump.halt()
+            dose = asyncio.create_task(pump.pump_volume(speed=170, volume=1000))
+            await in_motion(pump)
+            await pump.run_continuously(speed=0)
+            with pytest.raises(HaltedError, match="of 1000 mL, which is on record") as halted:
+                await dose
+            made = halted.value.dose.delivered_ml
+            assert made is not None
+            assert 0 < made < 1000
+            rest = await pump.resume()
+            assert rest.completed
+            assert rest.delivered_ml == pytest.approx(1000 - made, abs=0.01)
+
+    run(work())
+
+
+def test_the_end_of_the_block_halts_what_still_runs(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            dose = asyncio.create_task(pump.pump_volume(speed=170, volume=LONG_ML))
+            await in_motion(pump)
+        with pytest.raises(HaltedError):
+            await dose
+        with pytest.raises(RuntimeError, match="setup has not finished"):
+            await pump.pump_volume(speed=50, volume=1)
+        with pytest.raises(RuntimeError, match="not set up"):
+            pump.backend.halt()
+        await pump.setup()
+        with pytest.raises(RuntimeError, match="set up already"):
+            await pump.setup()
+        await pump.stop()
+
+    run(work())
+
+
+def test_what_is_no_volume_is_refused(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            for refused in (
+                pump.run_revolutions(1),
+                pump.run_continuously(50),
+                pump.run_for_duration(50, 1),
+            ):
+                with pytest.raises(NotImplementedError, match="a bench doses volumes, not"):
+                    await refused
+            with pytest.raises(NotImplementedError):
+                pump.backend.run_revolutions(1)
+            with pytest.raises(NotImplementedError):
+                pump.backend.run_continuously(1)
+            for speed, volume, message in ((0, 1, "zero"), (-5, 1, "negative"), (50, 0, "zero")):
+                with pytest.raises(ValueError, match=message):
+                    await pump.pump_volume(speed=speed, volume=volume)
+            with pytest.raises(ValueError, match="finite"):
+                await pump.pump_volume(speed=50, volume=float("nan"))
+            with pytest.raises(pm.PlanError, match=r"limit of 170"):
+                await pump.pump_volume(speed=500, volume=1)
+            assert not pump.backend.bench.status().recorded
+
+    run(work())
+
+
+def test_it_is_made_of_a_bench_and_without_a_constant(tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match="backend must be a BenchBackend, not str"):
+        BenchPump("three-roller")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="calibration"):
+        BenchPump(BenchBackend("three-roller"), calibration=PumpCalibration([1.0]))  # type: ignore[call-arg]
+    pump = bench_pump(tmp_path)
+    again = BenchPump.deserialize(json.loads(json.dumps(pump.serialize())))
+    assert isinstance(again, BenchPump)
+    assert again.serialize() == pump.serialize()
+
+
+def test_without_pylabrobot_the_extra_is_named() -> None:
+    script = "import sys; sys.modules['pylabrobot'] = None; import pumpmodel; import pumpmodel.pylabrobot"
+    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+    assert ended.returncode == 1
+    assert ended.stderr.rstrip().endswith('pip install "pumpmodel[pylabrobot]"')

@@ -1,0 +1,96 @@
+"""Python, the command and Rust: one machine, the same bits."""
+
+import csv
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pumpmodel as pm
+
+ROOT = Path(__file__).parents[3]
+PUMPS = ["three-roller", "two-roller"]
+
+pytestmark = pytest.mark.skipif(
+    shutil.which("cargo") is None,
+    reason="a Rust toolchain makes the command; without one there is nothing to compare",
+)
+
+
+def cargo(*words: str) -> str:
+    ended = subprocess.run(
+        ["cargo", "run", "--locked", "--quiet", *words], cwd=ROOT, capture_output=True, text=True
+    )
+    assert ended.returncode == 0, ended.stderr
+    return ended.stdout
+
+
+@pytest.fixture(scope="module")
+def rust() -> dict[str, Any]:
+    """Numbers from the crates, each as its shortest text that reads back as the same bits."""
+    numbers: dict[str, Any] = json.loads(cargo("--example", "numbers"))
+    return numbers
+
+
+@pytest.mark.parametrize("name", PUMPS)
+def test_a_dose_and_its_waveform_are_the_same_to_the_last_bit(
+    name: str, tmp_path: Path, rust: dict[str, Any]
+) -> None:
+    steps, trace = tmp_path / "steps.csv", tmp_path / "trace.csv"
+    out = cargo(
+        *("--bin", "dose", "--", "25mL", "--rate", "10mL/s", "--pump", name, "--dry-run", "--format", "json"),
+        *("--steps", os.fspath(steps), "--trace", os.fspath(trace), "--state-dir", os.fspath(tmp_path)),
+    )
+    command = json.loads(out)
+    plan = pm.Doser(pm.Pump.named(name)).plan("25mL", rate="10 mL/s")
+    python = plan.to_dict()
+    assert command.pop("phase") == {**python.pop("phase"), "source": "home"}
+    assert python == command
+    assert {key: python[key] for key in rust[name]["dose"]} == rust[name]["dose"]
+    with steps.open() as lines:
+        rows = list(csv.DictReader(lines))
+    np.testing.assert_array_equal(plan.step_times_s, [float(row["time_s"]) for row in rows])
+    np.testing.assert_array_equal(plan.step_angles_rad, [float(row["angle_rad"]) for row in rows])
+    with trace.open() as lines:
+        samples = list(csv.DictReader(lines))
+    for column, numbers in plan.trace().to_dict().items():
+        np.testing.assert_array_equal(numbers, [float(sample[column]) for sample in samples], err_msg=column)
+
+
+@pytest.mark.parametrize("name", PUMPS)
+def test_a_simulation_is_the_same_to_the_last_bit(name: str, tmp_path: Path, rust: dict[str, Any]) -> None:
+    trace = tmp_path / "trace.csv"
+    out = cargo(
+        *("--bin", "dose", "--", "simulate", "--speed", "100rpm", "--duration", "2s", "--pump", name),
+        *("--format", "json", "--trace", os.fspath(trace)),
+    )
+    pump = pm.Pump.named(name)
+    steady = pump.steady_state(speed_rpm=100).to_dict()
+    assert steady.pop("speed_rpm") == json.loads(out)["speed_rpm"]
+    assert steady == json.loads(out)["steady"] == rust[name]["steady"]
+    run = pump.simulate(speed_rpm=100, duration_s=2)
+    with trace.open() as lines:
+        samples = list(csv.DictReader(lines))
+    for column, numbers in run.to_dict().items():
+        np.testing.assert_array_equal(numbers, [float(sample[column]) for sample in samples], err_msg=column)
+    for column, last in rust[name]["last"].items():
+        assert float(run.to_dict()[column][-1]) == last, column
+
+
+@pytest.mark.parametrize("name", PUMPS)
+def test_a_simulated_dose_is_the_same_to_the_last_bit(
+    name: str, tmp_path: Path, rust: dict[str, Any]
+) -> None:
+    out = cargo(
+        *("--bin", "dose", "--", "7mL", "--within", "4s", "--pump", name, "--format", "json"),
+        *("--state-dir", os.fspath(tmp_path / "command")),
+    )
+    with pm.Bench.open(name, state_dir=tmp_path / "python") as bench:
+        dose = bench.dose("7mL", within="4s").to_dict()
+    assert dose == json.loads(out)
+    assert dose["delivered_ml"] == rust[name]["delivered_ml"]
