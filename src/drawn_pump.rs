@@ -93,7 +93,7 @@ impl DrawnPump {
                      # yours, or put measured R, C and L in its place."
                 }
                 "[motor]" => "# Assumed: a drawing does not tell. Change it to yours.",
-                "[fluid]" | "[ambient]" => "# Assumed.",
+                "[speed_law]" | "[fluid]" | "[ambient]" => "# Assumed.",
                 "[uncertainty]" => {
                     "# For a pump that nobody has measured: the linear model over all speeds (2.4 %), the drawing against measured\n\
                      # volumes (1.4 %; 5.8 % of a roller's) and a bore known to 0.1 mm. Repeatability as McIntyre et al. measured."

@@ -41,6 +41,7 @@ pub mod sample;
 mod sampling;
 mod session;
 mod simulation;
+pub mod speed_law;
 mod status;
 pub mod times;
 mod tube;

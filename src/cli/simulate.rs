@@ -1,6 +1,6 @@
 //! `dose simulate`: the model at constant speed.
 
-use pump_ctl::plan::{Cruise, speed_for_flow};
+use pump_ctl::plan::Cruise;
 use pump_dose::pump_file::PumpFile;
 use pump_dose::waveform::Method;
 use pump_dose::{Simulation, SteadyReport};
@@ -47,7 +47,10 @@ pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
     let pump = file.model().map_err(Failure::refused)?;
     let speed_rad_s = match options.cruise()? {
         Some(Cruise::Speed { rad_s }) => rad_s,
-        Some(Cruise::Flow { ml_s }) => speed_for_flow(&pump, ml_s),
+        Some(Cruise::Flow { ml_s }) => {
+            let flow_ml_s = if options.reverse { -ml_s } else { ml_s };
+            file.speed_for_flow(&pump, flow_ml_s).map_err(Failure::refused)?.abs()
+        }
         _ => {
             return Err(Failure::refused("how fast? Add --speed 100rpm or --rate 10mL/s"));
         }
@@ -56,6 +59,7 @@ pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
         return Err(Failure::refused("how long? Add --duration 10s"));
     };
     let speed_rad_s = if options.reverse { -speed_rad_s } else { speed_rad_s };
+    let pump = file.pump_at(&pump, speed_rad_s).map_err(Failure::refused)?;
     let method = match options.method.unwrap_or(MethodName::Auto) {
         MethodName::Auto | MethodName::Exact => Method::Exact,
         MethodName::Rodas5p => Method::Rodas5p { tolerance: DEFAULT_TOLERANCE },
