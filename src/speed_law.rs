@@ -88,6 +88,16 @@ impl RangedLaw {
         Ok(self.factor_at(pump, speed_rad_s)? * pump.average_flow_ml_s(speed_rad_s))
     }
 
+    /// The same up to `most_rpm`, if it holds for a slower speed; else as it is.
+    pub fn up_to(self, most_rpm: f64) -> Self {
+        if self.least_rpm <= most_rpm { Self { most_rpm: self.most_rpm.min(most_rpm), ..self } } else { self }
+    }
+
+    /// The largest mean flow of `pump`, mL/s.
+    pub fn largest_ml_s(&self, pump: &Pump) -> Result<f64, SpeedLawError> {
+        Ok(self.flow(pump, false)?.largest()?.0)
+    }
+
     /// The slowest speed, rad/s, whose mean flow is `flow_ml_s`; both are negative in reverse.
     pub fn speed_for_flow(&self, pump: &Pump, flow_ml_s: f64) -> Result<f64, SpeedLawError> {
         let flow = self.flow(pump, flow_ml_s < 0.0)?;

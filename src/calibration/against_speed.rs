@@ -30,11 +30,7 @@ impl<'a> AgainstSpeed<'a> {
 
     /// The same with flows of the law up to this speed alone, r/min, if it holds for a slower one.
     pub(crate) fn up_to(self, most_rpm: f64) -> Self {
-        let bound = |law: RangedLaw| match law.least_rpm <= most_rpm {
-            true => RangedLaw { most_rpm: law.most_rpm.min(most_rpm), ..law },
-            false => law,
-        };
-        Self { law: self.law.map(bound), ..self }
+        Self { law: self.law.map(|law| law.up_to(most_rpm)), ..self }
     }
 
     /// What was weighed; none if the pump file's law says it.

@@ -114,9 +114,9 @@ fn covered(case: &Case) -> f64 {
             (uncalibrated, stated_ml)
         } else {
             let stored = calibrate(&file, &plant, case.calibrated_rpm, &mut dice);
-            let planner = Planner { file: &file, base: &base, stored: &stored, limits: &limits };
+            let planner = Planner { file: &file, base: &base, stored: Some(&stored), law: None, limits: &limits };
             let found = planner.plan(case.start, &request).unwrap();
-            let budget = Budget::new(&found.model, &found.plan, &file.uncertainty, Some(&found.applied));
+            let budget = Budget::new(&found.model, &found.plan, &file.uncertainty, found.applied.as_ref());
             (found.plan, budget.expanded_ml())
         };
         let start_rad = plan.start.angle_rad + plan.start.half_width_rad * (2.0 * dice.uniform() - 1.0);

@@ -324,7 +324,7 @@ impl PumpFile {
     ) -> Result<(), PumpFileError> {
         let of_model = |source| PumpFileError::Model { origin: origin(), source };
         let Some(law) = self.speed_law().map_err(of_model)? else { return Ok(()) };
-        match law.speed_for_flow(model, rate_ml_s) {
+        match law.up_to(self.motor.max_speed_rpm).speed_for_flow(model, rate_ml_s) {
             Ok(_) => Ok(()),
             Err(SpeedLawError::Model(source)) => Err(of_model(source)),
             Err(source) => Err(PumpFileError::SpeedLaw { origin: origin(), source }),

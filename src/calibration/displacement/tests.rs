@@ -34,9 +34,9 @@ fn a_line_through_several_speeds_is_found_exactly() {
     assert_eq!(fit.speeds_rpm, [20.0, 60.0, 100.0]);
     assert!((fit.slope_per_rpm + 2e-4).abs() < 1e-12);
     for rpm in [20.0, 33.0, 100.0] {
-        assert!((fit.factor_at(rpm) - truth(rpm)).abs() < 1e-12);
+        assert!((fit.line_at(rpm) - truth(rpm)).abs() < 1e-12);
     }
-    assert!(fit.standard_at(60.0) < 1e-9 && fit.outliers.is_empty() && fit.lack_of_fit < 1e-9);
+    assert!(fit.standard_at(&Pump::three_roller(), 60.0).unwrap() < 1e-9 && fit.outliers.is_empty() && fit.lack_of_fit < 1e-9);
     assert!(fit.covers(20.0) && fit.covers(100.0) && !fit.covers(19.0) && !fit.covers(102.0));
     assert_eq!((fit.distance_rpm(60.1), fit.distance_rpm(90.0)), (0.0, 10.0));
 }
@@ -49,7 +49,7 @@ fn one_run_is_as_sure_as_was_expected_and_no_surer() {
     assert_eq!((fit.degrees_of_freedom, fit.scatter), (0, None));
     let reading = 0.1 / (2.0 * 21.318_5);
     assert!((fit.reading - reading).abs() < 1e-6);
-    assert!((fit.standard_at(60.0) - sqrt(0.0047 * 0.0047 + reading * reading)).abs() < 1e-6);
+    assert!((fit.standard_at(&Pump::three_roller(), 60.0).unwrap() - sqrt(0.0047 * 0.0047 + reading * reading)).abs() < 1e-6);
     assert!(fit.covers(1.0) && fit.covers(170.0), "one speed is used at all of them");
 }
 
@@ -65,7 +65,7 @@ fn standard_errors_are_those_of_repeated_calibrations() {
             .map(|rpm| (rpm, 1.0 + 1e-4 * rpm + 0.003 * dice.normal()))
             .collect();
         let fit = fit(&runs, &EXPECTED).unwrap();
-        inside += i32::from((fit.factor_at(80.0) - 1.008).abs() < 2.0 * fit.standard_at(80.0));
+        inside += i32::from((fit.line_at(80.0) - 1.008).abs() < 2.0 * fit.standard_at(&Pump::three_roller(), 80.0).unwrap());
         squares += fit.scatter.unwrap() * fit.scatter.unwrap();
         slopes += (fit.slope_per_rpm - 1e-4) * (fit.slope_per_rpm - 1e-4);
         expected_slope += fit.slope_standard_per_rpm * fit.slope_standard_per_rpm;
@@ -114,7 +114,7 @@ fn a_bend_that_no_line_has_is_reported() {
     // The three means lie 0.0021, -0.0043 and 0.0021 from the line, on one degree of freedom.
     assert!((0.004..0.007).contains(&fit.lack_of_fit), "{}", fit.lack_of_fit);
     // The bend is no scatter.
-    assert!(fit.scatter.unwrap() < 2e-4 && fit.standard_at(60.0) < 2e-4, "{fit:?}");
+    assert!(fit.scatter.unwrap() < 2e-4 && fit.standard_at(&Pump::three_roller(), 60.0).unwrap() < 2e-4, "{fit:?}");
 }
 
 #[test]
@@ -124,7 +124,7 @@ fn a_speed_gives_its_flow_and_no_speed_gives_more_than_the_line_has() {
             [20.0, 60.0, 100.0].iter().map(|rpm| (*rpm, 1.0 + slope * (rpm - 60.0))).collect();
         let fit = fit(&runs, &EXPECTED).unwrap();
         for rpm in [25.0, 77.0, 100.0] {
-            let flow_ml_s = fit.factor_at(rpm) * 21.318_5 * rpm / 60.0;
+            let flow_ml_s = fit.line_at(rpm) * 21.318_5 * rpm / 60.0;
             assert!((fit.speed_for_flow(21.318_5, flow_ml_s).unwrap() - rpm).abs() < 1e-9, "{slope} {rpm}");
         }
     }
