@@ -182,8 +182,16 @@ impl Prepared {
         };
         let planner = Planner { file, base: model, stored, law, limits: &limits };
         let found = planner.plan(start, &asked)?;
-        let mut prepared =
-            Self::of_plan(file, request, found.model, found.applied, found.plan, limits, phase_source, carry_ml)?;
+        let mut prepared = Self::of_plan(
+            file,
+            request,
+            found.model,
+            found.applied,
+            found.plan,
+            limits,
+            phase_source,
+            carry_ml,
+        )?;
         prepared.warnings.extend(found.warning);
         Ok(prepared)
     }

@@ -127,11 +127,7 @@ impl RangedLaw {
     }
 
     /// Mean flow against speed.
-    pub(crate) fn flow<'a>(
-        &'a self,
-        pump: &'a Pump,
-        reverse: bool,
-    ) -> Result<SpeedLawFlow<'a>, ModelError> {
+    pub(crate) fn flow<'a>(&'a self, pump: &'a Pump, reverse: bool) -> Result<SpeedLawFlow<'a>, ModelError> {
         SpeedLawFlow::new(&self.law, pump, [rad_s(self.least_rpm), rad_s(self.most_rpm)], reverse)
     }
 }

@@ -153,7 +153,15 @@ impl Displacement {
         let speed_law = match (law, &over_pressure) {
             (Some((base, start)), Some(over)) => {
                 let closure_deg = degrees(start.closure_rad);
-                Some(LawFit::of(base, start, closure_deg, over, standards(over), reading, degrees_of_freedom)?)
+                Some(LawFit::of(
+                    base,
+                    start,
+                    closure_deg,
+                    over,
+                    standards(over),
+                    reading,
+                    degrees_of_freedom,
+                )?)
             }
             _ => None,
         };
@@ -204,7 +212,11 @@ impl Displacement {
     pub(super) fn law(&self) -> Option<RangedLaw> {
         let (least_rpm, most_rpm) = self.range_rpm();
         let law = self.speed_law.as_ref()?.law();
-        Some(RangedLaw { law, least_rpm: least_rpm * (1.0 - SAME_SPEED), most_rpm: most_rpm * (1.0 + SAME_SPEED) })
+        Some(RangedLaw {
+            law,
+            least_rpm: least_rpm * (1.0 - SAME_SPEED),
+            most_rpm: most_rpm * (1.0 + SAME_SPEED),
+        })
     }
 
     /// Whether kappa was weighed at several speeds, and so holds between them.

@@ -57,7 +57,8 @@ impl LawFit {
         let u_variance = reference_variance + slope_variance * away_kpa * away_kpa;
         let d = w / u;
         // First order: dD = dw/u - D du/u, and du and dw have slope_variance away_kpa in common.
-        let d_variance = (slope_variance + d * d * u_variance - 2.0 * d * slope_variance * away_kpa) / (u * u);
+        let d_variance =
+            (slope_variance + d * d * u_variance - 2.0 * d * slope_variance * away_kpa) / (u * u);
         let wide = widening(degrees_of_freedom);
         let fit = Self {
             scale: (u + b) / a,

@@ -1,8 +1,8 @@
 //! A calibration made of what was weighed.
 
 use super::{
-    AgainstSpeed, Calibration, CalibrationError, Calibrations, Correction, Displacement, Expected, PhaseFit, Revolution,
-    Run, ShortDose, Source, Stored, Weighing,
+    AgainstSpeed, Calibration, CalibrationError, Calibrations, Correction, Displacement, Expected, PhaseFit,
+    Revolution, Run, ShortDose, Source, Stored, Weighing,
 };
 use crate::pump_file::PumpFile;
 

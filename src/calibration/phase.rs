@@ -359,9 +359,8 @@ mod tests {
     fn what_is_unsure_of_the_revolution_is_unsure_of_the_roller_volume() {
         let plant = plant(2.06, 50.0, 10.0);
         let doses = doses(&plant, 24, &mut Dice::new(3));
-        let with = |displacement: Option<&Displacement>| {
-            fit_as(displacement, &doses).unwrap().roller_volume_ml
-        };
+        let with =
+            |displacement: Option<&Displacement>| fit_as(displacement, &doses).unwrap().roller_volume_ml;
         let (weighed, unweighed) = (with(Some(&weighed(&plant))), with(None));
         assert!(unweighed.standard > 3.0 * weighed.standard, "{weighed:?} {unweighed:?}");
         assert!((weighed.value - 2.06).abs() < 2.0 * weighed.standard, "{weighed:?}");

@@ -134,8 +134,7 @@ impl Planner<'_> {
             } else {
                 None
             },
-            zero_standard_rad: calibration
-                .map_or(0.0, |calibration| radians(calibration.zero_standard_deg)),
+            zero_standard_rad: calibration.map_or(0.0, |calibration| radians(calibration.zero_standard_deg)),
         };
         Ok((Some(applied), warning))
     }
@@ -200,7 +199,8 @@ impl Planner<'_> {
     ) -> Result<SpeedPlan, DoseError> {
         let range_rpm = against.range_rpm();
         let mut limits = *self.limits;
-        let end_rpm = range_rpm.map(|(_, most)| most).filter(|most| rad_s(*most) < limits.motor.max_speed_rad_s);
+        let end_rpm =
+            range_rpm.map(|(_, most)| most).filter(|most| rad_s(*most) < limits.motor.max_speed_rad_s);
         if let Some(end_rpm) = end_rpm {
             limits.motor.max_speed_rad_s = rad_s(end_rpm);
         }
@@ -244,7 +244,9 @@ impl Planner<'_> {
         if against.covers(speed_rpm) || beyond_motor {
             return Ok(());
         }
-        Err(self.outside(against, asked(), request).unwrap_or_else(|error| CalibrationError::from(error).into()))
+        Err(self
+            .outside(against, asked(), request)
+            .unwrap_or_else(|error| CalibrationError::from(error).into()))
     }
 
     /// The refusal of a flow that no speed gives.
@@ -266,8 +268,7 @@ impl Planner<'_> {
         let Some(stored) = self.stored.filter(|_| against.displacement().is_some()) else {
             return Ok(SpeedLawError::OutsideSpeeds { asked, least_rpm, most_rpm }.into());
         };
-        let (least_ml_s, most_ml_s) =
-            against.flows_ml_s(reverse(request))?.unwrap_or((0.0, f64::INFINITY));
+        let (least_ml_s, most_ml_s) = against.flows_ml_s(reverse(request))?.unwrap_or((0.0, f64::INFINITY));
         let version = stored.version;
         let outside =
             CalibrationError::OutsideSpeeds { version, least_rpm, most_rpm, least_ml_s, most_ml_s, asked };
@@ -285,5 +286,7 @@ fn signed(rpm: f64, request: &Request) -> f64 {
     if reverse(request) { -rpm } else { rpm }
 }
 
+#[cfg(test)]
+mod by_law;
 #[cfg(test)]
 mod tests;

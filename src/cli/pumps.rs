@@ -23,6 +23,10 @@ pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result
             let file = pump_named(name).map_err(Failure::refused)?;
             match options.format {
                 None => print(&file.to_toml()),
+                Some(Format::Rust) if file.speed_law.standard().is_some() => Err(Failure::refused(
+                    "firmware plans with one volume of a revolution, and this file has a speed law; write kind = \"none\" into its \
+                     [speed_law] for the firmware",
+                )),
                 Some(Format::Rust) => print(&rust_source(&file).map_err(Failure::refused)?),
                 Some(Format::Text | Format::Json) => Err(Failure::refused(
                     "`dose pumps show` prints a pump file (TOML), or Rust with `--format rust`",

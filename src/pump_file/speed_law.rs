@@ -117,3 +117,50 @@ impl PumpFile {
         self.speed_law()?.map_or_else(usual, |law| law.speed_for_flow(pump, flow_ml_s))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(table: &str) -> Result<PumpFile, String> {
+        let text = crate::built_in("three-roller").unwrap().to_toml();
+        let text = text.replace("[speed_law]\nkind = \"none\"\n", table);
+        PumpFile::parse(&text, "a file").map_err(|error| error.to_string())
+    }
+
+    const TABLE: &str = "[speed_law]\nkind = \"inlet-pressure\"\ns = 0.953\nd_per_kpa = 2.05e-3\nleast_rpm = 10\n\
+                         most_rpm = 170\nresidual_percent = 2.4\n";
+
+    #[test]
+    fn a_table_is_the_law_with_the_closure_of_the_dimensions() {
+        let file = parsed(TABLE).unwrap();
+        let law = file.speed_law().unwrap().unwrap();
+        assert!((law.law.closure_rad - SpeedLaw::PUBLISHED.closure_rad).abs() < 1e-6);
+        assert_eq!((law.law.ambient_kpa, law.least_rpm, law.most_rpm), (85.7, 10.0, 170.0));
+        assert_eq!(PumpFile::parse(&file.to_toml(), "the same").unwrap(), file);
+        let given = parsed(&format!("{TABLE}closure_angle_deg = 32.9\n")).unwrap();
+        assert!((given.speed_law().unwrap().unwrap().law.closure_rad - radians(32.9)).abs() < 1e-12);
+        assert_eq!(parsed("").unwrap().speed_law, SpeedLawTable::Off {}, "none is what nobody writes");
+    }
+
+    #[test]
+    fn tables_that_mean_nothing_are_refused() {
+        for (from, to, part) in [
+            ("inlet-pressure", "outlet-pressure", "outlet-pressure"),
+            ("inlet-pressure\"", "none\"", "unknown field"),
+            ("s = 0.953\n", "", "missing field `s`"),
+            ("s = 0.953\n", "s = 0.953\nd = 1\n", "unknown field `d`"),
+            ("s = 0.953", "s = -1", "[speed_law] s is -1"),
+            ("2.05e-3", "1.5", "[speed_law] d_per_kpa is 1.5"),
+            ("least_rpm = 10", "least_rpm = 0", "[speed_law] least_rpm is 0"),
+            ("most_rpm = 170", "most_rpm = 9", "[speed_law] most_rpm is 9"),
+            ("= 2.4", "= -2.4", "[speed_law] residual_percent is -2.4"),
+            // 5 mL/s need 14 r/min.
+            ("least_rpm = 10", "least_rpm = 20", "default_rate_ml_s: by the pump file's speed law"),
+            ("s = 0.953", "s = 0.1", "volume per revolution of the speed law"),
+        ] {
+            let error = parsed(&TABLE.replace(from, to)).unwrap_err();
+            assert!(error.contains(part), "{part}: {error}");
+        }
+    }
+}

@@ -37,7 +37,8 @@ fn planned(
     let file = crate::built_in("three-roller").unwrap();
     let base = file.model().unwrap();
     let stored = stored(&file, slope_per_rpm, speeds_rpm);
-    let planner = Planner { file: &file, base: &base, stored: Some(&stored), law: None, limits: &file.limits() };
+    let planner =
+        Planner { file: &file, base: &base, stored: Some(&stored), law: None, limits: &file.limits() };
     planner.plan(Phase::known(0.7), &Request::new(volume_ml, cruise))
 }
 
@@ -85,7 +86,10 @@ fn a_time_is_met_by_the_slowest_speed_with_its_own_displacement() {
             );
             let found_rpm = rpm(found.plan.profile.peak_rad_s());
             let factor = 1.0 + slope * (found_rpm - 50.0);
-            assert!((found.applied.as_ref().unwrap().correction.factor - factor).abs() < 1e-9, "{slope} {volume_ml} {time_s}");
+            assert!(
+                (found.applied.as_ref().unwrap().correction.factor - factor).abs() < 1e-9,
+                "{slope} {volume_ml} {time_s}"
+            );
         }
     }
 }

@@ -74,7 +74,13 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
     /// What is fitted: a straight line over the speed, or s and D of the speed law (three speeds at least)
-    #[arg(long, value_name = "line|speed-law", default_value = "line", hide_default_value = true, value_enum)]
+    #[arg(
+        long,
+        value_name = "line|speed-law",
+        default_value = "line",
+        hide_default_value = true,
+        value_enum
+    )]
     fit: FitName,
     #[command(flatten)]
     reading: ReadingArgs,

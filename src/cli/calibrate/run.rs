@@ -35,7 +35,8 @@ fn keep(
     let calibrations = bench.calibrations();
     let before = calibrations.active()?.map(|active| active.calibration);
     let expected = expected(bench, &args.reading)?;
-    let mut calibration = Calibration::of_runs(bench.file(), source, runs, args.fit.into(), &expected, before.as_ref())?;
+    let mut calibration =
+        Calibration::of_runs(bench.file(), source, runs, args.fit.into(), &expected, before.as_ref())?;
     calibration.tube = args.reading.tube.clone();
     calibration.note = args.reading.note.clone();
     let version = calibrations.add(&calibration)?;
