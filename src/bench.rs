@@ -6,7 +6,7 @@ use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
 use pump_model::math::TURN_RAD;
 
-use crate::calibration::Calibrations;
+use crate::calibration::{Calibration, Calibrations, Stored};
 use crate::dose::{DoseRequest, PhaseSource, Prepared, Purpose};
 use crate::drivers::{DriveError, abilities};
 use crate::error::DoseError;
@@ -116,9 +116,16 @@ impl Bench {
         Ok(self.story()?.state.unwrap_or(self.fresh()))
     }
 
-    /// Plans a dose from the recorded angle and predicts it. Moves and writes nothing.
+    /// Plans a dose from the recorded angle and predicts it. Moves and writes nothing. Refused while another process moves the
+    /// pump: where it will stop is not known yet.
     pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
-        let mut prepared = self.prepare_from(&self.file, self.story()?.state, request)?;
+        let state = self.story()?.state;
+        if state.is_some_and(|state| state.unfinished.is_some())
+            && let Some(holder) = self.folder.holder()
+        {
+            return Err(self.folder.busy(holder).into());
+        }
+        let mut prepared = self.prepare_from(&self.file, state, request)?;
         if self.driver() != DriverName::Sim {
             let unread =
                 "a dry run does not ask the device: its own speeds, acceleration and count are not known";
@@ -186,6 +193,15 @@ impl Bench {
     pub fn use_calibration(&self, version: Option<u32>) -> Result<(), DoseError> {
         self.refuse_unfinished(self.story()?.state)?;
         Ok(self.calibrations().activate(version)?)
+    }
+
+    /// Keeps a calibration and has doses use it from now on. Refused as [`Self::use_calibration`] is. Whoever calls must hold the
+    /// pump's lock.
+    pub fn keep_calibration(&self, calibration: Calibration) -> Result<Stored, DoseError> {
+        self.refuse_unfinished(self.story()?.state)?;
+        let version = self.calibrations().add(&calibration)?;
+        self.use_calibration(Some(version))?;
+        Ok(Stored { version, calibration })
     }
 
     /// None if nobody has said how long a tube lasts.

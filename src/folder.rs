@@ -74,6 +74,20 @@ impl Folder {
         Story::read(&self.path.join(JOURNAL), pump, fresh)
     }
 
+    /// Who has the pump at the moment, as the lock says it; none if nobody has. Takes nothing.
+    pub fn holder(&self) -> Option<String> {
+        let mut file = File::open(self.path.join(LOCK)).ok()?;
+        match file.try_lock_shared() {
+            Err(TryLockError::WouldBlock) => Some(named_holder(&mut file)),
+            Ok(()) | Err(TryLockError::Error(_)) => None,
+        }
+    }
+
+    /// The refusal of what `holder` has.
+    pub(crate) fn busy(&self, holder: String) -> FolderError {
+        FolderError::Busy { pump: self.pump.clone(), holder, path: self.path.join(LOCK) }
+    }
+
     /// Creates the folder and takes the pump for this process until the lock is dropped.
     pub fn lock(&self) -> Result<Lock, FolderError> {
         let failed = |action, path: &Path| {
@@ -96,11 +110,7 @@ impl Folder {
         match file.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
-                let mut holder = String::new();
-                // On some systems a locked file cannot be read; the refusal stands all the same.
-                let read = file.read_to_string(&mut holder).is_ok() && !holder.trim().is_empty();
-                let holder = if read { holder.trim().to_owned() } else { "another process".to_owned() };
-                return Err(FolderError::Busy { pump: self.pump.clone(), holder, path });
+                return Err(self.busy(named_holder(&mut file)));
             }
             Err(TryLockError::Error(source)) => {
                 return Err(FolderError::File { action: "lock", path, source });
@@ -113,6 +123,14 @@ impl Folder {
             .map_err(failed("write", &path))?;
         Ok(Lock { folder: self.clone(), _file: file })
     }
+}
+
+/// What a lock file that somebody holds says of them.
+fn named_holder(file: &mut File) -> String {
+    let mut holder = String::new();
+    // On some systems a locked file cannot be read; it is locked all the same.
+    let read = file.read_to_string(&mut holder).is_ok() && !holder.trim().is_empty();
+    if read { holder.trim().to_owned() } else { "another process".to_owned() }
 }
 
 /// The right to move a pump and to write its journal.
@@ -161,7 +179,9 @@ mod tests {
         let lock = folder.lock().unwrap();
         let error = folder.lock().unwrap_err().to_string();
         assert!(error.contains("pump `pump` is in use by process"), "{error}");
+        assert_eq!(folder.holder(), Some(format!("process {}", std::process::id())));
         drop(lock);
+        assert_eq!(folder.holder(), None);
         assert!(folder.lock().is_ok());
     }
 }

@@ -2,14 +2,74 @@
 
 use std::array;
 
-use pump_model::{Leg, ModelError, Pump, SteadyState};
+use pump_model::{DEFAULT_TOLERANCE, Friction, Leg, ModelError, Pump, RollerCentric, SteadyState};
 use serde::Serialize;
+use thiserror::Error;
 
 use crate::times::EqualTimes;
-use crate::waveform::{Method, Waveform};
+use crate::waveform::{Integration, Method, Waveform};
 
 /// Most samples that a run may have.
 pub const MAX_SAMPLES: f64 = 1e9;
+
+/// Which method is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AskedMethod {
+    /// The exact solution where there is one.
+    Auto,
+    /// The exact solution.
+    Exact,
+    /// The integrator.
+    Rodas5p,
+}
+
+/// A method that does not fit what is to be computed.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
+pub enum MethodError {
+    /// The roller-centric model has no exact solution.
+    #[error(
+        "the roller-centric model is not linear and has no exact solution; allowed: method auto or rodas5p"
+    )]
+    ExactRollerCentric,
+    /// Friction has no exact solution.
+    #[error(
+        "the friction of a hose grows with the flow and has no exact solution; allowed: method auto or rodas5p, or a pump \
+         file that gives the lines' R, C and L in place of their hoses"
+    )]
+    ExactFriction,
+    /// A tolerance for what has no error.
+    #[error(
+        "tolerance is {tolerance}, but the exact solution has none; allowed: none, or method \"rodas5p\""
+    )]
+    ToleranceOfExact {
+        /// What was given.
+        tolerance: f64,
+    },
+}
+
+/// The method for a model, the frictions of the hoses that inlet and outlet line are, and what is asked for. Without a
+/// `tolerance` the integrator takes [`DEFAULT_TOLERANCE`].
+pub fn choose_method(
+    asked: AskedMethod,
+    roller_centric: Option<RollerCentric>,
+    frictions: [Option<Friction>; 2],
+    tolerance: Option<f64>,
+) -> Result<Method, MethodError> {
+    let is_linear = roller_centric.is_none() && frictions == [None; 2];
+    match asked {
+        AskedMethod::Exact if roller_centric.is_some() => Err(MethodError::ExactRollerCentric),
+        AskedMethod::Exact if !is_linear => Err(MethodError::ExactFriction),
+        AskedMethod::Exact | AskedMethod::Auto if is_linear => match tolerance {
+            None => Ok(Method::Exact),
+            Some(tolerance) => Err(MethodError::ToleranceOfExact { tolerance }),
+        },
+        _ => {
+            let tolerance = tolerance.unwrap_or(DEFAULT_TOLERANCE);
+            Ok(Method::Rodas5p(Integration { tolerance, frictions, roller_centric }))
+        }
+    }
+}
 
 /// A run at constant speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,6 +108,12 @@ impl Simulation {
         Ok(())
     }
 
+    /// The periodic steady state that it tends to.
+    pub fn steady_state(&self, pump: &Pump) -> Result<SteadyState, ModelError> {
+        self.validate()?;
+        self.method.steady_state(pump, self.speed_rad_s)
+    }
+
     /// Number of intervals: the samples are at n dt, both ends included where the duration is a multiple of dt.
     pub fn intervals(&self) -> u64 {
         // A duration of 10 s and a dt of 1 ms are 10,000 intervals whatever their quotient rounds to.
@@ -63,7 +129,7 @@ impl Simulation {
     ) -> Result<Waveform<'a, array::IntoIter<Leg, 1>, EqualTimes>, ModelError> {
         self.validate()?;
         let legs = [Leg::constant_speed(0.0, self.speed_rad_s)];
-        Ok(Waveform::every(pump, legs, self.method, self.dt_s, self.intervals())?)
+        Waveform::every(pump, legs, self.method, self.dt_s, self.intervals())
     }
 }
 

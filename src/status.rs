@@ -43,6 +43,8 @@ pub struct Status {
     pub calibration: Option<CalibrationStatus>,
     /// A dose that was begun and not finished.
     pub unfinished: Option<UnfinishedStatus>,
+    /// Who has the pump at the moment, so that what is unfinished is in motion; null if nobody has.
+    pub in_use_by: Option<String>,
     /// The folder of the journal.
     pub folder: String,
 }
@@ -118,6 +120,7 @@ impl Status {
                 .active()?
                 .map(|stored| CalibrationStatus { version: stored.version, date: stored.calibration.date }),
             unfinished,
+            in_use_by: bench.folder().holder(),
             folder: bench.folder().path().display().to_string(),
         })
     }
@@ -168,13 +171,19 @@ impl Status {
             let _ = writeln!(text, "doses use calibration {version} of {date}");
         }
         if let Some(dose) = &self.unfinished {
-            let _ = writeln!(
-                text,
-                "unfinished: a dose of {} mL, of which {} were delivered; `dose resume` makes the rest, `dose discard` \
-                 leaves it",
-                dose.requested_ml,
-                between(dose.delivered_least_ml, dose.delivered_most_ml)
-            );
+            let (asked_ml, made) =
+                (dose.requested_ml, between(dose.delivered_least_ml, dose.delivered_most_ml));
+            let _ = match &self.in_use_by {
+                Some(holder) => writeln!(
+                    text,
+                    "in motion, by {holder}: a dose of {asked_ml} mL, of which {made} are delivered by the end of this stretch"
+                ),
+                None => writeln!(
+                    text,
+                    "unfinished: a dose of {asked_ml} mL, of which {made} were delivered; `dose resume` makes the rest, `dose \
+                     discard` leaves it"
+                ),
+            };
         }
         text
     }

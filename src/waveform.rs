@@ -1,7 +1,11 @@
 //! Flows, pressures and delivered volume of a motion, sampled over time.
 
+use pump_model::circuit::Loss;
 use pump_model::integrator::IntegrationError;
-use pump_model::{ExactRun, ExactSamples, Leg, Port, PortRun, Pump};
+use pump_model::{
+    ExactRun, ExactSamples, Friction, Leg, ModelError, Port, PortRun, Pump, RollerCentric, RollerRun,
+    SteadyState,
+};
 
 use crate::sample::{Columns, Sample};
 use crate::times::EqualTimes;
@@ -9,13 +13,34 @@ use crate::times::EqualTimes;
 /// How the pressures are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// The exact solution, between edges in closed form.
+    /// The exact solution of the flow-centric model, between edges in closed form.
     Exact,
     /// The implicit integrator.
-    Rodas5p {
-        /// Error allowed in a step, see [`pump_model::DEFAULT_TOLERANCE`].
-        tolerance: f64,
-    },
+    Rodas5p(Integration),
+}
+
+/// What the integrator computes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Integration {
+    /// Error allowed in a step, see [`pump_model::DEFAULT_TOLERANCE`].
+    pub tolerance: f64,
+    /// Of the hoses that inlet and outlet line are, in place of R; none where a line is given.
+    pub frictions: [Option<Friction>; 2],
+    /// The roller-centric model with these parameters; none is the flow-centric one.
+    pub roller_centric: Option<RollerCentric>,
+}
+
+impl Integration {
+    /// The flow-centric model with lines as they are given.
+    pub fn new(tolerance: f64) -> Self {
+        Self { tolerance, frictions: [None; 2], roller_centric: None }
+    }
+
+    /// What inlet and outlet line of `pump` resist.
+    fn losses(&self, pump: &Pump) -> [Loss; 2] {
+        let [inlet, outlet] = self.frictions;
+        [Loss::with_friction(pump.inlet(), inlet), Loss::with_friction(pump.outlet(), outlet)]
+    }
 }
 
 impl Method {
@@ -23,7 +48,19 @@ impl Method {
     pub fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
-            Self::Rodas5p { .. } => "rodas5p",
+            Self::Rodas5p(_) => "rodas5p",
+        }
+    }
+
+    /// Periodic steady state of `pump` at a constant speed: in closed form where there is one.
+    pub fn steady_state(&self, pump: &Pump, speed_rad_s: f64) -> Result<SteadyState, ModelError> {
+        match self {
+            Self::Rodas5p(integration) => match integration.roller_centric {
+                Some(model) => model.resisted_steady_state(pump, integration.losses(pump), speed_rad_s),
+                None if integration.frictions == [None; 2] => pump.steady_state(speed_rad_s),
+                None => pump.resisted_steady_state(integration.losses(pump), speed_rad_s),
+            },
+            Self::Exact => pump.steady_state(speed_rad_s),
         }
     }
 }
@@ -38,12 +75,33 @@ pub struct Waveform<'a, M, T> {
     ports: Ports<'a, M>,
 }
 
-/// Inlet and outlet by either method.
+/// The integration of a port from rest.
+fn resisted<'a, M: Iterator<Item = Leg>, const N: usize>(
+    pump: &'a Pump,
+    port: Port,
+    [inlet, outlet]: [Loss; 2],
+    legs: M,
+    tolerance: f64,
+) -> Result<PortRun<'a, M, N, Loss>, IntegrationError> {
+    let loss = match port {
+        Port::Inlet => inlet,
+        Port::Outlet => outlet,
+    };
+    PortRun::resisted(pump, loss, port, legs, [0.0; N].into(), tolerance)
+}
+
+/// What the pressures are read from.
 enum Ports<'a, M> {
+    FlowCentric(Lines<'a, M>),
+    RollerCentric(Box<RollerRun<'a, M>>),
+}
+
+/// Inlet and outlet of the flow-centric model by either method.
+enum Lines<'a, M> {
     Exact(Box<[ExactRun<'a, M>; 2]>),
     /// At the next of equal intervals, whatever the time.
     Every(Box<[ExactSamples<'a, M>; 2]>),
-    Integrated(Box<(PortRun<'a, M, 2>, PortRun<'a, M, 3>)>),
+    Integrated(Box<(PortRun<'a, M, 2, Loss>, PortRun<'a, M, 3, Loss>)>),
 }
 
 impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M, EqualTimes> {
@@ -54,10 +112,12 @@ impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M, EqualTimes> {
         method: Method,
         dt_s: f64,
         intervals: u64,
-    ) -> Result<Self, IntegrationError> {
+    ) -> Result<Self, ModelError> {
         let waveform = Self::new(pump, legs, method, EqualTimes::new(dt_s, intervals))?;
         let ports = match waveform.ports {
-            Ports::Exact(ports) => Ports::Every(Box::new(ports.map(|run| run.every(dt_s)))),
+            Ports::FlowCentric(Lines::Exact(ports)) => {
+                Ports::FlowCentric(Lines::Every(Box::new(ports.map(|run| run.every(dt_s)))))
+            }
             other => other,
         };
         Ok(Self { ports, ..waveform })
@@ -71,17 +131,27 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
         legs: impl IntoIterator<IntoIter = M>,
         method: Method,
         times: T,
-    ) -> Result<Self, IntegrationError> {
+    ) -> Result<Self, ModelError> {
         let mut legs = legs.into_iter();
         let ports = match method {
             Method::Exact => {
                 let run = |port| ExactRun::from_rest(pump, port, legs.clone());
-                Ports::Exact(Box::new([run(Port::Inlet), run(Port::Outlet)]))
+                Ports::FlowCentric(Lines::Exact(Box::new([run(Port::Inlet), run(Port::Outlet)])))
             }
-            Method::Rodas5p { tolerance } => Ports::Integrated(Box::new((
-                PortRun::from_rest(pump, Port::Inlet, legs.clone(), tolerance)?,
-                PortRun::from_rest(pump, Port::Outlet, legs.clone(), tolerance)?,
-            ))),
+            Method::Rodas5p(integration) => {
+                let Integration { tolerance, roller_centric, .. } = integration;
+                let losses = integration.losses(pump);
+                match roller_centric {
+                    Some(model) => {
+                        let run = RollerRun::resisted(pump, model, losses, legs.clone(), tolerance)?;
+                        Ports::RollerCentric(Box::new(run))
+                    }
+                    None => Ports::FlowCentric(Lines::Integrated(Box::new((
+                        resisted(pump, Port::Inlet, losses, legs.clone(), tolerance)?,
+                        resisted(pump, Port::Outlet, losses, legs.clone(), tolerance)?,
+                    )))),
+                }
+            }
         };
         let leg = legs.next().unwrap_or(Leg::rest(0.0, 0.0));
         let start_ml = pump.outlet_curve().volume_ml(leg.angle_rad);
@@ -105,10 +175,22 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
             q_out_ml_s[n] *= speed_rad_s[n];
             delivered_ml[n] -= self.start_ml;
         }
-        self.follow_ports(time_s, p_in_kpa, p_out_kpa, delivered_ml)?;
-        for n in 0..count {
-            p_in_kpa[n] += self.pump.inlet().reservoir_kpa;
-            p_out_kpa[n] += self.pump.outlet().reservoir_kpa;
+        match &mut self.ports {
+            Ports::FlowCentric(lines) => {
+                lines.follow(self.pump, time_s, p_in_kpa, p_out_kpa, delivered_ml)?;
+                for n in 0..count {
+                    p_in_kpa[n] += self.pump.inlet().reservoir_kpa;
+                    p_out_kpa[n] += self.pump.outlet().reservoir_kpa;
+                }
+            }
+            Ports::RollerCentric(run) => {
+                for n in 0..count {
+                    let sample = run.at(time_s[n])?;
+                    (p_in_kpa[n], p_out_kpa[n]) = (sample.inlet_kpa, sample.outlet_kpa);
+                    (q_in_ml_s[n], q_out_ml_s[n]) = (sample.inlet_ml_s, sample.outlet_ml_s);
+                    delivered_ml[n] = sample.delivered_ml;
+                }
+            }
         }
         Ok(count)
     }
@@ -129,29 +211,32 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
             next = end;
         }
     }
+}
 
+impl<M: Iterator<Item = Leg>> Lines<'_, M> {
     /// Pressures above the reservoirs, kPa, at the times. `through_ml` is what the outlet rollers have pushed, mL, and
     /// becomes what has passed the line.
-    fn follow_ports(
+    fn follow(
         &mut self,
+        pump: &Pump,
         time_s: &[f64],
         inlet_kpa: &mut [f64],
         outlet_kpa: &mut [f64],
         through_ml: &mut [f64],
     ) -> Result<(), IntegrationError> {
-        match &mut self.ports {
-            Ports::Exact(ports) => {
+        match self {
+            Self::Exact(ports) => {
                 for (run, kpa) in ports.iter_mut().zip([inlet_kpa, &mut *outlet_kpa]) {
                     for (kpa, time_s) in kpa.iter_mut().zip(time_s) {
                         [*kpa, _] = run.at(*time_s);
                     }
                 }
             }
-            Ports::Every(ports) => {
+            Self::Every(ports) => {
                 ports[0].fill_kpa(inlet_kpa);
                 ports[1].fill_kpa(outlet_kpa);
             }
-            Ports::Integrated(ports) => {
+            Self::Integrated(ports) => {
                 for (n, time_s) in time_s.iter().enumerate() {
                     let (inlet, outlet) = (ports.0.at(*time_s)?, ports.1.at(*time_s)?);
                     (inlet_kpa[n], outlet_kpa[n], through_ml[n]) = (inlet[0], outlet[0], outlet[2]);
@@ -161,7 +246,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
         }
         // By the balance of the exact solution: what the line holds has not passed it.
         for (through_ml, kpa) in through_ml.iter_mut().zip(outlet_kpa) {
-            *through_ml -= self.pump.outlet().compliance_ml_kpa * *kpa;
+            *through_ml -= pump.outlet().compliance_ml_kpa * *kpa;
         }
         Ok(())
     }
@@ -201,7 +286,7 @@ mod tests {
         let (forward, reverse) = ([Leg::constant_speed(0.0, 10.0)], [Leg::constant_speed(0.0, -10.0)]);
         let (dt_s, intervals) = (1e-3, 2000);
         for legs in [&ramps[..], &forward, &reverse] {
-            for method in [Method::Exact, Method::Rodas5p { tolerance: 1e-5 }] {
+            for method in [Method::Exact, Method::Rodas5p(Integration::new(1e-5))] {
                 let legs = || legs.iter().copied();
                 let mut every = Waveform::every(&pump, legs(), method, dt_s, intervals).unwrap();
                 let times = (0..=intervals).map(|n| n as f64 * dt_s);

@@ -1,15 +1,4 @@
-//! A simulated grbl board at the end of a pseudo-terminal, for people without hardware:
-//!
-//!     cargo run --example simulated_grbl
-//!
-//! prints a device that `dose --driver grbl --port` takes, and runs until it is interrupted.
-//!
-//!     --for <seconds>       ends by itself
-//!     --fast <factor>       its motor runs so many times faster
-//!     --resets              opening the port resets it, as an Arduino
-//!     --set <number>=<value>  a setting that differs, as --set 100=80
-//!     --sensor <step>       an index sensor at this step of 12800
-//!     --firmware grbl|grbl09|grblhal|fluidnc
+//! A simulated grbl board at the end of a pseudo-terminal, for people without hardware: `cargo run --example simulated_grbl`.
 
 mod simulated;
 
@@ -20,6 +9,18 @@ use std::time::{Duration, Instant};
 use simulated::Simulated;
 use simulated::options::{Options, Sensor};
 
+const HELP: &str = "\
+A simulated grbl board at the end of a pseudo-terminal. Prints a device that `dose --driver grbl --port` takes, and runs
+until it is interrupted.
+
+  --for <seconds>         ends by itself
+  --fast <factor>         its motor runs so many times faster
+  --resets                opening the port resets it, as an Arduino
+  --set <number>=<value>  a setting that differs, as --set 100=80
+  --sensor <step>         an index sensor at this step of 12800
+  --firmware grbl|grbl09|grblhal|fluidnc
+";
+
 fn main() -> Result<(), Box<dyn Error>> {
     let mut options = Options::default();
     let mut limit = None;
@@ -27,6 +28,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));
         match word.as_str() {
+            "--help" | "-h" => {
+                write!(std::io::stdout(), "{HELP}")?;
+                return Ok(());
+            }
             "--for" => limit = Some(Duration::from_secs_f64(value()?.parse()?)),
             "--fast" => options.time_scale = value()?.parse()?,
             "--resets" => options.resets_on_open = true,
@@ -38,10 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             "--sensor" => options.sensor = Some(Sensor { at: value()?.parse()?, width: 128, every: 12_800 }),
             "--firmware" => options.firmware = value()?.parse()?,
             other => {
-                return Err(format!(
-                    "{other} is not an option; see the head of examples/simulated_grbl/main.rs"
-                )
-                .into());
+                return Err(format!("{other} is not an option\n{HELP}").into());
             }
         }
     }

@@ -1,11 +1,11 @@
 //! The displacement factor: measured over model volume, at one speed, as a line over several or by the speed law.
 
+use pump_model::identification::widening;
 use pump_model::math::{degrees, rad_s, sqrt};
 use pump_model::{ModelError, Pump, SpeedLaw};
 use serde::{Deserialize, Serialize};
 
 use super::straight::{Point, Straight};
-use super::student::widening;
 use super::{CalibrationError, LawFit, Run, Weighing};
 use crate::speed_law::RangedLaw;
 

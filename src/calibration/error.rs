@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use pump_model::ModelError;
 use thiserror::Error;
 
+use crate::table::TableError;
+
 /// A calibration that is refused, with what is wrong and what to do.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -30,13 +32,8 @@ pub enum CalibrationError {
         message: String,
     },
     /// A table of runs cannot be read.
-    #[error("line {line}: {message}")]
-    Line {
-        /// Number of the line, from 1.
-        line: usize,
-        /// What is wrong, and what is accepted.
-        message: String,
-    },
+    #[error(transparent)]
+    Table(#[from] TableError),
     /// There is nothing to fit.
     #[error("{given} {of}; {needed} at least are needed")]
     TooFew {

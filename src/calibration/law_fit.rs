@@ -1,11 +1,12 @@
 //! The speed law fitted to runs.
 
+use pump_model::identification::widening;
 use pump_model::math::{TURN_RAD, radians, sqrt};
 use pump_model::{Pump, SpeedLaw};
 use serde::{Deserialize, Serialize};
 
+use super::CalibrationError;
 use super::straight::Straight;
-use super::{CalibrationError, student::widening};
 
 /// s and D of the speed law, by weighted least squares.
 ///

@@ -1,8 +1,8 @@
 //! A calibration made of what was weighed.
 
 use super::{
-    AgainstSpeed, Calibration, CalibrationError, Calibrations, Correction, Displacement, Expected, PhaseFit,
-    Revolution, Run, ShortDose, Source, Stored, Weighing,
+    AgainstSpeed, Calibration, CalibrationError, Correction, Displacement, Expected, PhaseFit, Revolution,
+    Run, ShortDose, Source, Weighing,
 };
 use crate::pump_file::PumpFile;
 
@@ -86,14 +86,5 @@ impl Calibration {
             ..before.cloned().unwrap_or(empty)
         };
         Ok((calibration, found))
-    }
-}
-
-impl Calibrations {
-    /// Keeps a calibration and has doses use it from now on.
-    pub fn keep(&self, calibration: Calibration) -> Result<Stored, CalibrationError> {
-        let version = self.add(&calibration)?;
-        self.activate(Some(version))?;
-        Ok(Stored { version, calibration })
     }
 }

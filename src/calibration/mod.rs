@@ -15,8 +15,6 @@ mod revolution;
 mod run;
 mod store;
 mod straight;
-mod student;
-mod table;
 mod verification;
 pub mod weighing;
 

@@ -1,13 +1,13 @@
 //! The zero of the angle and the shape of a pulse, from short doses at known start angles.
 
 use nalgebra::{Matrix3, Vector3};
+use pump_model::identification::{Estimate, widening};
 use pump_model::math::{degrees, radians, sqrt, wrap};
 use pump_model::{ModelError, Pump};
 use serde::{Deserialize, Serialize};
 
-use super::student::widening;
-use super::table::Table;
 use super::{CalibrationError, Expected, Reading, Revolution, Weighing};
+use crate::table::Table;
 
 /// Zeros that the search starts from, over a pitch.
 const STARTS: u32 = 36;
@@ -33,24 +33,15 @@ pub struct ShortDose {
     pub speed_rpm: Option<f64>,
 }
 
-/// A value with its standard uncertainty, widened so that twice it covers 95 % whatever the number of doses.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Found {
-    /// The value.
-    pub value: f64,
-    /// Its standard uncertainty.
-    pub standard: f64,
-}
-
 /// What short doses say of a pump.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PhaseFit {
     /// V_r, mL.
-    pub roller_volume_ml: Found,
+    pub roller_volume_ml: Estimate,
     /// phi, deg.
-    pub engagement_deg: Found,
+    pub engagement_deg: Estimate,
     /// Model angle of the rollers where the record says 0, deg, within half a pitch either way.
-    pub zero_deg: Found,
+    pub zero_deg: Estimate,
     /// Standard deviation of the doses about the fit, mL.
     pub scatter_ml: f64,
     /// Doses less parameters.
@@ -67,12 +58,12 @@ pub fn short_doses_of_csv(text: &str, weighing: &Weighing<'_>) -> Result<Vec<Sho
     for row in table.rows() {
         let turned_deg = row.required("turned_deg")?;
         if turned_deg == 0.0 {
-            return Err(row.error("turned_deg is 0; a dose turns".to_owned()));
+            return Err(row.error("turned_deg is 0; a dose turns".to_owned()).into());
         }
         let (name, value, reading) =
             row.one_of([("mass_g", Reading::MassG as fn(f64) -> Reading), ("volume_ml", Reading::VolumeMl)])?;
         if value <= 0.0 {
-            return Err(row.error(format!("{name} is {value}; allowed: more than 0")));
+            return Err(row.error(format!("{name} is {value}; allowed: more than 0")).into());
         }
         let degc = row.number("temperature_degc")?.unwrap_or(weighing.fluid.temperature_degc);
         let volume_ml = match reading(value) {
@@ -81,7 +72,7 @@ pub fn short_doses_of_csv(text: &str, weighing: &Weighing<'_>) -> Result<Vec<Sho
         };
         let speed_rpm = row.number("speed_rpm")?;
         if let Some(rpm) = speed_rpm.filter(|rpm| *rpm <= 0.0) {
-            return Err(row.error(format!("speed_rpm is {rpm}; allowed: more than 0")));
+            return Err(row.error(format!("speed_rpm is {rpm}; allowed: more than 0")).into());
         }
         let start_angle_deg = row.required("start_angle_deg")?;
         doses.push(ShortDose { start_angle_deg, turned_deg, volume_ml, speed_rpm });
@@ -135,7 +126,7 @@ impl PhaseFit {
             let scattered = widening(degrees_of_freedom) * sqrt(covariance[(n, n)]);
             sqrt(scattered * scattered + tilted[n] * tilted[n])
         };
-        let found = |value: f64, unit: f64, n| Found { value: value * unit, standard: standard(n) * unit };
+        let found = |value: f64, unit: f64, n| Estimate { value: value * unit, standard: standard(n) * unit };
         let pitch_rad = pump.pitch_rad();
         let zero_rad = wrap(best[2] + 0.5 * pitch_rad, pitch_rad) - 0.5 * pitch_rad;
         let fit = Self {

@@ -4,7 +4,8 @@ use pump_model::Pump;
 use pump_model::math::{degrees, radians, round};
 use serde::{Deserialize, Serialize};
 
-use super::table::Table;
+use crate::table::Table;
+
 use super::{CalibrationError, Weighing};
 
 /// Whole pitches within this part of one deliver the same from anywhere, or as good as: the largest flow is twice the mean.
@@ -114,17 +115,17 @@ pub fn runs_of_csv(text: &str, steps_per_rev: f64) -> Result<Vec<Run>, Calibrati
         let direction = match row.number("direction")? {
             None => 1.0,
             Some(sign) if sign.abs() == 1.0 => sign,
-            Some(other) => return Err(row.error(format!("direction is {other}; allowed: 1 or -1"))),
+            Some(other) => return Err(row.error(format!("direction is {other}; allowed: 1 or -1")).into()),
         };
         let turned_deg = direction * value * unit_deg;
         if turned_deg == 0.0 || turned_deg.abs() > 360e6 {
-            return Err(
-                row.error(format!("{name} is {value}; a run turns by more than 0 and up to a million turns"))
-            );
+            return Err(row
+                .error(format!("{name} is {value}; a run turns by more than 0 and up to a million turns"))
+                .into());
         }
         let (name, value, is_mass) = row.one_of([("mass_g", true), ("volume_ml", false)])?;
         if value <= 0.0 {
-            return Err(row.error(format!("{name} is {value}; allowed: more than 0")));
+            return Err(row.error(format!("{name} is {value}; allowed: more than 0")).into());
         }
         runs.push(Run {
             speed_rpm: row.positive("speed_rpm")?,

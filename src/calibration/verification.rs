@@ -3,7 +3,8 @@
 use pump_model::math::sqrt;
 use serde::Serialize;
 
-use super::table::Table;
+use crate::table::Table;
+
 use super::{CalibrationError, Weighing};
 
 /// Fewest doses of which an error can be told apart from chance; ISO 8655-6:2002 asks for ten.
@@ -116,7 +117,7 @@ pub fn readings_of_csv(text: &str, weighing: &Weighing<'_>) -> Result<Vec<f64>, 
     for row in table.rows() {
         let (name, value, is_mass) = row.one_of([("mass_g", true), ("volume_ml", false)])?;
         if value <= 0.0 {
-            return Err(row.error(format!("{name} is {value}; allowed: more than 0")));
+            return Err(row.error(format!("{name} is {value}; allowed: more than 0")).into());
         }
         let degc = row.number("temperature_degc")?.unwrap_or(weighing.fluid.temperature_degc);
         volumes_ml.push(if is_mass { weighing.volume_ml(value, degc)? } else { value });

@@ -9,6 +9,7 @@ use pump_dose::quantity::{self, Pressure};
 use pump_dose::{Bench, default_state_dir, pump_named};
 
 use super::calibrate::CalibrateCommand;
+use super::identify::IdentifyCommand;
 use super::new_pump::NewPump;
 use super::{Failure, batch};
 
@@ -58,6 +59,11 @@ pub(crate) enum Command {
     Calibrate {
         #[command(subcommand)]
         command: Option<CalibrateCommand>,
+    },
+    /// Find the resistance, compliance and inertance of a line from measurements
+    Identify {
+        #[command(subcommand)]
+        command: IdentifyCommand,
     },
     /// Run the model at constant speed (--speed or --rate, --duration)
     Simulate,
@@ -165,6 +171,8 @@ pub(crate) enum Missed {
 pub(crate) enum Model {
     /// Flows at the rollers drive the lines
     FlowCentric,
+    /// Every roller a valve, every segment between two a chamber (experimental)
+    RollerCentric,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -201,7 +209,7 @@ pub(crate) struct Options {
     /// Where in a pitch the dose may end [default: any]
     #[arg(long, global = true, value_name = "any|low-flow")]
     pub(crate) finish: Option<FinishAt>,
-    /// What is pumped, where it is not the pump file's fluid: water
+    /// What is pumped, where it is not the pump file's fluid: water, ethanol, isopropanol, glycerol 50%
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) fluid: Option<String>,
     /// Temperature of what is pumped, as 20degC [default: the pump file's]

@@ -5,6 +5,7 @@ mod batch;
 mod calibrate;
 mod dose;
 mod home;
+mod identify;
 mod interrupt;
 mod mark;
 mod new_pump;
@@ -129,6 +130,7 @@ fn dispatch(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Home { sensor: true, yes, .. }) => home::sensor(*yes, options),
         Some(Command::Home { set, .. }) => home::set(*set, options),
         Some(Command::Calibrate { command }) => calibrate::calibrate(command.as_ref(), options),
+        Some(Command::Identify { command }) => identify::identify(command, options),
         Some(Command::Release) => home::release(options),
         // Required, so true.
         Some(Command::Tube { new: _ }) => home::new_tube(options),

@@ -1,13 +1,17 @@
 //! `dose pumps new`: a pump file from a drawing.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
-use pump_dose::pump_file::PumpFile;
+use clap::{Args, ValueEnum};
+use pump_dose::fit_plot::{self, Axes};
+use pump_dose::pump_file::{Fit, PumpFile, RollerVolumeTable};
 use pump_dose::quantity::{self, TubeSize};
-use pump_dose::{DrawnPump, Staged};
-use pump_model::Geometry;
+use pump_dose::{DrawnPump, RollerRuns, Staged};
+use pump_model::{Geometry, ModelError};
 
+use super::args::Options;
+use super::outputs::Outputs;
 use super::{Failure, print};
 
 /// What a drawing says.
@@ -37,9 +41,32 @@ pub(crate) struct NewPump {
     /// Length of the hose on either side, as 0.5m
     #[arg(long, value_name = "LENGTH", default_value = "331mm", value_parser = quantity::length_mm)]
     hose: f64,
+    /// A roller's volume as measured, CSV: angle_deg since first contact, volume_ml, perhaps run [default: from the drawing]
+    #[arg(long, value_name = "FILE.csv")]
+    roller_volume_points: Option<PathBuf>,
+    /// How a curve goes through these points
+    #[arg(long, value_name = "quintic|spline", default_value = "quintic", requires = "roller_volume_points")]
+    fit: FitName,
     /// Where to write it; it must not be there yet [default: standard output]
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FitName {
+    /// Least squares of 5th order, as McIntyre et al.
+    Quintic,
+    /// A rising spline through the mean of each angle: a flow without jumps
+    Spline,
+}
+
+impl FitName {
+    fn fit(self) -> Fit {
+        match self {
+            Self::Quintic => Fit::Quintic,
+            Self::Spline => Fit::Spline,
+        }
+    }
 }
 
 impl NewPump {
@@ -55,28 +82,75 @@ impl NewPump {
     }
 
     /// Writes the file, or refuses a pump that cannot work.
-    pub(crate) fn write(&self) -> Result<(), Failure> {
+    pub(crate) fn write(&self, options: &Options) -> Result<(), Failure> {
+        let geometry = Geometry {
+            rollers: self.rollers,
+            bore_radius_mm: 0.5 * self.tube.bore_mm,
+            tube_outer_radius_mm: 0.5 * self.tube.outer_mm,
+            backplate_radius_mm: self.backplate,
+            contact_angle_rad: self.contact,
+            roller_radius_mm: self.roller,
+            roller_offset_mm: self.offset,
+        };
+        let fit = self.fit.fit();
+        let runs = self.roller_volume_points.as_deref().map(read_runs).transpose()?;
+        let refused = |error: ModelError| match &self.roller_volume_points {
+            Some(path) => Failure::refused(format!("{}: {error}", path.display())),
+            None => Failure::refused(error),
+        };
+        let report = match &runs {
+            Some(runs) => runs.report(fit, &geometry).map_err(refused)?,
+            None => Vec::new(),
+        };
         let drawn = DrawnPump {
             id: self.id.clone().unwrap_or_else(|| self.usual_id()),
-            geometry: Geometry {
-                rollers: self.rollers,
-                bore_radius_mm: 0.5 * self.tube.bore_mm,
-                tube_outer_radius_mm: 0.5 * self.tube.outer_mm,
-                backplate_radius_mm: self.backplate,
-                contact_angle_rad: self.contact,
-                roller_radius_mm: self.roller,
-                roller_offset_mm: self.offset,
-            },
+            geometry,
             hose_length_mm: self.hose,
+            roller_volume: runs.as_ref().map_or(RollerVolumeTable::Drawing, |runs| runs.table(fit)),
         };
-        let text = drawn.toml().map_err(Failure::refused)?;
+        let remarks: String = report.iter().map(|line| format!("# {line}\n")).collect();
+        let text = drawn.toml().map_err(Failure::refused)?.replacen(
+            "# Measured.\n",
+            &format!("# Measured.\n{remarks}"),
+            1,
+        );
         // What is written must be read again: the id too.
         PumpFile::parse(&text, "from this drawing").map_err(Failure::refused)?;
-        match &self.file {
-            None => print(&text),
-            Some(path) => write_new(path, &text),
+        let mut outputs = Outputs::default();
+        match (&options.plot, &runs) {
+            (Some(path), Some(runs)) => {
+                let axes = Axes {
+                    x: "angle since first contact, °",
+                    y: "volume, mL",
+                    left: "measured less fitted, mL",
+                };
+                let fitted = runs.fitted(fit).map_err(refused)?;
+                let title = format!("volume that a roller of {} displaces", drawn.id);
+                outputs.drawing(path, fit_plot::svg(&title, axes, &fitted))?;
+            }
+            (Some(_), None) => {
+                return Err(Failure::refused(
+                    "--plot draws measured points; add --roller-volume-points FILE.csv",
+                ));
+            }
+            (None, _) => {}
         }
+        match &self.file {
+            None => print(&text)?,
+            Some(path) => {
+                write_new(path, &text)?;
+                print(&report.iter().map(|line| format!("  {line}\n")).collect::<String>())?;
+            }
+        }
+        outputs.put()
     }
+}
+
+fn read_runs(path: &Path) -> Result<RollerRuns, Failure> {
+    let shown = path.display();
+    let text = fs::read_to_string(path)
+        .map_err(|error| Failure::refused(format!("cannot read {shown}: {error}")))?;
+    RollerRuns::of_csv(&text).map_err(|error| Failure::refused(format!("{shown}: {error}")))
 }
 
 /// What an id may hold.

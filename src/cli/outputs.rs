@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use pump_dose::plot::PlotError;
 use pump_dose::sample::Sample;
 use pump_dose::{Staged, csv, plot};
 
@@ -50,7 +51,16 @@ impl Outputs {
         motion_s: Option<f64>,
     ) -> Result<(), Failure> {
         let samples = samples.collect::<Result<Vec<_>, _>>().map_err(Failure::refused)?;
-        let svg = plot::svg(title, &samples, motion_s).map_err(Failure::refused)?;
+        self.drawing(path, plot::svg(title, &samples, motion_s))
+    }
+
+    /// Writes a drawing.
+    pub(crate) fn drawing(&mut self, path: &Path, svg: Result<String, PlotError>) -> Result<(), Failure> {
+        if path.extension().is_some_and(|extension| !extension.eq_ignore_ascii_case("svg")) {
+            let path = path.display();
+            return Err(Failure::refused(format!("{path}: plots are SVG; name a file that ends in .svg")));
+        }
+        let svg = svg.map_err(Failure::refused)?;
         self.write(path, |to| to.write_all(svg.as_bytes()))
     }
 

@@ -13,6 +13,7 @@ use super::{Failure, print};
 pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result<(), Failure> {
     match command {
         Some(PumpsCommand::Show { .. }) => options.accept_only(SHOW, &["--format"])?,
+        Some(PumpsCommand::New(_)) => options.accept_only("dose pumps new", &["--plot"])?,
         _ => options.accept_only("dose pumps", &[])?,
     }
     match command {
@@ -33,7 +34,7 @@ pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result
                 )),
             }
         }
-        Some(PumpsCommand::New(drawing)) => drawing.write(),
+        Some(PumpsCommand::New(drawing)) => drawing.write(options),
         Some(PumpsCommand::Check { file }) => {
             if !file.exists() && file.to_str().is_some_and(|name| built_in(name).is_some()) {
                 let name = file.display();

@@ -2,10 +2,9 @@
 
 use pump_ctl::plan::Cruise;
 use pump_dose::pump_file::PumpFile;
-use pump_dose::waveform::Method;
-use pump_dose::{Simulation, SteadyReport};
-use pump_model::math::rpm;
-use pump_model::{DEFAULT_TOLERANCE, SteadyState};
+use pump_dose::{AskedMethod, Simulation, SteadyReport, choose_method};
+use pump_model::math::{degrees, rpm};
+use pump_model::{RollerCentric, SteadyState};
 use serde::Serialize;
 
 use super::args::{Method as MethodName, Model, Options};
@@ -18,12 +17,41 @@ struct Report<'a> {
     schema: &'static str,
     pump: &'a str,
     model: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    roller_centric: Option<Parameters>,
+    /// Lines whose hose resists more at more flow, in place of an R.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    friction: Vec<&'static str>,
     method: &'static str,
     speed_rpm: f64,
     duration_s: f64,
     dt_s: f64,
     steady: SteadyReport,
     warnings: Vec<String>,
+}
+
+/// What the roller-centric model assumes.
+#[derive(Serialize)]
+struct Parameters {
+    experimental: bool,
+    scale: f64,
+    distensibility_per_kpa: f64,
+    valve_resistance_kpa_s_ml: f64,
+    closure_deg: f64,
+    ambient_kpa: f64,
+}
+
+impl From<RollerCentric> for Parameters {
+    fn from(model: RollerCentric) -> Self {
+        Self {
+            experimental: true,
+            scale: model.scale,
+            distensibility_per_kpa: model.distensibility_per_kpa,
+            valve_resistance_kpa_s_ml: model.valve_resistance_kpa_s_ml,
+            closure_deg: degrees(model.closure_rad),
+            ambient_kpa: model.ambient_kpa,
+        }
+    }
 }
 
 pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
@@ -59,21 +87,36 @@ pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
         return Err(Failure::refused("how long? Add --duration 10s"));
     };
     let speed_rad_s = if options.reverse { -speed_rad_s } else { speed_rad_s };
-    let pump = file.pump_at(&pump, speed_rad_s).map_err(Failure::refused)?;
-    let method = match options.method.unwrap_or(MethodName::Auto) {
-        MethodName::Auto | MethodName::Exact => Method::Exact,
-        MethodName::Rodas5p => Method::Rodas5p { tolerance: DEFAULT_TOLERANCE },
+    let roller_centric = match options.model.unwrap_or(Model::FlowCentric) {
+        Model::FlowCentric => None,
+        Model::RollerCentric => {
+            Some(RollerCentric::of(&pump, file.ambient.pressure_kpa).map_err(Failure::refused)?)
+        }
     };
+    // The roller-centric model has a volume against speed of its own.
+    let pump = if roller_centric.is_some() {
+        pump
+    } else {
+        file.pump_at(&pump, speed_rad_s).map_err(Failure::refused)?
+    };
+    let frictions = file.frictions().map_err(Failure::refused)?;
+    let asked = match options.method.unwrap_or(MethodName::Auto) {
+        MethodName::Auto => AskedMethod::Auto,
+        MethodName::Exact => AskedMethod::Exact,
+        MethodName::Rodas5p => AskedMethod::Rodas5p,
+    };
+    let method = choose_method(asked, roller_centric, frictions, None).map_err(Failure::refused)?;
     let dt_s = options.dt.unwrap_or(DEFAULT_DT_S.min(duration_s));
     let run = Simulation { method, ..Simulation::new(speed_rad_s, duration_s, dt_s) };
-    run.validate().map_err(Failure::refused)?;
-    let steady = pump.steady_state(speed_rad_s).map_err(Failure::refused)?;
+    let steady = run.steady_state(&pump).map_err(Failure::refused)?;
+    let has_friction =
+        ["inlet", "outlet"].into_iter().zip(frictions).filter(|(_, friction)| friction.is_some());
     let report = Report {
         schema: "simulation/1",
         pump: &file.pump.id,
-        model: match options.model.unwrap_or(Model::FlowCentric) {
-            Model::FlowCentric => "flow-centric",
-        },
+        model: if roller_centric.is_some() { "roller-centric" } else { "flow-centric" },
+        roller_centric: roller_centric.map(Parameters::from),
+        friction: has_friction.map(|(port, _)| port).collect(),
         method: method.name(),
         speed_rpm: rpm(speed_rad_s),
         duration_s,
@@ -105,13 +148,25 @@ pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
 fn text(report: &Report<'_>) -> String {
     let s = &report.steady;
     let warnings: String = report.warnings.iter().map(|warning| format!("  warning {warning}\n")).collect();
+    let experimental = report.roller_centric.as_ref().map_or(String::new(), |model| {
+        format!(
+            "  model   experimental: segments {} of the round tube's volume, {} /kPa more by pressure; rollers close at \
+             {:.2}°, and open resist {} kPa s/mL\n",
+            model.scale, model.distensibility_per_kpa, model.closure_deg, model.valve_resistance_kpa_s_ml
+        )
+    });
+    let friction = match &report.friction[..] {
+        [] => String::new(),
+        ports => format!("  lines   friction of the hose at every flow ({}), integrated\n", ports.join(", ")),
+    };
     let figures = format!(
-        "{} at {:.4} r/min, flow-centric model, periodic steady state\n\n  \
+        "{} at {:.4} r/min, {} model, periodic steady state\n\n  \
          flow    {:.4} mL/s mean; at the outlet rollers {:.1} % peak to peak, {:.1} % RMS\n  \
          inlet   {:.3} to {:.3} kPa absolute, mean {:.3}\n  \
          outlet  {:.3} to {:.3} kPa absolute, mean {:.3}\n",
         report.pump,
         report.speed_rpm,
+        report.model,
         s.mean_flow_ml_s,
         100.0 * s.ripple_peak_to_peak,
         100.0 * s.ripple_rms,
@@ -122,7 +177,7 @@ fn text(report: &Report<'_>) -> String {
         s.outlet_max_kpa,
         s.outlet_mean_kpa,
     );
-    figures + &warnings
+    figures + &experimental + &friction + &warnings
 }
 
 /// What makes the figures doubtful.

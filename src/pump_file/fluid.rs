@@ -6,26 +6,42 @@ use thiserror::Error;
 
 use crate::calibration::weighing::SAME_TEMPERATURE_DEGC;
 
-/// The fluid that the model knows.
+/// The fluid that every pump file may be changed to.
 const WATER: &str = "water";
+
+/// What the model knows of a fluid of this name at a temperature, °C: water, ethanol, isopropanol, or glycerol with its part of
+/// the mass, as `glycerol 50%`. None of another name.
+fn known(name: &str, degc: f64) -> Option<Result<Fluid, ModelError>> {
+    let name = name.trim().to_lowercase();
+    match name.as_str() {
+        WATER => Some(Fluid::water(degc)),
+        "ethanol" => Some(Fluid::ethanol(degc)),
+        "isopropanol" | "2-propanol" => Some(Fluid::isopropanol(degc)),
+        _ => {
+            let percent = name.strip_prefix("glycerol")?.trim().strip_suffix('%')?;
+            let percent: f64 = percent.trim().parse().ok()?;
+            Some(Fluid::glycerol_water(percent / 100.0, degc))
+        }
+    }
+}
 
 /// `[fluid]`
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FluidTable {
-    /// For people; `water` is also known to the model.
+    /// For people; `water`, `ethanol`, `isopropanol` and `glycerol 50%` are also known to the model.
     pub name: String,
     /// Temperature at which the density holds, °C.
     pub temperature_degc: f64,
     /// Density, kg/m³: turns a mass into a volume.
     pub density_kg_m3: f64,
-    /// Dynamic viscosity, mPa s, which a hose's R needs; water's is known.
+    /// Dynamic viscosity, mPa s, which a hose's R needs; that of a known fluid may be left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viscosity_mpa_s: Option<f64>,
-    /// Bulk modulus, MPa, which a hose's C needs; water's is known.
+    /// Bulk modulus, MPa, which a hose's C needs; that of a known fluid may be left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bulk_modulus_mpa: Option<f64>,
-    /// Vapour pressure, kPa absolute; that of water from 0 to 100 °C is known.
+    /// Vapour pressure, kPa absolute; that of a known fluid may be left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vapour_kpa: Option<f64>,
 }
@@ -36,7 +52,7 @@ pub struct FluidTable {
 pub enum FluidError {
     /// A fluid of which nothing is known.
     #[error(
-        "nothing is known of the fluid `{name}`; known: water and the pump file's own, {own}; or write a pump file for it"
+        "nothing is known of the fluid `{name}`; known: water, ethanol, isopropanol, glycerol with its part of the mass as `glycerol 50%`, and the pump file's own, {own}; or write a pump file for it"
     )]
     Unknown {
         /// What was given.
@@ -56,7 +72,7 @@ pub enum FluidError {
         /// Where it is known, °C.
         known_degc: f64,
     },
-    /// Water is not known at that temperature.
+    /// The fluid is not known at that temperature.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
@@ -78,14 +94,12 @@ impl FluidTable {
         if same && degc == self.temperature_degc {
             return Ok(self.clone());
         }
-        let water =
-            if same { self.is_water() } else { name.is_some_and(|name| name.eq_ignore_ascii_case(WATER)) };
-        if water {
-            let density_kg_m3 = Fluid::water(degc)?.density_kg_m3;
+        let asked = name.unwrap_or(&self.name);
+        if let Some(fluid) = known(asked, degc) {
             return Ok(Self {
-                name: WATER.to_owned(),
+                name: asked.trim().to_lowercase(),
                 temperature_degc: degc,
-                density_kg_m3,
+                density_kg_m3: fluid?.density_kg_m3,
                 viscosity_mpa_s: None,
                 bulk_modulus_mpa: None,
                 vapour_kpa: None,
@@ -110,7 +124,12 @@ impl FluidTable {
             ("[fluid] bulk_modulus_mpa", self.bulk_modulus_mpa),
         ];
         let unknown = keys.into_iter().find(|(_, value)| value.is_none());
-        unknown.filter(|_| !self.is_water()).map(|(key, _)| key)
+        unknown.filter(|_| self.known().is_none()).map(|(key, _)| key)
+    }
+
+    /// What the model knows of it.
+    fn known(&self) -> Option<Result<Fluid, ModelError>> {
+        known(&self.name, self.temperature_degc)
     }
 
     /// The fluid for the model of a hose.
@@ -122,7 +141,8 @@ impl FluidTable {
             bulk_modulus_mpa: f64::NAN,
             vapour_kpa: None,
         };
-        let known = if self.is_water() { Fluid::water(self.temperature_degc)? } else { unknown };
+        let is_given = self.viscosity_mpa_s.is_some() && self.bulk_modulus_mpa.is_some();
+        let known = self.known().filter(|_| !is_given).unwrap_or(Ok(unknown))?;
         let fluid = Fluid {
             density_kg_m3: self.density_kg_m3,
             viscosity_mpa_s: self.viscosity_mpa_s.unwrap_or(known.viscosity_mpa_s),
@@ -133,10 +153,10 @@ impl FluidTable {
         Ok(fluid)
     }
 
-    /// Vapour pressure, kPa absolute: as the file says, or water's at its temperature; none if it is not known.
+    /// Vapour pressure, kPa absolute: as the file says, or what is known of the fluid at its temperature; none if it is not
+    /// known.
     pub fn vapour_kpa(&self) -> Option<f64> {
-        let of_water = || Fluid::water(self.temperature_degc).ok().filter(|_| self.is_water())?.vapour_kpa;
-        self.vapour_kpa.or_else(of_water)
+        self.vapour_kpa.or_else(|| self.known()?.ok()?.vapour_kpa)
     }
 
     pub(crate) fn is_water(&self) -> bool {

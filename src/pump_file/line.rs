@@ -1,6 +1,6 @@
 //! `[inlet]`, `[outlet]`: a line given as R, C and L, or by its hose.
 
-use pump_model::{Fluid, Hose, Line, ModelError};
+use pump_model::{Fluid, Friction, Hose, Line, ModelError};
 use serde::{Deserialize, Serialize};
 
 /// `[inlet]`, `[outlet]`
@@ -65,6 +65,17 @@ impl LineTable {
             Self::Hose { reservoir_kpa, hose } => {
                 hose.hose().line(&fluid()?, *reservoir_kpa, hose.resistance_at_ml_s.unwrap_or(rate_ml_s))
             }
+        }
+    }
+
+    /// What its hose resists at every flow; none where R is given.
+    pub fn friction(
+        &self,
+        fluid: impl FnOnce() -> Result<Fluid, ModelError>,
+    ) -> Result<Option<Friction>, ModelError> {
+        match self {
+            Self::Given(_) => Ok(None),
+            Self::Hose { hose, .. } => hose.hose().friction(&fluid()?).map(Some),
         }
     }
 

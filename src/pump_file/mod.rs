@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use pump_ctl::plan::PlanError;
 use pump_model::math::radians;
-use pump_model::{Geometry, ModelError, Pump};
+use pump_model::{Friction, Geometry, ModelError, Pump};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -275,7 +275,7 @@ impl PumpFile {
                 false,
                 key,
                 &"missing",
-                "a number: a line from a hose needs it, and only water's is known",
+                "a number: a line from a hose needs it, and nothing is known of this fluid",
             )?;
         }
         let ambient = self.ambient.pressure_kpa;
@@ -350,6 +350,12 @@ impl PumpFile {
         let volume = self.roller_volume.curve(&geometry)?;
         let line = |table: &LineTable| table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s);
         Pump::new(geometry, volume, line(&self.inlet)?, line(&self.outlet)?)
+    }
+
+    /// What the hoses of inlet and outlet resist at every flow; none where a line is given by its R.
+    pub fn frictions(&self) -> Result<[Option<Friction>; 2], ModelError> {
+        let friction = |table: &LineTable| table.friction(|| self.fluid.fluid());
+        Ok([friction(&self.inlet)?, friction(&self.outlet)?])
     }
 
     /// Whether volumes follow from a drawing that nobody has held against the pump.

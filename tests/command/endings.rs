@@ -5,6 +5,8 @@ use std::process::{Child, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use serde_json::Value;
+
 use super::user::{User, number};
 
 const JOURNAL: &str = "state/three-roller/sim/journal.jsonl";
@@ -34,6 +36,15 @@ fn a_stopped_dose_says_exactly_what_it_delivered_and_resume_makes_the_rest() {
     for (name, code) in [("INT", 130), ("TERM", 143)] {
         let user = User::new();
         let child = begun(&user);
+        // Whoever asks meanwhile is told that it moves, and who moves it.
+        assert_eq!(user.json(&["status"])["in_use_by"], format!("process {}", child.id()));
+        let moving = user.types(&["status"]).out;
+        assert!(
+            moving.contains(&format!("in motion, by process {}: a dose of 3000 mL", child.id())),
+            "{moving}"
+        );
+        let planned = user.types(&["1mL", "--dry-run"]);
+        assert_eq!(planned.code, 3, "{}", planned.err);
         signal(&child, name);
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), Some(code));
@@ -51,7 +62,7 @@ fn a_stopped_dose_says_exactly_what_it_delivered_and_resume_makes_the_rest() {
         let delivered = number(unfinished, "delivered_least_ml");
         assert_eq!(number(unfinished, "delivered_most_ml"), delivered);
         assert!(delivered > 0.0 && delivered < 3000.0);
-        assert_eq!(status["half_width_deg"], 0.0);
+        assert_eq!((&status["half_width_deg"], &status["in_use_by"]), (&0.0.into(), &Value::Null));
 
         let refused = user.types(&["1mL"]);
         assert_eq!(refused.code, 4, "{}", refused.err);

@@ -33,6 +33,7 @@ fn steps_and_trace_are_what_the_report_says() {
 #[test]
 fn a_plot_is_written_whole() {
     let user = User::new();
+    assert!(user.is_refused(&["25mL", "--plot", "dose.png"]).contains("dose.png: plots are SVG"));
     user.json(&["25mL", "--plot", "dose.svg"]);
     let svg = fs::read_to_string(user.path("dose.svg")).unwrap();
     assert!(svg.starts_with("<svg ") && svg.trim_end().ends_with("</svg>"));

@@ -53,8 +53,47 @@ fn what_is_not_known_of_a_fluid_is_refused_with_what_is() {
     assert!(warm.contains("density of syrup is known at 25 °C alone"), "{warm}");
     assert!(
         user.is_refused(&[&pump[..], &["--fluid", "oil"]].concat())
-            .contains("water and the pump file's own, syrup")
+            .contains("and the pump file's own, syrup")
     );
+}
+
+#[test]
+fn common_fluids_are_known_by_name() {
+    let user = User::new();
+    let asked = |fluid: &str, temperature: &str| {
+        let arguments = ["25g", "--dry-run", "--fluid", fluid, "--temperature", temperature];
+        number(&user.json(&arguments), "requested_ml")
+    };
+    // Riddick, Bunger, Sakano, "Organic Solvents": 785.04 and 781.26 kg/m³ at 25 °C; CRC Handbook: 1126.3 at 20 °C.
+    for (fluid, temperature, density) in [
+        ("ethanol", "25degC", 785.04),
+        ("Isopropanol", "25degC", 781.26),
+        ("2-propanol", "25degC", 781.26),
+        ("glycerol 50%", "20degC", 1126.3),
+        ("glycerol50%", "20degC", 1126.3),
+    ] {
+        assert!((asked(fluid, temperature) / (25e3 / density) - 1.0).abs() < 5e-4, "{fluid}");
+    }
+    // Antoine: 17.9 kPa at 40 °C, below the tube's collapse; above it the tube decides.
+    let refused = user.is_refused(&["25g", "--fluid", "ethanol", "--temperature", "60degC"]);
+    assert!(refused.contains("temperature of ethanol in degC is 60; allowed: 5 to 40"), "{refused}");
+    let refused = user.is_refused(&["25g", "--fluid", "glycerol 120%"]);
+    assert!(refused.contains("part of glycerol by mass is 1.2; allowed: 0 to 1"), "{refused}");
+    assert!(user.is_refused(&["25g", "--fluid", "glycerol"]).contains("`glycerol 50%`"));
+
+    // A hose of it needs no viscosity.
+    let own = user.types(&["pumps", "show", "three-roller"]).out;
+    let hose = "[outlet]\nreservoir_kpa = 88.637\n\n[outlet.hose]\nbore_radius_mm = 5.0\nouter_radius_mm = 7.0\n\
+                length_mm = 331.0\nmodulus_mpa = 3.5\npoisson_ratio = 0.5\nminor_loss = 0.0\n\n[motor]";
+    let (start, end) = (own.find("[outlet]").unwrap(), own.find("[motor]").unwrap());
+    let own = format!("{}{hose}{}", &own[..start], &own[end + "[motor]".len()..]);
+    let own = own.replace("name = \"water\"", "name = \"glycerol 80%\"").replace("= 997.0", "= 1205.4");
+    std::fs::write(user.path("glycerol.toml"), own).unwrap();
+    let check = user.types(&["pumps", "check", "glycerol.toml"]);
+    // Laminar, 128 mu l/(pi d⁴): 45.9 mPa s at 25 °C (Segur and Oberstar) make 0.0619 kPa s/mL.
+    let line = check.out.lines().find(|line| line.contains("outlet    R")).unwrap();
+    let resistance: f64 = line.split_whitespace().nth(2).unwrap().parse().unwrap();
+    assert!((resistance / 0.0619 - 1.0).abs() < 0.06, "{line}");
 }
 
 #[test]

@@ -141,7 +141,7 @@ fn the_fastest_rate_is_limited_by_what_binds_and_warns_that_it_is_close() {
     assert!((number(&motor, "cruise_speed_rpm") - 170.0).abs() < 1e-9);
     let inlet = user.json(&["60mL", "--dry-run", "--rate", "max", "--min-inlet-pressure", "75kPaa"]);
     assert_eq!(inlet["limited_by"], "inlet_pressure");
-    assert!(number(&inlet, "inlet_min_kpa") >= 75.0 && number(&inlet, "inlet_min_kpa") < 75.01);
+    assert!(number(&inlet, "inlet_min_kpa") >= 75.0 && number(&inlet, "inlet_min_kpa") < 75.08, "{inlet}");
     assert!(inlet["warnings"][0].as_str().is_some_and(|text| text.contains("inlet pressure comes close")));
 
     let refused = user.is_refused(&["60mL", "--rate", "60mL/s", "--min-inlet-pressure", "75kPaa"]);

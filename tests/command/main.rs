@@ -10,6 +10,7 @@ mod endings;
 mod files;
 mod finish;
 mod fluids;
+mod identify;
 mod limits;
 mod refusals;
 mod retraction;

@@ -34,3 +34,88 @@ fn both_methods_of_simulate_agree() {
         }
     }
 }
+
+#[test]
+fn the_roller_centric_model_is_said_to_be_experimental_and_settles_to_its_steady_state() {
+    let user = User::new();
+    let arguments = ["simulate", "--speed", "100rpm", "--duration", "5s", "--model", "roller-centric"];
+    let report = user.json(
+        &[&arguments[..], &["--method", "rodas5p", "--trace", "run.csv", "--plot", "run.svg"]].concat(),
+    );
+    assert_eq!((&report["model"], &report["method"]), (&"roller-centric".into(), &"rodas5p".into()));
+    assert_eq!(report["roller_centric"]["experimental"], true);
+    assert_eq!(number(&report["roller_centric"], "ambient_kpa"), 85.7);
+    assert!((number(&report["roller_centric"], "closure_deg") - 30.6926).abs() < 1e-4);
+    let steady = &report["steady"];
+    // 3.2 % more per revolution than the speed law's 21.0444 mL.
+    assert!((number(steady, "mean_flow_ml_s") - 36.205).abs() < 1e-3);
+
+    let (_, trace) = rows(&user.path("run.csv"));
+    let last_turn = &trace[4400..];
+    assert_eq!(last_turn.len(), 601);
+    let range = |column: usize| {
+        last_turn
+            .iter()
+            .map(|row| row[column])
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    };
+    for (column, port) in [(5, "inlet"), (6, "outlet")] {
+        let (low, high) = range(column);
+        assert!((low - number(steady, &format!("{port}_min_kpa"))).abs() < 0.05, "{port}: {low}");
+        assert!((high - number(steady, &format!("{port}_max_kpa"))).abs() < 0.05, "{port}: {high}");
+    }
+    let mean_ml_s = (last_turn[600][7] - last_turn[0][7]) / 0.6;
+    assert!((mean_ml_s / number(steady, "mean_flow_ml_s") - 1.0).abs() < 1e-5, "{mean_ml_s}");
+    assert!(std::fs::read_to_string(user.path("run.svg")).unwrap().contains("<svg"));
+
+    let text = user.types(&arguments).out;
+    assert!(text.contains("roller-centric model, periodic steady state"), "{text}");
+    assert!(text.contains("model   experimental: segments 0.953 of the round tube's volume"), "{text}");
+    let exact = user.types(&[&arguments[..], &["--method", "exact"]].concat());
+    assert_eq!(exact.code, 2);
+    assert!(
+        exact.err.contains("the roller-centric model is not linear and has no exact solution"),
+        "{}",
+        exact.err
+    );
+}
+
+#[test]
+fn a_hose_resists_more_at_more_flow_and_has_no_exact_solution() {
+    let user = User::new();
+    let three = user.types(&["pumps", "show", "three-roller"]).out;
+    // The paper's line as a hose, R 0.1108 at 210 mL/s.
+    let hose = "[inlet.hose]\nbore_radius_mm = 5.0\nouter_radius_mm = 7.0\nlength_mm = 331.0\nmodulus_mpa = 3.5\n\
+                poisson_ratio = 0.5\nminor_loss = 5.75\nresistance_at_ml_s = 210.0\n";
+    let resistance =
+        "resistance_kpa_s_ml = 0.1108\ncompliance_ml_kpa = 0.0361\ninertance_kpa_s2_ml = 0.0042\n";
+    let by_hose = three.replacen(resistance, "", 1).replace("[outlet]", &format!("{hose}\n[outlet]"));
+    std::fs::write(user.path("my.toml"), by_hose).unwrap();
+    for model in ["flow-centric", "roller-centric"] {
+        let run = |rpm: &str| {
+            let arguments =
+                ["simulate", "--pump", "my.toml", "--speed", rpm, "--duration", "1s", "--model", model];
+            let report = user.json(&arguments);
+            assert_eq!(report["friction"], serde_json::json!(["inlet"]));
+            assert_eq!(report["method"], "rodas5p");
+            let (line, steady) = (88.637, &report["steady"]);
+            let flow_ml_s = number(steady, "mean_flow_ml_s");
+            [
+                (line - number(steady, "inlet_mean_kpa")) / flow_ml_s,
+                (number(steady, "outlet_mean_kpa") - line) / flow_ml_s,
+            ]
+        };
+        let ([slow, outlet], [fast, outlet_too]) = (run("20rpm"), run("160rpm"));
+        assert!(
+            (outlet - 0.1108).abs() < 1e-5 && (outlet_too - 0.1108).abs() < 1e-5,
+            "{outlet} {outlet_too}"
+        );
+        assert!(slow < 0.02 && fast > 2.5 * slow && fast < 0.06, "{model}: {slow}, {fast} kPa s/mL");
+    }
+    let arguments = ["simulate", "--pump", "my.toml", "--speed", "60rpm", "--duration", "1s"];
+    let text = user.types(&arguments).out;
+    assert!(text.contains("friction of the hose at every flow (inlet), integrated"), "{text}");
+    let exact = user.types(&[&arguments[..], &["--method", "exact"]].concat());
+    assert_eq!(exact.code, 2);
+    assert!(exact.err.contains("the friction of a hose grows with the flow"), "{}", exact.err);
+}

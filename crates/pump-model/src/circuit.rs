@@ -99,6 +99,46 @@ impl Resistance for Rough {
     }
 }
 
+/// What a line resists, chosen when running.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Loss {
+    /// R.
+    Linear(Linear),
+    /// A hose's friction.
+    #[cfg(feature = "identification")]
+    Rough(Rough),
+}
+
+impl Loss {
+    /// R of a valid line.
+    pub fn of(line: &Line) -> Self {
+        Self::Linear(Linear::of(line))
+    }
+
+    /// The friction of the hose that is the line, or R of the line where there is none.
+    #[cfg(feature = "identification")]
+    pub fn with_friction(line: &Line, friction: Option<Friction>) -> Self {
+        friction.map_or(Self::of(line), |friction| Self::Rough(Rough::new(friction, line)))
+    }
+}
+
+impl Resistance for Loss {
+    fn deceleration_ml_s2(&self, flow_ml_s: f64) -> f64 {
+        match self {
+            Self::Linear(linear) => linear.deceleration_ml_s2(flow_ml_s),
+            #[cfg(feature = "identification")]
+            Self::Rough(rough) => rough.deceleration_ml_s2(flow_ml_s),
+        }
+    }
+    fn damping_per_s(&self, flow_ml_s: f64) -> f64 {
+        match self {
+            Self::Linear(linear) => linear.damping_per_s(flow_ml_s),
+            #[cfg(feature = "identification")]
+            Self::Rough(rough) => rough.damping_per_s(flow_ml_s),
+        }
+    }
+}
+
 /// One port of the pump between the rollers and its reservoir.
 ///
 /// State: p = P - P_res, kPa; the line's flow Q_L, mL/s, positive from inlet to outlet; and with `N = 3` the

@@ -115,6 +115,18 @@ pub enum ModelError {
         /// Speed, rad/s.
         speed_rad_s: f64,
     },
+    /// Integrating does not come to a periodic steady state.
+    #[cfg(feature = "integrator")]
+    #[error(
+        "no periodic steady state after {pitches} pitches: the last one still changed by {change_kpa:.2e} kPa; give the lines \
+         more resistance, less inertance or less compliance, or a speed at which a pitch takes longer"
+    )]
+    NotPeriodic {
+        /// How many were tried.
+        pitches: u32,
+        /// How much the last one changed, kPa.
+        change_kpa: f64,
+    },
     /// The line rings or creeps for longer than anyone waits.
     #[error(
         "the outlet line has not settled {waited_s:.3} s after the last step: it is damped too little (L/R) or too \

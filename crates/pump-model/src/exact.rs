@@ -3,7 +3,7 @@
 use crate::error::ModelError;
 use crate::exact_samples::ExactSamples;
 use crate::extremes::Extremes;
-use crate::flow_curve::Port;
+use crate::flow_curve::{FlowCurve, Port};
 use crate::line::Line;
 use crate::motion::Leg;
 use crate::propagator::{Balanced, Flow, Oscillator};
@@ -38,9 +38,19 @@ pub struct ExactRun<'a, M> {
 impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
     /// Starts in `state` when the first of the `legs` starts; after the last the rotor rests.
     pub fn new(pump: &'a Pump, port: Port, legs: impl IntoIterator<IntoIter = M>, state: [f64; 2]) -> Self {
-        let line = pump.line(port);
+        Self::on(pump.line(port), pump.curve(port), port, legs, state)
+    }
+
+    /// The same of a line that need not be the pump's own, driven by the flow curve of `port`.
+    pub(crate) fn on(
+        line: &'a Line,
+        curve: &'a FlowCurve,
+        port: Port,
+        legs: impl IntoIterator<IntoIter = M>,
+        state: [f64; 2],
+    ) -> Self {
         let oscillator = Oscillator::new(line, port);
-        let mut stretches = Stretches::new(pump.curve(port), legs);
+        let mut stretches = Stretches::new(curve, legs);
         let stretch = next_stretch(&mut stretches);
         let (flow, state) = (stretch.flow(), oscillator.balanced(state));
         Self { line, oscillator, stretches, stretch, flow, reached_s: 0.0, state }

@@ -50,7 +50,8 @@ impl Fluid {
     }
 }
 
-fn series<const N: usize>(lowest_first: [f64; N], x: f64) -> f64 {
+/// A polynomial at x.
+pub(crate) fn series<const N: usize>(lowest_first: [f64; N], x: f64) -> f64 {
     lowest_first.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
@@ -93,7 +94,7 @@ fn water_vapour_kpa(t: f64) -> f64 {
     CRITICAL_KPA * exp(CRITICAL_K / kelvin(t) * sum)
 }
 
-fn kelvin(degc: f64) -> f64 {
+pub(crate) fn kelvin(degc: f64) -> f64 {
     degc + 273.15
 }
 

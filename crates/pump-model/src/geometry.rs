@@ -94,7 +94,7 @@ impl Geometry {
     }
 
     /// Lam = pi + 2 beta - 2 inset, rad: how far a roller turns fully engaged.
-    fn sealed_span_rad(&self, inset_rad: f64) -> f64 {
+    pub(crate) fn sealed_span_rad(&self, inset_rad: f64) -> f64 {
         PI + 2.0 * self.contact_angle_rad - 2.0 * inset_rad
     }
 

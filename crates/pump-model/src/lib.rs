@@ -7,7 +7,8 @@
 //! Units are mL, kPa absolute, s and rad, and stand in every name. Needs neither `std` nor an allocator.
 //!
 //! Feature `integrator`, on by default: the implicit integrator, for models that are not linear, and the runs made with it.
-//! Feature `identification`, on by default: roller volumes from a drawing or from measured points, lines from hoses.
+//! Feature `identification`, on by default: roller volumes from a drawing or from measured points, lines from hoses
+//! or from measurements.
 //! Everything else links into firmware without a panic (`tests/no_panic`).
 //!
 //! ```
@@ -19,6 +20,8 @@
 //! ```
 #![no_std]
 
+#[cfg(feature = "identification")]
+mod alcohols;
 #[cfg(feature = "integrator")]
 pub mod circuit;
 #[cfg(feature = "identification")]
@@ -35,18 +38,25 @@ mod fluid;
 #[cfg(feature = "identification")]
 mod friction;
 mod geometry;
+#[cfg(feature = "identification")]
+mod glycerol;
 mod hermite;
 #[cfg(feature = "identification")]
 mod hose;
+#[cfg(feature = "identification")]
+pub mod identification;
 #[cfg(feature = "integrator")]
 pub mod integrator;
 #[cfg(feature = "identification")]
 mod least_squares;
 mod line;
 pub mod math;
+pub mod metrics;
 #[cfg(feature = "identification")]
 mod monotone_spline;
 mod motion;
+#[cfg(feature = "integrator")]
+mod periodic;
 pub mod polynomial;
 #[cfg(feature = "integrator")]
 mod port_run;
@@ -56,6 +66,8 @@ mod pump;
 #[cfg(feature = "identification")]
 mod quadrature;
 mod ripple;
+#[cfg(feature = "integrator")]
+mod roller_centric;
 pub mod roller_volume;
 mod settling;
 #[cfg(feature = "identification")]
@@ -67,6 +79,7 @@ mod stretches;
 mod turn_range;
 #[cfg(feature = "identification")]
 pub mod volume_fit;
+mod walk;
 
 #[cfg(feature = "identification")]
 pub use drawing::Drawing;
@@ -89,6 +102,8 @@ pub use port_run::{DEFAULT_TOLERANCE, PortRun};
 pub use presets::{PUBLISHED_CONTACT_ANGLE_DEG, Variant};
 pub use pump::Pump;
 pub use ripple::Ripple;
+#[cfg(feature = "integrator")]
+pub use roller_centric::{RollerCentric, RollerRun, RollerSample};
 pub use roller_volume::RollerVolume;
 pub use settling::SETTLED_ML;
 #[cfg(feature = "identification")]

@@ -20,7 +20,7 @@ use crate::stretches::{Stretch, Stretches};
 pub const DEFAULT_TOLERANCE: f64 = 1e-5;
 
 /// Tolerances that double precision can meet.
-const TOLERANCES: core::ops::RangeInclusive<f64> = 1e-13..=0.1;
+pub(crate) const TOLERANCES: core::ops::RangeInclusive<f64> = 1e-13..=0.1;
 
 /// The integration of one port over a motion, pulled forward by its user.
 ///
@@ -77,7 +77,8 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N, Rough> {
 }
 
 impl<'a, M: Iterator<Item = Leg>, const N: usize, R: Resistance + Copy> PortRun<'a, M, N, R> {
-    fn resisted(
+    /// As [`PortRun::new`], with what the line resists in place of its R; C and L are the line's.
+    pub fn resisted(
         pump: &'a Pump,
         resistance: R,
         port: Port,

@@ -62,8 +62,7 @@ impl<'a> SpeedLawFlow<'a> {
     pub fn speed_rad_s(&self, flow_ml_s: f64) -> Result<Option<f64>, ModelError> {
         let mut slow = self.least_rad_s;
         let least_ml_s = self.at(slow)?;
-        // Below it, or not a number.
-        if !(flow_ml_s >= least_ml_s) {
+        if flow_ml_s < least_ml_s || flow_ml_s.is_nan() {
             return Ok(None);
         }
         if flow_ml_s == least_ml_s {

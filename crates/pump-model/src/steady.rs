@@ -3,7 +3,8 @@
 use crate::error::ModelError;
 use crate::exact::ExactRun;
 use crate::extremes::Extremes;
-use crate::flow_curve::Port;
+use crate::flow_curve::{FlowCurve, Port};
+use crate::line::Line;
 use crate::math::TURN_RAD;
 use crate::motion::Leg;
 use crate::propagator::{Oscillator, Propagator};
@@ -54,21 +55,8 @@ impl Pump {
 
     /// State (P - P_res in kPa, the line's flow in mL/s) of a port at angle 0 that repeats itself every pitch at
     /// `speed_rad_s`.
-    ///
-    /// The state after a period T is e^(A T) z + b, so that z = -(e^(A T) - I)^-1 b. Undamped resonance has none.
     pub fn periodic_state(&self, port: Port, speed_rad_s: f64) -> Result<[f64; 2], ModelError> {
-        let oscillator = Oscillator::new(self.line(port), port);
-        let period_s = self.pitch_rad() / speed_rad_s.abs();
-        let motion = [Leg::constant_speed(0.0, speed_rad_s)];
-        let [bx, by] = oscillator.balanced(ExactRun::from_rest(self, port, motion).at(period_s));
-        let [[a, c], [b, d]] = Propagator::new(&oscillator, period_s, 0).change();
-        let determinant = a * d - b * c;
-        // The eigenvalues of e^(A T) - I are known to rounding times the phase turned.
-        let rounding = 1e-12 * (1.0 + oscillator.norm() * period_s);
-        if determinant.abs() < rounding * rounding {
-            return Err(ModelError::UndampedResonance { port: port.name(), speed_rad_s });
-        }
-        Ok(oscillator.physical([(b * by - d * bx) / determinant, (c * bx - a * by) / determinant]))
+        periodic_state(self.line(port), self.curve(port), port, speed_rad_s)
     }
 
     fn periodic_extremes(&self, port: Port, speed_rad_s: f64) -> Result<Extremes, ModelError> {
@@ -87,4 +75,27 @@ impl Pump {
     pub fn average_flow_ml_s(&self, speed_rad_s: f64) -> f64 {
         self.revolution_ml() * speed_rad_s / TURN_RAD
     }
+}
+
+/// State of `line` at angle 0 that repeats itself every pitch of `curve`, the flow curve of `port`.
+///
+/// The state after a period T is e^(A T) z + b, so that z = -(e^(A T) - I)^-1 b. Undamped resonance has none.
+pub(crate) fn periodic_state(
+    line: &Line,
+    curve: &FlowCurve,
+    port: Port,
+    speed_rad_s: f64,
+) -> Result<[f64; 2], ModelError> {
+    let oscillator = Oscillator::new(line, port);
+    let period_s = curve.pitch_rad() / speed_rad_s.abs();
+    let motion = [Leg::constant_speed(0.0, speed_rad_s)];
+    let [bx, by] = oscillator.balanced(ExactRun::on(line, curve, port, motion, [0.0; 2]).at(period_s));
+    let [[a, c], [b, d]] = Propagator::new(&oscillator, period_s, 0).change();
+    let determinant = a * d - b * c;
+    // The eigenvalues of e^(A T) - I are known to rounding times the phase turned.
+    let rounding = 1e-12 * (1.0 + oscillator.norm() * period_s);
+    if determinant.abs() < rounding * rounding {
+        return Err(ModelError::UndampedResonance { port: port.name(), speed_rad_s });
+    }
+    Ok(oscillator.physical([(b * by - d * bx) / determinant, (c * bx - a * by) / determinant]))
 }

@@ -1,10 +1,10 @@
 //! Cuts a motion into stretches in which the flow at the rollers is one polynomial of the angle.
 
 use crate::flow_curve::FlowCurve;
-use crate::math::floor;
 use crate::motion::Leg;
 use crate::polynomial::Polynomial;
 use crate::propagator::{DEGREE, Flow};
+use crate::walk::{Pitch, Walk};
 
 /// A time interval inside one leg and one piece of the flow curve: no edge and no corner inside.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,63 +86,21 @@ impl Stretch {
 }
 
 /// The stretches of a motion in order of time. After the last leg the rotor rests for ever.
-///
-/// Which piece of the curve applies is counted from piece to piece, never looked up from a time or an angle, so
-/// rounding at an edge decides nothing.
 #[derive(Debug, Clone)]
 pub struct Stretches<'a, M> {
     curve: &'a FlowCurve,
-    legs: M,
-    /// The leg under way and what is left of it after a reversal.
-    leg: Leg,
-    after_reversal: Option<Leg>,
-    ended: bool,
-    time_s: f64,
-    pitch: f64,
-    piece: usize,
+    walk: Walk<&'a FlowCurve, M>,
 }
 
 impl<'a, M: Iterator<Item = Leg>> Stretches<'a, M> {
     /// Stretches of `legs`, each of which must start when and where the one before ends.
     pub fn new(curve: &'a FlowCurve, legs: impl IntoIterator<IntoIter = M>) -> Self {
-        let mut legs = legs.into_iter();
-        let first = legs.next();
-        let leg = first.unwrap_or(Leg::rest(0.0, 0.0));
-        let (leg, after_reversal) = leg.split_at_reversal();
-        let pitch = floor(leg.angle_rad / curve.pitch_rad());
-        let piece = curve.index_of(leg.angle_rad - pitch * curve.pitch_rad());
-        Self { curve, legs, leg, after_reversal, ended: first.is_none(), time_s: leg.start_s, pitch, piece }
+        Self { curve, walk: Walk::new(curve, legs) }
     }
 
     /// When the next stretch starts, s.
     pub fn time_s(&self) -> f64 {
-        self.time_s
-    }
-
-    fn next_leg(&mut self) {
-        let next = self.after_reversal.take().or_else(|| self.legs.next());
-        let next = next.unwrap_or_else(|| {
-            self.ended = true;
-            Leg::rest(self.leg.end_s(), self.leg.end_angle_rad())
-        });
-        (self.leg, self.after_reversal) = next.split_at_reversal();
-    }
-
-    fn next_piece(&mut self) {
-        let last = self.curve.pieces().len() - 1;
-        if self.leg.direction() > 0.0 {
-            if self.piece == last {
-                self.piece = 0;
-                self.pitch += 1.0;
-            } else {
-                self.piece += 1;
-            }
-        } else if self.piece == 0 {
-            self.piece = last;
-            self.pitch -= 1.0;
-        } else {
-            self.piece -= 1;
-        }
+        self.walk.time_s()
     }
 }
 
@@ -150,53 +108,31 @@ impl<M: Iterator<Item = Leg>> Iterator for Stretches<'_, M> {
     type Item = Stretch;
 
     fn next(&mut self) -> Option<Stretch> {
-        loop {
-            if self.ended && self.time_s.is_infinite() {
-                return None;
-            }
-            let piece = self.curve.piece(self.piece);
-            let piece_rad = self.pitch * self.curve.pitch_rad() + piece.start_rad;
-            let edge_rad = match self.leg.direction() {
-                forward if forward > 0.0 => Some(piece_rad + piece.length_rad),
-                reverse if reverse < 0.0 => Some(piece_rad),
-                _ => None,
-            };
-            let edge_s = edge_rad
-                .map(|edge| edge - self.leg.angle_rad)
-                // Rounding may leave the start of a leg a hair beyond the edge.
-                .map(|turn| if turn * self.leg.direction() < 0.0 { 0.0 } else { turn })
-                .and_then(|turn| self.leg.time_to_turn(turn))
-                .map(|elapsed| self.leg.start_s + elapsed);
-            let start_s = self.time_s;
-            let stretch = |end_s| Stretch {
-                start_s,
-                end_s,
-                leg: self.leg,
-                flow: piece.flow,
-                flow_slope: piece.flow.derivative(),
-                offset_rad: self.leg.angle_rad - piece_rad,
-            };
-            let leg_end_s = self.leg.end_s();
-            let found = match edge_s {
-                Some(edge_s) if edge_s < leg_end_s => {
-                    let found = stretch(edge_s.max(start_s));
-                    self.next_piece();
-                    found
-                }
-                _ => {
-                    let found = stretch(leg_end_s.max(start_s));
-                    if leg_end_s.is_finite() {
-                        self.next_leg();
-                    } else {
-                        self.ended = true;
-                    }
-                    found
-                }
-            };
-            self.time_s = found.end_s;
-            if found.end_s > start_s {
-                return Some(found);
-            }
-        }
+        let passage = self.walk.next()?;
+        let flow = self.curve.piece(passage.piece).flow;
+        Some(Stretch {
+            start_s: passage.start_s,
+            end_s: passage.end_s,
+            leg: passage.leg,
+            flow,
+            flow_slope: flow.derivative(),
+            offset_rad: passage.offset_rad,
+        })
+    }
+}
+
+impl Pitch for &FlowCurve {
+    fn pitch_rad(&self) -> f64 {
+        FlowCurve::pitch_rad(self)
+    }
+    fn last(&self) -> usize {
+        self.pieces().len() - 1
+    }
+    fn index_of(&self, local_rad: f64) -> usize {
+        FlowCurve::index_of(self, local_rad)
+    }
+    fn piece_rad(&self, number: usize) -> (f64, f64) {
+        let piece = self.piece(number);
+        (piece.start_rad, piece.length_rad)
     }
 }

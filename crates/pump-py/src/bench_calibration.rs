@@ -29,7 +29,7 @@ impl Bench {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Turned> {
         let rad_s = speed::speed_rad_s(speed_rpm, speed_rad_s)?;
-        if !(rad_s > 0.0) {
+        if rad_s <= 0.0 {
             return Err(value(format_args!("the speed is {} r/min; allowed: more than 0", rpm(rad_s))));
         }
         if !(1..=100_000).contains(&pitches) {
@@ -128,7 +128,7 @@ impl Bench {
             |()| "it was done".to_owned(),
             move |held, _| {
                 held.session()?;
-                Ok(held.bench.calibrations().activate(version)?)
+                held.bench.use_calibration(version)
             },
         )
     }
@@ -152,10 +152,9 @@ impl Bench {
             |(stored, _): &(Stored, T)| format!("calibration {} is kept and used", stored.version),
             move |held, _| {
                 held.session()?;
-                let calibrations = held.bench.calibrations();
-                let before = calibrations.active()?.map(|active| active.calibration);
+                let before = held.bench.calibrations().active()?.map(|active| active.calibration);
                 let (calibration, more) = make(held.bench.file(), before.as_ref())?;
-                Ok((calibrations.keep(calibration)?, more))
+                Ok((held.bench.keep_calibration(calibration)?, more))
             },
         )?;
         Ok((Calibration(stored), more))

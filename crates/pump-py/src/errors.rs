@@ -34,7 +34,9 @@ pub(crate) fn within(place: impl std::fmt::Display, error: PyErr) -> PyErr {
 pub(crate) fn model(error: ModelError) -> PyErr {
     match error {
         ModelError::Integration(error) => integration(error),
-        ModelError::NeverSettles { .. } => PumpError::new_err(error.to_string()),
+        ModelError::NeverSettles { .. } | ModelError::NotPeriodic { .. } => {
+            PumpError::new_err(error.to_string())
+        }
         _ => value(error),
     }
 }

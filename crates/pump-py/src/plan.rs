@@ -2,7 +2,7 @@
 
 use numpy::PyArray1;
 use pump_ctl::plan::{Cruise, Finish, Phase};
-use pump_dose::{DoseReport, DoseRequest, PhaseSource, Prepared, Purpose};
+use pump_dose::{DoseError, DoseReport, DoseRequest, PhaseSource, Prepared, Purpose};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
@@ -294,16 +294,17 @@ impl Plan {
         let (Pump { file, model, .. }, py) = (pump.get(), doser.py());
         let (stored, source) =
             (calibration.as_ref().map(|calibration| &calibration.get().0), PhaseSource::Given);
-        let prepared = py.detach(|| match stored {
-            Some(stored) => Prepared::calibrated(file, model, stored, request, start, source, carry_in_ml),
-            None => Ok(Prepared::new(file, model, request, start, source, carry_in_ml)?),
+        let planned = py.detach(|| {
+            let prepared = match stored {
+                Some(stored) => {
+                    Prepared::calibrated(file, model, stored, request, start, source, carry_in_ml)?
+                }
+                None => Prepared::new(file, model, request, start, source, carry_in_ml)?,
+            };
+            let report = DoseReport::without_bench(file, file.driver(), &prepared, None);
+            Ok::<_, DoseError>((prepared, report))
         });
-        let prepared = prepared.map_err(|error| errors::dose(py, error))?;
-        Ok(Self {
-            report: DoseReport::without_bench(file, file.driver(), &prepared, None),
-            doser: doser.clone().unbind(),
-            prepared,
-            step_times_s: PyOnceLock::new(),
-        })
+        let (prepared, report) = planned.map_err(|error| errors::dose(py, error))?;
+        Ok(Self { report, doser: doser.clone().unbind(), prepared, step_times_s: PyOnceLock::new() })
     }
 }

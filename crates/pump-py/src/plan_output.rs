@@ -63,7 +63,7 @@ impl Plan {
         let legs = self.prepared.plan.legs();
         let waveform = Waveform::new(model, legs, Method::Exact, times(dt_s, motion_s, end_s));
         // The grid, the last step and the end.
-        Run::collect(py, (end_s / dt_s) as u64 + 3, waveform.map_err(errors::integration)?)
+        Run::collect(py, (end_s / dt_s) as u64 + 3, waveform.map_err(errors::model)?)
     }
 
     /// Every step, as `dose --steps` writes them. Needs pandas.

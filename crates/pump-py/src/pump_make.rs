@@ -96,7 +96,8 @@ impl Pump {
             roller_radius_mm,
             roller_offset_mm,
         };
-        let drawn = DrawnPump { id: id.to_owned(), geometry, hose_length_mm };
+        let roller_volume = RollerVolumeTable::Drawing;
+        let drawn = DrawnPump { id: id.to_owned(), geometry, hose_length_mm, roller_volume };
         Self::checked(drawn.pump_file().map_err(errors::model)?)
     }
 

@@ -1,8 +1,7 @@
 //! A pump at constant speed: from rest, and once start-up is forgotten.
 
-use pump_dose::Simulation;
-use pump_dose::waveform::Method;
-use pump_model::DEFAULT_TOLERANCE;
+use pump_dose::{AskedMethod, Simulation, choose_method};
+use pump_model::RollerCentric;
 use pyo3::prelude::*;
 
 use crate::errors::{self, value};
@@ -25,15 +24,25 @@ impl Pump {
     ///     How long, s, up to 1e7.
     /// dt_s : float
     ///     Time between samples, s. They stand at `arange(n + 1)*dt_s`, both ends included.
-    /// model : {"flow-centric"}
-    ///     Which model.
+    /// model : {"flow-centric", "roller-centric"}
+    ///     Flows at the rollers that drive the lines, or every roller a valve and every segment of tube between two a
+    ///     chamber. The second is experimental: a reconstruction whose parameters are fitted to summary numbers or guessed.
     /// method : {"auto", "exact", "rodas5p"}
-    ///     The exact solution, which "auto" means, or the implicit integrator.
+    ///     The exact solution or the implicit integrator. "auto" is the exact one but for the roller-centric model and for
+    ///     lines that are hoses, whose friction grows with the flow.
     /// initial : {"rest"}
     ///     Lines at rest at time 0: pressures of the reservoirs, no flow.
     /// tolerance : float, optional
     ///     Of the integrator: error allowed in a step, relative to 1 kPa plus the pressure above the reservoir's; 1e-13
-    ///     to 0.1. The default of 1e-5 keeps the pressures of the built-in pumps within 1e-4 kPa.
+    ///     to 0.1. The default of 1e-5 keeps the pressures of the built-in pumps within 1e-4 kPa (1e-3 roller-centric).
+    /// segment_scale : float, optional
+    ///     Roller-centric, as all that follow: volume between two rollers over that of the round tube, 0.5 to 2; 0.953.
+    /// distensibility_per_kpa : float, optional
+    ///     How much more a segment holds for more pressure, 1/kPa, 1e-9 to 1; 2.05e-3.
+    /// valve_resistance_kpa_s_ml : float, optional
+    ///     What a roller that only just touches the tube resists, kPa s/mL, 1e-9 to 1e3; 1e-3.
+    /// closure_rad : float, optional
+    ///     Where an engaging roller has closed the tube, rad after first contact; that of the pump's dimensions.
     ///
     /// Returns
     /// -------
@@ -51,7 +60,8 @@ impl Pump {
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
     #[pyo3(signature = (
         *, speed_rpm=None, speed_rad_s=None, duration_s, dt_s=1e-3, model="flow-centric", method="auto",
-        initial="rest", tolerance=None
+        initial="rest", tolerance=None, segment_scale=None, distensibility_per_kpa=None,
+        valve_resistance_kpa_s_ml=None, closure_rad=None
     ))]
     fn simulate<'py>(
         &self,
@@ -64,24 +74,45 @@ impl Pump {
         method: &str,
         initial: &str,
         tolerance: Option<f64>,
+        segment_scale: Option<f64>,
+        distensibility_per_kpa: Option<f64>,
+        valve_resistance_kpa_s_ml: Option<f64>,
+        closure_rad: Option<f64>,
     ) -> PyResult<Run> {
-        one_of("model", model, &["flow-centric"])?;
+        one_of("model", model, &["flow-centric", "roller-centric"])?;
         one_of("method", method, &["auto", "exact", "rodas5p"])?;
         one_of("initial", initial, &["rest"])?;
-        let method = match (method, tolerance) {
-            ("rodas5p", tolerance) => Method::Rodas5p { tolerance: tolerance.unwrap_or(DEFAULT_TOLERANCE) },
-            (_, None) => Method::Exact,
-            (method, Some(tolerance)) => {
-                return Err(value(format_args!(
-                    "tolerance is {tolerance}, but method \"{method}\" is exact; allowed: none, or method \"rodas5p\""
-                )));
-            }
+        let given = [
+            ("segment_scale", segment_scale),
+            ("distensibility_per_kpa", distensibility_per_kpa),
+            ("valve_resistance_kpa_s_ml", valve_resistance_kpa_s_ml),
+            ("closure_rad", closure_rad),
+        ];
+        let roller_centric = if model == "roller-centric" {
+            Some(self.roller_centric(given.map(|(_, value)| value))?)
+        } else if let Some((name, Some(given))) = given.into_iter().find(|(_, value)| value.is_some()) {
+            return Err(value(format_args!(
+                "{name} is {given}, but model \"{model}\" has none; allowed: none, or model \"roller-centric\""
+            )));
+        } else {
+            None
         };
+        let asked = match method {
+            "exact" => AskedMethod::Exact,
+            "rodas5p" => AskedMethod::Rodas5p,
+            _ => AskedMethod::Auto,
+        };
+        let frictions = self.file.frictions().map_err(errors::model)?;
+        let method = choose_method(asked, roller_centric, frictions, tolerance).map_err(value)?;
         let simulation = Simulation {
             method,
             ..Simulation::new(speed::speed_rad_s(speed_rpm, speed_rad_s)?, duration_s, dt_s)
         };
-        let model = self.model_at(simulation.speed_rad_s).map_err(errors::speed_law)?;
+        // The roller-centric model has a volume against speed of its own.
+        let model = match roller_centric {
+            Some(_) => self.model,
+            None => self.model_at(simulation.speed_rad_s).map_err(errors::speed_law)?,
+        };
         let samples = simulation.samples(&model).map_err(errors::model)?;
         Run::collect(py, simulation.intervals() + 1, samples)
     }
@@ -114,5 +145,25 @@ impl Pump {
         speed_rad_s: Argument<'_, 'py>,
     ) -> PyResult<SteadyState> {
         SteadyState::at(py, self, &speed::speeds_rad_s(speed_rpm, speed_rad_s)?)
+    }
+}
+
+impl Pump {
+    /// The parameters of the roller-centric model: those given (scale, distensibility, valve resistance, closure), and the
+    /// pump's own.
+    fn roller_centric(&self, given: [Option<f64>; 4]) -> PyResult<RollerCentric> {
+        let [scale, distensibility_per_kpa, valve_resistance_kpa_s_ml, closure_rad] = given;
+        let ambient_kpa = self.file.ambient.pressure_kpa;
+        // Dimensions from which no closure follows do no harm where it is given.
+        let own = match closure_rad {
+            Some(closure_rad) => RollerCentric { closure_rad, ambient_kpa, ..RollerCentric::PUBLISHED },
+            None => RollerCentric::of(&self.model, ambient_kpa).map_err(errors::model)?,
+        };
+        Ok(RollerCentric {
+            scale: scale.unwrap_or(own.scale),
+            distensibility_per_kpa: distensibility_per_kpa.unwrap_or(own.distensibility_per_kpa),
+            valve_resistance_kpa_s_ml: valve_resistance_kpa_s_ml.unwrap_or(own.valve_resistance_kpa_s_ml),
+            ..own
+        })
     }
 }

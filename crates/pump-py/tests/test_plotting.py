@@ -59,6 +59,14 @@ def test_a_plan_is_drawn_with_its_end_and_what_was_asked_for() -> None:
     assert axes[0].get_title() == "McIntyre et al., 3 rollers: 25.50 mL at 10 mL/s"
 
 
+def test_a_plan_of_hours_is_drawn_from_fewer_samples() -> None:
+    plan = pm.Doser(pm.Pump.three_roller()).plan("20L")
+    assert plan.motion_s > 3600
+    x, y = curve(pm.plot(plan, panels="delivered"), "vessel")
+    assert len(x) < 100_010
+    assert y[-1] == pytest.approx(20_000, abs=0.01)
+
+
 def test_panels_are_chosen_and_drawn_where_told() -> None:
     run = pm.Pump.three_roller().simulate(speed_rpm=100, duration_s=0.1)
     figure, (left, right) = plt.subplots(1, 2)

@@ -26,8 +26,8 @@ def run(work: Coroutine[Any, Any, None]) -> None:
 
 
 async def in_motion(pump: BenchPump) -> None:
-    """Wait until the record says that a dose has begun."""
-    while pump.backend.bench.status().unfinished is None:
+    """Wait until the record says that steps of a dose are made."""
+    while (dose := pump.backend.bench.status().unfinished) is None or dose.steps_made_least == 0:
         await asyncio.sleep(0.01)
 
 
@@ -125,8 +125,9 @@ def test_the_end_of_the_block_halts_what_still_runs(tmp_path: Path) -> None:
             await in_motion(pump)
         with pytest.raises(HaltedError):
             await dose
-        with pytest.raises(RuntimeError, match="setup has not finished"):
-            await pump.pump_volume(speed=50, volume=1)
+        for unready in (pump.pump_volume(speed=50, volume=1), pump.halt(), pump.resume(), pump.discard()):
+            with pytest.raises(RuntimeError, match="not set up"):
+                await unready
         with pytest.raises(RuntimeError, match="not set up"):
             pump.backend.halt()
         await pump.setup()

@@ -3,8 +3,8 @@
 import csv
 import json
 import os
-import shutil
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,37 +16,46 @@ import pumpmodel as pm
 ROOT = Path(__file__).parents[3]
 PUMPS = ["three-roller", "two-roller"]
 
-pytestmark = pytest.mark.skipif(
-    shutil.which("cargo") is None,
-    reason="a Rust toolchain makes the command; without one there is nothing to compare",
-)
 
-
-def cargo(*words: str) -> str:
-    ended = subprocess.run(
-        ["cargo", "run", "--locked", "--quiet", *words], cwd=ROOT, capture_output=True, text=True
-    )
+def output(*command: str) -> str:
+    ended = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stderr
     return ended.stdout
 
 
 @pytest.fixture(scope="module")
-def rust() -> dict[str, Any]:
+def made() -> dict[str, str]:
+    """The command and the example in Rust, as `cargo test` builds them."""
+    words = ("build", "--locked", "--quiet", "--bin", "dose", "--example", "numbers")
+    messages = map(json.loads, output("cargo", *words, "--message-format", "json").splitlines())
+    return {
+        message["target"]["name"]: message["executable"]
+        for message in messages
+        if message.get("executable") is not None
+    }
+
+
+@pytest.fixture(scope="module")
+def dose(made: dict[str, str]) -> Callable[..., Any]:
+    return lambda *words: json.loads(output(made["dose"], *words, "--format", "json"))
+
+
+@pytest.fixture(scope="module")
+def rust(made: dict[str, str]) -> dict[str, Any]:
     """Numbers from the crates, each as its shortest text that reads back as the same bits."""
-    numbers: dict[str, Any] = json.loads(cargo("--example", "numbers"))
+    numbers: dict[str, Any] = json.loads(output(made["numbers"]))
     return numbers
 
 
 @pytest.mark.parametrize("name", PUMPS)
 def test_a_dose_and_its_waveform_are_the_same_to_the_last_bit(
-    name: str, tmp_path: Path, rust: dict[str, Any]
+    name: str, tmp_path: Path, dose: Callable[..., Any], rust: dict[str, Any]
 ) -> None:
     steps, trace = tmp_path / "steps.csv", tmp_path / "trace.csv"
-    out = cargo(
-        *("--bin", "dose", "--", "25mL", "--rate", "10mL/s", "--pump", name, "--dry-run", "--format", "json"),
-        *("--steps", os.fspath(steps), "--trace", os.fspath(trace), "--state-dir", os.fspath(tmp_path)),
+    command = dose(
+        *("25mL", "--rate", "10mL/s", "--pump", name, "--dry-run", "--state-dir", os.fspath(tmp_path)),
+        *("--steps", os.fspath(steps), "--trace", os.fspath(trace)),
     )
-    command = json.loads(out)
     plan = pm.Doser(pm.Pump.named(name)).plan("25mL", rate="10 mL/s")
     python = plan.to_dict()
     assert command.pop("phase") == {**python.pop("phase"), "source": "home"}
@@ -63,16 +72,17 @@ def test_a_dose_and_its_waveform_are_the_same_to_the_last_bit(
 
 
 @pytest.mark.parametrize("name", PUMPS)
-def test_a_simulation_is_the_same_to_the_last_bit(name: str, tmp_path: Path, rust: dict[str, Any]) -> None:
+def test_a_simulation_is_the_same_to_the_last_bit(
+    name: str, tmp_path: Path, dose: Callable[..., Any], rust: dict[str, Any]
+) -> None:
     trace = tmp_path / "trace.csv"
-    out = cargo(
-        *("--bin", "dose", "--", "simulate", "--speed", "100rpm", "--duration", "2s", "--pump", name),
-        *("--format", "json", "--trace", os.fspath(trace)),
+    command = dose(
+        *("simulate", "--speed", "100rpm", "--duration", "2s", "--pump", name, "--trace", os.fspath(trace))
     )
     pump = pm.Pump.named(name)
     steady = pump.steady_state(speed_rpm=100).to_dict()
-    assert steady.pop("speed_rpm") == json.loads(out)["speed_rpm"]
-    assert steady == json.loads(out)["steady"] == rust[name]["steady"]
+    assert steady.pop("speed_rpm") == command["speed_rpm"]
+    assert steady == command["steady"] == rust[name]["steady"]
     run = pump.simulate(speed_rpm=100, duration_s=2)
     with trace.open() as lines:
         samples = list(csv.DictReader(lines))
@@ -84,13 +94,10 @@ def test_a_simulation_is_the_same_to_the_last_bit(name: str, tmp_path: Path, rus
 
 @pytest.mark.parametrize("name", PUMPS)
 def test_a_simulated_dose_is_the_same_to_the_last_bit(
-    name: str, tmp_path: Path, rust: dict[str, Any]
+    name: str, tmp_path: Path, dose: Callable[..., Any], rust: dict[str, Any]
 ) -> None:
-    out = cargo(
-        *("--bin", "dose", "--", "7mL", "--within", "4s", "--pump", name, "--format", "json"),
-        *("--state-dir", os.fspath(tmp_path / "command")),
-    )
+    command = dose("7mL", "--within", "4s", "--pump", name, "--state-dir", os.fspath(tmp_path / "command"))
     with pm.Bench.open(name, state_dir=tmp_path / "python") as bench:
-        dose = bench.dose("7mL", within="4s").to_dict()
-    assert dose == json.loads(out)
-    assert dose["delivered_ml"] == rust[name]["delivered_ml"]
+        python = bench.dose("7mL", within="4s").to_dict()
+    assert python == command
+    assert python["delivered_ml"] == rust[name]["delivered_ml"]

@@ -4,6 +4,7 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -111,12 +112,16 @@ def test_a_tighter_tolerance_comes_nearer() -> None:
         ({"dt_s": 0}, "dt in s is 0"),
         ({"dt_s": 2}, "no more than the duration"),
         ({"dt_s": 1e-12}, "number of samples"),
-        ({"model": "roller"}, "model is `roller`; allowed: flow-centric"),
+        ({"model": "roller"}, "model is `roller`; allowed: flow-centric, roller-centric"),
         ({"method": "euler"}, "method is `euler`; allowed: auto, exact, rodas5p"),
         ({"initial": "steady"}, "initial is `steady`; allowed: rest"),
         ({"method": "rodas5p", "tolerance": 0}, "allowed: 1e-13 to 0.1"),
         ({"method": "rodas5p", "tolerance": math.nan}, "allowed: 1e-13 to 0.1"),
-        ({"tolerance": 1e-6}, 'method "auto" is exact'),
+        ({"tolerance": 1e-6}, "tolerance is 0.000001, but the exact solution has none"),
+        ({"closure_rad": 0.5}, 'closure_rad is 0.5, but model "flow-centric" has none'),
+        ({"model": "roller-centric", "method": "exact"}, "no exact solution"),
+        ({"model": "roller-centric", "segment_scale": 3}, "scale of the segments is 3; allowed: 0.5 to 2"),
+        ({"model": "roller-centric", "closure_rad": math.nan}, "closure angle in rad is NaN"),
     ],
 )
 def test_a_bad_argument_is_a_value_error_that_names_it(argument: dict[str, object], message: str) -> None:
@@ -175,3 +180,47 @@ def test_a_signal_interrupts_a_long_solve() -> None:
             assert time.perf_counter() - started < 5
     finally:
         signal.signal(signal.SIGALRM, before)
+
+
+def test_the_roller_centric_model_becomes_flow_centric_as_swelling_and_leaks_vanish() -> None:
+    pump = pm.Pump.three_roller()
+    exact = pump.simulate(speed_rpm=100, duration_s=2)
+    limit = pump.simulate(
+        speed_rpm=100,
+        duration_s=2,
+        model="roller-centric",
+        segment_scale=1.0,
+        distensibility_per_kpa=1e-7,
+        valve_resistance_kpa_s_ml=1e-6,
+        closure_rad=math.radians(50.53),
+    )
+    for name in ("p_in_kpa", "p_out_kpa"):
+        off = getattr(limit, name) - getattr(exact, name)
+        assert np.sqrt(np.mean(off**2)) <= 0.002
+    np.testing.assert_allclose(limit.delivered_ml, exact.delivered_ml, atol=2e-3)
+
+
+def test_the_roller_centric_model_delivers_three_percent_more_than_the_speed_law() -> None:
+    run = pm.Pump.three_roller().simulate(speed_rpm=100, duration_s=6, model="roller-centric")
+    revolution_ml = run.delivered_ml[-1] - run.delivered_ml[-601]
+    assert revolution_ml == pytest.approx(1.0322 * 21.0444, rel=1e-3)
+
+
+def test_the_friction_of_a_hose_is_integrated_and_has_no_exact_solution(tmp_path: Path) -> None:
+    text = pm.Pump.three_roller().to_toml()
+    given = "resistance_kpa_s_ml = 0.1108\ncompliance_ml_kpa = 0.0361\ninertance_kpa_s2_ml = 0.0042\n"
+    hose = (
+        "[inlet.hose]\nbore_radius_mm = 5.0\nouter_radius_mm = 7.0\nlength_mm = 331.0\nmodulus_mpa = 3.5\n"
+        "poisson_ratio = 0.5\nminor_loss = 5.75\nresistance_at_ml_s = 210.0\n\n[outlet]"
+    )
+    assert given in text
+    path = tmp_path / "hose.toml"
+    path.write_text(text.replace(given, "", 1).replace("[outlet]", hose))
+    pump = pm.Pump.from_toml(path)
+    assert pump.inlet.resistance_kpa_s_ml == pytest.approx(0.1108, abs=2e-4)
+    run = pump.simulate(speed_rpm=100, duration_s=8, dt_s=2e-4)
+    pitch = run.p_in_kpa[-1000:]
+    # At 35.5 mL/s the hose resists far less than at 210.
+    assert 0.01 < (pump.inlet.reservoir_kpa - pitch.mean()) / pump.average_flow(speed_rpm=100) < 0.05
+    with pytest.raises(ValueError, match="the friction of a hose grows with the flow"):
+        pump.simulate(speed_rpm=100, duration_s=1, method="exact")

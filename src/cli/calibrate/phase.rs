@@ -14,20 +14,13 @@ pub(super) fn phase(args: &PhaseArgs, options: &Options) -> Result<(), Failure> 
     let bench = options.bench()?;
     let doses = in_table(&args.from, short_doses_of_csv(&read(&args.from)?, &Weighing::of(bench.file())))?;
     let _held = bench.folder().lock()?;
-    let calibrations = bench.calibrations();
-    let before = calibrations.active()?.map(|active| active.calibration);
+    let before = bench.calibrations().active()?.map(|active| active.calibration);
     let expected = expected(&bench, &args.reading)?;
     let (mut calibration, found) =
         Calibration::of_short_doses(bench.file(), doses, &expected, before.as_ref())?;
     calibration.tube = args.reading.tube.clone().or(calibration.tube);
     calibration.note = args.reading.note.clone();
-    let version = if args.uses {
-        let version = calibrations.add(&calibration)?;
-        bench.use_calibration(Some(version))?;
-        Some(version)
-    } else {
-        None
-    };
+    let version = if args.uses { Some(bench.keep_calibration(calibration)?.version) } else { None };
     if options.json() {
         return print(&format!("{}\n", json!({ "schema": "phase/1", "found": found, "version": version })));
     }

@@ -1,7 +1,7 @@
 //! `dose calibrate run`: runs in, a calibration out that the next dose uses.
 
 use pump_dose::Bench;
-use pump_dose::calibration::{Calibration, Run, Source, Stored, runs_of_csv};
+use pump_dose::calibration::{Calibration, Run, Source, runs_of_csv};
 
 use super::super::args::Options;
 use super::super::home::DEVICE;
@@ -32,15 +32,12 @@ fn keep(
     options: &Options,
 ) -> Result<(), Failure> {
     let _held = bench.folder().lock()?;
-    let calibrations = bench.calibrations();
-    let before = calibrations.active()?.map(|active| active.calibration);
+    let before = bench.calibrations().active()?.map(|active| active.calibration);
     let expected = expected(bench, &args.reading)?;
     let mut calibration =
         Calibration::of_runs(bench.file(), source, runs, args.fit.into(), &expected, before.as_ref())?;
     calibration.tube = args.reading.tube.clone();
     calibration.note = args.reading.note.clone();
-    let version = calibrations.add(&calibration)?;
-    bench.use_calibration(Some(version))?;
-    let stored = Stored { version, calibration };
+    let stored = bench.keep_calibration(calibration)?;
     print(&if options.json() { summary::json(&stored) } else { summary::text(bench, &stored)? })
 }

@@ -97,6 +97,8 @@ class Dose(Record):
     outlet_min_kpa: float
     outlet_max_kpa: float
     ambient_kpa: float
+    torque_needed_n_m: float | None
+    torque_available_n_m: float | None
     ripple_before: Ripple
     ripple_after: Ripple
     limited_by: str
@@ -139,10 +141,22 @@ class Unfinished(Record):
 
 
 @dataclass(frozen=True)
+class CalibrationInUse(Record):
+    """The calibration that doses use."""
+
+    version: int
+    date: str
+
+
+@dataclass(frozen=True)
 class Status(Record):
     """What is on record of a bench: the fields of the command's JSON `status/1`."""
 
-    _records: ClassVar[dict[str, type[Record]]] = {"wear": Wear, "unfinished": Unfinished}
+    _records: ClassVar[dict[str, type[Record]]] = {
+        "wear": Wear,
+        "calibration": CalibrationInUse,
+        "unfinished": Unfinished,
+    }
 
     schema: str
     pump: str
@@ -157,5 +171,7 @@ class Status(Record):
     carry_ml: float
     wear: Wear
     tube_life_ml: float | None
+    calibration: CalibrationInUse | None
     unfinished: Unfinished | None
+    in_use_by: str | None
     folder: str

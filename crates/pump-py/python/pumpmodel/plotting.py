@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 BLUE = "#0072B2"
 VERMILION = "#D55E00"
 
+# Samples of a plan: far more than a picture has pixels, far fewer than hours of milliseconds.
+_SAMPLES = 100_000
 _RPM_PER_RAD_S = 60 / math.tau
 
 
@@ -99,7 +101,10 @@ def plot(
             message = f"panel is {name!r}; allowed: {', '.join(_PANELS)}"
             raise ValueError(message)
     axes = axes_for(names, ax)
-    run = result.trace() if isinstance(result, Plan) else result
+    if isinstance(result, Plan):
+        run = result.trace(dt_s=max(1e-3, (result.motion_s + result.settle_s) / _SAMPLES))
+    else:
+        run = result
     for name, axis in zip(names, axes, strict=True):
         label, curves = _PANELS[name]
         for curve in curves:

@@ -15,17 +15,14 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Literal, NoReturn
 
+from pumpmodel._tables import optional
 from pumpmodel.bench import Bench
 from pumpmodel.dose import Dose
 from pumpmodel.errors import PumpError
 
-try:
-    from pylabrobot.machines.machine import need_setup_finished
-    from pylabrobot.pumps import Pump
-    from pylabrobot.pumps.backend import PumpBackend
-except ModuleNotFoundError as error:
-    message = f'{error.name} is not installed: pip install "pumpmodel[pylabrobot]"'
-    raise ImportError(message, name=error.name) from error
+# Without types, so that type checkers take them for anything.
+_Pump: Any = optional("pylabrobot.pumps", "pylabrobot").Pump
+_PumpBackend: Any = optional("pylabrobot.pumps.backend", "pylabrobot").PumpBackend
 
 __all__ = ["BenchBackend", "BenchPump", "HaltedError"]
 
@@ -47,7 +44,7 @@ class HaltedError(PumpError):
         self.dose = dose
 
 
-class BenchBackend(PumpBackend):
+class BenchBackend(_PumpBackend):
     """The bench behind a `BenchPump`: opened by its `setup`, closed by its `stop`.
 
     Parameters
@@ -117,7 +114,7 @@ class BenchBackend(PumpBackend):
         self.bench.stop()
 
 
-class BenchPump(Pump):
+class BenchPump(_Pump):
     """A PyLabRobot pump whose volumes are doses of a bench, exact from whatever angle the rollers stand at.
 
     Its commands complete when the motion has. A dose that is cancelled decelerates, holds and goes on record
@@ -137,7 +134,6 @@ class BenchPump(Pump):
         self.backend: BenchBackend = backend
         self._moving = asyncio.Lock()
 
-    @need_setup_finished
     async def pump_volume(self, speed: float, volume: float) -> Dose:
         """Dose a volume; doses that are asked for at the same time come one after the other.
 
@@ -160,21 +156,19 @@ class BenchPump(Pump):
         ValueError, PlanError, UnfinishedError, DriveError
             As `pumpmodel.Bench.dose` does.
         """
-        bench = self.backend.bench
         return await self._until_done(
-            lambda: bench.dose(f"{float(volume)!r}mL", speed=f"{float(speed)!r}rpm")
+            lambda bench: bench.dose(f"{float(volume)!r}mL", speed=f"{float(speed)!r}rpm")
         )
 
-    @need_setup_finished
     async def resume(self) -> Dose:
         """Make the rest of an unfinished dose; returns and raises as `pump_volume`."""
-        return await self._until_done(self.backend.bench.resume)
+        return await self._until_done(lambda bench: bench.resume())
 
-    @need_setup_finished
     async def discard(self) -> None:
         """Accept an unfinished dose as it is."""
+        bench = self.backend.bench
         async with self._moving:
-            await asyncio.to_thread(self.backend.bench.discard)
+            await asyncio.to_thread(bench.discard)
 
     async def run_revolutions(self, num_revolutions: float) -> NoReturn:
         """Raise NotImplementedError: what revolutions deliver depends on the angle they start from."""
@@ -190,11 +184,11 @@ class BenchPump(Pump):
         """Raise NotImplementedError: a bench doses volumes."""
         _refuse("a duration")
 
-    @need_setup_finished
     async def halt(self) -> None:
         """Decelerate and hold, if a dose is under way; completes when the motor stands, all on record."""
+        bench = self.backend.bench
         while self._moving.locked():
-            self.backend.halt()
+            bench.stop()
             await asyncio.sleep(_AGAIN_S)
 
     async def stop(self) -> None:
@@ -202,14 +196,15 @@ class BenchPump(Pump):
         await self.halt()
         await super().stop()
 
-    async def _until_done(self, work: Callable[[], Dose]) -> Dose:
+    async def _until_done(self, work: Callable[[Bench], Dose]) -> Dose:
+        bench = self.backend.bench
         async with self._moving:
-            task = asyncio.create_task(asyncio.to_thread(work))
+            task = asyncio.create_task(asyncio.to_thread(work, bench))
             try:
                 dose = await asyncio.shield(task)
             except asyncio.CancelledError as cancelled:
                 while not task.done():
-                    self.backend.halt()
+                    bench.stop()
                     with suppress(asyncio.CancelledError):
                         await asyncio.wait([task], timeout=_AGAIN_S)
                 # A motor that failed on the way is worse news than the cancellation.

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 _STEP_MM = 0.25
 _PLATE_MM = 6.0
+# Between the middle and the tube's inner side at the end of a straight: room for its name.
+_APART_MM = 20.0
 
 
 class _Backplate(NamedTuple):
@@ -96,7 +98,10 @@ def _rollers_rad(pump: Pump, angle_rad: float) -> NDArray[np.float64]:
 
 def _backplate(pump: Pump) -> _Backplate:
     radius, beta = pump.backplate_radius_mm, pump.contact_angle_rad
-    length = np.arange(0.8 * radius, 0, -_STEP_MM, dtype=np.float64)
+    # The straights lean towards each other; they end before they meet.
+    apart = (radius - 2 * pump.tube_outer_radius_mm) * math.cos(beta) - _APART_MM
+    straight = 0.8 * radius if beta == 0 else min(0.8 * radius, apart / math.sin(beta))
+    length = np.arange(max(straight, _STEP_MM), 0, -_STEP_MM, dtype=np.float64)
     arc = np.linspace(beta, -math.pi - beta, math.ceil(radius * (math.pi + 2 * beta) / _STEP_MM))
     # On a straight the normal is that of the arc's end.
     polar = np.concatenate((np.full_like(length, arc[0]), arc, np.full_like(length, arc[-1])))
@@ -147,10 +152,12 @@ def _draw_tube(axis: Axes, pump: Pump, rollers: NDArray[np.float64]) -> None:
     for end, name, way in ((-1, "inlet", -1), (0, "outlet", 1)):
         outward = np.array([plate.normal_y[end], -plate.normal_x[end]]) * way
         tip = np.array([x[end], y[end]])
-        head, tail = (tip + 11 * outward, tip + 2 * outward)[:: (1 if name == "outlet" else -1)]
+        head, tail = (tip + 10 * outward, tip + 2 * outward)[:: (1 if name == "outlet" else -1)]
         axis.annotate("", head, tail, arrowprops={"arrowstyle": "-|>", "color": "0.2"})
-        x_text, y_text = tip + 16 * outward
-        axis.text(x_text, y_text, name, ha="center", va="center")
+        x_text, y_text = tip + 14 * outward
+        axis.text(
+            x_text, max(y_text, 1.1 * (pump.backplate_radius_mm + _PLATE_MM)), name, ha="center", va="center"
+        )
 
 
 def _draw_rotor(axis: Axes, pump: Pump, rollers: NDArray[np.float64]) -> None:
@@ -218,8 +225,8 @@ def _mark_angles(axis: Axes, pump: Pump, angle_rad: float) -> None:
     engaging = math.pi - leaving
     arc(leaving, leaving + phi, inside, "phi, leaving", VERMILION, 3)
     arc(engaging - phi, engaging, inside, "phi, engaging", BLUE, 3)
-    for middle, colour in ((leaving + phi / 2, VERMILION), (engaging - phi / 2, BLUE)):
-        text(middle, inside - 8, f"φ {math.degrees(phi):.4g}°", colour)
+    for place, colour in ((leaving + 0.6 * phi, VERMILION), (engaging - 0.6 * phi, BLUE)):
+        text(place, inside - 8, f"φ {math.degrees(phi):.4g}°", colour)
     first = leaving + angle_rad
     if pump.rollers > 1:
         radius = 0.3 * pump.roller_offset_mm
@@ -230,4 +237,4 @@ def _mark_angles(axis: Axes, pump: Pump, angle_rad: float) -> None:
         radius = 0.55 * pump.roller_offset_mm
         ray(leaving, 0, inside)
         arc(leaving, leaving + turned, radius, "theta")
-        text(leaving + turned / 2, radius + 6, f"θ {math.degrees(turned):.4g}°")
+        text(leaving + 0.3 * turned, radius + 6, f"θ {math.degrees(turned):.4g}°")

@@ -37,7 +37,7 @@ class VolumeFit(Record):
     --------
     >>> import pumpmodel as pm
     >>> fit = pm.VolumeFit([0, 10, 20, 30, 40, 50], [0, 0.23, 0.83, 1.49, 1.96, 2.1])
-    >>> pm.Pump.three_roller().replace(roller_volume=fit).roller_volume_ml
+    >>> round(pm.Pump.three_roller().replace(roller_volume=fit).roller_volume_ml, 6)
     2.1
     """
 

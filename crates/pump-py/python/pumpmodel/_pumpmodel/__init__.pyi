@@ -24,4 +24,31 @@ from .results import Plan as Plan
 from .results import Run as Run
 from .results import SteadyState as SteadyState
 
+__all__ = [
+    "Calibration",
+    "Doser",
+    "Limits",
+    "Line",
+    "Plan",
+    "Pump",
+    "Run",
+    "SteadyState",
+    "_Bench",
+    "__version__",
+    "_fluid_check",
+    "_fluid_water",
+    "_hose_drop",
+    "_hose_line",
+    "_hose_reynolds",
+    "_hose_volume",
+    "_law_check",
+    "_law_published",
+    "_law_revolution",
+    "_law_trapped",
+    "_reading",
+    "_steady_states",
+    "_volume_fit",
+    "_volume_fit_at",
+]
+
 __version__: Final[str]

@@ -160,10 +160,14 @@ class Pump:
         speed_rad_s: None = None,
         duration_s: float,
         dt_s: float = 1e-3,
-        model: Literal["flow-centric"] = "flow-centric",
+        model: Literal["flow-centric", "roller-centric"] = "flow-centric",
         method: Literal["auto", "exact", "rodas5p"] = "auto",
         initial: Literal["rest"] = "rest",
         tolerance: float | None = None,
+        segment_scale: float | None = None,
+        distensibility_per_kpa: float | None = None,
+        valve_resistance_kpa_s_ml: float | None = None,
+        closure_rad: float | None = None,
     ) -> Run: ...
     @overload
     def simulate(
@@ -173,10 +177,14 @@ class Pump:
         speed_rad_s: float,
         duration_s: float,
         dt_s: float = 1e-3,
-        model: Literal["flow-centric"] = "flow-centric",
+        model: Literal["flow-centric", "roller-centric"] = "flow-centric",
         method: Literal["auto", "exact", "rodas5p"] = "auto",
         initial: Literal["rest"] = "rest",
         tolerance: float | None = None,
+        segment_scale: float | None = None,
+        distensibility_per_kpa: float | None = None,
+        valve_resistance_kpa_s_ml: float | None = None,
+        closure_rad: float | None = None,
     ) -> Run: ...
     @overload
     def steady_state(self, *, speed_rpm: float, speed_rad_s: None = None) -> SteadyState[float]: ...

@@ -1,17 +1,27 @@
 //! A table as people and spreadsheets write it: CSV with a header, numbers without quotes.
 
-use super::CalibrationError;
+use thiserror::Error;
+
+/// A line of a table that cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("line {line}: {message}")]
+pub struct TableError {
+    /// Number of the line, from 1.
+    pub line: usize,
+    /// What is wrong, and what is accepted.
+    pub message: String,
+}
 
 /// A table whose columns are known; which of them it has, and in which order, is its own affair.
 #[derive(Debug)]
-pub(super) struct Table<'a> {
+pub(crate) struct Table<'a> {
     columns: Vec<&'a str>,
     rows: Vec<(usize, Vec<&'a str>)>,
 }
 
 /// A line of a table.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Row<'t> {
+pub(crate) struct Row<'t> {
     line: usize,
     columns: &'t [&'t str],
     cells: &'t [&'t str],
@@ -19,8 +29,8 @@ pub(super) struct Row<'t> {
 
 impl<'a> Table<'a> {
     /// Reads `text`; empty lines and lines that begin with `#` are passed over.
-    pub(super) fn parse(text: &'a str, known: &[&str]) -> Result<Self, CalibrationError> {
-        let refuse = |line, message| Err(CalibrationError::Line { line, message });
+    pub(crate) fn parse(text: &'a str, known: &[&str]) -> Result<Self, TableError> {
+        let refuse = |line, message| Err(TableError { line, message });
         let mut lines = text
             .trim_start_matches('\u{feff}')
             .lines()
@@ -54,24 +64,29 @@ impl<'a> Table<'a> {
         Ok(Self { columns, rows })
     }
 
-    pub(super) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
+    /// Whether there is such a column.
+    pub(crate) fn has(&self, column: &str) -> bool {
+        self.columns.contains(&column)
+    }
+
+    pub(crate) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
         self.rows.iter().map(|(line, cells)| Row { line: *line, columns: &self.columns, cells })
     }
 }
 
 impl Row<'_> {
-    pub(super) fn error(&self, message: String) -> CalibrationError {
-        CalibrationError::Line { line: self.line, message }
+    pub(crate) fn error(&self, message: String) -> TableError {
+        TableError { line: self.line, message }
     }
 
     /// What stands in a column, if anything does.
-    pub(super) fn text(&self, column: &str) -> Option<&str> {
+    pub(crate) fn text(&self, column: &str) -> Option<&str> {
         let place = self.columns.iter().position(|name| *name == column)?;
         self.cells.get(place).copied().filter(|cell| !cell.is_empty())
     }
 
     /// A finite number, if anything stands there.
-    pub(super) fn number(&self, column: &str) -> Result<Option<f64>, CalibrationError> {
+    pub(crate) fn number(&self, column: &str) -> Result<Option<f64>, TableError> {
         let Some(text) = self.text(column) else { return Ok(None) };
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(Some(value)),
@@ -82,12 +97,12 @@ impl Row<'_> {
     }
 
     /// A number that must stand there.
-    pub(super) fn required(&self, column: &str) -> Result<f64, CalibrationError> {
+    pub(crate) fn required(&self, column: &str) -> Result<f64, TableError> {
         self.number(column)?.ok_or_else(|| self.error(format!("{column} is missing")))
     }
 
     /// A positive number that must stand there.
-    pub(super) fn positive(&self, column: &str) -> Result<f64, CalibrationError> {
+    pub(crate) fn positive(&self, column: &str) -> Result<f64, TableError> {
         let value = self.required(column)?;
         if value > 0.0 {
             Ok(value)
@@ -97,10 +112,10 @@ impl Row<'_> {
     }
 
     /// The only column of several with a number, that number, and what belongs to the column.
-    pub(super) fn one_of<T: Copy, const N: usize>(
+    pub(crate) fn one_of<T: Copy, const N: usize>(
         &self,
         columns: [(&'static str, T); N],
-    ) -> Result<(&'static str, f64, T), CalibrationError> {
+    ) -> Result<(&'static str, f64, T), TableError> {
         let mut found = None;
         for (name, of) in columns {
             if let Some(value) = self.number(name)?

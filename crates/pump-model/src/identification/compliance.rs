@@ -1,0 +1,87 @@
+//! C from a syringe that injects into a closed line: C = dV/dP.
+
+use super::error::{IdentificationError, finite};
+use super::estimate::Estimate;
+use super::straight_line::{StraightLine, Terms};
+
+/// An injected volume and the pressure that it made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InjectionPoint {
+    /// Injected since the start, mL; drawn out if negative.
+    pub volume_ml: f64,
+    /// Pressure in the closed line, kPa, absolute or above anything that stays the same.
+    pub pressure_kpa: f64,
+}
+
+/// C by least squares of the pressure over the volume: the syringe says the volume exactly, the sensor's noise is in the
+/// pressure.
+///
+/// ```
+/// use pump_model::identification::{ComplianceFit, InjectionPoint};
+/// let points = [(0.0, 88.6), (0.1, 91.4), (0.2, 94.2), (0.3, 96.9), (0.4, 99.7)];
+/// let points = points.map(|(volume_ml, pressure_kpa)| InjectionPoint { volume_ml, pressure_kpa });
+/// let fit = ComplianceFit::of(&points)?;
+/// assert!((fit.compliance_ml_kpa.value - 0.0361).abs() < 2.0 * fit.compliance_ml_kpa.standard);
+/// assert!((fit.bulk_modulus_kpa(26.0).value - 720.0).abs() < 3.0);
+/// # Ok::<(), pump_model::identification::IdentificationError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ComplianceFit {
+    /// C, mL/kPa.
+    pub compliance_ml_kpa: Estimate,
+    /// Pressure before the injection, kPa, measured as the points are.
+    pub start_kpa: Estimate,
+    /// Standard deviation of the points about the line, kPa.
+    pub scatter_kpa: f64,
+    /// dP/dV at the start and by how much it changes with the volume, kPa/mL and kPa/mL², where that is more than twice its
+    /// standard uncertainty: the line stiffens or softens (air in it stiffens), and C holds at pressures like the points' alone.
+    pub bend: Option<(Estimate, Estimate)>,
+}
+
+/// What is counted in errors.
+const POINTS: &str = "points of volume and pressure";
+
+impl ComplianceFit {
+    /// Fits P = P_start + V/C.
+    pub fn of(points: &[InjectionPoint]) -> Result<Self, IdentificationError> {
+        for (n, point) in points.iter().enumerate() {
+            finite("volume in mL", "point", n, point.volume_ml)?;
+            finite("pressure in kPa", "point", n, point.pressure_kpa)?;
+        }
+        let through = |bend| {
+            let points = points.iter().map(|point| (point.volume_ml, point.pressure_kpa, 1.0));
+            StraightLine::through(points, Terms { offset: true, bend })
+        };
+        if points.len() < 3 {
+            let given = points.len();
+            return Err(IdentificationError::TooFew { given, of: POINTS, needed: 3, parameters: 2 });
+        }
+        let undetermined =
+            |why| IdentificationError::Undetermined { of: POINTS, parameter: "compliance", why };
+        let straight = through(false).ok_or(undetermined("they are all at one volume; inject in steps"))?;
+        if straight.slope.value <= 0.0 {
+            return Err(undetermined("the pressure does not rise with the volume; check signs and columns"));
+        }
+        if !straight.slope.differs_from_zero() {
+            return Err(undetermined("twice its standard error exceeds it; inject more, in more steps"));
+        }
+        let bent = through(true).filter(|bent| bent.bend.differs_from_zero());
+        Ok(Self {
+            compliance_ml_kpa: straight.slope.inverse(),
+            start_kpa: straight.offset,
+            scatter_kpa: straight.scatter,
+            bend: bent.map(|bent| (bent.slope, bent.bend)),
+        })
+    }
+
+    /// Pressure of the fit after an injection, kPa.
+    pub fn pressure_kpa(&self, volume_ml: f64) -> f64 {
+        self.start_kpa.value + volume_ml / self.compliance_ml_kpa.value
+    }
+
+    /// Effective bulk modulus B_e = dP V_total/dV = V_total/C of a closed line that holds `total_ml`, kPa (McIntyre et al.; their
+    /// C = 1/B_e lacks the volume).
+    pub fn bulk_modulus_kpa(&self, total_ml: f64) -> Estimate {
+        self.compliance_ml_kpa.inverse().times(total_ml)
+    }
+}

@@ -1,0 +1,92 @@
+//! Why a line cannot be identified.
+
+use thiserror::Error;
+
+use crate::error::ModelError;
+
+/// Measurements that are refused or say too little, with what is wrong and what to do.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
+pub enum IdentificationError {
+    /// There is nothing to fit.
+    #[error("{given} {of}; {needed} at least are needed for {parameters} parameters and how sure they are")]
+    TooFew {
+        /// How many there are.
+        given: usize,
+        /// Of what.
+        of: &'static str,
+        /// How many are needed.
+        needed: usize,
+        /// How many are sought.
+        parameters: usize,
+    },
+    /// A measured value that is none.
+    #[error("{quantity} of {of} {number} is {value}; allowed: {allowed}")]
+    Value {
+        /// What was measured, with its unit.
+        quantity: &'static str,
+        /// Of what.
+        of: &'static str,
+        /// Its number, from 1.
+        number: usize,
+        /// What was given.
+        value: f64,
+        /// What is accepted.
+        allowed: &'static str,
+    },
+    /// What was measured does not tell a parameter.
+    #[error("the {of} do not determine the {parameter}: {why}")]
+    Undetermined {
+        /// What was measured.
+        of: &'static str,
+        /// What was sought.
+        parameter: &'static str,
+        /// Why it was not found, and what to do.
+        why: &'static str,
+    },
+    /// Two parameters that are one.
+    #[error("{first} and {second} are the same in a steady state; seek one of them")]
+    Same {
+        /// One.
+        first: &'static str,
+        /// The other.
+        second: &'static str,
+    },
+    /// The search for the least squares did not end.
+    #[error(
+        "the fit did not converge in {steps} steps (RMS {rms_kpa:.3} kPa); start from a line that is nearer, seek fewer \
+         parameters, and check speed, start angle and units"
+    )]
+    NotConverged {
+        /// How many were made.
+        steps: u32,
+        /// Root of the mean square of the residuals where it stopped, kPa.
+        rms_kpa: f64,
+    },
+    /// The residuals look alike for so long that nobody can say how sure the fit is.
+    #[error(
+        "what the fit leaves over stays alike for more than {samples} samples: the model misses something, or the record is \
+         much denser than the noise; keep every tenth sample, or check speed, angle and line"
+    )]
+    Alike {
+        /// Over how many samples it was looked at.
+        samples: usize,
+    },
+    /// The model of the pump refuses.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
+
+/// Refuses a measured value that is not finite.
+pub(super) fn finite(
+    quantity: &'static str,
+    of: &'static str,
+    index: usize,
+    value: f64,
+) -> Result<(), IdentificationError> {
+    if value.is_finite() {
+        Ok(())
+    } else {
+        Err(IdentificationError::Value { quantity, of, number: index + 1, value, allowed: "a finite number" })
+    }
+}

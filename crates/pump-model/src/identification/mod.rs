@@ -1,0 +1,22 @@
+//! Lines from measurements: R from flows and pressures, C from an injection, L (and R, C) from a waveform, each with how
+//! sure it is.
+
+mod autocorrelation;
+mod compliance;
+mod error;
+mod estimate;
+mod line_fit;
+mod marquardt;
+mod recording;
+mod resistance;
+mod straight_line;
+mod student;
+mod triangle;
+
+pub use compliance::{ComplianceFit, InjectionPoint};
+pub use error::IdentificationError;
+pub use estimate::Estimate;
+pub use line_fit::{LineFit, Sought};
+pub use recording::{Motion, PressureSample, Recording};
+pub use resistance::{Bend, FlowPoint, ResistanceFit};
+pub use student::widening;

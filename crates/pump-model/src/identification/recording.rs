@@ -1,0 +1,122 @@
+//! A measured pressure, and what the model says of it.
+
+use crate::error::{ModelError, positive};
+use crate::exact::ExactRun;
+use crate::flow_curve::{FlowCurve, Port};
+use crate::line::Line;
+use crate::math::wrap;
+use crate::motion::Leg;
+use crate::pump::Pump;
+use crate::steady::periodic_state;
+
+use super::error::{IdentificationError, finite};
+
+/// A pressure at an instant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PressureSample {
+    /// s.
+    pub time_s: f64,
+    /// kPa absolute, at the port of the pump.
+    pub pressure_kpa: f64,
+}
+
+/// What the rotor did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion<'a> {
+    /// It started from rest, the line at rest too: legs of constant acceleration, each of which starts when and where the one
+    /// before ends.
+    FromRest(&'a [Leg]),
+    /// It turned at constant speed for so long that start-up is forgotten.
+    Steady {
+        /// Angle at time 0, rad.
+        angle_rad: f64,
+        /// Speed, rad/s, other than 0; negative in reverse.
+        speed_rad_s: f64,
+    },
+}
+
+/// A recorded waveform of one port.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Recording<'a> {
+    /// Where it was measured.
+    pub port: Port,
+    /// In order of time.
+    pub samples: &'a [PressureSample],
+    /// What the rotor did meanwhile, in the time of the samples.
+    pub motion: Motion<'a>,
+}
+
+/// What is counted in errors.
+pub(super) const SAMPLES: &str = "samples of pressure";
+
+impl<'a> Recording<'a> {
+    /// Refuses samples that are no record, and motions that are none.
+    pub(super) fn validate(&self) -> Result<(), IdentificationError> {
+        let mut last_s = f64::NEG_INFINITY;
+        for (n, sample) in self.samples.iter().enumerate() {
+            finite("time in s", "sample", n, sample.time_s)?;
+            finite("pressure in kPa absolute", "sample", n, sample.pressure_kpa)?;
+            if sample.time_s <= last_s {
+                return Err(IdentificationError::Value {
+                    quantity: "time in s",
+                    of: "sample",
+                    number: n + 1,
+                    value: sample.time_s,
+                    allowed: "more than that of the sample before",
+                });
+            }
+            last_s = sample.time_s;
+        }
+        match self.motion {
+            Motion::FromRest(legs) => Ok(positive("number of legs of the motion", legs.len() as f64)?),
+            Motion::Steady { speed_rad_s, .. } => {
+                Ok(positive("speed in rad/s, without sign", speed_rad_s.abs())?)
+            }
+        }
+    }
+
+    /// Pressures above the reservoir by the model at the times of the samples, kPa, on a line that need not be the pump's, with
+    /// the motion at angles that are `angle_rad` larger and `start_s` later.
+    pub(super) fn model_kpa(
+        &self,
+        curve: &'a FlowCurve,
+        line: &'a Line,
+        angle_rad: f64,
+        start_s: f64,
+    ) -> Result<impl Iterator<Item = f64> + use<'a>, ModelError> {
+        line.validate()?;
+        let (legs, steady, state) = match self.motion {
+            Motion::FromRest(legs) => (legs, None, [0.0; 2]),
+            Motion::Steady { angle_rad: at_0_rad, speed_rad_s } => {
+                let first_s = self.samples.first().map_or(0.0, |sample| sample.time_s);
+                // The run starts where the angle was last a whole number of pitches, whose state is known.
+                let first_rad = at_0_rad + angle_rad + speed_rad_s * (first_s - start_s);
+                let turned_rad = wrap(first_rad * speed_rad_s.signum(), curve.pitch_rad());
+                let leg = Leg {
+                    start_s: first_s - turned_rad / speed_rad_s.abs(),
+                    ..Leg::constant_speed(0.0, speed_rad_s)
+                };
+                (&[][..], Some(leg), periodic_state(line, curve, self.port, speed_rad_s)?)
+            }
+        };
+        let shifted = move |leg: &Leg| Leg {
+            start_s: leg.start_s + start_s,
+            angle_rad: leg.angle_rad + angle_rad,
+            ..*leg
+        };
+        let legs = steady.into_iter().chain(legs.iter().map(shifted));
+        let mut run = ExactRun::on(line, curve, self.port, legs, state);
+        Ok(self.samples.iter().map(move |sample| run.at(sample.time_s)[0]))
+    }
+
+    /// Pressures that the model of `pump` says at the times of the samples, kPa absolute.
+    pub fn predicted_kpa(
+        &self,
+        pump: &'a Pump,
+    ) -> Result<impl Iterator<Item = f64> + use<'a>, IdentificationError> {
+        self.validate()?;
+        let line = pump.line(self.port);
+        let above = self.model_kpa(pump.curve(self.port), line, 0.0, 0.0)?;
+        Ok(above.map(|kpa| line.reservoir_kpa + kpa))
+    }
+}

@@ -1,0 +1,121 @@
+//! R from flows and the pressures that they take: dP = R Q.
+
+use super::error::{IdentificationError, finite};
+use super::estimate::Estimate;
+use super::straight_line::{StraightLine, Terms};
+
+/// A steady flow and what it takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlowPoint {
+    /// Flow through the line, mL/s; of either sign.
+    pub flow_ml_s: f64,
+    /// Pressure at its beginning less that at its end, kPa, in the direction of positive flow.
+    pub drop_kpa: f64,
+    /// Standard uncertainty of the pressure, kPa, positive. Points weigh by the ratios of these; 1 for all weighs them alike.
+    pub standard_kpa: f64,
+}
+
+/// A resistance that grows with the flow: dP = R Q + K Q|Q|, as bends and turbulence make it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bend {
+    /// R at no flow, kPa s/mL.
+    pub at_no_flow_kpa_s_ml: Estimate,
+    /// K, kPa s²/mL².
+    pub per_flow_kpa_s2_ml2: Estimate,
+    /// Standard deviation of the points about the bent line, in units of their standard uncertainties.
+    pub scatter: f64,
+}
+
+impl Bend {
+    /// R at a flow, kPa s/mL: drop over flow.
+    pub fn resistance_kpa_s_ml(&self, flow_ml_s: f64) -> f64 {
+        self.at_no_flow_kpa_s_ml.value + self.per_flow_kpa_s2_ml2.value * flow_ml_s.abs()
+    }
+}
+
+/// R by weighted least squares (McIntyre et al.: R = dP/Q).
+///
+/// ```
+/// use pump_model::identification::{FlowPoint, ResistanceFit};
+/// let points = [(10.0, 1.11), (20.0, 2.21), (40.0, 4.44), (60.0, 6.64)];
+/// let points = points.map(|(flow_ml_s, drop_kpa)| FlowPoint { flow_ml_s, drop_kpa, standard_kpa: 1.0 });
+/// let fit = ResistanceFit::of(&points, false)?;
+/// assert!((fit.resistance_kpa_s_ml.value - 0.1108).abs() < 2.0 * fit.resistance_kpa_s_ml.standard);
+/// assert!(fit.resistance_kpa_s_ml.standard < 2e-4 && fit.bend.is_none());
+/// # Ok::<(), pump_model::identification::IdentificationError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResistanceFit {
+    /// R of the straight line, kPa s/mL.
+    pub resistance_kpa_s_ml: Estimate,
+    /// Drop at no flow, kPa, where it was sought: a reservoir or a sensor that is off.
+    pub offset_kpa: Option<Estimate>,
+    /// Standard deviation of the points about the straight line, in units of their standard uncertainties: kPa if those are 1.
+    pub scatter: f64,
+    /// The bent line, where its bend is more than twice its standard uncertainty; then R holds at flows like the points' alone.
+    pub bend: Option<Bend>,
+}
+
+/// What is counted in errors.
+const POINTS: &str = "points of flow and pressure";
+
+impl ResistanceFit {
+    /// Fits a line through the origin, or with an offset.
+    pub fn of(points: &[FlowPoint], with_offset: bool) -> Result<Self, IdentificationError> {
+        for (n, point) in points.iter().enumerate() {
+            finite("flow in mL/s", "point", n, point.flow_ml_s)?;
+            finite("pressure drop in kPa", "point", n, point.drop_kpa)?;
+            if !(point.standard_kpa.is_finite() && point.standard_kpa > 0.0) {
+                return Err(IdentificationError::Value {
+                    quantity: "standard uncertainty of the pressure in kPa",
+                    of: "point",
+                    number: n + 1,
+                    value: point.standard_kpa,
+                    allowed: "a positive number",
+                });
+            }
+        }
+        let through = |bend| {
+            let points = points.iter().map(|point| (point.flow_ml_s, point.drop_kpa, point.standard_kpa));
+            StraightLine::through(points, Terms { offset: with_offset, bend })
+        };
+        let parameters = Terms { offset: with_offset, bend: false }.count();
+        if points.len() <= parameters {
+            let given = points.len();
+            return Err(IdentificationError::TooFew {
+                given,
+                of: POINTS,
+                needed: parameters + 1,
+                parameters,
+            });
+        }
+        let undetermined =
+            |why| IdentificationError::Undetermined { of: POINTS, parameter: "resistance", why };
+        let straight = through(false).ok_or(undetermined("they are all at one flow; measure at several"))?;
+        let resistance = straight.slope;
+        if resistance.value <= 0.0 {
+            return Err(undetermined("the pressure does not rise with the flow; check signs and columns"));
+        }
+        if !resistance.differs_from_zero() {
+            return Err(undetermined(
+                "twice its standard error exceeds it; measure more points, at larger flows",
+            ));
+        }
+        let bent = through(true).filter(|bent| bent.bend.differs_from_zero());
+        Ok(Self {
+            resistance_kpa_s_ml: resistance,
+            offset_kpa: with_offset.then_some(straight.offset),
+            scatter: straight.scatter,
+            bend: bent.map(|bent| Bend {
+                at_no_flow_kpa_s_ml: bent.slope,
+                per_flow_kpa_s2_ml2: bent.bend,
+                scatter: bent.scatter,
+            }),
+        })
+    }
+
+    /// Drop of the straight line at a flow, kPa.
+    pub fn drop_kpa(&self, flow_ml_s: f64) -> f64 {
+        self.offset_kpa.map_or(0.0, |offset| offset.value) + self.resistance_kpa_s_ml.value * flow_ml_s
+    }
+}

@@ -1,0 +1,193 @@
+//! R, C and L from a waveform.
+
+use pump_model::identification::{Estimate, LineFit, Motion, PressureSample, Recording, Sought};
+use pump_model::{Leg, Line, Port, Pump};
+
+use crate::dice::{Coverage, Dice};
+
+/// From rest to 100 r/min at 500 rad/s², as a motor does, from a roller's angle.
+const RAMP: [Leg; 2] = [
+    Leg { start_s: 0.0, duration_s: 0.021, angle_rad: 0.3, speed_rad_s: 0.0, acceleration_rad_s2: 500.0 },
+    Leg {
+        start_s: 0.021,
+        duration_s: f64::INFINITY,
+        angle_rad: 0.410_25,
+        speed_rad_s: 10.5,
+        acceleration_rad_s2: 0.0,
+    },
+];
+
+const ALL: Sought = Sought { angle: true, pressure: true, ..Sought::LINE };
+
+fn with(line: Line) -> Pump {
+    let pump = Pump::three_roller();
+    Pump::new(*pump.geometry(), *pump.roller_volume(), line, line).unwrap()
+}
+
+/// A line up to a third from the published one either way.
+fn some_line(dice: &mut Dice) -> Line {
+    let line = Line::PUBLISHED;
+    Line {
+        resistance_kpa_s_ml: line.resistance_kpa_s_ml * dice.between(0.7, 1.4),
+        compliance_ml_kpa: line.compliance_ml_kpa * dice.between(0.7, 1.4),
+        inertance_kpa_s2_ml: line.inertance_kpa_s2_ml * dice.between(0.7, 1.4),
+        ..line
+    }
+}
+
+/// What a sensor shows every 2 ms of a pump with this line: noise of which each sample keeps `memory` of the one before.
+fn record(
+    line: Line,
+    port: Port,
+    motion: Motion<'_>,
+    count: u32,
+    (noise_kpa, memory): (f64, f64),
+    dice: &mut Dice,
+) -> Vec<PressureSample> {
+    let times: Vec<_> =
+        (0..count).map(|n| PressureSample { time_s: f64::from(n) * 2e-3, pressure_kpa: 0.0 }).collect();
+    let pump = with(line);
+    let exact: Vec<f64> = Recording { port, samples: &times, motion }.predicted_kpa(&pump).unwrap().collect();
+    let mut noise = noise_kpa * dice.normal();
+    times
+        .iter()
+        .zip(exact)
+        .map(|(sample, kpa)| {
+            noise = memory * noise + (1.0 - memory * memory).sqrt() * noise_kpa * dice.normal();
+            PressureSample { pressure_kpa: kpa + noise, ..*sample }
+        })
+        .collect()
+}
+
+fn take(coverage: &mut [Coverage; 3], fit: &LineFit, line: &Line) {
+    let found = [fit.resistance_kpa_s_ml, fit.compliance_ml_kpa, fit.inertance_kpa_s2_ml];
+    let truth = [line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml];
+    for ((coverage, found), truth) in coverage.iter_mut().zip(found).zip(truth) {
+        coverage.take(found, truth);
+    }
+}
+
+#[test]
+fn a_start_from_rest_gives_the_line_within_its_errors_as_often_as_stated() {
+    let (pump, mut dice) = (Pump::three_roller(), Dice(11));
+    let mut coverage: [Coverage; 3] = Default::default();
+    for n in 0..200 {
+        let (line, port) = (some_line(&mut dice), if n % 2 == 0 { Port::Outlet } else { Port::Inlet });
+        let motion = Motion::FromRest(&RAMP);
+        let samples = record(line, port, motion, 250, (0.5, 0.0), &mut dice);
+        let fit = LineFit::of(&pump, &Recording { port, samples: &samples, motion }, Sought::LINE).unwrap();
+        take(&mut coverage, &fit, &line);
+        assert!((fit.rms_kpa / 0.5 - 1.0).abs() < 0.25 && fit.correlated_samples < 3.0, "{fit:?}");
+        let part = |of: Estimate| of.standard / of.value;
+        assert!(part(fit.inertance_kpa_s2_ml) < 0.02 && part(fit.resistance_kpa_s_ml) < 0.05, "{fit:?}");
+    }
+    coverage.iter().for_each(Coverage::is_as_stated);
+}
+
+#[test]
+fn a_steady_record_with_noise_that_lingers_gives_line_angle_and_pressure_as_often_as_stated() {
+    let (pump, mut dice) = (Pump::three_roller(), Dice(12));
+    let mut coverage: [Coverage; 3] = Default::default();
+    let [mut angle, mut pressure] = [(); 2].map(|()| Coverage::default());
+    let mut correlated = 0.0;
+    for _ in 0..200 {
+        let line = Line { reservoir_kpa: dice.between(80.0, 100.0), ..some_line(&mut dice) };
+        let angle_rad = dice.between(-1.0, 1.0);
+        let real = Motion::Steady { angle_rad, speed_rad_s: 9.0 };
+        let samples = record(line, Port::Outlet, real, 500, (0.4, 0.6), &mut dice);
+        let motion = Motion::Steady { angle_rad: 0.0, speed_rad_s: 9.0 };
+        let recording = Recording { port: Port::Outlet, samples: &samples, motion };
+        let fit = LineFit::of(&pump, &recording, ALL).unwrap();
+        take(&mut coverage, &fit, &line);
+        angle.take(fit.angle_rad, angle_rad);
+        pressure.take(fit.reservoir_kpa, line.reservoir_kpa);
+        correlated += fit.correlated_samples / 200.0;
+    }
+    // (1 + 0.6)/(1 - 0.6)
+    assert!((correlated / 4.0 - 1.0).abs() < 0.15, "{correlated}");
+    coverage.iter().chain([&angle, &pressure]).for_each(Coverage::is_as_stated);
+}
+
+#[test]
+fn without_noise_every_parameter_comes_back() {
+    let pump = Pump::three_roller();
+    let line = Line {
+        resistance_kpa_s_ml: 0.2,
+        compliance_ml_kpa: 0.02,
+        inertance_kpa_s2_ml: 0.008,
+        reservoir_kpa: 95.0,
+    };
+    let late = RAMP.map(|leg| Leg { start_s: leg.start_s + 0.004, angle_rad: leg.angle_rad + 0.5, ..leg });
+    let samples = record(line, Port::Outlet, Motion::FromRest(&late), 500, (0.0, 0.0), &mut Dice(0));
+    let recording = Recording { port: Port::Outlet, samples: &samples, motion: Motion::FromRest(&RAMP) };
+    let fit = LineFit::of(&pump, &recording, Sought { start: true, ..ALL }).unwrap();
+    let found = fit.line();
+    for (found, truth) in [
+        (found.resistance_kpa_s_ml, line.resistance_kpa_s_ml),
+        (found.compliance_ml_kpa, line.compliance_ml_kpa),
+        (found.inertance_kpa_s2_ml, line.inertance_kpa_s2_ml),
+        (found.reservoir_kpa, line.reservoir_kpa),
+        (fit.angle_rad.value, 0.5),
+        (fit.start_s.value, 0.004),
+    ] {
+        assert!((found / truth - 1.0).abs() < 1e-6, "{found} for {truth}");
+    }
+    let predicted = fit.pressures_kpa(&pump, &recording, &found).unwrap();
+    assert!(predicted.zip(&samples).all(|(kpa, sample)| (kpa - sample.pressure_kpa).abs() < 1e-6));
+    assert!(fit.rms_kpa < 1e-6);
+}
+
+#[test]
+fn lines_far_from_the_first_guess_are_found_too() {
+    let pump = Pump::three_roller();
+    for (compliance, inertance) in [(3.0, 1.0), (0.4, 1.0), (1.0, 2.5), (0.5, 0.5), (2.0, 1.5), (0.3, 2.0)] {
+        let line = Line {
+            compliance_ml_kpa: compliance * Line::PUBLISHED.compliance_ml_kpa,
+            inertance_kpa_s2_ml: inertance * Line::PUBLISHED.inertance_kpa_s2_ml,
+            ..Line::PUBLISHED
+        };
+        let motion = Motion::FromRest(&RAMP);
+        let samples = record(line, Port::Outlet, motion, 300, (0.2, 0.0), &mut Dice(7));
+        let recording = Recording { port: Port::Outlet, samples: &samples, motion };
+        let fit = LineFit::of(&pump, &recording, Sought::LINE).unwrap();
+        let error = fit.inertance_kpa_s2_ml.value / line.inertance_kpa_s2_ml - 1.0;
+        assert!(error.abs() < 0.03, "{compliance} {inertance}: {fit:?}");
+    }
+}
+
+#[test]
+fn what_is_held_keeps_its_bits_and_has_no_uncertainty() {
+    let pump = Pump::three_roller();
+    let line = Line { inertance_kpa_s2_ml: 0.006, ..Line::PUBLISHED };
+    let motion = Motion::FromRest(&RAMP);
+    let samples = record(line, Port::Inlet, motion, 200, (0.3, 0.0), &mut Dice(3));
+    let recording = Recording { port: Port::Inlet, samples: &samples, motion };
+    let only = Sought { resistance: false, compliance: false, ..Sought::LINE };
+    let fit = LineFit::of(&pump, &recording, only).unwrap();
+    let held = |value| Estimate { value, standard: 0.0 };
+    assert_eq!(fit.resistance_kpa_s_ml, held(0.1108));
+    assert_eq!(fit.compliance_ml_kpa, held(0.0361));
+    assert_eq!((fit.angle_rad, fit.start_s, fit.reservoir_kpa), (held(0.0), held(0.0), held(88.637)));
+    assert!((fit.inertance_kpa_s2_ml.value - 0.006).abs() < 2.0 * fit.inertance_kpa_s2_ml.standard);
+    assert!(fit.inertance_kpa_s2_ml.standard > 0.0);
+}
+
+#[test]
+fn a_steady_record_is_what_a_start_becomes_in_either_direction() {
+    let pump = Pump::three_roller();
+    let samples: Vec<_> =
+        (0..300).map(|n| PressureSample { time_s: 5.0 + f64::from(n) * 2e-3, pressure_kpa: 0.0 }).collect();
+    for speed_rad_s in [9.0, -9.0] {
+        for port in [Port::Inlet, Port::Outlet] {
+            let legs = [Leg::constant_speed(0.7, speed_rad_s)];
+            let kpa = |motion| {
+                let recording = Recording { port, samples: &samples, motion };
+                recording.predicted_kpa(&pump).unwrap().collect::<Vec<_>>()
+            };
+            let steady = kpa(Motion::Steady { angle_rad: 0.7, speed_rad_s });
+            let started = kpa(Motion::FromRest(&legs));
+            // exp(-13.19 x 5) of the start is left.
+            assert!(steady.iter().zip(started).all(|(one, other)| (one - other).abs() < 1e-9));
+        }
+    }
+}

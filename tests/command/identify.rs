@@ -1,0 +1,228 @@
+//! Lines and roller volumes from tables of measurements.
+
+use std::fs;
+
+use pump_model::volume_fit::PUBLISHED_POINTS;
+use serde_json::Value;
+
+use crate::drawings::DRAWING;
+use crate::user::{User, number};
+
+/// The examples, made with R 0.15, C 0.03 and L 0.0055 by the project's own simulation, with noise.
+fn user_with_examples() -> User {
+    let user = User::new();
+    for (name, text) in [
+        ("resistance.csv", include_str!("../../examples/identification/resistance.csv")),
+        ("compliance.csv", include_str!("../../examples/identification/compliance.csv")),
+        ("start.csv", include_str!("../../examples/identification/start.csv")),
+    ] {
+        fs::write(user.path(name), text).unwrap();
+    }
+    user
+}
+
+fn is_found(report: &Value, key: &str, truth: f64, part: f64) {
+    let found = &report["parameters"][key];
+    let (value, standard) = (number(found, "value"), number(found, "standard"));
+    assert!((value - truth).abs() < 2.0 * standard, "{key}: {found} for {truth}");
+    assert!(standard > 0.0 && standard < part * truth, "{key}: {found}");
+}
+
+#[test]
+fn the_examples_give_the_line_that_they_were_made_with() {
+    let user = user_with_examples();
+    let resistance = user.json(&["identify", "resistance", "--data", "resistance.csv"]);
+    assert_eq!(
+        (&resistance["schema"], &resistance["kind"]),
+        (&"identification/1".into(), &"resistance".into())
+    );
+    is_found(&resistance, "resistance_kpa_s_ml", 0.15, 0.01);
+    let compliance =
+        user.json(&["identify", "compliance", "--data", "compliance.csv", "--total-volume", "26mL"]);
+    is_found(&compliance, "compliance_ml_kpa", 0.03, 0.01);
+    is_found(&compliance, "bulk_modulus_kpa", 26.0 / 0.03, 0.01);
+    let line = user.json(&["identify", "line", "--data", "start.csv", "--speed", "100rpm"]);
+    is_found(&line, "resistance_kpa_s_ml", 0.15, 0.01);
+    is_found(&line, "compliance_ml_kpa", 0.03, 0.01);
+    is_found(&line, "inertance_kpa_s2_ml", 0.0055, 0.01);
+    is_found(&line, "start_angle_deg", 17.0, 0.01);
+    assert!((number(&line, "rmse_kpa") / 0.3 - 1.0).abs() < 0.15 && number(&line, "pearson") > 0.99);
+    assert_eq!(line["parameters"]["reservoir_kpa"]["held"], true);
+}
+
+#[test]
+fn what_is_printed_for_the_pump_file_is_read_by_it() {
+    let user = user_with_examples();
+    let line = user.json(&["identify", "line", "--data", "start.csv", "--speed", "100rpm"]);
+    let table = line["pump_file"].as_str().unwrap();
+    let three = user.types(&["pumps", "show", "three-roller"]).out;
+    let (start, end) = (three.find("[outlet]").unwrap(), three.find("[motor]").unwrap());
+    fs::write(user.path("mine.toml"), format!("{}{table}\n{}", &three[..start], &three[end..])).unwrap();
+    let check = user.types(&["pumps", "check", "mine.toml"]);
+    assert!(check.out.contains("outlet    R 0.1498 kPa s/mL, C 0.0301 mL/kPa, L 0.00550"), "{}", check.out);
+    // From there the fit stays where it is.
+    let again =
+        user.json(&["identify", "line", "--data", "start.csv", "--speed", "100rpm", "--pump", "mine.toml"]);
+    let value = |report: &Value| number(&report["parameters"]["inertance_kpa_s2_ml"], "value");
+    assert!((value(&again) / value(&line) - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_trace_of_the_model_gives_both_lines_back() {
+    let user = User::new();
+    let simulate = ["simulate", "--speed", "100rpm", "--duration", "1s", "--dt", "2ms", "--trace", "t.csv"];
+    assert_eq!(user.types(&simulate).code, 0);
+    let answer = user.types(&[
+        "identify",
+        "line",
+        "--data",
+        "t.csv",
+        "--speed",
+        "100rpm",
+        "--begin",
+        "step",
+        "--start-angle",
+        "0deg",
+        "--also",
+        "reservoir",
+        "--format",
+        "json",
+    ]);
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    let reports: Vec<Value> = answer.out.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(reports.iter().map(|report| &report["line"]).collect::<Vec<_>>(), ["inlet", "outlet"]);
+    for report in &reports {
+        for (key, truth) in [
+            ("resistance_kpa_s_ml", 0.1108),
+            ("compliance_ml_kpa", 0.0361),
+            ("inertance_kpa_s2_ml", 0.0042),
+            ("reservoir_kpa", 88.637),
+        ] {
+            let value = number(&report["parameters"][key], "value");
+            assert!((value / truth - 1.0).abs() < 1e-7, "{key}: {value}");
+        }
+    }
+}
+
+#[test]
+fn fits_are_drawn_and_said_in_words() {
+    let user = user_with_examples();
+    for (words, text) in [
+        (&["resistance", "--data", "resistance.csv"][..], "pressure drop, kPa"),
+        (&["compliance", "--data", "compliance.csv"], "injected, mL"),
+        (&["line", "--data", "start.csv", "--speed", "100rpm"], "pressure, kPa absolute"),
+    ] {
+        let answer = user.types(&[&["identify"], words, &["--plot", "fit.svg"]].concat());
+        assert_eq!(answer.code, 0, "{}", answer.err);
+        for part in ["± is k = 2", "RMSE", "NRMSE", "Pearson", "for the pump file, in place of its [outlet]:"]
+        {
+            assert!(answer.out.contains(part), "{part}: {}", answer.out);
+        }
+        let svg = fs::read_to_string(user.path("fit.svg")).unwrap();
+        for part in [text, "measured", "fitted", "measured less fitted, kPa"] {
+            assert!(svg.contains(part), "{part}");
+        }
+    }
+    let bent: String = (1..9).map(|n| format!("{},{}\n", 5 * n, 0.1 * f64::from(n * n))).collect();
+    fs::write(user.path("bent.csv"), format!("flow_ml_s,drop_kpa\n{bent}")).unwrap();
+    let answer = user.types(&["identify", "resistance", "--data", "bent.csv"]);
+    assert!(answer.out.contains("warning      the resistance changes with the flow"), "{}", answer.out);
+}
+
+#[test]
+fn tables_and_options_that_mean_nothing_are_refused() {
+    let user = user_with_examples();
+    let line = ["identify", "line", "--data", "start.csv"];
+    fs::write(user.path("bad.csv"), "time_s,p_out_kpa\n0,88\n0.1,oops\n").unwrap();
+    fs::write(user.path("header.csv"), "time_s,p_out_kpa\n").unwrap();
+    for (words, expected) in [
+        (&line[..], "how fast did it turn? Add --speed 100rpm"),
+        (
+            &["identify", "line", "--data", "bad.csv", "--speed", "1rpm"],
+            "bad.csv: line 3: p_out_kpa is `oops`",
+        ),
+        (
+            &["identify", "line", "--data", "header.csv", "--speed", "1rpm"],
+            "there are no rows under the header",
+        ),
+        (&["identify", "line", "--data", "none.csv", "--speed", "1rpm"], "cannot read none.csv"),
+        (&["identify", "line", "--data", "start.csv", "--speed", "37rpm"], "start.csv: "),
+        (&["identify", "resistance", "--data", "start.csv"], "line 3: unknown column `time_s`"),
+        (&["identify", "resistance", "--data", "resistance.csv", "--speed", "1rpm"], "--speed means nothing"),
+        (&["identify", "compliance", "--data", "compliance.csv", "--total-volume", "26"], "no unit"),
+        (&["identify", "compliance"], "--data"),
+        (
+            &["identify", "compliance", "--data", "compliance.csv", "--plot", "fit.png"],
+            "fit.png: plots are SVG",
+        ),
+        (
+            &[
+                "identify",
+                "line",
+                "--data",
+                "start.csv",
+                "--speed",
+                "1rpm",
+                "--begin",
+                "steady",
+                "--start-time",
+                "1s",
+            ],
+            "--start-time means nothing to a steady record",
+        ),
+        (&["pumps", "check", "start.csv", "--plot", "x.svg"], "--plot means nothing"),
+        (&[&DRAWING[..], &["--fit", "spline"]].concat(), "--roller-volume-points"),
+        (&[&DRAWING[..], &["--plot", "x.svg"]].concat(), "--plot draws measured points"),
+        (&[&DRAWING[..], &["--roller-volume-points", "none.csv"]].concat(), "cannot read none.csv"),
+        (
+            &[&DRAWING[..], &["--roller-volume-points", "start.csv"]].concat(),
+            "start.csv: line 3: unknown column",
+        ),
+    ] {
+        let message = user.is_refused(words);
+        assert!(message.contains(expected), "{words:?}: {message}");
+    }
+}
+
+#[test]
+fn measured_roller_volumes_become_a_pump_file_with_what_is_to_be_said_of_them() {
+    let user = User::new();
+    let runs: String = PUBLISHED_POINTS
+        .iter()
+        .flat_map(|(deg, ml)| [("a", deg, ml + 0.01), ("b", deg, ml - 0.01)])
+        // The volume at first contact is 0 by definition.
+        .map(|(run, deg, ml)| format!("{run},{deg},{}\n", if *deg == 0.0 { 0.0 } else { ml }))
+        .collect();
+    fs::write(user.path("runs.csv"), format!("run,angle_deg,volume_ml\n{runs}")).unwrap();
+    let points = ["--roller-volume-points", "runs.csv"];
+    let new = |more: &[&str]| user.types(&[&DRAWING[..], &points, more].concat());
+    let answer = new(&["--plot", "points.svg", "mine.toml"]);
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    for part in [
+        "30 points of 2 runs; the quintic is",
+        "mL RMS off",
+        "mL per revolution",
+        "the fit does not rise from 0.00°",
+    ] {
+        assert!(answer.out.contains(part), "{part}: {}", answer.out);
+    }
+    assert!(fs::read_to_string(user.path("points.svg")).unwrap().contains("angle since first contact"));
+    let check = user.types(&["pumps", "check", "mine.toml"]).out;
+    assert!(check.contains("2.1055 mL over 50.53°, from 30 measured points"), "{check}");
+    assert!(check.contains("21.3185 mL per revolution"), "{check}");
+    assert_eq!(user.json(&["25mL", "--pump", "mine.toml", "--dry-run"])["volume_basis"], "model");
+
+    // Without a file name the report stands in the file; a slip of the pen is found.
+    let slip = runs.replace("b,46.53,2.07", "b,46.53,2.00");
+    assert_ne!(slip, runs);
+    fs::write(user.path("runs.csv"), format!("run,angle_deg,volume_ml\n{slip}")).unwrap();
+    let text = new(&["--fit", "spline"]).out;
+    assert!(
+        text.contains("# 30 points of 2 runs; the spline is") && text.contains("fit = \"spline\""),
+        "{text}"
+    );
+    assert!(text.contains("# run b falls by 0.0143 mL from 42.87° to 46.53°"), "{text}");
+    fs::write(user.path("few.csv"), "angle_deg,volume_ml\n0,0\n10,1\n").unwrap();
+    let refused = user.is_refused(&[&DRAWING[..], &["--roller-volume-points", "few.csv"]].concat());
+    assert!(refused.contains("few.csv: there are measured points at 2 different angles"), "{refused}");
+}
