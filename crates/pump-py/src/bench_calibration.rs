@@ -2,14 +2,14 @@
 
 use pump_ctl::plan::Cruise;
 use pump_dose::calibration::{
-    Calibration as DoseCalibration, Expected, Fit, PhaseFit, ShortDose, Source, Stored, now_utc,
+    Calibration as DoseCalibration, Expected, PhaseFit, ShortDose, Source, Stored, now_utc,
 };
 use pump_dose::{DoseRequest, Purpose};
 use pump_model::math::{degrees, rpm};
 use pyo3::prelude::*;
 
 use crate::bench::{Bench, deliver};
-use crate::calibration::{Calibration, reading_ml, runs_of};
+use crate::calibration::{Calibration, fit_named, reading_ml, runs_of};
 use crate::errors::{self, value};
 use crate::speed::{self, Argument};
 
@@ -59,20 +59,21 @@ impl Bench {
     }
 
     /// Fits weighed runs, keeps what they show and uses it from now on.
-    #[pyo3(signature = (runs, scale, tube, note))]
+    #[pyo3(signature = (runs, fit, scale, tube, note))]
     fn calibrate(
         &self,
         py: Python<'_>,
         runs: &Bound<'_, PyAny>,
+        fit: &str,
         scale: Option<&Bound<'_, PyAny>>,
         tube: Option<String>,
         note: Option<String>,
     ) -> PyResult<Calibration> {
-        let runs = runs_of(runs)?;
+        let (runs, fit) = (runs_of(runs)?, fit_named(fit)?);
         let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);
         self.kept(py, move |file, before| {
             let calibration =
-                DoseCalibration::of_runs(file, Source::Guided, runs, Fit::Line, &expected, before)?;
+                DoseCalibration::of_runs(file, Source::Guided, runs, fit, &expected, before)?;
             Ok((DoseCalibration { tube, note, ..calibration }, ()))
         })
         .map(|(stored, ())| stored)

@@ -260,8 +260,7 @@ impl Calibration {
 
 impl Calibration {
     fn of(file: &PumpFile, runs: Vec<Run>, fit: &str, scale: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        one_of("fit", fit, &["line", "speed-law"])?;
-        let fit = if fit == "line" { Fit::Line } else { Fit::SpeedLaw };
+        let fit = fit_named(fit)?;
         let expected = Expected::of(file, reading_ml(scale, file)?);
         let calibration = DoseCalibration::of_runs(file, Source::File, runs, fit, &expected, None);
         Ok(Self(Stored { version: 0, calibration: calibration.map_err(errors::calibration)? }))
@@ -329,4 +328,10 @@ pub(crate) fn runs_of(runs: &Bound<'_, PyAny>) -> PyResult<Vec<Run>> {
             serde_json::from_str(&json).map_err(|error| value(format_args!("a run is none: {error}")))
         })
         .collect()
+}
+
+/// What is fitted to weighed runs.
+pub(crate) fn fit_named(fit: &str) -> PyResult<Fit> {
+    one_of("fit", fit, &["line", "speed-law"])?;
+    Ok(if fit == "line" { Fit::Line } else { Fit::SpeedLaw })
 }
