@@ -95,7 +95,9 @@ impl Chart<'_> {
         for (n, (panel, area)) in self.panels.iter().zip(&areas).enumerate() {
             let (low, high) = range(&panel.curves);
             // Room for the legend above the curves.
-            let high = if panel.curves.len() > 1 { high + 0.25 * (high - low) } else { high };
+            let entries = panel.curves.len();
+            let room = if entries > 1 { (0.09 * entries as f64).max(0.25) } else { 0.0 };
+            let high = high + room * (high - low);
             let is_last = n + 1 == self.panels.len();
             let mut chart = ChartBuilder::on(area)
                 .margin_left(px(14))

@@ -30,7 +30,7 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
         Row::computed("T1 = T2, three rollers", "s", reference(0.33333), t1, Bound::Absolute(5e-6)),
         Row::ours("T1 = T2, two rollers", "s", t1_two),
         Row::computed(
-            "T3, from an outlet pulse to the next inlet pulse",
+            "T3, from the start of an outlet pulse to that of the next at the inlet",
             "s",
             reference(0.19297),
             t3,

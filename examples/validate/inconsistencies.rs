@@ -65,8 +65,8 @@ fn times() -> String {
     let pulse_ms = |rpm: f64| 1000.0 * ENGAGEMENT_DEG / (6.0 * rpm);
     format!(
         "**470.4 ms for 42.1 ms.** What the time is of is not available here. A roller takes {} ms for phi at 200 r/min and {} ms at 60 \
-         r/min, so 42.1 ms fits a pulse at 200 r/min, an inference of ours; no speed of its tests is so slow that both digits and unit of 470.4 \
-         ms fit a pulse, which would be {} r/min. Used: neither; every time follows from the angles and the speed.",
+         r/min. So 42.1 ms fits a pulse at 200 r/min, an inference of ours; 470.4 ms would be one at {} r/min, a speed of which no test is \
+         known. Used: neither; every time follows from the angles and the speed.",
         figure(pulse_ms(200.0), 4),
         figure(pulse_ms(RPM), 5),
         figure(ENGAGEMENT_DEG / (6.0 * 0.4704), 3)

@@ -100,7 +100,8 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
     rows.push(Row::missing("points (volume, pressure) behind C", PAPER, "needs raw data"));
     rows.push(Row::missing("waveform at 100 r/min behind L", PAPER, "needs raw data"));
     let before = "The hose is ours: bore 10 mm, 0.331 m and K = 5.75 were chosen so that it has the paper's L, and its R at 210 mL/s. \
-                  Which length and which flow belong to the paper's line is not known here.\n\n";
+                  Which length and which flow belong to the paper's line, and which Reynolds numbers the paper \
+                  gives, is not available here.\n\n";
     let after = "The paper's authors found R by flows and pressures, C by a syringe and L by a fit to a waveform: `dose identify` does \
                  the same with your data ([identification.md](identification.md)).\n";
     Ok(Section { title: "Lines", before: before.into(), rows, after: after.into() })

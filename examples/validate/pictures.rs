@@ -67,7 +67,7 @@ fn roller_volume() -> Result<String, Box<dyn Error>> {
                     as_points("measured, mean of seven", measured),
                 ],
             },
-            Panel { label: "measured less fitted, mL", curves: vec![as_points("left over", left)] },
+            Panel { label: "fitted less measured, mL", curves: vec![as_points("left over", left)] },
         ],
     };
     Ok(chart.svg()?)

@@ -116,6 +116,6 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
             figure(fitted - point.volume_ml, 2)
         );
     }
-    after += "\n![Roller volume over angle: measured points, fit, drawing; measured less fitted](validation/roller-volume.svg)\n";
+    after += "\n![Roller volume over angle: measured points, fit, drawing; fitted less measured](validation/roller-volume.svg)\n";
     Ok(Section { title: "Roller volume", before: String::new(), rows, after })
 }

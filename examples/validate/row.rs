@@ -125,22 +125,28 @@ impl Row {
 
     /// The row as Markdown.
     pub fn markdown(&self) -> String {
-        let shown = |value: Option<f64>| value.map_or("-".to_owned(), |value| figure(value, 7));
+        let shown = |value: f64| match self.done {
+            // Degrees come back from radians with a last bit of rounding.
+            Done::Input => trimmed(&figure(value, 7)),
+            _ => figure(value, 7),
+        };
         let unit = match self.bound {
-            Bound::Percent(_) | Bound::Open => "%",
-            _ => self.unit,
+            Bound::Percent(_) | Bound::Open => " %".to_owned(),
+            _ if self.unit == "%" => " points".to_owned(),
+            _ if self.unit.is_empty() => String::new(),
+            _ => format!(" {}", self.unit),
         };
         let deviation = match (self.deviation(), self.bound) {
             (None, _) | (_, Bound::AtMost) => "-".to_owned(),
             // Rounding of the last bit differs with the order of a sum, not with what is compared.
             (Some((deviation, _)), _) if deviation.abs() < 1e-12 => "0".to_owned(),
             (Some((deviation, _)), _) => {
-                format!("{}{} {unit}", if deviation > 0.0 { "+" } else { "" }, figure(deviation, 3))
+                format!("{}{}{unit}", if deviation > 0.0 { "+" } else { "" }, figure(deviation, 3))
             }
         };
         let bound = match self.bound {
             Bound::Equal => "0".to_owned(),
-            Bound::Percent(bound) | Bound::Absolute(bound) => format!("{bound} {unit}"),
+            Bound::Percent(bound) | Bound::Absolute(bound) => format!("{}{unit}", as_printed(bound)),
             Bound::AtMost => "at most theirs".to_owned(),
             Bound::Open => "-".to_owned(),
         };
@@ -156,7 +162,7 @@ impl Row {
             self.name,
             self.unit,
             self.source,
-            shown(self.ours)
+            self.ours.map_or("-".to_owned(), shown)
         )
     }
 }
@@ -166,17 +172,23 @@ fn as_printed(value: f64) -> String {
     if value != 0.0 && value.abs() < 1e-3 { format!("{value:e}") } else { value.to_string() }
 }
 
-/// A number with so many significant digits, none of them behind the point a zero without meaning.
+/// A number with so many significant digits.
 pub fn figure(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
     let exponent = floor(log10(value.abs())) as i32;
-    let decimals = (digits - 1 - exponent).max(0) as usize;
-    let text = if exponent < -3 {
-        return format!("{value:.0$e}", (digits - 1) as usize);
+    if exponent < -3 {
+        return format!("{value:.0$e}", (digits - 1).max(0) as usize);
+    }
+    format!("{value:.0$}", (digits - 1 - exponent).max(0) as usize)
+}
+
+/// Without zeros at the end of a fraction.
+fn trimmed(text: &str) -> String {
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
     } else {
-        format!("{value:.decimals$}")
-    };
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+        text.to_owned()
+    }
 }

@@ -70,7 +70,7 @@ fn roller_volume() -> Result<String, Box<dyn Error>> {
             "{:9.2}  {:11.7}  {:6.4}\n",
             point.angle_deg,
             point.volume_ml,
-            point.volume_ml - residual
+            point.volume_ml + residual
         );
     }
     Ok(text)
