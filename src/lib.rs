@@ -45,6 +45,7 @@ pub mod sample;
 mod sampling;
 mod session;
 mod simulation;
+pub mod speed_law;
 mod status;
 mod table;
 pub mod times;

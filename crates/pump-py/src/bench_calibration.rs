@@ -2,7 +2,7 @@
 
 use pump_ctl::plan::Cruise;
 use pump_dose::calibration::{
-    Calibration as DoseCalibration, Expected, PhaseFit, ShortDose, Source, Stored, now_utc,
+    Calibration as DoseCalibration, Expected, Fit, PhaseFit, ShortDose, Source, Stored, now_utc,
 };
 use pump_dose::{DoseRequest, Purpose};
 use pump_model::math::{degrees, rpm};
@@ -29,7 +29,7 @@ impl Bench {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Turned> {
         let rad_s = speed::speed_rad_s(speed_rpm, speed_rad_s)?;
-        if !(rad_s > 0.0) {
+        if rad_s <= 0.0 {
             return Err(value(format_args!("the speed is {} r/min; allowed: more than 0", rpm(rad_s))));
         }
         if !(1..=100_000).contains(&pitches) {
@@ -71,7 +71,8 @@ impl Bench {
         let runs = runs_of(runs)?;
         let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);
         self.kept(py, move |file, before| {
-            let calibration = DoseCalibration::of_runs(file, Source::Guided, runs, &expected, before)?;
+            let calibration =
+                DoseCalibration::of_runs(file, Source::Guided, runs, Fit::Line, &expected, before)?;
             Ok((DoseCalibration { tube, note, ..calibration }, ()))
         })
         .map(|(stored, ())| stored)
