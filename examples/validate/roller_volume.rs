@@ -36,6 +36,14 @@ pub fn dimensions() -> Result<Section, Box<dyn Error>> {
         ]
     };
     let mut rows = Vec::new();
+    for (pump, rollers) in [(Pump::three_roller(), 3.0), (Pump::two_roller(), 2.0)] {
+        rows.push(Row::input(
+            "number of rollers NU",
+            "",
+            (rollers, PAPER),
+            f64::from(pump.geometry().rollers),
+        ));
+    }
     for (variant, source, name) in
         [(Variant::Measured, TABLE_1, ""), (Variant::AsBuilt, CODE, " (variant `as-built`)")]
     {

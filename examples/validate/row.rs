@@ -66,7 +66,7 @@ impl Row {
         theirs: (f64, &'static str),
         ours: f64,
     ) -> Self {
-        Self { done: Done::Input, ..Self::computed(name, unit, theirs, ours, Bound::Equal) }
+        Self::computed(name, unit, theirs, ours, Bound::Equal).as_input()
     }
 
     /// A figure of theirs that nothing can be set beside.
@@ -94,6 +94,11 @@ impl Row {
     /// The same within another bound.
     pub fn bounded(self, bound: Bound) -> Self {
         Self { bound, ..self }
+    }
+
+    /// The same, said to be an input.
+    pub fn as_input(self) -> Self {
+        Self { done: Done::Input, ..self }
     }
 
     /// The same, said to be fitted.

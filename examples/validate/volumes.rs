@@ -2,6 +2,7 @@
 
 use std::error::Error;
 
+use pump_dose::built_in;
 use pump_model::math::{rad_s, sqrt};
 use pump_model::metrics::{nrmse, pearson, rmse};
 use pump_model::{Pump, SpeedLaw, Variant};
@@ -71,6 +72,9 @@ fn rows(measured: &Measured, rows: &mut Vec<Row>) -> Result<String, Box<dyn Erro
     let Measured { rollers, fastest_rpm, ten_revolutions_ml, nrmse_percent, largest_percent, .. } = *measured;
     let volumes = Volumes::of(rollers, fastest_rpm)?;
     let name = |what: &str| format!("{rollers} rollers: {what}");
+    let file = built_in(if rollers == 3 { "three-roller" } else { "two-roller" }).ok_or("it is built in")?;
+    let fastest = (f64::from(fastest_rpm), PAPER);
+    rows.push(Row::input(name("fastest speed tested"), "r/min", fastest, file.motor.max_speed_rpm));
     let mean = (ten_revolutions_ml, PAPER);
     rows.push(Row::computed(
         name(&format!("ten revolutions, mean over 10 to {fastest_rpm} r/min, linear model")),
@@ -176,6 +180,28 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
         (1.0, PAPER),
         "needs raw data",
     ));
+    let [three, _] = &MEASURED;
+    let uncertainty = built_in("three-roller").ok_or("it is built in")?.uncertainty;
+    all.push(
+        Row::computed(
+            "NRMSE of three rollers, as the built-in pumps' uncertainty of the model",
+            "%",
+            (three.nrmse_percent, PAPER),
+            uncertainty.model_percent,
+            Bound::Absolute(0.05),
+        )
+        .as_input(),
+    );
+    all.push(
+        Row::computed(
+            "largest standard deviation under 160 r/min, as the built-in pumps' repeatability",
+            "mL",
+            (1.0, PAPER),
+            1e-2 * uncertainty.repeatability_percent * three.ten_revolutions_ml,
+            Bound::Percent(0.2),
+        )
+        .as_input(),
+    );
     after += "The volumes at each speed were not published, so the measured line in the picture is their mean alone.\n\n\
               ![Volume of ten revolutions over speed: measured mean, linear model, speed law](validation/volumes.svg)\n";
     let before = "The linear model is the volume of a revolution whatever the speed. The speed law lets a segment hold what it \
