@@ -66,7 +66,7 @@ impl Row {
         theirs: (f64, &'static str),
         ours: f64,
     ) -> Self {
-        Self::computed(name, unit, theirs, ours, Bound::Equal).as_input()
+        Self::computed(name, unit, theirs, ours, Bound::Equal).taken()
     }
 
     /// A figure of theirs that nothing can be set beside.
@@ -97,7 +97,7 @@ impl Row {
     }
 
     /// The same, said to be an input.
-    pub fn as_input(self) -> Self {
+    pub fn taken(self) -> Self {
         Self { done: Done::Input, ..self }
     }
 
@@ -195,5 +195,31 @@ fn trimmed(text: &str) -> String {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     } else {
         text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn beyond(theirs: f64, ours: f64, bound: Bound) -> bool {
+        Row::computed("a length", "mm", (theirs, "paper"), ours, bound).beyond_bound().is_some()
+    }
+
+    #[test]
+    fn what_is_beyond_its_bound_is_told_and_no_number_is_within_any() {
+        assert!(beyond(2.0, 2.1, Bound::Percent(4.9)) && !beyond(2.0, 2.1, Bound::Percent(5.1)));
+        assert!(beyond(-2.0, -2.1, Bound::Absolute(0.09)) && !beyond(-2.0, -2.1, Bound::Absolute(0.11)));
+        assert!(beyond(2.0, 2.1, Bound::AtMost) && !beyond(2.0, 1.0, Bound::AtMost));
+        assert!(beyond(2.0, 2.0 + 1e-15, Bound::Equal) && !beyond(2.0, 2.0, Bound::Equal));
+        assert!(beyond(2.0, f64::NAN, Bound::Open) && !beyond(2.0, 5.0, Bound::Open));
+    }
+
+    #[test]
+    fn figures_have_the_digits_asked_for() {
+        assert_eq!(figure(21.318_49, 4), "21.32");
+        assert_eq!(figure(212.0, 5), "212.00");
+        assert_eq!(figure(-0.0421, 2), "-0.042");
+        assert_eq!(figure(1.26e-6, 2), "1.3e-6");
     }
 }

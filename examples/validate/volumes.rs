@@ -190,7 +190,7 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
             uncertainty.model_percent,
             Bound::Absolute(0.05),
         )
-        .as_input(),
+        .taken(),
     );
     all.push(
         Row::computed(
@@ -200,7 +200,7 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
             1e-2 * uncertainty.repeatability_percent * three.ten_revolutions_ml,
             Bound::Percent(0.2),
         )
-        .as_input(),
+        .taken(),
     );
     after += "The volumes at each speed were not published, so the measured line in the picture is their mean alone.\n\n\
               ![Volume of ten revolutions over speed: measured mean, linear model, speed law](validation/volumes.svg)\n";
