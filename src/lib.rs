@@ -21,7 +21,7 @@ pub mod batch;
 mod bench;
 mod built_in;
 pub mod calibration;
-mod chart;
+pub mod chart;
 pub mod csv;
 mod dose;
 mod drawn_pump;
