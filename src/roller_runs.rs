@@ -30,6 +30,17 @@ pub struct Fall {
 }
 
 impl RollerRuns {
+    /// Of points and the names of their runs.
+    pub fn new(points: impl IntoIterator<Item = (String, VolumePoint)>) -> Self {
+        let (runs, points) = points.into_iter().unzip();
+        Self { points, runs }
+    }
+
+    /// Points and the names of their runs, in the order of the table.
+    pub fn points(&self) -> impl Iterator<Item = (&str, VolumePoint)> {
+        self.runs.iter().map(String::as_str).zip(self.points.iter().copied())
+    }
+
     /// Reads `angle_deg` since first contact, `volume_ml` displaced since then, and perhaps `run`, any name; without it all
     /// points are one run.
     pub fn of_csv(text: &str) -> Result<Self, TableError> {

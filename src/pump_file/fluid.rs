@@ -159,7 +159,15 @@ impl FluidTable {
         self.vapour_kpa.or_else(|| self.known()?.ok()?.vapour_kpa)
     }
 
-    pub(crate) fn is_water(&self) -> bool {
-        self.name.eq_ignore_ascii_case(WATER)
+    /// Density at a temperature, °C, if the model knows the fluid at its own: of water that of the tables, of others this
+    /// table's, changed as much as that of the tables changes.
+    pub(crate) fn density_at_kg_m3(&self, degc: f64) -> Option<Result<f64, ModelError>> {
+        let (own, there) = (self.known()?.ok()?, known(&self.name, degc)?);
+        let factor = if self.name.trim().eq_ignore_ascii_case(WATER) {
+            1.0
+        } else {
+            self.density_kg_m3 / own.density_kg_m3
+        };
+        Some(there.map(|there| factor * there.density_kg_m3))
     }
 }

@@ -129,6 +129,98 @@ fn fits_are_drawn_and_said_in_words() {
     assert!(answer.out.contains("warning      the resistance changes with the flow"), "{}", answer.out);
 }
 
+/// A record of the outlet's pressure every 2 ms.
+fn record(user: &User, name: &str, kpa: impl Fn(u32) -> f64) {
+    let rows: String = (0..300).map(|n| format!("{:.3},{:.3}\n", f64::from(n) * 2e-3, kpa(n))).collect();
+    fs::write(user.path(name), format!("time_s,p_out_kpa\n{rows}")).unwrap();
+}
+
+/// What looks like noise and is the same in every run: the fractional parts of multiples of the golden section, scrambled.
+fn noise(n: u32) -> f64 {
+    let scrambled = n.wrapping_mul(2_654_435_769) ^ (n.wrapping_mul(2_654_435_769) >> 15);
+    f64::from(scrambled.wrapping_mul(2_246_822_519)) / f64::from(u32::MAX) - 0.5
+}
+
+#[test]
+fn a_record_that_the_pump_does_not_explain_is_refused_whatever_is_sought() {
+    let user = user_with_examples();
+    record(&user, "flat.csv", |_| 150.0);
+    record(&user, "noisy.csv", |n| 150.0 + noise(n));
+    record(&user, "loud.csv", |n| 92.0 + 20.0 * noise(n));
+    for file in ["flat.csv", "noisy.csv", "loud.csv"] {
+        for more in [
+            &[][..],
+            &["--also", "reservoir"],
+            &["--hold", "compliance,inertance", "--also", "reservoir"],
+            &["--begin", "steady"],
+        ] {
+            let words = [&["identify", "line", "--data", file, "--speed", "100rpm"][..], more].concat();
+            let message = user.is_refused(&words);
+            assert!(
+                message.contains("% of how the samples of pressure vary (a constant pressure explains 0)")
+                    && message.contains("check speed"),
+                "{words:?}: {message}"
+            );
+        }
+    }
+    // The mean alone tells R where the rest is known, however little of the pulses is seen.
+    let words = ["identify", "line", "--data", "loud.csv", "--speed", "100rpm", "--begin", "steady"];
+    let hold = ["--hold", "compliance,inertance", "--start-angle", "0deg"];
+    let report = user.json(&[&words[..], &hold].concat());
+    let warnings = report["warnings"].to_string();
+    assert!(warnings.contains("explains less than half of what was measured"), "{warnings}");
+}
+
+#[test]
+fn a_fit_to_the_wrong_speed_is_warned_of_and_one_to_the_right_speed_is_not() {
+    let user = user_with_examples();
+    let at = |speed| ["identify", "line", "--data", "start.csv", "--speed", speed];
+    assert_eq!(user.json(&at("100rpm"))["warnings"], serde_json::json!([]));
+    let near = user.json(&at("97rpm"));
+    assert!(number(&near, "pearson") > 0.9, "so near that the correlation does not show it");
+    let told = near["warnings"].to_string();
+    assert!(told.contains("stays alike for") && told.contains("the model misses something"), "{told}");
+    let far = user.json(&at("90rpm"))["warnings"].to_string();
+    assert!(far.contains("stays alike for") && far.contains("Pearson 0.63"), "{far}");
+    let text = user.types(&at("90rpm")).out;
+    assert_eq!(text.matches("  warning      ").count(), 2, "{text}");
+}
+
+#[test]
+fn points_that_a_line_does_not_explain_are_warned_of_or_refused() {
+    let user = User::new();
+    let write = |name: &str, header: &str, of: &dyn Fn(f64) -> f64, more: &str| {
+        let rows: String =
+            (1..9).map(|n| 5.0 * f64::from(n)).map(|x| format!("{x},{}{more}\n", of(x))).collect();
+        fs::write(user.path(name), format!("{header}\n{rows}")).unwrap();
+    };
+    let ripple = |x: f64| 0.02 * noise(x as u32);
+    let resistance = ["identify", "resistance", "--data", "r.csv"];
+    for flat in [&(|_| 10.0) as &dyn Fn(f64) -> f64, &|x| 10.0 + ripple(x)] {
+        write("r.csv", "flow_ml_s,drop_kpa", flat, "");
+        let message = user.is_refused(&resistance);
+        assert!(message.contains("the drop is as large at every flow"), "{message}");
+    }
+    write("r.csv", "flow_ml_s,drop_kpa", &|x| 0.15 * x + 1.0 + ripple(x), "");
+    let beside = user.json(&resistance)["warnings"].to_string();
+    assert!(beside.contains("do not lead through the origin") && beside.contains("--offset"), "{beside}");
+    let offset = user.json(&[&resistance[..], &["--offset"]].concat());
+    assert_eq!(offset["warnings"], serde_json::json!([]));
+    write("r.csv", "flow_ml_s,drop_kpa,standard_kpa", &|x| 0.15 * x + 10.0 * ripple(x), ",0.01");
+    let scattered = user.json(&resistance)["warnings"].to_string();
+    assert!(scattered.contains("times as far from the line as their standard uncertainties"), "{scattered}");
+
+    let compliance = ["identify", "compliance", "--data", "c.csv"];
+    write("c.csv", "volume_ml,pressure_kpa", &|_| 150.0, "");
+    assert!(user.is_refused(&compliance).contains("do not determine the compliance"));
+    let rows: String = (0..60)
+        .map(|n| format!("{},{}\n", f64::from(n) * 0.01, 90.0 + f64::from(n) * 0.02 + 1.5 * noise(n)))
+        .collect();
+    fs::write(user.path("c.csv"), format!("volume_ml,pressure_kpa\n{rows}")).unwrap();
+    let weak = user.json(&compliance)["warnings"].to_string();
+    assert!(weak.contains("explains less than half"), "{weak}");
+}
+
 #[test]
 fn tables_and_options_that_mean_nothing_are_refused() {
     let user = user_with_examples();

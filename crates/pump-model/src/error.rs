@@ -115,6 +115,21 @@ pub enum ModelError {
         /// Speed, rad/s.
         speed_rad_s: f64,
     },
+    /// A line that swings all through a long pitch.
+    #[error(
+        "at {speed_rad_s:.3e} rad/s the {port} line swings all through the pitch, and its extremes take {steps:.1e} steps; allowed: \
+         {allowed:.0e}; give the line more resistance, or choose a faster speed"
+    )]
+    RingsTooLong {
+        /// `inlet` or `outlet`.
+        port: &'static str,
+        /// Speed, rad/s.
+        speed_rad_s: f64,
+        /// How many steps it takes at most.
+        steps: f64,
+        /// How many there may be.
+        allowed: f64,
+    },
     /// Integrating does not come to a periodic steady state.
     #[cfg(feature = "integrator")]
     #[error(

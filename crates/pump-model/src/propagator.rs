@@ -9,7 +9,7 @@
 use crate::flow_curve::Port;
 use crate::hermite::{self, End};
 use crate::line::Line;
-use crate::math::{TURN_RAD, sqrt};
+use crate::math::{TURN_RAD, exp, sqrt};
 use crate::polynomial::{Polynomial, shift_coefficients};
 
 /// Highest degree of the flow over time: a quartic in the angle, which is quadratic in time, times the speed.
@@ -143,6 +143,20 @@ impl Oscillator {
         } else {
             (0.3 * since_s).min(length_s / 16.0).max(fast_s)
         }
+    }
+
+    /// How many steps of [`Self::fine_step_s`] `edges` stretches of together `time_s` take at most.
+    pub(crate) fn most_fine_steps(&self, edges: f64, time_s: f64) -> f64 {
+        let swinging_s = time_s.min(edges * 40.0 / self.slowest_decay());
+        let is_overdamped = self.decay >= 2.0 * self.rate.abs();
+        // An overdamped line's steps grow by a third each, to a sixteenth of the stretch.
+        let swings = if is_overdamped { 0.0 } else { swinging_s * self.norm() / SHORT };
+        swings + 64.0 * edges
+    }
+
+    /// Part of a swing that is left after `time_s`; 0 of a line that does not swing.
+    pub(crate) fn swing_left(&self, time_s: f64) -> f64 {
+        if self.decay < 2.0 * self.rate.abs() { exp(-0.5 * self.decay * time_s) } else { 0.0 }
     }
 
     /// Pressures at which it turns within `length_s` after `before`, kPa, by way of `found`.

@@ -11,6 +11,9 @@ use crate::propagator::{Oscillator, Propagator};
 use crate::pump::Pump;
 use crate::ripple::Ripple;
 
+/// Steps over a pitch in search of a steady state's extremes, of which each takes about a microsecond.
+const MOST_STEPS: f64 = 1e6;
+
 /// What a pump does at constant speed once start-up is forgotten.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteadyState {
@@ -29,7 +32,8 @@ pub struct SteadyState {
 }
 
 impl Pump {
-    /// Periodic steady state at `speed_rad_s`, which must not be zero; negative in reverse.
+    /// Periodic steady state at `speed_rad_s`, which must not be zero; negative in reverse. Refused are a resonance that nothing
+    /// damps and a line that swings more than a hundred thousand times a pitch, as one without resistance near standstill.
     ///
     /// The means follow from L dQ_L/dt = 0 over a period: P = P_res -+ R Q_avg.
     pub fn steady_state(&self, speed_rad_s: f64) -> Result<SteadyState, ModelError> {
@@ -60,9 +64,16 @@ impl Pump {
     }
 
     fn periodic_extremes(&self, port: Port, speed_rad_s: f64) -> Result<Extremes, ModelError> {
+        let period_s = self.pitch_rad() / speed_rad_s.abs();
+        let edges = self.curve(port).precomputed_pieces().count() as f64;
+        let steps = Oscillator::new(self.line(port), port).most_fine_steps(edges, period_s);
+        if steps > MOST_STEPS {
+            let port = port.name();
+            return Err(ModelError::RingsTooLong { port, speed_rad_s, steps, allowed: MOST_STEPS });
+        }
         let state = self.periodic_state(port, speed_rad_s)?;
         let motion = [Leg::constant_speed(0.0, speed_rad_s)];
-        Ok(ExactRun::new(self, port, motion, state).extremes(self.pitch_rad() / speed_rad_s.abs()))
+        Ok(ExactRun::new(self, port, motion, state).extremes(period_s))
     }
 
     /// Flow averaged over whole pitches, Q_avg = V_rot omega / (2 pi), mL/s.
@@ -79,7 +90,8 @@ impl Pump {
 
 /// State of `line` at angle 0 that repeats itself every pitch of `curve`, the flow curve of `port`.
 ///
-/// The state after a period T is e^(A T) z + b, so that z = -(e^(A T) - I)^-1 b. Undamped resonance has none.
+/// The state after a period T is e^(A T) z + b, so that z = -(e^(A T) - I)^-1 b. Undamped resonance has none; of a period long
+/// against the decay e^(A T) is 0 and z is b.
 pub(crate) fn periodic_state(
     line: &Line,
     curve: &FlowCurve,
@@ -92,9 +104,10 @@ pub(crate) fn periodic_state(
     let [bx, by] = oscillator.balanced(ExactRun::on(line, curve, port, motion, [0.0; 2]).at(period_s));
     let [[a, c], [b, d]] = Propagator::new(&oscillator, period_s, 0).change();
     let determinant = a * d - b * c;
-    // The eigenvalues of e^(A T) - I are known to rounding times the phase turned.
-    let rounding = 1e-12 * (1.0 + oscillator.norm() * period_s);
-    if determinant.abs() < rounding * rounding {
+    // An eigenvalue of e^(A T) is known to rounding times the phase turned, as far as it has not died out. A line that does
+    // not swing has no resonance.
+    let rounding = oscillator.swing_left(period_s) * 1e-12 * (1.0 + oscillator.norm() * period_s);
+    if determinant == 0.0 || determinant.abs() < rounding * rounding {
         return Err(ModelError::UndampedResonance { port: port.name(), speed_rad_s });
     }
     Ok(oscillator.physical([(b * by - d * bx) / determinant, (c * bx - a * by) / determinant]))

@@ -124,6 +124,44 @@ fn a_line_without_resistance_never_settles_and_may_resonate_for_ever() {
 }
 
 #[test]
+fn near_standstill_a_steady_state_is_that_of_the_resistance_alone() {
+    let stiff = Line { resistance_kpa_s_ml: 300.0, ..Line::PUBLISHED };
+    for line in [Line::PUBLISHED, stiff] {
+        let pump = with_outlet(line);
+        let most_ml_rad = pump.geometry().nominal_ml_rad();
+        for rpm in [1e-12, 1e-9, 1e-6, 1e-4] {
+            let speed_rad_s = rpm * core::f64::consts::TAU / 60.0;
+            let steady = pump.steady_state(speed_rad_s).unwrap();
+            let quasi_kpa = line.resistance_kpa_s_ml * most_ml_rad * speed_rad_s;
+            let above_kpa = steady.outlet.max_kpa - line.reservoir_kpa;
+            // The flow jumps by 2.6 % where the roller volume begins, and a line that swings overshoots.
+            let most_kpa = 1.02 * quasi_kpa + 2e-14;
+            let range_kpa = 0.9999 * quasi_kpa - 2e-14..most_kpa;
+            assert!(range_kpa.contains(&above_kpa), "{rpm}: {above_kpa} for {quasi_kpa}");
+            let [_, flow_ml_s] = pump.periodic_state(Port::Outlet, speed_rad_s).unwrap();
+            let before_ml_s = speed_rad_s * pump.curve(Port::Outlet).flow_ml_rad(pump.pitch_rad() - 1e-9);
+            assert!((flow_ml_s / before_ml_s - 1.0).abs() < 1e-4, "{rpm}: {flow_ml_s} for {before_ml_s}");
+        }
+    }
+}
+
+#[test]
+fn a_line_that_rings_all_through_a_pitch_of_days_is_refused_and_not_computed_for_minutes() {
+    let line = Line { resistance_kpa_s_ml: 1e-6, ..Line::PUBLISHED };
+    let pump = with_outlet(line);
+    let error = pump.steady_state(1e-4).unwrap_err();
+    assert!(matches!(error, ModelError::RingsTooLong { port: "outlet", .. }), "{error}");
+    assert!(error.to_string().contains("more resistance"), "{error}");
+    assert!(pump.steady_state(1.0).is_ok());
+    let some = with_outlet(Line { resistance_kpa_s_ml: 1e-2, ..line });
+    assert!(some.steady_state(1e-9).is_ok(), "what dies out costs nothing");
+    // An overdamped line has no resonance, however stiff and however fast the pump.
+    let stiff = with_outlet(Line { resistance_kpa_s_ml: 1e6, ..line });
+    let mean_kpa = stiff.steady_state(1.0).unwrap().outlet_mean_kpa;
+    assert!(mean_kpa > 1e6, "{mean_kpa}");
+}
+
+#[test]
 fn a_motion_without_legs_stays_at_rest() {
     let pump = Pump::three_roller();
     let mut run = PortRun::<_, 2>::from_rest(&pump, Port::Outlet, [], DEFAULT_TOLERANCE).unwrap();

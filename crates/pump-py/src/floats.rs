@@ -61,6 +61,14 @@ impl Floats {
         }
     }
 
+    /// Lengths in C order; none of a single number.
+    pub(crate) fn shape(&self) -> &[usize] {
+        match self {
+            Self::One(_) => &[],
+            Self::Many { shape, .. } => shape,
+        }
+    }
+
     /// The same shape with other values, as many as there are.
     pub(crate) fn with_values(&self, values: Vec<f64>) -> Self {
         match (self, values.as_slice()) {

@@ -9,9 +9,11 @@ mod doser;
 mod errors;
 mod floats;
 mod hose;
+mod identification;
 mod interrupt;
 mod limits;
 mod line;
+mod metrics;
 mod plan;
 mod plan_output;
 mod pump;
@@ -39,9 +41,13 @@ mod _pumpmodel {
     #[pymodule_export]
     use crate::hose::{_fluid_check, _fluid_water, _hose_drop, _hose_line, _hose_reynolds, _hose_volume};
     #[pymodule_export]
+    use crate::identification::{_identify_compliance, _identify_line, _identify_resistance};
+    #[pymodule_export]
     use crate::limits::Limits;
     #[pymodule_export]
     use crate::line::Line;
+    #[pymodule_export]
+    use crate::metrics::{nrmse, pearson, rmse};
     #[pymodule_export]
     use crate::plan::Plan;
     #[pymodule_export]
@@ -55,7 +61,7 @@ mod _pumpmodel {
     #[pymodule_export]
     use crate::sweep::_steady_states;
     #[pymodule_export]
-    use crate::volume_fit::{_volume_fit, _volume_fit_at};
+    use crate::volume_fit::{_volume_fit, _volume_fit_at, _volume_run_falls, _volume_runs};
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name for it")]

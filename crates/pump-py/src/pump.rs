@@ -159,7 +159,7 @@ impl Pump {
 
     /// Rate of a dose that names none, mL/s.
     #[getter]
-    fn default_rate_ml_s(&self) -> f64 {
+    pub(crate) fn default_rate_ml_s(&self) -> f64 {
         self.file.pump.default_rate_ml_s
     }
 

@@ -1,5 +1,9 @@
 //! What `pumpmodel.VolumeFit` computes: a roller volume from measured points.
 
+use std::fs;
+use std::path::PathBuf;
+
+use pump_dose::RollerRuns;
 use pump_dose::pump_file::Fit;
 use pump_model::VolumePoint;
 use pyo3::prelude::*;
@@ -39,6 +43,22 @@ pub(crate) fn _volume_fit_at<'py>(
     let fit = fit_named(method)?.of(&points).map_err(errors::model)?;
     let angles = Floats::read("angle_rad", angle_rad, 1e9)?;
     angles.map(|angle| fit.curve().at(angle)).into_object(angle_rad.py())
+}
+
+/// Run, angle (deg) and volume (mL) of each row of a table as `dose pumps new` reads it.
+#[pyfunction]
+pub(crate) fn _volume_runs(path: PathBuf) -> PyResult<Vec<(String, f64, f64)>> {
+    let text = fs::read_to_string(&path).map_err(|error| errors::file(&path, &error))?;
+    let runs =
+        RollerRuns::of_csv(&text).map_err(|error| value(format_args!("{}: {error}", path.display())))?;
+    Ok(runs.points().map(|(run, point)| (run.to_owned(), point.angle_deg, point.volume_ml)).collect())
+}
+
+/// Run, two angles (deg) and by how much the volume falls between them (mL).
+#[pyfunction]
+pub(crate) fn _volume_run_falls(runs: Vec<String>, points: Vec<(f64, f64)>) -> Vec<(String, f64, f64, f64)> {
+    let runs = RollerRuns::new(runs.into_iter().zip(points_of(points)));
+    runs.falls().into_iter().map(|fall| (fall.run, fall.from_deg, fall.to_deg, fall.fall_ml)).collect()
 }
 
 pub(crate) fn points_of(points: Vec<(f64, f64)>) -> Vec<VolumePoint> {

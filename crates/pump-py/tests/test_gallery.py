@@ -49,15 +49,19 @@ def test_the_error_without_the_angle_is_the_known_one_and_with_it_half_a_step(tm
 
 def test_a_fit_finds_the_line_within_its_errors(tmp_path: Path) -> None:
     result, names = run("fit_line.py", tmp_path)
-    assert (np.abs(result.found - result.true) < 3 * result.standard_error).all()
-    assert (result.standard_error < 0.005 * result.true).all()
     pump = pm.Pump.three_roller()
-    within = 0
-    for seed in range(20):
-        again = names["fit"](pump, names["measure"](pump, seed), 1.3 * result.true)
-        within += int((np.abs(again.found - again.true) < 2 * again.standard_error).sum())
+
+    def errors(found: pm.Identified) -> list[tuple[float, float]]:
+        """Difference from the truth in standard errors, and the standard error as a part."""
+        true = [(getattr(pump.outlet, name), found.parameters[name]) for name in names["NAMES"]]
+        return [(abs(found.value - value) / found.standard, found.standard / value) for value, found in true]
+
+    assert all(off < 3 and part < 0.005 for off, part in errors(result))
+    assert result.warnings == ()
+    guess = names["scaled"](pump, 1.3)
+    fits = [names["fit"](guess, names["measure"](pump, seed)) for seed in range(20)]
     # 60 numbers of which 95 % are expected; fewer than 51 would happen once in a thousand times.
-    assert within >= 51
+    assert sum(off < 2 for found in fits for off, _ in errors(found)) >= 51
 
 
 def test_the_rollers_that_are_chosen_keep_to_the_target(tmp_path: Path) -> None:

@@ -1,4 +1,5 @@
 import dataclasses
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -126,3 +127,24 @@ def test_pumps_return_from_their_dicts() -> None:
         pm.Pump.three_roller().replace(roller_volume="guess")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="roller_volume must be a VolumeFit"):
         pm.Pump.three_roller().replace(roller_volume=2.1)  # type: ignore[arg-type]
+
+
+def test_runs_of_a_table_become_a_fit_that_says_where_a_run_falls(tmp_path: Path) -> None:
+    table = tmp_path / "runs.csv"
+    rows = "a,0,0\nb,0,0\na,10,0.25\nb,10,0.2\na,20,0.84\nb,20,0.9\na,30,1.5\nb,30,0.88\na,40,2\nb,40,1.9\n"
+    table.write_text(f"run,angle_deg,volume_ml\n{rows}")
+    fit = pm.VolumeFit.from_csv(table)
+    assert fit.run == ("a", "b") * 5
+    assert fit.run_falls == [("b", 20.0, 30.0, pytest.approx(0.02))]
+    assert pm.VolumeFit.from_dict(fit.to_dict()) == fit
+    assert pickle.loads(pickle.dumps(fit)) == fit
+    assert fit.total_ml == pm.VolumeFit(fit.angle_deg, fit.volume_ml).total_ml
+    pump = pm.Pump.three_roller().replace(roller_volume=fit)
+    assert pump.roller_volume_ml == pytest.approx(1.95)
+    with pytest.raises(ValueError, match="run has 1 names; allowed: 10"):
+        pm.VolumeFit(fit.angle_deg, fit.volume_ml, run=["a"])
+    with pytest.raises(FileNotFoundError):
+        pm.VolumeFit.from_csv(tmp_path / "none.csv")
+    table.write_text("run,angle_deg\na,0\n")
+    with pytest.raises(ValueError, match=r"runs.csv: line 2: volume_ml is missing"):
+        pm.VolumeFit.from_csv(table)

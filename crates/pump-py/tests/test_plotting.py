@@ -139,6 +139,22 @@ def circles(axis: Axes) -> dict[str, Array]:
     }
 
 
+def test_a_map_of_steady_states_is_a_row() -> None:
+    pump = pm.Pump.three_roller()
+    steady = pump.steady_state(speed_rpm=[100, 50, 150])
+    axis = pm.plot_map(steady, "outlet_max_kpa")
+    row = mesh(axis)
+    assert (
+        np.asarray(row.get_array()).ravel().tolist() == np.asarray(steady.outlet_max_kpa)[[1, 0, 2]].tolist()
+    )
+    assert axis.get_xlabel() == "speed (r/min)"
+    assert (axis.get_ylabel(), list(axis.get_yticks())) == ("", [])
+    with pytest.raises(ValueError, match=r"speeds of shape \(\); allowed: \(n,\)"):
+        pm.plot_map(pump.steady_state(speed_rpm=50))
+    with pytest.raises(ValueError, match=r"of the sweep, \(3,\)"):
+        pm.plot_map(steady, [1.0, 2.0], label="swing (kPa)")
+
+
 def test_rollers_stand_where_the_angle_says() -> None:
     pump = pm.Pump.three_roller()
     for angle in (0.0, 0.9, -2.0, 20.0):

@@ -101,3 +101,27 @@ def test_a_simulated_dose_is_the_same_to_the_last_bit(
         python = bench.dose("7mL", within="4s").to_dict()
     assert python == command
     assert python["delivered_ml"] == rust[name]["delivered_ml"]
+
+
+def test_lines_that_are_identified_are_the_same_to_the_last_bit(dose: Callable[..., Any]) -> None:
+    examples = ROOT / "examples" / "identification"
+
+    def command(kind: str, *words: str) -> Any:
+        return dose("identify", kind, "--data", os.fspath(examples / words[0]), *words[1:])
+
+    def columns(name: str) -> list[list[float]]:
+        lines = (examples / name).read_text().splitlines()
+        rows = list(csv.reader(line for line in lines if not line.startswith("#")))[1:]
+        return [[float(cell) for cell in column] for column in zip(*rows, strict=True)]
+
+    pump = pm.Pump.three_roller()
+    flow_ml_s, drop_kpa = columns("resistance.csv")
+    resistance = pm.identify_resistance(flow_ml_s, drop_kpa=drop_kpa)
+    assert resistance.to_dict() == command("resistance", "resistance.csv")
+    volume_ml, pressure_kpa = columns("compliance.csv")
+    compliance = pm.identify_compliance(volume_ml, pressure_kpa, total_ml=26)
+    assert compliance.to_dict() == command("compliance", "compliance.csv", "--total-volume", "26mL")
+    time_s, waveform_kpa = columns("start.csv")
+    for speed in (100, 90):
+        line = pm.identify_line(pump, time_s=time_s, pressure_kpa=waveform_kpa, speed_rpm=speed)
+        assert line.to_dict() == command("line", "start.csv", "--speed", f"{speed}rpm")

@@ -2,7 +2,6 @@
 
 mod compliance;
 mod line;
-mod report;
 mod resistance;
 
 use std::fs;

@@ -59,7 +59,7 @@ impl ComplianceFit {
         let undetermined =
             |why| IdentificationError::Undetermined { of: POINTS, parameter: "compliance", why };
         let straight = through(false).ok_or(undetermined("they are all at one volume; inject in steps"))?;
-        if straight.slope.value <= 0.0 {
+        if !straight.is_rising() {
             return Err(undetermined("the pressure does not rise with the volume; check signs and columns"));
         }
         if !straight.slope.differs_from_zero() {

@@ -44,6 +44,20 @@ pub enum IdentificationError {
         /// Why it was not found, and what to do.
         why: &'static str,
     },
+    /// A waveform of which the pump explains nothing.
+    #[error(
+        "the fit explains {explained_percent:.1} % of how the samples of pressure vary (a constant pressure explains 0), so they \
+         do not determine the line; allowed: {least_percent} % at least; check speed, start angle, port and units, and whether the \
+         pump turned; of a record that is noise for the most part average over pitches; seek the reservoir's pressure too if the \
+         sensor may be off"
+    )]
+    Unexplained {
+        /// By how much the squares of the residuals are less than those about the mean of the samples, %; negative if they are
+        /// more.
+        explained_percent: f64,
+        /// How much they must be less, %.
+        least_percent: f64,
+    },
     /// Two parameters that are one.
     #[error("{first} and {second} are the same in a steady state; seek one of them")]
     Same {

@@ -54,13 +54,14 @@ pub(super) fn search<const N: usize>(
         let Some(step) = damped.solution() else { break };
         let small = step.iter().all(|step| step.abs() < STEP);
         let next = core::array::from_fn(|n| at[n] + step[n]);
-        // Steps to lines that cannot be are refused like steps uphill.
-        match model.sum(&next) {
-            Ok(next_sum) if next_sum <= sum => {
-                (at, sum, damping) = (next, next_sum, (0.1 * damping).max(1e-9));
-                rows = model.rows(&at)?;
+        // Steps to lines that cannot be, or to their border, are refused like steps uphill.
+        let downhill = model.sum(&next).ok().filter(|next_sum| *next_sum <= sum);
+        match downhill.and_then(|next_sum| Some((next_sum, model.rows(&next).ok()?))) {
+            Some((next_sum, next_rows)) => {
+                (at, sum, rows) = (next, next_sum, next_rows);
+                damping = (0.1 * damping).max(1e-9);
             }
-            _ => damping *= 10.0,
+            None => damping *= 10.0,
         }
         if small {
             return Ok(Found { at, sum, rows, steps });

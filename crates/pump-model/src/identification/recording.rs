@@ -4,7 +4,7 @@ use crate::error::{ModelError, positive};
 use crate::exact::ExactRun;
 use crate::flow_curve::{FlowCurve, Port};
 use crate::line::Line;
-use crate::math::wrap;
+use crate::math::{sqrt, wrap};
 use crate::motion::Leg;
 use crate::pump::Pump;
 use crate::steady::periodic_state;
@@ -73,6 +73,21 @@ impl<'a> Recording<'a> {
                 Ok(positive("speed in rad/s, without sign", speed_rad_s.abs())?)
             }
         }
+    }
+
+    /// Standard deviation of the samples about their mean, kPa.
+    pub(super) fn spread_kpa(&self) -> f64 {
+        let first_kpa = self.samples.first().map_or(0.0, |sample| sample.pressure_kpa);
+        let (mut count, mut mean, mut square) = (0.0, 0.0, 0.0);
+        for sample in self.samples {
+            // From the first on, so that equal samples have no spread at all.
+            let value = sample.pressure_kpa - first_kpa;
+            count += 1.0;
+            let from = value - mean;
+            mean += from / count;
+            square += from * (value - mean);
+        }
+        sqrt(square / count)
     }
 
     /// Pressures above the reservoir by the model at the times of the samples, kPa, on a line that need not be the pump's, with

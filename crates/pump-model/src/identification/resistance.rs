@@ -50,6 +50,9 @@ pub struct ResistanceFit {
     pub resistance_kpa_s_ml: Estimate,
     /// Drop at no flow, kPa, where it was sought: a reservoir or a sensor that is off.
     pub offset_kpa: Option<Estimate>,
+    /// Drop at no flow, kPa, where it was not sought but is more than twice its standard uncertainty, and explains the points
+    /// better than a bend does.
+    pub missed_offset_kpa: Option<Estimate>,
     /// Standard deviation of the points about the straight line, in units of their standard uncertainties: kPa if those are 1.
     pub scatter: f64,
     /// The bent line, where its bend is more than twice its standard uncertainty; then R holds at flows like the points' alone.
@@ -75,10 +78,11 @@ impl ResistanceFit {
                 });
             }
         }
-        let through = |bend| {
+        let with = |offset, bend| {
             let points = points.iter().map(|point| (point.flow_ml_s, point.drop_kpa, point.standard_kpa));
-            StraightLine::through(points, Terms { offset: with_offset, bend })
+            StraightLine::through(points, Terms { offset, bend })
         };
+        let through = |bend| with(with_offset, bend);
         let parameters = Terms { offset: with_offset, bend: false }.count();
         if points.len() <= parameters {
             let given = points.len();
@@ -93,7 +97,7 @@ impl ResistanceFit {
             |why| IdentificationError::Undetermined { of: POINTS, parameter: "resistance", why };
         let straight = through(false).ok_or(undetermined("they are all at one flow; measure at several"))?;
         let resistance = straight.slope;
-        if resistance.value <= 0.0 {
+        if !straight.is_rising() {
             return Err(undetermined("the pressure does not rise with the flow; check signs and columns"));
         }
         if !resistance.differs_from_zero() {
@@ -101,10 +105,19 @@ impl ResistanceFit {
                 "twice its standard error exceeds it; measure more points, at larger flows",
             ));
         }
+        let missed = if with_offset { None } else { with(true, false) };
+        let missed = missed.filter(|line| line.offset.differs_from_zero());
+        if missed.is_some_and(|line| !line.is_rising() || !line.slope.differs_from_zero()) {
+            return Err(undetermined(
+                "the drop is as large at every flow; check columns and reservoir, or measure at larger flows",
+            ));
+        }
         let bent = through(true).filter(|bent| bent.bend.differs_from_zero());
+        let missed = missed.filter(|line| bent.is_none_or(|bent| line.scatter < bent.scatter));
         Ok(Self {
             resistance_kpa_s_ml: resistance,
             offset_kpa: with_offset.then_some(straight.offset),
+            missed_offset_kpa: missed.map(|line| line.offset),
             scatter: straight.scatter,
             bend: bent.map(|bent| Bend {
                 at_no_flow_kpa_s_ml: bent.slope,

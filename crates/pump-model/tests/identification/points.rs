@@ -54,6 +54,22 @@ fn a_resistance_that_grows_with_the_flow_is_said_to_and_a_straight_one_hardly_ev
 }
 
 #[test]
+fn an_offset_that_was_not_sought_is_told_and_hardly_ever_where_there_is_none() {
+    let mut dice = Dice(5);
+    let mut false_alarms = 0;
+    for _ in 0..200 {
+        let beside = flow_points(|q| 1.0 + 0.1 * q, 0.02, &mut dice);
+        let missed = ResistanceFit::of(&beside, false).unwrap().missed_offset_kpa.unwrap();
+        assert!((missed.value - 1.0).abs() < 5.0 * missed.standard, "{missed:?}");
+        assert_eq!(ResistanceFit::of(&beside, true).unwrap().missed_offset_kpa, None);
+        let through = flow_points(|q| 0.1 * q, 0.02, &mut dice);
+        false_alarms += u32::from(ResistanceFit::of(&through, false).unwrap().missed_offset_kpa.is_some());
+    }
+    // 4.55 % of 200 are 9.
+    assert!(false_alarms <= 18, "{false_alarms}");
+}
+
+#[test]
 fn a_point_weighs_as_its_uncertainty_says_and_reverse_flow_counts() {
     let point = |flow_ml_s, drop_kpa, standard_kpa| FlowPoint { flow_ml_s, drop_kpa, standard_kpa };
     let points = [point(10.0, 1.0, 1.0), point(10.0, 1.2, 2.0), point(-20.0, -2.0, 1.0)];

@@ -22,6 +22,9 @@ fn points_that_determine_nothing_are_refused() {
     said(of(&[point(0.0, 1.0), point(0.0, 1.0)]), "at one flow");
     said(ResistanceFit::of(&[point(5.0, 1.0), point(5.0, 1.1), point(5.0, 1.0)], true), "at one flow");
     said(of(&[point(1.0, -1.0), point(2.0, -2.0)]), "does not rise with the flow");
+    said(of(&[5.0, 6.0, 7.0, 8.0].map(|flow_ml_s| point(flow_ml_s, 9.0))), "as large at every flow");
+    let level = [point(1.0, 0.1), point(2.0, 0.1), point(3.0, 0.1)];
+    said(ResistanceFit::of(&level, true), "does not rise with the flow");
     said(of(&[point(1.0, 3.0), point(1.0, -2.0), point(1.0, 0.1)]), "twice its standard error exceeds it");
     said(of(&[point(1.0, 1.0), point(f64::NAN, 1.0)]), "flow in mL/s of point 2 is NaN");
     let weightless = FlowPoint { standard_kpa: 0.0, ..point(1.0, 1.0) };
@@ -31,6 +34,8 @@ fn points_that_determine_nothing_are_refused() {
     said(ComplianceFit::of(&[point(0.0, 88.0), point(1.0, 90.0)]), "3 at least");
     said(ComplianceFit::of(&[point(1.0, 88.0), point(1.0, 90.0), point(1.0, 89.0)]), "at one volume");
     said(ComplianceFit::of(&[point(0.0, 88.0), point(1.0, 80.0), point(2.0, 71.0)]), "does not rise");
+    let level = [point(0.0, 88.1), point(1.0, 88.1), point(2.0, 88.1)];
+    said(ComplianceFit::of(&level), "does not rise");
     said(
         ComplianceFit::of(&[point(0.0, 88.0), point(1.0, f64::INFINITY), point(2.0, 90.0)]),
         "point 2 is inf",
@@ -51,7 +56,9 @@ fn records_that_determine_nothing_are_refused() {
         LineFit::of(&pump, &Recording { port: Port::Outlet, samples, motion }, sought)
     };
     // A pump that turned leaves no flat line: whatever is found is no line of it.
-    assert!(of(&flat, from_rest, Sought::LINE).is_err());
+    said(of(&flat, from_rest, Sought::LINE), "a constant pressure explains 0");
+    let level: Vec<_> = flat.iter().map(|sample| PressureSample { pressure_kpa: 150.0, ..*sample }).collect();
+    said(of(&level, from_rest, Sought { pressure: true, ..Sought::LINE }), "explains 0.0 %");
     said(
         of(&flat[..3], from_rest, Sought::LINE),
         "3 samples of pressure; 4 at least are needed for 3 parameters",
@@ -71,7 +78,8 @@ fn records_that_determine_nothing_are_refused() {
 
     // Before the motor starts nothing is said of the line.
     let late = [Leg { start_s: 10.0, ..legs[0] }];
-    let error = LineFit::of(&pump, &recording(&flat, Motion::FromRest(&late)), Sought::LINE).unwrap_err();
+    let mean = Sought { compliance: false, inertance: false, ..Sought::LINE };
+    let error = LineFit::of(&pump, &recording(&flat, Motion::FromRest(&late)), mean).unwrap_err();
     assert!(matches!(error, IdentificationError::Undetermined { parameter: "resistance", .. }), "{error}");
 
     let frictionless = Line { resistance_kpa_s_ml: 0.0, ..Line::PUBLISHED };

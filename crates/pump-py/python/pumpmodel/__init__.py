@@ -12,12 +12,32 @@ Examples
 '71.7 to 98.1 kPa'
 """
 
-from pumpmodel._pumpmodel import Calibration, Doser, Limits, Line, Plan, Pump, Run, SteadyState, __version__
+from pumpmodel._pumpmodel import (
+    Calibration,
+    Doser,
+    Limits,
+    Line,
+    Plan,
+    Pump,
+    Run,
+    SteadyState,
+    __version__,
+    nrmse,
+    pearson,
+    rmse,
+)
 from pumpmodel.bench import Bench
 from pumpmodel.dose import Dose, Status
 from pumpmodel.errors import DriveError, PlanError, PumpError, PumpFileError, UnfinishedError
 from pumpmodel.fluid import Fluid
 from pumpmodel.hose import Hose
+from pumpmodel.identified import (
+    Estimate,
+    Identified,
+    identify_compliance,
+    identify_line,
+    identify_resistance,
+)
 from pumpmodel.plotting import plot, plot_map
 from pumpmodel.section import plot_pump
 from pumpmodel.speed_law import SpeedLaw
@@ -31,8 +51,10 @@ __all__ = [
     "Dose",
     "Doser",
     "DriveError",
+    "Estimate",
     "Fluid",
     "Hose",
+    "Identified",
     "Limits",
     "Line",
     "PhaseFit",
@@ -51,8 +73,14 @@ __all__ = [
     "VolumeFit",
     "WeighedRun",
     "__version__",
+    "identify_compliance",
+    "identify_line",
+    "identify_resistance",
+    "nrmse",
+    "pearson",
     "plot",
     "plot_map",
     "plot_pump",
+    "rmse",
     "sweep",
 ]

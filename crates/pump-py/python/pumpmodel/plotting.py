@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from pumpmodel._pumpmodel import Plan, Run
+from pumpmodel._pumpmodel import Plan, Run, SteadyState
 from pumpmodel._tables import COLUMNS, optional
 from pumpmodel.sweeps import RESULTS, Sweep
 
@@ -132,7 +132,7 @@ def plot(
 
 
 def plot_map(
-    sweep: Sweep,
+    sweep: Sweep | SteadyState,
     quantity: str | ArrayLike = "outlet_max_kpa",
     *,
     label: str | None = None,
@@ -140,14 +140,15 @@ def plot_map(
     y_label: str | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw a result of a sweep as a map over speed and pump.
+    """Draw a result of a sweep, or of a pump's steady states, as a map over speed and pump.
 
     Parameters
     ----------
-    sweep : Sweep
-        What `pumpmodel.sweep` returned.
+    sweep : Sweep or SteadyState
+        What `pumpmodel.sweep` returned; or `Pump.steady_state` of speeds of shape (n,), a map of one row.
     quantity : str or array_like
-        Name of one of its results, or numbers of shape (pumps, speeds) computed from them.
+        Name of one of its results, or numbers of shape (pumps, speeds) computed from them; of a steady state
+        (n,).
     label : str, optional
         Name and unit of the quantity; needed for numbers.
     y : array_like, optional
@@ -171,37 +172,51 @@ def plot_map(
         Without matplotlib, which `pip install 'pumpmodel[plot]'` brings.
     """
     values, label = _quantity(sweep, quantity, label)
-    rollers = np.array([pump.rollers for pump in sweep.pumps])
+    if isinstance(sweep, Sweep):
+        rollers = np.array([pump.rollers for pump in sweep.pumps])
+    else:
+        # A steady state does not say whose it is.
+        rollers, values = np.zeros(1), values[np.newaxis]
+    speeds = np.asarray(sweep.speed_rpm)
     if y is not None:
         places = np.asarray(y, dtype=np.float64)
         if y_label is None:
             message = "y_label is missing; give name and unit of y"
             raise ValueError(message)
-    elif len(set(rollers)) == len(rollers):
+    elif isinstance(sweep, Sweep) and len(set(rollers)) == len(rollers):
         places, y_label = rollers.astype(np.float64), y_label or "rollers"
     else:
-        places, y_label = np.arange(len(rollers), dtype=np.float64), y_label or "pump"
+        numbers = np.arange(len(rollers), dtype=np.float64)
+        places, y_label = numbers, y_label or ("pump" if isinstance(sweep, Sweep) else "")
     if places.shape != rollers.shape:
         message = f"y has shape {places.shape}; allowed: {rollers.shape}, one number a pump"
         raise ValueError(message)
     if not values.size:
-        message = f"the sweep has shape {sweep.shape}; allowed: one pump and one speed at least"
+        message = f"the sweep has shape {values.shape}; allowed: one pump and one speed at least"
         raise ValueError(message)
 
     (axis,) = axes_for(["map"], ax)
-    rows, columns = np.argsort(places), np.argsort(sweep.speed_rpm)
+    rows, columns = np.argsort(places), np.argsort(speeds)
     mesh = axis.pcolormesh(
-        _edges(sweep.speed_rpm[columns]), _edges(places[rows]), values[np.ix_(rows, columns)], cmap="viridis"
+        _edges(speeds[columns]), _edges(places[rows]), values[np.ix_(rows, columns)], cmap="viridis"
     )
     axis.figure.colorbar(mesh, ax=axis, label=label)
     axis.set_xlabel("speed (r/min)")
     axis.set_ylabel(y_label)
-    if y is None:
+    if y is None and isinstance(sweep, Sweep):
         axis.locator_params(axis="y", integer=True)
+    elif y is None:
+        axis.set_yticks([])
     return axis
 
 
-def _quantity(sweep: Sweep, quantity: str | ArrayLike, label: str | None) -> tuple[NDArray[Any], str]:
+def _quantity(
+    sweep: Sweep | SteadyState, quantity: str | ArrayLike, label: str | None
+) -> tuple[NDArray[Any], str]:
+    shape = sweep.shape if isinstance(sweep, Sweep) else np.shape(sweep.speed_rpm)
+    if not isinstance(sweep, Sweep) and len(shape) != 1:
+        message = f"the steady state is of speeds of shape {shape}; allowed: (n,)"
+        raise ValueError(message)
     if isinstance(quantity, str):
         if quantity not in RESULTS:
             message = f"quantity is {quantity!r}; allowed: {', '.join(RESULTS)}"
@@ -209,8 +224,8 @@ def _quantity(sweep: Sweep, quantity: str | ArrayLike, label: str | None) -> tup
         unit, name = COLUMNS[quantity]
         return getattr(sweep, quantity), label or (name if unit == "1" else f"{name} ({unit})")
     values = np.asarray(quantity, dtype=np.float64)
-    if values.shape != sweep.shape:
-        message = f"quantity has shape {values.shape}; allowed: that of the sweep, {sweep.shape}"
+    if values.shape != shape:
+        message = f"quantity has shape {values.shape}; allowed: that of the sweep, {shape}"
         raise ValueError(message)
     if label is None:
         message = "label is missing; give name and unit of the quantity"

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from os import PathLike
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -27,6 +28,8 @@ class VolumeFit(Record):
     method : {"spline", "quintic"}
         A rising cubic spline through the mean volume of each of 3 to 25 angles, whose flow has no jump; or
         least squares of 5th order over 6 angles or more, as McIntyre et al. do it.
+    run : sequence of str, optional
+        Name of each point's run, if the points are of several; by default all are one run.
 
     Raises
     ------
@@ -44,6 +47,7 @@ class VolumeFit(Record):
     method: Literal["spline", "quintic"]
     angle_deg: tuple[float, ...]
     volume_ml: tuple[float, ...]
+    run: tuple[str, ...] | None = None
 
     def __init__(
         self,
@@ -51,6 +55,7 @@ class VolumeFit(Record):
         volume_ml: ArrayLike,
         *,
         method: Literal["spline", "quintic"] = "spline",
+        run: Sequence[str] | None = None,
     ) -> None:
         angles, volumes = (np.asarray(numbers, dtype=np.float64) for numbers in (angle_deg, volume_ml))
         if angles.ndim != 1 or angles.shape != volumes.shape:
@@ -58,10 +63,39 @@ class VolumeFit(Record):
                 f"angle_deg has the shape {angles.shape} and volume_ml {volumes.shape}; "
                 "allowed: one (n,) for both"
             )
+        if run is not None and len(run) != len(angles):
+            raise ValueError(f"run has {len(run)} names; allowed: {len(angles)}, one a point")
+        object.__setattr__(self, "run", None if run is None else tuple(map(str, run)))
         object.__setattr__(self, "method", method)
         object.__setattr__(self, "angle_deg", tuple(angles.tolist()))
         object.__setattr__(self, "volume_ml", tuple(volumes.tolist()))
         core._volume_fit(*self._fit)
+
+    @classmethod
+    def from_csv(cls, path: str | PathLike[str], *, method: Literal["spline", "quintic"] = "spline") -> Self:
+        """Fit the runs of a table, as `dose pumps new --roller-volume-points` reads it.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            CSV with the columns `angle_deg`, `volume_ml` and perhaps `run`.
+        method : {"spline", "quintic"}
+            As of the constructor.
+
+        Raises
+        ------
+        OSError
+            If it cannot be opened; FileNotFoundError if it is not there.
+        ValueError
+            If it is no such table, or no curve can go through its points.
+        """
+        rows = core._volume_runs(path)
+        return cls(
+            [angle for _, angle, _ in rows],
+            [volume for _, _, volume in rows],
+            method=method,
+            run=[run for run, _, _ in rows],
+        )
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
@@ -103,6 +137,15 @@ class VolumeFit(Record):
     def falls(self) -> list[tuple[float, float, float]] | None:
         """Where measured volumes fall: from and to, deg, and by how much, mL; None of more than 25 angles."""
         return core._volume_fit(*self._fit)[4]
+
+    @property
+    def run_falls(self) -> list[tuple[str, float, float, float]]:
+        """Where the volumes of a run fall: its name, from and to, deg, and by how much, mL.
+
+        No roller does this: it is scatter, or a slip of the pen.
+        """
+        runs = self.run or ("1",) * len(self.angle_deg)
+        return core._volume_run_falls(runs, self._fit[1])
 
     @property
     def held_deg(self) -> list[tuple[float, float]]:

@@ -10,6 +10,9 @@ from .functions import _hose_drop as _hose_drop
 from .functions import _hose_line as _hose_line
 from .functions import _hose_reynolds as _hose_reynolds
 from .functions import _hose_volume as _hose_volume
+from .functions import _identify_compliance as _identify_compliance
+from .functions import _identify_line as _identify_line
+from .functions import _identify_resistance as _identify_resistance
 from .functions import _law_check as _law_check
 from .functions import _law_published as _law_published
 from .functions import _law_revolution as _law_revolution
@@ -18,6 +21,11 @@ from .functions import _reading as _reading
 from .functions import _steady_states as _steady_states
 from .functions import _volume_fit as _volume_fit
 from .functions import _volume_fit_at as _volume_fit_at
+from .functions import _volume_run_falls as _volume_run_falls
+from .functions import _volume_runs as _volume_runs
+from .functions import nrmse as nrmse
+from .functions import pearson as pearson
+from .functions import rmse as rmse
 from .pump import Line as Line
 from .pump import Pump as Pump
 from .results import Plan as Plan
@@ -41,6 +49,9 @@ __all__ = [
     "_hose_line",
     "_hose_reynolds",
     "_hose_volume",
+    "_identify_compliance",
+    "_identify_line",
+    "_identify_resistance",
     "_law_check",
     "_law_published",
     "_law_revolution",
@@ -49,6 +60,11 @@ __all__ = [
     "_steady_states",
     "_volume_fit",
     "_volume_fit_at",
+    "_volume_run_falls",
+    "_volume_runs",
+    "nrmse",
+    "pearson",
+    "rmse",
 ]
 
 __version__: Final[str]

@@ -1,8 +1,9 @@
 from collections.abc import Callable, Sequence
+from os import PathLike
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .pump import Line, Pump
 
@@ -13,6 +14,8 @@ _Fluid: TypeAlias = tuple[float, float, float, float | None]
 _Hose: TypeAlias = tuple[float, float, float, float, float, float]
 _Law: TypeAlias = tuple[float, float, float, float]
 _Points: TypeAlias = Sequence[tuple[float, float]]
+# JSON and text, the line; what was varied, measured and fitted.
+_Identified: TypeAlias = tuple[str, str, Line, _Array, _Array, _Array]
 _Falls: TypeAlias = list[tuple[float, float, float]]
 
 def _fluid_check(fluid: _Fluid) -> None: ...
@@ -21,6 +24,33 @@ def _hose_volume(hose: _Hose) -> float: ...
 def _hose_line(hose: _Hose, fluid: _Fluid, reservoir_kpa: float, flow_ml_s: float) -> Line: ...
 def _hose_drop(hose: _Hose, fluid: _Fluid, flow_ml_s: float | _Numbers) -> float | _Array: ...
 def _hose_reynolds(hose: _Hose, fluid: _Fluid, flow_ml_s: float | _Numbers) -> float | _Array: ...
+def _identify_resistance(
+    pump: Pump,
+    port: str,
+    flow_ml_s: ArrayLike,
+    pressure_kpa: ArrayLike | None,
+    drop_kpa: ArrayLike | None,
+    standard_kpa: ArrayLike | None,
+    offset: bool,
+) -> _Identified: ...
+def _identify_compliance(
+    pump: Pump, port: str, volume_ml: ArrayLike, pressure_kpa: ArrayLike, total_ml: float | None
+) -> _Identified: ...
+def _identify_line(
+    pump: Pump,
+    port: str,
+    time_s: ArrayLike,
+    pressure_kpa: ArrayLike,
+    speed_rpm: float | None,
+    speed_rad: float | None,
+    fit: Sequence[str],
+    begin: str,
+    start_s: float | None,
+    start_angle_rad: float | None,
+) -> _Identified: ...
+def rmse(model: ArrayLike, measured: ArrayLike) -> float: ...
+def nrmse(model: ArrayLike, measured: ArrayLike) -> float: ...
+def pearson(model: ArrayLike, measured: ArrayLike) -> float: ...
 def _law_published() -> _Law: ...
 def _law_check(law: _Law) -> None: ...
 def _law_revolution(
@@ -33,6 +63,8 @@ def _volume_fit(
     method: str, points: _Points
 ) -> tuple[float, float, list[float], float, _Falls | None, list[tuple[float, float]]]: ...
 def _volume_fit_at(method: str, points: _Points, angle_rad: float | _Numbers) -> float | _Array: ...
+def _volume_runs(path: str | PathLike[str]) -> list[tuple[str, float, float]]: ...
+def _volume_run_falls(runs: Sequence[str], points: _Points) -> list[tuple[str, float, float, float]]: ...
 def _reading(reading: str) -> tuple[float | None, float | None]: ...
 def _steady_states(
     pumps: Sequence[Pump],

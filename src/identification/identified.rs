@@ -1,20 +1,26 @@
 //! What was identified, in words, as JSON and as lines for a pump file.
 
-use pump_dose::fit_plot::Fitted;
 use pump_model::identification::Estimate;
 use pump_model::math::{floor, log};
 use pump_model::{Line, Port, metrics};
 use serde_json::{Map, json};
 
+use super::WEAK_PEARSON;
+use crate::fit_plot::Fitted;
+
 /// A parameter that was found, or held.
-pub(super) struct Parameter {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
     /// Name with its unit, as in pump files and JSON.
-    pub(super) key: &'static str,
+    pub key: &'static str,
     /// For people.
-    pub(super) name: &'static str,
-    pub(super) unit: &'static str,
-    pub(super) found: Estimate,
-    pub(super) is_held: bool,
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Value and standard uncertainty.
+    pub found: Estimate,
+    /// Whether it was held and not sought.
+    pub is_held: bool,
 }
 
 impl Parameter {
@@ -23,24 +29,42 @@ impl Parameter {
     }
 }
 
-/// A fit and all that is said of it.
-pub(super) struct Report {
+/// A line that was identified, and all that is said of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identified {
     /// `resistance`, `compliance` or `line`.
-    pub(super) kind: &'static str,
-    pub(super) port: Port,
+    pub kind: &'static str,
+    /// Whose line it is.
+    pub port: Port,
     /// The first line for people.
-    pub(super) headline: String,
-    pub(super) parameters: Vec<Parameter>,
+    pub headline: String,
+    /// What was found, and what was held.
+    pub parameters: Vec<Parameter>,
     /// What was measured, kPa, and fitted.
-    pub(super) points: Vec<Fitted>,
+    pub points: Vec<Fitted>,
     /// How many independent points they are worth.
-    pub(super) independent: f64,
-    pub(super) warnings: Vec<String>,
+    pub independent: f64,
+    /// What the user should know.
+    pub warnings: Vec<String>,
     /// The line with what was found in it.
-    pub(super) line: Line,
+    pub line: Line,
 }
 
-impl Report {
+impl Identified {
+    /// Adds a warning where the fit and what was measured do not rise and fall together, which `is_expected` of a fit with an
+    /// offset: points at one flow determine a line through the origin too.
+    pub(super) fn with_weak_correlation(mut self, is_expected: bool) -> Self {
+        let pearson = metrics::pearson(self.pairs());
+        if is_expected && pearson.is_none_or(|pearson| pearson < WEAK_PEARSON) {
+            let pearson = pearson.map_or("none".to_owned(), |pearson| format!("{pearson:.2}"));
+            self.warnings.push(format!(
+                "the model explains less than half of what was measured: Pearson {pearson}, and from {WEAK_PEARSON} on it is said to; \
+                 check the data and what was said of them before you use these values"
+            ));
+        }
+        self
+    }
+
     fn pairs(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
         self.points.iter().map(|point| (point.fitted, point.measured))
     }
@@ -65,7 +89,8 @@ impl Report {
         text
     }
 
-    pub(super) fn json(&self) -> String {
+    /// One line of JSON, `identification/1`.
+    pub fn json(&self) -> String {
         let parameters: Map<_, _> = self
             .parameters
             .iter()
@@ -91,7 +116,8 @@ impl Report {
         format!("{report}\n")
     }
 
-    pub(super) fn text(&self) -> String {
+    /// For people.
+    pub fn text(&self) -> String {
         let mut text = format!("{}; ± is k = 2\n", self.headline);
         for parameter in &self.parameters {
             let Estimate { value, standard } = parameter.found;
@@ -121,7 +147,7 @@ impl Report {
 }
 
 /// Decimals with which twice a standard uncertainty has two digits.
-pub(super) fn decimals(standard: f64) -> usize {
+fn decimals(standard: f64) -> usize {
     let magnitude = floor(log(2.0 * standard) / std::f64::consts::LN_10);
     // Of an exact fit the logarithm is infinite; no measurement has more digits than these.
     (1.0 - magnitude).clamp(0.0, 9.0) as usize
