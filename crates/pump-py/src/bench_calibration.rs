@@ -72,8 +72,7 @@ impl Bench {
         let (runs, fit) = (runs_of(runs)?, fit_named(fit)?);
         let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);
         self.kept(py, move |file, before| {
-            let calibration =
-                DoseCalibration::of_runs(file, Source::Guided, runs, fit, &expected, before)?;
+            let calibration = DoseCalibration::of_runs(file, Source::Guided, runs, fit, &expected, before)?;
             Ok((DoseCalibration { tube, note, ..calibration }, ()))
         })
         .map(|(stored, ())| stored)
