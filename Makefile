@@ -5,7 +5,7 @@ BIN := $(CURDIR)/$(VENV)/bin
 TARGETS := thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imc-unknown-none-elf
 NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --target-dir target
 
-.PHONY: test test-rust test-python faults fuzz lint bench embedded docs
+.PHONY: test test-rust test-python faults fuzz lint bench validate embedded docs
 
 test: test-rust test-python
 
@@ -53,6 +53,11 @@ bench: $(VENV)/installed
 	cargo run --locked --release -p pump-benches
 	$(BIN)/pip install --quiet "./crates/pump-py[bench]"
 	$(BIN)/python crates/pump-py/benches/scipy_peers.py
+
+# Writes docs/validation.md and its pictures; fails where a deviation exceeds its bound. `cargo run --example validate -- PT1`
+# repeats one of the paper's tests.
+validate:
+	cargo run --locked --example validate
 
 # The integrator too must do without std; what firmware needs must link without a panic, for size and for speed. The last
 # line is the test of that test: an index that may be out of range must not link.

@@ -2,6 +2,7 @@
 //! module and the command against them, to the last bit.
 
 use std::error::Error;
+use std::io::Write;
 use std::ops::ControlFlow;
 
 use pump_ctl::plan::{Cruise, Phase};
@@ -14,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for name in ["three-roller", "two-roller"] {
         all.insert(name.to_owned(), numbers(name)?);
     }
-    println!("{}", Value::Object(all));
+    writeln!(std::io::stdout(), "{}", Value::Object(all))?;
     Ok(())
 }
 

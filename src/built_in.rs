@@ -10,7 +10,7 @@ use pump_model::{Geometry, Line, PUBLISHED_CONTACT_ANGLE_DEG, Variant};
 
 use crate::pump_file::{
     AmbientTable, BackplateTable, FluidTable, LimitsTable, LineTable, MotorTable, PumpFile, PumpFileError,
-    PumpTable, RollerVolumeTable, RollersTable, SCHEMA, TubeTable, UncertaintyTable,
+    PumpTable, RollerVolumeTable, RollersTable, SCHEMA, SpeedLawTable, TubeTable, UncertaintyTable,
 };
 
 /// Names and what they are.
@@ -93,6 +93,7 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
             polynomial_ml_deg: PUBLISHED_COEFFICIENTS_DEG,
             total_ml: (variant == Variant::Published).then_some(PUBLISHED_TOTAL_ML),
         },
+        speed_law: SpeedLawTable::default(),
         inlet: line.clone(),
         outlet: line,
         motor: MotorTable {

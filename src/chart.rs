@@ -10,10 +10,16 @@ const WIDTH: u32 = 900;
 /// The drawing is this much finer than the picture, since its points are whole pixels.
 const FINE: u32 = 4;
 
+/// The colour of a curve.
+pub type Colour = RGBColor;
 /// Colours that stay apart for colour-blind readers (Okabe and Ito, 2008).
-pub(crate) const BLUE: RGBColor = RGBColor(0, 114, 178);
-/// The other of them.
-pub(crate) const VERMILION: RGBColor = RGBColor(213, 94, 0);
+pub const BLUE: Colour = RGBColor(0, 114, 178);
+/// Another of them.
+pub const VERMILION: Colour = RGBColor(213, 94, 0);
+/// Another of them.
+pub const GREEN: Colour = RGBColor(0, 158, 115);
+/// Another of them.
+pub const PURPLE: Colour = RGBColor(204, 121, 167);
 
 /// A picture that could not be drawn.
 #[derive(Debug, Error)]
@@ -22,36 +28,47 @@ pub struct PlotError(String);
 
 /// How a curve is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Style {
+pub enum Style {
+    /// A line through its points.
     Line,
+    /// Its points alone.
     Points,
 }
 
 /// A curve of one panel.
-pub(crate) struct Curve {
-    pub(crate) label: &'static str,
-    pub(crate) colour: RGBColor,
-    pub(crate) style: Style,
-    pub(crate) points: Vec<(f64, f64)>,
+pub struct Curve {
+    /// Its name in the legend.
+    pub label: &'static str,
+    /// One of the colours of this module.
+    pub colour: Colour,
+    /// Line or points.
+    pub style: Style,
+    /// (horizontal, vertical), in order.
+    pub points: Vec<(f64, f64)>,
 }
 
 /// Curves over one vertical axis; with more than one, a legend names them.
-pub(crate) struct Panel {
-    pub(crate) label: &'static str,
-    pub(crate) curves: Vec<Curve>,
+pub struct Panel {
+    /// Name of the vertical axis, with its unit.
+    pub label: &'static str,
+    /// What is drawn.
+    pub curves: Vec<Curve>,
 }
 
 /// A picture.
-pub(crate) struct Chart<'a> {
-    pub(crate) title: &'a str,
-    /// Name of the horizontal axis.
-    pub(crate) label: &'a str,
-    pub(crate) range: Range<f64>,
+pub struct Chart<'a> {
+    /// What stands on top.
+    pub title: &'a str,
+    /// Name of the horizontal axis, with its unit.
+    pub label: &'a str,
+    /// Of the horizontal axis.
+    pub range: Range<f64>,
     /// Something that happens at one place of the horizontal axis, and its name.
-    pub(crate) mark: Option<(f64, &'static str)>,
+    pub mark: Option<(f64, &'static str)>,
     /// Height of a panel, px.
-    pub(crate) panel_height: u32,
-    pub(crate) panels: Vec<Panel>,
+    pub panel_height: u32,
+    /// From top to bottom.
+    pub panels: Vec<Panel>,
 }
 
 /// A length of the picture in pixels of the drawing.
@@ -61,7 +78,7 @@ fn px(length: u32) -> i32 {
 
 impl Chart<'_> {
     /// The picture as SVG.
-    pub(crate) fn svg(&self) -> Result<String, PlotError> {
+    pub fn svg(&self) -> Result<String, PlotError> {
         let mut svg = String::new();
         let size = (WIDTH, self.panel_height * self.panels.len() as u32);
         self.draw(&mut svg, size).map_err(|error| PlotError(error.to_string()))?;
@@ -78,7 +95,9 @@ impl Chart<'_> {
         for (n, (panel, area)) in self.panels.iter().zip(&areas).enumerate() {
             let (low, high) = range(&panel.curves);
             // Room for the legend above the curves.
-            let high = if panel.curves.len() > 1 { high + 0.25 * (high - low) } else { high };
+            let entries = panel.curves.len();
+            let room = if entries > 1 { (0.09 * entries as f64).max(0.25) } else { 0.0 };
+            let high = high + room * (high - low);
             let is_last = n + 1 == self.panels.len();
             let mut chart = ChartBuilder::on(area)
                 .margin_left(px(14))

@@ -1,7 +1,7 @@
 //! A dose that is asked for, and the same planned and predicted.
 
 use pump_ctl::plan::{
-    Cruise, Finish, LimitedBy, Limits, Margin, Margins, Phase, Plan, PlanError, Prediction, Request, plan,
+    Cruise, Finish, LimitedBy, Limits, Margin, Margins, Phase, Plan, PlanError, Prediction, Request,
 };
 use pump_model::Pump;
 use pump_model::math::rpm;
@@ -29,7 +29,7 @@ pub enum Purpose {
     Prime,
     /// Emptying the line; owes nothing and repays nothing.
     Purge,
-    /// A run that is weighed for a calibration: of the uncalibrated model, owing and repaying nothing.
+    /// A run that is weighed for a calibration: of the model without calibration and speed law, owing and repaying nothing.
     Calibrate,
     /// Sucking back after a dose; the next dose owes as much more.
     Retract,
@@ -118,10 +118,10 @@ pub enum PhaseSource {
 pub struct Prepared {
     /// What was asked.
     pub request: DoseRequest,
-    /// The pump that it was planned for: with its calibration at the dose's speed, if there is one.
+    /// The pump that it was planned for: with its calibration or speed law at the dose's speed, if there is one.
     pub model: Pump,
-    /// That calibration.
-    pub calibration: Option<Applied>,
+    /// What these changed; none of a pump as its model is.
+    pub applied: Option<Applied>,
     /// Steps and profile.
     pub plan: Plan,
     /// Pressures and settling.
@@ -149,10 +149,8 @@ impl Prepared {
         start: Phase,
         phase_source: PhaseSource,
         carry_ml: f64,
-    ) -> Result<Self, PlanError> {
-        let (asked, limits) = asked_of(file, &request, carry_ml);
-        let plan = plan(model, start, &asked, &limits)?;
-        Self::of_plan(file, request, *model, None, plan, limits, phase_source, carry_ml)
+    ) -> Result<Self, DoseError> {
+        Self::planned(file, model, None, request, start, phase_source, carry_ml)
     }
 
     /// The same of a pump with a calibration.
@@ -165,12 +163,35 @@ impl Prepared {
         phase_source: PhaseSource,
         carry_ml: f64,
     ) -> Result<Self, DoseError> {
+        Self::planned(file, model, Some(stored), request, start, phase_source, carry_ml)
+    }
+
+    fn planned(
+        file: &PumpFile,
+        model: &Pump,
+        stored: Option<&Stored>,
+        request: DoseRequest,
+        start: Phase,
+        phase_source: PhaseSource,
+        carry_ml: f64,
+    ) -> Result<Self, DoseError> {
         let (asked, limits) = asked_of(file, &request, carry_ml);
-        let planner = Planner { file, base: model, stored, limits: &limits };
+        let law = match request.purpose {
+            Purpose::Calibrate => None,
+            _ => file.speed_law().map_err(PlanError::from)?,
+        };
+        let planner = Planner { file, base: model, stored, law, limits: &limits };
         let found = planner.plan(start, &asked)?;
-        let applied = Some(found.applied);
-        let mut prepared =
-            Self::of_plan(file, request, found.model, applied, found.plan, limits, phase_source, carry_ml)?;
+        let mut prepared = Self::of_plan(
+            file,
+            request,
+            found.model,
+            found.applied,
+            found.plan,
+            limits,
+            phase_source,
+            carry_ml,
+        )?;
         prepared.warnings.extend(found.warning);
         Ok(prepared)
     }
@@ -180,7 +201,7 @@ impl Prepared {
         file: &PumpFile,
         request: DoseRequest,
         model: Pump,
-        calibration: Option<Applied>,
+        applied: Option<Applied>,
         plan: Plan,
         limits: Limits,
         phase_source: PhaseSource,
@@ -189,7 +210,7 @@ impl Prepared {
         let prediction = plan.predict(&model)?;
         let margins = limits.margins(&model, &plan);
         let mut warnings = warnings_of(&model, &plan, &prediction, &margins)?;
-        let is_weighed = calibration.as_ref().is_some_and(|applied| applied.displacement.is_some());
+        let is_weighed = applied.as_ref().is_some_and(|applied| applied.displacement.is_some());
         if file.is_estimated() && !is_weighed {
             warnings.push(
                 "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on it"
@@ -199,7 +220,7 @@ impl Prepared {
         let mut prepared = Self {
             request,
             model,
-            calibration,
+            applied,
             plan,
             prediction,
             limits,
@@ -215,9 +236,9 @@ impl Prepared {
         Ok(prepared)
     }
 
-    /// What its calibration changes of the pump.
+    /// What its calibration or speed law changes of the pump.
     pub fn correction(&self) -> Correction {
-        self.calibration.as_ref().map_or(Correction::NONE, |applied| applied.correction)
+        self.applied.as_ref().map_or(Correction::NONE, |applied| applied.correction)
     }
 
     /// What the next dose owes once this one and its retraction are made, mL.

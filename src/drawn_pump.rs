@@ -108,7 +108,7 @@ impl DrawnPump {
                      # yours, or put measured R, C and L in its place."
                 }
                 "[motor]" => "# Assumed: a drawing does not tell. Change it to yours.",
-                "[fluid]" | "[ambient]" => "# Assumed.",
+                "[speed_law]" | "[fluid]" | "[ambient]" => "# Assumed.",
                 "[uncertainty]" if !is_estimated => {
                     "# The linear model over all speeds (2.4 %) and a bore known to 0.1 mm; of a roller's volume 2.1 %, by which the\n\
                      # figures of McIntyre et al. for theirs differ, and what the fit is off. Repeatability as they measured."

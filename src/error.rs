@@ -8,6 +8,7 @@ use crate::drivers::DriveError;
 use crate::folder::FolderError;
 use crate::journal::JournalError;
 use crate::pump_file::PumpFileError;
+use crate::speed_law::SpeedLawError;
 
 /// A dose that was refused or failed.
 #[derive(Debug, Error)]
@@ -28,6 +29,9 @@ pub enum DoseError {
     /// A calibration cannot be made or used; nothing has moved.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
+    /// The pump file's speed law does not say what the dose would deliver.
+    #[error(transparent)]
+    SpeedLaw(#[from] SpeedLawError),
     /// An earlier dose was begun and not finished.
     #[error(
         "a dose of {requested_ml} mL is unfinished: {} were delivered; see `dose status`, then finish it with `dose resume` \

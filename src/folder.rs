@@ -74,11 +74,13 @@ impl Folder {
         Story::read(&self.path.join(JOURNAL), pump, fresh)
     }
 
-    /// Who has the pump at the moment, as the lock says it; none if nobody has. Takes nothing.
+    /// Which other process has the pump at the moment, as the lock says it; none if none has. Takes nothing.
     pub fn holder(&self) -> Option<String> {
         let mut file = File::open(self.path.join(LOCK)).ok()?;
         match file.try_lock_shared() {
-            Err(TryLockError::WouldBlock) => Some(named_holder(&mut file)),
+            Err(TryLockError::WouldBlock) => {
+                Some(named_holder(&mut file)).filter(|holder| *holder != this_process())
+            }
             Ok(()) | Err(TryLockError::Error(_)) => None,
         }
     }
@@ -116,13 +118,18 @@ impl Folder {
                 return Err(FolderError::File { action: "lock", path, source });
             }
         }
-        let holder = format!("process {}\n", std::process::id());
+        let holder = this_process() + "\n";
         file.set_len(0)
             .and_then(|()| file.rewind())
             .and_then(|()| file.write_all(holder.as_bytes()))
             .map_err(failed("write", &path))?;
         Ok(Lock { folder: self.clone(), _file: file })
     }
+}
+
+/// As a lock file names its holder.
+fn this_process() -> String {
+    format!("process {}", std::process::id())
 }
 
 /// What a lock file that somebody holds says of them.
@@ -179,9 +186,8 @@ mod tests {
         let lock = folder.lock().unwrap();
         let error = folder.lock().unwrap_err().to_string();
         assert!(error.contains("pump `pump` is in use by process"), "{error}");
-        assert_eq!(folder.holder(), Some(format!("process {}", std::process::id())));
+        assert_eq!(folder.holder(), None, "it is not another's");
         drop(lock);
-        assert_eq!(folder.holder(), None);
         assert!(folder.lock().is_ok());
     }
 }

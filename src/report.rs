@@ -6,6 +6,7 @@ use pump_model::math::{degrees, rpm};
 use serde::Serialize;
 
 use crate::bench::Bench;
+use crate::calibration::Made;
 use crate::dose::{PhaseSource, Prepared};
 use crate::pump_file::{DriverName, PumpFile};
 use crate::session::Delivered;
@@ -42,6 +43,9 @@ pub struct DoseReport {
     pub volume_basis: &'static str,
     /// The calibration that was used; null if there was none.
     pub calibration: Option<CalibrationReport>,
+    /// Volumes are the model's times this at the dose's cruise speed by the pump file's speed law; null if that is off or a
+    /// calibration takes its place.
+    pub speed_law_factor: Option<f64>,
     /// Expanded uncertainty (k = 2), mL.
     pub expanded_uncertainty_ml: f64,
     /// Its shares.
@@ -163,7 +167,7 @@ impl DoseReport {
         delivered: Option<&Delivered>,
     ) -> Self {
         let (model, plan, prediction) = (&prepared.model, &prepared.plan, &prepared.prediction);
-        let applied = prepared.calibration.as_ref();
+        let applied = prepared.applied.as_ref();
         let (mut inlet, mut outlet, mut planned_end_rad) =
             (prediction.inlet, prediction.outlet, plan.end_angle_rad());
         if let Some(back) = &prepared.retraction {
@@ -200,12 +204,17 @@ impl DoseReport {
                 None if file.is_estimated() => "estimated",
                 None => "model",
             },
-            calibration: applied.map(|applied| CalibrationReport {
-                version: applied.version,
-                date: applied.date.clone(),
-                displacement_factor: applied.correction.factor,
-                zero_deg: degrees(applied.correction.zero_rad),
+            calibration: applied.and_then(|applied| {
+                let Made { version, date } = applied.calibration.clone()?;
+                Some(CalibrationReport {
+                    version,
+                    date,
+                    displacement_factor: applied.correction.factor,
+                    zero_deg: degrees(applied.correction.zero_rad),
+                })
             }),
+            speed_law_factor: applied
+                .and_then(|applied| applied.speed_law.map(|_| applied.correction.factor)),
             expanded_uncertainty_ml: budget.expanded_ml(),
             uncertainty_budget: budget.shares,
             phase: PhaseReport {

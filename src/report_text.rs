@@ -176,7 +176,12 @@ impl DoseReport {
                 let factor = significant(calibration.displacement_factor, 6);
                 format!("calibration {} (model volume times {factor})", calibration.version)
             }
-            _ => "not calibrated".to_owned(),
+            _ => match self.speed_law_factor {
+                Some(factor) => {
+                    format!("not calibrated, speed law (model volume times {})", significant(factor, 6))
+                }
+                None => "not calibrated".to_owned(),
+            },
         };
         format!("k = 2, {basis}; standard, % of volume: {}", shares.join(", "))
     }

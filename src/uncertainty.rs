@@ -42,7 +42,7 @@ impl Budget {
     /// Budget of `plan` on `pump`, the one that it was planned for, with the calibration that made it so.
     ///
     /// Model and repeatability are fractions of the volume, measured over many revolutions; a calibration takes the model's
-    /// place. A short dose is as unsure as the part of a pulse that it sweeps (see `pulses_unsure`); of a calibrated pump
+    /// place, and so does the speed law of a pump file. A short dose is as unsure as the part of a pulse that it sweeps (see `pulses_unsure`); of a calibrated pump
     /// that vanishes over whole pitches. The step's share is that of a rotor that stands anywhere within a step,
     /// rectangular: dV/sqrt(12) (GUM, JCGM 100:2008, 4.3.7). The phase's share is the root of the mean square deviation from
     /// the plan, the middle of the range, over the start angles that the record allows, each as likely: the volumes crowd at
@@ -51,14 +51,16 @@ impl Budget {
     pub fn new(pump: &Pump, plan: &Plan, table: &UncertaintyTable, calibration: Option<&Applied>) -> Self {
         let volume_ml = plan.planned_ml.abs();
         let sureness = calibration.and_then(|applied| applied.displacement);
-        let model = if sureness.is_some() { 0.0 } else { table.model_percent / 100.0 };
+        // Nobody knows how near a speed law is that was not fitted to this pump but by what the pump file says of it.
+        let law = calibration.and_then(|applied| applied.speed_law);
+        let model = if sureness.is_some() || law.is_some() { 0.0 } else { table.model_percent / 100.0 };
         let of_calibration = |of: fn(&Sureness) -> f64| sureness.as_ref().map_or(0.0, of);
         let repeatability =
             (table.repeatability_percent / 100.0).max(of_calibration(|sure| sure.repeatability));
         let temperature = of_calibration(|sure| {
             BORE_PER_DEGC * sqrt(sure.warmer_degc * sure.warmer_degc + READ_DEGC * READ_DEGC)
         });
-        let common = sureness.map_or(model, |sureness| sureness.common());
+        let common = sureness.map_or(law.unwrap_or(model), |sureness| sureness.common());
         let zero_rad = calibration.map_or(0.0, |applied| applied.zero_standard_rad);
         let mut budget = Self { shares: Vec::new() };
         let mut share = |source, standard_ml, remedy| {
@@ -91,7 +93,7 @@ impl Budget {
         );
         share(
             "speed_law",
-            of_calibration(|sure| sure.speed_law) * volume_ml,
+            law.unwrap_or(of_calibration(|sure| sure.speed_law)) * volume_ml,
             "calibrate at three speeds or more, this \
             one among them",
         );

@@ -71,19 +71,29 @@ pub struct Correction {
     pub zero_rad: f64,
 }
 
-/// A calibration at the cruise speed of a dose; uncertainties are parts of the volume.
+/// What a calibration, the pump file's speed law or both make of a dose at its cruise speed; uncertainties are parts of the
+/// volume.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Applied {
+    /// The calibration; none of the speed law alone.
+    pub calibration: Option<Made>,
+    /// What is changed.
+    pub correction: Correction,
+    /// How sure the displacement is that was weighed; none if it is the model's or the speed law's.
+    pub displacement: Option<Sureness>,
+    /// Standard uncertainty of the pump file's speed law, where that says the displacement.
+    pub speed_law: Option<f64>,
+    /// Standard uncertainty of the zero, rad.
+    pub zero_standard_rad: f64,
+}
+
+/// Which calibration.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Made {
     /// Its number.
     pub version: u32,
     /// When it was made.
     pub date: String,
-    /// What it changes.
-    pub correction: Correction,
-    /// How sure the displacement is; none if it is the model's.
-    pub displacement: Option<Sureness>,
-    /// Standard uncertainty of the zero, rad.
-    pub zero_standard_rad: f64,
 }
 
 /// How sure a calibrated displacement is: parts of the volume, standard.
@@ -168,35 +178,30 @@ impl Calibration {
         radians(self.zero_deg)
     }
 
-    /// What it makes of a dose that cruises at `rpm` on the pump of `file`.
+    /// How sure its displacement is for a dose of `base`, the pump of `file`, that cruises at `rpm`, negative in reverse.
     ///
     /// With one speed or two nobody has seen how the volume depends on the speed. The share for that is then what it is if
     /// all of the model's uncertainty over the motor's speeds were a straight line, over the distance to the nearest speed
     /// of the runs: sqrt(12) model_percent |N - N_nearest|/N_max. With three or more it is what the runs depart from their
-    /// line by.
-    pub fn at(&self, version: u32, rpm: f64, file: &PumpFile) -> Applied {
-        let displacement = self.displacement.as_ref();
-        let sureness = displacement.map(|displacement| Sureness {
-            factor: displacement.standard_at(rpm),
+    /// line, or the speed law, by.
+    pub fn sureness_at(
+        &self,
+        base: &Pump,
+        rpm: f64,
+        file: &PumpFile,
+    ) -> Result<Option<Sureness>, ModelError> {
+        let Some(displacement) = &self.displacement else { return Ok(None) };
+        Ok(Some(Sureness {
+            factor: displacement.standard_at(base, rpm)?,
             speed_law: if displacement.speeds_rpm.len() < 3 {
-                let distance = displacement.distance_rpm(rpm) / file.motor.max_speed_rpm;
+                let distance = displacement.distance_rpm(rpm.abs()) / file.motor.max_speed_rpm;
                 LINE_OVER_RMS * file.uncertainty.model_percent / 100.0 * distance
             } else {
                 displacement.lack_of_fit
             },
             repeatability: displacement.scatter.unwrap_or(0.0),
             warmer_degc: file.fluid.temperature_degc - self.temperature_degc,
-        });
-        Applied {
-            version,
-            date: self.date.clone(),
-            correction: Correction {
-                factor: displacement.map_or(1.0, |displacement| displacement.factor_at(rpm)),
-                zero_rad: self.zero_rad(),
-            },
-            displacement: sureness,
-            zero_standard_rad: radians(self.zero_standard_deg),
-        }
+        }))
     }
 }
 

@@ -1,11 +1,13 @@
-//! The displacement factor: measured over model volume, at one speed or as a line over several.
+//! The displacement factor: measured over model volume, at one speed, as a line over several or by the speed law.
 
-use pump_model::Pump;
 use pump_model::identification::widening;
-use pump_model::math::sqrt;
+use pump_model::math::{degrees, rad_s, sqrt};
+use pump_model::{ModelError, Pump, SpeedLaw};
 use serde::{Deserialize, Serialize};
 
-use super::{CalibrationError, Run, Weighing};
+use super::straight::{Point, Straight};
+use super::{CalibrationError, LawFit, Run, Weighing};
+use crate::speed_law::RangedLaw;
 
 /// Speeds that differ by less than this part are one.
 const SAME_SPEED: f64 = 0.01;
@@ -26,7 +28,7 @@ pub struct Expected {
     pub reading_ml: f64,
 }
 
-/// kappa(N) = factor + slope (N - reference), fitted to runs by weighted least squares.
+/// kappa(N) = factor + slope (N - reference), fitted to runs by weighted least squares; or the speed law, with that line beside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Displacement {
@@ -54,13 +56,9 @@ pub struct Displacement {
     pub speeds_rpm: Vec<f64>,
     /// Numbers of the runs that lie far from the line, from 1; they are in the fit.
     pub outliers: Vec<usize>,
-}
-
-/// A run as a point of the fit.
-struct Point {
-    rpm: f64,
-    ratio: f64,
-    weight: f64,
+    /// The speed law, if that was fitted: scatter, lack of fit and outliers are then those about it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub speed_law: Option<LawFit>,
 }
 
 impl Displacement {
@@ -72,6 +70,34 @@ impl Displacement {
         weighing: &Weighing<'_>,
         expected: &Expected,
     ) -> Result<Self, CalibrationError> {
+        Self::of(pump, runs, weighing, expected, None)
+    }
+
+    /// The same by the speed law, whose s and D are fitted; `start` has its theta_c and P_atm. `base` is the pump counted from its
+    /// own zero. Three speeds are needed.
+    pub fn fit_law(
+        pump: &Pump,
+        base: &Pump,
+        start: &SpeedLaw,
+        runs: &[Run],
+        weighing: &Weighing<'_>,
+        expected: &Expected,
+    ) -> Result<Self, CalibrationError> {
+        const NEEDED: usize = 3;
+        let given = distinct(runs.iter().map(|run| run.speed_rpm)).len();
+        if given < NEEDED {
+            return Err(CalibrationError::TooFew { given, of: "speeds for a speed law", needed: NEEDED });
+        }
+        Self::of(pump, runs, weighing, expected, Some((base, start)))
+    }
+
+    fn of(
+        pump: &Pump,
+        runs: &[Run],
+        weighing: &Weighing<'_>,
+        expected: &Expected,
+        law: Option<(&Pump, &SpeedLaw)>,
+    ) -> Result<Self, CalibrationError> {
         let mut points = Vec::new();
         let mut reading_sum = 0.0;
         for (n, run) in runs.iter().enumerate() {
@@ -81,8 +107,10 @@ impl Displacement {
             // Nothing is ever repeated exactly: this keeps the weights of a pump that claims so finite.
             let sigma = sigma.max(1e-9);
             reading_sum += reading;
+            let speed_rad_s = rad_s(run.speed_rpm).copysign(run.turned_deg);
             points.push(Point {
                 rpm: run.speed_rpm,
+                trapped_kpa: law.map_or(Ok(0.0), |(base, law)| law.trapped_kpa(base, speed_rad_s))?,
                 ratio: measured_ml / model_ml,
                 weight: 1.0 / (sigma * sigma),
             });
@@ -91,19 +119,13 @@ impl Displacement {
             return Err(CalibrationError::TooFew { given: 0, of: "runs", needed: 1 });
         }
         let speeds_rpm = distinct(points.iter().map(|point| point.rpm));
-        let sum =
-            |of: &dyn Fn(&Point) -> f64| points.iter().map(|point| point.weight * of(point)).sum::<f64>();
-        let weight = sum(&|_| 1.0);
-        let reference_rpm = sum(&|point| point.rpm) / weight;
-        let factor = sum(&|point| point.ratio) / weight;
         let is_line = speeds_rpm.len() > 1;
-        let spread = sum(&|point| (point.rpm - reference_rpm) * (point.rpm - reference_rpm));
-        let slope_per_rpm = if is_line {
-            sum(&|point| (point.rpm - reference_rpm) * (point.ratio - factor)) / spread
-        } else {
-            0.0
+        let line = Straight::fit(&points, |point| point.rpm, is_line);
+        let over_pressure = law.map(|_| Straight::fit(&points, |point| point.trapped_kpa, true));
+        let residual = |point: &Point| match &over_pressure {
+            Some(law) => point.ratio - law.at(point.trapped_kpa),
+            None => point.ratio - line.value - line.slope * (point.rpm - line.reference),
         };
-        let residual = |point: &Point| point.ratio - factor - slope_per_rpm * (point.rpm - reference_rpm);
 
         let residuals: Vec<f64> = points.iter().map(residual).collect();
         let groups = by_speed(&points, &speeds_rpm, &residuals);
@@ -122,39 +144,82 @@ impl Displacement {
         // Variance of the runs over what was expected of them.
         let variance_ratio =
             (degrees_of_freedom > 0).then(|| squares.sum::<f64>() / f64::from(degrees_of_freedom));
-        let mean_sigma = sqrt(points.len() as f64 / weight);
+        let mean_sigma = sqrt(points.len() as f64 / line.weight);
         let error = sqrt(variance_ratio.unwrap_or(1.0));
         // Without a scatter that contains it the reading has a share of its own in the factor, `reading`.
         let factor_error = variance_ratio.map_or(expected.repeatability / mean_sigma, sqrt);
+        let reading = reading_sum / points.len() as f64;
+        let standards = |of: &Straight| [factor_error / sqrt(of.weight), error / sqrt(of.spread)];
+        let speed_law = match (law, &over_pressure) {
+            (Some((base, start)), Some(over)) => {
+                let closure_deg = degrees(start.closure_rad);
+                Some(LawFit::of(
+                    base,
+                    start,
+                    closure_deg,
+                    over,
+                    standards(over),
+                    reading,
+                    degrees_of_freedom,
+                )?)
+            }
+            _ => None,
+        };
+        let [factor_standard, slope_standard_per_rpm] = standards(&line);
         Ok(Self {
-            reference_rpm,
-            factor,
-            factor_standard: factor_error / sqrt(weight),
-            slope_per_rpm,
-            slope_standard_per_rpm: if is_line { error / sqrt(spread) } else { 0.0 },
+            reference_rpm: line.reference,
+            factor: line.value,
+            factor_standard,
+            slope_per_rpm: line.slope,
+            slope_standard_per_rpm: if is_line { slope_standard_per_rpm } else { 0.0 },
             degrees_of_freedom,
             scatter: variance_ratio.map(|ratio| sqrt(ratio) * mean_sigma),
             lack_of_fit: lack_of_fit(&groups),
-            reading: reading_sum / points.len() as f64,
+            reading,
             outliers: outliers(&groups, mean_sigma),
             speeds_rpm,
+            speed_law,
         })
     }
 
-    /// kappa at a speed in r/min.
-    pub fn factor_at(&self, rpm: f64) -> f64 {
+    /// kappa of the line at a speed in r/min.
+    pub(super) fn line_at(&self, rpm: f64) -> f64 {
         self.factor + self.slope_per_rpm * (rpm - self.reference_rpm)
     }
 
-    /// Standard uncertainty of kappa at a speed, widened so that twice it covers 95 % whatever the number of runs.
-    pub fn standard_at(&self, rpm: f64) -> f64 {
-        let slope = self.slope_standard_per_rpm * (rpm - self.reference_rpm);
-        let errors = widening(self.degrees_of_freedom)
-            * sqrt(self.factor_standard * self.factor_standard + slope * slope);
-        sqrt(errors * errors + self.reading * self.reading)
+    /// kappa of `base`, as it is without this calibration, at a speed in r/min, negative in reverse.
+    pub fn factor_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
+        match &self.speed_law {
+            Some(fit) => fit.law().factor(base, rad_s(rpm)),
+            None => Ok(self.line_at(rpm.abs())),
+        }
     }
 
-    /// Whether kappa is a line over several speeds.
+    /// Standard uncertainty of kappa at a speed, widened so that twice it covers 95 % whatever the number of runs.
+    pub fn standard_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
+        let (factor, slope) = match &self.speed_law {
+            Some(fit) => {
+                let away_kpa = fit.law().trapped_kpa(base, rad_s(rpm))? - fit.reference_kpa;
+                (fit.factor_standard, fit.slope_standard_per_kpa * away_kpa)
+            }
+            None => (self.factor_standard, self.slope_standard_per_rpm * (rpm.abs() - self.reference_rpm)),
+        };
+        let errors = widening(self.degrees_of_freedom) * sqrt(factor * factor + slope * slope);
+        Ok(sqrt(errors * errors + self.reading * self.reading))
+    }
+
+    /// The speed law that was fitted, over the speeds that it covers.
+    pub(super) fn law(&self) -> Option<RangedLaw> {
+        let (least_rpm, most_rpm) = self.range_rpm();
+        let law = self.speed_law.as_ref()?.law();
+        Some(RangedLaw {
+            law,
+            least_rpm: least_rpm * (1.0 - SAME_SPEED),
+            most_rpm: most_rpm * (1.0 + SAME_SPEED),
+        })
+    }
+
+    /// Whether kappa was weighed at several speeds, and so holds between them.
     pub fn is_line(&self) -> bool {
         self.speeds_rpm.len() > 1
     }
@@ -178,11 +243,11 @@ impl Displacement {
         !self.is_line() || (least * (1.0 - SAME_SPEED)..=most * (1.0 + SAME_SPEED)).contains(&rpm)
     }
 
-    /// The slowest speed, r/min, whose mean flow is `flow_ml_s` on a pump of `revolution_ml` per revolution without this
+    /// The slowest speed of the line, r/min, whose mean flow is `flow_ml_s` on a pump of `revolution_ml` per revolution without this
     /// calibration: the smaller root of kappa(N) V_rot N / 60 = Q. None beyond the largest flow that the line has.
     pub fn speed_for_flow(&self, revolution_ml: f64, flow_ml_s: f64) -> Option<f64> {
         let wanted_rpm = 60.0 * flow_ml_s / revolution_ml;
-        let at_rest = self.factor_at(0.0);
+        let at_rest = self.line_at(0.0);
         let discriminant = at_rest * at_rest + 4.0 * self.slope_per_rpm * wanted_rpm;
         // The form without cancellation; at slope 0 it is the quotient.
         let rpm = 2.0 * wanted_rpm / (at_rest + sqrt(discriminant));

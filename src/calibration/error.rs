@@ -85,12 +85,9 @@ pub enum CalibrationError {
     },
     /// Speed and displacement do not settle.
     #[error(
-        "the fastest dose was not found with calibration {version} in {rounds} rounds: its displacement changes too much with \
-         the speed; ask for a rate"
+        "the fastest dose was not found in {rounds} rounds: the displacement changes too much with the speed; ask for a rate"
     )]
     NoSpeed {
-        /// Its number.
-        version: u32,
         /// How often it was planned.
         rounds: u32,
     },
@@ -108,7 +105,7 @@ pub enum CalibrationError {
         most_rpm: f64,
         /// Mean flow at the slowest, mL/s.
         least_ml_s: f64,
-        /// Mean flow at the fastest, mL/s.
+        /// Largest mean flow, mL/s.
         most_ml_s: f64,
         /// What was asked.
         asked: String,
@@ -133,6 +130,19 @@ pub enum CalibrationError {
         version: u32,
         /// What there is.
         known: String,
+    },
+    /// The runs are not those of a speed law.
+    #[error(
+        "the runs do not fit a speed law: s {scale:.4} and D {d_per_kpa:.2e} ± {:.1e} /kPa (k = 2) come out, and D must lie between 0 and \
+         1; take more speeds, up to where the inlet pressure swings, or fit a line", 2.0 * .standard_per_kpa
+    )]
+    NoLaw {
+        /// s.
+        scale: f64,
+        /// D, 1/kPa.
+        d_per_kpa: f64,
+        /// Its standard uncertainty, 1/kPa.
+        standard_per_kpa: f64,
     },
     /// The fit found no parameters.
     #[error("the doses do not determine {what}: {why}")]

@@ -6,9 +6,8 @@ use pump_model::math::{degrees, radians, sqrt, wrap};
 use pump_model::{ModelError, Pump};
 use serde::{Deserialize, Serialize};
 
+use super::{CalibrationError, Expected, Reading, Revolution, Weighing};
 use crate::table::Table;
-
-use super::{CalibrationError, Displacement, Expected, Reading, Weighing};
 
 /// Zeros that the search starts from, over a pitch.
 const STARTS: u32 = 36;
@@ -84,31 +83,11 @@ pub fn short_doses_of_csv(text: &str, weighing: &Weighing<'_>) -> Result<Vec<Sho
 /// V_r over the model's, phi over the model's, and the zero, rad.
 type Parameters = Vector3<f64>;
 
-/// What is known of the volume of a revolution without looking at short doses.
-#[derive(Debug, Clone, Copy)]
-pub struct Revolution<'a> {
-    /// Weighed; none takes the model's volume.
-    pub displacement: Option<&'a Displacement>,
-    /// Standard uncertainty of the model's volume, part of it.
-    pub model_standard: f64,
-}
-
-impl Revolution<'_> {
-    /// Volume of a revolution over the model's.
-    fn factor(&self, speed_rpm: Option<f64>) -> f64 {
-        self.displacement.map_or(1.0, |known| speed_rpm.map_or(known.factor, |rpm| known.factor_at(rpm)))
-    }
-
-    /// Standard uncertainty of that, part of the volume.
-    fn standard(&self) -> f64 {
-        self.displacement.map_or(self.model_standard, |known| known.standard_at(known.reference_rpm))
-    }
-}
-
 /// Doses of a pump whose volume of a revolution is known.
 struct Doses<'a> {
     pump: &'a Pump,
-    revolution: Revolution<'a>,
+    /// Volume of a revolution over the model's, for each dose.
+    factors: &'a [f64],
     /// Every volume by the model times this, to see what the uncertainty of the revolution does.
     tilt: f64,
     doses: &'a [ShortDose],
@@ -129,7 +108,8 @@ impl PhaseFit {
         if doses.len() < NEEDED {
             return Err(CalibrationError::TooFew { given: doses.len(), of: "short doses", needed: NEEDED });
         }
-        let all = Doses { pump, revolution, tilt: 1.0, doses, expected };
+        let factors = doses.iter().map(|dose| revolution.factor(dose)).collect::<Result<Vec<_>, _>>()?;
+        let all = Doses { pump, factors: &factors, tilt: 1.0, doses, expected };
         let (best, left) = all.search()?;
         let degrees_of_freedom = doses.len() as u32 - 3;
         let variance_ratio = left / f64::from(degrees_of_freedom);
@@ -141,7 +121,7 @@ impl PhaseFit {
                 "they do not sweep a pulse; turn a fifth of a pitch from angles all over a pitch",
             ))?
             * variance_ratio;
-        let tilted = Doses { tilt: 1.0 + revolution.standard(), ..all }.search_from(best)?.0 - best;
+        let tilted = Doses { tilt: 1.0 + revolution.standard(pump)?, ..all }.search_from(best)?.0 - best;
         let standard = |n: usize| {
             let scattered = widening(degrees_of_freedom) * sqrt(covariance[(n, n)]);
             sqrt(scattered * scattered + tilted[n] * tilted[n])
@@ -174,12 +154,12 @@ impl Doses<'_> {
         pump.shifted(at[2])?.scaled(self.tilt * self.pump.revolution_ml() / pump.revolution_ml())
     }
 
-    /// Volume of a dose by the model, mL.
-    fn volume_ml(&self, pump: &Pump, dose: &ShortDose) -> f64 {
+    /// Volume of a dose by the model, mL, where a revolution gives `factor` times the model's.
+    fn volume_ml(pump: &Pump, dose: &ShortDose, factor: f64) -> f64 {
         let curve = pump.outlet_curve();
         let start_rad = radians(dose.start_angle_deg);
         let model_ml = curve.volume_ml(start_rad + radians(dose.turned_deg)) - curve.volume_ml(start_rad);
-        self.revolution.factor(dose.speed_rpm) * model_ml.abs()
+        factor * model_ml.abs()
     }
 
     /// What each dose gave beyond the model, over what is expected of it.
@@ -189,14 +169,16 @@ impl Doses<'_> {
             let repeated_ml = self.expected.repeatability * dose.volume_ml;
             sqrt(repeated_ml * repeated_ml + self.expected.reading_ml * self.expected.reading_ml).max(1e-9)
         };
-        let residual = |dose: &ShortDose| (dose.volume_ml - self.volume_ml(&pump, dose)) / sigma_ml(dose);
-        Ok(self.doses.iter().map(residual).collect())
+        let residual = |(dose, factor): (&ShortDose, &f64)| {
+            (dose.volume_ml - Self::volume_ml(&pump, dose, *factor)) / sigma_ml(dose)
+        };
+        Ok(self.doses.iter().zip(self.factors).map(residual).collect())
     }
 
     fn scatter_ml(&self, at: &Parameters) -> Result<f64, ModelError> {
         let pump = self.model(at)?;
-        let squares = self.doses.iter().map(|dose| {
-            let left_ml = dose.volume_ml - self.volume_ml(&pump, dose);
+        let squares = self.doses.iter().zip(self.factors).map(|(dose, factor)| {
+            let left_ml = dose.volume_ml - Self::volume_ml(&pump, dose, *factor);
             left_ml * left_ml
         });
         Ok(sqrt(squares.sum::<f64>() / (self.doses.len() - 3) as f64))
@@ -282,6 +264,7 @@ fn size(of: &Parameters) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{AgainstSpeed, Displacement};
     use super::*;
     use crate::sampling::Dice;
 
@@ -302,6 +285,7 @@ mod tests {
             reading: 0.0,
             speeds_rpm: vec![60.0],
             outliers: vec![],
+            speed_law: None,
         }
     }
 
@@ -328,8 +312,13 @@ mod tests {
         pump.shifted(radians(zero_deg)).unwrap().scaled(1.01).unwrap()
     }
 
-    fn weighed_as(displacement: &Displacement) -> Revolution<'_> {
-        Revolution { displacement: Some(displacement), model_standard: 0.024 }
+    fn fit_as(
+        displacement: Option<&Displacement>,
+        doses: &[ShortDose],
+    ) -> Result<PhaseFit, CalibrationError> {
+        let base = Pump::three_roller();
+        let against = AgainstSpeed::of(displacement, None, &base);
+        PhaseFit::of(&base, Revolution { against, model_standard: 0.024 }, doses, &EXPECTED)
     }
 
     #[test]
@@ -340,8 +329,7 @@ mod tests {
             let truth = (2.0 + 2e-4 * f64::from(n), 48.0 + 0.004 * f64::from(n), -55.0 + 0.1 * f64::from(n));
             let plant = plant(truth.0, truth.1, truth.2);
             let doses = doses(&plant, 24, &mut dice);
-            let found =
-                PhaseFit::of(&Pump::three_roller(), weighed_as(&weighed(&plant)), &doses, &EXPECTED).unwrap();
+            let found = fit_as(Some(&weighed(&plant)), &doses).unwrap();
             let errors = [
                 (found.roller_volume_ml, truth.0),
                 (found.engagement_deg, truth.1),
@@ -362,10 +350,8 @@ mod tests {
     fn what_is_unsure_of_the_revolution_is_unsure_of_the_roller_volume() {
         let plant = plant(2.06, 50.0, 10.0);
         let doses = doses(&plant, 24, &mut Dice::new(3));
-        let with = |displacement: Option<&Displacement>| {
-            let revolution = Revolution { displacement, model_standard: 0.024 };
-            PhaseFit::of(&Pump::three_roller(), revolution, &doses, &EXPECTED).unwrap().roller_volume_ml
-        };
+        let with =
+            |displacement: Option<&Displacement>| fit_as(displacement, &doses).unwrap().roller_volume_ml;
         let (weighed, unweighed) = (with(Some(&weighed(&plant))), with(None));
         assert!(unweighed.standard > 3.0 * weighed.standard, "{weighed:?} {unweighed:?}");
         assert!((weighed.value - 2.06).abs() < 2.0 * weighed.standard, "{weighed:?}");
@@ -378,8 +364,7 @@ mod tests {
         let plant = plant(2.1, 50.0, 10.0);
         let known = weighed(&plant);
         let good = doses(&plant, 12, &mut dice);
-        let fit =
-            |doses: &[ShortDose]| PhaseFit::of(&Pump::three_roller(), weighed_as(&known), doses, &EXPECTED);
+        let fit = |doses: &[ShortDose]| fit_as(Some(&known), doses);
         assert!(fit(&good).is_ok());
         assert!(fit(&good[..4]).unwrap_err().to_string().contains("4 short doses; 5 at least"));
         let pitches: Vec<ShortDose> = good

@@ -2,9 +2,10 @@
 
 use pump_dose::pump_file::{LineTable, PumpFile, RollerVolumeTable};
 use pump_dose::rust_source::rust_source;
+use pump_dose::speed_law::RangedLaw;
 use pump_dose::{BUILT_IN, built_in, pump_named};
-use pump_model::math::degrees;
-use pump_model::{Line, RollerVolume};
+use pump_model::math::{degrees, rad_s};
+use pump_model::{Line, Pump, RollerVolume};
 
 use super::args::{Format, Options, PumpsCommand, SHOW};
 use super::{Failure, print};
@@ -23,6 +24,10 @@ pub(crate) fn pumps(command: Option<&PumpsCommand>, options: &Options) -> Result
             let file = pump_named(name).map_err(Failure::refused)?;
             match options.format {
                 None => print(&file.to_toml()),
+                Some(Format::Rust) if file.speed_law.standard().is_some() => Err(Failure::refused(
+                    "firmware plans with one volume of a revolution, and this file has a speed law; write kind = \"none\" into its \
+                     [speed_law] for the firmware",
+                )),
                 Some(Format::Rust) => print(&rust_source(&file).map_err(Failure::refused)?),
                 Some(Format::Text | Format::Json) => Err(Failure::refused(
                     "`dose pumps show` prints a pump file (TOML), or Rust with `--format rust`",
@@ -61,19 +66,21 @@ fn summary(file: &PumpFile) -> Result<String, Failure> {
          roller    {}\n  \
          volume    {revolution_ml:.4} mL per revolution, {:.4} mL per pitch of {:.2}°\n  \
          flow      {low:.4} to {high:.4} mL/rad at the outlet rollers\n  \
+         speed law {}\n  \
          fastest   {} r/min, {:.3} mL/s\n  \
          step      {} per revolution, {:.3} µL on average\n  \
          fluid     {} at {} °C, {} kg/m³\n  \
          inlet     {}\n  \
          outlet    {}\n  \
-         unsure    {} % of the volume and {} mL of a roller (standard uncertainty)\n{overlap}",
+         unsure    {} % of the volume{} and {} mL of a roller (standard uncertainty)\n{overlap}",
         file.pump.id,
         file.pump.name,
         roller_text(file, pump.roller_volume())?,
         pump.outlet_curve().pitch_ml(),
         degrees(pump.pitch_rad()),
+        speed_law_text(file, &pump)?,
         file.motor.max_speed_rpm,
-        pump.average_flow_ml_s(limits.motor.max_speed_rad_s),
+        fastest_ml_s(file, &pump)?,
         limits.motor.steps_per_rev,
         1e3 * revolution_ml / limits.motor.steps_per_rev,
         file.fluid.name,
@@ -81,9 +88,35 @@ fn summary(file: &PumpFile) -> Result<String, Failure> {
         file.fluid.density_kg_m3,
         line_text(file, &file.inlet, pump.inlet()),
         line_text(file, &file.outlet, pump.outlet()),
-        file.uncertainty.model_percent,
+        100.0 * file.speed_law.standard().unwrap_or(file.uncertainty.model_percent / 100.0),
+        if file.speed_law.standard().is_some() { " (the speed law's)" } else { "" },
         file.uncertainty.roller_volume_ml,
     ))
+}
+
+/// How the volume depends on the speed.
+fn speed_law_text(file: &PumpFile, pump: &Pump) -> Result<String, Failure> {
+    let Some(RangedLaw { law, least_rpm, most_rpm }) = file.speed_law().map_err(Failure::refused)? else {
+        return Ok("none: the same volume at every speed".to_owned());
+    };
+    let factor = |rpm: f64| law.factor(pump, rad_s(rpm)).map_err(Failure::refused);
+    Ok(format!(
+        "inlet-pressure, s {}, D {:e} /kPa, closed at {:.2}°: {least_rpm} to {most_rpm} r/min, times {:.4} to {:.4}; experimental",
+        law.scale,
+        law.distensibility_per_kpa,
+        degrees(law.closure_rad),
+        factor(least_rpm)?,
+        factor(most_rpm)?,
+    ))
+}
+
+/// Mean flow at the motor's fastest speed, or the largest that the speed law gives up to it, mL/s.
+fn fastest_ml_s(file: &PumpFile, pump: &Pump) -> Result<f64, Failure> {
+    let most_rpm = file.motor.max_speed_rpm;
+    match file.speed_law().map_err(Failure::refused)? {
+        None => Ok(pump.average_flow_ml_s(file.limits().motor.max_speed_rad_s)),
+        Some(law) => law.up_to(most_rpm).largest_ml_s(pump).map_err(Failure::refused),
+    }
 }
 
 /// A roller's volume and where it comes from.

@@ -1,6 +1,6 @@
 //! `dose simulate`: the model at constant speed.
 
-use pump_ctl::plan::{Cruise, speed_for_flow};
+use pump_ctl::plan::Cruise;
 use pump_dose::pump_file::PumpFile;
 use pump_dose::{AskedMethod, Simulation, SteadyReport, choose_method};
 use pump_model::math::{degrees, rpm};
@@ -75,7 +75,10 @@ pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
     let pump = file.model().map_err(Failure::refused)?;
     let speed_rad_s = match options.cruise()? {
         Some(Cruise::Speed { rad_s }) => rad_s,
-        Some(Cruise::Flow { ml_s }) => speed_for_flow(&pump, ml_s),
+        Some(Cruise::Flow { ml_s }) => {
+            let flow_ml_s = if options.reverse { -ml_s } else { ml_s };
+            file.speed_for_flow(&pump, flow_ml_s).map_err(Failure::refused)?.abs()
+        }
         _ => {
             return Err(Failure::refused("how fast? Add --speed 100rpm or --rate 10mL/s"));
         }
@@ -89,6 +92,12 @@ pub(crate) fn simulate(options: &Options) -> Result<(), Failure> {
         Model::RollerCentric => {
             Some(RollerCentric::of(&pump, file.ambient.pressure_kpa).map_err(Failure::refused)?)
         }
+    };
+    // The roller-centric model has a volume against speed of its own.
+    let pump = if roller_centric.is_some() {
+        pump
+    } else {
+        file.pump_at(&pump, speed_rad_s).map_err(Failure::refused)?
     };
     let frictions = file.frictions().map_err(Failure::refused)?;
     let asked = match options.method.unwrap_or(MethodName::Auto) {

@@ -6,6 +6,7 @@ mod limits;
 mod line;
 mod motor;
 mod roller_volume;
+mod speed_law;
 mod tube;
 
 use std::path::{Path, PathBuf};
@@ -16,12 +17,15 @@ use pump_model::{Friction, Geometry, ModelError, Pump};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::speed_law::SpeedLawError;
+
 pub use drive::{Axis, DriveTable, DriverName};
 pub use fluid::{FluidError, FluidTable};
 pub use limits::LimitsTable;
 pub use line::{HoseTable, LineTable};
 pub use motor::MotorTable;
 pub use roller_volume::{Fit, RollerVolumeTable};
+pub use speed_law::SpeedLawTable;
 pub use tube::TubeTable;
 
 /// Schema of pump files.
@@ -43,6 +47,9 @@ pub struct PumpFile {
     pub backplate: BackplateTable,
     /// Volume that a roller displaces.
     pub roller_volume: RollerVolumeTable,
+    /// How the volume of a revolution depends on the speed.
+    #[serde(default)]
+    pub speed_law: SpeedLawTable,
     /// Line from the inlet's reservoir to the pump.
     pub inlet: LineTable,
     /// Line from the pump to the outlet's reservoir.
@@ -176,6 +183,14 @@ pub enum PumpFileError {
         /// Why.
         source: ModelError,
     },
+    /// Its speed law has no speed for the default rate.
+    #[error("pump file {origin}: [pump] default_rate_ml_s: {source}")]
+    SpeedLaw {
+        /// Which file.
+        origin: String,
+        /// Why.
+        source: SpeedLawError,
+    },
     /// Its motor or limits cannot work.
     #[error("pump file {origin}: {source}")]
     Limits {
@@ -236,6 +251,9 @@ impl PumpFile {
         if let Some((key, found, allowed)) = self.tube.wrong().or_else(|| self.motor.wrong()) {
             value(false, key, &found, allowed)?;
         }
+        if let Some((key, found, allowed)) = self.speed_law.wrong() {
+            value(false, key, &found, allowed)?;
+        }
         if let Some(drive) = &self.drive {
             drive.check(value)?;
         }
@@ -286,8 +304,9 @@ impl PumpFile {
         let limits = self.limits();
         limits.validate().map_err(|source| PumpFileError::Limits { origin: origin(), source })?;
         let model = self.model().map_err(|source| PumpFileError::Model { origin: origin(), source })?;
-        let fastest = model.average_flow_ml_s(limits.motor.max_speed_rad_s);
         let rate = self.pump.default_rate_ml_s;
+        self.check_speed_law(&model, rate, origin)?;
+        let fastest = model.average_flow_ml_s(limits.motor.max_speed_rad_s);
         value(
             rate > 0.0 && rate <= fastest,
             "[pump] default_rate_ml_s",
@@ -296,9 +315,25 @@ impl PumpFile {
         )
     }
 
-    /// The pump that it describes.
-    pub fn model(&self) -> Result<Pump, ModelError> {
-        let geometry = Geometry {
+    /// Refuses a speed law that cannot be computed or has no speed for the default rate.
+    fn check_speed_law(
+        &self,
+        model: &Pump,
+        rate_ml_s: f64,
+        origin: impl Fn() -> String,
+    ) -> Result<(), PumpFileError> {
+        let of_model = |source| PumpFileError::Model { origin: origin(), source };
+        let Some(law) = self.speed_law().map_err(of_model)? else { return Ok(()) };
+        match law.up_to(self.motor.max_speed_rpm).speed_for_flow(model, rate_ml_s) {
+            Ok(_) => Ok(()),
+            Err(SpeedLawError::Model(source)) => Err(of_model(source)),
+            Err(source) => Err(PumpFileError::SpeedLaw { origin: origin(), source }),
+        }
+    }
+
+    /// Its dimensions.
+    fn geometry(&self) -> Geometry {
+        Geometry {
             rollers: self.rollers.count,
             bore_radius_mm: self.tube.bore_radius_mm,
             tube_outer_radius_mm: self.tube.outer_radius_mm,
@@ -306,7 +341,12 @@ impl PumpFile {
             contact_angle_rad: radians(self.backplate.contact_angle_deg),
             roller_radius_mm: self.rollers.radius_mm,
             roller_offset_mm: self.rollers.offset_mm,
-        };
+        }
+    }
+
+    /// The pump that it describes, without its speed law.
+    pub fn model(&self) -> Result<Pump, ModelError> {
+        let geometry = self.geometry();
         let volume = self.roller_volume.curve(&geometry)?;
         let line = |table: &LineTable| table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s);
         Pump::new(geometry, volume, line(&self.inlet)?, line(&self.outlet)?)

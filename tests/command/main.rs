@@ -15,6 +15,7 @@ mod limits;
 mod refusals;
 mod retraction;
 mod simulations;
+mod speed_law;
 #[cfg(unix)]
 mod terminal;
 mod tube;

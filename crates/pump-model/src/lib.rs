@@ -72,6 +72,8 @@ pub mod roller_volume;
 mod settling;
 #[cfg(feature = "identification")]
 mod speed_law;
+#[cfg(feature = "identification")]
+mod speed_law_flow;
 mod steady;
 mod stretches;
 mod turn_range;
@@ -106,6 +108,8 @@ pub use roller_volume::RollerVolume;
 pub use settling::SETTLED_ML;
 #[cfg(feature = "identification")]
 pub use speed_law::SpeedLaw;
+#[cfg(feature = "identification")]
+pub use speed_law_flow::SpeedLawFlow;
 pub use steady::SteadyState;
 pub use stretches::{Stretch, Stretches};
 #[cfg(feature = "identification")]

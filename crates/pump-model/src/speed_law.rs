@@ -3,7 +3,7 @@
 use crate::error::{ModelError, positive};
 use crate::exact::ExactRun;
 use crate::flow_curve::Port;
-use crate::math::TURN_RAD;
+use crate::math::{TURN_RAD, wrap};
 use crate::motion::Leg;
 use crate::pump::Pump;
 
@@ -11,10 +11,12 @@ use crate::pump::Pump;
 /// holds more or less by the inlet pressure of that moment.
 ///
 /// V_rot(N) = NU V0s (1 + D (P_in(theta_c; N) - P_atm)) with V0s = s V_nom/NU - (V_r + V(theta_c))/2. P_in is that of the
-/// periodic steady state at speed N, when the engaging roller stands at theta_c.
+/// periodic steady state at speed N, when the engaging roller stands at theta_c. In reverse the ports swap their roles.
+///
+/// The pump is as it is without law and calibration: V_nom, V_r and P_in are of its unscaled curves, angles from its own zero.
 ///
 /// Experimental: its two parameters are fitted to summary numbers (means, NRMSE and deviations) that McIntyre et al. publish;
-/// the raw volumes are not published. What is dosed does not use it.
+/// the raw volumes are not published. Doses use it where a pump file or a calibration says so.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpeedLaw {
@@ -50,29 +52,50 @@ impl SpeedLaw {
         }
     }
 
-    /// V_rot(N), mL per revolution, at a constant speed other than 0.
+    /// V_rot(N), mL per revolution, at a constant speed other than 0; negative in reverse.
     pub fn revolution_ml(&self, pump: &Pump, speed_rad_s: f64) -> Result<f64, ModelError> {
         self.validate()?;
         let trapped_kpa = self.trapped_kpa(pump, speed_rad_s)?;
-        let (geometry, roller) = (pump.geometry(), pump.roller_volume());
-        let rollers = f64::from(geometry.rollers);
-        let nominal_ml = TURN_RAD * geometry.nominal_ml_rad();
-        let segment_ml =
-            self.scale * nominal_ml / rollers - 0.5 * (roller.total_ml() + roller.at(self.closure_rad));
         let stretch = 1.0 + self.distensibility_per_kpa * (trapped_kpa - self.ambient_kpa);
-        let revolution_ml = rollers * segment_ml * stretch;
+        let revolution_ml = self.scale * TURN_RAD * pump.geometry().nominal_ml_rad() * stretch
+            - self.pinched_ml(pump) * stretch;
         positive("volume per revolution of the speed law in mL", revolution_ml)?;
         Ok(revolution_ml)
     }
 
-    /// P_in(theta_c; N), kPa absolute: the inlet pressure of the steady state when a roller closes the lumen.
+    /// NU (V_r + V(theta_c))/2, mL: what the rollers take of the segments of a revolution when these are trapped.
+    pub fn pinched_ml(&self, pump: &Pump) -> f64 {
+        let roller = pump.roller_volume();
+        0.5 * f64::from(pump.geometry().rollers) * (roller.total_ml() + roller.at(self.closure_rad))
+    }
+
+    /// kappa(N) = V_rot(N)/V_rot: what every flow and volume of the pump is multiplied by at this speed, not 0.
+    pub fn factor(&self, pump: &Pump, speed_rad_s: f64) -> Result<f64, ModelError> {
+        Ok(self.revolution_ml(pump, speed_rad_s)? / pump.revolution_ml())
+    }
+
+    /// Q_avg(omega) = V_rot(N) omega/(2 pi), mL/s, at a speed other than 0; negative in reverse.
+    pub fn average_flow_ml_s(&self, pump: &Pump, speed_rad_s: f64) -> Result<f64, ModelError> {
+        Ok(self.revolution_ml(pump, speed_rad_s)? * speed_rad_s / TURN_RAD)
+    }
+
+    /// P_in(theta_c; N), kPa absolute: the pressure of the steady state at the port that sucks when a roller closes the lumen.
     pub fn trapped_kpa(&self, pump: &Pump, speed_rad_s: f64) -> Result<f64, ModelError> {
-        positive("speed in rad/s", speed_rad_s)?;
-        let psi_rad = pump.geometry().inlet_phase_rad(pump.roller_volume())?;
-        let state = pump.periodic_state(Port::Inlet, speed_rad_s)?;
+        if !(speed_rad_s.is_finite() && speed_rad_s != 0.0) {
+            let (parameter, allowed) = ("speed in rad/s", "a finite speed other than zero");
+            return Err(ModelError::OutOfRange { parameter, value: speed_rad_s, allowed });
+        }
+        // How far the rotor turns from angle 0 until the next roller that engages stands at theta_c.
+        let (port, turn_rad) = if speed_rad_s > 0.0 {
+            let psi_rad = pump.geometry().inlet_phase_rad(pump.roller_volume())?;
+            (Port::Inlet, psi_rad + self.closure_rad)
+        } else {
+            (Port::Outlet, self.closure_rad - pump.roller_volume().engagement_rad())
+        };
+        let state = pump.periodic_state(port, speed_rad_s)?;
         let motion = [Leg::constant_speed(0.0, speed_rad_s)];
-        let time_s = (psi_rad + self.closure_rad) / speed_rad_s;
-        let [kpa, _] = ExactRun::new(pump, Port::Inlet, motion, state).at(time_s);
-        Ok(pump.inlet().reservoir_kpa + kpa)
+        let time_s = wrap(turn_rad, pump.pitch_rad()) / speed_rad_s.abs();
+        let [kpa, _] = ExactRun::new(pump, port, motion, state).at(time_s);
+        Ok(pump.line(port).reservoir_kpa + kpa)
     }
 }

@@ -25,7 +25,7 @@ pub(crate) struct Passage {
     /// The motion.
     pub(crate) leg: Leg,
     /// Whole pitches before the piece.
-    #[cfg_attr(not(feature = "integrator"), allow(dead_code, reason = "flow curves need the piece alone"))]
+    #[cfg(feature = "integrator")]
     pub(crate) pitches: f64,
     /// The piece's number.
     pub(crate) piece: usize,
@@ -135,6 +135,7 @@ impl<P: Pitch, M: Iterator<Item = Leg>> Iterator for Walk<P, M> {
                 start_s,
                 end_s,
                 leg: self.leg,
+                #[cfg(feature = "integrator")]
                 pitches: self.pitches,
                 piece: self.piece,
                 offset_rad: self.leg.angle_rad - piece_rad,

@@ -4,7 +4,7 @@
 
 use core::f64::consts::TAU;
 
-use pump_model::{ModelError, Pump, SpeedLaw, Variant};
+use pump_model::{Line, ModelError, Pump, SpeedLaw, SpeedLawFlow, Variant};
 
 /// Speeds of the paper's tests, r/min, ten revolutions at each, mL: by the law, by the linear model with V_r 2.06, and the
 /// largest and smallest inlet pressure of the steady state.
@@ -67,7 +67,60 @@ fn laws_and_speeds_that_mean_nothing_are_refused() {
     ] {
         assert!(matches!(law.revolution_ml(&pump, 10.0), Err(ModelError::OutOfRange { .. })), "{law:?}");
     }
-    for speed in [0.0, -1.0, f64::NAN] {
+    for speed in [0.0, f64::INFINITY, f64::NAN] {
         assert!(SpeedLaw::PUBLISHED.revolution_ml(&pump, speed).is_err());
+    }
+}
+
+#[test]
+fn in_reverse_the_outlets_line_traps_what_the_inlets_does_forward() {
+    let at = |inlet: Line, outlet: Line, speed: f64| {
+        let base = Pump::three_roller();
+        let pump = Pump::new(*base.geometry(), *base.roller_volume(), inlet, outlet).unwrap();
+        SpeedLaw::PUBLISHED.revolution_ml(&pump, speed).unwrap()
+    };
+    let one = Line::PUBLISHED;
+    let other = Line { resistance_kpa_s_ml: 0.2, reservoir_kpa: 95.0, ..one };
+    for speed in [1.0, 5.3, 17.0] {
+        assert!((at(one, other, speed) - at(other, one, -speed)).abs() < 1e-9, "{speed}");
+        assert!((at(one, other, speed) - at(one, other, -speed)).abs() > 0.05, "{speed}");
+    }
+}
+
+#[test]
+fn a_flow_gives_its_speed_and_the_slower_of_two() {
+    // An inlet that hardly damps bends the flow: it falls where the line is in resonance.
+    let light = Line { resistance_kpa_s_ml: 0.012, ..Line::PUBLISHED };
+    let base = Pump::three_roller();
+    let bent = Pump::new(*base.geometry(), *base.roller_volume(), light, Line::PUBLISHED).unwrap();
+    let steep = SpeedLaw { distensibility_per_kpa: 6e-3, ..SpeedLaw::PUBLISHED };
+    let mut falls = 0;
+    for (law, pump) in [(SpeedLaw::PUBLISHED, base), (steep, bent)] {
+        let flow = SpeedLawFlow::new(&law, &pump, [1.0, 18.0], false).unwrap();
+        let (largest_ml_s, _) = flow.largest().unwrap();
+        let mut before_ml_s = 0.0;
+        for n in 0..=200 {
+            let speed = 1.0 + 0.085 * f64::from(n);
+            let flow_ml_s = flow.at(speed).unwrap();
+            assert!(flow_ml_s <= largest_ml_s * (1.0 + 1e-12));
+            falls += i32::from(flow_ml_s < before_ml_s);
+            before_ml_s = flow_ml_s;
+            let found = flow.speed_rad_s(flow_ml_s).unwrap().unwrap();
+            assert!(found <= speed * (1.0 + 1e-9), "{found} {speed}");
+            assert!((flow.at(found).unwrap() / flow_ml_s - 1.0).abs() < 1e-10, "{found} {speed}");
+        }
+        assert!(flow.speed_rad_s(largest_ml_s).unwrap().is_some());
+        for refused in [largest_ml_s * (1.0 + 1e-9), 0.5 * flow.at(1.0).unwrap(), -5.0, f64::NAN] {
+            assert_eq!(flow.speed_rad_s(refused).unwrap(), None, "{refused}");
+        }
+    }
+    assert!(falls > 5, "{falls}");
+}
+
+#[test]
+fn speeds_that_bound_nothing_are_refused() {
+    let (law, pump) = (SpeedLaw::PUBLISHED, Pump::three_roller());
+    for speeds in [[0.0, 1.0], [2.0, 1.0], [1.0, f64::INFINITY], [f64::NAN, 1.0]] {
+        assert!(SpeedLawFlow::new(&law, &pump, speeds, false).is_err(), "{speeds:?}");
     }
 }

@@ -9,7 +9,7 @@ use pump_model::math::{degrees, rpm};
 use pyo3::prelude::*;
 
 use crate::bench::{Bench, deliver};
-use crate::calibration::{Calibration, reading_ml, runs_of};
+use crate::calibration::{Calibration, fit_named, reading_ml, runs_of};
 use crate::errors::{self, value};
 use crate::speed::{self, Argument};
 
@@ -29,7 +29,7 @@ impl Bench {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Turned> {
         let rad_s = speed::speed_rad_s(speed_rpm, speed_rad_s)?;
-        if !(rad_s > 0.0) {
+        if rad_s <= 0.0 {
             return Err(value(format_args!("the speed is {} r/min; allowed: more than 0", rpm(rad_s))));
         }
         if !(1..=100_000).contains(&pitches) {
@@ -59,19 +59,20 @@ impl Bench {
     }
 
     /// Fits weighed runs, keeps what they show and uses it from now on.
-    #[pyo3(signature = (runs, scale, tube, note))]
+    #[pyo3(signature = (runs, fit, scale, tube, note))]
     fn calibrate(
         &self,
         py: Python<'_>,
         runs: &Bound<'_, PyAny>,
+        fit: &str,
         scale: Option<&Bound<'_, PyAny>>,
         tube: Option<String>,
         note: Option<String>,
     ) -> PyResult<Calibration> {
-        let runs = runs_of(runs)?;
+        let (runs, fit) = (runs_of(runs)?, fit_named(fit)?);
         let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);
         self.kept(py, move |file, before| {
-            let calibration = DoseCalibration::of_runs(file, Source::Guided, runs, &expected, before)?;
+            let calibration = DoseCalibration::of_runs(file, Source::Guided, runs, fit, &expected, before)?;
             Ok((DoseCalibration { tube, note, ..calibration }, ()))
         })
         .map(|(stored, ())| stored)

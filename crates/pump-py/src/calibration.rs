@@ -3,16 +3,17 @@
 use std::path::PathBuf;
 
 use pump_dose::calibration::{
-    Calibration as DoseCalibration, Displacement, Expected, Run, Source, Stored, runs_of_csv,
+    Calibration as DoseCalibration, Displacement, Expected, Fit, Run, Source, Stored, runs_of_csv,
 };
 use pump_dose::pump_file::PumpFile;
 use pump_dose::quantity::{self, Amount};
+use pump_model::{ModelError, Pump as Model};
 use pyo3::prelude::*;
 
 use crate::doser::text;
 use crate::errors::{self, value};
 use crate::floats::Floats;
-use crate::pump::Pump;
+use crate::pump::{Pump, one_of};
 use crate::speed::{self, Argument};
 
 /// What a pump really displaces, from runs that were weighed, and how sure that is.
@@ -47,15 +48,22 @@ impl Calibration {
     ///     The runs.
     /// scale : str, optional
     ///     Standard uncertainty of a reading, as "0.01g" or "0.1mL".
+    /// fit : str
+    ///     "line", a straight line over the speed, or "speed-law", s and D of the speed law, from three speeds or more.
     ///
     /// Raises
     /// ------
     /// ValueError
     ///     If there are no runs, or one of them cannot be right.
     #[staticmethod]
-    #[pyo3(signature = (pump, runs, *, scale=None))]
-    fn from_runs(pump: &Pump, runs: &Bound<'_, PyAny>, scale: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
-        Self::of(&pump.file, Source::File, runs_of(runs)?, scale)
+    #[pyo3(signature = (pump, runs, *, scale=None, fit="line"))]
+    fn from_runs(
+        pump: &Pump,
+        runs: &Bound<'_, PyAny>,
+        scale: Option<&Bound<'_, PyAny>>,
+        fit: &str,
+    ) -> PyResult<Self> {
+        Self::of(&pump.file, runs_of(runs)?, fit, scale)
     }
 
     /// The same of a table of runs, as `dose calibrate run --from` reads it.
@@ -69,6 +77,8 @@ impl Calibration {
     ///     perhaps `start_angle_deg`, `direction`, `temperature_degc`, `time`.
     /// scale : str, optional
     ///     Standard uncertainty of a reading, as "0.01g" or "0.1mL".
+    /// fit : str
+    ///     "line", a straight line over the speed, or "speed-law", s and D of the speed law, from three speeds or more.
     ///
     /// Raises
     /// ------
@@ -77,12 +87,12 @@ impl Calibration {
     /// ValueError
     ///     If it is no such table, or a run cannot be right.
     #[staticmethod]
-    #[pyo3(signature = (pump, path, *, scale=None))]
-    fn from_csv(pump: &Pump, path: PathBuf, scale: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+    #[pyo3(signature = (pump, path, *, scale=None, fit="line"))]
+    fn from_csv(pump: &Pump, path: PathBuf, scale: Option<&Bound<'_, PyAny>>, fit: &str) -> PyResult<Self> {
         let text = std::fs::read_to_string(&path).map_err(|error| errors::file(&path, &error))?;
         let runs = runs_of_csv(&text, pump.file.limits().motor.steps_per_rev);
         let runs = runs.map_err(|error| value(format_args!("{}: {error}", path.display())))?;
-        Self::of(&pump.file, Source::File, runs, scale)
+        Self::of(&pump.file, runs, fit, scale)
     }
 
     /// Measured over model volume.
@@ -93,6 +103,8 @@ impl Calibration {
     ///     Cruise speed of the pump head, r/min.
     /// speed_rad_s : float or array_like
     ///     The same in rad/s; exactly one of both is given.
+    /// pump : Pump, optional
+    ///     The pump, which a fitted speed law needs: it says what traps how much.
     ///
     /// Returns
     /// -------
@@ -102,30 +114,32 @@ impl Calibration {
     /// Raises
     /// ------
     /// ValueError
-    ///     If not exactly one speed is given.
-    #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None))]
+    ///     If not exactly one speed is given, or a speed law was fitted and no pump is given.
+    #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None, pump=None))]
     fn displacement_factor<'py>(
         &self,
         py: Python<'py>,
         speed_rpm: Argument<'_, 'py>,
         speed_rad_s: Argument<'_, 'py>,
+        pump: Option<&Pump>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let speeds = speed::speeds_rad_s(speed_rpm, speed_rad_s)?;
-        self.over(&speeds, 1.0, Displacement::factor_at).into_object(py)
+        self.over(&speeds, pump, 1.0, Displacement::factor_at)?.into_object(py)
     }
 
     /// Standard uncertainty of `displacement_factor`, widened so that twice it covers 95 % whatever the number of runs.
     ///
     /// Parameters, returns and errors are those of `displacement_factor`; 0 while only the zero was sought.
-    #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None))]
+    #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None, pump=None))]
     fn standard_uncertainty<'py>(
         &self,
         py: Python<'py>,
         speed_rpm: Argument<'_, 'py>,
         speed_rad_s: Argument<'_, 'py>,
+        pump: Option<&Pump>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let speeds = speed::speeds_rad_s(speed_rpm, speed_rad_s)?;
-        self.over(&speeds, 0.0, Displacement::standard_at).into_object(py)
+        self.over(&speeds, pump, 0.0, Displacement::standard_at)?.into_object(py)
     }
 
     /// Its number on its bench; 0 if it is of none.
@@ -245,14 +259,10 @@ impl Calibration {
 }
 
 impl Calibration {
-    fn of(
-        file: &PumpFile,
-        source: Source,
-        runs: Vec<Run>,
-        scale: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Self> {
+    fn of(file: &PumpFile, runs: Vec<Run>, fit: &str, scale: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let fit = fit_named(fit)?;
         let expected = Expected::of(file, reading_ml(scale, file)?);
-        let calibration = DoseCalibration::of_runs(file, source, runs, &expected, None);
+        let calibration = DoseCalibration::of_runs(file, Source::File, runs, fit, &expected, None);
         Ok(Self(Stored { version: 0, calibration: calibration.map_err(errors::calibration)? }))
     }
 
@@ -266,10 +276,26 @@ impl Calibration {
     }
 
     /// A property of the displacement over speeds in rad/s; `without` where there is none.
-    fn over(&self, speeds: &Floats, without: f64, of: fn(&Displacement, f64) -> f64) -> Floats {
-        speeds.map(|rad_s| {
-            self.displacement().map_or(without, |displacement| of(displacement, speed::rpm(rad_s).abs()))
-        })
+    fn over(
+        &self,
+        speeds: &Floats,
+        pump: Option<&Pump>,
+        without: f64,
+        of: fn(&Displacement, &Model, f64) -> Result<f64, ModelError>,
+    ) -> PyResult<Floats> {
+        let Some(displacement) = self.displacement() else { return Ok(speeds.map(|_| without)) };
+        let line = Model::three_roller();
+        let base = match pump {
+            Some(pump) => &pump.model,
+            None if displacement.speed_law.is_some() => {
+                return Err(value("a speed law was fitted, which needs the pump: give pump="));
+            }
+            // A line is the same on every pump.
+            None => &line,
+        };
+        let numbers = speeds.values().iter().map(|rad_s| of(displacement, base, speed::rpm(*rad_s)));
+        let numbers = numbers.collect::<Result<Vec<_>, _>>().map_err(errors::model)?;
+        Ok(speeds.with_values(numbers))
     }
 }
 
@@ -302,4 +328,10 @@ pub(crate) fn runs_of(runs: &Bound<'_, PyAny>) -> PyResult<Vec<Run>> {
             serde_json::from_str(&json).map_err(|error| value(format_args!("a run is none: {error}")))
         })
         .collect()
+}
+
+/// What is fitted to weighed runs.
+pub(crate) fn fit_named(fit: &str) -> PyResult<Fit> {
+    one_of("fit", fit, &["line", "speed-law"])?;
+    Ok(if fit == "line" { Fit::Line } else { Fit::SpeedLaw })
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 use pump_ctl::plan::PlanError as CtlPlanError;
 use pump_dose::calibration::CalibrationError;
 use pump_dose::pump_file::PumpFileError as DosePumpFileError;
+use pump_dose::speed_law::SpeedLawError;
 use pump_dose::{DoseError, FolderError};
 use pump_model::ModelError;
 use pump_model::integrator::IntegrationError;
@@ -90,6 +91,14 @@ pub(crate) fn calibration(error: CalibrationError) -> PyErr {
     }
 }
 
+/// A speed or flow that a pump file's speed law does not have is a bad argument.
+pub(crate) fn speed_law(error: SpeedLawError) -> PyErr {
+    match error {
+        SpeedLawError::Model(error) => model(error),
+        _ => value(error),
+    }
+}
+
 /// Errors of a bench. Who holds a pump or a device is a `DriveError`, as is a motor that fails.
 pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
     let message = error.to_string();
@@ -104,6 +113,8 @@ pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
         DoseError::PumpFile(error) => pump_file(error),
         DoseError::Plan(error) => plan(error),
         DoseError::Calibration(error) => calibration(error),
+        DoseError::SpeedLaw(SpeedLawError::Model(error)) => model(error),
+        DoseError::SpeedLaw(_) => PlanError::new_err(message),
         DoseError::Unfinished { requested_ml, least_ml, most_ml } => with(
             UnfinishedError::new_err(format!(
                 "a dose of {requested_ml} mL is unfinished: between {least_ml:.4} and {most_ml:.4} mL were delivered; \

@@ -36,10 +36,10 @@ impl Limits {
     /// -------
     /// dict
     ///     `max_outlet_kpa` and `min_inlet_kpa`: floats or None; `Limits(**...)` reads it back.
-    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
-        dict.set_item("max_outlet_kpa", self.max_outlet_kpa)?;
-        dict.set_item("min_inlet_kpa", self.min_inlet_kpa)?;
+    fn to_dict<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(slf.py());
+        dict.set_item("max_outlet_kpa", slf.get().max_outlet_kpa)?;
+        dict.set_item("min_inlet_kpa", slf.get().min_inlet_kpa)?;
         Ok(dict)
     }
 

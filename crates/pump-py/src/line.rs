@@ -109,10 +109,10 @@ impl Line {
     /// -------
     /// dict
     ///     Its four floats by their names; `Line(**...)` reads it back.
-    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
+    fn to_dict<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(slf.py());
         let names = ["resistance_kpa_s_ml", "compliance_ml_kpa", "inertance_kpa_s2_ml", "reservoir_kpa"];
-        for (name, number) in names.into_iter().zip(self.numbers()) {
+        for (name, number) in names.into_iter().zip(slf.get().numbers()) {
             dict.set_item(name, number)?;
         }
         Ok(dict)

@@ -291,7 +291,7 @@ impl Plan {
         carry_in_ml: f64,
     ) -> PyResult<Self> {
         let Doser { pump, calibration, .. } = doser.get();
-        let (Pump { file, model }, py) = (pump.get(), doser.py());
+        let (Pump { file, model, .. }, py) = (pump.get(), doser.py());
         let (stored, source) =
             (calibration.as_ref().map(|calibration| &calibration.get().0), PhaseSource::Given);
         let planned = py.detach(|| {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use pump_dose::built_in;
 use pump_dose::pump_file::PumpFile;
+use pump_dose::speed_law::{RangedLaw, SpeedLawError};
 use pump_model::Pump as Model;
 use pyo3::prelude::*;
 
@@ -27,6 +28,8 @@ use crate::line::Line;
 pub(crate) struct Pump {
     pub(crate) file: PumpFile,
     pub(crate) model: Model,
+    /// The pump file's; none if it is off.
+    pub(crate) law: Option<RangedLaw>,
 }
 
 #[pymethods]
@@ -187,7 +190,13 @@ impl Pump {
 impl Pump {
     pub(crate) fn new(file: PumpFile) -> PyResult<Self> {
         let model = file.model().map_err(errors::model)?;
-        Ok(Self { file, model })
+        let law = file.speed_law().map_err(errors::model)?;
+        Ok(Self { file, model, law })
+    }
+
+    /// The model at a constant speed: by the speed law if it is on.
+    pub(crate) fn model_at(&self, speed_rad_s: f64) -> Result<Model, SpeedLawError> {
+        self.law.map_or(Ok(self.model), |law| law.pump_at(&self.model, speed_rad_s))
     }
 
     fn built_in(name: &str, variant: &str) -> PyResult<Self> {

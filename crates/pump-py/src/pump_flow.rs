@@ -1,10 +1,13 @@
 //! A pump's flows and volumes over angle and speed.
 
 use pump_ctl::plan::speed_for_flow;
+use pump_dose::speed_law::SpeedLawError;
 use pump_model::FlowCurve;
 use pyo3::prelude::*;
 
+use crate::errors;
 use crate::floats::Floats;
+use crate::interrupt::Interrupt;
 use crate::pump::Pump;
 use crate::speed::{self, Argument};
 
@@ -41,7 +44,10 @@ impl Pump {
         speed_rad_s: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let speeds = speed::speeds_rad_s(speed_rpm, speed_rad_s)?;
-        speeds.map(|rad_s| self.model.average_flow_ml_s(rad_s)).into_object(py)
+        let Some(law) = self.law else {
+            return speeds.map(|rad_s| self.model.average_flow_ml_s(rad_s)).into_object(py);
+        };
+        over(py, &speeds, |rad_s| law.average_flow_ml_s(&self.model, rad_s))
     }
 
     /// Speed of the pump head, r/min, whose average flow is `flow_ml_s`: the inverse of `average_flow(speed_rpm=...)`.
@@ -63,8 +69,11 @@ impl Pump {
     #[pyo3(signature = (*, flow_ml_s))]
     fn speed_for_flow<'py>(&self, flow_ml_s: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         let flows = Floats::read("flow_ml_s", flow_ml_s, MAX_FLOW_ML_S)?;
-        let speeds = flows.map(|flow| speed::rpm(speed_for_flow(&self.model, flow)));
-        speeds.into_object(flow_ml_s.py())
+        let py = flow_ml_s.py();
+        let Some(law) = self.law else {
+            return flows.map(|flow| speed::rpm(speed_for_flow(&self.model, flow))).into_object(py);
+        };
+        over(py, &flows, |flow| Ok(speed::rpm(law.speed_for_flow(&self.model, flow)?)))
     }
 
     /// Volume that the outlet rollers deliver from angle 0 to `angle_rad`, mL.
@@ -107,6 +116,24 @@ impl Pump {
     fn inlet_flow_per_rad<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         over_angle(angle_rad, self.model.inlet_curve(), FlowCurve::flow_ml_rad)
     }
+}
+
+/// What a speed law says of each number.
+fn over<'py>(
+    py: Python<'py>,
+    of: &Floats,
+    law: impl Fn(f64) -> Result<f64, SpeedLawError> + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    let numbers = py.detach(|| -> PyResult<Vec<f64>> {
+        let mut interrupt = Interrupt::new();
+        let mut numbers = Vec::new();
+        for number in of.values() {
+            interrupt.check()?;
+            numbers.push(law(*number).map_err(errors::speed_law)?);
+        }
+        Ok(numbers)
+    })?;
+    of.with_values(numbers).into_object(py)
 }
 
 fn over_angle<'py>(

@@ -108,7 +108,12 @@ impl Pump {
             method,
             ..Simulation::new(speed::speed_rad_s(speed_rpm, speed_rad_s)?, duration_s, dt_s)
         };
-        let samples = simulation.samples(&self.model).map_err(errors::model)?;
+        // The roller-centric model has a volume against speed of its own.
+        let model = match roller_centric {
+            Some(_) => self.model,
+            None => self.model_at(simulation.speed_rad_s).map_err(errors::speed_law)?,
+        };
+        let samples = simulation.samples(&model).map_err(errors::model)?;
         Run::collect(py, simulation.intervals() + 1, samples)
     }
 
@@ -139,7 +144,7 @@ impl Pump {
         speed_rpm: Argument<'_, 'py>,
         speed_rad_s: Argument<'_, 'py>,
     ) -> PyResult<SteadyState> {
-        SteadyState::at(py, &self.model, &speed::speeds_rad_s(speed_rpm, speed_rad_s)?)
+        SteadyState::at(py, self, &speed::speeds_rad_s(speed_rpm, speed_rad_s)?)
     }
 }
 

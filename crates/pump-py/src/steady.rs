@@ -1,13 +1,13 @@
 //! The periodic steady state, at one speed or at many.
 
 use pump_dose::SteadyReport;
-use pump_model::Pump as Model;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::errors;
 use crate::floats::Floats;
 use crate::interrupt::Interrupt;
+use crate::pump::Pump;
 use crate::speed;
 
 const FIELDS: usize = 10;
@@ -124,13 +124,14 @@ impl SteadyState {
 
 impl SteadyState {
     /// At every speed, while other Python threads run.
-    pub(crate) fn at(py: Python<'_>, pump: &Model, speeds_rad_s: &Floats) -> PyResult<Self> {
+    pub(crate) fn at(py: Python<'_>, pump: &Pump, speeds_rad_s: &Floats) -> PyResult<Self> {
         let reports = py.detach(|| -> PyResult<Vec<SteadyReport>> {
             let mut reports = Vec::new();
             let mut interrupt = Interrupt::new();
             for speed_rad_s in speeds_rad_s.values() {
                 interrupt.check()?;
-                let steady = pump.steady_state(*speed_rad_s);
+                let model = pump.model_at(*speed_rad_s).map_err(errors::speed_law)?;
+                let steady = model.steady_state(*speed_rad_s);
                 reports.push(steady.map_err(errors::model)?.into());
             }
             Ok(reports)

@@ -8,7 +8,8 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use pump_dose::SteadyReport;
-use pump_model::{ModelError, Pump as Model};
+use pump_dose::speed_law::{RangedLaw, SpeedLawError};
+use pump_model::{Pump as Model, SteadyState};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
@@ -46,7 +47,7 @@ pub(crate) fn _steady_states<'py>(
     first: usize,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Vec<Py<PyAny>>> {
-    let pumps: Vec<Model> = pumps.iter().map(|pump| pump.get().model).collect();
+    let pumps: Vec<_> = pumps.iter().map(|pump| (pump.get().model, pump.get().law)).collect();
     let speeds_rad_s = speed::speeds_rad_s(speed_rpm, speed_rad_s)?.values().to_vec();
     let shape = vec![pumps.len(), speeds_rad_s.len()];
     let sweep = Arc::new(Sweep::new(pumps, speeds_rad_s));
@@ -60,7 +61,7 @@ pub(crate) fn _steady_states<'py>(
 
 /// What the threads share.
 struct Sweep {
-    pumps: Vec<Model>,
+    pumps: Vec<(Model, Option<RangedLaw>)>,
     speeds_rad_s: Vec<f64>,
     /// The first point that no thread has taken.
     next: AtomicUsize,
@@ -69,10 +70,10 @@ struct Sweep {
 }
 
 /// A block of results from its first point on, or the first point that is refused.
-type Answer = Result<(usize, Vec<[f64; FIELDS]>), (usize, ModelError)>;
+type Answer = Result<(usize, Vec<[f64; FIELDS]>), (usize, SpeedLawError)>;
 
 impl Sweep {
-    fn new(pumps: Vec<Model>, speeds_rad_s: Vec<f64>) -> Self {
+    fn new(pumps: Vec<(Model, Option<RangedLaw>)>, speeds_rad_s: Vec<f64>) -> Self {
         Self { pumps, speeds_rad_s, next: AtomicUsize::new(0), abandoned: AtomicBool::new(false) }
     }
 
@@ -120,7 +121,7 @@ impl Sweep {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<()> {
         let mut done = 0;
-        let mut refused: Option<(usize, ModelError)> = None;
+        let mut refused: Option<(usize, SpeedLawError)> = None;
         let mut interrupt = Interrupt::new();
         let mut told = Instant::now();
         let tell = |done: usize| match &progress {
@@ -155,7 +156,7 @@ impl Sweep {
             None => tell(done),
             Some((point, error)) => {
                 let pump = first + point / self.speeds_rad_s.len();
-                Err(errors::within(format_args!("pumps[{pump}]"), errors::model(error)))
+                Err(errors::within(format_args!("pumps[{pump}]"), errors::speed_law(error)))
             }
         }
     }
@@ -173,7 +174,7 @@ impl Sweep {
                     return;
                 }
                 let (pump, speed) = (point / self.speeds_rad_s.len(), point % self.speeds_rad_s.len());
-                match self.pumps[pump].steady_state(self.speeds_rad_s[speed]) {
+                match steady(&self.pumps[pump], self.speeds_rad_s[speed]) {
                     Ok(steady) => results.push(numbers(&steady.into())),
                     Err(error) => {
                         self.next.fetch_max(points, Ordering::Relaxed);
@@ -188,6 +189,12 @@ impl Sweep {
             }
         }
     }
+}
+
+/// The steady state at a speed: by the speed law if there is one.
+fn steady((model, law): &(Model, Option<RangedLaw>), rad_s: f64) -> Result<SteadyState, SpeedLawError> {
+    let model = law.map_or(Ok(*model), |law| law.pump_at(model, rad_s))?;
+    Ok(model.steady_state(rad_s)?)
 }
 
 fn numbers(report: &SteadyReport) -> [f64; FIELDS] {

@@ -34,9 +34,13 @@ fn a_line_through_several_speeds_is_found_exactly() {
     assert_eq!(fit.speeds_rpm, [20.0, 60.0, 100.0]);
     assert!((fit.slope_per_rpm + 2e-4).abs() < 1e-12);
     for rpm in [20.0, 33.0, 100.0] {
-        assert!((fit.factor_at(rpm) - truth(rpm)).abs() < 1e-12);
+        assert!((fit.line_at(rpm) - truth(rpm)).abs() < 1e-12);
     }
-    assert!(fit.standard_at(60.0) < 1e-9 && fit.outliers.is_empty() && fit.lack_of_fit < 1e-9);
+    assert!(
+        fit.standard_at(&Pump::three_roller(), 60.0).unwrap() < 1e-9
+            && fit.outliers.is_empty()
+            && fit.lack_of_fit < 1e-9
+    );
     assert!(fit.covers(20.0) && fit.covers(100.0) && !fit.covers(19.0) && !fit.covers(102.0));
     assert_eq!((fit.distance_rpm(60.1), fit.distance_rpm(90.0)), (0.0, 10.0));
 }
@@ -49,7 +53,11 @@ fn one_run_is_as_sure_as_was_expected_and_no_surer() {
     assert_eq!((fit.degrees_of_freedom, fit.scatter), (0, None));
     let reading = 0.1 / (2.0 * 21.318_5);
     assert!((fit.reading - reading).abs() < 1e-6);
-    assert!((fit.standard_at(60.0) - sqrt(0.0047 * 0.0047 + reading * reading)).abs() < 1e-6);
+    assert!(
+        (fit.standard_at(&Pump::three_roller(), 60.0).unwrap() - sqrt(0.0047 * 0.0047 + reading * reading))
+            .abs()
+            < 1e-6
+    );
     assert!(fit.covers(1.0) && fit.covers(170.0), "one speed is used at all of them");
 }
 
@@ -65,7 +73,9 @@ fn standard_errors_are_those_of_repeated_calibrations() {
             .map(|rpm| (rpm, 1.0 + 1e-4 * rpm + 0.003 * dice.normal()))
             .collect();
         let fit = fit(&runs, &EXPECTED).unwrap();
-        inside += i32::from((fit.factor_at(80.0) - 1.008).abs() < 2.0 * fit.standard_at(80.0));
+        inside += i32::from(
+            (fit.line_at(80.0) - 1.008).abs() < 2.0 * fit.standard_at(&Pump::three_roller(), 80.0).unwrap(),
+        );
         squares += fit.scatter.unwrap() * fit.scatter.unwrap();
         slopes += (fit.slope_per_rpm - 1e-4) * (fit.slope_per_rpm - 1e-4);
         expected_slope += fit.slope_standard_per_rpm * fit.slope_standard_per_rpm;
@@ -114,7 +124,10 @@ fn a_bend_that_no_line_has_is_reported() {
     // The three means lie 0.0021, -0.0043 and 0.0021 from the line, on one degree of freedom.
     assert!((0.004..0.007).contains(&fit.lack_of_fit), "{}", fit.lack_of_fit);
     // The bend is no scatter.
-    assert!(fit.scatter.unwrap() < 2e-4 && fit.standard_at(60.0) < 2e-4, "{fit:?}");
+    assert!(
+        fit.scatter.unwrap() < 2e-4 && fit.standard_at(&Pump::three_roller(), 60.0).unwrap() < 2e-4,
+        "{fit:?}"
+    );
 }
 
 #[test]
@@ -124,7 +137,7 @@ fn a_speed_gives_its_flow_and_no_speed_gives_more_than_the_line_has() {
             [20.0, 60.0, 100.0].iter().map(|rpm| (*rpm, 1.0 + slope * (rpm - 60.0))).collect();
         let fit = fit(&runs, &EXPECTED).unwrap();
         for rpm in [25.0, 77.0, 100.0] {
-            let flow_ml_s = fit.factor_at(rpm) * 21.318_5 * rpm / 60.0;
+            let flow_ml_s = fit.line_at(rpm) * 21.318_5 * rpm / 60.0;
             assert!((fit.speed_for_flow(21.318_5, flow_ml_s).unwrap() - rpm).abs() < 1e-9, "{slope} {rpm}");
         }
     }
@@ -139,4 +152,83 @@ fn what_cannot_be_is_refused() {
     assert!(fit(&[], &EXPECTED).unwrap_err().to_string().contains("0 runs; 1 at least"));
     let error = fit(&[(60.0, 1.0), (60.0, 2.1)], &EXPECTED).unwrap_err().to_string();
     assert!(error.contains("run 2 gave 89.5377 mL where the model gives 42.6370 mL"), "{error}");
+}
+
+/// Runs of a pump that follows this law, two revolutions each, with this scatter.
+fn by_law(
+    law: &SpeedLaw,
+    speeds_rpm: &[f64],
+    scatter: f64,
+    dice: &mut Dice,
+) -> Result<Displacement, CalibrationError> {
+    let file = crate::built_in("three-roller").unwrap();
+    let pump = file.model().unwrap();
+    let volume_ml = |rpm: f64| 2.0 * law.revolution_ml(&pump, rad_s(rpm)).unwrap();
+    let runs: Vec<Run> = speeds_rpm
+        .iter()
+        .flat_map(|rpm| [*rpm; 3])
+        .map(|rpm| run(rpm, volume_ml(rpm) * (1.0 + scatter * dice.normal())))
+        .collect();
+    let start = file.speed_law_to_fit().unwrap();
+    Displacement::fit_law(&pump, &pump, &start, &runs, &Weighing::of(&file), &EXPECTED)
+}
+
+#[test]
+fn a_speed_law_is_found_exactly_where_nothing_scatters() {
+    let law = SpeedLaw { scale: 0.97, distensibility_per_kpa: 1.3e-3, ..SpeedLaw::PUBLISHED };
+    let found = by_law(&law, &[20.0, 60.0, 110.0, 160.0], 0.0, &mut Dice::new(1)).unwrap();
+    let fit = found.speed_law.unwrap();
+    assert!((fit.scale - 0.97).abs() < 1e-7 && (fit.distensibility_per_kpa / 1.3e-3 - 1.0).abs() < 1e-5);
+    let pump = Pump::three_roller();
+    for rpm in [20.0, 47.0, 133.0, 160.0] {
+        let expected = law.factor(&pump, rad_s(rpm)).unwrap();
+        assert!((found.factor_at(&pump, rpm).unwrap() - expected).abs() < 1e-7, "{rpm}");
+    }
+    assert!(found.lack_of_fit < 1e-6, "{}", found.lack_of_fit);
+}
+
+#[test]
+fn the_errors_of_a_speed_law_are_those_of_repeated_calibrations() {
+    let (mut dice, n, pump) = (Dice::new(9), 1000, Pump::three_roller());
+    let law = SpeedLaw::PUBLISHED;
+    let factor = law.factor(&pump, rad_s(85.0)).unwrap();
+    let mut inside = [0; 3];
+    for _ in 0..n {
+        let found = by_law(&law, &[20.0, 60.0, 110.0, 160.0], 0.003, &mut dice).unwrap();
+        let fit = found.speed_law.unwrap();
+        let (s, d) = (fit.scale - law.scale, fit.distensibility_per_kpa - law.distensibility_per_kpa);
+        let kappa = found.factor_at(&pump, 85.0).unwrap() - factor;
+        let standards = [
+            fit.scale_standard,
+            fit.distensibility_standard_per_kpa,
+            found.standard_at(&pump, 85.0).unwrap(),
+        ];
+        for ((inside, error), standard) in inside.iter_mut().zip([s, d, kappa]).zip(standards) {
+            *inside += u32::from(error.abs() < 2.0 * standard);
+        }
+    }
+    for inside in inside {
+        assert!((930..=980).contains(&inside), "{inside} of {n}");
+    }
+}
+
+#[test]
+fn a_law_that_the_runs_do_not_show_is_refused() {
+    let law = SpeedLaw { distensibility_per_kpa: 0.0, ..SpeedLaw::PUBLISHED };
+    let error = by_law(&law, &[20.0, 160.0], 0.0, &mut Dice::new(1)).unwrap_err().to_string();
+    assert!(error.contains("2 speeds for a speed law; 3 at least"), "{error}");
+    // More volume where less pressure trapped it.
+    let pump = Pump::three_roller();
+    let file = crate::built_in("three-roller").unwrap();
+    let runs: Vec<Run> = [20.0, 60.0, 110.0, 160.0]
+        .iter()
+        .map(|rpm| {
+            let kpa = SpeedLaw::PUBLISHED.trapped_kpa(&pump, rad_s(*rpm)).unwrap();
+            run(*rpm, 42.6 * (1.0 - 1e-3 * (kpa - 85.7)))
+        })
+        .collect();
+    let start = file.speed_law_to_fit().unwrap();
+    let fit = Displacement::fit_law(&pump, &pump, &start, &runs, &Weighing::of(&file), &EXPECTED);
+    let error = fit.unwrap_err().to_string();
+    assert!(error.contains("do not fit a speed law") && error.contains("fit a line"), "{error}");
 }

@@ -1,7 +1,7 @@
 //! Doses of a pump whose displacement depends on the speed.
 
 use super::*;
-use crate::calibration::{Calibration, Expected, Reading, Run, Source, Weighing};
+use crate::calibration::{Calibration, Displacement, Expected, Reading, Run, Source, Weighing};
 
 /// A calibration that fits 1 + slope (N - 50) at these speeds exactly.
 fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) -> Stored {
@@ -33,11 +33,12 @@ fn planned(
     speeds_rpm: &[f64],
     volume_ml: f64,
     cruise: Cruise,
-) -> Result<CalibratedPlan, DoseError> {
+) -> Result<SpeedPlan, DoseError> {
     let file = crate::built_in("three-roller").unwrap();
     let base = file.model().unwrap();
     let stored = stored(&file, slope_per_rpm, speeds_rpm);
-    let planner = Planner { file: &file, base: &base, stored: &stored, limits: &file.limits() };
+    let planner =
+        Planner { file: &file, base: &base, stored: Some(&stored), law: None, limits: &file.limits() };
     planner.plan(Phase::known(0.7), &Request::new(volume_ml, cruise))
 }
 
@@ -49,7 +50,7 @@ fn a_dose_has_the_displacement_of_its_own_cruise_speed() {
         for rpm in [10.0, 50.0, 120.0] {
             let found = planned(slope, &SPEEDS_RPM, 25.0, Cruise::Speed { rad_s: rad_s(rpm) }).unwrap();
             let factor = 1.0 + slope * (rpm - 50.0);
-            assert!((found.applied.correction.factor - factor).abs() < 1e-12);
+            assert!((found.applied.as_ref().unwrap().correction.factor - factor).abs() < 1e-12);
             let base = Pump::three_roller();
             let turned = base.outlet_curve().volume_ml(found.plan.end_angle_rad())
                 - base.outlet_curve().volume_ml(0.7);
@@ -66,7 +67,7 @@ fn a_rate_is_had_at_the_root_of_speed_and_displacement() {
         let speed_rad_s = found.plan.profile.peak_rad_s();
         assert!((found.model.average_flow_ml_s(speed_rad_s) - 20.0).abs() < 1e-9);
         let factor = 1.0 + slope * (rpm(speed_rad_s) - 50.0);
-        assert!((found.applied.correction.factor - factor).abs() < 1e-12);
+        assert!((found.applied.as_ref().unwrap().correction.factor - factor).abs() < 1e-12);
     }
 }
 
@@ -85,7 +86,10 @@ fn a_time_is_met_by_the_slowest_speed_with_its_own_displacement() {
             );
             let found_rpm = rpm(found.plan.profile.peak_rad_s());
             let factor = 1.0 + slope * (found_rpm - 50.0);
-            assert!((found.applied.correction.factor - factor).abs() < 1e-9, "{slope} {volume_ml} {time_s}");
+            assert!(
+                (found.applied.as_ref().unwrap().correction.factor - factor).abs() < 1e-9,
+                "{slope} {volume_ml} {time_s}"
+            );
         }
     }
 }
@@ -119,9 +123,9 @@ fn one_speed_is_used_at_every_speed_with_a_warning_and_a_share_for_it() {
     let warning = far.warning.unwrap();
     // sqrt(12) * 2.4 % over half of the motor's speeds.
     assert!(warning.contains("made at 50 r/min alone") && warning.contains("4.16 %"), "{warning}");
-    assert!((far.applied.displacement.unwrap().speed_law - 0.0416).abs() < 1e-4);
+    assert!((far.applied.as_ref().unwrap().displacement.unwrap().speed_law - 0.0416).abs() < 1e-4);
     let found = planned(0.0, &[50.0], 25.0, Cruise::Within { time_s: 3.0 }).unwrap();
-    assert!(found.applied.displacement.unwrap().speed_law > 0.0 && found.warning.is_some());
+    assert!(found.applied.as_ref().unwrap().displacement.unwrap().speed_law > 0.0 && found.warning.is_some());
 }
 
 #[test]
@@ -130,7 +134,7 @@ fn a_calibration_of_another_pump_is_refused() {
     let stored = stored(&file, 0.0, &[50.0]);
     let other = crate::built_in("two-roller").unwrap();
     let (base, limits) = (other.model().unwrap(), other.limits());
-    let planner = Planner { file: &other, base: &base, stored: &stored, limits: &limits };
+    let planner = Planner { file: &other, base: &base, stored: Some(&stored), law: None, limits: &limits };
     let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 });
     let Err(error) = planner.plan(Phase::known(0.0), &request) else { panic!("not refused") };
     assert!(error.to_string().contains("a pump with 21.318"), "{error}");

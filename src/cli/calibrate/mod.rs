@@ -9,9 +9,9 @@ mod verify;
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 use pump_dose::Bench;
-use pump_dose::calibration::Expected;
+use pump_dose::calibration::{Expected, Fit};
 use pump_dose::quantity::{self, Amount};
 
 use super::args::Options;
@@ -52,11 +52,36 @@ pub(crate) struct ReadingArgs {
     note: Option<String>,
 }
 
+/// What is fitted to runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FitName {
+    Line,
+    SpeedLaw,
+}
+
+impl From<FitName> for Fit {
+    fn from(name: FitName) -> Self {
+        match name {
+            FitName::Line => Self::Line,
+            FitName::SpeedLaw => Self::SpeedLaw,
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
     /// Table of runs, CSV: speed_rpm, turned_deg (or revolutions, steps), mass_g (or volume_ml), start_angle_deg, ...
     #[arg(long, value_name = "FILE")]
     from: Option<PathBuf>,
+    /// What is fitted: a straight line over the speed, or s and D of the speed law (three speeds at least)
+    #[arg(
+        long,
+        value_name = "line|speed-law",
+        default_value = "line",
+        hide_default_value = true,
+        value_enum
+    )]
+    fit: FitName,
     #[command(flatten)]
     reading: ReadingArgs,
     /// Speeds of the guided runs, as 20rpm,60rpm,100rpm [default: three that reach from half the default rate to the limit]

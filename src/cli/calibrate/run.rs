@@ -34,9 +34,10 @@ fn keep(
     let _held = bench.folder().lock()?;
     let before = bench.calibrations().active()?.map(|active| active.calibration);
     let expected = expected(bench, &args.reading)?;
-    let mut calibration = Calibration::of_runs(bench.file(), source, runs, &expected, before.as_ref())?;
+    let mut calibration =
+        Calibration::of_runs(bench.file(), source, runs, args.fit.into(), &expected, before.as_ref())?;
     calibration.tube = args.reading.tube.clone();
     calibration.note = args.reading.note.clone();
     let stored = bench.keep_calibration(calibration)?;
-    print(&if options.json() { summary::json(&stored) } else { summary::text(bench, &stored) })
+    print(&if options.json() { summary::json(&stored) } else { summary::text(bench, &stored)? })
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use pump_dose::Bench;
-use pump_dose::calibration::{Displacement, Stored};
+use pump_dose::calibration::{AgainstSpeed, CalibrationError, Displacement, Stored};
 use serde_json::json;
 
 /// One line of JSON.
@@ -27,9 +27,10 @@ pub(super) fn short(value: f64) -> String {
 }
 
 /// What was found, and what becomes of it.
-pub(super) fn text(bench: &Bench, stored: &Stored) -> String {
+pub(super) fn text(bench: &Bench, stored: &Stored) -> Result<String, CalibrationError> {
     let (version, calibration, file) = (stored.version, &stored.calibration, bench.file());
-    let Some(found) = &calibration.displacement else { return String::new() };
+    let Some(found) = &calibration.displacement else { return Ok(String::new()) };
+    let base = bench.model();
     let mut text = format!(
         "calibration {version} of {} ({}): {} runs at {}, {} at {} °C\n",
         file.pump.id,
@@ -41,7 +42,7 @@ pub(super) fn text(bench: &Bench, stored: &Stored) -> String {
     );
     // Writing to a String cannot fail.
     for rpm in &found.speeds_rpm {
-        let (factor, standard) = (found.factor_at(*rpm), found.standard_at(*rpm));
+        let (factor, standard) = (found.factor_at(base, *rpm)?, found.standard_at(base, *rpm)?);
         let _ = writeln!(
             text,
             "  at {:>7} r/min  model volume times {factor:.4} ± {:.4} (k = 2), {:.3} mL per revolution",
@@ -50,13 +51,26 @@ pub(super) fn text(bench: &Bench, stored: &Stored) -> String {
             factor * calibration.revolution_ml
         );
     }
+    if let Some(law) = &found.speed_law {
+        let _ = writeln!(
+            text,
+            "  speed law  s {:.5} ± {:.5}, D {:.3e} ± {:.1e} /kPa (k = 2)",
+            law.scale,
+            2.0 * law.scale_standard,
+            law.distensibility_per_kpa,
+            2.0 * law.distensibility_standard_per_kpa
+        );
+    }
     if let Some(scatter) = found.scatter {
         let expected = file.uncertainty.repeatability_percent;
         let percent = 100.0 * scatter;
         let _ = write!(text, "  runs scatter by {percent:.3} % (the pump file says {expected} %)");
         let _ = match found.speeds_rpm.len() {
             0..3 => writeln!(text),
-            _ => writeln!(text, ", speeds depart from the line by {:.3} %", 100.0 * found.lack_of_fit),
+            _ => {
+                let of = if found.speed_law.is_some() { "speed law" } else { "line" };
+                writeln!(text, ", speeds depart from the {of} by {:.3} %", 100.0 * found.lack_of_fit)
+            }
         };
     }
     for run in &found.outliers {
@@ -80,19 +94,16 @@ pub(super) fn text(bench: &Bench, stored: &Stored) -> String {
             .push_str("  warning: two speeds do not show whether a line fits; calibrate at three or more\n"),
         _ => {}
     }
-    if found.is_line() {
-        let (least, most) = found.range_rpm();
-        let flow = |rpm: f64| found.factor_at(rpm) * calibration.revolution_ml * rpm / 60.0;
+    let flows = AgainstSpeed::of(Some(found), None, base).map(|against| against.flows_ml_s(false));
+    if let Some((least_ml_s, most_ml_s)) = flows.transpose()?.flatten() {
         let _ = writeln!(
             text,
-            "doses from {:.3} to {:.3} mL/s use it from now on; `dose calibrate use none` goes back to the model",
-            flow(least),
-            flow(most)
+            "doses from {least_ml_s:.3} to {most_ml_s:.3} mL/s use it from now on; `dose calibrate use none` goes back to the model",
         );
     } else {
         text.push_str("doses use it from now on; `dose calibrate use none` goes back to the model\n");
     }
-    text
+    Ok(text)
 }
 
 /// Every calibration, a line each; the one in use is marked.
@@ -107,7 +118,11 @@ pub(super) fn list(bench: &Bench, all: &[Stored], active: Option<u32>) -> String
     for Stored { version, calibration } in all {
         let mark = if active == Some(*version) { '*' } else { ' ' };
         let what = calibration.displacement.as_ref().map_or("zero only".to_owned(), |found| {
-            format!("{} runs at {}, times {:.4}", calibration.runs.len(), speeds(found), found.factor)
+            let factor = match &found.speed_law {
+                None => format!("times {:.4}", found.factor),
+                Some(law) => format!("s {:.4}, D {:.2e} /kPa", law.scale, law.distensibility_per_kpa),
+            };
+            format!("{} runs at {}, {factor}", calibration.runs.len(), speeds(found))
         });
         let _ = write!(text, "{mark} {version:>3}  {}  {what}", calibration.date);
         if calibration.zero_deg != 0.0 {

@@ -48,6 +48,7 @@ class BenchCalibration:
         self,
         runs: Sequence[WeighedRun],
         *,
+        fit: str = "line",
         scale: str | None = None,
         tube: str | None = None,
         note: str | None = None,
@@ -58,6 +59,8 @@ class BenchCalibration:
         ----------
         runs : sequence of WeighedRun
             The runs, at three speeds or more if doses have several.
+        fit : {"line", "speed-law"}, optional
+            What is fitted over several speeds: a straight line, or the experimental law of `SpeedLaw`.
         scale : str, optional
             Standard uncertainty of a reading, as "0.01g" or "0.1mL".
         tube, note : str, optional
@@ -70,7 +73,7 @@ class BenchCalibration:
         DriveError
             If another process holds the pump.
         """
-        return self._core.calibrate(runs, scale, tube, note)
+        return self._core.calibrate(runs, fit, scale, tube, note)
 
     def calibrate_phase(
         self,

@@ -97,6 +97,8 @@ class Dose(Record):
     outlet_min_kpa: float
     outlet_max_kpa: float
     ambient_kpa: float
+    torque_needed_n_m: float | None
+    torque_available_n_m: float | None
     ripple_before: Ripple
     ripple_after: Ripple
     limited_by: str

@@ -16,8 +16,8 @@ from pumpmodel._record import Record
 class SpeedLaw(Record):
     """How the volume of a revolution depends on the speed, by the inlet pressure that traps a segment.
 
-    Experimental: what is dosed does not use it. Its parameters are fitted to summary numbers that McIntyre et
-    al. publish.
+    Experimental: doses use it where the pump's `[speed_law]` or a calibration says so. The published parameters are
+    fitted to summary numbers of McIntyre et al.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ class SpeedLaw(Record):
         pump : Pump
             The pump.
         speed_rpm : float or array_like
-            Speed of the pump head, r/min, not zero.
+            Speed of the pump head, r/min, not zero; negative in reverse.
         speed_rad_s : float or array_like
             The same in rad/s; exactly one of both is given.
 

@@ -57,7 +57,7 @@ class _Bench:
         self, speed_rpm: float | None, speed_rad_s: float | None, pitches: int, progress: _Progress | None
     ) -> tuple[float, float | None, float, str, bool]: ...
     def calibrate(
-        self, runs: Sequence[WeighedRun], scale: str | None, tube: str | None, note: str | None
+        self, runs: Sequence[WeighedRun], fit: str, scale: str | None, tube: str | None, note: str | None
     ) -> Calibration: ...
     def calibrate_phase(
         self,

@@ -1,0 +1,108 @@
+//! The lines: R, C, L, what follows from them, and the hose that they may be.
+
+use std::error::Error;
+
+use pump_model::math::{TURN_RAD, log, sqrt};
+use pump_model::{Fluid, Hose, Line};
+
+use crate::page::Section;
+use crate::paper::{CODE, LINE, PAPER, REFERENCE};
+use crate::row::{Bound, Row};
+
+/// A hose that meets R and L of the paper's line: its bore is that of the pump's tube, length and K are chosen. 3.5 MPa and
+/// nu = 0.5 are silicone rubber's.
+pub const HOSE: Hose = Hose {
+    bore_radius_mm: 5.0,
+    outer_radius_mm: 7.0,
+    length_mm: 331.0,
+    modulus_mpa: 3.5,
+    poisson_ratio: 0.5,
+    minor_loss: 5.75,
+};
+
+/// The paper's water: 997 kg/m³ at 25 °C.
+pub fn water() -> Result<Fluid, Box<dyn Error>> {
+    Ok(Fluid { density_kg_m3: 997.0, ..Fluid::water(25.0)? })
+}
+
+/// The section of the page.
+pub fn section() -> Result<Section, Box<dyn Error>> {
+    let line = Line::PUBLISHED;
+    let ours =
+        [line.reservoir_kpa, line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml];
+    let reference = |value| (value, REFERENCE);
+    let mut rows = Vec::new();
+    for ((name, unit, paper, code), ours) in LINE.into_iter().zip(ours) {
+        rows.push(Row::input(name, unit, (paper, PAPER), ours));
+        rows.push(Row::computed("", unit, (code, CODE), ours, Bound::Percent(0.03)));
+    }
+    let damping = line.damping_ratio();
+    let hertz = line.natural_rad_s() * sqrt(1.0 - damping * damping) / TURN_RAD;
+    let decay = line.slowest_decay_per_s();
+    rows.push(Row::computed("damped frequency", "Hz", reference(12.75), hertz, Bound::Absolute(5e-3)));
+    rows.push(Row::computed("damping ratio", "", reference(0.162), damping, Bound::Absolute(5e-4)));
+    rows.push(Row::computed("decay R/2L", "1/s", reference(13.19), decay, Bound::Absolute(5e-3)));
+    let fall_s = log(1000.0) / decay;
+    rows.push(Row::computed("fall to 0.1 %", "s", reference(0.52), fall_s, Bound::Absolute(5e-3)));
+
+    let water = water()?;
+    let friction = HOSE.friction(&water)?;
+    let bound = Bound::Percent(1.1);
+    rows.push(
+        Row::computed(
+            "L of the hose",
+            "kPa s²/mL",
+            (line.inertance_kpa_s2_ml, PAPER),
+            HOSE.inertance_kpa_s2_ml(&water),
+            Bound::Percent(0.1),
+        )
+        .fitted(),
+    );
+    for (flow_ml_s, theirs) in [(3.5, 0.0028), (35.0, 0.020)] {
+        let ours = friction.resistance_kpa_s_ml(flow_ml_s);
+        let name = format!("R of the hose at {flow_ml_s} mL/s");
+        rows.push(Row::computed(name, "kPa s/mL", reference(theirs), ours, bound));
+    }
+    rows.push(
+        Row::computed(
+            "R of the hose at 210 mL/s",
+            "kPa s/mL",
+            (line.resistance_kpa_s_ml, PAPER),
+            friction.resistance_kpa_s_ml(210.0),
+            Bound::Percent(0.1),
+        )
+        .fitted(),
+    );
+    for flow_ml_s in [3.5, 35.0, 210.0] {
+        let name = format!("Reynolds number in the hose at {flow_ml_s} mL/s");
+        rows.push(Row::ours(name, "", friction.reynolds(flow_ml_s)));
+    }
+    rows.push(Row::computed(
+        "C of the hose, thick wall",
+        "mL/kPa",
+        reference(0.0455),
+        HOSE.compliance_ml_kpa(&water),
+        Bound::Absolute(5e-5),
+    ));
+    rows.push(Row::computed(
+        "the same against the measured C",
+        "mL/kPa",
+        (line.compliance_ml_kpa, PAPER),
+        HOSE.compliance_ml_kpa(&water),
+        Bound::Percent(27.0),
+    ));
+    for (degc, theirs) in [(25.0, 997.0), (40.0, 992.0)] {
+        let ours = Fluid::water(degc)?.density_kg_m3;
+        let name = format!("density of water at {degc} °C");
+        rows.push(Row::computed(name, "kg/m³", (theirs, PAPER), ours, Bound::Percent(0.03)));
+    }
+    rows.push(Row::missing("points (flow, pressure) behind R", PAPER, "needs raw data"));
+    rows.push(Row::missing("points (volume, pressure) behind C", PAPER, "needs raw data"));
+    rows.push(Row::missing("waveform at 100 r/min behind L", PAPER, "needs raw data"));
+    let before = "The hose is ours: bore 10 mm, 0.331 m and K = 5.75 were chosen so that it has the paper's L, and its R at 210 mL/s. \
+                  Which length and which flow belong to the paper's line, and which Reynolds numbers the paper \
+                  gives, is not available here.\n\n";
+    let after = "The paper's authors found R by flows and pressures, C by a syringe and L by a fit to a waveform: `dose identify` does \
+                 the same with your data ([identification.md](identification.md)).\n";
+    Ok(Section { title: "Lines", before: before.into(), rows, after: after.into() })
+}

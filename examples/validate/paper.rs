@@ -1,0 +1,112 @@
+//! Figures of others, with where they stand: McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure
+//! response of a roller-type peristaltic pump", Sensors and Actuators A (preprint arXiv 2011.13167), and their published code.
+
+/// The paper's table of dimensions.
+pub const TABLE_1: &str = "Table 1";
+/// Elsewhere in the paper; its tables, figures and pages could not be looked up.
+pub const PAPER: &str = "paper";
+/// Main.m of github.com/MPMcIntyre/Roller-pump-model-and-simulation.
+pub const CODE: &str = "authors' code";
+/// Not of the paper: computed once outside this code from the paper's equations and data.
+pub const REFERENCE: &str = "reference";
+
+/// Name, unit, Table 1, authors' code.
+pub const DIMENSIONS: [(&str, &str, f64, f64); 6] = [
+    ("tube bore radius r_i", "mm", 5.0, 5.0),
+    ("tube outer radius r_o", "mm", 7.0, 7.0),
+    ("backplate radius r_b", "mm", 63.0, 62.76),
+    ("contact angle beta", "deg", 30.0, 30.0),
+    ("roller radius r_roller", "mm", 20.0, 19.87),
+    ("roller offset r_offset", "mm", 40.0, 39.5),
+];
+
+/// V_r, mL.
+pub const ROLLER_ML: f64 = 2.06;
+/// phi, deg.
+pub const ENGAGEMENT_DEG: f64 = 50.53;
+
+/// Mean of seven measured roller volumes: deg, mL.
+pub const POINTS: [(f64, f64); 15] = [
+    (0.0, 0.0),
+    (3.37, 0.0207143),
+    (6.92, 0.1057143),
+    (10.62, 0.2528571),
+    (13.98, 0.4357143),
+    (17.68, 0.6842857),
+    (21.2, 0.9007143),
+    (24.93, 1.175),
+    (28.5, 1.4014286),
+    (32.25, 1.6157143),
+    (35.75, 1.815),
+    (39.59, 1.9542857),
+    (42.87, 2.0242857),
+    (46.53, 2.08),
+    (50.53, 2.1064286),
+];
+
+/// V in mL over deg, highest order first.
+pub const POLYNOMIAL: [f64; 6] = [
+    1.315_768_247_757_037_1e-8,
+    -1.238_105_747_404_483_3e-6,
+    -8.751_039_956_479_692e-6,
+    2.792_627_225_484_081_7e-3,
+    -3.158_742_581_049_441e-3,
+    -2.870_791_521_667_906e-4,
+];
+
+/// What was measured of a pump.
+pub struct Measured {
+    pub rollers: u32,
+    /// Speeds from 10 r/min to this, r/min.
+    pub fastest_rpm: u32,
+    /// Ten revolutions, mean over the speeds, mL.
+    pub ten_revolutions_ml: f64,
+    /// Of the linear model, %.
+    pub nrmse_percent: f64,
+    /// Largest deviation of the linear model, %.
+    pub largest_percent: f64,
+    /// Mean Pearson correlation of measured and modelled pressures, inlet and outlet.
+    pub pearson: [f64; 2],
+}
+
+/// Three rollers, two rollers.
+pub const MEASURED: [Measured; 2] = [
+    Measured {
+        rollers: 3,
+        fastest_rpm: 170,
+        ten_revolutions_ml: 212.53,
+        nrmse_percent: 2.37,
+        largest_percent: 9.02,
+        pearson: [0.83, 0.74],
+    },
+    Measured {
+        rollers: 2,
+        fastest_rpm: 300,
+        ten_revolutions_ml: 231.75,
+        nrmse_percent: 1.97,
+        largest_percent: 4.03,
+        pearson: [0.80, 0.79],
+    },
+];
+
+/// Name, unit, paper, authors' code.
+pub const LINE: [(&str, &str, f64, f64); 4] = [
+    ("reservoir pressure P_res", "kPa", 88.637, 88.6372),
+    ("resistance R", "kPa s/mL", 0.1108, 0.1108),
+    ("compliance C", "mL/kPa", 0.0361, 0.036108499),
+    ("inertance L", "kPa s²/mL", 0.0042, 0.0042),
+];
+
+/// rollers, r/min, then max, min, mean of P_in and of P_out, kPa: periodic steady state, true extremes. Not of the paper:
+/// references to 1e-4 kPa.
+pub const STEADY_KPA: [(u32, f64, [f64; 6]); 6] = [
+    (3, 50.0, [90.5879, 84.8782, 86.6686, 93.3473, 87.8604, 90.6054]),
+    (3, 100.0, [95.3347, 73.7963, 84.7002, 104.5105, 83.5685, 92.5738]),
+    (3, 150.0, [100.3254, 61.4112, 82.7318, 116.2201, 77.4455, 94.5422]),
+    (2, 50.0, [90.5578, 84.8847, 86.4742, 93.3369, 87.8931, 90.7998]),
+    (2, 100.0, [96.3518, 73.0388, 84.3114, 105.3520, 82.4483, 92.9626]),
+    (2, 150.0, [99.8906, 61.0270, 82.1486, 116.6113, 78.3548, 95.1254]),
+];
+
+/// From rest to 100 r/min, three rollers from angle 0: min and max of P_in, then of P_out, kPa. References.
+pub const START_KPA: [f64; 4] = [71.725, 98.109, 78.519, 108.568];

@@ -1,0 +1,72 @@
+//! Pressures: periodic steady states, start-up, and what was correlated with them.
+
+use std::error::Error;
+
+use pump_model::math::rad_s;
+use pump_model::{ExactRun, Leg, Port, Pump, Variant};
+
+use crate::page::Section;
+use crate::paper::{MEASURED, PAPER, REFERENCE, START_KPA, STEADY_KPA};
+use crate::row::{Bound, Row};
+
+/// Max, min, mean of P_in, then of P_out, in the periodic steady state, kPa absolute.
+pub fn steady_kpa(rollers: u32, rpm: f64) -> Result<[f64; 6], Box<dyn Error>> {
+    let steady = Pump::preset(rollers, Variant::Measured)?.steady_state(rad_s(rpm))?;
+    Ok([
+        steady.inlet.max_kpa,
+        steady.inlet.min_kpa,
+        steady.inlet_mean_kpa,
+        steady.outlet.max_kpa,
+        steady.outlet.min_kpa,
+        steady.outlet_mean_kpa,
+    ])
+}
+
+/// Pressure of a port over one pitch of the steady state from angle 0, at `count` equal steps, kPa absolute.
+pub fn pitch_kpa(pump: &Pump, port: Port, rpm: f64, count: u32) -> Result<Vec<f64>, Box<dyn Error>> {
+    let state = pump.periodic_state(port, rad_s(rpm))?;
+    let mut run = ExactRun::new(pump, port, [Leg::constant_speed(0.0, rad_s(rpm))], state);
+    let pitch_s = pump.pitch_rad() / rad_s(rpm);
+    Ok((0..count).map(|n| run.pressure_kpa(pitch_s * f64::from(n) / f64::from(count))).collect())
+}
+
+/// The section of the page.
+pub fn section() -> Result<Section, Box<dyn Error>> {
+    const NAMES: [&str; 6] =
+        ["P_in largest", "P_in smallest", "P_in mean", "P_out largest", "P_out smallest", "P_out mean"];
+    let mut rows = Vec::new();
+    for (rollers, rpm, theirs) in STEADY_KPA {
+        for ((theirs, ours), name) in theirs.into_iter().zip(steady_kpa(rollers, rpm)?).zip(NAMES) {
+            let name = format!("{rollers} rollers, {rpm} r/min: {name}");
+            rows.push(Row::computed(name, "kPa", (theirs, REFERENCE), ours, Bound::Absolute(6e-5)));
+        }
+    }
+    let pump = Pump::three_roller();
+    let start =
+        |port| ExactRun::from_rest(&pump, port, [Leg::constant_speed(0.0, rad_s(100.0))]).extremes(10.0);
+    let (inlet, outlet) = (start(Port::Inlet), start(Port::Outlet));
+    let ours = [inlet.min_kpa, inlet.max_kpa, outlet.min_kpa, outlet.max_kpa];
+    let names = ["P_in smallest", "P_in largest", "P_out smallest", "P_out largest"];
+    for ((theirs, ours), name) in START_KPA.into_iter().zip(ours).zip(names) {
+        let name = format!("3 rollers, from rest to 100 r/min at once: {name}");
+        rows.push(Row::computed(name, "kPa", (theirs, REFERENCE), ours, Bound::Absolute(6e-4)));
+    }
+    for measured in &MEASURED {
+        for (port, theirs) in ["inlet", "outlet"].into_iter().zip(measured.pearson) {
+            let name = format!("{} rollers: mean Pearson correlation at the {port}", measured.rollers);
+            rows.push(Row::unchecked(name, "", (theirs, PAPER), "needs raw data"));
+        }
+    }
+    rows.push(Row::unchecked(
+        "Pearson correlation from 50 r/min on, above",
+        "",
+        (0.7, PAPER),
+        "needs raw data",
+    ));
+    let before = "The measured waveforms were not published. What can be checked is that the model's equations are solved right: \
+                  the references were computed outside this code to 1e-4 kPa. Pressures are absolute, extremes are true ones, found \
+                  between the samples.\n\n";
+    let after = "![Pressures at 50, 100 and 150 r/min, three rollers](validation/pressures-three.svg)\n\n\
+                 ![Pressures at 50, 100 and 150 r/min, two rollers](validation/pressures-two.svg)\n";
+    Ok(Section { title: "Pressures", before: before.into(), rows, after: after.into() })
+}

@@ -1,0 +1,225 @@
+//! A figure to compare with, ours, and how far apart they may be.
+
+use pump_model::math::{floor, log10};
+
+/// How far ours may be from theirs.
+#[derive(Clone, Copy)]
+pub enum Bound {
+    /// They are the same number.
+    Equal,
+    /// So many percent of theirs.
+    Percent(f64),
+    /// So much, in the row's unit.
+    Absolute(f64),
+    /// Ours is no more than theirs.
+    AtMost,
+    /// Nothing is claimed.
+    Open,
+}
+
+/// What was done about a figure.
+#[derive(Clone, Copy)]
+pub enum Done {
+    /// Ours follows from inputs that are not this figure.
+    Computed,
+    /// The model takes the figure as it is.
+    Input,
+    /// Parameters of ours were chosen so that this figure comes out: no evidence.
+    Fitted,
+    /// Nothing could be done, and why.
+    Not(&'static str),
+}
+
+/// A line of a table.
+pub struct Row {
+    name: String,
+    unit: &'static str,
+    source: &'static str,
+    theirs: Option<f64>,
+    ours: Option<f64>,
+    bound: Bound,
+    done: Done,
+}
+
+/// The head of a table of rows.
+pub const HEAD: &str = "| | unit | theirs | source | ours | deviation | bound | done |
+| --- | --- | --- | --- | --- | --- | --- | --- |
+";
+
+impl Row {
+    /// A figure that ours is computed beside.
+    pub fn computed(
+        name: impl Into<String>,
+        unit: &'static str,
+        (theirs, source): (f64, &'static str),
+        ours: f64,
+        bound: Bound,
+    ) -> Self {
+        let name = name.into();
+        Self { name, unit, source, theirs: Some(theirs), ours: Some(ours), bound, done: Done::Computed }
+    }
+
+    /// A figure that the model takes as it is.
+    pub fn input(
+        name: impl Into<String>,
+        unit: &'static str,
+        theirs: (f64, &'static str),
+        ours: f64,
+    ) -> Self {
+        Self::computed(name, unit, theirs, ours, Bound::Equal).taken()
+    }
+
+    /// A figure of theirs that nothing can be set beside.
+    pub fn unchecked(
+        name: impl Into<String>,
+        unit: &'static str,
+        (theirs, source): (f64, &'static str),
+        why: &'static str,
+    ) -> Self {
+        let (name, done) = (name.into(), Done::Not(why));
+        Self { name, unit, source, theirs: Some(theirs), ours: None, bound: Bound::Open, done }
+    }
+
+    /// Figures that were not published.
+    pub fn missing(name: impl Into<String>, source: &'static str, why: &'static str) -> Self {
+        Self { theirs: None, ..Self::unchecked(name, "", (0.0, source), why) }
+    }
+
+    /// A figure of ours that no published one stands beside.
+    pub fn ours(name: impl Into<String>, unit: &'static str, ours: f64) -> Self {
+        let (name, done) = (name.into(), Done::Computed);
+        Self { name, unit, source: "none", theirs: None, ours: Some(ours), bound: Bound::Open, done }
+    }
+
+    /// The same within another bound.
+    pub fn bounded(self, bound: Bound) -> Self {
+        Self { bound, ..self }
+    }
+
+    /// The same, said to be an input.
+    pub fn taken(self) -> Self {
+        Self { done: Done::Input, ..self }
+    }
+
+    /// The same, said to be fitted.
+    pub fn fitted(self) -> Self {
+        Self { done: Done::Fitted, ..self }
+    }
+
+    /// Ours less theirs and the largest that is allowed, both in percent or in the row's unit.
+    fn deviation(&self) -> Option<(f64, f64)> {
+        let (theirs, ours) = (self.theirs?, self.ours?);
+        Some(match self.bound {
+            Bound::Equal => (ours - theirs, 0.0),
+            Bound::Percent(bound) => (100.0 * (ours - theirs) / theirs.abs(), bound),
+            Bound::Absolute(bound) => (ours - theirs, bound),
+            Bound::AtMost => (ours - theirs, f64::INFINITY),
+            Bound::Open => (100.0 * (ours - theirs) / theirs.abs(), f64::INFINITY),
+        })
+    }
+
+    /// What is wrong, if the deviation exceeds its bound or is not a number.
+    pub fn beyond_bound(&self) -> Option<String> {
+        let (deviation, bound) = self.deviation()?;
+        let holds = match self.bound {
+            Bound::AtMost => deviation <= 0.0,
+            _ => deviation.abs() <= bound,
+        };
+        (!holds).then(|| format!("{}: deviation {deviation}, allowed {bound}", self.name))
+    }
+
+    /// The row as Markdown.
+    pub fn markdown(&self) -> String {
+        let shown = |value: f64| match self.done {
+            // Degrees come back from radians with a last bit of rounding.
+            Done::Input => trimmed(&figure(value, 7)),
+            _ => figure(value, 7),
+        };
+        let unit = match self.bound {
+            Bound::Percent(_) | Bound::Open => " %".to_owned(),
+            _ if self.unit == "%" => " points".to_owned(),
+            _ if self.unit.is_empty() => String::new(),
+            _ => format!(" {}", self.unit),
+        };
+        let deviation = match (self.deviation(), self.bound) {
+            (None, _) | (_, Bound::AtMost) => "-".to_owned(),
+            // Rounding of the last bit differs with the order of a sum, not with what is compared.
+            (Some((deviation, _)), _) if deviation.abs() < 1e-12 => "0".to_owned(),
+            (Some((deviation, _)), _) => {
+                format!("{}{}{unit}", if deviation > 0.0 { "+" } else { "" }, figure(deviation, 3))
+            }
+        };
+        let bound = match self.bound {
+            Bound::Equal => "0".to_owned(),
+            Bound::Percent(bound) | Bound::Absolute(bound) => format!("{}{unit}", as_printed(bound)),
+            Bound::AtMost => "at most theirs".to_owned(),
+            Bound::Open => "-".to_owned(),
+        };
+        let done = match self.done {
+            Done::Computed => "computed",
+            Done::Input => "input",
+            Done::Fitted => "fitted",
+            Done::Not(why) => why,
+        };
+        let theirs = self.theirs.map_or("-".to_owned(), as_printed);
+        format!(
+            "| {} | {} | {theirs} | {} | {} | {deviation} | {bound} | {done} |\n",
+            self.name,
+            self.unit,
+            self.source,
+            self.ours.map_or("-".to_owned(), shown)
+        )
+    }
+}
+
+/// A figure with all the digits that it was given.
+fn as_printed(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-3 { format!("{value:e}") } else { value.to_string() }
+}
+
+/// A number with so many significant digits.
+pub fn figure(value: f64, digits: i32) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = floor(log10(value.abs())) as i32;
+    if exponent < -3 {
+        return format!("{value:.0$e}", (digits - 1).max(0) as usize);
+    }
+    format!("{value:.0$}", (digits - 1 - exponent).max(0) as usize)
+}
+
+/// Without zeros at the end of a fraction.
+fn trimmed(text: &str) -> String {
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn beyond(theirs: f64, ours: f64, bound: Bound) -> bool {
+        Row::computed("a length", "mm", (theirs, "paper"), ours, bound).beyond_bound().is_some()
+    }
+
+    #[test]
+    fn what_is_beyond_its_bound_is_told_and_no_number_is_within_any() {
+        assert!(beyond(2.0, 2.1, Bound::Percent(4.9)) && !beyond(2.0, 2.1, Bound::Percent(5.1)));
+        assert!(beyond(-2.0, -2.1, Bound::Absolute(0.09)) && !beyond(-2.0, -2.1, Bound::Absolute(0.11)));
+        assert!(beyond(2.0, 2.1, Bound::AtMost) && !beyond(2.0, 1.0, Bound::AtMost));
+        assert!(beyond(2.0, 2.0 + 1e-15, Bound::Equal) && !beyond(2.0, 2.0, Bound::Equal));
+        assert!(beyond(2.0, f64::NAN, Bound::Open) && !beyond(2.0, 5.0, Bound::Open));
+    }
+
+    #[test]
+    fn figures_have_the_digits_asked_for() {
+        assert_eq!(figure(21.318_49, 4), "21.32");
+        assert_eq!(figure(212.0, 5), "212.00");
+        assert_eq!(figure(-0.0421, 2), "-0.042");
+        assert_eq!(figure(1.26e-6, 2), "1.3e-6");
+    }
+}
