@@ -65,6 +65,7 @@ mod propagator;
 mod pump;
 #[cfg(feature = "identification")]
 mod quadrature;
+mod ringing;
 mod ripple;
 #[cfg(feature = "integrator")]
 mod roller_centric;
