@@ -71,6 +71,8 @@ pub struct DoseRequest {
     pub finish: Finish,
     /// Where the rollers stand, rad; none takes the recorded angle.
     pub start_angle_rad: Option<f64>,
+    /// Of the rest of a dose that was cut off the volume of the whole, mL; none if this is the whole.
+    pub whole_ml: Option<f64>,
     /// What is sucked back after the dose, mL, positive; none sucks nothing back.
     pub retract_ml: Option<f64>,
     /// Limit at the port that pushes, kPa absolute; none takes the pump file's.
@@ -89,6 +91,7 @@ impl DoseRequest {
             smooth: false,
             finish: Finish::Any,
             start_angle_rad: None,
+            whole_ml: None,
             retract_ml: None,
             max_outlet_kpa: None,
             min_inlet_kpa: None,

@@ -3,6 +3,8 @@
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::Duration;
 
 use pump_model::Pump;
 use thiserror::Error;
@@ -109,7 +111,16 @@ impl Folder {
             .truncate(false)
             .open(&path)
             .map_err(failed("write", &path))?;
-        match file.try_lock() {
+        // Somebody who only asks who has the pump, holds the lock for an instant.
+        let mut tried = file.try_lock();
+        for _ in 0..10 {
+            if !matches!(tried, Err(TryLockError::WouldBlock)) {
+                break;
+            }
+            sleep(Duration::from_millis(5));
+            tried = file.try_lock();
+        }
+        match tried {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 return Err(self.busy(named_holder(&mut file)));

@@ -19,7 +19,7 @@ impl Retraction {
     /// Plans the way back by `volume_ml` (positive) from where `dose` ends, at the dose's own speed and with its
     /// calibration there.
     pub(crate) fn new(dose: &Prepared, volume_ml: f64) -> Result<Self, PlanError> {
-        let (model, asked) = (&dose.model, dose.plan.requested_ml);
+        let (model, asked) = (&dose.model, dose.request.whole_ml.unwrap_or(dose.plan.requested_ml));
         if volume_ml > asked && asked > 0.0 {
             let allowed = "no more than the dose: `dose -5mL` runs back farther";
             return Err(PlanError::OutOfRange { parameter: "retraction in mL", value: volume_ml, allowed });

@@ -8,6 +8,8 @@ use serde::{Deserialize, Serialize};
 use crate::calibration::Correction;
 use crate::dose::{PhaseSource, Purpose};
 
+use super::Terms;
+
 /// One entry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -89,6 +91,9 @@ pub struct Intent {
     /// What is to be sucked back afterwards, mL.
     #[serde(default)]
     pub retract_ml: Option<f64>,
+    /// What else was asked of it.
+    #[serde(default, skip_serializing_if = "Terms::is_none")]
+    pub terms: Terms,
     /// The calibration that it was planned with.
     #[serde(default, skip_serializing_if = "Correction::is_none")]
     pub correction: Correction,
@@ -197,6 +202,7 @@ impl Intent {
             step_rad: plan.step_rad,
             motion_s: plan.profile.duration_s(),
             retract_ml: None,
+            terms: Terms::default(),
             correction,
         }
     }
@@ -347,6 +353,7 @@ mod tests {
             step_rad: 0.001,
             motion_s: 1.0,
             retract_ml: None,
+            terms: Terms::default(),
             correction: Correction::NONE,
         };
         let before = State { carry_ml: 0.25, ..State::fresh(Phase::known(1.0), PhaseSource::Home) };
@@ -372,6 +379,7 @@ mod tests {
                 step_rad: 0.001,
                 motion_s: 1.0,
                 retract_ml: None,
+                terms: Terms::default(),
                 correction: Correction::NONE,
             },
             made_least: 0,

@@ -6,6 +6,7 @@
 
 mod entry;
 mod line;
+mod terms;
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -17,6 +18,7 @@ use thiserror::Error;
 use crate::output::{folder_of, sync_folder};
 
 pub use entry::{Entry, Intent, State, Unfinished, Wear, Why};
+pub use terms::Terms;
 
 /// How much of the end of a journal is read at first, bytes: some hundred entries.
 const WINDOW: u64 = 65_536;
@@ -228,6 +230,13 @@ mod tests {
         step_rad: 0.0005,
         motion_s: 1.0,
         retract_ml: None,
+        terms: Terms {
+            cruise_rad_s: None,
+            smooth: false,
+            low_flow: false,
+            max_outlet_kpa: None,
+            min_inlet_kpa: None,
+        },
         correction: Correction::NONE,
     });
 

@@ -10,7 +10,7 @@ use crate::bench::Bench;
 use crate::calibration::Correction;
 use crate::dose::{PhaseSource, Purpose};
 use crate::error::DoseError;
-use crate::journal::{JournalError, State, Why};
+use crate::journal::{JournalError, State, Terms, Why};
 
 use super::Session;
 use super::motion::{Motion, Moved};
@@ -170,6 +170,7 @@ impl Session<'_> {
             carry_out_ml,
             given: false,
             retract_ml: None,
+            terms: Terms::default(),
             settle_s: 0.0,
             seeks,
         };

@@ -14,7 +14,7 @@ use crate::bench::Bench;
 use crate::dose::{DoseRequest, Prepared, Purpose};
 use crate::error::{DoseError, between};
 use crate::folder::Lock;
-use crate::journal::{Entry, Journal, JournalError, State, Unfinished, Wear, Why};
+use crate::journal::{Entry, Journal, JournalError, State, Terms, Unfinished, Wear, Why};
 use crate::report_text::significant;
 
 use device::Device;
@@ -110,8 +110,9 @@ impl<'a> Session<'a> {
         self.checked(prepared)
     }
 
-    /// Plans the rest of the unfinished dose, at `cruise` or the pump's default rate: to the same end angle if what was
-    /// delivered is known, to where it is most probably otherwise.
+    /// Plans the rest of the unfinished dose as the whole was asked for, in what `request` leaves open (cruise, limits; a smooth
+    /// flow stays smooth, an end at low flow one): to the same end angle if what was delivered is known, to where it is most
+    /// probably otherwise.
     pub fn prepare_rest(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
         if self.stands().unfinished.is_none() {
             return Err(DoseError::NothingUnfinished("resume"));
@@ -126,7 +127,9 @@ impl<'a> Session<'a> {
         let volume_ml = intent.requested_ml - 0.5 * (least_ml + most_ml);
         let carry_ml = if intent.purpose == Purpose::Dose { intent.carry_in_ml } else { state.carry_ml };
         let retract_ml = intent.retract_ml;
-        let rest = DoseRequest { purpose: intent.purpose, volume_ml, retract_ml, ..request };
+        let whole_ml = Some(intent.requested_ml);
+        let request = intent.terms.of_rest(request);
+        let rest = DoseRequest { purpose: intent.purpose, volume_ml, whole_ml, retract_ml, ..request };
         let state = State { unfinished: None, carry_ml, ..state };
         let mut prepared = self.bench.plan_from(self.file(), Some(state), rest)?;
         if most_ml - least_ml > prepared.plan.end_step_ml(&prepared.model) {
@@ -218,6 +221,7 @@ impl<'a> Session<'a> {
             carry_out_ml: prepared.carry_out_ml,
             given,
             retract_ml: prepared.request.retract_ml,
+            terms: Terms::of(prepared),
             settle_s: prepared.prediction.settle_s,
             seeks: false,
         };
@@ -240,6 +244,7 @@ impl<'a> Session<'a> {
                 carry_out_ml: retraction.carry_out_ml,
                 given: false,
                 retract_ml: None,
+                terms: Terms::default(),
                 settle_s: retraction.prediction.settle_s,
                 seeks: false,
             };

@@ -11,7 +11,7 @@ use crate::calibration::Correction;
 use crate::dose::Purpose;
 use crate::drivers::{Disturbance, Drive, Sought};
 use crate::error::DoseError;
-use crate::journal::{Entry, Intent, JournalError, State, Unfinished, Why};
+use crate::journal::{Entry, Intent, JournalError, State, Terms, Unfinished, Why};
 
 use super::stretches::Stretches;
 use super::{Session, unix_s};
@@ -33,6 +33,8 @@ pub(super) struct Motion<'p> {
     pub(super) given: bool,
     /// What is to be sucked back afterwards, mL.
     pub(super) retract_ml: Option<f64>,
+    /// What else was asked.
+    pub(super) terms: Terms,
     /// How long the line needs to settle, s.
     pub(super) settle_s: f64,
     /// Whether it ends at the index mark.
@@ -67,6 +69,7 @@ impl Session<'_> {
         }
         let mut intent = Intent::of(plan, motion.correction, motion.purpose, motion.carry_out_ml, unix_s());
         intent.retract_ml = motion.retract_ml;
+        intent.terms = motion.terms;
         if !motion.given {
             // A disturbance since it was planned counts.
             intent.half_width_rad = intent.half_width_rad.max(before.half_width_rad);

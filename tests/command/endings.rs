@@ -16,7 +16,17 @@ const LONG: &str = "3L";
 
 /// Starts a long dose and waits until its journal says that steps may be made.
 fn begun(user: &User) -> Child {
-    let child = user.command(&[LONG]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    begun_with(user, &[])
+}
+
+/// The same with options.
+fn begun_with(user: &User, options: &[&str]) -> Child {
+    let child = user
+        .command(&[&[LONG], options].concat())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
     let deadline = Instant::now() + Duration::from_secs(20);
     while !fs::read_to_string(user.path(JOURNAL)).is_ok_and(|text| text.contains("progress")) {
         assert!(Instant::now() < deadline, "no progress on record");
@@ -29,6 +39,29 @@ fn begun(user: &User) -> Child {
 fn signal(child: &Child, name: &str) {
     let id = child.id().to_string();
     assert!(std::process::Command::new("kill").args(["-s", name, &id]).status().unwrap().success());
+}
+
+#[test]
+fn the_rest_of_a_dose_keeps_its_rate_its_limits_its_end_and_its_retraction() {
+    let user = User::new();
+    let options = [
+        "--rate",
+        "20mL/s",
+        "--max-outlet-pressure",
+        "150kPaa",
+        "--finish",
+        "low-flow",
+        "--retract",
+        "2990mL",
+    ];
+    let child = begun_with(&user, &options);
+    signal(&child, "INT");
+    assert_eq!(child.wait_with_output().unwrap().status.code(), Some(130));
+    let rest = user.json(&["resume"]);
+    assert!((number(&rest, "cruise_flow_ml_s") - 20.0).abs() < 1e-6, "{rest}");
+    assert!((number(&rest, "retraction_ml") - 2990.0).abs() < 0.01, "{rest}");
+    assert_eq!(rest["finish"], "low-flow");
+    assert!(!rest["limits_not_checked"].as_array().unwrap().contains(&"outlet_pressure".into()), "{rest}");
 }
 
 #[test]

@@ -126,6 +126,7 @@ impl Doser {
             smooth,
             finish: finish_named(finish)?,
             start_angle_rad: Some(start_angle_rad),
+            whole_ml: None,
             retract_ml: retracted_ml(retract)?,
             max_outlet_kpa: doser.limits.max_outlet_kpa,
             min_inlet_kpa: doser.limits.min_inlet_kpa,

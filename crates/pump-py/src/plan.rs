@@ -274,6 +274,7 @@ impl Plan {
             smooth,
             finish: finish_named(finish)?,
             start_angle_rad: Some(start_angle_rad),
+            whole_ml: None,
             retract_ml,
             max_outlet_kpa: limits.max_outlet_kpa,
             min_inlet_kpa: limits.min_inlet_kpa,

@@ -127,7 +127,10 @@ impl Worker {
         };
         match (ended, raised) {
             (Ok(Some(done)), None) => {
-                tell(progress, &signal, &mut told)?;
+                if let Err(error) = tell(progress, &signal, &mut told) {
+                    error.value(py).call_method1("add_note", (note(&done),))?;
+                    return Err(error);
+                }
                 Ok(done)
             }
             (Ok(None), None) => Err(PumpError::new_err("stopped before it began; nothing was moved")),

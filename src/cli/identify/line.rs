@@ -1,7 +1,7 @@
 //! `dose identify line`: R, C and L from pressure waveforms.
 
 use clap::{Args, ValueEnum};
-use pump_ctl::plan::{Cruise, speed_for_flow};
+use pump_ctl::plan::Cruise;
 use pump_dose::fit_plot::Axes;
 use pump_dose::identification::{self, Turning, identified_line, waveforms_of_csv};
 use pump_dose::quantity;
@@ -64,10 +64,11 @@ pub(super) fn line(args: &LineArgs, options: &Options) -> Result<(), Failure> {
     let pump = file.model().map_err(Failure::refused)?;
     let speed_rad_s = match options.cruise()? {
         Some(Cruise::Speed { rad_s }) => rad_s,
-        Some(Cruise::Flow { ml_s }) => speed_for_flow(&pump, ml_s),
+        Some(Cruise::Flow { ml_s }) => file.speed_for_flow(&pump, ml_s).map_err(Failure::refused)?,
         _ => return Err(Failure::refused("how fast did it turn? Add --speed 100rpm or --rate 10mL/s")),
     };
     let speed_rad_s = if options.reverse { -speed_rad_s } else { speed_rad_s };
+    let pump = file.pump_at(&pump, speed_rad_s).map_err(Failure::refused)?;
     if args.begin == Begin::Steady && args.start_time.is_some() {
         return Err(Failure::refused("--start-time means nothing to a steady record; leave it out"));
     }
