@@ -179,7 +179,7 @@ def progress(done, total):
 for _ in range(3):
     begun = []
     try:
-        pm.sweep(pump, speed_rpm=[1e-6] * 100, progress=progress)
+        pm.sweep(pump, speed_rpm=[1e-3] * 100, progress=progress)
     except KeyboardInterrupt:
         print(time.monotonic(), flush=True)
 """

@@ -75,6 +75,7 @@ class Dose(Record):
     delivered_ml: float | None
     volume_basis: str
     calibration: CalibrationUsed | None
+    speed_law_factor: float | None
     expanded_uncertainty_ml: float
     uncertainty_budget: tuple[Share, ...]
     phase: Phase

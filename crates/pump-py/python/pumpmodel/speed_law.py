@@ -16,8 +16,8 @@ from pumpmodel._record import Record
 class SpeedLaw(Record):
     """How the volume of a revolution depends on the speed, by the inlet pressure that traps a segment.
 
-    Experimental: doses use it where the pump's `[speed_law]` or a calibration says so. The published parameters are
-    fitted to summary numbers of McIntyre et al.
+    Experimental: doses use it where the pump's `[speed_law]` or a calibration says so. The published
+    parameters are fitted to summary numbers of McIntyre et al.
 
     Parameters
     ----------
