@@ -141,6 +141,12 @@ impl Bench {
         state: Option<State>,
         request: DoseRequest,
     ) -> Result<Prepared, DoseError> {
+        let (asked_ml, carry_ml) = (request.volume_ml, state.map_or(0.0, |state| state.carry_ml));
+        let owed_ml = asked_ml + carry_ml;
+        if request.purpose == Purpose::Dose && owed_ml * asked_ml < 0.0 {
+            self.refuse_unfinished(state)?;
+            return Err(DoseError::RunsTheOtherWay { asked_ml, carry_ml, owed_ml });
+        }
         let prepared = self.plan_from(file, state, request)?;
         self.tube_life(state, &prepared).map_or(Ok(()), |tube| tube.check())?;
         Ok(prepared)

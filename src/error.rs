@@ -46,6 +46,19 @@ pub enum DoseError {
         /// Largest.
         most_ml: f64,
     },
+    /// What earlier doses gave too much is more than what is asked.
+    #[error(
+        "{asked_ml} mL asked and {carry_ml:+.4} mL carried from earlier doses would have the pump run the other way, by \
+         {owed_ml:.4} mL; ask for more than what is carried, or drop it with `dose home --set`"
+    )]
+    RunsTheOtherWay {
+        /// What is asked, mL.
+        asked_ml: f64,
+        /// What earlier doses owe, mL.
+        carry_ml: f64,
+        /// What the pump would deliver, mL.
+        owed_ml: f64,
+    },
     /// The dose would use up the tube.
     #[error(
         "the tube has pumped {pumped_ml:.1} mL, and this dose of {planned_ml:.4} mL would use up the {life_ml} mL that it \

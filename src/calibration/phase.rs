@@ -115,12 +115,18 @@ impl PhaseFit {
         let variance_ratio = left / f64::from(degrees_of_freedom);
         let undetermined =
             |why| CalibrationError::Undetermined { what: "roller volume, engagement angle and zero", why };
-        let covariance = inverse(&all.normal_equations(&best)?.0)
+        let expected_covariance = inverse(&all.normal_equations(&best)?.0)
             .filter(|inverse| inverse.diagonal().iter().all(|variance| *variance > 0.0))
             .ok_or(undetermined(
                 "they do not sweep a pulse; turn a fifth of a pitch from angles all over a pitch",
-            ))?
-            * variance_ratio;
+            ))?;
+        // Readings that happen to agree do not make up for doses that say nothing of a pulse.
+        if sqrt(expected_covariance[(2, 2)]) > pump.pitch_rad() / 12.0 {
+            return Err(undetermined(
+                "they sweep too little of a pulse; turn a fifth of a pitch from angles all over a pitch",
+            ));
+        }
+        let covariance = expected_covariance * variance_ratio;
         let tilted = Doses { tilt: 1.0 + revolution.standard(pump)?, ..all }.search_from(best)?.0 - best;
         let standard = |n: usize| {
             let scattered = widening(degrees_of_freedom) * sqrt(covariance[(n, n)]);

@@ -45,3 +45,17 @@ fn a_low_flow_end_that_cannot_be_known_or_had_is_refused_by_name() {
     assert!(unknown.contains("a dose that ends at low flow needs the rollers' angle"), "{unknown}");
     user.json(&["25mL", "--finish", "low-flow", "--start-angle", "10deg", "--dry-run"]);
 }
+
+#[test]
+fn what_is_carried_never_has_a_dose_run_the_other_way() {
+    let user = User::new();
+    assert!(user.command(&["home", "--set", "20deg"]).status().unwrap().success());
+    let much = user.json(&["25mL", "--finish", "low-flow"]);
+    let carry_ml = number(&much, "carry_ml");
+    assert!(carry_ml < -3.0, "{much}");
+    let refused = user.is_refused(&["1mL"]);
+    assert!(refused.contains("would have the pump run the other way, by -2.2"), "{refused}");
+    assert!((number(&user.json(&["status"]), "carry_ml") - carry_ml).abs() < 1e-12);
+    let more = user.json(&["10mL"]);
+    assert!((number(&more, "planned_ml") - 10.0 - carry_ml).abs() < 2e-3, "{more}");
+}

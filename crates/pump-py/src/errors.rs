@@ -134,9 +134,10 @@ pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
         | DoseError::Connection(_)
         | DoseError::NoIndex { .. }
         | DoseError::Retraction { .. } => DriveError::new_err(message),
-        DoseError::TubeWorn { .. } | DoseError::TooSlow { .. } | DoseError::Stale { .. } => {
-            PlanError::new_err(message)
-        }
+        DoseError::TubeWorn { .. }
+        | DoseError::RunsTheOtherWay { .. }
+        | DoseError::TooSlow { .. }
+        | DoseError::Stale { .. } => PlanError::new_err(message),
         DoseError::NoAngle { .. } => PumpFileError::new_err(message),
         _ => PumpError::new_err(message),
     }

@@ -77,6 +77,9 @@ pub(super) fn text(bench: &Bench, stored: &Stored) -> Result<String, Calibration
         let _ =
             writeln!(text, "  warning: run {run} lies far from the others; it is in the fit: weigh it again");
     }
+    if found.scatter.is_some_and(|scatter| found.lack_of_fit > 2.0 * scatter) {
+        text.push_str("  warning: the speeds depart from the fit by far more than the runs scatter; it is not their shape\n");
+    }
     let limit_rpm = file.motor.max_speed_rpm;
     if found.range_rpm().1 > 1.01 * limit_rpm {
         let _ = writeln!(
