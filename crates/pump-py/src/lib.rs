@@ -21,6 +21,7 @@ mod pump_dimensions;
 mod pump_flow;
 mod pump_make;
 mod pump_run;
+mod repeated;
 mod run;
 mod speed;
 mod speed_law;
@@ -52,6 +53,8 @@ mod _pumpmodel {
     use crate::plan::Plan;
     #[pymodule_export]
     use crate::pump::Pump;
+    #[pymodule_export]
+    use crate::repeated::Schedule;
     #[pymodule_export]
     use crate::run::Run;
     #[pymodule_export]

@@ -117,7 +117,8 @@ impl Pump {
         Run::collect(py, simulation.intervals() + 1, samples)
     }
 
-    /// Periodic steady state at constant speed, start-up forgotten. Other threads run meanwhile.
+    /// Periodic steady state at constant speed, start-up forgotten. Other threads run meanwhile. A line that is a hose
+    /// has its resistance at the pump's default rate; `simulate` follows its friction at every flow.
     ///
     /// Parameters
     /// ----------

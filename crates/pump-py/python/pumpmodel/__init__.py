@@ -27,7 +27,7 @@ from pumpmodel._pumpmodel import (
     rmse,
 )
 from pumpmodel.bench import Bench
-from pumpmodel.dose import Dose, Status
+from pumpmodel.dose import Dose, Status, Verification
 from pumpmodel.errors import DriveError, PlanError, PumpError, PumpFileError, UnfinishedError
 from pumpmodel.fluid import Fluid
 from pumpmodel.hose import Hose
@@ -70,6 +70,7 @@ __all__ = [
     "SteadyState",
     "Sweep",
     "UnfinishedError",
+    "Verification",
     "VolumeFit",
     "WeighedRun",
     "__version__",

@@ -7,13 +7,14 @@ from typing import Any, Literal, Self
 
 from pumpmodel._bench_calibration import BenchCalibration
 from pumpmodel._bench_record import BenchRecord
+from pumpmodel._bench_repeated import BenchRepeated
 from pumpmodel._pumpmodel import Doser, Limits, Plan, Pump, _Bench
 from pumpmodel.dose import Dose
 
 Progress = Callable[[int, int], object]
 
 
-class Bench(BenchRecord, BenchCalibration):
+class Bench(BenchRecord, BenchCalibration, BenchRepeated):
     """A pump with its driver, its journal and its lock: the same that the command `dose` uses.
 
     Opening moves and creates nothing. The first call that moves or records takes the pump, and keeps it until

@@ -176,3 +176,33 @@ class Status(Record):
     unfinished: Unfinished | None
     in_use_by: str | None
     folder: str
+
+
+@dataclass(frozen=True)
+class Tolerance(Record):
+    """Largest errors allowed, in per cent."""
+
+    systematic_percent: float
+    random_percent: float
+
+
+@dataclass(frozen=True)
+class Verification(Record):
+    """What repeated doses of one volume show: the command's JSON `verification/1`.
+
+    The systematic error is mean less nominal, the random one the standard deviation (n - 1); in mL, and in
+    per cent of nominal and mean (ISO 8655-6).
+    """
+
+    _records: ClassVar[dict[str, type[Record]]] = {"tolerance": Tolerance}
+
+    schema: str
+    nominal_ml: float
+    volumes_ml: tuple[float, ...]
+    mean_ml: float
+    systematic_ml: float
+    systematic_percent: float
+    random_ml: float
+    random_percent: float
+    tolerance: Tolerance
+    passed: bool

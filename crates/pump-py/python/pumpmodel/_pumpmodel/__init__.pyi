@@ -1,6 +1,7 @@
 from typing import Final
 
 from .bench import _Bench as _Bench
+from .bench import _Schedule as _Schedule
 from .doser import Calibration as Calibration
 from .doser import Doser as Doser
 from .doser import Limits as Limits
@@ -42,6 +43,7 @@ __all__ = [
     "Run",
     "SteadyState",
     "_Bench",
+    "_Schedule",
     "__version__",
     "_fluid_check",
     "_fluid_water",
