@@ -97,7 +97,7 @@ struct Doses<'a> {
 impl PhaseFit {
     /// Fits the doses of `pump`, as it is without calibration: weighted nonlinear least squares after Levenberg and Marquardt,
     /// with the volume of a revolution held, which whole pitches tell better than any short dose. What is unsure of it is part
-    /// of the standard uncertainties, by a second fit to so much more. A dose weighs as in [`Displacement::fit`].
+    /// of the standard uncertainties, by a second fit to so much more. A dose weighs as in [`Displacement::fit`](super::Displacement::fit).
     pub fn of(
         pump: &Pump,
         revolution: Revolution<'_>,
