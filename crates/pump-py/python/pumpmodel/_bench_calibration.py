@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from pumpmodel._pumpmodel import Calibration, _Bench
+from pumpmodel.dose import Verification
 from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun
 
 
@@ -119,3 +120,37 @@ class BenchCalibration:
             If there is no such version.
         """
         self._core.use_calibration(version)
+
+    def verify(
+        self,
+        nominal: str,
+        readings: Sequence[str],
+        *,
+        systematic_percent: float | None = None,
+        random_percent: float | None = None,
+    ) -> Verification:
+        """Judge weighed doses of one volume, as ISO 8655-6 reports them. Moves and records nothing.
+
+        Parameters
+        ----------
+        nominal : str
+            What every dose should be, as "10mL".
+        readings : sequence of str
+            What scale or vessel showed for each, as "9.98g" or "10.01mL"; two at least, ten by the standard.
+            Masses are those of the bench's fluid at its temperature.
+        systematic_percent, random_percent : float, optional
+            Largest errors allowed, in per cent; by default those of ISO 8655-5 for 10 mL.
+
+        Returns
+        -------
+        Verification
+            Both errors, and whether they are allowed.
+
+        Raises
+        ------
+        ValueError
+            If a reading is none, or no tolerance is known.
+        """
+        return Verification._from_json(
+            self._core.verify(nominal, readings, systematic_percent, random_percent)
+        )

@@ -1,20 +1,21 @@
 """A bench: one pump, what turns it, and what is recorded of it."""
 
 import os
-from collections.abc import Callable
+import time
+import warnings
+from collections.abc import Callable, Iterator
 from types import TracebackType
 from typing import Any, Literal, Self
 
 from pumpmodel._bench_calibration import BenchCalibration
 from pumpmodel._bench_record import BenchRecord
-from pumpmodel._bench_repeated import BenchRepeated
-from pumpmodel._pumpmodel import Doser, Limits, Plan, Pump, _Bench
+from pumpmodel._pumpmodel import Doser, Limits, Plan, Pump, _Bench, _Schedule
 from pumpmodel.dose import Dose
 
 Progress = Callable[[int, int], object]
 
 
-class Bench(BenchRecord, BenchCalibration, BenchRepeated):
+class Bench(BenchRecord, BenchCalibration):
     """A pump with its driver, its journal and its lock: the same that the command `dose` uses.
 
     Opening moves and creates nothing. The first call that moves or records takes the pump, and keeps it until
@@ -259,6 +260,80 @@ class Bench(BenchRecord, BenchCalibration, BenchRepeated):
             carry_in_ml=carry_ml,
             **keywords,
         )
+
+    def batch(
+        self,
+        volume: str,
+        count: int,
+        *,
+        every_s: float | None = None,
+        missed: Literal["skip", "now"] = "skip",
+        rate: str | None = None,
+        speed: str | None = None,
+        within: str | None = None,
+        smooth: bool = False,
+        finish: Literal["any", "low-flow"] = "any",
+        retract: str | None = None,
+        start_angle_rad: float | None = None,
+        limits: Limits | None = None,
+    ) -> Iterator[Dose]:
+        """Dose again and again: each dose is made as it is asked for, as by `for dose in bench.batch(...)`.
+
+        What a dose leaves over is carried to the next. A batch that is left early makes no more doses.
+
+        Parameters
+        ----------
+        volume : str
+            Of every dose.
+        count : int
+            How many doses, 1 to 1,000,000.
+        every_s : float, optional
+            Time from the start of a dose to the start of the next, s; by default one follows the other. It
+            counts from the first `next`; what is done between two doses takes of it.
+        missed : {"skip", "now"}
+            Whether a dose whose time has passed is left out, which is warned of, or made at once.
+        rate, speed, within, smooth, finish, retract, start_angle_rad, limits
+            As of `dose`; the start angle is the first dose's.
+
+        Yields
+        ------
+        Dose
+            What came of each.
+
+        Raises
+        ------
+        ValueError
+            If count, every_s or missed is not allowed.
+
+        Warns
+        -----
+        RuntimeWarning
+            Of each dose that was left out.
+        """
+        schedule = _Schedule(count, every_s, missed)
+        started = time.monotonic()
+        while True:
+            action, number = schedule.next(time.monotonic() - started)
+            if action == "done":
+                return
+            if action == "wait":
+                time.sleep(max(0.0, number - (time.monotonic() - started)))
+            elif action == "skip":
+                message = f"dose {number:.0f} of {count} was skipped: its time had passed"
+                warnings.warn(message, RuntimeWarning, stacklevel=2)
+            else:
+                yield self.dose(
+                    volume,
+                    rate=rate,
+                    speed=speed,
+                    within=within,
+                    smooth=smooth,
+                    finish=finish,
+                    retract=retract,
+                    start_angle_rad=start_angle_rad,
+                    limits=limits,
+                )
+                start_angle_rad = None
 
     def resume(
         self,
