@@ -185,7 +185,6 @@ for _ in range(3):
 """
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for one child")
 def test_ctrl_c_ends_a_sweep_within_a_fifth_of_a_second() -> None:
     delays_s = []
     with subprocess.Popen([sys.executable, "-c", ENDLESS], stdout=subprocess.PIPE, text=True) as child:
