@@ -1,0 +1,86 @@
+//! The shape of the sources: rooms, arrows, lengths. ARCHITECTURE.md promises what these tests hold.
+
+mod graph;
+mod names;
+mod sources;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use graph::Graph;
+use names::Names;
+use sources::Sources;
+
+/// The folder of the workspace.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The folder of `file`, relative to the workspace.
+fn folder(file: &Path) -> PathBuf {
+    file.parent().map(Path::to_owned).unwrap_or_default()
+}
+
+/// The arrows between the source files of every crate of the workspace.
+fn house() -> Graph {
+    let sources = Sources::of_workspace(root());
+    let graph = Names::new(&sources).graph();
+    if let Some(file) = std::env::var_os("STRUCTURE_DRAWING") {
+        std::fs::write(file, graph.to_string()).unwrap();
+    }
+    graph
+}
+
+#[test]
+fn no_circle_of_files_crosses_a_folder() {
+    let graph = house();
+    let crossing: Vec<String> = graph
+        .circles()
+        .into_iter()
+        .filter(|circle| circle.iter().any(|file| folder(file) != folder(&circle[0])))
+        .map(|circle| graph.describe(&circle))
+        .collect();
+    assert!(crossing.is_empty(), "{} circles of files cross a folder:\n{}", crossing.len(), crossing.join("\n"));
+}
+
+#[test]
+fn the_arrows_are_found() {
+    let graph = house();
+    let arrow = |from: &str, to: &str| graph.has(Path::new(from), Path::new(to));
+    // Through a re-export, by an inline path, and across crates.
+    assert!(arrow("crates/pump-ctl/src/plan/plan.rs", "crates/pump-model/src/head/pump.rs"));
+    assert!(graph.len() > 500, "{} arrows", graph.len());
+}
+
+#[test]
+fn no_arrow_runs_from_a_crate_to_the_command() {
+    for (file, others) in house().arrows() {
+        let up = others.iter().find(|other| file.starts_with("crates") && other.starts_with("src"));
+        assert_eq!(up, None, "{} names it", file.display());
+    }
+}
+
+#[test]
+fn no_folder_has_more_than_fifteen_files() {
+    let mut folders: BTreeMap<PathBuf, usize> = BTreeMap::new();
+    for file in sources::files(root(), &["rs", "py"]) {
+        *folders.entry(folder(&file)).or_default() += 1;
+    }
+    folders.retain(|_, files| *files > 15);
+    assert!(folders.is_empty(), "{folders:?}");
+}
+
+#[test]
+fn no_line_is_longer_than_120_columns() {
+    let mut long = Vec::new();
+    for file in sources::files(root(), &["rs", "py", "pyi", "md", "toml"]) {
+        let text = std::fs::read_to_string(root().join(&file)).unwrap();
+        for (number, line) in text.lines().enumerate() {
+            // Tables cannot be wrapped.
+            if line.chars().count() > 120 && !line.trim_start().starts_with('|') {
+                long.push(format!("{}:{}", file.display(), number + 1));
+            }
+        }
+    }
+    assert!(long.is_empty(), "{} lines: {}", long.len(), long.join(" "));
+}
