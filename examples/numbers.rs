@@ -5,8 +5,10 @@ use std::error::Error;
 use std::io::Write;
 use std::ops::ControlFlow;
 
+use pump_bench::record::PhaseSource;
+use pump_bench::simulation::{Simulation, SteadyReport};
+use pump_bench::{Bench, DoseRequest, Prepared, built_in};
 use pump_ctl::plan::{Cruise, Phase};
-use pump_dose::{Bench, DoseRequest, PhaseSource, Prepared, Simulation, SteadyReport, built_in};
 use pump_model::math::rad_s;
 use serde_json::{Map, Value, json};
 

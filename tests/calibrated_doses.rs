@@ -4,8 +4,8 @@
 
 use std::ops::ControlFlow;
 
-use pump_dose::calibration::{Calibration, Displacement, Expected, Reading, Run, Source, Weighing};
-use pump_dose::{Bench, Delivered, DoseRequest, Prepared, built_in};
+use pump_bench::calibration::{Calibration, Displacement, Expected, Reading, Run, Source, Weighing};
+use pump_bench::{Bench, Delivered, DoseRequest, Prepared, built_in};
 
 /// A bench whose calibration says that a revolution delivers `factor` times the model's volume, at a zero of 20 deg.
 fn bench(folder: &std::path::Path, factor: f64) -> Bench {

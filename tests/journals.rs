@@ -8,9 +8,10 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use proptest::prelude::*;
+use pump_bench::record::PhaseSource;
+use pump_bench::record::{State, Story};
+use pump_bench::{Bench, DoseRequest, built_in};
 use pump_ctl::plan::Phase;
-use pump_dose::journal::{State, Story};
-use pump_dose::{Bench, DoseRequest, PhaseSource, built_in};
 use pump_model::Pump;
 
 /// The journal of a dose that was done, one that was stopped and resumed, and one that was stopped.

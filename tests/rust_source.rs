@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use pump_dose::built_in;
-use pump_dose::rust_source::rust_source;
+use pump_bench::built_in;
+use pump_bench::export::rust_source;
 
 #[path = "../examples/firmware/src/pump.rs"]
 mod pump;

@@ -4,8 +4,9 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
+use pump_bench::built_in;
+use pump_bench::drives::Sim;
 use pump_ctl::plan::{Cruise, Limits, Phase, Plan, Request, plan};
-use pump_dose::{Sim, built_in};
 use pump_model::{Port, PortRun, Pump};
 
 /// After the last step, s: 1e-6 of the swing is left in the published line.

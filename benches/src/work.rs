@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::thread;
 
+use pump_bench::built_in;
+use pump_bench::drives::Sim;
 use pump_ctl::plan::{Cruise, Limits, Phase, Plan, PlanError, Request, plan};
-use pump_dose::{Sim, built_in};
 use pump_model::{Line, ModelError, Pump, RollerVolume, Variant};
 
 use crate::timing::{Outcome, Row};

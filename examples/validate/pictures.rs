@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use pump_dose::chart::{BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, Style, VERMILION};
+use pump_bench::export::{BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, Style, VERMILION};
 use pump_model::math::{TURN_RAD, rad_s, radians};
 use pump_model::{Drawing, Geometry, Port, Pump, Variant, VolumeFit};
 

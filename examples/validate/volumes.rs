@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use pump_dose::built_in;
+use pump_bench::built_in;
 use pump_model::math::{rad_s, sqrt};
 use pump_model::metrics::{nrmse, pearson, rmse};
 use pump_model::{Pump, SpeedLaw, Variant};

@@ -4,8 +4,8 @@
 
 use libfuzzer_sys::fuzz_target;
 use pump_ctl::plan::Phase;
-use pump_dose::PhaseSource;
-use pump_dose::journal::{State, Story};
+use pump_bench::record::PhaseSource;
+use pump_bench::record::{State, Story};
 use pump_model::Pump;
 
 fuzz_target!(|text: &str| {

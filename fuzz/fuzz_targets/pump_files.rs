@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pump_dose::pump_file::PumpFile;
+use pump_bench::pump_file::PumpFile;
 
 fuzz_target!(|text: &str| {
     let Ok(file) = PumpFile::parse(text, "fuzz") else { return };

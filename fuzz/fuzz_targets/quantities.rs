@@ -2,15 +2,15 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pump_dose::quantity;
+use pump_bench::units;
 
 fuzz_target!(|text: &str| {
     let plain = [
-        quantity::volume_ml(text),
-        quantity::flow_ml_s(text),
-        quantity::speed_rad_s(text),
-        quantity::time_s(text),
-        quantity::angle_rad(text),
+        units::volume_ml(text),
+        units::flow_ml_s(text),
+        units::speed_rad_s(text),
+        units::time_s(text),
+        units::angle_rad(text),
     ];
     for read in plain {
         match read {
@@ -18,11 +18,11 @@ fuzz_target!(|text: &str| {
             Err(error) => assert!(!error.to_string().is_empty()),
         }
     }
-    if let Ok(amount) = quantity::amount(text) {
+    if let Ok(amount) = units::amount(text) {
         let volume_ml = amount.volume_ml(997.0);
         assert!(volume_ml.is_finite() && volume_ml != 0.0, "{text:?} is {amount:?}");
     }
-    if let Ok(pressure) = quantity::pressure(text) {
+    if let Ok(pressure) = units::pressure(text) {
         assert!(pressure.absolute_kpa(101.325).is_finite(), "{text:?} is {pressure:?}");
     }
 });

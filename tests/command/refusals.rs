@@ -124,8 +124,8 @@ fn a_pump_file_is_obeyed_and_its_mistakes_are_named() {
 #[test]
 fn the_example_pump_file_is_the_built_in_pump_under_another_name() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/pumps/my-pump.toml");
-    let mut example = pump_dose::pump_file::PumpFile::read(&path).unwrap();
-    let built_in = pump_dose::built_in("three-roller").unwrap();
+    let mut example = pump_bench::pump_file::PumpFile::read(&path).unwrap();
+    let built_in = pump_bench::built_in("three-roller").unwrap();
     assert_eq!(example.pump.id, "my-pump");
     example.pump.id.clone_from(&built_in.pump.id);
     example.pump.name.clone_from(&built_in.pump.name);

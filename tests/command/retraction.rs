@@ -1,7 +1,7 @@
 //! Suck-back, and what doses owe each other over many of them.
 
-use pump_dose::batch::Rehearsal;
-use pump_dose::{Bench, DoseRequest, built_in};
+use pump_bench::bench::Rehearsal;
+use pump_bench::{Bench, DoseRequest, built_in};
 
 use super::user::{User, number};
 

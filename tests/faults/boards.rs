@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use pump_bench::pump_file::DriverName;
+use pump_bench::record::State;
+use pump_bench::{Bench, built_in};
 use pump_ctl::plan::Phase;
-use pump_dose::journal::State;
-use pump_dose::pump_file::DriverName;
-use pump_dose::{Bench, built_in};
 
 use crate::child;
 use crate::random::Random;

@@ -6,8 +6,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use pump_dose::pump_file::DriverName;
-use pump_dose::{Bench, DoseRequest, built_in};
+use pump_bench::pump_file::DriverName;
+use pump_bench::{Bench, DoseRequest, built_in};
 
 /// Doses, or resumes (0 mL), and says how far it is: `child <folder> <volume> [<port>]`.
 pub fn main(arguments: &[String]) {

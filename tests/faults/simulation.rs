@@ -5,8 +5,8 @@ use std::path::Path;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use pump_dose::journal::State;
-use pump_dose::{Bench, built_in};
+use pump_bench::record::State;
+use pump_bench::{Bench, built_in};
 
 use crate::child;
 use crate::random::Random;

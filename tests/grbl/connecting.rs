@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use pump_dose::drivers::GrblError;
-use pump_dose::pump_file::{Axis, DriveTable};
-use pump_dose::{Disturbance, Drive, DriveError, Grbl};
+use pump_bench::drives::GrblError;
+use pump_bench::drives::{Disturbance, Drive, DriveError, Grbl};
+use pump_bench::pump_file::{Axis, DriveTable};
 
 use crate::rig::{defective, dose, grbl_error, motor, open, refusal, run, start, table};
 use crate::simulated::options::{Defects, Firmware, Options};

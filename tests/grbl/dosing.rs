@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use pump_dose::Drive;
+use pump_bench::drives::Drive;
 
 use crate::rig::{defective, dose, each, open, run, run_until, start};
 use crate::simulated::options::{Defects, Options};
@@ -26,8 +26,8 @@ fn every_step_of_a_dose_is_made_and_none_before_it_is_announced() {
 #[test]
 fn an_inverted_axis_turns_the_other_way_and_counts_the_same() {
     let board = start(Options::default());
-    let table = pump_dose::pump_file::DriveTable { invert: true, ..crate::rig::table(&board) };
-    let mut grbl = pump_dose::Grbl::open(&table, &crate::rig::motor(), false).unwrap();
+    let table = pump_bench::pump_file::DriveTable { invert: true, ..crate::rig::table(&board) };
+    let mut grbl = pump_bench::drives::Grbl::open(&table, &crate::rig::motor(), false).unwrap();
     let plan = dose(&grbl, 0.5, 5.0);
     let made = grbl.run(&plan, &mut |_, _| std::ops::ControlFlow::Continue(())).unwrap();
     assert_eq!((made, board.truth().steps, grbl.count()), (plan.steps as u64, -plan.steps, Some(plan.steps)));

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use pump_dose::drivers::GrblError;
-use pump_dose::{Disturbance, Drive, DriveFault};
+use pump_bench::drives::GrblError;
+use pump_bench::drives::{Disturbance, Drive, DriveFault};
 
 use crate::rig::{defective, dose, each, fault, grbl_error, open, run, run_until};
 use crate::simulated::options::{Defects, Random};

@@ -1,7 +1,7 @@
 //! What boards say, from bytes.
 
 use proptest::prelude::*;
-use pump_dose::drivers::grbl::reply::{Replies, Reply, State};
+use pump_bench::drives::grbl::reply::{Replies, Reply, State};
 
 fn read(pieces: &[&[u8]]) -> Vec<Reply> {
     let (mut reader, mut replies) = (Replies::default(), Vec::new());

@@ -2,10 +2,11 @@
 
 use std::ops::ControlFlow;
 
+use pump_bench::built_in;
+use pump_bench::drives::GrblError;
+use pump_bench::drives::{Drive, DriveError, DriveFault, Grbl};
+use pump_bench::pump_file::{DriveTable, DriverName, MotorTable};
 use pump_ctl::plan::{Cruise, Phase, Plan, Request, plan};
-use pump_dose::drivers::GrblError;
-use pump_dose::pump_file::{DriveTable, DriverName, MotorTable};
-use pump_dose::{Drive, DriveError, DriveFault, Grbl, built_in};
 
 use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options};
@@ -94,7 +95,7 @@ pub fn fault(defects: Defects) -> DriveFault {
 /// The board's error.
 pub fn grbl_error(error: DriveError) -> GrblError {
     match error {
-        DriveError::Grbl(error) => error,
+        DriveError::Device(error) => *error.downcast().unwrap(),
         other => panic!("{other}"),
     }
 }

@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use pump_dose::Drive;
-use pump_dose::drivers::GrblError;
+use pump_bench::drives::Drive;
+use pump_bench::drives::GrblError;
 
 use crate::rig::{dose, grbl_error, open, run, start};
 use crate::simulated::Simulated;

@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Duration;
 
+use pump_bench::pump_file::{DriveTable, DriverName};
+use pump_bench::record::State;
+use pump_bench::{Bench, DoseError, DoseRequest, built_in};
 use pump_ctl::plan::Phase;
-use pump_dose::journal::State;
-use pump_dose::pump_file::{DriveTable, DriverName};
-use pump_dose::{Bench, DoseError, DoseRequest, built_in};
 
 use crate::rig::{defective, each, start};
 use crate::simulated::Simulated;

@@ -1,7 +1,7 @@
 //! Settings: what is refused, what is told, what is written on request.
 
-use pump_dose::drivers::GrblError;
-use pump_dose::{Disturbance, Drive, Grbl};
+use pump_bench::drives::GrblError;
+use pump_bench::drives::{Disturbance, Drive, Grbl};
 
 use crate::rig::{dose, grbl_error, motor, open, refusal, run, start, table};
 use crate::simulated::options::{Firmware, Options};

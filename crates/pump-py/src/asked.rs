@@ -1,6 +1,8 @@
 //! What is asked of a bench, as Python's keywords say it.
 
-use pump_dose::{DoseRequest, Purpose, quantity};
+use pump_bench::{DoseRequest, units};
+
+use pump_bench::record::Purpose;
 use pyo3::prelude::*;
 
 use crate::doser::{cruise, finish_named, text};
@@ -27,7 +29,7 @@ impl Asked<'_> {
     pub(crate) fn request(&self, purpose: Purpose, density_kg_m3: f64) -> PyResult<DoseRequest> {
         let volume_ml = match &self.volume {
             Some(volume) => {
-                quantity::amount(text("volume", "25mL", volume)?).map_err(value)?.volume_ml(density_kg_m3)
+                units::amount(text("volume", "25mL", volume)?).map_err(value)?.volume_ml(density_kg_m3)
             }
             // Of a rest, which is known.
             None => 0.0,
@@ -53,5 +55,5 @@ impl Asked<'_> {
 
 /// Volume to be sucked back, mL.
 pub(crate) fn retracted_ml(retract: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
-    retract.map(|retract| quantity::volume_ml(text("retract", "0.1mL", retract)?).map_err(value)).transpose()
+    retract.map(|retract| units::volume_ml(text("retract", "0.1mL", retract)?).map_err(value)).transpose()
 }

@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use pump_dose::pump_file::DriverName;
-use pump_dose::{
-    Bench as DoseBench, Delivered, DoseError, DoseReport, Prepared, Purpose, Session, Status,
-    default_state_dir, quantity,
-};
+use pump_bench::pump_file::DriverName;
+use pump_bench::record::{Purpose, default_state_dir};
+use pump_bench::report::Status;
+use pump_bench::{Bench as DoseBench, Delivered, DoseError, DoseReport, Prepared, Session, units};
 use pyo3::prelude::*;
 
 use crate::asked::Asked;
@@ -47,11 +46,11 @@ impl Bench {
     ) -> PyResult<Self> {
         let mut file = pump.file.clone();
         if let Some(limit) = tube_limit {
-            let life_ml = quantity::volume_ml(text("tube_limit", "100L", limit)?).map_err(value)?;
+            let life_ml = units::volume_ml(text("tube_limit", "100L", limit)?).map_err(value)?;
             file.tube.life_ml = Some(life_ml);
         }
         let degc = temperature
-            .map(|degc| quantity::temperature_degc(text("temperature", "20degC", degc)?).map_err(value))
+            .map(|degc| units::temperature_degc(text("temperature", "20degC", degc)?).map_err(value))
             .transpose()?;
         file.fluid = file.fluid.changed_to(fluid, degc).map_err(value)?;
         let driver = driver.map(driver_named).transpose()?;

@@ -1,10 +1,11 @@
 //! A bench's calibrations: runs to weigh, and what becomes of the readings.
 
-use pump_ctl::plan::Cruise;
-use pump_dose::calibration::{
+use pump_bench::DoseRequest;
+use pump_bench::calibration::{
     Calibration as DoseCalibration, Expected, PhaseFit, ShortDose, Source, Stored, now_utc,
 };
-use pump_dose::{DoseRequest, Purpose};
+use pump_bench::record::Purpose;
+use pump_ctl::plan::Cruise;
 use pump_model::math::{degrees, rpm};
 use pyo3::prelude::*;
 
@@ -140,9 +141,9 @@ impl Bench {
         &self,
         py: Python<'_>,
         make: impl FnOnce(
-            &pump_dose::pump_file::PumpFile,
+            &pump_bench::pump_file::PumpFile,
             Option<&DoseCalibration>,
-        ) -> Result<(DoseCalibration, T), pump_dose::calibration::CalibrationError>
+        ) -> Result<(DoseCalibration, T), pump_bench::calibration::CalibrationError>
         + Send
         + 'static,
     ) -> PyResult<(Calibration, T)> {

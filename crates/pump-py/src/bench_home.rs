@@ -1,7 +1,8 @@
 //! A bench's rotor, tube and unfinished dose: what is known of them, and what a person says.
 
+use pump_bench::report::Status;
+use pump_bench::{DoseError, Session};
 use pump_ctl::plan::Phase;
-use pump_dose::{DoseError, Session, Status};
 use pump_model::math::rad_s;
 use pyo3::prelude::*;
 

@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use pump_dose::calibration::{
+use pump_bench::calibration::{
     Calibration as DoseCalibration, Displacement, Expected, Fit, Run, Source, Stored, runs_of_csv,
 };
-use pump_dose::pump_file::PumpFile;
-use pump_dose::quantity::{self, Amount};
+use pump_bench::pump_file::PumpFile;
+use pump_bench::units;
+use pump_bench::units::Amount;
 use pump_model::{ModelError, Pump as Model};
 use pyo3::prelude::*;
 
@@ -302,7 +303,7 @@ impl Calibration {
 /// Standard uncertainty of a reading, mL.
 pub(crate) fn reading_ml(scale: Option<&Bound<'_, PyAny>>, file: &PumpFile) -> PyResult<f64> {
     let Some(scale) = scale else { return Ok(0.0) };
-    let amount = quantity::amount(text("scale", "0.01g", scale)?).map_err(value)?;
+    let amount = units::amount(text("scale", "0.01g", scale)?).map_err(value)?;
     let reading_ml = amount.volume_ml(file.fluid.density_kg_m3);
     if reading_ml < 0.0 {
         return Err(value("scale is negative; write how unsure a reading is, as \"0.01g\""));
@@ -313,7 +314,7 @@ pub(crate) fn reading_ml(scale: Option<&Bound<'_, PyAny>>, file: &PumpFile) -> P
 /// What scale or vessel showed: g, or mL.
 #[pyfunction]
 pub(crate) fn _reading(reading: &Bound<'_, PyAny>) -> PyResult<(Option<f64>, Option<f64>)> {
-    let amount = quantity::amount(text("reading", "42.51g", reading)?).map_err(value)?;
+    let amount = units::amount(text("reading", "42.51g", reading)?).map_err(value)?;
     Ok(match amount {
         Amount::Mass(mass_g) => (Some(mass_g), None),
         Amount::Volume(volume_ml) => (None, Some(volume_ml)),

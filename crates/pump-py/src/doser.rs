@@ -1,7 +1,8 @@
 //! Plans doses of one pump within its limits.
 
+use pump_bench::record::Purpose;
+use pump_bench::{DoseRequest, units};
 use pump_ctl::plan::{Cruise, Finish, Limits as CtlLimits, Phase};
-use pump_dose::{DoseRequest, Purpose, quantity};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
@@ -118,7 +119,7 @@ impl Doser {
         carry_in_ml: f64,
     ) -> PyResult<Plan> {
         let doser = slf.get();
-        let amount = quantity::amount(text("volume", "25mL", volume)?).map_err(value)?;
+        let amount = units::amount(text("volume", "25mL", volume)?).map_err(value)?;
         let request = DoseRequest {
             purpose: Purpose::Dose,
             volume_ml: amount.volume_ml(doser.pump.get().file.fluid.density_kg_m3),
@@ -189,13 +190,13 @@ pub(crate) fn cruise(
 ) -> PyResult<Option<Cruise>> {
     match (rate, speed, within) {
         (None, None, None) => Ok(None),
-        (Some(rate), None, None) => Ok(Some(quantity::rate(text("rate", "10 mL/s", rate)?).map_err(value)?)),
+        (Some(rate), None, None) => Ok(Some(units::rate(text("rate", "10 mL/s", rate)?).map_err(value)?)),
         (None, Some(speed), None) => {
-            let rad_s = quantity::speed_rad_s(text("speed", "100rpm", speed)?).map_err(value)?;
+            let rad_s = units::speed_rad_s(text("speed", "100rpm", speed)?).map_err(value)?;
             Ok(Some(Cruise::Speed { rad_s }))
         }
         (None, None, Some(within)) => {
-            let time_s = quantity::time_s(text("within", "10s", within)?).map_err(value)?;
+            let time_s = units::time_s(text("within", "10s", within)?).map_err(value)?;
             Ok(Some(Cruise::Within { time_s }))
         }
         _ => Err(value("rate, speed and within exclude each other; give one at most")),

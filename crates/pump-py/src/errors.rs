@@ -3,11 +3,12 @@
 use std::io;
 use std::path::Path;
 
+use pump_bench::DoseError;
+use pump_bench::calibration::CalibrationError;
+use pump_bench::displacement::SpeedLawError;
+use pump_bench::pump_file::PumpFileError as DosePumpFileError;
+use pump_bench::record::FolderError;
 use pump_ctl::plan::PlanError as CtlPlanError;
-use pump_dose::calibration::CalibrationError;
-use pump_dose::pump_file::PumpFileError as DosePumpFileError;
-use pump_dose::speed_law::SpeedLawError;
-use pump_dose::{DoseError, FolderError};
 use pump_model::ModelError;
 use pump_model::integrator::IntegrationError;
 use pyo3::exceptions::{PyOSError, PyValueError};

@@ -1,7 +1,7 @@
 //! What `pumpmodel.identify_resistance`, `identify_compliance` and `identify_line` compute: lines from measurements.
 
 use numpy::{PyArray1, PyArrayMethods};
-use pump_dose::identification::{
+use pump_bench::identification::{
     Begin, Identified, Turning, identified_compliance, identified_line, identified_resistance,
 };
 use pump_model::Port;
@@ -147,7 +147,7 @@ fn answer(py: Python<'_>, found: Result<Identified, IdentificationError>) -> PyR
         IdentificationError::Model(error) => errors::model(error),
         _ => value(error),
     })?;
-    let array = |number: fn(&pump_dose::fit_plot::Fitted) -> f64| {
+    let array = |number: fn(&pump_bench::export::Fitted) -> f64| {
         let array = PyArray1::from_iter(py, found.points.iter().map(number));
         array.try_readwrite()?.make_nonwriteable();
         PyResult::Ok(array)

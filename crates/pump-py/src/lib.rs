@@ -1,4 +1,4 @@
-//! The compiled half of the Python package `pumpmodel`: a thin layer around `pump_dose`, one file a concept.
+//! The compiled half of the Python package `pumpmodel`: a thin layer around `pump_bench`, one file a concept.
 
 mod asked;
 mod bench;

@@ -1,8 +1,9 @@
 //! A planned dose.
 
 use numpy::PyArray1;
+use pump_bench::record::{PhaseSource, Purpose};
+use pump_bench::{DoseError, DoseReport, DoseRequest, Prepared};
 use pump_ctl::plan::{Cruise, Finish, Phase};
-use pump_dose::{DoseError, DoseReport, DoseRequest, PhaseSource, Prepared, Purpose};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 

@@ -1,8 +1,8 @@
 //! What a planned dose looks like over time, and as plain data.
 
 use numpy::PyArray1;
-use pump_dose::times::times;
-use pump_dose::waveform::{Method, Waveform};
+use pump_bench::simulation::times;
+use pump_bench::simulation::{Method, Waveform};
 use pyo3::prelude::*;
 
 use crate::errors::{self, value};

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use pump_dose::built_in;
-use pump_dose::pump_file::PumpFile;
-use pump_dose::speed_law::{RangedLaw, SpeedLawError};
+use pump_bench::built_in;
+use pump_bench::displacement::{RangedLaw, SpeedLawError};
+use pump_bench::pump_file::PumpFile;
 use pump_model::Pump as Model;
 use pyo3::prelude::*;
 

@@ -1,7 +1,7 @@
 //! A pump's flows and volumes over angle and speed.
 
+use pump_bench::displacement::SpeedLawError;
 use pump_ctl::plan::speed_for_flow;
-use pump_dose::speed_law::SpeedLawError;
 use pump_model::FlowCurve;
 use pyo3::prelude::*;
 

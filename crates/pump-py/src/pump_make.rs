@@ -1,7 +1,8 @@
 //! Pumps from names, drawings and plain data, and pumps that differ from another.
 
-use pump_dose::pump_file::{LineTable, PumpFile, RollerVolumeTable};
-use pump_dose::{DrawnPump, pump_named};
+use pump_bench::catalogue::DrawnPump;
+use pump_bench::pump_file::{LineTable, PumpFile, RollerVolumeTable};
+use pump_bench::pump_named;
 use pump_model::Geometry;
 use pump_model::math::radians;
 use pyo3::exceptions::PyTypeError;

@@ -1,6 +1,6 @@
 //! A pump at constant speed: from rest, and once start-up is forgotten.
 
-use pump_dose::{AskedMethod, Simulation, choose_method};
+use pump_bench::simulation::{AskedMethod, Simulation, choose_method};
 use pump_model::RollerCentric;
 use pyo3::prelude::*;
 

@@ -3,9 +3,10 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use pump_dose::batch::{Action, Missed, Schedule as DoseSchedule};
-use pump_dose::calibration::{Tolerance, Verification, Weighing};
-use pump_dose::quantity::{self, Amount};
+use pump_bench::calibration::{Tolerance, Verification, Weighing};
+use pump_bench::dosing::{Action, Missed, Schedule as DoseSchedule};
+use pump_bench::units;
+use pump_bench::units::Amount;
 use pyo3::prelude::*;
 
 use crate::bench::Bench;
@@ -26,14 +27,14 @@ impl Bench {
     ) -> PyResult<String> {
         let weighing = Weighing::of(self.bench.file());
         let degc = weighing.fluid.temperature_degc;
-        let nominal = quantity::amount(text("nominal", "10mL", nominal)?).map_err(value)?;
+        let nominal = units::amount(text("nominal", "10mL", nominal)?).map_err(value)?;
         let nominal_ml = nominal.volume_ml(self.bench.file().fluid.density_kg_m3);
         if !(nominal_ml > 0.0 && nominal_ml.is_finite()) {
             return Err(value(format_args!("nominal is {nominal_ml} mL; allowed: more than 0")));
         }
         let mut volumes_ml = Vec::new();
         for reading in readings.try_iter()? {
-            let amount = quantity::amount(text("a reading", "9.98g", &reading?)?).map_err(value)?;
+            let amount = units::amount(text("a reading", "9.98g", &reading?)?).map_err(value)?;
             volumes_ml.push(match amount {
                 Amount::Mass(mass_g) => weighing.volume_ml(mass_g, degc).map_err(value)?,
                 Amount::Volume(volume_ml) => volume_ml,

@@ -1,8 +1,8 @@
 //! Flows and pressures over time, as columns.
 
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray1};
-use pump_dose::sample::COLUMNS;
-use pump_dose::waveform::Waveform;
+use pump_bench::simulation::COLUMNS;
+use pump_bench::simulation::Waveform;
 use pump_model::Leg;
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use crate::errors::value;
 use crate::floats::Floats;
 
-/// Fastest speed that means anything, rad/s: as in `pump_dose::Simulation`.
+/// Fastest speed that means anything, rad/s: as in `pump_bench::simulation::Simulation`.
 const MAX_SPEED_RAD_S: f64 = 1e4;
 
 /// In this order `speed_rpm=100` is the same bits as `--speed 100rpm` of the command.

@@ -1,6 +1,6 @@
 //! The periodic steady state, at one speed or at many.
 
-use pump_dose::SteadyReport;
+use pump_bench::simulation::SteadyReport;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 

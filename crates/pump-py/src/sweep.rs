@@ -7,8 +7,8 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use pump_dose::SteadyReport;
-use pump_dose::speed_law::{RangedLaw, SpeedLawError};
+use pump_bench::displacement::{RangedLaw, SpeedLawError};
+use pump_bench::simulation::SteadyReport;
 use pump_model::{Pump as Model, SteadyState};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::PathBuf;
 
-use pump_dose::RollerRuns;
-use pump_dose::pump_file::Fit;
+use pump_bench::catalogue::RollerRuns;
+use pump_bench::pump_file::Fit;
 use pump_model::VolumePoint;
 use pyo3::prelude::*;
 

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use pump_dose::{Bench, DoseError, Session};
+use pump_bench::{Bench, DoseError, Session};
 use pyo3::prelude::*;
 
 use crate::errors::{self, PumpError};

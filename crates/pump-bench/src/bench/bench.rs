@@ -1,0 +1,235 @@
+//! A bench: one pump, what turns it, and what is recorded of it.
+
+use std::path::{Path, PathBuf};
+
+use pump_ctl::plan::{Phase, PlanError};
+use pump_model::Pump;
+use pump_model::math::TURN_RAD;
+
+use crate::bench::Session;
+use crate::calibration::{Calibration, Calibrations, Stored};
+use crate::dosing::DoseError;
+use crate::dosing::TubeLife;
+use crate::dosing::{DoseRequest, Prepared};
+use crate::drives::{DriveError, abilities};
+use crate::pump_file::{DriveTable, DriverName, PumpFile};
+use crate::record::Folder;
+use crate::record::{PhaseSource, Purpose};
+use crate::record::{State, Story};
+
+/// A pump with its driver and the folder of its journal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bench {
+    file: PumpFile,
+    model: Pump,
+    drive: DriveTable,
+    folder: Folder,
+    /// Whether the device's settings may be written.
+    configure: bool,
+}
+
+impl Bench {
+    /// A bench for the pump of `file` with the driver that it names, or `driver` instead. Creates nothing yet.
+    pub fn new(file: PumpFile, driver: Option<DriverName>, state_dir: &Path) -> Result<Self, DoseError> {
+        file.check(&file.pump.id)?;
+        let model = file.model().map_err(PlanError::from)?;
+        let driver = driver.unwrap_or(file.driver());
+        let named = file.drive.clone().filter(|drive| drive.driver == driver);
+        let drive = named.unwrap_or(DriveTable::of(driver));
+        let folder = Folder::new(state_dir, &file.pump.id, driver.as_str());
+        Ok(Self { file, model, drive, folder, configure: false })
+    }
+
+    /// The same with the device at another port. What has no port is refused by whoever turns it.
+    pub fn at_port(mut self, port: Option<PathBuf>) -> Self {
+        self.drive.port = port.or(self.drive.port);
+        self
+    }
+
+    /// The same; the device's settings may be written where they do not fit the pump.
+    pub fn configuring(self, configure: bool) -> Self {
+        Self { configure, ..self }
+    }
+
+    /// The pump file.
+    pub fn file(&self) -> &PumpFile {
+        &self.file
+    }
+
+    /// The pump's model.
+    pub fn model(&self) -> &Pump {
+        &self.model
+    }
+
+    /// What turns the motor.
+    pub fn driver(&self) -> DriverName {
+        self.drive.driver
+    }
+
+    /// The same with all that is said of it.
+    pub fn drive(&self) -> &DriveTable {
+        &self.drive
+    }
+
+    /// Whether the device's settings may be written.
+    pub(crate) fn may_configure(&self) -> bool {
+        self.configure
+    }
+
+    /// What is said before a motor moves, and at the head of every report.
+    pub fn headline(&self) -> String {
+        let device = self.drive.port.as_ref().map(|port| port.display().to_string());
+        headline(&self.file.pump.id, self.driver() == DriverName::Sim, device.as_deref())
+    }
+
+    /// How far a rotor may fall that is let go and caught again, rad of the pump head: two full steps of the motor.
+    pub(crate) fn fall_rad(&self) -> f64 {
+        2.0 * TURN_RAD / (f64::from(self.file.motor.full_steps_per_rev) * self.file.motor.gear)
+    }
+
+    /// Where its journal is kept.
+    pub fn folder(&self) -> &Folder {
+        &self.folder
+    }
+
+    /// Its calibrations.
+    pub fn calibrations(&self) -> Calibrations {
+        Calibrations::of(&self.folder)
+    }
+
+    /// The state of this pump without a journal: a simulated one stands at 0 deg, of others nobody knows.
+    pub(crate) fn fresh(&self) -> State {
+        let phase = match self.driver() {
+            DriverName::Sim => Phase::known(0.0),
+            DriverName::Grbl => Phase::unknown(self.model.pitch_rad()),
+        };
+        State::fresh(phase, PhaseSource::Home)
+    }
+
+    /// What its journal says.
+    pub fn story(&self) -> Result<Story, DoseError> {
+        Ok(self.folder.read(&self.model, self.fresh())?)
+    }
+
+    /// How things stand by its journal, or without one.
+    pub fn stands(&self) -> Result<State, DoseError> {
+        Ok(self.story()?.state.unwrap_or(self.fresh()))
+    }
+
+    /// Plans a dose from the recorded angle and predicts it. Moves and writes nothing. Refused while another process moves the
+    /// pump: where it will stop is not known yet.
+    pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
+        let state = self.story()?.state;
+        if state.is_some_and(|state| state.unfinished.is_some())
+            && let Some(holder) = self.folder.holder()
+        {
+            return Err(self.folder.busy(holder).into());
+        }
+        let mut prepared = self.prepare_from(&self.file, state, request)?;
+        if self.driver() != DriverName::Sim {
+            let unread =
+                "a dry run does not ask the device: its own speeds, acceleration and count are not known";
+            prepared.warnings.push(unread.to_owned());
+        }
+        Ok(prepared)
+    }
+
+    /// Plans a dose as if `state` were on record.
+    pub(crate) fn prepare_from(
+        &self,
+        file: &PumpFile,
+        state: Option<State>,
+        request: DoseRequest,
+    ) -> Result<Prepared, DoseError> {
+        let (asked_ml, carry_ml) = (request.volume_ml, state.map_or(0.0, |state| state.carry_ml));
+        let owed_ml = asked_ml + carry_ml;
+        if request.purpose == Purpose::Dose && owed_ml * asked_ml < 0.0 {
+            self.refuse_unfinished(state)?;
+            return Err(DoseError::RunsTheOtherWay { asked_ml, carry_ml, owed_ml });
+        }
+        let prepared = self.plan_from(file, state, request)?;
+        self.tube_life(state, &prepared).map_or(Ok(()), |tube| tube.check())?;
+        Ok(prepared)
+    }
+
+    /// The same with whatever tube there is: a dose that was begun may end on it. `file` is the pump file as the device
+    /// allows it.
+    pub(crate) fn plan_from(
+        &self,
+        file: &PumpFile,
+        state: Option<State>,
+        request: DoseRequest,
+    ) -> Result<Prepared, DoseError> {
+        self.refuse_unfinished(state)?;
+        if request.smooth && !abilities(self.driver()).angle_dependent_speed {
+            return Err(DoseError::Connection(DriveError::Unable {
+                driver: self.driver().as_str(),
+                ability: "speed that follows the rollers' angle: the board plans its own ramps",
+                instead: "leave --smooth out",
+            }));
+        }
+        let stands = state.unwrap_or(self.fresh());
+        let (start, source) = match request.start_angle_rad {
+            Some(angle_rad) => (Phase::known(angle_rad), PhaseSource::Given),
+            None if !stands.phase().is_known(self.model.pitch_rad()) => {
+                (stands.phase(), PhaseSource::Assumed)
+            }
+            None => (stands.phase(), stands.source),
+        };
+        let carry_ml = state.map_or(0.0, |state| state.carry_ml);
+        let stored = self.calibrations().active()?.filter(|_| request.purpose != Purpose::Calibrate);
+        let mut prepared = match stored {
+            Some(stored) => {
+                Prepared::calibrated(file, &self.model, &stored, request, start, source, carry_ml)?
+            }
+            None => Prepared::new(file, &self.model, request, start, source, carry_ml)?,
+        };
+        prepared.warnings.extend(self.tube_life(state, &prepared).and_then(|tube| tube.warning()));
+        Ok(prepared)
+    }
+
+    /// Refuses what would make the rest of an unfinished dose another one.
+    pub(crate) fn refuse_unfinished(&self, state: Option<State>) -> Result<(), DoseError> {
+        let Some(dose) = state.and_then(|state| state.unfinished) else { return Ok(()) };
+        let (least_ml, most_ml) = dose.delivered_ml(&self.model);
+        Err(DoseError::Unfinished { requested_ml: dose.intent.requested_ml, least_ml, most_ml })
+    }
+
+    /// Has doses use a calibration from now on, or none. Refused while a dose is unfinished, whose rest would be another one.
+    pub fn use_calibration(&self, version: Option<u32>) -> Result<(), DoseError> {
+        self.refuse_unfinished(self.story()?.state)?;
+        Ok(self.calibrations().activate(version)?)
+    }
+
+    /// Keeps a calibration and has doses use it from now on. Refused as [`Self::use_calibration`] is. Whoever calls must hold the
+    /// pump's lock.
+    pub fn keep_calibration(&self, calibration: Calibration) -> Result<Stored, DoseError> {
+        self.refuse_unfinished(self.story()?.state)?;
+        let version = self.calibrations().add(&calibration)?;
+        self.use_calibration(Some(version))?;
+        Ok(Stored { version, calibration })
+    }
+
+    /// None if nobody has said how long a tube lasts.
+    fn tube_life(&self, state: Option<State>, prepared: &Prepared) -> Option<TubeLife> {
+        Some(TubeLife {
+            life_ml: self.file.tube.life_ml?,
+            pumped_ml: state.map_or(0.0, |state| state.wear.volume_ml),
+            planned_ml: prepared.plan.planned_ml.abs(),
+        })
+    }
+
+    /// Takes the pump for this process until the session is dropped.
+    pub fn session(&self) -> Result<Session<'_>, DoseError> {
+        Session::open(self)
+    }
+}
+
+/// What a report begins with: whether a motor moves.
+pub(crate) fn headline(pump: &str, simulated: bool, device: Option<&str>) -> String {
+    match device {
+        _ if simulated => "SIMULATED: no motor moved".to_owned(),
+        Some(device) => format!("MOVING {pump} on {device}"),
+        None => format!("MOVING {pump}"),
+    }
+}

@@ -1,0 +1,15 @@
+//! A bench: one pump, what turns it, and what is recorded of it.
+
+mod bench;
+mod device;
+mod homing;
+mod motion;
+mod rehearsal;
+mod session;
+mod stretches;
+
+pub use bench::Bench;
+pub(crate) use bench::headline;
+pub use homing::AngleSet;
+pub use rehearsal::Rehearsal;
+pub use session::{Delivered, NewTube, Session};

@@ -1,0 +1,38 @@
+//! A batch of doses as it would be without moving anything.
+
+use pump_ctl::plan::Plan;
+
+use super::bench::Bench;
+use crate::dosing::{DoseError, DoseRequest, Prepared};
+use crate::record::{Intent, Purpose, State};
+
+/// A session that moves and records nothing: each dose is planned from where the one before would leave the pump.
+#[derive(Debug, Clone)]
+pub struct Rehearsal<'a> {
+    bench: &'a Bench,
+    state: Option<State>,
+}
+
+impl<'a> Rehearsal<'a> {
+    /// Starts from what is on record.
+    pub fn new(bench: &'a Bench) -> Result<Self, DoseError> {
+        Ok(Self { bench, state: bench.story()?.state })
+    }
+
+    /// Plans a dose and goes on as if it had been delivered.
+    pub fn prepare(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
+        let prepared = self.bench.prepare_from(self.bench.file(), self.state, request)?;
+        let correction = prepared.correction();
+        let mut made = |plan: &Plan, purpose, carry_out_ml| {
+            let intent = Intent::of(plan, correction, purpose, carry_out_ml, 0);
+            let all = plan.steps.unsigned_abs();
+            let before = self.state.unwrap_or(self.bench.fresh());
+            self.state = Some(before.after(&intent, all, all, self.bench.model()));
+        };
+        made(&prepared.plan, request.purpose, prepared.carry_out_ml);
+        if let Some(back) = &prepared.retraction {
+            made(&back.plan, Purpose::Retract, back.carry_out_ml);
+        }
+        Ok(prepared)
+    }
+}

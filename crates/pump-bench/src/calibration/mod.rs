@@ -1,0 +1,23 @@
+//! Calibrations: what a pump really displaces, from runs that were weighed, and how sure that is.
+
+mod calibration;
+mod date;
+mod error;
+mod fit;
+mod making;
+mod run;
+mod store;
+mod verification;
+mod weighing;
+
+pub use calibration::{Applied, Calibration, Made, Source, Sureness};
+pub use date::now as now_utc;
+pub use error::CalibrationError;
+pub use fit::{
+    AgainstSpeed, Displacement, Expected, LawFit, PhaseFit, Revolution, ShortDose, short_doses_of_csv,
+};
+pub use making::Fit;
+pub use run::{Reading, Run, runs_of_csv};
+pub use store::{Calibrations, Stored};
+pub use verification::{Tolerance, Verification, readings_of_csv};
+pub use weighing::Weighing;

@@ -1,0 +1,209 @@
+//! A run that was weighed: how far the rotor turned, and what arrived.
+
+use pump_model::Pump;
+use pump_model::math::{degrees, radians, round};
+use serde::{Deserialize, Serialize};
+
+use crate::files::Table;
+
+use super::{CalibrationError, Weighing};
+
+/// Whole pitches within this part of one deliver the same from anywhere, or as good as: the largest flow is twice the mean.
+const WHOLE_PITCH: f64 = 1e-3;
+
+/// A measured volume further from the model's than this factor either way is a mistake.
+const PLAUSIBLE: f64 = 2.0;
+
+/// What was read of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reading {
+    /// What the scale showed, g.
+    MassG(f64),
+    /// What a measuring vessel showed, mL.
+    VolumeMl(f64),
+}
+
+/// A run at constant speed with what arrived.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Run {
+    /// Cruise speed, r/min, positive.
+    pub speed_rpm: f64,
+    /// Where the rollers stood, deg; none if nobody knows.
+    pub start_angle_deg: Option<f64>,
+    /// How far the rotor turned, deg; negative in reverse.
+    pub turned_deg: f64,
+    /// What was read, without sign.
+    pub reading: Reading,
+    /// Temperature of the fluid, °C; none takes the pump file's.
+    pub temperature_degc: Option<f64>,
+    /// When, as it was written down.
+    pub time: Option<String>,
+}
+
+impl Run {
+    /// Volume that arrived, mL.
+    pub fn measured_ml(&self, weighing: &Weighing<'_>) -> Result<f64, CalibrationError> {
+        match self.reading {
+            Reading::VolumeMl(volume_ml) => Ok(volume_ml),
+            Reading::MassG(mass_g) => weighing.volume_ml(mass_g, self.temperature_degc(weighing)),
+        }
+    }
+
+    /// Temperature of the fluid, °C.
+    pub fn temperature_degc(&self, weighing: &Weighing<'_>) -> f64 {
+        self.temperature_degc.unwrap_or(weighing.fluid.temperature_degc)
+    }
+
+    /// Model volume of the angles turned, mL, without sign; `number` names the run in errors.
+    pub fn model_ml(&self, pump: &Pump, number: usize) -> Result<f64, CalibrationError> {
+        let curve = pump.outlet_curve();
+        let turn_rad = radians(self.turned_deg);
+        if let Some(start_deg) = self.start_angle_deg {
+            let start_rad = radians(start_deg);
+            return Ok((curve.volume_ml(start_rad + turn_rad) - curve.volume_ml(start_rad)).abs());
+        }
+        let pitches = (turn_rad / curve.pitch_rad()).abs();
+        if round(pitches) > 0.0 && (pitches - round(pitches)).abs() <= WHOLE_PITCH {
+            Ok(pitches * curve.pitch_ml())
+        } else {
+            let (turned_deg, pitch_deg) = (self.turned_deg, degrees(curve.pitch_rad()));
+            Err(CalibrationError::UnknownAngle { run: number, turned_deg, pitch_deg })
+        }
+    }
+
+    /// Measured and model volume, mL, if they may belong together.
+    pub fn volumes_ml(
+        &self,
+        pump: &Pump,
+        weighing: &Weighing<'_>,
+        number: usize,
+    ) -> Result<(f64, f64), CalibrationError> {
+        let (measured_ml, model_ml) = (self.measured_ml(weighing)?, self.model_ml(pump, number)?);
+        if (1.0 / PLAUSIBLE..=PLAUSIBLE).contains(&(measured_ml / model_ml)) {
+            Ok((measured_ml, model_ml))
+        } else {
+            Err(CalibrationError::Implausible { run: number, measured_ml, model_ml })
+        }
+    }
+}
+
+/// Columns of a table of runs.
+const COLUMNS: &[&str] = &[
+    "speed_rpm",
+    "start_angle_deg",
+    "turned_deg",
+    "revolutions",
+    "steps",
+    "direction",
+    "mass_g",
+    "volume_ml",
+    "temperature_degc",
+    "time",
+];
+
+/// Reads a table of runs: CSV with a header. A run has a `speed_rpm`, one of `turned_deg`, `revolutions` and `steps`
+/// (`steps_per_rev` of the pump head make a revolution), one of `mass_g` and `volume_ml`, and may have a `start_angle_deg`,
+/// a `direction` (1 or -1), a `temperature_degc` and a `time`.
+pub fn runs_of_csv(text: &str, steps_per_rev: f64) -> Result<Vec<Run>, CalibrationError> {
+    let table = Table::parse(text, COLUMNS)?;
+    let mut runs = Vec::new();
+    for row in table.rows() {
+        let turned = [("turned_deg", 1.0), ("revolutions", 360.0), ("steps", 360.0 / steps_per_rev)];
+        let (name, value, unit_deg) = row.one_of(turned)?;
+        let direction = match row.number("direction")? {
+            None => 1.0,
+            Some(sign) if sign.abs() == 1.0 => sign,
+            Some(other) => return Err(row.error(format!("direction is {other}; allowed: 1 or -1")).into()),
+        };
+        let turned_deg = direction * value * unit_deg;
+        if turned_deg == 0.0 || turned_deg.abs() > 360e6 {
+            return Err(row
+                .error(format!("{name} is {value}; a run turns by more than 0 and up to a million turns"))
+                .into());
+        }
+        let (name, value, is_mass) = row.one_of([("mass_g", true), ("volume_ml", false)])?;
+        if value <= 0.0 {
+            return Err(row.error(format!("{name} is {value}; allowed: more than 0")).into());
+        }
+        runs.push(Run {
+            speed_rpm: row.positive("speed_rpm")?,
+            start_angle_deg: row.number("start_angle_deg")?,
+            turned_deg,
+            reading: if is_mass { Reading::MassG(value) } else { Reading::VolumeMl(value) },
+            temperature_degc: row.number("temperature_degc")?,
+            time: row.text("time").map(str::to_owned),
+        });
+    }
+    Ok(runs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_may_say_angles_turns_or_steps_and_grams_or_millilitres() {
+        let text = "speed_rpm, turned_deg, revolutions, steps, direction, mass_g, volume_ml, start_angle_deg, time\n\
+                    60, 720,,, 1, 42.5,, 10, 9:30\n\
+                    # a comment\n\
+                    \n\
+                    60,, 2,, -1,, 42.6,, 9:32\n\
+                    90,,, 25600,,, 42.6,,\n";
+        let runs = runs_of_csv(text, 12_800.0).unwrap();
+        assert_eq!(runs.len(), 3);
+        assert_eq!((runs[0].turned_deg, runs[1].turned_deg, runs[2].turned_deg), (720.0, -720.0, 720.0));
+        assert_eq!((runs[0].reading, runs[1].reading), (Reading::MassG(42.5), Reading::VolumeMl(42.6)));
+        assert_eq!((runs[0].start_angle_deg, runs[1].start_angle_deg), (Some(10.0), None));
+        assert_eq!(runs[0].time.as_deref(), Some("9:30"));
+        assert_eq!(runs[2].time, None);
+    }
+
+    #[test]
+    fn what_is_refused_is_named_with_its_line() {
+        let refused = |text: &str| runs_of_csv(text, 12_800.0).unwrap_err().to_string();
+        for (text, part) in [
+            ("", "line 1: the table is empty"),
+            ("speed_rpm,turned_deg,mass\n60,720,42\n", "line 1: unknown column `mass`"),
+            ("speed_rpm,speed_rpm\n", "line 1: column `speed_rpm` stands twice"),
+            ("speed_rpm,turned_deg,mass_g\n60,720\n", "line 2: 2 cells under 3 columns"),
+            ("speed_rpm,turned_deg,mass_g\n60,720,\n", "line 2: give one of mass_g, volume_ml"),
+            (
+                "speed_rpm,turned_deg,mass_g,volume_ml\n60,720,42,42\n",
+                "line 2: give one of mass_g, volume_ml",
+            ),
+            ("speed_rpm,turned_deg,mass_g\n60,720,-42\n", "mass_g is -42"),
+            ("speed_rpm,turned_deg,mass_g\n60,0,42\n", "turned_deg is 0"),
+            ("speed_rpm,turned_deg,mass_g\n60,720,nan\n", "mass_g is `nan`"),
+            ("speed_rpm,turned_deg,mass_g\n60,720,42 g\n", "mass_g is `42 g`"),
+            ("speed_rpm,turned_deg,mass_g\n-60,720,42\n", "speed_rpm is -60"),
+            ("turned_deg,mass_g\n720,42\n", "line 2: speed_rpm is missing"),
+            ("speed_rpm,turned_deg,mass_g,direction\n60,720,42,2\n", "direction is 2"),
+        ] {
+            assert!(refused(text).contains(part), "{text}: {}", refused(text));
+        }
+    }
+
+    #[test]
+    fn the_phase_cancels_over_whole_pitches_and_counts_elsewhere() {
+        let pump = Pump::three_roller();
+        let run = |start_angle_deg, turned_deg| Run {
+            speed_rpm: 60.0,
+            start_angle_deg,
+            turned_deg,
+            reading: Reading::VolumeMl(1.0),
+            temperature_degc: None,
+            time: None,
+        };
+        let pitch_ml = pump.revolution_ml() / 3.0;
+        for start in [None, Some(0.0), Some(17.0), Some(-1000.0)] {
+            assert!((run(start, 240.0).model_ml(&pump, 1).unwrap() - 2.0 * pitch_ml).abs() < 1e-9);
+            assert!((run(start, -120.0).model_ml(&pump, 1).unwrap() - pitch_ml).abs() < 1e-9);
+        }
+        let at = |start| run(Some(start), 30.0).model_ml(&pump, 1).unwrap();
+        assert!(at(10.0) < 0.8 && at(80.0) > 2.2, "{} {}", at(10.0), at(80.0));
+        let error = run(None, 30.0).model_ml(&pump, 4).unwrap_err().to_string();
+        assert!(error.contains("run 4 turned 30 deg from an unknown angle"), "{error}");
+    }
+}

@@ -1,0 +1,188 @@
+//! Where calibrations are kept: a file a version, never overwritten, and a pointer to the one that is used.
+
+use std::fs;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::{Calibration, CalibrationError};
+use crate::files::Staged;
+use crate::record::Folder;
+
+const FOLDER: &str = "calibrations";
+const ACTIVE: &str = "active";
+const NONE: &str = "none";
+
+/// The calibrations of a pump under a driver: `<state dir>/<pump id>/<driver>/calibrations/`, so that what was found of a
+/// simulated pump is never used for a real one. Whoever writes must hold the pump's lock.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Calibrations {
+    path: PathBuf,
+}
+
+/// A calibration with its number.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Stored {
+    /// From 1 on.
+    pub version: u32,
+    /// What it says.
+    #[serde(flatten)]
+    pub calibration: Calibration,
+}
+
+impl Calibrations {
+    /// Those in a pump's folder; nothing is created yet.
+    pub fn of(folder: &Folder) -> Self {
+        Self { path: folder.path().join(FOLDER) }
+    }
+
+    /// Every calibration, oldest first.
+    pub fn list(&self) -> Result<Vec<Stored>, CalibrationError> {
+        self.versions()?.into_iter().map(|version| self.read(version)).collect()
+    }
+
+    /// The one that doses use.
+    pub fn active(&self) -> Result<Option<Stored>, CalibrationError> {
+        self.active_version()?.map(|version| self.read(version)).transpose()
+    }
+
+    /// Its number.
+    pub fn active_version(&self) -> Result<Option<u32>, CalibrationError> {
+        let path = self.path.join(ACTIVE);
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(source) => return Err(CalibrationError::File { action: "read", path, source }),
+        };
+        match text.trim() {
+            NONE => Ok(None),
+            number => number.parse().map(Some).map_err(|_| CalibrationError::Damaged {
+                path,
+                message: format!("it says `{number}`, and not the number of a calibration or `{NONE}`"),
+            }),
+        }
+    }
+
+    /// Keeps a calibration under the next number, without using it. Returns that number.
+    pub fn add(&self, calibration: &Calibration) -> Result<u32, CalibrationError> {
+        let failed = |action, path: &Path| {
+            let path = path.to_owned();
+            move |source| CalibrationError::File { action, path, source }
+        };
+        fs::create_dir_all(&self.path).map_err(failed("create the folder", &self.path))?;
+        let version = self.versions()?.last().map_or(1, |last| last + 1);
+        let path = self.path_of(version);
+        let write = |to: &mut dyn Write| {
+            serde_json::to_writer_pretty(&mut *to, calibration)?;
+            writeln!(to)
+        };
+        Staged::new(&path, write).and_then(Staged::put_new).map_err(failed("write", &path))?;
+        Ok(version)
+    }
+
+    /// Has doses use a version, or none, from now on.
+    pub fn activate(&self, version: Option<u32>) -> Result<(), CalibrationError> {
+        if let Some(version) = version {
+            let versions = self.versions()?;
+            if !versions.contains(&version) {
+                let known: Vec<String> = versions.iter().map(u32::to_string).collect();
+                let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+                return Err(CalibrationError::NoSuchVersion { version, known });
+            }
+            self.read(version)?;
+        } else if !self.path.exists() {
+            return Ok(());
+        }
+        let path = self.path.join(ACTIVE);
+        let text = version.map_or(NONE.to_owned(), |version| version.to_string());
+        Staged::new(&path, |to| writeln!(to, "{text}"))
+            .and_then(Staged::put)
+            .map_err(|source| CalibrationError::File { action: "write", path, source })
+    }
+
+    fn path_of(&self, version: u32) -> PathBuf {
+        self.path.join(format!("{version}.json"))
+    }
+
+    fn read(&self, version: u32) -> Result<Stored, CalibrationError> {
+        let path = self.path_of(version);
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(source) => return Err(CalibrationError::File { action: "read", path, source }),
+        };
+        match serde_json::from_str::<Calibration>(&text) {
+            Ok(calibration) => match calibration.check_schema() {
+                Ok(()) => Ok(Stored { version, calibration }),
+                Err(message) => Err(CalibrationError::Damaged { path, message }),
+            },
+            Err(error) => Err(CalibrationError::Damaged { path, message: error.to_string() }),
+        }
+    }
+
+    /// The numbers that there are, rising.
+    fn versions(&self) -> Result<Vec<u32>, CalibrationError> {
+        let failed = |source| CalibrationError::File { action: "read", path: self.path.clone(), source };
+        let entries = match fs::read_dir(&self.path) {
+            Ok(entries) => entries,
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+            Err(source) => return Err(failed(source)),
+        };
+        let mut versions = Vec::new();
+        for entry in entries {
+            let name = entry.map_err(failed)?.file_name();
+            let number = name.to_str().and_then(|name| name.strip_suffix(".json"));
+            versions.extend(number.and_then(|number| number.parse::<u32>().ok()));
+        }
+        versions.sort_unstable();
+        Ok(versions)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Source;
+    use super::*;
+
+    fn store() -> (tempfile::TempDir, Calibrations, Calibration) {
+        let state = tempfile::tempdir().unwrap();
+        let store = Calibrations::of(&Folder::new(state.path(), "pump", "sim"));
+        let calibration =
+            Calibration::empty(&crate::catalogue::built_in("three-roller").unwrap(), Source::File).unwrap();
+        (state, store, calibration)
+    }
+
+    #[test]
+    fn versions_are_kept_apart_and_one_at_most_is_used() {
+        let (_state, store, mut calibration) = store();
+        assert_eq!((store.active().unwrap(), store.list().unwrap().len()), (None, 0));
+        store.activate(None).unwrap();
+        assert_eq!(store.add(&calibration).unwrap(), 1);
+        assert_eq!(store.active().unwrap(), None, "kept, not used");
+        calibration.zero_deg = 1.0 / 3.0;
+        assert_eq!(store.add(&calibration).unwrap(), 2);
+        store.activate(Some(2)).unwrap();
+        let active = store.active().unwrap().unwrap();
+        assert_eq!((active.version, &active.calibration), (2, &calibration), "to the last bit");
+        store.activate(Some(1)).unwrap();
+        assert_eq!(store.active().unwrap().unwrap().calibration.zero_deg, 0.0);
+        store.activate(None).unwrap();
+        assert_eq!((store.active_version().unwrap(), store.list().unwrap().len()), (None, 2));
+        let error = store.activate(Some(3)).unwrap_err().to_string();
+        assert!(error.contains("no calibration 3") && error.contains("1, 2"), "{error}");
+    }
+
+    #[test]
+    fn a_damaged_file_is_an_error_and_no_calibration() {
+        let (_state, store, calibration) = store();
+        store.add(&calibration).unwrap();
+        store.activate(Some(1)).unwrap();
+        fs::write(store.path_of(1), "{").unwrap();
+        let error = store.active().unwrap_err().to_string();
+        assert!(error.contains("1.json is damaged") && error.contains("dose calibrate use none"), "{error}");
+        store.activate(None).unwrap();
+        assert_eq!(store.active().unwrap(), None);
+        fs::write(store.path.join(ACTIVE), "first").unwrap();
+        assert!(store.active().is_err());
+    }
+}

@@ -1,0 +1,132 @@
+//! From what a scale shows to a volume: density of water and air, and the factor Z of ISO 8655-6.
+
+use pump_model::math::exp;
+
+use super::CalibrationError;
+use crate::pump_file::{FluidTable, PumpFile, SAME_TEMPERATURE_DEGC};
+
+/// Density of the weights that scales are adjusted with, kg/m³ (OIML R 111-1:2004; ISO 8655-6:2002 uses it too).
+const WEIGHTS_KG_M3: f64 = 8000.0;
+
+/// Relative humidity where nobody measured it, percent: ISO 8655-6 asks for more than 50. From 30 to 80 % Z changes by 4e-6.
+const HUMIDITY_PERCENT: f64 = 50.0;
+
+/// What is weighed, and where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weighing<'a> {
+    /// The fluid.
+    pub fluid: &'a FluidTable,
+    /// Pressure of the air around the scale, kPa absolute.
+    pub ambient_kpa: f64,
+}
+
+impl<'a> Weighing<'a> {
+    /// The fluid and the air of a pump file.
+    pub fn of(file: &'a PumpFile) -> Self {
+        Self { fluid: &file.fluid, ambient_kpa: file.ambient.pressure_kpa }
+    }
+
+    /// Volume, mL, of a mass in g that a scale shows for fluid at `temperature_degc`.
+    ///
+    /// Water has the density of its temperature. Other fluids that the model knows have that of the pump file, changed as much as
+    /// theirs changes from the temperature there; of any other only the density in the pump file is known, so its temperature
+    /// must be the one there within 2 °C.
+    pub fn volume_ml(&self, mass_g: f64, temperature_degc: f64) -> Result<f64, CalibrationError> {
+        let known_degc = self.fluid.temperature_degc;
+        let is_there = (temperature_degc - known_degc).abs() <= SAME_TEMPERATURE_DEGC;
+        let density_kg_m3 = match self.fluid.density_at_kg_m3(temperature_degc) {
+            Some(Ok(density_kg_m3)) => density_kg_m3,
+            _ if is_there => self.fluid.density_kg_m3,
+            Some(Err(error)) => return Err(error.into()),
+            None => {
+                let fluid = self.fluid.name.clone();
+                return Err(CalibrationError::FluidTemperature { fluid, temperature_degc, known_degc });
+            }
+        };
+        Ok(mass_g * z_ml_g(density_kg_m3, air_kg_m3(temperature_degc, self.ambient_kpa)))
+    }
+}
+
+/// Density of air at 50 % relative humidity, kg/m³: OIML R 111-1:2004, equation E.3-1, good to 2e-4 of it near 20 °C.
+pub fn air_kg_m3(temperature_degc: f64, ambient_kpa: f64) -> f64 {
+    let ambient_hpa = 10.0 * ambient_kpa;
+    (0.348_48 * ambient_hpa - 0.009 * HUMIDITY_PERCENT * exp(0.061 * temperature_degc))
+        / (273.15 + temperature_degc)
+}
+
+/// Z, mL/g: volume of the fluid for each gram that the scale shows. Fluid and weights float in air:
+/// Z = (1 - rho_air/rho_weights)/(rho_fluid - rho_air) (ISO 8655-6:2002).
+pub fn z_ml_g(fluid_kg_m3: f64, air_kg_m3: f64) -> f64 {
+    1e3 * (1.0 - air_kg_m3 / WEIGHTS_KG_M3) / (fluid_kg_m3 - air_kg_m3)
+}
+
+#[cfg(test)]
+mod tests {
+    use pump_model::Fluid;
+
+    use super::*;
+
+    #[test]
+    fn z_is_that_of_the_standards_table() {
+        // ISO 8655-6:2002, table of Z for distilled water, mL/mg times 1000: °C, kPa, Z.
+        for (degc, kpa, z) in [
+            (15.0, 101.3, 1.0020),
+            (20.0, 101.3, 1.0029),
+            (20.0, 80.0, 1.0026),
+            (25.0, 101.3, 1.0040),
+            (30.0, 101.3, 1.0054),
+        ] {
+            let computed = z_ml_g(Fluid::water(degc).unwrap().density_kg_m3, air_kg_m3(degc, kpa));
+            assert!((computed - z).abs() < 0.6e-4, "{degc} °C, {kpa} kPa: {computed}");
+        }
+    }
+
+    #[test]
+    fn other_fluids_float_too_and_must_have_the_temperature_of_their_density() {
+        let oil = fluid("silicone oil", 20.0, 960.0);
+        let weighing = Weighing { fluid: &oil, ambient_kpa: 101.3 };
+        let volume_ml = weighing.volume_ml(96.0, 21.0).unwrap();
+        // Buoyancy: 1.2/960 less 1.2/8000.
+        assert!((volume_ml - 100.0 * (1.0 + 1.195 / 960.0 - 1.195 / 8000.0)).abs() < 1e-3, "{volume_ml}");
+        let error = weighing.volume_ml(96.0, 25.0).unwrap_err().to_string();
+        assert!(error.contains("silicone oil") && error.contains("20 °C"), "{error}");
+        let water = crate::catalogue::built_in("three-roller").unwrap();
+        let weighing = Weighing::of(&water);
+        assert!(weighing.volume_ml(10.0, 120.0).unwrap_err().to_string().contains("temperature of water"));
+        assert!(weighing.volume_ml(10.0, f64::NAN).is_err());
+        assert!((weighing.volume_ml(10.0, 25.0).unwrap() - 10.0384).abs() < 1e-3);
+    }
+    #[test]
+    fn fluids_that_are_known_have_the_density_of_their_temperature() {
+        // Densities at 20 and 30 °C: Riddick, Bunger, Sakano (ethanol), Bosart and Snoddy (glycerol).
+        for (name, there, kg_m3) in [("ethanol", 789.24, 780.7), ("Glycerol 50 %", 1126.3, 1121.1)] {
+            let table = fluid(name, 20.0, there);
+            let volume_ml =
+                Weighing { fluid: &table, ambient_kpa: 101.3 }.volume_ml(0.1 * kg_m3, 30.0).unwrap();
+            let expected_ml = 0.1 * kg_m3 * z_ml_g(kg_m3, air_kg_m3(30.0, 101.3));
+            assert!((volume_ml / expected_ml - 1.0).abs() < 6e-4, "{name}: {volume_ml} for {expected_ml}");
+        }
+        // Ethanol with some water in it stays what was measured.
+        let technical = fluid("ethanol", 20.0, 810.0);
+        let weighing = Weighing { fluid: &technical, ambient_kpa: 101.3 };
+        let z = z_ml_g(810.0, air_kg_m3(20.0, 101.3));
+        assert!((weighing.volume_ml(1.0, 20.0).unwrap() - z).abs() < 1e-12);
+        let error = weighing.volume_ml(1.0, 60.0).unwrap_err().to_string();
+        assert!(error.contains("temperature of ethanol") && error.contains("5 to 40"), "{error}");
+        // Known at its own temperature alone.
+        let hot = fluid("ethanol", 50.0, 763.0);
+        let weighing = Weighing { fluid: &hot, ambient_kpa: 101.3 };
+        assert!(weighing.volume_ml(1.0, 51.0).is_ok() && weighing.volume_ml(1.0, 20.0).is_err());
+    }
+
+    fn fluid(name: &str, temperature_degc: f64, density_kg_m3: f64) -> FluidTable {
+        FluidTable {
+            name: name.to_owned(),
+            temperature_degc,
+            density_kg_m3,
+            viscosity_mpa_s: None,
+            bulk_modulus_mpa: None,
+            vapour_kpa: None,
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! What a calibration changes of a pump.
+
+use pump_ctl::plan::Phase;
+use pump_model::{ModelError, Pump};
+use serde::{Deserialize, Serialize};
+
+/// What a calibration changes of a pump.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Correction {
+    /// Every flow and volume times this: kappa at the cruise speed.
+    pub factor: f64,
+    /// Model angle of the rollers where the record says 0, rad.
+    pub zero_rad: f64,
+}
+
+impl Default for Correction {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
+
+impl Correction {
+    /// Nothing is changed.
+    pub const NONE: Self = Self { factor: 1.0, zero_rad: 0.0 };
+
+    /// Whether nothing is changed.
+    pub fn is_none(&self) -> bool {
+        *self == Self::NONE
+    }
+
+    /// Volume of a turn of the uncorrected `pump`, mL: the same as of the corrected one.
+    pub fn volume_ml(&self, pump: &Pump, from_rad: f64, to_rad: f64) -> f64 {
+        let curve = pump.outlet_curve();
+        self.factor * (curve.volume_ml(to_rad + self.zero_rad) - curve.volume_ml(from_rad + self.zero_rad))
+    }
+
+    /// Smallest and largest such volume of a turn from wherever the rollers may stand, mL.
+    pub fn range_ml(&self, pump: &Pump, start: Phase, turn_rad: f64) -> (f64, f64) {
+        let start = Phase { angle_rad: start.angle_rad + self.zero_rad, ..start };
+        let (least_ml, most_ml) = start.range_ml(pump, turn_rad);
+        (self.factor * least_ml, self.factor * most_ml)
+    }
+
+    /// The pump with this correction.
+    pub fn of(&self, pump: &Pump) -> Result<Pump, ModelError> {
+        let shifted = if self.zero_rad == 0.0 { *pump } else { pump.shifted(self.zero_rad)? };
+        if self.factor == 1.0 { Ok(shifted) } else { shifted.scaled(self.factor) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_correction_gives_the_volumes_of_the_corrected_pump() {
+        let pump = Pump::three_roller();
+        let correction = Correction { factor: 1.03, zero_rad: 0.4 };
+        let corrected = correction.of(&pump).unwrap();
+        for (from_rad, turn_rad) in [(0.0, 0.2), (1.1, 7.0), (-2.0, -0.5)] {
+            let curve = corrected.outlet_curve();
+            let expected_ml = curve.volume_ml(from_rad + turn_rad) - curve.volume_ml(from_rad);
+            assert!((correction.volume_ml(&pump, from_rad, from_rad + turn_rad) - expected_ml).abs() < 1e-12);
+            let start = Phase { angle_rad: from_rad, half_width_rad: 0.3 };
+            let (range, expected) =
+                (correction.range_ml(&pump, start, turn_rad), start.range_ml(&corrected, turn_rad));
+            assert!((range.0 - expected.0).abs() < 1e-9 && (range.1 - expected.1).abs() < 1e-9);
+        }
+        assert_eq!(Correction::default().of(&pump).unwrap(), pump);
+    }
+}

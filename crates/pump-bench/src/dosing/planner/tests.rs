@@ -1,0 +1,141 @@
+//! Doses of a pump whose displacement depends on the speed.
+
+use super::*;
+use crate::calibration::{Calibration, Displacement, Expected, Reading, Run, Source, Weighing};
+
+/// A calibration that fits 1 + slope (N - 50) at these speeds exactly.
+fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) -> Stored {
+    let pump = file.model().unwrap();
+    let mut runs = Vec::new();
+    for speed_rpm in speeds_rpm {
+        let factor = 1.0 + slope_per_rpm * (speed_rpm - 50.0);
+        runs.push(Run {
+            speed_rpm: *speed_rpm,
+            start_angle_deg: Some(13.0),
+            turned_deg: 800.0,
+            reading: Reading::VolumeMl(0.0),
+            temperature_degc: None,
+            time: None,
+        });
+        let last = runs.last_mut().unwrap();
+        last.reading = Reading::VolumeMl(factor * last.model_ml(&pump, 1).unwrap());
+    }
+    let expected = Expected { repeatability: 0.0047, reading_ml: 0.0 };
+    let displacement = Displacement::fit(&pump, &runs, &Weighing::of(file), &expected).unwrap();
+    let mut calibration = Calibration::empty(file, Source::File).unwrap();
+    calibration.displacement = Some(displacement);
+    calibration.runs = runs;
+    Stored { version: 4, calibration }
+}
+
+fn planned(
+    slope_per_rpm: f64,
+    speeds_rpm: &[f64],
+    volume_ml: f64,
+    cruise: Cruise,
+) -> Result<SpeedPlan, DoseError> {
+    let file = crate::catalogue::built_in("three-roller").unwrap();
+    let base = file.model().unwrap();
+    let stored = stored(&file, slope_per_rpm, speeds_rpm);
+    let planner =
+        Planner { file: &file, base: &base, stored: Some(&stored), law: None, limits: &file.limits() };
+    planner.plan(Phase::known(0.7), &Request::new(volume_ml, cruise))
+}
+
+const SPEEDS_RPM: [f64; 3] = [10.0, 60.0, 120.0];
+
+#[test]
+fn a_dose_has_the_displacement_of_its_own_cruise_speed() {
+    for slope in [-4e-4, 0.0, 4e-4] {
+        for rpm in [10.0, 50.0, 120.0] {
+            let found = planned(slope, &SPEEDS_RPM, 25.0, Cruise::Speed { rad_s: rad_s(rpm) }).unwrap();
+            let factor = 1.0 + slope * (rpm - 50.0);
+            assert!((found.applied.as_ref().unwrap().correction.factor - factor).abs() < 1e-12);
+            let base = Pump::three_roller();
+            let turned = base.outlet_curve().volume_ml(found.plan.end_angle_rad())
+                - base.outlet_curve().volume_ml(0.7);
+            assert!((found.plan.planned_ml - factor * turned).abs() < 1e-9);
+            assert!((found.plan.planned_ml - 25.0).abs() < 2e-3, "{}", found.plan.planned_ml);
+        }
+    }
+}
+
+#[test]
+fn a_rate_is_had_at_the_root_of_speed_and_displacement() {
+    for slope in [-1e-3, 1e-3] {
+        let found = planned(slope, &SPEEDS_RPM, 100.0, Cruise::Flow { ml_s: 20.0 }).unwrap();
+        let speed_rad_s = found.plan.profile.peak_rad_s();
+        assert!((found.model.average_flow_ml_s(speed_rad_s) - 20.0).abs() < 1e-9);
+        let factor = 1.0 + slope * (rpm(speed_rad_s) - 50.0);
+        assert!((found.applied.as_ref().unwrap().correction.factor - factor).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_time_is_met_by_the_slowest_speed_with_its_own_displacement() {
+    for slope in [-1e-3, 0.0, 1e-3] {
+        for (volume_ml, time_s) in
+            [(25.0, 2.3), (25.0, 4.0), (40.0, 4.0), (41.0, 3.0), (80.0, 4.0), (-25.0, 3.0)]
+        {
+            let found = planned(slope, &SPEEDS_RPM, volume_ml, Cruise::Within { time_s }).unwrap();
+            let settle_s = found.plan.predict(&found.model).unwrap().settle_s;
+            let takes_s = found.plan.profile.duration_s() + settle_s;
+            assert!(
+                takes_s <= time_s && takes_s > 0.8 * time_s,
+                "{slope} {volume_ml}: {takes_s} of {time_s}"
+            );
+            let found_rpm = rpm(found.plan.profile.peak_rad_s());
+            let factor = 1.0 + slope * (found_rpm - 50.0);
+            assert!(
+                (found.applied.as_ref().unwrap().correction.factor - factor).abs() < 1e-9,
+                "{slope} {volume_ml} {time_s}"
+            );
+        }
+    }
+}
+
+#[test]
+fn speeds_that_were_not_calibrated_are_refused_with_those_that_were() {
+    let refused = |cruise| match planned(-1e-3, &SPEEDS_RPM, 25.0, cruise) {
+        Ok(_) => panic!("not refused"),
+        Err(error) => error.to_string(),
+    };
+    let error = refused(Cruise::Speed { rad_s: rad_s(9.0) });
+    assert!(
+        error.contains("calibration 4 holds from 10.0000 to 120.0000 r/min")
+            && error.contains("9.0000 r/min"),
+        "{error}"
+    );
+    let error = refused(Cruise::Flow { ml_s: 45.0 });
+    assert!(error.contains("to 39.6") && error.contains("45 mL/s is beyond"), "{error}");
+    assert!(refused(Cruise::Flow { ml_s: 500.0 }).contains("500 mL/s is beyond"));
+    assert!(refused(Cruise::Within { time_s: 60.0 }).contains("the slowest within 60 s, is beyond"));
+    // What the motor cannot do is the motor's to refuse.
+    let error = refused(Cruise::Speed { rad_s: rad_s(171.0) });
+    assert!(error.contains("above the pump's limit of 170.00 r/min"), "{error}");
+}
+
+#[test]
+fn one_speed_is_used_at_every_speed_with_a_warning_and_a_share_for_it() {
+    let at = |rpm| planned(0.0, &[50.0], 25.0, Cruise::Speed { rad_s: rad_s(rpm) }).unwrap();
+    assert_eq!(at(50.0).warning, None);
+    let far = at(135.0);
+    let warning = far.warning.unwrap();
+    // sqrt(12) * 2.4 % over half of the motor's speeds.
+    assert!(warning.contains("made at 50 r/min alone") && warning.contains("4.16 %"), "{warning}");
+    assert!((far.applied.as_ref().unwrap().displacement.unwrap().speed_law - 0.0416).abs() < 1e-4);
+    let found = planned(0.0, &[50.0], 25.0, Cruise::Within { time_s: 3.0 }).unwrap();
+    assert!(found.applied.as_ref().unwrap().displacement.unwrap().speed_law > 0.0 && found.warning.is_some());
+}
+
+#[test]
+fn a_calibration_of_another_pump_is_refused() {
+    let file = crate::catalogue::built_in("three-roller").unwrap();
+    let stored = stored(&file, 0.0, &[50.0]);
+    let other = crate::catalogue::built_in("two-roller").unwrap();
+    let (base, limits) = (other.model().unwrap(), other.limits());
+    let planner = Planner { file: &other, base: &base, stored: Some(&stored), law: None, limits: &limits };
+    let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 });
+    let Err(error) = planner.plan(Phase::known(0.0), &request) else { panic!("not refused") };
+    assert!(error.to_string().contains("a pump with 21.318"), "{error}");
+}

@@ -1,0 +1,211 @@
+//! A batch of doses: when each is due, and what it would be without moving anything.
+
+use std::time::Duration;
+
+use thiserror::Error;
+
+/// Most doses of a batch.
+pub const MAX_DOSES: u64 = 1_000_000;
+
+/// Shortest and longest time from the start of a dose to the start of the next, s.
+const EVERY_S: [f64; 2] = [1e-3, 366.0 * 86_400.0];
+
+/// A dose that was waited for is missed when it is later than this (or than the interval): whoever waited was suspended.
+const LATEST: Duration = Duration::from_secs(1);
+
+/// What becomes of a dose whose time has passed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Missed {
+    /// It is left out.
+    #[default]
+    Skip,
+    /// It is made at once.
+    Now,
+}
+
+/// What to do next; doses are numbered from 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Action {
+    /// Nothing until then, on the clock that the schedule is asked with.
+    Wait(Duration),
+    /// This dose.
+    Dose(u64),
+    /// Leave out this dose: its time has passed.
+    Skip(u64),
+    /// Every dose was made or left out.
+    Done,
+}
+
+/// A schedule that cannot be kept.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ScheduleError {
+    /// A value is outside its range.
+    #[error("{what} is {value}; allowed: {least} to {most}")]
+    OutOfRange {
+        /// Which, with its unit.
+        what: &'static str,
+        /// What it is.
+        value: f64,
+        /// Smallest allowed.
+        least: f64,
+        /// Largest.
+        most: f64,
+    },
+}
+
+/// When each dose of a batch is due, counted from the batch's start. It sleeps nowhere and reads no clock.
+///
+/// Its clock must not be set by anybody, as [`std::time::Instant`]'s is not. That one stands still on Linux while the
+/// machine sleeps, and the batch with it; a process that alone is suspended misses doses.
+///
+/// ```
+/// use std::time::Duration;
+///
+/// use pump_bench::batch::{Action, Missed, Schedule};
+///
+/// let mut schedule = Schedule::new(3, Some(10.0), Missed::Skip)?;
+/// let at = Duration::from_secs;
+/// assert_eq!(schedule.next(at(0)), Action::Dose(1));
+/// // The first dose took 12 s: the second one's time has passed.
+/// assert_eq!(schedule.next(at(12)), Action::Skip(2));
+/// assert_eq!(schedule.next(at(12)), Action::Wait(at(20)));
+/// assert_eq!(schedule.next(at(20)), Action::Dose(3));
+/// assert_eq!(schedule.next(at(21)), Action::Done);
+/// # Ok::<(), pump_bench::batch::ScheduleError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Schedule {
+    count: u64,
+    /// From start to start; none makes each dose when the one before is done.
+    every: Option<Duration>,
+    missed: Missed,
+    /// Doses made or left out.
+    past: u64,
+    /// Whether the next dose was not due yet when the schedule was last asked.
+    in_time: bool,
+}
+
+impl Schedule {
+    /// `count` doses, one every `every_s` s from start to start; without it one after the other.
+    pub fn new(count: u64, every_s: Option<f64>, missed: Missed) -> Result<Self, ScheduleError> {
+        if !(1..=MAX_DOSES).contains(&count) {
+            let (value, most) = (count as f64, MAX_DOSES as f64);
+            return Err(ScheduleError::OutOfRange { what: "number of doses", value, least: 1.0, most });
+        }
+        let [least, most] = EVERY_S;
+        if let Some(value) = every_s.filter(|every_s| !(least..=most).contains(every_s)) {
+            return Err(ScheduleError::OutOfRange { what: "time between doses in s", value, least, most });
+        }
+        let every = every_s.map(Duration::from_secs_f64);
+        Ok(Self { count, every, missed, past: 0, in_time: true })
+    }
+
+    /// How many doses it has.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// When dose `number` is due, from the batch's start.
+    pub fn due(&self, number: u64) -> Duration {
+        self.every.map_or(Duration::ZERO, |every| {
+            let nanoseconds = every.as_nanos() * u128::from(number.saturating_sub(1));
+            let (seconds, rest) = (nanoseconds / 1_000_000_000, nanoseconds % 1_000_000_000);
+            Duration::new(u64::try_from(seconds).unwrap_or(u64::MAX), rest as u32)
+        })
+    }
+
+    /// What to do at `now`, the time since the batch's start. A dose or a skip is told once and then counts as past.
+    pub fn next(&mut self, now: Duration) -> Action {
+        if self.past == self.count {
+            return Action::Done;
+        }
+        let number = self.past + 1;
+        let due = self.due(number);
+        if now < due {
+            self.in_time = true;
+            return Action::Wait(due);
+        }
+        let late = now - due;
+        let missed = match self.every {
+            Some(every) if self.in_time => late > LATEST.min(every),
+            Some(_) => late > Duration::ZERO,
+            None => false,
+        };
+        self.past = number;
+        self.in_time = false;
+        if missed && self.missed == Missed::Skip { Action::Skip(number) } else { Action::Dose(number) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ms(milliseconds: u64) -> Duration {
+        Duration::from_millis(milliseconds)
+    }
+
+    fn every_second(count: u64, missed: Missed) -> Schedule {
+        Schedule::new(count, Some(1.0), missed).unwrap()
+    }
+
+    #[test]
+    fn doses_are_due_from_start_to_start_and_lateness_does_not_add_up() {
+        let mut schedule = every_second(3, Missed::Skip);
+        assert_eq!(schedule.next(ms(1)), Action::Dose(1));
+        assert_eq!(schedule.next(ms(900)), Action::Wait(ms(1000)));
+        assert_eq!(schedule.next(ms(1040)), Action::Dose(2), "woken a little late is not missed");
+        assert_eq!(schedule.next(ms(1041)), Action::Wait(ms(2000)));
+        assert_eq!(schedule.next(ms(2000)), Action::Dose(3));
+        assert_eq!(schedule.next(ms(2001)), Action::Done);
+        assert_eq!(schedule.next(ms(9000)), Action::Done);
+    }
+
+    #[test]
+    fn a_dose_that_came_due_while_the_one_before_ran_is_skipped_or_made_at_once() {
+        let mut skips = every_second(5, Missed::Skip);
+        assert_eq!(skips.next(ms(0)), Action::Dose(1));
+        let told: Vec<Action> = (0..3).map(|_| skips.next(ms(2001))).collect();
+        assert_eq!(told, [Action::Skip(2), Action::Skip(3), Action::Wait(ms(3000))]);
+        assert_eq!(skips.next(ms(3000)), Action::Dose(4));
+        assert_eq!(skips.next(ms(4000)), Action::Dose(5), "due at this moment is not missed");
+
+        let mut catches_up = every_second(5, Missed::Now);
+        assert_eq!(catches_up.next(ms(0)), Action::Dose(1));
+        assert_eq!(catches_up.next(ms(2500)), Action::Dose(2));
+        assert_eq!(catches_up.next(ms(2600)), Action::Dose(3));
+        assert_eq!(catches_up.next(ms(2700)), Action::Wait(ms(3000)), "back on its times");
+    }
+
+    #[test]
+    fn a_dose_slept_through_is_missed() {
+        for (missed, told) in [(Missed::Skip, Action::Skip(2)), (Missed::Now, Action::Dose(2))] {
+            let mut schedule = every_second(9, missed);
+            assert_eq!(schedule.next(ms(0)), Action::Dose(1));
+            assert_eq!(schedule.next(ms(1)), Action::Wait(ms(1000)));
+            assert_eq!(schedule.next(ms(2500)), told);
+        }
+    }
+
+    #[test]
+    fn without_an_interval_one_follows_the_other() {
+        let mut schedule = Schedule::new(2, None, Missed::Skip).unwrap();
+        assert_eq!(schedule.next(ms(5)), Action::Dose(1));
+        assert_eq!(schedule.next(ms(500_000)), Action::Dose(2));
+        assert_eq!(schedule.next(ms(500_000)), Action::Done);
+    }
+
+    #[test]
+    fn what_cannot_be_kept_is_refused_and_the_longest_batch_has_a_last_time() {
+        for count in [0, MAX_DOSES + 1] {
+            let error = Schedule::new(count, None, Missed::Skip).unwrap_err().to_string();
+            assert!(error.contains("number of doses") && error.contains("1 to 1000000"), "{error}");
+        }
+        for every_s in [0.0, -1.0, 1e-9, 1e300, f64::NAN, f64::INFINITY] {
+            assert!(Schedule::new(1, Some(every_s), Missed::Skip).is_err(), "{every_s}");
+        }
+        let longest = Schedule::new(MAX_DOSES, Some(366.0 * 86_400.0), Missed::Skip).unwrap();
+        assert_eq!(longest.due(MAX_DOSES).as_secs(), 999_999 * 366 * 86_400);
+    }
+}

@@ -1,0 +1,287 @@
+//! An axis of a controller that speaks grbl 1.1's protocol over a serial port: grbl, grblHAL, FluidNC.
+//!
+//! Doses are jogs in machine coordinates to targets that the board rounds to our very steps. It plans its own ramps, so only
+//! as much is sent ahead as keeps it at speed; what was sent is made even if this process dies. Nothing is written to its
+//! settings unless it is asked for.
+
+use std::time::{Duration, Instant};
+
+use pump_ctl::plan::{Motor, Plan};
+
+use super::board::{Board, Heard};
+use super::error::GrblError;
+use super::jogs::{Motion, Task};
+use super::port::Port;
+use super::recovery::Known;
+use super::reply::Reply;
+use super::scale::Scale;
+use super::settings::{Flavour, Settings};
+use super::{configure, connect, settings};
+use crate::drives::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
+use crate::pump_file::{DriveTable, MotorTable};
+
+/// What these boards can do.
+pub(crate) const ABILITIES: Abilities =
+    Abilities { step_times: false, angle_dependent_speed: false, index: true, readback: true };
+
+/// What a number may be off that is kept in single precision and told with three decimals.
+const TOLD: f64 = 1e-5;
+
+/// One axis of a board.
+#[derive(Debug)]
+pub struct Grbl {
+    board: Board,
+    settings: Settings,
+    scale: Scale,
+    /// Angle of a step, rad.
+    step_rad: f64,
+    /// Steps per second, fewest and most, and steps per second² of its ramps.
+    least_steps_s: f64,
+    most_steps_s: f64,
+    steps_s2: f64,
+    /// Its count at rest; none where it has to be asked again.
+    stands: Option<i64>,
+    disturbed: Option<Disturbance>,
+    notes: Vec<String>,
+}
+
+impl Grbl {
+    /// Opens the port that `table` names, waits for the board to be at rest, and reads its settings. `configure` writes those
+    /// that a pump needs otherwise, and no others. Moves nothing.
+    pub fn open(table: &DriveTable, motor: &MotorTable, configure: bool) -> Result<Self, DriveError> {
+        let mut board = Board::new(Port::open(table)?, table.axis.number());
+        let mut reset = connect::find(&mut board, table)?;
+        connect::rest(&mut board, &mut reset)?;
+        Ok(Self::read(board, table, &motor.at_pump_head(), configure, reset)?)
+    }
+
+    fn read(
+        mut board: Board,
+        table: &DriveTable,
+        motor: &Motor,
+        configure: bool,
+        mut reset: bool,
+    ) -> Result<Self, GrblError> {
+        let flavour = settings::flavour(&mut board)?;
+        let mut settings = settings::settings(&mut board, flavour, table.axis)?;
+        let mut notes = Vec::new();
+        if configure {
+            (settings, notes) = configure::configure(&mut board, settings, motor)?;
+        }
+        if settings.soft_limits() {
+            return Err(GrblError::SoftLimits);
+        }
+        let scale = settings.scale(table)?;
+        let step_rad = motor.step_rad();
+        let acceleration = settings.acceleration_units_s2()?;
+        let steps_s2 = acceleration * scale.steps_per_unit;
+        if steps_s2 * step_rad > motor.max_acceleration_rad_s2 * (1.0 + TOLD) {
+            return Err(GrblError::Steep {
+                board_rad_s2: steps_s2 * step_rad,
+                limit_rad_s2: motor.max_acceleration_rad_s2,
+                number: settings.number(120),
+                setting: acceleration,
+            });
+        }
+        connect::rest(&mut board, &mut reset)?;
+        let place = board.rests_at()?;
+        notes.extend(remarks(&settings, &scale));
+        Ok(Self {
+            least_steps_s: settings.least_steps_s(&scale),
+            most_steps_s: settings.rate_units_min()? / 60.0 * scale.steps_per_unit,
+            stands: Some(scale.count(scale.reported_mm(place))),
+            disturbed: reset.then_some(Disturbance::Reset),
+            board,
+            settings,
+            scale,
+            step_rad,
+            steps_s2,
+            notes,
+        })
+    }
+
+    /// What `plan` asks of the board. Refused here if it cannot do it, before anything moves.
+    fn task(&mut self, plan: &Plan) -> Result<Task, GrblError> {
+        let mut reset = false;
+        connect::rest(&mut self.board, &mut reset)?;
+        let place = self.board.rests_at()?;
+        let counted = self.scale.count(self.scale.reported_mm(place));
+        let expected = self.stands.replace(counted);
+        if reset {
+            return Err(GrblError::Reset);
+        }
+        if let Some(expected) = expected.filter(|expected| *expected != counted) {
+            return Err(GrblError::Count { counted, expected });
+        }
+        let task = Task {
+            start: counted,
+            direction: i64::from(plan.direction()),
+            steps: plan.steps.unsigned_abs(),
+            steps_s: plan.profile.peak_rad_s() / self.step_rad,
+            steps_s2: self.steps_s2,
+        };
+        if task.steps_s < self.least_steps_s * (1.0 - TOLD) {
+            return Err(GrblError::Slow { steps_s: task.steps_s, least_s: self.least_steps_s });
+        }
+        if task.steps_s > self.most_steps_s * (1.0 + TOLD) {
+            return Err(GrblError::Fast {
+                steps_s: task.steps_s,
+                most_s: self.most_steps_s,
+                number: self.settings.number(110),
+                setting: self.settings.rate_units_min()?,
+            });
+        }
+        task.check(&self.scale)?;
+        Ok(task)
+    }
+
+    /// Makes the steps of `plan` by `motion`, stops after whatever goes wrong, and says between which bounds it went.
+    fn travel<T>(
+        &mut self,
+        plan: &Plan,
+        motion: impl FnOnce(&mut Motion<'_>) -> Result<T, GrblError>,
+    ) -> Result<(T, u64), DriveFault> {
+        let task = match self.task(plan) {
+            Ok(task) => task,
+            Err(error) => return Err(self.fault(error, 0, 0)),
+        };
+        let mut under_way = Motion::new(&mut self.board, &self.scale, task);
+        let outcome = motion(&mut under_way).map_err(|error| under_way.recover(error));
+        let (made, sent) = (under_way.made, under_way.sent);
+        let known = match &outcome {
+            Ok(_) => true,
+            Err((_, known)) => *known == Known::Exactly,
+        };
+        self.stands = known.then(|| task.count_after(made));
+        if sent > 0 && self.settings.holds() != Some(true) {
+            self.disturbed.get_or_insert(Disturbance::Disabled);
+        }
+        outcome.map(|value| (value, made)).map_err(|(error, known)| {
+            let most = if known == Known::Exactly { made } else { sent };
+            let lost = known == Known::Nowhere;
+            let fault = self.fault(error, made, most);
+            DriveFault { lost: lost || fault.lost, ..fault }
+        })
+    }
+
+    fn fault(&mut self, error: GrblError, made_least: u64, made_most: u64) -> DriveFault {
+        match error {
+            GrblError::Reset => self.disturbed = Some(Disturbance::Reset),
+            GrblError::Gone(_) | GrblError::Quiet { .. } => self.disturbed = Some(Disturbance::LinkLost),
+            _ => {}
+        }
+        DriveFault { made_least, made_most, lost: error.loses(), error: error.into() }
+    }
+
+    /// Takes in what the board says while nothing is asked of it.
+    fn overhear(&mut self, wait: Duration) -> Result<(), GrblError> {
+        while let Some(heard) = self.board.hear(wait)? {
+            if let Heard::Reply(Reply::Banner(_)) = heard {
+                self.disturbed = Some(Disturbance::Reset);
+                self.stands = None;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Drive for Grbl {
+    fn abilities(&self) -> Abilities {
+        ABILITIES
+    }
+
+    fn limits(&self) -> Option<DriveLimits> {
+        Some(DriveLimits {
+            min_speed_rad_s: self.least_steps_s * self.step_rad,
+            max_speed_rad_s: self.most_steps_s * self.step_rad,
+            acceleration_rad_s2: self.steps_s2 * self.step_rad,
+        })
+    }
+
+    fn count(&self) -> Option<i64> {
+        self.stands
+    }
+
+    fn disturbed(&mut self) -> Option<Disturbance> {
+        // A connection that broke at rest is the next motion's fault.
+        let _ = self.overhear(Duration::ZERO);
+        self.disturbed.take()
+    }
+
+    fn check(&mut self, plan: &Plan) -> Result<(), DriveError> {
+        if plan.is_smooth() {
+            return Err(DriveError::Unable {
+                driver: "grbl",
+                ability: "speed that follows the rollers' angle",
+                instead: "leave out --smooth",
+            });
+        }
+        let checked = self.task(plan);
+        if let Err(GrblError::Reset) = checked {
+            self.disturbed = Some(Disturbance::Reset);
+        }
+        Ok(checked.map(drop)?)
+    }
+
+    fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+        self.travel(plan, |motion| motion.run(gate)).map(|((), made)| made)
+    }
+
+    fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<Sought, DriveFault> {
+        self.travel(plan, |motion| motion.search(gate)).map(|(found, _)| found)
+    }
+
+    fn settle(&mut self, settle_s: f64) -> Result<Option<f64>, DriveError> {
+        let until = Instant::now() + Duration::from_secs_f64(settle_s.max(0.0));
+        loop {
+            let left = until.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Ok(None);
+            }
+            // A connection that broke at rest is the next motion's fault; what was made is known.
+            if self.overhear(left).is_err() {
+                std::thread::sleep(left);
+            }
+        }
+    }
+
+    fn notes(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.notes)
+    }
+
+    fn release(&mut self) -> Result<(), DriveError> {
+        let line = if self.settings.flavour == Flavour::FluidNc { "$MD" } else { "$SLP" };
+        self.board.command(line)?;
+        self.disturbed = Some(Disturbance::Disabled);
+        Ok(())
+    }
+}
+
+/// What a person should know of these settings.
+fn remarks(settings: &Settings, scale: &Scale) -> Vec<String> {
+    let mut notes = Vec::new();
+    match settings.holds() {
+        Some(true) => {}
+        Some(false) => notes.push(format!(
+            "the board cuts the motor's current after each motion ($1={}), which makes the angle less sure each time; \
+             `--configure` sets $1=255",
+            settings.values.get(&1).copied().unwrap_or(0.0)
+        )),
+        None => notes.push(
+            "the board does not tell whether it cuts the motor's current after each motion ($1): the angle is taken to be \
+             less sure each time"
+                .to_owned(),
+        ),
+    }
+    let thousandths = (scale.steps_per_unit * 1e3).round() as i64;
+    if thousandths % 10 != 0 {
+        let number = settings.number(100);
+        let drift = 2e3 * scale.steps_per_unit;
+        notes.push(format!(
+            "${number}={} is told with three decimals and may have more: then counts drift by a step in {drift:.0}; a whole \
+             number is safe, and any will do",
+            scale.steps_per_unit
+        ));
+    }
+    notes
+}

@@ -1,0 +1,11 @@
+//! What turns a motor.
+
+mod drive;
+pub mod grbl;
+mod registry;
+mod sim;
+
+pub use drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
+pub use grbl::{Grbl, GrblError};
+pub use registry::abilities;
+pub use sim::Sim;

@@ -1,0 +1,46 @@
+//! Step lists and waveforms as CSV.
+
+use std::io::{self, Write};
+
+use pump_ctl::plan::Plan;
+
+use crate::simulation::Sample;
+
+/// Header of [`write_steps`].
+pub const STEPS_HEADER: &str = "step,time_s,direction,angle_rad";
+/// Header of [`write_samples`].
+pub const TRACE_HEADER: &str =
+    "time_s,angle_rad,speed_rad_s,q_in_ml_s,q_out_ml_s,p_in_kpa,p_out_kpa,delivered_ml";
+
+/// Every step of `plan`; numbers in full precision.
+pub fn write_steps(to: &mut dyn Write, plan: &Plan) -> io::Result<()> {
+    writeln!(to, "{STEPS_HEADER}")?;
+    for step in plan.steps() {
+        writeln!(to, "{},{},{},{}", step.number, step.time_s, step.direction, step.angle_rad)?;
+    }
+    Ok(())
+}
+
+/// Every sample of a waveform; numbers in full precision. The first error of the waveform ends it.
+pub fn write_samples<E: Into<io::Error>>(
+    to: &mut dyn Write,
+    samples: impl IntoIterator<Item = Result<Sample, E>>,
+) -> io::Result<()> {
+    writeln!(to, "{TRACE_HEADER}")?;
+    for sample in samples {
+        let s = sample.map_err(Into::into)?;
+        writeln!(
+            to,
+            "{},{},{},{},{},{},{},{}",
+            s.time_s,
+            s.angle_rad,
+            s.speed_rad_s,
+            s.q_in_ml_s,
+            s.q_out_ml_s,
+            s.p_in_kpa,
+            s.p_out_kpa,
+            s.delivered_ml
+        )?;
+    }
+    Ok(())
+}

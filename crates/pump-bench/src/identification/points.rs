@@ -1,0 +1,120 @@
+//! R and C from points, and what is to be said of them.
+
+use pump_model::identification::{
+    ComplianceFit, FlowPoint, IdentificationError, InjectionPoint, ResistanceFit,
+};
+use pump_model::{Line, Port};
+
+use super::identified::{Identified, Parameter};
+use crate::export::Fitted;
+
+/// R of the line of a port from steady flows, perhaps with the drop at no flow; `rate_ml_s` is the pump's usual rate, at which
+/// a resistance that changes with the flow is told.
+pub fn identified_resistance(
+    points: &[FlowPoint],
+    with_offset: bool,
+    (port, line): (Port, &Line),
+    rate_ml_s: f64,
+) -> Result<Identified, IdentificationError> {
+    let fit = ResistanceFit::of(points, with_offset)?;
+    let mut parameters =
+        vec![Parameter::found("resistance_kpa_s_ml", "resistance", "kPa s/mL", fit.resistance_kpa_s_ml)];
+    parameters.extend(fit.offset_kpa.map(|offset| Parameter::found("offset_kpa", "offset", "kPa", offset)));
+    let mut warnings: Vec<_> = fit.missed_offset_kpa.iter().map(|offset| {
+        format!(
+            "the points do not lead through the origin: with an offset it is {:.4} ± {:.4} kPa; seek it too (--offset), and check \
+             reservoir and sensor",
+            offset.value,
+            2.0 * offset.standard,
+        )
+    }).collect();
+    warnings.extend(fit.bend.filter(|_| warnings.is_empty()).map(|bend| {
+        format!(
+            "the resistance changes with the flow: {:.5} + {:.6} per mL/s, {:.5} kPa s/mL at the pump's {rate_ml_s} mL/s; \
+             measure at flows like those of doses",
+            bend.at_no_flow_kpa_s_ml.value,
+            bend.per_flow_kpa_s2_ml2.value,
+            bend.resistance_kpa_s_ml(rate_ml_s),
+        )
+    }));
+    warnings.extend(scattered(points, &fit, with_offset));
+    let mut fitted: Vec<_> = points
+        .iter()
+        .map(|point| Fitted {
+            x: point.flow_ml_s,
+            measured: point.drop_kpa,
+            fitted: fit.drop_kpa(point.flow_ml_s),
+        })
+        .collect();
+    fitted.sort_by(|one, other| one.x.total_cmp(&other.x));
+    Ok(Identified {
+        kind: "resistance",
+        port,
+        headline: format!("{} line, dP = R Q over {} points", port.name(), points.len()),
+        parameters,
+        independent: points.len() as f64,
+        points: fitted,
+        warnings,
+        line: Line { resistance_kpa_s_ml: fit.resistance_kpa_s_ml.value, ..*line },
+    }
+    .with_weak_correlation(with_offset))
+}
+
+/// Whether the points lie farther from the line than their standard uncertainties allow: a chi-square of more than its
+/// expectation plus three of its standard deviations, sqrt(2 dof). Uncertainties that are all 1 say nothing of the kind.
+fn scattered(points: &[FlowPoint], fit: &ResistanceFit, with_offset: bool) -> Option<String> {
+    let is_known = points.iter().any(|point| point.standard_kpa != 1.0);
+    let degrees_of_freedom = points.len() as f64 - if with_offset { 2.0 } else { 1.0 };
+    let most = (1.0 + 3.0 * (2.0 / degrees_of_freedom).sqrt()).sqrt();
+    (is_known && fit.scatter > most).then(|| {
+        format!(
+            "the points scatter {:.1} times as far from the line as their standard uncertainties say; it does not explain them",
+            fit.scatter
+        )
+    })
+}
+
+/// C of the line of a port from an injection; with the volume that the line holds its effective bulk modulus too.
+pub fn identified_compliance(
+    points: &[InjectionPoint],
+    total_ml: Option<f64>,
+    (port, line): (Port, &Line),
+) -> Result<Identified, IdentificationError> {
+    let fit = ComplianceFit::of(points)?;
+    let mut parameters = vec![
+        Parameter::found("compliance_ml_kpa", "compliance", "mL/kPa", fit.compliance_ml_kpa),
+        Parameter::found("start_kpa", "start", "kPa", fit.start_kpa),
+    ];
+    parameters.extend(total_ml.map(|total_ml| {
+        Parameter::found("bulk_modulus_kpa", "bulk modulus", "kPa", fit.bulk_modulus_kpa(total_ml))
+    }));
+    let warnings = fit.bend.iter().map(|(slope, growth)| {
+        format!(
+            "the line {} as it fills: dP/dV is {:.3} kPa/mL at the start and changes by {:.3} per mL; inject over pressures like \
+             those of doses",
+            if growth.value > 0.0 { "stiffens (air does that)" } else { "softens" },
+            slope.value,
+            2.0 * growth.value,
+        )
+    });
+    let mut fitted: Vec<_> = points
+        .iter()
+        .map(|point| Fitted {
+            x: point.volume_ml,
+            measured: point.pressure_kpa,
+            fitted: fit.pressure_kpa(point.volume_ml),
+        })
+        .collect();
+    fitted.sort_by(|one, other| one.x.total_cmp(&other.x));
+    Ok(Identified {
+        kind: "compliance",
+        port,
+        headline: format!("{} line, C = dV/dP over {} points", port.name(), points.len()),
+        parameters,
+        independent: points.len() as f64,
+        points: fitted,
+        warnings: warnings.collect(),
+        line: Line { compliance_ml_kpa: fit.compliance_ml_kpa.value, ..*line },
+    }
+    .with_weak_correlation(true))
+}

@@ -1,0 +1,46 @@
+//! Doses with a peristaltic pump whose flow is computed from the angle of its rollers: pump files, benches, reports.
+//! The command `dose` is a thin shell around this library, and other programs may be too.
+//!
+//! ```
+//! use std::ops::ControlFlow;
+//!
+//! use pump_bench::{Bench, DoseReport, DoseRequest, built_in};
+//!
+//! let state = tempfile::tempdir()?;
+//! let bench = Bench::new(built_in("three-roller").unwrap(), None, state.path())?;
+//! let mut session = bench.session()?;
+//! let prepared = session.prepare(DoseRequest::dose(25.0))?;
+//! let delivered = session.run(&prepared, |_steps| ControlFlow::Continue(()))?;
+//! let report = DoseReport::new(&bench, &prepared, Some(&delivered));
+//! assert!(delivered.completed && (delivered.volume_ml - 25.0).abs() < 0.002);
+//! assert!((report.expanded_uncertainty_ml - 1.22).abs() < 0.01);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod bench;
+pub mod calibration;
+pub mod catalogue;
+pub mod displacement;
+pub mod dosing;
+pub mod drives;
+pub mod export;
+pub mod files;
+pub mod identification;
+mod numbers;
+pub mod pump_file;
+pub mod record;
+pub mod report;
+#[cfg(test)]
+mod sampling;
+pub mod simulation;
+pub mod units;
+
+pub use bench::{Bench, Delivered, Session};
+pub use catalogue::{built_in, pump_named};
+pub use dosing::{DoseError, DoseRequest, Prepared};
+pub use pump_file::PumpFile;
+pub use report::DoseReport;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

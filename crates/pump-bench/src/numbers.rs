@@ -1,0 +1,22 @@
+//! Numbers as people read them.
+
+use pump_model::math::floor;
+
+/// A number with `digits` significant digits, without an exponent and without zeros at its end.
+pub(crate) fn significant(value: f64, digits: i32) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let decimals = (f64::from(digits - 1) - floor(value.abs().log10())).clamp(0.0, 15.0) as usize;
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// A volume that is known between bounds, in words.
+pub(crate) fn between(least_ml: f64, most_ml: f64) -> String {
+    if most_ml - least_ml < 1e-9 {
+        format!("{least_ml:.4} mL")
+    } else {
+        format!("between {least_ml:.4} and {most_ml:.4} mL")
+    }
+}

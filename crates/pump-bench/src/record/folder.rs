@@ -1,0 +1,204 @@
+//! The folder in which a pump's journal is kept, and the lock that gives one process at a time the pump.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::Duration;
+
+use pump_model::Pump;
+use thiserror::Error;
+
+use super::{Journal, JournalError, State, Story};
+use crate::files::sync_folder;
+
+const JOURNAL: &str = "journal.jsonl";
+const LOCK: &str = "lock";
+
+/// A folder that cannot be used or locked.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum FolderError {
+    /// Another process doses with this pump.
+    #[error("pump `{pump}` is in use by {holder}; wait until it is done (lock file {})", .path.display())]
+    Busy {
+        /// Pump id.
+        pump: String,
+        /// What the lock says of its holder.
+        holder: String,
+        /// The lock file.
+        path: PathBuf,
+    },
+    /// A file or folder cannot be used.
+    #[error("cannot {action} {}: {source}; choose another folder with --state-dir or DOSE_STATE_DIR", .path.display())]
+    File {
+        /// What was tried.
+        action: &'static str,
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// No place is known.
+    #[error(
+        "no folder for journals: neither XDG_STATE_HOME nor HOME is set; name one with --state-dir or DOSE_STATE_DIR"
+    )]
+    NoFolder,
+}
+
+/// The folder `<state dir>/<pump id>/<driver>/`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Folder {
+    path: PathBuf,
+    pump: String,
+}
+
+/// Where journals are kept unless told otherwise: `$XDG_STATE_HOME/pump-dose` or `~/.local/state/pump-dose`.
+pub fn default_state_dir() -> Result<PathBuf, FolderError> {
+    let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let base = set("XDG_STATE_HOME").or_else(|| set("HOME").map(|home| home.join(".local").join("state")));
+    Ok(base.ok_or(FolderError::NoFolder)?.join("pump-dose"))
+}
+
+impl Folder {
+    /// The folder of a pump under a driver; nothing is created yet.
+    pub fn new(state_dir: &Path, pump: &str, driver: &str) -> Self {
+        Self { path: state_dir.join(pump).join(driver), pump: pump.to_owned() }
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What the journal says, without holding the pump; `fresh` is the state of a pump without one.
+    pub fn read(&self, pump: &Pump, fresh: State) -> Result<Story, JournalError> {
+        Story::read(&self.path.join(JOURNAL), pump, fresh)
+    }
+
+    /// Which other process has the pump at the moment, as the lock says it; none if none has. Takes nothing.
+    pub fn holder(&self) -> Option<String> {
+        let mut file = File::open(self.path.join(LOCK)).ok()?;
+        match file.try_lock_shared() {
+            Err(TryLockError::WouldBlock) => {
+                Some(named_holder(&mut file)).filter(|holder| *holder != this_process())
+            }
+            Ok(()) | Err(TryLockError::Error(_)) => None,
+        }
+    }
+
+    /// The refusal of what `holder` has.
+    pub(crate) fn busy(&self, holder: String) -> FolderError {
+        FolderError::Busy { pump: self.pump.clone(), holder, path: self.path.join(LOCK) }
+    }
+
+    /// Creates the folder and takes the pump for this process until the lock is dropped.
+    pub fn lock(&self) -> Result<Lock, FolderError> {
+        let failed = |action, path: &Path| {
+            let path = path.to_owned();
+            move |source| FolderError::File { action, path, source }
+        };
+        fs::create_dir_all(&self.path).map_err(failed("create the folder", &self.path))?;
+        // The folders that hold this one may be as new as it.
+        for folder in self.path.ancestors().skip(1).take(3).filter(|folder| !folder.as_os_str().is_empty()) {
+            sync_folder(folder).map_err(failed("sync", folder))?;
+        }
+        let path = self.path.join(LOCK);
+        let mut file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&path)
+            .map_err(failed("write", &path))?;
+        // Somebody who only asks who has the pump, holds the lock for an instant.
+        let mut tried = file.try_lock();
+        for _ in 0..10 {
+            if !matches!(tried, Err(TryLockError::WouldBlock)) {
+                break;
+            }
+            sleep(Duration::from_millis(5));
+            tried = file.try_lock();
+        }
+        match tried {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(self.busy(named_holder(&mut file)));
+            }
+            Err(TryLockError::Error(source)) => {
+                return Err(FolderError::File { action: "lock", path, source });
+            }
+        }
+        let holder = this_process() + "\n";
+        file.set_len(0)
+            .and_then(|()| file.rewind())
+            .and_then(|()| file.write_all(holder.as_bytes()))
+            .map_err(failed("write", &path))?;
+        Ok(Lock { folder: self.clone(), _file: file })
+    }
+}
+
+/// As a lock file names its holder.
+fn this_process() -> String {
+    format!("process {}", std::process::id())
+}
+
+/// What a lock file that somebody holds says of them.
+fn named_holder(file: &mut File) -> String {
+    let mut holder = String::new();
+    // On some systems a locked file cannot be read; it is locked all the same.
+    let read = file.read_to_string(&mut holder).is_ok() && !holder.trim().is_empty();
+    if read { holder.trim().to_owned() } else { "another process".to_owned() }
+}
+
+/// The right to move a pump and to write its journal.
+#[derive(Debug)]
+pub struct Lock {
+    folder: Folder,
+    _file: File,
+}
+
+impl Lock {
+    /// The journal, and what it says so far.
+    pub fn journal(&self, pump: &Pump, fresh: State) -> Result<(Journal, Story), JournalError> {
+        Journal::open(&self.folder.path.join(JOURNAL), pump, fresh)
+    }
+
+    /// Takes back that a journal was moved aside.
+    pub fn put_journal_back(&self, aside: &Path) -> Result<(), FolderError> {
+        let path = self.folder.path.join(JOURNAL);
+        fs::rename(aside, &path).map_err(|source| FolderError::File { action: "put back", path, source })
+    }
+
+    /// Moves a journal that cannot be read aside and starts a new one. Returns where the old one is now.
+    pub fn set_journal_aside(&self) -> Result<PathBuf, FolderError> {
+        let path = self.folder.path.join(JOURNAL);
+        let mut aside = path.with_extension("damaged");
+        let mut n = 1;
+        while aside.exists() {
+            n += 1;
+            aside = path.with_extension(format!("damaged-{n}"));
+        }
+        match fs::rename(&path, &aside) {
+            Ok(()) => Ok(aside),
+            Err(source) => Err(FolderError::File { action: "set aside", path, source }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_holder_is_told_who_has_the_pump() {
+        let state = tempfile::tempdir().unwrap();
+        let folder = Folder::new(state.path(), "pump", "sim");
+        let lock = folder.lock().unwrap();
+        let error = folder.lock().unwrap_err().to_string();
+        assert!(error.contains("pump `pump` is in use by process"), "{error}");
+        assert_eq!(folder.holder(), None, "it is not another's");
+        drop(lock);
+        assert!(folder.lock().is_ok());
+    }
+}

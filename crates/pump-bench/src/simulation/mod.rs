@@ -1,0 +1,11 @@
+//! Waveforms: flows, pressures and delivered volume over time.
+
+mod sample;
+mod simulation;
+mod times;
+mod waveform;
+
+pub use sample::{COLUMNS, Columns, Sample};
+pub use simulation::{AskedMethod, MAX_SAMPLES, MethodError, Simulation, SteadyReport, choose_method};
+pub use times::{EqualTimes, times};
+pub use waveform::{Integration, Method, Waveform};

@@ -1,0 +1,315 @@
+//! Flows, pressures and delivered volume of a motion, sampled over time.
+
+use pump_model::circuit::Loss;
+use pump_model::integrator::IntegrationError;
+use pump_model::{
+    ExactRun, ExactSamples, Friction, Leg, ModelError, Port, PortRun, Pump, RollerCentric, RollerRun,
+    SteadyState,
+};
+
+use crate::simulation::EqualTimes;
+use crate::simulation::{Columns, Sample};
+
+/// How the pressures are computed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// The exact solution of the flow-centric model, between edges in closed form.
+    Exact,
+    /// The implicit integrator.
+    Rodas5p(Integration),
+}
+
+/// What the integrator computes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Integration {
+    /// Error allowed in a step, see [`pump_model::DEFAULT_TOLERANCE`].
+    pub tolerance: f64,
+    /// Of the hoses that inlet and outlet line are, in place of R; none where a line is given.
+    pub frictions: [Option<Friction>; 2],
+    /// The roller-centric model with these parameters; none is the flow-centric one.
+    pub roller_centric: Option<RollerCentric>,
+}
+
+impl Integration {
+    /// The flow-centric model with lines as they are given.
+    pub fn new(tolerance: f64) -> Self {
+        Self { tolerance, frictions: [None; 2], roller_centric: None }
+    }
+
+    /// What inlet and outlet line of `pump` resist.
+    fn losses(&self, pump: &Pump) -> [Loss; 2] {
+        let [inlet, outlet] = self.frictions;
+        [Loss::with_friction(pump.inlet(), inlet), Loss::with_friction(pump.outlet(), outlet)]
+    }
+}
+
+impl Method {
+    /// `exact` or `rodas5p`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Rodas5p(_) => "rodas5p",
+        }
+    }
+
+    /// Periodic steady state of `pump` at a constant speed: in closed form where there is one.
+    pub fn steady_state(&self, pump: &Pump, speed_rad_s: f64) -> Result<SteadyState, ModelError> {
+        match self {
+            Self::Rodas5p(integration) => match integration.roller_centric {
+                Some(model) => model.resisted_steady_state(pump, integration.losses(pump), speed_rad_s),
+                None if integration.frictions == [None; 2] => pump.steady_state(speed_rad_s),
+                None => pump.resisted_steady_state(integration.losses(pump), speed_rad_s),
+            },
+            Self::Exact => pump.steady_state(speed_rad_s),
+        }
+    }
+}
+
+/// Samples of a motion from lines at rest, at rising times: one by one as an iterator, or faster in columns.
+pub struct Waveform<'a, M, T> {
+    pump: &'a Pump,
+    times: T,
+    legs: M,
+    leg: Leg,
+    start_ml: f64,
+    ports: Ports<'a, M>,
+}
+
+/// The integration of a port from rest.
+fn resisted<'a, M: Iterator<Item = Leg>, const N: usize>(
+    pump: &'a Pump,
+    port: Port,
+    [inlet, outlet]: [Loss; 2],
+    legs: M,
+    tolerance: f64,
+) -> Result<PortRun<'a, M, N, Loss>, IntegrationError> {
+    let loss = match port {
+        Port::Inlet => inlet,
+        Port::Outlet => outlet,
+    };
+    PortRun::resisted(pump, loss, port, legs, [0.0; N].into(), tolerance)
+}
+
+/// What the pressures are read from.
+enum Ports<'a, M> {
+    FlowCentric(Lines<'a, M>),
+    RollerCentric(Box<RollerRun<'a, M>>),
+}
+
+/// Inlet and outlet of the flow-centric model by either method.
+enum Lines<'a, M> {
+    Exact(Box<[ExactRun<'a, M>; 2]>),
+    /// At the next of equal intervals, whatever the time.
+    Every(Box<[ExactSamples<'a, M>; 2]>),
+    Integrated(Box<(PortRun<'a, M, 2, Loss>, PortRun<'a, M, 3, Loss>)>),
+}
+
+impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M, EqualTimes> {
+    /// A motion over `legs`, which start at time 0, at n `dt_s`, n = 0 to `intervals`: the fastest way through it.
+    pub fn every(
+        pump: &'a Pump,
+        legs: impl IntoIterator<IntoIter = M>,
+        method: Method,
+        dt_s: f64,
+        intervals: u64,
+    ) -> Result<Self, ModelError> {
+        let waveform = Self::new(pump, legs, method, EqualTimes::new(dt_s, intervals))?;
+        let ports = match waveform.ports {
+            Ports::FlowCentric(Lines::Exact(ports)) => {
+                Ports::FlowCentric(Lines::Every(Box::new(ports.map(|run| run.every(dt_s)))))
+            }
+            other => other,
+        };
+        Ok(Self { ports, ..waveform })
+    }
+}
+
+impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, M, T> {
+    /// A motion over `legs`, at `times`, s, which must rise; after the last leg the rotor stands.
+    pub fn new(
+        pump: &'a Pump,
+        legs: impl IntoIterator<IntoIter = M>,
+        method: Method,
+        times: T,
+    ) -> Result<Self, ModelError> {
+        let mut legs = legs.into_iter();
+        let ports = match method {
+            Method::Exact => {
+                let run = |port| ExactRun::from_rest(pump, port, legs.clone());
+                Ports::FlowCentric(Lines::Exact(Box::new([run(Port::Inlet), run(Port::Outlet)])))
+            }
+            Method::Rodas5p(integration) => {
+                let Integration { tolerance, roller_centric, .. } = integration;
+                let losses = integration.losses(pump);
+                match roller_centric {
+                    Some(model) => {
+                        let run = RollerRun::resisted(pump, model, losses, legs.clone(), tolerance)?;
+                        Ports::RollerCentric(Box::new(run))
+                    }
+                    None => Ports::FlowCentric(Lines::Integrated(Box::new((
+                        resisted(pump, Port::Inlet, losses, legs.clone(), tolerance)?,
+                        resisted(pump, Port::Outlet, losses, legs.clone(), tolerance)?,
+                    )))),
+                }
+            }
+        };
+        let leg = legs.next().unwrap_or(Leg::rest(0.0, 0.0));
+        let start_ml = pump.outlet_curve().volume_ml(leg.angle_rad);
+        Ok(Self { pump, times, legs, leg, start_ml, ports })
+    }
+
+    /// Fills the columns with the next samples and says how many there are: at the end fewer than there is room for.
+    pub fn fill(&mut self, columns: Columns<'_>) -> Result<usize, IntegrationError> {
+        let mut count = 0;
+        for (place, time) in columns[0].iter_mut().zip(&mut self.times) {
+            *place = time;
+            count += 1;
+        }
+        let [time_s, angle_rad, speed_rad_s, q_in_ml_s, q_out_ml_s, p_in_kpa, p_out_kpa, delivered_ml] =
+            columns.map(|column| &mut column[..count]);
+        self.follow_legs(time_s, angle_rad, speed_rad_s);
+        // Flows per angle until they are multiplied by the speed.
+        self.pump.at_angles(angle_rad, q_in_ml_s, q_out_ml_s, delivered_ml);
+        for n in 0..count {
+            q_in_ml_s[n] *= speed_rad_s[n];
+            q_out_ml_s[n] *= speed_rad_s[n];
+            delivered_ml[n] -= self.start_ml;
+        }
+        match &mut self.ports {
+            Ports::FlowCentric(lines) => {
+                lines.follow(self.pump, time_s, p_in_kpa, p_out_kpa, delivered_ml)?;
+                for n in 0..count {
+                    p_in_kpa[n] += self.pump.inlet().reservoir_kpa;
+                    p_out_kpa[n] += self.pump.outlet().reservoir_kpa;
+                }
+            }
+            Ports::RollerCentric(run) => {
+                for n in 0..count {
+                    let sample = run.at(time_s[n])?;
+                    (p_in_kpa[n], p_out_kpa[n]) = (sample.inlet_kpa, sample.outlet_kpa);
+                    (q_in_ml_s[n], q_out_ml_s[n]) = (sample.inlet_ml_s, sample.outlet_ml_s);
+                    delivered_ml[n] = sample.delivered_ml;
+                }
+            }
+        }
+        Ok(count)
+    }
+
+    /// Angles, rad, and speeds, rad/s, at the times.
+    fn follow_legs(&mut self, time_s: &[f64], angle_rad: &mut [f64], speed_rad_s: &mut [f64]) {
+        let mut next = 0;
+        while let Some(&first_s) = time_s.get(next) {
+            while first_s >= self.leg.end_s() {
+                let rest = Leg::rest(self.leg.end_s(), self.leg.end_angle_rad());
+                self.leg = self.legs.next().unwrap_or(rest);
+            }
+            let end = next + time_s[next..].partition_point(|time_s| *time_s < self.leg.end_s());
+            for n in next..end {
+                angle_rad[n] = self.leg.angle_at(time_s[n]);
+                speed_rad_s[n] = self.leg.speed_at(time_s[n]);
+            }
+            next = end;
+        }
+    }
+}
+
+impl<M: Iterator<Item = Leg>> Lines<'_, M> {
+    /// Pressures above the reservoirs, kPa, at the times. `through_ml` is what the outlet rollers have pushed, mL, and
+    /// becomes what has passed the line.
+    fn follow(
+        &mut self,
+        pump: &Pump,
+        time_s: &[f64],
+        inlet_kpa: &mut [f64],
+        outlet_kpa: &mut [f64],
+        through_ml: &mut [f64],
+    ) -> Result<(), IntegrationError> {
+        match self {
+            Self::Exact(ports) => {
+                for (run, kpa) in ports.iter_mut().zip([inlet_kpa, &mut *outlet_kpa]) {
+                    for (kpa, time_s) in kpa.iter_mut().zip(time_s) {
+                        [*kpa, _] = run.at(*time_s);
+                    }
+                }
+            }
+            Self::Every(ports) => {
+                ports[0].fill_kpa(inlet_kpa);
+                ports[1].fill_kpa(outlet_kpa);
+            }
+            Self::Integrated(ports) => {
+                for (n, time_s) in time_s.iter().enumerate() {
+                    let (inlet, outlet) = (ports.0.at(*time_s)?, ports.1.at(*time_s)?);
+                    (inlet_kpa[n], outlet_kpa[n], through_ml[n]) = (inlet[0], outlet[0], outlet[2]);
+                }
+                return Ok(());
+            }
+        }
+        // By the balance of the exact solution: what the line holds has not passed it.
+        for (through_ml, kpa) in through_ml.iter_mut().zip(outlet_kpa) {
+            *through_ml -= pump.outlet().compliance_ml_kpa * *kpa;
+        }
+        Ok(())
+    }
+}
+
+impl<M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Iterator for Waveform<'_, M, T> {
+    type Item = Result<Sample, IntegrationError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let mut sample = Sample::default();
+        match self.fill(sample.as_columns()) {
+            Ok(0) => None,
+            Ok(_) => Some(Ok(sample)),
+            Err(error) => Some(Err(error)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulation::COLUMNS;
+
+    #[test]
+    fn columns_at_equal_intervals_hold_what_single_times_give() {
+        let pump = Pump::three_roller();
+        let leg = |start_s, duration_s, angle_rad, speed_rad_s, acceleration_rad_s2| Leg {
+            start_s,
+            duration_s,
+            angle_rad,
+            speed_rad_s,
+            acceleration_rad_s2,
+        };
+        // It turns back in the last leg, then stands.
+        let ramps =
+            [leg(0.0, 0.5, 1.0, 0.0, 20.0), leg(0.5, 0.4, 3.5, 10.0, 0.0), leg(0.9, 0.6, 7.5, 10.0, -20.0)];
+        let (forward, reverse) = ([Leg::constant_speed(0.0, 10.0)], [Leg::constant_speed(0.0, -10.0)]);
+        let (dt_s, intervals) = (1e-3, 2000);
+        for legs in [&ramps[..], &forward, &reverse] {
+            for method in [Method::Exact, Method::Rodas5p(Integration::new(1e-5))] {
+                let legs = || legs.iter().copied();
+                let mut every = Waveform::every(&pump, legs(), method, dt_s, intervals).unwrap();
+                let times = (0..=intervals).map(|n| n as f64 * dt_s);
+                let mut single = Waveform::new(&pump, legs(), method, times).unwrap();
+                let mut columns = [[0.0; 64]; COLUMNS];
+                loop {
+                    let count = every.fill(columns.each_mut().map(|column| &mut column[..])).unwrap();
+                    for n in 0..count {
+                        let mut expected = single.next().unwrap().unwrap();
+                        for (column, expected) in columns.iter().zip(expected.as_columns()) {
+                            let (found, expected) = (column[n], expected[0]);
+                            assert!(
+                                (found - expected).abs() <= 1e-12 * expected.abs().max(1.0),
+                                "{found} {expected}"
+                            );
+                        }
+                    }
+                    if count < 64 {
+                        break;
+                    }
+                }
+                assert!(single.next().is_none());
+            }
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What a person answers at the keyboard, or a file in their place.
+
+use std::io::{self, BufRead, Write};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
+
+use pump_bench::Session;
+use pump_bench::calibration::{Reading, Weighing};
+use pump_bench::units;
+use pump_bench::units::Amount;
+
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+
+/// Time between two looks for a signal.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// Lines of standard input, one question each. They are read beside the program, so that a signal ends a question.
+pub(super) struct Answers {
+    lines: Receiver<io::Result<String>>,
+}
+
+/// An answer to a question for a reading.
+pub(super) enum Answer {
+    /// What was read.
+    Read(Reading),
+    /// Nothing usable was read: repeat the last run.
+    Redo,
+    /// Leave.
+    Quit,
+}
+
+impl Answers {
+    pub(super) fn new() -> Self {
+        let (sender, lines) = channel();
+        thread::spawn(move || {
+            for line in io::stdin().lock().lines() {
+                if sender.send(line).is_err() {
+                    return;
+                }
+            }
+        });
+        Self { lines }
+    }
+
+    /// Asks for what the scale shows until the answer can be used: a mass or a volume, `redo` or `quit`.
+    pub(super) fn reading(
+        &self,
+        question: &str,
+        session: &mut Session<'_>,
+        interrupt: &Interrupt,
+    ) -> Result<Answer, Failure> {
+        loop {
+            say(&format!("{question} (as 42.51g or 42.6mL; redo, quit): "));
+            match self.line(session, interrupt)?.trim() {
+                "redo" => return Ok(Answer::Redo),
+                "quit" => return Ok(Answer::Quit),
+                text => match units::amount(text) {
+                    Ok(Amount::Mass(mass_g)) if mass_g > 0.0 => {
+                        return Ok(Answer::Read(Reading::MassG(mass_g)));
+                    }
+                    Ok(Amount::Volume(ml)) if ml > 0.0 => return Ok(Answer::Read(Reading::VolumeMl(ml))),
+                    Ok(_) => say(&format!("`{text}` is negative: write what arrived, without sign\n")),
+                    Err(error) => say(&format!("{error}\n")),
+                },
+            }
+        }
+    }
+
+    /// The next line. The end of the input is no answer.
+    pub(super) fn line(&self, session: &mut Session<'_>, interrupt: &Interrupt) -> Result<String, Failure> {
+        loop {
+            if let Some(signal) = interrupt.signal() {
+                return Err(Failure::Stopped(
+                    signal,
+                    "stopped by the user; nothing is kept of the readings".to_owned(),
+                ));
+            }
+            session.release_when_due()?;
+            match self.lines.recv_timeout(LOOK) {
+                Ok(Ok(line)) => return Ok(line),
+                Ok(Err(error)) => return Err(Failure::Fault(format!("the answer cannot be read: {error}"))),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(Failure::Fault(
+                        "the answers ended before the last run; nothing is kept".to_owned(),
+                    ));
+                }
+            }
+        }
+    }
+}
+
+/// Volume of a reading, mL.
+pub(super) fn volume_ml(reading: Reading, weighing: &Weighing<'_>, degc: f64) -> Result<f64, Failure> {
+    match reading {
+        Reading::VolumeMl(volume_ml) => Ok(volume_ml),
+        Reading::MassG(mass_g) => Ok(weighing.volume_ml(mass_g, degc)?),
+    }
+}
+
+/// Says something to the person; results are printed to standard output.
+pub(super) fn say(text: &str) {
+    // If standard error is closed nobody reads it.
+    let _ = io::stderr().write_all(text.as_bytes());
+    let _ = io::stderr().flush();
+}

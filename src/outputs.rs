@@ -1,0 +1,79 @@
+//! The files that a command writes: all of them or none.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use pump_bench::export::plot::PlotError;
+use pump_bench::export::{csv, plot};
+use pump_bench::files::Staged;
+use pump_bench::simulation::Sample;
+
+use crate::failure::Failure;
+
+/// Time between rows of a trace unless told otherwise, s.
+pub(crate) const DEFAULT_DT_S: f64 = 1e-3;
+
+/// Most samples that a picture is drawn from; they are kept in memory.
+pub(crate) const PLOT_SAMPLES: f64 = 1e6;
+
+/// Files that are written and wait to be put in place together.
+#[derive(Default)]
+pub(crate) struct Outputs {
+    staged: Vec<(PathBuf, Staged)>,
+}
+
+impl Outputs {
+    /// Writes a file.
+    pub(crate) fn write(
+        &mut self,
+        path: &Path,
+        contents: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Failure> {
+        let staged = Staged::new(path, contents).map_err(|error| refused(path, &error))?;
+        self.staged.push((path.to_owned(), staged));
+        Ok(())
+    }
+
+    /// Writes a waveform as CSV.
+    pub(crate) fn trace<E: std::error::Error + Send + Sync + 'static>(
+        &mut self,
+        path: &Path,
+        samples: impl Iterator<Item = Result<Sample, E>>,
+    ) -> Result<(), Failure> {
+        self.write(path, |to| csv::write_samples(to, samples.map(|sample| sample.map_err(io::Error::other))))
+    }
+
+    /// Draws a waveform; `motion_s` marks the end of motion.
+    pub(crate) fn plot<E: ToString>(
+        &mut self,
+        path: &Path,
+        title: &str,
+        samples: impl Iterator<Item = Result<Sample, E>>,
+        motion_s: Option<f64>,
+    ) -> Result<(), Failure> {
+        let samples = samples.collect::<Result<Vec<_>, _>>().map_err(Failure::refused)?;
+        self.drawing(path, plot::svg(title, &samples, motion_s))
+    }
+
+    /// Writes a drawing.
+    pub(crate) fn drawing(&mut self, path: &Path, svg: Result<String, PlotError>) -> Result<(), Failure> {
+        if path.extension().is_some_and(|extension| !extension.eq_ignore_ascii_case("svg")) {
+            let path = path.display();
+            return Err(Failure::refused(format!("{path}: plots are SVG; name a file that ends in .svg")));
+        }
+        let svg = svg.map_err(Failure::refused)?;
+        self.write(path, |to| to.write_all(svg.as_bytes()))
+    }
+
+    /// Puts every file in place.
+    pub(crate) fn put(self) -> Result<(), Failure> {
+        for (path, staged) in self.staged {
+            staged.put().map_err(|error| refused(&path, &error))?;
+        }
+        Ok(())
+    }
+}
+
+fn refused(path: &Path, error: &io::Error) -> Failure {
+    Failure::refused(format!("cannot write {}: {error}", path.display()))
+}
