@@ -4,7 +4,7 @@ use std::io::{self, ErrorKind, Write};
 
 use pump_bench::DoseError;
 use pump_bench::calibration::CalibrationError;
-use pump_bench::drives::DriveError;
+use pump_bench::dosing::ErrorClass;
 use pump_bench::record::FolderError;
 
 /// Why the command did not do what was asked.
@@ -42,17 +42,11 @@ impl Failure {
 impl From<DoseError> for Failure {
     fn from(error: DoseError) -> Self {
         let message = error.to_string();
-        match error {
-            DoseError::Folder(FolderError::Busy { .. }) | DoseError::Connection(DriveError::Busy { .. }) => {
-                Self::Busy(message)
-            }
-            DoseError::Unfinished { .. } => Self::Unfinished(message),
-            DoseError::Drive { .. }
-            | DoseError::NoIndex { .. }
-            | DoseError::Retraction { .. }
-            | DoseError::NotJournalled { .. }
-            | DoseError::NotRecorded { .. } => Self::Fault(message),
-            _ => Self::Refused(message),
+        match error.class() {
+            ErrorClass::Refused => Self::Refused(message),
+            ErrorClass::Busy => Self::Busy(message),
+            ErrorClass::Unfinished => Self::Unfinished(message),
+            ErrorClass::Fault => Self::Fault(message),
         }
     }
 }

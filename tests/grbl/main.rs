@@ -4,6 +4,7 @@
 
 mod connecting;
 mod dosing;
+mod exit_codes;
 mod faults;
 mod replies;
 mod rig;

@@ -11,7 +11,7 @@ use crate::calibration::{Calibration, Calibrations, Stored};
 use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
 use crate::dosing::{DoseRequest, Prepared};
-use crate::drives::{DriveError, abilities};
+use crate::drives::{DriveError, registry};
 use crate::pump_file::{DriveTable, DriverName, PumpFile};
 use crate::record::Folder;
 use crate::record::{PhaseSource, Purpose};
@@ -99,10 +99,7 @@ impl Bench {
 
     /// The state of this pump without a journal: a simulated one stands at 0 deg, of others nobody knows.
     pub(crate) fn fresh(&self) -> State {
-        let phase = match self.driver() {
-            DriverName::Sim => Phase::known(0.0),
-            DriverName::Grbl => Phase::unknown(self.model.pitch_rad()),
-        };
+        let phase = registry::fresh(self.driver(), self.model.pitch_rad());
         State::fresh(phase, PhaseSource::Home)
     }
 
@@ -161,7 +158,7 @@ impl Bench {
         request: DoseRequest,
     ) -> Result<Prepared, DoseError> {
         self.refuse_unfinished(state)?;
-        if request.smooth && !abilities(self.driver()).angle_dependent_speed {
+        if request.smooth && !registry::abilities(self.driver()).angle_dependent_speed {
             return Err(DoseError::Connection(DriveError::Unable {
                 driver: self.driver().as_str(),
                 ability: "speed that follows the rollers' angle: the board plans its own ramps",

@@ -6,8 +6,8 @@ use pump_ctl::plan::Plan;
 use pump_model::math::rpm;
 
 use crate::dosing::DoseError;
-use crate::drives::{Disturbance, Drive, DriveError, DriveLimits, Grbl, Sim};
-use crate::pump_file::{DriverName, PumpFile};
+use crate::drives::{Disturbance, Drive, DriveError, DriveLimits, registry};
+use crate::pump_file::PumpFile;
 use crate::record::{State, Unfinished, Why};
 
 use super::session::Session;
@@ -58,13 +58,8 @@ impl<'a> Session<'a> {
             return Ok(());
         }
         let bench = self.bench;
-        let mut drive: Box<dyn Drive + 'a> = match bench.driver() {
-            DriverName::Sim => Box::new(Sim::new(bench.model())),
-            DriverName::Grbl => {
-                let opened = Grbl::open(bench.drive(), &bench.file().motor, bench.may_configure());
-                Box::new(opened.map_err(DoseError::Connection)?)
-            }
-        };
+        let opened = registry::open(bench.drive(), bench.file(), bench.model(), bench.may_configure());
+        let mut drive = opened.map_err(DoseError::Connection)?;
         let limits = drive.limits();
         let mut notes = drive.notes();
         let met = self.meet(drive.as_mut(), &mut notes);

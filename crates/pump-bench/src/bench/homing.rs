@@ -12,7 +12,7 @@ use crate::dosing::DoseError;
 use crate::record::{JournalError, State, Terms, Why};
 use crate::record::{PhaseSource, Purpose};
 
-use super::motion::{Motion, Moved};
+use super::recorded_motion::{Moved, RecordedMotion};
 use super::session::Session;
 
 /// Speed of a search for the index, r/min: what stops within a degree on any motor, and a revolution takes six seconds.
@@ -134,8 +134,7 @@ impl Session<'_> {
                 // A board that lets go of the motor after each motion has done so after this one.
                 let pitch_rad = self.bench.model().pitch_rad();
                 let state = if disturbed { found.disturbed(self.bench.fall_rad(), pitch_rad) } else { found };
-                self.rest(Why::Sensor, state)?;
-                Ok(Some(state))
+                self.record_angle(Why::Sensor, state).map(Some)
             }
             None if made == plan.steps.unsigned_abs() => {
                 let turned_deg = degrees(made as f64 * plan.step_rad);
@@ -162,7 +161,7 @@ impl Session<'_> {
         let carry_out_ml = self.stands().carry_ml;
         let (model, correction) = (self.bench.model(), Correction::NONE);
         let purpose = Purpose::Jog;
-        let motion = Motion {
+        let motion = RecordedMotion {
             plan,
             model,
             correction,
@@ -182,8 +181,17 @@ impl Session<'_> {
         self.connect()?;
         let phase = phase.unwrap_or(Phase::unknown(self.bench.model().pitch_rad()));
         let state = self.stands().found(phase, source);
-        self.rest(why, state)?;
-        Ok(state)
+        self.record_angle(why, state)
+    }
+
+    /// Records the angle. The error says whether the rotor was turned before.
+    fn record_angle(&mut self, why: Why, state: State) -> Result<State, DoseError> {
+        let angle_deg = degrees(state.angle_rad);
+        match self.rest(why, state) {
+            Ok(()) => Ok(state),
+            Err(source) if self.has_moved => Err(DoseError::AngleNotRecorded { angle_deg, source }),
+            Err(source) => Err(source.into()),
+        }
     }
 
     fn no_angle(&self, key: &'static str, what: &'static str) -> DoseError {

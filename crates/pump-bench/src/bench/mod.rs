@@ -3,7 +3,7 @@
 mod bench;
 mod device;
 mod homing;
-mod motion;
+mod recorded_motion;
 mod rehearsal;
 mod session;
 mod stretches;

@@ -13,7 +13,7 @@ use crate::record::{Entry, Journal, JournalError, Purpose, State, Terms, Unfinis
 
 use super::bench::Bench;
 use super::device::Device;
-use super::motion::Motion;
+use super::recorded_motion::RecordedMotion;
 
 /// A bench that no other process can move meanwhile.
 #[derive(Debug)]
@@ -28,6 +28,8 @@ pub struct Session<'a> {
     pub(super) cut_off: Option<(State, Unfinished)>,
     /// What turns the motor, opened when it is needed.
     pub(super) device: Option<Device<'a>>,
+    /// Whether this session has turned the motor.
+    pub(super) has_moved: bool,
     _lock: Lock,
 }
 
@@ -72,6 +74,7 @@ impl<'a> Session<'a> {
             written: story.cut_off.is_none(),
             cut_off: story.cut_off,
             device: None,
+            has_moved: false,
             _lock: lock,
         })
     }
@@ -207,7 +210,7 @@ impl<'a> Session<'a> {
             let [planned_deg, stands_deg] = [plan.start, stands].map(|phase| degrees(phase.angle_rad));
             return Err(DoseError::Stale { planned_deg, stands_deg });
         }
-        let motion = Motion {
+        let motion = RecordedMotion {
             plan,
             model: &prepared.model,
             correction: prepared.correction(),
@@ -230,7 +233,7 @@ impl<'a> Session<'a> {
         };
         if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {
             let plan = &retraction.plan;
-            let motion = Motion {
+            let motion = RecordedMotion {
                 plan,
                 model: &prepared.model,
                 correction: prepared.correction(),

@@ -167,6 +167,17 @@ pub enum DoseError {
         /// Why.
         source: Box<DoseError>,
     },
+    /// The rotor was turned and its angle found, but the angle could not be recorded.
+    #[error(
+        "the rotor was turned and stands at {angle_deg:.4} deg, but this could not be recorded: {source}; find the angle \
+         again once the journal can be written"
+    )]
+    AngleNotRecorded {
+        /// Angle of the rotor, deg.
+        angle_deg: f64,
+        /// Why.
+        source: JournalError,
+    },
     /// The dose is over but its end could not be recorded.
     #[error(
         "{delivered_ml:.4} mL were delivered and the rotor stands at {end_angle_deg:.4} deg, but this could not be \
@@ -180,4 +191,49 @@ pub enum DoseError {
         /// Why.
         source: JournalError,
     },
+}
+
+/// What an error means for the caller, by whether anything moved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ErrorClass {
+    /// Nothing has moved: the request was refused.
+    Refused,
+    /// Nothing has moved: another process holds the pump or its device.
+    Busy,
+    /// Nothing has moved: an unfinished dose is on record.
+    Unfinished,
+    /// The motor may have turned before the error.
+    Fault,
+}
+
+impl DoseError {
+    /// Class of the error. Exit codes of the command follow from it.
+    pub fn class(&self) -> ErrorClass {
+        match self {
+            Self::Drive { .. }
+            | Self::NoIndex { .. }
+            | Self::Retraction { .. }
+            | Self::NotJournalled { .. }
+            | Self::AngleNotRecorded { .. }
+            | Self::NotRecorded { .. } => ErrorClass::Fault,
+            Self::Folder(FolderError::Busy { .. }) | Self::Connection(DriveError::Busy { .. }) => {
+                ErrorClass::Busy
+            }
+            Self::Unfinished { .. } => ErrorClass::Unfinished,
+            Self::PumpFile(_)
+            | Self::Plan(_)
+            | Self::Folder(_)
+            | Self::Journal(_)
+            | Self::Calibration(_)
+            | Self::SpeedLaw(_)
+            | Self::RunsTheOtherWay { .. }
+            | Self::TubeWorn { .. }
+            | Self::Stale { .. }
+            | Self::Connection(_)
+            | Self::TooSlow { .. }
+            | Self::NoAngle { .. }
+            | Self::WasFinished
+            | Self::NothingUnfinished(_) => ErrorClass::Refused,
+        }
+    }
 }

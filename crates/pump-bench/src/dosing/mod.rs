@@ -12,7 +12,7 @@ mod tube_life;
 mod uncertainty;
 mod unknown_angle;
 
-pub use error::DoseError;
+pub use error::{DoseError, ErrorClass};
 pub use prepared::Prepared;
 pub use request::DoseRequest;
 pub use retraction::Retraction;

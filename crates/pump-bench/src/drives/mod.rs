@@ -2,10 +2,9 @@
 
 mod drive;
 pub mod grbl;
-mod registry;
+pub mod registry;
 mod sim;
 
 pub use drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
 pub use grbl::{Grbl, GrblError};
-pub use registry::abilities;
 pub use sim::Sim;
