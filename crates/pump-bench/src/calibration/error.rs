@@ -31,6 +31,17 @@ pub enum CalibrationError {
         /// Why.
         message: String,
     },
+    /// The readings of a guided calibration that was begun cannot be read.
+    #[error(
+        "the readings of the guided calibration in {} are damaged: {message}; correct the file, or begin anew with \
+         `dose calibrate run --anew`", .path.display()
+    )]
+    DamagedLog {
+        /// File of the readings.
+        path: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
     /// A table of runs cannot be read.
     #[error(transparent)]
     Table(#[from] TableError),

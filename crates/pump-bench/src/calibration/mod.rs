@@ -6,6 +6,7 @@ mod error;
 mod fit;
 mod making;
 mod run;
+mod run_log;
 mod store;
 mod verification;
 mod weighing;
@@ -18,6 +19,7 @@ pub use fit::{
 };
 pub use making::Fit;
 pub use run::{Reading, Run, runs_of_csv};
+pub use run_log::{PlannedRuns, RunLog, UnfinishedRuns};
 pub use store::{Calibrations, Stored};
 pub use verification::{Tolerance, Verification, readings_of_csv};
 pub use weighing::Weighing;

@@ -10,7 +10,7 @@ use super::{Calibration, CalibrationError};
 use crate::files::Staged;
 use crate::record::Folder;
 
-const FOLDER: &str = "calibrations";
+pub(super) const FOLDER: &str = "calibrations";
 const ACTIVE: &str = "active";
 const NONE: &str = "none";
 

@@ -14,7 +14,7 @@ struct Line<'a> {
 }
 
 /// The line of an entry, with its newline.
-pub(super) fn encode(entry: &impl Serialize) -> serde_json::Result<String> {
+pub(crate) fn encode(entry: &impl Serialize) -> serde_json::Result<String> {
     let text = serde_json::to_string(entry)?;
     let crc32 = format!("{:08x}", crc32fast::hash(text.as_bytes()));
     let line = Line { crc32, entry: serde_json::from_str(&text)? };
@@ -22,7 +22,7 @@ pub(super) fn encode(entry: &impl Serialize) -> serde_json::Result<String> {
 }
 
 /// The entry of a line without its newline; what is wrong with it otherwise.
-pub(super) fn decode<T: DeserializeOwned>(line: &str) -> Result<T, String> {
+pub(crate) fn decode<T: DeserializeOwned>(line: &str) -> Result<T, String> {
     let line: Line = serde_json::from_str(line).map_err(|error| error.to_string())?;
     let text = line.entry.get();
     let crc32 = format!("{:08x}", crc32fast::hash(text.as_bytes()));

@@ -11,6 +11,7 @@ mod terms;
 pub use entry::{Entry, Intent, State, Unfinished, Wear, Why};
 pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use journal::{Journal, JournalError, Story};
+pub(crate) use line::{decode, encode};
 pub use phase_source::PhaseSource;
 pub use purpose::Purpose;
 pub use terms::Terms;

@@ -1,0 +1,236 @@
+//! The readings of a guided calibration, on record from the moment that each is typed.
+
+use std::fs::{self, OpenOptions};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::{CalibrationError, Run};
+use crate::files::sync_folder;
+use crate::record::{Folder, decode, encode};
+
+/// File of the log, beside the calibrations that are kept.
+const FILE: &str = "unfinished.jsonl";
+
+/// Schema of the log.
+const SCHEMA: &str = "runs/1";
+
+/// Runs that a guided calibration is to make.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PlannedRuns {
+    /// Speeds of the pump head, in r/min, each as often as it is run, in the order of the runs.
+    pub speeds_rpm: Vec<f64>,
+    /// Pitches that each run turns.
+    pub pitches: u32,
+    /// Model volume of a revolution, in mL. Runs of another pump cannot be continued.
+    pub revolution_ml: f64,
+}
+
+/// A guided calibration that was begun: its plan, and the runs that were weighed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnfinishedRuns {
+    /// Runs that were to be made.
+    pub planned: PlannedRuns,
+    /// Runs that were weighed, in the order of the plan.
+    pub runs: Vec<Run>,
+}
+
+/// A line of the log.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+enum Entry {
+    /// First line: schema and plan.
+    Begun { schema: String, planned: PlannedRuns },
+    /// A run that was weighed.
+    Weighed(Run),
+    /// The last run is repeated: its reading counts no more.
+    Redone,
+}
+
+/// The log of a guided calibration: one synced line a reading, so that nothing that follows loses it.
+///
+/// It stands in the folder of the calibrations until a calibration is kept. Whoever writes must hold the pump's lock.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RunLog {
+    path: PathBuf,
+}
+
+impl RunLog {
+    /// The log in the folder `calibrations` of a pump's record. Creates nothing.
+    pub fn of(folder: &Folder) -> Self {
+        Self { path: folder.path().join(super::store::FOLDER).join(FILE) }
+    }
+
+    /// Path of the log's file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Reads the log. `None` where no guided calibration is unfinished. A torn last line was never answered for, and is
+    /// left out.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::File`] where the file cannot be read, [`CalibrationError::DamagedLog`] where a line is not as it
+    /// was written.
+    pub fn read(&self) -> Result<Option<UnfinishedRuns>, CalibrationError> {
+        let text = match fs::read_to_string(&self.path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(source) => return Err(self.failed("read")(source)),
+        };
+        let damaged = |message| CalibrationError::DamagedLog { path: self.path.clone(), message };
+        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+        let mut found: Option<UnfinishedRuns> = None;
+        for (number, line) in whole.lines().enumerate() {
+            let at = |message: String| damaged(format!("line {}: {message}", number + 1));
+            match (decode::<Entry>(line).map_err(at)?, &mut found) {
+                (Entry::Begun { schema, planned }, None) if schema == SCHEMA => {
+                    found = Some(UnfinishedRuns { planned, runs: Vec::new() });
+                }
+                (Entry::Begun { schema, .. }, None) => {
+                    return Err(at(format!("its schema is `{schema}`; this version reads `{SCHEMA}`")));
+                }
+                (Entry::Weighed(run), Some(unfinished)) => unfinished.runs.push(run),
+                (Entry::Redone, Some(unfinished)) if !unfinished.runs.is_empty() => {
+                    unfinished.runs.pop();
+                }
+                _ => return Err(at("it does not belong there".to_owned())),
+            }
+        }
+        Ok(found)
+    }
+
+    /// Begins a log in place of any other.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::File`] where it cannot be written.
+    pub fn begin(&self, planned: &PlannedRuns) -> Result<(), CalibrationError> {
+        let folder = self.path.parent().unwrap_or(Path::new("."));
+        fs::create_dir_all(folder).map_err(self.failed("create the folder of"))?;
+        self.end()?;
+        self.append(&Entry::Begun { schema: SCHEMA.to_owned(), planned: planned.clone() })?;
+        sync_folder(folder).map_err(self.failed("write"))
+    }
+
+    /// Puts a run on record.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::File`] where it cannot be written. The runs before it stay on record.
+    pub fn add(&self, run: &Run) -> Result<(), CalibrationError> {
+        self.append(&Entry::Weighed(run.clone()))
+    }
+
+    /// Takes back the last run, which is made again.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::File`] where that cannot be written.
+    pub fn redo(&self) -> Result<(), CalibrationError> {
+        self.append(&Entry::Redone)
+    }
+
+    /// Removes the log: a calibration was kept, or its runs are given up.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::File`] where it cannot be removed.
+    pub fn end(&self) -> Result<(), CalibrationError> {
+        match fs::remove_file(&self.path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => Err(self.failed("remove")(error)),
+            _ => Ok(()),
+        }
+    }
+
+    /// Appends a line, whole and synced, or none.
+    fn append(&self, entry: &Entry) -> Result<(), CalibrationError> {
+        let failed = self.failed("write");
+        let line = encode(entry).map_err(std::io::Error::from).map_err(&failed)?;
+        let mut file = OpenOptions::new().create(true).append(true).open(&self.path).map_err(&failed)?;
+        // The torn line of a process that was killed is cut off: this one would run into it.
+        let text = fs::read(&self.path).map_err(&failed)?;
+        let whole = text.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1) as u64;
+        let written = file
+            .set_len(whole)
+            .and_then(|()| file.write_all(line.as_bytes()))
+            .and_then(|()| file.sync_data());
+        written.map_err(|error| {
+            // A torn end is left out when the log is read, so a failure here costs nothing.
+            let _ = file.set_len(whole);
+            failed(error)
+        })
+    }
+
+    fn failed(&self, action: &'static str) -> impl Fn(std::io::Error) -> CalibrationError {
+        let path = self.path.clone();
+        move |source| CalibrationError::File { action, path: path.clone(), source }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibration::Reading;
+
+    fn log(folder: &Path) -> RunLog {
+        RunLog::of(&Folder::new(folder, "mine", "sim"))
+    }
+
+    fn run(speed_rpm: f64, mass_g: f64) -> Run {
+        Run {
+            speed_rpm,
+            start_angle_deg: Some(12.5),
+            turned_deg: 1080.0,
+            reading: Reading::MassG(mass_g),
+            temperature_degc: None,
+            time: Some("2026-11-21T08:00:00Z".to_owned()),
+        }
+    }
+
+    fn planned() -> PlannedRuns {
+        PlannedRuns { speeds_rpm: vec![10.0, 10.0, 40.0], pitches: 9, revolution_ml: 21.318 }
+    }
+
+    #[test]
+    fn what_was_typed_is_read_back_and_a_repeated_run_replaces_the_last() {
+        let folder = tempfile::tempdir().unwrap();
+        let log = log(folder.path());
+        assert_eq!(log.read().unwrap(), None);
+        log.begin(&planned()).unwrap();
+        log.add(&run(10.0, 63.9)).unwrap();
+        log.add(&run(10.0, 36.9)).unwrap();
+        log.redo().unwrap();
+        log.add(&run(10.0, 63.8)).unwrap();
+        let runs = vec![run(10.0, 63.9), run(10.0, 63.8)];
+        assert_eq!(log.read().unwrap(), Some(UnfinishedRuns { planned: planned(), runs }));
+        log.begin(&planned()).unwrap();
+        assert_eq!(log.read().unwrap().unwrap().runs, []);
+        log.end().unwrap();
+        assert_eq!(log.read().unwrap(), None);
+    }
+
+    #[test]
+    fn a_torn_line_is_left_out_and_written_over_and_a_changed_one_is_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let log = log(folder.path());
+        log.begin(&planned()).unwrap();
+        log.add(&run(10.0, 63.9)).unwrap();
+        let text = fs::read_to_string(log.path()).unwrap();
+        for torn in 1..60 {
+            fs::write(log.path(), &text[..text.len() - torn]).unwrap();
+            assert_eq!(log.read().unwrap().unwrap().runs, [], "{torn}");
+            log.add(&run(10.0, 64.1)).unwrap();
+            assert_eq!(log.read().unwrap().unwrap().runs, [run(10.0, 64.1)], "{torn}");
+        }
+        fs::write(log.path(), text.replace("63.9", "69.3")).unwrap();
+        let error = log.read().unwrap_err().to_string();
+        assert!(
+            error.contains("line 2") && error.contains("checksum") && error.contains("--anew"),
+            "{error}"
+        );
+    }
+}
