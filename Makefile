@@ -5,7 +5,10 @@ BIN := $(CURDIR)/$(VENV)/bin
 TARGETS := thumbv7em-none-eabihf thumbv6m-none-eabi riscv32imc-unknown-none-elf
 NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --target-dir target
 
-.PHONY: test test-rust test-python faults fuzz lint bench validate embedded docs
+OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
+MODEL_FEATURES := integrator construction identification experimental serde defmt
+
+.PHONY: test test-rust test-python faults fuzz lint features oldest bench validate embedded docs
 
 test: test-rust test-python
 
@@ -47,6 +50,21 @@ lint: $(VENV)/installed
 	cd crates/pump-py && $(BIN)/ruff check . && $(BIN)/ruff format --check .
 	cd crates/pump-py && $(BIN)/mypy python tests examples gallery
 	cd crates/pump-py && $(BIN)/python -m mypy.stubtest pumpmodel --mypy-config-file pyproject.toml --allowlist stubtest.txt
+
+# Each feature alone, none and all: no file may count on a feature that it did not ask for.
+features:
+	cargo clippy --locked -p pump-model --no-default-features -- -D warnings
+	for feature in $(MODEL_FEATURES); do \
+		cargo clippy --locked -p pump-model --no-default-features --features $$feature -- -D warnings || exit 1; \
+	done
+	cargo clippy --locked -p pump-model --all-features -- -D warnings
+	cargo clippy --locked -p pump-ctl -- -D warnings
+	cargo clippy --locked -p pump-ctl --features serde,defmt -- -D warnings
+
+# The oldest Rust that is promised builds the libraries and the command.
+oldest:
+	rustup toolchain install $(OLDEST) --profile minimal
+	cargo +$(OLDEST) check --locked -p pump-model -p pump-ctl -p pump-bench -p pump-dose
 
 # Beside other solvers: the peers take minutes to compile, and only here.
 bench: $(VENV)/installed
