@@ -160,8 +160,8 @@ fn pressures(pump: &Pump) -> Result<(), ModelError> {
 fn dose(pump: &Pump) -> Result<(), PlanError> {
     let motor = Motor { steps_per_rev: any(), max_speed_rad_s: any(), max_acceleration_rad_s2: any() };
     let mut limits = Limits::of_motor(motor);
-    limits.max_outlet_kpa = black_box(true).then(any);
-    limits.min_inlet_kpa = black_box(true).then(any);
+    limits.pressures.max_outlet_kpa = black_box(true).then(any);
+    limits.pressures.min_inlet_kpa = black_box(true).then(any);
     let points = [(any(), any()), (any(), any()), (any(), any())];
     if let Some(curve) = TorqueCurve::new(points.get(..black_box(3)).unwrap_or(&points)) {
         black_box(curve.at(any()));
