@@ -3,7 +3,7 @@
 use pump_model::math::degrees;
 use pump_model::{Pump, Ripple};
 
-use super::plan::Plan;
+use super::Plan;
 use super::profile::SpeedLimit;
 use super::words::PlanError;
 

@@ -2,7 +2,7 @@
 
 use pump_model::math::floor;
 
-use super::plan::Plan;
+use super::Plan;
 use super::profile::{Along, Profile};
 use crate::step::Segment;
 

@@ -1,6 +1,6 @@
 //! The time of every motor step.
 
-use super::plan::Plan;
+use super::Plan;
 
 /// One motor step.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,7 @@
 use pump_model::Pump;
 use pump_model::math::floor;
 
-use super::plan::Plan;
+use super::Plan;
 use super::target::{delivered, ends, middle};
 use super::words::PlanError;
 

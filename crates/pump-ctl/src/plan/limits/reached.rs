@@ -6,7 +6,7 @@ use super::limits::Limits;
 use super::margin::Margin;
 use super::margins::Margins;
 use super::pressure_limits::Lowest;
-use crate::plan::plan::Plan;
+use crate::plan::Plan;
 use crate::plan::prediction::ShortenedMotion;
 use crate::plan::words::LimitedBy;
 

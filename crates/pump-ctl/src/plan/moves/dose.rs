@@ -3,8 +3,8 @@
 use pump_model::Pump;
 
 use super::start::Start;
+use crate::plan::Plan;
 use crate::plan::limits::Limits;
-use crate::plan::plan::Plan;
 use crate::plan::target::nearest_steps;
 use crate::plan::words::{Phase, PlanError, Request};
 

@@ -3,9 +3,9 @@
 use pump_model::Pump;
 
 use super::start::Start;
+use crate::plan::Plan;
 use crate::plan::limits::Limits;
 use crate::plan::line_states::LineStates;
-use crate::plan::plan::Plan;
 use crate::plan::target::nearest_steps;
 use crate::plan::words::{Allowed, Cruise, Phase, PlanError, Request};
 

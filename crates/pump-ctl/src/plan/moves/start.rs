@@ -2,9 +2,9 @@
 
 use pump_model::Pump;
 
+use crate::plan::Plan;
 use crate::plan::limits::{Limits, Motor};
 use crate::plan::line_states::LineStates;
-use crate::plan::plan::Plan;
 use crate::plan::profile::{Course, Profile, SpeedLimit, flow_limit_ml_s};
 use crate::plan::speed::choose;
 use crate::plan::target::Target;

@@ -3,8 +3,8 @@
 use pump_model::Pump;
 use pump_model::math::ceil;
 
+use crate::plan::Plan;
 use crate::plan::line_states::LineStates;
-use crate::plan::plan::Plan;
 use crate::plan::profile::{Course, Profile, SpeedLimit};
 use crate::plan::target::{delivered, middle};
 use crate::plan::words::{LimitedBy, Phase};

@@ -3,8 +3,8 @@
 use pump_model::Pump;
 
 use super::start::Start;
+use crate::plan::Plan;
 use crate::plan::limits::Limits;
-use crate::plan::plan::Plan;
 use crate::plan::target::{Target, delivered, middle};
 use crate::plan::words::{Cruise, Phase, PlanError, Request};
 

@@ -3,7 +3,7 @@
 use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
 
 use super::shortened_motion::ShortenedMotion;
-use crate::plan::plan::Plan;
+use crate::plan::Plan;
 use crate::plan::words::PlanError;
 
 /// Predicted pressures over a dose, start-up, stop and settling included, for the smooth motion through the steps.

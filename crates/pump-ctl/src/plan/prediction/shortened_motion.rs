@@ -3,8 +3,8 @@
 use pump_model::math::{ceil, floor};
 use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
 
+use crate::plan::Plan;
 use crate::plan::line_states::LineState;
-use crate::plan::plan::Plan;
 use crate::plan::profile::{Course, Profile};
 
 /// Part of a line's swing from the start that may remain when pitches are left out, as a power of 1/e: 1e-11.

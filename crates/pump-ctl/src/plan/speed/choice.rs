@@ -9,8 +9,8 @@ use super::nearest::nearest;
 use super::refusal::refusal;
 use super::rounded::{down, up};
 use super::within::{shortest_within_limits, slowest_within};
+use crate::plan::Plan;
 use crate::plan::limits::Limits;
-use crate::plan::plan::Plan;
 use crate::plan::words::{Cruise, Nearest, PlanError};
 
 /// Longest dose, s: 58 days, over which f64 resolves a step's time to a nanosecond.

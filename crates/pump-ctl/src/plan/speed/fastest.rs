@@ -2,9 +2,9 @@
 
 use pump_model::Pump;
 
+use crate::plan::Plan;
 use crate::plan::limits::{Limits, Margin};
 use crate::plan::line_states::LineStates;
-use crate::plan::plan::Plan;
 use crate::plan::words::{LimitedBy, PlanError};
 
 /// The fastest plan among speeds that are connected to rest, and the limit that keeps it from being faster.

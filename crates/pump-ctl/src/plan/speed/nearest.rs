@@ -6,8 +6,8 @@ use pump_model::math::{rad_s, rpm};
 use super::for_flow::speed_for_flow;
 use super::rounded::{down, scale, up};
 use super::within::{slowest_within, total_s};
+use crate::plan::Plan;
 use crate::plan::limits::Limits;
-use crate::plan::plan::Plan;
 use crate::plan::words::{Cruise, Nearest, PlanError};
 
 /// The nearest dose that holds every limit, in the terms of `cruise`.

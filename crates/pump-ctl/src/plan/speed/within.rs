@@ -5,8 +5,8 @@ use pump_model::Pump;
 use super::fastest::{Fastest, fastest};
 use super::refusal::refusal;
 use super::rounded::up;
+use crate::plan::Plan;
 use crate::plan::limits::Limits;
-use crate::plan::plan::Plan;
 use crate::plan::words::{Nearest, PlanError};
 
 /// The refusal of a time that no speed meets. Where limits are predicted, it names a time that holds them too.
