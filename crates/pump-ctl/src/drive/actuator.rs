@@ -93,9 +93,9 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
 
     /// The timer has fired: makes the step that is due.
     ///
-    /// A call so late that the next step is due already would make steps in a burst that no motor follows: the motor is
-    /// decelerated from there on instead, and then [`Fault::Late`] comes back. A call that is less late shifts no other
-    /// step.
+    /// A call so late that the next step is due already would make steps in a burst that no motor follows: the motor
+    /// is decelerated from there on instead, and then [`Fault::Late`] comes back. A call that is less late shifts no
+    /// other step.
     #[inline]
     pub fn on_timer(&mut self, now: u64) -> Result<Timer, Fault<M::Error>> {
         let due = self.stepper.next_deadline().unwrap_or(now);

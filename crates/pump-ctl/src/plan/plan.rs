@@ -13,8 +13,8 @@ pub struct Plan {
     pub requested_ml: f64,
     /// Carry of earlier doses, mL.
     pub carry_in_ml: f64,
-    /// Volume of the planned steps once the line has settled, mL. A start angle that is not known exactly gives a range
-    /// of volumes, and this is its middle.
+    /// Volume of the planned steps once the line has settled, mL. A start angle that is not known exactly gives a
+    /// range of volumes, and this is its middle.
     pub planned_ml: f64,
     /// Smallest volume that the planned steps deliver from an angle at which the rollers may stand, mL. It equals
     /// `planned_ml` if the angle is known exactly; in reverse it is the one farther from zero.
@@ -71,8 +71,8 @@ impl Plan {
 
     /// Angle `t_s` after the start of motion, rad, of the smooth motion through the steps.
     ///
-    /// Before the motion it is the start angle, after it the end angle. It serves drives that take set-points instead of
-    /// steps.
+    /// Before the motion it is the start angle, after it the end angle. It serves drives that take set-points instead
+    /// of steps.
     ///
     /// ```
     /// use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};

@@ -22,16 +22,16 @@ impl Plan {
         matches!(self.profile.course.limit, SpeedLimit::Smooth { .. })
     }
 
-    /// Mean flow over whole pitches while cruising, mL/s, not negative. A turn too short to cruise gives the flow of its
-    /// fastest speed.
+    /// Mean flow over whole pitches while cruising, mL/s, not negative. A turn too short to cruise gives the flow of
+    /// its fastest speed.
     pub fn cruise_flow_ml_s(&self, pump: &Pump) -> f64 {
         pump.average_flow_ml_s(self.profile.cruise_rad_s())
     }
 
     /// Ripple of the flow while cruising, periodic: a dose too short to cruise does not get there.
     ///
-    /// Where the angle is not known exactly it is the worst over angles at which the rollers may stand, a sixteenth of a
-    /// pitch apart at most.
+    /// Where the angle is not known exactly it is the worst over angles at which the rollers may stand, a sixteenth of
+    /// a pitch apart at most.
     pub fn ripples(&self, pump: &Pump) -> Ripples {
         let before = pump.outlet_curve().ripple();
         if !self.is_smooth() {

@@ -6,8 +6,8 @@ use super::Plan;
 use super::profile::{Along, Profile};
 use crate::step::Segment;
 
-/// How far the time of a step may be from the plan's before it is rounded to a tick, ticks: with the rounding less than
-/// one tick in all.
+/// How far the time of a step may be from the plan's before it is rounded to a tick, ticks: with the rounding less
+/// than one tick in all.
 const FIT_TICKS: f64 = 0.25;
 
 /// 2^32: a tick in the executor's fractions.
@@ -38,8 +38,8 @@ pub struct Segments {
 }
 
 impl Plan {
-    /// Segments for a timer of `tick_rate` ticks a second. Every step comes within one tick of [`Self::steps`], in a dose
-    /// of up to 2^50 ticks (35 years at 1 MHz, 77 days at 168 MHz).
+    /// Segments for a timer of `tick_rate` ticks a second. Every step comes within one tick of [`Self::steps`], in a
+    /// dose of up to 2^50 ticks (35 years at 1 MHz, 77 days at 168 MHz).
     ///
     /// A timer slower than the steps gives segments that [`crate::step::Stepper::push`] refuses.
     pub fn segments(&self, tick_rate: u32) -> Segments {
@@ -120,8 +120,8 @@ impl Segments {
 
     /// Tells whether the steps of the segment are due when they are planned.
     ///
-    /// A parabola through a root errs most a quarter of the way from the ends, nearer to them where the root bends. So it
-    /// is checked there, and at every step where there are few.
+    /// A parabola through a root errs most a quarter of the way from the ends, nearer to them where the root bends. So
+    /// it is checked there, and at every step where there are few.
     fn holds(&self, segment: &Segment) -> bool {
         let count = segment.steps();
         let near = |k: u32| {

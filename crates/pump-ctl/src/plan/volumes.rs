@@ -14,8 +14,8 @@ impl Plan {
         middle(self.range_ml(pump, count))
     }
 
-    /// Smallest and largest volume of the first `count` steps, mL, over the angles at which the rollers may stand. Both
-    /// are equal if the angle is known exactly.
+    /// Smallest and largest volume of the first `count` steps, mL, over the angles at which the rollers may stand.
+    /// Both are equal if the angle is known exactly.
     pub fn range_ml(&self, pump: &Pump, count: u64) -> (f64, f64) {
         let steps = f64::from(self.direction()) * count as f64;
         delivered(pump, self.start, steps, self.step_rad)
@@ -26,8 +26,8 @@ impl Plan {
         pump.outlet_curve().flow_ml_rad(self.end_angle_rad()) * self.step_rad
     }
 
-    /// Volumes, mL, of the two ends at low flow next to the volume requested plus carried: the largest that is no more,
-    /// and the smallest that is no less.
+    /// Volumes, mL, of the two ends at low flow next to the volume requested plus carried: the largest that is no
+    /// more, and the smallest that is no less.
     ///
     /// An end is none if the dose's direction has no such end. A dose of such a volume ends there and carries nothing.
     ///

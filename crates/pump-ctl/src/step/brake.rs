@@ -83,8 +83,8 @@ impl Brake {
         self.climb.iter().filter(|segment| segment.count != 0)
     }
 
-    /// The way down for a motor whose last interval was `interval`, 2^-32 tick; `None` if it is so slow that it can stand
-    /// at once. The first interval of the way down is no shorter.
+    /// The way down for a motor whose last interval was `interval`, 2^-32 tick; `None` if it is so slow that it can
+    /// stand at once. The first interval of the way down is no shorter.
     pub(super) fn descent_from(&self, interval: i128) -> Option<Descent> {
         let entries = self.climb().take_while(|segment| segment.interval_of(1) >= interval).count();
         let top = self.climb.get(entries.checked_sub(1)?)?;

@@ -96,8 +96,8 @@ impl<const Q: usize> Queue<Q> {
         }
     }
 
-    /// Splits the segment under way after `made` steps; `rest` is the next to come. The oldest gives way if there is no
-    /// place, at worst the one under way.
+    /// Splits the segment under way after `made` steps; `rest` is the next to come. The oldest gives way if there is
+    /// no place, at worst the one under way.
     pub(super) fn split(&mut self, made: u32, rest: Segment) {
         let to_come = core::mem::take(&mut self.pending);
         self.cut(made);

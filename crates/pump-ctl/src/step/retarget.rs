@@ -30,9 +30,10 @@ impl<const Q: usize> Stepper<Q> {
         })
     }
 
-    /// Drops what is planned after the [`Self::junction`] for `not_before`, and says where that is. Push what is to follow,
-    /// and nothing of the old plan, then [`Self::finish`], before it comes: otherwise the motor decelerates and stands
-    /// ([`super::Action::Starved`]).
+    /// Drops the steps after the [`Self::junction`] for `not_before`, and returns that junction.
+    ///
+    /// Push the new plan's segments, and none of the old plan, then [`Self::finish`], before the junction comes.
+    /// Otherwise the motor decelerates and stands ([`super::Action::Starved`]).
     ///
     /// So plan first, from [`Self::junction`], and drop the old plan at its `at` when there is a new one. `None`, and
     /// nothing changes, if there is no junction then.
@@ -49,8 +50,8 @@ impl<const Q: usize> Stepper<Q> {
         Some(junction)
     }
 
-    /// The first step still to be made that is due at `not_before` or later: segments that end before it, its segment, and
-    /// its number in it.
+    /// The first step still to be made that is due at `not_before` or later: segments that end before it, its segment,
+    /// and its number in it.
     fn first_step_from(&self, not_before: u64) -> Option<(usize, Slot, u32)> {
         if self.state != State::Moving {
             return None;

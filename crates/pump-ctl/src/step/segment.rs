@@ -2,7 +2,8 @@
 
 use super::ticks::Ticks;
 
-/// A run of steps: the first comes `interval` after the step before it, and each interval is `add` longer than the last.
+/// A run of steps: the first comes `interval` after the step before it, and each interval is `add` longer than the
+/// last.
 ///
 /// Step k (from 1) is due k I + add k (k - 1) / 2 after the step before the segment, I being interval and fraction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

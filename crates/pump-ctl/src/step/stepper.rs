@@ -46,8 +46,10 @@ pub(super) enum State {
     Starved,
 }
 
-/// Makes the steps of queued segments, each at its own absolute time. `Q` segments fit, the one under way included; those
-/// done stay for [`Self::position_at`] until their place is needed.
+/// The executor: makes the steps of queued segments, each at its own absolute time.
+///
+/// `Q` segments fit, the one under way included. Those done stay for [`Self::position_at`] until their place is
+/// needed.
 ///
 /// Share it between thread and interrupt behind a critical section; no call takes longer than a few hundred
 /// instructions but [`Self::stop`], [`Self::retarget`] and [`Self::position_at`] (some thousands), and [`Self::fill`].
@@ -216,8 +218,9 @@ impl<const Q: usize> Stepper<Q> {
         cleared
     }
 
-    /// Stands at once, without deceleration: for a back end that can make no more steps. `last_step_made` says whether the
-    /// step of the last [`Action::Step`] was made; if not, it is not counted. The past is forgotten.
+    /// Stands at once, without deceleration: for a back end that can make no more steps. The past is forgotten.
+    ///
+    /// `last_step_made` is true if the step of the last [`Action::Step`] was made; if not, it is not counted.
     pub fn halt(&mut self, last_step_made: bool) {
         if !last_step_made {
             self.position = self.position.wrapping_sub(i64::from(self.last_direction));

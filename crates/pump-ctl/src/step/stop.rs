@@ -26,9 +26,10 @@ struct Run {
 }
 
 impl<const Q: usize> Stepper<Q> {
-    /// Decelerates from the next step on and stands; what was queued is dropped. A motor slow enough stands at once. If
-    /// the plan itself comes to rest as soon, it is followed to that rest, so a stop never adds steps to a plan; to one that
-    /// is not [`Self::finish`]ed it may add one.
+    /// Decelerates from the next step on and stands; queued segments are dropped. A motor slow enough stands at once.
+    ///
+    /// If the plan itself comes to rest as soon, it is followed to that rest. So a stop never adds steps to a plan; it
+    /// may add one to a plan that is not [`Self::finish`]ed.
     ///
     /// Where the brake takes over, a step that is overdue at `now` is not made up for: the way down begins at `now`.
     /// Calling again changes nothing.
@@ -85,8 +86,8 @@ impl<const Q: usize> Stepper<Q> {
         self.after_step(&current, made + 1, steps, span)
     }
 
-    /// Puts off what is left of a move that is ending, so that its next step comes an interval after `now`: for a motor
-    /// that has fallen behind.
+    /// Puts off what is left of a move that is ending, so that its next step comes an interval after `now`: for a
+    /// motor that has fallen behind.
     pub(crate) fn put_off(&mut self, now: u64) {
         if self.left == 0 {
             return;

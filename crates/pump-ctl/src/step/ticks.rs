@@ -1,6 +1,7 @@
 //! Time in ticks of the caller's timer, with a carried fraction.
 
-/// Whole ticks and a fraction in 2^-32 tick. Adding never loses the fraction, so a million intervals are as exact as one.
+/// Whole ticks and a fraction in 2^-32 tick. Adding never loses the fraction, so a million intervals are as exact as
+/// one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(super) struct Ticks {
     pub(super) whole: u64,

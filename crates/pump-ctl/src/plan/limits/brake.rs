@@ -11,9 +11,9 @@ const SINGLE: usize = 6;
 impl Motor {
     /// The way to rest from any speed up to this motor's largest, for a timer of `tick_rate` ticks a second.
     ///
-    /// It nowhere decelerates more than the motor may. Intervals grow evenly inside an entry, so it decelerates less in
-    /// most places. It takes up to twice the angle of a stop at the limit (measured for the built-in pumps: 1.17 to 1.24
-    /// times).
+    /// It nowhere decelerates more than the motor may. Intervals grow evenly inside an entry, so it decelerates less
+    /// in most places. It takes up to twice the angle of a stop at the limit (measured for the built-in pumps: 1.17 to
+    /// 1.24 times).
     pub fn brake(&self, tick_rate: u32) -> Brake {
         // Twice the steps of a stop at the limit are enough for the weakest deceleration below.
         let stop = self.max_speed_rad_s * self.max_speed_rad_s / (2.0 * self.max_acceleration_rad_s2);

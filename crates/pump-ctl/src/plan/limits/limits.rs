@@ -27,8 +27,8 @@ impl Limits {
         Self { motor, pressures: PressureLimits::NONE, lowest: None, torque: None }
     }
 
-    /// The smallest pressure that is allowed at the port that sucks: the larger of the given limit and the pressure that
-    /// tube and fluid stand.
+    /// The smallest pressure that is allowed at the port that sucks: the larger of the given limit and the pressure
+    /// that tube and fluid stand.
     pub fn lowest_where_it_sucks(&self) -> Option<Lowest> {
         let given = self.pressures.min_inlet_kpa.map(|kpa| Lowest { kpa, set_by: SetBy::Given });
         given.into_iter().chain(self.lowest).max_by(|a, b| a.kpa.total_cmp(&b.kpa))

@@ -14,8 +14,8 @@ pub struct Margin {
 }
 
 impl Margin {
-    /// The margin of a pressure that is `rest` when nothing turns. `sign` is 1 for a limit from above and -1 for one from
-    /// below.
+    /// The margin of a pressure that is `rest` when nothing turns. `sign` is 1 for a limit from above and -1 for one
+    /// from below.
     pub(super) fn of_pressure(reached: f64, limit: f64, rest: f64, sign: f64) -> Self {
         let room = sign * (limit - rest);
         let used = if room > 0.0 {

@@ -35,8 +35,8 @@ impl Torque {
 
     /// Torque that the motor has to give in the direction of motion, N m, by power balance; negative where it brakes.
     ///
-    /// tau = (P_out - P_atm) q_out - (P_in - P_atm) q_in + J alpha + tau_occlusion, q the flow per radian. In reverse the
-    /// fluid's part has the other sign, since the same flow per radian runs back.
+    /// tau = (P_out - P_atm) q_out - (P_in - P_atm) q_in + J alpha + tau_occlusion, q the flow per radian. In reverse
+    /// the fluid's part has the other sign, since the same flow per radian runs back.
     pub(super) fn needed_n_m(
         &self,
         [inlet, outlet]: [(f64, f64); 2],

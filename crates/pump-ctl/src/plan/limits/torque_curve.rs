@@ -15,8 +15,8 @@ pub struct TorqueCurve {
 impl TorqueCurve {
     /// Makes a curve from points (speed in rad/s, torque in N m) at the pump head.
     ///
-    /// It takes 2 to [`TORQUE_POINTS`] points, the first at speed 0, speeds rising, torques 0 to 1e6. Other points give
-    /// `None`. Beyond the last speed the motor has no torque.
+    /// It takes 2 to [`TORQUE_POINTS`] points, the first at speed 0, speeds rising, torques 0 to 1e6. Other points
+    /// give `None`. Beyond the last speed the motor has no torque.
     pub fn new(points: &[(f64, f64)]) -> Option<Self> {
         let last = points.last()?;
         let mut curve = Self { points: [*last; TORQUE_POINTS] };

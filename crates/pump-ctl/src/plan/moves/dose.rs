@@ -12,8 +12,8 @@ use crate::plan::words::{Phase, PlanError, Request};
 /// request and the limits allow. Steps and end angle do not depend on the speed.
 ///
 /// The angle solves V_out(theta_1) = V_out(theta_0) + V for the outlet's exact volume curve, so the dose is right from
-/// any start angle. Where the start angle is not known exactly, the steps minimise the worst deviation over all angles at
-/// which the rollers may stand (minimax). [`Plan::least_ml`] and [`Plan::most_ml`] then bound the volume that they
+/// any start angle. Where the start angle is not known exactly, the steps minimise the worst deviation over all angles
+/// at which the rollers may stand (minimax). [`Plan::least_ml`] and [`Plan::most_ml`] then bound the volume that they
 /// deliver; whole pitches deliver the same from anywhere.
 ///
 /// Where the dose must end at low flow ([`crate::plan::Finish::LowFlow`]) the steps are those of the allowed end whose
@@ -39,7 +39,8 @@ use crate::plan::words::{Phase, PlanError, Request};
 ///
 /// # Errors
 ///
-/// Fails with the [`PlanError`] that says why the dose cannot be had, and where there is one the nearest dose that can.
+/// Fails with the [`PlanError`] that says why the dose cannot be had, and where there is one the nearest dose that
+/// can.
 pub fn plan(pump: &Pump, start: Phase, request: &Request, limits: &Limits) -> Result<Plan, PlanError> {
     limits.validate()?;
     request.validate()?;

@@ -13,12 +13,13 @@ impl Plan {
     /// Plans the rest of this dose anew from the moment at which `made` steps are made.
     ///
     /// `volume_ml` is that of the whole dose, counted from its start; `cruise` is that of the rest (a time counts from
-    /// that moment). A smooth flow stays smooth, and a dose that ends at low flow still does. The motor's steps must be
-    /// the same.
+    /// that moment). A smooth flow stays smooth, and a dose that ends at low flow still does. The motor's steps must
+    /// be the same.
     ///
     /// The plan that comes back has time 0, start angle, volumes and steps of the rest alone. Its `requested_ml` was
     /// still to be delivered, its `before_ml` was delivered before, and its carry is that of the whole dose. Where the
-    /// start angle is not known exactly, the delivered volume counts by its middle, and the range of the rest is its own.
+    /// start angle is not known exactly, the delivered volume counts by its middle, and the range of the rest is its
+    /// own.
     ///
     /// The plan starts at speed, with the lines as this plan leaves them. Feed its segments after the
     /// [`crate::step::Junction`] at position `made`.
@@ -50,8 +51,8 @@ impl Plan {
         self.retarget_shaped(pump, made, volume_ml, cruise, self.is_smooth(), limits)
     }
 
-    /// Plans the rest of this dose anew, from that moment on with a smooth flow or at constant speed. All else is as for
-    /// [`Self::retarget`].
+    /// Plans the rest of this dose anew, from that moment on with a smooth flow or at constant speed. All else is as
+    /// for [`Self::retarget`].
     ///
     /// # Errors
     ///

@@ -25,8 +25,8 @@ impl Plan {
         ceil(stopping_rad / self.step_rad - 1e-6) as i64
     }
 
-    /// The way to rest from the moment at which `made` steps are made, at the plan's own acceleration. It makes no more
-    /// steps than the plan, and is `None` if the rotor stands at that moment.
+    /// The way to rest from the moment at which `made` steps are made, at the plan's own acceleration. It makes no
+    /// more steps than the plan, and is `None` if the rotor stands at that moment.
     ///
     /// Like the plan of [`Self::retarget`] it has time 0, start angle, volumes and steps of its own.
     pub fn stop(&self, pump: &Pump, made: u64) -> Option<Self> {

@@ -8,8 +8,8 @@ use crate::plan::words::PlanError;
 
 /// Predicted pressures over a dose, start-up, stop and settling included, for the smooth motion through the steps.
 ///
-/// From an angle that is not known exactly they cover every angle at which the rollers may stand, looked at a sixteenth
-/// of a pitch apart.
+/// From an angle that is not known exactly they cover every angle at which the rollers may stand, looked at a
+/// sixteenth of a pitch apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -20,8 +20,8 @@ pub struct Prediction {
     pub outlet: Extremes,
     /// Largest change of a pressure by a single motor step, kPa: the step's volume over the compliance.
     pub step_kpa: f64,
-    /// Time from the last step until the undelivered volume stays below 1 uL, s: the longest from any angle at which the
-    /// rollers may stand.
+    /// Time from the last step until the undelivered volume stays below 1 uL, s: the longest from any angle at which
+    /// the rollers may stand.
     pub settle_s: f64,
 }
 
@@ -52,8 +52,8 @@ impl Plan {
         largest_ml / pump.line(port).compliance_ml_kpa
     }
 
-    /// Time from the last step until the undelivered volume stays below 1 uL, s: the longest from any angle at which the
-    /// rollers may stand.
+    /// Time from the last step until the undelivered volume stays below 1 uL, s: the longest from any angle at which
+    /// the rollers may stand.
     pub(in crate::plan) fn settle_s(&self, pump: &Pump) -> Result<f64, PlanError> {
         let mut longest_s: f64 = 0.0;
         for off_rad in self.start.beside(pump.pitch_rad()) {
@@ -62,8 +62,8 @@ impl Plan {
         Ok(longest_s)
     }
 
-    /// Settling time of rollers `off_rad` beside the middle of their range, s. The last step comes at once, so its volume
-    /// is in the line at first.
+    /// Settling time of rollers `off_rad` beside the middle of their range, s. The last step comes at once, so its
+    /// volume is in the line at first.
     fn settle_beside_s(&self, pump: &Pump, off_rad: f64) -> Result<f64, PlanError> {
         let motion = ShortenedMotion::new(self, pump, off_rad);
         let [pressure_kpa, flow_ml_s] = motion.run(pump, Port::Outlet).at(motion.duration_s());

@@ -13,8 +13,8 @@ pub(super) type PerPart = [[f64; 16]; PARTS / 16];
 /// Knots are equally spaced over the part of the pitch in which the speed changes, and the acceleration between two
 /// knots is constant. The rest of the pitch has the speed of the first knot, which is the last knot's too.
 ///
-/// Angles are turned in the direction of motion and count from the start of the uneven part. Part `PARTS` starts at the
-/// last knot and ends with the pitch.
+/// Angles are turned in the direction of motion and count from the start of the uneven part. Part `PARTS` starts at
+/// the last knot and ends with the pitch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -189,8 +189,9 @@ impl Envelope {
         largest
     }
 
-    /// The first angle in the pitch from `from_rad` at which a straight line is no longer below the square of the speed.
-    /// With a `sign` of -1 it is the first at which the line is no longer above. The gap times `sign` must not fall.
+    /// The first angle in the pitch from `from_rad` at which a straight line is no longer below the square of the
+    /// speed. With a `sign` of -1 it is the first at which the line is no longer above. The gap times `sign` must not
+    /// fall.
     pub(super) fn crossing(&self, from_rad: f64, line: impl Fn(f64) -> f64, sign: f64) -> f64 {
         let gap = |place: Place, angle_rad: f64| sign * (line(angle_rad) - self.square_in(place, angle_rad));
         let mut place = self.place_at(from_rad);

@@ -10,10 +10,11 @@ use super::smooth;
 
 /// The fastest motion over a turn that ends at rest, below a speed limit and within an acceleration.
 ///
-/// The speed limit may depend on the angle. With u = omega²/2 over the angle an acceleration is a slope. So the profile
-/// is the smallest of three: the line up (or down) from the start with that slope, the limit, and the line down to the
-/// end. The limit itself is nowhere steeper, so it falls below the first line once and rises above the last once. The
-/// motion goes up, along and down, or up and down where the turn is too short. A constant limit makes a trapezoid.
+/// The speed limit may depend on the angle. With u = omega²/2 over the angle an acceleration is a slope. So the
+/// profile is the smallest of three: the line up (or down) from the start with that slope, the limit, and the line
+/// down to the end. The limit itself is nowhere steeper, so it falls below the first line once and rises above the
+/// last once. The motion goes up, along and down, or up and down where the turn is too short. A constant limit makes a
+/// trapezoid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -123,7 +124,8 @@ impl Profile {
         along.max(self.course.start_rad_s)
     }
 
-    /// The cruise speed, rad/s: the fastest that is reached, or the mean over time of a limit that depends on the angle.
+    /// The cruise speed, rad/s: the fastest that is reached, or the mean over time of a limit that depends on the
+    /// angle.
     pub fn cruise_rad_s(&self) -> f64 {
         self.along_envelope().map_or_else(|| self.peak_rad_s(), Envelope::mean_rad_s)
     }
@@ -158,8 +160,8 @@ impl Profile {
         }
     }
 
-    /// The time at which the rotor has turned `turned_rad`, s since the start. An angle outside [0, turn] gives the time
-    /// of the nearer end.
+    /// The time at which the rotor has turned `turned_rad`, s since the start. An angle outside [0, turn] gives the
+    /// time of the nearer end.
     pub fn time_of(&self, turned_rad: f64) -> f64 {
         let [reached_rad, left_rad] = self.corners_rad;
         if turned_rad <= reached_rad {
@@ -297,7 +299,8 @@ impl Profile {
         (begins_rad < self.phase_rad + self.corners_rad[1]).then(|| self.leg_along(envelope, place))
     }
 
-    /// The legs of a pitch of the envelope, from time 0, wherever the motion starts and ends. A constant limit has none.
+    /// The legs of a pitch of the envelope, from time 0, wherever the motion starts and ends. A constant limit has
+    /// none.
     pub(in crate::plan) fn pitch_along(&self) -> impl Iterator<Item = Leg> {
         self.envelope.iter().flat_map(|envelope| {
             (0..=PARTS).map(|part| {

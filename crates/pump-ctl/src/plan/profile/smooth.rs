@@ -47,8 +47,8 @@ impl Knots {
     /// The largest function below (flow/q)² and the motor's limit that is nowhere steeper than the acceleration
     /// allows.
     ///
-    /// Sweeps forward and backward, twice round each: wherever the smallest bound is, the second round passes everything
-    /// after it.
+    /// Sweeps forward and backward, twice round each: wherever the smallest bound is, the second round passes
+    /// everything after it.
     fn envelope(&self, flow_ml_s: f64) -> Envelope {
         let square = flow_ml_s * flow_ml_s;
         let mut squares = self.per_square.map(|row| row.map(|part| (square * part).min(self.most)));

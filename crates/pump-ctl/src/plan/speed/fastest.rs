@@ -23,10 +23,10 @@ const SLOWEST: f64 = 1.0 / 4096.0;
 /// Finds the fastest cruise up to `top_rad_s` that holds every limit and below which every one does.
 ///
 /// The whole dose is predicted at each speed, start-up, stop and settling included. Speeds that hold are not an
-/// interval: past a resonance pressures fall again. So speeds are tried upwards, from one so slow that no motion at all
-/// could break a limit. Lines that are undamped or not at rest leave no such bound; there the first speed is 1/4096 of
-/// the fastest. Each step is a sixteenth of the lines' damping ratio, 0.1 to 1 %. The first speed that breaks a limit
-/// ends the search, and bisection refines the last that holds to 1e-6.
+/// interval: past a resonance pressures fall again. So speeds are tried upwards, from one so slow that no motion at
+/// all could break a limit. Lines that are undamped or not at rest leave no such bound; there the first speed is
+/// 1/4096 of the fastest. Each step is a sixteenth of the lines' damping ratio, 0.1 to 1 %. The first speed that
+/// breaks a limit ends the search, and bisection refines the last that holds to 1e-6.
 ///
 /// A resonance is 2 damping ratios wide, 32 steps, in which pressures change by some tenths of a per cent between
 /// neighbours. The search may pass over a window of speeds narrower than a step, in which a limit is broken by about

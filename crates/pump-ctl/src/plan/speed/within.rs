@@ -41,9 +41,9 @@ pub(super) fn total_s(pump: &Pump, plan: &Plan) -> Result<f64, PlanError> {
 
 /// The slowest cruise whose motion and settling take `time_s` at most.
 ///
-/// Settling depends on where in its swing the line is when the motor stops, so the total time does not fall evenly with
-/// the speed. The search goes upwards in steps of 1 % from the slowest speed whose motion alone would do. Bisection
-/// refines the first speed that meets the time. A window narrower than 1 % may be passed over.
+/// Settling depends on where in its swing the line is when the motor stops, so the total time does not fall evenly
+/// with the speed. The search goes upwards in steps of 1 % from the slowest speed whose motion alone would do.
+/// Bisection refines the first speed that meets the time. A window narrower than 1 % may be passed over.
 pub(super) fn slowest_within(
     pump: &Pump,
     time_s: f64,

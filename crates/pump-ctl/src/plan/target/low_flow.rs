@@ -7,8 +7,8 @@ use crate::plan::words::PlanError;
 
 /// Part of the flow between pulses that counts as low.
 ///
-/// The flow falls to half within a pulse of every pump whose rollers take more than that at once. Half is also far from
-/// where a pulse begins and ends, so that the end's place in the pitch is no matter of rounding.
+/// The flow falls to half within a pulse of every pump whose rollers take more than that at once. Half is also far
+/// from where a pulse begins and ends, so that the end's place in the pitch is no matter of rounding.
 const LOW: f64 = 0.5;
 
 /// Parts of a pitch at whose ends the flow is looked at; bisection then refines each edge. A stretch of low flow

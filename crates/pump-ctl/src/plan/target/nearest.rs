@@ -58,8 +58,8 @@ fn nearest(pump: &Pump, start: Phase, request: &Request, step_rad: f64) -> (f64,
 
 /// The number of steps from an angle that is not known exactly.
 ///
-/// Smallest and largest volume both grow with the turn. So the largest deviation is smallest where both are equally far
-/// from the volume requested plus carried: on one side of that turn or the other.
+/// Smallest and largest volume both grow with the turn. So the largest deviation is smallest where both are equally
+/// far from the volume requested plus carried: on one side of that turn or the other.
 fn minimax(
     pump: &Pump,
     start: Phase,

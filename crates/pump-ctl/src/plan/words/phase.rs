@@ -38,9 +38,9 @@ impl Phase {
         pump.outlet_curve().turn_range_ml(self.angle_rad, self.half_width_rad, turn_rad)
     }
 
-    /// Offsets from this angle, rad, at which a plan looks at the rollers. They are both ends of the range in which the
-    /// rollers may stand, its middle, and angles between them a sixteenth of a pitch apart at most. A known angle has
-    /// the offset 0 alone.
+    /// Offsets from this angle, rad, at which a plan looks at the rollers. They are both ends of the range in which
+    /// the rollers may stand, its middle, and angles between them a sixteenth of a pitch apart at most. A known angle
+    /// has the offset 0 alone.
     pub(in crate::plan) fn beside(&self, pitch_rad: f64) -> impl Iterator<Item = f64> + use<> {
         let half_rad = self.half_width_rad.min(0.5 * pitch_rad);
         // 8 at most.
