@@ -1,4 +1,4 @@
-//! Why the executor refuses.
+//! Refusals of the executor.
 
 use thiserror::Error;
 

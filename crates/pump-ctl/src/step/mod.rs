@@ -27,19 +27,22 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod action;
 mod brake;
 mod error;
 mod position;
 mod queue;
 mod retarget;
 mod segment;
+mod state;
 mod stepper;
 mod stop;
 mod ticks;
 
+pub use action::Action;
 pub use brake::{BRAKE_ENTRIES, Brake};
 pub use error::{PushError, StartError};
 pub use retarget::Junction;
 pub use segment::Segment;
-pub use stepper::{Action, Stepper};
+pub use stepper::Stepper;
 pub use stop::StopPlan;

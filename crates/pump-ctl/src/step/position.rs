@@ -1,4 +1,4 @@
-//! Where the motor was.
+//! The position of the motor in the past.
 
 use super::stepper::Stepper;
 

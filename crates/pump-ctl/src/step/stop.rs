@@ -2,26 +2,27 @@
 
 use super::queue::Slot;
 use super::segment::Segment;
-use super::stepper::{State, Stepper};
+use super::state::State;
+use super::stepper::Stepper;
 use super::ticks::Ticks;
 
-/// How a stop will end, known when it begins.
+/// The end of a stop, known when the stop begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StopPlan {
-    /// When the last step is due, ticks; the start of the move if it makes none.
+    /// Time at which the last step is due, ticks; the start of the move if the stop makes no step.
     pub last_step_at: u64,
-    /// Position after it.
+    /// Position after the last step.
     pub final_count: i64,
 }
 
-/// What is planned up to the next turn-round or the end, and the way down from there where the plan goes on.
-struct Run {
+/// The planned steps up to the next turn-round or the end, and the way down from there where the plan goes on.
+struct PlannedEnd {
     steps: u64,
     ends: Ticks,
-    /// Segments of it still to come.
+    /// Segments of these steps still to come.
     segments: usize,
-    /// Whether it ends at rest, rather than where what is queued so far ends.
+    /// True if the steps end at rest, rather than at the end of the segments queued so far.
     rests: bool,
 }
 
@@ -123,9 +124,9 @@ impl<const Q: usize> Stepper<Q> {
         StopPlan { last_step_at: self.next.whole, final_count: self.position }
     }
 
-    fn planned_run(&self) -> Run {
+    fn planned_run(&self) -> PlannedEnd {
         let mut last = self.queue.current().copied().unwrap_or_default();
-        let mut run = Run {
+        let mut run = PlannedEnd {
             steps: u64::from(self.left),
             ends: last.due(last.segment.steps()),
             segments: 0,
@@ -150,7 +151,7 @@ impl<const Q: usize> Stepper<Q> {
         run
     }
 
-    fn planned_end(&self, run: &Run) -> StopPlan {
+    fn planned_end(&self, run: &PlannedEnd) -> StopPlan {
         let way = i64::from(self.direction) * i64::try_from(run.steps).unwrap_or(i64::MAX);
         StopPlan { last_step_at: run.ends.whole, final_count: self.position.wrapping_add(way) }
     }

@@ -29,12 +29,12 @@ impl Ticks {
         Self { whole: self.whole.wrapping_add_signed(change >> 32).wrapping_add(u64::from(carry)), frac }
     }
 
-    /// In 2^-32 tick.
+    /// The time in 2^-32 tick.
     pub(super) fn fixed(self) -> i128 {
         (i128::from(self.whole) << 32) | i128::from(self.frac)
     }
 
-    /// From 2^-32 tick; not negative.
+    /// Makes a time from 2^-32 tick, not negative.
     pub(super) fn of_fixed(fixed: i128) -> Self {
         Self { whole: (fixed >> 32) as u64, frac: fixed as u32 }
     }
