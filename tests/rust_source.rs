@@ -28,7 +28,9 @@ fn a_torque_that_the_pump_file_knows_is_printed_too() {
     (file.motor.occlusion_torque_n_m, file.motor.inertia_kg_m2) = (Some(0.4), Some(2e-4));
     let printed = rust_source(&file).unwrap();
     assert!(
-        printed.contains("use pump_ctl::plan::{Limits, Lowest, Motor, SetBy, Torque, TorqueCurve};"),
+        printed.contains(
+            "use pump_ctl::plan::{Limits, Lowest, Motor, PressureLimits, SetBy, Torque, TorqueCurve};"
+        ),
         "{printed}"
     );
     let motor = file.limits().torque.unwrap().motor;

@@ -105,8 +105,12 @@ impl<'a> Names<'a> {
             _ => {}
         }
         let meanings = self.meanings[module].get(first);
+        // A function may have a module's name; a path that goes on leads through the module.
+        let through_module = !rest.is_empty()
+            && meanings.is_some_and(|all| all.iter().any(|meaning| matches!(meaning, Meaning::Module)));
         for meaning in meanings.into_iter().flatten() {
             match meaning {
+                Meaning::Item | Meaning::Import(_) if through_module => {}
                 Meaning::Item => {
                     files.insert(self.sources.modules[module].file.clone());
                 }

@@ -4,7 +4,7 @@
 
 use proptest::prelude::*;
 use pump_ctl::plan::{
-    Cruise, LimitedBy, Limits, Motor, Phase, Plan, PlanError, Request, plan, speed_for_flow,
+    Cruise, LimitedBy, Limits, Motor, Phase, Plan, PlanError, PressureLimits, Request, plan, speed_for_flow,
 };
 use pump_model::Pump;
 
@@ -184,7 +184,7 @@ fn pressure_limits_refuse_what_would_break_them_in_either_direction() {
         let (sucking, pushing) =
             if volume_ml > 0.0 { (free.inlet, free.outlet) } else { (free.outlet, free.inlet) };
         let with = |max_outlet_kpa, min_inlet_kpa| {
-            let limits = Limits { max_outlet_kpa, min_inlet_kpa, ..limits(3) };
+            let limits = Limits { pressures: PressureLimits { max_outlet_kpa, min_inlet_kpa }, ..limits(3) };
             plan(&pump(3), Phase::known(0.0), &Request::new(volume_ml, cruise), &limits)
         };
         // A motor step moves the pressure by so much on top of what is predicted.

@@ -4,8 +4,8 @@
 
 use proptest::prelude::*;
 use pump_ctl::plan::{
-    Cruise, LimitedBy, Limits, Lowest, Motor, Nearest, Phase, Plan, PlanError, Request, SetBy, Torque,
-    TorqueCurve, plan,
+    Cruise, LimitedBy, Limits, Lowest, Motor, Nearest, Phase, Plan, PlanError, PressureLimits, Request,
+    SetBy, Torque, TorqueCurve, plan,
 };
 use pump_model::{ExactRun, Line, Port, Pump};
 
@@ -30,7 +30,10 @@ fn limits(max_rpm: f64) -> Limits {
 }
 
 fn collapse(max_rpm: f64) -> Limits {
-    Limits { min_inlet_kpa: Some(COLLAPSE_KPA), ..limits(max_rpm) }
+    Limits {
+        pressures: PressureLimits { min_inlet_kpa: Some(COLLAPSE_KPA), ..PressureLimits::NONE },
+        ..limits(max_rpm)
+    }
 }
 
 fn dose(
@@ -118,7 +121,10 @@ fn what_breaks_a_limit_is_refused_with_what_can_be_had() {
 #[test]
 fn a_limit_that_rest_breaks_is_refused_whatever_the_speed() {
     let pump = Pump::three_roller();
-    let limits = Limits { max_outlet_kpa: Some(80.0), ..limits(170.0) };
+    let limits = Limits {
+        pressures: PressureLimits { max_outlet_kpa: Some(80.0), ..PressureLimits::NONE },
+        ..limits(170.0)
+    };
     for cruise in [Cruise::Fastest, speed(10.0)] {
         let error = dose(&pump, 25.0, 0.3, cruise, &limits).unwrap_err();
         assert!(matches!(error, PlanError::OutletPressure { nearest: Nearest::Nothing, .. }), "{error}");
@@ -133,7 +139,10 @@ fn without_a_limit_that_binds_the_motor_does() {
     assert!((fastest(60.0).profile.peak_rad_s() - rad_s(170.0)).abs() < 1e-9);
     assert_eq!(fastest(0.2).limited_by, LimitedBy::Acceleration);
     // A limit that is far away changes nothing.
-    let far = Limits { min_inlet_kpa: Some(1.0), ..limits(170.0) };
+    let far = Limits {
+        pressures: PressureLimits { min_inlet_kpa: Some(1.0), ..PressureLimits::NONE },
+        ..limits(170.0)
+    };
     let with = |volume_ml| dose(&pump, volume_ml, 0.3, Cruise::Fastest, &far).unwrap().limited_by;
     assert_eq!((with(60.0), with(0.2)), (LimitedBy::Speed, LimitedBy::Acceleration));
 }
@@ -144,7 +153,15 @@ fn smoothing_the_outlet_worsens_the_inlet_whose_limit_refuses_it() {
     for rpm in [20.0, 50.0] {
         let even = Request::new(60.0, speed(rpm));
         let with = |request: Request, min_inlet_kpa| {
-            plan(&pump, Phase::known(0.3), &request, &Limits { min_inlet_kpa, ..limits(170.0) })
+            plan(
+                &pump,
+                Phase::known(0.3),
+                &request,
+                &Limits {
+                    pressures: PressureLimits { min_inlet_kpa, ..PressureLimits::NONE },
+                    ..limits(170.0)
+                },
+            )
         };
         let least_kpa = |request| with(request, None).unwrap().predict(&pump).unwrap().inlet.min_kpa;
         let (before_kpa, after_kpa) = (least_kpa(even), least_kpa(even.smooth()));
@@ -162,7 +179,10 @@ fn smoothing_the_outlet_worsens_the_inlet_whose_limit_refuses_it() {
 #[test]
 fn a_long_dose_has_the_margins_that_following_every_pitch_gives() {
     let pump = Pump::two_roller();
-    let limits = Limits { max_outlet_kpa: Some(150.0), min_inlet_kpa: Some(20.0), ..limits(300.0) };
+    let limits = Limits {
+        pressures: PressureLimits { max_outlet_kpa: Some(150.0), min_inlet_kpa: Some(20.0) },
+        ..limits(300.0)
+    };
     for (volume_ml, rpm, smooth) in [(2000.0, 150.0, false), (-1500.0, 90.0, true), (900.0, 40.0, true)] {
         let request = Request { smooth, ..Request::new(volume_ml, speed(rpm)) };
         let plan = plan(&pump, Phase::known(1.1), &request, &limits).unwrap();
@@ -186,7 +206,10 @@ fn a_long_dose_has_the_margins_that_following_every_pitch_gives() {
 fn limits_hold_from_wherever_the_rollers_may_stand() {
     let pump = Pump::three_roller();
     let pitch_rad = pump.pitch_rad();
-    let limits = Limits { max_outlet_kpa: Some(150.0), min_inlet_kpa: Some(20.0), ..limits(170.0) };
+    let limits = Limits {
+        pressures: PressureLimits { max_outlet_kpa: Some(150.0), min_inlet_kpa: Some(20.0) },
+        ..limits(170.0)
+    };
     let request = Request::new(60.0, speed(150.0));
     for half_width_rad in [0.5 * pitch_rad, 0.1 * pitch_rad, 0.01] {
         let start = Phase { angle_rad: 0.4, half_width_rad };
@@ -214,7 +237,8 @@ fn limits_hold_from_wherever_the_rollers_may_stand() {
     assert!(unknown.outlet.max_kpa > middle.outlet.max_kpa + 5.0, "{unknown:?} {middle:?}");
     // What the middle holds and another angle breaks is refused.
     let between = 0.5 * (unknown.outlet.max_kpa + middle.outlet.max_kpa);
-    let limits = Limits { max_outlet_kpa: Some(between), ..limits };
+    let limits =
+        Limits { pressures: PressureLimits { max_outlet_kpa: Some(between), ..limits.pressures }, ..limits };
     assert!(plan(&pump, Phase::known(0.0), &request, &limits).is_ok());
     let refused = plan(&pump, Phase::unknown(pitch_rad), &request, &limits).unwrap_err();
     let PlanError::OutletPressure { nearest: Nearest::Speed { rpm }, .. } = refused else {
@@ -251,7 +275,10 @@ fn an_offer_has_digits_however_slow_and_can_be_had() {
     // Microlitres a second: an outlet that stands hardly more than its reservoir and a motor step.
     let free = dose(&pump, 5.0, 0.3, speed(1.0), &limits(170.0)).unwrap();
     let max_kpa = Line::PUBLISHED.reservoir_kpa + free.predict(&pump).unwrap().step_kpa + 1e-3;
-    let limits = Limits { max_outlet_kpa: Some(max_kpa), ..limits(170.0) };
+    let limits = Limits {
+        pressures: PressureLimits { max_outlet_kpa: Some(max_kpa), ..PressureLimits::NONE },
+        ..limits(170.0)
+    };
     let refused = dose(&pump, 5.0, 0.3, Cruise::Flow { ml_s: 5.0 }, &limits).unwrap_err();
     let PlanError::OutletPressure { nearest: Nearest::Flow { ml_s }, .. } = refused else {
         panic!("{refused}")

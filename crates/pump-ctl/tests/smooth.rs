@@ -135,8 +135,8 @@ fn any_dose() -> impl Strategy<Value = (u32, f64, f64, f64, bool)> {
     )
 }
 
-/// Claims about the motion itself: it is continuous, within speed and acceleration, as fast as the acceleration allows, and times
-/// follow it.
+/// Claims about the motion itself: it is continuous, within speed and acceleration, as fast as the acceleration
+/// allows, and times follow it.
 fn check_motion(plan: &Plan, limits: &Limits, start_rad_s: f64) -> Result<(), TestCaseError> {
     let sign = f64::from(plan.direction());
     let (mut at_s, mut angle, mut speed) = (0.0, plan.start.angle_rad, sign * start_rad_s);
@@ -240,7 +240,8 @@ proptest! {
             Ok(rest) => {
                 check_motion(&rest, &limits, whole.speed_after(made))?;
                 check_steps(&rest)?;
-                prop_assert!((whole.delivered_ml(&pump, made) + rest.planned_ml + rest.carry_ml - new_volume).abs() < 1e-9);
+                let balance_ml = whole.delivered_ml(&pump, made) + rest.planned_ml + rest.carry_ml - new_volume;
+                prop_assert!(balance_ml.abs() < 1e-9);
                 let changed_s = whole.profile.time_of(made as f64 * whole.step_rad);
                 let mut run = ExactRun::from_rest(&pump, Port::Outlet, joined(&whole, made, &rest));
                 run.at(changed_s);

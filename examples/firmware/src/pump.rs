@@ -2,7 +2,7 @@
 // Written by `dose pumps show`; change the pump file, not this.
 // Units: mm, rad, mL, kPa, s.
 
-use pump_ctl::plan::{Limits, Lowest, Motor, SetBy};
+use pump_ctl::plan::{Limits, Lowest, Motor, PressureLimits, SetBy};
 use pump_model::{FlowCurve, Geometry, Line, Pump, RollerVolume};
 
 /// The pump.
@@ -44,8 +44,7 @@ pub const LIMITS: Limits = Limits {
         max_speed_rad_s: 17.80235837034216,
         max_acceleration_rad_s2: 500.0,
     },
-    max_outlet_kpa: None,
-    min_inlet_kpa: None,
+    pressures: PressureLimits { max_outlet_kpa: None, min_inlet_kpa: None },
     lowest: Some(Lowest { kpa: 43.05306302486196, set_by: SetBy::TubeCollapse }),
     torque: None,
 };

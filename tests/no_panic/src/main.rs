@@ -14,7 +14,7 @@ use embedded_hal::digital::{ErrorKind, ErrorType, InputPin, OutputPin};
 use pump_ctl::drive::{Actuator, Clock, OnFault, StepDir, Timing};
 
 use pump_ctl::plan::{
-    Cruise, Finish, Limits, Lowest, Motor, Phase, PlanError, Request, SetBy, plan, speed_for_flow,
+    Cruise, Finish, LimitedBy, Limits, Lowest, Motor, Phase, PlanError, Request, SetBy, plan, speed_for_flow,
 };
 use pump_ctl::plan::{Torque, TorqueCurve};
 use pump_ctl::step::{Brake, Segment, Stepper};
@@ -160,8 +160,8 @@ fn pressures(pump: &Pump) -> Result<(), ModelError> {
 fn dose(pump: &Pump) -> Result<(), PlanError> {
     let motor = Motor { steps_per_rev: any(), max_speed_rad_s: any(), max_acceleration_rad_s2: any() };
     let mut limits = Limits::of_motor(motor);
-    limits.max_outlet_kpa = black_box(true).then(any);
-    limits.min_inlet_kpa = black_box(true).then(any);
+    limits.pressures.max_outlet_kpa = black_box(true).then(any);
+    limits.pressures.min_inlet_kpa = black_box(true).then(any);
     let points = [(any(), any()), (any(), any()), (any(), any())];
     if let Some(curve) = TorqueCurve::new(points.get(..black_box(3)).unwrap_or(&points)) {
         black_box(curve.at(any()));
@@ -177,7 +177,10 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
         2 => Cruise::Within { time_s: any() },
         _ => Cruise::Fastest,
     };
-    let finish = if black_box(true) { Finish::LowFlow } else { Finish::Any };
+    let finish = black_box("low-flow").parse().unwrap_or(Finish::Any);
+    if let Err(unknown) = black_box("torque").parse::<LimitedBy>() {
+        black_box(unknown);
+    }
     let request =
         Request { carry_in_ml: any(), smooth: black_box(true), finish, ..Request::new(any(), cruise) };
     let start = Phase { half_width_rad: any(), ..Phase::known(any()) };

@@ -1,6 +1,6 @@
 //! Retraction (suck-back): after a dose the pump turns back by a little, so that nothing drips. The next dose repays it.
 
-use pump_ctl::plan::{Cruise, Phase, Plan, PlanError, Prediction, Request, plan};
+use pump_ctl::plan::{Allowed, Cruise, Phase, Plan, PlanError, Prediction, Request, plan};
 
 use crate::dosing::Prepared;
 
@@ -21,7 +21,7 @@ impl Retraction {
     pub(crate) fn new(dose: &Prepared, volume_ml: f64) -> Result<Self, PlanError> {
         let (model, asked) = (&dose.model, dose.request.whole_ml.unwrap_or(dose.plan.requested_ml));
         if volume_ml > asked && asked > 0.0 {
-            let allowed = "no more than the dose: `dose -5mL` runs back farther";
+            let allowed = Allowed::Words("no more than the dose: `dose -5mL` runs back farther");
             return Err(PlanError::OutOfRange { parameter: "retraction in mL", value: volume_ml, allowed });
         }
         if !(volume_ml > 0.0 && asked > 0.0) {
@@ -34,7 +34,7 @@ impl Retraction {
                     "more than 0: a reverse dose leaves nothing to drip",
                 )
             };
-            return Err(PlanError::OutOfRange { parameter, value, allowed });
+            return Err(PlanError::OutOfRange { parameter, value, allowed: Allowed::Words(allowed) });
         }
         let stands = Phase { angle_rad: dose.plan.end_angle_rad(), ..dose.plan.start };
         let cruise = Cruise::Speed { rad_s: dose.plan.profile.cruise_rad_s() };

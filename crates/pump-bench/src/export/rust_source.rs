@@ -23,7 +23,7 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
     let out = &mut source;
     let torque = if limits.torque.is_some() { ", Torque, TorqueCurve" } else { "" };
     let (lowest, set_by) = if limits.lowest.is_some() { (", Lowest", ", SetBy") } else { ("", "") };
-    let _ = writeln!(out, "use pump_ctl::plan::{{Limits{lowest}, Motor{set_by}{torque}}};");
+    let _ = writeln!(out, "use pump_ctl::plan::{{Limits{lowest}, Motor, PressureLimits{set_by}{torque}}};");
     out.push_str("use pump_model::{FlowCurve, Geometry, Line, Pump, RollerVolume};\n\n");
 
     write_pump(out, &pump);
@@ -37,16 +37,15 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
                  max_speed_rad_s: {:?},\n        \
                  max_acceleration_rad_s2: {:?},\n    \
              }},\n    \
-             max_outlet_kpa: {},\n    \
-             min_inlet_kpa: {},\n    \
+             pressures: PressureLimits {{ max_outlet_kpa: {}, min_inlet_kpa: {} }},\n    \
              lowest: {},\n    \
              torque: {},\n\
          }};\n",
         motor.steps_per_rev,
         motor.max_speed_rad_s,
         motor.max_acceleration_rad_s2,
-        option(limits.max_outlet_kpa),
-        option(limits.min_inlet_kpa),
+        option(limits.pressures.max_outlet_kpa),
+        option(limits.pressures.min_inlet_kpa),
         limits.lowest.map_or("None".to_owned(), |Lowest { kpa, set_by }| {
             format!("Some(Lowest {{ kpa: {kpa:?}, set_by: SetBy::{set_by:?} }})")
         }),

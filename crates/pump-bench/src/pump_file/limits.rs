@@ -1,6 +1,6 @@
 //! `[limits]`, and all that a pump file knows of what a dose must not exceed.
 
-use pump_ctl::plan::{Limits, Lowest, SetBy};
+use pump_ctl::plan::{Limits, Lowest, PressureLimits, SetBy};
 use serde::{Deserialize, Serialize};
 
 use super::PumpFile;
@@ -36,8 +36,10 @@ impl PumpFile {
         let known = bounds.into_iter().filter_map(|(kpa, set_by)| Some(Lowest { kpa: kpa?, set_by }));
         Limits {
             motor: self.motor.at_pump_head(),
-            max_outlet_kpa: max_outlet_kpa.or(self.limits.max_outlet_kpa),
-            min_inlet_kpa: min_inlet_kpa.or(self.limits.min_inlet_kpa),
+            pressures: PressureLimits { max_outlet_kpa, min_inlet_kpa }.or(PressureLimits {
+                max_outlet_kpa: self.limits.max_outlet_kpa,
+                min_inlet_kpa: self.limits.min_inlet_kpa,
+            }),
             lowest: known.max_by(|a, b| a.kpa.total_cmp(&b.kpa)),
             torque: self.motor.torque(self.ambient.pressure_kpa),
         }
@@ -47,9 +49,9 @@ impl PumpFile {
     pub fn not_checked(&self, limits: &Limits) -> Vec<&'static str> {
         let no_collapse = self.tube.collapse_below_ambient_kpa().is_none();
         let no_vapour = self.fluid.vapour_kpa().is_none();
-        let nothing = no_collapse && no_vapour && limits.min_inlet_kpa.is_none();
+        let nothing = no_collapse && no_vapour && limits.pressures.min_inlet_kpa.is_none();
         let all = [
-            ("outlet_pressure", limits.max_outlet_kpa.is_none()),
+            ("outlet_pressure", limits.pressures.max_outlet_kpa.is_none()),
             ("inlet_pressure", nothing),
             ("tube_collapse", no_collapse && !nothing),
             ("vapour_pressure", no_vapour && !nothing),

@@ -4,7 +4,7 @@ use super::error::Fault;
 use super::motion::Motion;
 use crate::step::{Action, Stepper, StopPlan};
 
-/// What to do with the motor when its back end fails.
+/// The treatment of the motor when its back end fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum OnFault {
@@ -14,7 +14,7 @@ pub enum OnFault {
     Disable,
 }
 
-/// What the timer has to do next.
+/// The next task of the timer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use]
@@ -32,10 +32,11 @@ pub struct Actuator<M, const Q: usize> {
     stepper: Stepper<Q>,
     on_fault: OnFault,
     pub(super) enabled: bool,
-    /// How late the call was that made the motor stop, ticks.
+    /// Delay of the call that made the motor stop, ticks.
     late_ticks: Option<u64>,
-    /// Whether the index sensor is looked at after every step, and what it said last.
+    /// Last state of the index sensor, if it is looked at after every step.
     watching: Option<bool>,
+    /// Position at which the index sensor last became active.
     index_at: Option<i64>,
 }
 
@@ -93,9 +94,9 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
 
     /// The timer has fired: makes the step that is due.
     ///
-    /// A call so late that the next step is due already would make steps in a burst that no motor follows: the motor is
-    /// decelerated from there on instead, and then [`Fault::Late`] comes back. A call that is less late shifts no other
-    /// step.
+    /// A call so late that the next step is due already would make steps in a burst that no motor follows: the motor
+    /// is decelerated from there on instead, and then [`Fault::Late`] comes back. A call that is less late shifts no
+    /// other step.
     #[inline]
     pub fn on_timer(&mut self, now: u64) -> Result<Timer, Fault<M::Error>> {
         let due = self.stepper.next_deadline().unwrap_or(now);

@@ -12,8 +12,8 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     /// Makes all steps of `segments` and returns when the motor stands. `stop` is asked over and over;
     /// once it says true the motor decelerates, and so it does when a segment is refused on the way.
     ///
-    /// Segments that do not fit into the queue are computed between steps: on a processor without f64 in hardware choose
-    /// `Q` large enough for all of them, or steps come late.
+    /// Segments that do not fit into the queue are computed between steps: on a processor without f64 in hardware
+    /// choose `Q` large enough for all of them, or steps come late.
     pub fn run(
         &mut self,
         clock: &mut impl Clock,

@@ -1,4 +1,4 @@
-//! What goes wrong while a motor turns.
+//! Faults of a motor that turns.
 
 use thiserror::Error;
 
@@ -8,13 +8,13 @@ use crate::step::{PushError, StartError};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StepFault<E> {
-    /// What the back end says.
+    /// Error of the back end.
     pub error: E,
-    /// Whether the motor has made the step all the same.
+    /// True if the motor has made the step all the same.
     pub made: bool,
 }
 
-/// Why a move ended early, or did not begin.
+/// A move that ended early, or did not begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -22,7 +22,7 @@ pub enum Fault<E> {
     /// The back end failed. The motor made no further step; the position is right.
     #[error("the motor's driver failed at position {position}: {error:?}")]
     Motion {
-        /// What the back end says.
+        /// Error of the back end.
         error: E,
         /// Steps made, signed.
         position: i64,
@@ -39,7 +39,7 @@ pub enum Fault<E> {
          position {position}: give the timer's interrupt a higher priority, or dose more slowly"
     )]
     Late {
-        /// How late, ticks.
+        /// Delay of the step, ticks.
         late_ticks: u64,
         /// Steps made, signed.
         position: i64,

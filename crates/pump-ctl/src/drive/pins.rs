@@ -13,21 +13,21 @@ use super::motion::Motion;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Timing {
-    /// Step pin active.
+    /// Time for which the step pin is active, ns.
     pub step_high_ns: u32,
-    /// Step pin inactive before the next step.
+    /// Time for which the step pin is inactive before the next step, ns.
     pub step_low_ns: u32,
-    /// Direction before a step.
+    /// Time from a change of direction to the next step, ns.
     pub direction_setup_ns: u32,
-    /// Direction after a step.
+    /// Time from a step to the next change of direction, ns.
     pub direction_hold_ns: u32,
-    /// From enable to the first step.
+    /// Time from enable to the first step, ns.
     pub enable_setup_ns: u32,
-    /// Whether the motor is energised while the enable pin is low.
+    /// True if the motor is energised while the enable pin is low.
     pub enable_active_low: bool,
-    /// Whether forward is a low direction pin.
+    /// True if a low direction pin is forward.
     pub reversed: bool,
-    /// Whether the index sensor is active while its pin is low.
+    /// True if the index sensor is active while its pin is low.
     pub index_active_low: bool,
 }
 
@@ -74,7 +74,7 @@ impl InputPin for NoPin {
     }
 }
 
-/// Which pin failed.
+/// A pin of a stepper driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Pin {
@@ -92,9 +92,9 @@ pub enum Pin {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PinFault {
-    /// Which.
+    /// Pin that failed.
     pub pin: Pin,
-    /// What its own error says.
+    /// Kind of the pin's own error.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub kind: ErrorKind,
 }
@@ -114,17 +114,17 @@ pub struct StepDir<S, D, E, W, I = NoPin> {
     index: Option<I>,
     delay: W,
     timing: Timing,
-    /// Where the direction pin points; unknown at first.
+    /// Direction in which the direction pin points; unknown at first.
     facing: Option<i8>,
 }
 
 impl<S: OutputPin, D: OutputPin, E: OutputPin, W: DelayNs> StepDir<S, D, E, W> {
-    /// Pins as they are: none is set before the motor is enabled. `enable` may be [`NoPin`].
+    /// Takes pins as they are: none is set before the motor is enabled. `enable` may be [`NoPin`].
     pub fn new(step: S, direction: D, enable: E, delay: W, timing: Timing) -> Self {
         Self { step, direction, enable, index: None, delay, timing, facing: None }
     }
 
-    /// The same with an index sensor.
+    /// Adds an index sensor.
     pub fn with_index<I: InputPin>(self, index: I) -> StepDir<S, D, E, W, I> {
         let Self { step, direction, enable, index: _, delay, timing, facing } = self;
         StepDir { step, direction, enable, index: Some(index), delay, timing, facing }

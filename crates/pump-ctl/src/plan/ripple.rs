@@ -1,32 +1,37 @@
-//! How even the flow at the outlet's rollers is.
+//! The ripple of the flow at the outlet's rollers.
 
 use pump_model::math::degrees;
 use pump_model::{Pump, Ripple};
 
-use super::{Plan, PlanError, SpeedLimit};
+use super::Plan;
+use super::profile::SpeedLimit;
+use super::words::PlanError;
 
 /// Ripple of the flow at the outlet's rollers while cruising, over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ripples {
-    /// At constant speed, with the same mean flow.
+    /// Ripple at constant speed, with the same mean flow.
     pub before: Ripple,
-    /// As planned.
+    /// Ripple as planned.
     pub after: Ripple,
 }
 
 impl Plan {
-    /// Whether the speed follows the angle for a smooth flow.
+    /// Tells whether the speed follows the angle for a smooth flow.
     pub fn is_smooth(&self) -> bool {
         matches!(self.profile.course.limit, SpeedLimit::Smooth { .. })
     }
 
-    /// Mean flow over whole pitches while cruising, mL/s, not negative; if the turn is too short for that, that of the fastest speed.
+    /// Mean flow over whole pitches while cruising, mL/s, not negative. A turn too short to cruise gives the flow of
+    /// its fastest speed.
     pub fn cruise_flow_ml_s(&self, pump: &Pump) -> f64 {
         pump.average_flow_ml_s(self.profile.cruise_rad_s())
     }
 
-    /// Ripple of the flow while cruising, periodic: a dose too short to cruise does not get there. Where the angle is not known
-    /// exactly, the worst of angles at which the rollers may stand, a sixteenth of a pitch apart at most.
+    /// Ripple of the flow while cruising, periodic: a dose too short to cruise does not get there.
+    ///
+    /// Where the angle is not known exactly it is the worst over angles at which the rollers may stand, a sixteenth of
+    /// a pitch apart at most.
     pub fn ripples(&self, pump: &Pump) -> Ripples {
         let before = pump.outlet_curve().ripple();
         if !self.is_smooth() {
@@ -57,7 +62,7 @@ impl Plan {
         })
     }
 
-    /// Ripple where the rollers stand `off_rad` before what the plan takes for their angle.
+    /// Ripple where the rollers stand `off_rad` beside the angle that the plan assumes.
     fn ripple_beside(&self, pump: &Pump, off_rad: f64) -> Ripple {
         let legs = self.profile.pitch_along().map(|leg| leg.beside(off_rad));
         Ripple::of_motion(pump.outlet_curve(), legs).unwrap_or_else(|| pump.outlet_curve().ripple())

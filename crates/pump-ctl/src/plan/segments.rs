@@ -2,12 +2,12 @@
 
 use pump_model::math::floor;
 
-use super::profile::Along;
-use super::{Plan, Profile};
+use super::Plan;
+use super::profile::{Along, Profile};
 use crate::step::Segment;
 
-/// How far the time of a step may be from the plan's before it is rounded to a tick, ticks: with the rounding less than
-/// one tick in all.
+/// How far the time of a step may be from the plan's before it is rounded to a tick, ticks: with the rounding less
+/// than one tick in all.
 const FIT_TICKS: f64 = 0.25;
 
 /// 2^32: a tick in the executor's fractions.
@@ -15,30 +15,31 @@ const FRACTIONS: f64 = 4_294_967_296.0;
 
 /// The [`Segment`]s of a plan in order, computed one by one: nothing is stored a step.
 ///
-/// A segment's step times are a parabola in the step's number, a ramp's a root: each segment is as long as a parabola
-/// stays within a quarter of a tick of the plan. It starts where the last one ended in whole fractions, so errors do not
-/// add up.
+/// The step times of a segment are a parabola in the step's number, those of a ramp a root. Each segment is as long as
+/// a parabola stays within a quarter of a tick of the plan. It starts where the last one ended in whole fractions, so
+/// errors do not add up.
 #[derive(Debug, Clone)]
 pub struct Segments {
     profile: Profile,
     tick_hz: f64,
     step_rad: f64,
     backward: bool,
-    /// Steps in all, and up to the end of the leg under way.
+    /// Steps in all.
     steps: u64,
+    /// Steps up to the end of the leg under way.
     leg_steps: u64,
     /// The leg under way, if it follows an envelope.
     along: Option<Along>,
     made: u64,
-    /// When the last step made is due, 2^-32 tick since the start.
+    /// Time at which the last step made is due, 2^-32 tick since the start.
     at: i128,
     /// Steps that the next segment tries to hold.
     guess: u64,
 }
 
 impl Plan {
-    /// Segments for a timer of `tick_rate` ticks a second. Every step comes within one tick of [`Self::steps`], in a dose of
-    /// up to 2^50 ticks (35 years at 1 MHz, 77 days at 168 MHz).
+    /// Segments for a timer of `tick_rate` ticks a second. Every step comes within one tick of [`Self::steps`], in a
+    /// dose of up to 2^50 ticks (35 years at 1 MHz, 77 days at 168 MHz).
     ///
     /// A timer slower than the steps gives segments that [`crate::step::Stepper::push`] refuses.
     pub fn segments(&self, tick_rate: u32) -> Segments {
@@ -58,8 +59,9 @@ impl Plan {
 }
 
 impl Segments {
-    /// Steps that are due by tick `since_start`, counted from a start at tick 0, of the segments not yet taken: what
-    /// [`crate::step::Stepper::position_at`] says of a move that nobody stopped, for as long ago as you like.
+    /// Steps of the segments not yet taken that are due by tick `since_start`, counted from a start at tick 0.
+    ///
+    /// [`crate::step::Stepper::position_at`] says the same of a move that nobody stopped, but not for as long ago.
     pub fn steps_by(self, since_start: u64) -> u64 {
         // The executor rounds to whole ticks.
         let by = (i128::from(since_start) << 32) + (1 << 31) - 1;
@@ -76,7 +78,7 @@ impl Segments {
         steps - before
     }
 
-    /// When step `number` of the plan is due, ticks since the start.
+    /// The time at which step `number` of the plan is due, ticks since the start.
     fn due(&self, number: u64) -> f64 {
         let turned_rad = number as f64 * self.step_rad;
         let due_s = match &self.along {
@@ -116,8 +118,10 @@ impl Segments {
         }
     }
 
-    /// Whether steps of the segment are due when they are planned. A parabola through a root errs most a quarter of the
-    /// way from the ends, nearer to them where the root bends: looked at there, at every step where there are few.
+    /// Tells whether the steps of the segment are due when they are planned.
+    ///
+    /// A parabola through a root errs most a quarter of the way from the ends, nearer to them where the root bends. So
+    /// it is checked there, and at every step where there are few.
     fn holds(&self, segment: &Segment) -> bool {
         let count = segment.steps();
         let near = |k: u32| {

@@ -9,7 +9,7 @@ use super::Plan;
 pub struct Step {
     /// 1 for the first.
     pub number: u64,
-    /// When, s since the start of motion.
+    /// Time of the step, s since the start of motion.
     pub time_s: f64,
     /// 1 forward, -1 in reverse.
     pub direction: i8,
@@ -17,16 +17,17 @@ pub struct Step {
     pub angle_rad: f64,
 }
 
-/// The steps of a plan in order; nothing is stored a step.
+/// The steps of a plan in order, computed one by one: nothing is stored a step.
 #[derive(Debug, Clone)]
 pub struct Steps<'a> {
     plan: &'a Plan,
     made: u64,
 }
 
-impl<'a> Steps<'a> {
-    pub(super) fn new(plan: &'a Plan) -> Self {
-        Self { plan, made: 0 }
+impl Plan {
+    /// Every step with its time.
+    pub fn steps(&self) -> Steps<'_> {
+        Steps { plan: self, made: 0 }
     }
 }
 

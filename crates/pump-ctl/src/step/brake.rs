@@ -1,4 +1,4 @@
-//! How fast the motor can be stopped from any speed, as a table of integers.
+//! The way to rest from any speed, as a table of integers.
 
 use super::segment::Segment;
 use super::ticks::Ticks;
@@ -31,14 +31,14 @@ impl From<Brake> for [Segment; BRAKE_ENTRIES] {
 impl TryFrom<[Segment; BRAKE_ENTRIES]> for Brake {
     type Error = &'static str;
 
-    /// As [`Brake::from_climb`], of the segments that have steps.
+    /// Makes a brake with [`Brake::from_climb`] from the segments that have steps.
     fn try_from(climb: [Segment; BRAKE_ENTRIES]) -> Result<Self, Self::Error> {
         Self::from_climb(climb.into_iter().filter(|segment| segment.count != 0))
             .ok_or("a brake's segments must speed up from rest, with valid intervals")
     }
 }
 
-/// What is left of a way down.
+/// The rest of a way down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Descent {
     /// Entries still to be walked, the last of them first.
@@ -48,8 +48,9 @@ pub(super) struct Descent {
 }
 
 impl Brake {
-    /// From segments that speed up from rest: counts positive, no interval longer than the one before. `None` if they
-    /// are not that, or more than [`BRAKE_ENTRIES`].
+    /// Makes a brake from segments that speed up from rest: counts positive, no interval longer than the one before.
+    ///
+    /// Other segments, or more than [`BRAKE_ENTRIES`] of them, give `None`.
     pub fn from_climb(segments: impl IntoIterator<Item = Segment>) -> Option<Self> {
         let mut climb = [Segment::default(); BRAKE_ENTRIES];
         let mut last = i128::MAX;
@@ -65,7 +66,7 @@ impl Brake {
         Some(Self { climb })
     }
 
-    /// From entries that are known to speed up, up to the first with an interval below a tick.
+    /// Makes a brake from entries that are known to speed up, up to the first with an interval below a tick.
     pub(crate) fn climbing(mut entry: impl FnMut(usize) -> Segment) -> Self {
         let mut climb = [Segment::default(); BRAKE_ENTRIES];
         for (n, slot) in climb.iter_mut().enumerate() {
@@ -83,8 +84,8 @@ impl Brake {
         self.climb.iter().filter(|segment| segment.count != 0)
     }
 
-    /// The way down for a motor whose last interval was `interval`, 2^-32 tick; `None` if it is so slow that it can stand
-    /// at once. The first interval of the way down is no shorter.
+    /// The way down for a motor whose last interval was `interval`, 2^-32 tick; `None` if it is so slow that it can
+    /// stand at once. The first interval of the way down is no shorter.
     pub(super) fn descent_from(&self, interval: i128) -> Option<Descent> {
         let entries = self.climb().take_while(|segment| segment.interval_of(1) >= interval).count();
         let top = self.climb.get(entries.checked_sub(1)?)?;

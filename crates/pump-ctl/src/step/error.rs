@@ -1,4 +1,4 @@
-//! Why the executor refuses.
+//! Refusals of the executor.
 
 use thiserror::Error;
 
@@ -14,7 +14,8 @@ pub enum PushError {
     Full,
     /// No steps, or an interval shorter than one tick or longer than 2^48.
     #[error(
-        "{0:?} has no steps, or an interval below 1 tick or above 2^48; use a faster timer or a slower dose, or a slower timer"
+        "{0:?} has no steps, or an interval below 1 tick or above 2^48; use a faster timer or a slower \
+         dose, or a slower timer"
     )]
     Segment(Segment),
     /// The move was marked as complete by `finish`.

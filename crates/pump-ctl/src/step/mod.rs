@@ -1,7 +1,8 @@
 //! Making steps on time, in integers only: what a timer interrupt can afford.
 //!
 //! Deadlines are absolute, in ticks of the caller's timer, and carry their fraction: a late call delays one step and
-//! shifts none of the others. The interrupt walks [`Segment`]s that were computed before; [`Brake`] holds those of a stop.
+//! shifts none of the others. The interrupt walks [`Segment`]s that were computed before; [`Brake`] holds those of a
+//! stop.
 //!
 //! ```
 //! use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};
@@ -26,19 +27,22 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod action;
 mod brake;
 mod error;
 mod position;
 mod queue;
 mod retarget;
 mod segment;
+mod state;
 mod stepper;
 mod stop;
 mod ticks;
 
+pub use action::Action;
 pub use brake::{BRAKE_ENTRIES, Brake};
 pub use error::{PushError, StartError};
 pub use retarget::Junction;
 pub use segment::Segment;
-pub use stepper::{Action, Stepper};
+pub use stepper::Stepper;
 pub use stop::StopPlan;

@@ -1,10 +1,10 @@
-//! Where the motor was.
+//! The position of the motor in the past.
 
 use super::stepper::Stepper;
 
 impl<const Q: usize> Stepper<Q> {
-    /// Position at tick `t`, by the times at which the steps were due; not after now. `None` if that is longer ago than
-    /// the segments still held: the last `Q` at most.
+    /// Position at tick `t`, by the times at which the steps were due; not after now. `None` if that is longer ago
+    /// than the segments still held: the last `Q` at most.
     ///
     /// The volume delivered by then is [`crate::plan::Plan::delivered_ml`] of the steps made since the start.
     pub fn position_at(&self, t: u64) -> Option<i64> {

@@ -7,9 +7,9 @@ use super::ticks::Ticks;
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Slot {
     pub(super) segment: Segment,
-    /// When the step before it was due.
+    /// Time at which the step before the segment was due.
     pub(super) began: Ticks,
-    /// Position then.
+    /// Position at that time.
     pub(super) from: i64,
 }
 
@@ -19,7 +19,7 @@ impl Slot {
         self.from.wrapping_add(i64::from(self.segment.direction()) * i64::from(k))
     }
 
-    /// When step `k` (from 1) is due.
+    /// The time at which step `k` (from 1) is due.
     pub(super) fn due(&self, k: u32) -> Ticks {
         Ticks::of_fixed(self.began.fixed() + self.segment.span(k))
     }
@@ -29,11 +29,11 @@ impl Slot {
 #[derive(Debug, Clone)]
 pub(super) struct Queue<const Q: usize> {
     slots: [Slot; Q],
-    /// Where the oldest is.
+    /// Place of the oldest segment.
     oldest: usize,
-    /// How many have been taken, the one under way included.
+    /// Number of segments taken, the one under way included.
     taken: usize,
-    /// How many are to come.
+    /// Number of segments to come.
     pending: usize,
 }
 
@@ -96,8 +96,8 @@ impl<const Q: usize> Queue<Q> {
         }
     }
 
-    /// Splits the segment under way after `made` steps; `rest` is the next to come. The oldest gives way if there is no
-    /// place, at worst the one under way.
+    /// Splits the segment under way after `made` steps; `rest` is the next to come. The oldest gives way if there is
+    /// no place, at worst the one under way.
     pub(super) fn split(&mut self, made: u32, rest: Segment) {
         let to_come = core::mem::take(&mut self.pending);
         self.cut(made);

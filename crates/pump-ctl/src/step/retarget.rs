@@ -1,23 +1,24 @@
 //! Changing what comes next, in the midst of a move.
 
 use super::queue::Slot;
-use super::stepper::{State, Stepper};
+use super::state::State;
+use super::stepper::Stepper;
 use super::ticks::Ticks;
 
-/// Where a new plan takes over from the old one: after the step at `at`.
+/// The point at which a new plan takes over from the old one: after the step at `at`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Junction {
     /// Position after that step.
     pub position: i64,
-    /// When it is due, ticks.
+    /// Time at which that step is due, ticks.
     pub at: u64,
-    /// The interval before it, ticks; the speed is its inverse.
+    /// Interval before that step, ticks; the speed is its inverse.
     pub interval: u64,
 }
 
 impl<const Q: usize> Stepper<Q> {
-    /// Where a new plan could take over: after the first step due at `not_before` or later. Changes nothing.
+    /// The junction for a new plan: after the first step due at `not_before` or later. Changes nothing.
     ///
     /// `None` if no such step is queued, if nothing is planned after it, or if the motor is stopping.
     pub fn junction(&self, not_before: u64) -> Option<Junction> {
@@ -30,9 +31,10 @@ impl<const Q: usize> Stepper<Q> {
         })
     }
 
-    /// Drops what is planned after the [`Self::junction`] for `not_before`, and says where that is. Push what is to follow,
-    /// and nothing of the old plan, then [`Self::finish`], before it comes: otherwise the motor decelerates and stands
-    /// ([`super::Action::Starved`]).
+    /// Drops the steps after the [`Self::junction`] for `not_before`, and returns that junction.
+    ///
+    /// Push the new plan's segments, and none of the old plan, then [`Self::finish`], before the junction comes.
+    /// Otherwise the motor decelerates and stands ([`super::Action::Starved`]).
     ///
     /// So plan first, from [`Self::junction`], and drop the old plan at its `at` when there is a new one. `None`, and
     /// nothing changes, if there is no junction then.
@@ -49,8 +51,8 @@ impl<const Q: usize> Stepper<Q> {
         Some(junction)
     }
 
-    /// The first step still to be made that is due at `not_before` or later: segments that end before it, its segment, and
-    /// its number in it.
+    /// The first step still to be made that is due at `not_before` or later: segments that end before it, its segment,
+    /// and its number in it.
     fn first_step_from(&self, not_before: u64) -> Option<(usize, Slot, u32)> {
         if self.state != State::Moving {
             return None;

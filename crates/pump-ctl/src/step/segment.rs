@@ -2,7 +2,8 @@
 
 use super::ticks::Ticks;
 
-/// A run of steps: the first comes `interval` after the step before it, and each interval is `add` longer than the last.
+/// A run of steps: the first comes `interval` after the step before it, and each interval is `add` longer than the
+/// last.
 ///
 /// Step k (from 1) is due k I + add k (k - 1) / 2 after the step before the segment, I being interval and fraction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -36,7 +37,7 @@ impl Segment {
         self.count.unsigned_abs()
     }
 
-    /// Whether it has steps, and every interval is one tick at least and 2^48 at most.
+    /// Tells whether the segment has steps, and every interval is one tick at least and 2^48 at most.
     pub fn is_valid(&self) -> bool {
         let allowed = |interval: i128| (TICK..=MAX_INTERVAL * TICK).contains(&interval);
         let can_be_turned = self.count != i32::MIN && self.add != i64::MIN;
@@ -63,7 +64,7 @@ impl Segment {
         k * self.first().fixed() + i128::from(self.add) * (k * (k - 1) / 2)
     }
 
-    /// How many of the first `limit` steps are due `elapsed`, in 2^-32 tick, after the step before the segment.
+    /// Number of the first `limit` steps that are due `elapsed`, in 2^-32 tick, after the step before the segment.
     pub(crate) fn steps_within(&self, elapsed: i128, limit: u32) -> u32 {
         let (mut within, mut beyond) = (0, limit.saturating_add(1));
         while beyond - within > 1 {

@@ -1,53 +1,19 @@
-//! The executor: what to do when the timer fires.
+//! The executor: what happens when the timer fires.
 
 use core::iter::Peekable;
 
-use super::brake::{Brake, Descent};
+use super::action::Action;
+use super::brake::Brake;
 use super::error::{PushError, StartError};
 use super::queue::Queue;
 use super::segment::Segment;
+use super::state::State;
 use super::ticks::Ticks;
 
-/// What a timer interrupt has to do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[must_use]
-pub enum Action {
-    /// Make one step and call again at `next`. After the last step `next` is its own time: the call that follows at
-    /// once tells how the move ended.
-    Step {
-        /// 1 forward, -1 in reverse.
-        dir: i8,
-        /// When to call again, ticks.
-        next: u64,
-    },
-    /// Too early: call again at [`Stepper::next_deadline`].
-    Wait,
-    /// The motor stands: the queue ran dry, and the motor was decelerated. The move is not complete.
-    Starved,
-    /// The motor stands, as planned or as [`Stepper::stop`] said.
-    Done,
-}
-
-/// What the motor is doing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum State {
-    /// Stands; segments may be pushed and started.
-    Ready,
-    /// Walks the queue.
-    Moving,
-    /// Walks down the brake.
-    Braking { descent: Descent, starved: bool },
-    /// Walks the queue to its end after a stop; then down the brake, unless it rests there.
-    Ending { rests: bool },
-    /// Stands after a stop; what was planned no longer holds.
-    Stopped,
-    /// Stands after the queue ran dry.
-    Starved,
-}
-
-/// Makes the steps of queued segments, each at its own absolute time. `Q` segments fit, the one under way included; those
-/// done stay for [`Self::position_at`] until their place is needed.
+/// The executor: makes the steps of queued segments, each at its own absolute time.
+///
+/// `Q` segments fit, the one under way included. Those done stay for [`Self::position_at`] until their place is
+/// needed.
 ///
 /// Share it between thread and interrupt behind a critical section; no call takes longer than a few hundred
 /// instructions but [`Self::stop`], [`Self::retarget`] and [`Self::position_at`] (some thousands), and [`Self::fill`].
@@ -58,9 +24,9 @@ pub struct Stepper<const Q: usize> {
     pub(super) state: State,
     /// Steps made, signed.
     pub(super) position: i64,
-    /// When the next step is due; standing, when the last one was.
+    /// Time at which the next step is due; of a motor that stands, time of the last one.
     pub(super) next: Ticks,
-    /// From the step before to that.
+    /// Interval from the step before to the next one.
     pub(super) interval: Ticks,
     /// Change of the interval, 2^-32 tick.
     pub(super) add: i64,
@@ -69,7 +35,7 @@ pub struct Stepper<const Q: usize> {
     pub(super) direction: i8,
     /// Direction of the last step, 0 before the first of a move: after a turn-round `direction` is that of the next.
     pub(super) last_direction: i8,
-    /// Nothing will be pushed after what is queued.
+    /// True if nothing will be pushed after the queued segments.
     pub(super) finished: bool,
 }
 
@@ -155,7 +121,7 @@ impl<const Q: usize> Stepper<Q> {
         Ok(self.next.whole)
     }
 
-    /// What to do at `now`; to be called at the deadlines, by a timer's interrupt or a loop.
+    /// The action at `now`. A timer's interrupt or a loop asks for it at the deadlines; a step counts as made then.
     #[inline]
     pub fn on_deadline(&mut self, now: u64) -> Action {
         if self.left == 0 {
@@ -182,12 +148,12 @@ impl<const Q: usize> Stepper<Q> {
         self.position
     }
 
-    /// When [`Self::on_deadline`] is to be called; none when the motor stands.
+    /// Time at which [`Self::on_deadline`] is to be called; none when the motor stands.
     pub fn next_deadline(&self) -> Option<u64> {
         (self.left > 0).then_some(self.next.whole)
     }
 
-    /// Whether steps are still to come.
+    /// Tells whether steps are still to come.
     pub fn is_moving(&self) -> bool {
         self.left > 0
     }
@@ -216,8 +182,9 @@ impl<const Q: usize> Stepper<Q> {
         cleared
     }
 
-    /// Stands at once, without deceleration: for a back end that can make no more steps. `last_step_made` says whether the
-    /// step of the last [`Action::Step`] was made; if not, it is not counted. The past is forgotten.
+    /// Stands at once, without deceleration: for a back end that can make no more steps. The past is forgotten.
+    ///
+    /// `last_step_made` is true if the step of the last [`Action::Step`] was made; if not, it is not counted.
     pub fn halt(&mut self, last_step_made: bool) {
         if !last_step_made {
             self.position = self.position.wrapping_sub(i64::from(self.last_direction));

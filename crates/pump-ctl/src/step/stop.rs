@@ -2,33 +2,35 @@
 
 use super::queue::Slot;
 use super::segment::Segment;
-use super::stepper::{State, Stepper};
+use super::state::State;
+use super::stepper::Stepper;
 use super::ticks::Ticks;
 
-/// How a stop will end, known when it begins.
+/// The end of a stop, known when the stop begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StopPlan {
-    /// When the last step is due, ticks; the start of the move if it makes none.
+    /// Time at which the last step is due, ticks; the start of the move if the stop makes no step.
     pub last_step_at: u64,
-    /// Position after it.
+    /// Position after the last step.
     pub final_count: i64,
 }
 
-/// What is planned up to the next turn-round or the end, and the way down from there where the plan goes on.
-struct Run {
+/// The planned steps up to the next turn-round or the end, and the way down from there where the plan goes on.
+struct PlannedEnd {
     steps: u64,
     ends: Ticks,
-    /// Segments of it still to come.
+    /// Segments of these steps still to come.
     segments: usize,
-    /// Whether it ends at rest, rather than where what is queued so far ends.
+    /// True if the steps end at rest, rather than at the end of the segments queued so far.
     rests: bool,
 }
 
 impl<const Q: usize> Stepper<Q> {
-    /// Decelerates from the next step on and stands; what was queued is dropped. A motor slow enough stands at once. If
-    /// the plan itself comes to rest as soon, it is followed to that rest, so a stop never adds steps to a plan; to one that
-    /// is not [`Self::finish`]ed it may add one.
+    /// Decelerates from the next step on and stands; queued segments are dropped. A motor slow enough stands at once.
+    ///
+    /// If the plan itself comes to rest as soon, it is followed to that rest. So a stop never adds steps to a plan; it
+    /// may add one to a plan that is not [`Self::finish`]ed.
     ///
     /// Where the brake takes over, a step that is overdue at `now` is not made up for: the way down begins at `now`.
     /// Calling again changes nothing.
@@ -85,8 +87,8 @@ impl<const Q: usize> Stepper<Q> {
         self.after_step(&current, made + 1, steps, span)
     }
 
-    /// Puts off what is left of a move that is ending, so that its next step comes an interval after `now`: for a motor
-    /// that has fallen behind.
+    /// Puts off what is left of a move that is ending, so that its next step comes an interval after `now`: for a
+    /// motor that has fallen behind.
     pub(crate) fn put_off(&mut self, now: u64) {
         if self.left == 0 {
             return;
@@ -122,9 +124,9 @@ impl<const Q: usize> Stepper<Q> {
         StopPlan { last_step_at: self.next.whole, final_count: self.position }
     }
 
-    fn planned_run(&self) -> Run {
+    fn planned_run(&self) -> PlannedEnd {
         let mut last = self.queue.current().copied().unwrap_or_default();
-        let mut run = Run {
+        let mut run = PlannedEnd {
             steps: u64::from(self.left),
             ends: last.due(last.segment.steps()),
             segments: 0,
@@ -149,7 +151,7 @@ impl<const Q: usize> Stepper<Q> {
         run
     }
 
-    fn planned_end(&self, run: &Run) -> StopPlan {
+    fn planned_end(&self, run: &PlannedEnd) -> StopPlan {
         let way = i64::from(self.direction) * i64::try_from(run.steps).unwrap_or(i64::MAX);
         StopPlan { last_step_at: run.ends.whole, final_count: self.position.wrapping_add(way) }
     }

@@ -1,6 +1,7 @@
 //! Time in ticks of the caller's timer, with a carried fraction.
 
-/// Whole ticks and a fraction in 2^-32 tick. Adding never loses the fraction, so a million intervals are as exact as one.
+/// Whole ticks and a fraction in 2^-32 tick. Adding never loses the fraction, so a million intervals are as exact as
+/// one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(super) struct Ticks {
     pub(super) whole: u64,
@@ -28,12 +29,12 @@ impl Ticks {
         Self { whole: self.whole.wrapping_add_signed(change >> 32).wrapping_add(u64::from(carry)), frac }
     }
 
-    /// In 2^-32 tick.
+    /// The time in 2^-32 tick.
     pub(super) fn fixed(self) -> i128 {
         (i128::from(self.whole) << 32) | i128::from(self.frac)
     }
 
-    /// From 2^-32 tick; not negative.
+    /// Makes a time from 2^-32 tick, not negative.
     pub(super) fn of_fixed(fixed: i128) -> Self {
         Self { whole: (fixed >> 32) as u64, frac: fixed as u32 }
     }

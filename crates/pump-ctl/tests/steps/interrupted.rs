@@ -69,7 +69,8 @@ proptest! {
         let promise = stepper.stop(now);
         let next = stepper.next_deadline();
         // Either the plan is at its end, or the next step is still to come.
-        prop_assert!(next.is_none_or(|next| next > now) || Some(due) == interval && promise.final_count == case.plan.steps);
+        let at_its_end = Some(due) == interval && promise.final_count == case.plan.steps;
+        prop_assert!(next.is_none_or(|next| next > now) || at_its_end);
         let (made, _) = run(&mut stepper, next.unwrap_or(now));
         prop_assert_eq!(stepper.position(), promise.final_count);
         if let Some(last) = made.last() {
@@ -90,7 +91,8 @@ proptest! {
         prop_assert_eq!(end, Action::Starved);
         let fed: u32 = segments[..keep].iter().map(|segment| segment.steps()).sum();
         let from = (fed as usize).saturating_sub(2);
-        prop_assert!(steepest(&made[from..], case.tick_hz) * case.plan.step_rad <= 1.02 * case.motor.max_acceleration_rad_s2);
+        let steepest_rad_s2 = steepest(&made[from..], case.tick_hz) * case.plan.step_rad;
+        prop_assert!(steepest_rad_s2 <= 1.02 * case.motor.max_acceleration_rad_s2);
         prop_assert_eq!(made.len() as i64, case.direction() * stepper.position());
     }
 

@@ -1,0 +1,20 @@
+//! The limits of a dose, and how near a plan comes to them.
+
+mod brake;
+mod limits;
+mod margin;
+mod margins;
+mod motor;
+mod pressure_limits;
+mod reached;
+mod torque;
+mod torque_curve;
+mod torque_reached;
+
+pub use limits::Limits;
+pub use margin::Margin;
+pub use margins::Margins;
+pub use motor::Motor;
+pub use pressure_limits::{Lowest, PressureLimits};
+pub use torque::Torque;
+pub use torque_curve::{TORQUE_POINTS, TorqueCurve};

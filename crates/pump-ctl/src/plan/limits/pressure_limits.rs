@@ -1,0 +1,67 @@
+//! The pressures that a dose must keep.
+
+use crate::plan::words::{Allowed, PlanError, SetBy, within};
+
+/// The pressures at the ports that somebody has set as limits. A limit that is none is not checked.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PressureLimits {
+    /// Largest pressure at the port that pushes, kPa absolute, 1e-9 to 1e6; none is not checked.
+    pub max_outlet_kpa: Option<f64>,
+    /// Smallest pressure at the port that sucks, kPa absolute, up to 1e6 either way; none is not checked.
+    pub min_inlet_kpa: Option<f64>,
+}
+
+impl PressureLimits {
+    /// No limits.
+    pub const NONE: Self = Self { max_outlet_kpa: None, min_inlet_kpa: None };
+
+    /// These limits, with those of `others` in place of each that is none.
+    ///
+    /// ```
+    /// use pump_ctl::plan::PressureLimits;
+    ///
+    /// let asked = PressureLimits { max_outlet_kpa: Some(150.0), ..PressureLimits::NONE };
+    /// let usual = PressureLimits { max_outlet_kpa: Some(200.0), min_inlet_kpa: Some(60.0) };
+    /// assert_eq!(asked.or(usual), PressureLimits { max_outlet_kpa: Some(150.0), min_inlet_kpa: Some(60.0) });
+    /// ```
+    #[must_use]
+    pub fn or(self, others: Self) -> Self {
+        Self {
+            max_outlet_kpa: self.max_outlet_kpa.or(others.max_outlet_kpa),
+            min_inlet_kpa: self.min_inlet_kpa.or(others.min_inlet_kpa),
+        }
+    }
+
+    pub(super) fn validate(&self) -> Result<(), PlanError> {
+        if let Some(kpa) = self.max_outlet_kpa {
+            within(
+                "outlet pressure limit in kPa absolute",
+                kpa,
+                Allowed::Between { least: 1e-9, most: 1e6 },
+            )?;
+        }
+        if let Some(kpa) = self.min_inlet_kpa {
+            within("inlet pressure limit in kPa absolute", kpa, Allowed::EitherWay { most: 1e6 })?;
+        }
+        Ok(())
+    }
+}
+
+/// The smallest pressure that is allowed at a port.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Lowest {
+    /// Pressure, kPa absolute, up to 1e6 either way.
+    pub kpa: f64,
+    /// Origin of the pressure.
+    pub set_by: SetBy,
+}
+
+impl Lowest {
+    pub(super) fn validate(&self) -> Result<(), PlanError> {
+        within("smallest pressure in kPa absolute", self.kpa, Allowed::EitherWay { most: 1e6 })
+    }
+}

@@ -1,0 +1,67 @@
+//! The torque that turning takes.
+
+use pump_model::Pump;
+
+use super::torque_curve::TorqueCurve;
+use crate::plan::words::{Allowed, PlanError, within};
+
+/// N m in 1 kPa mL/rad.
+const N_M: f64 = 1e-3;
+
+/// The torque that turning takes besides the pressures, and the torque that the motor has.
+///
+/// All values are those at the pump head, gear included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Torque {
+    /// Torque that squeezing the tube takes at any speed, N m, 0 to 1e6.
+    pub occlusion_n_m: f64,
+    /// Moment of inertia of all that turns, kg m², 0 to 1e6.
+    pub inertia_kg_m2: f64,
+    /// Ambient pressure, kPa absolute, 0 to 1e6: the pressures do work against it.
+    pub ambient_kpa: f64,
+    /// Torque that the motor has.
+    pub motor: TorqueCurve,
+}
+
+impl Torque {
+    pub(super) fn validate(&self) -> Result<(), PlanError> {
+        let allowed = Allowed::Between { least: 0.0, most: 1e6 };
+        within("occlusion torque in N m", self.occlusion_n_m, allowed)?;
+        within("inertia in kg m2", self.inertia_kg_m2, allowed)?;
+        within("ambient pressure in kPa absolute", self.ambient_kpa, allowed)
+    }
+
+    /// Torque that the motor has to give in the direction of motion, N m, by power balance; negative where it brakes.
+    ///
+    /// tau = (P_out - P_atm) q_out - (P_in - P_atm) q_in + J alpha + tau_occlusion, q the flow per radian. In reverse
+    /// the fluid's part has the other sign, since the same flow per radian runs back.
+    pub(super) fn needed_n_m(
+        &self,
+        [inlet, outlet]: [(f64, f64); 2],
+        acceleration_rad_s2: f64,
+        direction: f64,
+    ) -> f64 {
+        let work = |(pressure_kpa, flow_ml_rad)| (pressure_kpa - self.ambient_kpa) * flow_ml_rad;
+        let fluid_n_m = N_M * (work(outlet) - work(inlet));
+        direction * (fluid_n_m + self.inertia_kg_m2 * acceleration_rad_s2) + self.occlusion_n_m
+    }
+
+    /// An upper bound of the torque at any time of a motion from rest, N m.
+    ///
+    /// Pressures of inlet and outlet must stay within `within_kpa` of their reservoirs, and flows per radian below
+    /// `flow_ml_rad`.
+    pub(in crate::plan) fn bound_n_m(
+        &self,
+        pump: &Pump,
+        within_kpa: [f64; 2],
+        flow_ml_rad: f64,
+        acceleration_rad_s2: f64,
+    ) -> f64 {
+        let [inlet, outlet] = [(pump.inlet(), within_kpa[0]), (pump.outlet(), within_kpa[1])]
+            .map(|(line, within_kpa)| (line.reservoir_kpa - self.ambient_kpa).abs() + within_kpa);
+        let fluid_n_m = N_M * flow_ml_rad * (inlet + outlet);
+        fluid_n_m + self.inertia_kg_m2 * acceleration_rad_s2 + self.occlusion_n_m
+    }
+}

@@ -1,0 +1,63 @@
+//! The torque that the motor has.
+
+/// Most points of a [`TorqueCurve`].
+pub const TORQUE_POINTS: usize = 8;
+
+/// The torque that the motor has at the pump head over its speed: straight lines between points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct TorqueCurve {
+    /// (rad/s, N m), rising in speed; the last point fills the places left.
+    points: [(f64, f64); TORQUE_POINTS],
+}
+
+impl TorqueCurve {
+    /// Makes a curve from points (speed in rad/s, torque in N m) at the pump head.
+    ///
+    /// It takes 2 to [`TORQUE_POINTS`] points, the first at speed 0, speeds rising, torques 0 to 1e6. Other points
+    /// give `None`. Beyond the last speed the motor has no torque.
+    pub fn new(points: &[(f64, f64)]) -> Option<Self> {
+        let last = points.last()?;
+        let mut curve = Self { points: [*last; TORQUE_POINTS] };
+        let rising = points.windows(2).all(|two| matches!(two, [a, b] if a.0 < b.0));
+        let starts = points.first().is_some_and(|first| first.0 == 0.0);
+        let allowed = |(speed, torque): &(f64, f64)| speed.is_finite() && (0.0..=1e6).contains(torque);
+        let counts = (2..=TORQUE_POINTS).contains(&points.len());
+        for (slot, point) in curve.points.iter_mut().zip(points) {
+            *slot = *point;
+        }
+        (counts && rising && starts && points.iter().all(allowed)).then_some(curve)
+    }
+
+    /// Makes a curve from its [`Self::precomputed_points`], for constants. Nothing is checked.
+    pub const fn precomputed(points: [(f64, f64); TORQUE_POINTS]) -> Self {
+        Self { points }
+    }
+
+    /// The curve's points (rad/s, N m), rising in speed; the last one fills the places left.
+    pub fn precomputed_points(&self) -> [(f64, f64); TORQUE_POINTS] {
+        self.points
+    }
+
+    /// Torque at a speed, N m, not negative; 0 beyond the last point.
+    pub fn at(&self, speed_rad_s: f64) -> f64 {
+        let [.., (last_rad_s, _)] = self.points;
+        // A speed at the end of the curve may round to a hair more.
+        let rounded = speed_rad_s > last_rad_s && speed_rad_s <= last_rad_s * (1.0 + 1e-9);
+        let speed_rad_s = if rounded { last_rad_s } else { speed_rad_s };
+        let parts = self.points.iter().zip(self.points.iter().skip(1));
+        for ((from, torque), (to, next)) in parts {
+            if speed_rad_s <= *to && to > from {
+                return torque + (next - torque) * ((speed_rad_s - from) / (to - from));
+            }
+        }
+        0.0
+    }
+
+    /// Smallest torque at any speed up to this one, N m.
+    pub(in crate::plan) fn least_to(&self, speed_rad_s: f64) -> f64 {
+        let below = self.points.iter().filter(|(speed, _)| *speed <= speed_rad_s);
+        below.fold(self.at(speed_rad_s), |least, (_, torque)| least.min(*torque))
+    }
+}

@@ -1,0 +1,71 @@
+//! The way to rest in the midst of a plan.
+
+use pump_model::Pump;
+use pump_model::math::ceil;
+
+use crate::plan::Plan;
+use crate::plan::line_states::LineStates;
+use crate::plan::profile::{Course, Profile, SpeedLimit};
+use crate::plan::target::{delivered, middle};
+use crate::plan::words::{LimitedBy, Phase};
+
+impl Plan {
+    /// The lines as this plan leaves them when `made` steps are made. Where the start angle is not known exactly, the
+    /// lines before this plan are those of its middle.
+    pub(super) fn lines_at(&self, pump: &Pump, made: u64) -> LineStates {
+        let time_s = self.profile.time_of(made as f64 * self.step_rad);
+        LineStates::After { were: self.lines.states(pump, 0.0), course: self.profile.course, time_s }
+    }
+
+    /// Fewest steps that the rotor still makes once `made` are made, if it is to stop.
+    pub(super) fn stopping_steps(&self, made: u64, acceleration_rad_s2: f64) -> i64 {
+        let speed_rad_s = self.speed_after(made);
+        let stopping_rad = speed_rad_s * speed_rad_s / (2.0 * acceleration_rad_s2);
+        // A dose stopped at its own end needs, up to rounding, just the steps that are left.
+        ceil(stopping_rad / self.step_rad - 1e-6) as i64
+    }
+
+    /// The way to rest from the moment at which `made` steps are made, at the plan's own acceleration. It makes no
+    /// more steps than the plan, and is `None` if the rotor stands at that moment.
+    ///
+    /// Like the plan of [`Self::retarget`] it has time 0, start angle, volumes and steps of its own.
+    pub fn stop(&self, pump: &Pump, made: u64) -> Option<Self> {
+        let left = self.steps.unsigned_abs().checked_sub(made).filter(|left| *left > 0)?;
+        let speed_rad_s = self.speed_after(made);
+        let acceleration_rad_s2 = self.profile.acceleration_rad_s2();
+        let steps = self.stopping_steps(made, acceleration_rad_s2).unsigned_abs().min(left);
+        if steps == 0 {
+            return None;
+        }
+        let start = Phase { angle_rad: self.angle_after(made), ..self.start };
+        let range_ml = if start.half_width_rad == 0.0 {
+            let volume_ml = self.delivered_ml(pump, made + steps) - self.delivered_ml(pump, made);
+            (volume_ml, volume_ml)
+        } else {
+            delivered(pump, start, f64::from(self.direction()) * steps as f64, self.step_rad)
+        };
+        let volume_ml = middle(range_ml);
+        let course = Course {
+            start_rad: start.angle_rad,
+            start_rad_s: speed_rad_s,
+            turn_rad: steps as f64 * self.step_rad,
+            limit: SpeedLimit::Constant { rad_s: speed_rad_s },
+            ..self.profile.course
+        };
+        Some(Self {
+            requested_ml: volume_ml,
+            carry_in_ml: 0.0,
+            planned_ml: volume_ml,
+            least_ml: range_ml.0,
+            most_ml: range_ml.1,
+            carry_ml: 0.0,
+            start,
+            steps: i64::from(self.direction()) * steps as i64,
+            profile: Profile::new(course, pump.outlet_curve()),
+            limited_by: LimitedBy::Nothing,
+            before_ml: self.before_ml + self.delivered_ml(pump, made),
+            lines: self.lines_at(pump, made),
+            ..*self
+        })
+    }
+}

@@ -1,0 +1,76 @@
+//! The predicted pressures of a dose, and the time in which its line settles.
+
+use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
+
+use super::shortened_motion::ShortenedMotion;
+use crate::plan::Plan;
+use crate::plan::words::PlanError;
+
+/// Predicted pressures over a dose, start-up, stop and settling included, for the smooth motion through the steps.
+///
+/// From an angle that is not known exactly they cover every angle at which the rollers may stand, looked at a
+/// sixteenth of a pitch apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Prediction {
+    /// Range of the pressure at the inlet, kPa absolute.
+    pub inlet: Extremes,
+    /// Range of the pressure at the outlet, kPa absolute.
+    pub outlet: Extremes,
+    /// Largest change of a pressure by a single motor step, kPa: the step's volume over the compliance.
+    pub step_kpa: f64,
+    /// Time from the last step until the undelivered volume stays below 1 uL, s: the longest from any angle at which
+    /// the rollers may stand.
+    pub settle_s: f64,
+}
+
+impl Plan {
+    /// Predicts pressures and settling of this dose on `pump`, exactly.
+    ///
+    /// # Errors
+    ///
+    /// Fails where the model cannot tell when the line settles.
+    pub fn predict(&self, pump: &Pump) -> Result<Prediction, PlanError> {
+        let range = |port| {
+            let beside = self.start.beside(pump.pitch_rad());
+            let ranges = beside.map(|off_rad| ShortenedMotion::new(self, pump, off_rad).extremes(pump, port));
+            // The middle is always looked at.
+            ranges.reduce(Extremes::and).unwrap_or(Extremes::at(pump.line(port).reservoir_kpa))
+        };
+        Ok(Prediction {
+            inlet: range(Port::Inlet),
+            outlet: range(Port::Outlet),
+            step_kpa: self.step_kpa(pump, Port::Inlet).max(self.step_kpa(pump, Port::Outlet)),
+            settle_s: self.settle_s(pump)?,
+        })
+    }
+
+    /// Largest change of a port's pressure by a single motor step, kPa: the step's volume over the compliance.
+    pub(in crate::plan) fn step_kpa(&self, pump: &Pump, port: Port) -> f64 {
+        let largest_ml = pump.curve(port).flow_range_ml_rad().1 * self.step_rad;
+        largest_ml / pump.line(port).compliance_ml_kpa
+    }
+
+    /// Time from the last step until the undelivered volume stays below 1 uL, s: the longest from any angle at which
+    /// the rollers may stand.
+    pub(in crate::plan) fn settle_s(&self, pump: &Pump) -> Result<f64, PlanError> {
+        let mut longest_s: f64 = 0.0;
+        for off_rad in self.start.beside(pump.pitch_rad()) {
+            longest_s = longest_s.max(self.settle_beside_s(pump, off_rad)?);
+        }
+        Ok(longest_s)
+    }
+
+    /// Settling time of rollers `off_rad` beside the middle of their range, s. The last step comes at once, so its
+    /// volume is in the line at first.
+    fn settle_beside_s(&self, pump: &Pump, off_rad: f64) -> Result<f64, PlanError> {
+        let motion = ShortenedMotion::new(self, pump, off_rad);
+        let [pressure_kpa, flow_ml_s] = motion.run(pump, Port::Outlet).at(motion.duration_s());
+        let end_rad = self.end_angle_rad() + off_rad;
+        let step_ml = pump.outlet_curve().flow_ml_rad(end_rad) * self.step_rad * f64::from(self.direction());
+        let stepped_kpa = pressure_kpa + step_ml / pump.outlet().compliance_ml_kpa;
+        let rest = [Leg::rest(0.0, end_rad)];
+        Ok(ExactRun::new(pump, Port::Outlet, rest, [stepped_kpa, flow_ml_s]).settling_s()?)
+    }
+}

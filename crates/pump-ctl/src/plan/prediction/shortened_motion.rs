@@ -1,0 +1,76 @@
+//! The motion of a plan without the pitches that only repeat.
+
+use pump_model::math::{ceil, floor};
+use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
+
+use crate::plan::Plan;
+use crate::plan::line_states::LineState;
+use crate::plan::profile::{Course, Profile};
+
+/// Part of a line's swing from the start that may remain when pitches are left out, as a power of 1/e: 1e-11.
+const FORGOTTEN: f64 = 25.0;
+
+/// The motion of a plan without the pitches that only repeat, and the lines that it moves.
+///
+/// Once the line has forgotten how the motion began, every pitch at the cruise speed is like the last. Whole pitches
+/// beyond that are left out, so that a dose of litres costs no more than one of some pitches. Pressures equal those of
+/// the whole dose to 1e-11 of their swing.
+pub(in crate::plan) struct ShortenedMotion {
+    profile: Profile,
+    /// States of inlet and outlet line at the start.
+    states: [LineState; 2],
+    /// Offset of the rollers from the plan's start angle, rad.
+    off_rad: f64,
+}
+
+impl ShortenedMotion {
+    /// Makes the motion of `plan` where the rollers stand `off_rad` beside the middle of their range.
+    pub(in crate::plan) fn new(plan: &Plan, pump: &Pump, off_rad: f64) -> Self {
+        let states = plan.lines.states(pump, off_rad);
+        let profile = plan.profile;
+        let decay_per_s = pump.inlet().slowest_decay_per_s().min(pump.outlet().slowest_decay_per_s());
+        let pitch_rad = pump.pitch_rad();
+        let [reached_rad, left_rad] = profile.corners_rad;
+        let pitch_s = pitch_rad / profile.cruise_rad_s();
+        let kept = ceil(FORGOTTEN / (decay_per_s * pitch_s)) + 1.0;
+        let surplus = floor((left_rad - reached_rad) / pitch_rad) - kept;
+        if !(profile.reaches_limit() && surplus >= 1.0) {
+            return Self { profile, states, off_rad };
+        }
+        let turn_rad = profile.course.turn_rad - surplus * pitch_rad;
+        let course = Course { turn_rad, ..profile.course };
+        Self { profile: Profile::new(course, pump.outlet_curve()), states, off_rad }
+    }
+
+    /// The legs of the motion, as the rollers make them.
+    pub(in crate::plan) fn legs(&self) -> impl Iterator<Item = Leg> + Clone {
+        let off_rad = self.off_rad;
+        self.profile.legs().map(move |leg| leg.beside(off_rad))
+    }
+
+    /// Time from start to rest, s.
+    pub(in crate::plan) fn duration_s(&self) -> f64 {
+        self.profile.duration_s()
+    }
+
+    /// 1 forward, -1 in reverse.
+    pub(in crate::plan) fn direction(&self) -> f64 {
+        f64::from(self.profile.course.direction)
+    }
+
+    /// Runs a port's line through the motion.
+    pub(in crate::plan) fn run<'a>(
+        &'a self,
+        pump: &'a Pump,
+        port: Port,
+    ) -> ExactRun<'a, impl Iterator<Item = Leg>> {
+        let [inlet, outlet] = self.states;
+        let state = if port == Port::Inlet { inlet } else { outlet };
+        ExactRun::new(pump, port, self.legs(), state)
+    }
+
+    /// Range of a port's pressure from the start of the motion on.
+    pub(in crate::plan) fn extremes(&self, pump: &Pump, port: Port) -> Extremes {
+        self.run(pump, port).extremes_to_rest(self.duration_s())
+    }
+}

@@ -1,0 +1,15 @@
+//! Speed over angle: the fastest motion to rest below a speed limit, and its legs.
+
+mod along;
+mod course;
+mod envelope;
+mod legs;
+mod profile;
+mod smooth;
+
+pub use legs::Legs;
+pub use profile::Profile;
+
+pub(in crate::plan) use along::Along;
+pub(in crate::plan) use course::{Course, SpeedLimit};
+pub(in crate::plan) use smooth::flow_limit_ml_s;

@@ -1,0 +1,134 @@
+//! The speed at which the flow at the outlet's rollers is as smooth as the motor allows.
+
+use pump_model::FlowCurve;
+use pump_model::math::wrap;
+
+use super::course::Course;
+use super::envelope::{Envelope, PARTS, PerPart};
+
+/// The flow per radian at the knots of the uneven part, and what bounds the speed there.
+struct Knots {
+    pitch_rad: f64,
+    /// Start of the uneven part, as an angle in the direction of motion, rad.
+    origin_rad: f64,
+    uneven_rad: f64,
+    /// 1/q², rad²/mL².
+    per_square: PerPart,
+    /// Largest change of the square of the speed from knot to knot, rad²/s².
+    rise: f64,
+    /// Square of the motor's largest speed, rad²/s².
+    most: f64,
+}
+
+impl Knots {
+    fn new(curve: &FlowCurve, direction: i8, max_rad_s: f64, acceleration_rad_s2: f64) -> Self {
+        /// The flow jumps at full engagement, where a pulse begins: the first knot holds for both sides of it, rad.
+        const BESIDE_RAD: f64 = 1e-9;
+        let (from_rad, uneven_rad) = curve.uneven_part();
+        let origin_rad = if direction < 0 { -(from_rad + uneven_rad) } else { from_rad };
+        let sign = f64::from(direction);
+        let part_rad = uneven_rad / PARTS as f64;
+        let mut per_square = [[0.0; 16]; PARTS / 16];
+        for (knot, slot) in per_square.as_flattened_mut().iter_mut().enumerate() {
+            let angle_rad = sign * (origin_rad + knot as f64 * part_rad);
+            let flow = curve.flow_ml_rad(angle_rad).max(curve.flow_ml_rad(angle_rad - BESIDE_RAD));
+            *slot = 1.0 / (flow * flow);
+        }
+        Self {
+            pitch_rad: curve.pitch_rad(),
+            origin_rad,
+            uneven_rad,
+            per_square,
+            rise: 2.0 * acceleration_rad_s2 * part_rad,
+            most: max_rad_s * max_rad_s,
+        }
+    }
+
+    /// The largest function below (flow/q)² and the motor's limit that is nowhere steeper than the acceleration
+    /// allows.
+    ///
+    /// Sweeps forward and backward, twice round each: wherever the smallest bound is, the second round passes
+    /// everything after it.
+    fn envelope(&self, flow_ml_s: f64) -> Envelope {
+        let square = flow_ml_s * flow_ml_s;
+        let mut squares = self.per_square.map(|row| row.map(|part| (square * part).min(self.most)));
+        let all = squares.as_flattened_mut();
+        let mut before = f64::INFINITY;
+        let mut sweep = |square: &mut f64| {
+            *square = square.min(before + self.rise);
+            before = *square;
+        };
+        for _ in 0..2 {
+            all.iter_mut().for_each(&mut sweep);
+        }
+        let mut before = f64::INFINITY;
+        let mut sweep = |square: &mut f64| {
+            *square = square.min(before + self.rise);
+            before = *square;
+        };
+        for _ in 0..2 {
+            all.iter_mut().rev().for_each(&mut sweep);
+        }
+        Envelope::new(self.pitch_rad, self.uneven_rad, &squares)
+    }
+}
+
+/// The envelope of a flow limit for a motion, and the angle in it at which the motion starts, rad.
+pub(super) fn envelope(
+    curve: &FlowCurve,
+    course: &Course,
+    flow_ml_s: f64,
+    max_rad_s: f64,
+) -> (Envelope, f64) {
+    let knots = Knots::new(curve, course.direction, max_rad_s, course.acceleration_rad_s2);
+    let along_rad = f64::from(course.direction) * course.start_rad;
+    let phase_rad = wrap(along_rad - knots.origin_rad, curve.pitch_rad());
+    (knots.envelope(flow_ml_s), phase_rad)
+}
+
+/// The flow limit, mL/s, whose envelope has the mean speed `mean_rad_s`, at most `max_rad_s`.
+///
+/// The mean rises with the limit, up to constant speed: a root in a bracket, by regula falsi after Dowell and Jarratt
+/// ("Illinois", BIT 11:168, 1971).
+pub(in crate::plan) fn flow_limit_ml_s(
+    curve: &FlowCurve,
+    direction: i8,
+    mean_rad_s: f64,
+    max_rad_s: f64,
+    acceleration_rad_s2: f64,
+) -> f64 {
+    let knots = Knots::new(curve, direction, max_rad_s, acceleration_rad_s2);
+    let missing = |flow_ml_s| knots.envelope(flow_ml_s).mean_rad_s() / mean_rad_s - 1.0;
+    let flow_ml_s = mean_rad_s * curve.pitch_ml() / curve.pitch_rad();
+    // A limit of half the mean flow is too low. With the largest flow of the fastest motor the speed is constant.
+    let most_ml_s = max_rad_s * curve.flow_range_ml_rad().1;
+    let (mut low, mut high) = (0.5 * flow_ml_s, (1.1 * flow_ml_s).min(most_ml_s));
+    let (mut below, mut above) = (missing(low), missing(high));
+    while above < 0.0 {
+        if high >= most_ml_s {
+            return high;
+        }
+        (low, below) = (high, above);
+        high = (1.5 * high).min(most_ml_s);
+        above = missing(high);
+    }
+    let mut last = 0.0;
+    for _ in 0..100 {
+        let middle = (low * above - high * below) / (above - below);
+        let found = missing(middle);
+        if found.abs() < 1e-12 || high - low < 1e-15 * high {
+            return middle;
+        }
+        // An end that stays a second time counts half.
+        let stays = if found * last > 0.0 { 0.5 } else { 1.0 };
+        if found < 0.0 {
+            (low, below) = (middle, found);
+            above *= stays;
+        } else {
+            (high, above) = (middle, found);
+            below *= stays;
+        }
+        last = found;
+    }
+    0.5 * (low + high)
+}

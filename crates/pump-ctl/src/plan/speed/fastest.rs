@@ -1,0 +1,117 @@
+//! The fastest dose that holds every limit.
+
+use pump_model::Pump;
+
+use crate::plan::Plan;
+use crate::plan::limits::{Limits, Margin};
+use crate::plan::line_states::LineStates;
+use crate::plan::words::{LimitedBy, PlanError};
+
+/// The fastest plan among speeds that are connected to rest, and the limit that keeps it from being faster.
+pub(super) struct Fastest {
+    /// Speed, rad/s, and plan; none if even the slowest speed that is tried breaks a limit.
+    pub(super) plan: Option<(f64, Plan)>,
+    /// Limit that binds.
+    pub(super) limited_by: LimitedBy,
+    /// Margin of the limit that binds at a slightly faster speed; none if speed or acceleration bind.
+    pub(super) beyond: Option<Margin>,
+}
+
+/// Slowest speed that is tried, as a part of the fastest.
+const SLOWEST: f64 = 1.0 / 4096.0;
+
+/// Finds the fastest cruise up to `top_rad_s` that holds every limit and below which every one does.
+///
+/// The whole dose is predicted at each speed, start-up, stop and settling included. Speeds that hold are not an
+/// interval: past a resonance pressures fall again. So speeds are tried upwards, from one so slow that no motion at
+/// all could break a limit. Lines that are undamped or not at rest leave no such bound; there the first speed is
+/// 1/4096 of the fastest. Each step is a sixteenth of the lines' damping ratio, 0.1 to 1 %. The first speed that
+/// breaks a limit ends the search, and bisection refines the last that holds to 1e-6.
+///
+/// A resonance is 2 damping ratios wide, 32 steps, in which pressures change by some tenths of a per cent between
+/// neighbours. The search may pass over a window of speeds narrower than a step, in which a limit is broken by about
+/// that much. The plan that is returned holds its limits in any case.
+pub(super) fn fastest(
+    pump: &Pump,
+    limits: &Limits,
+    top_rad_s: f64,
+    at_speed: &impl Fn(f64) -> Plan,
+) -> Result<Fastest, PlanError> {
+    let topmost = at_speed(top_rad_s);
+    let unbound = if topmost.profile.reaches_limit() { LimitedBy::Speed } else { LimitedBy::Acceleration };
+    if !limits.are_predicted() {
+        return Ok(unbroken(top_rad_s, topmost, unbound));
+    }
+    let damping = pump.inlet().damping_ratio().min(pump.outlet().damping_ratio());
+    let ratio = 1.0 + (damping / 16.0).clamp(0.001, 0.01);
+    // A dose too short to cruise is the same at any speed above its peak.
+    let top_rad_s = if topmost.profile.reaches_limit() || topmost.is_smooth() {
+        top_rad_s
+    } else {
+        topmost.profile.peak_rad_s()
+    };
+
+    let mut slowest = top_rad_s;
+    while slowest > SLOWEST * top_rad_s && !cannot_break(pump, limits, &at_speed(slowest)) {
+        slowest *= 0.5;
+    }
+    let (mut good, mut holds) = (slowest, at_speed(slowest));
+    if let Some((limited_by, margin)) = limits.broken(pump, &holds) {
+        return Ok(Fastest { plan: None, limited_by, beyond: Some(margin) });
+    }
+    let (mut bad, mut broken) = loop {
+        if good >= top_rad_s {
+            return Ok(unbroken(good, holds, unbound));
+        }
+        let next = (good * ratio).min(top_rad_s);
+        let plan = at_speed(next);
+        if let Some(broken) = limits.broken(pump, &plan) {
+            break (next, broken);
+        }
+        (good, holds) = (next, plan);
+    };
+    while bad - good > 1e-6 * bad {
+        let middle = 0.5 * (good + bad);
+        let plan = at_speed(middle);
+        match limits.broken(pump, &plan) {
+            Some(by) => (bad, broken) = (middle, by),
+            None => (good, holds) = (middle, plan),
+        }
+    }
+    let (limited_by, margin) = broken;
+    Ok(Fastest { plan: Some((good, Plan { limited_by, ..holds })), limited_by, beyond: Some(margin) })
+}
+
+/// The result where speed or acceleration bind.
+fn unbroken(speed_rad_s: f64, plan: Plan, limited_by: LimitedBy) -> Fastest {
+    Fastest { plan: Some((speed_rad_s, Plan { limited_by, ..plan })), limited_by, beyond: None }
+}
+
+/// Tells whether no motion at all up to the fastest speed of `plan` could break a limit, from lines at rest.
+fn cannot_break(pump: &Pump, limits: &Limits, plan: &Plan) -> bool {
+    if plan.lines != LineStates::AT_REST {
+        return false;
+    }
+    let peak_rad_s = plan.profile.peak_rad_s();
+    let [inlet, outlet] = [pump.inlet_curve(), pump.outlet_curve()].map(|curve| curve.flow_range_ml_rad().1);
+    let within_kpa = [
+        inlet * peak_rad_s * pump.inlet().worst_kpa_s_ml(),
+        outlet * peak_rad_s * pump.outlet().worst_kpa_s_ml(),
+    ];
+    let most_kpa = within_kpa[0].max(within_kpa[1]);
+    let [sucking, pushing] = Limits::ports(plan.direction());
+    let room = |limit: Option<f64>, port, sign: f64| {
+        let room_kpa = limit.map_or(f64::INFINITY, |kpa| sign * (kpa - pump.line(port).reservoir_kpa));
+        room_kpa - plan.step_kpa(pump, port)
+    };
+    let lowest_kpa = limits.lowest_where_it_sucks().map(|lowest| lowest.kpa);
+    let pressures = most_kpa < room(limits.pressures.max_outlet_kpa, pushing, 1.0)
+        && most_kpa < room(lowest_kpa, sucking, -1.0)
+        && most_kpa < room(limits.lowest.map(|lowest| lowest.kpa), pushing, -1.0);
+    pressures
+        && limits.torque.is_none_or(|torque| {
+            let acceleration_rad_s2 = plan.profile.acceleration_rad_s2();
+            torque.bound_n_m(pump, within_kpa, inlet.max(outlet), acceleration_rad_s2)
+                < torque.motor.least_to(peak_rad_s)
+        })
+}

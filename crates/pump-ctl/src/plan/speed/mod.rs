@@ -1,0 +1,13 @@
+//! The cruise speed of a plan: the one that is asked for, or the fastest within every limit.
+
+mod choice;
+mod fastest;
+mod for_flow;
+mod nearest;
+mod refusal;
+mod rounded;
+mod within;
+
+pub use for_flow::speed_for_flow;
+
+pub(in crate::plan) use choice::choose;

@@ -1,0 +1,22 @@
+//! The volume that a number of steps delivers.
+
+use pump_model::Pump;
+
+use crate::plan::words::Phase;
+
+/// The middle of a range. The middle of a single number is that number to the last bit.
+pub(in crate::plan) fn middle((least_ml, most_ml): (f64, f64)) -> f64 {
+    least_ml + 0.5 * (most_ml - least_ml)
+}
+
+/// Smallest and largest volume of `steps` from `start`, mL.
+pub(in crate::plan) fn delivered(pump: &Pump, start: Phase, steps: f64, step_rad: f64) -> (f64, f64) {
+    if start.half_width_rad == 0.0 {
+        let curve = pump.outlet_curve();
+        let volume_ml =
+            curve.volume_ml(start.angle_rad + steps * step_rad) - curve.volume_ml(start.angle_rad);
+        (volume_ml, volume_ml)
+    } else {
+        start.range_ml(pump, steps * step_rad)
+    }
+}

@@ -1,0 +1,88 @@
+//! The ends of a dose at low flow.
+
+use pump_model::Pump;
+use pump_model::math::{ceil, degrees, floor};
+
+use super::delivered::{delivered, middle};
+use super::low_flow::LowFlow;
+use super::target::Target;
+use crate::plan::words::{Phase, PlanError, Request};
+
+/// A number of steps, and the smallest and largest volume that they deliver, mL.
+type End = (f64, (f64, f64));
+
+/// The two ends at low flow nearest to `nearest_steps`: with no more steps, and with no fewer.
+///
+/// `nearest_steps` itself counts as both. Both ends lie in the direction of `owed_ml`, and neither has zero steps.
+/// A pump whose flow is never that low is refused, and so is an angle that would not be known well enough at the end.
+pub(in crate::plan) fn ends(
+    pump: &Pump,
+    start: Phase,
+    owed_ml: f64,
+    nearest_steps: f64,
+    step_rad: f64,
+) -> Result<[Option<End>; 2], PlanError> {
+    let curve = pump.outlet_curve();
+    if !start.is_known(curve.pitch_rad()) {
+        let half_width_deg = degrees(start.half_width_rad);
+        return Err(PlanError::LowFlowWithoutAngle { half_width_deg, widest_deg: 0.0 });
+    }
+    let low = LowFlow::new(pump, start.half_width_rad)?;
+    let direction = if owed_ml < 0.0 { -1.0 } else { 1.0 };
+    let nearest = direction * nearest_steps;
+    let per_pitch = curve.pitch_rad() / step_rad;
+    let revolution = f64::from(pump.geometry().rollers);
+    let pitch = floor((start.angle_rad + nearest_steps * step_rad) / curve.pitch_rad());
+    let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
+    // A coarse step may pass over a stretch; over a revolution it has met every one that it ever meets.
+    let mut away = -revolution - 1.0;
+    while away <= revolution + 1.0 {
+        for (begun_rad, ended_rad) in low.stretches() {
+            // Steps from the start to the two ends of the stretch, in the direction of the dose.
+            let offset = (pitch + away) * per_pitch - start.angle_rad / step_rad;
+            let [a, b] = [begun_rad, ended_rad].map(|rad| direction * (offset + rad / step_rad));
+            let (first, last) = (ceil(a.min(b)).max(1.0), floor(a.max(b)));
+            if first > last {
+                continue;
+            }
+            if first <= nearest {
+                below = below.max(last.min(nearest));
+            }
+            if last >= nearest {
+                above = above.min(first.max(nearest));
+            }
+        }
+        away += 1.0;
+    }
+    let end = |steps: f64| {
+        let steps_signed = direction * steps;
+        (steps_signed, delivered(pump, start, steps_signed, step_rad))
+    };
+    Ok([below, above].map(|steps| steps.is_finite().then(|| end(steps))))
+}
+
+/// The better of the two ends at low flow around `nearest_steps`: its worst deviation from the volume requested plus
+/// carried is smaller.
+pub(super) fn at_low_flow(
+    pump: &Pump,
+    start: Phase,
+    request: &Request,
+    nearest_steps: f64,
+    step_rad: f64,
+) -> Result<Target, PlanError> {
+    let owed_ml = request.owed_ml();
+    let ends = ends(pump, start, owed_ml, nearest_steps, step_rad)?;
+    let off_ml = |(_, (least_ml, most_ml)): &End| (owed_ml - least_ml).abs().max((owed_ml - most_ml).abs());
+    let nearer = match ends.into() {
+        (Some(below), Some(above)) => Some(if off_ml(&below) <= off_ml(&above) { below } else { above }),
+        (below, above) => below.or(above),
+    };
+    let Some((steps, range_ml)) = nearer else {
+        return Err(PlanError::LowFlowTooNarrow { step_deg: degrees(step_rad) });
+    };
+    if off_ml(&(steps, range_ml)) > owed_ml.abs() {
+        let smallest_ml = middle(range_ml) - request.carry_in_ml;
+        return Err(PlanError::NoLowFlowEnd { requested_ml: request.volume_ml, smallest_ml });
+    }
+    Ok(Target { steps: steps as i64, planned_ml: middle(range_ml), range_ml })
+}

@@ -1,0 +1,12 @@
+//! The target of a dose: the whole number of steps that comes nearest to a volume.
+
+mod delivered;
+mod ends;
+mod low_flow;
+mod nearest;
+mod target;
+
+pub(in crate::plan) use delivered::{delivered, middle};
+pub(in crate::plan) use ends::ends;
+pub(in crate::plan) use nearest::nearest_steps;
+pub(in crate::plan) use target::Target;

@@ -1,0 +1,89 @@
+//! The whole number of steps that comes nearest to a volume.
+
+use pump_model::Pump;
+use pump_model::math::{ceil, floor};
+
+use super::delivered::{delivered, middle};
+use super::ends::at_low_flow;
+use super::target::Target;
+use crate::plan::words::{Finish, Phase, PlanError, Request};
+
+/// Most steps of a dose: eight hours at 36,000 a second.
+const MAX_STEPS: f64 = 1e9;
+
+/// The number of steps from `start` whose volume is nearest to the one requested plus carried.
+///
+/// From an angle that is not known exactly it is the number whose largest deviation, over all angles at which the
+/// rollers may stand, is smallest.
+pub(in crate::plan) fn nearest_steps(
+    pump: &Pump,
+    start: Phase,
+    request: &Request,
+    step_rad: f64,
+) -> Result<Target, PlanError> {
+    let known = start.half_width_rad == 0.0;
+    let (steps, range_ml) = if known {
+        nearest(pump, start, request, step_rad)
+    } else {
+        minimax(pump, start, request, step_rad)?
+    };
+    if steps == 0.0 {
+        let (direction, farther): (f64, fn(f64, f64) -> f64) =
+            if request.owed_ml() < 0.0 { (-1.0, f64::min) } else { (1.0, f64::max) };
+        let (least_ml, most_ml) = delivered(pump, start, direction, step_rad);
+        return Err(PlanError::LessThanHalfAStep {
+            requested_ml: request.volume_ml,
+            carry_in_ml: request.carry_in_ml,
+            smallest_ml: 0.5 * farther(least_ml, most_ml) - request.carry_in_ml,
+        });
+    }
+    if steps.abs() > MAX_STEPS {
+        return Err(PlanError::TooManySteps { steps: steps.abs() });
+    }
+    match request.finish {
+        Finish::Any => Ok(Target { steps: steps as i64, planned_ml: middle(range_ml), range_ml }),
+        Finish::LowFlow => at_low_flow(pump, start, request, steps, step_rad),
+    }
+}
+
+/// The number of steps from a known angle: one of the two beside the angle at which the volume is there.
+fn nearest(pump: &Pump, start: Phase, request: &Request, step_rad: f64) -> (f64, (f64, f64)) {
+    let curve = pump.outlet_curve();
+    let owed_ml = request.owed_ml();
+    let ideal_rad = curve.angle_rad(curve.volume_ml(start.angle_rad) + owed_ml) - start.angle_rad;
+    let below = floor(ideal_rad / step_rad);
+    let [low, high] = [below, below + 1.0].map(|steps| delivered(pump, start, steps, step_rad));
+    if owed_ml - low.0 <= high.0 - owed_ml { (below, low) } else { (below + 1.0, high) }
+}
+
+/// The number of steps from an angle that is not known exactly.
+///
+/// Smallest and largest volume both grow with the turn. So the largest deviation is smallest where both are equally
+/// far from the volume requested plus carried: on one side of that turn or the other.
+fn minimax(
+    pump: &Pump,
+    start: Phase,
+    request: &Request,
+    step_rad: f64,
+) -> Result<(f64, (f64, f64)), PlanError> {
+    let curve = pump.outlet_curve();
+    let owed_ml = request.owed_ml();
+    // Whole pitches deliver the same from anywhere, so the turn lies between two of them.
+    let pitches = floor(owed_ml / curve.pitch_ml());
+    let mut below = floor(pitches * curve.pitch_rad() / step_rad) - 1.0;
+    let mut above = ceil((pitches + 1.0) * curve.pitch_rad() / step_rad) + 1.0;
+    let fewest = below.abs().min(above.abs());
+    if fewest > MAX_STEPS {
+        return Err(PlanError::TooManySteps { steps: fewest });
+    }
+    while above - below > 1.0 {
+        let steps = floor(0.5 * (below + above));
+        if middle(delivered(pump, start, steps, step_rad)) <= owed_ml {
+            below = steps;
+        } else {
+            above = steps;
+        }
+    }
+    let [low, high] = [below, above].map(|steps| delivered(pump, start, steps, step_rad));
+    Ok(if owed_ml - low.0 <= high.1 - owed_ml { (below, low) } else { (above, high) })
+}

@@ -1,0 +1,266 @@
+//! The refusals of a dose that cannot be planned.
+
+use core::fmt;
+
+use pump_model::ModelError;
+use thiserror::Error;
+
+use super::allowed::Allowed;
+use super::set_by::SetBy;
+
+/// The fastest dose that holds every limit, in the terms of what was asked.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Nearest {
+    /// Mean flow at the cruise speed.
+    Flow {
+        /// mL/s.
+        ml_s: f64,
+    },
+    /// Cruise speed of the pump head.
+    Speed {
+        /// r/min.
+        rpm: f64,
+    },
+    /// Total time, settling included.
+    Within {
+        /// s.
+        time_s: f64,
+    },
+    /// No speed that was tried holds every limit.
+    Nothing,
+}
+
+impl fmt::Display for Nearest {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Flow { ml_s } => write!(to, "{ml_s} mL/s is the fastest that holds every limit"),
+            Self::Speed { rpm } => write!(to, "{rpm} r/min is the fastest that holds every limit"),
+            Self::Within { time_s } => {
+                write!(to, "{time_s} s is the shortest time that holds every limit")
+            }
+            Self::Nothing => write!(to, "no speed holds every limit"),
+        }
+    }
+}
+
+/// A dose that is refused, with the nearest that could be had.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum PlanError {
+    /// A single parameter outside its range.
+    #[error("{parameter} is {value}; allowed: {allowed}")]
+    OutOfRange {
+        /// Name of the parameter, with its unit.
+        parameter: &'static str,
+        /// Value that was given.
+        value: f64,
+        /// Values that are accepted.
+        allowed: Allowed,
+    },
+    /// The volume is less than half a motor step.
+    #[error(
+        "{requested_ml} mL with {carry_in_ml:.6} mL carried from earlier doses is less than half a motor step at this \
+         angle; the smallest dose here is {smallest_ml:.6} mL"
+    )]
+    LessThanHalfAStep {
+        /// Volume that was asked for, mL.
+        requested_ml: f64,
+        /// Carry of earlier doses, mL.
+        carry_in_ml: f64,
+        /// Half of the first step less the carry, mL.
+        smallest_ml: f64,
+    },
+    /// The dose takes more motor steps than anyone waits for.
+    #[error(
+        "the dose would take {steps:.3e} motor steps; a dose may take 1e9 at most: dose less, or use fewer microsteps"
+    )]
+    TooManySteps {
+        /// Motor steps of the dose.
+        steps: f64,
+    },
+    /// The flow needs more speed than the motor may have.
+    #[error(
+        "a rate of {flow_ml_s} mL/s needs {needed_rpm} r/min; the pump's limit of {limit_rpm:.2} r/min gives \
+         {limit_ml_s} mL/s at most"
+    )]
+    RateTooHigh {
+        /// Flow that was asked for, mL/s.
+        flow_ml_s: f64,
+        /// Speed that gives this flow, r/min.
+        needed_rpm: f64,
+        /// Speed limit, r/min.
+        limit_rpm: f64,
+        /// Flow at the speed limit, mL/s.
+        limit_ml_s: f64,
+    },
+    /// The speed is above the motor's largest.
+    #[error("a speed of {speed_rpm:.3} r/min is above the pump's limit of {limit_rpm:.2} r/min")]
+    SpeedTooHigh {
+        /// Speed that was asked for, r/min.
+        speed_rpm: f64,
+        /// Speed limit, r/min.
+        limit_rpm: f64,
+    },
+    /// The dose would take longer than any controller keeps time.
+    #[error(
+        "the dose would take {duration_s:.3e} s; a dose may take 5e6 s (58 days) at most: raise the rate or allow \
+         less time"
+    )]
+    TooSlow {
+        /// Duration of the dose, s.
+        duration_s: f64,
+    },
+    /// The rotor is past the point at which it could still stop for the new volume.
+    #[error(
+        "a volume of {asked_ml} mL cannot be had any more: the rotor, which has delivered {delivered_ml:.4} mL, stands \
+         after {nearest_ml:.4} mL at the earliest; let it stop, and dose the rest"
+    )]
+    CannotStopThere {
+        /// New volume of the dose, mL.
+        asked_ml: f64,
+        /// Volume delivered so far, mL.
+        delivered_ml: f64,
+        /// Volume of the dose if the rotor is stopped as soon as it can be, mL.
+        nearest_ml: f64,
+    },
+    /// The step lies behind the end of the plan.
+    #[error("the plan has {steps} steps; after {made} there is nothing to change")]
+    NoSuchStep {
+        /// Number of the step that was given.
+        made: u64,
+        /// Steps of the plan.
+        steps: u64,
+    },
+    /// The angle is so uncertain that a speed that follows it could make the flow less smooth.
+    #[error(
+        "a smooth flow needs the rollers' angle: it is known within {half_width_deg:.1} degrees, and a speed that \
+         follows it could make a ripple of {ripple_percent:.0} % (RMS) where constant speed makes \
+         {constant_percent:.0} %; find the angle first, or dose at constant speed"
+    )]
+    SmoothWithoutAngle {
+        /// Half width of the start angle, deg.
+        half_width_deg: f64,
+        /// Worst ripple of the flow with the speed changed at the wrong angles, RMS, %.
+        ripple_percent: f64,
+        /// Ripple of the flow at constant speed, RMS, %.
+        constant_percent: f64,
+    },
+    /// The flow is nowhere low enough for an end at low flow.
+    #[error(
+        "a dose cannot end at low flow: the rollers always deliver {least_ml_rad:.4} mL/rad or more, and low is \
+         {limit_ml_rad:.4} mL/rad, half of the flow between pulses, or less; let the dose end anywhere"
+    )]
+    NoLowFlow {
+        /// Smallest flow per radian at the outlet, mL/rad.
+        least_ml_rad: f64,
+        /// Largest flow that counts as low, mL/rad.
+        limit_ml_rad: f64,
+    },
+    /// The angle is too uncertain for an end at low flow.
+    #[error(
+        "a dose that ends at low flow needs the rollers' angle: it is known within {half_width_deg:.1} degrees only, \
+         so it cannot be known where in a pitch the dose ends; find the angle first, or let the dose end anywhere"
+    )]
+    LowFlowWithoutAngle {
+        /// Half width of the start angle, deg.
+        half_width_deg: f64,
+        /// Widest stretch of low flow, deg; 0 if nothing is known of the angle.
+        widest_deg: f64,
+    },
+    /// Every end at low flow is farther from the volume than not moving at all.
+    #[error(
+        "no end at low flow is nearer to what is owed than not moving at all; {smallest_ml:.4} mL, the smallest dose \
+         from this angle that ends there, can be had in place of {requested_ml} mL, or an end anywhere"
+    )]
+    NoLowFlowEnd {
+        /// Volume that was asked for, mL.
+        requested_ml: f64,
+        /// Volume of the first end at low flow less the carry, mL.
+        smallest_ml: f64,
+    },
+    /// The motor steps are so coarse that none ends at low flow.
+    #[error("a motor step of {step_deg:.3} degrees passes over all angles of low flow; use more microsteps")]
+    LowFlowTooNarrow {
+        /// Angle of a motor step at the pump head, deg.
+        step_deg: f64,
+    },
+    /// No speed meets the time.
+    #[error(
+        "the dose cannot be done within {asked_s} s; the fastest found takes {fastest_s} s, settling included"
+    )]
+    TimeTooShort {
+        /// Time that was asked for, s.
+        asked_s: f64,
+        /// Time of the fastest dose, s.
+        fastest_s: f64,
+    },
+    /// The pressure at the port that pushes would be too high.
+    #[error(
+        "the outlet pressure would reach {predicted_kpa:.2} kPa absolute, above the limit of {limit_kpa:.2} kPa; \
+         {nearest}"
+    )]
+    OutletPressure {
+        /// Largest predicted pressure, kPa absolute.
+        predicted_kpa: f64,
+        /// Limit of this pressure, kPa absolute.
+        limit_kpa: f64,
+        /// Fastest dose that holds every limit.
+        nearest: Nearest,
+    },
+    /// The pressure at the port that sucks would be too low.
+    #[error(
+        "the inlet pressure would fall to {predicted_kpa:.2} kPa absolute, below the limit of {limit_kpa:.2} \
+         kPa{set_by}; {nearest}"
+    )]
+    InletPressure {
+        /// Smallest predicted pressure, kPa absolute.
+        predicted_kpa: f64,
+        /// Limit of this pressure, kPa absolute.
+        limit_kpa: f64,
+        /// Origin of the limit.
+        set_by: SetBy,
+        /// Fastest dose that holds every limit.
+        nearest: Nearest,
+    },
+    /// The pressure at the port that pushes would be too low.
+    #[error(
+        "the pressure at the port that pushes would fall to {predicted_kpa:.2} kPa absolute where the flow falls \
+         and the line runs on, below the limit of {limit_kpa:.2} kPa{set_by}; {nearest}"
+    )]
+    OutletSuction {
+        /// Smallest predicted pressure, kPa absolute.
+        predicted_kpa: f64,
+        /// Limit of this pressure, kPa absolute.
+        limit_kpa: f64,
+        /// Origin of the limit.
+        set_by: SetBy,
+        /// Fastest dose that holds every limit.
+        nearest: Nearest,
+    },
+    /// The dose needs more torque than the motor has.
+    #[error(
+        "the motor would need {needed_n_m:.4} N m at a speed at which it has {limit_n_m:.4} N m; {nearest}"
+    )]
+    Torque {
+        /// Predicted torque where it comes nearest to the motor's, N m.
+        needed_n_m: f64,
+        /// Torque of the motor at that speed, N m; 0 beyond the motor's last point.
+        limit_n_m: f64,
+        /// Fastest dose that holds every limit.
+        nearest: Nearest,
+    },
+    /// The model refuses the dose.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+}
+
+/// Refuses a value of `parameter` that is not allowed.
+pub(in crate::plan) fn within(
+    parameter: &'static str,
+    value: f64,
+    allowed: Allowed,
+) -> Result<(), PlanError> {
+    if allowed.contains(value) { Ok(()) } else { Err(PlanError::OutOfRange { parameter, value, allowed }) }
+}

@@ -1,0 +1,23 @@
+//! The words of a plan: its choices, its request and its refusals. No other room is named here.
+
+mod allowed;
+mod cruise;
+mod error;
+mod finish;
+mod limited_by;
+mod phase;
+mod request;
+mod set_by;
+mod unknown_name;
+
+pub use allowed::Allowed;
+pub use cruise::Cruise;
+pub use error::{Nearest, PlanError};
+pub use finish::Finish;
+pub use limited_by::LimitedBy;
+pub use phase::Phase;
+pub use request::Request;
+pub use set_by::SetBy;
+pub use unknown_name::UnknownName;
+
+pub(in crate::plan) use error::within;

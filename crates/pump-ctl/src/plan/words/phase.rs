@@ -1,0 +1,55 @@
+//! Where the rollers stand.
+
+use pump_model::Pump;
+use pump_model::math::ceil;
+
+use super::allowed::Allowed;
+use super::error::{PlanError, within};
+
+/// Angle of the rotor in the model's zero (a roller begins to leave the outlet), and how well it is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Phase {
+    /// Angle, rad. Only the angle within a pitch matters.
+    pub angle_rad: f64,
+    /// Largest distance of the true angle from `angle_rad`, rad, not negative.
+    pub half_width_rad: f64,
+}
+
+impl Phase {
+    /// Makes an angle that is known exactly.
+    pub fn known(angle_rad: f64) -> Self {
+        Self { angle_rad, half_width_rad: 0.0 }
+    }
+
+    /// Makes an angle of which nothing is known, for a pump of this pitch. Its middle, 0, stands for every angle.
+    pub fn unknown(pitch_rad: f64) -> Self {
+        Self { angle_rad: 0.0, half_width_rad: 0.5 * pitch_rad }
+    }
+
+    /// Tells whether anything is known of the angle, for a pump of this pitch.
+    pub fn is_known(&self, pitch_rad: f64) -> bool {
+        self.half_width_rad < 0.5 * pitch_rad
+    }
+
+    /// Smallest and largest volume, mL, that a turn by `turn_rad` delivers from wherever the rollers may stand.
+    pub fn range_ml(&self, pump: &Pump, turn_rad: f64) -> (f64, f64) {
+        pump.outlet_curve().turn_range_ml(self.angle_rad, self.half_width_rad, turn_rad)
+    }
+
+    /// Offsets from this angle, rad, at which a plan looks at the rollers. They are both ends of the range in which
+    /// the rollers may stand, its middle, and angles between them a sixteenth of a pitch apart at most. A known angle
+    /// has the offset 0 alone.
+    pub(in crate::plan) fn beside(&self, pitch_rad: f64) -> impl Iterator<Item = f64> + use<> {
+        let half_rad = self.half_width_rad.min(0.5 * pitch_rad);
+        // 8 at most.
+        let looks = ceil(16.0 * half_rad / pitch_rad) as i32;
+        (-looks..=looks).map(move |n| if n == 0 { 0.0 } else { half_rad * f64::from(n) / f64::from(looks) })
+    }
+
+    pub(in crate::plan) fn validate(&self) -> Result<(), PlanError> {
+        within("start angle in rad", self.angle_rad, Allowed::EitherWay { most: 1e6 })?;
+        within("half width of the start angle in rad", self.half_width_rad, Allowed::NotNegative)
+    }
+}
