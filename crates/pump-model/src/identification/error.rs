@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::error::ModelError;
+use crate::error::{Allowed, ModelError};
 
 /// Measurements that are refused or say too little, with what is wrong and what to do.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -32,7 +32,7 @@ pub enum IdentificationError {
         /// What was given.
         value: f64,
         /// What is accepted.
-        allowed: &'static str,
+        allowed: Allowed,
     },
     /// What was measured does not tell a parameter.
     #[error("the {of} do not determine the {parameter}: {why}")]
@@ -52,8 +52,8 @@ pub enum IdentificationError {
          sensor may be off"
     )]
     Unexplained {
-        /// By how much the squares of the residuals are less than those about the mean of the samples, %; negative if they are
-        /// more.
+        /// By how much the squares of the residuals are less than those about the mean of the samples, %; negative if
+        /// they are more.
         explained_percent: f64,
         /// How much they must be less, %.
         least_percent: f64,
@@ -91,16 +91,19 @@ pub enum IdentificationError {
     Model(#[from] ModelError),
 }
 
-/// Refuses a measured value that is not finite.
-pub(super) fn finite(
-    quantity: &'static str,
-    of: &'static str,
-    index: usize,
+/// Name of a measured value in errors: its quantity with the unit, the kind of reading, and the reading's index from 0.
+pub(super) type Reading = (&'static str, &'static str, usize);
+
+/// Refuses a measured value that is not allowed.
+pub(super) fn within(reading: Reading, value: f64, allowed: Allowed) -> Result<(), IdentificationError> {
+    if allowed.admits(value) { Ok(()) } else { Err(refused(reading, value, allowed)) }
+}
+
+/// The error of a measured value that is not allowed.
+pub(super) fn refused(
+    (quantity, of, index): Reading,
     value: f64,
-) -> Result<(), IdentificationError> {
-    if value.is_finite() {
-        Ok(())
-    } else {
-        Err(IdentificationError::Value { quantity, of, number: index + 1, value, allowed: "a finite number" })
-    }
+    allowed: impl Into<Allowed>,
+) -> IdentificationError {
+    IdentificationError::Value { quantity, of, number: index + 1, value, allowed: allowed.into() }
 }

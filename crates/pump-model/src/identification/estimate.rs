@@ -10,8 +10,8 @@ use super::student::widening;
 pub struct Estimate {
     /// The value.
     pub value: f64,
-    /// Its standard uncertainty, in the unit of the value, widened by Student's t so that twice it covers 95 % however few
-    /// measurements there were.
+    /// Its standard uncertainty, in the unit of the value, widened by Student's t so that twice it covers 95 % however
+    /// few measurements there were.
     pub standard: f64,
 }
 

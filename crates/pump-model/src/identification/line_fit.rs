@@ -1,10 +1,10 @@
 //! R, C and L from a measured pressure waveform, by nonlinear least squares on the model.
 
-use crate::error::{ModelError, positive};
-use crate::flow_curve::FlowCurve;
-use crate::line::Line;
+use crate::error::{Allowed, ModelError, within};
+use crate::head::flow_curve::FlowCurve;
+use crate::line::line::Line;
 use crate::math::{exp, log, sqrt, wrap};
-use crate::pump::Pump;
+use crate::pump::pump::Pump;
 
 use super::autocorrelation::{LAGS, correlated_samples};
 use super::error::IdentificationError;
@@ -24,16 +24,16 @@ const NAMES: [&str; N] =
 /// Change of each parameter by which its effect is measured; that of the pressure is known.
 const PROBES: [f64; PRESSURE] = [1e-5, 1e-5, 1e-5, 1e-5, 1e-6];
 
-/// Angles over a pitch, and natural frequencies beside the given line's, from which the search may start: the sum of squares
-/// has other minima where the line swings too often or too late.
+/// Angles over a pitch, and natural frequencies beside the given line's, from which the search may start: the sum of
+/// squares has other minima where the line swings too often or too late.
 const ANGLES: u32 = 12;
 const FREQUENCIES: [f64; 5] = [1.0, 0.6, 0.8, 1.25, 1.7];
 
 /// How many of them are followed to their minimum.
 const FOLLOWED: usize = 3;
 
-/// Part of the samples' variance that a fit of their shape must explain: less is a Pearson correlation below 0.32. With four
-/// parameters and 100 independent samples this is an F of 2.7, where 2.5 comes by chance once in twenty times.
+/// Part of the samples' variance that a fit of their shape must explain: less is a Pearson correlation below 0.32. With
+/// four parameters and 100 independent samples this is an F of 2.7, where 2.5 comes by chance once in twenty times.
 const LEAST_EXPLAINED: f64 = 0.1;
 
 /// What is sought; the rest is held as the pump and the recording have it.
@@ -76,10 +76,10 @@ impl Sought {
 
 /// A line that was fitted to a waveform. What was not sought has the value it was held at and no uncertainty.
 ///
-/// Standard uncertainties come from the Jacobian and the residuals. Neighbouring residuals are alike, so n samples say as much
-/// as n over the residuals' integrated autocorrelation time: that many count. This holds for noise whose memory is short
-/// beside a swing of the line. A mismatch that returns with every pulse is no noise and is not in them: RMSE and correlation
-/// show it.
+/// Standard uncertainties come from the Jacobian and the residuals. Neighbouring residuals are alike, so n samples say
+/// as much as n over the residuals' integrated autocorrelation time: that many count. This holds for noise whose memory
+/// is short beside a swing of the line. A mismatch that returns with every pulse is no noise and is not in them: RMSE
+/// and correlation show it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineFit {
     /// R, kPa s/mL.
@@ -105,8 +105,8 @@ pub struct LineFit {
 }
 
 impl LineFit {
-    /// Fits the line of the recording's port, starting from `pump`'s. The pump's flow is taken as known, and so is the motion
-    /// but for what is sought of it.
+    /// Fits the line of the recording's port, starting from `pump`'s. The pump's flow is taken as known, and so is the
+    /// motion but for what is sought of it.
     ///
     /// ```
     /// use pump_model::identification::{LineFit, Motion, PressureSample, Recording, Sought};
@@ -204,7 +204,8 @@ impl LineFit {
         })
     }
 
-    /// Part of the samples' variance that the fit explains, 1 at most; negative where it is worse than a constant pressure.
+    /// Part of the samples' variance that the fit explains, 1 at most; negative where it is worse than a constant
+    /// pressure.
     pub fn explained(&self) -> f64 {
         explained(self.rms_kpa, self.spread_kpa)
     }
@@ -282,7 +283,8 @@ impl Problem<'_> {
     fn best(&self, line: &Line) -> Result<Found<N>, IdentificationError> {
         if self.flags[0] {
             // Its logarithm is sought.
-            positive("line resistance to start from in kPa s/mL", line.resistance_kpa_s_ml)?;
+            let parameter = "line resistance to start from in kPa s/mL";
+            within(parameter, line.resistance_kpa_s_ml, Allowed::POSITIVE)?;
         }
         let logarithms =
             [line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml].map(log);

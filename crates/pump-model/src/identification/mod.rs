@@ -1,5 +1,5 @@
-//! Lines from measurements: R from flows and pressures, C from an injection, L (and R, C) from a waveform, each with how
-//! sure it is.
+//! Lines from measurements: R from flows and pressures, C from an injection, L (and R, C) from a waveform, each with
+//! how sure it is.
 
 mod autocorrelation;
 mod compliance;

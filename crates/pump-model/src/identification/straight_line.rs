@@ -34,8 +34,8 @@ impl Terms {
 }
 
 impl StraightLine {
-    /// Through points (x, y, standard error of y); the errors' ratios count, their size follows from the scatter. None if the
-    /// points do not determine it or are no more than the parameters.
+    /// Through points (x, y, standard error of y); the errors' ratios count, their size follows from the scatter. None
+    /// if the points do not determine it or are no more than the parameters.
     pub(super) fn through(points: impl Iterator<Item = (f64, f64, f64)>, terms: Terms) -> Option<Self> {
         let mut triangle = Triangle::holding([terms.offset, true, terms.bend]);
         let (mut count, mut most_x, mut most_y) = (0_u32, 0.0_f64, 0.0_f64);
