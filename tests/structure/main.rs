@@ -40,7 +40,12 @@ fn no_circle_of_files_crosses_a_folder() {
         .filter(|circle| circle.iter().any(|file| folder(file) != folder(&circle[0])))
         .map(|circle| graph.describe(&circle))
         .collect();
-    assert!(crossing.is_empty(), "{} circles of files cross a folder:\n{}", crossing.len(), crossing.join("\n"));
+    assert!(
+        crossing.is_empty(),
+        "{} circles of files cross a folder:\n{}",
+        crossing.len(),
+        crossing.join("\n")
+    );
 }
 
 #[test]

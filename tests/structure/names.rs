@@ -150,7 +150,9 @@ fn imports(item: &ItemUse) -> Vec<(String, Vec<String>)> {
                 found.push((before.last().cloned().unwrap_or_default(), before.to_vec()));
             }
             UseTree::Name(name) => found.push((name.ident.to_string(), with(name.ident.to_string()))),
-            UseTree::Rename(rename) => found.push((rename.rename.to_string(), with(rename.ident.to_string()))),
+            UseTree::Rename(rename) => {
+                found.push((rename.rename.to_string(), with(rename.ident.to_string())))
+            }
             UseTree::Glob(_) => found.push(("*".to_owned(), before.to_vec())),
             UseTree::Group(group) => group.items.iter().for_each(|tree| walk(tree, before, found)),
         }
@@ -190,7 +192,8 @@ impl<'ast> Visit<'ast> for Named {
 
     fn visit_item_use(&mut self, item: &'ast ItemUse) {
         if matches!(item.vis, Visibility::Inherited) {
-            self.paths.extend(imports(item).into_iter().filter(|(name, _)| name != "*").map(|(_, path)| path));
+            self.paths
+                .extend(imports(item).into_iter().filter(|(name, _)| name != "*").map(|(_, path)| path));
         }
     }
 

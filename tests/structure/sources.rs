@@ -42,8 +42,10 @@ impl Sources {
 
     /// Reads the module `path` from `file`; its children are in `folder`.
     fn read(&mut self, root: &Path, path: Vec<String>, file: PathBuf, folder: &Path) {
-        let text = fs::read_to_string(root.join(&file)).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
-        let items = syn::parse_file(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display())).items;
+        let text = fs::read_to_string(root.join(&file))
+            .unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        let items =
+            syn::parse_file(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display())).items;
         self.add(root, path, &file, folder, items);
     }
 
