@@ -45,8 +45,8 @@ impl Drawing {
         let least_square = roller_offset_mm * roller_offset_mm - inner_mm * inner_mm;
         if roller_radius_mm * roller_radius_mm <= least_square {
             return refused(
-                "more than sqrt(offset² - (backplate radius - tube diameter)²), for its volume to follow from a drawing; \
-                 measure that of a smaller one",
+                "more than sqrt(offset² - (backplate radius - tube diameter)²), for its volume to follow from a \
+                 drawing; measure that of a smaller one",
             );
         }
         if roller_radius_mm >= roller_offset_mm {

@@ -22,8 +22,8 @@ pub enum ModelError {
     },
     /// At some angle no roller closes the tube.
     #[error(
-        "{rollers} rollers stand {pitch_deg:.1} deg apart but each seals over {span_deg:.1} deg of the backplate, so at \
-         some angles no roller seals; use more rollers or a larger contact angle"
+        "{rollers} rollers stand {pitch_deg:.1} deg apart but each seals over {span_deg:.1} deg of the \
+         backplate, so at some angles no roller seals; use more rollers or a larger contact angle"
     )]
     NotSealing {
         /// Number of rollers.
@@ -57,8 +57,8 @@ pub enum ModelError {
     /// Rollers engage and leave at the same time on one straight: psi < 0.
     #[error(
         "rollers engage over {engagement_deg:.2} deg and seal over {span_deg:.2} deg, which leaves \
-         psi = 360 - {span_deg:.2} - {engagement_deg:.2} = {psi_deg:.2} deg; it must not be negative: use a smaller \
-         contact angle"
+         psi = 360 - {span_deg:.2} - {engagement_deg:.2} = {psi_deg:.2} deg; it must not be negative: use a \
+         smaller contact angle"
     )]
     EngagementTooLong {
         /// phi, degrees.
@@ -101,7 +101,8 @@ pub enum ModelError {
     },
     /// A roller-volume curve with more pieces than there are places.
     #[error(
-        "the roller volume needs more than {allowed} pieces; give fewer measured points (or their fit), or check the dimensions"
+        "the roller volume needs more than {allowed} pieces; give fewer measured points (or their fit), or \
+         check the dimensions"
     )]
     TooManyPieces {
         /// How many there may be.
@@ -120,8 +121,8 @@ pub enum ModelError {
     },
     /// A line that swings all through a long pitch.
     #[error(
-        "at {speed_rad_s:.3e} rad/s the {port} line swings all through the pitch, and its extremes take {steps:.1e} steps; allowed: \
-         {allowed:.0e}; give the line more resistance, or choose a faster speed"
+        "at {speed_rad_s:.3e} rad/s the {port} line swings all through the pitch, and its extremes take \
+         {steps:.1e} steps; allowed: {allowed:.0e}; give the line more resistance, or choose a faster speed"
     )]
     RingsTooLong {
         /// `inlet` or `outlet`.
@@ -135,8 +136,8 @@ pub enum ModelError {
     },
     /// Integrating does not come to a periodic steady state.
     #[error(
-        "no periodic steady state after {pitches} pitches: the last one still changed by {change_kpa:.2e} kPa; give the lines \
-         more resistance, less inertance or less compliance, or a speed at which a pitch takes longer"
+        "no periodic steady state after {pitches} pitches: the last one still changed by {change_kpa:.2e} kPa; \
+         give the lines more resistance, less inertance or less compliance, or a speed at which a pitch takes longer"
     )]
     NotPeriodic {
         /// How many were tried.

@@ -46,10 +46,10 @@ pub enum IdentificationError {
     },
     /// A waveform of which the pump explains nothing.
     #[error(
-        "the fit explains {explained_percent:.1} % of how the samples of pressure vary (a constant pressure explains 0), so they \
-         do not determine the line; allowed: {least_percent} % at least; check speed, start angle, port and units, and whether the \
-         pump turned; of a record that is noise for the most part average over pitches; seek the reservoir's pressure too if the \
-         sensor may be off"
+        "the fit explains {explained_percent:.1} % of how the samples of pressure vary (a constant pressure \
+         explains 0), so they do not determine the line; allowed: {least_percent} % at least; check speed, \
+         start angle, port and units, and whether the pump turned; of a record that is noise for the most part \
+         average over pitches; seek the reservoir's pressure too if the sensor may be off"
     )]
     Unexplained {
         /// By how much the squares of the residuals are less than those about the mean of the samples, %; negative if
@@ -68,8 +68,8 @@ pub enum IdentificationError {
     },
     /// The search for the least squares did not end.
     #[error(
-        "the fit did not converge in {steps} steps (RMS {rms_kpa:.3} kPa); start from a line that is nearer, seek fewer \
-         parameters, and check speed, start angle and units"
+        "the fit did not converge in {steps} steps (RMS {rms_kpa:.3} kPa); start from a line that is nearer, \
+         seek fewer parameters, and check speed, start angle and units"
     )]
     NotConverged {
         /// How many were made.
@@ -79,8 +79,8 @@ pub enum IdentificationError {
     },
     /// The residuals look alike for so long that nobody can say how sure the fit is.
     #[error(
-        "what the fit leaves over stays alike for more than {samples} samples: the model misses something, or the record is \
-         much denser than the noise; keep every tenth sample, or check speed, angle and line"
+        "what the fit leaves over stays alike for more than {samples} samples: the model misses something, or \
+         the record is much denser than the noise; keep every tenth sample, or check speed, angle and line"
     )]
     Alike {
         /// Over how many samples it was looked at.
