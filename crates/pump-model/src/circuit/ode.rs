@@ -10,7 +10,7 @@ use crate::motion::stretches::Stretch;
 
 use super::resistance::{Linear, Resistance};
 
-/// What flows at the rollers into or out of a line.
+/// Flow at the rollers into or out of a line.
 pub trait Forcing {
     /// Flow at the rollers at time `t_s`, mL/s, positive from inlet to outlet.
     fn flow_ml_s(&self, t_s: f64) -> f64;

@@ -23,7 +23,7 @@ const WINDOW: usize = 4;
 /// Error allowed in a step, well below [`NEAR_KPA`].
 pub(crate) const TOLERANCE: f64 = 1e-8;
 
-/// What a pitch was and the state at its end, every part of it in kPa.
+/// Tally of a pitch and the state at its end, every part of it in kPa.
 pub(crate) type Turned<T, const K: usize> = Result<(T, [f64; K]), IntegrationError>;
 
 /// The first of the pitches that repeats those before to within [`NEAR_KPA`]: `turn` makes the pitch of that number,

@@ -145,7 +145,7 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize, R: Resistance + Copy> PortRun<
         self.solver.state()
     }
 
-    /// What the integration has cost.
+    /// Cost of the integration so far.
     pub fn statistics(&self) -> Statistics {
         self.solver.statistics()
     }

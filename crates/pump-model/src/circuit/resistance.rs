@@ -19,7 +19,7 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// Of a valid line.
+    /// Resistance of a valid line.
     pub fn of(line: &Line) -> Self {
         Self { damping_per_s: line.resistance_kpa_s_ml / line.inertance_kpa_s2_ml }
     }
@@ -45,7 +45,7 @@ pub struct Rough {
 }
 
 impl Rough {
-    /// Of a hose whose L is that of the line.
+    /// Friction of a hose whose L is that of the line.
     pub fn new(friction: Friction, line: &Line) -> Self {
         Self { friction, per_inertance: 1.0 / line.inertance_kpa_s2_ml }
     }
@@ -60,7 +60,7 @@ impl Resistance for Rough {
     }
 }
 
-/// What a line resists, chosen when running.
+/// Resistance of a line, chosen when running.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Loss {
     /// R.

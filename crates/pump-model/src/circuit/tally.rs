@@ -6,7 +6,7 @@ use crate::line::line::Line;
 use crate::math::polynomial::Polynomial;
 use crate::motion::ripple::square_integral;
 
-/// What one port does over a pitch, tallied step by step.
+/// Pressures and flows of one port over a pitch, tallied step by step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tally {
     /// s C, mL/kPa, s = 1 at the outlet and -1 at the inlet.

@@ -22,7 +22,7 @@ pub(crate) struct Knots {
 }
 
 impl Knots {
-    /// Of points (rad, mL) in any order; volumes at the same angle are averaged.
+    /// Knots from points (rad, mL) in any order; volumes at the same angle are averaged.
     pub(crate) fn of(points: impl Iterator<Item = (f64, f64)>) -> Result<Self, ModelError> {
         let mut knots = Self { places: [Knot::default(); MAX_KNOTS], count: 0 };
         for (x_rad, volume_ml) in points {

@@ -43,7 +43,7 @@ impl Allowed {
     /// Every finite number above zero.
     pub const POSITIVE: Self = Self::Positive;
 
-    /// Whether a value is allowed. Words admit nothing: the caller has found the value wrong already.
+    /// True if a value is allowed. Words admit nothing: the caller has found the value wrong already.
     pub fn admits(self, value: f64) -> bool {
         match self {
             Self::Finite => value.is_finite(),

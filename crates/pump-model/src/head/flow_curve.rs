@@ -114,7 +114,7 @@ impl FlowCurve {
         Ok(())
     }
 
-    /// The same with flow and volume times `factor`, which must be positive.
+    /// This curve with flow and volume times `factor`, which must be positive.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         let mut scaled = *self;
         for piece in &mut scaled.pieces {
@@ -125,8 +125,8 @@ impl FlowCurve {
         scaled
     }
 
-    /// The same counted from another zero: at any angle what this curve has at that angle + `zero_rad`, which must be
-    /// finite. None if there is no room for the piece that the new zero cuts in two.
+    /// This curve counted from another zero: at any angle it has what this curve has at that angle + `zero_rad`, which
+    /// must be finite. None if there is no room for the piece that the new zero cuts in two.
     pub(crate) fn shifted(&self, zero_rad: f64) -> Option<Self> {
         let (_, first_rad) = self.split(zero_rad);
         let cut = self.index_of(first_rad);
@@ -270,7 +270,7 @@ impl FlowCurve {
         (piece, next.map_or(self.pitch_rad, |next| next.start_rad))
     }
 
-    /// Whether [`Self::split`] finds so many `pitches` and a rest in `local_rad`, a part of the pitch. On a seam, where
+    /// True if [`Self::split`] finds so many `pitches` and a rest in `local_rad`, a part of the pitch. On a seam, where
     /// it may have to correct its rounding, the answer is no.
     #[inline]
     pub(crate) fn is_within(&self, angle_rad: f64, pitches: f64, local_rad: &Range<f64>) -> bool {

@@ -53,7 +53,7 @@ impl RollerVolume {
         if curve.total_ml > 0.0 { Ok(curve) } else { Err(ModelError::RollerVolumeFlat { engagement_deg }) }
     }
 
-    /// The same of what is known to be valid.
+    /// Curve of [`Self::from_polynomial_deg`] from coefficients that are known to be valid.
     pub(crate) fn of_valid(highest_first: [f64; 6], engagement_deg: f64) -> Self {
         let mut c = highest_first;
         c.reverse();
@@ -108,13 +108,13 @@ impl RollerVolume {
         self.pieces().iter().map(|piece| (piece.start_rad, piece.volume.c))
     }
 
-    /// The same shape with another total volume, mL.
+    /// This curve's shape with another total volume, mL.
     pub fn scaled_to(&self, total_ml: f64) -> Result<Self, ModelError> {
         within("roller volume in mL", total_ml, Allowed::POSITIVE)?;
         Ok(Self { total_ml, ..self.scaled(total_ml / self.total_ml) })
     }
 
-    /// The same shape with every volume times `factor`, which must be positive.
+    /// This curve's shape with every volume times `factor`, which must be positive.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         let mut scaled = *self;
         for piece in &mut scaled.pieces {
@@ -124,7 +124,7 @@ impl RollerVolume {
         scaled
     }
 
-    /// The same shape and total over another engagement angle, degrees.
+    /// This curve's shape and total over another engagement angle, degrees.
     pub fn stretched_to(&self, engagement_deg: f64) -> Result<Self, ModelError> {
         within("engagement angle in deg", engagement_deg, Allowed::POSITIVE)?;
         let engagement_rad = radians(engagement_deg);

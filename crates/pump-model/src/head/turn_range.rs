@@ -1,4 +1,4 @@
-//! What a turn delivers whose start is only known to lie in an interval.
+//! The volume of a turn whose start is only known to lie in an interval.
 
 use crate::math::polynomial::Polynomial;
 

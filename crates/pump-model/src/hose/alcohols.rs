@@ -7,7 +7,7 @@ use crate::math::{exp, log, pow};
 
 use super::fluid::{Fluid, kelvin, series};
 
-/// What is published of an alcohol.
+/// Published properties of an alcohol.
 struct Alcohol {
     /// Name of its temperature in errors.
     parameter: &'static str,

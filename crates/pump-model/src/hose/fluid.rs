@@ -1,4 +1,4 @@
-//! What is pumped: density, viscosity, bulk modulus, vapour pressure.
+//! The fluid that is pumped: density, viscosity, bulk modulus, vapour pressure.
 
 use crate::error::{Allowed, ModelError, within};
 use crate::math::{exp, pow};

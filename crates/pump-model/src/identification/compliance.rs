@@ -41,7 +41,7 @@ pub struct ComplianceFit {
     pub bend: Option<(Estimate, Estimate)>,
 }
 
-/// What is counted in errors.
+/// The name of the points in errors.
 const POINTS: &str = "points of volume and pressure";
 
 impl ComplianceFit {

@@ -11,35 +11,35 @@ pub enum IdentificationError {
     /// There is nothing to fit.
     #[error("{given} {of}; {needed} at least are needed for {parameters} parameters and how sure they are")]
     TooFew {
-        /// How many there are.
+        /// Number of readings.
         given: usize,
-        /// Of what.
+        /// Kind of reading.
         of: &'static str,
-        /// How many are needed.
+        /// Number of readings that is needed.
         needed: usize,
-        /// How many are sought.
+        /// Number of parameters that are sought.
         parameters: usize,
     },
     /// A measured value that is none.
     #[error("{quantity} of {of} {number} is {value}; allowed: {allowed}")]
     Value {
-        /// What was measured, with its unit.
+        /// Name of the quantity, with its unit.
         quantity: &'static str,
-        /// Of what.
+        /// Kind of reading.
         of: &'static str,
-        /// Its number, from 1.
+        /// Number of the reading, from 1.
         number: usize,
-        /// What was given.
+        /// Value that was read.
         value: f64,
-        /// What is accepted.
+        /// Values that are accepted.
         allowed: Allowed,
     },
-    /// What was measured does not tell a parameter.
+    /// The readings do not determine a parameter.
     #[error("the {of} do not determine the {parameter}: {why}")]
     Undetermined {
-        /// What was measured.
+        /// Kind of reading.
         of: &'static str,
-        /// What was sought.
+        /// Parameter that was sought.
         parameter: &'static str,
         /// Why it was not found, and what to do.
         why: &'static str,

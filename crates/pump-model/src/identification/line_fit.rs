@@ -30,9 +30,9 @@ pub struct LineFit {
     pub compliance_ml_kpa: Estimate,
     /// L, kPa s²/mL.
     pub inertance_kpa_s2_ml: Estimate,
-    /// What is added to the angle of the motion, rad, within half a pitch either way.
+    /// Angle that is added to that of the motion, rad, within half a pitch either way.
     pub angle_rad: Estimate,
-    /// What is added to the time of the motion, s.
+    /// Time that is added to that of the motion, s.
     pub start_s: Estimate,
     /// P_res, kPa absolute.
     pub reservoir_kpa: Estimate,

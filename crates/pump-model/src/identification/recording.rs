@@ -21,7 +21,7 @@ pub struct PressureSample {
     pub pressure_kpa: f64,
 }
 
-/// What the rotor did.
+/// Motion of the rotor during a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion<'a> {
     /// It started from rest, the line at rest too: legs of constant acceleration, each of which starts when and where
@@ -43,11 +43,11 @@ pub struct Recording<'a> {
     pub port: Port,
     /// In order of time.
     pub samples: &'a [PressureSample],
-    /// What the rotor did meanwhile, in the time of the samples.
+    /// Motion of the rotor meanwhile, in the time of the samples.
     pub motion: Motion<'a>,
 }
 
-/// What is counted in errors.
+/// The name of the samples in errors.
 pub(super) const SAMPLES: &str = "samples of pressure";
 
 impl<'a> Recording<'a> {

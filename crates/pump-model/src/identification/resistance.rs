@@ -64,7 +64,7 @@ pub struct ResistanceFit {
     pub bend: Option<Bend>,
 }
 
-/// What is counted in errors.
+/// The name of the points in errors.
 const POINTS: &str = "points of flow and pressure";
 
 impl ResistanceFit {

@@ -39,7 +39,7 @@ impl Sought {
         pressure: false,
     };
 
-    /// Whether anything is sought that the mean pressure does not tell.
+    /// True if anything is sought that the mean pressure does not tell.
     pub(super) fn is_of_shape(self) -> bool {
         self.compliance || self.inertance || self.angle || self.start
     }

@@ -20,7 +20,7 @@ pub(super) struct StraightLine {
 /// A line that rises by less is one of values that are all the same, but for rounding.
 const FLAT: f64 = 1e-12;
 
-/// What is sought beside the slope.
+/// Terms that are sought beside the slope.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Terms {
     pub(super) offset: bool,
@@ -54,7 +54,7 @@ impl StraightLine {
         Some(Self { offset, slope, bend, scatter: sqrt(square), rise })
     }
 
-    /// Whether it rises, by more than rounding.
+    /// True if the line rises by more than rounding.
     pub(super) fn is_rising(&self) -> bool {
         self.rise > FLAT
     }

@@ -14,7 +14,7 @@ pub struct Options<const N: usize> {
 }
 
 impl<const N: usize> Options<N> {
-    /// The same tolerance for every state, relative and absolute.
+    /// Options with one tolerance for every state, relative and absolute.
     pub fn uniform(tolerance: f64) -> Self {
         Self {
             relative: SVector::repeat(tolerance),
@@ -24,7 +24,7 @@ impl<const N: usize> Options<N> {
     }
 }
 
-/// What an integration cost.
+/// Cost of an integration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Statistics {
     /// Accepted steps.

@@ -29,9 +29,9 @@ pub struct Rodas5p<const N: usize> {
     options: Options<N>,
     /// Length that the error control asks for. A step clipped by a stop does not change it.
     proposed_s: f64,
-    /// Whether the next step starts where the derivative jumps.
+    /// True if the next step starts where the derivative jumps.
     restart: bool,
-    /// What the last step evaluated at its end, for the next to start from.
+    /// Values that the last step evaluated at its end, for the next to start from.
     known: Option<Start<N>>,
     statistics: Statistics,
 }
@@ -72,7 +72,7 @@ impl<const N: usize> Rodas5p<N> {
         self.known = None;
     }
 
-    /// What it has cost so far.
+    /// Cost of the integration so far.
     pub fn statistics(&self) -> Statistics {
         self.statistics
     }
@@ -214,7 +214,7 @@ impl<const N: usize> Rodas5p<N> {
     }
 }
 
-/// What is known where a step starts or ends.
+/// State and derivatives where a step starts or ends.
 #[derive(Debug, Clone)]
 struct Start<const N: usize> {
     time_s: f64,

@@ -31,13 +31,13 @@ pub struct ExactSamples<'a, M> {
     valid: usize,
 }
 
-/// What a step of fixed length does inside the stretch under way.
+/// Effect of a step of fixed length inside the stretch under way.
 #[derive(Debug, Clone)]
 struct Interval {
     propagator: Propagator,
     /// e^(A h) by columns.
     decay: [Balanced; 2],
-    /// What the flow adds to both states, as polynomials in the time since the stretch's start.
+    /// Input that the flow adds to both states, as polynomials in the time since the stretch's start.
     input: [[f64; 5]; 2],
 }
 

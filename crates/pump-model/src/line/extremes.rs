@@ -12,7 +12,7 @@ pub struct Extremes {
 }
 
 impl Extremes {
-    /// Of a single pressure.
+    /// Extremes of a single pressure.
     pub fn at(pressure_kpa: f64) -> Self {
         Self { min_kpa: pressure_kpa, max_kpa: pressure_kpa }
     }

@@ -1,4 +1,4 @@
-//! What a hose resists at every flow: friction from laminar to turbulent, and what its ends and bends take.
+//! The resistance of a hose at every flow: friction from laminar to turbulent, and the losses of its ends and bends.
 
 use crate::math::{log, pow};
 

@@ -59,7 +59,7 @@ const RECIPROCALS: [f64; TERMS + DEGREE + 2] = {
     table
 };
 
-/// What a time step of fixed length does to the state of an [`Oscillator`].
+/// Effect of a time step of fixed length on the state of an [`Oscillator`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Propagator {
     step_s: f64,
@@ -116,7 +116,7 @@ impl Propagator {
         Self { step_s: h, change, response, degree }
     }
 
-    /// The same for twice the step: F' = 2 F + F², gamma_k' = (e^(A h) gamma_k + sum_j C(k, j) gamma_j) / 2^k.
+    /// Makes the step twice as long: F' = 2 F + F², gamma_k' = (e^(A h) gamma_k + sum_j C(k, j) gamma_j) / 2^k.
     fn double(&mut self) {
         let mut scale = 1.0;
         let mut doubled = self.response;
@@ -168,7 +168,7 @@ impl Propagator {
         self.change
     }
 
-    /// What a flow of degree 4 adds to both states over a step that starts at `t`, as polynomials in t:
+    /// Input that a flow of degree 4 adds to both states over a step that starts at `t`, as polynomials in t:
     /// sum_k gamma_k h^k f^(k)(t)/k!.
     pub(crate) fn input(&self, flow: &Flow) -> [[f64; 5]; 2] {
         let mut inputs = [[0.0; 5]; 2];

@@ -114,8 +114,8 @@ impl Polynomial {
         roots
     }
 
-    /// Whether its control points over [0, 1] all lie on one side of zero, as it then does itself: a polynomial lies
-    /// within the hull of its Bernstein coefficients (Farouki, "The Bernstein polynomial basis: a centennial
+    /// True if all control points over [0, 1] lie on one side of zero, as the polynomial then does itself: a polynomial
+    /// lies within the hull of its Bernstein coefficients (Farouki, "The Bernstein polynomial basis: a centennial
     /// retrospective", Computer Aided Geometric Design 29, 2012). Says no where rounding might decide.
     fn keeps_its_sign(&self) -> bool {
         const BINOMIALS: [f64; DEGREE + 1] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];

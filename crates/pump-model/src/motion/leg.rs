@@ -30,7 +30,7 @@ impl Leg {
         Self { start_s, ..Self::constant_speed(angle_rad, 0.0) }
     }
 
-    /// The same with the rollers `off_rad` farther on.
+    /// This leg with the rollers `off_rad` farther on.
     pub fn beside(self, off_rad: f64) -> Self {
         Self { angle_rad: self.angle_rad + off_rad, ..self }
     }

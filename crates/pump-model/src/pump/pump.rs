@@ -62,7 +62,7 @@ impl Pump {
         Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve }
     }
 
-    /// The same pump displacing `factor` times as much at every angle: flows and volumes of both ports, of a revolution
+    /// This pump displacing `factor` times as much at every angle: flows and volumes of both ports, of a revolution
     /// and of a roller. Dimensions and lines stay as they are.
     ///
     /// ```
@@ -82,7 +82,7 @@ impl Pump {
         })
     }
 
-    /// The same pump with its angles counted from where this one has `zero_rad`.
+    /// This pump with its angles counted from where this one has `zero_rad`.
     pub fn shifted(&self, zero_rad: f64) -> Result<Self, ModelError> {
         const SHIFT: &str = "shift of the zero in rad";
         within(SHIFT, zero_rad, Allowed::FINITE)?;
@@ -148,8 +148,8 @@ impl Pump {
         (inlet_ml_rad, outlet_ml_rad, outlet_ml)
     }
 
-    /// What [`Self::at_angle`] says of many angles, for less: neighbours in one piece of both curves need one look-up.
-    /// The slices should be of one length; what is longer is left as it is.
+    /// Flows and volumes of [`Self::at_angle`] at many angles, for less: neighbours in one piece of both curves need
+    /// one look-up. The slices should be of one length; what is longer is left as it is.
     pub fn at_angles(
         &self,
         angle_rad: &[f64],

@@ -15,7 +15,7 @@ use super::pump::Pump;
 /// Steps over a pitch in search of a steady state's extremes, of which each takes about a microsecond.
 const MOST_STEPS: f64 = 1e6;
 
-/// What a pump does at constant speed once start-up is forgotten.
+/// Pressures, mean flow and ripple of a pump at constant speed, once start-up is forgotten.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteadyState {
     /// Range of the inlet pressure, kPa absolute.

@@ -62,7 +62,7 @@ impl PortLine {
     }
 }
 
-/// What stays the same while the pump turns.
+/// Parameters and lines, which stay as they are while the pump turns.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plant {
     pub(super) model: RollerCentric,
@@ -83,7 +83,7 @@ pub(super) struct Chambers<'a> {
     pub(super) offset_rad: f64,
 }
 
-/// What depends on the angle alone, at one time.
+/// Quantities that depend on the angle alone, at one time.
 struct Moment {
     speed: f64,
     acceleration: f64,
@@ -133,8 +133,8 @@ impl Chambers<'_> {
         moment
     }
 
-    /// What the rollers let into a chamber less what they let out, mL/s; with `over` 1 its slope over the angle, mL/(s
-    /// rad).
+    /// Flow that the rollers let into a chamber less that which they let out, mL/s; with `over` 1 its slope over the
+    /// angle, mL/(s rad).
     fn leaks(&self, moment: &Moment, y: &State, chamber: usize, over: usize) -> f64 {
         let kpa = |chamber| y[pressure_of(chamber, moment.contacts)];
         let past = |k: usize| moment.conductance[k][over] * (kpa(k + 1) - kpa(k));
@@ -161,7 +161,7 @@ impl Chambers<'_> {
         net
     }
 
-    /// What tube and lines hold at time `t`, mL, up to a constant.
+    /// Volume that tube and lines hold at time `t`, mL, up to a constant.
     pub(super) fn stored_ml(&self, t: f64, y: &State) -> f64 {
         let moment = self.at(t);
         let Plant { inlet, outlet, .. } = self.plant;

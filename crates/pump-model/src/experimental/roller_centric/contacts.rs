@@ -186,7 +186,7 @@ impl Contact {
         }
     }
 
-    /// Whether it lets something pass.
+    /// True if the roller lets something pass.
     pub(super) fn is_open(&self) -> bool {
         self.opening != [0.0; 2]
     }

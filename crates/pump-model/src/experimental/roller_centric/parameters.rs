@@ -5,7 +5,7 @@ use crate::error::{Allowed, ModelError, refused, within};
 use crate::head::paper;
 use crate::pump::pump::Pump;
 
-/// What the roller-centric model needs to know beyond the [`Pump`]. Experimental: the module's documentation lists what
+/// Parameters of the roller-centric model beyond the [`Pump`]. Experimental: the module's documentation lists what
 /// it assumes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -175,8 +175,8 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         self.contacts.as_slice().len().saturating_sub(1).min(MAX_SEGMENTS)
     }
 
-    /// What the tube and the compliance of the lines hold at the time reached, mL, up to a constant: it grows by what
-    /// was taken less what was delivered.
+    /// Volume that the tube and the compliance of the lines hold at the time reached, mL, up to a constant: it grows by
+    /// what was taken less what was delivered.
     pub fn stored_ml(&self) -> f64 {
         let passage = self.passage.unwrap_or(rest(self.solver.time_s()));
         let Passage { leg, offset_rad, .. } = passage;
@@ -189,7 +189,7 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         self.solver.time_s()
     }
 
-    /// What the integration has cost.
+    /// Cost of the integration so far.
     pub fn statistics(&self) -> Statistics {
         self.solver.statistics()
     }
