@@ -13,7 +13,7 @@ pub(crate) const SHORT: f64 = 0.5;
 
 /// A line in coordinates in which both states carry energy alike: x = p, y = Q_L z with z = sqrt(L/C).
 ///
-/// With s = 1 at the outlet and -1 at the inlet and w = 1/sqrt(L C), the circuit of `circuit.rs` reads
+/// With s = 1 at the outlet and -1 at the inlet and w = 1/sqrt(L C), the circuit of `circuit/ode.rs` reads
 /// dx/dt = s w (z f - y), dy/dt = s w x - (R/L) y.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Oscillator {

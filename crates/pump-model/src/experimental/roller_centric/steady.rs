@@ -20,7 +20,7 @@ impl RollerCentric {
     /// Periodic steady state at `speed_rad_s`, which must not be zero; negative in reverse. Integrated from rest, pitch
     /// by pitch, until pressures and what the pump holds change by no more than 1e-5 kPa; an error after 2,000 pitches.
     ///
-    /// The ripple is that of the flow out of the pump ([`super::RollerSample::outlet_ml_s`]).
+    /// The ripple is that of the flow out of the pump ([`crate::RollerSample::outlet_ml_s`]).
     pub fn steady_state(&self, pump: &Pump, speed_rad_s: f64) -> Result<SteadyState, ModelError> {
         self.resisted_steady_state(pump, [pump.inlet(), pump.outlet()].map(Loss::of), speed_rad_s)
     }
