@@ -6,9 +6,13 @@
 //!
 //! Units are mL, kPa absolute, s and rad, and stand in every name. Needs neither `std` nor an allocator.
 //!
-//! Feature `integrator`, on by default: the implicit integrator, for models that are not linear, and the runs made with it.
-//! Feature `identification`, on by default: roller volumes from a drawing or from measured points, lines from hoses
-//! or from measurements.
+//! A feature gates rooms, and all four are on by default:
+//!
+//! - `integrator`: the implicit integrator, for models that are not linear, and the runs made with it.
+//! - `construction`: roller volumes from a drawing or from measured points, lines from hoses and fluids.
+//! - `identification`: lines from measurements.
+//! - `experimental`: the roller-centric model and the speed law.
+//!
 //! Everything else links into firmware without a panic (`tests/no_panic`).
 //!
 //! ```
@@ -20,98 +24,59 @@
 //! ```
 #![no_std]
 
-#[cfg(feature = "identification")]
-mod alcohols;
 #[cfg(feature = "integrator")]
 pub mod circuit;
-#[cfg(feature = "identification")]
+#[cfg(feature = "construction")]
 mod drawing;
-#[cfg(feature = "identification")]
-mod drawing_fit;
 mod error;
-mod exact;
-mod exact_samples;
-mod extremes;
-pub mod flow_curve;
-#[cfg(feature = "identification")]
-mod fluid;
-#[cfg(feature = "identification")]
-mod friction;
-mod geometry;
-#[cfg(feature = "identification")]
-mod glycerol;
-mod hermite;
-#[cfg(feature = "identification")]
+#[cfg(feature = "experimental")]
+mod experimental;
+mod head;
+#[cfg(feature = "construction")]
 mod hose;
 #[cfg(feature = "identification")]
 pub mod identification;
 #[cfg(feature = "integrator")]
 pub mod integrator;
-#[cfg(feature = "identification")]
-mod least_squares;
 mod line;
 pub mod math;
-pub mod metrics;
-#[cfg(feature = "identification")]
-mod monotone_spline;
 mod motion;
-#[cfg(feature = "integrator")]
-mod periodic;
-pub mod polynomial;
-#[cfg(feature = "integrator")]
-mod port_run;
-mod presets;
-mod propagator;
 mod pump;
-#[cfg(feature = "identification")]
-mod quadrature;
-mod ringing;
-mod ripple;
-#[cfg(feature = "integrator")]
-mod roller_centric;
-pub mod roller_volume;
-mod settling;
-#[cfg(feature = "identification")]
-mod speed_law;
-#[cfg(feature = "identification")]
-mod speed_law_flow;
-mod steady;
-mod stretches;
-mod turn_range;
-#[cfg(feature = "identification")]
-pub mod volume_fit;
-mod walk;
 
-#[cfg(feature = "identification")]
-pub use drawing::Drawing;
-pub use error::ModelError;
-pub use exact::ExactRun;
-pub use exact_samples::ExactSamples;
-pub use extremes::Extremes;
-pub use flow_curve::{FlowCurve, Port};
-#[cfg(feature = "identification")]
-pub use fluid::Fluid;
-#[cfg(feature = "identification")]
-pub use friction::Friction;
-pub use geometry::Geometry;
-#[cfg(feature = "identification")]
-pub use hose::Hose;
-pub use line::Line;
-pub use motion::Leg;
 #[cfg(feature = "integrator")]
-pub use port_run::{DEFAULT_TOLERANCE, PortRun};
-pub use presets::{PUBLISHED_CONTACT_ANGLE_DEG, Variant};
-pub use pump::Pump;
-pub use ripple::Ripple;
-#[cfg(feature = "integrator")]
-pub use roller_centric::{RollerCentric, RollerRun, RollerSample};
-pub use roller_volume::RollerVolume;
-pub use settling::SETTLED_ML;
-#[cfg(feature = "identification")]
-pub use speed_law::SpeedLaw;
-#[cfg(feature = "identification")]
-pub use speed_law_flow::SpeedLawFlow;
-pub use steady::SteadyState;
-pub use stretches::{Stretch, Stretches};
-#[cfg(feature = "identification")]
-pub use volume_fit::{VolumeFit, VolumePoint};
+pub use circuit::port_run::{DEFAULT_TOLERANCE, PortRun};
+#[cfg(feature = "construction")]
+pub use drawing::drawing::Drawing;
+#[cfg(feature = "construction")]
+pub use drawing::volume_fit::{self, VolumeFit, VolumePoint};
+pub use error::{Allowed, IntegrationError, ModelError};
+#[cfg(feature = "experimental")]
+pub use experimental::roller_centric::parameters::RollerCentric;
+#[cfg(feature = "experimental")]
+pub use experimental::roller_centric::run::{RollerRun, RollerSample};
+#[cfg(feature = "experimental")]
+pub use experimental::speed_law::SpeedLaw;
+#[cfg(feature = "experimental")]
+pub use experimental::speed_law_flow::SpeedLawFlow;
+pub use head::flow_curve::{self, FlowCurve};
+pub use head::geometry::Geometry;
+pub use head::paper::{self, CONTACT_ANGLE_DEG as PUBLISHED_CONTACT_ANGLE_DEG};
+pub use head::port::Port;
+pub use head::roller_volume::{self, RollerVolume};
+#[cfg(feature = "construction")]
+pub use hose::fluid::Fluid;
+#[cfg(feature = "construction")]
+pub use hose::hose::Hose;
+pub use line::exact_run::ExactRun;
+pub use line::exact_samples::ExactSamples;
+pub use line::extremes::Extremes;
+pub use line::friction::Friction;
+pub use line::line::Line;
+pub use line::settling::SETTLED_ML;
+pub use math::{metrics, polynomial};
+pub use motion::leg::Leg;
+pub use motion::ripple::Ripple;
+pub use motion::stretches::{Stretch, Stretches};
+pub use pump::presets::Variant;
+pub use pump::pump::Pump;
+pub use pump::steady_state::SteadyState;

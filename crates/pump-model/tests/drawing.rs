@@ -1,4 +1,5 @@
-//! Roller volumes from the drawing: against an independent quadrature, against what McIntyre et al. measured, and as curves.
+//! Roller volumes from the drawing: against an independent quadrature, against what McIntyre et al. measured, and as
+//! curves.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -12,8 +13,8 @@ fn drawing(variant: Variant) -> Drawing {
     Drawing::new(&Geometry::published(3, variant)).unwrap()
 }
 
-/// V in mL at theta straight from the gap between roller and backplate, over y on the straight and over the polar angle p on
-/// the arc, by adaptive Simpson quadrature that knows no corners.
+/// V in mL at theta straight from the gap between roller and backplate, over y on the straight and over the polar angle
+/// p on the arc, by adaptive Simpson quadrature that knows no corners.
 fn independent_ml(g: &Geometry, theta_rad: f64) -> f64 {
     let tube_mm = 2.0 * g.tube_outer_radius_mm;
     let (r_b, r_roller, offset) = (g.backplate_radius_mm, g.roller_radius_mm, g.roller_offset_mm);

@@ -53,8 +53,8 @@ fn the_jacobian_is_the_derivative_of_the_right_hand_side() {
     }
 }
 
-/// Runge's classic method with equal steps, which knows nothing of edges: they cost it 1e-6 mL/s at 160,000 steps and four times
-/// that at half as many.
+/// Runge's classic method with equal steps, which knows nothing of edges: they cost it 1e-6 mL/s at 160,000 steps and
+/// four times that at half as many.
 fn classic(pump: &Pump, friction: &Friction, speed_rad_s: f64, end_s: f64, steps: u32) -> [f64; 2] {
     let line = pump.outlet();
     let derivative = |t: f64, [p, q]: [f64; 2]| {

@@ -68,7 +68,9 @@ proptest! {
         bore in 0.2..20.0_f64, wall in 0.01..30.0_f64, modulus in 0.5..1e5_f64, poisson in 0.0..=0.5_f64,
     ) {
         let hose = Hose {
-            bore_radius_mm: bore, outer_radius_mm: bore + wall, modulus_mpa: modulus, poisson_ratio: poisson, ..PUBLISHED
+            bore_radius_mm: bore,
+            outer_radius_mm: bore + wall,
+            modulus_mpa: modulus, poisson_ratio: poisson, ..PUBLISHED
         };
         let (d, t) = (2.0 * bore, wall);
         // d/(E t) (2 t/d (1 + nu) + d (1 - nu²)/(d + t)), per MPa.

@@ -39,7 +39,8 @@ fn there_and_back() -> [Leg; 3] {
     [leg(0.0, 0.2, 0.4, 0.0, 75.0), leg(0.2, 0.3, 1.9, 15.0, 0.0), leg(0.5, 0.6, 6.4, 15.0, -50.0)]
 }
 
-/// Root mean square deviation from the flow-centric model, kPa, of inlet and outlet over a motion from rest, every millisecond.
+/// Root mean square deviation from the flow-centric model, kPa, of inlet and outlet over a motion from rest, every
+/// millisecond.
 fn rmse_kpa(pump: &Pump, model: RollerCentric, legs: &[Leg], samples: u32) -> [f64; 2] {
     let legs = || legs.iter().copied();
     let mut run = RollerRun::new(pump, model, legs(), DEFAULT_TOLERANCE).unwrap();

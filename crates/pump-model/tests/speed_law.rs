@@ -6,8 +6,8 @@ use core::f64::consts::TAU;
 
 use pump_model::{Line, ModelError, Pump, SpeedLaw, SpeedLawFlow, Variant};
 
-/// Speeds of the paper's tests, r/min, ten revolutions at each, mL: by the law, by the linear model with V_r 2.06, and the
-/// largest and smallest inlet pressure of the steady state.
+/// Speeds of the paper's tests, r/min, ten revolutions at each, mL: by the law, by the linear model with V_r 2.06, and
+/// the largest and smallest inlet pressure of the steady state.
 fn volumes(rollers: u32, fastest_rpm: u32) -> Vec<(f64, f64, f64)> {
     let pump = Pump::preset(rollers, Variant::Measured).unwrap();
     let linear_ml = 10.0 * Pump::preset(rollers, Variant::Published).unwrap().revolution_ml();

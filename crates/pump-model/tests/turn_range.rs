@@ -46,8 +46,10 @@ proptest! {
         let width = width.min(0.5 * curve.pitch_rad());
         let found_most = largest(|start| turned_ml(curve, start, turn), start - width, start + width);
         let found_least = -largest(|start| -turned_ml(curve, start, turn), start - width, start + width);
-        prop_assert!(least <= found_least + 1e-12 && found_most <= most + 1e-12, "{least} {found_least} {found_most} {most}");
-        prop_assert!(found_least - least < 1e-9 && most - found_most < 1e-9, "{least} {found_least} {found_most} {most}");
+        prop_assert!(least <= found_least + 1e-12 && found_most <= most + 1e-12,
+            "{least} {found_least} {found_most} {most}");
+        prop_assert!(found_least - least < 1e-9 && most - found_most < 1e-9,
+            "{least} {found_least} {found_most} {most}");
     }
 
     #[test]
@@ -60,7 +62,8 @@ proptest! {
         let pump = Pump::preset(rollers, Variant::Measured).unwrap();
         let curve = pump.outlet_curve();
         let (least, most) = curve.turn_range_ml(start, width, f64::from(pitches) * curve.pitch_rad());
-        prop_assert!((0.0..1e-12).contains(&(most - least)), "{least} {most}");
+        prop_assert!((0.0..1e-12).contains(&(most - least)),
+            "{least} {most}");
         prop_assert!((most - f64::from(pitches) * curve.pitch_ml()).abs() < 1e-12, "{most}");
     }
 

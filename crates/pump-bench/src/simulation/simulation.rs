@@ -92,7 +92,9 @@ impl Simulation {
 
     /// Refuses what cannot be run.
     pub fn validate(&self) -> Result<(), ModelError> {
-        let out = |parameter, value, allowed| Err(ModelError::OutOfRange { parameter, value, allowed });
+        let out = |parameter, value, allowed: &'static str| {
+            Err(ModelError::OutOfRange { parameter, value, allowed: allowed.into() })
+        };
         if !(1e-6..=1e4).contains(&self.speed_rad_s.abs()) {
             return out("speed in rad/s", self.speed_rad_s, "1e-6 to 1e4 either way");
         }

@@ -3,12 +3,12 @@
 /// Lags that are looked at.
 pub(super) const LAGS: usize = 1024;
 
-/// The integrated autocorrelation time in samples, 1 + 2 (rho_1 + rho_2 + ...), at least 1; none if it does not end within
-/// [`LAGS`].
+/// The integrated autocorrelation time in samples, 1 + 2 (rho_1 + rho_2 + ...), at least 1; none if it does not end
+/// within [`LAGS`].
 ///
-/// Sums of neighbouring pairs are added while they are positive, each as the smallest so far (Geyer, "Practical Markov chain
-/// Monte Carlo", Statist. Sci. 7, 1992, the initial monotone sequence): beyond there is noise alone. The values are not
-/// centred: a mean that is not 0 is a correlation too.
+/// Sums of neighbouring pairs are added while they are positive, each as the smallest so far (Geyer, "Practical Markov
+/// chain Monte Carlo", Statist. Sci. 7, 1992, the initial monotone sequence): beyond there is noise alone. The values
+/// are not centred: a mean that is not 0 is a correlation too.
 pub(super) fn correlated_samples(values: impl Iterator<Item = f64>) -> Option<f64> {
     // The last values, the newest at `newest`.
     let (mut last, mut newest, mut count) = ([0.0; LAGS], 0, 0_usize);

@@ -1,6 +1,8 @@
 //! C from a syringe that injects into a closed line: C = dV/dP.
 
-use super::error::{IdentificationError, finite};
+use crate::error::Allowed;
+
+use super::error::{IdentificationError, within};
 use super::estimate::Estimate;
 use super::straight_line::{StraightLine, Terms};
 
@@ -13,8 +15,8 @@ pub struct InjectionPoint {
     pub pressure_kpa: f64,
 }
 
-/// C by least squares of the pressure over the volume: the syringe says the volume exactly, the sensor's noise is in the
-/// pressure.
+/// C by least squares of the pressure over the volume: the syringe says the volume exactly, the sensor's noise is in
+/// the pressure.
 ///
 /// ```
 /// use pump_model::identification::{ComplianceFit, InjectionPoint};
@@ -33,20 +35,21 @@ pub struct ComplianceFit {
     pub start_kpa: Estimate,
     /// Standard deviation of the points about the line, kPa.
     pub scatter_kpa: f64,
-    /// dP/dV at the start and by how much it changes with the volume, kPa/mL and kPa/mL², where that is more than twice its
-    /// standard uncertainty: the line stiffens or softens (air in it stiffens), and C holds at pressures like the points' alone.
+    /// dP/dV at the start and by how much it changes with the volume, kPa/mL and kPa/mL², where that is more than twice
+    /// its standard uncertainty: the line stiffens or softens (air in it stiffens), and C holds at pressures like the
+    /// points' alone.
     pub bend: Option<(Estimate, Estimate)>,
 }
 
-/// What is counted in errors.
+/// The name of the points in errors.
 const POINTS: &str = "points of volume and pressure";
 
 impl ComplianceFit {
     /// Fits P = P_start + V/C.
     pub fn of(points: &[InjectionPoint]) -> Result<Self, IdentificationError> {
         for (n, point) in points.iter().enumerate() {
-            finite("volume in mL", "point", n, point.volume_ml)?;
-            finite("pressure in kPa", "point", n, point.pressure_kpa)?;
+            within(("volume in mL", "point", n), point.volume_ml, Allowed::FINITE)?;
+            within(("pressure in kPa", "point", n), point.pressure_kpa, Allowed::FINITE)?;
         }
         let through = |bend| {
             let points = points.iter().map(|point| (point.volume_ml, point.pressure_kpa, 1.0));
@@ -79,8 +82,8 @@ impl ComplianceFit {
         self.start_kpa.value + volume_ml / self.compliance_ml_kpa.value
     }
 
-    /// Effective bulk modulus B_e = dP V_total/dV = V_total/C of a closed line that holds `total_ml`, kPa (McIntyre et al.; their
-    /// C = 1/B_e lacks the volume).
+    /// Effective bulk modulus B_e = dP V_total/dV = V_total/C of a closed line that holds `total_ml`, kPa (McIntyre et
+    /// al.; their C = 1/B_e lacks the volume).
     pub fn bulk_modulus_kpa(&self, total_ml: f64) -> Estimate {
         self.compliance_ml_kpa.inverse().times(total_ml)
     }

@@ -10,13 +10,13 @@ use super::student::widening;
 pub struct Estimate {
     /// The value.
     pub value: f64,
-    /// Its standard uncertainty, in the unit of the value, widened by Student's t so that twice it covers 95 % however few
-    /// measurements there were.
+    /// Its standard uncertainty, in the unit of the value, widened by Student's t so that twice it covers 95 % however
+    /// few measurements there were.
     pub standard: f64,
 }
 
 impl Estimate {
-    /// Of a value whose variance was estimated with so many degrees of freedom.
+    /// Estimate of a value whose variance was estimated with so many degrees of freedom.
     pub(super) fn new(value: f64, variance: f64, degrees_of_freedom: u32) -> Self {
         Self { value, standard: widening(degrees_of_freedom) * sqrt(variance) }
     }
@@ -32,7 +32,7 @@ impl Estimate {
         Self { value, standard: self.standard * value * value }
     }
 
-    /// Whether twice the standard uncertainty leaves out 0.
+    /// True if 0 lies more than twice the standard uncertainty away.
     pub fn differs_from_zero(&self) -> bool {
         2.0 * self.standard < self.value.abs()
     }

@@ -7,7 +7,8 @@ use super::triangle::Triangle;
 /// Steps that a search may take; it takes about ten.
 pub(super) const MOST_STEPS: u32 = 100;
 
-/// A fit is done when what a step could still gain is this part of what is left, or the step is this small in every parameter.
+/// A fit is done when what a step could still gain is this part of what is left, or the step is this small in every
+/// parameter.
 const GAIN: f64 = 1e-12;
 const STEP: f64 = 1e-9;
 
@@ -16,7 +17,8 @@ pub(super) trait Residuals<const N: usize> {
     /// Sum of squares of the residuals; an error where there is no model.
     fn sum(&self, at: &[f64; N]) -> Result<f64, ModelError>;
 
-    /// A row for every residual: by how much the model rises with each parameter, and the residual, measured less model.
+    /// A row for every residual: by how much the model rises with each parameter, and the residual, measured less
+    /// model.
     fn rows(&self, at: &[f64; N]) -> Result<Triangle<N>, ModelError>;
 }
 

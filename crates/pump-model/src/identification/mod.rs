@@ -1,5 +1,5 @@
-//! Lines from measurements: R from flows and pressures, C from an injection, L (and R, C) from a waveform, each with how
-//! sure it is.
+//! Lines from measurements: R from flows and pressures, C from an injection, L (and R, C) from a waveform, each with
+//! how sure it is.
 
 mod autocorrelation;
 mod compliance;
@@ -9,14 +9,17 @@ mod line_fit;
 mod marquardt;
 mod recording;
 mod resistance;
+mod sought;
 mod straight_line;
 mod student;
 mod triangle;
+mod waveform;
 
 pub use compliance::{ComplianceFit, InjectionPoint};
 pub use error::IdentificationError;
 pub use estimate::Estimate;
-pub use line_fit::{LineFit, Sought};
+pub use line_fit::LineFit;
 pub use recording::{Motion, PressureSample, Recording};
 pub use resistance::{Bend, FlowPoint, ResistanceFit};
+pub use sought::Sought;
 pub use student::widening;

@@ -1,15 +1,16 @@
 //! A measured pressure, and what the model says of it.
 
-use crate::error::{ModelError, positive};
-use crate::exact::ExactRun;
-use crate::flow_curve::{FlowCurve, Port};
-use crate::line::Line;
+use crate::error::{self, Allowed, ModelError};
+use crate::head::flow_curve::FlowCurve;
+use crate::head::port::Port;
+use crate::line::exact_run::ExactRun;
+use crate::line::line::Line;
+use crate::line::periodic_state::periodic_state;
 use crate::math::{sqrt, wrap};
-use crate::motion::Leg;
-use crate::pump::Pump;
-use crate::steady::periodic_state;
+use crate::motion::leg::Leg;
+use crate::pump::pump::Pump;
 
-use super::error::{IdentificationError, finite};
+use super::error::{IdentificationError, refused, within};
 
 /// A pressure at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,11 +21,11 @@ pub struct PressureSample {
     pub pressure_kpa: f64,
 }
 
-/// What the rotor did.
+/// Motion of the rotor during a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion<'a> {
-    /// It started from rest, the line at rest too: legs of constant acceleration, each of which starts when and where the one
-    /// before ends.
+    /// It started from rest, the line at rest too: legs of constant acceleration, each of which starts when and where
+    /// the one before ends.
     FromRest(&'a [Leg]),
     /// It turned at constant speed for so long that start-up is forgotten.
     Steady {
@@ -42,11 +43,11 @@ pub struct Recording<'a> {
     pub port: Port,
     /// In order of time.
     pub samples: &'a [PressureSample],
-    /// What the rotor did meanwhile, in the time of the samples.
+    /// Motion of the rotor meanwhile, in the time of the samples.
     pub motion: Motion<'a>,
 }
 
-/// What is counted in errors.
+/// The name of the samples in errors.
 pub(super) const SAMPLES: &str = "samples of pressure";
 
 impl<'a> Recording<'a> {
@@ -54,23 +55,22 @@ impl<'a> Recording<'a> {
     pub(super) fn validate(&self) -> Result<(), IdentificationError> {
         let mut last_s = f64::NEG_INFINITY;
         for (n, sample) in self.samples.iter().enumerate() {
-            finite("time in s", "sample", n, sample.time_s)?;
-            finite("pressure in kPa absolute", "sample", n, sample.pressure_kpa)?;
+            within(("time in s", "sample", n), sample.time_s, Allowed::FINITE)?;
+            within(("pressure in kPa absolute", "sample", n), sample.pressure_kpa, Allowed::FINITE)?;
             if sample.time_s <= last_s {
-                return Err(IdentificationError::Value {
-                    quantity: "time in s",
-                    of: "sample",
-                    number: n + 1,
-                    value: sample.time_s,
-                    allowed: "more than that of the sample before",
-                });
+                let allowed = "more than that of the sample before";
+                return Err(refused(("time in s", "sample", n), sample.time_s, allowed));
             }
             last_s = sample.time_s;
         }
         match self.motion {
-            Motion::FromRest(legs) => Ok(positive("number of legs of the motion", legs.len() as f64)?),
+            Motion::FromRest(legs) => {
+                let legs = legs.len() as f64;
+                Ok(error::within("number of legs of the motion", legs, Allowed::POSITIVE)?)
+            }
             Motion::Steady { speed_rad_s, .. } => {
-                Ok(positive("speed in rad/s, without sign", speed_rad_s.abs())?)
+                let speed_rad_s = speed_rad_s.abs();
+                Ok(error::within("speed in rad/s, without sign", speed_rad_s, Allowed::POSITIVE)?)
             }
         }
     }
@@ -90,8 +90,8 @@ impl<'a> Recording<'a> {
         sqrt(square / count)
     }
 
-    /// Pressures above the reservoir by the model at the times of the samples, kPa, on a line that need not be the pump's, with
-    /// the motion at angles that are `angle_rad` larger and `start_s` later.
+    /// Pressures above the reservoir by the model at the times of the samples, kPa, on a line that need not be the
+    /// pump's, with the motion at angles that are `angle_rad` larger and `start_s` later.
     pub(super) fn model_kpa(
         &self,
         curve: &'a FlowCurve,

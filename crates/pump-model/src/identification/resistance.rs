@@ -1,6 +1,8 @@
 //! R from flows and the pressures that they take: dP = R Q.
 
-use super::error::{IdentificationError, finite};
+use crate::error::Allowed;
+
+use super::error::{IdentificationError, within};
 use super::estimate::Estimate;
 use super::straight_line::{StraightLine, Terms};
 
@@ -11,7 +13,8 @@ pub struct FlowPoint {
     pub flow_ml_s: f64,
     /// Pressure at its beginning less that at its end, kPa, in the direction of positive flow.
     pub drop_kpa: f64,
-    /// Standard uncertainty of the pressure, kPa, positive. Points weigh by the ratios of these; 1 for all weighs them alike.
+    /// Standard uncertainty of the pressure, kPa, positive. Points weigh by the ratios of these; 1 for all weighs them
+    /// alike.
     pub standard_kpa: f64,
 }
 
@@ -50,33 +53,28 @@ pub struct ResistanceFit {
     pub resistance_kpa_s_ml: Estimate,
     /// Drop at no flow, kPa, where it was sought: a reservoir or a sensor that is off.
     pub offset_kpa: Option<Estimate>,
-    /// Drop at no flow, kPa, where it was not sought but is more than twice its standard uncertainty, and explains the points
-    /// better than a bend does.
+    /// Drop at no flow, kPa, where it was not sought but is more than twice its standard uncertainty, and explains the
+    /// points better than a bend does.
     pub missed_offset_kpa: Option<Estimate>,
-    /// Standard deviation of the points about the straight line, in units of their standard uncertainties: kPa if those are 1.
+    /// Standard deviation of the points about the straight line, in units of their standard uncertainties: kPa if those
+    /// are 1.
     pub scatter: f64,
-    /// The bent line, where its bend is more than twice its standard uncertainty; then R holds at flows like the points' alone.
+    /// The bent line, where its bend is more than twice its standard uncertainty; then R holds at flows like the
+    /// points' alone.
     pub bend: Option<Bend>,
 }
 
-/// What is counted in errors.
+/// The name of the points in errors.
 const POINTS: &str = "points of flow and pressure";
 
 impl ResistanceFit {
     /// Fits a line through the origin, or with an offset.
     pub fn of(points: &[FlowPoint], with_offset: bool) -> Result<Self, IdentificationError> {
         for (n, point) in points.iter().enumerate() {
-            finite("flow in mL/s", "point", n, point.flow_ml_s)?;
-            finite("pressure drop in kPa", "point", n, point.drop_kpa)?;
-            if !(point.standard_kpa.is_finite() && point.standard_kpa > 0.0) {
-                return Err(IdentificationError::Value {
-                    quantity: "standard uncertainty of the pressure in kPa",
-                    of: "point",
-                    number: n + 1,
-                    value: point.standard_kpa,
-                    allowed: "a positive number",
-                });
-            }
+            within(("flow in mL/s", "point", n), point.flow_ml_s, Allowed::FINITE)?;
+            within(("pressure drop in kPa", "point", n), point.drop_kpa, Allowed::FINITE)?;
+            let standard = ("standard uncertainty of the pressure in kPa", "point", n);
+            within(standard, point.standard_kpa, Allowed::POSITIVE)?;
         }
         let with = |offset, bend| {
             let points = points.iter().map(|point| (point.flow_ml_s, point.drop_kpa, point.standard_kpa));

@@ -20,7 +20,7 @@ pub(super) struct StraightLine {
 /// A line that rises by less is one of values that are all the same, but for rounding.
 const FLAT: f64 = 1e-12;
 
-/// What is sought beside the slope.
+/// Terms that are sought beside the slope.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Terms {
     pub(super) offset: bool,
@@ -34,8 +34,8 @@ impl Terms {
 }
 
 impl StraightLine {
-    /// Through points (x, y, standard error of y); the errors' ratios count, their size follows from the scatter. None if the
-    /// points do not determine it or are no more than the parameters.
+    /// Through points (x, y, standard error of y); the errors' ratios count, their size follows from the scatter. None
+    /// if the points do not determine it or are no more than the parameters.
     pub(super) fn through(points: impl Iterator<Item = (f64, f64, f64)>, terms: Terms) -> Option<Self> {
         let mut triangle = Triangle::holding([terms.offset, true, terms.bend]);
         let (mut count, mut most_x, mut most_y) = (0_u32, 0.0_f64, 0.0_f64);
@@ -54,7 +54,7 @@ impl StraightLine {
         Some(Self { offset, slope, bend, scatter: sqrt(square), rise })
     }
 
-    /// Whether it rises, by more than rounding.
+    /// True if the line rises by more than rounding.
     pub(super) fn is_rising(&self) -> bool {
         self.rise > FLAT
     }

@@ -20,7 +20,7 @@ impl<const N: usize> Triangle<N> {
         Self { r: [[0.0; N]; N], right: [0.0; N], left: 0.0 }
     }
 
-    /// Of no rows, but with x at 0 where `free` is false.
+    /// A triangle of no rows, but with x at 0 where `free` is false.
     pub(super) fn holding(free: [bool; N]) -> Self {
         let mut triangle = Self::new();
         for (n, free) in free.into_iter().enumerate() {

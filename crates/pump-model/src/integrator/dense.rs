@@ -2,8 +2,8 @@
 
 use nalgebra::SVector;
 
-use crate::hermite::{self, End};
-use crate::polynomial::Polynomial;
+use crate::math::hermite::{self, End};
+use crate::math::polynomial::Polynomial;
 
 /// An accepted step with its dense output: every state as a polynomial in x = (t - start) / length.
 #[derive(Debug, Clone, Copy)]

@@ -1,73 +1,15 @@
 //! The steps of RODAS5P: error control, stops, statistics.
 
 use nalgebra::{SMatrix, SVector};
-use thiserror::Error;
 
-use super::Ode;
+use crate::error::IntegrationError;
+use crate::math::hermite::End;
+
 use super::dense::DenseStep;
 use super::lu::Lu;
+use super::ode::Ode;
+use super::options::{Options, Statistics};
 use super::tableau::{A, ALPHA, C, GAMMA, GAMMA_I, H, STAGES};
-use crate::hermite::End;
-
-/// How exactly to integrate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Options<const N: usize> {
-    /// Error allowed in a step, relative to each state. Zero or more.
-    pub relative: SVector<f64, N>,
-    /// Error allowed in a step, in the units of each state. Positive.
-    pub absolute: SVector<f64, N>,
-    /// Longest step, s; infinite by default.
-    pub max_step_s: f64,
-}
-
-impl<const N: usize> Options<N> {
-    /// The same tolerance for every state, relative and absolute.
-    pub fn uniform(tolerance: f64) -> Self {
-        Self {
-            relative: SVector::repeat(tolerance),
-            absolute: SVector::repeat(tolerance),
-            max_step_s: f64::INFINITY,
-        }
-    }
-}
-
-/// What an integration cost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Statistics {
-    /// Accepted steps.
-    pub steps: u64,
-    /// Steps tried again with a shorter length.
-    pub rejections: u64,
-    /// Matrices factored: one a step that was tried.
-    pub factorisations: u64,
-    /// Evaluations of f.
-    pub evaluations: u64,
-}
-
-/// Why an integration stopped.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum IntegrationError {
-    /// The state or its derivative is not a finite number.
-    #[error("the state is not finite at t = {time_s} s")]
-    NotFinite {
-        /// When, s.
-        time_s: f64,
-    },
-    /// The tolerance cannot be met by any step.
-    #[error("the step size underflows at t = {time_s} s; loosen the tolerance")]
-    StepUnderflow {
-        /// When, s.
-        time_s: f64,
-    },
-    /// A tolerance that no method can meet.
-    #[error("integration tolerance {tolerance:e}; allowed: 1e-13 to 0.1")]
-    Tolerance {
-        /// What was asked.
-        tolerance: f64,
-    },
-}
 
 /// The error estimate is of order h^5, so a step is scaled by the fifth root of the error, with some safety.
 const SAFETY: f64 = 0.9;
@@ -75,8 +17,8 @@ const SHRINK: f64 = 0.2;
 const GROW: f64 = 6.0;
 /// A state at rest lets the steps grow without end; beyond this nothing is gained.
 const LONGEST_STEP_S: f64 = 1e100;
-/// A step of this many times the fastest time constant is stiff: beyond it the Hermite polynomial would magnify the error
-/// of the step's ends more than a hundredfold.
+/// A step of this many times the fastest time constant is stiff: beyond it the Hermite polynomial would magnify the
+/// error of the step's ends more than a hundredfold.
 const STIFF: f64 = 10.0;
 
 /// RODAS5P: linearly implicit, order 5(4), eight stages, one factorisation a step, L-stable.
@@ -87,9 +29,9 @@ pub struct Rodas5p<const N: usize> {
     options: Options<N>,
     /// Length that the error control asks for. A step clipped by a stop does not change it.
     proposed_s: f64,
-    /// Whether the next step starts where the derivative jumps.
+    /// True if the next step starts where the derivative jumps.
     restart: bool,
-    /// What the last step evaluated at its end, for the next to start from.
+    /// Values that the last step evaluated at its end, for the next to start from.
     known: Option<Start<N>>,
     statistics: Statistics,
 }
@@ -118,8 +60,8 @@ impl<const N: usize> Rodas5p<N> {
         self.state
     }
 
-    /// Tells that the equation changes or its derivative jumps here: what is known of it is forgotten, and the next step
-    /// is short enough for what follows.
+    /// Tells that the equation changes or its derivative jumps here: what is known of it is forgotten, and the next
+    /// step is short enough for what follows.
     pub fn restart(&mut self) {
         self.restart = true;
     }
@@ -130,7 +72,7 @@ impl<const N: usize> Rodas5p<N> {
         self.known = None;
     }
 
-    /// What it has cost so far.
+    /// Cost of the integration so far.
     pub fn statistics(&self) -> Statistics {
         self.statistics
     }
@@ -272,7 +214,7 @@ impl<const N: usize> Rodas5p<N> {
     }
 }
 
-/// What is known where a step starts or ends.
+/// State and derivatives where a step starts or ends.
 #[derive(Debug, Clone)]
 struct Start<const N: usize> {
     time_s: f64,
@@ -310,8 +252,8 @@ struct Trial<const N: usize> {
     stages: [SVector<f64, N>; STAGES],
 }
 
-/// Where a step of the `wanted` length ends: on the stop where it lies within reach, half way to it where the step would
-/// leave less than a step's length.
+/// Where a step of the `wanted` length ends: on the stop where it lies within reach, half way to it where the step
+/// would leave less than a step's length.
 fn step_end(start_s: f64, wanted_s: f64, stop_s: f64, longest_s: f64) -> f64 {
     let room_s = stop_s - start_s;
     if wanted_s > 0.999 * room_s && room_s <= longest_s {

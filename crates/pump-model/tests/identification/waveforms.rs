@@ -35,7 +35,8 @@ fn some_line(dice: &mut Dice) -> Line {
     }
 }
 
-/// What a sensor shows every 2 ms of a pump with this line: noise of which each sample keeps `memory` of the one before.
+/// What a sensor shows every 2 ms of a pump with this line: noise of which each sample keeps `memory` of the one
+/// before.
 fn record(
     line: Line,
     port: Port,

@@ -100,8 +100,8 @@ fn pump_counters(tolerance: f64) -> [[u64; 3]; 2] {
 }
 
 /// Pinned: a change of these numbers needs a note here of why. Evaluations are free to fall. Rounding alone moves them:
-/// multiplying by reciprocals in place of divisions changed steps by 1 in 1000 and rejections by 6 in 100. Joining pieces
-/// of the same constant flow took a third of the stops away, and 3 steps in 100 at the default tolerance.
+/// multiplying by reciprocals in place of divisions changed steps by 1 in 1000 and rejections by 6 in 100. Joining
+/// pieces of the same constant flow took a third of the stops away, and 3 steps in 100 at the default tolerance.
 #[test]
 fn the_benchmark_costs_what_it_did() {
     assert_eq!(pump_counters(DEFAULT_TOLERANCE), [[1553, 294, 1847], [1505, 243, 1748]]);

@@ -1,0 +1,138 @@
+//! The periodic steady state of what has no closed form: integrated until a pitch repeats the one before.
+
+use crate::error::{IntegrationError, ModelError};
+use crate::head::port::Port;
+use crate::motion::leg::Leg;
+use crate::pump::pump::Pump;
+use crate::pump::steady_state::{SteadyState, moving};
+
+use super::ode::flow_scale_ml_s;
+use super::port_run::PortRun;
+use super::resistance::Loss;
+use super::tally::Tally;
+
+/// Pitches after which the search gives up.
+pub(crate) const MOST_PITCHES: u32 = 2000;
+
+/// How near to its limit the state at the end of a pitch must come, kPa.
+const NEAR_KPA: f64 = 1e-5;
+
+/// Pitches that are compared with as many before: a line that swings makes some changes small by chance.
+const WINDOW: usize = 4;
+
+/// Error allowed in a step, well below [`NEAR_KPA`].
+pub(crate) const TOLERANCE: f64 = 1e-8;
+
+/// Tally of a pitch and the state at its end, every part of it in kPa.
+pub(crate) type Turned<T, const K: usize> = Result<(T, [f64; K]), IntegrationError>;
+
+/// The first of the pitches that repeats those before to within [`NEAR_KPA`]: `turn` makes the pitch of that number,
+/// from 1 on.
+///
+/// With w the largest change of the last four pitches and r how much smaller it is than that of the four before, all
+/// changes to come are 4 w r/(1 - r) at most, as long as they go on like that.
+pub(crate) fn repeated<T, const K: usize>(
+    mut turn: impl FnMut(u32) -> Turned<T, K>,
+) -> Result<T, ModelError> {
+    let mut changes = [f64::INFINITY; 2 * WINDOW];
+    let mut before: Option<[f64; K]> = None;
+    for number in 1..=MOST_PITCHES {
+        let (tally, end) = turn(number)?;
+        let change = before.map_or(f64::INFINITY, |before| {
+            end.iter().zip(before).fold(0.0_f64, |largest, (now, then)| largest.max((now - then).abs()))
+        });
+        before = Some(end);
+        changes.rotate_right(1);
+        changes[0] = change;
+        let largest = |changes: &[f64]| changes.iter().copied().fold(0.0, f64::max);
+        let (last, earlier) = changes.split_at(WINDOW);
+        let (last, earlier) = (largest(last), largest(earlier));
+        // Until there are so many changes, nothing is known of how they fall.
+        let falling = earlier.is_finite() && last < earlier;
+        let left_kpa = if falling { WINDOW as f64 * last * last / (earlier - last) } else { f64::INFINITY };
+        // Below a hundredth of what is asked the changes are those of rounding.
+        if left_kpa <= NEAR_KPA || last <= 0.01 * NEAR_KPA {
+            return Ok(tally);
+        }
+    }
+    Err(ModelError::NotPeriodic { pitches: MOST_PITCHES, change_kpa: changes[0] })
+}
+
+impl Pump {
+    /// As [`Self::steady_state`], with what inlet and outlet line resist in place of their R: integrated from rest,
+    /// pitch by pitch, until nothing changes by more than 1e-5 kPa. An error after 2,000 pitches.
+    pub fn resisted_steady_state(
+        &self,
+        [inlet, outlet]: [Loss; 2],
+        speed_rad_s: f64,
+    ) -> Result<SteadyState, ModelError> {
+        moving(speed_rad_s)?;
+        let inlet = self.repeated_port(Port::Inlet, inlet, speed_rad_s)?;
+        let outlet = self.repeated_port(Port::Outlet, outlet, speed_rad_s)?;
+        let [inlet_kpa, outlet_kpa] = [self.inlet(), self.outlet()].map(|line| line.reservoir_kpa);
+        Ok(SteadyState {
+            inlet: inlet.pressure().above(inlet_kpa),
+            inlet_mean_kpa: inlet_kpa + inlet.mean_kpa(),
+            outlet: outlet.pressure().above(outlet_kpa),
+            outlet_mean_kpa: outlet_kpa + outlet.mean_kpa(),
+            mean_flow_ml_s: self.average_flow_ml_s(speed_rad_s),
+            ripple: self.outlet_curve().ripple(),
+        })
+    }
+
+    /// One port over the first pitch that repeats those before.
+    pub(crate) fn repeated_port(
+        &self,
+        port: Port,
+        loss: Loss,
+        speed_rad_s: f64,
+    ) -> Result<Tally, ModelError> {
+        let (line, period_s) = (self.line(port), self.pitch_rad() / speed_rad_s.abs());
+        let legs = [Leg::constant_speed(0.0, speed_rad_s)];
+        let mut run = PortRun::<_, 2, _>::resisted(self, loss, port, legs, nalgebra::zero(), TOLERANCE)?;
+        repeated(|number| {
+            let mut tally = Tally::new(line, port);
+            while let Some(step) = run.step(f64::from(number) * period_s)? {
+                tally.add(step.length_s, &step.polynomial(0), &step.polynomial(1));
+            }
+            let end = run.state();
+            Ok((tally, [end[0], end[1] / flow_scale_ml_s(line)]))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::line::line::Line;
+    use crate::math::rad_s;
+
+    #[test]
+    fn integrating_to_periodicity_finds_the_closed_form() {
+        for (rollers, rpm) in [(3, 100.0), (2, -150.0), (3, 5.0), (3, 600.0)] {
+            let pump = Pump::preset(rollers, crate::Variant::Measured).unwrap();
+            let linear = [pump.inlet(), pump.outlet()].map(Loss::of);
+            let exact = pump.steady_state(rad_s(rpm)).unwrap();
+            let found = pump.resisted_steady_state(linear, rad_s(rpm)).unwrap();
+            for (found, exact) in [
+                (found.inlet.min_kpa, exact.inlet.min_kpa),
+                (found.inlet.max_kpa, exact.inlet.max_kpa),
+                (found.inlet_mean_kpa, exact.inlet_mean_kpa),
+                (found.outlet.min_kpa, exact.outlet.min_kpa),
+                (found.outlet.max_kpa, exact.outlet.max_kpa),
+                (found.outlet_mean_kpa, exact.outlet_mean_kpa),
+            ] {
+                assert!((found - exact).abs() < 2e-5, "{rollers} rollers, {rpm} r/min: {found} for {exact}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_that_nothing_damps_is_refused_after_a_bounded_search() {
+        let line = Line { resistance_kpa_s_ml: 0.0, ..Line::PUBLISHED };
+        let measured = Pump::three_roller();
+        let pump = Pump::new(*measured.geometry(), *measured.roller_volume(), line, line).unwrap();
+        let found = pump.resisted_steady_state([Loss::of(&line); 2], rad_s(100.0));
+        assert!(matches!(found, Err(ModelError::NotPeriodic { .. })), "{found:?}");
+    }
+}

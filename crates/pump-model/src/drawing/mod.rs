@@ -1,0 +1,9 @@
+//! Roller volumes from a drawing or from measured points.
+
+mod append;
+pub(crate) mod drawing;
+mod drawing_fit;
+mod least_squares;
+mod monotone_spline;
+mod quadrature;
+pub mod volume_fit;

@@ -1,0 +1,35 @@
+//! The one check that refuses a value outside its range.
+
+use super::allowed::Allowed;
+use super::model::ModelError;
+
+/// Refuses a value that is not allowed, with the parameter's name and unit.
+pub(crate) fn within(
+    parameter: &'static str,
+    value: f64,
+    allowed: impl Into<Allowed>,
+) -> Result<(), ModelError> {
+    let allowed = allowed.into();
+    if allowed.admits(value) { Ok(()) } else { Err(refused(parameter, value, allowed)) }
+}
+
+/// The error of a value that is not allowed.
+pub(crate) fn refused(parameter: &'static str, value: f64, allowed: impl Into<Allowed>) -> ModelError {
+    ModelError::OutOfRange { parameter, value, allowed: allowed.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::string::ToString;
+
+    use super::*;
+
+    #[test]
+    fn a_refused_value_is_named_with_what_is_allowed() {
+        let error = within("line resistance in kPa s/mL", -1.0, 0.0..=1e6).unwrap_err();
+        assert_eq!(error.to_string(), "line resistance in kPa s/mL is -1; allowed: 0 to 1e6");
+        assert_eq!(within("line resistance in kPa s/mL", 1e6, 0.0..=1e6), Ok(()));
+    }
+}

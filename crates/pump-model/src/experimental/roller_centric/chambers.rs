@@ -1,0 +1,297 @@
+//! The equations of the chambers and the lines.
+
+use nalgebra::{SMatrix, SVector};
+
+use crate::circuit::ode::flow_scale_ml_s;
+use crate::circuit::{Loss, Resistance};
+use crate::integrator::{Ode, Options};
+use crate::line::line::Line;
+use crate::motion::leg::Leg;
+
+use super::contacts::{Contacts, MAX_CONTACTS, MAX_SEGMENTS};
+use super::parameters::RollerCentric;
+
+/// Where the states stand. Pressures are above ambient, kPa; flows in the lines, mL/s; volumes through them, mL.
+/// Segments follow from the outlet to the inlet, and those that are not there are held.
+pub(super) const INLET_KPA: usize = 0;
+pub(super) const INLET_ML_S: usize = 1;
+pub(super) const OUTLET_KPA: usize = 2;
+pub(super) const OUTLET_ML_S: usize = 3;
+pub(super) const TAKEN_ML: usize = 4;
+pub(super) const DELIVERED_ML: usize = 5;
+pub(super) const SEGMENTS: usize = 6;
+
+/// All states.
+pub(super) const STATES: usize = SEGMENTS + MAX_SEGMENTS;
+
+/// Outlet, segments, inlet.
+const MAX_CHAMBERS: usize = MAX_CONTACTS + 1;
+
+pub(super) type State = SVector<f64, STATES>;
+
+/// The state of a chamber, counted from the outlet, where `contacts` rollers are in contact.
+pub(super) fn pressure_of(chamber: usize, contacts: usize) -> usize {
+    if chamber == 0 {
+        OUTLET_KPA
+    } else if chamber == contacts {
+        INLET_KPA
+    } else {
+        SEGMENTS + chamber - 1
+    }
+}
+
+/// A line with what it resists.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PortLine {
+    pub(super) compliance_ml_kpa: f64,
+    /// 1/L, mL/(s² kPa).
+    per_inertance: f64,
+    /// P_res above ambient, kPa.
+    pub(super) reservoir_kpa: f64,
+    loss: Loss,
+}
+
+impl PortLine {
+    pub(super) fn new(line: &Line, loss: Loss, ambient_kpa: f64) -> Self {
+        Self {
+            compliance_ml_kpa: line.compliance_ml_kpa,
+            per_inertance: 1.0 / line.inertance_kpa_s2_ml,
+            reservoir_kpa: line.reservoir_kpa - ambient_kpa,
+            loss,
+        }
+    }
+}
+
+/// Parameters and lines, which stay as they are while the pump turns.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plant {
+    pub(super) model: RollerCentric,
+    /// s a, mL/rad.
+    pub(super) tube_ml_rad: f64,
+    /// s a pitch, mL.
+    pub(super) pitch_ml: f64,
+    pub(super) inlet: PortLine,
+    pub(super) outlet: PortLine,
+}
+
+/// The differential equation in one passage.
+pub(super) struct Chambers<'a> {
+    pub(super) plant: &'a Plant,
+    pub(super) contacts: &'a Contacts,
+    pub(super) leg: Leg,
+    /// Angle of the leg's start since the piece's start, rad.
+    pub(super) offset_rad: f64,
+}
+
+/// Quantities that depend on the angle alone, at one time.
+struct Moment {
+    speed: f64,
+    acceleration: f64,
+    /// Rollers in contact; there is a chamber more.
+    contacts: usize,
+    /// G_k, mL/(s kPa), and its slope over the angle.
+    conductance: [[f64; 2]; MAX_CONTACTS],
+    /// V0, mL, and its first two slopes over the angle.
+    volume: [[f64; 3]; MAX_CHAMBERS],
+    /// C + D V0, mL/kPa.
+    capacity: [f64; MAX_CHAMBERS],
+}
+
+impl Chambers<'_> {
+    fn at(&self, t: f64) -> Moment {
+        let elapsed = t - self.leg.start_s;
+        let turned = self.offset_rad + self.leg.turned(elapsed);
+        let contacts = self.contacts.as_slice();
+        let Plant { model, tube_ml_rad, pitch_ml, inlet, outlet } = self.plant;
+        let [outlet_rad, inlet_rad] = self.contacts.ends_rad;
+        let mut moment = Moment {
+            speed: self.leg.speed_at(t),
+            acceleration: self.leg.acceleration_rad_s2,
+            contacts: contacts.len(),
+            conductance: [[0.0; 2]; MAX_CONTACTS],
+            volume: [[*pitch_ml, 0.0, 0.0]; MAX_CHAMBERS],
+            capacity: [0.0; MAX_CHAMBERS],
+        };
+        moment.volume[0] = [tube_ml_rad * (outlet_rad - turned), -tube_ml_rad, 0.0];
+        moment.volume[contacts.len()] = [tube_ml_rad * (inlet_rad + turned), *tube_ml_rad, 0.0];
+        for (k, contact) in contacts.iter().enumerate() {
+            for (n, polynomial) in contact.volume.iter().enumerate() {
+                let half = 0.5 * polynomial.at(turned);
+                moment.volume[k][n] -= half;
+                moment.volume[k + 1][n] -= half;
+            }
+            let [at_start, slope] = contact.opening;
+            let opening = at_start + slope * turned;
+            let square = opening * opening / model.valve_resistance_kpa_s_ml;
+            moment.conductance[k] = [square * opening, 3.0 * square * slope];
+        }
+        for (capacity, volume) in moment.capacity.iter_mut().zip(&moment.volume) {
+            *capacity = model.distensibility_per_kpa * volume[0];
+        }
+        moment.capacity[0] += outlet.compliance_ml_kpa;
+        moment.capacity[contacts.len()] += inlet.compliance_ml_kpa;
+        moment
+    }
+
+    /// Flow that the rollers let into a chamber less that which they let out, mL/s; with `over` 1 its slope over the
+    /// angle, mL/(s rad).
+    fn leaks(&self, moment: &Moment, y: &State, chamber: usize, over: usize) -> f64 {
+        let kpa = |chamber| y[pressure_of(chamber, moment.contacts)];
+        let past = |k: usize| moment.conductance[k][over] * (kpa(k + 1) - kpa(k));
+        let behind = if chamber < moment.contacts { past(chamber) } else { 0.0 };
+        let ahead = if chamber > 0 { past(chamber - 1) } else { 0.0 };
+        behind - ahead
+    }
+
+    /// 1 + D (P - P_atm).
+    fn swelling(&self, moment: &Moment, y: &State, chamber: usize) -> f64 {
+        1.0 + self.plant.model.distensibility_per_kpa * y[pressure_of(chamber, moment.contacts)]
+    }
+
+    /// Flow into a chamber that its pressure must take up, mL/s.
+    fn net(&self, moment: &Moment, y: &State, chamber: usize) -> f64 {
+        let mut net = self.leaks(moment, y, chamber, 0)
+            - moment.volume[chamber][1] * moment.speed * self.swelling(moment, y, chamber);
+        if chamber == 0 {
+            net -= y[OUTLET_ML_S];
+        }
+        if chamber == moment.contacts {
+            net += y[INLET_ML_S];
+        }
+        net
+    }
+
+    /// Volume that tube and lines hold at time `t`, mL, up to a constant.
+    pub(super) fn stored_ml(&self, t: f64, y: &State) -> f64 {
+        let moment = self.at(t);
+        let Plant { inlet, outlet, .. } = self.plant;
+        let tube: f64 =
+            (0..=moment.contacts).map(|c| moment.volume[c][0] * self.swelling(&moment, y, c)).sum();
+        tube + inlet.compliance_ml_kpa * y[INLET_KPA] + outlet.compliance_ml_kpa * y[OUTLET_KPA]
+    }
+}
+
+impl Ode<STATES> for Chambers<'_> {
+    fn derivative(&self, t: f64, y: &State) -> State {
+        let moment = self.at(t);
+        let Plant { inlet, outlet, .. } = self.plant;
+        let mut dy = State::zeros();
+        for chamber in 0..=moment.contacts {
+            dy[pressure_of(chamber, moment.contacts)] =
+                self.net(&moment, y, chamber) / moment.capacity[chamber];
+        }
+        dy[INLET_ML_S] = inlet.per_inertance * (inlet.reservoir_kpa - y[INLET_KPA])
+            - inlet.loss.deceleration_ml_s2(y[INLET_ML_S]);
+        dy[OUTLET_ML_S] = outlet.per_inertance * (y[OUTLET_KPA] - outlet.reservoir_kpa)
+            - outlet.loss.deceleration_ml_s2(y[OUTLET_ML_S]);
+        dy[TAKEN_ML] = y[INLET_ML_S];
+        dy[DELIVERED_ML] = y[OUTLET_ML_S];
+        dy
+    }
+
+    fn jacobian(&self, t: f64, y: &State) -> SMatrix<f64, STATES, STATES> {
+        let moment = self.at(t);
+        let Plant { model, inlet, outlet, .. } = self.plant;
+        let mut j = SMatrix::zeros();
+        for chamber in 0..=moment.contacts {
+            let row = pressure_of(chamber, moment.contacts);
+            let per_capacity = 1.0 / moment.capacity[chamber];
+            let mut own = moment.volume[chamber][1] * moment.speed * model.distensibility_per_kpa;
+            if chamber < moment.contacts {
+                let [behind, _] = moment.conductance[chamber];
+                j[(row, pressure_of(chamber + 1, moment.contacts))] = behind * per_capacity;
+                own += behind;
+            } else {
+                j[(row, INLET_ML_S)] = per_capacity;
+            }
+            if chamber > 0 {
+                let [ahead, _] = moment.conductance[chamber - 1];
+                j[(row, pressure_of(chamber - 1, moment.contacts))] = ahead * per_capacity;
+                own += ahead;
+            } else {
+                j[(row, OUTLET_ML_S)] = -per_capacity;
+            }
+            j[(row, row)] = -own * per_capacity;
+        }
+        j[(INLET_ML_S, INLET_KPA)] = -inlet.per_inertance;
+        j[(INLET_ML_S, INLET_ML_S)] = -inlet.loss.damping_per_s(y[INLET_ML_S]);
+        j[(OUTLET_ML_S, OUTLET_KPA)] = outlet.per_inertance;
+        j[(OUTLET_ML_S, OUTLET_ML_S)] = -outlet.loss.damping_per_s(y[OUTLET_ML_S]);
+        j[(TAKEN_ML, INLET_ML_S)] = 1.0;
+        j[(DELIVERED_ML, OUTLET_ML_S)] = 1.0;
+        j
+    }
+
+    fn time_derivative(&self, t: f64, y: &State) -> State {
+        let moment = self.at(t);
+        let Moment { speed, acceleration, .. } = moment;
+        let mut ft = State::zeros();
+        for chamber in 0..=moment.contacts {
+            let [_, slope, curvature] = moment.volume[chamber];
+            let capacity = moment.capacity[chamber];
+            let capacity_rate = self.plant.model.distensibility_per_kpa * slope * speed;
+            let net_rate = self.leaks(&moment, y, chamber, 1) * speed
+                - (curvature * speed * speed + slope * acceleration) * self.swelling(&moment, y, chamber);
+            ft[pressure_of(chamber, moment.contacts)] =
+                (net_rate - self.net(&moment, y, chamber) * capacity_rate / capacity) / capacity;
+        }
+        ft
+    }
+}
+
+/// Errors allowed in a step: `tolerance` times 1 kPa + |P - P_atm|, and the flow and volume that carry the same energy,
+/// as in the flow-centric circuit.
+pub(super) fn options(inlet: &Line, outlet: &Line, tolerance: f64) -> Options<STATES> {
+    let mut options = Options::uniform(tolerance);
+    for (line, flow, volume) in [(inlet, INLET_ML_S, TAKEN_ML), (outlet, OUTLET_ML_S, DELIVERED_ML)] {
+        options.absolute[flow] = tolerance * flow_scale_ml_s(line);
+        options.absolute[volume] = tolerance * line.compliance_ml_kpa;
+        options.relative[volume] = 0.0;
+    }
+    options
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experimental::roller_centric::contacts::Edges;
+    use crate::motion::walk::Walk;
+    use crate::pump::pump::Pump;
+
+    /// Every equation in turn with its derivatives, over a pitch in a ramp.
+    #[test]
+    fn jacobian_and_time_derivative_are_those_of_the_equations() {
+        for rollers in [2, 3, 8] {
+            let pump = Pump::preset(rollers, crate::Variant::Measured).unwrap();
+            let model = RollerCentric::PUBLISHED;
+            let edges = Edges::new(&pump, &model).unwrap();
+            let lines = [pump.inlet(), pump.outlet()];
+            let [inlet, outlet] = lines.map(|line| PortLine::new(line, Loss::of(line), model.ambient_kpa));
+            let tube_ml_rad = model.scale * pump.nominal_ml_rad();
+            let plant = Plant { model, tube_ml_rad, pitch_ml: tube_ml_rad * pump.pitch_rad(), inlet, outlet };
+            let leg = Leg { speed_rad_s: 3.0, acceleration_rad_s2: 7.0, ..Leg::rest(0.0, 0.1) };
+            let y = State::from_fn(|n, _| 10.0 * libm::sin(1.0 + 3.0 * n as f64));
+            for passage in Walk::new(edges, [leg]).take(12) {
+                let contacts =
+                    Contacts::of(&pump, &model, &edges, edges.pitches_before(&passage), passage.piece);
+                let offset_rad = passage.offset_rad;
+                let chambers = Chambers { plant: &plant, contacts: &contacts, leg, offset_rad };
+                let t = 0.5 * (passage.start_s + passage.end_s);
+                let close = |found: State, expected: State, what: &str| {
+                    let scale = expected.amax().max(1.0);
+                    assert!((found - expected).amax() < 1e-6 * scale, "{rollers} {what}: {found} {expected}");
+                };
+                let h = 1e-6;
+                let difference =
+                    (chambers.derivative(t + h, &y) - chambers.derivative(t - h, &y)) / (2.0 * h);
+                close(difference, chambers.time_derivative(t, &y), "time");
+                for n in 0..STATES {
+                    let mut step = State::zeros();
+                    step[n] = 1e-3;
+                    let change = chambers.derivative(t, &(y + step)) - chambers.derivative(t, &(y - step));
+                    close(change / 2e-3, chambers.jacobian(t, &y).column(n).into_owned(), "state");
+                }
+            }
+        }
+    }
+}

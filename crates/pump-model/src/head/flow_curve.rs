@@ -1,0 +1,307 @@
+//! Flow per radian of one port and its exact integral over the angle.
+
+use core::ops::Range;
+
+use crate::error::ModelError;
+use crate::math::polynomial::{DEGREE, Polynomial};
+use crate::math::{degrees, floor};
+
+use super::geometry::Geometry;
+use super::port::Port;
+use super::pulses::{Pulses, SAME_EDGE_RAD};
+use super::roller_volume::{self, RollerVolume};
+
+/// Every edge of the roller volume appears once in a pitch, at its start too, and the end of the last piece.
+const MAX_PIECES: usize = roller_volume::MAX_PIECES + 3;
+
+/// A stretch of the curve between two edges.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Piece {
+    /// Where it starts within the pitch, rad.
+    pub(crate) start_rad: f64,
+    /// Its length, rad.
+    pub(crate) length_rad: f64,
+    /// Volume since the start of the pitch, mL, over angle - start, rad.
+    pub(crate) volume: Polynomial,
+    /// Flow per radian, mL/rad: the derivative of `volume`.
+    pub(crate) flow: Polynomial,
+}
+
+/// q(theta), mL/rad, and V(theta), mL, of one port: periodic pieces with closed-form integrals.
+///
+/// outlet: q(theta) = a - sum_k g(phi - (theta - k pitch)), inlet: q(theta) = a - sum_k g(theta - psi - k pitch),
+/// after McIntyre et al.; g is the slope of the [`RollerVolume`]. Pulses that overlap add. V is
+/// single-valued in theta: reversing the motor runs back along the same curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlowCurve {
+    pieces: [Piece; MAX_PIECES],
+    count: usize,
+    pitch_rad: f64,
+    /// 1 / pitch, 1/rad.
+    per_pitch: f64,
+    pitch_ml: f64,
+}
+
+impl FlowCurve {
+    /// Curve of a validated geometry; [`Self::validate`] is still to be asked.
+    pub(crate) fn new(geometry: &Geometry, roller: &RollerVolume, port: Port) -> Self {
+        let phi = roller.engagement_rad();
+        let psi = geometry.psi_rad(roller);
+        let pitch_rad = geometry.pitch_rad();
+        let nominal = geometry.nominal_ml_rad();
+        let pulses = Pulses { roller, port, phi, psi, pitch_rad };
+
+        let mut curve = Self {
+            pieces: [Piece::default(); MAX_PIECES],
+            count: 0,
+            pitch_rad,
+            per_pitch: 1.0 / pitch_rad,
+            pitch_ml: 0.0,
+        };
+        let mut start_rad = 0.0;
+        while start_rad < pitch_rad {
+            let end_rad = pulses.edge_after(start_rad);
+            let length_rad = end_rad - start_rad;
+            let mut volume = Polynomial { c: [0.0, nominal, 0.0, 0.0, 0.0, 0.0] };
+            volume = volume.plus(&pulses.displaced(start_rad, length_rad).scaled(-1.0));
+            volume.c[0] = curve.pitch_ml;
+            curve.push(Piece { start_rad, length_rad, volume, flow: volume.derivative() });
+            curve.pitch_ml = volume.at(length_rad);
+            start_rad = end_rad;
+        }
+        curve
+    }
+
+    /// A curve from what [`Self::precomputed_pieces`] said of it, for constants. Nothing is checked.
+    pub const fn precomputed(
+        pitch_rad: f64,
+        pitch_ml: f64,
+        pieces: &[(f64, f64, [f64; DEGREE + 1])],
+    ) -> Self {
+        const NONE: Polynomial = Polynomial { c: [0.0; DEGREE + 1] };
+        const UNUSED: Piece = Piece { start_rad: 0.0, length_rad: 0.0, volume: NONE, flow: NONE };
+        let mut places = [UNUSED; MAX_PIECES];
+        let mut count = 0;
+        while count < pieces.len() {
+            let (start_rad, length_rad, c) = pieces[count];
+            let volume = Polynomial { c };
+            places[count] = Piece { start_rad, length_rad, volume, flow: volume.derivative() };
+            count += 1;
+        }
+        Self { pieces: places, count, pitch_rad, per_pitch: 1.0 / pitch_rad, pitch_ml }
+    }
+
+    /// Start and length within the pitch, rad, and coefficients of the volume since the start of the pitch, mL, over
+    /// the angle since that start, lowest order first, of each piece.
+    pub fn precomputed_pieces(&self) -> impl Iterator<Item = (f64, f64, [f64; DEGREE + 1])> {
+        self.pieces().iter().map(|piece| (piece.start_rad, piece.length_rad, piece.volume.c))
+    }
+
+    /// Refuses a curve whose flow per radian is not positive somewhere.
+    pub(crate) fn validate(&self, rollers: u32, port: Port) -> Result<(), ModelError> {
+        for piece in self.pieces() {
+            let ((u, flow_ml_rad), _) = piece.flow.range_in(0.0, piece.length_rad);
+            if flow_ml_rad <= 0.0 {
+                let angle_deg = degrees(piece.start_rad + u);
+                return Err(ModelError::FlowNotPositive {
+                    rollers,
+                    port: port.name(),
+                    flow_ml_rad,
+                    angle_deg,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// This curve with flow and volume times `factor`, which must be positive.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = *self;
+        for piece in &mut scaled.pieces {
+            piece.volume = piece.volume.scaled(factor);
+            piece.flow = piece.flow.scaled(factor);
+        }
+        scaled.pitch_ml *= factor;
+        scaled
+    }
+
+    /// This curve counted from another zero: at any angle it has what this curve has at that angle + `zero_rad`, which
+    /// must be finite. None if there is no room for the piece that the new zero cuts in two.
+    pub(crate) fn shifted(&self, zero_rad: f64) -> Option<Self> {
+        let (_, first_rad) = self.split(zero_rad);
+        let cut = self.index_of(first_rad);
+        let mut shifted = Self { pieces: [Piece::default(); MAX_PIECES], count: 0, pitch_ml: 0.0, ..*self };
+        let mut rest_rad = self.pitch_rad;
+        // The piece at the new zero comes first, from there on, and again last, up to there.
+        for (number, piece) in self.pieces().iter().enumerate().cycle().skip(cut).take(self.count + 1) {
+            let first = shifted.count == 0;
+            let skipped_rad = if first && number == cut { first_rad - piece.start_rad } else { 0.0 };
+            let length_rad = (piece.length_rad - skipped_rad).min(rest_rad);
+            if length_rad < SAME_EDGE_RAD {
+                continue;
+            }
+            if shifted.count == MAX_PIECES {
+                return None;
+            }
+            let mut volume = piece.volume.shifted(skipped_rad);
+            volume.c[0] = shifted.pitch_ml;
+            let start_rad = self.pitch_rad - rest_rad;
+            shifted.push(Piece { start_rad, length_rad, volume, flow: volume.derivative() });
+            shifted.pitch_ml = volume.at(length_rad);
+            rest_rad -= length_rad;
+        }
+        // A pitch has one volume, wherever it begins.
+        shifted.pitch_ml = self.pitch_ml;
+        Some(shifted)
+    }
+
+    /// Appends a piece; one that goes on with the same constant flow makes the last longer.
+    fn push(&mut self, piece: Piece) {
+        let is_constant = piece.flow.c.iter().skip(1).all(|c| *c == 0.0);
+        match self.count.checked_sub(1).and_then(|last| self.pieces.get_mut(last)) {
+            Some(last) if is_constant && last.flow == piece.flow => last.length_rad += piece.length_rad,
+            _ => {
+                // There are as many places as edges.
+                if let Some(place) = self.pieces.get_mut(self.count) {
+                    *place = piece;
+                    self.count += 1;
+                }
+            }
+        }
+    }
+
+    /// Angle between rollers, rad: the period of the flow.
+    pub fn pitch_rad(&self) -> f64 {
+        self.pitch_rad
+    }
+
+    /// Volume of a pitch, mL.
+    pub fn pitch_ml(&self) -> f64 {
+        self.pitch_ml
+    }
+
+    /// Flow per radian at `angle_rad`, mL/rad. At an edge, the value just after it.
+    pub fn flow_ml_rad(&self, angle_rad: f64) -> f64 {
+        let (_, local_rad) = self.split(angle_rad);
+        let piece = self.piece_at(local_rad);
+        piece.flow.at(local_rad - piece.start_rad)
+    }
+
+    /// Volume from angle 0 to `angle_rad`, mL; negative below 0. Exact up to rounding.
+    pub fn volume_ml(&self, angle_rad: f64) -> f64 {
+        let (pitches, local_rad) = self.split(angle_rad);
+        let piece = self.piece_at(local_rad);
+        pitches * self.pitch_ml + piece.volume.at(local_rad - piece.start_rad)
+    }
+
+    /// The angle, rad, at which the volume since angle 0 is `volume_ml`: the inverse of [`Self::volume_ml`].
+    pub fn angle_rad(&self, volume_ml: f64) -> f64 {
+        let pitches = floor(volume_ml / self.pitch_ml);
+        let local = volume_ml - pitches * self.pitch_ml;
+        let piece = self.pieces().iter().rev().find(|piece| piece.volume.c[0] <= local);
+        let piece = piece.unwrap_or(self.piece(0));
+        pitches * self.pitch_rad + piece.start_rad + piece.volume.solve_monotone(local, 0.0, piece.length_rad)
+    }
+
+    /// Smallest and largest flow per radian over a pitch, mL/rad.
+    pub fn flow_range_ml_rad(&self) -> (f64, f64) {
+        self.pieces().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), piece| {
+            let (smallest, largest) = piece.flow.range_in(0.0, piece.length_rad);
+            (low.min(smallest.1), high.max(largest.1))
+        })
+    }
+
+    /// The part of a pitch in which rollers take from the flow: where it starts and how long it is, rad. Elsewhere the
+    /// flow is constant, at its largest. The whole pitch where pulses leave no gap.
+    pub fn uneven_part(&self) -> (f64, f64) {
+        let largest = self.flow_range_ml_rad().1;
+        let is_even = |piece: &&Piece| {
+            let [c0, rest @ ..] = piece.flow.c;
+            // The bare tube's flow is a sum that may round.
+            rest.iter().all(|c| *c == 0.0) && c0 >= largest * (1.0 - 1e-12)
+        };
+        let (mut from_rad, mut length_rad) = (0.0, 0.0);
+        let mut longest = (0.0, 0.0);
+        // Twice round: a shifted curve has its even part partly at the end of the pitch and partly at its start.
+        for piece in self.pieces().iter().chain(self.pieces()) {
+            if !is_even(&piece) {
+                length_rad = 0.0;
+                continue;
+            }
+            if length_rad == 0.0 {
+                from_rad = piece.start_rad;
+            }
+            length_rad = (length_rad + piece.length_rad).min(self.pitch_rad);
+            if length_rad > longest.1 {
+                longest = (from_rad, length_rad);
+            }
+        }
+        let (from_rad, length_rad) = longest;
+        if length_rad == 0.0 {
+            return (0.0, self.pitch_rad);
+        }
+        let start_rad = from_rad + length_rad;
+        let start_rad = if start_rad >= self.pitch_rad { start_rad - self.pitch_rad } else { start_rad };
+        let start_rad = if self.pitch_rad - start_rad < SAME_EDGE_RAD { 0.0 } else { start_rad };
+        (start_rad, self.pitch_rad - length_rad)
+    }
+
+    pub(crate) fn pieces(&self) -> &[Piece] {
+        self.pieces.get(..self.count).unwrap_or(&self.pieces)
+    }
+
+    /// A piece by its number, which must be less than how many there are.
+    pub(crate) fn piece(&self, number: usize) -> &Piece {
+        let [first, ..] = &self.pieces;
+        self.pieces().get(number).unwrap_or(first)
+    }
+
+    /// Flow per radian, mL/rad, and volume, mL, at an angle given as whole pitches and the rest.
+    pub(crate) fn flow_and_volume_at(&self, (pitches, local_rad): (f64, f64)) -> (f64, f64) {
+        let piece = self.piece_at(local_rad);
+        let u = local_rad - piece.start_rad;
+        (piece.flow.at(u), pitches * self.pitch_ml + piece.volume.at(u))
+    }
+
+    /// The piece at an angle of this pitch, and where it ends within the pitch, rad.
+    pub(crate) fn piece_to_its_end(&self, local_rad: f64) -> (&Piece, f64) {
+        let piece = self.piece_at(local_rad);
+        let next = self.pieces().iter().find(|next| next.start_rad > piece.start_rad);
+        (piece, next.map_or(self.pitch_rad, |next| next.start_rad))
+    }
+
+    /// True if [`Self::split`] finds so many `pitches` and a rest in `local_rad`, a part of the pitch. On a seam, where
+    /// it may have to correct its rounding, the answer is no.
+    #[inline]
+    pub(crate) fn is_within(&self, angle_rad: f64, pitches: f64, local_rad: &Range<f64>) -> bool {
+        let turned = angle_rad * self.per_pitch;
+        let whole = pitches <= turned && turned < pitches + 1.0;
+        whole && local_rad.contains(&(angle_rad - pitches * self.pitch_rad))
+    }
+
+    /// Whole pitches and the angle within the pitch.
+    pub(crate) fn split(&self, angle_rad: f64) -> (f64, f64) {
+        let pitches = floor(angle_rad * self.per_pitch);
+        let local_rad = angle_rad - pitches * self.pitch_rad;
+        // The product may round over a whole number that the quotient would not.
+        if local_rad >= self.pitch_rad {
+            (pitches + 1.0, local_rad - self.pitch_rad)
+        } else if local_rad < 0.0 {
+            (pitches - 1.0, local_rad + self.pitch_rad)
+        } else {
+            (pitches, local_rad)
+        }
+    }
+
+    /// The piece that contains an angle of this pitch: the last that starts there or before.
+    fn piece_at(&self, local_rad: f64) -> &Piece {
+        let [first, ..] = &self.pieces;
+        let later = self.pieces().iter().skip(1).take_while(|piece| piece.start_rad <= local_rad);
+        later.last().unwrap_or(first)
+    }
+
+    /// Number of the piece that contains an angle of this pitch.
+    pub(crate) fn index_of(&self, local_rad: f64) -> usize {
+        self.pieces().iter().rposition(|piece| piece.start_rad <= local_rad).unwrap_or(0)
+    }
+}

@@ -1,0 +1,116 @@
+//! The pump's dimensions and what follows from them alone (McIntyre et al.).
+
+use core::f64::consts::PI;
+
+use crate::error::{Allowed, ModelError, refused, within};
+use crate::math::{TURN_RAD, degrees};
+
+use super::roller_volume::RollerVolume;
+
+/// Dimensions of pump head and tube.
+///
+/// McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
+/// roller-type peristaltic pump", Sensors and Actuators A.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Geometry {
+    /// Number of rollers, 1 or more.
+    pub rollers: u32,
+    /// Inner radius of the tube r_i, mm.
+    pub bore_radius_mm: f64,
+    /// Outer radius of the tube r_o, mm.
+    pub tube_outer_radius_mm: f64,
+    /// Radius of the backplate (raceway) r_b, mm.
+    pub backplate_radius_mm: f64,
+    /// Contact angle beta, rad, not negative: the backplate spans pi + 2 beta.
+    pub contact_angle_rad: f64,
+    /// Radius of a roller r_roller, mm.
+    pub roller_radius_mm: f64,
+    /// Distance from the shaft to a roller's axis r_offset, mm.
+    pub roller_offset_mm: f64,
+}
+
+impl Geometry {
+    /// Refuses dimensions that are not finite and positive, rollers that hit the backplate, do not close the
+    /// tube, or leave it open at some angle.
+    pub fn validate(&self) -> Result<(), ModelError> {
+        within("number of rollers", f64::from(self.rollers), 1.0..=1000.0)?;
+        within("bore radius in mm", self.bore_radius_mm, Allowed::POSITIVE)?;
+        within("tube outer radius in mm", self.tube_outer_radius_mm, Allowed::POSITIVE)?;
+        within("backplate radius in mm", self.backplate_radius_mm, Allowed::POSITIVE)?;
+        within("roller radius in mm", self.roller_radius_mm, Allowed::POSITIVE)?;
+        within("roller offset in mm", self.roller_offset_mm, Allowed::POSITIVE)?;
+        if self.tube_outer_radius_mm <= self.bore_radius_mm {
+            let allowed = "more than the bore radius";
+            return Err(refused("tube outer radius in mm", self.tube_outer_radius_mm, allowed));
+        }
+        if self.backplate_radius_mm <= 2.0 * self.tube_outer_radius_mm {
+            let allowed = "more than the tube's outer diameter";
+            return Err(refused("backplate radius in mm", self.backplate_radius_mm, allowed));
+        }
+        within("contact angle in deg", degrees(self.contact_angle_rad), 0.0..90.0)?;
+        let reach_mm = self.roller_offset_mm + self.roller_radius_mm;
+        let gap_mm = self.backplate_radius_mm - reach_mm;
+        if gap_mm < 0.0 {
+            let backplate_radius_mm = self.backplate_radius_mm;
+            return Err(ModelError::RollersHitBackplate { reach_mm, backplate_radius_mm });
+        }
+        let closed_mm = 2.0 * (self.tube_outer_radius_mm - self.bore_radius_mm);
+        if gap_mm > closed_mm {
+            return Err(ModelError::NotOccluding { gap_mm, closed_mm });
+        }
+        self.validate_seal(0.0)
+    }
+
+    /// Refuses rollers of which at some angle not one has fully engaged, for rollers that do so `inset_rad` inside the
+    /// arc.
+    pub(crate) fn validate_seal(&self, inset_rad: f64) -> Result<(), ModelError> {
+        let span_rad = self.sealed_span_rad(inset_rad);
+        if self.pitch_rad() > span_rad {
+            return Err(ModelError::NotSealing {
+                rollers: self.rollers,
+                pitch_deg: degrees(self.pitch_rad()),
+                span_deg: degrees(span_rad),
+            });
+        }
+        Ok(())
+    }
+
+    /// Lam = pi + 2 beta - 2 inset, rad: how far a roller turns fully engaged.
+    pub(crate) fn sealed_span_rad(&self, inset_rad: f64) -> f64 {
+        PI + 2.0 * self.contact_angle_rad - 2.0 * inset_rad
+    }
+
+    /// Flow per radian without roller pulses, a = pi r_i² (r_b - r_o), mL/rad (McIntyre et al.).
+    pub fn nominal_ml_rad(&self) -> f64 {
+        const MM3_PER_ML: f64 = 1000.0;
+        let radius = self.bore_radius_mm;
+        PI * radius * radius * (self.backplate_radius_mm - self.tube_outer_radius_mm) / MM3_PER_ML
+    }
+
+    /// Angle between neighbouring rollers, 2 pi / NU, rad.
+    pub fn pitch_rad(&self) -> f64 {
+        TURN_RAD / f64::from(self.rollers)
+    }
+
+    /// psi, rad; negative where rollers engage for too long.
+    pub(crate) fn psi_rad(&self, roller: &RollerVolume) -> f64 {
+        PI - roller.engagement_rad() - 2.0 * self.contact_angle_rad + 2.0 * roller.inset_rad()
+    }
+
+    /// psi = 2 pi - Lam - phi, rad: how far behind the outlet's pulse the inlet's begins. A roller is fully engaged
+    /// over Lam = pi + 2 beta - 2 inset: for a measured roller volume psi = pi - phi - 2 beta (McIntyre et al.).
+    pub fn inlet_phase_rad(&self, roller: &RollerVolume) -> Result<f64, ModelError> {
+        let psi = self.psi_rad(roller);
+        if psi >= 0.0 {
+            Ok(psi)
+        } else {
+            Err(ModelError::EngagementTooLong {
+                engagement_deg: roller.engagement_deg(),
+                span_deg: degrees(self.sealed_span_rad(roller.inset_rad())),
+                psi_deg: degrees(psi),
+            })
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! The pump head: dimensions, roller volume and flow curves, and the numbers that the paper publishes.
+
+pub mod flow_curve;
+pub(crate) mod geometry;
+pub mod paper;
+pub(crate) mod port;
+pub(crate) mod pulses;
+pub mod roller_volume;
+pub(crate) mod turn_range;

@@ -1,0 +1,20 @@
+//! The two ends of the pump.
+
+/// An end of the pump.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Port {
+    /// The end that sucks in forward motion.
+    Inlet,
+    /// The end that delivers in forward motion.
+    Outlet,
+}
+
+impl Port {
+    /// `inlet` or `outlet`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Inlet => "inlet",
+            Self::Outlet => "outlet",
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! V(x): the volume that a roller displaces while it engages, over its angle x.
+
+use crate::error::{Allowed, ModelError, within};
+use crate::math::polynomial::{DEGREE, Polynomial};
+use crate::math::{TURN_RAD, degrees, radians};
+
+/// Most pieces that a roller-volume curve may have.
+pub const MAX_PIECES: usize = 24;
+
+pub use super::paper::{
+    ENGAGEMENT_DEG as PUBLISHED_ENGAGEMENT_DEG, ROLLER_VOLUME_ML as PUBLISHED_TOTAL_ML,
+    VOLUME_COEFFICIENTS_DEG as PUBLISHED_COEFFICIENTS_DEG,
+};
+
+/// One stretch of the curve.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Piece {
+    /// Where it starts, rad.
+    pub(crate) start_rad: f64,
+    /// V, mL, over x - start, rad.
+    pub(crate) volume: Polynomial,
+}
+
+/// The volume of a roller that engages, from V(0) = 0 to V(phi) = V_r: a rising piecewise polynomial.
+///
+/// Its derivative is g(x) = max(0, dV/dx), which makes the pulses of inlet and outlet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RollerVolume {
+    pieces: [Piece; MAX_PIECES],
+    count: usize,
+    engagement_rad: f64,
+    inset_rad: f64,
+    total_ml: f64,
+}
+
+impl RollerVolume {
+    /// Curve from polynomial coefficients in mL over degrees, highest order first, as measured curves are
+    /// published. Where the polynomial falls the volume is held (g = 0).
+    ///
+    /// ```
+    /// use pump_model::roller_volume::{RollerVolume, PUBLISHED_COEFFICIENTS_DEG, PUBLISHED_ENGAGEMENT_DEG};
+    /// let v = RollerVolume::from_polynomial_deg(PUBLISHED_COEFFICIENTS_DEG, PUBLISHED_ENGAGEMENT_DEG)?;
+    /// assert!((v.total_ml() - 2.105466).abs() < 1e-6);
+    /// # Ok::<(), pump_model::ModelError>(())
+    /// ```
+    pub fn from_polynomial_deg(highest_first: [f64; 6], engagement_deg: f64) -> Result<Self, ModelError> {
+        within("engagement angle in deg", engagement_deg, Allowed::POSITIVE)?;
+        within("engagement angle in deg", engagement_deg, 0.0..360.0)?;
+        for value in highest_first {
+            within("roller volume coefficient", value, Allowed::FINITE)?;
+        }
+        let curve = Self::of_valid(highest_first, engagement_deg);
+        if curve.total_ml > 0.0 { Ok(curve) } else { Err(ModelError::RollerVolumeFlat { engagement_deg }) }
+    }
+
+    /// Curve of [`Self::from_polynomial_deg`] from coefficients that are known to be valid.
+    pub(crate) fn of_valid(highest_first: [f64; 6], engagement_deg: f64) -> Self {
+        let mut c = highest_first;
+        c.reverse();
+        let volume = Polynomial { c }.stretched(360.0 / TURN_RAD);
+        let engagement_rad = radians(engagement_deg);
+
+        let mut curve = Self::empty(engagement_rad, 0.0);
+        let slope = volume.derivative();
+        let turns = slope.roots_in(0.0, engagement_rad);
+        let mut start = 0.0;
+        for &end in turns.as_slice().iter().chain(core::iter::once(&engagement_rad)) {
+            if end > start {
+                let rises = slope.at(0.5 * (start + end)) > 0.0;
+                // A quintic turns four times at most, and there is a place for each of its five pieces.
+                curve.push(start, end, rises.then(|| volume.shifted(start)));
+            }
+            start = end;
+        }
+        curve
+    }
+
+    /// A curve without a piece, to be made of [`Self::append`]'s.
+    pub(crate) fn empty(engagement_rad: f64, inset_rad: f64) -> Self {
+        Self { pieces: [Piece::default(); MAX_PIECES], count: 0, engagement_rad, inset_rad, total_ml: 0.0 }
+    }
+
+    /// The curve that McIntyre et al. measured.
+    pub fn measured() -> Result<Self, ModelError> {
+        Self::from_polynomial_deg(PUBLISHED_COEFFICIENTS_DEG, PUBLISHED_ENGAGEMENT_DEG)
+    }
+
+    /// A curve from what [`Self::precomputed_pieces`] said of it, for constants. Nothing is checked.
+    pub const fn precomputed(
+        engagement_rad: f64,
+        inset_rad: f64,
+        total_ml: f64,
+        pieces: &[(f64, [f64; DEGREE + 1])],
+    ) -> Self {
+        const UNUSED: Piece = Piece { start_rad: 0.0, volume: Polynomial { c: [0.0; DEGREE + 1] } };
+        let mut places = [UNUSED; MAX_PIECES];
+        let mut count = 0;
+        while count < pieces.len() {
+            let (start_rad, c) = pieces[count];
+            places[count] = Piece { start_rad, volume: Polynomial { c } };
+            count += 1;
+        }
+        Self { pieces: places, count, engagement_rad, inset_rad, total_ml }
+    }
+
+    /// Start, rad, and coefficients of V, mL, over x - start, rad, lowest order first, of each piece.
+    pub fn precomputed_pieces(&self) -> impl Iterator<Item = (f64, [f64; DEGREE + 1])> {
+        self.pieces().iter().map(|piece| (piece.start_rad, piece.volume.c))
+    }
+
+    /// This curve's shape with another total volume, mL.
+    pub fn scaled_to(&self, total_ml: f64) -> Result<Self, ModelError> {
+        within("roller volume in mL", total_ml, Allowed::POSITIVE)?;
+        Ok(Self { total_ml, ..self.scaled(total_ml / self.total_ml) })
+    }
+
+    /// This curve's shape with every volume times `factor`, which must be positive.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = *self;
+        for piece in &mut scaled.pieces {
+            piece.volume = piece.volume.scaled(factor);
+        }
+        scaled.total_ml *= factor;
+        scaled
+    }
+
+    /// This curve's shape and total over another engagement angle, degrees.
+    pub fn stretched_to(&self, engagement_deg: f64) -> Result<Self, ModelError> {
+        within("engagement angle in deg", engagement_deg, Allowed::POSITIVE)?;
+        let engagement_rad = radians(engagement_deg);
+        let factor = engagement_rad / self.engagement_rad;
+        let mut stretched = Self { engagement_rad, ..*self };
+        for piece in &mut stretched.pieces {
+            piece.start_rad *= factor;
+            piece.volume = piece.volume.stretched(1.0 / factor);
+        }
+        Ok(stretched)
+    }
+
+    /// phi, rad.
+    pub fn engagement_rad(&self) -> f64 {
+        self.engagement_rad
+    }
+
+    /// phi, degrees.
+    pub fn engagement_deg(&self) -> f64 {
+        degrees(self.engagement_rad)
+    }
+
+    /// How far inside the backplate's arc a roller is fully engaged, rad: phi - eta_c where the engagement is drawn, 0
+    /// where it is measured, which takes the arc's end for the end of the engagement (McIntyre et al.).
+    pub fn inset_rad(&self) -> f64 {
+        self.inset_rad
+    }
+
+    /// V_r = V(phi), mL.
+    pub fn total_ml(&self) -> f64 {
+        self.total_ml
+    }
+
+    /// V(x), mL; 0 below 0 and V_r beyond phi.
+    pub fn at(&self, x_rad: f64) -> f64 {
+        if x_rad <= 0.0 {
+            0.0
+        } else if x_rad >= self.engagement_rad {
+            self.total_ml
+        } else {
+            let piece = self.piece_at(x_rad);
+            piece.volume.at(x_rad - piece.start_rad)
+        }
+    }
+
+    /// Stretches over which the volume is held, rad: from, to.
+    pub fn held_rad(&self) -> impl Iterator<Item = (f64, f64)> {
+        let ends = self.pieces().iter().skip(1).map(|next| next.start_rad).chain([self.engagement_rad]);
+        let held = |piece: &Piece| piece.volume.c.iter().skip(1).all(|c| *c == 0.0);
+        self.pieces()
+            .iter()
+            .zip(ends)
+            .filter(move |(piece, _)| held(piece))
+            .map(|(piece, end)| (piece.start_rad, end))
+    }
+
+    pub(crate) fn pieces(&self) -> &[Piece] {
+        self.pieces.get(..self.count).unwrap_or(&self.pieces)
+    }
+
+    /// The piece that contains `x_rad`, which must lie in [0, phi].
+    pub(crate) fn piece_at(&self, x_rad: f64) -> Piece {
+        self.pieces().iter().rev().find(|piece| piece.start_rad <= x_rad).copied().unwrap_or_default()
+    }
+
+    /// Appends [start, end]; `local` is V over x - start, rad, up to a constant, none where the volume is held. Whether
+    /// there was a place.
+    pub(crate) fn push(&mut self, start: f64, end: f64, local: Option<Polynomial>) -> bool {
+        let mut local = local.unwrap_or_default();
+        local.c[0] = self.total_ml;
+        let Some(piece) = self.pieces.get_mut(self.count) else {
+            return false;
+        };
+        *piece = Piece { start_rad: start, volume: local };
+        self.count += 1;
+        self.total_ml = local.at(end - start);
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn published_curve_passes_the_measured_points_within_its_residual() {
+        let curve = RollerVolume::measured().unwrap();
+        // Value of the polynomial at its minimum (0.567 deg), where the curve starts to rise from 0.
+        const OFFSET_ML: f64 = -0.001_182_011;
+        let measured = crate::head::paper::VOLUME_POINTS;
+        let square: f64 = measured
+            .iter()
+            .map(|&(deg, ml)| {
+                let error = curve.at(radians(deg)) + OFFSET_ML - ml;
+                error * error
+            })
+            .sum();
+        let rms = libm::sqrt(square / measured.len() as f64);
+        assert!((0.007..0.0078).contains(&rms), "RMS {rms} mL");
+    }
+
+    #[test]
+    fn volume_rises_and_is_flat_where_the_polynomial_falls() {
+        let curve = RollerVolume::measured().unwrap();
+        assert_eq!(curve.at(radians(0.5)), 0.0);
+        assert!(curve.at(radians(0.6)) > 0.0);
+        let mut last = 0.0;
+        for n in 0..=5053 {
+            let volume = curve.at(radians(f64::from(n) * 0.01));
+            assert!(volume >= last, "falls at {n}");
+            last = volume;
+        }
+        assert_eq!(curve.at(9.0), curve.total_ml());
+    }
+
+    #[test]
+    fn a_stretched_curve_has_at_the_stretched_angle_what_it_had_before() {
+        let curve = RollerVolume::measured().unwrap();
+        let stretched = curve.stretched_to(1.1 * curve.engagement_deg()).unwrap();
+        for deg in [0.3, 5.0, 20.0, 50.0, 50.53, 70.0] {
+            assert!((stretched.at(radians(1.1 * deg)) - curve.at(radians(deg))).abs() < 1e-12, "{deg}");
+        }
+        assert_eq!(stretched.total_ml(), curve.total_ml());
+        assert!(curve.stretched_to(0.0).is_err());
+    }
+
+    #[test]
+    fn flat_or_absurd_curves_are_refused() {
+        assert!(matches!(
+            RollerVolume::from_polynomial_deg([0.0; 6], 50.0),
+            Err(ModelError::RollerVolumeFlat { .. })
+        ));
+        assert!(RollerVolume::from_polynomial_deg(PUBLISHED_COEFFICIENTS_DEG, f64::NAN).is_err());
+        assert!(RollerVolume::from_polynomial_deg([f64::INFINITY; 6], 50.0).is_err());
+    }
+}

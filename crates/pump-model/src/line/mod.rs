@@ -1,0 +1,13 @@
+//! The hydraulic line of one port and its exact solution.
+
+pub(crate) mod exact_run;
+pub(crate) mod exact_samples;
+pub(crate) mod extremes;
+pub(crate) mod friction;
+pub(crate) mod line;
+pub(crate) mod oscillator;
+pub(crate) mod periodic_state;
+pub(crate) mod propagator;
+mod ringing;
+pub(crate) mod settling;
+mod turns;

@@ -1,0 +1,36 @@
+//! The state of a line that repeats itself every pitch at constant speed, in closed form.
+
+use crate::error::ModelError;
+use crate::head::flow_curve::FlowCurve;
+use crate::head::port::Port;
+use crate::motion::leg::Leg;
+
+use super::exact_run::ExactRun;
+use super::line::Line;
+use super::oscillator::Oscillator;
+use super::propagator::Propagator;
+
+/// State of `line` at angle 0 that repeats itself every pitch of `curve`, the flow curve of `port`.
+///
+/// The state after a period T is e^(A T) z + b, so that z = -(e^(A T) - I)^-1 b. Undamped resonance has none; of a
+/// period long against the decay e^(A T) is 0 and z is b.
+pub(crate) fn periodic_state(
+    line: &Line,
+    curve: &FlowCurve,
+    port: Port,
+    speed_rad_s: f64,
+) -> Result<[f64; 2], ModelError> {
+    let oscillator = Oscillator::new(line, port);
+    let period_s = curve.pitch_rad() / speed_rad_s.abs();
+    let motion = [Leg::constant_speed(0.0, speed_rad_s)];
+    let [bx, by] = oscillator.balanced(ExactRun::on(line, curve, port, motion, [0.0; 2]).at(period_s));
+    let [[a, c], [b, d]] = Propagator::new(&oscillator, period_s, 0).change();
+    let determinant = a * d - b * c;
+    // An eigenvalue of e^(A T) is known to rounding times the phase turned, as far as it has not died out. A line that
+    // does not swing has no resonance.
+    let rounding = oscillator.swing_left(period_s) * 1e-12 * (1.0 + oscillator.norm() * period_s);
+    if determinant == 0.0 || determinant.abs() < rounding * rounding {
+        return Err(ModelError::UndampedResonance { port: port.name(), speed_rad_s });
+    }
+    Ok(oscillator.physical([(b * by - d * bx) / determinant, (c * bx - a * by) / determinant]))
+}

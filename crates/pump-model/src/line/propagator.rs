@@ -1,0 +1,187 @@
+//! The exact solution of a line over a time in which the flow at the rollers is a polynomial.
+//!
+//! Between two edges the model is linear with polynomial forcing, z' = A z + b f(t), so that
+//! z(h) = e^(A h) z(0) + integral of e^(A (h - t)) b f(t) dt. Two ways to sum it, both exact to rounding:
+//! the Taylor series of z over a short step, and over a long one matrices for a short step, doubled until it is long
+//! enough (scaling and squaring, after Higham, "Functions of Matrices", chapter 10). Neither divides by A, so slow,
+//! stiff, critically damped and undamped lines are one case.
+
+use crate::motion::flow::{DEGREE, Flow};
+
+use super::oscillator::{Balanced, Oscillator, SHORT};
+
+/// Terms of the series: 0.5^17/17! is below rounding.
+const TERMS: usize = 17;
+
+impl Oscillator {
+    /// State `h` after `state`; `flow` counts time from there.
+    pub(crate) fn after(&self, h: f64, state: Balanced, flow: &Flow) -> Balanced {
+        if self.norm() * h <= SHORT {
+            self.series(h, state, flow)
+        } else {
+            Propagator::new(self, h, flow.degree).apply(state, flow)
+        }
+    }
+
+    /// z(h) = sum of Z_n with Z_(n+1) = h (A Z_n + b f_n h^n) / (n + 1).
+    fn series(&self, h: f64, state: Balanced, flow: &Flow) -> Balanced {
+        let mut term = state;
+        let mut sum = state;
+        let mut power = self.rate * self.impedance;
+        let mut forcing = flow.terms();
+        for reciprocal in RECIPROCALS.iter().skip(1).take(TERMS) {
+            let mut next = self.times(term);
+            let forced = forcing.next();
+            if let Some(c) = forced {
+                next[0] += power * c;
+                power *= h;
+            }
+            let factor = h * reciprocal;
+            term = [factor * next[0], factor * next[1]];
+            sum = [sum[0] + term[0], sum[1] + term[1]];
+            // Beyond the flow's own terms they fall by |A| h / n each.
+            if forced.is_none() && term[0].abs() + term[1].abs() <= 1e-18 * (sum[0].abs() + sum[1].abs()) {
+                break;
+            }
+        }
+        sum
+    }
+}
+
+/// 1/n.
+const RECIPROCALS: [f64; TERMS + DEGREE + 2] = {
+    let mut table = [0.0; TERMS + DEGREE + 2];
+    let mut n = 1;
+    while n < table.len() {
+        table[n] = 1.0 / n as f64;
+        n += 1;
+    }
+    table
+};
+
+/// Effect of a time step of fixed length on the state of an [`Oscillator`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Propagator {
+    step_s: f64,
+    /// e^(A h) - I: the difference keeps slow modes exact beside fast ones.
+    change: [Balanced; 2],
+    /// gamma_k: response to a flow of (t/h)^k.
+    response: [Balanced; DEGREE + 1],
+    degree: usize,
+}
+
+impl Propagator {
+    /// For steps of `h` and flows of `degree` at most.
+    pub(crate) fn new(oscillator: &Oscillator, h: f64, degree: usize) -> Self {
+        // 2^1100 times shorter than any finite step is short.
+        let mut doublings = 0;
+        let mut short = h;
+        while oscillator.norm() * short > SHORT && doublings < 1100 {
+            short *= 0.5;
+            doublings += 1;
+        }
+        let mut propagator = Self::short(oscillator, short, degree);
+        for _ in 0..doublings {
+            propagator.double();
+        }
+        // Halving and doubling are exact, so this is h.
+        propagator.step_s = h;
+        propagator
+    }
+
+    /// Taylor series: e^(A h) - I = sum A^n h^n / n!, gamma_k = sum A^n b h^(n+1) k!/(n+k+1)!.
+    fn short(oscillator: &Oscillator, h: f64, degree: usize) -> Self {
+        let mut change = [[0.0; 2]; 2];
+        let mut columns = [[1.0, 0.0], [0.0, 1.0]];
+        let mut response = [[0.0; 2]; DEGREE + 1];
+        let mut input = [h * oscillator.rate * oscillator.impedance, 0.0];
+        // k!/(n+k)!, starting at n = 1.
+        let mut weights = [0.0; DEGREE + 1];
+        weights.copy_from_slice(&RECIPROCALS[1..DEGREE + 2]);
+        for (n, reciprocal) in RECIPROCALS.iter().enumerate().skip(1).take(TERMS) {
+            for (sum, column) in change.iter_mut().zip(&mut columns) {
+                let factor = h * reciprocal;
+                *column = oscillator.times(*column).map(|x| factor * x);
+                *sum = [sum[0] + column[0], sum[1] + column[1]];
+            }
+            let next = RECIPROCALS.iter().skip(n + 1);
+            for ((sum, weight), reciprocal) in
+                response.iter_mut().zip(&mut weights).zip(next).take(degree + 1)
+            {
+                *sum = [sum[0] + *weight * input[0], sum[1] + *weight * input[1]];
+                *weight *= reciprocal;
+            }
+            input = oscillator.times(input).map(|x| h * x);
+        }
+        Self { step_s: h, change, response, degree }
+    }
+
+    /// Makes the step twice as long: F' = 2 F + F², gamma_k' = (e^(A h) gamma_k + sum_j C(k, j) gamma_j) / 2^k.
+    fn double(&mut self) {
+        let mut scale = 1.0;
+        let mut doubled = self.response;
+        for (k, doubled) in doubled.iter_mut().enumerate().take(self.degree + 1) {
+            let mut sum = self.moved(*doubled);
+            let mut binomial = 1.0;
+            let next = RECIPROCALS.iter().skip(1);
+            for ((j, response), reciprocal) in self.response.iter().enumerate().zip(next).take(k + 1) {
+                sum = [sum[0] + binomial * response[0], sum[1] + binomial * response[1]];
+                binomial *= (k - j) as f64 * reciprocal;
+            }
+            *doubled = sum.map(|x| scale * x);
+            scale *= 0.5;
+        }
+        self.response = doubled;
+        let twice = |column: Balanced| {
+            let squared = self.changed(column);
+            [2.0 * column[0] + squared[0], 2.0 * column[1] + squared[1]]
+        };
+        self.change = self.change.map(twice);
+        self.step_s *= 2.0;
+    }
+
+    /// (e^(A h) - I) z.
+    fn changed(&self, state: Balanced) -> Balanced {
+        let [first, second] = self.change;
+        [first[0] * state[0] + second[0] * state[1], first[1] * state[0] + second[1] * state[1]]
+    }
+
+    /// e^(A h) z.
+    pub(crate) fn moved(&self, state: Balanced) -> Balanced {
+        let change = self.changed(state);
+        [state[0] + change[0], state[1] + change[1]]
+    }
+
+    /// State a step after `state`; `flow` counts time from there.
+    pub(crate) fn apply(&self, state: Balanced, flow: &Flow) -> Balanced {
+        let mut sum = self.moved(state);
+        let mut power = 1.0;
+        for (c, response) in flow.c.iter().zip(&self.response).take(flow.degree.min(self.degree) + 1) {
+            sum = [sum[0] + power * c * response[0], sum[1] + power * c * response[1]];
+            power *= self.step_s;
+        }
+        sum
+    }
+
+    /// e^(A h) - I by columns.
+    pub(crate) fn change(&self) -> [Balanced; 2] {
+        self.change
+    }
+
+    /// Input that a flow of degree 4 adds to both states over a step that starts at `t`, as polynomials in t:
+    /// sum_k gamma_k h^k f^(k)(t)/k!.
+    pub(crate) fn input(&self, flow: &Flow) -> [[f64; 5]; 2] {
+        let mut inputs = [[0.0; 5]; 2];
+        let [pressure, line_flow] = &mut inputs;
+        for (j, (p, q)) in pressure.iter_mut().zip(line_flow).enumerate() {
+            let mut weight = 1.0; // C(j + k, k) h^k
+            for k in 0..5 - j {
+                let c = weight * flow.c[j + k];
+                *p += c * self.response[k][0];
+                *q += c * self.response[k][1];
+                weight *= (j + k + 1) as f64 * RECIPROCALS[k + 1] * self.step_s;
+            }
+        }
+        inputs
+    }
+}

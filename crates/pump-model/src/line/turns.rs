@@ -1,0 +1,66 @@
+//! The pressures at which a line turns, between two of its states.
+
+use crate::motion::flow::Flow;
+
+use super::oscillator::{Balanced, Oscillator};
+
+impl Oscillator {
+    /// Pressures at which it turns within `length_s` after `before`, kPa, by way of `found`.
+    ///
+    /// Over a step short beside the swing the quintic polynomial through both ends shows the turns and Newton's method
+    /// on dp/dt, whose derivative is known, places them; over a longer one, where only slow parts are left, a change of
+    /// sign of dp/dt is bisected. What is left of the error of the place counts in second order only.
+    pub(crate) fn turns(
+        &self,
+        length_s: f64,
+        before: Balanced,
+        after: Balanced,
+        flow: &Flow,
+        mut found: impl FnMut(f64),
+    ) {
+        let slope_at = |t| self.derivative(self.after(t, before, flow), flow.at(t))[0];
+        if self.norm() * length_s <= 10.0 {
+            let slope = self.pressure(length_s, before, after, flow).derivative();
+            for turn in slope.roots_in(0.0, 1.0).as_slice() {
+                found(self.turning_kpa(turn * length_s, length_s, before, flow));
+            }
+            return;
+        }
+        let (first, last) = (slope_at(0.0), self.derivative(after, flow.at(length_s))[0]);
+        // Slopes below this are rounding of their two large parts.
+        let noise =
+            1e-14 * self.norm() * (before[0].abs() + before[1].abs() + after[0].abs() + after[1].abs());
+        if first * last >= 0.0 || first.abs().min(last.abs()) < noise {
+            return;
+        }
+        let (mut low, mut high) = (0.0, length_s);
+        for _ in 0..50 {
+            let middle = 0.5 * (low + high);
+            if (slope_at(middle) > 0.0) == (first > 0.0) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        found(self.after(low, before, flow)[0]);
+    }
+
+    /// Pressure where it turns near `near_s` after `state`, kPa. Beyond `length_s` the flow is another one: of a turn
+    /// that would lie there the end is taken. (In a sliver of a stretch rounding makes such turns.)
+    fn turning_kpa(&self, near_s: f64, length_s: f64, state: Balanced, flow: &Flow) -> f64 {
+        let mut t = near_s;
+        let mut there = self.after(t, state, flow);
+        for _ in 0..2 {
+            let slope = self.derivative(there, flow.at(t));
+            let curvature = self.derivative(slope, flow.rate_at(t));
+            let shift = slope[0] / curvature[0];
+            // Where the curve is flat there is nothing to gain.
+            if shift.is_nan() || shift.abs() >= 0.1 / self.norm() {
+                break;
+            }
+            t = (t - shift).max(0.0).min(length_s);
+            there = self.after(t, state, flow);
+        }
+        there[0]
+    }
+}

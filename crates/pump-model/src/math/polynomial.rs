@@ -1,0 +1,270 @@
+//! Polynomials of degree five at most: roller volumes, flows per radian, dense output.
+
+/// Highest degree that is represented: the paper's roller volume and quintic Hermite output have it.
+pub const DEGREE: usize = 5;
+
+/// The sum of `c[n]` x^n.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Polynomial {
+    /// Coefficients, lowest order first.
+    pub c: [f64; DEGREE + 1],
+}
+
+/// Real roots inside an interval, in rising order.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Roots {
+    values: [f64; DEGREE],
+    count: usize,
+}
+
+impl Roots {
+    /// The roots found.
+    pub fn as_slice(&self) -> &[f64] {
+        self.values.get(..self.count).unwrap_or(&self.values)
+    }
+
+    fn push(&mut self, root: f64) {
+        // A degree-5 polynomial has at most five roots; a double root found twice is kept once.
+        if self.as_slice().last() != Some(&root)
+            && let Some(slot) = self.values.get_mut(self.count)
+        {
+            *slot = root;
+            self.count += 1;
+        }
+    }
+}
+
+impl Polynomial {
+    /// A constant.
+    pub fn constant(value: f64) -> Self {
+        Self { c: [value, 0.0, 0.0, 0.0, 0.0, 0.0] }
+    }
+
+    /// Value at `x`.
+    #[inline]
+    pub fn at(&self, x: f64) -> f64 {
+        self.c.iter().rev().fold(0.0, |sum, c| sum * x + c)
+    }
+
+    /// First derivative.
+    pub const fn derivative(&self) -> Self {
+        let [_, c1, c2, c3, c4, c5] = self.c;
+        Self { c: [c1, 2.0 * c2, 3.0 * c3, 4.0 * c4, 5.0 * c5, 0.0] }
+    }
+
+    /// `p(x + shift)` as a polynomial in `x`.
+    pub fn shifted(&self, shift: f64) -> Self {
+        let mut shifted = *self;
+        shift_coefficients(&mut shifted.c, shift);
+        shifted
+    }
+
+    /// `p(factor x)` as a polynomial in `x`.
+    pub fn stretched(&self, factor: f64) -> Self {
+        let mut power = 1.0;
+        Self {
+            c: self.c.map(|c| {
+                let stretched = c * power;
+                power *= factor;
+                stretched
+            }),
+        }
+    }
+
+    /// `factor p(x)`.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { c: self.c.map(|c| c * factor) }
+    }
+
+    /// Sum of two polynomials.
+    pub fn plus(&self, other: &Self) -> Self {
+        let mut sum = *self;
+        for (to, from) in sum.c.iter_mut().zip(other.c) {
+            *to += from;
+        }
+        sum
+    }
+
+    /// Real roots in `[low, high]`, simple ones to the last bits. A root where the polynomial only touches
+    /// zero is found if its computed value there is exactly zero.
+    pub fn roots_in(&self, low: f64, high: f64) -> Roots {
+        if self.shifted(low).stretched(high - low).keeps_its_sign() {
+            return Roots::default();
+        }
+        let mut derivatives = [*self; DEGREE + 1];
+        let mut last = *self;
+        for derivative in derivatives.iter_mut().skip(1) {
+            last = last.derivative();
+            *derivative = last;
+        }
+        // Between two neighbouring roots of its derivative a polynomial is monotone, so it has one root at
+        // most there. Start from the constant fifth derivative and climb.
+        let mut roots = Roots::default();
+        for polynomial in derivatives.iter().rev() {
+            let mut next = Roots::default();
+            let mut left = low;
+            for &right in roots.as_slice().iter().chain(core::iter::once(&high)) {
+                if let Some(root) = polynomial.monotone_root(left, right) {
+                    next.push(root);
+                }
+                left = right;
+            }
+            roots = next;
+        }
+        roots
+    }
+
+    /// True if all control points over [0, 1] lie on one side of zero, as the polynomial then does itself: a polynomial
+    /// lies within the hull of its Bernstein coefficients (Farouki, "The Bernstein polynomial basis: a centennial
+    /// retrospective", Computer Aided Geometric Design 29, 2012). Says no where rounding might decide.
+    fn keeps_its_sign(&self) -> bool {
+        const BINOMIALS: [f64; DEGREE + 1] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
+        let mut points = self.c;
+        let mut size = 0.0;
+        for (point, binomial) in points.iter_mut().zip(BINOMIALS) {
+            size += point.abs();
+            *point /= binomial;
+        }
+        for done in 1..=DEGREE {
+            let mut before = 0.0;
+            for (n, point) in points.iter_mut().enumerate() {
+                let here = *point;
+                if n >= done {
+                    *point += before;
+                }
+                before = here;
+            }
+        }
+        let noise = 1e-14 * size;
+        points.iter().all(|point| *point > noise) || points.iter().all(|point| *point < -noise)
+    }
+
+    /// The root in `[low, high]` of a polynomial that is monotone there; none for the zero polynomial.
+    fn monotone_root(&self, low: f64, high: f64) -> Option<f64> {
+        let (at_low, at_high) = (self.at(low), self.at(high));
+        if at_low == 0.0 && at_high == 0.0 {
+            return None;
+        }
+        if at_low == 0.0 {
+            return Some(low);
+        }
+        if at_high == 0.0 {
+            return Some(high);
+        }
+        if (at_low > 0.0) == (at_high > 0.0) {
+            return None;
+        }
+        Some(self.solve_monotone(0.0, low, high))
+    }
+
+    /// `x` in `[low, high]` where the monotone polynomial takes `value`: Newton's method, kept inside a
+    /// bracket that bisection shrinks. The nearer end where `value` is outside.
+    pub fn solve_monotone(&self, value: f64, low: f64, high: f64) -> f64 {
+        let (at_low, at_high) = (self.at(low), self.at(high));
+        let rising = at_high >= at_low;
+        if (value <= at_low) == rising {
+            return low;
+        }
+        if (value >= at_high) == rising {
+            return high;
+        }
+        let slope = self.derivative();
+        let (mut low, mut high) = (low, high);
+        let mut x = 0.5 * (low + high);
+        for _ in 0..100 {
+            let excess = self.at(x) - value;
+            if excess == 0.0 {
+                break;
+            }
+            if (excess > 0.0) == rising {
+                high = x;
+            } else {
+                low = x;
+            }
+            let newton = x - excess / slope.at(x);
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if next == x || next <= low || next >= high {
+                break;
+            }
+            x = next;
+        }
+        x
+    }
+
+    /// Smallest and largest value in `[low, high]`, with where they are taken: `((x, min), (x, max))`.
+    pub fn range_in(&self, low: f64, high: f64) -> ((f64, f64), (f64, f64)) {
+        let mut smallest = (low, self.at(low));
+        let mut largest = smallest;
+        let critical = self.derivative().roots_in(low, high);
+        for &x in critical.as_slice().iter().chain(core::iter::once(&high)) {
+            let value = self.at(x);
+            if value < smallest.1 {
+                smallest = (x, value);
+            }
+            if value > largest.1 {
+                largest = (x, value);
+            }
+        }
+        (smallest, largest)
+    }
+}
+
+/// From the coefficients of p(x), lowest order first, those of p(x + shift): repeated Horner division (Taylor shift).
+pub(crate) fn shift_coefficients(c: &mut [f64], shift: f64) {
+    let Some((highest, lower)) = c.split_last_mut() else {
+        return;
+    };
+    for stop in 0..lower.len() {
+        let mut above = *highest;
+        for c in lower.iter_mut().skip(stop).rev() {
+            *c += shift * above;
+            above = *c;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn five_roots_are_found_to_the_last_bits() {
+        // (x-1)(x-2)(x-3)(x-4)(x-5)
+        let p = Polynomial { c: [-120.0, 274.0, -225.0, 85.0, -15.0, 1.0] };
+        let roots = p.roots_in(0.0, 6.0);
+        assert_eq!(roots.as_slice().len(), 5);
+        for (root, expected) in roots.as_slice().iter().zip([1.0, 2.0, 3.0, 4.0, 5.0]) {
+            assert!((root - expected).abs() < 1e-11, "{root}");
+        }
+        assert_eq!(p.roots_in(2.5, 4.5).as_slice().len(), 2);
+        assert!(Polynomial::constant(1.0).roots_in(0.0, 1.0).as_slice().is_empty());
+        assert!(Polynomial::default().roots_in(0.0, 1.0).as_slice().is_empty());
+    }
+
+    #[test]
+    fn control_points_on_one_side_mean_no_root() {
+        // (x - 2)² + 0.1 and 1 - x⁵ / 2 have none in [0, 1]; x - 1/2 and 3x² - 3x + 0.7 cross or nearly touch zero.
+        assert!(Polynomial { c: [4.1, -4.0, 1.0, 0.0, 0.0, 0.0] }.keeps_its_sign());
+        assert!(Polynomial { c: [-1.0, 0.0, 0.0, 0.0, 0.0, 0.5] }.keeps_its_sign());
+        assert!(!Polynomial { c: [-0.5, 1.0, 0.0, 0.0, 0.0, 0.0] }.keeps_its_sign());
+        assert!(!Polynomial { c: [0.7, -3.0, 3.0, 0.0, 0.0, 0.0] }.keeps_its_sign());
+        assert!(!Polynomial::default().keeps_its_sign());
+    }
+
+    #[test]
+    fn shifting_and_stretching_agree_with_evaluation() {
+        let p = Polynomial { c: [0.3, -1.0, 2.0, 0.7, -0.2, 0.05] };
+        for x in [-1.3, 0.0, 0.4, 2.0] {
+            assert!((p.shifted(0.7).at(x) - p.at(x + 0.7)).abs() < 1e-13);
+            assert!((p.stretched(-2.0).at(x) - p.at(-2.0 * x)).abs() < 1e-11);
+        }
+    }
+
+    #[test]
+    fn a_value_outside_the_range_gives_the_nearer_end() {
+        let p = Polynomial { c: [0.0, 1.0, 0.0, 1.0, 0.0, 0.0] };
+        assert_eq!(p.solve_monotone(5.0, 0.0, 1.0), 1.0);
+        assert_eq!(p.solve_monotone(-5.0, 0.0, 1.0), 0.0);
+        assert!((p.solve_monotone(0.625, 0.0, 1.0) - 0.5).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,39 @@
+//! The flow at the rollers as a polynomial of time.
+
+use crate::math::polynomial::shift_coefficients;
+
+/// Highest degree of the flow over time: a quartic in the angle, which is quadratic in time, times the speed.
+pub(crate) const DEGREE: usize = 9;
+
+/// Flow at the rollers over time, as a polynomial in time since some instant, lowest order first, mL/s^(n+1).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Flow {
+    pub(crate) c: [f64; DEGREE + 1],
+    /// Coefficients beyond this are zero.
+    pub(crate) degree: usize,
+}
+
+impl Flow {
+    /// Value at `t`.
+    pub(crate) fn at(&self, t: f64) -> f64 {
+        self.terms().rev().fold(0.0, |sum, c| sum * t + c)
+    }
+
+    /// The polynomial in time since `t`.
+    pub(crate) fn shifted(&self, t: f64) -> Self {
+        let mut shifted = *self;
+        let count = shifted.c.len().min(self.degree + 1);
+        shift_coefficients(&mut shifted.c[..count], t);
+        shifted
+    }
+
+    /// Derivative at `t`.
+    pub(crate) fn rate_at(&self, t: f64) -> f64 {
+        self.terms().enumerate().skip(1).rev().fold(0.0, |sum, (n, c)| sum * t + n as f64 * c)
+    }
+
+    /// Its coefficients but the zeros beyond its degree.
+    pub(crate) fn terms(&self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
+        self.c.into_iter().take(self.degree + 1)
+    }
+}

@@ -1,0 +1,6 @@
+//! The pump: a head with its two lines, its presets, its runs and its steady state.
+
+pub(crate) mod presets;
+pub(crate) mod pump;
+mod runs;
+pub(crate) mod steady_state;

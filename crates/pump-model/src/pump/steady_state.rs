@@ -1,0 +1,94 @@
+//! The periodic steady state at constant speed, in closed form.
+
+use crate::error::{ModelError, refused};
+use crate::head::port::Port;
+use crate::line::exact_run::ExactRun;
+use crate::line::extremes::Extremes;
+use crate::line::oscillator::Oscillator;
+use crate::line::periodic_state::periodic_state;
+use crate::math::TURN_RAD;
+use crate::motion::leg::Leg;
+use crate::motion::ripple::Ripple;
+
+use super::pump::Pump;
+
+/// Steps over a pitch in search of a steady state's extremes, of which each takes about a microsecond.
+const MOST_STEPS: f64 = 1e6;
+
+/// Pressures, mean flow and ripple of a pump at constant speed, once start-up is forgotten.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SteadyState {
+    /// Range of the inlet pressure, kPa absolute.
+    pub inlet: Extremes,
+    /// Mean inlet pressure, kPa absolute.
+    pub inlet_mean_kpa: f64,
+    /// Range of the outlet pressure, kPa absolute.
+    pub outlet: Extremes,
+    /// Mean outlet pressure, kPa absolute.
+    pub outlet_mean_kpa: f64,
+    /// Mean flow, mL/s.
+    pub mean_flow_ml_s: f64,
+    /// Ripple of the flow at the outlet rollers.
+    pub ripple: Ripple,
+}
+
+/// Refuses a speed at which nothing repeats itself.
+pub(crate) fn moving(speed_rad_s: f64) -> Result<(), ModelError> {
+    if speed_rad_s.is_finite() && speed_rad_s != 0.0 {
+        Ok(())
+    } else {
+        Err(refused("speed in rad/s", speed_rad_s, "a finite speed other than zero"))
+    }
+}
+
+impl Pump {
+    /// Periodic steady state at `speed_rad_s`, which must not be zero; negative in reverse. Refused are a resonance
+    /// that nothing damps and a line that swings more than a hundred thousand times a pitch, as one without resistance
+    /// near standstill.
+    ///
+    /// The means follow from L dQ_L/dt = 0 over a period: P = P_res -+ R Q_avg.
+    pub fn steady_state(&self, speed_rad_s: f64) -> Result<SteadyState, ModelError> {
+        moving(speed_rad_s)?;
+        let flow = self.average_flow_ml_s(speed_rad_s);
+        let inlet = self.inlet();
+        let outlet = self.outlet();
+        Ok(SteadyState {
+            inlet: self.periodic_extremes(Port::Inlet, speed_rad_s)?,
+            inlet_mean_kpa: inlet.reservoir_kpa - inlet.resistance_kpa_s_ml * flow,
+            outlet: self.periodic_extremes(Port::Outlet, speed_rad_s)?,
+            outlet_mean_kpa: outlet.reservoir_kpa + outlet.resistance_kpa_s_ml * flow,
+            mean_flow_ml_s: flow,
+            ripple: self.outlet_curve().ripple(),
+        })
+    }
+
+    /// State (P - P_res in kPa, the line's flow in mL/s) of a port at angle 0 that repeats itself every pitch at
+    /// `speed_rad_s`.
+    pub fn periodic_state(&self, port: Port, speed_rad_s: f64) -> Result<[f64; 2], ModelError> {
+        periodic_state(self.line(port), self.curve(port), port, speed_rad_s)
+    }
+
+    fn periodic_extremes(&self, port: Port, speed_rad_s: f64) -> Result<Extremes, ModelError> {
+        let period_s = self.pitch_rad() / speed_rad_s.abs();
+        let edges = self.curve(port).precomputed_pieces().count() as f64;
+        let steps = Oscillator::new(self.line(port), port).most_fine_steps(edges, period_s);
+        if steps > MOST_STEPS {
+            let port = port.name();
+            return Err(ModelError::RingsTooLong { port, speed_rad_s, steps, allowed: MOST_STEPS });
+        }
+        let state = self.periodic_state(port, speed_rad_s)?;
+        let motion = [Leg::constant_speed(0.0, speed_rad_s)];
+        Ok(ExactRun::new(self, port, motion, state).extremes(period_s))
+    }
+
+    /// Flow averaged over whole pitches, Q_avg = V_rot omega / (2 pi), mL/s.
+    ///
+    /// ```
+    /// let pump = pump_model::Pump::three_roller();
+    /// let flow = pump.average_flow_ml_s(100.0 * core::f64::consts::TAU / 60.0);
+    /// assert!((flow - 35.5308).abs() < 1e-4);
+    /// ```
+    pub fn average_flow_ml_s(&self, speed_rad_s: f64) -> f64 {
+        self.revolution_ml() * speed_rad_s / TURN_RAD
+    }
+}
