@@ -1,5 +1,6 @@
-//! The pump as a flow source, as in an electro-hydrostatic actuator: a flow that changes all the time becomes a speed of
-//! the rotor, from the angle of its rollers. Beside it the usual conversion by the volume of a revolution.
+//! Makes the pump a flow source, as in an electro-hydrostatic actuator. A flow that changes all the time
+//! becomes a speed of the rotor, from the angle of its rollers. The usual conversion by the volume of a
+//! revolution stands beside it.
 //!
 //! `cargo run --example flow_setpoint`
 
@@ -9,12 +10,12 @@ use pump_model::Pump;
 /// Period of the loop, s.
 const PERIOD_S: f64 = 1e-3;
 
-/// What the actuator asks for at `t_s`: 3 mL/s to and fro every 4 s.
+/// Flow that the actuator asks for at `t_s`, mL/s: 3 mL/s to and fro every 4 s.
 fn set_point_ml_s(t_s: f64) -> f64 {
     3.0 * (core::f64::consts::TAU * 0.25 * t_s).sin()
 }
 
-/// A rotor that turns as fast as it is told within the motor's limits.
+/// Rotor that turns as fast as it is told, within the motor's limits.
 struct Rotor {
     motor: Motor,
     angle_rad: f64,
@@ -22,7 +23,7 @@ struct Rotor {
 }
 
 impl Rotor {
-    /// One period at the speed nearest to what is wanted.
+    /// Turns for one period at the speed nearest to the wanted one.
     fn turn(&mut self, wanted_rad_s: f64) {
         let change_rad_s = self.motor.max_acceleration_rad_s2 * PERIOD_S;
         let limit_rad_s = self.motor.max_speed_rad_s;
@@ -32,8 +33,8 @@ impl Rotor {
     }
 }
 
-/// Root of the mean square error of the flow over 8 s, mL/s, where `speed_rad_s` makes a speed of a flow, mL/s, and the
-/// rotor's angle, rad.
+/// Returns the root of the mean square error of the flow over 8 s, mL/s. `speed_rad_s` makes a speed of a
+/// flow, mL/s, and the rotor's angle, rad.
 fn rms_error_ml_s(pump: &Pump, speed_rad_s: impl Fn(f64, f64) -> f64) -> f64 {
     const PERIODS: u32 = 8000;
     let curve = pump.outlet_curve();
@@ -52,7 +53,8 @@ fn rms_error_ml_s(pump: &Pump, speed_rad_s: impl Fn(f64, f64) -> f64) -> f64 {
 
 fn report() -> String {
     let pump = Pump::three_roller();
-    // Over radians instead of seconds the flow is the volume per angle: divided by it, any flow becomes a speed.
+    // Per radian instead of per second, the flow is the volume per angle. Any flow divided by it is a
+    // speed.
     let by_angle = rms_error_ml_s(&pump, |ml_s, angle_rad| ml_s / pump.outlet_curve().flow_ml_rad(angle_rad));
     let by_mean = rms_error_ml_s(&pump, |ml_s, _| speed_for_flow(&pump, ml_s));
     format!(

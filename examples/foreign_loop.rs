@@ -1,5 +1,6 @@
-//! A dose inside a control loop that has a clock and a motor of its own: every millisecond a servo axis is told where the
-//! plan's rotor is now. In mid-dose someone stops it; what the axis has really turned says what was delivered.
+//! Doses inside a control loop that has a clock and a motor of its own. Every millisecond a servo axis is
+//! told where the plan's rotor is now. Someone stops the dose midway, and the angle that the axis has
+//! really turned gives the delivered volume.
 //!
 //! `cargo run --example foreign_loop`
 
@@ -9,7 +10,7 @@ use pump_model::{Leg, Pump};
 /// Period of the loop, s.
 const PERIOD_S: f64 = 1e-3;
 
-/// Stands for your motor: a servo axis that follows a position set-point, some milliseconds behind.
+/// Servo axis in the place of your motor: it follows a position set-point, some milliseconds behind.
 struct Servo {
     angle_rad: f64,
 }
@@ -20,7 +21,7 @@ impl Servo {
     }
 }
 
-/// The way to rest from `t_s` on, at the plan's own deceleration: never beyond the plan's end.
+/// Returns the way to rest from `t_s` on, at the plan's own deceleration and never beyond the plan's end.
 fn way_to_rest(plan: &Plan, t_s: f64) -> Leg {
     let speed_rad_s = plan.speed_at(t_s);
     let deceleration_rad_s2 = plan.profile.acceleration_rad_s2();
@@ -33,7 +34,8 @@ fn way_to_rest(plan: &Plan, t_s: f64) -> Leg {
     }
 }
 
-/// The loop: follows the plan until it ends or `stop_asked` at some time, s. Returns when the axis stands, s.
+/// Follows the plan until it ends, or until the time `stop_asked`, s. Returns the time at which the axis
+/// stands, s.
 fn follow(servo: &mut Servo, plan: &Plan, stop_asked: impl Fn(f64) -> bool) -> f64 {
     let mut stopping: Option<Leg> = None;
     let mut t_s = 0.0;
@@ -53,7 +55,7 @@ fn follow(servo: &mut Servo, plan: &Plan, stop_asked: impl Fn(f64) -> bool) -> f
     }
 }
 
-/// A dose of 25 mL that is stopped after 2.5 s, and then the rest of it.
+/// Makes a dose of 25 mL that is stopped after 2.5 s, and then the rest of it.
 fn report() -> Result<String, PlanError> {
     let pump = Pump::three_roller();
     // For a servo a step is an increment of its encoder.

@@ -1,5 +1,5 @@
-//! Numbers of doses and runs as the crates compute them, as JSON: `cargo run --example numbers`. The Python tests hold the
-//! module and the command against them, to the last bit.
+//! Prints numbers of doses and runs as the crates compute them, as JSON: `cargo run --example numbers`. The
+//! Python tests hold the module and the command against them, to the last bit.
 
 use std::error::Error;
 use std::io::Write;

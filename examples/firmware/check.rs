@@ -1,5 +1,5 @@
-//! Does on the host what the firmware does, with the same crates, and compares what it wrote: every bit of the plan,
-//! every deadline, every time at which the step pin rose.
+//! Doses on the host as the firmware does, with the same crates, and compares: every bit of the plan, every
+//! deadline, every time at which the step pin rose.
 //!
 //! `cargo run --example check_firmware target/firmware.txt`
 
@@ -17,18 +17,18 @@ use pump::{LIMITS, PUMP};
 use pump_ctl::plan::Plan;
 use pump_ctl::step::Action;
 
-/// How far from its deadline a pin may rise, counts: a tick.
+/// Largest distance of a rising pin from its deadline, counts: a tick.
 const TOLERANCE: i64 = COUNTS_PER_TICK;
 const COUNTS_PER_TICK: i64 = 25;
 
-/// The first step after power-up may come so much later, counts: the direction pin is set up first, held for 650 ns
-/// and ahead of the step for 650 ns.
+/// Most by which the first step after power-up may come later, counts. The direction pin is set up first,
+/// held for 650 ns and ahead of the step for 650 ns.
 const DIRECTION_COUNTS: i64 = 34;
 
 /// A change takes effect within 10 ms.
 const CHANGE_TICKS: i64 = 10_000;
 
-/// What the lines of cost may say at most.
+/// Largest values of the lines of cost.
 const MOST: [(&str, f64); 2] = [("for a plan", 20e6), ("a step in on_deadline", 70.0)];
 
 type Checked = Result<(), String>;
@@ -49,7 +49,7 @@ fn main() -> ExitCode {
 }
 
 fn check(text: &str) -> Checked {
-    // What something has cost is checked apart from what was done.
+    // Costs are checked apart from the steps.
     let (figures, done): (Vec<_>, Vec<_>) =
         text.lines().partition(|line| line.starts_with("cost:") || line.starts_with("memory:"));
     let mut done = done.into_iter();
@@ -76,7 +76,7 @@ fn same(found: Option<&str>, expected: &str) -> Checked {
     }
 }
 
-/// The whole numbers in a line.
+/// Returns the whole numbers in a line.
 fn numbers<const N: usize>(line: Option<&str>) -> Result<[i64; N], String> {
     let line = line.unwrap_or("the end of the file");
     let found = line.split(|c: char| !c.is_ascii_digit() && c != '-').filter_map(|word| word.parse().ok());
@@ -90,7 +90,7 @@ fn queued(plan: &Plan) -> Executor {
     executor
 }
 
-/// Makes up to `most` steps from `due` on. Adds when they were due to `made`, and returns when the next is.
+/// Makes up to `most` steps from `due` on. Adds their times to `made`, and returns the time of the next.
 fn go_on(executor: &mut Executor, due: u64, most: i64, made: &mut Vec<u64>) -> u64 {
     let mut due = due;
     for _ in 0..most {
@@ -101,7 +101,7 @@ fn go_on(executor: &mut Executor, due: u64, most: i64, made: &mut Vec<u64>) -> u
     due
 }
 
-/// Compares the lines of a move's steps with when they are due.
+/// Compares the lines of a move's steps with the times at which they are due.
 fn steps<'a>(
     done: &mut impl Iterator<Item = &'a str>,
     name: &str,
@@ -196,7 +196,7 @@ fn changed<'a>(done: &mut impl Iterator<Item = &'a str>, plan: &Plan) -> Checked
     steps(done, "changed", &made, 0, position + rest.steps)
 }
 
-/// Prints what things cost, and holds the limits.
+/// Prints the costs, and holds them to their limits.
 fn costs(figures: &[&str]) -> Checked {
     for line in figures {
         println!("{line}");

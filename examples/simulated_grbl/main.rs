@@ -1,4 +1,5 @@
-//! A simulated grbl board at the end of a pseudo-terminal, for people without hardware: `cargo run --example simulated_grbl`.
+//! Simulates a grbl board at the end of a pseudo-terminal, for people without hardware: `cargo run
+//! --example simulated_grbl`.
 
 mod simulated;
 

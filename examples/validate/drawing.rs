@@ -1,4 +1,4 @@
-//! The roller volume from the drawing alone, beside the measured one.
+//! Sets the roller volume from the drawing alone beside the measured one.
 
 use std::error::Error;
 
@@ -10,10 +10,11 @@ use crate::page::Section;
 use crate::paper::{MEASURED, PAPER, POINTS, REFERENCE};
 use crate::row::{Bound, Row};
 
-/// The section of the page.
+/// Returns the section of the page about drawings.
 pub fn section() -> Result<Section, Box<dyn Error>> {
     let mut rows = Vec::new();
-    // Full contact, closure, deg; V(50.53 deg) against the measured, %; RMSE over the points, V_r of the whole arc, mL.
+    // The references are full contact and closure, deg; V(50.53 deg) against the measured one, %; RMSE over
+    // the points and V_r of the whole arc, mL.
     for (variant, name, [contact, closure, end, rms, arc]) in [
         (Variant::Measured, "Table 1", [66.8, 30.69, 2.6, 0.030, 2.2267]),
         (Variant::AsBuilt, "as built", [66.1, 32.91, -2.3, 0.060, 2.1147]),

@@ -1,4 +1,4 @@
-//! Flow at 60 r/min: the rollers' pulses and their times.
+//! Sets the flow at 60 r/min beside the paper's: the rollers' pulses and their times.
 
 use std::error::Error;
 
@@ -12,7 +12,7 @@ use crate::row::{Bound, Row};
 /// Speed of the paper's figure, r/min.
 pub const RPM: f64 = 60.0;
 
-/// T1 = T2, T3, length and peak of a pulse at 60 r/min: s, s, s, mL/s.
+/// Returns T1 = T2, T3, and length and peak of a pulse at 60 r/min: s, s, s, mL/s.
 pub fn pulses(pump: &Pump) -> Result<[f64; 4], Box<dyn Error>> {
     let omega = rad_s(RPM);
     let psi_rad = pump.geometry().inlet_phase_rad(pump.roller_volume())?;
@@ -21,7 +21,7 @@ pub fn pulses(pump: &Pump) -> Result<[f64; 4], Box<dyn Error>> {
     Ok([pump.pitch_rad() / omega, psi_rad / omega, pulse_s, (highest - lowest) * omega])
 }
 
-/// The section of the page.
+/// Returns the section of the page about the flow.
 pub fn section() -> Result<Section, Box<dyn Error>> {
     let [t1, t3, pulse_s, peak] = pulses(&Pump::three_roller())?;
     let [t1_two, ..] = pulses(&Pump::two_roller())?;

@@ -1,4 +1,5 @@
-//! Where the paper's figures contradict each other: the figures, what each costs, what is used.
+//! Lists the contradictions between the paper's figures: the figures, the cost of each, and the one that is
+//! used.
 
 use std::error::Error;
 
@@ -14,7 +15,7 @@ use crate::roller_volume::at;
 use crate::row::figure;
 use crate::volumes::Volumes;
 
-/// All of them as a Markdown list.
+/// Returns all contradictions as a Markdown list.
 pub fn markdown() -> Result<String, Box<dyn Error>> {
     Ok([
         roller_volume()?,

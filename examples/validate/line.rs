@@ -1,4 +1,4 @@
-//! The lines: R, C, L, what follows from them, and the hose that they may be.
+//! Sets the lines beside the paper's: R, C and L, their consequences, and a hose that may be such a line.
 
 use std::error::Error;
 
@@ -9,8 +9,8 @@ use crate::page::Section;
 use crate::paper::{CODE, LINE, PAPER, REFERENCE};
 use crate::row::{Bound, Row};
 
-/// A hose that meets R and L of the paper's line: its bore is that of the pump's tube, length and K are chosen. 3.5 MPa and
-/// nu = 0.5 are silicone rubber's.
+/// Hose that meets R and L of the paper's line. Its bore is that of the pump's tube; length and K are
+/// chosen. 3.5 MPa and nu = 0.5 are silicone rubber's.
 pub const HOSE: Hose = Hose {
     bore_radius_mm: 5.0,
     outer_radius_mm: 7.0,
@@ -20,12 +20,12 @@ pub const HOSE: Hose = Hose {
     minor_loss: 5.75,
 };
 
-/// The paper's water: 997 kg/m³ at 25 °C.
+/// Returns the paper's water: 997 kg/m³ at 25 °C.
 pub fn water() -> Result<Fluid, Box<dyn Error>> {
     Ok(Fluid { density_kg_m3: 997.0, ..Fluid::water(25.0)? })
 }
 
-/// The section of the page.
+/// Returns the section of the page about lines.
 pub fn section() -> Result<Section, Box<dyn Error>> {
     let line = Line::PUBLISHED;
     let ours =

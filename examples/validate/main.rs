@@ -1,4 +1,4 @@
-//! What McIntyre et al. publish beside what the model computes.
+//! Sets the figures that McIntyre et al. publish beside those that the model computes.
 //!
 //! `make validate` writes docs/validation.md and its pictures, and fails where a deviation exceeds its bound.
 //! `cargo run --example validate -- PT1` repeats one of the paper's tests.
@@ -21,7 +21,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// Where the page and its pictures are.
+/// Folder of the page and its pictures.
 fn docs() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("docs")
 }

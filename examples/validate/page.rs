@@ -1,4 +1,4 @@
-//! The page: sections of rows, what contradicts itself, what can be repeated.
+//! Makes the page: sections of rows, the paper's contradictions, and the tests that can be repeated.
 
 use std::error::Error;
 
@@ -7,17 +7,17 @@ use crate::{
     drawing, flow, inconsistencies, line, pictures, pressures, roller_centric, roller_volume, runs, volumes,
 };
 
-/// A part of the page with one table.
+/// Part of the page with one table.
 pub struct Section {
     pub title: &'static str,
-    /// Markdown above the table, a blank line at its end; or empty.
+    /// Markdown above the table, with a blank line at its end; or empty.
     pub before: String,
     pub rows: Vec<Row>,
     /// Markdown below the table, or empty.
     pub after: String,
 }
 
-/// All sections, computed.
+/// Computes all sections.
 pub fn sections() -> Result<Vec<Section>, Box<dyn Error>> {
     Ok(vec![
         roller_volume::dimensions()?,
@@ -31,12 +31,12 @@ pub fn sections() -> Result<Vec<Section>, Box<dyn Error>> {
     ])
 }
 
-/// What is beyond its bound, one text for each.
+/// Returns a text for each figure that is beyond its bound.
 pub fn beyond_bounds(sections: &[Section]) -> Vec<String> {
     sections.iter().flat_map(|section| section.rows.iter().filter_map(Row::beyond_bound)).collect()
 }
 
-/// Names below docs/ and contents: the page and its pictures.
+/// Returns names below docs/ and contents of the page and its pictures.
 pub fn files(sections: &[Section]) -> Result<Vec<(String, String)>, Box<dyn Error>> {
     let mut page = INTRODUCTION.to_owned();
     for Section { title, before, rows, after } in sections {

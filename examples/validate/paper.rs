@@ -1,16 +1,17 @@
-//! Figures of others, with where they stand: McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure
-//! response of a roller-type peristaltic pump", Sensors and Actuators A (preprint arXiv 2011.13167), and their published code.
+//! Figures of others, with their sources: McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile
+//! flow rate and pressure response of a roller-type peristaltic pump", Sensors and Actuators A (preprint
+//! arXiv 2011.13167), and their published code.
 
-/// The paper's table of dimensions.
+/// Source: the paper's table of dimensions.
 pub const TABLE_1: &str = "Table 1";
-/// Elsewhere in the paper; its tables, figures and pages could not be looked up.
+/// Source: elsewhere in the paper, whose tables, figures and pages could not be looked up.
 pub const PAPER: &str = "paper";
-/// Main.m of github.com/MPMcIntyre/Roller-pump-model-and-simulation.
+/// Source: Main.m of github.com/MPMcIntyre/Roller-pump-model-and-simulation.
 pub const CODE: &str = "authors' code";
-/// Not of the paper: computed once outside this code from the paper's equations and data.
+/// Source: not the paper, but a computation outside this code from the paper's equations and data.
 pub const REFERENCE: &str = "reference";
 
-/// Name, unit, Table 1, authors' code.
+/// Dimensions of the pump: name, unit, value in Table 1, value in the authors' code.
 pub const DIMENSIONS: [(&str, &str, f64, f64); 6] = [
     ("tube bore radius r_i", "mm", 5.0, 5.0),
     ("tube outer radius r_o", "mm", 7.0, 7.0),
@@ -20,12 +21,12 @@ pub const DIMENSIONS: [(&str, &str, f64, f64); 6] = [
     ("roller offset r_offset", "mm", 40.0, 39.5),
 ];
 
-/// V_r, mL.
+/// Roller volume V_r, mL.
 pub const ROLLER_ML: f64 = 2.06;
-/// phi, deg.
+/// Engagement angle phi, deg.
 pub const ENGAGEMENT_DEG: f64 = 50.53;
 
-/// Mean of seven measured roller volumes: deg, mL.
+/// Mean of seven measured roller volumes: angle in deg, volume in mL.
 pub const POINTS: [(f64, f64); 15] = [
     (0.0, 0.0),
     (3.37, 0.0207143),
@@ -44,7 +45,7 @@ pub const POINTS: [(f64, f64); 15] = [
     (50.53, 2.1064286),
 ];
 
-/// V in mL over deg, highest order first.
+/// Coefficients of the volume V in mL over deg, highest order first.
 pub const POLYNOMIAL: [f64; 6] = [
     1.315_768_247_757_037_1e-8,
     -1.238_105_747_404_483_3e-6,
@@ -54,22 +55,22 @@ pub const POLYNOMIAL: [f64; 6] = [
     -2.870_791_521_667_906e-4,
 ];
 
-/// What was measured of a pump.
+/// Figures that were measured of a pump.
 pub struct Measured {
     pub rollers: u32,
-    /// Speeds from 10 r/min to this, r/min.
+    /// Fastest of the speeds, which begin at 10 r/min, r/min.
     pub fastest_rpm: u32,
-    /// Ten revolutions, mean over the speeds, mL.
+    /// Volume of ten revolutions, mean over the speeds, mL.
     pub ten_revolutions_ml: f64,
-    /// Of the linear model, %.
+    /// NRMSE of the linear model, %.
     pub nrmse_percent: f64,
     /// Largest deviation of the linear model, %.
     pub largest_percent: f64,
-    /// Mean Pearson correlation of measured and modelled pressures, inlet and outlet.
+    /// Mean Pearson correlation of measured and modelled pressures at inlet and outlet.
     pub pearson: [f64; 2],
 }
 
-/// Three rollers, two rollers.
+/// Measured figures of the pumps with three and with two rollers.
 pub const MEASURED: [Measured; 2] = [
     Measured {
         rollers: 3,
@@ -89,7 +90,7 @@ pub const MEASURED: [Measured; 2] = [
     },
 ];
 
-/// Name, unit, paper, authors' code.
+/// Values of the line: name, unit, value in the paper, value in the authors' code.
 pub const LINE: [(&str, &str, f64, f64); 4] = [
     ("reservoir pressure P_res", "kPa", 88.637, 88.6372),
     ("resistance R", "kPa s/mL", 0.1108, 0.1108),
@@ -97,8 +98,8 @@ pub const LINE: [(&str, &str, f64, f64); 4] = [
     ("inertance L", "kPa s²/mL", 0.0042, 0.0042),
 ];
 
-/// rollers, r/min, then max, min, mean of P_in and of P_out, kPa: periodic steady state, true extremes. Not of the paper:
-/// references to 1e-4 kPa.
+/// Pressures of the periodic steady state: rollers, r/min, then max, min, mean of P_in and of P_out, kPa.
+/// Extremes are true ones. The values are references to 1e-4 kPa, not the paper's.
 pub const STEADY_KPA: [(u32, f64, [f64; 6]); 6] = [
     (3, 50.0, [90.5879, 84.8782, 86.6686, 93.3473, 87.8604, 90.6054]),
     (3, 100.0, [95.3347, 73.7963, 84.7002, 104.5105, 83.5685, 92.5738]),
@@ -108,5 +109,6 @@ pub const STEADY_KPA: [(u32, f64, [f64; 6]); 6] = [
     (2, 150.0, [99.8906, 61.0270, 82.1486, 116.6113, 78.3548, 95.1254]),
 ];
 
-/// From rest to 100 r/min, three rollers from angle 0: min and max of P_in, then of P_out, kPa. References.
+/// Pressures from rest to 100 r/min, three rollers from angle 0: min and max of P_in, then of P_out, kPa.
+/// The values are references, not the paper's.
 pub const START_KPA: [f64; 4] = [71.725, 98.109, 78.519, 108.568];

@@ -1,4 +1,4 @@
-//! The pictures of the page.
+//! Draws the pictures of the page.
 
 use std::error::Error;
 
@@ -12,10 +12,10 @@ use crate::pressures::pitch_kpa;
 use crate::roller_volume::{at, points};
 use crate::volumes::Volumes;
 
-/// Points of a curve.
+/// Number of points of a curve.
 const POINTS: u32 = 400;
 
-/// Names and SVGs.
+/// Returns names and SVGs of all pictures.
 pub fn all() -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
     Ok(vec![
         ("roller-volume", roller_volume()?),
@@ -30,7 +30,7 @@ fn line(label: &'static str, colour: Colour, points: Vec<(f64, f64)>) -> Curve {
     Curve { label, colour, style: Style::Line, points }
 }
 
-/// Equal steps from 0 to `end`, both included.
+/// Returns equal steps from 0 to `end`, both included.
 fn steps(end: f64) -> impl Iterator<Item = f64> {
     (0..=POINTS).map(move |n| end * f64::from(n) / f64::from(POINTS))
 }

@@ -1,4 +1,4 @@
-//! Pressures: periodic steady states, start-up, and what was correlated with them.
+//! Sets pressures beside their references: periodic steady states, start-up, and the paper's correlations.
 
 use std::error::Error;
 
@@ -9,7 +9,7 @@ use crate::page::Section;
 use crate::paper::{MEASURED, PAPER, REFERENCE, START_KPA, STEADY_KPA};
 use crate::row::{Bound, Row};
 
-/// Max, min, mean of P_in, then of P_out, in the periodic steady state, kPa absolute.
+/// Returns max, min, mean of P_in, then of P_out, in the periodic steady state, kPa absolute.
 pub fn steady_kpa(rollers: u32, rpm: f64) -> Result<[f64; 6], Box<dyn Error>> {
     let steady = Pump::preset(rollers, Variant::Measured)?.steady_state(rad_s(rpm))?;
     Ok([
@@ -22,7 +22,8 @@ pub fn steady_kpa(rollers: u32, rpm: f64) -> Result<[f64; 6], Box<dyn Error>> {
     ])
 }
 
-/// Pressure of a port over one pitch of the steady state from angle 0, at `count` equal steps, kPa absolute.
+/// Returns the pressure of a port over one pitch of the steady state from angle 0, at `count` equal steps,
+/// kPa absolute.
 pub fn pitch_kpa(pump: &Pump, port: Port, rpm: f64, count: u32) -> Result<Vec<f64>, Box<dyn Error>> {
     let state = pump.periodic_state(port, rad_s(rpm))?;
     let mut run = ExactRun::new(pump, port, [Leg::constant_speed(0.0, rad_s(rpm))], state);
@@ -30,7 +31,7 @@ pub fn pitch_kpa(pump: &Pump, port: Port, rpm: f64, count: u32) -> Result<Vec<f6
     Ok((0..count).map(|n| run.pressure_kpa(pitch_s * f64::from(n) / f64::from(count))).collect())
 }
 
-/// The section of the page.
+/// Returns the section of the page about pressures.
 pub fn section() -> Result<Section, Box<dyn Error>> {
     const NAMES: [&str; 6] =
         ["P_in largest", "P_in smallest", "P_in mean", "P_out largest", "P_out smallest", "P_out mean"];

@@ -1,4 +1,4 @@
-//! The roller-centric model: that it becomes the flow-centric one, and what it delivers.
+//! Checks the roller-centric model: its limit, the flow-centric model, and the volume that it delivers.
 
 use std::error::Error;
 
@@ -10,7 +10,8 @@ use crate::page::Section;
 use crate::paper::REFERENCE;
 use crate::row::{Bound, Row};
 
-/// RMSE from the flow-centric model as swelling and leaks vanish, 2 s from rest at 100 r/min, kPa: inlet, outlet.
+/// Returns the RMSE from the flow-centric model as swelling and leaks vanish, 2 s from rest at 100 r/min,
+/// kPa: inlet, outlet.
 fn limit_kpa(pump: &Pump) -> Result<[f64; 2], Box<dyn Error>> {
     let model = RollerCentric {
         scale: 1.0,
@@ -36,7 +37,7 @@ fn limit_kpa(pump: &Pump) -> Result<[f64; 2], Box<dyn Error>> {
     Ok([inlet.ok_or("there are samples")?, outlet.ok_or("there are samples")?])
 }
 
-/// The section of the page.
+/// Returns the section of the page about the roller-centric model.
 pub fn section() -> Result<Section, Box<dyn Error>> {
     let mut rows = Vec::new();
     for rollers in [3, 2] {

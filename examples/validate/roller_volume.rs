@@ -1,4 +1,4 @@
-//! Dimensions, roller volume, engagement angle.
+//! Sets dimensions, roller volume and engagement angle beside the paper's.
 
 use std::error::Error;
 
@@ -11,17 +11,17 @@ use crate::paper::{
 };
 use crate::row::{Bound, Row, figure};
 
-/// The measured points.
+/// Returns the measured points.
 pub fn points() -> [VolumePoint; 15] {
     POINTS.map(|(angle_deg, volume_ml)| VolumePoint { angle_deg, volume_ml })
 }
 
-/// A polynomial, highest order first.
+/// Returns the value of a polynomial at `x`, highest order first.
 pub fn at(coefficients: &[f64; 6], x: f64) -> f64 {
     coefficients.iter().fold(0.0, |sum, c| sum * x + c)
 }
 
-/// Table 1 and the dimensions of the authors' code.
+/// Returns the section of the page about Table 1 and the dimensions of the authors' code.
 pub fn dimensions() -> Result<Section, Box<dyn Error>> {
     let values = |variant| {
         let g = Geometry::published(3, variant);
@@ -73,7 +73,7 @@ pub fn dimensions() -> Result<Section, Box<dyn Error>> {
     Ok(Section { title: "Dimensions", before: String::new(), rows, after: String::new() })
 }
 
-/// V(theta), V_r, phi.
+/// Returns the section of the page about V(theta), V_r and phi.
 pub fn section() -> Result<Section, Box<dyn Error>> {
     let points = points();
     let fit = VolumeFit::quintic(&points)?;

@@ -1,15 +1,15 @@
-//! A figure to compare with, ours, and how far apart they may be.
+//! Rows of the page: a figure to compare with, ours, and the largest deviation that is allowed.
 
 use pump_model::math::{floor, log10};
 
-/// How far ours may be from theirs.
+/// Largest deviation of our figure from theirs that is allowed.
 #[derive(Clone, Copy)]
 pub enum Bound {
-    /// They are the same number.
+    /// Ours equals theirs.
     Equal,
-    /// So many percent of theirs.
+    /// Ours differs by this part of theirs at most, percent.
     Percent(f64),
-    /// So much, in the row's unit.
+    /// Ours differs by this at most, in the row's unit.
     Absolute(f64),
     /// Ours is no more than theirs.
     AtMost,
@@ -17,7 +17,7 @@ pub enum Bound {
     Open,
 }
 
-/// What was done about a figure.
+/// Way in which a figure was checked.
 #[derive(Clone, Copy)]
 pub enum Done {
     /// Ours follows from inputs that are not this figure.
@@ -26,11 +26,11 @@ pub enum Done {
     Input,
     /// Parameters of ours were chosen so that this figure comes out: no evidence.
     Fitted,
-    /// Nothing could be done, and why.
+    /// Nothing could be done, for this reason.
     Not(&'static str),
 }
 
-/// A line of a table.
+/// Row of a table.
 pub struct Row {
     name: String,
     unit: &'static str,
@@ -41,13 +41,13 @@ pub struct Row {
     done: Done,
 }
 
-/// The head of a table of rows.
+/// Head of a table of rows.
 pub const HEAD: &str = "| | unit | theirs | source | ours | deviation | bound | done |
 | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
 
 impl Row {
-    /// A figure that ours is computed beside.
+    /// Returns a row for a figure that ours is computed beside.
     pub fn computed(
         name: impl Into<String>,
         unit: &'static str,
@@ -59,7 +59,7 @@ impl Row {
         Self { name, unit, source, theirs: Some(theirs), ours: Some(ours), bound, done: Done::Computed }
     }
 
-    /// A figure that the model takes as it is.
+    /// Returns a row for a figure that the model takes as it is.
     pub fn input(
         name: impl Into<String>,
         unit: &'static str,
@@ -69,7 +69,7 @@ impl Row {
         Self::computed(name, unit, theirs, ours, Bound::Equal).taken()
     }
 
-    /// A figure of theirs that nothing can be set beside.
+    /// Returns a row for a figure of theirs that nothing can be set beside.
     pub fn unchecked(
         name: impl Into<String>,
         unit: &'static str,
@@ -80,33 +80,34 @@ impl Row {
         Self { name, unit, source, theirs: Some(theirs), ours: None, bound: Bound::Open, done }
     }
 
-    /// Figures that were not published.
+    /// Returns a row for figures that were not published.
     pub fn missing(name: impl Into<String>, source: &'static str, why: &'static str) -> Self {
         Self { theirs: None, ..Self::unchecked(name, "", (0.0, source), why) }
     }
 
-    /// A figure of ours that no published one stands beside.
+    /// Returns a row for a figure of ours that no published one stands beside.
     pub fn ours(name: impl Into<String>, unit: &'static str, ours: f64) -> Self {
         let (name, done) = (name.into(), Done::Computed);
         Self { name, unit, source: "none", theirs: None, ours: Some(ours), bound: Bound::Open, done }
     }
 
-    /// The same within another bound.
+    /// Returns the row with another bound.
     pub fn bounded(self, bound: Bound) -> Self {
         Self { bound, ..self }
     }
 
-    /// The same, said to be an input.
+    /// Returns the row as an input.
     pub fn taken(self) -> Self {
         Self { done: Done::Input, ..self }
     }
 
-    /// The same, said to be fitted.
+    /// Returns the row as a fitted figure.
     pub fn fitted(self) -> Self {
         Self { done: Done::Fitted, ..self }
     }
 
-    /// Ours less theirs and the largest that is allowed, both in percent or in the row's unit.
+    /// Returns ours less theirs and the largest deviation that is allowed, both in percent or in the row's
+    /// unit.
     fn deviation(&self) -> Option<(f64, f64)> {
         let (theirs, ours) = (self.theirs?, self.ours?);
         Some(match self.bound {
@@ -118,7 +119,7 @@ impl Row {
         })
     }
 
-    /// What is wrong, if the deviation exceeds its bound or is not a number.
+    /// Returns a message if the deviation exceeds its bound or is not a number.
     pub fn beyond_bound(&self) -> Option<String> {
         let (deviation, bound) = self.deviation()?;
         let holds = match self.bound {
@@ -128,7 +129,7 @@ impl Row {
         (!holds).then(|| format!("{}: deviation {deviation}, allowed {bound}", self.name))
     }
 
-    /// The row as Markdown.
+    /// Returns the row as Markdown.
     pub fn markdown(&self) -> String {
         let shown = |value: f64| match self.done {
             // Degrees come back from radians with a last bit of rounding.
@@ -143,7 +144,7 @@ impl Row {
         };
         let deviation = match (self.deviation(), self.bound) {
             (None, _) | (_, Bound::AtMost) => "-".to_owned(),
-            // Rounding of the last bit differs with the order of a sum, not with what is compared.
+            // The last bit depends on the order of a sum, not on the figures that are compared.
             (Some((deviation, _)), _) if deviation.abs() < 1e-12 => "0".to_owned(),
             (Some((deviation, _)), _) => {
                 format!("{}{}{unit}", if deviation > 0.0 { "+" } else { "" }, figure(deviation, 3))
@@ -172,12 +173,12 @@ impl Row {
     }
 }
 
-/// A figure with all the digits that it was given.
+/// Prints a figure with all the digits that it was given.
 fn as_printed(value: f64) -> String {
     if value != 0.0 && value.abs() < 1e-3 { format!("{value:e}") } else { value.to_string() }
 }
 
-/// A number with so many significant digits.
+/// Prints a number with `digits` significant digits.
 pub fn figure(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -189,7 +190,7 @@ pub fn figure(value: f64, digits: i32) -> String {
     format!("{value:.0$}", (digits - 1 - exponent).max(0) as usize)
 }
 
-/// Without zeros at the end of a fraction.
+/// Returns the number without zeros at the end of its fraction.
 fn trimmed(text: &str) -> String {
     if text.contains('.') {
         text.trim_end_matches('0').trim_end_matches('.').to_owned()

@@ -1,4 +1,4 @@
-//! The paper's tests as runs of the model, each by its name.
+//! Repeats the paper's tests as runs of the model, each by its name.
 
 use std::error::Error;
 
@@ -12,10 +12,10 @@ use crate::roller_volume::points;
 use crate::row::figure;
 use crate::volumes::Volumes;
 
-/// A test.
+/// Test of the paper.
 struct Test {
     name: &'static str,
-    /// What it is taken to be.
+    /// Assumption about the quantity that the test measured.
     assumed: &'static str,
     run: fn() -> Result<String, Box<dyn Error>>,
 }
@@ -38,7 +38,7 @@ const TESTS: [Test; 7] = [
     Test { name: "PT2", assumed: "pressures at inlet and outlet, two rollers", run: || pressures(2, 300) },
 ];
 
-/// What a test gives, as a table; an error if no test has this name.
+/// Returns the results of a test as a table, or an error if no test has this name.
 pub fn run(name: &str) -> Result<String, Box<dyn Error>> {
     let Some(test) = TESTS.iter().find(|test| test.name.eq_ignore_ascii_case(name)) else {
         let names = TESTS.map(|test| test.name).join(", ");
@@ -47,7 +47,7 @@ pub fn run(name: &str) -> Result<String, Box<dyn Error>> {
     Ok(format!("{} (assumed: {})\n\n{}", test.name, test.assumed, (test.run)()?))
 }
 
-/// The tests and their commands.
+/// Returns the tests and their commands as Markdown.
 pub fn markdown() -> String {
     let mut text = String::from(
         "The paper names its tests FT1 to FT5, PT1 and PT2. What each of them is could not be looked up. The assignment below is ours: one for \

@@ -1,4 +1,5 @@
-//! Volume of ten revolutions against speed: what was measured, the linear model, the speed law.
+//! Sets the volume of ten revolutions against the speed: the measured mean, the linear model, the speed
+//! law.
 
 use std::error::Error;
 
@@ -11,21 +12,21 @@ use crate::page::Section;
 use crate::paper::{MEASURED, Measured, PAPER, REFERENCE};
 use crate::row::{Bound, Row, figure};
 
-/// Ten revolutions at the paper's speeds.
+/// Volumes of ten revolutions at the paper's speeds.
 pub struct Volumes {
     pub rpm: Vec<f64>,
-    /// Linear, V_r as measured, mL: at all speeds.
+    /// Volume by the linear model with V_r as measured, mL; the same at all speeds.
     pub linear_ml: f64,
-    /// Linear, V_r of 2.06 mL.
+    /// Volume by the linear model with V_r of 2.06 mL, mL.
     pub published_ml: f64,
-    /// By the speed law, mL.
+    /// Volume by the speed law at each speed, mL.
     pub law_ml: Vec<f64>,
-    /// Largest inlet pressure of the steady state, kPa.
+    /// Largest inlet pressure of the steady state at each speed, kPa.
     pub inlet_max_kpa: Vec<f64>,
 }
 
 impl Volumes {
-    /// Every 10 r/min.
+    /// Computes the volumes at every 10 r/min.
     pub fn of(rollers: u32, fastest_rpm: u32) -> Result<Self, Box<dyn Error>> {
         let pump = Pump::preset(rollers, Variant::Measured)?;
         let rpm: Vec<f64> = (1..=fastest_rpm / 10).map(|n| f64::from(10 * n)).collect();
@@ -42,22 +43,22 @@ impl Volumes {
         })
     }
 
-    /// Linear model (V_r of 2.06 mL) beside the law.
+    /// Returns the linear model (V_r of 2.06 mL) beside the law, mL.
     pub fn pairs(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
         self.law_ml.iter().map(|law_ml| (self.published_ml, *law_ml))
     }
 
-    /// Mean of the law over the speeds, mL.
+    /// Returns the mean of the law over the speeds, mL.
     pub fn law_mean_ml(&self) -> f64 {
         self.law_ml.iter().sum::<f64>() / self.law_ml.len() as f64
     }
 
-    /// Largest deviation of the linear model from the law, %.
+    /// Returns the largest deviation of the linear model from the law, %.
     pub fn largest_percent(&self) -> f64 {
         self.pairs().map(|(linear, law)| 100.0 * (linear / law - 1.0).abs()).fold(0.0, f64::max)
     }
 
-    /// RMSE of the linear model against the law over the range of the law, %.
+    /// Returns the RMSE of the linear model against the law, over the range of the law, %.
     pub fn rmse_over_range_percent(&self) -> Option<f64> {
         let (low, high) = self
             .law_ml
@@ -67,7 +68,7 @@ impl Volumes {
     }
 }
 
-/// Rows of one pump.
+/// Adds the rows of one pump, and returns the text about its scatter.
 fn rows(measured: &Measured, rows: &mut Vec<Row>) -> Result<String, Box<dyn Error>> {
     let Measured { rollers, fastest_rpm, ten_revolutions_ml, nrmse_percent, largest_percent, .. } = *measured;
     let volumes = Volumes::of(rollers, fastest_rpm)?;
@@ -167,7 +168,7 @@ fn rows(measured: &Measured, rows: &mut Vec<Row>) -> Result<String, Box<dyn Erro
     ))
 }
 
-/// The section of the page.
+/// Returns the section of the page about volumes.
 pub fn section() -> Result<Section, Box<dyn Error>> {
     let mut all = Vec::new();
     let mut after = String::new();

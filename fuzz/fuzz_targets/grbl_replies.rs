@@ -1,4 +1,5 @@
-//! Whatever a board says is read without a panic, the same however it is divided, and numbers are finite.
+//! Fuzzes the reader of a board's replies: no text panics, the division of the bytes makes no difference,
+//! and numbers are finite.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

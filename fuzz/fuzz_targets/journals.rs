@@ -1,11 +1,11 @@
-//! Whatever a journal holds, it is read or refused, and what it says of the rotor and of the dose hangs together. Its lines
-//! get right checksums here, since chance does not find them.
+//! Fuzzes the reader of journals: every text is read or refused, and its statements about rotor and dose
+//! agree. The lines get right checksums here, since chance does not find them.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pump_ctl::plan::Phase;
 use pump_bench::record::PhaseSource;
 use pump_bench::record::{State, Story};
+use pump_ctl::plan::Phase;
 use pump_model::Pump;
 
 fuzz_target!(|text: &str| {

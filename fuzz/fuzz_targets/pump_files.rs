@@ -1,4 +1,5 @@
-//! A pump file is refused with a message, or describes a pump, and written and read again it is the same.
+//! Fuzzes the reader of pump files: a text is refused with a message or describes a pump, and that pump
+//! stays itself when it is written and read again.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

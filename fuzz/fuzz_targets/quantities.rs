@@ -1,4 +1,4 @@
-//! Whatever is typed as a quantity is a finite number or refused with a message.
+//! Fuzzes the reader of quantities: every text is a finite number or is refused with a message.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

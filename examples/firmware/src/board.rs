@@ -10,10 +10,10 @@ use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorType, OutputPin};
 
-/// What timer 0 and SysTick count, Hz.
+/// Rate at which timer 0 and SysTick count, Hz.
 pub const COUNT_HZ: u32 = 25_000_000;
 
-/// A register of the board, by its address.
+/// Register of the board, by its address.
 #[derive(Clone, Copy)]
 struct Register(usize);
 
@@ -21,7 +21,8 @@ const TIMER0_CTRL: Register = Register(0x4000_0000);
 const TIMER0_VALUE: Register = Register(0x4000_0004);
 const TIMER0_RELOAD: Register = Register(0x4000_0008);
 const GPIO0_OUT_ENABLE: Register = Register(0x4001_0010);
-/// The word at `4 * mask` from here sets those of the pins 0 to 7 that are in `mask`, and no others.
+/// Base of the pins' words. The word at `4 * mask` from here sets those of the pins 0 to 7 that are in
+/// `mask`, and no others.
 const GPIO0_MASKED: usize = 0x4001_0400;
 
 impl Register {
@@ -43,14 +44,14 @@ pub fn start_counter() {
     TIMER0_CTRL.write(1);
 }
 
-/// Counts since [`start_counter`]; wraps after 171 s.
+/// Returns the counts since [`start_counter`]; wraps after 171 s.
 #[inline]
 pub fn counts() -> u32 {
     // The timer counts down.
     !TIMER0_VALUE.read()
 }
 
-/// SysTick, set anew for every interrupt.
+/// SysTick as an alarm that is set anew for every interrupt.
 pub struct Alarm(SYST);
 
 impl Alarm {
@@ -74,7 +75,7 @@ impl Alarm {
     }
 }
 
-/// One of the pins 0 to 7 of GPIO 0. QEMU 7.2 has no GPIO there and takes the writes.
+/// Output pin: one of the pins 0 to 7 of GPIO 0. QEMU 7.2 has no GPIO there and takes the writes.
 pub struct Output {
     mask: usize,
 }
@@ -107,13 +108,13 @@ impl OutputPin for Output {
     }
 }
 
-/// The step pin, and what an oscilloscope at it would show.
+/// Step pin that remembers the time at which an oscilloscope would see it rise.
 pub struct StepPin(pub Output);
 
 static ROSE_AT: AtomicU32 = AtomicU32::new(0);
 
 impl StepPin {
-    /// [`counts`] when it last rose.
+    /// Returns [`counts`] at the moment at which the pin last rose.
     pub fn rose_at() -> u32 {
         ROSE_AT.load(Relaxed)
     }
@@ -135,13 +136,13 @@ impl OutputPin for StepPin {
     }
 }
 
-/// Waits by the counter, and adds up how long.
+/// Delay that waits by the counter, and adds up its times.
 pub struct Wait;
 
 static WAITED: AtomicU32 = AtomicU32::new(0);
 
 impl Wait {
-    /// Counts waited since power-up.
+    /// Returns the counts waited since power-up.
     pub fn waited() -> u32 {
         WAITED.load(Relaxed)
     }

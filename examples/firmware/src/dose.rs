@@ -1,4 +1,5 @@
-//! What is dosed, and how it is written down. The host's check compiles this file too, so that both do the same.
+//! The dose, and the form in which it is written down. The host's check compiles this file too, so that
+//! both agree.
 
 use core::fmt;
 
@@ -7,35 +8,35 @@ use pump_ctl::step::Stepper;
 
 use crate::pump::{self, PUMP};
 
-/// The motor alone: pressures are predicted in a step of their own, so that planning stays fast.
+/// Limits of the motor alone. Pressures are predicted in a step of their own, so that planning stays fast.
 const LIMITS: Limits = Limits::of_motor(pump::LIMITS.motor);
 
-/// The time of a step is counted in microseconds.
+/// Rate of the timer, Hz: the time of a step is counted in microseconds.
 pub const TICK_HZ: u32 = 1_000_000;
 
-/// Segments that are queued before the motor starts: all of a dose, some 20 here.
+/// Most segments that are queued before the motor starts: all of a dose, some 20 here.
 pub const QUEUE: usize = 64;
 
-/// What says when to make a step.
+/// Executor that says when to make a step.
 pub type Executor = Stepper<QUEUE>;
 
-/// The dose, mL.
+/// Volume of the dose, mL.
 pub const DOSE_ML: f64 = 25.0;
 
-/// What it is changed to on the way, mL and mL/s.
+/// Volume and rate to which the dose is changed on the way, mL and mL/s.
 const CHANGED_ML: f64 = 20.0;
 const CHANGED_ML_S: f64 = 3.0;
 
-/// How long the motor goes on with the old plan meanwhile, ticks.
+/// Time for which the motor goes on with the old plan meanwhile, ticks.
 pub const CHANGE_TICKS: u32 = 9_000;
 
-/// A dose from 0.3 rad at 5 mL/s.
+/// Plans a dose from 0.3 rad at 5 mL/s.
 pub fn plan_dose(volume_ml: f64) -> Result<Plan, PlanError> {
     let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 });
     plan(&PUMP, Phase::known(0.3), &request, &LIMITS)
 }
 
-/// The rest of the dose after `made` steps of `plan`, changed.
+/// Plans the rest of the dose after `made` steps of `plan`, with the changed volume and rate.
 pub fn change(plan: &Plan, made: u64) -> Result<Plan, PlanError> {
     plan.retarget(&PUMP, made, CHANGED_ML, Cruise::Flow { ml_s: CHANGED_ML_S }, &LIMITS)
 }

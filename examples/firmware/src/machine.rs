@@ -12,37 +12,39 @@ use pump_ctl::step::{Junction, Segment, StopPlan};
 use crate::board::{Alarm, COUNT_HZ, Output, StepPin, Wait, counts};
 use crate::dose::{QUEUE, TICK_HZ, queue};
 
-/// Step, direction and enable pin.
+/// Driver with step, direction and enable pin.
 pub type Driver = StepDir<StepPin, Output, Output, Wait>;
 
-/// Counts a tick.
+/// Number of counts of a tick.
 const TICK: u32 = COUNT_HZ / TICK_HZ;
 
-/// How much earlier than a deadline the alarm goes off, counts. From the alarm to the pin it takes 26 inside a segment,
-/// 32 into the next, 53 down the brake: with this all are within 20 of the deadline, which is less than a tick.
+/// Time by which the alarm goes off before a deadline, counts. From the alarm to the pin it takes 26 inside
+/// a segment, 32 into the next, 53 down the brake. With this lead all are within 20 of the deadline, which
+/// is less than a tick.
 const LEAD: u32 = 34;
 
-/// A step as it was made.
+/// Step as it was made.
 #[derive(Clone, Copy)]
 pub struct Made {
-    /// When it was due, ticks since the start.
+    /// Time at which the step was due, ticks since the start.
     pub due: u32,
-    /// When its pin rose, counts since the start.
+    /// Time at which the step's pin rose, counts since the start.
     pub rose: u32,
 }
 
 /// Room for the steps of a move.
 pub type Record = [Made; 16_384];
 
-/// Ticks since power-up, [`LEAD`] ahead: what the time will be when a step that is made now is seen at the pin.
+/// Clock in ticks since power-up, [`LEAD`] ahead: the time at which a step that is made now will be seen at
+/// the pin.
 struct Clock {
     ticks: u64,
-    /// [`counts`] when that tick begins.
+    /// [`counts`] at the moment at which that tick begins.
     began: u32,
 }
 
 impl Clock {
-    /// To be called every 171 s at least.
+    /// Returns the time in ticks. It must be called every 171 s at least.
     fn now(&mut self) -> u64 {
         let passed = counts().wrapping_sub(self.began) / TICK;
         self.ticks += u64::from(passed);
@@ -50,7 +52,7 @@ impl Clock {
         self.ticks
     }
 
-    /// [`counts`] when `tick` begins, or 2 s from now if it is farther off.
+    /// Returns [`counts`] at the moment at which `tick` begins, or 2 s from now if that is farther off.
     fn counts_at(&self, tick: u64) -> u32 {
         let ahead = tick.saturating_sub(self.ticks).min(u64::from(2 * TICK_HZ)) as u32;
         self.began.wrapping_add(ahead * TICK)
@@ -61,28 +63,28 @@ pub struct Machine {
     actuator: Actuator<Driver, QUEUE>,
     alarm: Alarm,
     clock: Clock,
-    /// What the alarm is set for.
+    /// Deadline for which the alarm is set, ticks.
     due: u64,
     started: u64,
     /// [`counts`] at which a pin of a step at `started` would rise.
     started_counts: u32,
     record: &'static mut Record,
     made: usize,
-    /// Why the last move ended early.
+    /// Reason for which the last move ended early.
     fault: Option<Fault<PinFault>>,
 }
 
 static MACHINE: Mutex<RefCell<Option<Machine>>> = Mutex::new(RefCell::new(None));
 
-/// Whether the motor turns. Asking does not hold up the interrupt.
+/// True if the motor turns. Reading it does not hold up the interrupt.
 static MOVING: AtomicBool = AtomicBool::new(false);
 
-/// Whether the motor turns.
+/// Returns true if the motor turns.
 pub fn is_moving() -> bool {
     MOVING.load(Relaxed)
 }
 
-/// Does something to the machine, while its interrupt waits.
+/// Works on the machine while its interrupt waits.
 pub fn with<R>(work: impl FnOnce(&mut Machine) -> R) -> R {
     critical_section::with(|cs| {
         work(MACHINE.borrow_ref_mut(cs).as_mut().expect("main installs it before it asks or sets an alarm"))
@@ -111,7 +113,7 @@ impl Machine {
         critical_section::with(|cs| MACHINE.replace(cs, Some(machine)));
     }
 
-    /// In the interrupt: makes the step that is due and sets the alarm for the next.
+    /// Makes the step that is due and sets the alarm for the next, in the interrupt.
     fn on_alarm(&mut self) {
         let now = self.clock.now();
         match self.actuator.on_timer(now) {
@@ -122,7 +124,7 @@ impl Machine {
                 self.set_alarm(next);
             }
             Ok(Timer::Done) => self.end(),
-            // The motor stands already: no panic here, where nobody could say so. The main program asks.
+            // The motor stands already. A panic here could not be reported, so the main program asks.
             Err(fault) => {
                 self.fault = Some(fault);
                 self.end();
@@ -162,17 +164,17 @@ impl Machine {
         self.set_alarm(due);
     }
 
-    /// Ticks since the start.
+    /// Returns the ticks since the start.
     pub fn elapsed(&mut self) -> u64 {
         self.clock.now() - self.started
     }
 
-    /// Why the last move ended early, if it did.
+    /// Returns the reason for which the last move ended early, if it did.
     pub fn fault(&self) -> Option<Fault<PinFault>> {
         self.fault
     }
 
-    /// Steps made.
+    /// Returns the number of steps made.
     pub fn position(&mut self) -> i64 {
         self.actuator.stepper().position()
     }
@@ -187,13 +189,14 @@ impl Machine {
         StopPlan { last_step_at: promise.last_step_at - self.started, ..promise }
     }
 
-    /// Where a new plan could take over: after the first step at `not_before` or later. Times are ticks since the start.
+    /// Returns the place at which a new plan could take over: after the first step at `not_before` or
+    /// later. Times are ticks since the start.
     pub fn junction(&mut self, not_before: u64) -> Option<Junction> {
         let junction = self.actuator.stepper().junction(self.started + not_before)?;
         Some(Junction { at: junction.at - self.started, ..junction })
     }
 
-    /// Drops what is planned after that.
+    /// Drops the steps that are planned after the junction at `not_before` or later.
     pub fn retarget(&mut self, not_before: u64) -> Option<Junction> {
         let junction = self.actuator.stepper().retarget(self.started + not_before)?;
         Some(Junction { at: junction.at - self.started, ..junction })
@@ -208,7 +211,7 @@ impl Machine {
         self.actuator.stepper().finish();
     }
 
-    /// The steps of the move so far.
+    /// Returns the steps of the move so far.
     pub fn record(&self) -> &[Made] {
         self.record.get(..self.made).unwrap_or_default()
     }

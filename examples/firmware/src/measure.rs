@@ -1,4 +1,4 @@
-//! What things cost in instructions, flash and RAM.
+//! Measures costs in instructions, flash and RAM.
 
 use core::fmt::{Result, Write};
 use core::hint::black_box;
@@ -15,7 +15,7 @@ use crate::pump::{LIMITS, PUMP};
 /// With `-icount shift=3` an instruction takes 8 ns of the emulated time, and a count of the 25 MHz timer 40 ns.
 pub const INSTRUCTIONS_PER_COUNT: u32 = 5;
 
-/// Does `work` and says how many instructions that took, to the nearest five.
+/// Does `work` and returns its result with the instructions that it took, to the nearest five.
 pub fn counting<R>(work: impl FnOnce() -> R) -> (R, u32) {
     let began = counts();
     let result = black_box(work());
@@ -34,13 +34,14 @@ pub fn tenths(out: &mut impl Write, total: u32, number: u32, what: &str) -> Resu
     writeln!(out, "cost: {}.{} instructions {what}", tenths / 10, tenths % 10)
 }
 
-/// The dose with a smooth flow.
+/// Plans the dose with a smooth flow.
 fn plan_smooth(volume_ml: f64) -> core::result::Result<Plan, PlanError> {
     let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }).smooth();
     plan::plan(&PUMP, Phase::known(0.3), &request, &Limits::of_motor(LIMITS.motor))
 }
 
-/// Plans the dose and writes the plan and what it has cost. Not inlined: what it needs of the stack is free afterwards.
+/// Plans the dose and writes the plan and its cost. It is not inlined, so that its part of the stack is
+/// free afterwards.
 #[inline(never)]
 pub fn plan(out: &mut impl Write) -> core::result::Result<Plan, core::fmt::Error> {
     let (plan, planning) = counting(|| dose::plan_dose(black_box(DOSE_ML)));
@@ -53,7 +54,8 @@ pub fn plan(out: &mut impl Write) -> core::result::Result<Plan, core::fmt::Error
     let (pieces, cutting) = counting(|| black_box(&smooth).segments(TICK_HZ).map(black_box).count());
     writeln!(
         out,
-        "cost: {} instructions for a plan with a smooth flow: {smoothing} for angle and profile, {cutting} for {pieces} segments",
+        "cost: {} instructions for a plan with a smooth flow: {smoothing} for angle and profile, \
+         {cutting} for {pieces} segments",
         smoothing + cutting
     )?;
     let (_, braking) = counting(|| black_box(LIMITS.motor).brake(TICK_HZ));
@@ -73,13 +75,14 @@ fn queued(plan: &Plan) -> Executor {
     executor
 }
 
-/// Not inlined: reads and writes the executor's state at every step, as in an interrupt.
+/// Makes a step of the executor. It is not inlined, so that it reads and writes the executor's state at
+/// every step, as in an interrupt.
 #[inline(never)]
 fn on_deadline(executor: &mut Executor, now: u64) -> Action {
     executor.on_deadline(now)
 }
 
-/// `Stepper::on_deadline` alone, over a whole move. Not inlined, as [`plan`].
+/// Measures `Stepper::on_deadline` alone, over a whole move. It is not inlined, as [`plan`].
 #[inline(never)]
 pub fn executor(out: &mut impl Write, plan: &Plan) -> Result {
     let mut executor = queued(plan);
@@ -110,7 +113,7 @@ pub fn executor(out: &mut impl Write, plan: &Plan) -> Result {
     )
 }
 
-/// Flash and RAM.
+/// Writes the use of flash and RAM.
 pub fn memory(out: &mut impl Write) -> Result {
     let (flash, statics) = memory::flash_and_statics();
     let record = size_of::<Record>();

@@ -1,4 +1,4 @@
-//! How much flash and RAM is used.
+//! Measures the use of flash and RAM.
 
 #![allow(unsafe_code, reason = "the stack is read as what it is: memory")]
 
@@ -13,14 +13,15 @@ unsafe extern "C" {
     static _stack_start: u32;
 }
 
-/// Bytes of flash and of statics in RAM.
+/// Returns the bytes of flash and of statics in RAM.
 pub fn flash_and_statics() -> (usize, usize) {
     let data = (&raw const __edata).addr() - (&raw const __sdata).addr();
     let bss = (&raw const __ebss).addr() - (&raw const __sbss).addr();
     ((&raw const __sidata).addr() + data, data + bss)
 }
 
-/// Bytes of the stack that were ever used: cortex-m-rt has painted it, and what is painted still was not.
+/// Returns the bytes of the stack that were ever used. cortex-m-rt has painted the stack, and words that
+/// are still painted were not used.
 pub fn stack() -> usize {
     let bottom = &raw const _stack_end;
     let words = ((&raw const _stack_start).addr() - bottom.addr()) / 4;

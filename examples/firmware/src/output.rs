@@ -1,4 +1,4 @@
-//! Text to the host, a kilobyte at a time: each call of the host stops the processor.
+//! Sends text to the host, a kilobyte at a time, since each call of the host stops the processor.
 
 use core::fmt::{Error, Result, Write};
 

@@ -1,4 +1,4 @@
-//! Three moves: a whole dose, one that is stopped, one whose volume is changed on the way.
+//! Makes three moves: a whole dose, one that is stopped, one whose volume is changed on the way.
 
 use core::fmt::{Result, Write};
 
@@ -10,10 +10,10 @@ use crate::dose::{self, CHANGE_TICKS, QUEUE, TICK_HZ};
 use crate::machine::{self, with};
 use crate::measure::{INSTRUCTIONS_PER_COUNT, counting, tenths};
 
-/// A whole dose, and what its interrupts cost.
+/// Makes a whole dose, and measures the cost of its interrupts.
 pub fn whole(out: &mut impl Write, plan: &Plan) -> Result {
-    // Beside the steps the processor does pieces of work of a known length. What is missing in the end went into the
-    // interrupts.
+    // Beside the steps the processor does pieces of work of a known length. The time that is missing in the
+    // end went into the interrupts.
     let piece = || cortex_m::asm::delay(500_000);
     let ((), ten) = counting(|| (0..10).for_each(|_| piece()));
     let waited = Wait::waited();
@@ -35,7 +35,7 @@ pub fn whole(out: &mut impl Write, plan: &Plan) -> Result {
     tenths(out, waiting, steps, "a step more of waiting: 1.9 us high, 1.9 us low")
 }
 
-/// A dose that is stopped after 2 s.
+/// Makes a dose that is stopped after 2 s.
 pub fn stopped(out: &mut impl Write, plan: &Plan) -> Result {
     with(|machine| machine.start(plan));
     wait(2 * COUNT_HZ);
@@ -54,7 +54,7 @@ pub fn stopped(out: &mut impl Write, plan: &Plan) -> Result {
     writeln!(out, "cost: {cost} instructions for a stop, with interrupts off")
 }
 
-/// A dose whose volume and rate are changed after 2 s; the change is planned while the motor turns.
+/// Makes a dose whose volume and rate are changed after 2 s. The change is planned while the motor turns.
 #[inline(never)]
 pub fn changed(out: &mut impl Write, plan: &Plan) -> Result {
     with(|machine| machine.start(plan));
@@ -90,13 +90,13 @@ fn wait(wanted: u32) {
     while counts().wrapping_sub(began) < wanted {}
 }
 
-/// Waits for the next step: what is done then with interrupts off delays no step.
+/// Waits for the next step. Work right after it with interrupts off delays no step.
 fn wait_for_step() {
     let last = StepPin::rose_at();
     while StepPin::rose_at() == last {}
 }
 
-/// Waits for the end, and writes when each step was due and when it was made.
+/// Waits for the end, and writes the times at which each step was due and was made.
 fn write_steps(out: &mut impl Write) -> Result {
     while machine::is_moving() {}
     with(|machine| {

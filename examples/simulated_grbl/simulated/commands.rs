@@ -4,7 +4,7 @@ use super::machine::{Machine, State};
 use super::number::read;
 use super::options::Firmware;
 
-/// How long a board is deaf while it stores a setting, s.
+/// Time for which a board is deaf while it stores a setting, s.
 const STORING_S: f64 = 0.004;
 
 /// Slowest feed of the planner, mm/min.
@@ -22,7 +22,7 @@ struct Words {
 }
 
 impl Machine {
-    /// Does what a line says and answers, now or when it is done.
+    /// Executes a line and answers, now or once the line is done.
     pub(super) fn execute(&mut self, line: &str) {
         let answer = match line.strip_prefix('$') {
             None if line.is_empty() => Ok(()),
@@ -38,7 +38,7 @@ impl Machine {
                     Err(code) => Err(code),
                 },
                 None => match self.command(command) {
-                    // The answer comes once it is stored.
+                    // The answer comes once the setting is stored.
                     Ok(()) if self.storing_s > 0.0 => return,
                     answer => answer,
                 },
@@ -115,7 +115,7 @@ impl Machine {
         Ok(())
     }
 
-    /// Queues a jog. True if it has to wait for room.
+    /// Queues a jog. Returns true if the jog has to wait for room.
     fn jog(&mut self, words: &str) -> Result<bool, u16> {
         if !matches!(self.state, State::Idle | State::Jog) {
             return Err(8);
@@ -151,12 +151,12 @@ impl Machine {
         Ok(waits)
     }
 
-    /// Where the planner's queue ends, mm.
+    /// Coordinate at which the planner's queue ends, mm.
     fn planned_mm(&self) -> f32 {
         (self.motor.planned() + self.miscounted) as f32 / self.settings.get(100)
     }
 
-    /// Queues a way to `mm` at `feed` mm/min. True if there is no room.
+    /// Queues a way to `mm` at `feed` mm/min. Returns true if there is no room.
     fn way(&mut self, mm: f32, feed: f32) -> bool {
         let end = f64::from(mm * self.settings.get(100)).round() as i64 - self.miscounted;
         let feed = feed.min(self.settings.get(110)).max(LEAST_FEED_MM_MIN);
@@ -169,7 +169,7 @@ impl Machine {
         false
     }
 
-    /// Sets modes, and probes. True if the answer comes at the end of the motion.
+    /// Sets modes, and probes. Returns true if the answer comes at the end of the motion.
     fn g_code(&mut self, line: &str) -> Result<bool, u16> {
         if matches!(self.state, State::Alarm | State::Jog | State::Sleep) {
             return Err(9);

@@ -1,5 +1,5 @@
-//! What a simulated board does with bytes and with time, as grbl's documentation describes it (doc/markdown of grbl 1.1:
-//! interface, jogging, settings, commands).
+//! The reaction of a simulated board to bytes and to time, as grbl's documentation describes it
+//! (doc/markdown of grbl 1.1: interface, jogging, settings, commands).
 
 use std::collections::VecDeque;
 
@@ -8,19 +8,19 @@ use super::number::print;
 use super::options::{Defects, Firmware, Options, Random, Sensor};
 use super::settings::Settings;
 
-/// Bytes that wait to be read; what comes to more is lost.
+/// Most bytes that wait to be read; more are lost.
 const RECEIVE_BUFFER: usize = 128;
 
-/// Longest line.
+/// Longest line that the board reads, bytes.
 const LONGEST_LINE: usize = 80;
 
-/// Reports from one with `WCO` to the next: at rest and in motion.
+/// Number of reports from one with `WCO` to the next: at rest and in motion.
 const OFFSET_EVERY: [u32; 2] = [10, 30];
 
-/// Axes of grbl 1.1.
+/// Number of axes of grbl 1.1.
 const AXES: usize = 3;
 
-/// What it does.
+/// State of a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum State {
     Idle,
@@ -32,7 +32,7 @@ pub enum State {
     Sleep,
 }
 
-/// Something that leaves the board.
+/// Text that leaves the board.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Output {
     Line(String),
@@ -40,7 +40,7 @@ pub enum Output {
     Answer(String),
 }
 
-/// A board.
+/// Simulated board.
 #[derive(Debug)]
 pub struct Machine {
     pub settings: Settings,
@@ -50,16 +50,16 @@ pub struct Machine {
     pub defects: Defects,
     pub random: Random,
     sensor: Option<Sensor>,
-    /// Bytes received and not read.
+    /// Bytes that were received and not read.
     received: VecDeque<u8>,
     line: String,
     /// A jog that waits for room in the planner's queue.
     pub(super) pending: Option<(i64, f64)>,
     pub output: Vec<Output>,
-    /// What the motor has turned since it was switched on, and how far it has turned in all.
+    /// Steps of the motor since it was switched on: `true_steps` less those in reverse, `turned` in all.
     pub true_steps: i64,
     pub turned: u64,
-    /// By how much the board's counter is off.
+    /// Error of the board's counter, steps.
     pub miscounted: i64,
     /// Work coordinates less machine coordinates of the first axis, mm.
     pub(super) offset_mm: f32,
@@ -67,19 +67,19 @@ pub struct Machine {
     pub(super) relative: bool,
     pub(super) motion: &'static str,
     until_offset: u32,
-    /// The motor stands although it should not.
+    /// True if the motor stands although it should not.
     pub stalled: bool,
-    /// While a setting is stored, s of board time left.
+    /// Board time left while a setting is stored, s.
     pub storing_s: f64,
-    /// Jogs so far, and every line that was read.
+    /// Number of jogs so far, and every line that was read.
     pub(super) jogs: u32,
     pub lines: Vec<String>,
-    /// Where the sensor answered in the probing move under way.
+    /// Count at which the sensor answered in the probing move under way.
     touched: Option<i64>,
 }
 
 impl Machine {
-    /// A board that was just switched on.
+    /// Returns a board that was just switched on.
     pub fn new(options: &Options) -> Self {
         let settings = Settings::new(options);
         let mut machine = Self {
@@ -117,12 +117,12 @@ impl Machine {
         self.apply();
     }
 
-    /// What follows from the settings.
+    /// Applies the settings to the motor.
     pub(super) fn apply(&mut self) {
         self.motor.acceleration = f64::from(self.settings.get(120) * self.settings.get(100));
     }
 
-    /// The processor starts anew: the counter too.
+    /// Starts the processor anew, and the counter with it.
     pub fn power_on(&mut self) {
         self.motor.zero();
         self.miscounted = 0;
@@ -141,7 +141,7 @@ impl Machine {
         (self.inches, self.relative, self.motion) = (false, false, "G0");
     }
 
-    /// The lines of a board that has started.
+    /// Says the lines of a board that has started.
     pub fn banner(&mut self) {
         self.say(match self.firmware {
             Firmware::Grbl => "Grbl 1.1h ['$' for help]",
@@ -261,7 +261,7 @@ impl Machine {
         self.settle();
     }
 
-    /// What follows once the motor stands.
+    /// Changes the state once the motor stands.
     fn settle(&mut self) {
         if !self.motor.stands() {
             return;
@@ -287,7 +287,7 @@ impl Machine {
         }
     }
 
-    /// A jog that waited for room is cancelled with the others, and was taken.
+    /// Answers a jog that waited for room: it is cancelled with the others, and was taken.
     fn pending_is_dropped(&mut self) {
         if self.pending.take().is_some() {
             self.answer(Ok(()));
@@ -302,17 +302,17 @@ impl Machine {
         self.answer(Ok(()));
     }
 
-    /// Whether the sensor answers where the motor stands.
+    /// Returns true if the sensor answers where the motor stands.
     pub(super) fn touches(&self) -> bool {
         self.sensor.is_some_and(|sensor| sensor.answers(self.motor.step()))
     }
 
-    /// Steps as the board counts them.
+    /// Returns the steps as the board counts them.
     pub fn counted(&self) -> i64 {
         self.motor.step() + self.miscounted
     }
 
-    /// Coordinate of a count, in the unit of reports.
+    /// Returns the coordinate of a count, in the unit of reports.
     fn reported(&self, count: i64) -> f32 {
         let mm = count as f32 / self.settings.get(100);
         if self.settings.get(13) != 0.0 { mm * (1.0 / 25.4) } else { mm }

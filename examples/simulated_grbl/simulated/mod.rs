@@ -15,26 +15,26 @@ use std::thread::JoinHandle;
 use options::Options;
 use wire::Wire;
 
-/// What is true of a board, whatever it says.
+/// The truth about a board, whatever the board says.
 #[derive(Debug, Clone, Default)]
 pub struct Truth {
     /// Steps that the motor has made since the board was switched on, those in reverse taken off.
     pub steps: i64,
-    /// Whether it turns.
+    /// True if the motor turns.
     pub moving: bool,
-    /// Its fastest speed so far, steps/s.
+    /// Fastest speed of the motor so far, steps/s.
     pub peak_steps_s: f64,
-    /// How often it started from rest.
+    /// Number of the motor's starts from rest.
     pub starts: u64,
-    /// How often its processor was reset.
+    /// Number of resets of the processor.
     pub resets: u32,
-    /// Lines that it has read.
+    /// Lines that the board has read.
     pub lines: Vec<String>,
-    /// Set to end the simulation.
+    /// True ends the simulation.
     pub over: bool,
 }
 
-/// A board that runs in a thread of its own until it is dropped.
+/// Simulated board that runs in a thread of its own until it is dropped.
 #[derive(Debug)]
 pub struct Simulated {
     path: PathBuf,
@@ -51,17 +51,17 @@ impl Simulated {
         Ok(Self { path, truth, thread: Some(thread) })
     }
 
-    /// The device that it is connected to.
+    /// Returns the device that the board is connected to.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// How things are.
+    /// Returns the truth about the board now.
     pub fn truth(&self) -> Truth {
         lock(&self.truth).clone()
     }
 
-    /// Waits until the motor has stood for a while.
+    /// Waits until the motor has stood for a while, and returns the truth then.
     pub fn rest(&self) -> Truth {
         let mut still = 0;
         while still < 10 {

@@ -1,47 +1,48 @@
-//! The planner's queue and the motor that follows it: one axis, ramps of one acceleration, looking ahead over the queue.
+//! The planner's queue and the motor that follows it: one axis with ramps of one acceleration, which looks
+//! ahead over the queue.
 
 use std::collections::VecDeque;
 
-/// Blocks that grbl plans ahead.
+/// Number of blocks that grbl plans ahead.
 const BLOCKS: usize = 15;
 
 /// Longest step of the integration, s.
 const STEP_S: f64 = 2e-4;
 
-/// A way to go at one speed.
+/// Way to go at one speed.
 #[derive(Debug, Clone, Copy)]
 struct Block {
-    /// Where it ends, steps.
+    /// End of the block, steps.
     end: i64,
-    /// Fastest, steps/s.
+    /// Fastest speed of the block, steps/s.
     steps_s: f64,
 }
 
-/// A motor with its queue.
+/// Motor with its queue.
 #[derive(Debug, Default)]
 pub struct Motor {
     blocks: VecDeque<Block>,
-    /// Where it stands, in parts of a step.
+    /// Place of the motor, in steps and parts of a step.
     at: f64,
-    /// Speed along the way, steps/s.
+    /// Speed of the motor along the way, steps/s.
     speed: f64,
-    /// Steps/s².
+    /// Acceleration of the ramps, steps/s².
     pub acceleration: f64,
-    /// Whether it decelerates to rest wherever that is.
+    /// True if the motor decelerates to rest, wherever that is.
     pub stopping: bool,
-    /// Fastest so far, steps/s.
+    /// Fastest speed of the motor so far, steps/s.
     pub peak: f64,
-    /// Starts from rest so far.
+    /// Number of starts from rest so far.
     pub starts: u64,
 }
 
 impl Motor {
-    /// The step at which it stands.
+    /// Returns the step at which the motor stands.
     pub fn step(&self) -> i64 {
         self.at.round() as i64
     }
 
-    /// Where the queue ends.
+    /// Returns the step at which the queue ends.
     pub fn planned(&self) -> i64 {
         self.blocks.back().map_or(self.step(), |block| block.end)
     }
@@ -54,17 +55,17 @@ impl Motor {
         self.blocks.is_empty() && self.speed == 0.0
     }
 
-    /// Whether it stands, however much there is to do.
+    /// Returns true if the motor stands, however much there is to do.
     pub fn stands(&self) -> bool {
         self.speed == 0.0
     }
 
-    /// Blocks that have room.
+    /// Returns the number of blocks that have room.
     pub fn room(&self) -> usize {
         BLOCKS - self.blocks.len().min(BLOCKS)
     }
 
-    /// Queues a way to `end`; none if it is no way at all.
+    /// Queues a way to `end`, unless the queue ends there already.
     pub fn push(&mut self, end: i64, steps_s: f64) {
         if end != self.planned() {
             self.blocks.push_back(Block { end, steps_s });
@@ -79,13 +80,13 @@ impl Motor {
         self.stopping = false;
     }
 
-    /// The counter starts anew.
+    /// Forgets the queue and starts the counter anew.
     pub fn zero(&mut self) {
         self.halt();
         self.at = 0.0;
     }
 
-    /// Goes on for `time_s`, or until `each` breaks it off at a new step.
+    /// Moves on for `time_s`, or until `each` returns false at a new step.
     pub fn advance(&mut self, time_s: f64, mut each: impl FnMut(i64) -> bool) {
         let mut left_s = time_s;
         while left_s > 0.0 {
@@ -145,7 +146,8 @@ impl Motor {
         }
     }
 
-    /// Fastest speed here from which every later block's speed, and rest at the end, can be kept.
+    /// Returns the fastest speed here from which every later block's speed, and rest at the end, can be
+    /// kept.
     fn allowed(&self) -> f64 {
         let mut fastest = f64::INFINITY;
         let (mut from, mut way) = (self.at, 0.0);

@@ -1,6 +1,7 @@
 //! Numbers as an 8-bit board reads and prints them: in single precision.
 
-/// Reads a number at the start of `text`; returns it and what follows. Digits beyond the eighth count as zeros.
+/// Reads a number at the start of `text`, and returns it with the rest of the text. Digits beyond the
+/// eighth count as zeros.
 pub fn read(text: &str) -> Option<(f32, &str)> {
     let (negative, body) = match text.strip_prefix('-') {
         Some(body) => (true, body),
@@ -40,7 +41,7 @@ pub fn read(text: &str) -> Option<(f32, &str)> {
     Some((if negative { -value } else { value }, &body[used..]))
 }
 
-/// Prints with so many decimals, rounded in single precision.
+/// Prints `value` with this number of decimals, rounded in single precision.
 pub fn print(value: f32, decimals: u32) -> String {
     let mut scaled = value.abs();
     let mut left = decimals;

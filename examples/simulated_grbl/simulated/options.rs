@@ -1,28 +1,29 @@
-//! What is simulated, and what is wrong with it.
+//! The options of a simulated board, and its defects.
 
 use std::str::FromStr;
 use std::time::Duration;
 
-/// A simulated board.
+/// Options of a simulated board.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// How many times faster than a real board its motors run.
+    /// Factor by which its motors run faster than a real board's.
     pub time_scale: f64,
-    /// Which firmware it says it has.
+    /// Firmware that the board says it has.
     pub firmware: Firmware,
-    /// Whether opening the port resets it, as an Arduino is by its DTR line, unless DTR was left up by the last who had it open.
+    /// True if opening the port resets the board, as the DTR line does to an Arduino. A DTR that the last
+    /// user of the port left up resets nothing.
     pub resets_on_open: bool,
-    /// From a reset to the banner.
+    /// Time from a reset to the banner.
     pub boot: Duration,
     /// Settings that differ from the usual ones.
     pub settings: Vec<(u16, f32)>,
-    /// Where a sensor answers on the first axis.
+    /// Sensor on the first axis, if there is one.
     pub sensor: Option<Sensor>,
-    /// What is wrong.
+    /// Defects of the board and its line.
     pub defects: Defects,
 }
 
-/// Firmwares.
+/// Firmware of a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Firmware {
     /// grbl 1.1h.
@@ -49,50 +50,50 @@ impl FromStr for Firmware {
     }
 }
 
-/// A sensor on the pump head.
+/// Sensor on the pump head.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sensor {
-    /// First step of a revolution at which it answers.
+    /// First step of a revolution at which the sensor answers.
     pub at: i64,
-    /// For how many steps.
+    /// Number of steps for which the sensor answers.
     pub width: i64,
-    /// Steps of a revolution.
+    /// Number of steps of a revolution.
     pub every: i64,
 }
 
 impl Sensor {
-    /// Whether it answers there.
+    /// Returns true if the sensor answers at `step`.
     pub fn answers(&self, step: i64) -> bool {
         (step - self.at).rem_euclid(self.every) < self.width
     }
 }
 
-/// What is wrong with a board or its line. Places are steps that the motor has turned since it was switched on.
+/// Defects of a board or its line. Places are steps that the motor has turned since it was switched on.
 #[derive(Debug, Clone, Default)]
 pub struct Defects {
-    /// What is at random follows from this.
+    /// Seed of everything random.
     pub seed: u64,
     /// Longest delay of the answer to a jog, and to what comes after one.
     pub late_ok: Duration,
-    /// How many jog cancels are missed.
+    /// Number of jog cancels that the board misses.
     pub lost_cancels: u32,
-    /// An alarm of this number.
+    /// Place and number of an alarm.
     pub alarm: Option<(u64, u16)>,
-    /// Which jog is refused (1 for the first), and with which error.
+    /// Number of the jog that is refused (1 for the first), and its error.
     pub refuses: Option<(u32, u16)>,
-    /// The processor is reset.
+    /// Place at which the processor is reset.
     pub resets: Option<u64>,
-    /// The cable is pulled; the motor goes on with what the board has.
+    /// Place at which the cable is pulled. The motor goes on with the jogs that the board has.
     pub unplugged: Option<u64>,
-    /// Nothing more is said.
+    /// Place from which the board says nothing more.
     pub silent: Option<u64>,
-    /// The motor stands, and the board says that it jogs.
+    /// Place from which the motor stands while the board says that it jogs.
     pub stalls: Option<u64>,
-    /// The board's counter jumps by so many steps.
+    /// Place at which the board's counter jumps, and the number of steps by which it jumps.
     pub miscounts: Option<(u64, i64)>,
-    /// Noise among the lines.
+    /// True if there is noise among the lines.
     pub noise: bool,
-    /// Lines come in pieces, and several at once, and some run into each other.
+    /// True if lines come in pieces or several at once, and some run into each other.
     pub chopped: bool,
 }
 
@@ -110,17 +111,17 @@ impl Default for Options {
     }
 }
 
-/// Numbers that look random (xorshift64*, Vigna 2016).
+/// Generator of numbers that look random (xorshift64*, Vigna 2016).
 #[derive(Debug)]
 pub struct Random(u64);
 
 impl Random {
-    /// The same for the same seed.
+    /// Returns a generator that gives equal numbers for equal seeds.
     pub fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
     }
 
-    /// 0 to `end` - 1.
+    /// Returns a number from 0 to `end` - 1.
     pub fn below(&mut self, end: u64) -> u64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use super::number::print;
 use super::options::{Firmware, Options};
 
-/// Settings that grbl prints as whole numbers end below this one.
+/// First setting that grbl prints with decimals. Settings below are whole numbers, 11 and 12 excepted.
 const FIRST_WITH_DECIMALS: u16 = 100;
 
-/// Settings by their numbers.
+/// Settings of a board by their numbers.
 #[derive(Debug)]
 pub struct Settings {
     values: BTreeMap<u16, f32>,
@@ -16,7 +16,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// grbl's usual ones, with those of the options.
+    /// Returns grbl's usual settings, with those of the options in their place.
     pub fn new(options: &Options) -> Self {
         let mut values: BTreeMap<u16, f32> = [
             (0, 10.0),
@@ -45,12 +45,12 @@ impl Settings {
         Self { values, firmware: options.firmware }
     }
 
-    /// A setting; 0 if there is none.
+    /// Returns a setting; 0 if there is none of this number.
     pub fn get(&self, number: u16) -> f32 {
         self.values.get(&number).copied().unwrap_or(0.0)
     }
 
-    /// Changes one; the error's number if that is not possible.
+    /// Changes a setting. Returns the number of grbl's error if that is not possible.
     pub fn set(&mut self, number: u16, value: f32) -> Result<(), u16> {
         if !self.values.contains_key(&number) || !self.lists(number) {
             return Err(3);
@@ -61,14 +61,14 @@ impl Settings {
         if number == 20 && value != 0.0 && self.get(22) == 0.0 {
             return Err(10);
         }
-        // grbl keeps 30,000 steps/s where that is compiled in; whole numbers have eight bits.
+        // grbl keeps 30,000 steps/s where that limit is compiled in. Whole numbers have eight bits.
         let kept =
             if number < FIRST_WITH_DECIMALS && !(11..=12).contains(&number) { value.trunc() } else { value };
         self.values.insert(number, kept);
         Ok(())
     }
 
-    /// The answer to `$$`.
+    /// Returns the answer to `$$`.
     pub fn lines(&self) -> Vec<String> {
         self.values
             .iter()
@@ -77,7 +77,7 @@ impl Settings {
             .collect()
     }
 
-    /// FluidNC's configuration, by path.
+    /// Returns an item of FluidNC's configuration by its path.
     pub fn item(&self, path: &str) -> Option<String> {
         let item = |axis: &str, first: u16| {
             let number = ["x", "y", "z"].iter().position(|name| *name == axis)?;

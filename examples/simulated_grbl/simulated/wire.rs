@@ -1,4 +1,4 @@
-//! The pseudo-terminal between a simulated board and whoever opens it.
+//! The pseudo-terminal between a simulated board and the program that opens it.
 
 use std::collections::VecDeque;
 use std::io;
@@ -16,34 +16,34 @@ use super::machine::{Machine, Output};
 use super::options::Options;
 use super::{Truth, lock};
 
-/// Between two looks at the line.
+/// Time between two looks at the line.
 const TICK: Duration = Duration::from_micros(700);
 
-/// Longest way that a late thread makes up at once, s of board time.
+/// Longest time that a late thread makes up at once, s of board time.
 const LONGEST_TICK_S: f64 = 0.25;
 
-/// The board's end of the line.
+/// Board's end of the line.
 #[derive(Debug)]
 pub struct Wire {
-    /// None once the cable is pulled.
+    /// Line to the other end; none once the cable is pulled.
     line: Option<OwnedFd>,
     machine: Machine,
     options: Options,
     truth: Arc<Mutex<Truth>>,
     open: bool,
-    /// Whether DTR falls when the port is closed.
+    /// True if DTR falls when the port is closed.
     hangs_up: bool,
-    /// When the processor has started, after a reset.
+    /// Time at which the processor will have started, after a reset.
     starts_at: Option<Instant>,
     /// Bytes on their way out.
     outgoing: VecDeque<u8>,
-    /// Answers that are late, with when they are due; what follows them does not wait.
+    /// Late answers with the times at which they are due. Lines that follow them do not wait.
     late: VecDeque<(Instant, String)>,
     silent: bool,
 }
 
 impl Wire {
-    /// A board that is switched on, and the path of the other end.
+    /// Returns a board that is switched on, and the path of the other end.
     pub fn new(options: Options, truth: Arc<Mutex<Truth>>) -> io::Result<(Self, PathBuf)> {
         let line = rustix::pty::openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
         rustix::pty::grantpt(&line)?;
@@ -51,7 +51,7 @@ impl Wire {
         let name = rustix::pty::ptsname(&line, Vec::new())?;
         let path = PathBuf::from(name.to_string_lossy().into_owned());
         rustix::fs::fcntl_setfl(&line, OFlags::RDWR | OFlags::NONBLOCK)?;
-        // A line that was open once says so when it is closed.
+        // A line reports that it is closed only after it was open once.
         drop(rustix::fs::open(&path, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty())?);
         let wire = Self {
             line: Some(line),
@@ -68,7 +68,7 @@ impl Wire {
         Ok((wire, path))
     }
 
-    /// Runs until it is told that it is over.
+    /// Runs until the truth says that the simulation is over.
     pub fn run(&mut self) {
         let mut before = Instant::now();
         while !self.publish() {
@@ -91,7 +91,7 @@ impl Wire {
         }
     }
 
-    /// Says how things are. True if it is over.
+    /// Publishes the truth about the board. Returns true if the simulation is over.
     fn publish(&mut self) -> bool {
         let motor = &self.machine.motor;
         let mut truth = lock(&self.truth);
@@ -125,13 +125,13 @@ impl Wire {
         if !std::mem::replace(&mut self.open, true) && self.options.resets_on_open && self.hangs_up {
             self.reset();
         }
-        // DTR is what it was set to by the last who had the port open.
+        // DTR is as the last user of the port set it.
         if let Some(modes) = self.line.as_ref().and_then(|line| rustix::termios::tcgetattr(line).ok()) {
             self.hangs_up = modes.control_modes.contains(ControlModes::HUPCL) || !is_raw(&modes);
         }
     }
 
-    /// The processor starts anew.
+    /// Starts the processor anew.
     fn reset(&mut self) {
         self.machine.power_on();
         self.outgoing.clear();
@@ -140,7 +140,7 @@ impl Wire {
         lock(&self.truth).resets += 1;
     }
 
-    /// Lets what is wrong happen where it is due.
+    /// Lets each defect happen at its place.
     fn fail(&mut self) {
         let turned = self.machine.turned;
         let due = |place: Option<u64>| place.is_some_and(|place| turned >= place);
@@ -189,7 +189,7 @@ impl Wire {
         }
         let random = &mut self.machine.random;
         let most = match self.machine.defects.chopped {
-            // In pieces, or after a while in one.
+            // Bytes leave in pieces, or all at once after a while.
             true if random.below(4) > 0 => 0,
             true if random.below(2) > 0 => random.below(9) as usize,
             _ => usize::MAX,
@@ -203,7 +203,7 @@ impl Wire {
         }
     }
 
-    /// Puts a line among what is on its way out, with what is wrong with the wire.
+    /// Adds a line to the outgoing bytes, with the defects of the wire.
     fn put(&mut self, text: &str) {
         let (random, defects) = (&mut self.machine.random, &self.machine.defects);
         if defects.noise && random.below(4) == 0 {
@@ -222,7 +222,7 @@ impl Wire {
     }
 }
 
-/// What ends a queue of bytes.
+/// End of a queue of bytes.
 trait Ends {
     fn ends_with_ok(&self) -> bool;
 }
@@ -233,7 +233,7 @@ impl Ends for VecDeque<u8> {
     }
 }
 
-/// Whether the port was set up by a program, and not as it is before.
+/// Returns true if a program has set up the port.
 fn is_raw(modes: &rustix::termios::Termios) -> bool {
     !modes.local_modes.contains(rustix::termios::LocalModes::ICANON)
 }
