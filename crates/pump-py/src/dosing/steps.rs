@@ -79,7 +79,7 @@ impl Plan {
     /// ImportError
     ///     If pandas is not installed: `pip install "pumpmodel[dataframe]"`.
     fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("pumpmodel._tables")?.call_method1("plan_dataframe", (slf,))
+        slf.py().import("pumpmodel._results.tables")?.call_method1("plan_dataframe", (slf,))
     }
 
     /// Return every step, as `dose --steps` writes them. Needs xarray.
@@ -94,7 +94,7 @@ impl Plan {
     /// ImportError
     ///     If xarray is not installed: `pip install "pumpmodel[xarray]"`.
     fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("pumpmodel._tables")?.call_method1("plan_xarray", (slf,))
+        slf.py().import("pumpmodel._results.tables")?.call_method1("plan_xarray", (slf,))
     }
 
     /// Angle of the pump head after every step, rad; read-only, shape (abs(steps),).

@@ -62,7 +62,7 @@ impl Run {
     /// ImportError
     ///     If pandas is not installed: `pip install "pumpmodel[dataframe]"`.
     fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("pumpmodel._tables")?.call_method1("run_dataframe", (slf,))
+        slf.py().import("pumpmodel._results.tables")?.call_method1("run_dataframe", (slf,))
     }
 
     /// Return the columns over `time_s`. Needs xarray.
@@ -78,7 +78,7 @@ impl Run {
     /// ImportError
     ///     If xarray is not installed: `pip install "pumpmodel[xarray]"`.
     fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("pumpmodel._tables")?.call_method1("run_xarray", (slf,))
+        slf.py().import("pumpmodel._results.tables")?.call_method1("run_xarray", (slf,))
     }
 
     /// Return the columns by their names.

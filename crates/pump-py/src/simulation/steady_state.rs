@@ -89,7 +89,7 @@ impl SteadyState {
     /// ImportError
     ///     If pandas is not installed: `pip install "pumpmodel[dataframe]"`.
     fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("pumpmodel._tables")?.call_method1("steady_dataframe", (slf,))
+        slf.py().import("pumpmodel._results.tables")?.call_method1("steady_dataframe", (slf,))
     }
 
     /// Return the attributes over the speed. Needs xarray.
@@ -105,7 +105,7 @@ impl SteadyState {
     /// ImportError
     ///     If xarray is not installed: `pip install "pumpmodel[xarray]"`.
     fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        slf.py().import("pumpmodel._tables")?.call_method1("steady_xarray", (slf,))
+        slf.py().import("pumpmodel._results.tables")?.call_method1("steady_xarray", (slf,))
     }
 
     /// Return the attributes by their names.

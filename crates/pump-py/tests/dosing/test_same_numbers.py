@@ -13,7 +13,7 @@ import pytest
 
 import pumpmodel as pm
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[4]
 PUMPS = ["three-roller", "two-roller"]
 
 

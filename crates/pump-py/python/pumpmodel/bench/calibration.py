@@ -1,4 +1,4 @@
-"""A bench's calibrations."""
+"""The calibrations of a bench."""
 
 from collections.abc import Callable, Sequence
 
@@ -8,7 +8,7 @@ from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun
 
 
 class BenchCalibration:
-    """Runs to weigh, and what becomes of the readings. Base of `Bench`."""
+    """Runs to weigh, and fits to their readings. Base of `Bench`."""
 
     _core: _Bench
 
@@ -20,28 +20,29 @@ class BenchCalibration:
         pitches: int,
         progress: Callable[[int, int], object] | None = None,
     ) -> WeighedRun:
-        """Make a run that is to be weighed, of the uncalibrated pump.
+        """Make a run to be weighed. It does not apply the calibration in use.
 
         Parameters
         ----------
         speed_rpm : float
             Cruise speed, r/min.
         speed_rad_s : float
-            The same in rad/s; exactly one of both is given.
+            Cruise speed, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
         pitches : int
-            How far, in whole pitches, 1 to 100,000; 50 mL or more weigh well.
+            Length of the run in whole pitches, 1 to 100,000. 50 mL or more weigh well.
         progress : callable, optional
-            As of `dose`.
+            Called with the steps made and the steps planned, a few times a second. An exception from it stops
+            the motor.
 
         Returns
         -------
         WeighedRun
-            The run without a reading: `calibrate([run.weighed("42.51g"), ...])`.
+            Run without a reading: `calibrate([run.weighed("42.51g"), ...])`.
 
         Raises
         ------
         DriveError
-            If the motor cannot be used or fails, or `stop` stopped it.
+            If the motor cannot be used or fails, or `stop` stopped the run.
         """
         return WeighedRun._made(self._core.calibration_run(speed_rpm, speed_rad_s, pitches, progress))
 
@@ -54,23 +55,28 @@ class BenchCalibration:
         tube: str | None = None,
         note: str | None = None,
     ) -> Calibration:
-        """Fit weighed runs, keep what they show under the next number, and use it from now on.
+        """Fit weighed runs, keep the calibration under the next number, and use it from now on.
 
         Parameters
         ----------
         runs : sequence of WeighedRun
-            The runs, at three speeds or more if doses have several.
+            Runs with their readings, at three speeds or more if doses have several speeds.
         fit : {"line", "speed-law"}, optional
-            What is fitted over several speeds: a straight line, or the experimental law of `SpeedLaw`.
+            Curve that is fitted over several speeds: a straight line, or the experimental law of `SpeedLaw`.
         scale : str, optional
             Standard uncertainty of a reading, as "0.01g" or "0.1mL".
         tube, note : str, optional
-            For the record.
+            Texts for the record.
+
+        Returns
+        -------
+        Calibration
+            Calibration that doses use from now on.
 
         Raises
         ------
         ValueError
-            If there are no runs, or one of them cannot be right.
+            If there are no runs, or a run is impossible.
         DriveError
             If another process holds the pump.
         """
@@ -89,9 +95,16 @@ class BenchCalibration:
         Parameters
         ----------
         doses : sequence of ShortDose
-            Five or more, from angles all over a pitch.
-        scale, tube, note : str, optional
-            As of `calibrate`.
+            Five or more doses, from angles all over a pitch.
+        scale : str, optional
+            Standard uncertainty of a reading, as "0.01g" or "0.1mL".
+        tube, note : str, optional
+            Texts for the record.
+
+        Returns
+        -------
+        PhaseFit
+            Fitted roller volume, engagement angle and zero, and the calibration that keeps the zero.
 
         Raises
         ------
@@ -106,18 +119,18 @@ class BenchCalibration:
         """Return every calibration, oldest first."""
         return self._core.calibrations()
 
-    @property
-    def calibration(self) -> Calibration | None:
-        """The one that doses use; None if they use none."""
-        return self._core.calibration
-
     def use_calibration(self, version: int | None) -> None:
-        """Have doses use another calibration, or none, from now on.
+        """Make doses use another calibration, or none, from now on.
+
+        Parameters
+        ----------
+        version : int or None
+            Number of the calibration; None for none.
 
         Raises
         ------
         ValueError
-            If there is no such version.
+            If no calibration has this number.
         """
         self._core.use_calibration(version)
 
@@ -129,27 +142,29 @@ class BenchCalibration:
         systematic_percent: float | None = None,
         random_percent: float | None = None,
     ) -> Verification:
-        """Judge weighed doses of one volume, as ISO 8655-6 reports them. Moves and records nothing.
+        """Judge weighed doses of one volume, as ISO 8655-6 reports them. Nothing moves or is recorded.
 
         Parameters
         ----------
         nominal : str
-            What every dose should be, as "10mL".
+            Volume that every dose should have, as "10mL".
         readings : sequence of str
-            What scale or vessel showed for each, as "9.98g" or "10.01mL"; two at least, ten by the standard.
-            Masses are those of the bench's fluid at its temperature.
-        systematic_percent, random_percent : float, optional
-            Largest errors allowed, in per cent; by default those of ISO 8655-5 for 10 mL.
+            Reading of scale or vessel for each dose, as "9.98g" or "10.01mL"; two at least, ten by the
+            standard. Masses are masses of the bench's fluid at its temperature.
+        systematic_percent : float, optional
+            Largest systematic error allowed, in per cent; by default the limit of ISO 8655-5 for 10 mL.
+        random_percent : float, optional
+            Largest random error allowed, in per cent; by default the limit of ISO 8655-5 for 10 mL.
 
         Returns
         -------
         Verification
-            Both errors, and whether they are allowed.
+            Both errors, and the result of the comparison with the tolerance.
 
         Raises
         ------
         ValueError
-            If a reading is none, or no tolerance is known.
+            If a text is not a reading, or no tolerance is known.
         """
         return Verification._from_json(
             self._core.verify(nominal, readings, systematic_percent, random_percent)

@@ -89,6 +89,7 @@ def test_a_closed_bench_refuses_what_would_take_the_pump(bench: pm.Bench) -> Non
         bench.dose("1mL")
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_stops_the_motor_and_leaves_the_rest_to_be_resumed(bench: pm.Bench) -> None:
     with pytest.raises(KeyboardInterrupt) as raised:
         bench.dose("300mL", rate="30mL/s", progress=stop_at_once)

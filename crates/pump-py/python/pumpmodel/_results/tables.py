@@ -1,15 +1,14 @@
-"""Results as tables of pandas and xarray, both optional."""
+"""Results as tables of pandas and xarray, which are both optional."""
 
-from importlib import import_module
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pumpmodel._pumpmodel import Plan, Run, SteadyState
+from pumpmodel._results.optional import optional
 
-# Of each column: its unit ("1" is none) and what it is.
+# Unit ("1" is none) and description of each column.
 COLUMNS = {
     "time_s": ("s", "time"),
     "angle_rad": ("rad", "angle of the pump head"),
@@ -34,14 +33,6 @@ COLUMNS = {
 }
 
 
-def optional(module: str, extra: str) -> ModuleType:
-    """Import a package of an extra; the ImportError of one that is not installed says how to install it."""
-    try:
-        return import_module(module)
-    except ImportError as error:
-        raise ImportError(f'{module} is not installed: pip install "pumpmodel[{extra}]"') from error
-
-
 def _dataframe(columns: dict[str, Any]) -> Any:
     frame = optional("pandas", "dataframe").DataFrame(columns)
     frame.attrs["units"] = {name: COLUMNS[name][0] for name in columns}
@@ -60,7 +51,7 @@ def _dataset(dims: tuple[str, ...], coordinates: dict[str, Any], variables: dict
 
 
 def run_dataframe(run: Run) -> Any:
-    """Return the columns of a run."""
+    """Return the columns of a run as a table."""
     return _dataframe(run.to_dict())
 
 
@@ -75,7 +66,7 @@ def _directions(plan: Plan) -> NDArray[np.int64]:
 
 
 def plan_dataframe(plan: Plan) -> Any:
-    """Return the steps of a plan."""
+    """Return the steps of a plan as a table."""
     return _dataframe(
         {
             "step": np.arange(1, abs(plan.steps) + 1),
@@ -93,12 +84,12 @@ def plan_xarray(plan: Plan) -> Any:
 
 
 def steady_dataframe(steady: SteadyState[Any]) -> Any:
-    """Return a row a speed."""
+    """Return a table with one row for each speed."""
     return _dataframe({name: np.ravel(numbers) for name, numbers in steady.to_dict().items()})
 
 
 def steady_xarray(steady: SteadyState[Any]) -> Any:
-    """Return the attributes over the speed."""
+    """Return the attributes of a steady state over the speed."""
     columns = steady.to_dict()
     speeds = np.asarray(columns.pop("speed_rpm"))
     dims = ("speed_rpm",) if speeds.ndim == 1 else tuple(f"dim_{n}" for n in range(speeds.ndim))

@@ -5,7 +5,7 @@ import pytest
 
 import pumpmodel as pm
 
-EXAMPLE = Path(__file__).parents[1] / "examples" / "cluster_sweep.py"
+EXAMPLE = Path(__file__).parents[2] / "examples" / "cluster_sweep.py"
 
 
 def test_a_dask_cluster_of_two_processes_gives_the_same_bits(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,4 +1,4 @@
-"""A bench's record: where the rollers stand, the tube, and a dose that is unfinished."""
+"""The record of a bench: the angle of the rollers, the tube, and an unfinished dose."""
 
 import warnings
 
@@ -7,41 +7,41 @@ from pumpmodel.dose import Status
 
 
 class BenchRecord:
-    """What a person says of a bench, and what is on record of it. Base of `Bench`."""
+    """The record of a bench, and the entries that a person makes in it. Base of `Bench`."""
 
     _core: _Bench
 
     def status(self) -> Status:
-        """Read what is on record; another process may hold the pump.
+        """Read the record, even while another process holds the pump.
 
         Raises
         ------
         PumpError
-            If the journal is damaged; `home_set` puts it aside.
+            If the journal is damaged. `home_set` puts it aside.
         """
         return Status._from_json(self._core.status())
 
     def discard(self) -> Status:
-        """Accept a dose that was stopped or cut off as it is. What doses owe is zero afterwards.
+        """Accept an unfinished dose with the volume that was delivered. The carry is zero afterwards.
 
         Raises
         ------
         PumpError
-            If nothing is unfinished.
+            If no dose is unfinished.
         DriveError
             If another process holds the pump.
         """
         return _told(self._core.discard())
 
     def home_set(self, angle_rad: float | None, *, half_width_rad: float = 0.0) -> Status:
-        """Record where the rollers stand. What doses owe is zero afterwards.
+        """Record the angle of the rollers. The carry is zero afterwards.
 
         Parameters
         ----------
         angle_rad : float or None
-            The angle, rad: at 0 a roller begins to leave the outlet. None: nobody knows.
+            Angle of the rollers, rad; at 0 a roller begins to leave the outlet. None records an unknown angle.
         half_width_rad : float
-            The true angle lies within this of it, rad.
+            Half width of the angle, rad: the true angle lies within it on either side.
 
         Raises
         ------
@@ -60,56 +60,56 @@ class BenchRecord:
         Raises
         ------
         DriveError
-            If there is no sensor, or it does not answer.
+            If the pump has no sensor, or the sensor does not answer.
         PumpFileError
-            If the pump file does not say at which angle it answers.
+            If the pump file does not have the angle at which the sensor answers.
         """
         return _told(self._core.home_sensor())
 
     def home_mark(self, *, half_width_rad: float) -> Status:
-        """Record that the rotor's mark meets the housing's, as `jog` turned it.
+        """Record that the rotor's mark meets the housing's. `jog` turns the rotor there.
 
         Parameters
         ----------
         half_width_rad : float
-            How well the marks can be seen to meet, rad.
+            Half width of the angle at which the marks appear to meet, rad.
 
         Raises
         ------
         PumpFileError
-            If the pump file does not say at which angle they meet.
+            If the pump file does not have the angle at which the marks meet.
         """
         return _told(self._core.home_mark(half_width_rad))
 
     def jog(self, angle_rad: float) -> float:
-        """Turn the rotor at 10 r/min; what doses owe each other stays as it is.
+        """Turn the rotor at 10 r/min. The carry between doses stays as it is.
 
         Parameters
         ----------
         angle_rad : float
-            How far, rad, up to 100; negative in reverse.
+            Angle to turn, rad, up to 100; negative in reverse.
 
         Returns
         -------
         float
-            How far it was turned, rad: whole steps, one at least.
+            Angle of the steps made, rad: whole steps, one at least.
         """
         return self._core.jog(angle_rad)
 
     def release(self) -> Status:
-        """Let go of the rotor; its angle is less well known afterwards."""
+        """Release the rotor. Its angle is less well known afterwards."""
         return _told(self._core.release())
 
     def new_tube(self) -> Status:
-        """Record that the tube was exchanged.
+        """Record that the tube was replaced.
 
-        It has pumped nothing, doses owe nothing, and no calibration is used.
+        Afterwards the tube has pumped nothing, the carry is zero, and no calibration is used.
         """
         return _told(self._core.new_tube())
 
 
 def _told(told: tuple[str, list[str]]) -> Status:
-    text, said = told
-    for words in said:
-        warnings.warn(words, stacklevel=3)
+    text, messages = told
+    for message in messages:
+        warnings.warn(message, stacklevel=3)
     return Status._from_json(text)

@@ -9,8 +9,8 @@ from matplotlib import pyplot as plt
 
 import pumpmodel as pm
 
-GALLERY = Path(__file__).parents[1] / "gallery"
-PICTURES = Path(__file__).parents[3] / "docs" / "gallery"
+GALLERY = Path(__file__).parents[2] / "gallery"
+PICTURES = Path(__file__).parents[4] / "docs" / "gallery"
 
 mpl.use("Agg")
 

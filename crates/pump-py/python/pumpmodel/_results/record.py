@@ -1,4 +1,4 @@
-"""What the compiled half reports as JSON, as immutable objects."""
+"""Reports of the compiled half as immutable objects, read from JSON."""
 
 import json
 from dataclasses import dataclass, fields, is_dataclass
@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Self
 
 
 def plain(value: Any) -> Any:
-    """Numbers, texts, lists and dicts alone."""
+    """Convert to numbers, texts, lists and dicts only."""
     if is_dataclass(value):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, tuple):
@@ -16,19 +16,19 @@ def plain(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Record:
-    """Base of reports: fields as in the command's JSON."""
+    """Base of reports, whose fields have the names of the command's JSON."""
 
-    # Fields that are records themselves, or tuples of them.
+    # Types of the fields that are records, or tuples of records.
     _records: ClassVar[dict[str, "type[Record]"]] = {}
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Build the record of what `to_dict` gave.
+        """Return the record of the data that `to_dict` gave.
 
         Parameters
         ----------
         data : dict
-            What `to_dict` returned.
+            Data that `to_dict` returned.
 
         Raises
         ------
@@ -47,7 +47,7 @@ class Record:
         Returns
         -------
         dict
-            Numbers, texts, lists and dicts alone, as in the command's JSON.
+            Numbers, texts, lists and dicts only, as in the command's JSON.
         """
         data: dict[str, Any] = plain(self)
         return data

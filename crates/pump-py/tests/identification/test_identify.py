@@ -10,7 +10,7 @@ import pytest
 
 import pumpmodel as pm
 
-EXAMPLES = Path(__file__).parents[3] / "examples" / "identification"
+EXAMPLES = Path(__file__).parents[4] / "examples" / "identification"
 
 
 def columns(name: str) -> list[np.ndarray[Any, np.dtype[np.float64]]]:
