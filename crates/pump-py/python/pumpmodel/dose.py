@@ -48,9 +48,9 @@ class Dose(Record):
     """A dose of a bench, run or planned: the fields of the command's JSON `dose/1`.
 
     Volumes are in mL and negative in reverse, angles in deg of the pump head, pressures in kPa absolute,
-    times in s. `delivered_ml` is the volume that the vessel of a simulation received, or the model's volume of
-    the steps that a motor made. It is None for a dose that was only planned. `completed` is True if the dose
-    was delivered in full.
+    times in s. `delivered_ml` is the volume that the vessel of a simulation received, or the model's volume
+    of the steps that a motor made. It is None for a dose that was only planned. `completed` is True if the
+    dose was delivered in full.
     """
 
     _records: ClassVar[dict[str, type[Record]]] = {

@@ -57,7 +57,7 @@ class Identified:
     independent_points: float
     #: Times in s, flows in mL/s or volumes in mL, rising, shape (n,), read-only.
     x: _Array
-    #: Measured values at `x`, kPa: pressure drops for a resistance, otherwise pressures; shape (n,), read-only.
+    #: Measured values at `x`, kPa, shape (n,), read-only: drops for a resistance, otherwise pressures.
     measured_kpa: _Array
     #: Fitted values at `x`, kPa, shape (n,), read-only.
     fitted_kpa: _Array
@@ -275,8 +275,8 @@ def identify_line(
     speed_rad_s : float
         Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
     fit : sequence of {"R", "C", "L", "reservoir", "start"}
-        Parameters to seek; all others are held. "reservoir" is the pressure of the reservoir, which absorbs an
-        offset of the sensor. "start" is the time of the start, which is found only near `start_s`.
+        Parameters to seek; all others are held. "reservoir" is the pressure of the reservoir, which absorbs
+        an offset of the sensor. "start" is the time of the start, which is found only near `start_s`.
     begin : {"ramp", "step", "steady"}
         Motion at the start of the record: from rest with the pump's acceleration, from rest at full speed, or
         turning long before.

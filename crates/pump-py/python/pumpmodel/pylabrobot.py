@@ -33,8 +33,8 @@ _AGAIN_S = 0.02
 class HaltedError(PumpError):
     """A dose was ended by `halt`. It is on record as unfinished.
 
-    `dose` has the delivered volume. `BenchPump.resume` makes the rest, `BenchPump.discard` accepts the dose as
-    it is.
+    `dose` has the delivered volume. `BenchPump.resume` makes the rest, and `BenchPump.discard` accepts the
+    dose as it is.
     """
 
     def __init__(self, dose: Dose) -> None:
@@ -212,7 +212,7 @@ class BenchPump(_Pump):
         _refuse("a duration")
 
     async def halt(self) -> None:
-        """Decelerate and hold if a dose is under way. It completes when the motor stands and all is recorded."""
+        """Decelerate and hold if a dose is under way. Complete when the motor stands and all is recorded."""
         bench = self.backend.bench
         while self._moving.locked():
             bench.stop()

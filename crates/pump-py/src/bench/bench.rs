@@ -58,7 +58,8 @@ impl Bench {
             let given = [("port", port.is_some()), ("configure", configure)];
             if let Some((name, _)) = given.iter().find(|(_, given)| *given) {
                 return Err(value(format_args!(
-                    "{name} is given, but the motor is simulated; to move a real one name its driver, as driver=\"grbl\""
+                    "{name} is given, but the motor is simulated; to move a real one name its driver, as \
+                     driver=\"grbl\""
                 )));
             }
         }
@@ -208,12 +209,13 @@ fn note(delivered: &Delivered) -> String {
     let volume_ml = delivered.volume_ml;
     if !delivered.completed {
         format!(
-            "{volume_ml:.4} mL were delivered and are on record; bench.resume() makes the rest, bench.discard() accepts \
-             the dose as it is"
+            "{volume_ml:.4} mL were delivered and are on record; bench.resume() makes the rest, bench.discard() \
+             accepts the dose as it is"
         )
     } else if !delivered.sucked_back {
         format!(
-            "{volume_ml:.4} mL were delivered, the whole dose; the volume sucked back afterwards is carried to the next dose"
+            "{volume_ml:.4} mL were delivered, the whole dose; the volume sucked back afterwards is carried to the \
+             next dose"
         )
     } else {
         format!("{volume_ml:.4} mL were delivered, the whole dose")

@@ -98,8 +98,8 @@ impl Worker {
 
     /// Makes the thread do `job`, and waits for it while other Python threads run.
     ///
-    /// `progress` is called with the steps made and the steps planned. Its exception, or a signal's, stops the motor and
-    /// is raised once all is on record. `note` adds the outcome of the call to the exception.
+    /// `progress` is called with the steps made and the steps planned. Its exception, or a signal's, stops the motor
+    /// and is raised once all is on record. `note` adds the outcome of the call to the exception.
     pub(super) fn call<T: Send + 'static>(
         &self,
         py: Python<'_>,

@@ -16,9 +16,9 @@ use crate::python::errors::{self, value};
 
 /// Volume that a pump really displaces, from weighed runs, with its uncertainty.
 ///
-/// `Calibration.from_runs`, `Calibration.from_csv`, `Bench.calibrate` and `Bench.calibrations` make calibrations. A dose's
-/// volume is the model's volume times `displacement_factor`: measured over model volume, which may change with the speed.
-/// `version` is the calibration's number on a bench, or 0 without a bench.
+/// `Calibration.from_runs`, `Calibration.from_csv`, `Bench.calibrate` and `Bench.calibrations` make calibrations. A
+/// dose's volume is the model's volume times `displacement_factor`: measured over model volume, which may change with
+/// the speed. `version` is the calibration's number on a bench, or 0 without a bench.
 ///
 /// Examples
 /// --------
@@ -47,7 +47,8 @@ impl Calibration {
     /// scale : str, optional
     ///     Standard uncertainty of a reading, as "0.01g" or "0.1mL".
     /// fit : {"line", "speed-law"}
-    ///     "line" fits a straight line over the speed. "speed-law" fits s and D of the speed law to three speeds or more.
+    ///     "line" fits a straight line over the speed. "speed-law" fits s and D of the speed law to three speeds or
+    ///     more.
     ///
     /// Raises
     /// ------
@@ -71,12 +72,13 @@ impl Calibration {
     /// pump : Pump
     ///     Pump whose fluid was weighed.
     /// path : str or os.PathLike
-    ///     CSV with a header. Columns are `speed_rpm`, one of `turned_deg`, `revolutions` and `steps`, and one of `mass_g`
-    ///     and `volume_ml`; optional are `start_angle_deg`, `direction`, `temperature_degc` and `time`.
+    ///     CSV with a header. Columns are `speed_rpm`, one of `turned_deg`, `revolutions` and `steps`, and one of
+    ///     `mass_g` and `volume_ml`; optional are `start_angle_deg`, `direction`, `temperature_degc` and `time`.
     /// scale : str, optional
     ///     Standard uncertainty of a reading, as "0.01g" or "0.1mL".
     /// fit : {"line", "speed-law"}
-    ///     "line" fits a straight line over the speed. "speed-law" fits s and D of the speed law to three speeds or more.
+    ///     "line" fits a straight line over the speed. "speed-law" fits s and D of the speed law to three speeds or
+    ///     more.
     ///
     /// Raises
     /// ------
@@ -125,11 +127,28 @@ impl Calibration {
         self.over(&speeds, pump, 1.0, Displacement::factor_at)?.into_object(py)
     }
 
-    /// Return the standard uncertainty of `displacement_factor`, widened so that twice its value covers 95 % for any
-    /// number of runs.
+    /// Return the standard uncertainty of `displacement_factor`.
     ///
-    /// Parameters, returns and errors equal those of `displacement_factor`. The uncertainty is 0 while only the zero was
-    /// sought.
+    /// It is widened so that twice its value covers 95 % for any number of runs.
+    ///
+    /// Parameters
+    /// ----------
+    /// speed_rpm : float or array_like
+    ///     Cruise speed of the pump head, r/min.
+    /// speed_rad_s : float or array_like
+    ///     Cruise speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
+    /// pump : Pump, optional
+    ///     Pump, which a fitted speed law needs to compute the trapped volume.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Standard uncertainty; 0 while only the zero was sought. Array input gives an array of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If not exactly one speed is given, or if a speed law was fitted and no pump is given.
     #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None, pump=None))]
     fn standard_uncertainty<'py>(
         &self,

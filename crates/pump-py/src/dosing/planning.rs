@@ -23,14 +23,14 @@ impl Doser {
     /// speed : str, optional
     ///     Speed of the pump head while cruising, as "100rpm".
     /// within : str, optional
-    ///     Total time with ramps and settling, as "10s"; the plan takes the slowest cruise that meets it. Give at most one
-    ///     of `rate`, `speed` and `within`. The default is the pump's `default_rate_ml_s`.
+    ///     Total time with ramps and settling, as "10s"; the plan takes the slowest cruise that meets it. Give at most
+    ///     one of `rate`, `speed` and `within`. The default is the pump's `default_rate_ml_s`.
     /// smooth : bool
-    ///     Let the speed follow the rollers' angle, so that the flow at the outlet is as smooth as the motor's speed and
-    ///     acceleration allow. Rate and speed are then means over whole pitches.
+    ///     Let the speed follow the rollers' angle, so that the flow at the outlet is as smooth as the motor's speed
+    ///     and acceleration allow. Rate and speed are then means over whole pitches.
     /// finish : {"any", "low-flow"}
-    ///     Places in a pitch where the dose may end. At "low-flow" the outlet's flow is at most half of the flow between
-    ///     pulses. The plan takes the nearest such end and carries the difference.
+    ///     Places in a pitch where the dose may end. At "low-flow" the outlet's flow is at most half of the flow
+    ///     between pulses. The plan takes the nearest such end and carries the difference.
     /// retract : str, optional
     ///     Volume that is sucked back after the dose, as "0.1mL", so that nothing drips. `carry_ml` includes it, so the
     ///     next dose repays it.
@@ -38,8 +38,8 @@ impl Doser {
     ///     Angle of the rollers at the start, rad. Only the angle within a pitch matters.
     /// start_half_width_rad : float
     ///     Half width of the start angle, rad: the true angle lies within it on either side. Half a pitch and more, as
-    ///     `math.pi`, means an unknown angle. The plan then has the smallest worst case over all angles, and whole pitches
-    ///     are exact.
+    ///     `math.pi`, means an unknown angle. The plan then has the smallest worst case over all angles, and whole
+    ///     pitches are exact.
     /// carry_in_ml : float
     ///     Carry from earlier doses, mL, positive toward the outlet: `carry_ml` of the previous plan.
     ///

@@ -94,23 +94,64 @@ impl Pump {
         over_angle(angle_rad, self.model.outlet_curve(), FlowCurve::volume_ml)
     }
 
-    /// Return the flow at the outlet rollers per angle, mL/rad. Its product with the speed in rad/s is the flow in mL/s.
+    /// Return the flow at the outlet rollers per angle, mL/rad.
     ///
-    /// Parameters, returns and errors equal those of `outlet_volume`, in mL/rad.
+    /// The product with the speed in rad/s is the flow in mL/s.
+    ///
+    /// Parameters
+    /// ----------
+    /// angle_rad : float or array_like
+    ///     Angle of the pump head, rad, unwrapped.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Flow per angle, mL/rad. Array input gives an array of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or beyond 1e9 rad.
     fn outlet_flow_per_rad<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         over_angle(angle_rad, self.model.outlet_curve(), FlowCurve::flow_ml_rad)
     }
 
     /// Return the volume that the inlet rollers take in from angle 0 to `angle_rad`, mL.
     ///
-    /// Parameters, returns and errors equal those of `outlet_volume`.
+    /// Parameters
+    /// ----------
+    /// angle_rad : float or array_like
+    ///     Angle of the pump head, rad, unwrapped.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Volume, mL. Array input gives an array of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or beyond 1e9 rad.
     fn inlet_volume<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         over_angle(angle_rad, self.model.inlet_curve(), FlowCurve::volume_ml)
     }
 
     /// Return the flow at the inlet rollers per angle, mL/rad.
     ///
-    /// Parameters, returns and errors equal those of `outlet_volume`, in mL/rad.
+    /// Parameters
+    /// ----------
+    /// angle_rad : float or array_like
+    ///     Angle of the pump head, rad, unwrapped.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Flow per angle, mL/rad. Array input gives an array of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or beyond 1e9 rad.
     fn inlet_flow_per_rad<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         over_angle(angle_rad, self.model.inlet_curve(), FlowCurve::flow_ml_rad)
     }

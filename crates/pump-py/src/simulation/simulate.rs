@@ -24,12 +24,12 @@ impl Pump {
     /// dt_s : float
     ///     Time between samples, s. Samples stand at `arange(n + 1)*dt_s`, both ends included.
     /// model : {"flow-centric", "roller-centric"}
-    ///     "flow-centric": the flows at the rollers drive the lines. "roller-centric": every roller is a valve, and every
-    ///     segment of tube between two rollers is a chamber. The roller-centric model is experimental, a reconstruction
-    ///     whose parameters are fitted to summary numbers or guessed.
+    ///     "flow-centric": the flows at the rollers drive the lines. "roller-centric": every roller is a valve, and
+    ///     every segment of tube between two rollers is a chamber. The roller-centric model is experimental, a
+    ///     reconstruction whose parameters are fitted to summary numbers or guessed.
     /// method : {"auto", "exact", "rodas5p"}
-    ///     "exact" is the exact solution, "rodas5p" the implicit integrator. "auto" takes the exact solution, except for
-    ///     the roller-centric model and for lines that are hoses, whose friction grows with the flow.
+    ///     "exact" is the exact solution, "rodas5p" the implicit integrator. "auto" takes the exact solution, except
+    ///     for the roller-centric model and for lines that are hoses, whose friction grows with the flow.
     /// initial : {"rest"}
     ///     State at time 0. "rest": the lines have the pressures of their reservoirs and no flow.
     /// tolerance : float, optional
@@ -96,7 +96,7 @@ impl Pump {
             Some(self.roller_centric(given.map(|(_, value)| value))?)
         } else if let Some((name, Some(given))) = given.into_iter().find(|(_, value)| value.is_some()) {
             return Err(value(format_args!(
-                "{name} is {given}, but model \"{model}\" does not use it; leave it out, or choose model \"roller-centric\""
+                "{name} is {given}, but model \"{model}\" does not use it; allowed: none, or model \"roller-centric\""
             )));
         } else {
             None

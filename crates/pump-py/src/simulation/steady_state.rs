@@ -97,8 +97,8 @@ impl SteadyState {
     /// Returns
     /// -------
     /// xarray.Dataset
-    ///     One variable for each attribute, of the speeds' shape; speeds of one dimension are the coordinate `speed_rpm`.
-    ///     Each has the attributes `units` and `long_name`.
+    ///     One variable for each attribute, of the speeds' shape; speeds of one dimension are the coordinate
+    ///     `speed_rpm`. Each has the attributes `units` and `long_name`.
     ///
     /// Raises
     /// ------

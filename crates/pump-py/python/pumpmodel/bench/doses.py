@@ -52,8 +52,8 @@ class BenchDoses:
         speed : str, optional
             Speed of the pump head while cruising, as "100rpm".
         within : str, optional
-            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`; the
-            default is the pump's `default_rate_ml_s`.
+            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
+            The default is the pump's `default_rate_ml_s`.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
@@ -115,8 +115,8 @@ class BenchDoses:
         speed : str, optional
             Speed of the pump head while cruising, as "100rpm".
         within : str, optional
-            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`; the
-            default is the pump's `default_rate_ml_s`.
+            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
+            The default is the pump's `default_rate_ml_s`.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         start_angle_rad : float, optional
@@ -174,8 +174,8 @@ class BenchDoses:
         speed : str, optional
             Speed of the pump head while cruising, as "100rpm".
         within : str, optional
-            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`; the
-            default is the pump's `default_rate_ml_s`.
+            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
+            The default is the pump's `default_rate_ml_s`.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         start_angle_rad : float, optional
@@ -235,8 +235,8 @@ class BenchDoses:
         speed : str, optional
             Speed of the pump head while cruising, as "100rpm".
         within : str, optional
-            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`; the
-            default is the pump's `default_rate_ml_s`.
+            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
+            The default is the pump's `default_rate_ml_s`.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
@@ -319,8 +319,8 @@ class BenchDoses:
         speed : str, optional
             Speed of the pump head while cruising, as "100rpm".
         within : str, optional
-            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`; the
-            default is the pump's `default_rate_ml_s`.
+            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
+            The default is the pump's `default_rate_ml_s`.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
@@ -381,8 +381,8 @@ class BenchDoses:
         speed : str, optional
             Speed of the pump head while cruising, as "100rpm".
         within : str, optional
-            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`; the
-            default is the pump's `default_rate_ml_s`.
+            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
+            The default is the pump's `default_rate_ml_s`.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}

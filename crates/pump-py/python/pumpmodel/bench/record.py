@@ -39,7 +39,7 @@ class BenchRecord:
         Parameters
         ----------
         angle_rad : float or None
-            Angle of the rollers, rad; at 0 a roller begins to leave the outlet. None records an unknown angle.
+            Angle of the rollers, rad; at 0 a roller begins to leave the outlet. None: the angle is unknown.
         half_width_rad : float
             Half width of the angle, rad: the true angle lies within it on either side.
 

@@ -118,7 +118,7 @@ def _quantity(
 
 
 def _edges(middles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the edges of cells around rising `middles`: halfway between them, and as far outside at the ends."""
+    """Return edges of cells around rising `middles`: halfway between them, and as far outside."""
     if len(middles) == 1:
         return np.array([middles[0] - 0.5, middles[0] + 0.5])
     halfway = (middles[1:] + middles[:-1]) / 2

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     _Panel: TypeAlias = Literal["flow", "pressure", "speed", "delivered"]
 
-# Number of samples of a plan: far more than the pixels of a picture, far fewer than the milliseconds of hours.
+# Number of samples of a plan: far more than a picture has pixels, far fewer than hours have milliseconds.
 _SAMPLES = 100_000
 _RPM_PER_RAD_S = 60 / math.tau
 
