@@ -212,7 +212,7 @@ def test_release_and_a_new_tube_are_on_record(bench: pm.Bench) -> None:
     bench.dose("-5mL")
     assert bench.status().wear.volume_ml == pytest.approx(5, abs=2e-3)
     assert bench.release().disturbances == 1
-    with pytest.warns(UserWarning, match="are forgotten"):
+    with pytest.warns(UserWarning, match="is forgotten"):
         assert bench.new_tube().wear.volume_ml == 0
 
 
@@ -220,8 +220,8 @@ def test_release_and_a_new_tube_are_on_record(bench: pm.Bench) -> None:
     ("keywords", "message"),
     [
         ({"driver": "stepper"}, "driver is 'stepper'; allowed: 'sim', 'grbl'"),
-        ({"port": "/dev/null"}, "port means nothing to a simulated motor"),
-        ({"configure": True}, "configure means nothing to a simulated motor"),
+        ({"port": "/dev/null"}, "port is given, but the motor is simulated"),
+        ({"configure": True}, "configure is given, but the motor is simulated"),
         ({"tube_limit": "-1L"}, "is negative"),
         ({"temperature": "20"}, "has no unit"),
         ({"fluid": "oil"}, "nothing is known of the fluid `oil`"),

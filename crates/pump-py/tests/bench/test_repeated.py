@@ -38,7 +38,7 @@ def test_what_a_batch_cannot_be_is_refused(tmp_path: Path) -> None:
     bench = pm.Bench.open("three-roller", state_dir=tmp_path)
     with pytest.raises(ValueError, match="number of doses is 0"):
         next(bench.batch("1mL", 0))
-    with pytest.raises(ValueError, match="missed is `later`"):
+    with pytest.raises(ValueError, match="missed is 'later'"):
         next(bench.batch("1mL", 2, missed="later"))  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="time between doses in s is -1"):
         next(bench.batch("1mL", 2, every_s=-1))

@@ -27,7 +27,7 @@ def test_a_pump_says_what_it_is() -> None:
 
 
 def test_an_unknown_variant_is_refused_by_name() -> None:
-    with pytest.raises(ValueError, match="variant is `newest`; allowed: measured, published, as-built"):
+    with pytest.raises(ValueError, match="variant is 'newest'; allowed: 'measured', 'published', 'as-built'"):
         pm.Pump.three_roller(variant="newest")  # type: ignore[arg-type]
 
 

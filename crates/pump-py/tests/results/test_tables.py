@@ -60,7 +60,7 @@ def test_a_run_returns_from_its_dict_and_shares_its_arrays() -> None:
     wrong: list[tuple[dict[str, Any], str]] = [
         ({**data, "colour": [1]}, "colour is no column"),
         ({name: data[name] for name in list(data)[1:]}, "time_s is missing"),
-        ({**data, "time_s": [0.0]}, "one length"),
+        ({**data, "time_s": [0.0]}, "differ in length"),
     ]
     for changed, message in wrong:
         with pytest.raises(ValueError, match=message):
