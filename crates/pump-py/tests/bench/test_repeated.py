@@ -1,4 +1,4 @@
-"""Batches, and what weighed doses show."""
+"""Batches, and the verification of weighed doses."""
 
 import time
 from pathlib import Path

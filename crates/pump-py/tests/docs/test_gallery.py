@@ -16,7 +16,7 @@ mpl.use("Agg")
 
 
 def run(script: str, folder: Path) -> tuple[Any, dict[str, Any]]:
-    """What the script's main function returned, and its names; the pictures are those of the docs."""
+    """Return the result of a script's main function, and its names. Its pictures must equal the docs'."""
     names = runpy.run_path(str(GALLERY / script))
     result = names["main"](folder)
     plt.close("all")

@@ -63,7 +63,7 @@ def test_flows_angle_and_delivered_volume_belong_to_one_motion() -> None:
     np.testing.assert_allclose(run.angle_rad, speed * run.time_s, rtol=1e-13)
     np.testing.assert_array_equal(run.q_in_ml_s, pump.inlet_flow_per_rad(run.angle_rad) * run.speed_rad_s)
     np.testing.assert_array_equal(run.q_out_ml_s, pump.outlet_flow_per_rad(run.angle_rad) * run.speed_rad_s)
-    # What the rollers push out is delivered or swells the line.
+    # The rollers' volume is delivered or swells the line.
     swell_ml = pump.outlet.compliance_ml_kpa * (run.p_out_kpa - pump.outlet.reservoir_kpa)
     np.testing.assert_allclose(run.delivered_ml + swell_ml, pump.outlet_volume(run.angle_rad), atol=1e-4)
 
