@@ -58,7 +58,7 @@ def test_a_run_returns_from_its_dict_and_shares_its_arrays() -> None:
     assert data["p_in_kpa"] is RUN.p_in_kpa
     assert pm.Run.from_dict(data) == RUN
     wrong: list[tuple[dict[str, Any], str]] = [
-        ({**data, "colour": [1]}, "colour is no column"),
+        ({**data, "colour": [1]}, "colour is not a column"),
         ({name: data[name] for name in list(data)[1:]}, "time_s is missing"),
         ({**data, "time_s": [0.0]}, "differ in length"),
     ]
