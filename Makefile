@@ -19,7 +19,7 @@ test-python: $(VENV)/installed
 	cd crates/pump-py && $(BIN)/python -m pytest -q
 
 # Installed anew whenever a source of the Python module has changed.
-$(VENV)/installed: $(shell git ls-files -- Cargo.lock Cargo.toml 'src/*.rs' 'crates/*/src/*' 'crates/pump-py/*.toml' 'crates/pump-py/python/*')
+$(VENV)/installed: $(shell git ls-files -- Cargo.lock Cargo.toml ':(glob)crates/*/src/**' ':(glob)crates/*/Cargo.toml' crates/pump-py/pyproject.toml crates/pump-py/python)
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet "./crates/pump-py[test]"
 	touch $@

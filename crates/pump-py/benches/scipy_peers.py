@@ -85,7 +85,7 @@ def constants(line: pm.Line) -> tuple[float, float, float]:
 
 
 def jacobian(pump: pm.Pump) -> Array:
-    """Of (pressure above the reservoir, flow of the line) at the inlet and the same at the outlet."""
+    """Return the Jacobian of (pressure above the reservoir, flow of the line), inlet first."""
     (ri, ci, li), (ro, co, lo) = constants(pump.inlet), constants(pump.outlet)
     return np.array(
         [

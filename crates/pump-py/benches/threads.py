@@ -1,4 +1,4 @@
-"""What a second thread gains: the same solves in one thread and in two, in turn, in one run."""
+"""Gain of a second thread: equal solves in one thread and in two, in turn, in one run."""
 
 import time
 from collections.abc import Callable

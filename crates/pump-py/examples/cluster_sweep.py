@@ -1,7 +1,7 @@
 """Softer outlet lines at every speed: 100,000 steady states on a Dask cluster.
 
 python cluster_sweep.py                       two processes on this machine
-python cluster_sweep.py tcp://scheduler:8786  the workers of that cluster, on which pumpmodel is installed
+python cluster_sweep.py tcp://scheduler:8786  the workers of a cluster that has pumpmodel installed
 """
 
 import sys
@@ -15,7 +15,7 @@ SPEED_RPM = np.linspace(40, 170, 1000)
 
 
 def pumps() -> list[pm.Pump]:
-    """Three rollers on 100 outlet lines, from a third of the paper's compliance to three times it."""
+    """Return three rollers on 100 outlet lines, from a third of the paper's compliance to three times it."""
     pump = pm.Pump.three_roller()
     line = pump.outlet
     return [

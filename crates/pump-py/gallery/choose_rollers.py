@@ -1,9 +1,9 @@
-"""How many rollers, over which contact angle, for an outlet pressure that swings no more than a target.
+"""Choose the number of rollers and the contact angle for an outlet pressure that swings at most by a target.
 
-Each roller takes its volume from the outlet, so more rollers make the flow at the rollers less even; but
-their pulses follow each other faster, and beyond the line's resonance it passes on less of them. The contact
-angle does neither: it decides how many rollers seal at every angle. All heads are computed from their
-drawings and stand on the lines of McIntyre et al.
+Each roller takes its volume from the outlet, so more rollers make the flow at the rollers less even. Their
+pulses also follow each other faster, and a line passes on less of them beyond its resonance. The contact
+angle changes neither: it decides how many rollers seal at every angle. All heads follow from their drawings
+and have the lines of McIntyre et al.
 """
 
 import math
@@ -23,7 +23,7 @@ ANGLES_DEG = np.arange(0.0, 61.0, 5.0)
 
 
 class Choice(NamedTuple):
-    """The head, the swing by rollers, and the rollers that seal by rollers and contact angle."""
+    """The chosen head, the swing by rollers, and the sealing rollers by rollers and contact angle."""
 
     head: pm.Pump
     swing_kpa: NDArray[np.float64]
@@ -48,7 +48,7 @@ def head(rollers: int, contact_angle_deg: float) -> pm.Pump:
 
 
 def sealing_rollers(rollers: int, contact_angle_deg: float) -> int:
-    """How many rollers are fully engaged at every angle; a head with none is refused by the model."""
+    """Return the number of rollers fully engaged at every angle. The model refuses a head with none."""
     try:
         pump = head(rollers, contact_angle_deg)
     except ValueError:
@@ -61,7 +61,7 @@ def main(folder: Path) -> Choice:
     """Choose, draw, and return the choice."""
     folder.mkdir(parents=True, exist_ok=True)
     sealing = np.array([[sealing_rollers(int(count), angle) for angle in ANGLES_DEG] for count in ROLLERS])
-    # What the contact angle changes is not the outlet's flow: any that works will do here.
+    # The contact angle does not change the outlet's flow: any angle that works will do here.
     heads = [head(int(count), ANGLES_DEG[row > 0][0]) for count, row in zip(ROLLERS, sealing, strict=True)]
     speed_rpm = np.array([pump.speed_for_flow(flow_ml_s=FLOW_ML_S) for pump in heads])
     steady = [pump.steady_state(speed_rpm=speed) for pump, speed in zip(heads, speed_rpm, strict=True)]

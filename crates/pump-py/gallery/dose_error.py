@@ -1,4 +1,4 @@
-"""What a dose misses by when the rollers' angle is ignored, over all start angles, and what ours does."""
+"""Errors of a dose over all start angles: planned without the rollers' angle, and planned from it."""
 
 import math
 import sys
@@ -17,14 +17,14 @@ COLOURS = ("#D55E00", "#E69F00", "#0072B2")
 def naive_error_percent(
     pump: pm.Pump, volume_ml: float, start_rad: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Turn volume / (volume per revolution) revolutions, wherever the rollers stand."""
+    """Turn volume / (volume per revolution) revolutions, from any angle of the rollers."""
     turn_rad = math.tau * volume_ml / pump.volume_per_revolution_ml
     dosed_ml = pump.outlet_volume(start_rad + turn_rad) - pump.outlet_volume(start_rad)
     return 100 * (dosed_ml / volume_ml - 1)
 
 
 def planned_error_ul(pump: pm.Pump, volume_ml: float, start_rad: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Plan from the angle; what is left is a fraction of a motor step, which the next dose makes good."""
+    """Plan from the angle. The error is a fraction of a motor step, which is carried to the next dose."""
     doser = pm.Doser(pump)
     plans = [doser.plan(f"{volume_ml}mL", start_angle_rad=start) for start in start_rad]
     return 1000 * np.array([plan.planned_ml - volume_ml for plan in plans])

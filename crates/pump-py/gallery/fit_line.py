@@ -1,7 +1,7 @@
 """Resistance, compliance and inertance of an outlet line from a measured pressure waveform.
 
 The measurement is simulated: the model at 100 r/min from rest, read every 2 ms, with white noise of 0.3 kPa.
-The fit starts a factor of two away. Whoever has a waveform puts it in place of `measure`.
+The fit starts a factor of two away. Replace `measure` to fit a waveform of your own.
 """
 
 import sys
@@ -29,7 +29,7 @@ def measure(pump: pm.Pump, seed: int) -> NDArray[np.float64]:
 
 
 def fit(guess: pm.Pump, measured_kpa: NDArray[np.float64]) -> pm.Identified:
-    """Find the line, starting from that of a guess."""
+    """Find the line, starting from the line of a guess."""
     time_s = DT_S * np.arange(len(measured_kpa))
     return pm.identify_line(
         guess,
@@ -48,7 +48,7 @@ def scaled(pump: pm.Pump, factor: float) -> pm.Pump:
 
 
 def main(folder: Path) -> pm.Identified:
-    """Measure, fit and draw; return what was found."""
+    """Measure, fit and draw; return the identified line."""
     folder.mkdir(parents=True, exist_ok=True)
     pump = pm.Pump.three_roller()
     guess = scaled(pump, 2.0)

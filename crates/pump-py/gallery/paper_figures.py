@@ -1,4 +1,4 @@
-"""The figures of McIntyre et al. by the model: what the rollers take from the flow, and the pressures.
+"""The figures of McIntyre et al. by the model: the volume that rollers take from the flow, and the pressures.
 
 The paper's raw curves were not published; this is our model of its pump, not a copy of its plots.
 """
@@ -25,7 +25,7 @@ def main(folder: Path) -> list[tuple[float, float]]:
 
 
 def draw_flow(file: Path) -> list[tuple[float, float]]:
-    """Flow that the rollers take at 60 r/min: what the flow lacks of a omega."""
+    """Draw the flow that the rollers take at 60 r/min: a omega less the flow."""
     figure, axes = plt.subplots(1, 2, figsize=(9.5, 3), sharey=True, layout="constrained")
     pulses = []
     time_s = np.linspace(0, 1, 4001)
@@ -49,7 +49,7 @@ def draw_flow(file: Path) -> list[tuple[float, float]]:
 
 
 def draw_pressures(file: Path) -> None:
-    """Pressures over one second at three speeds, start-up over."""
+    """Draw the pressures over one second at three speeds, in the steady state."""
     figure, axes = plt.subplots(3, 2, figsize=(9.5, 6.5), sharex=True, sharey="row", layout="constrained")
     for column, pump in enumerate(PUMPS):
         for axis, speed_rpm in zip(axes[:, column], (50, 100, 150), strict=True):

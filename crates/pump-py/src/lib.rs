@@ -1,70 +1,41 @@
 //! The compiled half of the Python package `pumpmodel`: a thin layer around `pump_bench`, one file a concept.
+//!
+//! The rooms build on one another in this order: `python` (exceptions, interrupts, arrays), `argument` (values that
+//! Python passes), `line`, `pump`, then `simulation`, `identification` and `calibration`, `dosing`, and `bench`.
 
-mod asked;
+mod argument;
 mod bench;
-mod bench_calibration;
-mod bench_home;
 mod calibration;
-mod doser;
-mod errors;
-mod floats;
-mod hose;
+mod dosing;
 mod identification;
-mod interrupt;
-mod limits;
 mod line;
-mod metrics;
-mod plan;
-mod plan_output;
 mod pump;
-mod pump_dimensions;
-mod pump_flow;
-mod pump_make;
-mod pump_run;
-mod repeated;
-mod run;
-mod speed;
-mod speed_law;
-mod steady;
-mod sweep;
-mod volume_fit;
-mod worker;
+mod python;
+mod simulation;
 
 /// Compiled half of `pumpmodel`; import that instead.
 #[pyo3::pymodule]
 mod _pumpmodel {
     #[pymodule_export]
-    use crate::bench::Bench;
+    use crate::bench::{Bench, Schedule};
     #[pymodule_export]
     use crate::calibration::{_reading, Calibration};
     #[pymodule_export]
-    use crate::doser::Doser;
-    #[pymodule_export]
-    use crate::hose::{_fluid_check, _fluid_water, _hose_drop, _hose_line, _hose_reynolds, _hose_volume};
+    use crate::dosing::{Doser, Limits, Plan};
     #[pymodule_export]
     use crate::identification::{_identify_compliance, _identify_line, _identify_resistance};
     #[pymodule_export]
-    use crate::limits::Limits;
+    use crate::identification::{nrmse, pearson, rmse};
     #[pymodule_export]
-    use crate::line::Line;
+    use crate::line::{_fluid_check, _fluid_water, Line};
     #[pymodule_export]
-    use crate::metrics::{nrmse, pearson, rmse};
+    use crate::line::{_hose_drop, _hose_line, _hose_reynolds, _hose_volume};
     #[pymodule_export]
-    use crate::plan::Plan;
+    use crate::pump::{_law_check, _law_published, _law_revolution, _law_trapped, Pump};
     #[pymodule_export]
-    use crate::pump::Pump;
+    use crate::pump::{_volume_fit, _volume_fit_at, _volume_run_falls, _volume_runs};
     #[pymodule_export]
-    use crate::repeated::Schedule;
-    #[pymodule_export]
-    use crate::run::Run;
-    #[pymodule_export]
-    use crate::speed_law::{_law_check, _law_published, _law_revolution, _law_trapped};
-    #[pymodule_export]
-    use crate::steady::SteadyState;
-    #[pymodule_export]
-    use crate::sweep::_steady_states;
-    #[pymodule_export]
-    use crate::volume_fit::{_volume_fit, _volume_fit_at, _volume_run_falls, _volume_runs};
+    use crate::simulation::{_steady_states, Run, SteadyState};
 
     #[pymodule_export]
     #[allow(non_upper_case_globals, reason = "Python's name for it")]

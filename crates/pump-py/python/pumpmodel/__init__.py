@@ -1,6 +1,6 @@
 """First-principles model of a roller-type peristaltic pump, and doses planned from the angle of its rollers.
 
-Units are mL, kPa absolute, s and rad, and stand in every name; speeds are given as ``speed_rpm`` or
+Units are mL, kPa absolute, s and rad, and stand in every name. Functions take a speed as ``speed_rpm`` or
 ``speed_rad_s``.
 
 Examples
@@ -38,8 +38,7 @@ from pumpmodel.identified import (
     identify_line,
     identify_resistance,
 )
-from pumpmodel.plotting import plot, plot_map
-from pumpmodel.section import plot_pump
+from pumpmodel.plotting import plot, plot_map, plot_pump
 from pumpmodel.speed_law import SpeedLaw
 from pumpmodel.sweeps import Sweep, sweep
 from pumpmodel.volume_fit import VolumeFit

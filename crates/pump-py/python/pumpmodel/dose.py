@@ -1,14 +1,14 @@
-"""What a bench reports: a dose, and how things stand."""
+"""The reports of a bench: a dose, the status of the record, and a verification."""
 
 from dataclasses import dataclass
 from typing import ClassVar
 
-from pumpmodel._record import Record
+from pumpmodel._results.record import Record
 
 
 @dataclass(frozen=True)
 class Share(Record):
-    """A source of uncertainty: standard uncertainty, part of the variance, and how to make it smaller."""
+    """A source of uncertainty: standard uncertainty, share of the variance, and a remedy."""
 
     source: str
     standard_ml: float
@@ -18,7 +18,7 @@ class Share(Record):
 
 @dataclass(frozen=True)
 class Phase(Record):
-    """How a start angle is known."""
+    """The source of a start angle and its half width."""
 
     known: bool
     source: str
@@ -27,7 +27,7 @@ class Phase(Record):
 
 @dataclass(frozen=True)
 class Ripple(Record):
-    """How far a flow departs from its mean over time, over the mean."""
+    """Ripple of a flow: its departure from the mean over time, divided by the mean."""
 
     peak_to_peak: float
     rms: float
@@ -35,7 +35,7 @@ class Ripple(Record):
 
 @dataclass(frozen=True)
 class CalibrationUsed(Record):
-    """The calibration of a dose, at its cruise speed."""
+    """The calibration of a dose at its cruise speed."""
 
     version: int
     date: str
@@ -48,9 +48,9 @@ class Dose(Record):
     """A dose of a bench, run or planned: the fields of the command's JSON `dose/1`.
 
     Volumes are in mL and negative in reverse, angles in deg of the pump head, pressures in kPa absolute,
-    times in s. `delivered_ml` is what the vessel of a simulation received, or the model's volume of the steps
-    that a motor made; None of a dose that was only planned. `completed` says whether the dose was delivered
-    in full.
+    times in s. `delivered_ml` is the volume that the vessel of a simulation received, or the model's volume
+    of the steps that a motor made. It is None for a dose that was only planned. `completed` is True if the
+    dose was delivered in full.
     """
 
     _records: ClassVar[dict[str, type[Record]]] = {
@@ -110,7 +110,7 @@ class Dose(Record):
     completed: bool
 
     def __repr__(self) -> str:
-        """Say what was asked and what came of it."""
+        """Tell the requested and the delivered volume."""
         made = "planned" if self.delivered_ml is None else f"delivered_ml {self.delivered_ml:.6f}"
         return (
             f"<Dose of {self.requested_ml!r} mL on '{self.pump}' ({self.driver}): {made}, "
@@ -120,7 +120,7 @@ class Dose(Record):
 
 @dataclass(frozen=True)
 class Wear(Record):
-    """What a tube has gone through since it was new."""
+    """The volume, the revolutions and the time of motion of a tube since it was new."""
 
     volume_ml: float
     revolutions: float
@@ -143,7 +143,7 @@ class Unfinished(Record):
 
 @dataclass(frozen=True)
 class CalibrationInUse(Record):
-    """The calibration that doses use."""
+    """The number and the date of the calibration that doses use."""
 
     version: int
     date: str
@@ -151,7 +151,7 @@ class CalibrationInUse(Record):
 
 @dataclass(frozen=True)
 class Status(Record):
-    """What is on record of a bench: the fields of the command's JSON `status/1`."""
+    """The record of a bench: the fields of the command's JSON `status/1`."""
 
     _records: ClassVar[dict[str, type[Record]]] = {
         "wear": Wear,
@@ -180,7 +180,7 @@ class Status(Record):
 
 @dataclass(frozen=True)
 class Tolerance(Record):
-    """Largest errors allowed, in per cent."""
+    """The largest systematic and random errors allowed, in per cent."""
 
     systematic_percent: float
     random_percent: float
@@ -188,10 +188,10 @@ class Tolerance(Record):
 
 @dataclass(frozen=True)
 class Verification(Record):
-    """What repeated doses of one volume show: the command's JSON `verification/1`.
+    """The errors of repeated doses of one volume: the command's JSON `verification/1`.
 
-    The systematic error is mean less nominal, the random one the standard deviation (n - 1); in mL, and in
-    per cent of nominal and mean (ISO 8655-6).
+    The systematic error is the mean less the nominal volume, in mL and in per cent of nominal. The random
+    error is the standard deviation (n - 1), in mL and in per cent of the mean (ISO 8655-6).
     """
 
     _records: ClassVar[dict[str, type[Record]]] = {"tolerance": Tolerance}

@@ -1,23 +1,23 @@
-"""Errors of pumpmodel; bad arguments are plain ValueErrors."""
+"""Errors of pumpmodel. Bad arguments raise a plain ValueError."""
 
 
 class PumpError(Exception):
-    """Base of this package's own errors."""
+    """Base of the errors of pumpmodel."""
 
 
 class PlanError(PumpError):
-    """A dose of good arguments that the pump cannot do."""
+    """The pump cannot make a dose, although its arguments are valid."""
 
 
 class PumpFileError(PumpError, ValueError):
-    """A pump file that cannot be used."""
+    """A pump file cannot be used."""
 
 
 class DriveError(PumpError):
-    """A pump or device that another process holds, or a motor that failed.
+    """Another process holds the pump or its device, or the motor failed.
 
-    If the motor failed on the way, `delivered_least_ml` and `delivered_most_ml` say between which volumes
-    (mL) the dose was delivered; without motion both are None.
+    If the motor failed on the way, the delivered volume (mL) is between `delivered_least_ml` and
+    `delivered_most_ml`. Without motion both are None.
     """
 
     delivered_least_ml: float | None = None
@@ -25,10 +25,10 @@ class DriveError(PumpError):
 
 
 class UnfinishedError(PumpError):
-    """An earlier dose was begun and not finished: `Bench.resume` makes the rest, `Bench.discard` leaves it.
+    """An earlier dose is unfinished: `Bench.resume` makes the rest, `Bench.discard` accepts it as it is.
 
-    `requested_ml` is what was asked (mL); between `delivered_least_ml` and `delivered_most_ml` were
-    delivered.
+    `requested_ml` is the requested volume (mL). The delivered volume (mL) is between `delivered_least_ml` and
+    `delivered_most_ml`.
     """
 
     requested_ml: float

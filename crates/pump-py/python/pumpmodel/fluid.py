@@ -1,10 +1,10 @@
-"""What is pumped."""
+"""Properties of the pumped fluid."""
 
 from dataclasses import dataclass
 from typing import Self
 
 from pumpmodel import _pumpmodel as core
-from pumpmodel._record import Record
+from pumpmodel._results.record import Record
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,7 +20,7 @@ class Fluid(Record):
     bulk_modulus_mpa : float
         Isothermal bulk modulus, MPa, more than zero.
     vapour_kpa : float, optional
-        Vapour pressure, kPa absolute, where it is known.
+        Vapour pressure, kPa absolute, if it is known.
 
     Raises
     ------
@@ -40,15 +40,15 @@ class Fluid(Record):
     vapour_kpa: float | None = None
 
     def __post_init__(self) -> None:
-        """Refuse properties that are no fluid's."""
+        """Refuse properties that no fluid has."""
         core._fluid_check(self._numbers())
 
     @classmethod
     def water(cls, *, temperature_degc: float) -> Self:
-        """Water.
+        """Return the properties of water.
 
-        Density and compressibility are those of Kell (J. Chem. Eng. Data 20:97, 1975), viscosity of IAPWS
-        SR6-08, vapour pressure of IAPWS SR1-86.
+        Density and compressibility follow Kell (J. Chem. Eng. Data 20:97, 1975), viscosity IAPWS SR6-08, and
+        vapour pressure IAPWS SR1-86.
 
         Parameters
         ----------

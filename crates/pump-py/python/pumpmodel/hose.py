@@ -1,4 +1,4 @@
-"""A line from its hose."""
+"""Hoses, and the lines that follow from them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,18 +9,20 @@ from numpy.typing import NDArray
 
 from pumpmodel import _pumpmodel as core
 from pumpmodel._pumpmodel import Line
-from pumpmodel._record import Record
+from pumpmodel._results.record import Record
 from pumpmodel.fluid import Fluid
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hose(Record):
-    """A straight hose of one bore, and what the fluid in it makes of R, C and L.
+    """A straight hose of one bore, which gives R, C and L with the fluid in it.
 
     Parameters
     ----------
-    bore_radius_mm, outer_radius_mm : float
-        Inner and outer radius, mm.
+    bore_radius_mm : float
+        Inner radius, mm.
+    outer_radius_mm : float
+        Outer radius, mm.
     length_mm : float
         Length, mm.
     modulus_mpa : float
@@ -28,7 +30,7 @@ class Hose(Record):
     poisson_ratio : float
         Poisson ratio of the wall, 0 to 0.5; 0.5 is rubber, which keeps its volume.
     minor_loss : float
-        What ends, bends and fittings take together, in velocity heads of the bore.
+        Loss of ends, bends and fittings together, in velocity heads of the bore.
 
     Raises
     ------
@@ -37,7 +39,7 @@ class Hose(Record):
 
     Examples
     --------
-    The line of McIntyre et al., whose R they took at 210 mL/s:
+    The hose of McIntyre et al., who took R at 210 mL/s:
 
     >>> import pumpmodel as pm
     >>> hose = pm.Hose(
@@ -56,7 +58,7 @@ class Hose(Record):
     minor_loss: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse dimensions that are no hose's."""
+        """Refuse dimensions that no hose has."""
         core._hose_volume(self._numbers())
 
     @property
@@ -67,18 +69,17 @@ class Hose(Record):
     def line(self, fluid: Fluid, *, reservoir_kpa: float, flow_ml_s: float) -> Line:
         """Return the linear line of this hose.
 
-        C is that of the fluid and of a thick-walled cylinder whose ends are held (Lamé, plane strain), L is
-        rho l/A.
+        C adds the compliance of the fluid and of a thick-walled cylinder whose ends are held (Lamé, plane
+        strain). L is rho l/A.
 
         Parameters
         ----------
         fluid : Fluid
-            What flows in it.
+            Fluid in the hose.
         reservoir_kpa : float
             Pressure of the reservoir, kPa absolute.
         flow_ml_s : float
-            Flow, mL/s, at which R is taken: the pressure drop there over the flow. 0 takes that of laminar
-            flow alone.
+            Flow, mL/s, at which R is the pressure drop over the flow. 0 takes the R of laminar flow alone.
 
         Raises
         ------
@@ -96,22 +97,23 @@ class Hose(Record):
     def pressure_drop_kpa(
         self, fluid: Fluid, *, flow_ml_s: float | NDArray[Any] | Sequence[Any]
     ) -> float | NDArray[np.float64]:
-        """Return the pressure that it takes to push the fluid through.
+        """Return the pressure drop along the hose at a flow.
 
-        Friction of a smooth wall from laminar to turbulent flow by Churchill's formula (Chem. Eng. 84, 1977),
-        and the minor loss.
+        It adds the friction of a smooth wall, laminar to turbulent, by Churchill's formula (Chem. Eng. 84,
+        1977), and the minor loss.
 
         Parameters
         ----------
         fluid : Fluid
-            What flows in it.
+            Fluid in the hose.
         flow_ml_s : float or array_like
             Flow, mL/s, either way, up to 1e6.
 
         Returns
         -------
         float or numpy.ndarray
-            kPa in the direction of the flow; of arrays an array of float64 of the same shape.
+            Pressure drop in the direction of the flow, kPa. Array input gives an array of float64 of its
+            shape.
 
         Raises
         ------
@@ -129,12 +131,22 @@ class Hose(Record):
     ) -> float | NDArray[np.float64]:
         """Return the Reynolds number of a flow.
 
-        Parameters and errors are those of `pressure_drop_kpa`.
+        Parameters
+        ----------
+        fluid : Fluid
+            Fluid in the hose.
+        flow_ml_s : float or array_like
+            Flow, mL/s, either way, up to 1e6.
 
         Returns
         -------
         float or numpy.ndarray
-            rho v d/mu; of arrays an array of float64 of the same shape.
+            Reynolds number rho v d/mu. Array input gives an array of float64 of its shape.
+
+        Raises
+        ------
+        ValueError
+            If a flow is not finite or beyond 1e6 mL/s.
         """
         return core._hose_reynolds(self._numbers(), fluid._numbers(), flow_ml_s)
 

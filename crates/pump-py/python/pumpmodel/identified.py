@@ -12,16 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel import _pumpmodel as core
 from pumpmodel._pumpmodel import Line, Pump
-from pumpmodel._record import Record
+from pumpmodel._results.record import Record
 
 _Array: TypeAlias = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Estimate(Record):
-    """A value with its standard uncertainty, twice which covers 95 %.
+    """A value with its standard uncertainty; twice the uncertainty covers 95 %.
 
-    `held` says that it was given and not sought.
+    `held` is True if the value was given and not sought.
     """
 
     value: float
@@ -31,35 +31,35 @@ class Estimate(Record):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Identified:
-    """A line that was identified, and what is to be said of the fit.
+    """An identified line, with the parameters, the quality and the warnings of the fit.
 
-    Made by `identify_resistance`, `identify_compliance` and `identify_line`. `str(...)` is the report of
+    `identify_resistance`, `identify_compliance` and `identify_line` return it. `str(...)` is the report of
     `dose identify`.
     """
 
-    #: "resistance", "compliance" or "line".
+    #: Kind of identification: "resistance", "compliance" or "line".
     kind: str
-    #: "inlet" or "outlet".
+    #: Port of the line: "inlet" or "outlet".
     port: str
-    #: The line of the pump with what was found in it: `pump.replace(outlet=found.line)`.
+    #: Line of the pump with the identified parameters: `pump.replace(outlet=found.line)`.
     line: Line
-    #: What was found and what was held, by name with unit, as "inertance_kpa_s2_ml".
+    #: Parameters, sought or held, by name with unit, as "inertance_kpa_s2_ml".
     parameters: dict[str, Estimate]
-    #: What the user should know; a fit to a wrong model is warned of here.
+    #: Warnings; a fit of a wrong model is one.
     warnings: tuple[str, ...]
-    #: Root of the mean square of measured less fitted, kPa.
+    #: RMSE of measured less fitted, kPa.
     rmse_kpa: float
-    #: RMSE over the mean of what was measured; None if that is 0.
+    #: RMSE over the mean of the measurement; None if the mean is 0.
     nrmse: float | None
     #: Pearson's correlation of fitted and measured; None if either does not change.
     pearson: float | None
-    #: How many independent points the measurements are worth.
+    #: Number of independent points to which the measurements amount.
     independent_points: float
     #: Times in s, flows in mL/s or volumes in mL, rising, shape (n,), read-only.
     x: _Array
-    #: What was measured there, kPa: drops of a resistance, pressures else.
+    #: Measured values at `x`, kPa, shape (n,), read-only: drops for a resistance, otherwise pressures.
     measured_kpa: _Array
-    #: What the fit says there, kPa.
+    #: Fitted values at `x`, kPa, shape (n,), read-only.
     fitted_kpa: _Array
     # JSON and text of the command.
     _json: str = field(default="")
@@ -89,7 +89,7 @@ class Identified:
 
     @property
     def residual_kpa(self) -> _Array:
-        """Measured less fitted, kPa, shape (n,)."""
+        """Residuals, measured less fitted, kPa, shape (n,)."""
         return self.measured_kpa - self.fitted_kpa
 
     def to_dict(self) -> dict[str, Any]:
@@ -98,8 +98,8 @@ class Identified:
         Returns
         -------
         dict
-            The command's JSON `identification/1`, whose `pump_file` is the table for a pump file; without the
-            measurements.
+            The command's JSON `identification/1`, without the measurements. Its `pump_file` is the table for
+            a pump file.
         """
         data: dict[str, Any] = json.loads(self._json)
         return data
@@ -109,7 +109,7 @@ class Identified:
         return self._text
 
     def __repr__(self) -> str:
-        """Return kind, port and what was found."""
+        """Return kind, port and the parameters that were found."""
         found = ", ".join(
             f"{name}={estimate.value:.6g} ± {2 * estimate.standard:.2g}"
             for name, estimate in self.parameters.items()
@@ -118,7 +118,7 @@ class Identified:
         return f"Identified({self.kind}, {self.port}: {found}; {len(self.warnings)} warnings)"
 
     def __eq__(self, other: object) -> bool:
-        """Whether values, warnings, metrics and measurements are the same."""
+        """Tell if values, warnings, metrics and measurements are equal."""
         if not isinstance(other, Identified):
             return NotImplemented
         return (self._json, self.line) == (other._json, other.line) and all(
@@ -126,11 +126,11 @@ class Identified:
         )
 
     def __hash__(self) -> int:
-        """Hash what is compared, but for the measurements."""
+        """Hash the values that are compared, except for the measurements."""
         return hash((self._json, self.line))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Rebuild with arrays that are read-only again."""
+        """Pickle the arrays so that they are read-only again when they are loaded."""
         return _rebuild, (self._json, self._text, self.line, *self._arrays())
 
     def _arrays(self) -> tuple[_Array, _Array, _Array]:
@@ -158,35 +158,35 @@ def identify_resistance(
     standard_kpa: ArrayLike | None = None,
     offset: bool = False,
 ) -> Identified:
-    """Find R of a line from steady flows and the pressures that they take: dP = R Q (McIntyre et al.).
+    """Find R of a line from steady flows and their pressure drops: dP = R Q (McIntyre et al.).
 
     Parameters
     ----------
     flow_ml_s : array_like
         Flows, mL/s, negative in reverse, shape (n,).
     pressure_kpa : array_like, optional
-        Pressures at the pump, kPa absolute, shape (n,); less the reservoir of the pump's line they are the
-        drops.
+        Pressures at the pump, kPa absolute, shape (n,). The drop is the difference from the reservoir of the
+        pump's line.
     drop_kpa : array_like, optional
-        In their place drops along the flow, kPa, shape (n,).
+        Pressure drops along the flow, kPa, shape (n,). Give exactly one of `pressure_kpa` and `drop_kpa`.
     pump : Pump, optional
-        Whose line it is: gives reservoir, C and L. By default the built-in pump with three rollers.
+        Pump of the line, which gives reservoir, C and L. By default the built-in pump with three rollers.
     port : {"outlet", "inlet"}
-        Which of its lines.
+        Port whose line is identified.
     standard_kpa : array_like, optional
-        Standard uncertainties of the pressures, kPa, shape (n,); the points weigh by their ratios.
+        Standard uncertainties of the pressures, kPa, shape (n,). Their ratios weight the points.
     offset : bool
-        Whether to seek the drop at no flow too: a reservoir or a sensor that is off.
+        True to seek the drop at no flow too, which shows an error of reservoir or sensor.
 
     Returns
     -------
     Identified
-        With `resistance_kpa_s_ml`, and `offset_kpa` if it was sought.
+        Line with `resistance_kpa_s_ml`, and `offset_kpa` if it was sought.
 
     Raises
     ------
     ValueError
-        If the points are too few or do not determine R, as when the drop is as large at every flow.
+        If the points are too few or do not determine R, for example because every flow has the same drop.
 
     Examples
     --------
@@ -215,18 +215,18 @@ def identify_compliance(
     volume_ml : array_like
         Volumes injected since the start, mL, shape (n,).
     pressure_kpa : array_like
-        Pressures in the line, kPa, absolute or above anything that stays the same, shape (n,).
+        Pressures in the line, kPa, absolute or above any constant pressure, shape (n,).
     pump : Pump, optional
-        Whose line it is: gives reservoir, R and L. By default the built-in pump with three rollers.
+        Pump of the line, which gives reservoir, R and L. By default the built-in pump with three rollers.
     port : {"outlet", "inlet"}
-        Which of its lines.
+        Port whose line is identified.
     total_ml : float, optional
-        Volume that the closed line holds, mL: gives the effective bulk modulus too.
+        Volume of the closed line, mL, from which the effective bulk modulus follows too.
 
     Returns
     -------
     Identified
-        With `compliance_ml_kpa`, `start_kpa`, and `bulk_modulus_kpa` of a `total_ml`.
+        Line with `compliance_ml_kpa` and `start_kpa`, and with `bulk_modulus_kpa` if `total_ml` is given.
 
     Raises
     ------
@@ -263,36 +263,39 @@ def identify_line(
     Parameters
     ----------
     pump : Pump
-        Whose line it is; its flow is taken as known, and the search starts from its line.
+        Pump of the line. Its flow counts as known, and the search starts from its line.
     time_s : array_like
         Times, s, rising, shape (n,).
     pressure_kpa : array_like
         Pressures at the port, kPa absolute, shape (n,).
     port : {"outlet", "inlet"}
-        Which line.
-    speed_rpm, speed_rad_s : float
-        Speed of the pump head, exactly one; negative in reverse.
+        Port whose line is identified.
+    speed_rpm : float
+        Speed of the pump head, r/min; negative in reverse.
+    speed_rad_s : float
+        Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
     fit : sequence of {"R", "C", "L", "reservoir", "start"}
-        What is sought; the rest is held. "reservoir" is its pressure, and with it what the sensor is off by,
-        "start" the time of the start, found only near `start_s`.
+        Parameters to seek; all others are held. "reservoir" is the pressure of the reservoir, which absorbs
+        an offset of the sensor. "start" is the time of the start, which is found only near `start_s`.
     begin : {"ramp", "step", "steady"}
-        From rest with the pump's acceleration, from rest at once, or turning for long.
+        Motion at the start of the record: from rest with the pump's acceleration, from rest at full speed, or
+        turning long before.
     start_s : float, optional
-        When it began to turn, s; by default 0.
+        Time at which the pump began to turn, s; by default 0.
     start_angle_rad : float, optional
-        Angle at the start, rad (steady: at time 0). By default it is sought.
+        Angle at the start, or at time 0 of a steady record, rad. By default it is sought.
 
     Returns
     -------
     Identified
-        With R, C, L, `reservoir_kpa`, `start_angle_deg` and `start_s`, sought or held. A mismatch of the
-        model is not in the standard uncertainties: read `warnings`.
+        Line with R, C, L, `reservoir_kpa`, `start_angle_deg` and `start_s`, sought or held. The standard
+        uncertainties do not include a mismatch of the model: read `warnings`.
 
     Raises
     ------
     ValueError
-        If an argument is not allowed, the record does not determine what is sought, or the search does not
-        end.
+        If an argument is not allowed, if the record does not determine the parameters, or if the search does
+        not end.
 
     Examples
     --------
@@ -308,7 +311,7 @@ def identify_line(
     0.006
     """
     if isinstance(fit, str):
-        raise TypeError(f'fit is a text, {fit!r}; give a sequence of names, as ("R", "C", "L")')
+        raise TypeError(f'fit is a text, {fit!r}; allowed: a sequence of names, as ("R", "C", "L")')
     return Identified._of(
         core._identify_line(
             pump,

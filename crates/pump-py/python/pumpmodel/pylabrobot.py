@@ -1,7 +1,7 @@
 """Doses of a `pumpmodel.Bench` from PyLabRobot (`pip install 'pumpmodel[pylabrobot]'`).
 
-PyLabRobot's own `Pump.pump_volume` divides the volume by a constant before its backend sees anything, so that
-a backend could not know what was asked. `BenchPump` takes its place: the bench plans from the rollers' angle.
+PyLabRobot's own `Pump.pump_volume` divides the volume by a constant before it calls its backend, so a backend
+cannot know the requested volume. `BenchPump` replaces it: the bench plans from the rollers' angle.
 
     from pumpmodel.pylabrobot import BenchBackend, BenchPump
 
@@ -15,44 +15,50 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any, Literal, NoReturn
 
-from pumpmodel._tables import optional
+from pumpmodel._results.optional import optional
 from pumpmodel.bench import Bench
 from pumpmodel.dose import Dose
 from pumpmodel.errors import PumpError
 
-# Without types, so that type checkers take them for anything.
+# PyLabRobot has no types: type checkers treat these bases as Any.
 _Pump: Any = optional("pylabrobot.pumps", "pylabrobot").Pump
 _PumpBackend: Any = optional("pylabrobot.pumps.backend", "pylabrobot").PumpBackend
 
 __all__ = ["BenchBackend", "BenchPump", "HaltedError"]
 
-# Between two calls of Bench.stop: one that comes before the bench has begun says nothing to it.
+# Time between two calls of Bench.stop. A call before the bench has begun has no effect.
 _AGAIN_S = 0.02
 
 
 class HaltedError(PumpError):
-    """A dose that `halt` ended. It is on record as unfinished.
+    """A dose was ended by `halt`. It is on record as unfinished.
 
-    `dose` says what was delivered; `BenchPump.resume` makes the rest, `BenchPump.discard` leaves it.
+    `dose` has the delivered volume. `BenchPump.resume` makes the rest, and `BenchPump.discard` accepts the
+    dose as it is.
     """
 
     def __init__(self, dose: Dose) -> None:
         super().__init__(
             f"halted after {dose.delivered_ml:.4f} of {dose.requested_ml:g} mL, which is on record;"
-            " resume() makes the rest, discard() leaves it"
+            " resume() makes the rest, discard() accepts the dose as it is"
         )
         self.dose = dose
 
 
 class BenchBackend(_PumpBackend):
-    """The bench behind a `BenchPump`: opened by its `setup`, closed by its `stop`.
+    """The bench behind a `BenchPump`, which opens it in `setup` and closes it in `stop`.
 
     Parameters
     ----------
     pump : str or os.PathLike
-        Built-in pump or pump file.
-    driver, port, state_dir : optional
-        As of `pumpmodel.Bench.open`: a motor moves only if the pump file or `driver` names one.
+        Name of a built-in pump, or path of a pump file.
+    driver : {"sim", "grbl"}, optional
+        Driver of the motor; by default the pump file's `[drive]`, otherwise "sim". A motor moves only if the
+        pump file or `driver` names one.
+    port : str, optional
+        Serial port of the controller, as "/dev/ttyUSB0"; by default the pump file's.
+    state_dir : str or os.PathLike, optional
+        Folder of angle, journal and lock; by default `DOSE_STATE_DIR`, otherwise the command's folder.
     """
 
     def __init__(
@@ -71,14 +77,14 @@ class BenchBackend(_PumpBackend):
 
     @property
     def bench(self) -> Bench:
-        """The bench, for all that PyLabRobot has no name for; a RuntimeError before `setup`."""
+        """Bench, for everything that PyLabRobot does not offer. A RuntimeError before `setup`."""
         if self._bench is None:
             message = "the pump is not set up; await its setup() first"
             raise RuntimeError(message)
         return self._bench
 
     async def setup(self) -> None:
-        """Open the bench. Its pump is taken by the first dose."""
+        """Open the bench. The first dose takes the pump."""
         if self._bench is not None:
             message = "the pump is set up already; await its stop() first"
             raise RuntimeError(message)
@@ -87,12 +93,12 @@ class BenchBackend(_PumpBackend):
         )
 
     async def stop(self) -> None:
-        """Let the dose under way end, and give the pump back."""
+        """Wait for the dose under way, and give the pump back."""
         bench, self._bench = self.bench, None
         await asyncio.to_thread(bench.close)
 
     def serialize(self) -> dict[str, Any]:
-        """Return what makes the same backend again."""
+        """Return the arguments that make an equal backend."""
         return {
             **super().serialize(),
             "pump": self._pump,
@@ -110,20 +116,20 @@ class BenchBackend(_PumpBackend):
         _refuse("a speed without an end")
 
     def halt(self) -> None:
-        """Have the motor of the dose under way decelerate and hold."""
+        """Make the motor of the dose under way decelerate and hold."""
         self.bench.stop()
 
 
 class BenchPump(_Pump):
-    """A PyLabRobot pump whose volumes are doses of a bench, exact from whatever angle the rollers stand at.
+    """A PyLabRobot pump whose volumes are doses of a bench, exact from any angle of the rollers.
 
-    Its commands complete when the motion has. A dose that is cancelled decelerates, holds and goes on record
-    as unfinished before CancelledError is raised; until `resume` or `discard` the next one is refused.
+    A command completes when its motion has. A cancelled dose decelerates, holds and goes on record as
+    unfinished before CancelledError is raised. The next dose is refused until `resume` or `discard`.
 
     Parameters
     ----------
     backend : BenchBackend
-        The bench.
+        Bench that doses.
     """
 
     def __init__(self, backend: BenchBackend) -> None:
@@ -135,7 +141,7 @@ class BenchPump(_Pump):
         self._moving = asyncio.Lock()
 
     async def pump_volume(self, speed: float, volume: float) -> Dose:
-        """Dose a volume; doses that are asked for at the same time come one after the other.
+        """Dose a volume. Doses that are requested at one time come one after the other.
 
         Parameters
         ----------
@@ -147,35 +153,56 @@ class BenchPump(_Pump):
         Returns
         -------
         Dose
-            What was planned and delivered.
+            The planned dose and its result.
 
         Raises
         ------
         HaltedError
-            If `halt` ended it.
-        ValueError, PlanError, UnfinishedError, DriveError
-            As `pumpmodel.Bench.dose` does.
+            If `halt` ended the dose.
+        ValueError
+            If speed or volume is not finite or not allowed.
+        PlanError
+            If the pump cannot make the dose.
+        UnfinishedError
+            If an earlier dose is unfinished.
+        DriveError
+            If another process holds the pump, or the motor cannot be used or fails.
         """
         return await self._until_done(
             lambda bench: bench.dose(f"{float(volume)!r}mL", speed=f"{float(speed)!r}rpm")
         )
 
     async def resume(self) -> Dose:
-        """Make the rest of an unfinished dose; returns and raises as `pump_volume`."""
+        """Make the rest of an unfinished dose.
+
+        Returns
+        -------
+        Dose
+            The rest as a dose, with its result.
+
+        Raises
+        ------
+        HaltedError
+            If `halt` ended the dose.
+        PumpError
+            If no dose is unfinished.
+        DriveError
+            If another process holds the pump, or the motor cannot be used or fails.
+        """
         return await self._until_done(lambda bench: bench.resume())
 
     async def discard(self) -> None:
-        """Accept an unfinished dose as it is."""
+        """Accept an unfinished dose with the volume that was delivered."""
         bench = self.backend.bench
         async with self._moving:
             await asyncio.to_thread(bench.discard)
 
     async def run_revolutions(self, num_revolutions: float) -> NoReturn:
-        """Raise NotImplementedError: what revolutions deliver depends on the angle they start from."""
+        """Raise NotImplementedError: the volume of revolutions depends on their start angle."""
         _refuse("revolutions")
 
     async def run_continuously(self, speed: float) -> None:
-        """Halt if the speed is 0, raise NotImplementedError otherwise: a bench records what it doses."""
+        """Halt if the speed is 0, otherwise raise NotImplementedError: a bench doses volumes."""
         if speed != 0:
             _refuse("a speed without an end")
         await self.halt()
@@ -185,7 +212,7 @@ class BenchPump(_Pump):
         _refuse("a duration")
 
     async def halt(self) -> None:
-        """Decelerate and hold, if a dose is under way; completes when the motor stands, all on record."""
+        """Decelerate and hold if a dose is under way. Complete when the motor stands and all is recorded."""
         bench = self.backend.bench
         while self._moving.locked():
             bench.stop()
@@ -207,7 +234,7 @@ class BenchPump(_Pump):
                     bench.stop()
                     with suppress(asyncio.CancelledError):
                         await asyncio.wait([task], timeout=_AGAIN_S)
-                # A motor that failed on the way is worse news than the cancellation.
+                # A failed motor matters more than the cancellation.
                 if failure := task.exception():
                     raise failure from cancelled
                 raise
@@ -216,6 +243,6 @@ class BenchPump(_Pump):
         return dose
 
 
-def _refuse(what: str) -> NoReturn:
-    message = f"a bench doses volumes, not {what}; use pump_volume"
+def _refuse(amount: str) -> NoReturn:
+    message = f"a bench doses volumes, not {amount}; use pump_volume"
     raise NotImplementedError(message)

@@ -1,4 +1,4 @@
-"""Volume against speed; experimental."""
+"""The experimental law of volume against speed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,24 +9,24 @@ from numpy.typing import NDArray
 
 from pumpmodel import _pumpmodel as core
 from pumpmodel._pumpmodel import Pump
-from pumpmodel._record import Record
+from pumpmodel._results.record import Record
 
 
 @dataclass(frozen=True, kw_only=True)
 class SpeedLaw(Record):
-    """How the volume of a revolution depends on the speed, by the inlet pressure that traps a segment.
+    """Law of the volume of a revolution against speed: the inlet pressure fixes the volume that is trapped.
 
-    Experimental: doses use it where the pump's `[speed_law]` or a calibration says so. The published
+    The law is experimental. Doses use it if the pump's `[speed_law]` or a calibration has it. The published
     parameters are fitted to summary numbers of McIntyre et al.
 
     Parameters
     ----------
     scale : float
-        Volume between two rollers over that of the round tube.
+        Volume between two rollers over the volume of the round tube.
     distensibility_per_kpa : float
-        How much more a segment holds for more pressure, 1/kPa, 0 to 1.
+        Relative growth of a segment's volume with pressure, 1/kPa, 0 to 1.
     closure_rad : float
-        Where an engaging roller closes the lumen, rad.
+        Angle after first contact at which an engaging roller closes the lumen, rad.
     ambient_kpa : float
         Ambient pressure, kPa absolute.
 
@@ -49,12 +49,12 @@ class SpeedLaw(Record):
     ambient_kpa: float
 
     def __post_init__(self) -> None:
-        """Refuse parameters that are no law's."""
+        """Refuse parameters that no speed law has."""
         core._law_check(self._numbers())
 
     @classmethod
     def published(cls) -> Self:
-        """Return the law fitted to what McIntyre et al. publish of their pump."""
+        """Return the law fitted to the numbers that McIntyre et al. publish of their pump."""
         scale, distensibility, closure, ambient = core._law_published()
         return cls(
             scale=scale, distensibility_per_kpa=distensibility, closure_rad=closure, ambient_kpa=ambient
@@ -72,16 +72,16 @@ class SpeedLaw(Record):
         Parameters
         ----------
         pump : Pump
-            The pump.
+            Pump whose volume and inlet line count.
         speed_rpm : float or array_like
             Speed of the pump head, r/min, not zero; negative in reverse.
         speed_rad_s : float or array_like
-            The same in rad/s; exactly one of both is given.
+            Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
 
         Returns
         -------
         float or numpy.ndarray
-            mL; of arrays an array of float64 of the same shape.
+            Volume, mL, negative in reverse. Array input gives an array of float64 of its shape.
 
         Raises
         ------
@@ -99,12 +99,24 @@ class SpeedLaw(Record):
     ) -> float | NDArray[np.float64]:
         """Return the inlet pressure of the steady state when a roller closes the lumen.
 
-        Parameters and errors are those of `revolution_ml`.
+        Parameters
+        ----------
+        pump : Pump
+            Pump whose volume and inlet line count.
+        speed_rpm : float or array_like
+            Speed of the pump head, r/min, not zero; negative in reverse.
+        speed_rad_s : float or array_like
+            Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
 
         Returns
         -------
         float or numpy.ndarray
-            kPa absolute; of arrays an array of float64 of the same shape.
+            Pressure, kPa absolute. Array input gives an array of float64 of its shape.
+
+        Raises
+        ------
+        ValueError
+            If a speed is not allowed.
         """
         return core._law_trapped(self._numbers(), pump, speed_rpm, speed_rad_s)
 

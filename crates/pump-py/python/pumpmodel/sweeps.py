@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel._pumpmodel import Pump, _steady_states
-from pumpmodel._tables import COLUMNS, optional
+from pumpmodel._results.optional import optional
+from pumpmodel._results.tables import COLUMNS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 _Array: TypeAlias = NDArray[np.float64]
 _Progress: TypeAlias = Callable[[int, int], object]
 
-# Points that go to an executor as one task: a tenth of a second of work or so.
+# Number of points in a task for an executor: about a tenth of a second of work.
 _TASK = 2000
 
 RESULTS = (
@@ -40,7 +41,7 @@ RESULTS = (
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sweep:
-    """Steady states of pumps at speeds; made by `sweep`.
+    """Steady states of many pumps at many speeds, made by `sweep`.
 
     Results are read-only arrays of float64 of shape (pumps, speeds). Pressures are absolute.
     """
@@ -49,7 +50,7 @@ class Sweep:
     pumps: tuple[Pump, ...]
     #: Speeds of the pump head, r/min, one for each column; shape (speeds,).
     speed_rpm: _Array
-    #: The same, rad/s.
+    #: Speeds of the pump head, rad/s, one for each column; shape (speeds,).
     speed_rad_s: _Array
     #: Smallest inlet pressure, kPa.
     inlet_min_kpa: _Array
@@ -71,12 +72,12 @@ class Sweep:
     ripple_rms: _Array
 
     def __post_init__(self) -> None:
-        """Make the arrays read-only, after unpickling too."""
+        """Make the arrays read-only, also after unpickling."""
         for field in fields(self)[1:]:
             getattr(self, field.name).setflags(write=False)
 
     def __reduce__(self) -> tuple[type[Sweep], tuple[Any, ...]]:
-        """Pickle by its fields."""
+        """Pickle a sweep by its fields."""
         return Sweep, tuple(getattr(self, field.name) for field in fields(self))
 
     @property
@@ -85,7 +86,7 @@ class Sweep:
         return len(self.pumps), len(self.speed_rpm)
 
     def __eq__(self, other: object) -> bool:
-        """Tell whether pumps, speeds and every number are equal."""
+        """Tell if pumps, speeds and every number are equal."""
         if not isinstance(other, Sweep):
             return NotImplemented
         arrays = [field.name for field in fields(self)[1:]]
@@ -96,7 +97,7 @@ class Sweep:
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        """Tell its size and ranges."""
+        """Tell the size of a sweep and the ranges of its numbers."""
         ranges = "".join(
             f", {name} {values.min():.4g} to {values.max():.4g}"
             for name in ("speed_rpm", "inlet_min_kpa", "outlet_max_kpa")
@@ -110,13 +111,13 @@ class Sweep:
         Returns
         -------
         pandas.DataFrame
-            Columns `pump` (its number), `pump_id`, `rollers`, `speed_rpm`, `speed_rad_s` and the results;
-            `attrs["units"]` maps columns to units.
+            Columns `pump` (number of the pump), `pump_id`, `rollers`, `speed_rpm`, `speed_rad_s` and the
+            results. `attrs["units"]` maps columns to units.
 
         Raises
         ------
         ImportError
-            Without pandas, which `pip install 'pumpmodel[dataframe]'` brings.
+            If pandas is missing, which `pip install 'pumpmodel[dataframe]'` brings.
         """
         pumps, speeds = self.shape
         columns = {
@@ -137,13 +138,13 @@ class Sweep:
         Returns
         -------
         xarray.Dataset
-            Each variable has `units` and `long_name` as attributes; `pump_id` and `rollers` are coordinates
+            Each variable has the attributes `units` and `long_name`. `pump_id` and `rollers` are coordinates
             along `pump`.
 
         Raises
         ------
         ImportError
-            Without xarray, which `pip install 'pumpmodel[xarray]'` brings.
+            If xarray is missing, which `pip install 'pumpmodel[xarray]'` brings.
         """
 
         def described(name: str, dims: str | tuple[str, ...], numbers: object) -> tuple[Any, ...]:
@@ -174,32 +175,32 @@ def sweep(
 ) -> Sweep:
     """Compute the periodic steady state of every pump at every speed.
 
-    All cores of this machine work at it, in Rust, while other Python threads run; Ctrl-C ends it within
-    0.2 s. With an executor its workers do instead, one core each, and the numbers are the same to the last
+    All cores of this machine compute in Rust while other Python threads run. Ctrl-C ends a sweep within
+    0.2 s. With an executor its workers compute instead, on one core each, and the numbers agree to the last
     bit.
 
     Parameters
     ----------
     pumps : Pump or iterable of Pump
-        Pumps.
+        Pumps of the sweep, one row of results for each.
     speed_rpm : array_like
         Speeds of the pump head, r/min, a number or shape (speeds,); negative in reverse; not zero.
     speed_rad_s : array_like
-        The same in rad/s; exactly one of both is given.
+        Speeds of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
     executor : concurrent.futures.Executor, optional
-        What runs the work: a ThreadPoolExecutor, a ProcessPoolExecutor, `get_executor()` of a Dask client.
+        Executor of the work: a ThreadPoolExecutor, a ProcessPoolExecutor, `get_executor()` of a Dask client.
     progress : bool or callable
-        True shows a line on standard error; a callable is called as `progress(done, total)`.
+        True shows a line on standard error. A callable is called as `progress(done, total)`.
 
     Returns
     -------
     Sweep
-        Arrays of shape (pumps, speeds).
+        Results as arrays of shape (pumps, speeds).
 
     Raises
     ------
     ValueError
-        If a speed is not allowed, or a line without resistance resonates at one; names the pump.
+        If a speed is not allowed, or a line without resistance resonates at it. The message names the pump.
     PumpError
         If the solver fails on the way.
     MemoryError
@@ -234,7 +235,7 @@ def sweep(
         results = _on_executor(executor, pumps, name, speeds, shown)
 
     speeds = speeds.astype(np.float64)
-    # The bits of the compiled module's own conversion.
+    # This order of operations gives the bits of the compiled module's own conversion.
     rad_s_per_rpm = math.tau / 60
     rpm, rad_s = (speeds, speeds * rad_s_per_rpm) if name == "speed_rpm" else (speeds / rad_s_per_rpm, speeds)
     return Sweep(pumps, rpm, rad_s, *results)
@@ -266,7 +267,7 @@ def _on_executor(
     ]
     done = 0
     try:
-        # In their order, so that of several errors the first is raised.
+        # Results are taken in order, so the first of several errors is raised.
         for (rows, columns), future in zip(tiles, futures, strict=True):
             for whole, part in zip(results, future.result(), strict=True):
                 whole[rows, columns] = part
@@ -281,12 +282,12 @@ def _on_executor(
 
 
 def _tile(pumps: Sequence[Pump], name: str, speeds: NDArray[Any], first: int) -> list[_Array]:
-    """Do one task; an executor's workers import it."""
+    """Do one task. The workers of an executor import this function."""
     return _compute(pumps, name, speeds, threads=1, first=first)
 
 
 def _tiles(pumps: int, speeds: int) -> Iterator[tuple[slice, slice]]:
-    """Cut the table into tasks: whole rows if they are short, else parts of one row."""
+    """Cut the table into tasks: whole rows if rows are short, otherwise parts of one row."""
     rows = max(1, _TASK // max(1, speeds))
     for row in range(0, pumps, rows):
         for column in range(0, speeds, _TASK):

@@ -1,4 +1,4 @@
-"""A roller volume from measured points."""
+"""The volume of a roller from measured points."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,15 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel import _pumpmodel as core
-from pumpmodel._record import Record
+from pumpmodel._results.record import Record
 
 
 @dataclass(frozen=True, init=False)
 class VolumeFit(Record):
     """The volume that a roller displaces while it engages, fitted to measured points.
 
-    The smallest angle is the first contact and the largest the engagement angle.
-    `Pump.replace(roller_volume=fit)` makes a pump of it.
+    The smallest angle is the first contact, and the largest is the engagement angle.
+    `Pump.replace(roller_volume=fit)` returns a pump with this roller volume.
 
     Parameters
     ----------
@@ -26,10 +26,11 @@ class VolumeFit(Record):
     volume_ml : array_like
         Volumes displaced since then, mL, shape (n,).
     method : {"spline", "quintic"}
-        A rising cubic spline through the mean volume of each of 3 to 25 angles, whose flow has no jump; or
-        least squares of 5th order over 6 angles or more, as McIntyre et al. do it.
+        "spline" is a rising cubic spline through the mean volume of each of 3 to 25 angles; its flow has no
+        jump. "quintic" is a polynomial of 5th order by least squares over 6 angles or more, as McIntyre et
+        al. fit it.
     run : sequence of str, optional
-        Name of each point's run, if the points are of several; by default all are one run.
+        Name of each point's run, if the points come from several runs; by default all are one run.
 
     Raises
     ------
@@ -60,11 +61,11 @@ class VolumeFit(Record):
         angles, volumes = (np.asarray(numbers, dtype=np.float64) for numbers in (angle_deg, volume_ml))
         if angles.ndim != 1 or angles.shape != volumes.shape:
             raise ValueError(
-                f"angle_deg has the shape {angles.shape} and volume_ml {volumes.shape}; "
-                "allowed: one (n,) for both"
+                f"angle_deg has shape {angles.shape} and volume_ml has shape {volumes.shape}; "
+                "allowed: (n,) for both"
             )
         if run is not None and len(run) != len(angles):
-            raise ValueError(f"run has {len(run)} names; allowed: {len(angles)}, one a point")
+            raise ValueError(f"run has {len(run)} names; allowed: {len(angles)}, one for each point")
         object.__setattr__(self, "run", None if run is None else tuple(map(str, run)))
         object.__setattr__(self, "method", method)
         object.__setattr__(self, "angle_deg", tuple(angles.tolist()))
@@ -80,14 +81,14 @@ class VolumeFit(Record):
         path : str or os.PathLike
             CSV with the columns `angle_deg`, `volume_ml` and perhaps `run`.
         method : {"spline", "quintic"}
-            As of the constructor.
+            Curve through the points: a cubic spline, or a polynomial of 5th order by least squares.
 
         Raises
         ------
         OSError
-            If it cannot be opened; FileNotFoundError if it is not there.
+            If the file cannot be opened. A missing file is a FileNotFoundError.
         ValueError
-            If it is no such table, or no curve can go through its points.
+            If the file is no such table, or no curve can go through its points.
         """
         rows = core._volume_runs(path)
         return cls(
@@ -99,12 +100,12 @@ class VolumeFit(Record):
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Self:
-        """Build the fit of what `to_dict` gave.
+        """Return the fit of the data that `to_dict` gave.
 
         Parameters
         ----------
         data : dict
-            What `to_dict` returned.
+            Data that `to_dict` returned.
 
         Raises
         ------
@@ -125,7 +126,7 @@ class VolumeFit(Record):
 
     @property
     def residuals_ml(self) -> NDArray[np.float64]:
-        """The fit less what was measured, mL, shape (n,)."""
+        """Residuals, fitted less measured, mL, shape (n,)."""
         return np.array(core._volume_fit(*self._fit)[2])
 
     @property
@@ -135,25 +136,25 @@ class VolumeFit(Record):
 
     @property
     def falls(self) -> list[tuple[float, float, float]] | None:
-        """Where measured volumes fall: from and to, deg, and by how much, mL; None of more than 25 angles."""
+        """Falls of the measured volume: from and to, deg, and by how much, mL; None beyond 25 angles."""
         return core._volume_fit(*self._fit)[4]
 
     @property
     def run_falls(self) -> list[tuple[str, float, float, float]]:
-        """Where the volumes of a run fall: its name, from and to, deg, and by how much, mL.
+        """Falls of the volume within a run: its name, from and to, deg, and by how much, mL.
 
-        No roller does this: it is scatter, or a slip of the pen.
+        No roller behaves so: a fall is scatter or a typing error.
         """
         runs = self.run or ("1",) * len(self.angle_deg)
         return core._volume_run_falls(runs, self._fit[1])
 
     @property
     def held_deg(self) -> list[tuple[float, float]]:
-        """Stretches over which the fit does not rise and the volume is held: from and to, deg."""
+        """Stretches where the fit would not rise and the volume is held: from and to, deg."""
         return core._volume_fit(*self._fit)[5]
 
     def volume(self, angle_rad: float | NDArray[Any] | Sequence[Any]) -> float | NDArray[np.float64]:
-        """Return the volume displaced at an angle since the first contact.
+        """Return the volume displaced at an angle after the first contact.
 
         Parameters
         ----------
@@ -163,8 +164,8 @@ class VolumeFit(Record):
         Returns
         -------
         float or numpy.ndarray
-            mL, 0 before the first contact and V_r beyond phi; of arrays an array of float64 of the same
-            shape.
+            Volume, mL: 0 before the first contact and V_r beyond phi. Array input gives an array of float64
+            of its shape.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Runs and doses that were weighed."""
+"""Weighed runs and short doses, and the fit to short doses."""
 
 import json
 import math
@@ -6,30 +6,30 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from pumpmodel._pumpmodel import Calibration, _reading
-from pumpmodel._record import Record
+from pumpmodel._results.record import Record
 from pumpmodel.errors import DriveError
 
 
 @dataclass(frozen=True, kw_only=True)
 class WeighedRun(Record):
-    """A run at constant speed, and what arrived of it.
+    """A run at constant speed, with the reading of a scale or a vessel.
 
     Parameters
     ----------
     speed_rpm : float
         Cruise speed, r/min.
     turned_deg : float
-        How far the rotor turned, deg; negative in reverse.
+        Angle that the rotor turned, deg; negative in reverse.
     mass_g : float, optional
-        What the scale showed, g.
+        Reading of the scale, g.
     volume_ml : float, optional
-        What a measuring vessel showed, mL; one of both at most, and one before it is fitted.
+        Reading of a measuring vessel, mL. Give at most one of `mass_g` and `volume_ml`; a fit needs one.
     start_angle_deg : float, optional
-        Where the rollers stood, deg; whole pitches do not need it.
+        Angle of the rollers at the start, deg; whole pitches do not need it.
     temperature_degc : float, optional
         Temperature of the fluid, degC; by default the pump file's.
     time : str, optional
-        When, as it was written down.
+        Time of the run, as it was written down.
 
     Raises
     ------
@@ -46,7 +46,7 @@ class WeighedRun(Record):
     time: str | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a run that cannot be."""
+        """Refuse an impossible run."""
         if not 0 < self.speed_rpm < math.inf:
             raise ValueError(f"speed_rpm is {self.speed_rpm}; allowed: more than 0")
         if self.turned_deg == 0 or not abs(self.turned_deg) < math.inf:
@@ -64,16 +64,16 @@ class WeighedRun(Record):
         Parameters
         ----------
         reading : str
-            What scale or vessel showed, as "42.51g" or "42.6mL".
+            Reading of scale or vessel, as "42.51g" or "42.6mL".
         temperature_degc : float, optional
-            Temperature of the fluid, degC; by default as it is.
+            Temperature of the fluid, degC; by default the temperature of the run.
 
         Raises
         ------
         TypeError
             If the reading is a bare number.
         ValueError
-            If it is no such quantity.
+            If the text is neither a mass nor a volume.
         """
         mass_g, volume_ml = _reading(reading)
         temperature = self.temperature_degc if temperature_degc is None else temperature_degc
@@ -83,12 +83,12 @@ class WeighedRun(Record):
     def _made(cls, made: tuple[float, float | None, float, str, bool]) -> Self:
         speed_rpm, start_angle_deg, turned_deg, time, whole = made
         if not whole:
-            raise DriveError("the run was stopped and is on record; weigh no part of a run")
+            raise DriveError("the run was stopped and is on record; do not weigh a part of a run")
         return cls(speed_rpm=speed_rpm, turned_deg=turned_deg, start_angle_deg=start_angle_deg, time=time)
 
     def _json(self) -> str:
         if self.mass_g is None and self.volume_ml is None:
-            raise ValueError('a run has no reading; say what arrived, as run.weighed("42.51g")')
+            raise ValueError('a run has no reading; add it, as run.weighed("42.51g")')
         reading: dict[str, Any] = (
             {"volume_ml": self.volume_ml} if self.mass_g is None else {"mass_g": self.mass_g}
         )
@@ -99,18 +99,18 @@ class WeighedRun(Record):
 
 @dataclass(frozen=True, kw_only=True)
 class ShortDose(Record):
-    """A short dose from a known angle, and what arrived of it.
+    """A short dose from a known angle, with the volume that arrived.
 
     Parameters
     ----------
     start_angle_deg : float
-        Where the rollers stood by the record, deg.
+        Angle of the rollers at the start, by the record, deg.
     turned_deg : float
-        How far the rotor turned, deg; negative in reverse.
+        Angle that the rotor turned, deg; negative in reverse.
     volume_ml : float
-        What arrived, mL, without sign.
+        Volume that arrived, mL, without sign.
     speed_rpm : float, optional
-        Its cruise speed, r/min; by default the mean speed of the calibration's runs.
+        Cruise speed of the dose, r/min; by default the mean speed of the calibration's runs.
 
     Raises
     ------
@@ -124,7 +124,7 @@ class ShortDose(Record):
     speed_rpm: float | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a dose that cannot be."""
+        """Refuse an impossible dose."""
         if not abs(self.start_angle_deg) < math.inf:
             raise ValueError(f"start_angle_deg is {self.start_angle_deg}; allowed: a finite angle")
         if self.turned_deg == 0 or not abs(self.turned_deg) < math.inf:
@@ -137,9 +137,9 @@ class ShortDose(Record):
 
 @dataclass(frozen=True)
 class PhaseFit:
-    """What short doses say of a pump, with standard uncertainties, and the calibration that keeps the zero.
+    """Fit to short doses with its standard uncertainties, and the calibration that keeps the zero.
 
-    `zero_rad` is the model's angle of the rollers where the record says 0.
+    `zero_rad` is the model angle of the rollers at the record's angle 0.
     """
 
     calibration: Calibration

@@ -11,7 +11,7 @@ _Progress: TypeAlias = Callable[[int, int], object]
 _Told: TypeAlias = tuple[str, list[str]]
 _Found: TypeAlias = tuple[float, float]
 
-# What pumpmodel.Bench is made of: texts are the command's JSON.
+# Compiled half of pumpmodel.Bench. Texts are the command's JSON.
 @final
 class _Bench:
     def __new__(

@@ -8,13 +8,13 @@ from numpy.typing import ArrayLike, NDArray
 from .pump import Line, Pump
 
 _Array: TypeAlias = NDArray[np.float64]
-# What becomes an array; a number alone stays a number.
+# Arguments that become an array; a single number stays a number.
 _Numbers: TypeAlias = NDArray[np.floating[Any] | np.integer[Any]] | Sequence[Any]
 _Fluid: TypeAlias = tuple[float, float, float, float | None]
 _Hose: TypeAlias = tuple[float, float, float, float, float, float]
 _Law: TypeAlias = tuple[float, float, float, float]
 _Points: TypeAlias = Sequence[tuple[float, float]]
-# JSON and text, the line; what was varied, measured and fitted.
+# JSON and text, the line, then the varied, the measured and the fitted numbers.
 _Identified: TypeAlias = tuple[str, str, Line, _Array, _Array, _Array]
 _Falls: TypeAlias = list[tuple[float, float, float]]
 

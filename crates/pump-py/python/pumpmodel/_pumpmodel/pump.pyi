@@ -11,7 +11,7 @@ from .results import Run, SteadyState
 
 _Variant: TypeAlias = Literal["measured", "published", "as-built"]
 _Array: TypeAlias = NDArray[np.float64]
-# What becomes an array; a number alone stays a number.
+# Arguments that become an array; a single number stays a number.
 _Numbers: TypeAlias = NDArray[np.floating[Any] | np.integer[Any]] | Sequence[Any]
 
 @final

@@ -1,0 +1,1 @@
+"""Results in other shapes: records of the command's JSON, and tables of pandas and xarray."""

@@ -1,0 +1,96 @@
+"""Results as tables of pandas and xarray, which are both optional."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pumpmodel._pumpmodel import Plan, Run, SteadyState
+from pumpmodel._results.optional import optional
+
+# Unit ("1" is none) and description of each column.
+COLUMNS = {
+    "time_s": ("s", "time"),
+    "angle_rad": ("rad", "angle of the pump head"),
+    "speed_rad_s": ("rad/s", "speed of the pump head"),
+    "q_in_ml_s": ("mL/s", "flow at the inlet rollers"),
+    "q_out_ml_s": ("mL/s", "flow at the outlet rollers"),
+    "p_in_kpa": ("kPa", "pressure at the inlet, absolute"),
+    "p_out_kpa": ("kPa", "pressure at the outlet, absolute"),
+    "delivered_ml": ("mL", "volume that has passed the outlet line"),
+    "step": ("1", "number of the motor step"),
+    "direction": ("1", "direction of the step: 1 forward, -1 reverse"),
+    "speed_rpm": ("r/min", "speed of the pump head"),
+    "inlet_min_kpa": ("kPa", "smallest inlet pressure, absolute"),
+    "inlet_max_kpa": ("kPa", "largest inlet pressure, absolute"),
+    "inlet_mean_kpa": ("kPa", "mean inlet pressure, absolute"),
+    "outlet_min_kpa": ("kPa", "smallest outlet pressure, absolute"),
+    "outlet_max_kpa": ("kPa", "largest outlet pressure, absolute"),
+    "outlet_mean_kpa": ("kPa", "mean outlet pressure, absolute"),
+    "mean_flow_ml_s": ("mL/s", "mean flow"),
+    "ripple_peak_to_peak": ("1", "(largest - smallest)/mean of the flow at the outlet rollers"),
+    "ripple_rms": ("1", "standard deviation/mean of the flow at the outlet rollers"),
+}
+
+
+def _dataframe(columns: dict[str, Any]) -> Any:
+    frame = optional("pandas", "dataframe").DataFrame(columns)
+    frame.attrs["units"] = {name: COLUMNS[name][0] for name in columns}
+    return frame
+
+
+def _dataset(dims: tuple[str, ...], coordinates: dict[str, Any], variables: dict[str, Any]) -> Any:
+    def described(name: str, numbers: Any) -> tuple[tuple[str, ...], Any, dict[str, str]]:
+        units, long_name = COLUMNS[name]
+        return dims, numbers, {"units": units, "long_name": long_name}
+
+    return optional("xarray", "xarray").Dataset(
+        {name: described(name, numbers) for name, numbers in variables.items()},
+        coords={name: described(name, numbers) for name, numbers in coordinates.items()},
+    )
+
+
+def run_dataframe(run: Run) -> Any:
+    """Return the columns of a run as a table."""
+    return _dataframe(run.to_dict())
+
+
+def run_xarray(run: Run) -> Any:
+    """Return the columns of a run over time."""
+    columns = run.to_dict()
+    return _dataset(("time_s",), {"time_s": columns.pop("time_s")}, columns)
+
+
+def _directions(plan: Plan) -> NDArray[np.int64]:
+    return np.full(abs(plan.steps), np.sign(plan.steps), dtype=np.int64)
+
+
+def plan_dataframe(plan: Plan) -> Any:
+    """Return the steps of a plan as a table."""
+    return _dataframe(
+        {
+            "step": np.arange(1, abs(plan.steps) + 1),
+            "time_s": plan.step_times_s,
+            "direction": _directions(plan),
+            "angle_rad": plan.step_angles_rad,
+        }
+    )
+
+
+def plan_xarray(plan: Plan) -> Any:
+    """Return the steps of a plan over time."""
+    variables = {"direction": _directions(plan), "angle_rad": plan.step_angles_rad}
+    return _dataset(("time_s",), {"time_s": plan.step_times_s}, variables)
+
+
+def steady_dataframe(steady: SteadyState[Any]) -> Any:
+    """Return a table with one row for each speed."""
+    return _dataframe({name: np.ravel(numbers) for name, numbers in steady.to_dict().items()})
+
+
+def steady_xarray(steady: SteadyState[Any]) -> Any:
+    """Return the attributes of a steady state over the speed."""
+    columns = steady.to_dict()
+    speeds = np.asarray(columns.pop("speed_rpm"))
+    dims = ("speed_rpm",) if speeds.ndim == 1 else tuple(f"dim_{n}" for n in range(speeds.ndim))
+    return _dataset(dims, {"speed_rpm": speeds}, columns)

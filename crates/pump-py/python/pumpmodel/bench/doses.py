@@ -1,0 +1,424 @@
+"""Doses of a bench: planned, run, repeated, finished and stopped."""
+
+from collections.abc import Callable, Iterator
+from typing import Any, Literal
+
+from pumpmodel._pumpmodel import Calibration, Doser, Limits, Plan, Pump, _Bench
+from pumpmodel.bench.request import asked
+from pumpmodel.bench.schedule import due
+from pumpmodel.dose import Dose
+
+Progress = Callable[[int, int], object]
+
+
+class BenchDoses:
+    """The doses of a bench. Base of `Bench`."""
+
+    _core: _Bench
+
+    @property
+    def pump(self) -> Pump:
+        """Pump of the bench."""
+        return self._core.pump
+
+    @property
+    def calibration(self) -> Calibration | None:
+        """Calibration that doses use; None without one."""
+        return self._core.calibration
+
+    def dose(
+        self,
+        volume: str,
+        *,
+        rate: str | None = None,
+        speed: str | None = None,
+        within: str | None = None,
+        smooth: bool = False,
+        finish: Literal["any", "low-flow"] = "any",
+        retract: str | None = None,
+        start_angle_rad: float | None = None,
+        limits: Limits | None = None,
+        dry_run: bool = False,
+        progress: Progress | None = None,
+    ) -> Dose:
+        """Plan, run and record one dose.
+
+        Parameters
+        ----------
+        volume : str
+            Volume or mass with its unit, as "25mL", "250uL", "25 g"; negative in reverse.
+        rate : str, optional
+            Average flow while cruising, as "10 mL/s"; "max" is the fastest flow that holds every limit.
+        speed : str, optional
+            Speed of the pump head while cruising, as "100rpm".
+        within : str, optional
+            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
+            The default is the pump's `default_rate_ml_s`.
+        smooth : bool
+            Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
+        finish : {"any", "low-flow"}
+            Places in a pitch where the dose may end.
+        retract : str, optional
+            Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
+        start_angle_rad : float, optional
+            Angle of the rollers at the start, rad; overrides the record.
+        limits : Limits, optional
+            Pressure limits that replace the pump file's.
+        dry_run : bool
+            Plan and predict; move nothing, record nothing.
+        progress : callable, optional
+            Called with the steps made and the steps planned, a few times a second. An exception from it stops
+            the motor.
+
+        Returns
+        -------
+        Dose
+            The planned dose and its result. `completed` is False if `stop` stopped it.
+
+        Raises
+        ------
+        TypeError
+            If a quantity is a bare number.
+        ValueError
+            If a text is not the expected quantity.
+        PlanError
+            If the pump cannot make the dose.
+        UnfinishedError
+            If an earlier dose is unfinished.
+        DriveError
+            If another process holds the pump, or the motor cannot be used or fails.
+        """
+        request = asked(volume, rate, speed, within, smooth, finish, retract, start_angle_rad, limits)
+        return self._run("dose", request, dry_run, progress)
+
+    def prime(
+        self,
+        volume: str,
+        *,
+        rate: str | None = None,
+        speed: str | None = None,
+        within: str | None = None,
+        smooth: bool = False,
+        start_angle_rad: float | None = None,
+        limits: Limits | None = None,
+        dry_run: bool = False,
+        progress: Progress | None = None,
+    ) -> Dose:
+        """Fill the line before a dose. The carry between doses stays as it is.
+
+        Parameters
+        ----------
+        volume : str
+            Volume or mass with its unit, as "25mL", "250uL", "25 g"; negative in reverse.
+        rate : str, optional
+            Average flow while cruising, as "10 mL/s"; "max" is the fastest flow that holds every limit.
+        speed : str, optional
+            Speed of the pump head while cruising, as "100rpm".
+        within : str, optional
+            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
+            The default is the pump's `default_rate_ml_s`.
+        smooth : bool
+            Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
+        start_angle_rad : float, optional
+            Angle of the rollers at the start, rad; overrides the record.
+        limits : Limits, optional
+            Pressure limits that replace the pump file's.
+        dry_run : bool
+            Plan and predict; move nothing, record nothing.
+        progress : callable, optional
+            Called with the steps made and the steps planned, a few times a second. An exception from it stops
+            the motor.
+
+        Returns
+        -------
+        Dose
+            The planned dose and its result. `completed` is False if `stop` stopped it.
+
+        Raises
+        ------
+        TypeError
+            If a quantity is a bare number.
+        ValueError
+            If a text is not the expected quantity.
+        PlanError
+            If the pump cannot make the dose.
+        UnfinishedError
+            If an earlier dose is unfinished.
+        DriveError
+            If another process holds the pump, or the motor cannot be used or fails.
+        """
+        request = asked(volume, rate, speed, within, smooth, "any", None, start_angle_rad, limits)
+        return self._run("prime", request, dry_run, progress)
+
+    def purge(
+        self,
+        volume: str,
+        *,
+        rate: str | None = None,
+        speed: str | None = None,
+        within: str | None = None,
+        smooth: bool = False,
+        start_angle_rad: float | None = None,
+        limits: Limits | None = None,
+        dry_run: bool = False,
+        progress: Progress | None = None,
+    ) -> Dose:
+        """Empty the line. A negative volume runs back. The carry between doses stays as it is.
+
+        Parameters
+        ----------
+        volume : str
+            Volume or mass with its unit, as "25mL", "250uL", "25 g"; negative in reverse.
+        rate : str, optional
+            Average flow while cruising, as "10 mL/s"; "max" is the fastest flow that holds every limit.
+        speed : str, optional
+            Speed of the pump head while cruising, as "100rpm".
+        within : str, optional
+            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
+            The default is the pump's `default_rate_ml_s`.
+        smooth : bool
+            Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
+        start_angle_rad : float, optional
+            Angle of the rollers at the start, rad; overrides the record.
+        limits : Limits, optional
+            Pressure limits that replace the pump file's.
+        dry_run : bool
+            Plan and predict; move nothing, record nothing.
+        progress : callable, optional
+            Called with the steps made and the steps planned, a few times a second. An exception from it stops
+            the motor.
+
+        Returns
+        -------
+        Dose
+            The planned dose and its result. `completed` is False if `stop` stopped it.
+
+        Raises
+        ------
+        TypeError
+            If a quantity is a bare number.
+        ValueError
+            If a text is not the expected quantity.
+        PlanError
+            If the pump cannot make the dose.
+        UnfinishedError
+            If an earlier dose is unfinished.
+        DriveError
+            If another process holds the pump, or the motor cannot be used or fails.
+        """
+        request = asked(volume, rate, speed, within, smooth, "any", None, start_angle_rad, limits)
+        return self._run("purge", request, dry_run, progress)
+
+    def plan(
+        self,
+        volume: str,
+        *,
+        rate: str | None = None,
+        speed: str | None = None,
+        within: str | None = None,
+        smooth: bool = False,
+        finish: Literal["any", "low-flow"] = "any",
+        retract: str | None = None,
+        start_angle_rad: float | None = None,
+        limits: Limits | None = None,
+    ) -> Plan:
+        """Plan a dose from the record, with the calibration in use, for its steps and waveform.
+
+        Nothing moves, and nothing is recorded.
+
+        Parameters
+        ----------
+        volume : str
+            Volume or mass with its unit, as "25mL", "250uL", "25 g"; negative in reverse.
+        rate : str, optional
+            Average flow while cruising, as "10 mL/s"; "max" is the fastest flow that holds every limit.
+        speed : str, optional
+            Speed of the pump head while cruising, as "100rpm".
+        within : str, optional
+            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
+            The default is the pump's `default_rate_ml_s`.
+        smooth : bool
+            Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
+        finish : {"any", "low-flow"}
+            Places in a pitch where the dose may end.
+        retract : str, optional
+            Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
+        start_angle_rad : float, optional
+            Angle of the rollers at the start, rad; overrides the record.
+        limits : Limits, optional
+            Pressure limits that replace the pump file's.
+
+        Returns
+        -------
+        Plan
+            Steps, times and predicted pressures.
+
+        Raises
+        ------
+        TypeError
+            If a quantity is a bare number.
+        ValueError
+            If a text is not the expected quantity.
+        PlanError
+            If the pump cannot make the dose.
+        UnfinishedError
+            If an earlier dose is unfinished.
+        DriveError
+            If another process holds the pump, or the motor cannot be used or fails.
+        """
+        request = asked(volume, rate, speed, within, smooth, finish, retract, start_angle_rad, limits)
+        self._core.prepare("dose", request)
+        angle_rad, half_width_rad, carry_ml = self._core.stands
+        if start_angle_rad is not None:
+            angle_rad, half_width_rad = start_angle_rad, 0.0
+        keywords: dict[str, Any] = {"rate": rate, "speed": speed, "within": within}
+        return Doser(self.pump, limits, self.calibration).plan(
+            volume,
+            smooth=smooth,
+            finish=finish,
+            retract=retract,
+            start_angle_rad=angle_rad,
+            start_half_width_rad=half_width_rad,
+            carry_in_ml=carry_ml,
+            **keywords,
+        )
+
+    def batch(
+        self,
+        volume: str,
+        count: int,
+        *,
+        every_s: float | None = None,
+        missed: Literal["skip", "now"] = "skip",
+        rate: str | None = None,
+        speed: str | None = None,
+        within: str | None = None,
+        smooth: bool = False,
+        finish: Literal["any", "low-flow"] = "any",
+        retract: str | None = None,
+        start_angle_rad: float | None = None,
+        limits: Limits | None = None,
+    ) -> Iterator[Dose]:
+        """Dose again and again. Each step of `for dose in bench.batch(...)` makes one dose.
+
+        Each dose carries its remainder to the next. A batch that is left early makes no more doses.
+
+        Parameters
+        ----------
+        volume : str
+            Volume or mass of every dose with its unit, as "25mL"; negative in reverse.
+        count : int
+            Number of doses, 1 to 1,000,000.
+        every_s : float, optional
+            Time from the start of a dose to the start of the next, s; by default one follows the other. It
+            counts from the first `next` and includes the work of the caller between two doses.
+        missed : {"skip", "now"}
+            "skip" leaves out a dose whose time has passed, with a warning; "now" makes it at once.
+        rate : str, optional
+            Average flow while cruising, as "10 mL/s"; "max" is the fastest flow that holds every limit.
+        speed : str, optional
+            Speed of the pump head while cruising, as "100rpm".
+        within : str, optional
+            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
+            The default is the pump's `default_rate_ml_s`.
+        smooth : bool
+            Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
+        finish : {"any", "low-flow"}
+            Places in a pitch where the dose may end.
+        retract : str, optional
+            Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
+        start_angle_rad : float, optional
+            Angle of the rollers at the start of the first dose, rad; overrides the record.
+        limits : Limits, optional
+            Pressure limits that replace the pump file's.
+
+        Yields
+        ------
+        Dose
+            Each dose with its result.
+
+        Raises
+        ------
+        ValueError
+            If `count`, `every_s` or `missed` is not allowed, or a text is not the expected quantity.
+
+        Warns
+        -----
+        RuntimeWarning
+            For each dose that was left out.
+        """
+        for _ in due(count, every_s, missed):
+            yield self.dose(
+                volume,
+                rate=rate,
+                speed=speed,
+                within=within,
+                smooth=smooth,
+                finish=finish,
+                retract=retract,
+                start_angle_rad=start_angle_rad,
+                limits=limits,
+            )
+            start_angle_rad = None
+
+    def resume(
+        self,
+        *,
+        rate: str | None = None,
+        speed: str | None = None,
+        within: str | None = None,
+        smooth: bool = False,
+        finish: Literal["any", "low-flow"] = "any",
+        limits: Limits | None = None,
+        progress: Progress | None = None,
+    ) -> Dose:
+        """Make the rest of a dose that was stopped or cut off.
+
+        Parameters
+        ----------
+        rate : str, optional
+            Average flow while cruising, as "10 mL/s"; "max" is the fastest flow that holds every limit.
+        speed : str, optional
+            Speed of the pump head while cruising, as "100rpm".
+        within : str, optional
+            Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
+            The default is the pump's `default_rate_ml_s`.
+        smooth : bool
+            Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
+        finish : {"any", "low-flow"}
+            Places in a pitch where the dose may end.
+        limits : Limits, optional
+            Pressure limits that replace the pump file's.
+        progress : callable, optional
+            Called with the steps made and the steps planned, a few times a second. An exception from it stops
+            the motor.
+
+        Returns
+        -------
+        Dose
+            The planned dose and its result. `completed` is False if `stop` stopped it.
+
+        Raises
+        ------
+        TypeError
+            If a quantity is a bare number.
+        ValueError
+            If a text is not the expected quantity.
+        PumpError
+            If no dose is unfinished.
+        PlanError
+            If the pump cannot make the rest.
+        DriveError
+            If another process holds the pump, or the motor cannot be used or fails.
+        """
+        request = asked(None, rate, speed, within, smooth, finish, None, None, limits)
+        return Dose._from_json(self._core.resume(request, progress))
+
+    def stop(self) -> None:
+        """Make the motor of a call in another thread decelerate and hold. That call then returns."""
+        self._core.stop()
+
+    def _run(self, purpose: str, request: dict[str, Any], dry_run: bool, progress: Progress | None) -> Dose:
+        if dry_run:
+            return Dose._from_json(self._core.prepare(purpose, request))
+        return Dose._from_json(self._core.dose(purpose, request, progress))

@@ -1,0 +1,115 @@
+"""The record of a bench: the angle of the rollers, the tube, and an unfinished dose."""
+
+import warnings
+
+from pumpmodel._pumpmodel import _Bench
+from pumpmodel.dose import Status
+
+
+class BenchRecord:
+    """The record of a bench, and the entries that a person makes in it. Base of `Bench`."""
+
+    _core: _Bench
+
+    def status(self) -> Status:
+        """Read the record, even while another process holds the pump.
+
+        Raises
+        ------
+        PumpError
+            If the journal is damaged. `home_set` puts it aside.
+        """
+        return Status._from_json(self._core.status())
+
+    def discard(self) -> Status:
+        """Accept an unfinished dose with the volume that was delivered. The carry is zero afterwards.
+
+        Raises
+        ------
+        PumpError
+            If no dose is unfinished.
+        DriveError
+            If another process holds the pump.
+        """
+        return _told(self._core.discard())
+
+    def home_set(self, angle_rad: float | None, *, half_width_rad: float = 0.0) -> Status:
+        """Record the angle of the rollers. The carry is zero afterwards.
+
+        Parameters
+        ----------
+        angle_rad : float or None
+            Angle of the rollers, rad; at 0 a roller begins to leave the outlet. None: the angle is unknown.
+        half_width_rad : float
+            Half width of the angle, rad: the true angle lies within it on either side.
+
+        Raises
+        ------
+        ValueError
+            If an angle is not finite, or the half width negative.
+        UnfinishedError
+            If a dose is unfinished.
+        DriveError
+            If another process holds the pump.
+        """
+        return _told(self._core.home_set(angle_rad, half_width_rad))
+
+    def home_sensor(self) -> Status:
+        """Turn forward, a revolution at most, until the index sensor answers. The pump pumps meanwhile.
+
+        Raises
+        ------
+        DriveError
+            If the pump has no sensor, or the sensor does not answer.
+        PumpFileError
+            If the pump file does not have the angle at which the sensor answers.
+        """
+        return _told(self._core.home_sensor())
+
+    def home_mark(self, *, half_width_rad: float) -> Status:
+        """Record that the rotor's mark meets the housing's. `jog` turns the rotor there.
+
+        Parameters
+        ----------
+        half_width_rad : float
+            Half width of the angle at which the marks appear to meet, rad.
+
+        Raises
+        ------
+        PumpFileError
+            If the pump file does not have the angle at which the marks meet.
+        """
+        return _told(self._core.home_mark(half_width_rad))
+
+    def jog(self, angle_rad: float) -> float:
+        """Turn the rotor at 10 r/min. The carry between doses stays as it is.
+
+        Parameters
+        ----------
+        angle_rad : float
+            Angle to turn, rad, up to 100; negative in reverse.
+
+        Returns
+        -------
+        float
+            Angle of the steps made, rad: whole steps, one at least.
+        """
+        return self._core.jog(angle_rad)
+
+    def release(self) -> Status:
+        """Release the rotor. Its angle is less well known afterwards."""
+        return _told(self._core.release())
+
+    def new_tube(self) -> Status:
+        """Record that the tube was replaced.
+
+        Afterwards the tube has pumped nothing, the carry is zero, and no calibration is used.
+        """
+        return _told(self._core.new_tube())
+
+
+def _told(told: tuple[str, list[str]]) -> Status:
+    text, messages = told
+    for message in messages:
+        warnings.warn(message, stacklevel=3)
+    return Status._from_json(text)

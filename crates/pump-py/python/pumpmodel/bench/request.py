@@ -1,0 +1,30 @@
+"""The keywords of a dose, as the compiled half takes them."""
+
+from typing import Any
+
+from pumpmodel._pumpmodel import Limits
+
+
+def asked(
+    volume: str | None,
+    rate: str | None,
+    speed: str | None,
+    within: str | None,
+    smooth: bool,
+    finish: str,
+    retract: str | None,
+    start_angle_rad: float | None,
+    limits: Limits | None,
+) -> dict[str, Any]:
+    """Return the keywords as a dict. No volume asks for the rest of an unfinished dose."""
+    return {
+        "volume": volume,
+        "rate": rate,
+        "speed": speed,
+        "within": within,
+        "smooth": smooth,
+        "finish": finish,
+        "retract": retract,
+        "start_angle_rad": start_angle_rad,
+        "limits": limits,
+    }

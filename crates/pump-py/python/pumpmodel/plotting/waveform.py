@@ -1,0 +1,123 @@
+"""Pictures of runs and plans over time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, overload
+
+from pumpmodel._pumpmodel import Plan, Run
+from pumpmodel.plotting.axes import BLUE, VERMILION, axes_for
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    _Panel: TypeAlias = Literal["flow", "pressure", "speed", "delivered"]
+
+# Number of samples of a plan: far more than a picture has pixels, far fewer than hours have milliseconds.
+_SAMPLES = 100_000
+_RPM_PER_RAD_S = 60 / math.tau
+
+
+class _Curve(NamedTuple):
+    label: str
+    column: str
+    colour: str
+    factor: float = 1.0
+
+
+_PANELS: dict[str, tuple[str, tuple[_Curve, ...]]] = {
+    "flow": (
+        "flow at the rollers\n(mL/s)",
+        (_Curve("inlet", "q_in_ml_s", BLUE), _Curve("outlet", "q_out_ml_s", VERMILION)),
+    ),
+    "pressure": (
+        "pressure\n(kPa absolute)",
+        (_Curve("inlet", "p_in_kpa", BLUE), _Curve("outlet", "p_out_kpa", VERMILION)),
+    ),
+    "speed": ("speed\n(r/min)", (_Curve("pump head", "speed_rad_s", BLUE, _RPM_PER_RAD_S),)),
+    "delivered": ("delivered\n(mL)", (_Curve("vessel", "delivered_ml", VERMILION),)),
+}
+
+
+@overload
+def plot(result: Run | Plan, *, panels: _Panel, ax: Axes | None = None) -> Axes: ...
+@overload
+def plot(
+    result: Run | Plan,
+    *,
+    panels: list[_Panel] | tuple[_Panel, ...] | None = None,
+    ax: Sequence[Axes] | None = None,
+) -> list[Axes]: ...
+def plot(
+    result: Run | Plan,
+    *,
+    panels: _Panel | list[_Panel] | tuple[_Panel, ...] | None = None,
+    ax: Axes | Sequence[Axes] | None = None,
+) -> Axes | list[Axes]:
+    """Draw a run or a plan over time.
+
+    Parameters
+    ----------
+    result : Run or Plan
+        Run, or plan: a plan shows its predicted trace, with marks at the last step and the requested volume.
+    panels : {"flow", "pressure", "speed", "delivered"} or sequence of these, optional
+        Panels from top to bottom. By default a plan has all of them, and a run all but the speed.
+    ax : Axes or sequence of Axes, optional
+        Axes to draw in, one for each panel. By default a new figure.
+
+    Returns
+    -------
+    Axes or list of Axes
+        Axes of the panel if `panels` is one name, otherwise a list of the axes of all panels.
+
+    Raises
+    ------
+    ValueError
+        If no panel has this name, or the numbers of panels and axes differ.
+    ImportError
+        If matplotlib is missing, which `pip install 'pumpmodel[plot]'` brings.
+    """
+    if not isinstance(result, Run | Plan):
+        message = f"a Run or a Plan can be plotted, not {type(result).__name__}"
+        raise TypeError(message)
+    if isinstance(panels, str):
+        names: list[str] = [panels]
+    elif panels is None:
+        names = ["flow", "pressure", "delivered"]
+        names[2:2] = ["speed"] if isinstance(result, Plan) else []
+    else:
+        names = list(panels)
+    for name in names:
+        if name not in _PANELS:
+            message = f"panel is {name!r}; allowed: {', '.join(_PANELS)}"
+            raise ValueError(message)
+    axes = axes_for(names, ax)
+    if isinstance(result, Plan):
+        run = result.trace(dt_s=max(1e-3, (result.motion_s + result.settle_s) / _SAMPLES))
+    else:
+        run = result
+    for name, axis in zip(names, axes, strict=True):
+        label, curves = _PANELS[name]
+        for curve in curves:
+            values = getattr(run, curve.column) * curve.factor
+            axis.plot(run.time_s, values, color=curve.colour, linewidth=1.2, label=curve.label)
+        axis.set_ylabel(label)
+        axis.grid(alpha=0.25)
+        axis.margins(x=0)
+        if isinstance(result, Plan):
+            axis.axvline(result.motion_s, color="0.45", linewidth=1, linestyle=":", label="last step")
+            if name == "delivered":
+                asked = result.requested_ml + result.carry_in_ml
+                axis.axhline(asked, color="0.45", linewidth=1, linestyle="--", label="asked for")
+    for name, axis in zip(names, axes, strict=True):
+        if len(_PANELS[name][1]) > 1 or (name == "delivered" and isinstance(result, Plan)):
+            axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.02), frameon=False, fontsize="small")
+    if axes:
+        axes[-1].set_xlabel("time (s)")
+    if axes and ax is None and isinstance(result, Plan):
+        axes[0].set_title(
+            f"{result.pump.name}: {result.planned_ml:.2f} mL at {result.cruise_flow_ml_s:.3g} mL/s",
+            fontsize="medium",
+        )
+    return axes[0] if isinstance(panels, str) else axes

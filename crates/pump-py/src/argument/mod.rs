@@ -1,0 +1,13 @@
+//! Arguments from Python: numbers and arrays, speeds, quantities as text, and words of a fixed set.
+
+mod choice;
+mod cruise;
+mod floats;
+mod quantity;
+pub(crate) mod speed;
+
+pub(crate) use choice::{choice, finish_named, finish_word};
+pub(crate) use cruise::cruise;
+pub(crate) use floats::Floats;
+pub(crate) use quantity::{retracted_ml, text};
+pub(crate) use speed::Argument;

@@ -1,0 +1,45 @@
+//! Speeds of the pump head, given as `speed_rpm` or `speed_rad_s`.
+
+use pump_model::math::TURN_RAD;
+use pyo3::prelude::*;
+
+use super::floats::Floats;
+use crate::python::errors::value;
+
+/// Fastest speed that is accepted, rad/s, as in `pump_bench::simulation::Simulation`.
+const MAX_SPEED_RAD_S: f64 = 1e4;
+
+/// Speed of one revolution a minute, rad/s. In this order of operations `speed_rpm=100` gives the bits of the
+/// command's `--speed 100rpm`.
+const RAD_S_PER_RPM: f64 = TURN_RAD / 60.0;
+
+/// An argument that may be left out.
+pub(crate) type Argument<'a, 'py> = Option<&'a Bound<'py, PyAny>>;
+
+/// Reads the one of both that is given: one speed or many, rad/s.
+pub(crate) fn speeds_rad_s(speed_rpm: Argument<'_, '_>, speed_rad_s: Argument<'_, '_>) -> PyResult<Floats> {
+    match (speed_rpm, speed_rad_s) {
+        (Some(rpm), None) => {
+            let rpm = Floats::read("speed_rpm", rpm, (MAX_SPEED_RAD_S / RAD_S_PER_RPM).floor())?;
+            Ok(rpm.map(|rpm| rpm * RAD_S_PER_RPM))
+        }
+        (None, Some(rad_s)) => Floats::read("speed_rad_s", rad_s, MAX_SPEED_RAD_S),
+        (None, None) => Err(value("no speed is given; give speed_rpm or speed_rad_s")),
+        (Some(_), Some(_)) => Err(value("speed_rpm and speed_rad_s are both given; give exactly one")),
+    }
+}
+
+/// Reads a single speed, rad/s, where an array makes no sense.
+pub(crate) fn speed_rad_s(speed_rpm: Argument<'_, '_>, speed_rad_s: Argument<'_, '_>) -> PyResult<f64> {
+    match speeds_rad_s(speed_rpm, speed_rad_s)? {
+        Floats::One(speed) => Ok(speed),
+        Floats::Many { shape, .. } => {
+            Err(value(format_args!("the speed is an array of shape {shape:?}; allowed: one number")))
+        }
+    }
+}
+
+/// Converts a speed from rad/s to r/min.
+pub(crate) fn rpm(rad_s: f64) -> f64 {
+    rad_s / RAD_S_PER_RPM
+}

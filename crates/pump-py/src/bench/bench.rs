@@ -1,0 +1,232 @@
+//! A bench: one pump with its driver, its record, and the thread that holds it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use pump_bench::pump_file::DriverName;
+use pump_bench::record::{Purpose, default_state_dir};
+use pump_bench::report::Status;
+use pump_bench::{Bench as DoseBench, Delivered, DoseError, DoseReport, Prepared, Session, units};
+use pyo3::prelude::*;
+
+use super::request::Asked;
+use super::worker::{Signal, Worker};
+use crate::argument::{choice, text};
+use crate::pump::Pump;
+use crate::python::errors::{self, value};
+
+/// Compiled half of `pumpmodel.Bench`; use that instead.
+#[pyclass(frozen, name = "_Bench", module = "pumpmodel._pumpmodel")]
+pub(crate) struct Bench {
+    pub(super) bench: Arc<DoseBench>,
+    pub(super) worker: Worker,
+}
+
+/// A dose that was run: the command's JSON, and the note for an interrupted caller.
+struct Ran {
+    json: String,
+    note: String,
+}
+
+#[pymethods]
+impl Bench {
+    #[new]
+    #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
+    #[pyo3(signature = (pump, *, driver, port, state_dir, configure, tube_limit, fluid, temperature))]
+    fn new(
+        py: Python<'_>,
+        pump: &Pump,
+        driver: Option<&str>,
+        port: Option<PathBuf>,
+        state_dir: Option<PathBuf>,
+        configure: bool,
+        tube_limit: Option<&Bound<'_, PyAny>>,
+        fluid: Option<&str>,
+        temperature: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let mut file = pump.file.clone();
+        if let Some(limit) = tube_limit {
+            let life_ml = units::volume_ml(text("tube_limit", "100L", limit)?).map_err(value)?;
+            file.tube.life_ml = Some(life_ml);
+        }
+        let degc = temperature
+            .map(|degc| units::temperature_degc(text("temperature", "20degC", degc)?).map_err(value))
+            .transpose()?;
+        file.fluid = file.fluid.changed_to(fluid, degc).map_err(value)?;
+        let driver = driver.map(driver_named).transpose()?;
+        if driver.unwrap_or(file.driver()) == DriverName::Sim {
+            let given = [("port", port.is_some()), ("configure", configure)];
+            if let Some((name, _)) = given.iter().find(|(_, given)| *given) {
+                return Err(value(format_args!(
+                    "{name} is given, but the motor is simulated; to move a real one name its driver, as \
+                     driver=\"grbl\""
+                )));
+            }
+        }
+        let state_dir = match state_dir {
+            Some(dir) if dir.as_os_str().is_empty() => {
+                return Err(value("state_dir is empty; name a folder"));
+            }
+            Some(dir) => dir,
+            None => match std::env::var_os("DOSE_STATE_DIR").filter(|dir| !dir.is_empty()) {
+                Some(dir) => dir.into(),
+                None => default_state_dir().map_err(value)?,
+            },
+        };
+        let bench = DoseBench::new(file, driver, &state_dir).map_err(|error| errors::dose(py, error))?;
+        let bench = Arc::new(bench.at_port(port).configuring(configure));
+        let worker = Worker::new(Arc::clone(&bench))?;
+        Ok(Self { bench, worker })
+    }
+
+    /// Pump, with the changes made when the bench was opened.
+    #[getter]
+    fn pump(&self) -> PyResult<Pump> {
+        Pump::new(self.bench.file().clone())
+    }
+
+    /// Name of the driver that turns the motor.
+    #[getter]
+    fn driver(&self) -> &str {
+        self.bench.driver().as_str()
+    }
+
+    /// Serial port of the motor's controller.
+    #[getter]
+    fn port(&self) -> Option<String> {
+        self.bench.drive().port.as_ref().map(|port| port.display().to_string())
+    }
+
+    /// Folder of the journal.
+    #[getter]
+    fn folder(&self) -> PathBuf {
+        self.bench.folder().path().to_owned()
+    }
+
+    /// True once the bench is closed.
+    #[getter]
+    fn closed(&self) -> bool {
+        self.worker.is_closed()
+    }
+
+    /// Angle (rad), half width (rad) and carry (mL) on record.
+    #[getter]
+    fn stands(&self, py: Python<'_>) -> PyResult<(f64, f64, f64)> {
+        let status = self.bench.stands().map_err(|error| errors::dose(py, error))?;
+        Ok((status.angle_rad, status.half_width_rad, status.carry_ml))
+    }
+
+    /// Returns the record as `dose status --format json` prints it.
+    fn status(&self, py: Python<'_>) -> PyResult<String> {
+        Status::of(&self.bench).map(|status| status.json()).map_err(|error| errors::dose(py, error))
+    }
+
+    /// Plans a dose from the record without moving. Returns the JSON of a dry run.
+    fn prepare(&self, py: Python<'_>, purpose: &str, asked: Asked<'_>) -> PyResult<String> {
+        let request = asked.request(purpose_named(purpose)?, self.density_kg_m3())?;
+        let bench = &self.bench;
+        let prepared = py.detach(|| bench.prepare(request)).map_err(|error| errors::dose(py, error))?;
+        Ok(DoseReport::new(bench, &prepared, None).json())
+    }
+
+    /// Runs a dose. Returns the JSON of the command.
+    #[pyo3(signature = (purpose, asked, progress))]
+    fn dose(
+        &self,
+        py: Python<'_>,
+        purpose: &str,
+        asked: Asked<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let request = asked.request(purpose_named(purpose)?, self.density_kg_m3())?;
+        self.run(py, progress, move |session| session.prepare(request))
+    }
+
+    /// Makes the rest of an unfinished dose. Returns the JSON of the command.
+    #[pyo3(signature = (asked, progress))]
+    fn resume(
+        &self,
+        py: Python<'_>,
+        asked: Asked<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let request = asked.request(Purpose::Dose, self.density_kg_m3())?;
+        self.run(py, progress, move |session| session.prepare_rest(request))
+    }
+
+    /// Makes the motor of the call under way decelerate and hold.
+    fn stop(&self) {
+        self.worker.stop();
+    }
+
+    /// Gives the pump back.
+    fn close(&self, py: Python<'_>) {
+        py.detach(|| self.worker.close());
+    }
+}
+
+impl Bench {
+    fn density_kg_m3(&self) -> f64 {
+        self.bench.file().fluid.density_kg_m3
+    }
+
+    /// Runs the dose that `prepare` returns.
+    fn run(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+        prepare: impl FnOnce(&mut Session<'_>) -> Result<Prepared, DoseError> + Send + 'static,
+    ) -> PyResult<String> {
+        let ran = self.worker.call(
+            py,
+            progress,
+            |ran: &Ran| ran.note.clone(),
+            move |held, signal| {
+                let bench = held.bench;
+                let session = held.session()?;
+                let prepared = prepare(session)?;
+                let delivered = deliver(session, &prepared, signal)?;
+                let report = DoseReport::new(bench, &prepared, Some(&delivered));
+                Ok(Ran { json: report.json(), note: note(&delivered) })
+            },
+        )?;
+        Ok(ran.json)
+    }
+}
+
+/// Runs a dose that `session` prepared.
+pub(super) fn deliver(
+    session: &mut Session<'_>,
+    prepared: &Prepared,
+    signal: &Signal,
+) -> Result<Delivered, DoseError> {
+    signal.plans(prepared.plan.steps.unsigned_abs());
+    session.run(prepared, |made| signal.made(made))
+}
+
+/// Returns the note on an interrupted caller's exception: the volume that was delivered.
+fn note(delivered: &Delivered) -> String {
+    let volume_ml = delivered.volume_ml;
+    if !delivered.completed {
+        format!(
+            "{volume_ml:.4} mL were delivered and are on record; bench.resume() makes the rest, bench.discard() \
+             accepts the dose as it is"
+        )
+    } else if !delivered.sucked_back {
+        format!(
+            "{volume_ml:.4} mL were delivered, the whole dose; the volume sucked back afterwards is carried to the \
+             next dose"
+        )
+    } else {
+        format!("{volume_ml:.4} mL were delivered, the whole dose")
+    }
+}
+
+fn driver_named(name: &str) -> PyResult<DriverName> {
+    choice("driver", name, &[("sim", DriverName::Sim), ("grbl", DriverName::Grbl)])
+}
+
+fn purpose_named(name: &str) -> PyResult<Purpose> {
+    let purposes = [("dose", Purpose::Dose), ("prime", Purpose::Prime), ("purge", Purpose::Purge)];
+    choice("purpose", name, &purposes)
+}

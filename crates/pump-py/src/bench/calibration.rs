@@ -1,0 +1,176 @@
+//! The calibrations of a bench: runs to weigh, and fits to their readings.
+
+use pump_bench::DoseRequest;
+use pump_bench::calibration::{
+    Calibration as DoseCalibration, Expected, PhaseFit, ShortDose, Source, Stored, now_utc,
+};
+use pump_bench::record::Purpose;
+use pump_ctl::plan::Cruise;
+use pump_model::math::{degrees, rpm};
+use pyo3::prelude::*;
+
+use super::bench::{Bench, deliver};
+use crate::argument::{Argument, speed};
+use crate::calibration::{Calibration, fit_named, reading_ml, runs_of};
+use crate::python::errors::{self, value};
+
+/// A run: speed (r/min), start angle (deg, or None), turned angle (deg), time, and true if it was completed.
+type Turned = (f64, Option<f64>, f64, String, bool);
+
+#[pymethods]
+impl Bench {
+    /// Makes a run of whole pitches, to be weighed.
+    #[pyo3(signature = (speed_rpm, speed_rad_s, pitches, progress))]
+    fn calibration_run<'py>(
+        &self,
+        py: Python<'py>,
+        speed_rpm: Argument<'_, 'py>,
+        speed_rad_s: Argument<'_, 'py>,
+        pitches: u32,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Turned> {
+        let rad_s = speed::speed_rad_s(speed_rpm, speed_rad_s)?;
+        if rad_s <= 0.0 {
+            return Err(value(format_args!("the speed is {} r/min; allowed: more than 0", rpm(rad_s))));
+        }
+        if !(1..=100_000).contains(&pitches) {
+            return Err(value(format_args!("pitches is {pitches}; allowed: 1 to 100000")));
+        }
+        self.worker.call(
+            py,
+            progress,
+            |_| "the run was stopped and is on record; do not weigh a part of a run".to_owned(),
+            move |held, signal| {
+                let model = held.bench.model();
+                let request = DoseRequest {
+                    purpose: Purpose::Calibrate,
+                    cruise: Some(Cruise::Speed { rad_s }),
+                    ..DoseRequest::dose(f64::from(pitches) * model.outlet_curve().pitch_ml())
+                };
+                let pitch_rad = model.pitch_rad();
+                let session = held.session()?;
+                let prepared = session.prepare(request)?;
+                let delivered = deliver(session, &prepared, signal)?;
+                let plan = &prepared.plan;
+                let start = plan.start.is_known(pitch_rad).then_some(degrees(plan.start.angle_rad));
+                let turned_deg = degrees(plan.steps as f64 * plan.step_rad);
+                Ok((rpm(rad_s), start, turned_deg, now_utc(), delivered.completed))
+            },
+        )
+    }
+
+    /// Fits weighed runs, keeps the calibration and uses it from now on.
+    #[pyo3(signature = (runs, fit, scale, tube, note))]
+    fn calibrate(
+        &self,
+        py: Python<'_>,
+        runs: &Bound<'_, PyAny>,
+        fit: &str,
+        scale: Option<&Bound<'_, PyAny>>,
+        tube: Option<String>,
+        note: Option<String>,
+    ) -> PyResult<Calibration> {
+        let (runs, fit) = (runs_of(runs)?, fit_named(fit)?);
+        let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);
+        self.kept(py, move |file, before| {
+            let calibration = DoseCalibration::of_runs(file, Source::Guided, runs, fit, &expected, before)?;
+            Ok((DoseCalibration { tube, note, ..calibration }, ()))
+        })
+        .map(|(stored, ())| stored)
+    }
+
+    /// Fits short doses, keeps the zero angle that they show and uses it from now on.
+    ///
+    /// Returns the calibration, and roller volume (mL), engagement angle (rad) and zero (rad), each with its standard
+    /// uncertainty.
+    #[pyo3(signature = (doses, scale, tube, note))]
+    fn calibrate_phase(
+        &self,
+        py: Python<'_>,
+        doses: Vec<(f64, f64, f64, Option<f64>)>,
+        scale: Option<&Bound<'_, PyAny>>,
+        tube: Option<String>,
+        note: Option<String>,
+    ) -> PyResult<(Calibration, [(f64, f64); 3])> {
+        let doses: Vec<ShortDose> = doses
+            .into_iter()
+            .map(|(start_angle_deg, turned_deg, volume_ml, speed_rpm)| ShortDose {
+                start_angle_deg,
+                turned_deg,
+                volume_ml,
+                speed_rpm,
+            })
+            .collect();
+        let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);
+        self.kept(py, move |file, before| {
+            let (calibration, found) = DoseCalibration::of_short_doses(file, doses, &expected, before)?;
+            let tube = tube.or(calibration.tube);
+            Ok((DoseCalibration { tube, note, ..calibration }, numbers(&found)))
+        })
+    }
+
+    /// Returns every calibration of this bench, oldest first.
+    fn calibrations(&self) -> PyResult<Vec<Calibration>> {
+        let all = self.bench.calibrations().list().map_err(errors::calibration)?;
+        Ok(all.into_iter().map(Calibration).collect())
+    }
+
+    /// Calibration that doses use.
+    #[getter]
+    fn calibration(&self) -> PyResult<Option<Calibration>> {
+        let active = self.bench.calibrations().active().map_err(errors::calibration)?;
+        Ok(active.map(Calibration))
+    }
+
+    /// Makes doses use another calibration, or none, from now on.
+    #[pyo3(signature = (version))]
+    fn use_calibration(&self, py: Python<'_>, version: Option<u32>) -> PyResult<()> {
+        self.worker.call(
+            py,
+            None,
+            |()| "the call was completed".to_owned(),
+            move |held, _| {
+                held.session()?;
+                held.bench.use_calibration(version)
+            },
+        )
+    }
+}
+
+impl Bench {
+    /// Keeps the calibration that `make` returns, with the pump held. `make` gets the calibration in use.
+    fn kept<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        make: impl FnOnce(
+            &pump_bench::pump_file::PumpFile,
+            Option<&DoseCalibration>,
+        ) -> Result<(DoseCalibration, T), pump_bench::calibration::CalibrationError>
+        + Send
+        + 'static,
+    ) -> PyResult<(Calibration, T)> {
+        let (stored, more): (Stored, T) = self.worker.call(
+            py,
+            None,
+            |(stored, _): &(Stored, T)| format!("calibration {} is kept and used", stored.version),
+            move |held, _| {
+                held.session()?;
+                let before = held.bench.calibrations().active()?.map(|active| active.calibration);
+                let (calibration, more) = make(held.bench.file(), before.as_ref())?;
+                Ok((held.bench.keep_calibration(calibration)?, more))
+            },
+        )?;
+        Ok((Calibration(stored), more))
+    }
+}
+
+/// Returns roller volume (mL), engagement angle (rad) and zero (rad), each with its standard uncertainty.
+fn numbers(found: &PhaseFit) -> [(f64, f64); 3] {
+    let rad = pump_model::math::radians;
+    let PhaseFit { roller_volume_ml, engagement_deg, zero_deg, .. } = found;
+    [
+        (roller_volume_ml.value, roller_volume_ml.standard),
+        (rad(engagement_deg.value), rad(engagement_deg.standard)),
+        (rad(zero_deg.value), rad(zero_deg.standard)),
+    ]
+}

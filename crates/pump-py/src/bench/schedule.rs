@@ -1,0 +1,37 @@
+//! The schedule of a batch.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use pump_bench::dosing::{Action, Missed, Schedule as DoseSchedule};
+use pyo3::prelude::*;
+
+use crate::argument::choice;
+use crate::python::errors::value;
+
+/// Schedule of a batch: the time at which each dose is due.
+#[pyclass(frozen, name = "_Schedule", module = "pumpmodel._pumpmodel")]
+pub(crate) struct Schedule(Mutex<DoseSchedule>);
+
+#[pymethods]
+impl Schedule {
+    #[new]
+    fn new(count: u64, every_s: Option<f64>, missed: &str) -> PyResult<Self> {
+        let missed = choice("missed", missed, &[("skip", Missed::Skip), ("now", Missed::Now)])?;
+        Ok(Self(Mutex::new(DoseSchedule::new(count, every_s, missed).map_err(value)?)))
+    }
+
+    /// Returns the next action, `elapsed_s` after the batch's start.
+    ///
+    /// The action is "wait" with the time to wait for, s; "dose" or "skip" with the dose's number; or "done".
+    fn next(&self, elapsed_s: f64) -> PyResult<(&'static str, f64)> {
+        let elapsed = Duration::try_from_secs_f64(elapsed_s).map_err(value)?;
+        let mut schedule = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        Ok(match schedule.next(elapsed) {
+            Action::Wait(until) => ("wait", until.as_secs_f64()),
+            Action::Dose(number) => ("dose", number as f64),
+            Action::Skip(number) => ("skip", number as f64),
+            Action::Done => ("done", 0.0),
+        })
+    }
+}

@@ -1,0 +1,234 @@
+//! The thread that holds a pump: one session while a Python `Bench` is open, for callers on any thread.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use pump_bench::{Bench, DoseError, Session};
+use pyo3::prelude::*;
+
+use crate::python::errors::{self, PumpError};
+
+/// Time between two checks of a caller for signals, and of an idle session for a motor that is due for release.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// State of one call, shared by its caller and the thread.
+#[derive(Debug, Default)]
+pub(super) struct Signal {
+    stop: AtomicBool,
+    /// Number of steps made.
+    made: AtomicU64,
+    /// Number of steps planned; 0 before the motion.
+    planned: AtomicU64,
+}
+
+impl Signal {
+    /// Tells if the caller wants the motion to stop.
+    pub(super) fn stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Notes the number of steps planned.
+    pub(super) fn plans(&self, steps: u64) {
+        self.planned.store(steps, Ordering::Relaxed);
+    }
+
+    /// Notes the number of steps made. Breaks once the caller wants no more.
+    pub(super) fn made(&self, steps: u64) -> std::ops::ControlFlow<()> {
+        self.made.store(steps, Ordering::Relaxed);
+        if self.stopped() { std::ops::ControlFlow::Break(()) } else { std::ops::ControlFlow::Continue(()) }
+    }
+}
+
+/// A bench, with its session once a call has needed one.
+pub(super) struct Held<'a> {
+    pub(super) bench: &'a Bench,
+    pub(super) session: Option<Session<'a>>,
+    /// Failure that happened between two calls.
+    unheard: Option<DoseError>,
+}
+
+impl<'a> Held<'a> {
+    /// Returns the session, and takes the pump if this bench does not hold it yet.
+    pub(super) fn session(&mut self) -> Result<&mut Session<'a>, DoseError> {
+        if let Some(error) = self.unheard.take() {
+            return Err(error);
+        }
+        match &mut self.session {
+            Some(session) => Ok(session),
+            none => Ok(none.insert(self.bench.session()?)),
+        }
+    }
+
+    /// Releases an idle motor when its time has come.
+    fn release_when_due(&mut self) {
+        if let Some(Err(error)) = self.session.as_mut().map(Session::release_when_due) {
+            self.unheard = Some(error);
+        }
+    }
+}
+
+type Job = Box<dyn FnOnce(&mut Held<'_>) + Send>;
+
+/// A bench on a thread of its own.
+pub(super) struct Worker {
+    jobs: Mutex<Option<Sender<Job>>>,
+    thread: Mutex<Option<JoinHandle<()>>>,
+    /// Signal of the call under way.
+    running: Arc<Mutex<Option<Arc<Signal>>>>,
+    /// Process that started the thread; a forked process does not have it.
+    process: u32,
+}
+
+impl Worker {
+    /// Starts the thread.
+    pub(super) fn new(bench: Arc<Bench>) -> std::io::Result<Self> {
+        let (sender, jobs) = channel();
+        let thread =
+            thread::Builder::new().name("pumpmodel bench".to_owned()).spawn(move || work(&bench, &jobs))?;
+        Ok(Self {
+            jobs: Mutex::new(Some(sender)),
+            thread: Mutex::new(Some(thread)),
+            running: Arc::default(),
+            process: std::process::id(),
+        })
+    }
+
+    /// Makes the thread do `job`, and waits for it while other Python threads run.
+    ///
+    /// `progress` is called with the steps made and the steps planned. Its exception, or a signal's, stops the motor
+    /// and is raised once all is on record. `note` adds the outcome of the call to the exception.
+    pub(super) fn call<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+        note: impl Fn(&T) -> String,
+        job: impl FnOnce(&mut Held<'_>, &Signal) -> Result<T, DoseError> + Send + 'static,
+    ) -> PyResult<T> {
+        if self.process != std::process::id() {
+            return Err(PumpError::new_err(
+                "another process opened this bench; open the bench in this process",
+            ));
+        }
+        let signal = Arc::new(Signal::default());
+        let mut result = self.send(Arc::clone(&signal), job)?;
+        let mut raised: Option<PyErr> = None;
+        let mut told = 0;
+        let ended = loop {
+            let waiting = &mut result;
+            match py.detach(move || waiting.recv_timeout(LOOK)) {
+                Ok(ended) => break ended,
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => {
+                    return Err(PumpError::new_err("the bench's thread has ended; open the bench again"));
+                }
+            }
+            if raised.is_none()
+                && let Err(error) = py.check_signals().and_then(|()| tell(progress, &signal, &mut told))
+            {
+                signal.stop.store(true, Ordering::Relaxed);
+                raised = Some(error);
+            }
+        };
+        match (ended, raised) {
+            (Ok(Some(done)), None) => {
+                if let Err(error) = tell(progress, &signal, &mut told) {
+                    error.value(py).call_method1("add_note", (note(&done),))?;
+                    return Err(error);
+                }
+                Ok(done)
+            }
+            (Ok(None), None) => {
+                Err(PumpError::new_err("the call was stopped before it began; nothing moved"))
+            }
+            (Ok(done), Some(error)) => {
+                let words = done.as_ref().map_or("nothing moved".to_owned(), note);
+                error.value(py).call_method1("add_note", (words,))?;
+                Err(error)
+            }
+            (Err(error), None) => Err(errors::dose(py, error)),
+            (Err(error), Some(raised)) => {
+                let error = errors::dose(py, error);
+                error.set_cause(py, Some(raised));
+                Err(error)
+            }
+        }
+    }
+
+    /// Queues `job` for the thread, and returns the channel of its result.
+    fn send<T: Send + 'static>(
+        &self,
+        signal: Arc<Signal>,
+        job: impl FnOnce(&mut Held<'_>, &Signal) -> Result<T, DoseError> + Send + 'static,
+    ) -> PyResult<Receiver<Result<Option<T>, DoseError>>> {
+        let (sender, result) = channel();
+        let running = Arc::clone(&self.running);
+        let job: Job = Box::new(move |held| {
+            let begun = !signal.stopped();
+            *lock(&running) = Some(Arc::clone(&signal));
+            let ended = if begun { job(held, &signal).map(Some) } else { Ok(None) };
+            *lock(&running) = None;
+            // The caller may be gone.
+            let _ = sender.send(ended);
+        });
+        let sent = lock(&self.jobs).as_ref().is_some_and(|jobs| jobs.send(job).is_ok());
+        if sent { Ok(result) } else { Err(PumpError::new_err("this bench is closed; open it again")) }
+    }
+
+    /// Makes the motor of the call under way decelerate and hold.
+    pub(super) fn stop(&self) {
+        if let Some(signal) = lock(&self.running).as_ref() {
+            signal.stop.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Tells if the bench is closed.
+    pub(super) fn is_closed(&self) -> bool {
+        lock(&self.jobs).is_none()
+    }
+
+    /// Waits for the calls under way, and gives the pump back.
+    pub(super) fn close(&self) {
+        drop(lock(&self.jobs).take());
+        let thread = lock(&self.thread).take();
+        if let Some(thread) = thread.filter(|_| self.process == std::process::id()) {
+            // A job that panicked has closed its caller's channel.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.close();
+    }
+}
+
+/// Does jobs until the bench is closed.
+fn work(bench: &Bench, jobs: &Receiver<Job>) {
+    let mut held = Held { bench, session: None, unheard: None };
+    loop {
+        match jobs.recv_timeout(LOOK) {
+            Ok(job) => job(&mut held),
+            Err(RecvTimeoutError::Timeout) => held.release_when_due(),
+            Err(RecvTimeoutError::Disconnected) => return,
+        }
+    }
+}
+
+/// Calls `progress` if steps were made since the last call.
+fn tell(progress: Option<&Bound<'_, PyAny>>, signal: &Signal, told: &mut u64) -> PyResult<()> {
+    let (made, planned) = (signal.made.load(Ordering::Relaxed), signal.planned.load(Ordering::Relaxed));
+    if let Some(progress) = progress.filter(|_| planned > 0 && made != *told) {
+        *told = made;
+        progress.call1((made, planned))?;
+    }
+    Ok(())
+}
+
+/// Locks a mutex. A panic of the last holder does not matter: the value stays usable.
+fn lock<T>(of: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}

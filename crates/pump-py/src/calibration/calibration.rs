@@ -1,0 +1,320 @@
+//! A calibration: the factor of a pump's volume that weighed runs show, and its uncertainty.
+
+use std::path::PathBuf;
+
+use pump_bench::calibration::{
+    Calibration as DoseCalibration, Displacement, Expected, Run, Source, Stored, runs_of_csv,
+};
+use pump_bench::pump_file::PumpFile;
+use pump_model::{ModelError, Pump as Model};
+use pyo3::prelude::*;
+
+use super::weighed::{fit_named, reading_ml, runs_of};
+use crate::argument::{Argument, Floats, speed};
+use crate::pump::Pump;
+use crate::python::errors::{self, value};
+
+/// Volume that a pump really displaces, from weighed runs, with its uncertainty.
+///
+/// `Calibration.from_runs`, `Calibration.from_csv`, `Bench.calibrate` and `Bench.calibrations` make calibrations. A
+/// dose's volume is the model's volume times `displacement_factor`: measured over model volume, which may change with
+/// the speed. `version` is the calibration's number on a bench, or 0 without a bench.
+///
+/// Examples
+/// --------
+/// >>> import pumpmodel as pm
+/// >>> pump = pm.Pump.three_roller()
+/// >>> runs = [pm.WeighedRun(speed_rpm=60, turned_deg=720, volume_ml=v) for v in (43.0, 43.1, 43.05)]
+/// >>> calibration = pm.Calibration.from_runs(pump, runs)
+/// >>> round(calibration.displacement_factor(speed_rpm=60), 4)
+/// 1.0097
+/// >>> pm.Doser(pump, calibration=calibration).plan("25mL", speed="60rpm").steps < pm.Doser(pump).plan("25mL").steps
+/// True
+#[pyclass(frozen, eq, module = "pumpmodel")]
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Calibration(pub(crate) Stored);
+
+#[pymethods]
+impl Calibration {
+    /// Calibrate a pump by weighed runs.
+    ///
+    /// Parameters
+    /// ----------
+    /// pump : Pump
+    ///     Pump whose fluid was weighed.
+    /// runs : sequence of WeighedRun
+    ///     Runs with their readings.
+    /// scale : str, optional
+    ///     Standard uncertainty of a reading, as "0.01g" or "0.1mL".
+    /// fit : {"line", "speed-law"}
+    ///     "line" fits a straight line over the speed. "speed-law" fits s and D of the speed law to three speeds or
+    ///     more.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there are no runs, or a run is impossible.
+    #[staticmethod]
+    #[pyo3(signature = (pump, runs, *, scale=None, fit="line"))]
+    fn from_runs(
+        pump: &Pump,
+        runs: &Bound<'_, PyAny>,
+        scale: Option<&Bound<'_, PyAny>>,
+        fit: &str,
+    ) -> PyResult<Self> {
+        Self::of(&pump.file, runs_of(runs)?, fit, scale)
+    }
+
+    /// Calibrate a pump by a table of weighed runs, as `dose calibrate run --from` reads it.
+    ///
+    /// Parameters
+    /// ----------
+    /// pump : Pump
+    ///     Pump whose fluid was weighed.
+    /// path : str or os.PathLike
+    ///     CSV with a header. Columns are `speed_rpm`, one of `turned_deg`, `revolutions` and `steps`, and one of
+    ///     `mass_g` and `volume_ml`; optional are `start_angle_deg`, `direction`, `temperature_degc` and `time`.
+    /// scale : str, optional
+    ///     Standard uncertainty of a reading, as "0.01g" or "0.1mL".
+    /// fit : {"line", "speed-law"}
+    ///     "line" fits a straight line over the speed. "speed-law" fits s and D of the speed law to three speeds or
+    ///     more.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be read.
+    /// ValueError
+    ///     If the file is no such table, or a run is impossible.
+    #[staticmethod]
+    #[pyo3(signature = (pump, path, *, scale=None, fit="line"))]
+    fn from_csv(pump: &Pump, path: PathBuf, scale: Option<&Bound<'_, PyAny>>, fit: &str) -> PyResult<Self> {
+        let text = std::fs::read_to_string(&path).map_err(|error| errors::file(&path, &error))?;
+        let runs = runs_of_csv(&text, pump.file.limits().motor.steps_per_rev);
+        let runs = runs.map_err(|error| value(format_args!("{}: {error}", path.display())))?;
+        Self::of(&pump.file, runs, fit, scale)
+    }
+
+    /// Return measured over model volume at a cruise speed.
+    ///
+    /// Parameters
+    /// ----------
+    /// speed_rpm : float or array_like
+    ///     Cruise speed of the pump head, r/min.
+    /// speed_rad_s : float or array_like
+    ///     Cruise speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
+    /// pump : Pump, optional
+    ///     Pump, which a fitted speed law needs to compute the trapped volume.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Factor; 1 while only the zero was sought. Array input gives an array of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If not exactly one speed is given, or if a speed law was fitted and no pump is given.
+    #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None, pump=None))]
+    fn displacement_factor<'py>(
+        &self,
+        py: Python<'py>,
+        speed_rpm: Argument<'_, 'py>,
+        speed_rad_s: Argument<'_, 'py>,
+        pump: Option<&Pump>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let speeds = speed::speeds_rad_s(speed_rpm, speed_rad_s)?;
+        self.over(&speeds, pump, 1.0, Displacement::factor_at)?.into_object(py)
+    }
+
+    /// Return the standard uncertainty of `displacement_factor`.
+    ///
+    /// It is widened so that twice its value covers 95 % for any number of runs.
+    ///
+    /// Parameters
+    /// ----------
+    /// speed_rpm : float or array_like
+    ///     Cruise speed of the pump head, r/min.
+    /// speed_rad_s : float or array_like
+    ///     Cruise speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
+    /// pump : Pump, optional
+    ///     Pump, which a fitted speed law needs to compute the trapped volume.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Standard uncertainty; 0 while only the zero was sought. Array input gives an array of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If not exactly one speed is given, or if a speed law was fitted and no pump is given.
+    #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None, pump=None))]
+    fn standard_uncertainty<'py>(
+        &self,
+        py: Python<'py>,
+        speed_rpm: Argument<'_, 'py>,
+        speed_rad_s: Argument<'_, 'py>,
+        pump: Option<&Pump>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let speeds = speed::speeds_rad_s(speed_rpm, speed_rad_s)?;
+        self.over(&speeds, pump, 0.0, Displacement::standard_at)?.into_object(py)
+    }
+
+    /// Number of the calibration on its bench; 0 without a bench.
+    #[getter]
+    fn version(&self) -> u32 {
+        self.0.version
+    }
+
+    /// Time at which the calibration was made, UTC.
+    #[getter]
+    fn date(&self) -> &str {
+        &self.0.calibration.date
+    }
+
+    /// Name that the user gave the tube, or None.
+    #[getter]
+    fn tube(&self) -> Option<&str> {
+        self.0.calibration.tube.as_deref()
+    }
+
+    /// Note of the user, or None.
+    #[getter]
+    fn note(&self) -> Option<&str> {
+        self.0.calibration.note.as_deref()
+    }
+
+    /// Model volume of a revolution that the factors multiply, mL.
+    #[getter]
+    fn revolution_ml(&self) -> f64 {
+        self.0.calibration.revolution_ml
+    }
+
+    /// Speeds of the runs, r/min, rising.
+    #[getter]
+    fn speeds_rpm(&self) -> Vec<f64> {
+        self.displacement().map_or(Vec::new(), |displacement| displacement.speeds_rpm.clone())
+    }
+
+    /// Standard deviation of the runs about the fit, as a fraction of the volume; None if there were too few runs.
+    #[getter]
+    fn scatter(&self) -> Option<f64> {
+        self.displacement()?.scatter
+    }
+
+    /// Numbers, from 1, of runs that lie far from the others. The fit includes them.
+    #[getter]
+    fn outliers(&self) -> Vec<usize> {
+        self.displacement().map_or(Vec::new(), |displacement| displacement.outliers.clone())
+    }
+
+    /// Model angle of the rollers at the record's angle 0, rad.
+    #[getter]
+    fn zero_rad(&self) -> f64 {
+        self.0.calibration.zero_rad()
+    }
+
+    /// Return the calibration as plain data, as `dose calibrate list --format json` prints it.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     Numbers, texts, lists and dicts only, raw data included.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("json")?.call_method1("loads", (self.json(),))
+    }
+
+    /// Return the calibration of the data that `to_dict` gave.
+    ///
+    /// Parameters
+    /// ----------
+    /// data : dict
+    ///     Data that `to_dict` returned.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the data are no calibration.
+    #[staticmethod]
+    fn from_dict(data: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Self::_rebuild(&data.py().import("json")?.call_method1("dumps", (data,))?.extract::<String>()?)
+    }
+
+    fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        (self.0.version, self.date(), self.revolution_ml()).into_pyobject(py)?.into_any().hash()
+    }
+
+    fn __repr__(&self) -> String {
+        let factor = self.displacement().map_or("none".to_owned(), |displacement| {
+            format!("{:.5} at {:.4} r/min", displacement.factor, displacement.reference_rpm)
+        });
+        let (runs, zero) = (self.0.calibration.runs.len(), self.zero_rad());
+        format!(
+            "<Calibration {} of {}: factor {factor}, {runs} runs, zero_rad {zero:.5}>",
+            self.version(),
+            self.date()
+        )
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((py.get_type::<Self>().getattr("_rebuild")?, (self.json(),)))
+    }
+
+    #[staticmethod]
+    fn _rebuild(json: &str) -> PyResult<Self> {
+        let none = |error: &dyn std::fmt::Display| {
+            value(format_args!("these are not the data of a calibration: {error}"))
+        };
+        let mut data: serde_json::Value = serde_json::from_str(json).map_err(|error| none(&error))?;
+        let version = data.as_object_mut().and_then(|data| data.remove("version"));
+        let version =
+            version.and_then(|version| version.as_u64()).and_then(|version| version.try_into().ok());
+        let version = version.ok_or_else(|| none(&"`version` must be a whole number"))?;
+        let calibration: DoseCalibration = serde_json::from_value(data).map_err(|error| none(&error))?;
+        calibration.check_schema().map_err(|error| none(&error))?;
+        Ok(Self(Stored { version, calibration }))
+    }
+}
+
+impl Calibration {
+    /// Fits runs to a pump.
+    fn of(file: &PumpFile, runs: Vec<Run>, fit: &str, scale: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let fit = fit_named(fit)?;
+        let expected = Expected::of(file, reading_ml(scale, file)?);
+        let calibration = DoseCalibration::of_runs(file, Source::File, runs, fit, &expected, None);
+        Ok(Self(Stored { version: 0, calibration: calibration.map_err(errors::calibration)? }))
+    }
+
+    fn json(&self) -> String {
+        serde_json::to_string(&self.0)
+            .unwrap_or_else(|error| unreachable!("a calibration is plain data: {error}"))
+    }
+
+    fn displacement(&self) -> Option<&Displacement> {
+        self.0.calibration.displacement.as_ref()
+    }
+
+    /// Evaluates a property of the displacement at speeds in rad/s; returns `without` where no displacement was fitted.
+    fn over(
+        &self,
+        speeds: &Floats,
+        pump: Option<&Pump>,
+        without: f64,
+        of: fn(&Displacement, &Model, f64) -> Result<f64, ModelError>,
+    ) -> PyResult<Floats> {
+        let Some(displacement) = self.displacement() else { return Ok(speeds.map(|_| without)) };
+        let line = Model::three_roller();
+        let base = match pump {
+            Some(pump) => &pump.model,
+            None if displacement.speed_law.is_some() => {
+                return Err(value("the calibration fitted a speed law, which needs the pump; give pump="));
+            }
+            // A straight line does not depend on the pump.
+            None => &line,
+        };
+        let numbers = speeds.values().iter().map(|rad_s| of(displacement, base, speed::rpm(*rad_s)));
+        let numbers = numbers.collect::<Result<Vec<_>, _>>().map_err(errors::model)?;
+        Ok(speeds.with_values(numbers))
+    }
+}

@@ -1,0 +1,49 @@
+//! Weighed runs and readings of a scale or a vessel.
+
+use pump_bench::calibration::{Fit, Run};
+use pump_bench::pump_file::PumpFile;
+use pump_bench::units;
+use pump_bench::units::Amount;
+use pyo3::prelude::*;
+
+use crate::argument::{choice, text};
+use crate::python::errors::value;
+
+/// Reads the standard uncertainty of a reading, mL; 0 if it is not given.
+pub(crate) fn reading_ml(scale: Option<&Bound<'_, PyAny>>, file: &PumpFile) -> PyResult<f64> {
+    let Some(scale) = scale else { return Ok(0.0) };
+    let amount = units::amount(text("scale", "0.01g", scale)?).map_err(value)?;
+    let reading_ml = amount.volume_ml(file.fluid.density_kg_m3);
+    if reading_ml < 0.0 {
+        return Err(value(
+            "scale is negative; allowed: the standard uncertainty of a reading, 0 or more, as \"0.01g\"",
+        ));
+    }
+    Ok(reading_ml)
+}
+
+/// Reads the reading of a scale, g, or of a vessel, mL.
+#[pyfunction]
+pub(crate) fn _reading(reading: &Bound<'_, PyAny>) -> PyResult<(Option<f64>, Option<f64>)> {
+    let amount = units::amount(text("reading", "42.51g", reading)?).map_err(value)?;
+    Ok(match amount {
+        Amount::Mass(mass_g) => (Some(mass_g), None),
+        Amount::Volume(volume_ml) => (None, Some(volume_ml)),
+    })
+}
+
+/// Converts `WeighedRun`s to runs.
+pub(crate) fn runs_of(runs: &Bound<'_, PyAny>) -> PyResult<Vec<Run>> {
+    runs.try_iter()?
+        .map(|run| {
+            let json: String = run?.call_method0("_json")?.extract()?;
+            serde_json::from_str(&json)
+                .map_err(|error| value(format_args!("these are not the data of a weighed run: {error}")))
+        })
+        .collect()
+}
+
+/// Reads the curve that is fitted to weighed runs.
+pub(crate) fn fit_named(fit: &str) -> PyResult<Fit> {
+    choice("fit", fit, &[("line", Fit::Line), ("speed-law", Fit::SpeedLaw)])
+}

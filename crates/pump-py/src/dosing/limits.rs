@@ -1,0 +1,69 @@
+//! Pressure limits of a dose.
+
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+/// Pressure limits that a dose must keep. A limit that is left out is the pump file's, if it has one.
+///
+/// In reverse the outlet limit applies to the inlet, which then pushes, and the inlet limit to the outlet.
+///
+/// Parameters
+/// ----------
+/// max_outlet_kpa : float, optional
+///     Largest pressure at the port that pushes, kPa absolute. `Doser` checks that it is positive and at most 1e6.
+/// min_inlet_kpa : float, optional
+///     Smallest pressure at the port that sucks, kPa absolute. `Doser` checks that it is within 1e6 either way.
+#[pyclass(frozen, eq, get_all, module = "pumpmodel")]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Limits {
+    /// Largest pressure at the port that pushes, kPa absolute, or None.
+    pub(crate) max_outlet_kpa: Option<f64>,
+    /// Smallest pressure at the port that sucks, kPa absolute, or None.
+    pub(crate) min_inlet_kpa: Option<f64>,
+}
+
+#[pymethods]
+impl Limits {
+    #[new]
+    #[pyo3(signature = (*, max_outlet_kpa=None, min_inlet_kpa=None))]
+    fn new(max_outlet_kpa: Option<f64>, min_inlet_kpa: Option<f64>) -> Self {
+        Self { max_outlet_kpa, min_inlet_kpa }
+    }
+
+    /// Return the limits as plain data.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     `max_outlet_kpa` and `min_inlet_kpa`, floats or None. `Limits(**...)` reads them back.
+    fn to_dict<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(slf.py());
+        dict.set_item("max_outlet_kpa", slf.get().max_outlet_kpa)?;
+        dict.set_item("min_inlet_kpa", slf.get().min_inlet_kpa)?;
+        Ok(dict)
+    }
+
+    pub(crate) fn __repr__(&self) -> String {
+        let shown = |limit: Option<f64>| limit.map_or("None".to_owned(), |kpa| format!("{kpa:?}"));
+        format!(
+            "Limits(max_outlet_kpa={}, min_inlet_kpa={})",
+            shown(self.max_outlet_kpa),
+            shown(self.min_inlet_kpa)
+        )
+    }
+
+    pub(crate) fn __hash__(&self, py: Python<'_>) -> PyResult<isize> {
+        PyTuple::new(py, [self.max_outlet_kpa, self.min_inlet_kpa])?.hash()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let numbers = PyTuple::new(py, [self.max_outlet_kpa, self.min_inlet_kpa])?;
+        Ok((py.get_type::<Self>().getattr("_rebuild")?, numbers))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (max_outlet_kpa, min_inlet_kpa))]
+    fn _rebuild(max_outlet_kpa: Option<f64>, min_inlet_kpa: Option<f64>) -> Self {
+        Self::new(max_outlet_kpa, min_inlet_kpa)
+    }
+}

@@ -1,0 +1,94 @@
+//! The planning of a dose: Python's keywords become a request, and the request a plan.
+
+use pump_bench::record::Purpose;
+use pump_bench::{DoseRequest, units};
+use pump_ctl::plan::Phase;
+use pyo3::prelude::*;
+
+use super::doser::Doser;
+use super::plan::Plan;
+use crate::argument::{cruise, finish_named, retracted_ml, text};
+use crate::python::errors::value;
+
+#[pymethods]
+impl Doser {
+    /// Plan a dose and predict its pressures. Nothing moves. Other Python threads run meanwhile.
+    ///
+    /// Parameters
+    /// ----------
+    /// volume : str
+    ///     Volume or mass with its unit, as "25mL", "0.025 L", "250uL", "25 g"; negative in reverse.
+    /// rate : str, optional
+    ///     Average flow while cruising, as "10 mL/s"; "max" is the fastest flow that holds every limit.
+    /// speed : str, optional
+    ///     Speed of the pump head while cruising, as "100rpm".
+    /// within : str, optional
+    ///     Total time with ramps and settling, as "10s"; the plan takes the slowest cruise that meets it. Give at most
+    ///     one of `rate`, `speed` and `within`. The default is the pump's `default_rate_ml_s`.
+    /// smooth : bool
+    ///     Let the speed follow the rollers' angle, so that the flow at the outlet is as smooth as the motor's speed
+    ///     and acceleration allow. Rate and speed are then means over whole pitches.
+    /// finish : {"any", "low-flow"}
+    ///     Places in a pitch where the dose may end. At "low-flow" the outlet's flow is at most half of the flow
+    ///     between pulses. The plan takes the nearest such end and carries the difference.
+    /// retract : str, optional
+    ///     Volume that is sucked back after the dose, as "0.1mL", so that nothing drips. `carry_ml` includes it, so the
+    ///     next dose repays it.
+    /// start_angle_rad : float
+    ///     Angle of the rollers at the start, rad. Only the angle within a pitch matters.
+    /// start_half_width_rad : float
+    ///     Half width of the start angle, rad: the true angle lies within it on either side. Half a pitch and more, as
+    ///     `math.pi`, means an unknown angle. The plan then has the smallest worst case over all angles, and whole
+    ///     pitches are exact.
+    /// carry_in_ml : float
+    ///     Carry from earlier doses, mL, positive toward the outlet: `carry_ml` of the previous plan.
+    ///
+    /// Returns
+    /// -------
+    /// Plan
+    ///     Steps, times and predicted pressures.
+    ///
+    /// Raises
+    /// ------
+    /// TypeError
+    ///     If a quantity is a bare number.
+    /// ValueError
+    ///     If a text is not the expected quantity, or a number is outside its range.
+    /// PlanError
+    ///     If the pump cannot make the dose, for example because its rate or pressure is beyond a limit.
+    #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
+    #[pyo3(signature = (
+        volume, *, rate=None, speed=None, within=None, smooth=false, finish="any", retract=None, start_angle_rad=0.0,
+        start_half_width_rad=0.0, carry_in_ml=0.0
+    ))]
+    fn plan(
+        slf: &Bound<'_, Self>,
+        volume: &Bound<'_, PyAny>,
+        rate: Option<&Bound<'_, PyAny>>,
+        speed: Option<&Bound<'_, PyAny>>,
+        within: Option<&Bound<'_, PyAny>>,
+        smooth: bool,
+        finish: &str,
+        retract: Option<&Bound<'_, PyAny>>,
+        start_angle_rad: f64,
+        start_half_width_rad: f64,
+        carry_in_ml: f64,
+    ) -> PyResult<Plan> {
+        let doser = slf.get();
+        let amount = units::amount(text("volume", "25mL", volume)?).map_err(value)?;
+        let request = DoseRequest {
+            purpose: Purpose::Dose,
+            volume_ml: amount.volume_ml(doser.pump.get().file.fluid.density_kg_m3),
+            cruise: cruise(rate, speed, within)?,
+            smooth,
+            finish: finish_named(finish)?,
+            start_angle_rad: Some(start_angle_rad),
+            whole_ml: None,
+            retract_ml: retracted_ml(retract)?,
+            max_outlet_kpa: doser.limits.max_outlet_kpa,
+            min_inlet_kpa: doser.limits.min_inlet_kpa,
+        };
+        let start = Phase { angle_rad: start_angle_rad, half_width_rad: start_half_width_rad };
+        Plan::new(slf, request, start, carry_in_ml)
+    }
+}

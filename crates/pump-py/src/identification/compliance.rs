@@ -1,0 +1,35 @@
+//! The compliance of a closed line from injected volumes and pressures.
+
+use pump_bench::identification::identified_compliance;
+use pump_model::identification::InjectionPoint;
+use pyo3::prelude::*;
+
+use super::answer::{Answer, answer};
+use super::column::column;
+use super::port::port_named;
+use crate::pump::Pump;
+use crate::python::errors::value;
+
+/// Finds C from injected volumes and pressures.
+#[pyfunction]
+pub(crate) fn _identify_compliance<'py>(
+    py: Python<'py>,
+    pump: &Pump,
+    port: &str,
+    volume_ml: &Bound<'py, PyAny>,
+    pressure_kpa: &Bound<'py, PyAny>,
+    total_ml: Option<f64>,
+) -> PyResult<Answer<'py>> {
+    let port = port_named(port)?;
+    if let Some(total_ml) = total_ml.filter(|ml| !(ml.is_finite() && *ml > 0.0)) {
+        return Err(value(format_args!("total_ml is {total_ml}; allowed: a positive number")));
+    }
+    let volumes = column("volume_ml", volume_ml, None)?;
+    let pressures = column("pressure_kpa", pressure_kpa, Some(volumes.len()))?;
+    let points: Vec<_> = volumes
+        .into_iter()
+        .zip(pressures)
+        .map(|(volume_ml, pressure_kpa)| InjectionPoint { volume_ml, pressure_kpa })
+        .collect();
+    answer(py, py.detach(|| identified_compliance(&points, total_ml, (port, pump.model.line(port)))))
+}

@@ -1,0 +1,11 @@
+//! The port whose line is identified.
+
+use pump_model::Port;
+use pyo3::prelude::*;
+
+use crate::argument::choice;
+
+/// Reads the name of a port.
+pub(super) fn port_named(port: &str) -> PyResult<Port> {
+    choice("port", port, &[("inlet", Port::Inlet), ("outlet", Port::Outlet)])
+}

@@ -1,0 +1,54 @@
+//! The resistance of a line from steady flows and pressures.
+
+use pump_bench::identification::identified_resistance;
+use pump_model::Port;
+use pump_model::identification::FlowPoint;
+use pyo3::prelude::*;
+
+use super::answer::{Answer, answer};
+use super::column::column;
+use super::port::port_named;
+use crate::argument::Argument;
+use crate::pump::Pump;
+use crate::python::errors::value;
+
+/// Finds R from steady flows, and from absolute pressures at the pump or drops along the flow.
+#[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
+pub(crate) fn _identify_resistance<'py>(
+    py: Python<'py>,
+    pump: &Pump,
+    port: &str,
+    flow_ml_s: &Bound<'py, PyAny>,
+    pressure_kpa: Argument<'_, 'py>,
+    drop_kpa: Argument<'_, 'py>,
+    standard_kpa: Argument<'_, 'py>,
+    offset: bool,
+) -> PyResult<Answer<'py>> {
+    let port = port_named(port)?;
+    let line = pump.model.line(port);
+    let flows = column("flow_ml_s", flow_ml_s, None)?;
+    let count = Some(flows.len());
+    // A drop counts along the flow: to the pump at the inlet, from the pump at the outlet.
+    let sign = if port == Port::Inlet { -1.0 } else { 1.0 };
+    let drops = match (pressure_kpa, drop_kpa) {
+        (Some(kpa), None) => {
+            let at_pump = column("pressure_kpa", kpa, count)?.into_iter();
+            at_pump.map(|kpa| sign * (kpa - line.reservoir_kpa)).collect()
+        }
+        (None, Some(kpa)) => column("drop_kpa", kpa, count)?,
+        _ => return Err(value("give exactly one of pressure_kpa and drop_kpa")),
+    };
+    let errors = match standard_kpa {
+        Some(kpa) => column("standard_kpa", kpa, count)?,
+        None => vec![1.0; flows.len()],
+    };
+    let points: Vec<_> = flows
+        .into_iter()
+        .zip(drops)
+        .zip(errors)
+        .map(|((flow_ml_s, drop_kpa), standard_kpa)| FlowPoint { flow_ml_s, drop_kpa, standard_kpa })
+        .collect();
+    let rate_ml_s = pump.default_rate_ml_s();
+    answer(py, py.detach(|| identified_resistance(&points, offset, (port, line), rate_ml_s)))
+}

@@ -1,0 +1,68 @@
+//! Resistance, compliance and inertance of a line from a pressure waveform.
+
+use pump_bench::identification::{Begin, Turning, identified_line};
+use pump_model::identification::{PressureSample, Sought};
+use pyo3::prelude::*;
+
+use super::answer::{Answer, answer};
+use super::column::column;
+use super::port::port_named;
+use crate::argument::speed::speed_rad_s;
+use crate::argument::{Argument, choice};
+use crate::pump::Pump;
+use crate::python::errors::value;
+
+/// Finds R, C and L from a waveform.
+#[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
+pub(crate) fn _identify_line<'py>(
+    py: Python<'py>,
+    pump: &Pump,
+    port: &str,
+    time_s: &Bound<'py, PyAny>,
+    pressure_kpa: &Bound<'py, PyAny>,
+    speed_rpm: Argument<'_, 'py>,
+    speed_rad: Argument<'_, 'py>,
+    fit: Vec<String>,
+    begin: &str,
+    start_s: Option<f64>,
+    start_angle_rad: Option<f64>,
+) -> PyResult<Answer<'py>> {
+    let port = port_named(port)?;
+    let ramp = Begin::Ramp { acceleration_rad_s2: pump.file.limits().motor.max_acceleration_rad_s2 };
+    let begin = choice("begin", begin, &[("ramp", ramp), ("step", Begin::Step), ("steady", Begin::Steady)])?;
+    if begin == Begin::Steady && start_s.is_some() {
+        return Err(value("start_s is given, but a steady record has no start; leave it out"));
+    }
+    for (name, number) in [("start_s", start_s), ("start_angle_rad", start_angle_rad)] {
+        if let Some(number) = number.filter(|number| !number.is_finite()) {
+            return Err(value(format_args!("{name} is {number}; allowed: a finite number")));
+        }
+    }
+    for name in &fit {
+        choice("a name in fit", name, &["R", "C", "L", "reservoir", "start"].map(|allowed| (allowed, ())))?;
+    }
+    let has = |name: &str| fit.iter().any(|given| given == name);
+    let sought = Sought {
+        resistance: has("R"),
+        compliance: has("C"),
+        inertance: has("L"),
+        angle: start_angle_rad.is_none(),
+        start: has("start"),
+        pressure: has("reservoir"),
+    };
+    let turning = Turning {
+        begin,
+        start_s: start_s.unwrap_or(0.0),
+        angle_rad: start_angle_rad.unwrap_or(0.0),
+        speed_rad_s: speed_rad_s(speed_rpm, speed_rad)?,
+    };
+    let times = column("time_s", time_s, None)?;
+    let pressures = column("pressure_kpa", pressure_kpa, Some(times.len()))?;
+    let samples: Vec<_> = times
+        .into_iter()
+        .zip(pressures)
+        .map(|(time_s, pressure_kpa)| PressureSample { time_s, pressure_kpa })
+        .collect();
+    answer(py, py.detach(|| identified_line(&pump.model, port, &samples, &turning, sought)))
+}

@@ -1,0 +1,188 @@
+//! Flows and volumes of a pump over angle and speed.
+
+use pump_bench::displacement::SpeedLawError;
+use pump_ctl::plan::speed_for_flow;
+use pump_model::FlowCurve;
+use pyo3::prelude::*;
+
+use super::pump::Pump;
+use crate::argument::{Argument, Floats, speed};
+use crate::python::{Interrupt, errors};
+
+/// Largest angle, rad, either way: larger angles are no longer known to a motor step.
+const MAX_ANGLE_RAD: f64 = 1e9;
+/// Largest flow, mL/s, that is turned into a speed.
+const MAX_FLOW_ML_S: f64 = 1e6;
+
+#[pymethods]
+impl Pump {
+    /// Return the flow averaged over whole pitches.
+    ///
+    /// Parameters
+    /// ----------
+    /// speed_rpm : float or array_like
+    ///     Speed of the pump head, r/min; negative in reverse.
+    /// speed_rad_s : float or array_like
+    ///     Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Flow, mL/s, negative in reverse. Array input gives an array of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If not exactly one speed is given, or a speed is not finite or beyond 1e4 rad/s.
+    #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None))]
+    fn average_flow<'py>(
+        &self,
+        py: Python<'py>,
+        speed_rpm: Argument<'_, 'py>,
+        speed_rad_s: Argument<'_, 'py>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let speeds = speed::speeds_rad_s(speed_rpm, speed_rad_s)?;
+        let Some(law) = self.law else {
+            return speeds.map(|rad_s| self.model.average_flow_ml_s(rad_s)).into_object(py);
+        };
+        over(py, &speeds, |rad_s| law.average_flow_ml_s(&self.model, rad_s))
+    }
+
+    /// Return the speed of the pump head for an average flow: the inverse of `average_flow(speed_rpm=...)`.
+    ///
+    /// Parameters
+    /// ----------
+    /// flow_ml_s : float or array_like
+    ///     Average flow, mL/s; negative in reverse.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Speed, r/min, which may exceed `max_speed_rpm`. Array input gives an array of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the flow is not finite or beyond 1e6 mL/s.
+    #[pyo3(signature = (*, flow_ml_s))]
+    fn speed_for_flow<'py>(&self, flow_ml_s: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let flows = Floats::read("flow_ml_s", flow_ml_s, MAX_FLOW_ML_S)?;
+        let py = flow_ml_s.py();
+        let Some(law) = self.law else {
+            return flows.map(|flow| speed::rpm(speed_for_flow(&self.model, flow))).into_object(py);
+        };
+        over(py, &flows, |flow| Ok(speed::rpm(law.speed_for_flow(&self.model, flow)?)))
+    }
+
+    /// Return the volume that the outlet rollers deliver from angle 0 to `angle_rad`.
+    ///
+    /// Parameters
+    /// ----------
+    /// angle_rad : float or array_like
+    ///     Angle of the pump head, rad, unwrapped.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Volume, mL. Array input gives an array of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or beyond 1e9 rad.
+    fn outlet_volume<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        over_angle(angle_rad, self.model.outlet_curve(), FlowCurve::volume_ml)
+    }
+
+    /// Return the flow at the outlet rollers per angle, mL/rad.
+    ///
+    /// The product with the speed in rad/s is the flow in mL/s.
+    ///
+    /// Parameters
+    /// ----------
+    /// angle_rad : float or array_like
+    ///     Angle of the pump head, rad, unwrapped.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Flow per angle, mL/rad. Array input gives an array of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or beyond 1e9 rad.
+    fn outlet_flow_per_rad<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        over_angle(angle_rad, self.model.outlet_curve(), FlowCurve::flow_ml_rad)
+    }
+
+    /// Return the volume that the inlet rollers take in from angle 0 to `angle_rad`, mL.
+    ///
+    /// Parameters
+    /// ----------
+    /// angle_rad : float or array_like
+    ///     Angle of the pump head, rad, unwrapped.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Volume, mL. Array input gives an array of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or beyond 1e9 rad.
+    fn inlet_volume<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        over_angle(angle_rad, self.model.inlet_curve(), FlowCurve::volume_ml)
+    }
+
+    /// Return the flow at the inlet rollers per angle, mL/rad.
+    ///
+    /// Parameters
+    /// ----------
+    /// angle_rad : float or array_like
+    ///     Angle of the pump head, rad, unwrapped.
+    ///
+    /// Returns
+    /// -------
+    /// float or numpy.ndarray
+    ///     Flow per angle, mL/rad. Array input gives an array of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If an angle is not finite or beyond 1e9 rad.
+    fn inlet_flow_per_rad<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        over_angle(angle_rad, self.model.inlet_curve(), FlowCurve::flow_ml_rad)
+    }
+}
+
+/// Applies a speed law to each number, while other Python threads run.
+fn over<'py>(
+    py: Python<'py>,
+    of: &Floats,
+    law: impl Fn(f64) -> Result<f64, SpeedLawError> + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    let numbers = py.detach(|| -> PyResult<Vec<f64>> {
+        let mut interrupt = Interrupt::new();
+        let mut numbers = Vec::new();
+        for number in of.values() {
+            interrupt.check()?;
+            numbers.push(law(*number).map_err(errors::speed_law)?);
+        }
+        Ok(numbers)
+    })?;
+    of.with_values(numbers).into_object(py)
+}
+
+/// Applies a property of the flow curve to each angle.
+fn over_angle<'py>(
+    angle_rad: &Bound<'py, PyAny>,
+    curve: &FlowCurve,
+    of: impl Fn(&FlowCurve, f64) -> f64 + Sync,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = angle_rad.py();
+    let angles = Floats::read("angle_rad", angle_rad, MAX_ANGLE_RAD)?;
+    let result = py.detach(|| angles.map(|angle| of(curve, angle)));
+    result.into_object(py)
+}

@@ -1,0 +1,241 @@
+//! Pumps from names, drawings and plain data, and variations of a pump.
+
+use pump_bench::catalogue::DrawnPump;
+use pump_bench::pump_file::{LineTable, PumpFile, RollerVolumeTable};
+use pump_bench::pump_named;
+use pump_model::Geometry;
+use pump_model::math::radians;
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyString;
+
+use super::pump::Pump;
+use super::volume_fit::{fit_named, points_of};
+use crate::line::Line;
+use crate::python::errors::{self, value};
+
+#[pymethods]
+impl Pump {
+    /// Return a built-in pump, or the pump of a file, as the command's `--pump` finds them.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     "three-roller" or "two-roller", each also with "-published" or "-as-built"; or the path of a TOML file.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If a file cannot be opened. A missing file is a FileNotFoundError.
+    /// PumpFileError
+    ///     If no pump has this name, or its file cannot be used. It is a ValueError too.
+    #[staticmethod]
+    fn named(name: &str) -> PyResult<Self> {
+        Self::new(pump_named(name).map_err(errors::pump_file)?)
+    }
+
+    /// Return a pump from the dimensions of its drawing, without any measurement.
+    ///
+    /// Roller volume and engagement angle follow from the drawing. The lines are hoses of the pump's own tube. Motor,
+    /// fluid and ambient, which a drawing does not tell, are assumed as `dose pumps new` says.
+    ///
+    /// Parameters
+    /// ----------
+    /// id : str
+    ///     Name in records: 1 to 64 of a-z, 0-9, - and _.
+    /// rollers : int
+    ///     Number of rollers.
+    /// bore_radius_mm : float
+    ///     Inner radius of the tube, mm.
+    /// tube_outer_radius_mm : float
+    ///     Outer radius of the tube, mm.
+    /// backplate_radius_mm : float
+    ///     Radius of the backplate, mm.
+    /// contact_angle_deg : float
+    ///     Contact angle beta, deg: the backplate spans 180 + 2 beta.
+    /// roller_radius_mm : float
+    ///     Radius of a roller, mm.
+    /// roller_offset_mm : float
+    ///     Distance from the shaft to a roller's axis, mm.
+    /// hose_length_mm : float
+    ///     Length of the hose on either side, mm.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the pump cannot work, for example because its rollers leave the tube open.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import pumpmodel as pm
+    /// >>> pump = pm.Pump.from_drawing(
+    /// ...     "bench-2", rollers=3, bore_radius_mm=5, tube_outer_radius_mm=7, backplate_radius_mm=63,
+    /// ...     contact_angle_deg=30, roller_radius_mm=20, roller_offset_mm=40, hose_length_mm=331,
+    /// ... )
+    /// >>> pump.is_estimated
+    /// True
+    #[staticmethod]
+    #[allow(clippy::too_many_arguments, reason = "dimensions of a drawing, each by its name")]
+    #[pyo3(signature = (
+        id, *, rollers, bore_radius_mm, tube_outer_radius_mm, backplate_radius_mm, contact_angle_deg, roller_radius_mm,
+        roller_offset_mm, hose_length_mm
+    ))]
+    fn from_drawing(
+        id: &str,
+        rollers: i64,
+        bore_radius_mm: f64,
+        tube_outer_radius_mm: f64,
+        backplate_radius_mm: f64,
+        contact_angle_deg: f64,
+        roller_radius_mm: f64,
+        roller_offset_mm: f64,
+        hose_length_mm: f64,
+    ) -> PyResult<Self> {
+        let geometry = Geometry {
+            rollers: count(rollers)?,
+            bore_radius_mm,
+            tube_outer_radius_mm,
+            backplate_radius_mm,
+            contact_angle_rad: radians(contact_angle_deg),
+            roller_radius_mm,
+            roller_offset_mm,
+        };
+        let roller_volume = RollerVolumeTable::Drawing;
+        let drawn = DrawnPump { id: id.to_owned(), geometry, hose_length_mm, roller_volume };
+        Self::checked(drawn.pump_file().map_err(errors::model)?)
+    }
+
+    /// Return this pump with some parts replaced. A part that is left out stays.
+    ///
+    /// Parameters
+    /// ----------
+    /// id : str, optional
+    ///     Name in records.
+    /// name : str, optional
+    ///     Name for people.
+    /// rollers : int, optional
+    ///     Number of rollers.
+    /// inlet : Line, optional
+    ///     Line from the inlet's reservoir to the pump.
+    /// outlet : Line, optional
+    ///     Line from the pump to the outlet's reservoir.
+    /// roller_volume : VolumeFit or "drawing", optional
+    ///     Volume of a roller from measured points, or from the pump's dimensions.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the pump cannot work, for example because its rollers leave the tube open.
+    #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
+    #[pyo3(signature = (*, id=None, name=None, rollers=None, inlet=None, outlet=None, roller_volume=None))]
+    fn replace(
+        &self,
+        id: Option<String>,
+        name: Option<String>,
+        rollers: Option<i64>,
+        inlet: Option<Py<Line>>,
+        outlet: Option<Py<Line>>,
+        roller_volume: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let mut file = self.file.clone();
+        file.pump.id = id.unwrap_or(file.pump.id);
+        file.pump.name = name.unwrap_or(file.pump.name);
+        if let Some(rollers) = rollers {
+            file.rollers.count = count(rollers)?;
+        }
+        if let Some(line) = inlet {
+            file.inlet = LineTable::from(line.get().0);
+        }
+        if let Some(line) = outlet {
+            file.outlet = LineTable::from(line.get().0);
+        }
+        if let Some(volume) = roller_volume {
+            file.roller_volume = roller_volume_of(volume)?;
+        }
+        Self::checked(file)
+    }
+
+    /// Return the pump as plain data: the tables of its pump file.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     Numbers, texts, lists and dicts only, under the keys of a pump file.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let json = serde_json::to_string(&self.file)
+            .unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"));
+        py.import("json")?.call_method1("loads", (json,))
+    }
+
+    /// Return the pump of the tables that `to_dict` gave, changed or not.
+    ///
+    /// Parameters
+    /// ----------
+    /// data : dict
+    ///     Tables of a pump file.
+    ///
+    /// Raises
+    /// ------
+    /// PumpFileError
+    ///     If a key is unknown or missing, or its value is not allowed. It is a ValueError too.
+    #[staticmethod]
+    fn from_dict(data: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let json: String = data.py().import("json")?.call_method1("dumps", (data,))?.extract()?;
+        let file = serde_json::from_str::<PumpFile>(&json).map_err(|error| {
+            errors::PumpFileError::new_err(format!("these are not the data of a pump: {error}"))
+        })?;
+        Self::checked(file)
+    }
+
+    /// True if the pump's volumes follow from a drawing that no measurement has confirmed.
+    #[getter]
+    fn is_estimated(&self) -> bool {
+        self.file.is_estimated()
+    }
+
+    /// Volume that a roller displaces as it engages, V_r, mL.
+    #[getter]
+    fn roller_volume_ml(&self) -> f64 {
+        self.model.roller_volume().total_ml()
+    }
+
+    /// Angle over which a roller engages, phi, rad.
+    #[getter]
+    fn engagement_rad(&self) -> f64 {
+        self.model.roller_volume().engagement_rad()
+    }
+}
+
+impl Pump {
+    /// Checks the tables of a pump that was made here rather than read from a file.
+    fn checked(file: PumpFile) -> PyResult<Self> {
+        let pump = Self::new(file)?;
+        pump.file.check(&pump.file.pump.id).map_err(errors::pump_file)?;
+        Ok(pump)
+    }
+}
+
+/// Reads a number of rollers.
+fn count(rollers: i64) -> PyResult<u32> {
+    u32::try_from(rollers).map_err(|_| value(format_args!("rollers is {rollers}; allowed: 1 to 1000")))
+}
+
+/// Reads a roller volume: the word "drawing", or a `VolumeFit`.
+fn roller_volume_of(volume: &Bound<'_, PyAny>) -> PyResult<RollerVolumeTable> {
+    if let Ok(word) = volume.cast::<PyString>() {
+        return match word.to_str()? {
+            "drawing" => Ok(RollerVolumeTable::Drawing),
+            other => {
+                Err(value(format_args!("roller_volume is '{other}'; allowed: a VolumeFit, or 'drawing'")))
+            }
+        };
+    }
+    let Ok(fit) = volume.getattr("_fit") else {
+        return Err(PyTypeError::new_err(format!(
+            "roller_volume must be a VolumeFit or \"drawing\", not {}",
+            volume.get_type().name()?
+        )));
+    };
+    let (method, points): (String, Vec<(f64, f64)>) = fit.extract()?;
+    Ok(RollerVolumeTable::Measured { fit: fit_named(&method)?, points: points_of(points) })
+}

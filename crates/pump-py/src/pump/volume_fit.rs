@@ -1,0 +1,73 @@
+//! Computations behind `pumpmodel.VolumeFit`: a roller volume from measured points.
+
+use std::fs;
+use std::path::PathBuf;
+
+use pump_bench::catalogue::RollerRuns;
+use pump_bench::pump_file::Fit;
+use pump_model::VolumePoint;
+use pyo3::prelude::*;
+
+use crate::argument::{Floats, choice};
+use crate::python::errors::{self, value};
+
+/// A fall of the volume: from and to angle, deg, and by how much, mL.
+type Fall = (f64, f64, f64);
+/// Numbers of a fit: phi (deg), V_r (mL), residuals and their RMS (mL), falls (None beyond 25 angles), stretches held
+/// (deg).
+type FitNumbers = (f64, f64, Vec<f64>, f64, Option<Vec<Fall>>, Vec<(f64, f64)>);
+
+/// Fits points, and reports the residuals of the fit.
+#[pyfunction]
+pub(crate) fn _volume_fit(method: &str, points: Vec<(f64, f64)>) -> PyResult<FitNumbers> {
+    let points = points_of(points);
+    let fit = fit_named(method)?.of(&points).map_err(errors::model)?;
+    let curve = fit.curve();
+    Ok((
+        curve.engagement_deg(),
+        curve.total_ml(),
+        fit.residuals_ml().collect(),
+        fit.rms_ml(),
+        fit.falls().ok().map(Iterator::collect),
+        fit.held_deg().collect(),
+    ))
+}
+
+/// Returns the volume displaced at an angle since first contact, mL.
+#[pyfunction]
+pub(crate) fn _volume_fit_at<'py>(
+    method: &str,
+    points: Vec<(f64, f64)>,
+    angle_rad: &Bound<'py, PyAny>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let points = points_of(points);
+    let fit = fit_named(method)?.of(&points).map_err(errors::model)?;
+    let angles = Floats::read("angle_rad", angle_rad, 1e9)?;
+    angles.map(|angle| fit.curve().at(angle)).into_object(angle_rad.py())
+}
+
+/// Returns run, angle (deg) and volume (mL) of each row of a table that `dose pumps new` reads.
+#[pyfunction]
+pub(crate) fn _volume_runs(path: PathBuf) -> PyResult<Vec<(String, f64, f64)>> {
+    let text = fs::read_to_string(&path).map_err(|error| errors::file(&path, &error))?;
+    let runs =
+        RollerRuns::of_csv(&text).map_err(|error| value(format_args!("{}: {error}", path.display())))?;
+    Ok(runs.points().map(|(run, point)| (run.to_owned(), point.angle_deg, point.volume_ml)).collect())
+}
+
+/// Returns each fall within a run: its run, from and to angle (deg), and by how much the volume falls (mL).
+#[pyfunction]
+pub(crate) fn _volume_run_falls(runs: Vec<String>, points: Vec<(f64, f64)>) -> Vec<(String, f64, f64, f64)> {
+    let runs = RollerRuns::new(runs.into_iter().zip(points_of(points)));
+    runs.falls().into_iter().map(|fall| (fall.run, fall.from_deg, fall.to_deg, fall.fall_ml)).collect()
+}
+
+/// Converts pairs of angle (deg) and volume (mL) to points.
+pub(crate) fn points_of(points: Vec<(f64, f64)>) -> Vec<VolumePoint> {
+    points.into_iter().map(|(angle_deg, volume_ml)| VolumePoint { angle_deg, volume_ml }).collect()
+}
+
+/// Reads how points are fitted.
+pub(crate) fn fit_named(method: &str) -> PyResult<Fit> {
+    choice("method", method, &[("spline", Fit::Spline), ("quintic", Fit::Quintic)])
+}

@@ -1,0 +1,146 @@
+//! Python exceptions for the errors of the Rust crates. The messages stay.
+
+use std::io;
+use std::path::Path;
+
+use pump_bench::DoseError;
+use pump_bench::calibration::CalibrationError;
+use pump_bench::displacement::SpeedLawError;
+use pump_bench::pump_file::PumpFileError as DosePumpFileError;
+use pump_bench::record::FolderError;
+use pump_ctl::plan::PlanError as CtlPlanError;
+use pump_model::ModelError;
+use pump_model::integrator::IntegrationError;
+use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::import_exception;
+use pyo3::prelude::*;
+
+import_exception!(pumpmodel.errors, DriveError);
+import_exception!(pumpmodel.errors, PlanError);
+import_exception!(pumpmodel.errors, PumpError);
+import_exception!(pumpmodel.errors, PumpFileError);
+import_exception!(pumpmodel.errors, UnfinishedError);
+
+/// Returns the `ValueError` of a bad argument.
+pub(crate) fn value(error: impl std::fmt::Display) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// Puts the place that raised an exception before its message.
+pub(crate) fn within(place: impl std::fmt::Display, error: PyErr) -> PyErr {
+    Python::attach(|py| PyErr::from_type(error.get_type(py), format!("{place}: {}", error.value(py))))
+}
+
+/// Maps an error of the model: a bad argument is a `ValueError`, an integration that fails on the way a `PumpError`.
+pub(crate) fn model(error: ModelError) -> PyErr {
+    match error {
+        ModelError::Integration(error) => integration(error),
+        ModelError::NeverSettles { .. } | ModelError::NotPeriodic { .. } => {
+            PumpError::new_err(error.to_string())
+        }
+        _ => value(error),
+    }
+}
+
+/// Maps an error of the integrator: a tolerance out of range is a `ValueError`, a failure on the way a `PumpError`.
+pub(crate) fn integration(error: IntegrationError) -> PyErr {
+    match error {
+        IntegrationError::Tolerance { .. } => value(error),
+        _ => PumpError::new_err(error.to_string()),
+    }
+}
+
+/// Maps an error of a plan: good arguments that no plan meets are a `PlanError`.
+pub(crate) fn plan(error: CtlPlanError) -> PyErr {
+    match error {
+        CtlPlanError::OutOfRange { .. } => value(error),
+        CtlPlanError::Model(error) => model(error),
+        _ => PlanError::new_err(error.to_string()),
+    }
+}
+
+/// Maps an error of a pump file: an unreadable file is an `OSError`, an unusable one a `PumpFileError`.
+pub(crate) fn pump_file(error: DosePumpFileError) -> PyErr {
+    match &error {
+        DosePumpFileError::Read { path, source } if source.raw_os_error().is_some() => file(path, source),
+        _ => PumpFileError::new_err(error.to_string()),
+    }
+}
+
+/// Returns the `OSError` of a file, in the subclass that fits its number.
+pub(crate) fn file(path: &Path, error: &io::Error) -> PyErr {
+    let text = error.to_string();
+    match error.raw_os_error() {
+        // With three arguments OSError chooses its subclass, as FileNotFoundError.
+        Some(number) => {
+            let text = text.strip_suffix(&format!(" (os error {number})")).unwrap_or(&text).to_owned();
+            PyOSError::new_err((number, text, path.as_os_str().to_owned()))
+        }
+        None => PyOSError::new_err(format!("{}: {text}", path.display())),
+    }
+}
+
+/// Maps an error of a calibration: impossible readings are a `ValueError`, a dose outside its range a `PlanError`.
+pub(crate) fn calibration(error: CalibrationError) -> PyErr {
+    match &error {
+        CalibrationError::File { path, source, .. } => file(path, source),
+        CalibrationError::Damaged { .. } => PumpError::new_err(error.to_string()),
+        CalibrationError::NoSpeed { .. }
+        | CalibrationError::OutsideSpeeds { .. }
+        | CalibrationError::OtherPump { .. } => PlanError::new_err(error.to_string()),
+        CalibrationError::Model(error) => model(*error),
+        _ => value(error),
+    }
+}
+
+/// Maps an error of a speed law: a speed or flow outside the law's range is a `ValueError`.
+pub(crate) fn speed_law(error: SpeedLawError) -> PyErr {
+    match error {
+        SpeedLawError::Model(error) => model(error),
+        _ => value(error),
+    }
+}
+
+/// Maps an error of a bench. A failing motor, and a pump or device in use, are a `DriveError`.
+pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
+    let message = error.to_string();
+    let with = |of: PyErr, numbers: &[(&str, f64)]| {
+        for (name, number) in numbers {
+            // An exception takes any attribute.
+            let _ = of.value(py).setattr(*name, *number);
+        }
+        of
+    };
+    match error {
+        DoseError::PumpFile(error) => pump_file(error),
+        DoseError::Plan(error) => plan(error),
+        DoseError::Calibration(error) => calibration(error),
+        DoseError::SpeedLaw(SpeedLawError::Model(error)) => model(error),
+        DoseError::SpeedLaw(_) => PlanError::new_err(message),
+        DoseError::Unfinished { requested_ml, least_ml, most_ml } => with(
+            UnfinishedError::new_err(format!(
+                "a dose of {requested_ml} mL is unfinished: between {least_ml:.4} and {most_ml:.4} mL were delivered; \
+                 finish it with bench.resume(), or accept it as it is with bench.discard()"
+            )),
+            &[
+                ("requested_ml", requested_ml),
+                ("delivered_least_ml", least_ml),
+                ("delivered_most_ml", most_ml),
+            ],
+        ),
+        DoseError::Drive { least_ml, most_ml, .. } => with(
+            DriveError::new_err(message),
+            &[("delivered_least_ml", least_ml), ("delivered_most_ml", most_ml)],
+        ),
+        DoseError::Folder(FolderError::Busy { .. })
+        | DoseError::Connection(_)
+        | DoseError::NoIndex { .. }
+        | DoseError::Retraction { .. } => DriveError::new_err(message),
+        DoseError::TubeWorn { .. }
+        | DoseError::RunsTheOtherWay { .. }
+        | DoseError::TooSlow { .. }
+        | DoseError::Stale { .. } => PlanError::new_err(message),
+        DoseError::NoAngle { .. } => PumpFileError::new_err(message),
+        _ => PumpError::new_err(message),
+    }
+}

@@ -1,0 +1,10 @@
+//! Pumps at constant speed: from rest over time, in the steady state, and the steady states of many pumps.
+
+mod run;
+mod simulate;
+mod steady_state;
+mod sweep;
+
+pub(crate) use run::Run;
+pub(crate) use steady_state::SteadyState;
+pub(crate) use sweep::_steady_states;

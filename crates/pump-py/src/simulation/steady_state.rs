@@ -1,0 +1,249 @@
+//! The periodic steady state, at one speed or at many.
+
+use pump_bench::simulation::SteadyReport;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::argument::{Argument, Floats, speed};
+use crate::pump::Pump;
+use crate::python::{Interrupt, errors};
+
+/// Number of attributes of a steady state.
+const FIELDS: usize = 10;
+
+/// Periodic steady state of a pump at constant speed, without any trace of the start.
+///
+/// `Pump.steady_state` makes steady states. The attributes are floats if the speed was one number, otherwise read-only
+/// arrays of the speeds' shape.
+#[pyclass(frozen, generic, get_all, module = "pumpmodel")]
+pub(crate) struct SteadyState {
+    /// Speed of the pump head, r/min; negative in reverse.
+    speed_rpm: Py<PyAny>,
+    /// Smallest inlet pressure, kPa absolute.
+    inlet_min_kpa: Py<PyAny>,
+    /// Largest inlet pressure, kPa absolute.
+    inlet_max_kpa: Py<PyAny>,
+    /// Mean inlet pressure, kPa absolute.
+    inlet_mean_kpa: Py<PyAny>,
+    /// Smallest outlet pressure, kPa absolute.
+    outlet_min_kpa: Py<PyAny>,
+    /// Largest outlet pressure, kPa absolute.
+    outlet_max_kpa: Py<PyAny>,
+    /// Mean outlet pressure, kPa absolute.
+    outlet_mean_kpa: Py<PyAny>,
+    /// Mean flow, mL/s; negative in reverse.
+    mean_flow_ml_s: Py<PyAny>,
+    /// (Largest - smallest) / mean of the flow at the outlet rollers.
+    ripple_peak_to_peak: Py<PyAny>,
+    /// Standard deviation / mean of the flow at the outlet rollers.
+    ripple_rms: Py<PyAny>,
+}
+
+#[pymethods]
+impl Pump {
+    /// Compute the periodic steady state at constant speed. Other Python threads run meanwhile.
+    ///
+    /// A line that is a hose has its resistance at the pump's default rate. `simulate` follows its friction at every
+    /// flow.
+    ///
+    /// Parameters
+    /// ----------
+    /// speed_rpm : float or array_like
+    ///     Speed of the pump head, r/min; negative in reverse; not zero.
+    /// speed_rad_s : float or array_like
+    ///     Speed of the pump head, rad/s. Give exactly one of `speed_rpm` and `speed_rad_s`.
+    ///
+    /// Returns
+    /// -------
+    /// SteadyState
+    ///     Attributes are floats for one speed; array input gives arrays of float64 of its shape.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If a speed is not allowed, or a line without resistance resonates at it.
+    /// PumpError
+    ///     If the solver fails on the way.
+    #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None))]
+    fn steady_state<'py>(
+        &self,
+        py: Python<'py>,
+        speed_rpm: Argument<'_, 'py>,
+        speed_rad_s: Argument<'_, 'py>,
+    ) -> PyResult<SteadyState> {
+        SteadyState::at(py, self, &speed::speeds_rad_s(speed_rpm, speed_rad_s)?)
+    }
+}
+
+#[pymethods]
+impl SteadyState {
+    /// Return a table with one row for each speed, in C order. Needs pandas.
+    ///
+    /// Returns
+    /// -------
+    /// pandas.DataFrame
+    ///     One column for each attribute. `attrs["units"]` has their units.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If pandas is not installed: `pip install "pumpmodel[dataframe]"`.
+    fn to_dataframe<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("pumpmodel._results.tables")?.call_method1("steady_dataframe", (slf,))
+    }
+
+    /// Return the attributes over the speed. Needs xarray.
+    ///
+    /// Returns
+    /// -------
+    /// xarray.Dataset
+    ///     One variable for each attribute, of the speeds' shape; speeds of one dimension are the coordinate
+    ///     `speed_rpm`. Each has the attributes `units` and `long_name`.
+    ///
+    /// Raises
+    /// ------
+    /// ImportError
+    ///     If xarray is not installed: `pip install "pumpmodel[xarray]"`.
+    fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("pumpmodel._results.tables")?.call_method1("steady_xarray", (slf,))
+    }
+
+    /// Return the attributes by their names.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     Floats or read-only arrays, without a copy.
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let dict = PyDict::new(py);
+        for (name, numbers) in self.fields() {
+            dict.set_item(name, numbers)?;
+        }
+        Ok(dict)
+    }
+
+    fn __eq__(&self, py: Python<'_>, other: &Self) -> PyResult<bool> {
+        for ((name, mine), (_, theirs)) in self.fields().into_iter().zip(other.fields()) {
+            if Floats::extract(name, mine.bind(py))? != Floats::extract(name, theirs.bind(py))? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let shown = self
+            .fields()
+            .into_iter()
+            .map(|(name, numbers)| Ok(format!("{name}={}", numbers.bind(py).repr()?)))
+            .collect::<PyResult<Vec<_>>>()?;
+        Ok(format!("SteadyState({})", shown.join(", ")))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let fields = PyTuple::new(py, self.fields().map(|(_, numbers)| numbers))?;
+        Ok((py.get_type::<Self>().getattr("_rebuild")?, fields))
+    }
+
+    #[staticmethod]
+    #[pyo3(signature = (*fields))]
+    fn _rebuild(py: Python<'_>, fields: Vec<Bound<'_, PyAny>>) -> PyResult<Self> {
+        let fields = fields
+            .iter()
+            .map(|numbers| Floats::extract("an attribute of a steady state", numbers))
+            .collect::<PyResult<Vec<_>>>()?;
+        let fields = <[Floats; FIELDS]>::try_from(fields)
+            .map_err(|_| errors::value("these are not the 10 attributes that a steady state needs"))?;
+        Self::new(py, fields)
+    }
+}
+
+impl SteadyState {
+    /// Computes the steady state at every speed, while other Python threads run.
+    fn at(py: Python<'_>, pump: &Pump, speeds_rad_s: &Floats) -> PyResult<Self> {
+        let reports = py.detach(|| -> PyResult<Vec<SteadyReport>> {
+            let mut reports = Vec::new();
+            let mut interrupt = Interrupt::new();
+            for speed_rad_s in speeds_rad_s.values() {
+                interrupt.check()?;
+                let model = pump.model_at(*speed_rad_s).map_err(errors::speed_law)?;
+                let steady = model.steady_state(*speed_rad_s);
+                reports.push(steady.map_err(errors::model)?.into());
+            }
+            Ok(reports)
+        })?;
+        let of: [fn(&SteadyReport) -> f64; FIELDS - 1] = [
+            |report| report.inlet_min_kpa,
+            |report| report.inlet_max_kpa,
+            |report| report.inlet_mean_kpa,
+            |report| report.outlet_min_kpa,
+            |report| report.outlet_max_kpa,
+            |report| report.outlet_mean_kpa,
+            |report| report.mean_flow_ml_s,
+            |report| report.ripple_peak_to_peak,
+            |report| report.ripple_rms,
+        ];
+        let columns = of.map(|field| speeds_rad_s.with_values(reports.iter().map(field).collect()));
+        let [inlet_min, inlet_max, inlet_mean, outlet_min, outlet_max, outlet_mean, flow, peak_to_peak, rms] =
+            columns;
+        let speed = speeds_rad_s.map(speed::rpm);
+        Self::new(
+            py,
+            [
+                speed,
+                inlet_min,
+                inlet_max,
+                inlet_mean,
+                outlet_min,
+                outlet_max,
+                outlet_mean,
+                flow,
+                peak_to_peak,
+                rms,
+            ],
+        )
+    }
+
+    fn new(py: Python<'_>, fields: [Floats; FIELDS]) -> PyResult<Self> {
+        let [
+            speed,
+            inlet_min,
+            inlet_max,
+            inlet_mean,
+            outlet_min,
+            outlet_max,
+            outlet_mean,
+            flow,
+            peak_to_peak,
+            rms,
+        ] = fields;
+        Ok(Self {
+            speed_rpm: speed.into_frozen(py)?,
+            inlet_min_kpa: inlet_min.into_frozen(py)?,
+            inlet_max_kpa: inlet_max.into_frozen(py)?,
+            inlet_mean_kpa: inlet_mean.into_frozen(py)?,
+            outlet_min_kpa: outlet_min.into_frozen(py)?,
+            outlet_max_kpa: outlet_max.into_frozen(py)?,
+            outlet_mean_kpa: outlet_mean.into_frozen(py)?,
+            mean_flow_ml_s: flow.into_frozen(py)?,
+            ripple_peak_to_peak: peak_to_peak.into_frozen(py)?,
+            ripple_rms: rms.into_frozen(py)?,
+        })
+    }
+
+    /// Returns the attributes by their names.
+    fn fields(&self) -> [(&'static str, &Py<PyAny>); FIELDS] {
+        [
+            ("speed_rpm", &self.speed_rpm),
+            ("inlet_min_kpa", &self.inlet_min_kpa),
+            ("inlet_max_kpa", &self.inlet_max_kpa),
+            ("inlet_mean_kpa", &self.inlet_mean_kpa),
+            ("outlet_min_kpa", &self.outlet_min_kpa),
+            ("outlet_max_kpa", &self.outlet_max_kpa),
+            ("outlet_mean_kpa", &self.outlet_mean_kpa),
+            ("mean_flow_ml_s", &self.mean_flow_ml_s),
+            ("ripple_peak_to_peak", &self.ripple_peak_to_peak),
+            ("ripple_rms", &self.ripple_rms),
+        ]
+    }
+}

@@ -1,0 +1,15 @@
+"""Fixtures of every test."""
+
+import signal
+from collections.abc import Iterator
+
+import pytest
+
+
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Let SIGINT interrupt the test even if the process was started with SIGINT ignored."""
+    # A shell starts background jobs of a script in this way, and Python then installs no handler of its own.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

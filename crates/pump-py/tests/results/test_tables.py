@@ -1,0 +1,78 @@
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pumpmodel as pm
+
+PUMP = pm.Pump.three_roller()
+RUN = PUMP.simulate(speed_rpm=100, duration_s=0.1)
+PLAN = pm.Doser(PUMP).plan("-1mL")
+STEADY = PUMP.steady_state(speed_rpm=[[10, 20, 30], [40, 50, 60]])
+
+
+def test_a_table_has_the_columns_and_their_units() -> None:
+    pytest.importorskip("pandas")
+    table = RUN.to_dataframe()
+    assert list(table.columns) == list(RUN.to_dict())
+    assert table.attrs["units"]["q_out_ml_s"] == "mL/s"
+    np.testing.assert_array_equal(table["p_out_kpa"].to_numpy(), RUN.p_out_kpa)
+    steps = PLAN.to_dataframe()
+    assert list(steps.columns) == ["step", "time_s", "direction", "angle_rad"]
+    assert len(steps) == abs(PLAN.steps)
+    assert set(steps["direction"]) == {-1}
+    assert steps["angle_rad"].iloc[-1] == pytest.approx(PLAN.end_angle_rad)
+    rows = STEADY.to_dataframe()
+    assert rows["speed_rpm"].tolist() == pytest.approx([10, 20, 30, 40, 50, 60])
+    assert rows["mean_flow_ml_s"].iloc[5] == STEADY.mean_flow_ml_s[1, 2]
+    assert len(PUMP.steady_state(speed_rpm=10).to_dataframe()) == 1
+
+
+def test_a_dataset_has_dimensions_and_attributes() -> None:
+    pytest.importorskip("xarray")
+    data = RUN.to_xarray()
+    assert data["p_in_kpa"].dims == ("time_s",)
+    assert data["p_in_kpa"].attrs == {"units": "kPa", "long_name": "pressure at the inlet, absolute"}
+    assert data["time_s"].attrs["units"] == "s"
+    np.testing.assert_array_equal(data["delivered_ml"], RUN.delivered_ml)
+    assert PLAN.to_xarray()["angle_rad"].sizes == {"time_s": abs(PLAN.steps)}
+    grid = STEADY.to_xarray()
+    assert grid["outlet_max_kpa"].shape == (2, 3)
+    line = PUMP.steady_state(speed_rpm=[10, 20]).to_xarray()
+    assert line["outlet_max_kpa"].dims == ("speed_rpm",)
+    assert PUMP.steady_state(speed_rpm=10).to_xarray()["speed_rpm"].shape == ()
+
+
+@pytest.mark.parametrize(("module", "extra"), [("pandas", "dataframe"), ("xarray", "xarray")])
+def test_without_them_the_extra_is_named(module: str, extra: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    for result in (RUN, PLAN, STEADY):
+        convert = result.to_dataframe if module == "pandas" else result.to_xarray
+        with pytest.raises(ImportError, match=rf'pip install "pumpmodel\[{extra}\]"'):
+            convert()
+
+
+def test_a_run_returns_from_its_dict_and_shares_its_arrays() -> None:
+    data = RUN.to_dict()
+    assert data["p_in_kpa"] is RUN.p_in_kpa
+    assert pm.Run.from_dict(data) == RUN
+    wrong: list[tuple[dict[str, Any], str]] = [
+        ({**data, "colour": [1]}, "colour is not a column"),
+        ({name: data[name] for name in list(data)[1:]}, "time_s is missing"),
+        ({**data, "time_s": [0.0]}, "differ in length"),
+    ]
+    for changed, message in wrong:
+        with pytest.raises(ValueError, match=message):
+            pm.Run.from_dict(changed)
+
+
+def test_lines_and_limits_are_replaced_and_return_from_their_dicts() -> None:
+    line = PUMP.outlet
+    assert pm.Line(**line.to_dict()) == line
+    assert line.replace(reservoir_kpa=100).reservoir_kpa == 100
+    assert line.replace() == line
+    with pytest.raises(ValueError, match="allowed"):
+        line.replace(compliance_ml_kpa=0)
+    limits = pm.Limits(max_outlet_kpa=150)
+    assert pm.Limits(**limits.to_dict()) == limits
