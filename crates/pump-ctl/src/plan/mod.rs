@@ -8,7 +8,6 @@
 mod limits;
 mod line_states;
 mod moves;
-#[expect(clippy::module_inception, reason = "the room is named after the struct that it makes")]
 mod plan;
 mod prediction;
 mod profile;
