@@ -11,6 +11,7 @@ mod schedule;
 mod tube_life;
 mod uncertainty;
 mod unknown_angle;
+mod warnings;
 
 pub use error::{DoseError, ErrorClass};
 pub use prepared::Prepared;
