@@ -10,7 +10,7 @@ use pump_ctl::plan::{Motor, Plan};
 
 use super::board::{Board, Heard};
 use super::error::GrblError;
-use super::jogs::{Motion, Task};
+use super::jogs::{Jogs, Task};
 use super::port::Port;
 use super::recovery::Known;
 use super::reply::Reply;
@@ -139,13 +139,13 @@ impl Grbl {
     fn travel<T>(
         &mut self,
         plan: &Plan,
-        motion: impl FnOnce(&mut Motion<'_>) -> Result<T, GrblError>,
+        motion: impl FnOnce(&mut Jogs<'_>) -> Result<T, GrblError>,
     ) -> Result<(T, u64), DriveFault> {
         let task = match self.task(plan) {
             Ok(task) => task,
             Err(error) => return Err(self.fault(error, 0, 0)),
         };
-        let mut under_way = Motion::new(&mut self.board, &self.scale, task);
+        let mut under_way = Jogs::new(&mut self.board, &self.scale, task);
         let outcome = motion(&mut under_way).map_err(|error| under_way.recover(error));
         let (made, sent) = (under_way.made, under_way.sent);
         let known = match &outcome {

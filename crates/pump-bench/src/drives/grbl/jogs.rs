@@ -100,7 +100,7 @@ enum Ended {
 
 /// A motion under way.
 #[derive(Debug)]
-pub(super) struct Motion<'a> {
+pub(super) struct Jogs<'a> {
     pub board: &'a mut Board,
     pub scale: &'a Scale,
     pub task: Task,
@@ -120,7 +120,7 @@ pub(super) struct Motion<'a> {
     short: u32,
 }
 
-impl<'a> Motion<'a> {
+impl<'a> Jogs<'a> {
     pub fn new(board: &'a mut Board, scale: &'a Scale, task: Task) -> Self {
         Self {
             board,

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::board::{Heard, OK_LIMIT, POLL};
 use super::error::GrblError;
-use super::jogs::Motion;
+use super::jogs::Jogs;
 use super::reply::{Reply, State};
 
 /// Cancels jogs: the motor decelerates. It can be missed, so it is repeated.
@@ -30,7 +30,7 @@ pub(super) enum Known {
     Nowhere,
 }
 
-impl Motion<'_> {
+impl Jogs<'_> {
     /// Stops after `error`. Returns the error that remains, and how well `made` is known.
     pub fn recover(&mut self, error: GrblError) -> (GrblError, Known) {
         if error.ends_link() {

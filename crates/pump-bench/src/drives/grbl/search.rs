@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use super::board::{Heard, POLL};
 use super::connect::{RESET, rest};
 use super::error::GrblError;
-use super::jogs::{Motion, feed_text};
+use super::jogs::{Jogs, feed_text};
 use super::recovery::HOLD;
 use super::reply::{Reply, State};
 use crate::drives::{Gate, Sought};
@@ -27,7 +27,7 @@ enum Probed {
     Asked,
 }
 
-impl Motion<'_> {
+impl Jogs<'_> {
     /// Turns until the sensor answers, all steps are made or the gate breaks, and rests.
     ///
     /// Probing moves have relative targets, which the board rounds itself: this one is a step shorter, and a jog makes what
