@@ -1,4 +1,4 @@
-//! One dose: what is asked, what is planned and predicted, and how sure it is.
+//! One dose: its request, its plan and prediction, and its uncertainty.
 
 #[cfg(test)]
 mod coverage;

@@ -1,4 +1,5 @@
-//! Retraction (suck-back): after a dose the pump turns back a little, so that nothing drips. The next dose repays it.
+//! Retraction (suck-back): after a dose the pump turns back a little, so that nothing drips. The next dose
+//! repays it.
 
 use pump_ctl::plan::{Cruise, Limits, Phase, Plan, PlanError, Prediction, Request, plan};
 use pump_model::Pump;
@@ -17,8 +18,8 @@ pub struct Retraction {
 impl Retraction {
     /// Plans the way back by `volume_ml` (positive) from the end of `dose`, at the dose's own cruise speed.
     ///
-    /// `model` is the pump as corrected for the dose. `asked_ml` is the volume asked for in all, and `carry_ml` is the
-    /// carry after the dose.
+    /// `model` is the pump as corrected for the dose. `asked_ml` is the volume asked for in all, and
+    /// `carry_ml` is the carry after the dose.
     pub(super) fn new(
         model: &Pump,
         dose: &Plan,

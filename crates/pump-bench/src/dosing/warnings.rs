@@ -53,11 +53,14 @@ pub(super) fn of_plan(
     Ok(warnings)
 }
 
-/// Warns of a roller volume that is estimated from the drawing, unless the pump's displacement was calibrated.
+/// Warns of a roller volume that is estimated from the drawing, unless the pump's displacement was
+/// calibrated.
 pub(super) fn estimated_pump(file: &PumpFile, applied: Option<&Applied>) -> Option<String> {
     let is_weighed = applied.is_some_and(|applied| applied.displacement.is_some());
     (file.is_estimated() && !is_weighed).then(|| {
-        "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on it".to_owned()
+        "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on \
+         it"
+        .to_owned()
     })
 }
 
@@ -96,8 +99,8 @@ fn low_flow_carry(model: &Pump, plan: &Plan) -> Result<Option<String>, PlanError
     let nearest: Vec<String> =
         volumes.map(|volume_ml| format!("{:.4} mL", volume_ml - plan.carry_in_ml)).collect();
     Ok(Some(format!(
-        "to end at low flow the dose gives {:.4} mL for {} mL asked and carries {:+.4} mL to the next; nearest volumes \
-         that end there and carry nothing: {}",
+        "to end at low flow the dose gives {:.4} mL for {} mL asked and carries {:+.4} mL to the next; \
+         nearest volumes that end there and carry nothing: {}",
         plan.planned_ml,
         plan.requested_ml,
         plan.carry_ml,
@@ -109,7 +112,8 @@ fn low_flow_carry(model: &Pump, plan: &Plan) -> Result<Option<String>, PlanError
 fn coarse_step(plan: &Plan) -> Option<String> {
     (plan.carry_ml.abs() > COARSE * plan.requested_ml.abs()).then(|| {
         format!(
-            "a motor step is coarse for this dose: it gives {:.2} µL, and the other {:.2} µL are carried to the next",
+            "a motor step is coarse for this dose: it gives {:.2} µL, and the other {:.2} µL are carried to \
+             the next",
             1e3 * plan.planned_ml,
             1e3 * plan.carry_ml
         )
@@ -120,8 +124,8 @@ fn coarse_step(plan: &Plan) -> Option<String> {
 fn cavitation(port: &str, min_kpa: f64) -> Option<String> {
     (min_kpa < 0.0).then(|| {
         format!(
-            "the {port} pressure would fall to {min_kpa:.1} kPa absolute, which no liquid can: it would cavitate and the \
-             dose would be short; lower the rate"
+            "the {port} pressure would fall to {min_kpa:.1} kPa absolute, which no liquid can: it would \
+             cavitate and the dose would be short; lower the rate"
         )
     })
 }
@@ -131,7 +135,8 @@ fn close_to_limit(quantity: &str, unit: &str, margin: Margin) -> Option<String> 
     let Margin { reached, limit, used } = margin;
     (used > CLOSE).then(|| {
         format!(
-            "the {quantity} comes close to its limit: {reached:.4} of {limit:.4} {unit}, {:.1} % of the room from rest",
+            "the {quantity} comes close to its limit: {reached:.4} of {limit:.4} {unit}, {:.1} % of the \
+             room from rest",
             100.0 * used
         )
     })
@@ -141,7 +146,8 @@ fn close_to_limit(quantity: &str, unit: &str, margin: Margin) -> Option<String> 
 fn rough_steps(prediction: &Prediction) -> Option<String> {
     (prediction.step_kpa > SWING_KPA).then(|| {
         format!(
-            "a single motor step moves the pressure by up to {:.1} kPa on top of the prediction; use more microsteps",
+            "a single motor step moves the pressure by up to {:.1} kPa on top of the prediction; use more \
+             microsteps",
             prediction.step_kpa
         )
     })

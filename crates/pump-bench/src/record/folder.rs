@@ -30,7 +30,10 @@ pub enum FolderError {
         path: PathBuf,
     },
     /// A file or folder cannot be used.
-    #[error("cannot {action} {}: {source}; choose another folder with --state-dir or DOSE_STATE_DIR", .path.display())]
+    #[error(
+        "cannot {action} {}: {source}; choose another folder with --state-dir or DOSE_STATE_DIR",
+        .path.display()
+    )]
     File {
         /// Operation that failed.
         action: &'static str,
@@ -41,7 +44,8 @@ pub enum FolderError {
     },
     /// No folder for journals is named or can be found.
     #[error(
-        "no folder for journals: neither XDG_STATE_HOME nor HOME is set; name one with --state-dir or DOSE_STATE_DIR"
+        "no folder for journals: neither XDG_STATE_HOME nor HOME is set; name one with --state-dir or \
+         DOSE_STATE_DIR"
     )]
     NoFolder,
 }

@@ -63,7 +63,8 @@ impl Intent {
         self.correction.volume_ml(pump, self.start_angle_rad, self.angle_after(made))
     }
 
-    /// Returns the smallest and largest volume of the first `made` steps over all possible start angles, in mL.
+    /// Returns the smallest and largest volume of the first `made` steps over all possible start angles, in
+    /// mL.
     pub(super) fn range_ml(&self, pump: &Pump, made: u64) -> (f64, f64) {
         if self.half_width_rad == 0.0 {
             let volume_ml = self.delivered_ml(pump, made);

@@ -26,7 +26,11 @@ const WINDOW: u64 = 65_536;
 #[non_exhaustive]
 pub enum JournalError {
     /// The file cannot be read or written.
-    #[error("cannot {action} {}: {source}; make room there, or choose another folder with --state-dir or DOSE_STATE_DIR", .path.display())]
+    #[error(
+        "cannot {action} {}: {source}; make room there, or choose another folder with --state-dir or \
+         DOSE_STATE_DIR",
+        .path.display()
+    )]
     File {
         /// Operation that failed.
         action: &'static str,
@@ -37,8 +41,8 @@ pub enum JournalError {
     },
     /// A line before the end of the file is damaged.
     #[error(
-        "line {line} of the journal {} is damaged: {message}; neither the rotor's angle nor the carry is known: see \
-         where the rollers stand, move the file away, and say so with `dose home --set <ANGLE>`",
+        "line {line} of the journal {} is damaged: {message}; neither the rotor's angle nor the carry is \
+         known: see where the rollers stand, move the file away, and say so with `dose home --set <ANGLE>`",
         .path.display()
     )]
     Damaged {

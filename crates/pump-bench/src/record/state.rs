@@ -24,10 +24,12 @@ pub struct State {
     /// Source of the angle.
     #[serde(default)]
     pub source: PhaseSource,
-    /// Step count of the device, positive toward the outlet. `None` if the device has no count or was not asked.
+    /// Step count of the device, positive toward the outlet. `None` if the device has no count or was not
+    /// asked.
     #[serde(default)]
     pub count: Option<i64>,
-    /// Number of times that the rotor was released, or its device reset or lost, since the angle was last found.
+    /// Number of times that the rotor was released, or its device reset or lost, since the angle was last
+    /// found.
     #[serde(default)]
     pub disturbances: u8,
     /// True if the motor was released on purpose. Waking the device is then no further disturbance.
@@ -56,7 +58,8 @@ impl State {
         Self { carry_ml: 0.0, source, disturbances: 0, ..self.at(phase) }
     }
 
-    /// Returns the state after the rotor may have been released and caught again. It fell by `by_rad` at most.
+    /// Returns the state after the rotor may have been released and caught again. It fell by `by_rad` at
+    /// most.
     ///
     /// After the second such disturbance the angle is unknown.
     pub(crate) fn disturbed(self, by_rad: f64, pitch_rad: f64) -> Self {

@@ -16,14 +16,15 @@ pub struct Unfinished {
     pub made_least: u64,
     /// Most steps that were made.
     pub made_most: u64,
-    /// Count of the device at the start, if the device was lost on the way. Its count tells the steps made once it is
-    /// met again.
+    /// Count of the device at the start, if the device was lost on the way. Its count tells the steps made
+    /// once it is met again.
     #[serde(default)]
     pub count_before: Option<i64>,
 }
 
 impl Unfinished {
-    /// Returns true if a device that counted `moved` steps since the start stayed within the announced bounds.
+    /// Returns true if a device that counted `moved` steps since the start stayed within the announced
+    /// bounds.
     pub(crate) fn holds(&self, moved: i64) -> bool {
         let forward = moved.signum() != -self.intent.steps.signum();
         forward && (self.made_least..=self.made_most).contains(&moved.unsigned_abs())
@@ -38,7 +39,8 @@ impl Unfinished {
         }
     }
 
-    /// Returns the smallest and largest volume that the dose may have delivered, in mL. Both are negative in reverse.
+    /// Returns the smallest and largest volume that the dose may have delivered, in mL. Both are negative in
+    /// reverse.
     pub fn delivered_ml(&self, pump: &Pump) -> (f64, f64) {
         let [least, most] = [self.made_least, self.made_most].map(|made| self.intent.range_ml(pump, made));
         (least.0.min(most.0), least.1.max(most.1))
