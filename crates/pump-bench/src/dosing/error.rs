@@ -110,7 +110,7 @@ pub enum DoseError {
         pump: String,
         /// Table and key of the pump file.
         key: &'static str,
-        /// Two parts that meet at the angle.
+        /// Event at the angle, as the message words it.
         what: &'static str,
     },
     /// The index sensor did not answer within a revolution.
