@@ -87,8 +87,9 @@ impl Bench {
         headline(&self.file.pump.id, self.driver() == DriverName::Sim, device.as_deref())
     }
 
-    /// Returns the angle that a released rotor may fall before it is caught again: two full steps of the
-    /// motor, in rad of the pump head.
+    /// Returns the angle that a released rotor may fall before it is caught again, in rad of the pump head.
+    ///
+    /// The angle is two full steps of the motor.
     pub(crate) fn fall_rad(&self) -> f64 {
         2.0 * TURN_RAD / (f64::from(self.file.motor.full_steps_per_rev) * self.file.motor.gear)
     }
@@ -132,8 +133,8 @@ impl Bench {
     ///
     /// # Errors
     ///
-    /// [`DoseError`] if the dose cannot be planned, a dose is unfinished, or another process moves the pump:
-    /// where that process will stop is not known yet.
+    /// [`DoseError`] if the dose cannot be planned or a dose is unfinished. [`DoseError::Folder`] if another
+    /// process moves the pump, because nobody knows yet where it will stop.
     pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
         let state = self.story()?.state;
         if state.is_some_and(|state| state.unfinished.is_some())

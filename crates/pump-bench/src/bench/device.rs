@@ -189,8 +189,8 @@ impl<'a> Session<'a> {
         Err(DoseError::Connection(DriveError::Unable {
             driver: self.bench.driver().as_str(),
             ability: "index sensor",
-            instead: "say where the rollers stand with `dose home --set <ANGLE>`, or turn them to a mark with \
-                      `dose home --mark`",
+            instead: "say where the rollers stand with `dose home --set <ANGLE>`, or turn them to a mark \
+                      with `dose home --mark`",
         }))
     }
 }

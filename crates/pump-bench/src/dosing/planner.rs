@@ -13,7 +13,8 @@ use crate::pump_file::PumpFile;
 /// Relative difference up to which two model volumes of a revolution are equal.
 const SAME_PUMP: f64 = 1e-9;
 
-/// Rounds until speed and displacement agree. Three are usual. Whole steps may keep two speeds apart forever.
+/// Most rounds until speed and displacement agree. Three are usual. Two speeds may alternate forever, because
+/// steps are whole.
 const MOST_ROUNDS: u32 = 20;
 
 /// Difference up to which two factors are equal: 1e-9 of a volume is far below a step.

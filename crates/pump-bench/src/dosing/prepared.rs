@@ -75,8 +75,8 @@ impl Prepared {
     ///
     /// # Errors
     ///
-    /// [`DoseError`] if a value of the request is out of range, the dose cannot keep the pump's limits, or
-    /// the calibration does not hold for the pump or the speed.
+    /// [`DoseError`] if a value of the request is out of range, or the dose cannot keep the pump's limits.
+    /// [`DoseError::Calibration`] if the calibration does not hold for the pump or the speed.
     pub fn calibrated(
         file: &PumpFile,
         model: &Pump,

@@ -81,27 +81,23 @@ impl Budget {
         share(
             "roller_volume",
             table.roller_volume_ml * pulses_unsure(pump, plan, sureness.is_some()),
-            "dose whole pitches, or find the roller \
-            volume: `dose calibrate phase`",
+            "dose whole pitches, or find the roller volume: `dose calibrate phase`",
         );
         share("step", plan.end_step_ml(pump) / sqrt(12.0), "use more microsteps");
         share(
             "phase",
             phase_share_ml(pump, plan, zero_rad),
-            "say where the rollers stand, `dose home --set`, or dose whole \
-            pitches",
+            "say where the rollers stand, `dose home --set`, or dose whole pitches",
         );
         share(
             "calibration",
             of_calibration(|sure| sure.factor) * volume_ml,
-            "weigh more runs, or longer ones, on a better \
-            scale",
+            "weigh more runs, or longer ones, on a better scale",
         );
         share(
             "speed_law",
             law.unwrap_or(of_calibration(|sure| sure.speed_law)) * volume_ml,
-            "calibrate at three speeds or more, this \
-            one among them",
+            "calibrate at three speeds or more, this one among them",
         );
         share("temperature", temperature * volume_ml, "calibrate at the temperature at which you dose");
         share(
@@ -109,12 +105,17 @@ impl Budget {
             common * plan.carry_in_ml.abs(),
             "calibrate, so that the carry from earlier doses is surer",
         );
-        let variance = budget.standard_ml() * budget.standard_ml();
-        for share in &mut budget.shares {
+        budget.with_percentages()
+    }
+
+    /// Sets each share's part of the variance.
+    fn with_percentages(mut self) -> Self {
+        let variance = self.standard_ml() * self.standard_ml();
+        for share in &mut self.shares {
             share.variance_percent =
                 if variance > 0.0 { 100.0 * share.standard_ml * share.standard_ml / variance } else { 0.0 };
         }
-        budget
+        self
     }
 
     /// Returns the combined standard uncertainty, in mL.
@@ -135,9 +136,9 @@ impl Budget {
 
 /// Returns the number of roller volumes by which another roller volume changes what `plan` delivers.
 ///
-/// With known dimensions that number is the roller volumes that the plan sweeps, one at most, because the
-/// common part of several is in the model's share. With a known volume of a revolution it is the swept number
-/// less the average number in the plan's turn.
+/// With known dimensions that number is the roller volumes that the plan sweeps, one at most. The common part
+/// of several is in the model's share. With a known volume of a revolution it is the swept number less the
+/// average number in the plan's turn.
 fn pulses_unsure(pump: &Pump, plan: &Plan, revolution_is_known: bool) -> f64 {
     let turn_rad = (plan.end_angle_rad() - plan.start.angle_rad).abs();
     let taken_ml = pump.nominal_ml_rad() * turn_rad - plan.planned_ml.abs();
