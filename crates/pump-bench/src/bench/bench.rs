@@ -45,7 +45,8 @@ impl Bench {
         Ok(Self { file, model, drive, folder, configure: false })
     }
 
-    /// Returns the bench with its device at another port. A driver without a port refuses one when it opens.
+    /// Returns the bench with its device at `port`, if a port is given. A driver that needs a port refuses to
+    /// open without one.
     pub fn at_port(mut self, port: Option<PathBuf>) -> Self {
         self.drive.port = port.or(self.drive.port);
         self
@@ -104,8 +105,8 @@ impl Bench {
         Calibrations::of(&self.folder)
     }
 
-    /// Returns the state of this pump without a journal. A simulated rotor stands at 0 deg, any other
-    /// anywhere.
+    /// Returns the state of this pump without a journal. A simulated rotor stands at 0 deg. The angle of any
+    /// other is unknown.
     pub(crate) fn fresh(&self) -> State {
         let phase = registry::fresh(self.driver(), self.model.pitch_rad());
         State::fresh(phase, PhaseSource::Home)

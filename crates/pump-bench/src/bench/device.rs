@@ -21,7 +21,7 @@ pub(super) struct Device<'a> {
     limits: Option<DriveLimits>,
     /// Notes for the user that were not shown yet.
     pub(super) notes: Vec<String>,
-    /// Time since which the motor holds.
+    /// Instant from which on the motor holds.
     pub(super) holds_since: Instant,
 }
 

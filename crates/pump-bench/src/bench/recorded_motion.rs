@@ -113,7 +113,7 @@ impl<'a> Session<'a> {
         let journal = &mut self.journal;
         let mut gate = |made: u64, about_to: u64| {
             let ends = about_to > stretches.end;
-            // Drives that make many steps at a time ask seldom, so every time is a time to look.
+            // Drives that make many steps at a time ask seldom enough to call `watch` every time.
             let looks = ends || about_to > made + 1 || made.is_multiple_of(WATCH_EVERY);
             if looks && watch(made).is_break() {
                 return ControlFlow::Break(());

@@ -25,7 +25,7 @@ pub struct Session<'a> {
     pub(super) state: Option<State>,
     /// True if the state is on record as the rotor's rest.
     pub(super) written: bool,
-    /// State before the motion that a process before this one did not end, and that motion.
+    /// State before a motion that an earlier process left unended, and that motion.
     pub(super) cut_off: Option<(State, Unfinished)>,
     /// Device that turns the motor. It is opened once it is needed.
     pub(super) device: Option<Device<'a>>,

@@ -63,7 +63,7 @@ pub enum ScheduleError {
 /// ```
 /// use std::time::Duration;
 ///
-/// use pump_bench::batch::{Action, Missed, Schedule};
+/// use pump_bench::dosing::{Action, Missed, Schedule};
 ///
 /// let mut schedule = Schedule::new(3, Some(10.0), Missed::Skip)?;
 /// let at = Duration::from_secs;
@@ -73,7 +73,7 @@ pub enum ScheduleError {
 /// assert_eq!(schedule.next(at(12)), Action::Wait(at(20)));
 /// assert_eq!(schedule.next(at(20)), Action::Dose(3));
 /// assert_eq!(schedule.next(at(21)), Action::Done);
-/// # Ok::<(), pump_bench::batch::ScheduleError>(())
+/// # Ok::<(), pump_bench::dosing::ScheduleError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Schedule {
