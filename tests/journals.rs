@@ -112,6 +112,6 @@ fn a_dose_prepared_before_another_one_moved_the_rotor_is_refused() {
     session.run(&prepared, |_| ControlFlow::Continue(())).unwrap();
     let before = session.state().copied();
     let refused = session.run(&prepared, |_| ControlFlow::Continue(())).unwrap_err().to_string();
-    assert!(refused.contains("prepare it anew"), "{refused}");
+    assert!(refused.contains("prepare the dose again"), "{refused}");
     assert_eq!(session.state().copied(), before);
 }

@@ -1,4 +1,4 @@
-//! A bench: one pump, what turns it, and what is recorded of it.
+//! A bench: one pump, its drive, and its record.
 
 use std::path::{Path, PathBuf};
 
@@ -17,19 +17,24 @@ use crate::record::Folder;
 use crate::record::{PhaseSource, Purpose};
 use crate::record::{State, Story};
 
-/// A pump with its driver and the folder of its journal.
+/// Bench of one pump: its file, its model, its drive and the folder of its journal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bench {
     file: PumpFile,
     model: Pump,
     drive: DriveTable,
     folder: Folder,
-    /// Whether the device's settings may be written.
+    /// True if the settings of the device may be written.
     configure: bool,
 }
 
 impl Bench {
-    /// A bench for the pump of `file` with the driver that it names, or `driver` instead. Creates nothing yet.
+    /// Sets up a bench for the pump of `file` with the driver that the file names, or `driver` instead.
+    /// Creates nothing yet.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::PumpFile`] or [`DoseError::Plan`] if the pump file or its model cannot be used.
     pub fn new(file: PumpFile, driver: Option<DriverName>, state_dir: &Path) -> Result<Self, DoseError> {
         file.check(&file.pump.id)?;
         let model = file.model().map_err(PlanError::from)?;
@@ -40,81 +45,97 @@ impl Bench {
         Ok(Self { file, model, drive, folder, configure: false })
     }
 
-    /// The same with the device at another port. What has no port is refused by whoever turns it.
+    /// Returns the bench with its device at `port`, if a port is given. A driver that needs a port refuses to
+    /// open without one.
     pub fn at_port(mut self, port: Option<PathBuf>) -> Self {
         self.drive.port = port.or(self.drive.port);
         self
     }
 
-    /// The same; the device's settings may be written where they do not fit the pump.
+    /// Returns the bench with or without leave to write device settings that do not fit the pump.
     pub fn configuring(self, configure: bool) -> Self {
         Self { configure, ..self }
     }
 
-    /// The pump file.
+    /// Returns the pump file.
     pub fn file(&self) -> &PumpFile {
         &self.file
     }
 
-    /// The pump's model.
+    /// Returns the pump's model.
     pub fn model(&self) -> &Pump {
         &self.model
     }
 
-    /// What turns the motor.
+    /// Returns the driver that turns the motor.
     pub fn driver(&self) -> DriverName {
         self.drive.driver
     }
 
-    /// The same with all that is said of it.
+    /// Returns the drive table: the driver, its port and its settings.
     pub fn drive(&self) -> &DriveTable {
         &self.drive
     }
 
-    /// Whether the device's settings may be written.
+    /// Returns true if the settings of the device may be written.
     pub(crate) fn may_configure(&self) -> bool {
         self.configure
     }
 
-    /// What is said before a motor moves, and at the head of every report.
+    /// Returns the line that is printed before a motor moves, and at the head of every report.
     pub fn headline(&self) -> String {
         let device = self.drive.port.as_ref().map(|port| port.display().to_string());
         headline(&self.file.pump.id, self.driver() == DriverName::Sim, device.as_deref())
     }
 
-    /// How far a rotor may fall that is let go and caught again, rad of the pump head: two full steps of the motor.
+    /// Returns the angle that a released rotor may fall before it is caught again, in rad of the pump head.
+    ///
+    /// The angle is two full steps of the motor.
     pub(crate) fn fall_rad(&self) -> f64 {
         2.0 * TURN_RAD / (f64::from(self.file.motor.full_steps_per_rev) * self.file.motor.gear)
     }
 
-    /// Where its journal is kept.
+    /// Returns the folder of the journal.
     pub fn folder(&self) -> &Folder {
         &self.folder
     }
 
-    /// Its calibrations.
+    /// Returns the calibrations of the pump.
     pub fn calibrations(&self) -> Calibrations {
         Calibrations::of(&self.folder)
     }
 
-    /// The state of this pump without a journal: a simulated one stands at 0 deg, of others nobody knows.
+    /// Returns the state of this pump without a journal. A simulated rotor stands at 0 deg. The angle of any
+    /// other is unknown.
     pub(crate) fn fresh(&self) -> State {
         let phase = registry::fresh(self.driver(), self.model.pitch_rad());
         State::fresh(phase, PhaseSource::Home)
     }
 
-    /// What its journal says.
+    /// Reads the journal of the pump.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Journal`] if the journal cannot be read.
     pub fn story(&self) -> Result<Story, DoseError> {
         Ok(self.folder.read(&self.model, self.fresh())?)
     }
 
-    /// How things stand by its journal, or without one.
+    /// Returns the state of the pump by its journal, or its fresh state without one.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Journal`] if the journal cannot be read.
     pub fn stands(&self) -> Result<State, DoseError> {
         Ok(self.story()?.state.unwrap_or(self.fresh()))
     }
 
-    /// Plans a dose from the recorded angle and predicts it. Moves and writes nothing. Refused while another process moves the
-    /// pump: where it will stop is not known yet.
+    /// Plans a dose from the recorded angle and predicts it. Moves and writes nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if the dose cannot be planned or a dose is unfinished. [`DoseError::Folder`] if another
+    /// process moves the pump, because nobody knows yet where it will stop.
     pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
         let state = self.story()?.state;
         if state.is_some_and(|state| state.unfinished.is_some())
@@ -131,7 +152,7 @@ impl Bench {
         Ok(prepared)
     }
 
-    /// Plans a dose as if `state` were on record.
+    /// Plans a dose as if `state` were on record. Refuses a dose that the tube will not last for.
     pub(crate) fn prepare_from(
         &self,
         file: &PumpFile,
@@ -149,8 +170,10 @@ impl Bench {
         Ok(prepared)
     }
 
-    /// The same with whatever tube there is: a dose that was begun may end on it. `file` is the pump file as the device
-    /// allows it.
+    /// Plans a dose as if `state` were on record, whatever the age of the tube: a dose that was begun may end
+    /// on it.
+    ///
+    /// `file` is the pump file as the device allows it.
     pub(crate) fn plan_from(
         &self,
         file: &PumpFile,
@@ -185,21 +208,29 @@ impl Bench {
         Ok(prepared)
     }
 
-    /// Refuses what would make the rest of an unfinished dose another one.
+    /// Refuses while a dose is unfinished, because anything else would change the rest of that dose.
     pub(crate) fn refuse_unfinished(&self, state: Option<State>) -> Result<(), DoseError> {
         let Some(dose) = state.and_then(|state| state.unfinished) else { return Ok(()) };
         let (least_ml, most_ml) = dose.delivered_ml(&self.model);
         Err(DoseError::Unfinished { requested_ml: dose.intent.requested_ml, least_ml, most_ml })
     }
 
-    /// Has doses use a calibration from now on, or none. Refused while a dose is unfinished, whose rest would be another one.
+    /// Makes doses use a calibration from now on, or none.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] while a dose is unfinished, because its rest would change, or if the calibration cannot
+    /// be used.
     pub fn use_calibration(&self, version: Option<u32>) -> Result<(), DoseError> {
         self.refuse_unfinished(self.story()?.state)?;
         Ok(self.calibrations().activate(version)?)
     }
 
-    /// Keeps a calibration and has doses use it from now on. Refused as [`Self::use_calibration`] is. Whoever calls must hold the
-    /// pump's lock.
+    /// Keeps a calibration and makes doses use it from now on. The caller must hold the pump's lock.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as in [`Self::use_calibration`], or if the calibration cannot be written.
     pub fn keep_calibration(&self, calibration: Calibration) -> Result<Stored, DoseError> {
         self.refuse_unfinished(self.story()?.state)?;
         let version = self.calibrations().add(&calibration)?;
@@ -207,7 +238,7 @@ impl Bench {
         Ok(Stored { version, calibration })
     }
 
-    /// None if nobody has said how long a tube lasts.
+    /// Returns the life of the tube with the planned dose. `None` if the pump file gives no life.
     fn tube_life(&self, state: Option<State>, prepared: &Prepared) -> Option<TubeLife> {
         Some(TubeLife {
             life_ml: self.file.tube.life_ml?,
@@ -217,12 +248,17 @@ impl Bench {
     }
 
     /// Takes the pump for this process until the session is dropped.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Folder`] if another process holds the pump. [`DoseError::Journal`] if the journal cannot
+    /// be read.
     pub fn session(&self) -> Result<Session<'_>, DoseError> {
         Session::open(self)
     }
 }
 
-/// What a report begins with: whether a motor moves.
+/// Returns the first line of a report: it says if a motor moves.
 pub(crate) fn headline(pump: &str, simulated: bool, device: Option<&str>) -> String {
     match device {
         _ if simulated => "SIMULATED: no motor moved".to_owned(),

@@ -1,4 +1,4 @@
-//! What turns the motor in a session, and how its rotor was met.
+//! The device of a session: its drive, and how its rotor was met.
 
 use std::time::{Duration, Instant};
 
@@ -12,27 +12,28 @@ use crate::record::{State, Unfinished, Why};
 
 use super::session::Session;
 
-/// A driver that is connected.
+/// Connected drive of a session.
 #[derive(Debug)]
 pub(super) struct Device<'a> {
     pub(super) drive: Box<dyn Drive + 'a>,
-    /// The pump file, its motor as the device allows it.
+    /// Pump file with its motor as the device allows it.
     file: PumpFile,
     limits: Option<DriveLimits>,
-    /// What a person should know of it and was not told.
+    /// Notes for the user that were not shown yet.
     pub(super) notes: Vec<String>,
-    /// Since when it holds.
+    /// Instant from which on the motor holds.
     pub(super) holds_since: Instant,
 }
 
 impl Device<'_> {
-    /// Slowest cruise of the pump head, rad/s.
+    /// Returns the slowest cruise of the pump head, in rad/s.
     pub(super) fn least_rad_s(&self) -> f64 {
         self.limits.map_or(0.0, |limits| limits.min_speed_rad_s)
     }
 }
 
-/// The pump file with the motor's limits as a device sets them: never faster than the file, its own acceleration.
+/// Returns the pump file with the motor's limits as the device sets them: never faster than the file, and
+/// with the device's acceleration.
 fn as_allowed(file: &PumpFile, limits: Option<DriveLimits>) -> PumpFile {
     let mut file = file.clone();
     if let Some(limits) = limits {
@@ -42,8 +43,8 @@ fn as_allowed(file: &PumpFile, limits: Option<DriveLimits>) -> PumpFile {
     file
 }
 
-/// The unfinished dose in whose midst the device was lost, and what it has counted since the start of it; none if its count
-/// does not fit, or begins anew.
+/// Returns the unfinished dose during which the device was lost, and the steps counted since its start.
+/// `None` if the count does not fit or begins anew.
 fn lost_and_found(stands: &State, count: Option<i64>) -> Option<(Unfinished, i64)> {
     let part = stands.unfinished?;
     let now = count.filter(|now| *now != 0)?;
@@ -52,7 +53,12 @@ fn lost_and_found(stands: &State, count: Option<i64>) -> Option<(Unfinished, i64
 }
 
 impl<'a> Session<'a> {
-    /// Connects what turns the motor, unless it is already, and compares its count with the record.
+    /// Connects the drive, unless it is connected, and compares its count with the record.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Connection`] if the device cannot be used. [`DoseError::Journal`] if its state cannot be
+    /// recorded.
     pub fn connect(&mut self) -> Result<(), DoseError> {
         if self.device.is_some() {
             return Ok(());
@@ -71,20 +77,20 @@ impl<'a> Session<'a> {
         Ok(())
     }
 
-    /// The pump file as the device allows it; as it is while none is connected.
+    /// Returns the pump file as the device allows it, or as it is while no device is connected.
     pub(super) fn file(&self) -> &PumpFile {
         self.device.as_ref().map_or(self.bench.file(), |device| &device.file)
     }
 
-    /// How things stand by what a device says that was just connected.
+    /// Returns the state of the pump by a device that was just connected.
     fn meet(&self, drive: &mut dyn Drive, notes: &mut Vec<String>) -> State {
         let (model, stands) = (self.bench.model(), self.stands());
         let (was_known, pitch_rad) = (stands.phase().is_known(model.pitch_rad()), model.pitch_rad());
-        // Asked first: it may hear of a reset that changes the count.
+        // The drive reports disturbances first: it may hear of a reset that changes the count.
         let told = drive.disturbed();
         let count = drive.count();
         let mut met = stands;
-        // A device that counts from zero again was switched off and on while nobody listened. So a count of zero proves
+        // A device that counts from zero again was switched off and on unheard. So a count of zero proves
         // nothing of a motion that was cut off.
         let cut_off = self.cut_off.is_some_and(|(_, part)| part.made_least < part.made_most);
         let starts_anew = count == Some(0) && stands.count.is_some_and(|before| before != 0 || cut_off);
@@ -93,18 +99,18 @@ impl<'a> Session<'a> {
             met = stands.disturbed(self.bench.fall_rad(), pitch_rad);
             if was_known {
                 let now = if met.phase().is_known(pitch_rad) {
-                    "by two full steps less well"
+                    "known less well, by two full steps of the motor"
                 } else {
-                    "no more: that was the second time since it was found"
+                    "unknown: that was the second time since it was found"
                 };
-                notes.push(format!("{event}: where the rollers stand is known {now} (`dose home` finds it)"));
+                notes.push(format!("{event}: the rollers' angle is {now}; `dose home` finds it"));
             }
         } else if let (Some((part, moved)), false) = (lost_and_found(&stands, count), stands.released) {
             met = stands.recounted(&part, moved.unsigned_abs());
         } else if let (Some(before), Some(now), false) = (stands.count, count, stands.released) {
             let moved = now - before;
             met = match self.cut_off {
-                // The board made more of the motion than the process that died could say, and has counted it.
+                // The board made and counted more of the motion than the process that ended could record.
                 Some((before, part)) if part.holds(moved) => {
                     let made = moved.unsigned_abs();
                     before.after(&part.intent, made, made, model)
@@ -112,8 +118,8 @@ impl<'a> Session<'a> {
                 None if moved == 0 => stands,
                 _ => {
                     notes.push(format!(
-                        "the device counts {now}, and {before} were on record: something else has moved it, and where the \
-                         rollers stand is not known any more (`dose home` finds it)"
+                        "the device counts {now} steps, and {before} are on record: something else has \
+                         moved it; the rollers' angle is unknown, and `dose home` finds it"
                     ));
                     stands.lost(pitch_rad)
                 }
@@ -122,7 +128,7 @@ impl<'a> Session<'a> {
         State { count, released: false, ..met }
     }
 
-    /// Refuses a plan that the device cannot run. What it was met as is on record.
+    /// Refuses a plan that the device cannot run. The state in which the device was met is on record.
     pub(super) fn check(&mut self, plan: &Plan) -> Result<(), DoseError> {
         let Some(mut device) = self.device.take() else { return Ok(()) };
         let Err(error) = device.drive.check(plan) else {
@@ -136,21 +142,30 @@ impl<'a> Session<'a> {
         Err(DoseError::Connection(error))
     }
 
-    /// Lets go of the rotor: its angle is less well known afterwards.
+    /// Releases the rotor. Its angle is known less well afterwards.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if the device cannot be used, or its state cannot be recorded.
     pub fn release(&mut self) -> Result<State, DoseError> {
         self.connect()?;
         let state = self.stands().disturbed(self.bench.fall_rad(), self.bench.model().pitch_rad());
         let state = State { released: true, ..state };
-        // On record first: whatever comes between, the angle is not claimed better than it is.
+        // The release is on record first, so the record never claims a better angle than there is.
         self.rest(Why::Released, state)?;
-        // It is met anew before it moves again.
+        // The device is met anew before it moves again.
         match self.device.take() {
             Some(mut device) => device.drive.release().map_err(DoseError::Connection).map(|()| state),
             None => Ok(state),
         }
     }
 
-    /// Lets go of a rotor that has held for the pump file's `hold_timeout_s`. Whoever waits in a session asks now and then.
+    /// Releases a rotor that has held for the pump file's `hold_timeout_s`. A caller that waits in a session
+    /// calls this now and then.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as in [`Self::release`].
     pub fn release_when_due(&mut self) -> Result<(), DoseError> {
         let timeout_s = self.bench.drive().hold_timeout_s.filter(|_| self.device.is_some());
         let held = self.device.as_ref().map_or(Duration::ZERO, |device| device.holds_since.elapsed());
@@ -160,12 +175,12 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// What a person should know of the device and was not told.
+    /// Returns the notes of the device that were not shown yet.
     pub fn notes(&mut self) -> Vec<String> {
         self.device.as_mut().map_or_else(Vec::new, |device| std::mem::take(&mut device.notes))
     }
 
-    /// Refuses what the driver has no means for.
+    /// Refuses a drive without an index sensor.
     pub(super) fn need_index(&self) -> Result<(), DoseError> {
         let has = self.device.as_ref().is_some_and(|device| device.drive.abilities().index);
         if has {
@@ -174,8 +189,8 @@ impl<'a> Session<'a> {
         Err(DoseError::Connection(DriveError::Unable {
             driver: self.bench.driver().as_str(),
             ability: "index sensor",
-            instead: "say where the rollers stand with `dose home --set <ANGLE>`, or turn them to a mark with \
-                      `dose home --mark`",
+            instead: "say where the rollers stand with `dose home --set <ANGLE>`, or turn them to a mark \
+                      with `dose home --mark`",
         }))
     }
 }

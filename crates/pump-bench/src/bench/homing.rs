@@ -1,4 +1,4 @@
-//! Finding the rollers' angle: by hand, by a mark, by an index sensor.
+//! Homing: finding the rotor's angle by hand, by a mark, or by an index sensor.
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -15,23 +15,31 @@ use crate::record::{PhaseSource, Purpose};
 use super::recorded_motion::{Moved, RecordedMotion};
 use super::session::Session;
 
-/// Speed of a search for the index, r/min: what stops within a degree on any motor, and a revolution takes six seconds.
+/// Speed of a search for the index, in r/min. Any motor stops from it within a degree, and a revolution takes
+/// six seconds.
 const SEEK_RPM: f64 = 10.0;
 
-/// An angle that was set.
+/// Result of setting the angle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AngleSet {
-    /// How things stand now.
+    /// State of the pump now.
     pub state: State,
-    /// What doses owed and is forgotten, mL.
+    /// Carry that was dropped, in mL.
     pub owed_ml: f64,
-    /// Where a journal that could not be read is now.
+    /// New path of a journal that could not be read.
     pub aside: Option<PathBuf>,
 }
 
 impl Bench {
-    /// Takes the pump and records that the rotor stands at `phase`, as [`Session::set_angle`] does. A journal that cannot be
-    /// read is moved aside, and put back if the angle cannot be recorded all the same.
+    /// Takes the pump and records that the rotor stands at `phase`, as [`Session::set_angle`] does.
+    ///
+    /// An unreadable journal is set aside. If the angle cannot be recorded all the same, the journal is put
+    /// back.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if another process holds the pump, a dose is unfinished, or the angle cannot be
+    /// recorded.
     pub fn set_angle(&self, phase: Option<Phase>) -> Result<(Session<'_>, AngleSet), DoseError> {
         let aside = match self.session() {
             Err(DoseError::Journal(JournalError::Damaged { .. })) => {
@@ -59,15 +67,24 @@ impl Bench {
 }
 
 impl Session<'_> {
-    /// Records that the rotor stands at `phase`; `None`: nobody knows where. What doses owe is zero afterwards. Refused
-    /// with a dose unfinished.
+    /// Records that the rotor stands at `phase`. `None` means that its angle is unknown. The carry is zero
+    /// afterwards.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if a dose is unfinished, the device cannot be used, or the angle cannot be recorded.
     pub fn set_angle(&mut self, phase: Option<Phase>) -> Result<State, DoseError> {
         self.finished()?;
         self.find(phase, PhaseSource::Home, Why::Set)
     }
 
-    /// Turns the rotor by `steps` (negative in reverse, not zero) at `speed_rad_s` or what the device allows of it. Owes
-    /// nothing and repays nothing. Returns how many steps were made. Refused with a dose unfinished.
+    /// Turns the rotor by `steps` (negative in reverse, not zero) at `speed_rad_s` or the nearest speed that
+    /// the device allows. The carry stays. Returns the number of steps made.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if a dose is unfinished, the device cannot be used or fails, or the motion cannot be
+    /// recorded.
     pub fn jog(
         &mut self,
         steps: i64,
@@ -79,41 +96,62 @@ impl Session<'_> {
         Ok(self.turn(&plan, false, watch)?.made)
     }
 
-    /// Whole steps nearest to a turn by `turn_rad`, one at least.
+    /// Returns the whole number of steps nearest to a turn by `turn_rad`, at least one.
     pub fn steps_of(&self, turn_rad: f64) -> i64 {
         let steps = floor(turn_rad / self.bench.file().limits().motor.step_rad() + 0.5) as i64;
         if steps == 0 { turn_rad.signum() as i64 } else { steps }
     }
 
-    /// Angle at which the rotor's mark meets the housing's, rad.
+    /// Returns the angle at which the rotor's mark meets the housing's, in rad.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::NoAngle`] if the pump file does not give the angle.
     pub fn mark_rad(&self) -> Result<f64, DoseError> {
         self.bench
             .file()
             .pump
             .mark_angle_deg
             .map(radians)
-            .ok_or_else(|| self.no_angle("[pump] mark_angle_deg", "the rotor's mark and the housing's meet"))
+            .ok_or_else(|| self.no_angle("[pump] mark_angle_deg", "the rotor's mark meets the housing's"))
     }
 
-    /// Records that the rotor's mark meets the housing's, within `half_width_rad`. What doses owe is zero afterwards.
+    /// Records that the rotor's mark meets the housing's, within `half_width_rad`. The carry is zero
+    /// afterwards.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if a dose is unfinished, the pump file gives no angle of the mark, or the angle cannot
+    /// be recorded.
     pub fn set_at_mark(&mut self, half_width_rad: f64) -> Result<State, DoseError> {
         self.finished()?;
         let phase = Phase { angle_rad: self.mark_rad()?, half_width_rad };
         self.find(Some(phase), PhaseSource::Mark, Why::Mark)
     }
 
-    /// Angle at which the index sensor answers, rad. Refused without one.
+    /// Returns the angle at which the index sensor answers, in rad.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if the device cannot be used or has no sensor, or the pump file does not give the angle.
     pub fn index_rad(&mut self) -> Result<f64, DoseError> {
         self.connect()?;
         self.need_index()?;
         let angle_deg = self.bench.drive().index_angle_deg;
         angle_deg
             .map(radians)
-            .ok_or_else(|| self.no_angle("[drive] index_angle_deg", "the rotor and its sensor meet"))
+            .ok_or_else(|| self.no_angle("[drive] index_angle_deg", "the index sensor answers"))
     }
 
-    /// Turns forward, a revolution at most, until the index sensor answers, and records where the rotor then stands. What
-    /// doses owe is zero afterwards. `None` if `watch` broke before it was found. Refused with a dose unfinished.
+    /// Turns forward until the index sensor answers, a revolution at most, and records where the rotor then
+    /// stands.
+    ///
+    /// The carry is zero afterwards. Returns `None` if `watch` broke before the index was found.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::NoIndex`] if the sensor did not answer within a revolution. Other [`DoseError`]s if a
+    /// dose is unfinished, the device cannot be used or fails, or the angle cannot be recorded.
     pub fn seek_index(
         &mut self,
         watch: impl FnMut(u64) -> ControlFlow<()>,
@@ -131,7 +169,7 @@ impl Session<'_> {
                     half_width_rad: radians(self.bench.drive().index_width_deg) + 0.5 * plan.step_rad,
                 };
                 let found = self.stands().found(phase, PhaseSource::Home);
-                // A board that lets go of the motor after each motion has done so after this one.
+                // A board that releases the motor after each motion has done so after this one.
                 let pitch_rad = self.bench.model().pitch_rad();
                 let state = if disturbed { found.disturbed(self.bench.fall_rad(), pitch_rad) } else { found };
                 self.record_angle(Why::Sensor, state).map(Some)
@@ -184,7 +222,7 @@ impl Session<'_> {
         self.record_angle(why, state)
     }
 
-    /// Records the angle. The error says whether the rotor was turned before.
+    /// Records the angle. The error tells if the rotor was turned before.
     fn record_angle(&mut self, why: Why, state: State) -> Result<State, DoseError> {
         let angle_deg = degrees(state.angle_rad);
         match self.rest(why, state) {

@@ -1,4 +1,4 @@
-//! A bench: one pump, what turns it, and what is recorded of it.
+//! A bench: one pump, its drive, and its record.
 
 mod bench;
 mod device;

@@ -1,4 +1,4 @@
-//! One motion: on record before it begins, while it lasts, and after it.
+//! One motion that is on record before it begins, while it lasts, and after it.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -17,49 +17,50 @@ use crate::record::{Entry, Intent, JournalError, State, Terms, Unfinished, Why};
 use super::session::{Session, unix_s};
 use super::stretches::Stretches;
 
-/// Steps between two looks at whether to stop.
+/// Number of steps between two calls of `watch`.
 const WATCH_EVERY: u64 = 256;
 
-/// What is to be done.
+/// Motion to make and to record.
 pub(super) struct RecordedMotion<'p> {
     pub(super) plan: &'p Plan,
-    /// The pump that it was planned for.
+    /// Pump that the plan was made for.
     pub(super) model: &'p Pump,
-    /// The calibration in that pump.
+    /// Correction of that pump's displacement.
     pub(super) correction: Correction,
     pub(super) purpose: Purpose,
-    /// What the next dose owes afterwards, mL.
+    /// Carry after the motion, in mL.
     pub(super) carry_out_ml: f64,
-    /// Whether the start angle was given and overrides the record.
+    /// True if the start angle was given and overrides the record.
     pub(super) given: bool,
-    /// What is to be sucked back afterwards, mL.
+    /// Volume to suck back afterwards, in mL.
     pub(super) retract_ml: Option<f64>,
-    /// What else was asked.
+    /// Terms of the dose besides its volume.
     pub(super) terms: Terms,
-    /// How long the line needs to settle, s.
+    /// Settling time of the line, in s.
     pub(super) settle_s: f64,
-    /// Whether it ends at the index mark.
+    /// True if the motion ends at the index mark.
     pub(super) seeks: bool,
 }
 
-/// What was done.
+/// Motion that was made.
 pub(super) struct Moved {
     /// Steps made.
     pub(super) made: u64,
-    /// How many of them after the index mark.
+    /// Steps made after the index mark.
     pub(super) beyond: Option<u64>,
-    /// What the vessel received, mL; where nobody can read it, the model volume of the steps made.
+    /// Volume that the vessel received, in mL. If nobody can read it, the model volume of the steps made.
     pub(super) volume_ml: f64,
 }
 
-/// How a drive ended a motion, and what could not be written down meanwhile.
+/// End of a motion by the drive, and the journal's error meanwhile.
 struct Driven {
     ended: Result<Sought, DriveFault>,
     unwritten: Option<JournalError>,
 }
 
 impl<'a> Session<'a> {
-    /// Makes a motion: the intent is on record before it, each stretch before its steps, the rest after it.
+    /// Makes a motion. The intent is on record before the motion, each stretch before its steps, the rest
+    /// after the motion.
     pub(super) fn perform(
         &mut self,
         motion: &RecordedMotion<'_>,
@@ -81,26 +82,26 @@ impl<'a> Session<'a> {
         device.holds_since = Instant::now();
         match ended {
             Ok(sought) => self.conclude(device, motion, &before, &intent, sought, unwritten),
-            // The device is dropped: what turned the motor is met anew before it moves again.
+            // The device is dropped, so it is met anew before it moves again.
             Err(fault) => Err(self.record_fault(device, &before, intent, fault)),
         }
     }
 
-    /// Writes the intent: how things may stand from now on.
+    /// Writes the intent of a motion.
     fn announce(&mut self, motion: &RecordedMotion<'_>, before: &State) -> Result<Intent, DoseError> {
         let RecordedMotion { plan, correction, purpose, carry_out_ml, .. } = *motion;
         let mut intent = Intent::of(plan, correction, purpose, carry_out_ml, unix_s());
         intent.retract_ml = motion.retract_ml;
         intent.terms = motion.terms;
         if !motion.given {
-            // A disturbance since it was planned counts.
+            // A disturbance since the motion was planned counts.
             intent.half_width_rad = intent.half_width_rad.max(before.half_width_rad);
         }
         self.journal.append(&Entry::Intent(intent))?;
         Ok(intent)
     }
 
-    /// Turns the motor. It stops where `watch` breaks, or where the next stretch cannot be written down.
+    /// Turns the motor. The motor stops where `watch` breaks, or where the next stretch cannot be recorded.
     fn drive(
         &mut self,
         device: &mut Device<'_>,
@@ -112,7 +113,7 @@ impl<'a> Session<'a> {
         let journal = &mut self.journal;
         let mut gate = |made: u64, about_to: u64| {
             let ends = about_to > stretches.end;
-            // Drives that make many steps at a time ask seldom enough to look every time.
+            // Drives that make many steps at a time ask seldom enough to call `watch` every time.
             let looks = ends || about_to > made + 1 || made.is_multiple_of(WATCH_EVERY);
             if looks && watch(made).is_break() {
                 return ControlFlow::Break(());
@@ -136,19 +137,19 @@ impl<'a> Session<'a> {
         Driven { ended, unwritten }
     }
 
-    /// The state with what the device has to say of it.
+    /// Returns the state with the device's count and disturbances.
     fn with_device(&self, device: &mut Device<'_>, state: State) -> State {
-        // Asked first: it may hear of a reset that changes the count.
+        // The drive reports disturbances first: it may hear of a reset that changes the count.
         let event = device.drive.disturbed();
         let state = State { count: device.drive.count(), ..state };
         let Some(event) = event else { return state };
         if event != Disturbance::Disabled {
-            device.notes.push(format!("{event}: where the rollers stand is known less well"));
+            device.notes.push(format!("{event}: the rollers' angle is known less well"));
         }
         state.disturbed(self.bench.fall_rad(), self.bench.model().pitch_rad())
     }
 
-    /// Records how things stand after a fault.
+    /// Records the state after a fault.
     fn record_fault(
         &mut self,
         mut device: Device<'_>,
@@ -164,14 +165,14 @@ impl<'a> Session<'a> {
         if let (None, false, Some(part)) = (state.count, lost, &mut state.unfinished) {
             part.count_before = before.count;
         }
-        // The journal's last stretch says as much, with wider bounds.
+        // If this fails, the journal's last stretch tells as much with wider bounds.
         let _ = self.rest(Why::Fault, state);
         let (least_ml, most_ml) =
             Unfinished { intent, made_least, made_most, count_before: None }.delivered_ml(model);
         DoseError::Drive { error, least_ml, most_ml, unfinished: state.unfinished.is_some() }
     }
 
-    /// Lets the line settle and records how things stand after the motion.
+    /// Lets the line settle and records the state after the motion.
     fn conclude(
         &mut self,
         mut device: Device<'a>,

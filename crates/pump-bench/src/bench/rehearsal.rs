@@ -1,4 +1,4 @@
-//! A batch of doses as it would be without moving anything.
+//! A rehearsal: a batch of doses that moves nothing.
 
 use pump_ctl::plan::Plan;
 
@@ -6,7 +6,8 @@ use super::bench::Bench;
 use crate::dosing::{DoseError, DoseRequest, Prepared};
 use crate::record::{Intent, Purpose, State};
 
-/// A session that moves and records nothing: each dose is planned from where the one before would leave the pump.
+/// Session that moves and records nothing. Each dose is planned from where the one before would leave the
+/// pump.
 #[derive(Debug, Clone)]
 pub struct Rehearsal<'a> {
     bench: &'a Bench,
@@ -14,12 +15,20 @@ pub struct Rehearsal<'a> {
 }
 
 impl<'a> Rehearsal<'a> {
-    /// Starts from what is on record.
+    /// Starts a rehearsal from the recorded state.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Journal`] if the journal cannot be read.
     pub fn new(bench: &'a Bench) -> Result<Self, DoseError> {
         Ok(Self { bench, state: bench.story()?.state })
     }
 
     /// Plans a dose and goes on as if it had been delivered.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if the dose cannot be planned, or a dose is unfinished.
     pub fn prepare(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
         let prepared = self.bench.prepare_from(self.bench.file(), self.state, request)?;
         let correction = prepared.correction();

@@ -1,4 +1,5 @@
-//! A session: the pump is this process's; doses are run, and every stretch of them is on record before it happens.
+//! A session: this process holds the pump and runs doses. Every stretch of a dose is on record before it
+//! happens.
 
 use std::ops::ControlFlow;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -15,51 +16,51 @@ use super::bench::Bench;
 use super::device::Device;
 use super::recorded_motion::RecordedMotion;
 
-/// A bench that no other process can move meanwhile.
+/// Bench that no other process can move meanwhile.
 #[derive(Debug)]
 pub struct Session<'a> {
     pub(super) bench: &'a Bench,
     pub(super) journal: Journal,
-    /// None if nothing was ever recorded.
+    /// Last state of the pump. `None` if nothing was ever recorded.
     pub(super) state: Option<State>,
-    /// Whether the state is on record as the rotor's rest.
+    /// True if the state is on record as the rotor's rest.
     pub(super) written: bool,
-    /// The motion under way when the process before this one ended, and how things stood before it.
+    /// State before a motion that an earlier process left unended, and that motion.
     pub(super) cut_off: Option<(State, Unfinished)>,
-    /// What turns the motor, opened when it is needed.
+    /// Device that turns the motor. It is opened once it is needed.
     pub(super) device: Option<Device<'a>>,
-    /// Whether this session has turned the motor.
+    /// True if this session has turned the motor.
     pub(super) has_moved: bool,
     _lock: Lock,
 }
 
-/// What became of a dose.
+/// Result of a dose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delivered {
-    /// What the vessel received, mL; where nobody can read it, the model volume of the steps made.
+    /// Volume that the vessel received, in mL. If nobody can read it, the model volume of the steps made.
     pub volume_ml: f64,
-    /// Steps made, without their sign.
+    /// Number of steps made, without their sign.
     pub made: u64,
-    /// Angle where the rotor stands, rad, counted on from the start.
+    /// Angle at which the rotor stands, in rad, counted on from the start.
     pub end_angle_rad: f64,
-    /// Whether that is the whole dose.
+    /// True if the whole dose was delivered.
     pub completed: bool,
-    /// What was sucked back afterwards, mL, positive; 0 if nothing was.
+    /// Volume sucked back afterwards, in mL, positive. Zero without a retraction.
     pub retracted_ml: f64,
-    /// Whether that is all that was to be sucked back.
+    /// True if the whole retraction was made.
     pub sucked_back: bool,
 }
 
-/// A tube that was exchanged.
+/// Result of replacing the tube.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NewTube {
-    /// How things stand now.
+    /// State of the pump now.
     pub state: State,
-    /// What the tube before pumped, mL.
+    /// Volume that the old tube pumped, in mL.
     pub worn_ml: f64,
-    /// What doses owed and is forgotten, mL.
+    /// Carry that was dropped, in mL.
     pub owed_ml: f64,
-    /// The calibration of the tube before, which is not used any more.
+    /// Calibration of the old tube, which is no longer used.
     pub unused: Option<u32>,
 }
 
@@ -79,22 +80,26 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// How things stand; none if nothing was ever recorded.
+    /// Returns the state of the pump. `None` if nothing was ever recorded.
     pub fn state(&self) -> Option<&State> {
         self.state.as_ref()
     }
 
-    /// What doses owe, mL.
+    /// Returns the carry to the next dose, in mL.
     pub fn owed_ml(&self) -> f64 {
         self.stands().carry_ml
     }
 
-    /// How things stand.
+    /// Returns the state of the pump, or its fresh state if nothing was ever recorded.
     pub(super) fn stands(&self) -> State {
         self.state.unwrap_or(self.bench.fresh())
     }
 
-    /// Plans a dose from the recorded angle, within what the device allows, and predicts it. Moves nothing.
+    /// Plans a dose from the recorded angle, within the limits of the device, and predicts it. Moves nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if a dose is unfinished, the device cannot be used, or the dose cannot be planned.
     pub fn prepare(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
         if self.cut_off.is_none() {
             self.finished()?;
@@ -107,9 +112,17 @@ impl<'a> Session<'a> {
         self.checked(prepared)
     }
 
-    /// Plans the rest of the unfinished dose as the whole was asked for, in what `request` leaves open (cruise, limits; a smooth
-    /// flow stays smooth, an end at low flow one): to the same end angle if what was delivered is known, to where it is most
-    /// probably otherwise.
+    /// Plans the rest of the unfinished dose on the terms of the whole dose, in what `request` leaves open:
+    /// cruise and limits. A smooth flow stays smooth, and an end at low flow stays one.
+    ///
+    /// The rest leads to the same end angle if the delivered volume is known, and to the most probable one
+    /// otherwise.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::NothingUnfinished`] if no dose is unfinished. [`DoseError::WasFinished`] if the device
+    /// has finished the dose since. Other [`DoseError`]s if the device cannot be used or the rest cannot be
+    /// planned.
     pub fn prepare_rest(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
         if self.stands().unfinished.is_none() {
             return Err(DoseError::NothingUnfinished("resume"));
@@ -132,17 +145,18 @@ impl<'a> Session<'a> {
         if most_ml - least_ml > prepared.plan.end_step_ml(&prepared.model) {
             let rest_ml = prepared.plan.planned_ml;
             prepared.warnings.push(format!(
-                "of the {} mL asked for first, {} were delivered before; this rest is for the middle of that, so that {} will be \
-                 delivered in all: `dose discard` accepts what is instead",
-                significant(intent.requested_ml, 6),
+                "{} of the {} mL asked for were delivered before; this rest is for the middle of that \
+                 range, so that {} will be delivered in all; `dose discard` accepts the dose as it is \
+                 instead",
                 between(least_ml, most_ml),
+                significant(intent.requested_ml, 6),
                 between(least_ml + rest_ml, most_ml + rest_ml),
             ));
         }
         self.checked(prepared)
     }
 
-    /// Refuses what the device would do in another way, and adds what it has to say.
+    /// Refuses a dose that the device would run in another way, and adds the notes of the device.
     fn checked(&mut self, mut prepared: Prepared) -> Result<Prepared, DoseError> {
         let Some(device) = &mut self.device else { return Ok(prepared) };
         let speed_rad_s = prepared.plan.profile.peak_rad_s();
@@ -160,14 +174,20 @@ impl<'a> Session<'a> {
         Ok(prepared)
     }
 
-    /// Accepts the unfinished dose as it is. What doses owe is zero afterwards. Returns the state, and why the device could
-    /// not say what it has counted, if it could not.
+    /// Accepts the unfinished dose. The carry is zero afterwards.
+    ///
+    /// Returns the state, and the error if the device could not tell its count.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::NothingUnfinished`] if no dose is unfinished. [`DoseError::Journal`] if the state cannot
+    /// be recorded.
     pub fn discard(&mut self) -> Result<(State, Option<DoseError>), DoseError> {
         if self.stands().unfinished.is_none() {
             return Err(DoseError::NothingUnfinished("discard"));
         }
-        // A device that still knows its count says what was made. Without it the bounds on record stay, and whatever it
-        // counts when it is met again is where it begins.
+        // A device that still knows its count tells the steps made. Otherwise the recorded bounds stay, and
+        // the count starts anew when the device is met again.
         let unasked = self.connect().err();
         let state = self.stands();
         let count = state.count.filter(|_| unasked.is_none());
@@ -176,11 +196,14 @@ impl<'a> Session<'a> {
         Ok((state, unasked))
     }
 
-    /// Records that the tube is new. What doses owe is zero afterwards, and no calibration is used. Refused with a dose
-    /// unfinished.
+    /// Records that the tube is new. The carry is zero afterwards, and no calibration is used.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if a dose is unfinished, or the calibrations or the state cannot be written.
     pub fn new_tube(&mut self) -> Result<NewTube, DoseError> {
         let before = self.finished()?;
-        // First, so that no dose of the new tube is calibrated with the old one.
+        // Calibrations come first, so that no dose of the new tube uses the old tube's calibration.
         let calibrations = self.bench.calibrations();
         let unused = calibrations.active_version()?;
         calibrations.activate(None)?;
@@ -189,15 +212,26 @@ impl<'a> Session<'a> {
         Ok(NewTube { state, worn_ml: before.wear.volume_ml, owed_ml: before.carry_ml, unused })
     }
 
-    /// The state, unless a dose is unfinished.
+    /// Returns the state of the pump.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Unfinished`] if a dose is unfinished.
     pub fn finished(&self) -> Result<State, DoseError> {
         let state = self.stands();
         self.bench.refuse_unfinished(Some(state))?;
         Ok(state)
     }
 
-    /// Runs a dose that this session prepared, and records what comes of it. `watch` is told now and then how many steps
-    /// are made; when it breaks the motor decelerates and holds.
+    /// Runs a dose that this session prepared, and records its end.
+    ///
+    /// `watch` is called now and then with the number of steps made. When it breaks, the motor decelerates
+    /// and holds.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Stale`] if the rotor has moved since the dose was prepared. Other [`DoseError`]s if the
+    /// device cannot be used or fails, or the dose cannot be recorded.
     pub fn run(
         &mut self,
         prepared: &Prepared,
@@ -245,7 +279,7 @@ impl<'a> Session<'a> {
                 settle_s: retraction.prediction.settle_s,
                 seeks: false,
             };
-            // The dose is delivered and on record whatever becomes of the way back.
+            // The dose is delivered and on record whatever becomes of the retraction.
             let back = self.perform(&motion, &mut watch);
             let delivered_ml = delivered.volume_ml;
             let back =
@@ -257,8 +291,8 @@ impl<'a> Session<'a> {
         Ok(delivered)
     }
 
-    /// Records that the rotor stands. Where that cannot be written it is known to this session all the same, and the next
-    /// motion writes it down first.
+    /// Records that the rotor stands. If that cannot be written, this session still knows it, and the next
+    /// motion records it first.
     pub(super) fn rest(&mut self, why: Why, state: State) -> Result<(), JournalError> {
         self.state = Some(state);
         self.cut_off = None;
@@ -269,7 +303,7 @@ impl<'a> Session<'a> {
     }
 }
 
-/// Seconds since 1970, for people who read the journal.
+/// Returns the system clock in seconds since 1970, for people who read the journal.
 pub(super) fn unix_s() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs())
 }

@@ -1,25 +1,28 @@
-//! How far ahead of the motor the journal is.
+//! The stretches of a motion that the journal announces ahead of the motor.
 
 use pump_ctl::plan::Plan;
 use pump_model::Pump;
 use pump_model::math::ceil;
 
-/// Longest stretch between two entries of the journal, s and mL, whichever is shorter.
+/// Longest stretch between two entries of the journal, in s.
 const STRETCH_S: f64 = 0.5;
+
+/// Largest stretch between two entries of the journal, in mL. The shorter of the two limits counts.
 const STRETCH_ML: f64 = 0.5;
 
-/// The stretches of a plan that the journal announces.
+/// Stretches of a plan that the journal announces.
 pub(super) struct Stretches<'a> {
     plan: &'a Plan,
-    /// Steps that give [`STRETCH_ML`] at most.
+    /// Most steps that give [`STRETCH_ML`].
     steps: u64,
     /// Steps of a stop from the fastest speed.
     stop: u64,
-    /// The last step of the stretch under way.
+    /// Last step of the stretch under way.
     pub(super) end: u64,
 }
 
 impl<'a> Stretches<'a> {
+    /// Divides `plan` into stretches, none of them begun.
     pub(super) fn new(plan: &'a Plan, model: &Pump) -> Self {
         let (_, most_ml_rad) = model.outlet_curve().flow_range_ml_rad();
         let peak_rad_s = plan.profile.peak_rad_s();
@@ -32,8 +35,10 @@ impl<'a> Stretches<'a> {
         }
     }
 
-    /// Goes on to the stretch that begins with step `first`. Returns how many steps may be made before the next entry:
-    /// those of the stretch and of a stop at its end.
+    /// Goes on to the stretch that begins with step `first`.
+    ///
+    /// Returns the most steps that may be made before the next entry: the steps of the stretch and of a stop
+    /// at its end.
     pub(super) fn next(&mut self, first: u64) -> u64 {
         let time_s = |step: u64| self.plan.profile.time_of(step as f64 * self.plan.step_rad);
         let latest_s = time_s(first) + STRETCH_S;

@@ -1,7 +1,8 @@
-//! Self-consistency of the uncertainty: doses of random pumps drawn from what the budget states.
+//! Tests that the uncertainty budget is consistent with itself: doses of random pumps, drawn from the
+//! statements of the budget.
 //!
-//! This shows that the budget adds up what it is told, and nothing of a real pump: the pumps here vary as stated by
-//! construction.
+//! These tests show only that the budget adds up its statements. They say nothing of a real pump, because the
+//! pumps here vary as stated by construction.
 
 use pump_ctl::plan::{Cruise, Phase, Request, plan};
 use pump_model::math::{rad_s, radians};
@@ -15,12 +16,12 @@ use crate::sampling::Dice;
 
 const PLANTS: u32 = 2000;
 
-/// What is done with a random pump.
+/// Dose of a random pump.
 struct Case {
     volume_ml: f64,
     speed_rpm: f64,
     start: Phase,
-    /// Speeds at which it is calibrated, three runs each; none: it is not.
+    /// Speeds of its calibration, three runs each. Empty for a pump without calibration.
     calibrated_rpm: &'static [f64],
 }
 
@@ -30,26 +31,27 @@ impl Case {
     }
 }
 
-/// A pump of which the pump file's statements are true.
+/// Pump for which the pump file's statements are true.
 struct Plant {
     pump: Pump,
-    /// Volume over the model's, at rest and per r/min.
+    /// Ratio of the volume to the model's volume, at rest and per r/min.
     factor: f64,
     slope_per_rpm: f64,
     repeatability: f64,
 }
 
 impl Plant {
-    /// A pump whose revolution and roller volume depart from the model's as unsure as they are. Over the speed the volume
-    /// of a revolution changes along a line whose RMS over the motor's speeds is the model's uncertainty, and what it is at
-    /// `speed_rpm` departs by that uncertainty too.
+    /// Draws a pump whose revolution and roller volume depart from the model's as their uncertainties state.
+    ///
+    /// The volume of a revolution changes with the speed along a line. The RMS of that line over the motor's
+    /// speeds is the model's uncertainty. The volume at `speed_rpm` departs by that uncertainty too.
     fn draw(file: &PumpFile, speed_rpm: f64, dice: &mut Dice) -> Self {
         let base = file.model().unwrap();
         let table = &file.uncertainty;
         let model = table.model_percent / 100.0;
         let roller = base.roller_volume();
         let roller_ml = roller.total_ml() + table.roller_volume_ml * dice.normal();
-        // Another roller volume at the same volume of a revolution.
+        // Another roller volume with the volume of a revolution unchanged.
         let pump = with_roller(&base, &roller.scaled_to(roller_ml).unwrap());
         let slope_per_rpm = 12_f64.sqrt() * model / file.motor.max_speed_rpm * dice.normal();
         let factor = 1.0 + model * dice.normal() - slope_per_rpm * speed_rpm;
@@ -64,7 +66,7 @@ impl Plant {
     }
 }
 
-/// The pump with another roller volume and such a bore that a revolution delivers the same.
+/// Returns the pump with another roller volume and a bore that keeps the volume of a revolution.
 fn with_roller(base: &Pump, roller: &RollerVolume) -> Pump {
     let mut geometry = *base.geometry();
     let rollers_ml = f64::from(geometry.rollers) * (roller.total_ml() - base.roller_volume().total_ml());
@@ -99,7 +101,7 @@ fn calibrate(file: &PumpFile, plant: &Plant, speeds_rpm: &[f64], dice: &mut Dice
     Stored { version: 1, calibration }
 }
 
-/// Part of the doses that lie within the interval that was stated for each of them.
+/// Returns the fraction of the doses that lie within the interval stated for them.
 fn covered(case: &Case) -> f64 {
     let file = crate::catalogue::built_in("three-roller").unwrap();
     let base = file.model().unwrap();
@@ -193,7 +195,8 @@ fn the_interval_covers_93_percent_at_least_of_doses_by_a_speed_law_that_was_fitt
             distensibility_per_kpa: 2e-3 * (1.0 + 0.2 * dice.normal()),
             ..start
         };
-        // Fluid and tube as warm as in the runs, but for what nobody can read: the bore of the day.
+        // Fluid and tube are as warm as in the runs, but for a part that nobody can read: the bore of the
+        // day.
         let bore = 1.0 + 6e-4 * 0.8 * dice.normal();
         let mut delivers_ml = |turned_ml: f64, speed_rpm: f64| {
             let kappa = law.factor(&base, rad_s(speed_rpm)).unwrap();

@@ -1,4 +1,4 @@
-//! Why a dose was refused or failed.
+//! The errors of a dose that was refused or failed.
 
 use pump_ctl::plan::PlanError;
 use thiserror::Error;
@@ -11,7 +11,7 @@ use crate::pump_file::PumpFileError;
 use crate::record::FolderError;
 use crate::record::JournalError;
 
-/// A dose that was refused or failed.
+/// Error of a dose that was refused or failed.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DoseError {
@@ -21,179 +21,182 @@ pub enum DoseError {
     /// The dose cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// The folder cannot be used; nothing has moved.
+    /// The folder of the journal cannot be used. Nothing has moved.
     #[error(transparent)]
     Folder(#[from] FolderError),
-    /// The journal cannot be used; nothing has moved.
+    /// The journal cannot be used. Nothing has moved.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// A calibration cannot be made or used; nothing has moved.
+    /// A calibration cannot be made or used. Nothing has moved.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// The pump file's speed law does not say what the dose would deliver.
+    /// The pump file's speed law does not cover the dose.
     #[error(transparent)]
     SpeedLaw(#[from] SpeedLawError),
-    /// An earlier dose was begun and not finished.
+    /// An earlier dose is unfinished.
     #[error(
-        "a dose of {requested_ml} mL is unfinished: {} were delivered; see `dose status`, then finish it with `dose resume` \
-         or accept it as it is with `dose discard`",
+        "a dose of {requested_ml} mL is unfinished: {} were delivered; see `dose status`, then finish it \
+         with `dose resume` or accept it as it is with `dose discard`",
         between(*least_ml, *most_ml)
     )]
     Unfinished {
-        /// What was asked, mL.
+        /// Volume asked for, in mL.
         requested_ml: f64,
-        /// Smallest volume that it may have delivered, mL.
+        /// Smallest volume that the dose may have delivered, in mL.
         least_ml: f64,
-        /// Largest.
+        /// Largest volume that the dose may have delivered, in mL.
         most_ml: f64,
     },
-    /// What earlier doses gave too much is more than what is asked.
+    /// The carry from earlier doses would reverse the dose.
     #[error(
-        "{asked_ml} mL asked and {carry_ml:+.4} mL carried from earlier doses would have the pump run the other way, by \
-         {owed_ml:.4} mL; ask for more than what is carried, or drop it with `dose home --set`"
+        "{asked_ml} mL asked and {carry_ml:+.4} mL carried from earlier doses would have the pump run the \
+         other way, by {owed_ml:.4} mL; ask for more than the carry, or drop the carry with `dose home --set`"
     )]
     RunsTheOtherWay {
-        /// What is asked, mL.
+        /// Volume asked for, in mL.
         asked_ml: f64,
-        /// What earlier doses owe, mL.
+        /// Carry from earlier doses, in mL.
         carry_ml: f64,
-        /// What the pump would deliver, mL.
+        /// Volume that the pump would deliver, in mL.
         owed_ml: f64,
     },
     /// The dose would use up the tube.
     #[error(
-        "the tube has pumped {pumped_ml:.1} mL, and this dose of {planned_ml:.4} mL would use up the {life_ml} mL that it \
-         lasts; exchange the tube and say `dose tube --new`"
+        "the tube has pumped {pumped_ml:.1} mL, and this dose of {planned_ml:.4} mL would use up the \
+         {life_ml} mL that it lasts; replace the tube and say `dose tube --new`"
     )]
     TubeWorn {
-        /// Volume that it lasts, mL.
+        /// Life of the tube, in mL.
         life_ml: f64,
-        /// Volume that it has pumped, mL.
+        /// Volume that the tube has pumped, in mL.
         pumped_ml: f64,
-        /// Volume of the planned dose, either way, mL.
+        /// Volume of the planned dose in either direction, in mL.
         planned_ml: f64,
     },
     /// The rotor has moved since the dose was prepared.
     #[error(
-        "the dose was planned from {planned_deg:.4} deg, and the rotor stands at {stands_deg:.4} deg now; prepare it anew"
+        "the dose was planned from {planned_deg:.4} deg, and the rotor stands at {stands_deg:.4} deg now; \
+         prepare the dose again"
     )]
     Stale {
-        /// Start angle of the plan, deg.
+        /// Start angle of the plan, in deg.
         planned_deg: f64,
-        /// Angle on record, deg.
+        /// Angle on record, in deg.
         stands_deg: f64,
     },
-    /// What turns the motor cannot be used; nothing has moved.
+    /// The drive cannot be used. Nothing has moved.
     #[error(transparent)]
     Connection(DriveError),
-    /// The device cannot turn that slowly.
+    /// The device cannot turn as slowly as the dose needs.
     #[error(
-        "the dose would peak at {speed_rpm:.4} r/min, and {driver} cannot turn slower than {least_rpm:.4} r/min \
-         ({least_ml_s:.4} mL/s): it would run at that all the same; ask for that rate or more, or use fewer microsteps"
+        "the dose would peak at {speed_rpm:.4} r/min, and {driver} cannot turn slower than {least_rpm:.4} \
+         r/min ({least_ml_s:.4} mL/s): it would run at that speed instead; ask for that rate or more, or \
+         use fewer microsteps"
     )]
     TooSlow {
-        /// Driver.
+        /// Name of the driver.
         driver: &'static str,
-        /// Fastest speed of the plan, r/min.
+        /// Fastest speed of the plan, in r/min.
         speed_rpm: f64,
-        /// Slowest that it can, r/min, rounded up.
+        /// Slowest speed of the device, in r/min, rounded up.
         least_rpm: f64,
-        /// Mean flow at that, mL/s, rounded up.
+        /// Mean flow at the slowest speed, in mL/s, rounded up.
         least_ml_s: f64,
     },
-    /// The pump file does not say at which angle the mark or the sensor is.
-    #[error("pump `{pump}` has no {key}: at which angle do {what}? say it in the pump file, in degrees")]
+    /// The pump file does not give the angle of the mark or of the sensor.
+    #[error("pump `{pump}` has no {key}, the angle at which {what}; give it in the pump file, in degrees")]
     NoAngle {
-        /// Pump id.
+        /// Id of the pump.
         pump: String,
-        /// Table and key.
+        /// Table and key of the pump file.
         key: &'static str,
-        /// What meets there.
+        /// Event at the angle, as the message words it.
         what: &'static str,
     },
     /// The index sensor did not answer within a revolution.
     #[error(
-        "the index sensor did not answer within {turned_deg:.1} deg, in which {pumped_ml:.1} mL were pumped; look at its \
-         wiring and at the disc; the turn is on record, and where the rollers stand is known as well as before"
+        "the index sensor did not answer within {turned_deg:.1} deg, which pumped {pumped_ml:.1} mL; check \
+         its wiring and the disc; the turn is on record, and the rollers' angle is known as well as before"
     )]
     NoIndex {
-        /// How far the rotor has turned, deg.
+        /// Angle that the rotor has turned, in deg.
         turned_deg: f64,
-        /// What it has pumped, mL.
+        /// Volume that the rotor has pumped, in mL.
         pumped_ml: f64,
     },
-    /// The process that ran the dose had died, and the device has finished it since.
+    /// The device finished the dose after the process that ran it had ended.
     #[error(
-        "the device has finished the dose that was cut off: it is on record as done, and there is nothing to resume"
+        "the device has finished the dose that was cut off: it is on record as done, and there is nothing \
+         to resume"
     )]
     WasFinished,
-    /// There is no dose to resume or to discard.
+    /// No unfinished dose is on record to resume or to accept.
     #[error("no unfinished dose is on record: there is nothing to {0}")]
     NothingUnfinished(&'static str),
-    /// The motor was stopped because what it was about to do could not be written down.
+    /// The motor was stopped because its next steps could not be recorded.
     #[error(
-        "the dose was stopped after {delivered_ml:.4} mL because its progress could not be recorded: {source}; make room, \
-         then see `dose status`"
+        "the dose was stopped after {delivered_ml:.4} mL because its progress could not be recorded: \
+         {source}; make room, then see `dose status`"
     )]
     NotJournalled {
-        /// mL.
+        /// Volume delivered, in mL.
         delivered_ml: f64,
-        /// Why.
+        /// Cause of the failure.
         source: JournalError,
     },
-    /// The drive failed on the way.
+    /// The drive failed in motion.
     #[error(
         "{error}; {} were delivered{}; see `dose status`{}",
         between(*least_ml, *most_ml),
-        // Bounds mean that nobody has heard where it stands.
+        // Two different bounds mean that nobody knows where the rotor stands.
         if least_ml == most_ml { ", the motor holds" } else { "" },
         if *unfinished { ", then `dose resume` or `dose discard`" } else { "" }
     )]
     Drive {
-        /// Why.
+        /// Error of the drive.
         error: DriveError,
-        /// Smallest volume that was delivered, mL.
+        /// Smallest volume delivered, in mL.
         least_ml: f64,
-        /// Largest.
+        /// Largest volume delivered, in mL.
         most_ml: f64,
-        /// Whether there is something to resume or to discard.
+        /// True if a dose is left to resume or to accept.
         unfinished: bool,
     },
-    /// The dose is delivered and on record, but it was not sucked back.
-    #[error("{delivered_ml:.4} mL were delivered and are on record, but they were not sucked back: {source}")]
+    /// The dose is delivered and on record, but its retraction failed.
+    #[error("{delivered_ml:.4} mL were delivered and are on record, but the retraction failed: {source}")]
     Retraction {
-        /// mL.
+        /// Volume delivered, in mL.
         delivered_ml: f64,
-        /// Why.
+        /// Cause of the failure.
         source: Box<DoseError>,
     },
     /// The rotor was turned and its angle found, but the angle could not be recorded.
     #[error(
-        "the rotor was turned and stands at {angle_deg:.4} deg, but this could not be recorded: {source}; find the angle \
-         again once the journal can be written"
+        "the rotor was turned and stands at {angle_deg:.4} deg, but this could not be recorded: {source}; \
+         find the angle again once the journal can be written"
     )]
     AngleNotRecorded {
-        /// Angle of the rotor, deg.
+        /// Angle of the rotor, in deg.
         angle_deg: f64,
-        /// Why.
+        /// Cause of the failure.
         source: JournalError,
     },
-    /// The dose is over but its end could not be recorded.
+    /// The dose is over, but its end could not be recorded.
     #[error(
-        "{delivered_ml:.4} mL were delivered and the rotor stands at {end_angle_deg:.4} deg, but this could not be \
-         recorded: {source}; make room, then see `dose status`"
+        "{delivered_ml:.4} mL were delivered and the rotor stands at {end_angle_deg:.4} deg, but this could \
+         not be recorded: {source}; make room, then see `dose status`"
     )]
     NotRecorded {
-        /// mL.
+        /// Volume delivered, in mL.
         delivered_ml: f64,
-        /// deg.
+        /// Angle at which the rotor stands, in deg.
         end_angle_deg: f64,
-        /// Why.
+        /// Cause of the failure.
         source: JournalError,
     },
 }
 
-/// What an error means for the caller, by whether anything moved.
+/// Class of an error by whether anything moved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ErrorClass {
     /// Nothing has moved: the request was refused.
@@ -207,7 +210,7 @@ pub enum ErrorClass {
 }
 
 impl DoseError {
-    /// Class of the error. Exit codes of the command follow from it.
+    /// Returns the class of the error. Exit codes of the command follow from it.
     pub fn class(&self) -> ErrorClass {
         match self {
             Self::Drive { .. }

@@ -1,4 +1,4 @@
-//! One dose: what is asked, what is planned and predicted, and how sure it is.
+//! One dose: its request, its plan and prediction, and its uncertainty.
 
 #[cfg(test)]
 mod coverage;
@@ -11,6 +11,7 @@ mod schedule;
 mod tube_life;
 mod uncertainty;
 mod unknown_angle;
+mod warnings;
 
 pub use error::{DoseError, ErrorClass};
 pub use prepared::Prepared;

@@ -1,4 +1,5 @@
-//! Plans of a pump whose displacement depends on the speed: it is that at the plan's own cruise speed.
+//! Plans of a pump whose displacement depends on the speed. A plan uses the displacement at its own cruise
+//! speed.
 
 use pump_ctl::plan::{Cruise, Limits, Phase, Plan, PlanError, Request, plan};
 use pump_model::math::{rad_s, radians, rpm};
@@ -9,42 +10,46 @@ use crate::calibration::{AgainstSpeed, Applied, CalibrationError, Made, Stored};
 use crate::displacement::{Correction, RangedLaw, SpeedLawError};
 use crate::pump_file::PumpFile;
 
-/// Model volumes of a revolution that are the same.
+/// Relative difference up to which two model volumes of a revolution are equal.
 const SAME_PUMP: f64 = 1e-9;
 
-/// Rounds until speed and displacement agree; three are usual. Whole steps may keep two speeds apart for ever.
+/// Most rounds until speed and displacement agree. Three are usual. Two speeds may alternate forever, because
+/// steps are whole.
 const MOST_ROUNDS: u32 = 20;
 
-/// Factors that are the same: 1e-9 of a volume is far below a step.
+/// Difference up to which two factors are equal: 1e-9 of a volume is far below a step.
 const SAME_FACTOR: f64 = 1e-12;
 
-/// Part by which a speed is raised until it meets its time, and how often.
+/// Part by which a speed is raised until the dose meets its time.
 const FASTER: f64 = 1e-6;
+/// Most raises of a speed until the dose meets its time.
 const MOST_RAISES: u32 = 1000;
 
-/// A plan with the pump that it was made for.
+/// Plan with the pump that it was made for.
 pub(crate) struct SpeedPlan {
     pub(crate) model: Pump,
     pub(crate) plan: Plan,
-    /// None of a pump as its model is.
+    /// Calibration and speed law that corrected the pump. `None` for a pump as its model is.
     pub(crate) applied: Option<Applied>,
     pub(crate) warning: Option<String>,
 }
 
-/// What a dose is planned with.
+/// Planner of doses: the pump, its calibration or speed law, and the limits.
 pub(crate) struct Planner<'a> {
     pub(crate) file: &'a PumpFile,
-    /// The pump as it is without calibration and speed law.
+    /// Pump without calibration and speed law.
     pub(crate) base: &'a Pump,
     pub(crate) stored: Option<&'a Stored>,
-    /// The pump file's, if it is to be used.
+    /// Speed law of the pump file, if the plan is to use it.
     pub(crate) law: Option<RangedLaw>,
     pub(crate) limits: &'a Limits,
 }
 
 impl Planner<'_> {
-    /// Plans with kappa(N), N the cruise speed, ramps included. At a rate N is the root of kappa(N) V_rot N/60 = Q; within a
-    /// time it is found by planning again with the displacement at the speed found before, until both agree.
+    /// Plans with kappa(N), the displacement at the cruise speed N, ramps included.
+    ///
+    /// At a rate Q, N is the root of kappa(N) V_rot N/60 = Q. Within a time, N is found by planning again
+    /// with the displacement at the speed found before, until both agree.
     pub(crate) fn plan(&self, start: Phase, request: &Request) -> Result<SpeedPlan, DoseError> {
         let Some(against) = self.against() else {
             return self.at_speed(None, 0.0, start, request);
@@ -78,7 +83,7 @@ impl Planner<'_> {
         }
     }
 
-    /// The displacement against speed up to the motor's limit; none of a pump as its model is.
+    /// Returns the displacement against speed, up to the motor's limit. `None` for a pump as its model is.
     fn against(&self) -> Option<AgainstSpeed<'_>> {
         let displacement = self.stored.and_then(|stored| stored.calibration.displacement.as_ref());
         let against = AgainstSpeed::of(displacement, self.law, self.base)?;
@@ -99,7 +104,7 @@ impl Planner<'_> {
         Ok(SpeedPlan { model, plan, applied, warning })
     }
 
-    /// What a speed in r/min, positive, changes of the pump, and what the user should know of that speed.
+    /// Returns the correction of the pump at a speed in r/min, positive, and a warning of that speed.
     fn applied(
         &self,
         against: Option<&AgainstSpeed<'_>>,
@@ -139,7 +144,7 @@ impl Planner<'_> {
         Ok((Some(applied), warning))
     }
 
-    /// The displacement that a plan was made with, and that at the speed which was found.
+    /// Returns the displacement that a plan was made with, and the displacement at the speed that was found.
     fn factors(
         against: &AgainstSpeed<'_>,
         planned: &SpeedPlan,
@@ -158,7 +163,7 @@ impl Planner<'_> {
         start: Phase,
         request: &Request,
     ) -> Result<SpeedPlan, DoseError> {
-        // On the way only: what is found must lie within the speeds itself.
+        // Only the search is clamped: the speed that is found must lie within the range itself.
         let range_rpm = against.range_rpm();
         let inside = |rpm: f64| range_rpm.map_or(rpm, |(least, most)| rpm.clamp(least, most));
         let asked = |rpm: f64| format!("{rpm:.4} r/min, the slowest within {time_s} s,");
@@ -174,7 +179,8 @@ impl Planner<'_> {
                 return Ok(SpeedPlan { applied, warning, ..planned });
             }
         }
-        // Two numbers of steps take turns: the speed found last, raised until the dose with its own displacement is in time.
+        // Two numbers of steps take turns. The speed found last is raised until the dose with its own
+        // displacement is in time.
         let mut shortest_s = f64::INFINITY;
         for _ in 0..MOST_RAISES {
             self.covers(against, speed_rpm, request, || asked(speed_rpm))?;
@@ -190,7 +196,7 @@ impl Planner<'_> {
         Err(PlanError::TimeTooShort { asked_s: time_s, fastest_s: shortest_s }.into())
     }
 
-    /// The fastest plan within the speeds: again and again with the displacement at the speed found before.
+    /// Finds the fastest plan within the speeds. Each round uses the displacement at the speed found before.
     fn fastest(
         &self,
         against: &AgainstSpeed<'_>,
@@ -210,7 +216,7 @@ impl Planner<'_> {
             let planned = within.at_speed(Some(against), speed_rpm, start, request)?;
             let found_rpm = rpm(planned.plan.profile.cruise_rad_s());
             let (with, found) = Self::factors(against, &planned, found_rpm, request)?;
-            // What limits the speed is found to 1e-6 of it, so the displacement is not known better.
+            // The limit is found to 1e-6 of the speed, so the displacement is known no better.
             if (found - with).abs() <= FASTER {
                 let asked = || format!("{found_rpm:.4} r/min, the fastest,");
                 self.covers(against, found_rpm, request, asked)?;
@@ -232,7 +238,7 @@ impl Planner<'_> {
         Err(CalibrationError::NoSpeed { rounds: MOST_ROUNDS }.into())
     }
 
-    /// Refuses a speed for which nothing is known. One beyond the motor is left to the plan to refuse.
+    /// Refuses a speed outside the known range. A speed beyond the motor is left to the plan to refuse.
     fn covers(
         &self,
         against: &AgainstSpeed<'_>,
@@ -249,7 +255,7 @@ impl Planner<'_> {
             .unwrap_or_else(|error| CalibrationError::from(error).into()))
     }
 
-    /// The refusal of a flow that no speed gives.
+    /// Returns the refusal of a flow that no speed gives.
     fn outside_flows(&self, against: &AgainstSpeed<'_>, ml_s: f64, request: &Request) -> DoseError {
         let found = match (against.displacement(), against.law()) {
             (None, Some(law)) => law.outside_flows(self.base, ml_s, reverse(request)).map(DoseError::from),
@@ -276,12 +282,12 @@ impl Planner<'_> {
     }
 }
 
-/// Whether a dose runs in reverse.
+/// Returns true if a dose runs in reverse.
 fn reverse(request: &Request) -> bool {
     request.volume_ml + request.carry_in_ml < 0.0
 }
 
-/// A speed with the sign of a dose's direction.
+/// Returns a speed with the sign of the dose's direction.
 fn signed(rpm: f64, request: &Request) -> f64 {
     if reverse(request) { -rpm } else { rpm }
 }

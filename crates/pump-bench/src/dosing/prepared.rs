@@ -1,56 +1,65 @@
-//! A dose that is asked for, and the same planned and predicted.
+//! A prepared dose: the request, planned and predicted.
 
-use pump_ctl::plan::{
-    Cruise, Finish, LimitedBy, Limits, Margin, Margins, Phase, Plan, PlanError, Prediction, Request,
-};
+use pump_ctl::plan::{Cruise, Finish, Limits, Margins, Phase, Plan, PlanError, Prediction, Request};
 use pump_model::Pump;
-use pump_model::math::rpm;
 
 use super::error::DoseError;
-use super::planner::Planner;
+use super::planner::{Planner, SpeedPlan};
 use super::request::DoseRequest;
 use super::retraction::Retraction;
-use super::unknown_angle;
+use super::warnings;
 use crate::calibration::{Applied, Stored};
 use crate::displacement::Correction;
 use crate::pump_file::PumpFile;
 use crate::record::{PhaseSource, Purpose, Terms};
 
-/// A limit of which more than this is used is worth a warning.
-const CLOSE: f64 = 0.95;
-
-/// A smooth flow that keeps more than this part of the ripple is hardly one.
-const HARDLY: f64 = 0.9;
-
-/// A dose that is planned and may run.
+/// Dose that is planned and may run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prepared {
-    /// What was asked.
+    /// Request that the dose was planned for.
     pub request: DoseRequest,
-    /// The pump that it was planned for: with its calibration or speed law at the dose's speed, if there is one.
+    /// Pump that the dose was planned for, corrected by its calibration or speed law at the dose's speed.
     pub model: Pump,
-    /// What these changed; none of a pump as its model is.
+    /// Calibration and speed law that corrected the pump. `None` for a pump as its model is.
     pub applied: Option<Applied>,
     /// Steps and profile.
     pub plan: Plan,
-    /// Pressures and settling.
+    /// Predicted pressures and settling.
     pub prediction: Prediction,
-    /// What it was planned within.
+    /// Limits that the dose was planned within.
     pub limits: Limits,
-    /// How near it comes to that.
+    /// Distances of the dose from its limits.
     pub margins: Margins,
-    /// Where the start angle comes from.
+    /// Source of the start angle.
     pub phase_source: PhaseSource,
-    /// What the next dose owes afterwards, mL: the plan's carry, or what was on record before a prime or purge.
+    /// Carry after the dose, in mL: the plan's carry, or the carry on record before a prime or purge.
     pub carry_out_ml: f64,
-    /// The way back after it.
+    /// Retraction after the dose.
     pub retraction: Option<Retraction>,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
+/// Everything that a dose is planned from.
+struct Basis<'a> {
+    file: &'a PumpFile,
+    /// Pump without calibration and speed law.
+    model: &'a Pump,
+    /// Calibration in use.
+    stored: Option<&'a Stored>,
+    request: DoseRequest,
+    start: Phase,
+    phase_source: PhaseSource,
+    /// Carry on record, in mL.
+    carry_ml: f64,
+}
+
 impl Prepared {
-    /// Plans a dose of the pump of `file` from `start`, with `carry_ml` on record, and predicts it.
+    /// Plans and predicts a dose of the pump of `file` from `start`, with a carry of `carry_ml` on record.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if a value of the request is out of range, or the dose cannot keep the pump's limits.
     pub fn new(
         file: &PumpFile,
         model: &Pump,
@@ -59,10 +68,15 @@ impl Prepared {
         phase_source: PhaseSource,
         carry_ml: f64,
     ) -> Result<Self, DoseError> {
-        Self::planned(file, model, None, request, start, phase_source, carry_ml)
+        Basis { file, model, stored: None, request, start, phase_source, carry_ml }.prepare()
     }
 
-    /// The same of a pump with a calibration.
+    /// Plans and predicts a dose of a calibrated pump from `start`, with a carry of `carry_ml` on record.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if a value of the request is out of range, or the dose cannot keep the pump's limits.
+    /// [`DoseError::Calibration`] if the calibration does not hold for the pump or the speed.
     pub fn calibrated(
         file: &PumpFile,
         model: &Pump,
@@ -72,61 +86,73 @@ impl Prepared {
         phase_source: PhaseSource,
         carry_ml: f64,
     ) -> Result<Self, DoseError> {
-        Self::planned(file, model, Some(stored), request, start, phase_source, carry_ml)
+        Basis { file, model, stored: Some(stored), request, start, phase_source, carry_ml }.prepare()
     }
 
-    fn planned(
-        file: &PumpFile,
-        model: &Pump,
-        stored: Option<&Stored>,
-        request: DoseRequest,
-        start: Phase,
-        phase_source: PhaseSource,
-        carry_ml: f64,
-    ) -> Result<Self, DoseError> {
-        let (asked, limits) = asked_of(file, &request, carry_ml);
-        let law = match request.purpose {
+    /// Returns the correction of the displacement by the calibration or the speed law.
+    pub fn correction(&self) -> Correction {
+        self.applied.as_ref().map_or(Correction::NONE, |applied| applied.correction)
+    }
+
+    /// Returns the terms that the journal keeps for the rest of this dose, in case the dose is cut off.
+    pub(crate) fn terms(&self) -> Terms {
+        let DoseRequest { smooth, finish, max_outlet_kpa, min_inlet_kpa, .. } = self.request;
+        let cruise_rad_s = Some(self.plan.profile.cruise_rad_s());
+        Terms { cruise_rad_s, smooth, low_flow: finish == Finish::LowFlow, max_outlet_kpa, min_inlet_kpa }
+    }
+
+    /// Returns the carry once this dose and its retraction are made, in mL.
+    pub fn owes_ml(&self) -> f64 {
+        self.retraction.as_ref().map_or(self.carry_out_ml, |retraction| retraction.carry_out_ml)
+    }
+}
+
+impl Basis<'_> {
+    /// Plans the dose, then predicts it.
+    fn prepare(&self) -> Result<Prepared, DoseError> {
+        let (asked, limits) = self.asked();
+        let law = match self.request.purpose {
             Purpose::Calibrate => None,
-            _ => file.speed_law().map_err(PlanError::from)?,
+            _ => self.file.speed_law().map_err(PlanError::from)?,
         };
-        let planner = Planner { file, base: model, stored, law, limits: &limits };
-        let found = planner.plan(start, &asked)?;
-        let mut prepared = Self::of_plan(
-            file,
-            request,
-            found.model,
-            found.applied,
-            found.plan,
-            limits,
-            phase_source,
-            carry_ml,
-        )?;
-        prepared.warnings.extend(found.warning);
-        Ok(prepared)
+        let Self { file, model: base, stored, .. } = *self;
+        let planner = Planner { file, base, stored, law, limits: &limits };
+        let found = planner.plan(self.start, &asked)?;
+        Ok(self.predicted(found, limits)?)
     }
 
-    #[allow(clippy::too_many_arguments, reason = "what a plan was made of")]
-    fn of_plan(
-        file: &PumpFile,
-        request: DoseRequest,
-        model: Pump,
-        applied: Option<Applied>,
-        plan: Plan,
-        limits: Limits,
-        phase_source: PhaseSource,
-        carry_ml: f64,
-    ) -> Result<Self, PlanError> {
+    /// Returns the request to the planner, and the limits: the pump file's where the request names none.
+    fn asked(&self) -> (Request, Limits) {
+        let request = &self.request;
+        let default_cruise = Cruise::Flow { ml_s: self.file.pump.default_rate_ml_s };
+        let asked = Request {
+            volume_ml: request.volume_ml,
+            carry_in_ml: if request.purpose == Purpose::Dose { self.carry_ml } else { 0.0 },
+            cruise: request.cruise.unwrap_or(default_cruise),
+            smooth: request.smooth,
+            finish: request.finish,
+        };
+        (asked, self.file.limits_with(request.max_outlet_kpa, request.min_inlet_kpa))
+    }
+
+    /// Adds the prediction, the margins, the warnings and the retraction to a plan.
+    fn predicted(&self, found: SpeedPlan, limits: Limits) -> Result<Prepared, PlanError> {
+        let SpeedPlan { model, plan, applied, warning } = found;
+        let request = self.request;
         let prediction = plan.predict(&model)?;
         let margins = limits.margins(&model, &plan);
-        let mut warnings = warnings_of(&model, &plan, &prediction, &margins)?;
-        let is_weighed = applied.as_ref().is_some_and(|applied| applied.displacement.is_some());
-        if file.is_estimated() && !is_weighed {
-            warnings.push(
-                "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on it"
-                    .to_owned(),
-            );
-        }
-        let mut prepared = Self {
+        let mut warnings = warnings::of_plan(&model, &plan, &prediction, &margins)?;
+        warnings.extend(warnings::estimated_pump(self.file, applied.as_ref()));
+        warnings.extend(warning);
+        let carry_out_ml = if request.purpose == Purpose::Dose { plan.carry_ml } else { self.carry_ml };
+        let retraction = match request.retract_ml {
+            Some(volume_ml) => {
+                let asked_ml = request.whole_ml.unwrap_or(plan.requested_ml);
+                Some(Retraction::new(&model, &plan, &limits, asked_ml, carry_out_ml, volume_ml)?)
+            }
+            None => None,
+        };
+        Ok(Prepared {
             request,
             model,
             applied,
@@ -134,134 +160,10 @@ impl Prepared {
             prediction,
             limits,
             margins,
-            phase_source,
-            carry_out_ml: if request.purpose == Purpose::Dose { plan.carry_ml } else { carry_ml },
-            retraction: None,
+            phase_source: self.phase_source,
+            carry_out_ml,
+            retraction,
             warnings,
-        };
-        if let Some(volume_ml) = request.retract_ml {
-            prepared.retraction = Some(Retraction::new(&prepared, volume_ml)?);
-        }
-        Ok(prepared)
+        })
     }
-
-    /// What its calibration or speed law changes of the pump.
-    pub fn correction(&self) -> Correction {
-        self.applied.as_ref().map_or(Correction::NONE, |applied| applied.correction)
-    }
-
-    /// The terms that the journal keeps for the rest of this dose, should it be cut off.
-    pub(crate) fn terms(&self) -> Terms {
-        let DoseRequest { smooth, finish, max_outlet_kpa, min_inlet_kpa, .. } = self.request;
-        let cruise_rad_s = Some(self.plan.profile.cruise_rad_s());
-        Terms { cruise_rad_s, smooth, low_flow: finish == Finish::LowFlow, max_outlet_kpa, min_inlet_kpa }
-    }
-
-    /// What the next dose owes once this one and its retraction are made, mL.
-    pub fn owes_ml(&self) -> f64 {
-        self.retraction.as_ref().map_or(self.carry_out_ml, |retraction| retraction.carry_out_ml)
-    }
-}
-
-/// What is asked of the planner, and within which limits: the pump file's where the request names none.
-fn asked_of(file: &PumpFile, request: &DoseRequest, carry_ml: f64) -> (Request, Limits) {
-    let default_cruise = Cruise::Flow { ml_s: file.pump.default_rate_ml_s };
-    let asked = Request {
-        volume_ml: request.volume_ml,
-        carry_in_ml: if request.purpose == Purpose::Dose { carry_ml } else { 0.0 },
-        cruise: request.cruise.unwrap_or(default_cruise),
-        smooth: request.smooth,
-        finish: request.finish,
-    };
-    (asked, file.limits_with(request.max_outlet_kpa, request.min_inlet_kpa))
-}
-
-/// What a person should know of a plan before it runs.
-fn warnings_of(
-    model: &Pump,
-    plan: &Plan,
-    prediction: &Prediction,
-    margins: &Margins,
-) -> Result<Vec<String>, PlanError> {
-    let mut warnings = Vec::new();
-    if !plan.start.is_known(model.pitch_rad()) {
-        warnings.extend(unknown_angle::warnings(model, plan));
-    }
-    if plan.limited_by == LimitedBy::Acceleration {
-        warnings.push(format!(
-            "the dose is too short to reach its cruise speed at {} rad/s2; it peaks at {:.4} r/min",
-            plan.profile.acceleration_rad_s2(),
-            rpm(plan.profile.peak_rad_s()),
-        ));
-    }
-    let ripples = plan.ripples(model);
-    if plan.is_smooth() && ripples.after.rms > HARDLY * ripples.before.rms {
-        warnings.push(format!(
-            "a smooth flow was asked for, but at this rate the motor has no room to follow it: {:.1} % of ripple (RMS) stay of \
-             {:.1} %; a slower rate is smoother",
-            100.0 * ripples.after.rms,
-            100.0 * ripples.before.rms
-        ));
-    }
-    if let Some(warning) = low_flow_warning(model, plan)? {
-        warnings.push(warning);
-    } else if plan.carry_ml.abs() > 0.05 * plan.requested_ml.abs() {
-        warnings.push(format!(
-            "a motor step is coarse for this dose: it gives {:.2} µL, and the other {:.2} µL are carried to the next",
-            1e3 * plan.planned_ml,
-            1e3 * plan.carry_ml
-        ));
-    }
-    for (port, range) in [("inlet", prediction.inlet), ("outlet", prediction.outlet)] {
-        if range.min_kpa < 0.0 {
-            warnings.push(format!(
-                "the {port} pressure would fall to {:.1} kPa absolute, which no liquid can: it would cavitate and the \
-                 dose be short; lower the rate",
-                range.min_kpa
-            ));
-        }
-    }
-    for (what, unit, margin) in [
-        ("outlet pressure", "kPa", margins.outlet),
-        ("inlet pressure", "kPa", margins.inlet),
-        ("outlet pressure where the flow falls", "kPa", margins.outlet_suction),
-        ("torque", "N m", margins.torque),
-    ] {
-        if let Some(Margin { reached, limit, used }) = margin
-            && used > CLOSE
-        {
-            warnings.push(format!(
-                "the {what} comes close to its limit: {reached:.4} of {limit:.4} {unit}, {:.1} % of the room from rest",
-                100.0 * used
-            ));
-        }
-    }
-    if prediction.step_kpa > 1.0 {
-        warnings.push(format!(
-            "a single motor step moves the pressure by up to {:.1} kPa on top of what is predicted; use more microsteps",
-            prediction.step_kpa
-        ));
-    }
-    Ok(warnings)
-}
-
-/// What a dose that ends at low flow carries because of that, and what it need not.
-fn low_flow_warning(model: &Pump, plan: &Plan) -> Result<Option<String>, PlanError> {
-    // Within half a step of what was asked the end is where it would be anyway.
-    let half_step_ml = 0.5 * plan.step_rad * model.nominal_ml_rad();
-    if plan.finish == Finish::Any || plan.carry_ml.abs() <= half_step_ml {
-        return Ok(None);
-    }
-    let volumes = plan.low_flow_volumes_ml(model)?.into_iter().flatten();
-    let nearest: Vec<String> =
-        volumes.map(|volume_ml| format!("{:.4} mL", volume_ml - plan.carry_in_ml)).collect();
-    let word = if plan.carry_ml * plan.requested_ml < 0.0 { "too much" } else { "too little" };
-    Ok(Some(format!(
-        "to end at low flow the dose gives {:.4} mL for {} mL asked; {:.4} mL {word} are carried to the next; nearest volumes that \
-         end there and carry nothing: {}",
-        plan.planned_ml,
-        plan.requested_ml,
-        plan.carry_ml.abs(),
-        nearest.join(" and ")
-    )))
 }

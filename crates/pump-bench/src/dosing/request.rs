@@ -1,36 +1,37 @@
-//! A dose that is asked for.
+//! The request for a dose.
 
 use pump_ctl::plan::{Cruise, Finish};
 
 use crate::record::{Purpose, Terms};
 
-/// What is asked of a bench.
+/// Request for a dose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DoseRequest {
-    /// Why.
+    /// Purpose of the motion.
     pub purpose: Purpose,
-    /// mL; negative in reverse; not zero.
+    /// Volume, in mL. Negative in reverse, never zero.
     pub volume_ml: f64,
-    /// How fast; none takes the pump file's default rate.
+    /// Cruise of the dose. `None` takes the pump file's default rate.
     pub cruise: Option<Cruise>,
-    /// Whether the speed follows the rollers' angle for a smooth flow.
+    /// True if the speed follows the rollers' angle for a smooth flow.
     pub smooth: bool,
-    /// Where in a pitch it may end; its retraction ends anywhere.
+    /// Position in a pitch where the dose may end. Its retraction may end anywhere.
     pub finish: Finish,
-    /// Where the rollers stand, rad; none takes the recorded angle.
+    /// Angle at the start, in rad. `None` takes the recorded angle.
     pub start_angle_rad: Option<f64>,
-    /// Of the rest of a dose that was cut off the volume of the whole, mL; none if this is the whole.
+    /// Volume of the whole dose if this is the rest of one that was cut off, in mL. `None` if this is the
+    /// whole.
     pub whole_ml: Option<f64>,
-    /// What is sucked back after the dose, mL, positive; none sucks nothing back.
+    /// Volume to suck back after the dose, in mL, positive. `None` sucks nothing back.
     pub retract_ml: Option<f64>,
-    /// Limit at the port that pushes, kPa absolute; none takes the pump file's.
+    /// Pressure limit at the discharge port, in kPa absolute. `None` takes the pump file's limit.
     pub max_outlet_kpa: Option<f64>,
-    /// Limit at the port that sucks, kPa absolute; none takes the pump file's.
+    /// Pressure limit at the suction port, in kPa absolute. `None` takes the pump file's limit.
     pub min_inlet_kpa: Option<f64>,
 }
 
 impl DoseRequest {
-    /// A dose with the pump file's defaults.
+    /// Requests a dose with the pump file's defaults.
     pub fn dose(volume_ml: f64) -> Self {
         Self {
             purpose: Purpose::Dose,
@@ -46,8 +47,8 @@ impl DoseRequest {
         }
     }
 
-    /// The request for the rest of a dose that was cut off: what it says itself, and the terms of the whole where it says
-    /// nothing.
+    /// Completes the request for the rest of a dose that was cut off. The terms of the whole dose fill what
+    /// the request leaves open.
     pub(crate) fn for_rest(self, whole: &Terms) -> Self {
         Self {
             cruise: self.cruise.or(whole.cruise_rad_s.map(|rad_s| Cruise::Speed { rad_s })),

@@ -1,4 +1,4 @@
-//! A batch of doses: when each is due, and what it would be without moving anything.
+//! The schedule of a batch: the time at which each dose is due.
 
 use std::time::Duration;
 
@@ -7,62 +7,63 @@ use thiserror::Error;
 /// Most doses of a batch.
 pub const MAX_DOSES: u64 = 1_000_000;
 
-/// Shortest and longest time from the start of a dose to the start of the next, s.
+/// Shortest and longest time from the start of a dose to the start of the next, in s.
 const EVERY_S: [f64; 2] = [1e-3, 366.0 * 86_400.0];
 
-/// A dose that was waited for is missed when it is later than this (or than the interval): whoever waited was suspended.
+/// Lateness from which on an awaited dose is missed, or the interval if that is shorter. The process must
+/// have been suspended.
 const LATEST: Duration = Duration::from_secs(1);
 
-/// What becomes of a dose whose time has passed.
+/// Choice of what happens to a dose whose time has passed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Missed {
-    /// It is left out.
+    /// The dose is left out.
     #[default]
     Skip,
-    /// It is made at once.
+    /// The dose is made at once.
     Now,
 }
 
-/// What to do next; doses are numbered from 1.
+/// Next action of a batch. Doses are numbered from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Action {
-    /// Nothing until then, on the clock that the schedule is asked with.
+    /// Wait until this time on the schedule's clock.
     Wait(Duration),
-    /// This dose.
+    /// Make the dose of this number.
     Dose(u64),
-    /// Leave out this dose: its time has passed.
+    /// Leave out the dose of this number: its time has passed.
     Skip(u64),
-    /// Every dose was made or left out.
+    /// Stop: every dose was made or left out.
     Done,
 }
 
-/// A schedule that cannot be kept.
+/// Schedule that cannot be kept.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ScheduleError {
     /// A value is outside its range.
     #[error("{what} is {value}; allowed: {least} to {most}")]
     OutOfRange {
-        /// Which, with its unit.
+        /// Name of the value, with its unit.
         what: &'static str,
-        /// What it is.
+        /// Value that was given.
         value: f64,
-        /// Smallest allowed.
+        /// Smallest value allowed.
         least: f64,
-        /// Largest.
+        /// Largest value allowed.
         most: f64,
     },
 }
 
-/// When each dose of a batch is due, counted from the batch's start. It sleeps nowhere and reads no clock.
+/// Schedule of a batch, counted from the batch's start. The schedule never sleeps and reads no clock.
 ///
-/// Its clock must not be set by anybody, as [`std::time::Instant`]'s is not. That one stands still on Linux while the
-/// machine sleeps, and the batch with it; a process that alone is suspended misses doses.
+/// The caller's clock must never be set, as [`std::time::Instant`] never is. On Linux that clock stands still
+/// while the machine sleeps, and the batch with it. A process that alone is suspended misses doses.
 ///
 /// ```
 /// use std::time::Duration;
 ///
-/// use pump_bench::batch::{Action, Missed, Schedule};
+/// use pump_bench::dosing::{Action, Missed, Schedule};
 ///
 /// let mut schedule = Schedule::new(3, Some(10.0), Missed::Skip)?;
 /// let at = Duration::from_secs;
@@ -72,22 +73,27 @@ pub enum ScheduleError {
 /// assert_eq!(schedule.next(at(12)), Action::Wait(at(20)));
 /// assert_eq!(schedule.next(at(20)), Action::Dose(3));
 /// assert_eq!(schedule.next(at(21)), Action::Done);
-/// # Ok::<(), pump_bench::batch::ScheduleError>(())
+/// # Ok::<(), pump_bench::dosing::ScheduleError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Schedule {
     count: u64,
-    /// From start to start; none makes each dose when the one before is done.
+    /// Interval from start to start. `None` makes each dose when the one before is done.
     every: Option<Duration>,
     missed: Missed,
-    /// Doses made or left out.
+    /// Number of doses made or left out.
     past: u64,
-    /// Whether the next dose was not due yet when the schedule was last asked.
+    /// True if the next dose was not due yet when the schedule was last asked.
     in_time: bool,
 }
 
 impl Schedule {
-    /// `count` doses, one every `every_s` s from start to start; without it one after the other.
+    /// Plans `count` doses, one every `every_s` seconds from start to start. Without an interval each dose
+    /// follows the one before.
+    ///
+    /// # Errors
+    ///
+    /// [`ScheduleError::OutOfRange`] if the number of doses or the interval is outside its range.
     pub fn new(count: u64, every_s: Option<f64>, missed: Missed) -> Result<Self, ScheduleError> {
         if !(1..=MAX_DOSES).contains(&count) {
             let (value, most) = (count as f64, MAX_DOSES as f64);
@@ -101,12 +107,12 @@ impl Schedule {
         Ok(Self { count, every, missed, past: 0, in_time: true })
     }
 
-    /// How many doses it has.
+    /// Returns the number of doses.
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// When dose `number` is due, from the batch's start.
+    /// Returns the time at which dose `number` is due, from the batch's start.
     pub fn due(&self, number: u64) -> Duration {
         self.every.map_or(Duration::ZERO, |every| {
             let nanoseconds = every.as_nanos() * u128::from(number.saturating_sub(1));
@@ -115,7 +121,8 @@ impl Schedule {
         })
     }
 
-    /// What to do at `now`, the time since the batch's start. A dose or a skip is told once and then counts as past.
+    /// Returns the action at `now`, the time since the batch's start. Each dose or skip is returned once and
+    /// then counts as past.
     pub fn next(&mut self, now: Duration) -> Action {
         if self.past == self.count {
             return Action::Done;

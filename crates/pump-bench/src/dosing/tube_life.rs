@@ -1,28 +1,28 @@
-//! How much of a tube's life is used up.
+//! The life of a tube and the part of it that is used up.
 
 use crate::dosing::DoseError;
 
-/// From this part of its life on a tube is warned of.
+/// Part of its life from which on a tube is warned of.
 const WARNED_FROM: f64 = 0.9;
 
-/// A tube with the dose that is planned.
+/// Tube with a planned dose.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct TubeLife {
-    /// Volume that it lasts, mL.
+    /// Life of the tube, in mL.
     pub(crate) life_ml: f64,
-    /// Volume that it has pumped, either way, mL.
+    /// Volume that the tube has pumped in either direction, in mL.
     pub(crate) pumped_ml: f64,
-    /// Volume of the planned dose, either way, mL.
+    /// Volume of the planned dose in either direction, in mL.
     pub(crate) planned_ml: f64,
 }
 
 impl TubeLife {
-    /// Volume that it will have pumped, mL.
+    /// Returns the volume that the tube will have pumped after the dose, in mL.
     fn after_ml(&self) -> f64 {
         self.pumped_ml + self.planned_ml
     }
 
-    /// Refuses a dose that uses the tube up.
+    /// Refuses a dose that uses up the tube.
     pub(crate) fn check(&self) -> Result<(), DoseError> {
         let Self { life_ml, pumped_ml, planned_ml } = *self;
         if self.after_ml() < life_ml {
@@ -32,14 +32,14 @@ impl TubeLife {
         }
     }
 
-    /// What is left, once that is little.
+    /// Warns of a tube that is almost used up.
     pub(crate) fn warning(&self) -> Option<String> {
         let Self { life_ml, .. } = *self;
         let after_ml = self.after_ml();
         (after_ml >= WARNED_FROM * life_ml).then(|| {
             format!(
-                "with this dose the tube will have pumped {after_ml:.1} mL of the {life_ml} mL that it lasts, {:.1} mL are \
-                 left; have a new one ready and say `dose tube --new` once it is in",
+                "with this dose the tube will have pumped {after_ml:.1} mL of the {life_ml} mL that it \
+                 lasts, {:.1} mL are left; have a new one ready and say `dose tube --new` once it is in",
                 (life_ml - after_ml).max(0.0)
             )
         })

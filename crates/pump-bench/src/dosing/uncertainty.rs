@@ -1,4 +1,4 @@
-//! How sure a dose is: its uncertainty budget.
+//! The uncertainty budget of a dose.
 
 use pump_ctl::plan::{Phase, Plan};
 use pump_model::Pump;
@@ -11,47 +11,53 @@ use crate::pump_file::UncertaintyTable;
 /// Coverage factor of the expanded uncertainty (about 95 % of doses).
 pub const COVERAGE_FACTOR: f64 = 2.0;
 
-/// How much the cross section of a tube's bore grows, 1/°C: twice the linear expansion of silicone rubber, 3e-4 (natural
-/// rubber: 2.2e-4, a third of its expansion in volume, 6.6e-4; Polymer Handbook).
+/// Growth of the cross section of a tube's bore, in 1/°C: twice the linear expansion of silicone rubber,
+/// 3e-4. Natural rubber has 2.2e-4, a third of its expansion in volume, 6.6e-4 (Polymer Handbook).
 const BORE_PER_DEGC: f64 = 6e-4;
 
-/// Standard uncertainty of the difference between two temperatures, °C, each read to a degree.
+/// Standard uncertainty of the difference between two temperatures, in °C, each read to a degree.
 const READ_DEGC: f64 = 0.8;
 
-/// One source of uncertainty.
+/// One share of the uncertainty budget.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Share {
-    /// `model`, `repeatability`, `roller_volume`, `step`, `phase`, `calibration`, `speed_law`, `temperature` or `carry`.
+    /// Source of the share: `model`, `repeatability`, `roller_volume`, `step`, `phase`, `calibration`,
+    /// `speed_law`, `temperature` or `carry`.
     pub source: &'static str,
-    /// Standard uncertainty, mL.
+    /// Standard uncertainty, in mL.
     pub standard_ml: f64,
-    /// Its part of the budget's variance, percent.
+    /// Part of the budget's variance, in percent.
     pub variance_percent: f64,
-    /// The cheapest way to make it smaller.
+    /// Cheapest way to reduce the share.
     pub remedy: &'static str,
 }
 
-/// The budget of a dose; its shares are independent.
+/// Uncertainty budget of a dose. Its shares are independent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Budget {
-    /// Every share.
+    /// Shares of the budget.
     pub shares: Vec<Share>,
 }
 
 impl Budget {
-    /// Budget of `plan` on `pump`, the one that it was planned for, with the calibration that made it so.
+    /// Computes the budget of `plan` on `pump`, the pump that it was planned for, with the calibration that
+    /// corrected the pump.
     ///
-    /// Model and repeatability are fractions of the volume, measured over many revolutions; a calibration takes the model's
-    /// place, and so does the speed law of a pump file. A short dose is as unsure as the part of a pulse that it sweeps (see `pulses_unsure`); of a calibrated pump
-    /// that vanishes over whole pitches. The step's share is that of a rotor that stands anywhere within a step,
-    /// rectangular: dV/sqrt(12) (GUM, JCGM 100:2008, 4.3.7). The phase's share is the root of the mean square deviation from
-    /// the plan, the middle of the range, over the start angles that the record allows, each as likely: the volumes crowd at
-    /// the ends of their range, so a rectangle over it would say too little; a zero that was identified adds its own
-    /// uncertainty. Temperature widens the bore. What is repaid of earlier doses is as unsure as they were.
+    /// - Model and repeatability are fractions of the volume, measured over many revolutions. A calibration
+    ///   takes the model's place, and so does the speed law of a pump file.
+    /// - A short dose is as unsure as the part of a pulse that it sweeps (see `pulses_unsure`). For a
+    ///   calibrated pump that share vanishes over whole pitches.
+    /// - The step's share is that of a rotor that stands anywhere within a step, rectangular: dV/sqrt(12)
+    ///   (GUM, JCGM 100:2008, 4.3.7).
+    /// - The phase's share is the root of the mean square deviation from the plan, the middle of the range.
+    ///   Every start angle that the record allows is equally likely. The volumes crowd at the ends of their
+    ///   range, so a rectangle over it would give too little. An identified zero adds its own uncertainty.
+    /// - Temperature widens the bore.
+    /// - The carry from earlier doses is as unsure as those doses were.
     pub fn new(pump: &Pump, plan: &Plan, table: &UncertaintyTable, calibration: Option<&Applied>) -> Self {
         let volume_ml = plan.planned_ml.abs();
         let sureness = calibration.and_then(|applied| applied.displacement);
-        // Nobody knows how near a speed law is that was not fitted to this pump but by what the pump file says of it.
+        // Only the pump file states how near a speed law is that was not fitted to this pump.
         let law = calibration.and_then(|applied| applied.speed_law);
         let model = if sureness.is_some() || law.is_some() { 0.0 } else { table.model_percent / 100.0 };
         let of_calibration = |of: fn(&Sureness) -> f64| sureness.as_ref().map_or(0.0, of);
@@ -75,57 +81,64 @@ impl Budget {
         share(
             "roller_volume",
             table.roller_volume_ml * pulses_unsure(pump, plan, sureness.is_some()),
-            "dose whole pitches, or find the roller \
-            volume: `dose calibrate phase`",
+            "dose whole pitches, or find the roller volume: `dose calibrate phase`",
         );
         share("step", plan.end_step_ml(pump) / sqrt(12.0), "use more microsteps");
         share(
             "phase",
             phase_share_ml(pump, plan, zero_rad),
-            "say where the rollers stand, `dose home --set`, or dose whole \
-            pitches",
+            "say where the rollers stand, `dose home --set`, or dose whole pitches",
         );
         share(
             "calibration",
             of_calibration(|sure| sure.factor) * volume_ml,
-            "weigh more runs, or longer ones, on a better \
-            scale",
+            "weigh more runs, or longer ones, on a better scale",
         );
         share(
             "speed_law",
             law.unwrap_or(of_calibration(|sure| sure.speed_law)) * volume_ml,
-            "calibrate at three speeds or more, this \
-            one among them",
+            "calibrate at three speeds or more, this one among them",
         );
         share("temperature", temperature * volume_ml, "calibrate at the temperature at which you dose");
-        share("carry", common * plan.carry_in_ml.abs(), "calibrate, so that what earlier doses owe is surer");
-        let variance = budget.standard_ml() * budget.standard_ml();
-        for share in &mut budget.shares {
+        share(
+            "carry",
+            common * plan.carry_in_ml.abs(),
+            "calibrate, so that the carry from earlier doses is surer",
+        );
+        budget.with_percentages()
+    }
+
+    /// Sets each share's part of the variance.
+    fn with_percentages(mut self) -> Self {
+        let variance = self.standard_ml() * self.standard_ml();
+        for share in &mut self.shares {
             share.variance_percent =
                 if variance > 0.0 { 100.0 * share.standard_ml * share.standard_ml / variance } else { 0.0 };
         }
-        budget
+        self
     }
 
-    /// Combined standard uncertainty, mL.
+    /// Returns the combined standard uncertainty, in mL.
     pub fn standard_ml(&self) -> f64 {
         sqrt(self.shares.iter().map(|share| share.standard_ml * share.standard_ml).sum())
     }
 
-    /// Expanded uncertainty (k = 2), mL.
+    /// Returns the expanded uncertainty (k = 2), in mL.
     pub fn expanded_ml(&self) -> f64 {
         COVERAGE_FACTOR * self.standard_ml()
     }
 
-    /// The largest share.
+    /// Returns the largest share.
     pub fn largest(&self) -> Option<&Share> {
         self.shares.iter().max_by(|a, b| a.standard_ml.total_cmp(&b.standard_ml))
     }
 }
 
-/// By how many roller volumes another roller volume changes what `plan` delivers. With the dimensions known, by as many as
-/// it sweeps, one at most, since what several have in common is in the model's share; with the volume of a revolution known,
-/// by those less as many as are in its turn on average.
+/// Returns the number of roller volumes by which another roller volume changes what `plan` delivers.
+///
+/// With known dimensions that number is the roller volumes that the plan sweeps, one at most. The common part
+/// of several is in the model's share. With a known volume of a revolution it is the swept number less the
+/// average number in the plan's turn.
 fn pulses_unsure(pump: &Pump, plan: &Plan, revolution_is_known: bool) -> f64 {
     let turn_rad = (plan.end_angle_rad() - plan.start.angle_rad).abs();
     let taken_ml = pump.nominal_ml_rad() * turn_rad - plan.planned_ml.abs();
@@ -133,8 +146,8 @@ fn pulses_unsure(pump: &Pump, plan: &Plan, revolution_is_known: bool) -> f64 {
     if revolution_is_known { (pulses - turn_rad / pump.pitch_rad()).abs() } else { pulses.clamp(0.0, 1.0) }
 }
 
-/// Root of the mean square deviation from the planned volume between start and end angle when both shift together within
-/// the half width, and by a zero of this standard uncertainty.
+/// Returns the root of the mean square deviation from the planned volume, in mL. Start and end angle shift
+/// together within the half width, and by a zero of this standard uncertainty.
 fn phase_share_ml(pump: &Pump, plan: &Plan, zero_standard_rad: f64) -> f64 {
     const POINTS: i32 = 256;
     let Phase { angle_rad, half_width_rad } = plan.start;
@@ -144,7 +157,7 @@ fn phase_share_ml(pump: &Pump, plan: &Plan, zero_standard_rad: f64) -> f64 {
     if half_width_rad == 0.0 {
         return zero_ml.abs();
     }
-    // Beyond half a pitch every angle within the pitch is as likely.
+    // Beyond half a pitch every angle within the pitch is equally likely.
     let half_width_rad = half_width_rad.min(0.5 * pump.pitch_rad());
     let turn_rad = plan.end_angle_rad() - angle_rad;
     let error_ml = |n| {

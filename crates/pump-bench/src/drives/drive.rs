@@ -1,4 +1,4 @@
-//! What every driver does: it makes the steps of a plan, asking before each stretch whether it may.
+//! The interface of every drive. A drive makes the steps of a plan and asks for leave before each stretch.
 
 use std::error::Error as StdError;
 use std::fmt::{self, Debug, Display, Formatter};
@@ -11,42 +11,46 @@ use thiserror::Error;
 
 use crate::displacement::Correction;
 
-/// Asked before steps are made: `made` are made, and the next up to `about_to` are about to be. To break is to stop.
+/// Gate that a drive asks before it makes steps. `made` are made, and the next up to `about_to` are about to
+/// be made. To break is to stop.
 pub type Gate<'a> = dyn FnMut(u64, u64) -> ControlFlow<()> + 'a;
 
-/// What a driver can do. What it cannot is refused before anything moves, never approximated in silence.
+/// Abilities of a driver. Anything else is refused before the motor moves, never approximated in silence.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Abilities {
-    /// It makes each step at the plan's time; without it the device has ramps of its own and keeps to the cruise speed.
+    /// True if the driver makes each step at the plan's time. Otherwise the device has ramps of its own and
+    /// keeps to the cruise speed.
     pub step_times: bool,
-    /// Its speed may follow the rollers' angle.
+    /// True if the speed may follow the rollers' angle.
     pub angle_dependent_speed: bool,
-    /// It finds an index mark by a sensor.
+    /// True if the driver finds an index mark by a sensor.
     pub index: bool,
-    /// It tells where its own counter stands.
+    /// True if the driver reads the device's own step count.
     pub readback: bool,
 }
 
-/// What a device can turn the pump head at, by its own settings.
+/// Limits of the pump head's motion by the device's own settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveLimits {
-    /// Slowest cruise, rad/s; 0 if there is none.
+    /// Slowest cruise, in rad/s. Zero without such a limit.
     pub min_speed_rad_s: f64,
-    /// Fastest cruise, rad/s.
+    /// Fastest cruise, in rad/s.
     pub max_speed_rad_s: f64,
-    /// Acceleration of its ramps, rad/s²: what it takes whatever the plan says.
+    /// Acceleration of the device's ramps, in rad/s². It holds whatever the plan says.
     pub acceleration_rad_s2: f64,
 }
 
-/// What a rotor has gone through that its angle may not have survived. After each the angle is wider by two full steps of
-/// the motor: as far as a rotor may fall that is let go and caught again.
+/// Event that the rotor's angle may not have survived.
+///
+/// Each event widens the angle by two full steps of the motor: a released rotor may fall that far before it
+/// is caught again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Disturbance {
     /// The device was reset, or switched on.
     Reset,
     /// The motor was without current.
     Disabled,
-    /// Nobody has heard from the device in motion.
+    /// The device was out of reach in motion.
     LinkLost,
 }
 
@@ -60,93 +64,119 @@ impl Display for Disturbance {
     }
 }
 
-/// How a search for the index mark ended.
+/// Result of a search for the index mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sought {
     /// Steps made in all.
     pub made: u64,
-    /// How many of them after the mark; none if it was not found.
+    /// Steps made after the mark. `None` if the mark was not found.
     pub beyond: Option<u64>,
 }
 
-/// A driver of one motor.
+/// Drive of one motor.
 pub trait Drive: Debug {
-    /// What it can do.
+    /// Returns the abilities of the driver.
     fn abilities(&self) -> Abilities;
 
-    /// What the device allows; none if it takes whatever the pump file allows.
+    /// Returns the limits of the device. `None` if it takes whatever the pump file allows.
     fn limits(&self) -> Option<DriveLimits>;
 
-    /// The device's own count of steps, positive toward the outlet, from wherever it counts; none if it has none.
+    /// Returns the device's own count of steps, positive toward the outlet, from any zero. `None` without a
+    /// count.
     fn count(&self) -> Option<i64>;
 
-    /// What has happened to the rotor since this was last asked, or since the driver was opened.
+    /// Returns the last disturbance of the rotor since this was last asked, or since the drive was opened.
     fn disturbed(&mut self) -> Option<Disturbance>;
 
-    /// Refuses a plan that it cannot run, and a rotor that is not where it was left, before anything moves or is announced.
+    /// Checks that the device can run a plan, and that the rotor is where it was left. Nothing has moved or
+    /// been announced yet.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError`] if the device cannot run the plan, or has moved or been reset since.
     fn check(&mut self, plan: &Plan) -> Result<(), DriveError>;
 
-    /// The rollers displace as this calibration says from now on. Only a simulation needs to be told.
+    /// Sets the correction of the displacement from now on. Only a simulation needs it.
     fn displaces(&mut self, _correction: Correction) {}
 
-    /// Makes the steps of `plan`, asking `gate` before them. When it breaks, the motor decelerates and holds. Returns how
-    /// many were made, those of the deceleration included.
+    /// Makes the steps of `plan` and asks `gate` before them. When the gate breaks, the motor decelerates and
+    /// holds.
+    ///
+    /// Returns the number of steps made, those of the deceleration included.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveFault`] if the drive failed with the motor under way.
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault>;
 
     /// Makes steps of `plan` until the index mark is found or `gate` breaks, then stops and holds.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveFault`] if the drive has no index sensor, or failed with the motor under way.
     fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<Sought, DriveFault>;
 
-    /// Waits for `settle_s` at least, until nothing that counts can still arrive, and returns what the vessel has received
-    /// since the last plan was begun, mL; none where nobody can read it.
+    /// Waits for at least `settle_s`, until nothing noticeable can still arrive in the vessel.
+    ///
+    /// Returns the volume that the vessel received since the last plan was begun, in mL, or `None` if nobody
+    /// can read it.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError`] if the drive failed meanwhile.
     fn settle(&mut self, settle_s: f64) -> Result<Option<f64>, DriveError>;
 
-    /// What a person should know of the device before it moves; told once.
+    /// Returns the notes for the user to read before the device moves. Each note is returned once.
     fn notes(&mut self) -> Vec<String>;
 
-    /// Lets go of the rotor.
+    /// Releases the rotor.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError`] if the device cannot be reached or refuses.
     fn release(&mut self) -> Result<(), DriveError>;
 }
 
-/// A driver that failed with the motor under way. As far as it can be reached, the motor holds.
+/// Fault of a drive with the motor under way. The motor holds, as far as it can be reached.
 #[derive(Debug, Error)]
 #[error("{error}")]
 pub struct DriveFault {
-    /// At least these steps of the plan were made.
+    /// Fewest steps of the plan that were made.
     pub made_least: u64,
-    /// At most these.
+    /// Most steps of the plan that were made.
     pub made_most: u64,
-    /// Whether the device's own count disagrees, so that nobody knows where the rotor stands.
+    /// True if the device's own count disagrees, so that nobody knows where the rotor stands.
     pub lost: bool,
-    /// Why.
+    /// Error of the drive.
     pub error: DriveError,
 }
 
-/// Why a driver failed, or cannot be used.
+/// Error of a drive that failed or cannot be used.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DriveError {
-    /// Another process has the device.
+    /// Another process holds the device.
     #[error("{} is in use by {holder}; wait until it is done", .device.display())]
     Busy {
-        /// The device.
+        /// Path of the device.
         device: PathBuf,
-        /// Who has it, as far as the system tells.
+        /// Holder of the device, as far as the system tells.
         holder: String,
     },
-    /// It is not made for this.
+    /// The driver lacks an ability.
     #[error("the {driver} driver has no {ability}; {instead}")]
     Unable {
-        /// Driver.
+        /// Name of the driver.
         driver: &'static str,
-        /// What it lacks.
+        /// Ability that the driver lacks.
         ability: &'static str,
-        /// What to do.
+        /// Advice to the user.
         instead: &'static str,
     },
-    /// The device's own error.
+    /// The device failed with an error of its own protocol.
     #[error(transparent)]
     Device(Box<dyn StdError + Send + Sync>),
-    /// The simulation's own arithmetic failed.
+    /// The arithmetic of the simulation failed.
     #[error("the simulated drive failed: {0}")]
     Sim(#[from] IntegrationError),
 }

@@ -1,4 +1,4 @@
-//! What turns a motor.
+//! The drives that turn a motor.
 
 mod drive;
 pub mod grbl;

@@ -1,4 +1,5 @@
-//! The drives that a pump file may name. A new protocol is a folder beside this file, and a line in each function here.
+//! The registry of drives that a pump file may name. A new protocol is a folder beside this file, and a line
+//! in each function here.
 
 use pump_ctl::plan::Phase;
 use pump_model::Pump;
@@ -7,7 +8,7 @@ use super::drive::{Abilities, Drive, DriveError};
 use super::{grbl, sim};
 use crate::pump_file::{DriveTable, DriverName, PumpFile};
 
-/// Abilities of a driver, whatever device it finds.
+/// Returns the abilities of a driver, whatever device it finds.
 pub fn abilities(driver: DriverName) -> Abilities {
     match driver {
         DriverName::Sim => sim::ABILITIES,
@@ -15,7 +16,8 @@ pub fn abilities(driver: DriverName) -> Abilities {
     }
 }
 
-/// Angle of a rotor of which nothing is on record: a simulated one stands at 0 deg, a real one anywhere in its pitch.
+/// Returns the angle of a rotor without a record. A simulated rotor stands at 0 deg, a real one anywhere in
+/// its pitch.
 pub fn fresh(driver: DriverName, pitch_rad: f64) -> Phase {
     match driver {
         DriverName::Sim => Phase::known(0.0),
@@ -23,12 +25,12 @@ pub fn fresh(driver: DriverName, pitch_rad: f64) -> Phase {
     }
 }
 
-/// Opens the drive that `table` names, for the pump of `file` with its `model`. A device's settings are written only where
-/// `configure` allows it.
+/// Opens the drive that `table` names, for the pump of `file` with its `model`. A device's settings are
+/// written only if `configure` allows it.
 ///
 /// # Errors
 ///
-/// [`DriveError`] where the device is missing, in use, or not fit for the pump.
+/// [`DriveError`] if the device is missing, in use, or not fit for the pump.
 pub fn open<'a>(
     table: &DriveTable,
     file: &PumpFile,

@@ -10,43 +10,49 @@ use crate::displacement::Correction;
 
 use super::drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
 
-/// Error allowed in a step, relative to 1 kPa plus |P - P_res|. The volume does not depend on it: what leaves the line is
-/// what the rollers pushed less what the line holds, at any tolerance.
+/// Error allowed in a step, relative to 1 kPa plus |P - P_res|. The volume does not depend on it. At any
+/// tolerance, the volume that leaves the line is the volume that the rollers pushed less the volume that the
+/// line holds.
 const TOLERANCE: f64 = 1e-6;
 
-/// The vessel is read once less than this can still arrive, mL.
+/// Volume that may still arrive when the vessel is read, in mL.
 const AT_REST_ML: f64 = 1e-6;
 
-/// Longest wait for that, s.
+/// Longest wait for the vessel, in s.
 const LONGEST_WAIT_S: f64 = 36_000.0;
 
-/// A vessel behind an outlet line, fed by rollers that move in steps.
+/// Vessel behind an outlet line, fed by rollers that move in steps.
 ///
-/// A step pushes its volume into the line at once, so P_out rises by dV/C; between steps the rollers stand still and
-/// the line flows on by itself. The volume in the vessel is a state of its own, integrated with the line.
+/// A step pushes its volume into the line at once, so P_out rises by dV/C. Between steps the rollers stand
+/// still and the line flows on by itself. The volume in the vessel is a state of its own, integrated with the
+/// line.
 #[derive(Debug)]
 pub struct Sim<'a> {
     pump: &'a Pump,
     solver: Rodas5p<3>,
-    /// The pump is what is known of it, so a calibrated one displaces as its calibration says.
+    /// Correction of the displacement. The simulated pump displaces as its calibration says.
     correction: Correction,
-    /// What the vessel held when the last plan was begun, mL.
+    /// Volume in the vessel when the last plan was begun, in mL.
     begun_ml: f64,
 }
 
 impl<'a> Sim<'a> {
-    /// A line at rest and an empty vessel.
+    /// Starts with a line at rest and an empty vessel.
     pub fn new(pump: &'a Pump) -> Self {
         Self::with_tolerance(pump, TOLERANCE)
     }
 
-    /// The same with another error allowed in a step.
+    /// Starts with a line at rest and an empty vessel, and allows `tolerance` as the error in a step.
     pub fn with_tolerance(pump: &'a Pump, tolerance: f64) -> Self {
         let solver = Rodas5p::new(0.0, SVector::zeros(), options(pump.outlet(), tolerance, 1.0));
         Self { pump, solver, correction: Correction::NONE, begun_ml: 0.0 }
     }
 
     /// Makes every step of `plan`.
+    ///
+    /// # Errors
+    ///
+    /// [`IntegrationError`] if the line cannot be integrated.
     pub fn make(&mut self, plan: &Plan) -> Result<(), IntegrationError> {
         let started_s = self.solver.time_s();
         for step in plan.steps() {
@@ -63,13 +69,17 @@ impl<'a> Sim<'a> {
         Ok(())
     }
 
-    /// Waits with the rotor at rest.
+    /// Waits for `time_s` with the rotor at rest.
+    ///
+    /// # Errors
+    ///
+    /// [`IntegrationError`] if the line cannot be integrated.
     pub fn wait(&mut self, time_s: f64) -> Result<(), IntegrationError> {
         self.wait_until(self.solver.time_s() + time_s)
     }
 
-    /// Waits until nothing that counts can still arrive: until the energy of the line is that of 1e-6 mL in its
-    /// compliance.
+    /// Waits until nothing noticeable can still arrive: until the energy of the line is that of 1e-6 mL in
+    /// its compliance.
     fn wait_for_rest(&mut self) -> Result<(), IntegrationError> {
         let line = self.pump.outlet();
         let circuit = self.at_rest();
@@ -86,12 +96,12 @@ impl<'a> Sim<'a> {
         Ok(())
     }
 
-    /// What the vessel has received, mL.
+    /// Returns the volume that the vessel has received, in mL.
     pub fn received_ml(&self) -> f64 {
         self.solver.state()[2]
     }
 
-    /// Pressure at the outlet, kPa absolute.
+    /// Returns the pressure at the outlet, in kPa absolute.
     pub fn outlet_kpa(&self) -> f64 {
         self.pump.outlet().reservoir_kpa + self.solver.state()[0]
     }
@@ -116,7 +126,7 @@ impl<'a> Sim<'a> {
     }
 }
 
-/// What the simulated drive can do.
+/// Abilities of the simulated drive.
 pub(super) const ABILITIES: Abilities =
     Abilities { step_times: true, angle_dependent_speed: true, index: false, readback: false };
 

@@ -15,45 +15,53 @@ use crate::files::sync_folder;
 const JOURNAL: &str = "journal.jsonl";
 const LOCK: &str = "lock";
 
-/// A folder that cannot be used or locked.
+/// Folder of a journal that cannot be used or locked.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FolderError {
-    /// Another process doses with this pump.
+    /// Another process holds the pump.
     #[error("pump `{pump}` is in use by {holder}; wait until it is done (lock file {})", .path.display())]
     Busy {
-        /// Pump id.
+        /// Id of the pump.
         pump: String,
-        /// What the lock says of its holder.
+        /// Holder of the lock, as the lock file names it.
         holder: String,
-        /// The lock file.
+        /// Path of the lock file.
         path: PathBuf,
     },
     /// A file or folder cannot be used.
-    #[error("cannot {action} {}: {source}; choose another folder with --state-dir or DOSE_STATE_DIR", .path.display())]
+    #[error(
+        "cannot {action} {}: {source}; choose another folder with --state-dir or DOSE_STATE_DIR",
+        .path.display()
+    )]
     File {
-        /// What was tried.
+        /// Operation that failed.
         action: &'static str,
-        /// Which.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// Why.
+        /// Cause of the failure.
         source: std::io::Error,
     },
-    /// No place is known.
+    /// No folder for journals is named or can be found.
     #[error(
-        "no folder for journals: neither XDG_STATE_HOME nor HOME is set; name one with --state-dir or DOSE_STATE_DIR"
+        "no folder for journals: neither XDG_STATE_HOME nor HOME is set; name one with --state-dir or \
+         DOSE_STATE_DIR"
     )]
     NoFolder,
 }
 
-/// The folder `<state dir>/<pump id>/<driver>/`.
+/// Folder `<state dir>/<pump id>/<driver>/` that holds the journal of a pump.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Folder {
     path: PathBuf,
     pump: String,
 }
 
-/// Where journals are kept unless told otherwise: `$XDG_STATE_HOME/pump-dose` or `~/.local/state/pump-dose`.
+/// Returns the default folder for journals: `$XDG_STATE_HOME/pump-dose` or `~/.local/state/pump-dose`.
+///
+/// # Errors
+///
+/// [`FolderError::NoFolder`] if neither XDG_STATE_HOME nor HOME is set.
 pub fn default_state_dir() -> Result<PathBuf, FolderError> {
     let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     let base = set("XDG_STATE_HOME").or_else(|| set("HOME").map(|home| home.join(".local").join("state")));
@@ -61,22 +69,26 @@ pub fn default_state_dir() -> Result<PathBuf, FolderError> {
 }
 
 impl Folder {
-    /// The folder of a pump under a driver; nothing is created yet.
+    /// Names the folder of a pump under a driver. Creates nothing yet.
     pub fn new(state_dir: &Path, pump: &str, driver: &str) -> Self {
         Self { path: state_dir.join(pump).join(driver), pump: pump.to_owned() }
     }
 
-    /// Its path.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What the journal says, without holding the pump; `fresh` is the state of a pump without one.
+    /// Reads the journal without holding the pump. `fresh` is the state of a pump without a journal.
+    ///
+    /// # Errors
+    ///
+    /// [`JournalError`] if the file cannot be read or a line in it is damaged.
     pub fn read(&self, pump: &Pump, fresh: State) -> Result<Story, JournalError> {
         Story::read(&self.path.join(JOURNAL), pump, fresh)
     }
 
-    /// Which other process has the pump at the moment, as the lock says it; none if none has. Takes nothing.
+    /// Returns the other process that holds the pump now, as the lock file names it. Keeps nothing locked.
     pub fn holder(&self) -> Option<String> {
         let mut file = File::open(self.path.join(LOCK)).ok()?;
         match file.try_lock_shared() {
@@ -87,12 +99,17 @@ impl Folder {
         }
     }
 
-    /// The refusal of what `holder` has.
+    /// Returns the refusal of a pump that `holder` holds.
     pub(crate) fn busy(&self, holder: String) -> FolderError {
         FolderError::Busy { pump: self.pump.clone(), holder, path: self.path.join(LOCK) }
     }
 
     /// Creates the folder and takes the pump for this process until the lock is dropped.
+    ///
+    /// # Errors
+    ///
+    /// [`FolderError::Busy`] if another process holds the pump. [`FolderError::File`] if the folder or the
+    /// lock file cannot be written.
     pub fn lock(&self) -> Result<Lock, FolderError> {
         let failed = |action, path: &Path| {
             let path = path.to_owned();
@@ -111,7 +128,7 @@ impl Folder {
             .truncate(false)
             .open(&path)
             .map_err(failed("write", &path))?;
-        // Somebody who only asks who has the pump, holds the lock for an instant.
+        // A process that only asks who holds the pump takes the lock for an instant.
         let mut tried = file.try_lock();
         for _ in 0..10 {
             if !matches!(tried, Err(TryLockError::WouldBlock)) {
@@ -138,12 +155,12 @@ impl Folder {
     }
 }
 
-/// As a lock file names its holder.
+/// Returns the name of this process, as a lock file holds it.
 fn this_process() -> String {
     format!("process {}", std::process::id())
 }
 
-/// What a lock file that somebody holds says of them.
+/// Returns the holder that a locked file names.
 fn named_holder(file: &mut File) -> String {
     let mut holder = String::new();
     // On some systems a locked file cannot be read; it is locked all the same.
@@ -151,7 +168,7 @@ fn named_holder(file: &mut File) -> String {
     if read { holder.trim().to_owned() } else { "another process".to_owned() }
 }
 
-/// The right to move a pump and to write its journal.
+/// Right to move a pump and to write its journal.
 #[derive(Debug)]
 pub struct Lock {
     folder: Folder,
@@ -159,18 +176,31 @@ pub struct Lock {
 }
 
 impl Lock {
-    /// The journal, and what it says so far.
+    /// Opens the journal and reads it.
+    ///
+    /// # Errors
+    ///
+    /// [`JournalError`] if the file cannot be read or a line in it is damaged.
     pub fn journal(&self, pump: &Pump, fresh: State) -> Result<(Journal, Story), JournalError> {
         Journal::open(&self.folder.path.join(JOURNAL), pump, fresh)
     }
 
-    /// Takes back that a journal was moved aside.
+    /// Moves a journal back that was set aside at `aside`.
+    ///
+    /// # Errors
+    ///
+    /// [`FolderError::File`] if the file cannot be renamed.
     pub fn put_journal_back(&self, aside: &Path) -> Result<(), FolderError> {
         let path = self.folder.path.join(JOURNAL);
         fs::rename(aside, &path).map_err(|source| FolderError::File { action: "put back", path, source })
     }
 
-    /// Moves a journal that cannot be read aside and starts a new one. Returns where the old one is now.
+    /// Sets an unreadable journal aside, so that a new one can begin. Returns the new path of the old
+    /// journal.
+    ///
+    /// # Errors
+    ///
+    /// [`FolderError::File`] if the file cannot be renamed.
     pub fn set_journal_aside(&self) -> Result<PathBuf, FolderError> {
         let path = self.folder.path.join(JOURNAL);
         let mut aside = path.with_extension("damaged");

@@ -1,8 +1,10 @@
-//! What a pump remembers: an append-only file of entries, each synced before what it announces happens.
+//! The journal of a pump: an append-only file of entries. Each entry is synced before the motion that it
+//! announces.
 //!
-//! Before a motion the journal holds its [`Intent`]; during it, before each stretch of half a second or half a millilitre,
-//! how far it may go ([`Entry::Progress`]); after it, how things stand ([`Entry::Rest`]). So whatever ends the process,
-//! the next one knows between which bounds the dose was delivered. The order of entries counts, never a clock.
+//! Before a motion the journal holds its [`Intent`]. During the motion, [`Entry::Progress`] announces each
+//! stretch of half a second or half a millilitre before its steps. After the motion, [`Entry::Rest`] holds
+//! the state. So however a process ends, the next one knows the bounds of the volume that was delivered. Only
+//! the order of the entries counts, never a clock.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
@@ -13,67 +15,78 @@ use thiserror::Error;
 
 use crate::files::{folder_of, sync_folder};
 
-use super::entry::{Entry, State, Unfinished};
 use super::line;
+use super::{Entry, State, Unfinished};
 
-/// How much of the end of a journal is read at first, bytes: some hundred entries.
+/// Length of the journal's end that is read first, in bytes. It holds some hundred entries.
 const WINDOW: u64 = 65_536;
 
-/// A journal that cannot be used.
+/// Journal that cannot be used.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum JournalError {
-    /// The file cannot be used.
-    #[error("cannot {action} {}: {source}; make room there, or choose another folder with --state-dir or DOSE_STATE_DIR", .path.display())]
+    /// The file cannot be read or written.
+    #[error(
+        "cannot {action} {}: {source}; make room there, or choose another folder with --state-dir or \
+         DOSE_STATE_DIR",
+        .path.display()
+    )]
     File {
-        /// What was tried.
+        /// Operation that failed.
         action: &'static str,
-        /// Which.
+        /// Path of the journal.
         path: PathBuf,
-        /// Why.
+        /// Cause of the failure.
         source: io::Error,
     },
-    /// A line in the midst of the file says nothing usable.
+    /// A line before the end of the file is damaged.
     #[error(
-        "line {line} of the journal {} is damaged: {message}; neither the rotor's angle nor what is owed is known: see \
-         where the rollers stand, move the file away, and say so with `dose home --set <ANGLE>`",
+        "line {line} of the journal {} is damaged: {message}; neither the rotor's angle nor the carry is \
+         known: see where the rollers stand, move the file away, and say so with `dose home --set <ANGLE>`",
         .path.display()
     )]
     Damaged {
-        /// Which file.
+        /// Path of the journal.
         path: PathBuf,
-        /// Number of the line, from 1.
+        /// Number of the damaged line, from 1.
         line: usize,
-        /// What is wrong.
+        /// Damage of the line.
         message: String,
     },
 }
 
-/// A journal open for writing. Whoever holds it holds the pump's lock.
+/// Journal that is open for writing. Its owner must hold the pump's lock.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,
-    /// Open once something was written by this process.
+    /// File, opened once this process writes its first entry.
     file: Option<File>,
-    /// Length of what is written whole, bytes.
+    /// Length of the whole entries, in bytes.
     length: u64,
 }
 
-/// What a journal says at its end.
+/// Contents of a journal at its end.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Story {
-    /// How things stand; none if nothing was ever recorded.
+    /// Last state of the pump. `None` if nothing was ever recorded.
     pub state: Option<State>,
-    /// The motion under way when the process that wrote it ended, and how things stood before; none if the rotor stood.
+    /// State before the last motion, and that motion, if the process ended during it. `None` if the rotor
+    /// stood.
     pub cut_off: Option<(State, Unfinished)>,
-    /// A last line that was torn, by a crash while it was written; what it announced did not happen.
+    /// True if the last line is torn by a crash while it was written. The motion that it announced did not
+    /// happen.
     pub torn: bool,
-    /// Length of the whole lines, bytes.
+    /// Length of the whole lines, in bytes.
     length: u64,
 }
 
 impl Story {
-    /// Reads the journal at `path`, for a pump that without a journal is in state `fresh`: of a long one the end.
+    /// Reads the end of the journal at `path`. `fresh` is the state of a pump without a journal.
+    ///
+    /// # Errors
+    ///
+    /// [`JournalError::File`] if the file cannot be read. [`JournalError::Damaged`] if a line since the last
+    /// rest is damaged.
     pub fn read(path: &Path, pump: &Pump, fresh: State) -> Result<Self, JournalError> {
         let failed = |source| JournalError::File { action: "read", path: path.to_owned(), source };
         let mut file = match File::open(path) {
@@ -90,7 +103,7 @@ impl Story {
             match Self::of(&bytes, start, pump, fresh) {
                 Ok(Some(story)) => return Ok(story),
                 Ok(None) => wanted = wanted.saturating_mul(8),
-                // The number of a line is known once all are read.
+                // A line's number is known only once all lines are read.
                 Err(_) if start > 0 => wanted = u64::MAX,
                 Err((line, message)) => {
                     return Err(JournalError::Damaged { path: path.to_owned(), line, message });
@@ -99,18 +112,22 @@ impl Story {
         }
     }
 
-    /// Reads the bytes of a whole journal; otherwise tells which line, from 1, is damaged and how.
+    /// Reads the bytes of a whole journal.
+    ///
+    /// # Errors
+    ///
+    /// Number of the damaged line, from 1, and its damage.
     pub fn from_bytes(bytes: &[u8], pump: &Pump, fresh: State) -> Result<Self, (usize, String)> {
-        // From the beginning there is nothing before the bytes.
+        // Nothing stands before the bytes of a whole journal.
         Ok(Self::of(bytes, 0, pump, fresh)?.unwrap_or_default())
     }
 
-    /// Folds the entries since the last rest, in the bytes of a journal from `start` on; `None` if that rest lies before
-    /// them. Only the last line may be torn.
+    /// Folds the entries since the last rest, in the bytes of a journal from `start` on. Returns `None` if
+    /// that rest lies before the bytes. Only the last line may be torn.
     fn of(bytes: &[u8], start: u64, pump: &Pump, fresh: State) -> Result<Option<Self>, (usize, String)> {
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let (lines, rest) = bytes.split_at(whole);
-        // In the midst of a file the first line may have begun before.
+        // Bytes from the midst of a file may begin within a line.
         let partial = usize::from(start > 0);
         let lines: Vec<&[u8]> = lines.split_inclusive(|byte| *byte == b'\n').skip(partial).collect();
         let mut since_rest = Vec::new();
@@ -152,14 +169,22 @@ impl Story {
 }
 
 impl Journal {
-    /// The journal at `path`, and what it says. Nothing is created or changed yet.
+    /// Opens the journal at `path` and reads its end. Creates and changes nothing yet.
+    ///
+    /// # Errors
+    ///
+    /// [`JournalError`] as in [`Story::read`].
     pub fn open(path: &Path, pump: &Pump, fresh: State) -> Result<(Self, Story), JournalError> {
         let story = Story::read(path, pump, fresh)?;
         Ok((Self { path: path.to_owned(), file: None, length: story.length }, story))
     }
 
-    /// Appends an entry, in place of a torn last line, and waits until it is on the disk. After an error the journal is as
-    /// before.
+    /// Appends an entry, in place of a torn last line, and waits until it is on the disk. After an error the
+    /// journal is as before.
+    ///
+    /// # Errors
+    ///
+    /// [`JournalError::File`] if the file cannot be written.
     pub fn append(&mut self, entry: &Entry) -> Result<(), JournalError> {
         let line = line::encode(entry).map_err(|error| self.failed(error.into()))?;
         let file = match self.file.take() {
@@ -172,7 +197,7 @@ impl Journal {
             .and_then(|_| file.write_all(line.as_bytes()))
             .and_then(|()| file.sync_data());
         if let Err(error) = written {
-            // Half a line that cannot be taken back is torn: the next reader ignores it.
+            // Half a line that cannot be cut off is torn: the next reader ignores it.
             let _ = file.set_len(self.length);
             return Err(self.failed(error));
         }
@@ -180,7 +205,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Opens the file and cuts off what is torn.
+    /// Opens the file and cuts off a torn last line.
     fn writable(&self) -> io::Result<File> {
         let file = OpenOptions::new().write(true).create(true).truncate(false).open(&self.path)?;
         file.set_len(self.length)?;

@@ -4,16 +4,16 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
-/// A line as it stands in the file.
+/// Line as it stands in the file.
 #[derive(Serialize, Deserialize)]
 struct Line<'a> {
-    /// CRC-32 (ISO-HDLC) of the bytes of `entry`, eight hexadecimal digits.
+    /// CRC-32 (ISO-HDLC) of the bytes of `entry`, as eight hexadecimal digits.
     crc32: String,
     #[serde(borrow)]
     entry: &'a RawValue,
 }
 
-/// The line of an entry, with its newline.
+/// Encodes an entry as a line with its newline.
 pub(crate) fn encode(entry: &impl Serialize) -> serde_json::Result<String> {
     let text = serde_json::to_string(entry)?;
     let crc32 = format!("{:08x}", crc32fast::hash(text.as_bytes()));
@@ -21,7 +21,7 @@ pub(crate) fn encode(entry: &impl Serialize) -> serde_json::Result<String> {
     Ok(serde_json::to_string(&line)? + "\n")
 }
 
-/// The entry of a line without its newline; what is wrong with it otherwise.
+/// Decodes the entry of a line without its newline. The error describes the damage.
 pub(crate) fn decode<T: DeserializeOwned>(line: &str) -> Result<T, String> {
     let line: Line = serde_json::from_str(line).map_err(|error| error.to_string())?;
     let text = line.entry.get();

@@ -1,20 +1,20 @@
-//! Where a start angle comes from.
+//! The source of the rotor's angle.
 
 use serde::{Deserialize, Serialize};
 
-/// Where the start angle comes from.
+/// Source of the rotor's angle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PhaseSource {
-    /// Set by hand or found by a sensor; a fresh simulated pump stands at 0 deg.
+    /// The angle was set by hand or found by a sensor. A fresh simulated pump stands at 0 deg.
     Home,
-    /// The rotor's mark was turned to the housing's.
+    /// The rotor's mark was turned to the housing's mark.
     Mark,
-    /// The record of motion since then.
+    /// The angle follows from the record of motion since it was found.
     #[default]
     Recorded,
-    /// The request.
+    /// The request gave the angle.
     Given,
-    /// Nobody knows: the middle of what may be.
+    /// The angle is unknown: the middle of the possible angles stands for it.
     Assumed,
 }

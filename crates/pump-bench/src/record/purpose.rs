@@ -1,27 +1,28 @@
-//! Why the pump turns.
+//! The purpose of a motion.
 
 use serde::{Deserialize, Serialize};
 
-/// Why the pump is to turn.
+/// Purpose of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Purpose {
-    /// A dose into the vessel; earlier doses' carry is settled with it.
+    /// A dose into the vessel. It settles the carry of earlier doses.
     Dose,
-    /// Filling the line before a dose; owes nothing and repays nothing.
+    /// Filling of the line before a dose. It neither uses nor changes the carry.
     Prime,
-    /// Emptying the line; owes nothing and repays nothing.
+    /// Emptying of the line. It neither uses nor changes the carry.
     Purge,
-    /// A run that is weighed for a calibration: of the model without calibration and speed law, owing and repaying nothing.
+    /// A run that is weighed for a calibration. It uses the model without calibration and speed law, and
+    /// neither uses nor changes the carry.
     Calibrate,
-    /// Sucking back after a dose; the next dose owes as much more.
+    /// A retraction after a dose. The next dose carries its volume.
     Retract,
-    /// Turning the rotor to a mark, or on to the index; owes nothing and repays nothing.
+    /// A turn of the rotor to a mark, or to the index. It neither uses nor changes the carry.
     Jog,
 }
 
 impl Purpose {
-    /// In reports and in the journal.
+    /// Returns the name of the purpose in reports and in the journal.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Dose => "dose",
@@ -33,7 +34,7 @@ impl Purpose {
         }
     }
 
-    /// Whether what is cut off of it is to be resumed or discarded.
+    /// Returns true if a cut-off motion of this purpose is to be resumed or accepted.
     pub fn is_delivery(self) -> bool {
         !matches!(self, Self::Calibrate | Self::Retract | Self::Jog)
     }

@@ -1,4 +1,4 @@
-//! Doses of a pump whose file has a speed law.
+//! Tests of doses of a pump whose file has a speed law.
 
 use super::*;
 use crate::dosing::Budget;
@@ -95,7 +95,7 @@ fn speeds_and_flows_that_the_law_does_not_have_are_refused_with_those_that_it_ha
     }
     let error = refused(Cruise::Within { time_s: 60.0 }).to_string();
     assert!(error.contains("the slowest within 60 s, is beyond"), "{error}");
-    // What the motor cannot do is the motor's to refuse.
+    // The motor's own limits refuse what the motor cannot do.
     let error = refused(Cruise::Speed { rad_s: rad_s(171.0) }).to_string();
     assert!(error.contains("above the pump's limit of 170.00 r/min"), "{error}");
 }

@@ -1,9 +1,9 @@
-//! Doses of a pump whose displacement depends on the speed.
+//! Tests of doses of a pump whose displacement depends on the speed.
 
 use super::*;
 use crate::calibration::{Calibration, Displacement, Expected, Reading, Run, Source, Weighing};
 
-/// A calibration that fits 1 + slope (N - 50) at these speeds exactly.
+/// Returns a calibration that fits 1 + slope (N - 50) exactly at these speeds.
 fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) -> Stored {
     let pump = file.model().unwrap();
     let mut runs = Vec::new();
@@ -110,7 +110,7 @@ fn speeds_that_were_not_calibrated_are_refused_with_those_that_were() {
     assert!(error.contains("to 39.6") && error.contains("45 mL/s is beyond"), "{error}");
     assert!(refused(Cruise::Flow { ml_s: 500.0 }).contains("500 mL/s is beyond"));
     assert!(refused(Cruise::Within { time_s: 60.0 }).contains("the slowest within 60 s, is beyond"));
-    // What the motor cannot do is the motor's to refuse.
+    // The motor's own limits refuse what the motor cannot do.
     let error = refused(Cruise::Speed { rad_s: rad_s(171.0) });
     assert!(error.contains("above the pump's limit of 170.00 r/min"), "{error}");
 }

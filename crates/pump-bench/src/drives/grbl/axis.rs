@@ -1,8 +1,8 @@
 //! An axis of a controller that speaks grbl 1.1's protocol over a serial port: grbl, grblHAL, FluidNC.
 //!
-//! Doses are jogs in machine coordinates to targets that the board rounds to our very steps. It plans its own ramps, so only
-//! as much is sent ahead as keeps it at speed; what was sent is made even if this process dies. Nothing is written to its
-//! settings unless it is asked for.
+//! A dose is a sequence of jogs in machine coordinates. The board rounds each target to exactly the step that
+//! it names. The board plans its own ramps, so jogs are sent ahead only as far as keeps it at speed. The
+//! board makes what was sent even if this process ends. Settings are written only on request.
 
 use std::time::{Duration, Instant};
 
@@ -10,7 +10,7 @@ use pump_ctl::plan::{Motor, Plan};
 
 use super::board::{Board, Heard};
 use super::error::GrblError;
-use super::jogs::{Motion, Task};
+use super::jogs::{Jogs, Task};
 use super::port::Port;
 use super::recovery::Known;
 use super::reply::Reply;
@@ -20,11 +20,11 @@ use super::{configure, connect, settings};
 use crate::drives::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
 use crate::pump_file::{DriveTable, MotorTable};
 
-/// What these boards can do.
+/// Abilities of these boards.
 pub(crate) const ABILITIES: Abilities =
     Abilities { step_times: false, angle_dependent_speed: false, index: true, readback: true };
 
-/// What a number may be off that is kept in single precision and told with three decimals.
+/// Relative error of a number that is kept in single precision and told with three decimals.
 const TOLD: f64 = 1e-5;
 
 /// One axis of a board.
@@ -33,21 +33,29 @@ pub struct Grbl {
     board: Board,
     settings: Settings,
     scale: Scale,
-    /// Angle of a step, rad.
+    /// Angle of a step, in rad.
     step_rad: f64,
-    /// Steps per second, fewest and most, and steps per second² of its ramps.
+    /// Fewest steps per second.
     least_steps_s: f64,
+    /// Most steps per second.
     most_steps_s: f64,
+    /// Steps per second² of the ramps.
     steps_s2: f64,
-    /// Its count at rest; none where it has to be asked again.
+    /// Count of the board at rest. `None` if the board has to be asked again.
     stands: Option<i64>,
     disturbed: Option<Disturbance>,
     notes: Vec<String>,
 }
 
 impl Grbl {
-    /// Opens the port that `table` names, waits for the board to be at rest, and reads its settings. `configure` writes those
-    /// that a pump needs otherwise, and no others. Moves nothing.
+    /// Opens the port that `table` names, waits until the board rests, and reads its settings. Moves nothing.
+    ///
+    /// `configure` lets it write the settings that a pump needs, and no others.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError`] if the port is missing or in use, no grbl board answers, or its settings do not fit the
+    /// pump.
     pub fn open(table: &DriveTable, motor: &MotorTable, configure: bool) -> Result<Self, DriveError> {
         let mut board = Board::new(Port::open(table)?, table.axis.number());
         let mut reset = connect::find(&mut board, table)?;
@@ -100,7 +108,7 @@ impl Grbl {
         })
     }
 
-    /// What `plan` asks of the board. Refused here if it cannot do it, before anything moves.
+    /// Returns the task of `plan` for the board, or refuses it before anything moves.
     fn task(&mut self, plan: &Plan) -> Result<Task, GrblError> {
         let mut reset = false;
         connect::rest(&mut self.board, &mut reset)?;
@@ -135,17 +143,18 @@ impl Grbl {
         Ok(task)
     }
 
-    /// Makes the steps of `plan` by `motion`, stops after whatever goes wrong, and says between which bounds it went.
+    /// Makes the steps of `plan` by `motion`, and stops after any error. A fault tells the bounds of the
+    /// steps made.
     fn travel<T>(
         &mut self,
         plan: &Plan,
-        motion: impl FnOnce(&mut Motion<'_>) -> Result<T, GrblError>,
+        motion: impl FnOnce(&mut Jogs<'_>) -> Result<T, GrblError>,
     ) -> Result<(T, u64), DriveFault> {
         let task = match self.task(plan) {
             Ok(task) => task,
             Err(error) => return Err(self.fault(error, 0, 0)),
         };
-        let mut under_way = Motion::new(&mut self.board, &self.scale, task);
+        let mut under_way = Jogs::new(&mut self.board, &self.scale, task);
         let outcome = motion(&mut under_way).map_err(|error| under_way.recover(error));
         let (made, sent) = (under_way.made, under_way.sent);
         let known = match &outcome {
@@ -173,7 +182,7 @@ impl Grbl {
         DriveFault { made_least, made_most, lost: error.loses(), error: error.into() }
     }
 
-    /// Takes in what the board says while nothing is asked of it.
+    /// Takes in what the board says unasked.
     fn overhear(&mut self, wait: Duration) -> Result<(), GrblError> {
         while let Some(heard) = self.board.hear(wait)? {
             if let Heard::Reply(Reply::Banner(_)) = heard {
@@ -238,7 +247,7 @@ impl Drive for Grbl {
             if left.is_zero() {
                 return Ok(None);
             }
-            // A connection that broke at rest is the next motion's fault; what was made is known.
+            // A connection that broke at rest is the next motion's fault: the steps made are known.
             if self.overhear(left).is_err() {
                 std::thread::sleep(left);
             }
@@ -257,19 +266,19 @@ impl Drive for Grbl {
     }
 }
 
-/// What a person should know of these settings.
+/// Returns notes for the user on these settings.
 fn remarks(settings: &Settings, scale: &Scale) -> Vec<String> {
     let mut notes = Vec::new();
     match settings.holds() {
         Some(true) => {}
         Some(false) => notes.push(format!(
-            "the board cuts the motor's current after each motion ($1={}), which makes the angle less sure each time; \
-             `--configure` sets $1=255",
+            "the board cuts the motor's current after each motion ($1={}), so the angle is less sure each \
+             time; `--configure` sets $1=255",
             settings.values.get(&1).copied().unwrap_or(0.0)
         )),
         None => notes.push(
-            "the board does not tell whether it cuts the motor's current after each motion ($1): the angle is taken to be \
-             less sure each time"
+            "the board does not tell whether it cuts the motor's current after each motion ($1): the angle \
+             is taken to be less sure each time"
                 .to_owned(),
         ),
     }
@@ -278,8 +287,8 @@ fn remarks(settings: &Settings, scale: &Scale) -> Vec<String> {
         let number = settings.number(100);
         let drift = 2e3 * scale.steps_per_unit;
         notes.push(format!(
-            "${number}={} is told with three decimals and may have more: then counts drift by a step in {drift:.0}; a whole \
-             number is safe, and any will do",
+            "${number}={} is told with three decimals and may have more: then counts drift by a step in \
+             {drift:.0}; set a whole number, any will do",
             scale.steps_per_unit
         ));
     }

@@ -7,11 +7,11 @@ use super::error::GrblError;
 use super::port::Port;
 use super::reply::{Replies, Reply, State, Status};
 
-/// Between two questions for the position. grbl's documentation asks for at most five to ten a second of a slow machine's
-/// user interface; a board answers hundreds.
+/// Time between two questions for the position. grbl's documentation asks for at most five to ten a second of
+/// a slow machine's user interface. A board answers hundreds.
 pub(super) const POLL: Duration = Duration::from_millis(50);
 
-/// A board that has not answered a question for this long is out of reach.
+/// Silence after a question from which on a board is out of reach.
 const SILENCE: Duration = Duration::from_secs(2);
 
 /// Longest wait for a line to be acknowledged.
@@ -20,34 +20,34 @@ pub(super) const OK_LIMIT: Duration = Duration::from_secs(5);
 /// Longest wait for bytes before something else may be due.
 const SLICE: Duration = Duration::from_millis(5);
 
-/// Asks for a status report; taken from the stream at once, wherever it stands.
+/// Byte that asks for a status report. The board takes it from the stream at once, wherever it stands.
 const QUESTION: u8 = b'?';
 
-/// What has been heard.
+/// Message of a board.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Heard {
-    /// Anything that is not a status report.
+    /// Any reply that is not a status report.
     Reply(Reply),
-    /// A status report, with the axis's coordinate if it can be known, mm or inches.
+    /// A status report, with the axis's coordinate if it can be known, in mm or inches.
     Status(State, Option<f64>),
 }
 
-/// A board at the other end of a port.
+/// Board at the other end of a port.
 #[derive(Debug)]
 pub(super) struct Board {
     port: Port,
     replies: Replies,
     waiting: VecDeque<Reply>,
-    /// Which of the axes of reports is meant.
+    /// Number of the axis in reports.
     axis: usize,
-    /// `WCO` of that axis, once it was reported.
+    /// Offset `WCO` of the axis, once it was reported.
     offset: Option<f64>,
     asked: Option<Instant>,
     unanswered: Option<Instant>,
 }
 
 impl Board {
-    /// Talks through `port` of the axis of this number.
+    /// Talks through `port` to the axis of this number.
     pub fn new(port: Port, axis: usize) -> Self {
         Self {
             port,
@@ -137,8 +137,10 @@ impl Board {
         machine.or_else(|| Some(work? + self.offset?))
     }
 
-    /// Sends a line and waits until it is acknowledged. Returns what was said before that, without status reports. Asks
-    /// nothing meanwhile: while a board stores a setting it loses what it is sent.
+    /// Sends a line and waits until it is acknowledged. Returns the replies before that, without status
+    /// reports.
+    ///
+    /// Asks nothing meanwhile: while a board stores a setting, it loses what it is sent.
     pub fn command(&mut self, line: &str) -> Result<Vec<Reply>, GrblError> {
         self.send(line)?;
         let started = Instant::now();
@@ -160,8 +162,8 @@ impl Board {
         }
     }
 
-    /// Asks for the state and waits for an answer that is newer than the question. `at_banner` is called if the board was
-    /// reset.
+    /// Asks for the state and waits for an answer that is newer than the question. Calls `at_banner` if the
+    /// board was reset.
     pub fn state(&mut self, mut at_banner: impl FnMut()) -> Result<State, GrblError> {
         while let Some(heard) = self.hear(Duration::ZERO)? {
             if let Heard::Reply(Reply::Banner(_)) = heard {
@@ -178,7 +180,8 @@ impl Board {
         }
     }
 
-    /// Where the axis of a board at rest stands, as reported. `WCO` is only in every tenth report of a board at rest.
+    /// Returns the reported position of the axis of a board at rest. A board at rest sends `WCO` only in
+    /// every tenth report.
     pub fn rests_at(&mut self) -> Result<f64, GrblError> {
         let started = Instant::now();
         while started.elapsed() < OK_LIMIT {

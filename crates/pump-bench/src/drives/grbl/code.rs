@@ -1,6 +1,7 @@
-//! What grbl's numbers mean, in words. Source: grbl 1.1, doc/csv/error_codes_en_US.csv and alarm_codes_en_US.csv.
+//! grbl's error and alarm codes in words. Source: grbl 1.1, doc/csv/error_codes_en_US.csv and
+//! alarm_codes_en_US.csv.
 
-/// What `error:<code>` means.
+/// Returns the meaning of `error:<code>`.
 pub fn error_text(code: u16) -> &'static str {
     match code {
         1 => "a word without its letter",
@@ -43,7 +44,7 @@ pub fn error_text(code: u16) -> &'static str {
     }
 }
 
-/// What `ALARM:<code>` means, and what to do.
+/// Returns the meaning of `ALARM:<code>`, and advice.
 pub fn alarm_text(code: u16) -> &'static str {
     match code {
         0 => "the line that says why did not arrive",
@@ -62,8 +63,10 @@ pub fn alarm_text(code: u16) -> &'static str {
     }
 }
 
-/// Whether the motor was stopped at once, or may have been, so that it may have turned on. Soft limits (2) decelerate first, and
-/// a search (4, 5) has ended; of alarms that other firmwares have nobody knows.
+/// Returns true if the alarm stopped the motor at once, or may have, so that the motor may have turned on.
+///
+/// Soft limits (2) decelerate first, and a search (4, 5) has ended. Alarms of other firmwares are unknown and
+/// count.
 pub fn stops_at_once(alarm: u16) -> bool {
     !matches!(alarm, 2 | 4 | 5)
 }

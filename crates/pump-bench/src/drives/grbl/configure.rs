@@ -1,4 +1,4 @@
-//! Settings that a pump needs, written on request.
+//! The settings that a pump needs, written on request.
 
 use pump_ctl::plan::Motor;
 
@@ -6,7 +6,7 @@ use super::board::Board;
 use super::error::GrblError;
 use super::settings::{Flavour, MOST_STEPS_S, NEVER_LET_GO, Settings, settings};
 
-/// Writes what differs, line by line, and says what it has changed.
+/// Writes the settings that differ, line by line, and returns notes of what changed.
 pub(super) fn configure(
     board: &mut Board,
     found: Settings,
@@ -37,12 +37,14 @@ pub(super) fn configure(
     Ok((now, notes))
 }
 
+/// Returns the settings that a pump needs, by their numbers.
 fn wanted(found: &Settings, motor: &Motor, notes: &mut Vec<String>) -> Result<Vec<(u16, f64)>, GrblError> {
     let steps_per_unit = found.steps_per_unit()?;
     let mut steps_s = motor.max_speed_rad_s / motor.step_rad();
     if found.flavour == Flavour::Grbl && steps_s > MOST_STEPS_S {
         notes.push(format!(
-            "the pump file allows {steps_s:.0} steps/s, grbl makes {MOST_STEPS_S:.0} at most: fewer microsteps make it faster"
+            "the pump file allows {steps_s:.0} steps/s, grbl makes {MOST_STEPS_S:.0} at most; use fewer \
+             microsteps to go faster"
         ));
         steps_s = MOST_STEPS_S;
     }
@@ -58,7 +60,8 @@ fn wanted(found: &Settings, motor: &Motor, notes: &mut Vec<String>) -> Result<Ve
     ])
 }
 
-/// Settings are kept in single precision and told with three decimals.
+/// Returns true if two values of a setting are equal. Settings are kept in single precision and told with
+/// three decimals.
 fn same(reads: f64, value: f64) -> bool {
     (reads - value).abs() <= 0.000_6 + 1e-6 * value.abs()
 }

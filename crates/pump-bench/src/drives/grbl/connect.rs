@@ -7,25 +7,26 @@ use super::error::GrblError;
 use super::reply::{Reply, State};
 use crate::pump_file::DriveTable;
 
-/// Longest wait for a first answer: bootloaders take two seconds, boards with a network some more.
+/// Longest wait for a first answer. Bootloaders take two seconds, boards with a network some more.
 const ANSWER_LIMIT: Duration = Duration::from_secs(8);
 
-/// Between questions until the first answer.
+/// Time between questions until the first answer.
 const KNOCK: Duration = Duration::from_millis(200);
 
-/// After a banner more lines come; a board is ready once it has been quiet for this long.
+/// Silence after a banner from which on a board is ready. More lines follow a banner.
 const QUIET: Duration = Duration::from_millis(150);
 
-/// Longest wait for a motion that is under way at the start: what an earlier process has sent takes a second or two.
+/// Longest wait for a motion that is under way at the start. The jogs that an earlier process sent take a
+/// second or two.
 const REST_LIMIT: Duration = Duration::from_secs(30);
 
 /// Longest wait for a hold to end by itself.
 const HOLD_LIMIT: Duration = Duration::from_secs(2);
 
-/// Resets grbl, without its counter.
+/// Byte that resets grbl, without its counter.
 pub(super) const RESET: u8 = 0x18;
 
-/// Waits until a board answers. True if it was reset meanwhile.
+/// Waits until a board answers. Returns true if the board was reset meanwhile.
 pub(super) fn find(board: &mut Board, table: &DriveTable) -> Result<bool, GrblError> {
     let started = Instant::now();
     let mut reset = false;
@@ -55,7 +56,7 @@ pub(super) fn find(board: &mut Board, table: &DriveTable) -> Result<bool, GrblEr
     Err(GrblError::NoGrbl { port, baud: table.baud, waited_s: ANSWER_LIMIT.as_secs_f64(), heard })
 }
 
-/// Waits until nothing more is said. True if a banner was.
+/// Waits until the board falls silent. Returns true if a banner was among its lines.
 fn quiet(board: &mut Board) -> Result<bool, GrblError> {
     let until = Instant::now() + ANSWER_LIMIT;
     let mut reset = false;
@@ -68,8 +69,9 @@ fn quiet(board: &mut Board) -> Result<bool, GrblError> {
     Ok(reset)
 }
 
-/// Brings the board to rest, ready for jogs. A locked board is unlocked if that is because it was just reset; `reset`
-/// becomes true if it is.
+/// Brings the board to rest, ready for jogs. Unlocks a board that is locked because it was just reset.
+///
+/// Sets `reset` to true if the board is reset meanwhile.
 pub(super) fn rest(board: &mut Board, reset: &mut bool) -> Result<(), GrblError> {
     let started = Instant::now();
     let mut unlocked = false;
@@ -97,11 +99,13 @@ pub(super) fn rest(board: &mut Board, reset: &mut bool) -> Result<(), GrblError>
     }
 }
 
+/// Lets a moment pass and discards what is heard.
 fn pause(board: &mut Board) -> Result<(), GrblError> {
     std::thread::sleep(POLL);
     board.hear(Duration::ZERO).map(|_| ())
 }
 
+/// Returns the refusal of a board in this state, with advice.
 fn locked(state: State) -> GrblError {
     let instead = match state {
         State::Alarm => "find out why, make sure that it is safe, then send it `$X` or switch it off and on",

@@ -1,4 +1,4 @@
-//! What can go wrong with a grbl board.
+//! The errors of a grbl board.
 
 use std::io;
 use std::path::PathBuf;
@@ -9,220 +9,227 @@ use crate::drives::DriveError;
 
 use super::code::{alarm_text, error_text, stops_at_once};
 
-/// Why a grbl board cannot be used, or what it did.
+/// Error of a grbl board.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum GrblError {
-    /// Nobody has said where the board is.
+    /// No serial port is named.
     #[error(
-        "no serial port is named for the grbl board; say `--port /dev/ttyUSB0`, or `port = \"...\"` in [drive]"
+        "no serial port is named for the grbl board; give `--port /dev/ttyUSB0`, or `port = \"...\"` in \
+         [drive]"
     )]
     NoPort,
     /// The port cannot be opened.
     #[error("{} cannot be opened as a serial port: {reason}", .port.display())]
     Open {
-        /// The port.
+        /// Path of the port.
         port: PathBuf,
-        /// What the system says.
+        /// Cause of the failure, as the system tells it.
         reason: String,
     },
-    /// No grbl answers there.
+    /// No grbl board answers at the port.
     #[error(
-        "no grbl board answers at {} within {waited_s} s at {baud} baud{heard}; check the port, [drive] baud, and that the \
-         board speaks grbl 1.1's protocol", .port.display()
+        "no grbl board answers at {} within {waited_s} s at {baud} baud{heard}; check the port, [drive] \
+         baud, and that the board speaks grbl 1.1's protocol", .port.display()
     )]
     NoGrbl {
-        /// The port.
+        /// Path of the port.
         port: PathBuf,
-        /// Bits per second.
+        /// Baud rate, in bits per second.
         baud: u32,
-        /// How long it was asked, s.
+        /// Time for which the board was asked, in s.
         waited_s: f64,
-        /// What came instead.
+        /// Reply that came instead, as the message words it.
         heard: String,
     },
-    /// A firmware before 1.1, which has no jogs.
+    /// The firmware is older than 1.1 and has no jogs.
     #[error("the board runs grbl {major}.{minor}; jogs need 1.1 or later: update its firmware")]
     Old {
-        /// Before the point.
+        /// Major version.
         major: u32,
-        /// After it.
+        /// Minor version.
         minor: u32,
     },
-    /// A setting that is needed and not listed.
+    /// The board does not list a setting that the drive needs.
     #[error(
-        "the board does not tell its {what} (${number} in its answer to `$$`): it may not have this axis, see [drive] axis"
+        "the board does not list its {what} (${number} in its answer to `$$`); it may lack this axis: check \
+         [drive] axis"
     )]
     NoSetting {
         /// Number of the setting.
         number: u16,
-        /// What it is.
+        /// Meaning of the setting.
         what: String,
     },
-    /// It is in a state in which it takes no jogs.
+    /// The board is in a state in which it takes no jogs.
     #[error("the board's state is {state}: {instead}")]
     Locked {
-        /// Its state.
+        /// State of the board.
         state: String,
-        /// What to do.
+        /// Advice to the user.
         instead: &'static str,
     },
-    /// Something else moves it.
+    /// Something else moves the board.
     #[error(
         "the board has been moving for {waited_s} s without being told to by this program; stop what moves it"
     )]
     Moving {
-        /// How long was waited, s.
+        /// Time waited, in s.
         waited_s: f64,
     },
-    /// Its reports cannot tell single steps.
+    /// The board's reports cannot tell single steps apart.
     #[error(
-        "the board reports positions to {step} of a step ({steps_per_unit} steps a unit), but single steps must be told \
-         apart to 0.4; set ${number} to {most} or less, and `$10=1` and `$13=0`"
+        "the board reports positions to {step} of a step ({steps_per_unit} steps a unit), but the drive \
+         must tell steps apart to 0.4 of a step; set ${number} to {most} or less, and `$10=1` and `$13=0`"
     )]
     Coarse {
-        /// Largest error of a report, steps.
+        /// Largest error of a report, in steps.
         step: f64,
-        /// Steps per unit.
+        /// Steps per unit by the board's setting.
         steps_per_unit: f64,
-        /// Number of that setting.
+        /// Number of the setting of steps per unit.
         number: u16,
-        /// What would do, steps per unit.
+        /// Most steps per unit at which reports tell steps apart.
         most: f64,
     },
-    /// Its ramps are steeper than the pump allows.
+    /// The board's ramps are steeper than the pump allows.
     #[error(
-        "the board accelerates at {board_rad_s2:.1} rad/s2 (${number}={setting}), the pump file allows {limit_rad_s2:.1}; \
-         `--configure` sets it, or raise [motor] max_acceleration_rad_s2"
+        "the board accelerates at {board_rad_s2:.1} rad/s2 (${number}={setting}), the pump file allows \
+         {limit_rad_s2:.1}; `--configure` sets it, or raise [motor] max_acceleration_rad_s2"
     )]
     Steep {
-        /// Acceleration of the board, rad/s².
+        /// Acceleration of the board, in rad/s².
         board_rad_s2: f64,
-        /// What the pump file allows, rad/s².
+        /// Acceleration that the pump file allows, in rad/s².
         limit_rad_s2: f64,
         /// Number of the setting.
         number: u16,
-        /// Its value, units/s².
+        /// Value of the setting, in units/s².
         setting: f64,
     },
-    /// It refuses to turn farther than a machine's travel.
+    /// The board refuses to turn farther than a machine's travel.
     #[error("the board's soft limits are on ($20=1), but a pump turns on and on; `--configure` sets $20=0")]
     SoftLimits,
-    /// Its single-precision positions end there.
+    /// The dose would end beyond the board's exact single-precision positions.
     #[error(
-        "the axis would stand at step {count} of the board's count, which is exact to {most} steps either way; switch the \
-         board off and on to count from zero"
+        "the axis would stand at step {count} of the board's count, which is exact to {most} steps either \
+         way; switch the board off and on to count from zero"
     )]
     Far {
-        /// Where the dose would go, steps.
+        /// Count at which the axis would stand, in steps.
         count: i64,
-        /// Farthest, steps.
+        /// Farthest exact count either way, in steps.
         most: i64,
     },
-    /// It cannot turn as slowly.
+    /// The board cannot turn as slowly as the dose needs.
     #[error(
-        "the dose needs {steps_s:.2} steps/s, the board makes no less than {least_s:.2}; dose faster, or with finer microsteps"
+        "the dose needs {steps_s:.2} steps/s, the board makes no less than {least_s:.2}; dose faster, or \
+         with finer microsteps"
     )]
     Slow {
         /// Steps per second at the cruise.
         steps_s: f64,
-        /// Fewest.
+        /// Fewest steps per second of the board.
         least_s: f64,
     },
-    /// It will not turn as fast.
+    /// The board is set to turn no faster than its largest rate, and the dose is faster.
     #[error(
-        "the dose needs {steps_s:.0} steps/s, the board makes no more than {most_s:.0} (${number}={setting}); dose slower, or raise it"
+        "the dose needs {steps_s:.0} steps/s, the board makes no more than {most_s:.0} \
+         (${number}={setting}); dose slower, or raise ${number}"
     )]
     Fast {
         /// Steps per second at the cruise.
         steps_s: f64,
-        /// Most.
+        /// Most steps per second of the board.
         most_s: f64,
         /// Number of the setting.
         number: u16,
-        /// Its value, units/min.
+        /// Value of the setting, in units/min.
         setting: f64,
     },
-    /// A line was refused.
+    /// The board refused a line.
     #[error("the board refused `{line}` with error:{code}: {}", error_text(*code))]
     Refused {
-        /// The line.
+        /// Line that was sent.
         line: String,
-        /// grbl's number.
+        /// grbl's code of the error.
         code: u16,
     },
-    /// A setting was written and did not change.
-    #[error("the board took ${number}={value} but says {reads} now; set it by hand")]
+    /// The board took a setting but did not change it.
+    #[error("the board took ${number}={value} but tells {reads} now; set it by hand")]
     NotTaken {
         /// Number of the setting.
         number: u16,
-        /// What was written.
+        /// Value that was written.
         value: f64,
-        /// What it says.
+        /// Value that the board tells.
         reads: f64,
     },
-    /// It has locked itself.
+    /// The board stopped and locked itself.
     #[error("the board stopped with ALARM:{code}: {}", alarm_text(*code))]
     Alarm {
-        /// grbl's number.
+        /// grbl's code of the alarm.
         code: u16,
     },
-    /// It was reset.
+    /// The board was reset.
     #[error("the board was reset; its motor may have moved")]
     Reset,
-    /// The device is gone.
+    /// The connection to the board broke.
     #[error("the connection to the board broke: {0}; check its cable and power")]
     Gone(#[source] io::Error),
-    /// It says nothing.
+    /// The board does not answer.
     #[error("the board has not answered for {waited_s:.1} s; check its cable and power")]
     Quiet {
-        /// How long, s.
+        /// Time without an answer, in s.
         waited_s: f64,
     },
-    /// Its reports have no position.
+    /// The board's reports tell no position.
     #[error(
-        "the board's reports have told no position of the axis for {waited_s:.1} s; set `$10=1`, and look at [drive] axis"
+        "the board's reports have told no position of the axis for {waited_s:.1} s; set `$10=1`, and check \
+         [drive] axis"
     )]
     NoPosition {
-        /// How long, s.
+        /// Time without a position, in s.
         waited_s: f64,
     },
-    /// A line was neither taken nor refused.
-    #[error("the board has not acknowledged `{line}` for {waited_s:.1} s")]
+    /// The board neither took nor refused a line.
+    #[error("the board has not acknowledged `{line}` for {waited_s:.1} s; check its cable and power")]
     NoOk {
-        /// The line.
+        /// Line that was sent.
         line: String,
-        /// How long, s.
+        /// Time waited, in s.
         waited_s: f64,
     },
-    /// It does not move, although it should.
+    /// The board does not move, although it should.
     #[error(
-        "the board has made no step for {waited_s:.1} s, although it should; look for a hold, a door or a jammed board"
+        "the board has made no step for {waited_s:.1} s, although it should; check for a hold, an open door \
+         or a jammed board"
     )]
     Stalled {
-        /// How long, s.
+        /// Time without a step, in s.
         waited_s: f64,
     },
-    /// It does not stop.
+    /// The board does not stop.
     #[error("the board has not come to rest for {waited_s:.1} s after it was told to stop; switch it off")]
     Unstoppable {
-        /// How long, s.
+        /// Time waited, in s.
         waited_s: f64,
     },
-    /// Its count is not ours.
+    /// The board's count differs from the steps sent.
     #[error(
-        "the board counts {counted} steps where {expected} were to be: nobody knows where the rotor stands"
+        "the board counts {counted} steps where {expected} were expected: the rotor's angle is unknown, and \
+         `dose home` finds it"
     )]
     Count {
-        /// Its count.
+        /// Count that the board reports, in steps.
         counted: i64,
-        /// What it was to be.
+        /// Count that was expected, in steps.
         expected: i64,
     },
 }
 
 impl GrblError {
-    /// Whether nobody knows where the rotor stands afterwards.
+    /// Returns true if the rotor's angle is unknown after this error.
     pub(super) fn loses(&self) -> bool {
         match self {
             Self::Count { .. } => true,
@@ -231,7 +238,7 @@ impl GrblError {
         }
     }
 
-    /// Whether nothing more is to be heard.
+    /// Returns true if nothing more can be heard from the board.
     pub(super) fn ends_link(&self) -> bool {
         matches!(self, Self::Gone(_) | Self::Quiet { .. })
     }

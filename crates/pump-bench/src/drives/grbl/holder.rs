@@ -1,24 +1,25 @@
-//! Who has a device.
+//! The process that holds a device.
 
 use std::io;
 use std::path::Path;
 
-/// Whether a serial port was not opened because somebody has it.
+/// Returns true if a serial port was not opened because a process holds it.
 pub(super) fn has_it(error: &serialport::Error, path: &Path) -> bool {
     match error.kind() {
-        // What serialport says of a device that is locked or busy, and of one that is not there.
+        // serialport reports both a locked or busy device and a missing one as `NoDevice`.
         serialport::ErrorKind::NoDevice => lock_holder(path).is_some() || error.description.contains("lock"),
         serialport::ErrorKind::Io(kind) => cfg!(windows) && kind == io::ErrorKind::PermissionDenied,
         _ => false,
     }
 }
 
-/// Who it is, as far as the system tells.
+/// Names the holder of a device, as far as the system tells.
 pub(super) fn of(path: &Path) -> String {
     lock_holder(path).unwrap_or_else(|| "another process".to_owned())
 }
 
-/// The process that has a lock on the file, as Linux lists it: device and inode are the sixth column of /proc/locks.
+/// Names the process that has a lock on the file, as Linux lists it. Device and inode are the sixth column of
+/// /proc/locks.
 #[cfg(unix)]
 fn lock_holder(path: &Path) -> Option<String> {
     let stat = rustix::fs::stat(path).ok()?;

@@ -1,4 +1,4 @@
-//! A plan as jogs: as many ahead as keep the board at speed, and no more than were announced.
+//! A plan as a sequence of jogs: as many ahead as keep the board at speed, and no more than were announced.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -9,21 +9,21 @@ use super::reply::{Reply, State};
 use super::scale::Scale;
 use crate::drives::Gate;
 
-/// What is sent ahead of the motor beyond the way in which it stops, s at the cruise: ten polls.
+/// Time at the cruise that is sent ahead of the motor, beyond the way in which it stops, in s: ten polls.
 const AHEAD_S: f64 = 0.5;
 
-/// Jogs that this is divided into; grbl plans 15 ahead.
+/// Number of jogs that are sent ahead. grbl plans 15 ahead.
 const JOGS_AHEAD: f64 = 8.0;
 
-/// A board that makes no step for this long, and twice what its next step takes, is stopped, s.
+/// Time without a step after which a board is stopped, in s, beyond twice the time of its next step.
 const STALL_S: f64 = 2.0;
 
-/// What is to be done.
+/// Steps to make, with their speeds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Task {
     /// Count before the first step.
     pub start: i64,
-    /// 1 if the count rises, -1 if it falls.
+    /// Direction of the count: 1 if it rises, -1 if it falls.
     pub direction: i64,
     /// Steps in all.
     pub steps: u64,
@@ -34,36 +34,36 @@ pub(super) struct Task {
 }
 
 impl Task {
-    /// The count after so many steps.
+    /// Returns the count after `made` steps.
     pub fn count_after(&self, made: u64) -> i64 {
         self.start + self.direction * made as i64
     }
 
-    /// The line that jogs to the end of step `last`; none if the axis has no coordinate for it.
+    /// Returns the line that jogs to the end of step `last`. `None` if the axis has no coordinate for it.
     fn line(&self, scale: &Scale, last: u64) -> Option<String> {
         let target = scale.text(self.count_after(last))?;
         let feed = feed_text(self.steps_s * 60.0 / scale.steps_per_unit);
         Some(format!("$J=G53G90G21{}{target}F{feed}", scale.axis.letter()))
     }
 
-    /// Steps to be sent ahead of the motor.
+    /// Returns the number of steps to send ahead of the motor.
     fn ahead(&self) -> u64 {
         let stop = self.steps_s * self.steps_s / (2.0 * self.steps_s2);
         ((stop + AHEAD_S * self.steps_s).ceil() as u64).max(2)
     }
 
-    /// Steps of a jog.
+    /// Returns the number of steps of a jog.
     fn jog(&self) -> u64 {
         ((self.ahead() as f64 / JOGS_AHEAD).ceil() as u64).max(1)
     }
 
-    /// The last step of the jog after step `sent`. No jog is shorter than half of the others.
+    /// Returns the last step of the jog after step `sent`. No jog is shorter than half of the others.
     fn next_end(&self, sent: u64) -> u64 {
         let jog = self.jog();
         if self.steps - sent < jog + jog / 2 { self.steps } else { sent + jog }
     }
 
-    /// Whether every jog of it ends on a step. Refused before anything moves otherwise.
+    /// Checks that every jog of the task ends on a step, before anything moves.
     pub fn check(&self, scale: &Scale) -> Result<(), GrblError> {
         let mut sent = 0;
         while sent < self.steps {
@@ -76,51 +76,52 @@ impl Task {
         Ok(())
     }
 
-    /// How long the watchdog waits for a step.
+    /// Returns the time that the watchdog waits for a step.
     fn patience(&self) -> Duration {
         let step_s = 1.0 / self.steps_s + (2.0 / self.steps_s2).sqrt();
         Duration::from_secs_f64(STALL_S + 2.0 * step_s)
     }
 }
 
-/// A feed of eight digits at most, the most that grbl reads.
+/// Formats a feed in units/min with at most eight digits, the most that grbl reads.
 pub(super) fn feed_text(units_min: f64) -> String {
     let whole = units_min.max(1.0).log10() as usize + 1;
     format!("{units_min:.*}", 7_usize.saturating_sub(whole).min(6))
 }
 
-/// How a motion ended.
+/// End of a sequence of jogs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Ended {
-    /// With its last step.
+    /// The last step was made.
     Done,
-    /// The gate broke; the motor may be under way.
+    /// The gate broke. The motor may be under way.
     Asked,
 }
 
-/// A motion under way.
+/// Sequence of jogs under way.
 #[derive(Debug)]
-pub(super) struct Motion<'a> {
+pub(super) struct Jogs<'a> {
     pub board: &'a mut Board,
     pub scale: &'a Scale,
     pub task: Task,
-    /// The last step sent.
+    /// Last step that was sent.
     pub sent: u64,
-    /// The last step that was reported.
+    /// Last step that was reported.
     pub made: u64,
-    /// The line that is not acknowledged yet.
+    /// Line that is not acknowledged yet, and the time at which it was sent.
     pub awaited: Option<(String, Instant)>,
-    /// When a step was last reported, or when there were none left to make.
+    /// Time at which a step was last reported, or at which none were left to make.
     moved: Instant,
-    /// Whether this is a probing move and not a jog.
+    /// True for a probing move, false for jogs.
     pub probing: bool,
-    /// Reports in a row that cannot be.
+    /// Impossible reports in a row.
     pub odd: u32,
     /// Reports in a row of a rest elsewhere than at the last step sent.
     short: u32,
 }
 
-impl<'a> Motion<'a> {
+impl<'a> Jogs<'a> {
+    /// Prepares the jogs of `task`. Sends nothing yet.
     pub fn new(board: &'a mut Board, scale: &'a Scale, task: Task) -> Self {
         Self {
             board,
@@ -169,18 +170,20 @@ impl<'a> Motion<'a> {
         }
     }
 
+    /// Returns true if another jog may be sent.
     fn has_room(&self) -> bool {
         let left = self.sent < self.task.steps;
         left && (self.sent == self.made || self.sent - self.made + self.task.jog() <= self.task.ahead())
     }
 
-    /// Asks for the next jog and sends it.
+    /// Asks the gate for the next jog and sends it.
     fn announce(&mut self, gate: &mut Gate<'_>) -> Result<ControlFlow<()>, GrblError> {
         let last = self.task.next_end(self.sent);
         if gate(self.made, last).is_break() {
             return Ok(ControlFlow::Break(()));
         }
-        // The gate may have taken its time. A board that was reset meanwhile counts from zero, and must not get this line.
+        // The gate may have taken its time. A board that was reset meanwhile counts from zero, and must not
+        // get this line.
         while let Some(heard) = self.board.hear(Duration::ZERO)? {
             self.take(heard)?;
         }
@@ -189,20 +192,20 @@ impl<'a> Motion<'a> {
         if self.sent == self.made {
             self.moved = Instant::now();
         }
-        // From here on the board may have it, whatever becomes of the write.
+        // From here on the board may have the line, whatever becomes of the write.
         self.sent = last;
         self.board.send(&line)?;
         self.awaited = Some((line, Instant::now()));
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Takes in what was heard. Returns the state if it was told.
+    /// Takes in a message of the board. Returns the state if the message told it.
     pub fn take(&mut self, heard: Heard) -> Result<Option<State>, GrblError> {
         match heard {
             Heard::Status(state, Some(place)) => {
                 self.see(place)?;
                 match state {
-                    // The line that says why has been lost.
+                    // The line that tells the alarm has been lost.
                     State::Alarm => Err(GrblError::Alarm { code: 0 }),
                     state => Ok(Some(state)),
                 }
@@ -223,7 +226,7 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// Follows a reported position. One that cannot be is noise, two in a row are not.
+    /// Follows a reported position. A single impossible one is noise; two in a row are an error.
     pub fn see(&mut self, place: f64) -> Result<(), GrblError> {
         let counted = self.scale.count(self.scale.reported_mm(place));
         let travelled = (counted - self.task.start) * self.task.direction;
@@ -247,7 +250,7 @@ impl<'a> Motion<'a> {
         }
     }
 
-    /// Whether a rest is the end. A rest elsewhere, told twice with nothing outstanding, is not to be.
+    /// Returns true if a rest is the end. A rest elsewhere, told twice with nothing outstanding, is an error.
     fn arrived(&mut self) -> Result<bool, GrblError> {
         if self.awaited.is_some() || self.odd > 0 || self.made == self.sent {
             return Ok(self.awaited.is_none() && self.odd == 0 && self.made == self.task.steps);
@@ -260,7 +263,7 @@ impl<'a> Motion<'a> {
         Err(GrblError::Count { counted, expected: self.task.count_after(self.sent) })
     }
 
-    /// Looks whether the board still does what it should, when it has nothing to say.
+    /// Checks that a silent board still does its work.
     pub fn watch(&self) -> Result<(), GrblError> {
         if let Some((line, since)) = &self.awaited
             && since.elapsed() > OK_LIMIT

@@ -1,4 +1,4 @@
-//! The serial port: whose it is, its bytes.
+//! The serial port of a board: its lock and its bytes.
 
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::pump_file::DriveTable;
 /// Longest wait for the system to take bytes.
 const WRITE_LIMIT: Duration = Duration::from_secs(2);
 
-/// A serial port that no other process has.
+/// Serial port that no other process has.
 #[derive(Debug)]
 pub(super) struct Port {
     serial: Box<dyn SerialPort>,
@@ -26,13 +26,13 @@ impl Port {
         let path = table.port.as_deref().ok_or(GrblError::NoPort)?;
         let fails = |reason: String| GrblError::Open { port: path.to_owned(), reason };
         let busy = || DriveError::Busy { device: path.to_owned(), holder: holder::of(path) };
-        // Opened first: once serialport has it, nobody else may open it.
+        // This handle is opened first: once serialport has the device, no other open succeeds.
         let line = match Line::open(path) {
             Ok(line) => line,
             Err(error) if error.kind() == io::ErrorKind::ResourceBusy => return Err(busy()),
             Err(error) => return Err(fails(error.to_string()).into()),
         };
-        // It takes a lock of the system (flock) and forbids further opens (TIOCEXCL).
+        // serialport takes a lock of the system (flock) and forbids further opens (TIOCEXCL).
         let builder = serialport::new(path.to_string_lossy(), table.baud).timeout(Duration::from_millis(1));
         let serial = match builder.open() {
             Ok(serial) => serial,
@@ -44,7 +44,8 @@ impl Port {
         Ok(Self { serial })
     }
 
-    /// Reads what has come, waiting for it until `wait` has passed. 0 if nothing has.
+    /// Reads the bytes that have come, and waits until `wait` has passed for the first. Returns 0 if none
+    /// came.
     pub fn read(&mut self, buffer: &mut [u8], wait: Duration) -> Result<usize, GrblError> {
         let failed = |error: serialport::Error| GrblError::Gone(error.into());
         self.serial.set_timeout(wait).map_err(failed)?;
@@ -77,7 +78,7 @@ impl Port {
     }
 }
 
-/// The device, beside the serial port made of it.
+/// Handle of the device, beside the serial port made of it.
 #[cfg(unix)]
 struct Line(std::os::fd::OwnedFd);
 
@@ -90,8 +91,8 @@ impl Line {
         Ok(Self(rustix::fs::open(path, flags, Mode::empty())?))
     }
 
-    /// Keeps the line that resets Arduinos (DTR) from falling when the port is closed, so that the next open does not reset
-    /// the board. The first one since the computer was started may all the same.
+    /// Keeps the line that resets Arduinos (DTR) from falling when the port is closed, so that the next open
+    /// does not reset the board. The first open since the computer started may reset it all the same.
     fn stays_awake(&self) -> io::Result<()> {
         use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
 
@@ -101,7 +102,7 @@ impl Line {
     }
 }
 
-/// Systems where only serialport opens the device.
+/// Handle on systems where only serialport opens the device.
 #[cfg(not(unix))]
 struct Line;
 

@@ -1,36 +1,36 @@
-//! What is done about a motion that went wrong: it is stopped, and what it made is learned if that is possible.
+//! The recovery of a motion that went wrong: it is stopped, and the steps made are learned if possible.
 
 use std::time::{Duration, Instant};
 
 use super::board::{Heard, OK_LIMIT, POLL};
 use super::error::GrblError;
-use super::jogs::Motion;
+use super::jogs::Jogs;
 use super::reply::{Reply, State};
 
-/// Cancels jogs: the motor decelerates. It can be missed, so it is repeated.
+/// Byte that cancels jogs: the motor decelerates. The board can miss it, so it is repeated.
 const CANCEL: u8 = 0x85;
 
-/// Holds any motion; one that is no jog can be stopped by nothing else.
+/// Byte that holds any motion. Nothing else stops a motion that is no jog.
 pub(super) const HOLD: u8 = b'!';
 
-/// Longest wait for the motor to rest, beyond the time that it needs, s.
+/// Longest wait for the motor to rest, beyond the time that it needs, in s.
 const STOP_LIMIT_S: f64 = 8.0;
 
-/// How long a board that was reset has to stand before no line can be on its way to it any more.
+/// Time for which a reset board must stand before no line can be on its way to it any more.
 const AFTERMATH: Duration = Duration::from_millis(300);
 
-/// How well the end of a motion is known.
+/// Knowledge of the end of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Known {
-    /// To the step.
+    /// The end is known to the step.
     Exactly,
-    /// Between the last step that was reported and the last that was sent.
+    /// The end lies between the last step that was reported and the last that was sent.
     Between,
-    /// Not at all.
+    /// The end is unknown.
     Nowhere,
 }
 
-impl Motion<'_> {
+impl Jogs<'_> {
     /// Stops after `error`. Returns the error that remains, and how well `made` is known.
     pub fn recover(&mut self, error: GrblError) -> (GrblError, Known) {
         if error.ends_link() {
@@ -56,13 +56,13 @@ impl Motion<'_> {
         }
     }
 
-    /// Decelerates to rest, whatever goes on. Afterwards `made` is where it stands.
+    /// Decelerates to rest, whatever goes on. Afterwards `made` is where the motor stands.
     pub fn stop(&mut self) -> Result<(), GrblError> {
         let started = Instant::now();
         let limit_s = STOP_LIMIT_S + 2.0 * self.task.steps_s / self.task.steps_s2;
         let mut cancelled: Option<Instant> = None;
         let mut rests: Option<u64> = None;
-        // What is heard from now on must be newer than the first cancel.
+        // From now on every report must be newer than the first cancel.
         self.odd = 0;
         loop {
             if started.elapsed().as_secs_f64() > limit_s {
@@ -79,7 +79,8 @@ impl Motion<'_> {
                     self.see(place)?;
                     state
                 }
-                // An acknowledged or a refused line will not set it in motion any more; an alarm will not either.
+                // Neither an acknowledged nor a refused line sets the motor in motion any more, and neither
+                // does an alarm.
                 Heard::Reply(Reply::Ok | Reply::Error(_)) => {
                     self.awaited = None;
                     continue;
@@ -101,8 +102,10 @@ impl Motion<'_> {
         }
     }
 
-    /// Stops a board that was reset in motion: a line that was on its way to it may have set it in motion again, from zero.
-    /// True if it stands at zero, so that it has not.
+    /// Stops a board that was reset in motion. A line on its way may have set the motor in motion again, from
+    /// zero.
+    ///
+    /// Returns true if the board stands at zero, so that the motor has not moved again.
     pub fn aftermath(&mut self) -> Result<bool, GrblError> {
         let started = Instant::now();
         let mut cancelled: Option<Instant> = None;
@@ -131,7 +134,7 @@ impl Motion<'_> {
         Ok(false)
     }
 
-    /// Tells a board that does not answer to stop: it may hear all the same.
+    /// Tells a board that does not answer to stop. The board may still hear.
     pub fn call_out(&mut self) {
         let stop = if self.probing { HOLD } else { CANCEL };
         for _ in 0..5 {

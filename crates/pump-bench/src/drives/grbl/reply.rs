@@ -1,95 +1,96 @@
-//! What a board says, from bytes: lines that may come in pieces, run into each other or be damaged.
+//! The replies of a board, read from bytes. Its lines may come in pieces, run into each other or be damaged.
 
-/// Longest line that is read; what is longer is noise. FluidNC's longest messages have some 200 bytes.
+/// Longest line that is read, in bytes. A longer one is noise. FluidNC's longest messages have some 200
+/// bytes.
 const LONGEST_LINE: usize = 512;
 
-/// Something that a board said.
+/// Reply of a board.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reply {
     /// The last line was taken.
     Ok,
-    /// The last line was refused, by grbl's number of the reason.
+    /// The last line was refused, by grbl's code of the error.
     Error(u16),
-    /// The board has stopped and locked itself, by grbl's number of the reason.
+    /// The board has stopped and locked itself, by grbl's code of the alarm.
     Alarm(u16),
-    /// State and position.
+    /// A status report: state and position.
     Status(Status),
-    /// `$100=250.000`.
+    /// A setting, as in `$100=250.000`.
     Setting {
-        /// 100.
+        /// Number of the setting, as in 100.
         number: u16,
-        /// 250.
+        /// Value of the setting, as in 250.
         value: f64,
     },
-    /// `$/axes/x/steps_per_mm=80`: an item of FluidNC's configuration.
+    /// An item of FluidNC's configuration, as in `$/axes/x/steps_per_mm=80`.
     Item {
-        /// `axes/x/steps_per_mm`.
+        /// Path of the item, as in `axes/x/steps_per_mm`.
         path: String,
-        /// What follows the `=`.
+        /// Text after the `=`.
         text: String,
     },
-    /// What a board says once it has started: it was reset.
+    /// The banner of a board that has started: it was reset.
     Banner(String),
-    /// What follows `[VER:`.
+    /// The version, after `[VER:`.
     Version(String),
-    /// What follows `[GC:`, modes of the G-code parser.
+    /// The modes of the G-code parser, after `[GC:`.
     Modes(String),
-    /// `[PRB:1.000,0.000,0.000:1]`.
+    /// The result of a probing move, as in `[PRB:1.000,0.000,0.000:1]`.
     Probe {
-        /// Where the sensor answered, by axis, in the unit of reports.
+        /// Position at which the sensor answered, by axis, in the unit of reports.
         position: Vec<f64>,
-        /// Whether it did.
+        /// True if the sensor answered.
         found: bool,
     },
-    /// Any other line in brackets, and start-up lines.
+    /// Any other line in brackets, or a start-up line.
     Message(String),
     /// A line that grbl's protocol does not have.
     Unknown(String),
 }
 
-/// A status report.
+/// Status report of a board.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Status {
-    /// What the board does.
+    /// State of the board.
     pub state: State,
-    /// `MPos`: where the machine stands, by axis.
+    /// Machine position `MPos`, by axis.
     pub machine: Option<Vec<f64>>,
-    /// `WPos`: the same less `WCO`.
+    /// Work position `WPos`, by axis: the machine position less `WCO`.
     pub work: Option<Vec<f64>>,
-    /// `WCO`, which is only in some of the reports.
+    /// Offset `WCO`, by axis. Only some of the reports have it.
     pub offset: Option<Vec<f64>>,
 }
 
-/// What a board does.
+/// State of a board.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum State {
-    /// It waits.
+    /// The board waits.
     Idle,
     /// G-code moves an axis.
     Run,
     /// A jog moves an axis.
     Jog,
-    /// It was told to wait in motion.
+    /// The board was told to wait in motion.
     Hold {
-        /// Whether it stands.
+        /// True if the motor stands.
         still: bool,
     },
-    /// It is locked.
+    /// The board is locked.
     Alarm,
-    /// It runs a homing cycle.
+    /// The board runs a homing cycle.
     Home,
     /// A safety door is open.
     Door,
-    /// It checks G-code without moving.
+    /// The board checks G-code without moving.
     Check,
     /// Only a reset wakes it.
     Sleep,
-    /// Any other word.
+    /// Any other word of a board.
     Other(String),
 }
 
 impl State {
-    /// Of `Idle` or `Hold:1`.
+    /// Reads a state such as `Idle` or `Hold:1`.
     fn of(text: &str) -> Self {
         let (word, detail) = text.split_once(':').unwrap_or((text, ""));
         match word {
@@ -107,7 +108,8 @@ impl State {
     }
 }
 
-/// Puts bytes together to lines and lines to replies. However the bytes are divided, the replies are the same.
+/// Reader that joins bytes to lines and lines to replies. However the bytes are divided, the replies are the
+/// same.
 #[derive(Debug, Default)]
 pub struct Replies {
     line: String,
@@ -115,7 +117,7 @@ pub struct Replies {
 }
 
 impl Replies {
-    /// Appends to `replies` what `bytes` complete.
+    /// Appends the replies that `bytes` complete to `replies`.
     pub fn feed(&mut self, bytes: &[u8], replies: &mut Vec<Reply>) {
         for byte in bytes {
             match byte {
@@ -127,7 +129,7 @@ impl Replies {
                 }
                 b' '..=b'~' if self.line.len() < LONGEST_LINE => self.line.push(char::from(*byte)),
                 b' '..=b'~' => self.overlong = true,
-                // Noise on the wire, and what a reset leaves of a byte.
+                // Noise on the wire, and remains of a byte after a reset.
                 _ => {}
             }
         }
@@ -145,7 +147,7 @@ fn read_line(line: &str, replies: &mut Vec<Reply>) {
     read_part(rest, replies);
 }
 
-/// What is before the first whole status report, in it, and after it.
+/// Splits a line into the parts before, in and after its first whole status report.
 fn divide(line: &str) -> Option<(&str, &str, &str)> {
     let (_, from) = line.split_once('<')?;
     let (through, after) = from.split_once('>')?;
@@ -192,7 +194,8 @@ fn message(inner: &str) -> Reply {
     probe.unwrap_or_else(|| Reply::Message(inner.to_owned()))
 }
 
-/// `100=250.000`, with or without a description after it, or `/axes/x/steps_per_mm=80`.
+/// Reads a setting such as `100=250.000`, with or without a description after it, or
+/// `/axes/x/steps_per_mm=80`.
 fn read_setting(setting: &str) -> Option<Reply> {
     let (key, text) = setting.split_once('=')?;
     if let Some(path) = key.strip_prefix('/') {
@@ -202,18 +205,18 @@ fn read_setting(setting: &str) -> Option<Reply> {
     Some(Reply::Setting { number: key.parse().ok()?, value })
 }
 
-/// `Grbl 1.1h ['$' for help]`, perhaps after what the wire made of the reset.
+/// Returns true for a banner such as `Grbl 1.1h ['$' for help]`, perhaps after noise from the reset.
 fn is_banner(part: &str) -> bool {
     version_of(part).is_some()
 }
 
-/// Major and minor number after the name in a banner.
+/// Returns the major and minor version after the name in a banner.
 pub(super) fn version_of(banner: &str) -> Option<(u32, u32)> {
     let at = ["GrblHAL ", "grblHAL ", "Grbl "].iter().find_map(|name| banner.split_once(name))?;
     leading_version(at.1)
 }
 
-/// `1.1h.20190830` is 1 and 1.
+/// Returns the leading major and minor version: `1.1h.20190830` is 1 and 1.
 pub(super) fn leading_version(text: &str) -> Option<(u32, u32)> {
     let (major, rest) = text.split_once('.')?;
     let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
@@ -245,7 +248,7 @@ fn numbers(list: &str) -> Option<Vec<f64>> {
     list.split(',').map(number).collect()
 }
 
-/// A decimal number as grbl prints it: no exponent, no infinity.
+/// Reads a decimal number as grbl prints it: no exponent, no infinity.
 fn number(text: &str) -> Option<f64> {
     let plain = text.chars().all(|c| c.is_ascii_digit() || matches!(c, '.' | '-'));
     text.parse().ok().filter(|_| plain && text.len() <= 16)

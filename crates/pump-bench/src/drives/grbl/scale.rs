@@ -1,37 +1,38 @@
-//! An axis's coordinates and its steps.
+//! The scale of an axis: its coordinates and its steps.
 
 use crate::pump_file::Axis;
 
-/// Rounding of single precision, relative (IEEE 754 binary32: 24 bits).
+/// Relative rounding of single precision (IEEE 754 binary32: 24 bits).
 const SINGLE: f64 = 1.0 / 16_777_216.0;
 
-/// Roundings between a count and its report: the division by the steps per unit and two products with powers of ten.
+/// Number of roundings between a count and its report: the division by the steps per unit and two products
+/// with powers of ten.
 const ROUNDINGS: f64 = 3.0;
 
-/// Largest count of which halves are exact in single precision, with which firmwares compute targets.
+/// Largest count whose halves are exact in single precision, in which firmwares compute targets.
 const MOST_COUNT: f64 = 4_194_304.0;
 
-/// How far from a whole step the board's target may be before it rounds, steps.
+/// Largest distance of the board's target from a whole step before it rounds, in steps.
 const TARGET: f64 = 0.3;
 
-/// How far off the report of a position may be, steps.
+/// Largest error of a reported position, in steps.
 const REPORT: f64 = 0.4;
 
-/// An inch, mm.
+/// Length of an inch, in mm.
 const INCH_MM: f64 = 25.4;
 
-/// How an axis counts.
+/// Scale of an axis between its coordinates and its steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
-    /// Which axis.
+    /// Axis of the board.
     pub axis: Axis,
-    /// Steps per unit, mm to the board.
+    /// Steps per unit, which is a millimetre to the board.
     pub steps_per_unit: f64,
-    /// Whether it counts up in reverse.
+    /// True if the axis counts up in reverse.
     pub inverted: bool,
-    /// Whether reports are in inches, with four decimals instead of three.
+    /// True if reports are in inches, with four decimals instead of three.
     pub inches: bool,
-    /// Whether the position is the sum of two rounded numbers, WPos and WCO.
+    /// True if the position is the sum of two rounded numbers, WPos and WCO.
     pub summed: bool,
 }
 
@@ -40,40 +41,40 @@ impl Scale {
         if self.inverted { -1.0 } else { 1.0 }
     }
 
-    /// Coordinate of a reported number, mm.
+    /// Returns the coordinate of a reported number, in mm.
     pub fn reported_mm(&self, number: f64) -> f64 {
         if self.inches { number * INCH_MM } else { number }
     }
 
-    /// Steps toward the outlet at `mm`.
+    /// Returns the count at the coordinate `mm`, in steps toward the outlet.
     pub fn count(&self, mm: f64) -> i64 {
         (self.sign() * mm * self.steps_per_unit).round() as i64
     }
 
-    /// Largest error of a reported position near zero, steps.
+    /// Returns the largest error of a reported position near zero, in steps.
     pub fn report_error(&self) -> f64 {
         let half_mm = if self.inches { 0.000_05 * INCH_MM } else { 0.000_5 };
         half_mm * self.steps_per_unit * if self.summed { 2.0 } else { 1.0 }
     }
 
-    /// Whether a report tells single steps apart.
+    /// Returns true if a report tells single steps apart.
     pub fn tells_steps(&self) -> bool {
         self.report_error() < REPORT
     }
 
-    /// Steps per unit at which it would, with reports of millimetres.
+    /// Returns the most steps per unit at which reports in millimetres tell steps apart.
     pub fn most_steps_per_unit() -> f64 {
         REPORT / 0.000_5
     }
 
-    /// Farthest count, either way, that the board computes and reports exactly.
+    /// Returns the farthest count, either way, that the board computes and reports exactly.
     pub fn most_count(&self) -> i64 {
         let reported = (0.5 - self.report_error()) / (ROUNDINGS * SINGLE);
         reported.min(MOST_COUNT) as i64
     }
 
-    /// The coordinate of a count as a number of eight digits at most that the board rounds to this very step; none if there
-    /// is none.
+    /// Formats the coordinate of a count with at most eight digits, so that the board rounds it to exactly
+    /// this step. Returns `None` if no such number exists.
     pub fn text(&self, count: i64) -> Option<String> {
         let wanted = self.sign() * count as f64;
         let mm = wanted / self.steps_per_unit;
@@ -83,8 +84,10 @@ impl Scale {
         (off(&best) <= TARGET).then_some(best)
     }
 
-    /// Where the board's arithmetic puts a coordinate, steps before rounding: its reader multiplies the digits by powers of
-    /// ten, and the steps per unit multiply that, all in single precision.
+    /// Returns the place where the board's arithmetic puts a coordinate, in steps before rounding.
+    ///
+    /// The board's reader multiplies the digits by powers of ten, and the steps per unit multiply the result,
+    /// all in single precision.
     fn board_steps(&self, text: &str) -> f64 {
         let whole: u32 = text.chars().filter_map(|c| c.to_digit(10)).fold(0, |sum, digit| sum * 10 + digit);
         let mut decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());

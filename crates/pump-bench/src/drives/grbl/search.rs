@@ -5,33 +5,35 @@ use std::time::{Duration, Instant};
 use super::board::{Heard, POLL};
 use super::connect::{RESET, rest};
 use super::error::GrblError;
-use super::jogs::{Motion, feed_text};
+use super::jogs::{Jogs, feed_text};
 use super::recovery::HOLD;
 use super::reply::{Reply, State};
 use crate::drives::{Gate, Sought};
 
-/// Longest wait for a held motion to stand, s beyond the time that it needs.
+/// Longest wait for a held motion to stand, in s beyond the time that it needs.
 const HOLD_LIMIT_S: f64 = 8.0;
 
-/// Alarms of a search: the sensor answers before it begins, or never.
+/// Alarm of a search whose sensor answers before it begins.
 const ANSWERS_ALREADY: u16 = 4;
+
+/// Alarm of a search whose sensor never answers.
 const NOT_FOUND: u16 = 5;
 
-/// How a probing move ended.
+/// End of a probing move.
 enum Probed {
-    /// The sensor answered at this count; the motor went on to rest.
+    /// The sensor answered at this count. The motor went on to rest.
     Found(i64),
-    /// It did not.
+    /// The sensor did not answer.
     Nothing,
-    /// The gate broke; the motor rests.
+    /// The gate broke. The motor rests.
     Asked,
 }
 
-impl Motion<'_> {
+impl Jogs<'_> {
     /// Turns until the sensor answers, all steps are made or the gate breaks, and rests.
     ///
-    /// Probing moves have relative targets, which the board rounds itself: this one is a step shorter, and a jog makes what
-    /// is missing.
+    /// Probing moves have relative targets, which the board rounds itself. This move is a step shorter, and a
+    /// jog makes the missing step.
     pub fn search(&mut self, gate: &mut Gate<'_>) -> Result<Sought, GrblError> {
         let delta = self.task.direction * (self.task.steps as i64 - 1);
         let far =
@@ -47,7 +49,7 @@ impl Motion<'_> {
         self.probing = true;
         let probed = self.probe(gate, &line);
         if let Err(GrblError::Count { .. } | GrblError::Stalled { .. } | GrblError::NoOk { .. }) = probed {
-            // Whatever went wrong, it must not go on.
+            // Whatever went wrong, the move must not go on.
             self.hold()?;
         }
         self.probing = probed.as_ref().is_err_and(GrblError::ends_link);
@@ -75,8 +77,8 @@ impl Motion<'_> {
         Ok(Sought { made: self.made, beyond: None })
     }
 
-    /// The line that sets the modes of the G-code parser that a probing move changes as they are now. The feed is not one of
-    /// them: every line that moves has its own.
+    /// Returns the line that restores the present modes of the G-code parser that a probing move changes. The
+    /// feed is not one of them: every line that moves has its own.
     fn modes(&mut self) -> Result<String, GrblError> {
         let said = self.board.command("$G")?;
         let modes = said.into_iter().find_map(|reply| match reply {
@@ -90,6 +92,7 @@ impl Motion<'_> {
         Ok(if moves { line } else { line + "G80" })
     }
 
+    /// Sends a probing move and follows it to its end.
     fn probe(&mut self, gate: &mut Gate<'_>, line: &str) -> Result<Probed, GrblError> {
         self.board.send(line)?;
         let (mut found, mut nothing) = (None, false);
@@ -130,14 +133,15 @@ impl Motion<'_> {
         }
     }
 
-    /// Waits for the line that was refused with an alarm to be acknowledged, and takes the alarm back.
+    /// Waits until the line that was refused with an alarm is acknowledged, and clears the alarm.
     fn unlock(&mut self) -> Result<(), GrblError> {
         let until = Instant::now() + Duration::from_secs(1);
         while Instant::now() < until && !matches!(self.board.listen()?, Some(Heard::Reply(Reply::Ok))) {}
         self.board.command("$X").map(|_| ())
     }
 
-    /// Decelerates a probing move to rest: held until it stands, then reset, which keeps the count of a motor at rest.
+    /// Decelerates a probing move to rest: holds it until it stands, then resets, which keeps the count of a
+    /// motor at rest.
     pub fn hold(&mut self) -> Result<(), GrblError> {
         let started = Instant::now();
         let limit_s = HOLD_LIMIT_S + 2.0 * self.task.steps_s / self.task.steps_s2;

@@ -1,4 +1,4 @@
-//! What a board is, and how it is set.
+//! The identity and settings of a board.
 
 use std::collections::BTreeMap;
 
@@ -11,16 +11,16 @@ use crate::pump_file::{Axis, DriveTable};
 /// Fewest steps per second of grbl 1.1: its 16-bit timer counts 2 MHz (16 MHz / 8).
 const LEAST_STEPS_S: f64 = 16e6 / 8.0 / 65_536.0;
 
-/// Slowest feed of every planner of this family, units/min (MINIMUM_FEED_RATE in grbl's planner).
+/// Slowest feed of every planner of this family, in units/min (MINIMUM_FEED_RATE in grbl's planner).
 const LEAST_FEED_UNITS_MIN: f64 = 1.0;
 
 /// Most steps per second of grbl 1.1 (its documentation: 30 kHz).
 pub(super) const MOST_STEPS_S: f64 = 30_000.0;
 
-/// Value of `$1` with which the motor is never let go.
+/// Value of `$1` with which the motor is never released.
 pub(super) const NEVER_LET_GO: f64 = 255.0;
 
-/// Firmwares of the family.
+/// Firmware of the family.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Flavour {
     /// grbl 1.1 on an Arduino.
@@ -31,16 +31,16 @@ pub(super) enum Flavour {
     FluidNc,
 }
 
-/// What a board says of itself.
+/// Settings that a board tells.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Settings {
     pub flavour: Flavour,
     pub axis: Axis,
-    /// Settings by their numbers.
+    /// Values of the settings by their numbers.
     pub values: BTreeMap<u16, f64>,
 }
 
-/// Asks a board what it is. Refuses what is older than 1.1.
+/// Asks a board for its firmware. Refuses firmware older than 1.1.
 pub(super) fn flavour(board: &mut Board) -> Result<Flavour, GrblError> {
     let said = board.command("$I")?;
     let text = |reply: &Reply| match reply {
@@ -50,7 +50,7 @@ pub(super) fn flavour(board: &mut Board) -> Result<Flavour, GrblError> {
     let texts: Vec<_> = said.iter().filter_map(text).collect();
     let says = |name: &str| texts.iter().any(|text| text.contains(name));
     let version = said.iter().find_map(|reply| match reply {
-        // Before 1.1 there is no `VER:`.
+        // Firmware before 1.1 has no `VER:`.
         Reply::Version(text) | Reply::Message(text) => leading_version(text),
         Reply::Banner(text) => version_of(text),
         _ => None,
@@ -82,12 +82,13 @@ pub(super) fn settings(board: &mut Board, flavour: Flavour, axis: Axis) -> Resul
 }
 
 impl Settings {
-    /// Number of this axis's setting in the group that begins with `first`.
+    /// Returns the number of this axis's setting in the group that begins with `first`.
     pub fn number(&self, first: u16) -> u16 {
         first + self.axis.number() as u16
     }
 
-    /// FluidNC lists no axes, or only three, and not all settings; its configuration has them by name.
+    /// Completes the settings of FluidNC, which lists no axes, or only three, and not all settings. Its
+    /// configuration has them by name.
     fn complete(&mut self, board: &mut Board) -> Result<(), GrblError> {
         let letter = self.axis.letter().to_ascii_lowercase();
         let items = [
@@ -116,6 +117,7 @@ impl Settings {
         Ok(())
     }
 
+    /// Returns the value of this axis's setting in the group that begins with `first`, which must be listed.
     fn needed(&self, first: u16, what: &str) -> Result<f64, GrblError> {
         let number = self.number(first);
         let value = self.values.get(&number).copied().filter(|value| *value > 0.0);
@@ -125,17 +127,17 @@ impl Settings {
         })
     }
 
-    /// A switch or a mask; as grbl comes if it is not told.
+    /// Returns the value of a switch or a mask, or grbl's default if it is not listed.
     fn mask(&self, number: u16, usual: f64) -> u32 {
         self.values.get(&number).copied().unwrap_or(usual) as u32
     }
 
-    /// Steps per unit.
+    /// Returns the steps per unit.
     pub fn steps_per_unit(&self) -> Result<f64, GrblError> {
         self.needed(100, "steps per unit")
     }
 
-    /// How the axis counts. Refuses reports that do not tell single steps apart.
+    /// Returns the scale of the axis. Refuses reports that do not tell single steps apart.
     pub fn scale(&self, table: &DriveTable) -> Result<Scale, GrblError> {
         let scale = Scale {
             axis: self.axis,
@@ -155,28 +157,28 @@ impl Settings {
         })
     }
 
-    /// Largest rate, units/min.
+    /// Returns the largest rate, in units/min.
     pub fn rate_units_min(&self) -> Result<f64, GrblError> {
         self.needed(110, "largest rate")
     }
 
-    /// Acceleration, units/s².
+    /// Returns the acceleration, in units/s².
     pub fn acceleration_units_s2(&self) -> Result<f64, GrblError> {
         self.needed(120, "acceleration")
     }
 
-    /// Fewest steps per second that it makes.
+    /// Returns the fewest steps per second that the board makes.
     pub fn least_steps_s(&self, scale: &Scale) -> f64 {
         let feed = LEAST_FEED_UNITS_MIN / 60.0 * scale.steps_per_unit;
         if self.flavour == Flavour::Grbl { feed.max(LEAST_STEPS_S) } else { feed }
     }
 
-    /// Whether the motor holds at rest; none if it is not told.
+    /// Returns true if the motor holds at rest. `None` if the board does not list `$1`.
     pub fn holds(&self) -> Option<bool> {
         self.values.get(&1).map(|delay_ms| *delay_ms == NEVER_LET_GO)
     }
 
-    /// Whether it refuses to go beyond a travel.
+    /// Returns true if the board refuses to go beyond a travel.
     pub fn soft_limits(&self) -> bool {
         self.mask(20, 0.0) & 1 != 0
     }

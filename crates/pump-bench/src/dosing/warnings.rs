@@ -1,0 +1,154 @@
+//! Warnings of a plan, for the user to read before the dose runs. One function makes one warning.
+
+use pump_ctl::plan::{Finish, LimitedBy, Margin, Margins, Plan, PlanError, Prediction};
+use pump_model::Pump;
+use pump_model::math::rpm;
+
+use super::unknown_angle;
+use crate::calibration::Applied;
+use crate::pump_file::PumpFile;
+
+/// Part of the room to a limit from which on a dose is warned of.
+const CLOSE: f64 = 0.95;
+
+/// Part of the ripple from which on a flow is hardly smooth.
+const HARDLY: f64 = 0.9;
+
+/// Part of the requested volume from which on a carry by the size of a step is warned of.
+const COARSE: f64 = 0.05;
+
+/// Swing of pressure by a single step from which on a dose is warned of, in kPa.
+const SWING_KPA: f64 = 1.0;
+
+/// Returns the warnings of a plan, in the order in which the user reads them.
+pub(super) fn of_plan(
+    model: &Pump,
+    plan: &Plan,
+    prediction: &Prediction,
+    margins: &Margins,
+) -> Result<Vec<String>, PlanError> {
+    let mut warnings = Vec::new();
+    if !plan.start.is_known(model.pitch_rad()) {
+        warnings.extend(unknown_angle::warnings(model, plan));
+    }
+    warnings.extend(short_dose(plan));
+    warnings.extend(hardly_smooth(model, plan));
+    warnings.extend(low_flow_carry(model, plan)?.or_else(|| coarse_step(plan)));
+    warnings.extend(
+        [("inlet", prediction.inlet.min_kpa), ("outlet", prediction.outlet.min_kpa)]
+            .into_iter()
+            .filter_map(|(port, min_kpa)| cavitation(port, min_kpa)),
+    );
+    warnings.extend(
+        [
+            ("outlet pressure", "kPa", margins.outlet),
+            ("inlet pressure", "kPa", margins.inlet),
+            ("outlet pressure where the flow falls", "kPa", margins.outlet_suction),
+            ("torque", "N m", margins.torque),
+        ]
+        .into_iter()
+        .filter_map(|(quantity, unit, margin)| close_to_limit(quantity, unit, margin?)),
+    );
+    warnings.extend(rough_steps(prediction));
+    Ok(warnings)
+}
+
+/// Warns of a roller volume that is estimated from the drawing, unless the pump's displacement was
+/// calibrated.
+pub(super) fn estimated_pump(file: &PumpFile, applied: Option<&Applied>) -> Option<String> {
+    let is_weighed = applied.is_some_and(|applied| applied.displacement.is_some());
+    (file.is_estimated() && !is_weighed).then(|| {
+        "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on \
+         it"
+        .to_owned()
+    })
+}
+
+/// Warns of a dose that is too short to reach its cruise speed.
+fn short_dose(plan: &Plan) -> Option<String> {
+    (plan.limited_by == LimitedBy::Acceleration).then(|| {
+        format!(
+            "the dose is too short to reach its cruise speed at {} rad/s2; it peaks at {:.4} r/min",
+            plan.profile.acceleration_rad_s2(),
+            rpm(plan.profile.peak_rad_s()),
+        )
+    })
+}
+
+/// Warns of a smooth flow that keeps most of its ripple.
+fn hardly_smooth(model: &Pump, plan: &Plan) -> Option<String> {
+    let ripples = plan.ripples(model);
+    (plan.is_smooth() && ripples.after.rms > HARDLY * ripples.before.rms).then(|| {
+        format!(
+            "the motor has no room for a smooth flow at this rate: {:.1} % of ripple (RMS) stay of {:.1} %; \
+             a slower rate is smoother",
+            100.0 * ripples.after.rms,
+            100.0 * ripples.before.rms
+        )
+    })
+}
+
+/// Warns of the carry that an end at low flow costs, and offers volumes that carry nothing.
+fn low_flow_carry(model: &Pump, plan: &Plan) -> Result<Option<String>, PlanError> {
+    // Within half a step of the volume asked for, the end is where it would be anyway.
+    let half_step_ml = 0.5 * plan.step_rad * model.nominal_ml_rad();
+    if plan.finish == Finish::Any || plan.carry_ml.abs() <= half_step_ml {
+        return Ok(None);
+    }
+    let volumes = plan.low_flow_volumes_ml(model)?.into_iter().flatten();
+    let nearest: Vec<String> =
+        volumes.map(|volume_ml| format!("{:.4} mL", volume_ml - plan.carry_in_ml)).collect();
+    Ok(Some(format!(
+        "to end at low flow the dose gives {:.4} mL for {} mL asked and carries {:+.4} mL to the next; \
+         nearest volumes that end there and carry nothing: {}",
+        plan.planned_ml,
+        plan.requested_ml,
+        plan.carry_ml,
+        nearest.join(" and ")
+    )))
+}
+
+/// Warns of a motor step that is coarse for the dose.
+fn coarse_step(plan: &Plan) -> Option<String> {
+    (plan.carry_ml.abs() > COARSE * plan.requested_ml.abs()).then(|| {
+        format!(
+            "a motor step is coarse for this dose: it gives {:.2} µL, and the other {:.2} µL are carried to \
+             the next",
+            1e3 * plan.planned_ml,
+            1e3 * plan.carry_ml
+        )
+    })
+}
+
+/// Warns of a pressure below 0 kPa absolute at a port.
+fn cavitation(port: &str, min_kpa: f64) -> Option<String> {
+    (min_kpa < 0.0).then(|| {
+        format!(
+            "the {port} pressure would fall to {min_kpa:.1} kPa absolute, which no liquid can: it would \
+             cavitate and the dose would be short; lower the rate"
+        )
+    })
+}
+
+/// Warns of a quantity that comes close to its limit.
+fn close_to_limit(quantity: &str, unit: &str, margin: Margin) -> Option<String> {
+    let Margin { reached, limit, used } = margin;
+    (used > CLOSE).then(|| {
+        format!(
+            "the {quantity} comes close to its limit: {reached:.4} of {limit:.4} {unit}, {:.1} % of the \
+             room from rest",
+            100.0 * used
+        )
+    })
+}
+
+/// Warns of single steps that move the pressure noticeably beyond the prediction.
+fn rough_steps(prediction: &Prediction) -> Option<String> {
+    (prediction.step_kpa > SWING_KPA).then(|| {
+        format!(
+            "a single motor step moves the pressure by up to {:.1} kPa on top of the prediction; use more \
+             microsteps",
+            prediction.step_kpa
+        )
+    })
+}
