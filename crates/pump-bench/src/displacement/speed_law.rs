@@ -24,9 +24,9 @@ pub struct RangedLaw {
 pub enum SpeedLawError {
     /// The law does not hold at the speed.
     #[error(
-        "the pump file's speed law holds from {least_rpm} to {most_rpm} r/min, and {asked} is beyond; ask for \
-         a speed within, or change least_rpm or most_rpm of its [speed_law] if it holds there, or write kind = \
-         \"none\""
+        "the pump file's speed law holds from {least_rpm} to {most_rpm} r/min, and {asked} is beyond; ask \
+         for a speed within, or change least_rpm or most_rpm of its [speed_law] if it holds there, or write \
+         kind = \"none\""
     )]
     OutsideSpeeds {
         /// Speed that was asked for, with its unit.

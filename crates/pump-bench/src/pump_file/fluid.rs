@@ -6,15 +6,13 @@ use thiserror::Error;
 
 use super::range::{WrongValue, within, within_if_given};
 
-/// Largest distance from the temperature of its density at which a fluid unknown to the model may be used, in
-/// °C.
+/// Largest temperature difference over which a fluid unknown to the model keeps its density, in °C.
 pub(crate) const SAME_TEMPERATURE_DEGC: f64 = 2.0;
 
 /// Name of the fluid to which every pump file may be changed.
 const WATER: &str = "water";
 
-/// Returns the model's fluid of this name at a temperature in °C, or `None` if the model does not know the
-/// name.
+/// Returns the model's fluid of this name at a temperature in °C, or `None` for an unknown name.
 ///
 /// The model knows water, ethanol, isopropanol, and glycerol with its part of the mass, as in `glycerol 50%`.
 fn known(name: &str, degc: f64) -> Option<Result<Fluid, ModelError>> {
@@ -58,8 +56,8 @@ pub struct FluidTable {
 pub enum FluidError {
     /// The fluid is not known.
     #[error(
-        "nothing is known of the fluid `{name}`; known: water, ethanol, isopropanol, glycerol with its part of \
-         the mass as `glycerol 50%`, and the pump file's own, {own}; or write a pump file for it"
+        "nothing is known of the fluid `{name}`; known: water, ethanol, isopropanol, glycerol with its part \
+         of the mass as `glycerol 50%`, and the pump file's own, {own}; or write a pump file for it"
     )]
     Unknown {
         /// Name that was given.
@@ -69,8 +67,8 @@ pub enum FluidError {
     },
     /// The fluid is known at another temperature alone.
     #[error(
-        "the density of {name} is known at {known_degc} °C alone (within 2 °C), not at {asked_degc} °C; write \
-         a pump file with its density there"
+        "the density of {name} is known at {known_degc} °C alone (within 2 °C), not at {asked_degc} °C; \
+         write a pump file with its density there"
     )]
     Temperature {
         /// Name of the fluid.
