@@ -1,5 +1,7 @@
-//! Doses with a peristaltic pump whose flow is computed from the angle of its rollers: pump files, benches, reports.
-//! The command `dose` is a thin shell around this library, and other programs may be too.
+//! Doses with a peristaltic pump, whose flow is computed from the angle of its rollers.
+//!
+//! A pump file describes the pump, a [`Bench`] drives it and a [`DoseReport`] tells what a dose did. The
+//! command `dose` is a thin shell around this library. Other programs may use the library in the same way.
 //!
 //! ```
 //! use std::ops::ControlFlow;

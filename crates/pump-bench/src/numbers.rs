@@ -1,8 +1,8 @@
-//! Numbers as people read them.
+//! Numbers worded for people.
 
 use pump_model::math::floor;
 
-/// A number with `digits` significant digits, without an exponent and without zeros at its end.
+/// Formats a number with `digits` significant digits, without an exponent and without trailing zeros.
 pub(crate) fn significant(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -12,7 +12,7 @@ pub(crate) fn significant(value: f64, digits: i32) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// A volume that is known between bounds, in words.
+/// Words a volume in mL that is known between two bounds.
 pub(crate) fn between(least_ml: f64, most_ml: f64) -> String {
     if most_ml - least_ml < 1e-9 {
         format!("{least_ml:.4} mL")

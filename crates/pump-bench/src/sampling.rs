@@ -1,16 +1,18 @@
-//! Random numbers for tests: the same ones every time.
+//! Reproducible random numbers for tests.
 
 use pump_model::math::sqrt;
 
-/// SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
+/// The generator SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA
+/// 2014).
 pub(crate) struct Dice(u64);
 
 impl Dice {
+    /// Starts the generator with a seed.
     pub(crate) fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// In [0, 1).
+    /// Returns a uniform number in [0, 1).
     pub(crate) fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -20,7 +22,8 @@ impl Dice {
         (z >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Of mean 0 and standard deviation 1: the polar method of Marsaglia and Bray (SIAM Review 6, 1964).
+    /// Returns a normal number with mean 0 and standard deviation 1, by the polar method of Marsaglia and
+    /// Bray (SIAM Review 6, 1964).
     pub(crate) fn normal(&mut self) -> f64 {
         loop {
             let [x, y] = [(); 2].map(|()| 2.0 * self.uniform() - 1.0);

@@ -1,4 +1,5 @@
-//! The built-in pumps: the one of McIntyre et al., with three and two rollers, in the variants of its figures.
+//! The built-in pumps: the pump of McIntyre et al., with three and two rollers, in the variants of its
+//! figures.
 //!
 //! McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
 //! roller-type peristaltic pump", Sensors and Actuators A.
@@ -13,17 +14,17 @@ use crate::pump_file::{
     PumpTable, RollerVolumeTable, RollersTable, SCHEMA, SpeedLawTable, TubeTable, UncertaintyTable,
 };
 
-/// Names and what they are.
+/// Names of the built-in pumps, each with its description.
 pub const BUILT_IN: [(&str, &str); 6] = [
     ("three-roller", "the paper's pump with 3 rollers: Table 1, measured roller volume 2.1055 mL"),
-    ("two-roller", "the same with 2 rollers"),
+    ("two-roller", "the paper's pump with 2 rollers: Table 1, measured roller volume 2.1055 mL"),
     ("three-roller-published", "3 rollers, the curve scaled to the roller volume of Table 1, 2.06 mL"),
-    ("two-roller-published", "the same with 2 rollers"),
+    ("two-roller-published", "2 rollers, the curve scaled to the roller volume of Table 1, 2.06 mL"),
     ("three-roller-as-built", "3 rollers, dimensions of the authors' published code"),
-    ("two-roller-as-built", "the same with 2 rollers"),
+    ("two-roller-as-built", "2 rollers, dimensions of the authors' published code"),
 ];
 
-/// The built-in pump of that name.
+/// Returns the built-in pump of a name, or `None` for another name.
 ///
 /// ```
 /// let pump = pump_bench::built_in("three-roller").unwrap();
@@ -41,13 +42,19 @@ pub fn built_in(name: &str) -> Option<PumpFile> {
     Some(published(known, rollers, variant))
 }
 
-/// A built-in pump, or a pump file if the name is a path: it has a `/`, ends in `.toml`, or is there.
+/// Returns a built-in pump, or reads a pump file if the name is a path.
+///
+/// A name is a path if it has a `/` or a `\`, ends in `.toml`, or exists as a file.
 ///
 /// ```
 /// assert_eq!(pump_bench::pump_named("two-roller")?.rollers.count, 2);
 /// assert!(pump_bench::pump_named("four-roller").is_err());
 /// # Ok::<(), pump_bench::pump_file::PumpFileError>(())
 /// ```
+///
+/// # Errors
+/// [`PumpFileError::Unknown`] for a name that is neither a built-in pump nor a path. Otherwise as
+/// [`PumpFile::read`].
 pub fn pump_named(name: &str) -> Result<PumpFile, PumpFileError> {
     if let Some(file) = built_in(name) {
         return Ok(file);
@@ -60,6 +67,7 @@ pub fn pump_named(name: &str) -> Result<PumpFile, PumpFileError> {
     Err(PumpFileError::Unknown { name: name.to_owned(), known })
 }
 
+/// Returns the pump of McIntyre et al. with this number of rollers, in a variant of its figures.
 fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
     let geometry = Geometry::published(rollers, variant);
     let line = LineTable::from(Line::PUBLISHED);
@@ -96,36 +104,53 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
         speed_law: SpeedLawTable::default(),
         inlet: line.clone(),
         outlet: line,
-        motor: MotorTable {
-            steps_per_rev: 12_800,
-            full_steps_per_rev: 200,
-            gear: 1.0,
-            // As tested in McIntyre et al.: 10 to 170 r/min with 3 rollers, 10 to 300 with 2.
-            max_speed_rpm: if rollers == 3 { 170.0 } else { 300.0 },
-            max_acceleration_rad_s2: 500.0,
-            torque_curve_rpm_n_m: None,
-            occlusion_torque_n_m: None,
-            inertia_kg_m2: None,
-        },
-        fluid: FluidTable {
-            name: "water".to_owned(),
-            temperature_degc: 25.0,
-            density_kg_m3: 997.0,
-            viscosity_mpa_s: None,
-            bulk_modulus_mpa: None,
-            vapour_kpa: None,
-        },
+        motor: motor(rollers),
+        fluid: water(),
         ambient: AmbientTable { pressure_kpa: 85.7 },
         limits: LimitsTable::default(),
-        uncertainty: UncertaintyTable {
-            // NRMSE of the linear model over all speeds with 3 rollers, 2.37 %, McIntyre et al.
-            model_percent: 2.4,
-            // 1 mL of 212.5 mL, the largest standard deviation of 10 revolutions under 160 r/min in McIntyre et al.
-            repeatability_percent: 0.47,
-            // The tabulated 2.06 mL and the 2.1055 mL of the measured points: (2.1055 - 2.06)/sqrt(3), rectangular.
-            roller_volume_ml: 0.026,
-        },
+        uncertainty: uncertainty(),
         drive: None,
+    }
+}
+
+/// Returns the motor, with the speeds at which McIntyre et al. tested this number of rollers.
+fn motor(rollers: u32) -> MotorTable {
+    MotorTable {
+        steps_per_rev: 12_800,
+        full_steps_per_rev: 200,
+        gear: 1.0,
+        // As tested in McIntyre et al.: 10 to 170 r/min with 3 rollers, 10 to 300 with 2.
+        max_speed_rpm: if rollers == 3 { 170.0 } else { 300.0 },
+        max_acceleration_rad_s2: 500.0,
+        torque_curve_rpm_n_m: None,
+        occlusion_torque_n_m: None,
+        inertia_kg_m2: None,
+    }
+}
+
+/// Returns water at 25 °C.
+fn water() -> FluidTable {
+    FluidTable {
+        name: "water".to_owned(),
+        temperature_degc: 25.0,
+        density_kg_m3: 997.0,
+        viscosity_mpa_s: None,
+        bulk_modulus_mpa: None,
+        vapour_kpa: None,
+    }
+}
+
+/// Returns the uncertainties that follow from the figures of McIntyre et al.
+fn uncertainty() -> UncertaintyTable {
+    UncertaintyTable {
+        // NRMSE of the linear model over all speeds with 3 rollers, 2.37 %, McIntyre et al.
+        model_percent: 2.4,
+        // 1 mL of 212.5 mL, the largest standard deviation of 10 revolutions under 160 r/min in McIntyre et
+        // al.
+        repeatability_percent: 0.47,
+        // The tabulated 2.06 mL and the 2.1055 mL of the measured points: (2.1055 - 2.06)/sqrt(3),
+        // rectangular.
+        roller_volume_ml: 0.026,
     }
 }
 

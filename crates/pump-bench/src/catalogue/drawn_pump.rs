@@ -1,4 +1,4 @@
-//! A pump file from a drawing, for a pump of which nobody has measured more than a roller's volume.
+//! A pump file from a drawing, for a pump of which at most a roller's volume was measured.
 
 use pump_model::math::{ceil, degrees, floor, pow, rad_s, sqrt};
 use pump_model::{Fluid, Geometry, ModelError};
@@ -6,67 +6,50 @@ use pump_model::{Fluid, Geometry, ModelError};
 use crate::catalogue::built_in;
 use crate::pump_file::{HoseTable, LineTable, PumpFile, RollerVolumeTable, UncertaintyTable};
 
-/// Standard atmosphere, kPa (ISO 2533).
+/// Standard atmosphere, in kPa (ISO 2533).
 const ATMOSPHERE_KPA: f64 = 101.325;
 
-/// Temperature of the fluid that a drawing does not tell, °C.
+/// Temperature of the fluid, in °C. A drawing does not tell it.
 const TEMPERATURE_DEGC: f64 = 25.0;
 
-/// Largest speed of the pump head that a drawing does not tell, r/min.
+/// Largest speed of the pump head, in r/min. A drawing does not tell it.
 const MAX_SPEED_RPM: f64 = 100.0;
 
-/// What is known of a pump from its drawing.
+/// A pump as its drawing gives it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnPump {
-    /// Names the folder of its record.
+    /// Identifier of the pump. It names the folder of the pump's record.
     pub id: String,
-    /// Dimensions.
+    /// Dimensions of the pump head.
     pub geometry: Geometry,
-    /// Length of the hose on either side, mm.
+    /// Length of the hose on either side, in mm.
     pub hose_length_mm: f64,
-    /// A roller's volume: from the drawing, or measured.
+    /// Volume of a roller, from the drawing or measured.
     pub roller_volume: RollerVolumeTable,
 }
 
 impl DrawnPump {
-    /// The pump file: the roller volume as it is known, the lines from hoses of the pump's own tube, and the rest as the built-in
-    /// pumps have it.
+    /// Returns the pump file.
+    ///
+    /// The roller volume stands in it as it is known. The lines are hoses of the pump's own tube. The rest is
+    /// as in the built-in pumps.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of a pump that cannot work.
     pub fn pump_file(&self) -> Result<PumpFile, ModelError> {
         let geometry = &self.geometry;
         let curve = self.roller_volume.curve(geometry)?;
         let revolution_ml = core::f64::consts::TAU * geometry.nominal_ml_rad()
             - f64::from(geometry.rollers) * curve.total_ml();
-        let line = LineTable::Hose {
-            reservoir_kpa: ATMOSPHERE_KPA,
-            hose: HoseTable {
-                bore_radius_mm: geometry.bore_radius_mm,
-                outer_radius_mm: geometry.tube_outer_radius_mm,
-                length_mm: self.hose_length_mm,
-                // Of a peristaltic tube; what the hose of McIntyre et al. is taken for.
-                modulus_mpa: 3.5,
-                poisson_ratio: 0.5,
-                // Meets the resistance that McIntyre et al. measured.
-                minor_loss: 5.75,
-                resistance_at_ml_s: None,
-            },
-        };
         let Some(mut file) = built_in("three-roller") else { unreachable!("it is built in") };
         file.pump.id.clone_from(&self.id);
         file.pump.name = match self.roller_volume.is_estimated() {
             true => format!("{} rollers, from a drawing", geometry.rollers),
             false => format!("{} rollers, from a drawing and a measured roller volume", geometry.rollers),
         };
-        file.tube.bore_radius_mm = geometry.bore_radius_mm;
-        file.tube.outer_radius_mm = geometry.tube_outer_radius_mm;
-        // A drawing does not tell what the tube is made of.
-        (file.tube.modulus_mpa, file.tube.poisson_ratio) = (None, None);
-        file.rollers.count = geometry.rollers;
-        file.rollers.radius_mm = geometry.roller_radius_mm;
-        file.rollers.offset_mm = geometry.roller_offset_mm;
-        file.backplate.radius_mm = geometry.backplate_radius_mm;
-        // 30 degrees are 30 again, and not their neighbour.
-        file.backplate.contact_angle_deg = floor(1e9 * degrees(geometry.contact_angle_rad) + 0.5) / 1e9;
+        self.set_dimensions(&mut file);
         file.roller_volume = self.roller_volume.clone();
+        let line = self.line();
         file.inlet = line.clone();
         file.outlet = line;
         file.motor.max_speed_rpm = MAX_SPEED_RPM;
@@ -85,40 +68,59 @@ impl DrawnPump {
         Ok(file)
     }
 
-    /// The file as TOML that says of every table whether it is given, estimated or assumed.
+    /// Writes the dimensions of the pump head into a pump file.
+    fn set_dimensions(&self, file: &mut PumpFile) {
+        let geometry = &self.geometry;
+        file.tube.bore_radius_mm = geometry.bore_radius_mm;
+        file.tube.outer_radius_mm = geometry.tube_outer_radius_mm;
+        // A drawing does not tell the material of the tube.
+        (file.tube.modulus_mpa, file.tube.poisson_ratio) = (None, None);
+        file.rollers.count = geometry.rollers;
+        file.rollers.radius_mm = geometry.roller_radius_mm;
+        file.rollers.offset_mm = geometry.roller_offset_mm;
+        file.backplate.radius_mm = geometry.backplate_radius_mm;
+        // Rounding turns 30 degrees into 30 again and not into a neighbouring number.
+        file.backplate.contact_angle_deg = floor(1e9 * degrees(geometry.contact_angle_rad) + 0.5) / 1e9;
+    }
+
+    /// Returns a line that is a hose of the pump's own tube.
+    fn line(&self) -> LineTable {
+        LineTable::Hose {
+            reservoir_kpa: ATMOSPHERE_KPA,
+            hose: HoseTable {
+                bore_radius_mm: self.geometry.bore_radius_mm,
+                outer_radius_mm: self.geometry.tube_outer_radius_mm,
+                length_mm: self.hose_length_mm,
+                // Modulus of a peristaltic tube, as assumed for the hose of McIntyre et al.
+                modulus_mpa: 3.5,
+                poisson_ratio: 0.5,
+                // This loss gives the resistance that McIntyre et al. measured.
+                minor_loss: 5.75,
+                resistance_at_ml_s: None,
+            },
+        }
+    }
+
+    /// Returns the file as TOML. A remark on each table says if it is given, measured, estimated or assumed.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of a pump that cannot work.
     pub fn toml(&self) -> Result<String, ModelError> {
         let file = self.pump_file()?;
         let is_estimated = self.roller_volume.is_estimated();
         let mut text = match is_estimated {
-            true => "# Written by `dose pumps new` from a drawing: nobody has measured this pump.\n\
-                     # Its model follows from the dimensions alone; `dose pumps check` says what they give.\n\n",
-            false => "# Written by `dose pumps new` from a drawing and measured roller volumes.\n\
-                      # `dose pumps check` says what they give.\n\n",
+            true => {
+                "# Written by `dose pumps new` from a drawing: nobody has measured this pump.\n\
+                 # Its model follows from the dimensions alone; `dose pumps check` says what they give.\n\n"
+            }
+            false => {
+                "# Written by `dose pumps new` from a drawing and measured roller volumes.\n\
+                 # `dose pumps check` says what they give.\n\n"
+            }
         }
         .to_owned();
         for line in file.to_toml().lines() {
-            let remark = match line {
-                "[tube]" | "[rollers]" | "[backplate]" => "# As given.",
-                "[roller_volume]" if !is_estimated => "# Measured.",
-                "[roller_volume]" => {
-                    "# Estimated from the dimensions. Points that you measured would take its place: source = \"measured\"."
-                }
-                "[inlet]" | "[outlet]" => {
-                    "# Estimated: a hose of the pump's tube, with the modulus and the fittings of McIntyre et al. Change it to\n\
-                     # yours, or put measured R, C and L in its place."
-                }
-                "[motor]" => "# Assumed: a drawing does not tell. Change it to yours.",
-                "[speed_law]" | "[fluid]" | "[ambient]" => "# Assumed.",
-                "[uncertainty]" if !is_estimated => {
-                    "# The linear model over all speeds (2.4 %) and a bore known to 0.1 mm; of a roller's volume 2.1 %, by which the\n\
-                     # figures of McIntyre et al. for theirs differ, and what the fit is off. Repeatability as they measured."
-                }
-                "[uncertainty]" => {
-                    "# For a pump that nobody has measured: the linear model over all speeds (2.4 %), the drawing against measured\n\
-                     # volumes (1.4 %; 5.8 % of a roller's) and a bore known to 0.1 mm. Repeatability as McIntyre et al. measured."
-                }
-                _ => "",
-            };
+            let remark = remark(line, is_estimated);
             if !remark.is_empty() {
                 text.push_str(remark);
                 text.push('\n');
@@ -130,12 +132,51 @@ impl DrawnPump {
     }
 }
 
-/// Uncertainty of a pump that nobody has measured, from what was seen of the one pump of McIntyre et al.
+/// Returns the remark above a line of a pump file, or nothing. `is_estimated` is true for a roller volume
+/// from the drawing.
+fn remark(line: &str, is_estimated: bool) -> &'static str {
+    match line {
+        "[tube]" | "[rollers]" | "[backplate]" => "# As given.",
+        "[roller_volume]" if !is_estimated => "# Measured.",
+        "[roller_volume]" => {
+            "# Estimated from the dimensions. Points that you measured would take its place:\n\
+             # source = \"measured\"."
+        }
+        "[inlet]" | "[outlet]" => {
+            "# Estimated: a hose of the pump's tube, with the modulus and the fittings of McIntyre et al.\n\
+             # Change it to your hose, or replace it by measured R, C and L."
+        }
+        "[motor]" => "# Assumed: a drawing does not tell. Change it to yours.",
+        "[speed_law]" | "[fluid]" | "[ambient]" => "# Assumed.",
+        "[uncertainty]" if !is_estimated => {
+            "# Model: the linear model over all speeds (2.4 %) and a bore known to 0.1 mm.\n\
+             # Roller volume: 2.1 %, by which two figures of McIntyre et al. differ, and the residuals of\n\
+             # the fit.\n\
+             # Repeatability: as McIntyre et al. measured."
+        }
+        "[uncertainty]" => {
+            "# For a pump that nobody has measured.\n\
+             # Model: the linear model over all speeds (2.4 %), the drawing against measured\n\
+             # volumes (1.4 %) and a bore known to 0.1 mm.\n\
+             # Roller volume: 5.8 %, by which the drawing differed from the measured volume.\n\
+             # Repeatability: as McIntyre et al. measured."
+        }
+        _ => "",
+    }
+}
+
+/// Returns the uncertainty of a pump that nobody has measured, from figures of the one pump of McIntyre et
+/// al.
 ///
-/// The model's share adds three: that of a measured pump; 1.4 %, the most by which volumes from the drawing differ from those
-/// measured over ten revolutions, taken as a standard uncertainty since one pump alone was compared; and the bore, whose
-/// diameter a caliper gives to 0.1 mm on soft tube, rectangular, so that the volume is known to 2 x 0.1/(d sqrt(3)). A
-/// roller's volume came out 5.8 % larger from the drawing than measured (2.2267 and 2.1055 mL).
+/// The model's uncertainty combines three shares:
+///
+/// - The first is that of a measured pump.
+/// - The second is 1.4 %, the largest difference between volumes from the drawing and volumes measured over
+///   ten revolutions. It counts as a standard uncertainty, since one pump alone was compared.
+/// - The third is the bore, whose diameter a caliper gives to 0.1 mm on soft tube, rectangular. So the volume
+///   is known to 2 x 0.1/(d sqrt(3)).
+///
+/// A roller's volume came out 5.8 % larger from the drawing than measured (2.2267 and 2.1055 mL).
 fn uncertainty(geometry: &Geometry, roller_ml: f64, measured: &UncertaintyTable) -> UncertaintyTable {
     const DRAWING_PERCENT: f64 = 1.4;
     const ROLLER: f64 = 0.058;
@@ -148,8 +189,11 @@ fn uncertainty(geometry: &Geometry, roller_ml: f64, measured: &UncertaintyTable)
     }
 }
 
-/// Uncertainty of a pump whose roller volume was measured: the model's and the bore's shares as above; of a roller's volume 2.1 %,
-/// by which two figures of McIntyre et al. for theirs differ (2.06 and 2.1055 mL), and the root mean square of the residuals.
+/// Returns the uncertainty of a pump whose roller volume was measured.
+///
+/// The model's uncertainty combines the shares of a measured pump and of the bore, see [`bore_percent`]. A
+/// roller's volume combines two shares: 2.1 %, by which two figures of McIntyre et al. for their rollers
+/// differ (2.06 and 2.1055 mL), and the root mean square of the residuals.
 fn measured_uncertainty(
     geometry: &Geometry,
     roller_ml: f64,
@@ -167,16 +211,17 @@ fn measured_uncertainty(
     }
 }
 
-/// Share of a bore that a caliper gives to 0.1 mm on soft tube, rectangular, in the volume, percent.
+/// Returns the uncertainty of the volume in percent that comes from the bore. A caliper gives the bore of a
+/// soft tube to 0.1 mm, rectangular.
 fn bore_percent(geometry: &Geometry) -> f64 {
     const BORE_MM: f64 = 0.1;
     100.0 * 2.0 * BORE_MM / (2.0 * geometry.bore_radius_mm) / sqrt(3.0)
 }
 
-/// A positive number rounded to two significant digits.
+/// Rounds a positive number to two significant digits.
 fn two_digits(value: f64) -> f64 {
     let place = pow(10.0, floor(pump_model::math::log(value) / core::f64::consts::LN_10) - 1.0);
-    // As text, so that 0.13 is written so.
+    // Passing through text makes 0.13 exactly the number that is written 0.13.
     let rounded = floor(value / place + 0.5) * place;
     format!("{rounded:.6e}").parse().unwrap_or(rounded)
 }

@@ -1,4 +1,4 @@
-//! Pumps that need no pump file of the user's: built-in ones, and those made from a drawing.
+//! Pumps without a pump file of the user's: built-in pumps, and pumps made from a drawing.
 
 mod built_in;
 mod drawn_pump;

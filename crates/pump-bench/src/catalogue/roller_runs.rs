@@ -1,4 +1,4 @@
-//! Measured roller volumes: runs of (angle, volume) from a table, and what is to be said of their fit.
+//! Measured roller volumes: runs of (angle, volume) from a table, and the report of their fit.
 
 use pump_model::math::radians;
 use pump_model::{Geometry, ModelError, VolumePoint};
@@ -7,42 +7,46 @@ use crate::export::Fitted;
 use crate::files::{Table, TableError};
 use crate::pump_file::{Fit, RollerVolumeTable};
 
-/// Runs in which a roller was turned into the tube and the displaced volume read at several angles.
+/// Runs of a roller that was turned into the tube, with the displaced volume at several angles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RollerRuns {
     /// Points of all runs, in the order of the table.
     points: Vec<VolumePoint>,
-    /// Name of each point's run.
+    /// Name of the run of each point.
     runs: Vec<String>,
 }
 
-/// Volumes that fall within a run, which no roller does: scatter, or a slip of the pen.
+/// A fall of the volume within a run. No roller does that: it is scatter, or a slip of the pen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fall {
-    /// Name of the run.
+    /// Name of the run that falls.
     pub run: String,
-    /// Angle before, deg.
+    /// Angle before the fall, in deg.
     pub from_deg: f64,
-    /// Angle after, deg.
+    /// Angle after the fall, in deg.
     pub to_deg: f64,
-    /// By how much, mL.
+    /// Volume by which the run falls, in mL.
     pub fall_ml: f64,
 }
 
 impl RollerRuns {
-    /// Of points and the names of their runs.
+    /// Collects points with the names of their runs.
     pub fn new(points: impl IntoIterator<Item = (String, VolumePoint)>) -> Self {
         let (runs, points) = points.into_iter().unzip();
         Self { points, runs }
     }
 
-    /// Points and the names of their runs, in the order of the table.
+    /// Returns the points with the names of their runs, in the order of the table.
     pub fn points(&self) -> impl Iterator<Item = (&str, VolumePoint)> {
         self.runs.iter().map(String::as_str).zip(self.points.iter().copied())
     }
 
-    /// Reads `angle_deg` since first contact, `volume_ml` displaced since then, and perhaps `run`, any name; without it all
-    /// points are one run.
+    /// Reads a table with `angle_deg` since first contact and `volume_ml` displaced since then.
+    ///
+    /// A column `run` may name the runs. Without it all points are one run.
+    ///
+    /// # Errors
+    /// Returns the [`TableError`] of the first line that cannot be used.
     pub fn of_csv(text: &str) -> Result<Self, TableError> {
         let table = Table::parse(text, &["run", "angle_deg", "volume_ml"])?;
         let (mut points, mut runs) = (Vec::new(), Vec::new());
@@ -60,12 +64,12 @@ impl RollerRuns {
         Ok(Self { points, runs })
     }
 
-    /// The table of a pump file.
+    /// Returns the table `[roller_volume]` of a pump file.
     pub fn table(&self, fit: Fit) -> RollerVolumeTable {
         RollerVolumeTable::Measured { fit, points: self.points.clone() }
     }
 
-    /// Names of the runs, in the order of their first points.
+    /// Returns the names of the runs, in the order of their first points.
     fn names(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for run in &self.runs {
@@ -76,7 +80,7 @@ impl RollerRuns {
         names
     }
 
-    /// Where the volumes of a run fall from one angle to the next.
+    /// Returns the places where the volume of a run falls from one angle to the next.
     pub fn falls(&self) -> Vec<Fall> {
         let mut falls = Vec::new();
         for name in self.names() {
@@ -94,7 +98,10 @@ impl RollerRuns {
         falls
     }
 
-    /// What a fit makes of them on a pump with these dimensions, a line each.
+    /// Returns the report of a fit on a pump with these dimensions, as lines for people.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of points that cannot be fitted.
     pub fn report(&self, fit: Fit, geometry: &Geometry) -> Result<Vec<String>, ModelError> {
         let found = fit.of(&self.points)?;
         let runs = self.names().len();
@@ -110,7 +117,8 @@ impl RollerRuns {
         };
         let mut lines = vec![
             format!(
-                "{} points of {runs} run{}; the {name} is {:.4} mL RMS off, {most_ml:.4} mL at most ({most_deg:.2}°)",
+                "{} points of {runs} run{}; the {name} is {:.4} mL RMS off, {most_ml:.4} mL at most \
+                 ({most_deg:.2}°)",
                 self.points.len(),
                 if runs == 1 { "" } else { "s" },
                 found.rms_ml(),
@@ -124,7 +132,10 @@ impl RollerRuns {
         ];
         lines.extend(self.falls().into_iter().map(|fall| {
             let Fall { run, from_deg, to_deg, fall_ml } = fall;
-            format!("run {run} falls by {fall_ml:.4} mL from {from_deg:.2}° to {to_deg:.2}°: scatter, or a slip of the pen")
+            format!(
+                "run {run} falls by {fall_ml:.4} mL from {from_deg:.2}° to {to_deg:.2}°: scatter, or a slip \
+                 of the pen"
+            )
         }));
         lines.extend(found.held_deg().map(|(from_deg, to_deg)| {
             format!("the fit does not rise from {from_deg:.2}° to {to_deg:.2}°: there the volume is held")
@@ -132,7 +143,10 @@ impl RollerRuns {
         Ok(lines)
     }
 
-    /// Each point beside the curve that doses use, in order of angle.
+    /// Returns each point beside the curve that doses use, in order of angle.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of points that cannot be fitted.
     pub fn fitted(&self, fit: Fit) -> Result<Vec<Fitted>, ModelError> {
         let found = fit.of(&self.points)?;
         let mut fitted: Vec<_> = self
@@ -156,7 +170,8 @@ mod tests {
     #[test]
     fn falls_are_those_within_a_run() {
         // Run b lies below run a everywhere: no fall.
-        let text = "run,angle_deg,volume_ml\na,0,0\nb,0,0\na,10,0.5\nb,10,0.4\na,20,1.2\nb,20,1.0\nb,30,0.9\na,30,1.5\n";
+        let text = "run,angle_deg,volume_ml\na,0,0\nb,0,0\na,10,0.5\nb,10,0.4\na,20,1.2\nb,20,1.0\n\
+                    b,30,0.9\na,30,1.5\n";
         let runs = RollerRuns::of_csv(text).unwrap();
         let falls = runs.falls();
         assert_eq!(falls.len(), 1);

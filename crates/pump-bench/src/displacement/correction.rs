@@ -1,16 +1,16 @@
-//! What a calibration changes of a pump.
+//! The correction that a calibration makes to a pump.
 
 use pump_ctl::plan::Phase;
 use pump_model::{ModelError, Pump};
 use serde::{Deserialize, Serialize};
 
-/// What a calibration changes of a pump.
+/// The correction that a calibration makes to a pump.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Correction {
-    /// Every flow and volume times this: kappa at the cruise speed.
+    /// Factor of every flow and volume: kappa at the cruise speed.
     pub factor: f64,
-    /// Model angle of the rollers where the record says 0, rad.
+    /// Model angle of the rollers at angle 0 of the record, in rad.
     pub zero_rad: f64,
 }
 
@@ -21,28 +21,32 @@ impl Default for Correction {
 }
 
 impl Correction {
-    /// Nothing is changed.
+    /// Correction that changes nothing.
     pub const NONE: Self = Self { factor: 1.0, zero_rad: 0.0 };
 
-    /// Whether nothing is changed.
+    /// Returns true if the correction changes nothing.
     pub fn is_none(&self) -> bool {
         *self == Self::NONE
     }
 
-    /// Volume of a turn of the uncorrected `pump`, mL: the same as of the corrected one.
+    /// Returns the corrected volume of a turn in mL. `pump` is the uncorrected pump.
     pub fn volume_ml(&self, pump: &Pump, from_rad: f64, to_rad: f64) -> f64 {
         let curve = pump.outlet_curve();
         self.factor * (curve.volume_ml(to_rad + self.zero_rad) - curve.volume_ml(from_rad + self.zero_rad))
     }
 
-    /// Smallest and largest such volume of a turn from wherever the rollers may stand, mL.
+    /// Returns the smallest and the largest corrected volume of a turn in mL, over all angles at which the
+    /// rollers may stand. `pump` is the uncorrected pump.
     pub fn range_ml(&self, pump: &Pump, start: Phase, turn_rad: f64) -> (f64, f64) {
         let start = Phase { angle_rad: start.angle_rad + self.zero_rad, ..start };
         let (least_ml, most_ml) = start.range_ml(pump, turn_rad);
         (self.factor * least_ml, self.factor * most_ml)
     }
 
-    /// The pump with this correction.
+    /// Returns the pump with this correction.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of a factor or an angle that the model refuses.
     pub fn of(&self, pump: &Pump) -> Result<Pump, ModelError> {
         let shifted = if self.zero_rad == 0.0 { *pump } else { pump.shifted(self.zero_rad)? };
         if self.factor == 1.0 { Ok(shifted) } else { shifted.scaled(self.factor) }

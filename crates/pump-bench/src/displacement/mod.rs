@@ -1,4 +1,4 @@
-//! What a revolution really displaces, where that is not what the model says.
+//! Corrections of the displaced volume: by a calibration and by a speed law.
 
 mod correction;
 mod speed_law;

@@ -1,70 +1,77 @@
-//! A speed law with the speeds for which it holds.
+//! A speed law with the range of speeds in which it holds.
 
 use pump_model::math::{rad_s, rpm};
 use pump_model::{ModelError, Pump, SpeedLaw, SpeedLawFlow};
 use thiserror::Error;
 
-/// A speed in r/min may differ by so much of it from the same in rad/s.
+/// Largest relative rounding between a speed in r/min and the speed in rad/s.
 const ROUNDING: f64 = 1e-9;
 
-/// Volume against speed by a law that holds between two speeds, either way.
+/// A law of volume against speed that holds between two speeds, forward and in reverse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RangedLaw {
-    /// The law.
+    /// Law of volume against speed.
     pub law: SpeedLaw,
-    /// Slowest speed, r/min.
+    /// Slowest speed at which the law holds, in r/min.
     pub least_rpm: f64,
-    /// Fastest speed, r/min.
+    /// Fastest speed at which the law holds, in r/min.
     pub most_rpm: f64,
 }
 
-/// What the pump file's speed law does not say.
+/// A speed or a flow beyond the pump file's speed law.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SpeedLawError {
-    /// A speed for which it does not hold.
+    /// The law does not hold at the speed.
     #[error(
-        "the pump file's speed law holds from {least_rpm} to {most_rpm} r/min, and {asked} is beyond; ask for a speed \
-         within, or change least_rpm or most_rpm of its [speed_law] if it holds there, or write kind = \"none\""
+        "the pump file's speed law holds from {least_rpm} to {most_rpm} r/min, and {asked} is beyond; ask \
+         for a speed within, or change least_rpm or most_rpm of its [speed_law] if it holds there, or write \
+         kind = \"none\""
     )]
     OutsideSpeeds {
-        /// What was asked.
+        /// Speed that was asked for, with its unit.
         asked: String,
-        /// Slowest, r/min.
+        /// Slowest speed at which the law holds, in r/min.
         least_rpm: f64,
-        /// Fastest, r/min.
+        /// Fastest speed at which the law holds, in r/min.
         most_rpm: f64,
     },
-    /// A flow that it gives at no speed.
+    /// The law gives the flow at no speed.
     #[error(
-        "by the pump file's speed law the mean flow is {least_ml_s:.4} mL/s at {least_rpm:.4} r/min, its slowest speed, and \
-         {most_ml_s:.4} mL/s at {at_rpm:.4} r/min at most, so {flow_ml_s} mL/s is beyond; ask for a flow within"
+        "by the pump file's speed law the mean flow is {least_ml_s:.4} mL/s at {least_rpm:.4} r/min, its \
+         slowest speed, and {most_ml_s:.4} mL/s at {at_rpm:.4} r/min at most, so {flow_ml_s} mL/s is beyond; \
+         ask for a flow within"
     )]
     OutsideFlows {
-        /// What was asked, mL/s.
+        /// Flow that was asked for, in mL/s.
         flow_ml_s: f64,
-        /// Flow at the slowest speed, mL/s, rounded up.
+        /// Flow at the slowest speed, in mL/s, rounded up.
         least_ml_s: f64,
-        /// That speed, r/min.
+        /// Slowest speed at which the law holds, in r/min.
         least_rpm: f64,
-        /// Largest flow, mL/s, rounded down.
+        /// Largest flow, in mL/s, rounded down.
         most_ml_s: f64,
-        /// Speed that has it, r/min.
+        /// Speed of the largest flow, in r/min.
         at_rpm: f64,
     },
-    /// The law or the pump cannot be computed.
+    /// The model refuses the law or the pump.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
 
 impl RangedLaw {
-    /// Whether it holds at a speed, r/min, either way.
+    /// Returns true if the law holds at a speed in r/min, forward or in reverse.
     pub fn covers(&self, speed_rpm: f64) -> bool {
         let range = self.least_rpm * (1.0 - ROUNDING)..=self.most_rpm * (1.0 + ROUNDING);
         range.contains(&speed_rpm.abs())
     }
 
-    /// kappa(N) of `pump`, as it is without law, at a speed in rad/s; negative in reverse.
+    /// Returns kappa(N) of `pump`, which is without the law, at a speed in rad/s. The speed is negative in
+    /// reverse.
+    ///
+    /// # Errors
+    /// [`SpeedLawError::OutsideSpeeds`] for a speed at which the law does not hold, or
+    /// [`SpeedLawError::Model`].
     pub fn factor_at(&self, pump: &Pump, speed_rad_s: f64) -> Result<f64, SpeedLawError> {
         let speed_rpm = rpm(speed_rad_s);
         if !self.covers(speed_rpm) {
@@ -78,27 +85,43 @@ impl RangedLaw {
         Ok(self.law.factor(pump, speed_rad_s)?)
     }
 
-    /// `pump` with every flow and volume as at this speed, rad/s; negative in reverse.
+    /// Returns `pump` with every flow and volume at a speed in rad/s. The speed is negative in reverse.
+    ///
+    /// # Errors
+    /// [`SpeedLawError::OutsideSpeeds`] for a speed at which the law does not hold, or
+    /// [`SpeedLawError::Model`].
     pub fn pump_at(&self, pump: &Pump, speed_rad_s: f64) -> Result<Pump, SpeedLawError> {
         Ok(pump.scaled(self.factor_at(pump, speed_rad_s)?)?)
     }
 
-    /// Mean flow of `pump`, mL/s, at a speed in rad/s; both are negative in reverse.
+    /// Returns the mean flow of `pump` in mL/s at a speed in rad/s. Both are negative in reverse.
+    ///
+    /// # Errors
+    /// [`SpeedLawError::OutsideSpeeds`] for a speed at which the law does not hold, or
+    /// [`SpeedLawError::Model`].
     pub fn average_flow_ml_s(&self, pump: &Pump, speed_rad_s: f64) -> Result<f64, SpeedLawError> {
         Ok(self.factor_at(pump, speed_rad_s)? * pump.average_flow_ml_s(speed_rad_s))
     }
 
-    /// The same up to `most_rpm`, if it holds for a slower speed; else as it is.
+    /// Returns the law up to `most_rpm`, in r/min. A law that holds at faster speeds alone is returned
+    /// unchanged.
     pub fn up_to(self, most_rpm: f64) -> Self {
         if self.least_rpm <= most_rpm { Self { most_rpm: self.most_rpm.min(most_rpm), ..self } } else { self }
     }
 
-    /// The largest mean flow of `pump`, mL/s.
+    /// Returns the largest mean flow of `pump` in mL/s.
+    ///
+    /// # Errors
+    /// [`SpeedLawError::Model`] if the model refuses the law or the pump.
     pub fn largest_ml_s(&self, pump: &Pump) -> Result<f64, SpeedLawError> {
         Ok(self.flow(pump, false)?.largest()?.0)
     }
 
-    /// The slowest speed, rad/s, whose mean flow is `flow_ml_s`; both are negative in reverse.
+    /// Returns the slowest speed in rad/s whose mean flow is `flow_ml_s`. Both are negative in reverse.
+    ///
+    /// # Errors
+    /// [`SpeedLawError::OutsideFlows`] for a flow that the law gives at no speed, or
+    /// [`SpeedLawError::Model`].
     pub fn speed_for_flow(&self, pump: &Pump, flow_ml_s: f64) -> Result<f64, SpeedLawError> {
         let flow = self.flow(pump, flow_ml_s < 0.0)?;
         match flow.speed_rad_s(flow_ml_s.abs())? {
@@ -107,7 +130,7 @@ impl RangedLaw {
         }
     }
 
-    /// The refusal of a flow that is had at no speed.
+    /// Returns the refusal of a flow that the law gives at no speed.
     pub(crate) fn outside_flows(
         &self,
         pump: &Pump,
@@ -118,7 +141,7 @@ impl RangedLaw {
         let (most_ml_s, at_rad_s) = flow.largest()?;
         Ok(SpeedLawError::OutsideFlows {
             flow_ml_s,
-            // So that what a message says can be had can be had.
+            // Rounding inwards, so that the flows in the message can be reached.
             least_ml_s: (flow.at(rad_s(self.least_rpm))? * 1e4).ceil() / 1e4,
             least_rpm: self.least_rpm,
             most_ml_s: (most_ml_s * 1e4).floor() / 1e4,
@@ -126,7 +149,7 @@ impl RangedLaw {
         })
     }
 
-    /// Mean flow against speed.
+    /// Returns the mean flow against the speed.
     pub(crate) fn flow<'a>(&'a self, pump: &'a Pump, reverse: bool) -> Result<SpeedLawFlow<'a>, ModelError> {
         SpeedLawFlow::new(&self.law, pump, [rad_s(self.least_rpm), rad_s(self.most_rpm)], reverse)
     }

@@ -6,13 +6,16 @@ use pump_ctl::plan::Plan;
 
 use crate::simulation::Sample;
 
-/// Header of [`write_steps`].
+/// Header of the table that [`write_steps`] writes.
 pub const STEPS_HEADER: &str = "step,time_s,direction,angle_rad";
-/// Header of [`write_samples`].
+/// Header of the table that [`write_samples`] writes.
 pub const TRACE_HEADER: &str =
     "time_s,angle_rad,speed_rad_s,q_in_ml_s,q_out_ml_s,p_in_kpa,p_out_kpa,delivered_ml";
 
-/// Every step of `plan`; numbers in full precision.
+/// Writes every step of `plan`, with numbers in full precision.
+///
+/// # Errors
+/// Returns the [`io::Error`] of the writer.
 pub fn write_steps(to: &mut dyn Write, plan: &Plan) -> io::Result<()> {
     writeln!(to, "{STEPS_HEADER}")?;
     for step in plan.steps() {
@@ -21,7 +24,10 @@ pub fn write_steps(to: &mut dyn Write, plan: &Plan) -> io::Result<()> {
     Ok(())
 }
 
-/// Every sample of a waveform; numbers in full precision. The first error of the waveform ends it.
+/// Writes every sample of a waveform, with numbers in full precision.
+///
+/// # Errors
+/// Returns the [`io::Error`] of the writer, or the first error of the waveform.
 pub fn write_samples<E: Into<io::Error>>(
     to: &mut dyn Write,
     samples: impl IntoIterator<Item = Result<Sample, E>>,

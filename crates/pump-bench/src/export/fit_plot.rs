@@ -1,34 +1,37 @@
-//! One picture of a fit: what was measured and what was fitted, and below what the fit leaves over, as SVG.
+//! The picture of a fit as SVG: measurements and fit above, residuals below.
 
 use super::plot::envelope;
 use crate::export::{BLUE, Chart, Curve, Panel, PlotError, Style, VERMILION};
 
-/// More points than this are drawn as a line.
+/// Largest number of points that are drawn as points. More of them are drawn as a line.
 const MOST_POINTS: usize = 300;
 
-/// A measurement beside its fit, as people see it.
+/// A measurement beside its fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fitted {
-    /// Where on the horizontal axis.
+    /// Place on the horizontal axis.
     pub x: f64,
-    /// What was measured.
+    /// Measured value.
     pub measured: f64,
-    /// What the fit says there.
+    /// Value of the fit at this place.
     pub fitted: f64,
 }
 
 /// Names of the axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Axes {
-    /// Of the horizontal axis, with its unit.
+    /// Name of the horizontal axis, with its unit.
     pub x: &'static str,
-    /// Of what was measured, with its unit.
+    /// Name of the measured quantity, with its unit.
     pub y: &'static str,
-    /// Of measured less fitted, with its unit.
+    /// Name of the residual, measured less fitted, with its unit.
     pub left: &'static str,
 }
 
-/// SVG of a fit; `points` in order of x.
+/// Draws a fit as SVG. `points` stand in order of x.
+///
+/// # Errors
+/// Returns the [`PlotError`] of a picture that cannot be drawn.
 pub fn svg(title: &str, axes: Axes, points: &[Fitted]) -> Result<String, PlotError> {
     let style = if points.len() > MOST_POINTS { Style::Line } else { Style::Points };
     let curve = |label, colour, style, value: fn(&Fitted) -> f64| Curve {

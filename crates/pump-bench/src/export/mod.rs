@@ -1,4 +1,4 @@
-//! Files that a bench writes: CSV, pictures, Rust source.
+//! Files that a bench writes: CSV, pictures and Rust source.
 
 mod chart;
 pub mod csv;

@@ -1,4 +1,4 @@
-//! One picture of a dose: flows, pressures, speed and delivered volume over time, as SVG.
+//! The picture of a dose as SVG: flows, pressures, speed and delivered volume over time.
 
 use pump_model::math::rpm;
 
@@ -6,10 +6,14 @@ pub use crate::export::PlotError;
 use crate::export::{BLUE, Chart, Curve, Panel, Style, VERMILION};
 use crate::simulation::Sample;
 
-/// Bins over the width: each keeps its smallest and largest value, so that pulses narrower than a pixel stay visible.
+/// Number of bins over the width. Each keeps its smallest and its largest value, so that pulses narrower than
+/// a pixel stay visible.
 const BINS: usize = 1500;
 
-/// SVG of a waveform; `title` stands on top, `motion_s` is marked as the end of motion where it is given.
+/// Draws a waveform as SVG with a `title` on top. `motion_s` marks the end of the motion, if it is given.
+///
+/// # Errors
+/// Returns the [`PlotError`] of a picture that cannot be drawn.
 pub fn svg(title: &str, samples: &[Sample], motion_s: Option<f64>) -> Result<String, PlotError> {
     let curve = |label, colour, value: fn(&Sample) -> f64| Curve {
         label,
@@ -41,7 +45,7 @@ pub fn svg(title: &str, samples: &[Sample], motion_s: Option<f64>) -> Result<Str
     chart.svg()
 }
 
-/// A curve with at most two points a bin, its smallest and its largest, in their order.
+/// Returns a curve with at most two points a bin: the smallest and the largest value, in order of time.
 pub(crate) fn envelope<T>(samples: &[T], point: impl Fn(&T) -> (f64, f64)) -> Vec<(f64, f64)> {
     let per_bin = samples.len().div_ceil(BINS).max(1);
     if per_bin <= 2 {

@@ -1,4 +1,4 @@
-//! A pump as Rust source, for firmware: constants that need no set-up and no memory but flash.
+//! A pump as Rust source for firmware: constants that need no set-up and no memory but flash.
 
 use std::fmt::Write;
 
@@ -7,7 +7,10 @@ use pump_model::{FlowCurve, Geometry, Line, ModelError, Pump};
 
 use crate::pump_file::PumpFile;
 
-/// Rust source of a pump: its model, computed and checked here, and its limits.
+/// Writes the Rust source of a pump: its limits and its model, which is computed and checked here.
+///
+/// # Errors
+/// Returns the [`ModelError`] of a pump that cannot work.
 pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
     let pump = file.model()?;
     let limits = file.limits();
@@ -30,7 +33,7 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
     let option = |limit: Option<f64>| limit.map_or("None".to_owned(), |kpa| format!("Some({kpa:?})"));
     let _ = write!(
         out,
-        "/// What a dose must not exceed.\n\
+        "/// Limits that a dose must keep.\n\
          pub const LIMITS: Limits = Limits {{\n    \
              motor: Motor {{\n        \
                  steps_per_rev: {:?},\n        \
@@ -54,6 +57,7 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
     Ok(source)
 }
 
+/// Returns the source of a torque limit.
 fn torque_source(torque: &Torque) -> String {
     format!(
         "Some(Torque {{\n        \
@@ -69,6 +73,7 @@ fn torque_source(torque: &Torque) -> String {
     )
 }
 
+/// Writes the constant of the pump.
 fn write_pump(out: &mut String, pump: &Pump) {
     out.push_str("/// The pump.\n#[rustfmt::skip]\npub const PUMP: Pump = Pump::precomputed(\n");
     write_geometry(out, pump.geometry());
@@ -92,6 +97,7 @@ fn write_pump(out: &mut String, pump: &Pump) {
     out.push_str("    ],\n);\n\n");
 }
 
+/// Writes the dimensions of the pump head.
 fn write_geometry(out: &mut String, geometry: &Geometry) {
     let _ = writeln!(
         out,
@@ -114,14 +120,17 @@ fn write_geometry(out: &mut String, geometry: &Geometry) {
     );
 }
 
+/// Writes a line with its R, C, L and reservoir.
 fn write_line(out: &mut String, line: &Line) {
     let _ = writeln!(
         out,
-        "        Line {{ resistance_kpa_s_ml: {:?}, compliance_ml_kpa: {:?}, inertance_kpa_s2_ml: {:?}, reservoir_kpa: {:?} }},",
+        "        Line {{ resistance_kpa_s_ml: {:?}, compliance_ml_kpa: {:?}, inertance_kpa_s2_ml: {:?}, \
+             reservoir_kpa: {:?} }},",
         line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml, line.reservoir_kpa,
     );
 }
 
+/// Writes a flow curve with its precomputed pieces.
 fn write_curve(out: &mut String, curve: &FlowCurve) {
     let _ =
         writeln!(out, "        FlowCurve::precomputed({:?}, {:?}, &[", curve.pitch_rad(), curve.pitch_ml());

@@ -1,4 +1,4 @@
-//! Files that people and programs exchange with a bench: tables in, whole files out.
+//! Files that a bench reads and writes: tables in, whole files out.
 
 mod staged;
 mod table;

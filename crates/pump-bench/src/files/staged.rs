@@ -1,4 +1,4 @@
-//! Files that are there whole or not at all.
+//! Files that appear whole or not at all.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 /// A file whose contents are written but not yet in place.
 ///
-/// It is a synced temporary file beside its target, renamed by [`Staged::put`], so that nobody ever sees half of it and
-/// what was there before stays until then; dropped, it leaves nothing. Devices and pipes are written directly.
+/// The contents wait in a synced temporary file beside the target, which [`Staged::put`] renames. So nobody
+/// ever sees half of the file, and the old file stays until then. A staged file that is dropped leaves
+/// nothing. Devices and pipes are written directly.
 #[derive(Debug)]
 pub struct Staged {
     temporary: Option<tempfile::NamedTempFile>,
@@ -15,9 +16,13 @@ pub struct Staged {
 }
 
 impl Staged {
-    /// Writes what will replace `path`.
+    /// Writes the contents that will replace `path`.
+    ///
+    /// # Errors
+    /// Returns the [`io::Error`] of `write` or of the file system. A folder and a file without write
+    /// permission are refused.
     pub fn new(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Self> {
-        // A link is followed, so that its target is replaced and not the link.
+        // Following a link replaces its target and not the link.
         let target = match fs::canonicalize(path) {
             Ok(target) => target,
             Err(error) if error.kind() == io::ErrorKind::NotFound => path.to_owned(),
@@ -33,11 +38,11 @@ impl Staged {
                 device.flush()?;
                 return Ok(Self { temporary: None, target });
             }
-            // An existing file that may not be written must not be replaced either.
+            // A file without write permission must not be replaced either.
             Ok(_) => drop(File::options().write(true).open(&target)?),
             Err(_) => {}
         }
-        // The error names the temporary file, which nobody knows; its kind says enough.
+        // The error names the temporary file, which users do not know. Its kind says enough.
         let mut temporary =
             temporary_beside(folder_of(&target)).map_err(|error| io::Error::from(error.kind()))?;
         let mut buffered = BufWriter::new(&mut temporary);
@@ -49,6 +54,9 @@ impl Staged {
     }
 
     /// Puts the file in place.
+    ///
+    /// # Errors
+    /// Returns the [`io::Error`] of the rename or of the sync of the folder.
     pub fn put(self) -> io::Result<()> {
         if let Some(temporary) = self.temporary {
             temporary.persist(&self.target)?;
@@ -57,7 +65,10 @@ impl Staged {
         Ok(())
     }
 
-    /// Puts the file in place, or fails if there is one already.
+    /// Puts the file in place unless the target exists.
+    ///
+    /// # Errors
+    /// [`io::ErrorKind::AlreadyExists`] if the target exists. Otherwise the error of the file system.
     pub fn put_new(self) -> io::Result<()> {
         let Some(temporary) = self.temporary else { return Err(io::ErrorKind::AlreadyExists.into()) };
         temporary.persist_noclobber(&self.target)?;
@@ -65,6 +76,7 @@ impl Staged {
     }
 }
 
+/// Returns the folder of a file, `.` for a bare name.
 pub(crate) fn folder_of(target: &Path) -> &Path {
     match target.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -72,7 +84,7 @@ pub(crate) fn folder_of(target: &Path) -> &Path {
     }
 }
 
-/// A temporary file with the permissions that any new file gets.
+/// Creates a temporary file with the permissions that any new file gets.
 fn temporary_beside(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".dose-");

@@ -1,4 +1,4 @@
-//! A table as people and spreadsheets write it: CSV with a header, numbers without quotes.
+//! Tables as people and spreadsheets write them: CSV with a header and numbers without quotes.
 
 use thiserror::Error;
 
@@ -6,13 +6,13 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("line {line}: {message}")]
 pub struct TableError {
-    /// Number of the line, from 1.
+    /// Number of the line in the file, from 1.
     pub line: usize,
-    /// What is wrong, and what is accepted.
+    /// Message that says what is wrong and what is accepted.
     pub message: String,
 }
 
-/// A table whose columns are known; which of them it has, and in which order, is its own affair.
+/// A table of known columns. It may have any of them, in any order.
 #[derive(Debug)]
 pub(crate) struct Table<'a> {
     columns: Vec<&'a str>,
@@ -28,7 +28,7 @@ pub(crate) struct Row<'t> {
 }
 
 impl<'a> Table<'a> {
-    /// Reads `text`; empty lines and lines that begin with `#` are passed over.
+    /// Parses `text`. Empty lines and lines that begin with `#` are skipped.
     pub(crate) fn parse(text: &'a str, known: &[&str]) -> Result<Self, TableError> {
         let refuse = |line, message| Err(TableError { line, message });
         let mut lines = text
@@ -50,7 +50,7 @@ impl<'a> Table<'a> {
                 return refuse(first, format!("unknown column `{column}`; known: {}", known.join(", ")));
             }
             if columns[..n].contains(column) {
-                return refuse(first, format!("column `{column}` stands twice"));
+                return refuse(first, format!("column `{column}` stands twice; keep one of them"));
             }
         }
         let mut rows = Vec::new();
@@ -64,28 +64,30 @@ impl<'a> Table<'a> {
         Ok(Self { columns, rows })
     }
 
-    /// Whether there is such a column.
+    /// Returns true if the table has the column.
     pub(crate) fn has(&self, column: &str) -> bool {
         self.columns.contains(&column)
     }
 
+    /// Returns the lines of the table in order.
     pub(crate) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
         self.rows.iter().map(|(line, cells)| Row { line: *line, columns: &self.columns, cells })
     }
 }
 
 impl Row<'_> {
+    /// Returns an error at this line.
     pub(crate) fn error(&self, message: String) -> TableError {
         TableError { line: self.line, message }
     }
 
-    /// What stands in a column, if anything does.
+    /// Returns the text in a column, or `None` for an empty cell or a missing column.
     pub(crate) fn text(&self, column: &str) -> Option<&str> {
         let place = self.columns.iter().position(|name| *name == column)?;
         self.cells.get(place).copied().filter(|cell| !cell.is_empty())
     }
 
-    /// A finite number, if anything stands there.
+    /// Returns the finite number in a column, or `None` for an empty cell or a missing column.
     pub(crate) fn number(&self, column: &str) -> Result<Option<f64>, TableError> {
         let Some(text) = self.text(column) else { return Ok(None) };
         match text.parse::<f64>() {
@@ -96,12 +98,12 @@ impl Row<'_> {
         }
     }
 
-    /// A number that must stand there.
+    /// Returns the number in a column that must have one.
     pub(crate) fn required(&self, column: &str) -> Result<f64, TableError> {
         self.number(column)?.ok_or_else(|| self.error(format!("{column} is missing")))
     }
 
-    /// A positive number that must stand there.
+    /// Returns the number in a column that must have a positive one.
     pub(crate) fn positive(&self, column: &str) -> Result<f64, TableError> {
         let value = self.required(column)?;
         if value > 0.0 {
@@ -111,7 +113,8 @@ impl Row<'_> {
         }
     }
 
-    /// The only column of several with a number, that number, and what belongs to the column.
+    /// Returns the only one of several columns that has a number: its name, the number and the column's
+    /// companion.
     pub(crate) fn one_of<T: Copy, const N: usize>(
         &self,
         columns: [(&'static str, T); N],

@@ -1,4 +1,4 @@
-//! What was identified, in words, as JSON and as lines for a pump file.
+//! An identified line in words, as JSON and as a table for a pump file.
 
 use pump_model::identification::Estimate;
 use pump_model::math::{floor, log};
@@ -8,68 +8,72 @@ use serde_json::{Map, json};
 use super::WEAK_PEARSON;
 use crate::export::Fitted;
 
-/// A parameter that was found, or held.
+/// A parameter of a line that was found or held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// Name with its unit, as in pump files and JSON.
+    /// Key of the parameter with its unit, as in pump files and JSON.
     pub key: &'static str,
-    /// For people.
+    /// Name of the parameter, for people.
     pub name: &'static str,
-    /// Its unit.
+    /// Unit of the parameter.
     pub unit: &'static str,
-    /// Value and standard uncertainty.
+    /// Value of the parameter and its standard uncertainty.
     pub found: Estimate,
-    /// Whether it was held and not sought.
+    /// True if the parameter was held and not sought.
     pub is_held: bool,
 }
 
 impl Parameter {
+    /// Makes a parameter that was sought and found.
     pub(super) fn found(key: &'static str, name: &'static str, unit: &'static str, found: Estimate) -> Self {
         Self { key, name, unit, found, is_held: false }
     }
 }
 
-/// A line that was identified, and all that is said of it.
+/// A line that was identified, with its report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
-    /// `resistance`, `compliance` or `line`.
+    /// Kind of identification: `resistance`, `compliance` or `line`.
     pub kind: &'static str,
-    /// Whose line it is.
+    /// Port of the line.
     pub port: Port,
-    /// The first line for people.
+    /// First line of the report for people.
     pub headline: String,
-    /// What was found, and what was held.
+    /// Parameters that were found and parameters that were held.
     pub parameters: Vec<Parameter>,
-    /// What was measured, kPa, and fitted.
+    /// Measured points and their fit, in kPa.
     pub points: Vec<Fitted>,
-    /// How many independent points they are worth.
+    /// Number of independent points that the points are worth.
     pub independent: f64,
-    /// What the user should know.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
-    /// The line with what was found in it.
+    /// Line with the parameters that were found.
     pub line: Line,
 }
 
 impl Identified {
-    /// Adds a warning where the fit and what was measured do not rise and fall together, which `is_expected` of a fit with an
-    /// offset: points at one flow determine a line through the origin too.
+    /// Adds a warning if the fit and the measured values do not rise and fall together.
+    ///
+    /// `is_expected` is false for a fit without an offset: points at one flow determine a line through the
+    /// origin too.
     pub(super) fn with_weak_correlation(mut self, is_expected: bool) -> Self {
         let pearson = metrics::pearson(self.pairs());
         if is_expected && pearson.is_none_or(|pearson| pearson < WEAK_PEARSON) {
             let pearson = pearson.map_or("none".to_owned(), |pearson| format!("{pearson:.2}"));
             self.warnings.push(format!(
-                "the model explains less than half of what was measured: Pearson {pearson}, and from {WEAK_PEARSON} on it is said to; \
-                 check the data and what was said of them before you use these values"
+                "the model explains less than half of what was measured: Pearson {pearson}, below \
+                 {WEAK_PEARSON}; check the data and the other warnings before you use these values"
             ));
         }
         self
     }
 
+    /// Returns the pairs of fitted and measured values.
     fn pairs(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
         self.points.iter().map(|point| (point.fitted, point.measured))
     }
 
-    /// The table of the pump file with what was found.
+    /// Returns the table of the pump file with the parameters that were found.
     fn pump_file(&self) -> String {
         let line = &self.line;
         let mut text = format!("[{}]\n", self.port.name());
@@ -81,7 +85,7 @@ impl Identified {
         ] {
             let found = self.parameters.iter().find(|parameter| parameter.key == key && !parameter.is_held);
             text += &match found {
-                // One digit more than is known.
+                // One digit more than the uncertainty leaves.
                 Some(found) => format!("{key} = {value:.*}  # found\n", decimals(found.found.standard) + 1),
                 None => format!("{key} = {value:?}\n"),
             };
@@ -89,7 +93,7 @@ impl Identified {
         text
     }
 
-    /// One line of JSON, `identification/1`.
+    /// Returns the report as one line of JSON, with the schema `identification/1`.
     pub fn json(&self) -> String {
         let parameters: Map<_, _> = self
             .parameters
@@ -116,7 +120,7 @@ impl Identified {
         format!("{report}\n")
     }
 
-    /// For people.
+    /// Returns the report for people.
     pub fn text(&self) -> String {
         let mut text = format!("{}; ± is k = 2\n", self.headline);
         for parameter in &self.parameters {
@@ -146,10 +150,10 @@ impl Identified {
     }
 }
 
-/// Decimals with which twice a standard uncertainty has two digits.
+/// Returns the number of decimals with which twice a standard uncertainty has two digits.
 fn decimals(standard: f64) -> usize {
     let magnitude = floor(log(2.0 * standard) / std::f64::consts::LN_10);
-    // Of an exact fit the logarithm is infinite; no measurement has more digits than these.
+    // An exact fit has an infinite logarithm. No measurement has more than 9 decimals.
     (1.0 - magnitude).clamp(0.0, 9.0) as usize
 }
 

@@ -1,4 +1,4 @@
-//! Lines identified from tables of measurements: reading, fitting, and what is to be said of it.
+//! Lines identified from tables of measurements: reading, fitting and reporting.
 
 mod identified;
 mod points;
@@ -10,6 +10,6 @@ pub use points::{identified_compliance, identified_resistance};
 pub use pressure_record::{Begin, Turning, identified_line};
 pub use tables::{Waveforms, flow_points_of_csv, injection_of_csv, waveforms_of_csv};
 
-/// Pearson's correlation below which a warning is given: half the variance is then left over. McIntyre et al. report more for
-/// every speed from 50 r/min on.
+/// Pearson's correlation below which a fit gets a warning, since half of the variance is then left over.
+/// McIntyre et al. report more for every speed from 50 r/min on.
 const WEAK_PEARSON: f64 = 0.7;

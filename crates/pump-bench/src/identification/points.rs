@@ -1,4 +1,4 @@
-//! R and C from points, and what is to be said of them.
+//! R and C from points, with their warnings.
 
 use pump_model::identification::{
     ComplianceFit, FlowPoint, IdentificationError, InjectionPoint, ResistanceFit,
@@ -8,8 +8,12 @@ use pump_model::{Line, Port};
 use super::identified::{Identified, Parameter};
 use crate::export::Fitted;
 
-/// R of the line of a port from steady flows, perhaps with the drop at no flow; `rate_ml_s` is the pump's usual rate, at which
-/// a resistance that changes with the flow is told.
+/// Identifies R of the line of a port from steady flows, with or without an offset, the drop at no flow.
+///
+/// If the resistance changes with the flow, a warning gives it at `rate_ml_s`, the pump's usual rate.
+///
+/// # Errors
+/// Returns the [`IdentificationError`] of points that determine no resistance.
 pub fn identified_resistance(
     points: &[FlowPoint],
     with_offset: bool,
@@ -22,16 +26,16 @@ pub fn identified_resistance(
     parameters.extend(fit.offset_kpa.map(|offset| Parameter::found("offset_kpa", "offset", "kPa", offset)));
     let mut warnings: Vec<_> = fit.missed_offset_kpa.iter().map(|offset| {
         format!(
-            "the points do not lead through the origin: with an offset it is {:.4} ± {:.4} kPa; seek it too (--offset), and check \
-             reservoir and sensor",
+            "the points do not lead through the origin: with an offset it is {:.4} ± {:.4} kPa; seek it too \
+             (--offset), and check reservoir and sensor",
             offset.value,
             2.0 * offset.standard,
         )
     }).collect();
     warnings.extend(fit.bend.filter(|_| warnings.is_empty()).map(|bend| {
         format!(
-            "the resistance changes with the flow: {:.5} + {:.6} per mL/s, {:.5} kPa s/mL at the pump's {rate_ml_s} mL/s; \
-             measure at flows like those of doses",
+            "the resistance changes with the flow: {:.5} + {:.6} per mL/s, {:.5} kPa s/mL at the pump's \
+             {rate_ml_s} mL/s; measure at flows like those of doses",
             bend.at_no_flow_kpa_s_ml.value,
             bend.per_flow_kpa_s2_ml2.value,
             bend.resistance_kpa_s_ml(rate_ml_s),
@@ -60,21 +64,28 @@ pub fn identified_resistance(
     .with_weak_correlation(with_offset))
 }
 
-/// Whether the points lie farther from the line than their standard uncertainties allow: a chi-square of more than its
-/// expectation plus three of its standard deviations, sqrt(2 dof). Uncertainties that are all 1 say nothing of the kind.
+/// Warns if the points lie farther from the line than their standard uncertainties allow.
+///
+/// The limit is a chi-square above its expectation by three of its standard deviations, sqrt(2 dof).
+/// Uncertainties that are all 1 give no warning, since they are not known.
 fn scattered(points: &[FlowPoint], fit: &ResistanceFit, with_offset: bool) -> Option<String> {
     let is_known = points.iter().any(|point| point.standard_kpa != 1.0);
     let degrees_of_freedom = points.len() as f64 - if with_offset { 2.0 } else { 1.0 };
     let most = (1.0 + 3.0 * (2.0 / degrees_of_freedom).sqrt()).sqrt();
     (is_known && fit.scatter > most).then(|| {
         format!(
-            "the points scatter {:.1} times as far from the line as their standard uncertainties say; it does not explain them",
+            "the points scatter {:.1} times as far from the line as their standard uncertainties say; it does \
+             not explain them",
             fit.scatter
         )
     })
 }
 
-/// C of the line of a port from an injection; with the volume that the line holds its effective bulk modulus too.
+/// Identifies C of the line of a port from an injection. If the volume that the line holds is known, its
+/// effective bulk modulus follows too.
+///
+/// # Errors
+/// Returns the [`IdentificationError`] of points that determine no compliance.
 pub fn identified_compliance(
     points: &[InjectionPoint],
     total_ml: Option<f64>,
@@ -90,8 +101,8 @@ pub fn identified_compliance(
     }));
     let warnings = fit.bend.iter().map(|(slope, growth)| {
         format!(
-            "the line {} as it fills: dP/dV is {:.3} kPa/mL at the start and changes by {:.3} per mL; inject over pressures like \
-             those of doses",
+            "the line {} as it fills: dP/dV is {:.3} kPa/mL at the start and changes by {:.3} per mL; inject \
+             over pressures like those of doses",
             if growth.value > 0.0 { "stiffens (air does that)" } else { "softens" },
             slope.value,
             2.0 * growth.value,

@@ -1,4 +1,4 @@
-//! R, C and L from a pressure waveform, and what is to be said of them.
+//! R, C and L from a pressure waveform, with their warnings.
 
 use pump_model::identification::{
     Estimate, IdentificationError, LineFit, Motion, PressureSample, Recording, Sought,
@@ -9,35 +9,35 @@ use pump_model::{Leg, Port, Pump};
 use super::identified::{Identified, Parameter};
 use crate::export::Fitted;
 
-/// How a rotor came to its speed.
+/// The way in which a rotor came to its speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Begin {
-    /// From rest.
+    /// Ramp from rest to the speed.
     Ramp {
-        /// rad/s², positive.
+        /// Acceleration of the ramp, in rad/s², positive.
         acceleration_rad_s2: f64,
     },
-    /// From rest, at full speed at once.
+    /// Step from rest to the full speed at once.
     Step,
-    /// It had turned at this speed for long.
+    /// Steady speed since long before the record.
     Steady,
 }
 
-/// What the rotor did while a pressure was recorded.
+/// The motion of the rotor while a pressure was recorded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turning {
-    /// How it began.
+    /// Way in which the rotor came to its speed.
     pub begin: Begin,
-    /// When it began to turn, in the time of the record, s; without meaning where it had turned for long.
+    /// Time in the record at which the rotor began to turn, in s. A steady speed does not use it.
     pub start_s: f64,
-    /// Angle at the start, or at time 0 where it had turned for long, rad.
+    /// Angle of the rotor at the start, in rad. With a steady speed it is the angle at time 0.
     pub angle_rad: f64,
-    /// Speed that it came to, rad/s; negative in reverse.
+    /// Speed that the rotor came to, in rad/s. Negative in reverse.
     pub speed_rad_s: f64,
 }
 
 impl Turning {
-    /// The motion from rest.
+    /// Returns the legs of the motion from rest.
     fn legs(&self) -> Vec<Leg> {
         let cruise = Leg { start_s: self.start_s, ..Leg::constant_speed(self.angle_rad, self.speed_rad_s) };
         let Begin::Ramp { acceleration_rad_s2 } = self.begin else {
@@ -53,15 +53,19 @@ impl Turning {
     }
 }
 
-/// Part of a swing of the line over which neighbouring residuals may be alike and still be noise. The integrated
-/// autocorrelation time of a residual that swings with the line is 1/pi of a swing; two thirds of that are such a residual with
-/// a third of the variance in white noise.
+/// Fraction of a swing of the line over which neighbouring residuals may be alike and still be noise.
+///
+/// A residual that swings with the line has an integrated autocorrelation time of 1/pi of a swing. With a
+/// third of its variance in white noise, two thirds of that time remain.
 const MOST_ALIKE: f64 = 0.2;
 
-/// Residuals whose RMS is less than this part of the samples' standard deviation are small, alike or not.
+/// Fraction of the samples' standard deviation below which the RMS of the residuals is small, alike or not.
 const SMALL_RESIDUALS: f64 = 0.05;
 
-/// Fits the line of a port of `pump` to a waveform, starting from the pump's.
+/// Fits the line of a port to a waveform, starting from the line of `pump`.
+///
+/// # Errors
+/// Returns the [`IdentificationError`] of samples or a motion that determine no line.
 pub fn identified_line(
     pump: &Pump,
     port: Port,
@@ -114,7 +118,7 @@ pub fn identified_line(
     .with_weak_correlation(true))
 }
 
-/// Whether the swings of the line pass between the samples, and whether what is left over is no noise.
+/// Warns if swings of the line pass between the samples, and if the residuals are no noise.
 fn doubts(fit: &LineFit, samples: &[PressureSample]) -> Vec<String> {
     let time_s = |sample: Option<&PressureSample>| sample.map_or(0.0, |sample| sample.time_s);
     let interval_s = (time_s(samples.last()) - time_s(samples.first())) / (samples.len() - 1) as f64;
@@ -126,12 +130,13 @@ fn doubts(fit: &LineFit, samples: &[PressureSample]) -> Vec<String> {
         ));
     }
     let alike_s = fit.correlated_samples * interval_s;
-    // A single sample is alike to itself.
+    // A single sample is always alike to itself.
     let is_alike = fit.correlated_samples > 2.0 && alike_s > MOST_ALIKE * swing_s;
     if is_alike && fit.rms_kpa > SMALL_RESIDUALS * fit.spread_kpa {
         doubts.push(format!(
-            "what the fit leaves over, {:.3} kPa RMS, stays alike for {alike_s:.4} s, as long as swings of the line ({swing_s:.4} s) \
-             and no noise: the model misses something, and the ± leave it out; check speed, start and what is held",
+            "the residual of the fit, {:.3} kPa RMS, stays alike for {alike_s:.4} s, too long for noise beside \
+             a swing of the line ({swing_s:.4} s): the model misses something that the ± do not contain; check \
+             speed, start and the parameters that are held",
             fit.rms_kpa,
         ));
     }

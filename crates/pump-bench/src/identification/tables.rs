@@ -1,4 +1,4 @@
-//! Tables of measurements from which lines are identified, as CSV.
+//! Tables of measurements as CSV, from which lines are identified.
 
 use pump_model::Port;
 use pump_model::identification::{FlowPoint, InjectionPoint, PressureSample};
@@ -6,7 +6,7 @@ use pump_model::identification::{FlowPoint, InjectionPoint, PressureSample};
 use crate::export::csv::TRACE_HEADER;
 use crate::files::{Row, Table, TableError};
 
-/// Column of the pressure at a port, kPa absolute.
+/// Returns the column of the pressure at a port, in kPa absolute.
 fn pressure_column(port: Port) -> &'static str {
     match port {
         Port::Inlet => "p_in_kpa",
@@ -14,12 +14,18 @@ fn pressure_column(port: Port) -> &'static str {
     }
 }
 
-/// Reads steady flows and what they take: `flow_ml_s`, the drop over the line as `drop_kpa` or the absolute pressure at the pump
-/// as `p_in_kpa` or `p_out_kpa`, that of this port, and perhaps `standard_kpa`, the standard uncertainty of the pressure.
+/// Reads steady flows and their pressure drops.
+///
+/// The column `flow_ml_s` has the flow. The drop over the line stands in `drop_kpa`, or else the absolute
+/// pressure at the pump stands in the port's `p_in_kpa` or `p_out_kpa`. An optional `standard_kpa` has the
+/// standard uncertainty of the pressure.
+///
+/// # Errors
+/// Returns the [`TableError`] of the first line that cannot be used.
 pub fn flow_points_of_csv(text: &str, port: Port, reservoir_kpa: f64) -> Result<Vec<FlowPoint>, TableError> {
     let at_pump = pressure_column(port);
     let table = Table::parse(text, &["flow_ml_s", "drop_kpa", at_pump, "standard_kpa"])?;
-    // The drop is along the flow: to the pump at the inlet, from it at the outlet.
+    // The drop is along the flow: towards the pump at the inlet, away from it at the outlet.
     let sign = match port {
         Port::Inlet => -1.0,
         Port::Outlet => 1.0,
@@ -36,8 +42,13 @@ pub fn flow_points_of_csv(text: &str, port: Port, reservoir_kpa: f64) -> Result<
     table.rows().map(point).collect()
 }
 
-/// Reads an injection into the closed line of a port: `volume_ml`, and the pressure as `pressure_kpa` or as the port's
+/// Reads an injection into the closed line of a port.
+///
+/// The column `volume_ml` has the injected volume. The pressure stands in `pressure_kpa` or in the port's
 /// `p_in_kpa` or `p_out_kpa`.
+///
+/// # Errors
+/// Returns the [`TableError`] of the first line that cannot be used.
 pub fn injection_of_csv(text: &str, port: Port) -> Result<Vec<InjectionPoint>, TableError> {
     let at_pump = pressure_column(port);
     let table = Table::parse(text, &["volume_ml", "pressure_kpa", at_pump])?;
@@ -48,17 +59,21 @@ pub fn injection_of_csv(text: &str, port: Port) -> Result<Vec<InjectionPoint>, T
     table.rows().map(point).collect()
 }
 
-/// Waveforms at inlet and outlet, those that there are.
+/// Waveforms of the pressure at inlet and outlet. Either may be missing.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Waveforms {
-    /// `p_in_kpa`; empty if there is no such column.
+    /// Samples of `p_in_kpa`. Empty if the table has no such column.
     pub inlet: Vec<PressureSample>,
-    /// `p_out_kpa`.
+    /// Samples of `p_out_kpa`. Empty if the table has no such column.
     pub outlet: Vec<PressureSample>,
 }
 
-/// Reads a waveform: `time_s`, rising, and `p_in_kpa`, `p_out_kpa` or both, absolute. The other columns of a trace may stand
-/// beside them and are not looked at.
+/// Reads waveforms of the absolute pressure: `time_s`, which rises, and `p_in_kpa`, `p_out_kpa` or both.
+///
+/// The other columns of a trace may stand beside them. They are ignored.
+///
+/// # Errors
+/// Returns the [`TableError`] of the first line that cannot be used.
 pub fn waveforms_of_csv(text: &str) -> Result<Waveforms, TableError> {
     let trace: Vec<&str> = TRACE_HEADER.split(',').collect();
     let table = Table::parse(text, &trace)?;

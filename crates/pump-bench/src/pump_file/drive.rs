@@ -1,78 +1,82 @@
-//! `[drive]`: what turns the motor.
+//! `[drive]`: the drive that turns the motor.
 
-use std::fmt::Display;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-/// `[drive]`
+use super::range::{WrongValue, allow, within, within_if_given};
+
+/// The table `[drive]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DriveTable {
-    /// What turns the motor.
+    /// Driver that turns the motor.
     pub driver: DriverName,
-    /// Serial port of the controller, as `/dev/ttyUSB0`.
+    /// Serial port of the controller, such as `/dev/ttyUSB0`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub port: Option<PathBuf>,
-    /// Bits per second; boards at the end of a USB cable mostly speak 115200.
+    /// Rate of the serial port, in bits per second. Most boards on a USB cable speak 115200.
     #[serde(default = "usual_baud")]
     pub baud: u32,
-    /// Which of the controller's axes is the pump head.
+    /// Axis of the controller that turns the pump head.
     #[serde(default)]
     pub axis: Axis,
-    /// Whether the axis runs in reverse when it counts up.
+    /// True if the pump runs in reverse when the axis counts up.
     #[serde(default)]
     pub invert: bool,
-    /// How long the motor holds with nothing to do in a session before it is let go, s; none holds as long as it lasts.
+    /// Time that an idle motor holds in a session before it is released, in s. `None` holds it as long as the
+    /// session lasts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hold_timeout_s: Option<f64>,
-    /// Angle of the rotor at which the index sensor answers when the pump runs forward, deg; none: there is no sensor.
+    /// Angle of the rotor at which the index sensor answers when the pump runs forward, in deg. `None` if
+    /// there is no sensor.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub index_angle_deg: Option<f64>,
-    /// How far off that angle may be, deg.
+    /// Largest error of the index angle, in deg.
     #[serde(default = "usual_index_width_deg")]
     pub index_width_deg: f64,
 }
 
+/// Returns the usual rate of a serial port, in bits per second.
 fn usual_baud() -> u32 {
     115_200
 }
 
-/// What a forked light barrier on a disc of a few centimetres keeps to.
+/// Returns the width that a forked light barrier on a disc of a few centimetres keeps to, in deg.
 fn usual_index_width_deg() -> f64 {
     0.5
 }
 
-/// The drivers that exist.
+/// A driver of the motor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DriverName {
-    /// A virtual stepper, pump and vessel: nothing moves.
+    /// Virtual stepper, pump and vessel. Nothing moves.
     Sim,
-    /// An axis of a controller that speaks grbl 1.1's protocol over a serial port: grbl, grblHAL, FluidNC.
+    /// Axis of a controller that speaks the protocol of grbl 1.1 over a serial port: grbl, grblHAL, FluidNC.
     Grbl,
 }
 
-/// Axes of a controller. grbl 1.1 has the first three.
+/// An axis of a controller. grbl 1.1 has the first three.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Axis {
-    /// Settings 100, 110, 120.
+    /// Axis with the settings 100, 110 and 120.
     #[default]
     X,
-    /// Settings 101, 111, 121.
+    /// Axis with the settings 101, 111 and 121.
     Y,
-    /// Settings 102, 112, 122.
+    /// Axis with the settings 102, 112 and 122.
     Z,
-    /// Settings 103, 113, 123.
+    /// Axis with the settings 103, 113 and 123.
     A,
-    /// Settings 104, 114, 124.
+    /// Axis with the settings 104, 114 and 124.
     B,
-    /// Settings 105, 115, 125.
+    /// Axis with the settings 105, 115 and 125.
     C,
 }
 
 impl DriverName {
-    /// As in pump files and on the command line.
+    /// Returns the driver's name as in pump files and on the command line.
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Sim => "sim",
@@ -82,12 +86,12 @@ impl DriverName {
 }
 
 impl Axis {
-    /// Its place among the axes, 0 for X.
+    /// Returns the axis's place among the axes, 0 for X.
     pub fn number(self) -> usize {
         self as usize
     }
 
-    /// Its letter.
+    /// Returns the axis's letter.
     pub fn letter(self) -> char {
         match self {
             Self::X => 'X',
@@ -101,7 +105,7 @@ impl Axis {
 }
 
 impl DriveTable {
-    /// A driver with what is usual.
+    /// Returns the table of a driver with the usual settings.
     pub fn of(driver: DriverName) -> Self {
         Self {
             driver,
@@ -115,19 +119,13 @@ impl DriveTable {
         }
     }
 
-    /// Hands each value with its key, and what is allowed of it, to `value`.
-    pub(super) fn check<E>(
-        &self,
-        value: impl Fn(bool, &'static str, &dyn Display, &'static str) -> Result<(), E>,
-    ) -> Result<(), E> {
-        value((300..=4_000_000).contains(&self.baud), "[drive] baud", &self.baud, "300 to 4000000")?;
+    /// Refuses the first value outside its range.
+    pub(super) fn check(&self) -> Result<(), WrongValue> {
+        within("[drive] baud", self.baud, 300..=4_000_000)?;
         if let Some(time_s) = self.hold_timeout_s {
-            value(time_s >= 0.0 && time_s.is_finite(), "[drive] hold_timeout_s", &time_s, "0 or more")?;
+            allow(time_s >= 0.0 && time_s.is_finite(), "[drive] hold_timeout_s", time_s, "0 or more")?;
         }
-        if let Some(angle) = self.index_angle_deg {
-            value(angle.abs() <= 360.0, "[drive] index_angle_deg", &angle, "-360 to 360")?;
-        }
-        let width = self.index_width_deg;
-        value((0.0..=180.0).contains(&width), "[drive] index_width_deg", &width, "0 to 180")
+        within_if_given("[drive] index_angle_deg", self.index_angle_deg, -360.0..=360.0)?;
+        within("[drive] index_width_deg", self.index_width_deg, 0.0..=180.0)
     }
 }

@@ -1,17 +1,20 @@
-//! `[fluid]`: what is pumped.
+//! `[fluid]`: the fluid that is pumped.
 
 use pump_model::{Fluid, ModelError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// How far from the temperature of its density another fluid may be weighed, °C.
+use super::range::{WrongValue, within, within_if_given};
+
+/// Largest temperature difference over which a fluid unknown to the model keeps its density, in °C.
 pub(crate) const SAME_TEMPERATURE_DEGC: f64 = 2.0;
 
-/// The fluid that every pump file may be changed to.
+/// Name of the fluid to which every pump file may be changed.
 const WATER: &str = "water";
 
-/// What the model knows of a fluid of this name at a temperature, °C: water, ethanol, isopropanol, or glycerol with its part of
-/// the mass, as `glycerol 50%`. None of another name.
+/// Returns the model's fluid of this name at a temperature in °C, or `None` for an unknown name.
+///
+/// The model knows water, ethanol, isopropanol, and glycerol with its part of the mass, as in `glycerol 50%`.
 fn known(name: &str, degc: f64) -> Option<Result<Fluid, ModelError>> {
     let name = name.trim().to_lowercase();
     match name.as_str() {
@@ -26,23 +29,23 @@ fn known(name: &str, degc: f64) -> Option<Result<Fluid, ModelError>> {
     }
 }
 
-/// `[fluid]`
+/// The table `[fluid]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FluidTable {
-    /// For people; `water`, `ethanol`, `isopropanol` and `glycerol 50%` are also known to the model.
+    /// Name of the fluid. The model knows `water`, `ethanol`, `isopropanol` and names like `glycerol 50%`.
     pub name: String,
-    /// Temperature at which the density holds, °C.
+    /// Temperature at which the density holds, in °C.
     pub temperature_degc: f64,
-    /// Density, kg/m³: turns a mass into a volume.
+    /// Density, in kg/m³. It turns a mass into a volume.
     pub density_kg_m3: f64,
-    /// Dynamic viscosity, mPa s, which a hose's R needs; that of a known fluid may be left out.
+    /// Dynamic viscosity, in mPa s. The R of a hose needs it. A known fluid may leave it out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub viscosity_mpa_s: Option<f64>,
-    /// Bulk modulus, MPa, which a hose's C needs; that of a known fluid may be left out.
+    /// Bulk modulus, in MPa. The C of a hose needs it. A known fluid may leave it out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bulk_modulus_mpa: Option<f64>,
-    /// Vapour pressure, kPa absolute; that of a known fluid may be left out.
+    /// Vapour pressure, in kPa absolute. A known fluid may leave it out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vapour_kpa: Option<f64>,
 }
@@ -51,36 +54,41 @@ pub struct FluidTable {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FluidError {
-    /// A fluid of which nothing is known.
+    /// The fluid is not known.
     #[error(
-        "nothing is known of the fluid `{name}`; known: water, ethanol, isopropanol, glycerol with its part of the mass as `glycerol 50%`, and the pump file's own, {own}; or write a pump file for it"
+        "nothing is known of the fluid `{name}`; known: water, ethanol, isopropanol, glycerol with its part \
+         of the mass as `glycerol 50%`, and the pump file's own, {own}; or write a pump file for it"
     )]
     Unknown {
-        /// What was given.
+        /// Name that was given.
         name: String,
-        /// The pump file's fluid.
+        /// Name of the pump file's fluid.
         own: String,
     },
-    /// A fluid that is known at one temperature.
+    /// The fluid is known at another temperature alone.
     #[error(
-        "the density of {name} is known at {known_degc} °C alone (within 2 °C), not at {asked_degc} °C; write a pump file with its density there"
+        "the density of {name} is known at {known_degc} °C alone (within 2 °C), not at {asked_degc} °C; \
+         write a pump file with its density there"
     )]
     Temperature {
-        /// The fluid.
+        /// Name of the fluid.
         name: String,
-        /// What was asked, °C.
+        /// Temperature that was asked for, in °C.
         asked_degc: f64,
-        /// Where it is known, °C.
+        /// Temperature at which the density is known, in °C.
         known_degc: f64,
     },
-    /// The fluid is not known at that temperature.
+    /// The model does not know the fluid at the temperature.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
 
 impl FluidTable {
-    /// The fluid of this name at this temperature, °C; what is not given stays as it is. The fluid of this table at its own
-    /// temperature is the table; water has the density of any other, and other fluids that of the table within 2 °C.
+    /// Returns the table for another fluid or another temperature in °C. A name or a temperature that is not
+    /// given stays as it is.
+    ///
+    /// The table's own fluid at its own temperature returns the table itself. A fluid that the model knows
+    /// takes the model's density. An unknown fluid keeps the density of the table within 2 °C.
     ///
     /// ```
     /// let own = pump_bench::built_in("three-roller").unwrap().fluid;
@@ -89,6 +97,10 @@ impl FluidTable {
     /// assert!(own.changed_to(Some("oil"), None).is_err());
     /// # Ok::<(), pump_bench::pump_file::FluidError>(())
     /// ```
+    ///
+    /// # Errors
+    /// [`FluidError::Unknown`] for a fluid that is not known. [`FluidError::Temperature`] or
+    /// [`FluidError::Model`] for a temperature at which the fluid is not known.
     pub fn changed_to(&self, name: Option<&str>, temperature_degc: Option<f64>) -> Result<Self, FluidError> {
         let degc = temperature_degc.unwrap_or(self.temperature_degc);
         let same = name.is_none_or(|name| name.eq_ignore_ascii_case(&self.name));
@@ -118,8 +130,24 @@ impl FluidTable {
         })
     }
 
-    /// What is not known of it, though a hose needs it: table and key.
-    pub(super) fn missing(&self) -> Option<&'static str> {
+    /// Refuses the first value outside its range. Where a line is a hose, refuses a fluid without the values
+    /// it needs.
+    pub(super) fn check(&self, has_hose: bool) -> Result<(), WrongValue> {
+        within("[fluid] density_kg_m3", self.density_kg_m3, 10.0..=25_000.0)?;
+        within("[fluid] temperature_degc", self.temperature_degc, -273.15..=1000.0)?;
+        within_if_given("[fluid] vapour_kpa", self.vapour_kpa, 0.0..=1e4)
+            .map_err(|wrong| wrong.hint("absolute"))?;
+        match self.missing().filter(|_| has_hose) {
+            Some(key) => Err(WrongValue::missing(
+                key,
+                "a number: a line from a hose needs it, and nothing is known of this fluid",
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the table and key of a value that a hose needs and nobody knows.
+    fn missing(&self) -> Option<&'static str> {
         let keys = [
             ("[fluid] viscosity_mpa_s", self.viscosity_mpa_s),
             ("[fluid] bulk_modulus_mpa", self.bulk_modulus_mpa),
@@ -128,14 +156,17 @@ impl FluidTable {
         unknown.filter(|_| self.known().is_none()).map(|(key, _)| key)
     }
 
-    /// What the model knows of it.
+    /// Returns the model's fluid of this name, if the model knows it.
     fn known(&self) -> Option<Result<Fluid, ModelError>> {
         known(&self.name, self.temperature_degc)
     }
 
-    /// The fluid for the model of a hose.
+    /// Returns the fluid for the model of a hose.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of a value that is out of range, or that is neither given nor known.
     pub fn fluid(&self) -> Result<Fluid, ModelError> {
-        // Refused by name where it is not known and is asked for.
+        // Validation refuses a NaN by its name, if a hose needs it.
         let unknown = Fluid {
             density_kg_m3: self.density_kg_m3,
             viscosity_mpa_s: f64::NAN,
@@ -154,14 +185,16 @@ impl FluidTable {
         Ok(fluid)
     }
 
-    /// Vapour pressure, kPa absolute: as the file says, or what is known of the fluid at its temperature; none if it is not
-    /// known.
+    /// Returns the vapour pressure in kPa absolute, from the file or else from the model. Returns `None` if
+    /// neither knows it.
     pub fn vapour_kpa(&self) -> Option<f64> {
         self.vapour_kpa.or_else(|| self.known()?.ok()?.vapour_kpa)
     }
 
-    /// Density at a temperature, °C, if the model knows the fluid at its own: of water that of the tables, of others this
-    /// table's, changed as much as that of the tables changes.
+    /// Returns the density at a temperature in °C, if the model knows the fluid at the table's temperature.
+    ///
+    /// Water has the density of the model. Another fluid has the density of this table, scaled as the model's
+    /// density changes between the two temperatures.
     pub(crate) fn density_at_kg_m3(&self, degc: f64) -> Option<Result<f64, ModelError>> {
         let (own, there) = (self.known()?.ok()?, known(&self.name, degc)?);
         let factor = if self.name.trim().eq_ignore_ascii_case(WATER) {

@@ -1,36 +1,40 @@
-//! `[limits]`, and all that a pump file knows of what a dose must not exceed.
+//! `[limits]`: the pressures that a dose must keep, beside the limits of motor, tube and fluid.
 
 use pump_ctl::plan::{Limits, Lowest, PressureLimits, SetBy};
 use serde::{Deserialize, Serialize};
 
 use super::PumpFile;
 
-/// `[limits]`
+/// The table `[limits]`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LimitsTable {
-    /// Largest pressure at the port that pushes, kPa absolute.
+    /// Largest pressure at the discharge port, in kPa absolute.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_outlet_kpa: Option<f64>,
-    /// Smallest pressure at the port that sucks, kPa absolute.
+    /// Smallest pressure at the suction port, in kPa absolute.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min_inlet_kpa: Option<f64>,
 }
 
 impl LimitsTable {
+    /// Returns true if the table limits nothing.
     pub(super) fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 }
 
 impl PumpFile {
-    /// Limits of motor, pressures and torque.
+    /// Returns the limits of motor, pressures and torque.
     pub fn limits(&self) -> Limits {
         self.limits_with(None, None)
     }
 
-    /// The same with pressures, kPa absolute, in place of those in `[limits]`. Tube and fluid stand the larger of the pressure at
-    /// which the tube collapses and the fluid's vapour pressure.
+    /// Returns the limits of motor, pressures and torque, with pressures in kPa absolute that replace those
+    /// in `[limits]`.
+    ///
+    /// The lowest pressure for tube and fluid is the larger of two pressures: the one at which the tube
+    /// collapses and the fluid's vapour pressure.
     pub fn limits_with(&self, max_outlet_kpa: Option<f64>, min_inlet_kpa: Option<f64>) -> Limits {
         let bounds = [(self.fluid.vapour_kpa(), SetBy::Vapour), (self.collapse_kpa(), SetBy::TubeCollapse)];
         let known = bounds.into_iter().filter_map(|(kpa, set_by)| Some(Lowest { kpa: kpa?, set_by }));
@@ -45,7 +49,7 @@ impl PumpFile {
         }
     }
 
-    /// Limits that nobody checks, since no value is known, of a dose within `limits`.
+    /// Returns the names of the limits that a dose within `limits` does not check, since no value is known.
     pub fn not_checked(&self, limits: &Limits) -> Vec<&'static str> {
         let no_collapse = self.tube.collapse_below_ambient_kpa().is_none();
         let no_vapour = self.fluid.vapour_kpa().is_none();
@@ -60,7 +64,8 @@ impl PumpFile {
         all.into_iter().filter_map(|(name, missing)| missing.then_some(name)).collect()
     }
 
-    /// Pressure at which the tube collapses, kPa absolute; none if it is not known or the tube withstands a vacuum.
+    /// Returns the pressure in kPa absolute at which the tube collapses. Returns `None` if it is not known or
+    /// the tube withstands a vacuum.
     fn collapse_kpa(&self) -> Option<f64> {
         let kpa = self.ambient.pressure_kpa - self.tube.collapse_below_ambient_kpa()?;
         Some(kpa).filter(|kpa| *kpa > 0.0)

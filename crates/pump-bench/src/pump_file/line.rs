@@ -1,46 +1,47 @@
-//! `[inlet]`, `[outlet]`: a line given as R, C and L, or by its hose.
+//! `[inlet]`, `[outlet]`: a line, given by its R, C and L or by its hose.
 
 use pump_model::{Fluid, Friction, Hose, Line, ModelError};
 use serde::{Deserialize, Serialize};
 
-/// `[inlet]`, `[outlet]`
+/// The table `[inlet]` or `[outlet]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Keys", into = "Keys")]
 pub enum LineTable {
-    /// R, C, L and the reservoir, as they are.
+    /// Line with its R, C, L and reservoir.
     Given(Line),
-    /// A hose, from which R, C and L are estimated.
+    /// Hose, from which R, C and L are estimated.
     Hose {
-        /// P_res, kPa absolute.
+        /// Pressure of the reservoir P_res, in kPa absolute.
         reservoir_kpa: f64,
-        /// `[inlet.hose]`, `[outlet.hose]`
+        /// Table `[inlet.hose]` or `[outlet.hose]`.
         hose: HoseTable,
     },
 }
 
-/// `[inlet.hose]`, `[outlet.hose]`
+/// The table `[inlet.hose]` or `[outlet.hose]`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HoseTable {
-    /// a, mm.
+    /// Radius of the bore a, in mm.
     pub bore_radius_mm: f64,
-    /// b, mm.
+    /// Outer radius b, in mm.
     pub outer_radius_mm: f64,
-    /// l, mm.
+    /// Length l, in mm.
     pub length_mm: f64,
-    /// Young's modulus E, MPa.
+    /// Young's modulus E, in MPa.
     pub modulus_mpa: f64,
-    /// nu, 0 to 0.5.
+    /// Poisson's ratio nu, 0 to 0.5.
     pub poisson_ratio: f64,
-    /// K, in velocity heads.
+    /// Loss of the fittings K, in velocity heads.
     pub minor_loss: f64,
-    /// Flow at which R is taken, since the model's lines are linear, mL/s; none takes the pump's default rate.
+    /// Flow at which R is taken, in mL/s, since the model's lines are linear. `None` takes the pump's default
+    /// rate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resistance_at_ml_s: Option<f64>,
 }
 
 impl HoseTable {
-    /// The hose.
+    /// Returns the hose of the model.
     pub fn hose(&self) -> Hose {
         Hose {
             bore_radius_mm: self.bore_radius_mm,
@@ -54,7 +55,10 @@ impl HoseTable {
 }
 
 impl LineTable {
-    /// The line for a pump whose default rate is `rate_ml_s`; a hose needs to know what flows in it.
+    /// Returns the line for a pump whose default rate is `rate_ml_s`. A hose also needs the fluid.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of a fluid or a hose that is out of range.
     pub fn line(
         &self,
         fluid: impl FnOnce() -> Result<Fluid, ModelError>,
@@ -68,7 +72,10 @@ impl LineTable {
         }
     }
 
-    /// What its hose resists at every flow; none where R is given.
+    /// Returns the friction of the hose at every flow, or `None` for a line that is given by its R.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of a fluid or a hose that is out of range.
     pub fn friction(
         &self,
         fluid: impl FnOnce() -> Result<Fluid, ModelError>,
@@ -79,7 +86,7 @@ impl LineTable {
         }
     }
 
-    /// Whether nobody has measured it.
+    /// Returns true if the line is estimated from a hose and not measured.
     pub fn is_estimated(&self) -> bool {
         matches!(self, Self::Hose { .. })
     }
@@ -91,7 +98,7 @@ impl From<Line> for LineTable {
     }
 }
 
-/// The keys of both.
+/// Keys of the table, whether it gives a line or a hose.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Keys {

@@ -1,24 +1,30 @@
-//! Pump files: one TOML file that says everything about a pump, each number with its unit in its key.
+//! Pump files: a TOML file describes one pump, and each key names the unit of its number.
 
+mod ambient;
+mod check;
 mod drive;
+mod error;
 mod file;
 mod fluid;
+mod head;
 mod limits;
 mod line;
 mod motor;
-mod roller_volume;
+mod pump;
+mod range;
 mod speed_law;
-mod tube;
+mod uncertainty;
 
+pub use ambient::AmbientTable;
 pub use drive::{Axis, DriveTable, DriverName};
-pub use file::{
-    AmbientTable, BackplateTable, PumpFile, PumpFileError, PumpTable, RollersTable, SCHEMA, UncertaintyTable,
-};
+pub use error::PumpFileError;
+pub use file::{PumpFile, SCHEMA};
 pub(crate) use fluid::SAME_TEMPERATURE_DEGC;
 pub use fluid::{FluidError, FluidTable};
+pub use head::{BackplateTable, Fit, RollerVolumeTable, RollersTable, TubeTable};
 pub use limits::LimitsTable;
 pub use line::{HoseTable, LineTable};
 pub use motor::MotorTable;
-pub use roller_volume::{Fit, RollerVolumeTable};
+pub use pump::PumpTable;
 pub use speed_law::SpeedLawTable;
-pub use tube::TubeTable;
+pub use uncertainty::UncertaintyTable;

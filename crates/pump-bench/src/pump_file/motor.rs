@@ -1,10 +1,12 @@
-//! `[motor]`: steps, speeds, torque.
+//! `[motor]`: steps, speeds and torque of the motor.
 
 use pump_ctl::plan::{Motor, TORQUE_POINTS, Torque, TorqueCurve};
 use pump_model::math::rad_s;
 use serde::{Deserialize, Serialize};
 
-/// `[motor]`
+use super::range::{WrongValue, allow, within, within_if_given};
+
+/// The table `[motor]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MotorTable {
@@ -13,26 +15,26 @@ pub struct MotorTable {
     /// Revolutions of the motor per revolution of the pump head.
     #[serde(default = "one")]
     pub gear: f64,
-    /// Full steps per revolution of the motor: a rotor that is let go may fall by two of them.
+    /// Full steps per revolution of the motor. A rotor that is released may fall by two of them.
     #[serde(default = "usual_full_steps")]
     pub full_steps_per_rev: u32,
-    /// Fastest speed of the pump head, r/min.
+    /// Fastest speed of the pump head, in r/min.
     pub max_speed_rpm: f64,
-    /// Largest acceleration of the pump head, rad/s².
+    /// Largest acceleration of the pump head, in rad/s².
     pub max_acceleration_rad_s2: f64,
-    /// (r/min, N m) of what the motor gives at the pump head, gear included: 2 to 8 points from speed 0 up.
+    /// Torque of the motor at the pump head, gear included: 2 to 8 points in r/min and N m, from speed 0 up.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torque_curve_rpm_n_m: Option<Vec<(f64, f64)>>,
-    /// Torque that squeezing the tube takes at the pump head at any speed, N m.
+    /// Torque at the pump head that squeezes the tube at any speed, in N m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub occlusion_torque_n_m: Option<f64>,
-    /// Moment of inertia of all that turns, at the pump head, kg m².
+    /// Moment of inertia of all that turns, referred to the pump head, in kg m².
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia_kg_m2: Option<f64>,
 }
 
 impl MotorTable {
-    /// The motor as seen at the pump head.
+    /// Returns the motor as the pump head sees it.
     pub fn at_pump_head(&self) -> Motor {
         Motor {
             steps_per_rev: f64::from(self.steps_per_rev) * self.gear,
@@ -41,50 +43,45 @@ impl MotorTable {
         }
     }
 
-    /// What turning takes and what the motor gives, at this ambient pressure; none unless curve, occlusion and inertia are
-    /// known: the fluid's part alone would pass nearly everything.
+    /// Returns the torque that turning takes and the torque that the motor gives, at an ambient pressure in
+    /// kPa.
+    ///
+    /// Returns `None` unless torque curve, occlusion torque and inertia are all known: the fluid's part alone
+    /// would pass nearly everything.
     pub fn torque(&self, ambient_kpa: f64) -> Option<Torque> {
         let motor = curve(self.torque_curve_rpm_n_m.as_deref()?)?;
         let (occlusion_n_m, inertia_kg_m2) = self.occlusion_torque_n_m.zip(self.inertia_kg_m2)?;
         Some(Torque { occlusion_n_m, inertia_kg_m2, ambient_kpa, motor })
     }
 
-    /// What is wrong with it: key, what it says, what is allowed. Speed and acceleration are left to the planner.
-    pub(super) fn wrong(&self) -> Option<(&'static str, String, &'static str)> {
-        let unless = |ok: bool, key, value: &dyn std::fmt::Display, allowed| {
-            (!ok).then(|| (key, value.to_string(), allowed))
-        };
-        let number = |key, value: Option<f64>| {
-            value.and_then(|value| unless((0.0..=1e6).contains(&value), key, &value, "0 to 1000000"))
-        };
-        let steps = self.steps_per_rev;
-        let full = self.full_steps_per_rev;
-        unless((1..=100_000_000).contains(&steps), "[motor] steps_per_rev", &steps, "1 to 100000000")
-            .or_else(|| {
-                unless((1e-3..=1e4).contains(&self.gear), "[motor] gear", &self.gear, "0.001 to 10000")
-            })
-            .or_else(|| {
-                unless((4..=100_000).contains(&full), "[motor] full_steps_per_rev", &full, "4 to 100000")
-            })
-            .or_else(|| {
-                let points = self.torque_curve_rpm_n_m.as_deref()?;
-                let shown: Vec<String> = points.iter().map(|(rpm, n_m)| format!("[{rpm}, {n_m}]")).collect();
-                let shown = format!("[{}]", shown.join(", "));
-                let allowed =
-                    "2 to 8 points [r/min, N m], the first at 0 r/min, speeds rising, torques 0 to 1000000";
-                unless(curve(points).is_some(), "[motor] torque_curve_rpm_n_m", &shown, allowed)
-            })
-            .or_else(|| number("[motor] occlusion_torque_n_m", self.occlusion_torque_n_m))
-            .or_else(|| number("[motor] inertia_kg_m2", self.inertia_kg_m2))
-            .or_else(|| {
-                let wanted = self.torque_curve_rpm_n_m.is_some() && self.occlusion_torque_n_m.is_some();
-                let allowed = "a number, 0 if it is negligible: speeding up takes torque, too";
-                unless(!wanted || self.inertia_kg_m2.is_some(), "[motor] inertia_kg_m2", &"missing", allowed)
-            })
+    /// Refuses the first value outside its range. Speed and acceleration are left to the planner.
+    pub(super) fn check(&self) -> Result<(), WrongValue> {
+        within("[motor] steps_per_rev", self.steps_per_rev, 1..=100_000_000)?;
+        within("[motor] gear", self.gear, 1e-3..=1e4)?;
+        within("[motor] full_steps_per_rev", self.full_steps_per_rev, 4..=100_000)?;
+        if let Some(points) = &self.torque_curve_rpm_n_m {
+            let shown: Vec<String> = points.iter().map(|(rpm, n_m)| format!("[{rpm}, {n_m}]")).collect();
+            allow(
+                curve(points).is_some(),
+                "[motor] torque_curve_rpm_n_m",
+                format_args!("[{}]", shown.join(", ")),
+                "2 to 8 points [r/min, N m], the first at 0 r/min, speeds rising, torques 0 to 1000000",
+            )?;
+        }
+        within_if_given("[motor] occlusion_torque_n_m", self.occlusion_torque_n_m, 0.0..=1e6)?;
+        within_if_given("[motor] inertia_kg_m2", self.inertia_kg_m2, 0.0..=1e6)?;
+        let needs_inertia = self.torque_curve_rpm_n_m.is_some() && self.occlusion_torque_n_m.is_some();
+        if needs_inertia && self.inertia_kg_m2.is_none() {
+            return Err(WrongValue::missing(
+                "[motor] inertia_kg_m2",
+                "a number, 0 if it is negligible: speeding up takes torque, too",
+            ));
+        }
+        Ok(())
     }
 }
 
-/// The curve over rad/s; none if it is none.
+/// Returns the torque curve over rad/s, or `None` if the points make no curve.
 fn curve(points: &[(f64, f64)]) -> Option<TorqueCurve> {
     let mut converted = [(0.0, 0.0); TORQUE_POINTS];
     let converted = converted.get_mut(..points.len())?;
@@ -94,10 +91,12 @@ fn curve(points: &[(f64, f64)]) -> Option<TorqueCurve> {
     TorqueCurve::new(converted)
 }
 
+/// Returns the gear of a motor without a gearbox.
 fn one() -> f64 {
     1.0
 }
 
+/// Returns the full steps per revolution of a usual stepper motor.
 fn usual_full_steps() -> u32 {
     200
 }

@@ -1,34 +1,37 @@
-//! `[speed_law]`: whether and how the volume of a revolution depends on the speed.
+//! `[speed_law]`: how the volume of a revolution depends on the speed, if it does.
 
 use pump_model::math::radians;
 use pump_model::{Drawing, ModelError, Pump, SpeedLaw};
 use serde::{Deserialize, Serialize};
 
 use super::PumpFile;
+use super::range::{WrongValue, positive, positive_up_to, within};
 use crate::displacement::{RangedLaw, SpeedLawError};
 
-/// `[speed_law]`
+/// The table `[speed_law]`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum SpeedLawTable {
-    /// The volume of a revolution is the same at every speed.
+    /// No law: the volume of a revolution is constant over the speed.
     #[serde(rename = "none")]
     Off {},
-    /// A segment holds more or less by the inlet pressure at which it is trapped; experimental, see [`SpeedLaw`].
+    /// Law by which a segment's volume depends on the inlet pressure that traps it. Experimental, see
+    /// [`SpeedLaw`].
     InletPressure {
-        /// s: volume between two rollers over that of the round tube.
+        /// Volume between two rollers over the volume of the round tube, s.
         s: f64,
-        /// D, 1/kPa: how much more a segment holds for more pressure.
+        /// Growth of a segment's volume with the pressure D, in 1/kPa.
         d_per_kpa: f64,
-        /// theta_c, deg: where an engaging roller closes the lumen; none takes that of the dimensions.
+        /// Angle at which an engaging roller closes the lumen theta_c, in deg. `None` takes it from the
+        /// dimensions.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         closure_angle_deg: Option<f64>,
-        /// Slowest speed at which it holds, r/min.
+        /// Slowest speed at which the law holds, in r/min.
         least_rpm: f64,
-        /// Fastest, r/min.
+        /// Fastest speed at which the law holds, in r/min.
         most_rpm: f64,
-        /// Standard uncertainty of the volumes that it gives, percent; of a pump that is not calibrated it takes the place of
-        /// `model_percent`.
+        /// Standard uncertainty of the law's volumes, in percent. It replaces `model_percent` while the pump
+        /// is not calibrated.
         residual_percent: f64,
     },
 }
@@ -40,45 +43,29 @@ impl Default for SpeedLawTable {
 }
 
 impl SpeedLawTable {
-    /// Key, value and what is allowed of the first that is wrong.
-    pub(super) fn wrong(&self) -> Option<(&'static str, f64, &'static str)> {
+    /// Refuses the first value outside its range.
+    pub(super) fn check(&self) -> Result<(), WrongValue> {
         let &Self::InletPressure { s, d_per_kpa, closure_angle_deg, least_rpm, most_rpm, residual_percent } =
             self
         else {
-            return None;
+            return Ok(());
         };
-        let checks = [
-            (s > 0.0 && s <= 2.0, "[speed_law] s", s, "more than 0, 2 at most (1: the round tube)"),
-            ((0.0..=1.0).contains(&d_per_kpa), "[speed_law] d_per_kpa", d_per_kpa, "0 to 1"),
-            (
-                closure_angle_deg.is_none_or(|deg| deg > 0.0 && deg <= 180.0),
-                "[speed_law] closure_angle_deg",
-                closure_angle_deg.unwrap_or_default(),
-                "more than 0, 180 at most",
-            ),
-            (
-                least_rpm > 0.0 && least_rpm.is_finite(),
-                "[speed_law] least_rpm",
-                least_rpm,
-                "more than 0: the slowest speed at which the law holds",
-            ),
-            (
-                most_rpm >= least_rpm && most_rpm <= 1e5,
-                "[speed_law] most_rpm",
-                most_rpm,
-                "least_rpm to 100000: the fastest speed at which the law holds",
-            ),
-            (
-                (0.0..=100.0).contains(&residual_percent),
-                "[speed_law] residual_percent",
-                residual_percent,
-                "0 to 100 (nothing published shows that the law is nearer than the 2.4 of a pump without)",
-            ),
-        ];
-        checks.into_iter().find_map(|(ok, key, value, allowed)| (!ok).then_some((key, value, allowed)))
+        positive_up_to("[speed_law] s", s, 2.0).map_err(|wrong| wrong.hint("1: the round tube"))?;
+        within("[speed_law] d_per_kpa", d_per_kpa, 0.0..=1.0)?;
+        if let Some(angle_deg) = closure_angle_deg {
+            positive_up_to("[speed_law] closure_angle_deg", angle_deg, 180.0)?;
+        }
+        positive("[speed_law] least_rpm", least_rpm)
+            .map_err(|wrong| wrong.hint("the slowest speed at which the law holds"))?;
+        within("[speed_law] most_rpm", most_rpm, least_rpm..=1e5)
+            .map_err(|wrong| wrong.hint("from least_rpm on: the fastest speed at which the law holds"))?;
+        within("[speed_law] residual_percent", residual_percent, 0.0..=100.0).map_err(|wrong| {
+            wrong.hint("nothing published shows that the law is nearer than the 2.4 of a pump without")
+        })
     }
 
-    /// Standard uncertainty of the volumes that it gives, part of them; none if it is off.
+    /// Returns the standard uncertainty of the law's volumes as a fraction of them, or `None` if the law is
+    /// off.
     pub fn standard(&self) -> Option<f64> {
         match self {
             Self::Off {} => None,
@@ -88,7 +75,10 @@ impl SpeedLawTable {
 }
 
 impl PumpFile {
-    /// The law of `[speed_law]`; none if it is off.
+    /// Returns the law of `[speed_law]` with its speeds, or `None` if the law is off.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of dimensions from which no closure angle follows.
     pub fn speed_law(&self) -> Result<Option<RangedLaw>, ModelError> {
         let SpeedLawTable::InletPressure { s, d_per_kpa, least_rpm, most_rpm, .. } = self.speed_law else {
             return Ok(None);
@@ -97,7 +87,10 @@ impl PumpFile {
         Ok(Some(RangedLaw { law, least_rpm, most_rpm }))
     }
 
-    /// A law of this pump whose s and D are to be fitted: theta_c and P_atm are the pump's.
+    /// Returns a law whose s and D are to be fitted, with theta_c and P_atm of this pump.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of dimensions from which no closure angle follows.
     pub fn speed_law_to_fit(&self) -> Result<SpeedLaw, ModelError> {
         let closure_rad = match self.speed_law {
             SpeedLawTable::InletPressure { closure_angle_deg: Some(deg), .. } => radians(deg),
@@ -106,12 +99,22 @@ impl PumpFile {
         Ok(SpeedLaw { closure_rad, ambient_kpa: self.ambient.pressure_kpa, ..SpeedLaw::PUBLISHED })
     }
 
-    /// `pump`, the model of this file, as it is at a constant speed in rad/s: by the speed law if it is on.
+    /// Returns `pump`, the model of this file, at a constant speed in rad/s. The speed law applies if it is
+    /// on.
+    ///
+    /// # Errors
+    /// [`SpeedLawError::OutsideSpeeds`] for a speed at which the law does not hold, or
+    /// [`SpeedLawError::Model`].
     pub fn pump_at(&self, pump: &Pump, speed_rad_s: f64) -> Result<Pump, SpeedLawError> {
         self.speed_law()?.map_or(Ok(*pump), |law| law.pump_at(pump, speed_rad_s))
     }
 
-    /// Speed, rad/s, whose mean flow over whole pitches is `flow_ml_s`: by the speed law if it is on.
+    /// Returns the speed in rad/s whose mean flow over whole pitches is `flow_ml_s`. The speed law applies if
+    /// it is on.
+    ///
+    /// # Errors
+    /// [`SpeedLawError::OutsideFlows`] for a flow that the law gives at no speed, or
+    /// [`SpeedLawError::Model`].
     pub fn speed_for_flow(&self, pump: &Pump, flow_ml_s: f64) -> Result<f64, SpeedLawError> {
         let usual = || Ok(pump_ctl::plan::speed_for_flow(pump, flow_ml_s));
         self.speed_law()?.map_or_else(usual, |law| law.speed_for_flow(pump, flow_ml_s))
@@ -128,8 +131,8 @@ mod tests {
         PumpFile::parse(&text, "a file").map_err(|error| error.to_string())
     }
 
-    const TABLE: &str = "[speed_law]\nkind = \"inlet-pressure\"\ns = 0.953\nd_per_kpa = 2.05e-3\nleast_rpm = 10\n\
-                         most_rpm = 170\nresidual_percent = 2.4\n";
+    const TABLE: &str = "[speed_law]\nkind = \"inlet-pressure\"\ns = 0.953\nd_per_kpa = 2.05e-3\n\
+                         least_rpm = 10\nmost_rpm = 170\nresidual_percent = 2.4\n";
 
     #[test]
     fn a_table_is_the_law_with_the_closure_of_the_dimensions() {

@@ -1,4 +1,4 @@
-//! Waveforms: flows, pressures and delivered volume over time.
+//! Waveforms: flows, pressures and the delivered volume over time.
 
 mod sample;
 mod simulation;

@@ -1,36 +1,37 @@
-//! What is known of the pump at one instant, and at many.
+//! The state of the pump at one instant, and columns of such states.
 
 use std::slice::from_mut;
 
 /// The state of the pump at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sample {
-    /// s.
+    /// Time, in s.
     pub time_s: f64,
-    /// Angle of the rotor, rad, unwrapped.
+    /// Angle of the rotor, in rad, unwrapped.
     pub angle_rad: f64,
-    /// Speed of the rotor, rad/s.
+    /// Speed of the rotor, in rad/s.
     pub speed_rad_s: f64,
-    /// Flow at the inlet rollers, mL/s.
+    /// Flow at the inlet rollers, in mL/s.
     pub q_in_ml_s: f64,
-    /// Flow at the outlet rollers, mL/s.
+    /// Flow at the outlet rollers, in mL/s.
     pub q_out_ml_s: f64,
-    /// Pressure at the inlet, kPa absolute.
+    /// Pressure at the inlet, in kPa absolute.
     pub p_in_kpa: f64,
-    /// Pressure at the outlet, kPa absolute.
+    /// Pressure at the outlet, in kPa absolute.
     pub p_out_kpa: f64,
-    /// Volume that has passed the outlet line, mL.
+    /// Volume that has passed the outlet line, in mL.
     pub delivered_ml: f64,
 }
 
-/// Quantities in a [`Sample`].
+/// Number of quantities in a [`Sample`].
 pub const COLUMNS: usize = 8;
 
-/// Room for samples in order of time: a column for every field of [`Sample`], in their order, all of one length.
+/// Columns for samples in order of time. Each field of [`Sample`] has its column, in order, and all have one
+/// length.
 pub type Columns<'c> = [&'c mut [f64]; COLUMNS];
 
 impl Sample {
-    /// The sample as columns of length 1.
+    /// Returns the sample as columns of length 1.
     pub fn as_columns(&mut self) -> Columns<'_> {
         [
             from_mut(&mut self.time_s),

@@ -1,4 +1,4 @@
-//! A run of the model at constant speed from lines at rest, without any dose.
+//! A run of the model at constant speed from lines at rest. There is no dose.
 
 use std::array;
 
@@ -6,24 +6,23 @@ use pump_model::{DEFAULT_TOLERANCE, Friction, Leg, ModelError, Pump, RollerCentr
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::simulation::EqualTimes;
-use crate::simulation::{Integration, Method, Waveform};
+use crate::simulation::{EqualTimes, Integration, Method, Waveform};
 
-/// Most samples that a run may have.
+/// Largest number of samples of a run.
 pub const MAX_SAMPLES: f64 = 1e9;
 
-/// Which method is asked for.
+/// The method that the user asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AskedMethod {
-    /// The exact solution where there is one.
+    /// Exact solution where there is one, else the integrator.
     Auto,
-    /// The exact solution.
+    /// Exact solution.
     Exact,
-    /// The integrator.
+    /// Integrator.
     Rodas5p,
 }
 
-/// A method that does not fit what is to be computed.
+/// A method that does not fit the model or the lines.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MethodError {
@@ -32,24 +31,29 @@ pub enum MethodError {
         "the roller-centric model is not linear and has no exact solution; allowed: method auto or rodas5p"
     )]
     ExactRollerCentric,
-    /// Friction has no exact solution.
+    /// The friction of a hose has no exact solution.
     #[error(
-        "the friction of a hose grows with the flow and has no exact solution; allowed: method auto or rodas5p, or a pump \
-         file that gives the lines' R, C and L in place of their hoses"
+        "the friction of a hose grows with the flow and has no exact solution; allowed: method auto or \
+         rodas5p, or a pump file that gives the lines' R, C and L in place of their hoses"
     )]
     ExactFriction,
-    /// A tolerance for what has no error.
+    /// The exact solution takes no tolerance.
     #[error(
         "tolerance is {tolerance}, but the exact solution has none; allowed: none, or method \"rodas5p\""
     )]
     ToleranceOfExact {
-        /// What was given.
+        /// Tolerance that was given.
         tolerance: f64,
     },
 }
 
-/// The method for a model, the frictions of the hoses that inlet and outlet line are, and what is asked for. Without a
-/// `tolerance` the integrator takes [`DEFAULT_TOLERANCE`].
+/// Chooses the method for a model and for the frictions of the hoses of inlet and outlet.
+///
+/// Without a `tolerance` the integrator takes [`DEFAULT_TOLERANCE`].
+///
+/// # Errors
+/// Returns the [`MethodError`] of an exact solution that does not exist, or of a tolerance for an exact
+/// solution.
 pub fn choose_method(
     asked: AskedMethod,
     roller_centric: Option<RollerCentric>,
@@ -71,26 +75,29 @@ pub fn choose_method(
     }
 }
 
-/// A run at constant speed.
+/// A run of the model at constant speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Simulation {
-    /// Speed, rad/s; not zero; negative in reverse.
+    /// Speed, in rad/s. Not zero; negative in reverse.
     pub speed_rad_s: f64,
-    /// How long, s, positive.
+    /// Duration, in s, positive.
     pub duration_s: f64,
-    /// Time between samples, s, positive.
+    /// Time between samples, in s, positive.
     pub dt_s: f64,
-    /// How the pressures are computed.
+    /// Method that computes the pressures.
     pub method: Method,
 }
 
 impl Simulation {
-    /// An exact run.
+    /// Makes a run by the exact solution.
     pub fn new(speed_rad_s: f64, duration_s: f64, dt_s: f64) -> Self {
         Self { speed_rad_s, duration_s, dt_s, method: Method::Exact }
     }
 
-    /// Refuses what cannot be run.
+    /// Refuses a run whose speed, duration or sampling is out of range.
+    ///
+    /// # Errors
+    /// [`ModelError::OutOfRange`] with the parameter, its value and the allowed range.
     pub fn validate(&self) -> Result<(), ModelError> {
         let out = |parameter, value, allowed: &'static str| {
             Err(ModelError::OutOfRange { parameter, value, allowed: allowed.into() })
@@ -110,21 +117,28 @@ impl Simulation {
         Ok(())
     }
 
-    /// The periodic steady state that it tends to.
+    /// Returns the periodic steady state to which the run tends.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of a run that [`Simulation::validate`] refuses, or of the steady state.
     pub fn steady_state(&self, pump: &Pump) -> Result<SteadyState, ModelError> {
         self.validate()?;
         self.method.steady_state(pump, self.speed_rad_s)
     }
 
-    /// Number of intervals: the samples are at n dt, both ends included where the duration is a multiple of dt.
+    /// Returns the number of intervals. Samples are at n dt and include the end if the duration is a multiple
+    /// of dt.
     pub fn intervals(&self) -> u64 {
-        // A duration of 10 s and a dt of 1 ms are 10,000 intervals whatever their quotient rounds to.
+        // A duration of 10 s and a dt of 1 ms give 10,000 intervals, even if their quotient rounds below it.
         let quotient = self.duration_s / self.dt_s;
         let nearest = quotient.round();
         if (quotient - nearest).abs() <= 1e-9 * nearest { nearest as u64 } else { quotient as u64 }
     }
 
-    /// The samples in order.
+    /// Returns the samples in order of time.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of a run that [`Simulation::validate`] refuses, or of the integrator.
     pub fn samples<'a>(
         &self,
         pump: &'a Pump,
@@ -138,23 +152,23 @@ impl Simulation {
 /// Statistics of the periodic steady state, named as in JSON and Python.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SteadyReport {
-    /// Smallest inlet pressure, kPa absolute.
+    /// Smallest inlet pressure, in kPa absolute.
     pub inlet_min_kpa: f64,
-    /// Largest.
+    /// Largest inlet pressure, in kPa absolute.
     pub inlet_max_kpa: f64,
-    /// Mean.
+    /// Mean inlet pressure, in kPa absolute.
     pub inlet_mean_kpa: f64,
-    /// Smallest outlet pressure, kPa absolute.
+    /// Smallest outlet pressure, in kPa absolute.
     pub outlet_min_kpa: f64,
-    /// Largest.
+    /// Largest outlet pressure, in kPa absolute.
     pub outlet_max_kpa: f64,
-    /// Mean.
+    /// Mean outlet pressure, in kPa absolute.
     pub outlet_mean_kpa: f64,
-    /// Mean flow, mL/s.
+    /// Mean flow, in mL/s.
     pub mean_flow_ml_s: f64,
-    /// (Largest - smallest) / mean of the flow at the outlet rollers.
+    /// Ripple of the flow at the outlet rollers, (largest - smallest) / mean.
     pub ripple_peak_to_peak: f64,
-    /// Standard deviation / mean of the flow at the outlet rollers.
+    /// Ripple of the flow at the outlet rollers, standard deviation / mean.
     pub ripple_rms: f64,
 }
 

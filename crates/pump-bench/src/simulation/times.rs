@@ -1,8 +1,8 @@
-//! When a waveform is sampled.
+//! Times at which a waveform is sampled.
 
 use std::ops::Range;
 
-/// Times n `dt_s`, s.
+/// Times at equal intervals, n `dt_s`, in s.
 #[derive(Debug, Clone)]
 pub struct EqualTimes {
     dt_s: f64,
@@ -10,7 +10,7 @@ pub struct EqualTimes {
 }
 
 impl EqualTimes {
-    /// n = 0 to `intervals`; `dt_s` in s.
+    /// Makes the times for n = 0 to `intervals`, with `dt_s` in s.
     pub fn new(dt_s: f64, intervals: u64) -> Self {
         Self { dt_s, numbers: 0..intervals + 1 }
     }
@@ -25,7 +25,8 @@ impl Iterator for EqualTimes {
     }
 }
 
-/// Times every `dt_s` from 0 to `end_s`, with `also_s` in its place and `end_s` last.
+/// Returns the times every `dt_s` from 0 to `end_s`, in s. `also_s` stands among them in order, and `end_s`
+/// is last.
 pub fn times(dt_s: f64, also_s: f64, end_s: f64) -> impl Iterator<Item = f64> {
     let mut also = Some(also_s).filter(|also| *also < end_s);
     let mut n = 0_u64;

@@ -1,4 +1,4 @@
-//! Flows, pressures and delivered volume of a motion, sampled over time.
+//! Flows, pressures and the delivered volume of a motion, sampled over time.
 
 use pump_model::circuit::Loss;
 use pump_model::integrator::IntegrationError;
@@ -7,36 +7,35 @@ use pump_model::{
     SteadyState,
 };
 
-use crate::simulation::EqualTimes;
-use crate::simulation::{Columns, Sample};
+use crate::simulation::{Columns, EqualTimes, Sample};
 
-/// How the pressures are computed.
+/// A method that computes the pressures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
-    /// The exact solution of the flow-centric model, between edges in closed form.
+    /// Exact solution of the flow-centric model, in closed form between edges.
     Exact,
-    /// The implicit integrator.
+    /// Implicit integrator Rodas5P.
     Rodas5p(Integration),
 }
 
-/// What the integrator computes.
+/// The settings of the integrator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Integration {
-    /// Error allowed in a step, see [`pump_model::DEFAULT_TOLERANCE`].
+    /// Error that a step may have, see [`pump_model::DEFAULT_TOLERANCE`].
     pub tolerance: f64,
-    /// Of the hoses that inlet and outlet line are, in place of R; none where a line is given.
+    /// Frictions of the hoses of inlet and outlet, which replace R. `None` for a line that is given by its R.
     pub frictions: [Option<Friction>; 2],
-    /// The roller-centric model with these parameters; none is the flow-centric one.
+    /// Parameters of the roller-centric model. `None` is the flow-centric model.
     pub roller_centric: Option<RollerCentric>,
 }
 
 impl Integration {
-    /// The flow-centric model with lines as they are given.
+    /// Makes the settings for the flow-centric model with the R of its lines.
     pub fn new(tolerance: f64) -> Self {
         Self { tolerance, frictions: [None; 2], roller_centric: None }
     }
 
-    /// What inlet and outlet line of `pump` resist.
+    /// Returns the losses of the inlet line and the outlet line of `pump`.
     fn losses(&self, pump: &Pump) -> [Loss; 2] {
         let [inlet, outlet] = self.frictions;
         [Loss::with_friction(pump.inlet(), inlet), Loss::with_friction(pump.outlet(), outlet)]
@@ -44,7 +43,7 @@ impl Integration {
 }
 
 impl Method {
-    /// `exact` or `rodas5p`.
+    /// Returns the method's name, `exact` or `rodas5p`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Exact => "exact",
@@ -52,7 +51,11 @@ impl Method {
         }
     }
 
-    /// Periodic steady state of `pump` at a constant speed: in closed form where there is one.
+    /// Returns the periodic steady state of `pump` at a constant speed in rad/s, in closed form where there
+    /// is one.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of a speed that the model refuses, or of an integration that fails.
     pub fn steady_state(&self, pump: &Pump, speed_rad_s: f64) -> Result<SteadyState, ModelError> {
         match self {
             Self::Rodas5p(integration) => match integration.roller_centric {
@@ -65,7 +68,9 @@ impl Method {
     }
 }
 
-/// Samples of a motion from lines at rest, at rising times: one by one as an iterator, or faster in columns.
+/// Samples of a motion from lines at rest, at rising times.
+///
+/// As an iterator it gives them one by one; [`Waveform::fill`] is faster and gives them in columns.
 pub struct Waveform<'a, M, T> {
     pump: &'a Pump,
     times: T,
@@ -75,7 +80,7 @@ pub struct Waveform<'a, M, T> {
     ports: Ports<'a, M>,
 }
 
-/// The integration of a port from rest.
+/// Starts the integration of a port from rest.
 fn resisted<'a, M: Iterator<Item = Leg>, const N: usize>(
     pump: &'a Pump,
     port: Port,
@@ -90,22 +95,26 @@ fn resisted<'a, M: Iterator<Item = Leg>, const N: usize>(
     PortRun::resisted(pump, loss, port, legs, [0.0; N].into(), tolerance)
 }
 
-/// What the pressures are read from.
+/// The source of the pressures, by model.
 enum Ports<'a, M> {
     FlowCentric(Lines<'a, M>),
     RollerCentric(Box<RollerRun<'a, M>>),
 }
 
-/// Inlet and outlet of the flow-centric model by either method.
+/// Inlet and outlet of the flow-centric model, by method.
 enum Lines<'a, M> {
     Exact(Box<[ExactRun<'a, M>; 2]>),
-    /// At the next of equal intervals, whatever the time.
+    /// Exact solution at the next of equal intervals. The time itself is not looked at.
     Every(Box<[ExactSamples<'a, M>; 2]>),
     Integrated(Box<(PortRun<'a, M, 2, Loss>, PortRun<'a, M, 3, Loss>)>),
 }
 
 impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M, EqualTimes> {
-    /// A motion over `legs`, which start at time 0, at n `dt_s`, n = 0 to `intervals`: the fastest way through it.
+    /// Samples a motion at n `dt_s`, n = 0 to `intervals`, which is the fastest way. The `legs` start at time
+    /// 0.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of an integrator that cannot start.
     pub fn every(
         pump: &'a Pump,
         legs: impl IntoIterator<IntoIter = M>,
@@ -125,7 +134,10 @@ impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M, EqualTimes> {
 }
 
 impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, M, T> {
-    /// A motion over `legs`, at `times`, s, which must rise; after the last leg the rotor stands.
+    /// Samples a motion over `legs` at `times` in s, which must rise. After the last leg the rotor stands.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of an integrator that cannot start.
     pub fn new(
         pump: &'a Pump,
         legs: impl IntoIterator<IntoIter = M>,
@@ -158,7 +170,11 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
         Ok(Self { pump, times, legs, leg, start_ml, ports })
     }
 
-    /// Fills the columns with the next samples and says how many there are: at the end fewer than there is room for.
+    /// Fills the columns with the next samples and returns their number. A number below the length of the
+    /// columns is the end.
+    ///
+    /// # Errors
+    /// Returns the [`IntegrationError`] of a step that fails.
     pub fn fill(&mut self, columns: Columns<'_>) -> Result<usize, IntegrationError> {
         let mut count = 0;
         for (place, time) in columns[0].iter_mut().zip(&mut self.times) {
@@ -195,7 +211,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
         Ok(count)
     }
 
-    /// Angles, rad, and speeds, rad/s, at the times.
+    /// Computes the angles in rad and the speeds in rad/s at the times.
     fn follow_legs(&mut self, time_s: &[f64], angle_rad: &mut [f64], speed_rad_s: &mut [f64]) {
         let mut next = 0;
         while let Some(&first_s) = time_s.get(next) {
@@ -214,8 +230,8 @@ impl<'a, M: Iterator<Item = Leg> + Clone, T: Iterator<Item = f64>> Waveform<'a, 
 }
 
 impl<M: Iterator<Item = Leg>> Lines<'_, M> {
-    /// Pressures above the reservoirs, kPa, at the times. `through_ml` is what the outlet rollers have pushed, mL, and
-    /// becomes what has passed the line.
+    /// Computes the pressures above the reservoirs in kPa at the times. `through_ml` comes in as the volume
+    /// that the outlet rollers have pushed and goes out as the volume that has passed the line, in mL.
     fn follow(
         &mut self,
         pump: &Pump,
@@ -244,7 +260,7 @@ impl<M: Iterator<Item = Leg>> Lines<'_, M> {
                 return Ok(());
             }
         }
-        // By the balance of the exact solution: what the line holds has not passed it.
+        // The exact solution balances: the volume that the line holds has not passed it.
         for (through_ml, kpa) in through_ml.iter_mut().zip(outlet_kpa) {
             *through_ml -= pump.outlet().compliance_ml_kpa * *kpa;
         }
@@ -280,7 +296,7 @@ mod tests {
             speed_rad_s,
             acceleration_rad_s2,
         };
-        // It turns back in the last leg, then stands.
+        // The rotor turns back in the last leg, then stands.
         let ramps =
             [leg(0.0, 0.5, 1.0, 0.0, 20.0), leg(0.5, 0.4, 3.5, 10.0, 0.0), leg(0.9, 0.6, 7.5, 10.0, -20.0)];
         let (forward, reverse) = ([Leg::constant_speed(0.0, 10.0)], [Leg::constant_speed(0.0, -10.0)]);

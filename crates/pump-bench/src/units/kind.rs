@@ -1,27 +1,27 @@
-//! What quantities measure, and their units.
+//! Kinds of quantities and their units.
 
 use std::fmt;
 
-/// What a quantity measures, with the units it may be given in.
+/// A kind of quantity. Each kind accepts a list of units and is kept in one of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// mL
+    /// Volume, kept in mL.
     Volume,
-    /// g
+    /// Mass, kept in g.
     Mass,
-    /// mL/s
+    /// Flow, kept in mL/s.
     Flow,
-    /// rad/s of the pump head
+    /// Speed of the pump head, kept in rad/s.
     Speed,
-    /// s
+    /// Time, kept in s.
     Time,
-    /// rad
+    /// Angle, kept in rad.
     Angle,
-    /// kPa absolute
+    /// Pressure, kept in kPa.
     Pressure,
-    /// °C
+    /// Temperature, kept in °C.
     Temperature,
-    /// mm
+    /// Length, kept in mm.
     Length,
 }
 
@@ -41,7 +41,7 @@ impl fmt::Display for Kind {
     }
 }
 
-/// Unit and its factor to the unit used inside.
+/// Units, each with its factor to the unit of the kind.
 type Units = &'static [(&'static str, f64)];
 
 const LITRES: Units = &[
@@ -78,7 +78,8 @@ const SPEEDS: Units = &[
     ("rad/s", 1.0),
     ("deg/s", TURN / 360.0),
 ];
-/// To kPa; with `a` or `g` behind. The pound-force per square inch is 6.894757293168361 kPa (NIST SP 811).
+/// Units of pressure, to which users append `a` or `g`. The pound-force per square inch is 6.894757293168361
+/// kPa (NIST SP 811).
 const PRESSURES: Units = &[
     ("Pa", 1e-3),
     ("hPa", 0.1),
@@ -89,12 +90,12 @@ const PRESSURES: Units = &[
     ("psi", 6.894_757_293_168_361),
 ];
 
-/// The international inch is 25.4 mm.
+/// Units of length. The international inch is 25.4 mm.
 const LENGTHS: Units =
     &[("mm", 1.0), ("cm", 10.0), ("m", 1e3), ("um", 1e-3), ("µm", 1e-3), ("in", 25.4), ("inch", 25.4)];
 
 impl Kind {
-    /// An example of what to write.
+    /// Returns an example of how to write a quantity of this kind.
     pub fn example(self) -> &'static str {
         match self {
             Self::Volume => "25mL",
@@ -109,7 +110,7 @@ impl Kind {
         }
     }
 
-    /// The accepted units in words.
+    /// Returns the accepted units in words.
     pub(super) fn units_listed(self) -> &'static str {
         match self {
             Self::Volume => {
@@ -126,7 +127,8 @@ impl Kind {
         }
     }
 
-    /// What may have been meant by a unit that does not fit, starting with a comma, or nothing.
+    /// Returns the unit that may have been meant by one that does not fit, after a comma. Empty if no unit is
+    /// near.
     pub(super) fn hint(self, unit: &str) -> String {
         let lower = unit.to_lowercase();
         let own: Units = match self {
@@ -157,6 +159,7 @@ impl Kind {
         other.map_or(String::new(), |other| format!(", which is a {other} unit"))
     }
 
+    /// Returns the factor from `unit` to the unit of this kind, or `None` for an unknown unit.
     pub(super) fn factor(self, unit: &str) -> Option<f64> {
         match self {
             Self::Volume => factor_in(LITRES, unit),
@@ -175,6 +178,7 @@ impl Kind {
     }
 }
 
+/// Returns the factor of `unit` in a list of units.
 fn factor_in(units: Units, unit: &str) -> Option<f64> {
     units.iter().find(|(name, _)| *name == unit).map(|(_, factor)| *factor)
 }

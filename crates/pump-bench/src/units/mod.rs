@@ -1,13 +1,22 @@
-//! Quantities with their units, as people type them.
+//! Quantities with their units, as people type them: `25mL`, `600 mL/min`, `100rpm`, `1.2bara`.
+//!
+//! Text is parsed once, at the edge. Inside there are numbers whose names carry the unit.
 
+mod amount;
 mod error;
 mod kind;
+mod pressure;
 mod quantity;
+mod rate;
 mod reading;
+#[cfg(test)]
+mod tests;
+mod tube_size;
 
+pub use amount::{Amount, amount};
 pub use error::QuantityError;
 pub use kind::Kind;
-pub use quantity::{
-    Amount, Pressure, TubeSize, amount, angle_rad, flow_ml_s, length_mm, pressure, rate, speed_rad_s,
-    temperature_degc, time_s, tube_size, volume_ml,
-};
+pub use pressure::{Pressure, pressure};
+pub use quantity::{angle_rad, flow_ml_s, length_mm, speed_rad_s, temperature_degc, time_s, volume_ml};
+pub use rate::rate;
+pub use tube_size::{TubeSize, tube_size};

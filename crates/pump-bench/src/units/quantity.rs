@@ -1,151 +1,66 @@
-//! Quantities with their units, as people type them: `25mL`, `600 mL/min`, `100rpm`, `1.2bara`.
-//!
-//! Text is parsed once, at the edge; inside there are numbers whose names carry the unit.
+//! Quantities that are one number: volume, flow, speed, time, angle, temperature and length.
 
 use super::error::QuantityError;
 use super::kind::Kind;
 use super::reading::{Reading, shown};
 
-use pump_ctl::plan::Cruise;
-
-/// What a dose may be given as.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Amount {
-    /// mL, not zero; negative in reverse.
-    Volume(f64),
-    /// g, not zero; negative in reverse.
-    Mass(f64),
-}
-
-impl Amount {
-    /// The volume in mL, of a fluid with this density in kg/m³.
-    ///
-    /// ```
-    /// use pump_bench::quantity::{Amount, amount};
-    /// assert_eq!(amount("25mL")?.volume_ml(997.0), 25.0);
-    /// assert!((amount("25 g")?.volume_ml(997.0) - 25.0752).abs() < 1e-4);
-    /// # Ok::<(), pump_bench::quantity::QuantityError>(())
-    /// ```
-    pub fn volume_ml(self, density_kg_m3: f64) -> f64 {
-        match self {
-            Self::Volume(ml) => ml,
-            Self::Mass(grams) => grams * 1e3 / density_kg_m3,
-        }
-    }
-}
-
-/// A volume or a mass: `25mL`, `-5mL`, `0.025 L`, `1e3uL`, `25 g`. Not zero.
-pub fn amount(text: &str) -> Result<Amount, QuantityError> {
-    let read = Reading::new(text, Kind::Volume)?;
-    let mass = Kind::Mass.factor(&read.unit);
-    let kind = if mass.is_some() { Kind::Mass } else { Kind::Volume };
-    let value = Reading { kind, ..read }.value()?;
-    if value == 0.0 {
-        return Err(QuantityError::Zero { text: shown(text), kind });
-    }
-    Ok(if mass.is_some() { Amount::Mass(value) } else { Amount::Volume(value) })
-}
-
-/// A volume in mL, positive.
+/// Reads a positive volume and returns it in mL.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no positive volume.
 pub fn volume_ml(text: &str) -> Result<f64, QuantityError> {
     positive(text, Kind::Volume)
 }
 
-/// A flow in mL/s, positive.
+/// Reads a positive flow and returns it in mL/s.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no positive flow.
 pub fn flow_ml_s(text: &str) -> Result<f64, QuantityError> {
     positive(text, Kind::Flow)
 }
 
-/// A rate: a flow, or `max` for the fastest that holds every limit.
-pub fn rate(text: &str) -> Result<Cruise, QuantityError> {
-    if text.trim() == "max" { Ok(Cruise::Fastest) } else { Ok(Cruise::Flow { ml_s: flow_ml_s(text)? }) }
-}
-
-/// A speed of the pump head in rad/s, positive.
+/// Reads a positive speed of the pump head and returns it in rad/s.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no positive speed.
 pub fn speed_rad_s(text: &str) -> Result<f64, QuantityError> {
     positive(text, Kind::Speed)
 }
 
-/// A time in s, positive.
+/// Reads a positive time and returns it in s.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no positive time.
 pub fn time_s(text: &str) -> Result<f64, QuantityError> {
     positive(text, Kind::Time)
 }
 
-/// An angle in rad; zero and negative ones too.
+/// Reads an angle, which may be zero or negative, and returns it in rad.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no angle.
 pub fn angle_rad(text: &str) -> Result<f64, QuantityError> {
     Reading::new(text, Kind::Angle)?.value()
 }
 
-/// A temperature in °C; negative ones too.
+/// Reads a temperature, which may be zero or negative, and returns it in °C.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no temperature.
 pub fn temperature_degc(text: &str) -> Result<f64, QuantityError> {
     Reading::new(text, Kind::Temperature)?.value()
 }
 
-/// A length in mm, positive.
+/// Reads a positive length and returns it in mm.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no positive length.
 pub fn length_mm(text: &str) -> Result<f64, QuantityError> {
     positive(text, Kind::Length)
 }
 
-/// A tube's two diameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TubeSize {
-    /// Inner diameter, mm.
-    pub bore_mm: f64,
-    /// Outer diameter, mm.
-    pub outer_mm: f64,
-}
-
-/// A tube: bore x outer diameter, `10x14mm`, `3.2 x 6.4 mm`. Both positive.
-pub fn tube_size(text: &str) -> Result<TubeSize, QuantityError> {
-    let no_tube = || QuantityError::NoTube { text: shown(text.trim()) };
-    let (bore, outer) = text.split_once(['x', 'X', '×']).ok_or_else(no_tube)?;
-    let outer_mm = length_mm(outer)?;
-    let bore = bore.trim();
-    // The unit may be said once.
-    let unit = Reading::new(outer, Kind::Length)?.unit;
-    let bore_mm = match bore.ends_with(|c: char| c.is_ascii_digit() || c == '.') {
-        true => length_mm(&format!("{bore}{unit}"))?,
-        false => length_mm(bore)?,
-    };
-    Ok(TubeSize { bore_mm, outer_mm })
-}
-
-/// A pressure that says what it is measured against.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Pressure {
-    /// kPa absolute.
-    Absolute(f64),
-    /// kPa above ambient.
-    Gauge(f64),
-}
-
-impl Pressure {
-    /// kPa absolute, at this ambient pressure in kPa.
-    pub fn absolute_kpa(self, ambient_kpa: f64) -> f64 {
-        match self {
-            Self::Absolute(kpa) => kpa,
-            Self::Gauge(kpa) => kpa + ambient_kpa,
-        }
-    }
-}
-
-/// A pressure: `120kPaa`, `20kPag`, `1.2bara`, `15psig`. A bare `15psi` is refused with both readings.
-pub fn pressure(text: &str) -> Result<Pressure, QuantityError> {
-    let read = Reading::new(text, Kind::Pressure)?;
-    if Kind::Pressure.factor(&read.unit).is_some() {
-        let (number, unit) = (read.number.clone(), read.unit.clone());
-        return Err(QuantityError::AbsoluteOrGauge { text: shown(text), number, unit });
-    }
-    for (suffix, of) in [('a', Pressure::Absolute as fn(f64) -> Pressure), ('g', Pressure::Gauge)] {
-        if let Some(unit) = read.unit.strip_suffix(suffix)
-            && Kind::Pressure.factor(unit).is_some()
-        {
-            return Ok(of(Reading { unit: unit.to_owned(), ..read }.value()?));
-        }
-    }
-    Err(read.unknown_unit())
-}
-
+/// Reads a positive quantity of this kind.
 fn positive(text: &str, kind: Kind) -> Result<f64, QuantityError> {
     let value = Reading::new(text, kind)?.value()?;
     if value == 0.0 {
@@ -154,110 +69,5 @@ fn positive(text: &str, kind: Kind) -> Result<f64, QuantityError> {
         Err(QuantityError::Negative { text: shown(text), kind })
     } else {
         Ok(value)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::f64::consts::TAU as TURN;
-
-    use super::*;
-
-    fn ml(text: &str) -> f64 {
-        amount(text).unwrap().volume_ml(1000.0)
-    }
-
-    #[test]
-    fn every_form_of_the_contract_is_read() {
-        for (text, expected) in [
-            ("25mL", 25.0),
-            ("25 mL", 25.0),
-            ("0.025 L", 25.0),
-            ("0.025l", 25.0),
-            ("250uL", 0.25),
-            ("250\u{b5}L", 0.25),
-            ("250\u{3bc}L", 0.25),
-            ("1e3uL", 1.0),
-            ("1E-3L", 1.0),
-            (".5mL", 0.5),
-            ("5.mL", 5.0),
-            ("+5mL", 5.0),
-            ("-5mL", -5.0),
-            ("\u{2212}5mL", -5.0),
-            ("25 g", 25.0),
-            ("2500mg", 2.5),
-        ] {
-            assert!((ml(text) - expected).abs() < 1e-12, "{text}");
-        }
-        assert!((volume_ml("2 L").unwrap() - 2000.0).abs() < 1e-9);
-        assert!((flow_ml_s("600 mL/min").unwrap() - 10.0).abs() < 1e-12);
-        assert!((flow_ml_s("2 L/h").unwrap() - 2000.0 / 3600.0).abs() < 1e-12);
-        assert!((flow_ml_s("10mL/s").unwrap() - 10.0).abs() < 1e-12);
-        assert!((speed_rad_s("60rpm").unwrap() - TURN).abs() < 1e-12);
-        assert!((speed_rad_s("60 r/min").unwrap() - TURN).abs() < 1e-12);
-        assert_eq!(time_s("1.5s").unwrap(), 1.5);
-        assert_eq!(time_s("2min").unwrap(), 120.0);
-        assert!((angle_rad("-30deg").unwrap() + TURN / 12.0).abs() < 1e-15);
-        assert_eq!(angle_rad("0.5rad").unwrap(), 0.5);
-        assert_eq!(angle_rad("1rev").unwrap(), TURN);
-        assert_eq!(angle_rad("0deg").unwrap(), 0.0);
-        assert_eq!(temperature_degc("21.5degC").unwrap(), 21.5);
-        assert_eq!(temperature_degc("-4 °C").unwrap(), -4.0);
-        assert!(temperature_degc("21").is_err() && temperature_degc("21K").is_err());
-        assert_eq!(pressure("120kPaa").unwrap().absolute_kpa(85.7), 120.0);
-        assert!((pressure("20kPag").unwrap().absolute_kpa(85.7) - 105.7).abs() < 1e-12);
-        assert!((pressure("1.2bara").unwrap().absolute_kpa(85.7) - 120.0).abs() < 1e-12);
-        assert!((pressure("15psia").unwrap().absolute_kpa(85.7) - 103.4213594).abs() < 1e-6);
-    }
-
-    #[test]
-    fn what_is_refused_names_what_was_read_and_what_is_accepted() {
-        let refused = |text: &str| amount(text).unwrap_err().to_string();
-        assert!(refused("25").starts_with("`25` has no unit; write for example 25mL"));
-        assert!(refused("25ML").contains("unknown volume unit `ML`, did you mean `mL`"));
-        assert!(refused("25 furlongs").contains("unknown volume unit `furlongs`; accepted: L,"));
-        assert!(refused("25rpm").contains("which is a speed unit"));
-        for text in ["NaN mL", "infmL", "-inf mL", "1e999mL"] {
-            assert!(refused(text).contains("not a finite number"), "{text}");
-        }
-        assert!(refused("0mL").contains("is zero"));
-        assert!(refused("2,5mL").contains("comma"));
-        assert!(refused("").contains("empty volume"));
-        assert!(refused("mL").contains("does not start with a number"));
-        assert!(flow_ml_s("-5mL/s").unwrap_err().to_string().contains("`-5mL/s` is negative"));
-        assert!(flow_ml_s("0mL/s").is_err());
-        assert!(flow_ml_s("5mL").unwrap_err().to_string().contains("which is a volume unit"));
-        assert_eq!(
-            pressure("15 psi").unwrap_err().to_string(),
-            "`15 psi` may be absolute or gauge; write `15psia` (absolute) or `15psig` (above ambient)"
-        );
-        assert!(pressure("15").is_err());
-        assert!(pressure("15furlongsa").is_err());
-    }
-
-    #[test]
-    fn lengths_and_tubes_are_read() {
-        for (text, mm) in [("63mm", 63.0), ("6.3 cm", 63.0), ("0.331m", 331.0), ("1in", 25.4)] {
-            assert!((length_mm(text).unwrap() - mm).abs() < 1e-12, "{text}");
-        }
-        for text in ["10x14mm", "10 x 14 mm", "10mm x 14mm", "1x1.4cm", "10×14mm", "1cmx14mm"] {
-            assert_eq!(tube_size(text).unwrap(), TubeSize { bore_mm: 10.0, outer_mm: 14.0 }, "{text}");
-        }
-        assert_eq!(
-            tube_size("10mm").unwrap_err().to_string(),
-            "`10mm` is no tube; write bore x outer diameter with their unit, as 10x14mm"
-        );
-        for text in ["10x14", "x14mm", "10xmm", "0x14mm", "-10x14mm", "10x14mL", ""] {
-            assert!(tube_size(text).is_err(), "{text}");
-        }
-        assert!(length_mm("63").unwrap_err().to_string().contains("has no unit; write for example 63mm"));
-    }
-
-    proptest::proptest! {
-        #[test]
-        fn no_text_makes_it_panic(text in "\\PC*") {
-            let _ = (amount(&text), flow_ml_s(&text), speed_rad_s(&text), time_s(&text));
-            let _ = (angle_rad(&text), pressure(&text), volume_ml(&text), length_mm(&text), tube_size(&text));
-        }
     }
 }

@@ -1,9 +1,9 @@
-//! A text taken apart into a number and a unit.
+//! Texts split into a number and a unit.
 
 use super::error::QuantityError;
 use super::kind::Kind;
 
-/// A number and a unit, not yet put together.
+/// A number and a unit that are not yet converted.
 pub(super) struct Reading {
     pub(super) text: String,
     pub(super) number: String,
@@ -12,6 +12,7 @@ pub(super) struct Reading {
 }
 
 impl Reading {
+    /// Splits `text` into a number and a unit.
     pub(super) fn new(text: &str, kind: Kind) -> Result<Self, QuantityError> {
         let trimmed = shown(text.trim());
         if trimmed.is_empty() {
@@ -36,6 +37,7 @@ impl Reading {
         Ok(Self { number: number.to_owned(), unit, text: trimmed, kind })
     }
 
+    /// Returns the number in the unit of its kind.
     pub(super) fn value(self) -> Result<f64, QuantityError> {
         let Some(factor) = self.kind.factor(&self.unit) else {
             return Err(self.unknown_unit());
@@ -46,13 +48,15 @@ impl Reading {
         }
     }
 
+    /// Returns the error for a unit that this kind does not accept.
     pub(super) fn unknown_unit(self) -> QuantityError {
         let hint = self.kind.hint(&self.unit);
         QuantityError::UnknownUnit { text: self.text, unit: self.unit, kind: self.kind, hint }
     }
 }
 
-/// Length of the number at the start of `text`: sign, digits, point, digits, exponent. Zero if there is none.
+/// Returns the length of the number at the start of `text`: sign, digits, point, digits, exponent. Returns
+/// zero if there is no number.
 fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits = |from: usize| bytes.iter().skip(from).take_while(|byte| byte.is_ascii_digit()).count();
@@ -77,7 +81,8 @@ fn number_length(text: &str) -> usize {
     at
 }
 
-/// The text with an ASCII minus, as the user typed it: a leading minus may arrive as U+2212, see `cli`.
+/// Returns the text with ASCII minus signs, as the user typed them. A leading minus may arrive as U+2212, by
+/// which the command line tells a negative amount from an option.
 pub(super) fn shown(text: &str) -> String {
     text.replace('\u{2212}', "-")
 }

@@ -1,44 +1,49 @@
-//! `[roller_volume]`: the volume that a roller displaces, from a published polynomial, the drawing or measured points.
+//! `[roller_volume]`: the volume that a roller displaces.
+//!
+//! It comes from a published polynomial, from the drawing or from measured points.
 
 use pump_model::{Geometry, ModelError, RollerVolume, VolumeFit, VolumePoint};
 use serde::{Deserialize, Serialize};
 
-/// `[roller_volume]`
+/// The table `[roller_volume]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Keys", into = "Keys")]
 pub enum RollerVolumeTable {
-    /// A polynomial, as measured curves are published.
+    /// Polynomial, as measured curves are published.
     Polynomial {
-        /// phi, deg.
+        /// Engagement angle phi, in deg.
         engagement_angle_deg: f64,
-        /// V in mL over deg, highest order (5) first.
+        /// Coefficients of the volume in mL over the angle in deg, highest order (5) first.
         polynomial_ml_deg: [f64; 6],
-        /// V_r that the curve is scaled to, mL; none keeps the polynomial's.
+        /// Total volume V_r to which the curve is scaled, in mL. `None` keeps the polynomial's total.
         total_ml: Option<f64>,
     },
-    /// The dimensions of tube, rollers and backplate: `source = "drawing"`.
+    /// Dimensions of tube, rollers and backplate, with `source = "drawing"`.
     Drawing,
-    /// Measured points: `source = "measured"`.
+    /// Measured points, with `source = "measured"`.
     Measured {
-        /// How the curve goes through them.
+        /// Fit of the curve to the points.
         fit: Fit,
-        /// Angle since first contact, deg, and volume displaced since then, mL.
+        /// Points: the angle since first contact in deg and the volume displaced since then in mL.
         points: Vec<VolumePoint>,
     },
 }
 
-/// How a curve goes through measured points.
+/// A fit of a curve to measured points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Fit {
-    /// A rising cubic spline through the mean of each angle: a flow without jumps.
+    /// Rising cubic spline through the mean of each angle. Its flow has no jumps.
     Spline,
-    /// Least squares of 5th order, as McIntyre et al.
+    /// Least squares of 5th order, as in McIntyre et al.
     Quintic,
 }
 
 impl RollerVolumeTable {
-    /// The curve of a pump with these dimensions.
+    /// Returns the volume curve of a pump with these dimensions.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of coefficients, dimensions or points from which no curve follows.
     pub fn curve(&self, geometry: &Geometry) -> Result<RollerVolume, ModelError> {
         match self {
             Self::Polynomial { engagement_angle_deg, polynomial_ml_deg, total_ml } => {
@@ -50,14 +55,17 @@ impl RollerVolumeTable {
         }
     }
 
-    /// Whether nobody has measured it.
+    /// Returns true if the volume is estimated from the drawing and not measured.
     pub fn is_estimated(&self) -> bool {
         *self == Self::Drawing
     }
 }
 
 impl Fit {
-    /// The fit of these points.
+    /// Fits the curve to these points.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of points that cannot be fitted.
     pub fn of(self, points: &[VolumePoint]) -> Result<VolumeFit<'_>, ModelError> {
         match self {
             Self::Spline => VolumeFit::spline(points),
@@ -66,7 +74,7 @@ impl Fit {
     }
 }
 
-/// Where a roller volume comes from.
+/// The source of a roller volume.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Source {
@@ -76,7 +84,7 @@ enum Source {
     Measured,
 }
 
-/// The keys of all sources.
+/// Keys of the table, of all sources together.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Keys {
@@ -94,6 +102,7 @@ struct Keys {
     points_deg_ml: Option<Vec<[f64; 2]>>,
 }
 
+/// Returns true for the default source, which a pump file leaves out.
 fn is_polynomial(source: &Source) -> bool {
     *source == Source::Polynomial
 }

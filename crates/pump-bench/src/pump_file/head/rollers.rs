@@ -1,0 +1,15 @@
+//! `[rollers]`: the rollers that squeeze the tube.
+
+use serde::{Deserialize, Serialize};
+
+/// The table `[rollers]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RollersTable {
+    /// Number of rollers, NU.
+    pub count: u32,
+    /// Radius of a roller r_roller, in mm.
+    pub radius_mm: f64,
+    /// Distance from the rotor's axis to a roller's axis r_offset, in mm.
+    pub offset_mm: f64,
+}

@@ -1,0 +1,46 @@
+//! The amount of a dose: a volume or a mass.
+
+use super::error::QuantityError;
+use super::kind::Kind;
+use super::reading::{Reading, shown};
+
+/// The amount of a dose, as a volume or as a mass.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Amount {
+    /// Volume in mL. Not zero; negative in reverse.
+    Volume(f64),
+    /// Mass in g. Not zero; negative in reverse.
+    Mass(f64),
+}
+
+impl Amount {
+    /// Returns the volume in mL of a fluid with this density in kg/m³.
+    ///
+    /// ```
+    /// use pump_bench::units::{Amount, amount};
+    /// assert_eq!(amount("25mL")?.volume_ml(997.0), 25.0);
+    /// assert!((amount("25 g")?.volume_ml(997.0) - 25.0752).abs() < 1e-4);
+    /// # Ok::<(), pump_bench::units::QuantityError>(())
+    /// ```
+    pub fn volume_ml(self, density_kg_m3: f64) -> f64 {
+        match self {
+            Self::Volume(ml) => ml,
+            Self::Mass(grams) => grams * 1e3 / density_kg_m3,
+        }
+    }
+}
+
+/// Reads a volume or a mass that is not zero: `25mL`, `-5mL`, `0.025 L`, `1e3uL`, `25 g`.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is neither a volume nor a mass, or that is zero.
+pub fn amount(text: &str) -> Result<Amount, QuantityError> {
+    let read = Reading::new(text, Kind::Volume)?;
+    let mass = Kind::Mass.factor(&read.unit);
+    let kind = if mass.is_some() { Kind::Mass } else { Kind::Volume };
+    let value = Reading { kind, ..read }.value()?;
+    if value == 0.0 {
+        return Err(QuantityError::Zero { text: shown(text), kind });
+    }
+    Ok(if mass.is_some() { Amount::Mass(value) } else { Amount::Volume(value) })
+}
