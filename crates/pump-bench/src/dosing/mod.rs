@@ -18,4 +18,4 @@ pub use request::DoseRequest;
 pub use retraction::Retraction;
 pub use schedule::{Action, MAX_DOSES, Missed, Schedule, ScheduleError};
 pub(crate) use tube_life::TubeLife;
-pub use uncertainty::{Budget, COVERAGE_FACTOR, Share};
+pub use uncertainty::{Budget, COVERAGE_FACTOR, Share, ShareSource};

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::calibration::{Applied, Sureness};
 use crate::pump_file::UncertaintyTable;
+use crate::words::words_of_reports;
 
 /// Coverage factor of the expanded uncertainty (about 95 % of doses).
 pub const COVERAGE_FACTOR: f64 = 2.0;
@@ -21,8 +22,8 @@ const READ_DEGC: f64 = 0.8;
 /// One source of uncertainty.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Share {
-    /// `model`, `repeatability`, `roller_volume`, `step`, `phase`, `calibration`, `speed_law`, `temperature` or `carry`.
-    pub source: &'static str,
+    /// Where the uncertainty comes from.
+    pub source: ShareSource,
     /// Standard uncertainty, mL.
     pub standard_ml: f64,
     /// Its part of the budget's variance, percent.
@@ -30,6 +31,41 @@ pub struct Share {
     /// The cheapest way to make it smaller.
     pub remedy: &'static str,
 }
+
+/// Where a share of the uncertainty comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShareSource {
+    /// The model, of a pump that nobody has weighed.
+    Model,
+    /// Doses of one volume scatter.
+    Repeatability,
+    /// The volume that a roller displaces.
+    RollerVolume,
+    /// A motor step is whole.
+    Step,
+    /// The start angle is known between bounds.
+    Phase,
+    /// The calibration of the displacement.
+    Calibration,
+    /// The dependence of the displacement on the speed.
+    SpeedLaw,
+    /// The tube is warmer or colder than it was when it was calibrated.
+    Temperature,
+    /// The carry of earlier doses.
+    Carry,
+}
+
+words_of_reports!(ShareSource {
+    Model = "model",
+    Repeatability = "repeatability",
+    RollerVolume = "roller_volume",
+    Step = "step",
+    Phase = "phase",
+    Calibration = "calibration",
+    SpeedLaw = "speed_law",
+    Temperature = "temperature",
+    Carry = "carry",
+});
 
 /// The budget of a dose; its shares are independent.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,39 +102,47 @@ impl Budget {
         let mut share = |source, standard_ml, remedy| {
             budget.shares.push(Share { source, standard_ml, variance_percent: 0.0, remedy });
         };
-        share("model", model * volume_ml, "weigh what it delivers: `dose calibrate run`");
+        share(ShareSource::Model, model * volume_ml, "weigh what it delivers: `dose calibrate run`");
         share(
-            "repeatability",
+            ShareSource::Repeatability,
             repeatability * volume_ml,
             "measure it, `dose calibrate verify`, and put the CV into the pump file",
         );
         share(
-            "roller_volume",
+            ShareSource::RollerVolume,
             table.roller_volume_ml * pulses_unsure(pump, plan, sureness.is_some()),
             "dose whole pitches, or find the roller \
             volume: `dose calibrate phase`",
         );
-        share("step", plan.end_step_ml(pump) / sqrt(12.0), "use more microsteps");
+        share(ShareSource::Step, plan.end_step_ml(pump) / sqrt(12.0), "use more microsteps");
         share(
-            "phase",
+            ShareSource::Phase,
             phase_share_ml(pump, plan, zero_rad),
             "say where the rollers stand, `dose home --set`, or dose whole \
             pitches",
         );
         share(
-            "calibration",
+            ShareSource::Calibration,
             of_calibration(|sure| sure.factor) * volume_ml,
             "weigh more runs, or longer ones, on a better \
             scale",
         );
         share(
-            "speed_law",
+            ShareSource::SpeedLaw,
             law.unwrap_or(of_calibration(|sure| sure.speed_law)) * volume_ml,
             "calibrate at three speeds or more, this \
             one among them",
         );
-        share("temperature", temperature * volume_ml, "calibrate at the temperature at which you dose");
-        share("carry", common * plan.carry_in_ml.abs(), "calibrate, so that what earlier doses owe is surer");
+        share(
+            ShareSource::Temperature,
+            temperature * volume_ml,
+            "calibrate at the temperature at which you dose",
+        );
+        share(
+            ShareSource::Carry,
+            common * plan.carry_in_ml.abs(),
+            "calibrate, so that what earlier doses owe is surer",
+        );
         let variance = budget.standard_ml() * budget.standard_ml();
         for share in &mut budget.shares {
             share.variance_percent =
@@ -176,7 +220,7 @@ mod tests {
         assert!((budget.expanded_ml() - 2.0 * standard_ml).abs() < 1e-4, "{budget:?}");
         let percent: f64 = budget.shares.iter().map(|share| share.variance_percent).sum();
         assert!((percent - 100.0).abs() < 1e-9 && budget.shares[0].variance_percent > 95.0, "{budget:?}");
-        assert_eq!(budget.largest().unwrap().source, "model");
+        assert_eq!(budget.largest().unwrap().source, ShareSource::Model);
     }
 
     #[test]

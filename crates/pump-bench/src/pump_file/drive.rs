@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use crate::words::words;
+
 /// `[drive]`
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -71,15 +73,7 @@ pub enum Axis {
     C,
 }
 
-impl DriverName {
-    /// As in pump files and on the command line.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Sim => "sim",
-            Self::Grbl => "grbl",
-        }
-    }
-}
+words!(DriverName { Sim = "sim", Grbl = "grbl" });
 
 impl Axis {
     /// Its place among the axes, 0 for X.

@@ -16,7 +16,7 @@ pub use file::{
 };
 pub(crate) use fluid::SAME_TEMPERATURE_DEGC;
 pub use fluid::{FluidError, FluidTable};
-pub use limits::LimitsTable;
+pub use limits::{LimitsTable, UncheckedLimit};
 pub use line::{HoseTable, LineTable};
 pub use motor::MotorTable;
 pub use roller_volume::{Fit, RollerVolumeTable};

@@ -3,6 +3,8 @@
 use pump_model::{Geometry, ModelError, RollerVolume, VolumeFit, VolumePoint};
 use serde::{Deserialize, Serialize};
 
+use crate::words::words;
+
 /// `[roller_volume]`
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Keys", into = "Keys")]
@@ -36,6 +38,8 @@ pub enum Fit {
     /// Least squares of 5th order, as McIntyre et al.
     Quintic,
 }
+
+words!(Fit { Quintic = "quintic", Spline = "spline" });
 
 impl RollerVolumeTable {
     /// The curve of a pump with these dimensions.

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::words::words;
+
 /// Why the pump is to turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -20,19 +22,16 @@ pub enum Purpose {
     Jog,
 }
 
-impl Purpose {
-    /// In reports and in the journal.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Dose => "dose",
-            Self::Prime => "prime",
-            Self::Purge => "purge",
-            Self::Calibrate => "calibrate",
-            Self::Retract => "retract",
-            Self::Jog => "jog",
-        }
-    }
+words!(Purpose {
+    Dose = "dose",
+    Prime = "prime",
+    Purge = "purge",
+    Calibrate = "calibrate",
+    Retract = "retract",
+    Jog = "jog",
+});
 
+impl Purpose {
     /// Whether what is cut off of it is to be resumed or discarded.
     pub fn is_delivery(self) -> bool {
         !matches!(self, Self::Calibrate | Self::Retract | Self::Jog)

@@ -8,20 +8,36 @@ use thiserror::Error;
 
 use crate::simulation::EqualTimes;
 use crate::simulation::{Integration, Method, Waveform};
+use crate::words::{words, words_of_reports};
 
 /// Most samples that a run may have.
 pub const MAX_SAMPLES: f64 = 1e9;
 
 /// Which method is asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AskedMethod {
     /// The exact solution where there is one.
+    #[default]
     Auto,
     /// The exact solution.
     Exact,
     /// The integrator.
     Rodas5p,
 }
+
+words!(AskedMethod { Auto = "auto", Exact = "exact", Rodas5p = "rodas5p" });
+
+/// The model of the rollers that a run computes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ModelName {
+    /// Flows at the rollers drive the lines.
+    #[default]
+    FlowCentric,
+    /// Every roller is a valve, every segment between two rollers a chamber (experimental).
+    RollerCentric,
+}
+
+words_of_reports!(ModelName { FlowCentric = "flow-centric", RollerCentric = "roller-centric" });
 
 /// A method that does not fit what is to be computed.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]

@@ -1,18 +1,17 @@
 //! `dose home --mark`: a person turns the rotor with the arrow keys until its mark meets the housing's.
 
 use std::io::{self, IsTerminal, Write};
-use std::ops::ControlFlow;
 
 use console::{Key, Term};
-use pump_bench::Session;
+use pump_bench::report::{carry_dropped_text, rotor_text};
+use pump_bench::{Bench, Session};
 use pump_model::math::{degrees, rad_s, radians};
 
-use super::dose::{announce, warn, watch};
-use super::home::{DEVICE, stands, zeroed};
-use crate::failure::{Failure, print};
-use crate::options::Options;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::terminal::{announce, print, tell, warn};
 
-/// How well a painted line and another can be seen to meet, deg: half a millimetre on a rotor of 60 mm radius.
+/// Angle to which two painted lines can be seen to meet, deg: half a millimetre on a rotor of 60 mm radius.
 const TOLERANCE_DEG: f64 = 0.5;
 
 /// What a key turns the rotor by, deg.
@@ -44,14 +43,16 @@ fn wish(key: &Key) -> Wish {
 }
 
 /// Turns the rotor to its mark and records the angle there.
-pub(crate) fn mark(tolerance_rad: Option<f64>, options: &Options) -> Result<(), Failure> {
-    options.accept_only("dose home --mark", &DEVICE)?;
+pub(super) fn mark(
+    tolerance_rad: Option<f64>,
+    bench: impl FnOnce() -> Result<Bench, Failure>,
+) -> Result<(), Failure> {
     let tolerance_rad = tolerance_rad.unwrap_or(radians(TOLERANCE_DEG));
     if tolerance_rad < 0.0 {
         let degrees = degrees(tolerance_rad);
         return Err(Failure::refused(format!("--mark-tolerance is {degrees} deg; allowed: 0deg or more")));
     }
-    let bench = options.bench()?;
+    let bench = bench()?;
     let mut session = bench.session()?;
     let mark_deg = degrees(session.mark_rad()?);
     if !(io::stdin().is_terminal() && io::stderr().is_terminal()) {
@@ -62,8 +63,8 @@ pub(crate) fn mark(tolerance_rad: Option<f64>, options: &Options) -> Result<(), 
     }
     session.connect()?;
     warn(&session.notes());
-    let owed_ml = session.owed_ml();
-    announce(&bench, options)?;
+    let carry_ml = session.owed_ml();
+    announce(&bench, false)?;
     say(&format!(
         "Turn the rotor until its mark meets the housing's (at {mark_deg:.2}°); the pump pumps as it turns.\n  \
          → ←    forward, back\n  ↑ ↓    coarser, finer\n  Enter  the marks meet\n  q      leave it\n"
@@ -72,12 +73,12 @@ pub(crate) fn mark(tolerance_rad: Option<f64>, options: &Options) -> Result<(), 
         return print("nothing was set; the turns are on record\n");
     };
     let state = session.set_at_mark(radians(0.5 * step_deg) + tolerance_rad)?;
-    print(&format!("{}{}", stands(&bench, &state), zeroed(owed_ml)))
+    tell(&format!("{}{}", rotor_text(&bench, &state), carry_dropped_text(carry_ml)))
 }
 
 /// Obeys keys until the marks meet. Returns the step at that moment, deg; none if the person left.
 fn turn_to_mark(session: &mut Session<'_>) -> Result<Option<f64>, Failure> {
-    let interrupt = watch()?;
+    let interrupt = Interrupt::watch()?;
     let terminal = Term::stderr();
     let mut size = 2;
     loop {
@@ -91,10 +92,7 @@ fn turn_to_mark(session: &mut Session<'_>) -> Result<Option<f64>, Failure> {
         match wish(&key) {
             Wish::Turn(direction) => {
                 let steps = session.steps_of(radians(direction * step_deg));
-                session.jog(steps, rad_s(JOG_RPM), |_| match interrupt.signal() {
-                    Some(_) => ControlFlow::Break(()),
-                    None => ControlFlow::Continue(()),
-                })?;
+                session.jog(steps, rad_s(JOG_RPM), |_| interrupt.flow())?;
             }
             Wish::Finer => size = size.saturating_sub(1),
             Wish::Coarser => size = (size + 1).min(STEPS_DEG.len() - 1),
@@ -106,7 +104,7 @@ fn turn_to_mark(session: &mut Session<'_>) -> Result<Option<f64>, Failure> {
         }
         if let Some(signal) = interrupt.signal() {
             say("\n")?;
-            return Err(Failure::Stopped(signal, "stopped by the user; the turns are on record".to_owned()));
+            return Err(Failure::stopped(signal, "stopped by the user; the turns are on record"));
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use pump_bench::catalogue::{DrawnPump, RollerRuns};
 use pump_bench::export::Axes;
 use pump_bench::export::fit_plot;
@@ -13,13 +13,15 @@ use pump_bench::units;
 use pump_bench::units::TubeSize;
 use pump_model::{Geometry, ModelError};
 
-use crate::failure::{Failure, print};
-use crate::options::Options;
+use crate::failure::Failure;
+use crate::options::choice::choice;
+use crate::options::files::PlotOption;
 use crate::outputs::Outputs;
+use crate::terminal::{print, tell};
 
-/// What a drawing says.
+/// The dimensions that a drawing tells.
 #[derive(Debug, Args)]
-pub(crate) struct NewPump {
+pub(crate) struct NewArgs {
     /// Bore x outer diameter of the tube, as 10x14mm
     #[arg(long, value_name = "SIZE", value_parser = units::tube_size)]
     tube: TubeSize,
@@ -44,36 +46,25 @@ pub(crate) struct NewPump {
     /// Length of the hose on either side, as 0.5m
     #[arg(long, value_name = "LENGTH", default_value = "331mm", value_parser = units::length_mm)]
     hose: f64,
-    /// A roller's volume as measured, CSV: angle_deg since first contact, volume_ml, perhaps run [default: from the drawing]
+    /// Volume of a roller as measured, CSV: angle_deg since first contact, volume_ml, run [default: from the drawing]
     #[arg(long, value_name = "FILE.csv")]
     roller_volume_points: Option<PathBuf>,
     /// How a curve goes through these points
-    #[arg(long, value_name = "quintic|spline", default_value = "quintic", requires = "roller_volume_points")]
-    fit: FitName,
+    #[arg(long, value_name = "quintic|spline", default_value_t = Fit::Quintic, requires = "roller_volume_points")]
+    #[arg(hide_possible_values = true, value_parser = choice(&[
+        (Fit::Quintic, "Least squares of 5th order, as McIntyre et al."),
+        (Fit::Spline, "A rising spline through the mean of each angle: a flow without jumps"),
+    ]))]
+    fit: Fit,
     /// Where to write it; it must not be there yet [default: standard output]
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotOption,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum FitName {
-    /// Least squares of 5th order, as McIntyre et al.
-    Quintic,
-    /// A rising spline through the mean of each angle: a flow without jumps
-    Spline,
-}
-
-impl FitName {
-    fn fit(self) -> Fit {
-        match self {
-            Self::Quintic => Fit::Quintic,
-            Self::Spline => Fit::Spline,
-        }
-    }
-}
-
-impl NewPump {
-    /// Two files mostly are two pumps, and the id names the record.
+impl NewArgs {
+    /// The id if none is given: two files mostly are two pumps, and the id names the record.
     fn usual_id(&self) -> String {
         let stem = self
             .file
@@ -85,31 +76,18 @@ impl NewPump {
     }
 
     /// Writes the file, or refuses a pump that cannot work.
-    pub(crate) fn write(&self, options: &Options) -> Result<(), Failure> {
-        let geometry = Geometry {
-            rollers: self.rollers,
-            bore_radius_mm: 0.5 * self.tube.bore_mm,
-            tube_outer_radius_mm: 0.5 * self.tube.outer_mm,
-            backplate_radius_mm: self.backplate,
-            contact_angle_rad: self.contact,
-            roller_radius_mm: self.roller,
-            roller_offset_mm: self.offset,
-        };
-        let fit = self.fit.fit();
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let geometry = self.geometry();
         let runs = self.roller_volume_points.as_deref().map(read_runs).transpose()?;
-        let refused = |error: ModelError| match &self.roller_volume_points {
-            Some(path) => Failure::refused(format!("{}: {error}", path.display())),
-            None => Failure::refused(error),
-        };
         let report = match &runs {
-            Some(runs) => runs.report(fit, &geometry).map_err(refused)?,
+            Some(runs) => runs.report(self.fit, &geometry).map_err(|error| self.in_points(error))?,
             None => Vec::new(),
         };
         let drawn = DrawnPump {
             id: self.id.clone().unwrap_or_else(|| self.usual_id()),
             geometry,
             hose_length_mm: self.hose,
-            roller_volume: runs.as_ref().map_or(RollerVolumeTable::Drawing, |runs| runs.table(fit)),
+            roller_volume: runs.as_ref().map_or(RollerVolumeTable::Drawing, |runs| runs.table(self.fit)),
         };
         let remarks: String = report.iter().map(|line| format!("# {line}\n")).collect();
         let text = drawn.toml().map_err(Failure::refused)?.replacen(
@@ -120,32 +98,50 @@ impl NewPump {
         // What is written must be read again: the id too.
         PumpFile::parse(&text, "from this drawing").map_err(Failure::refused)?;
         let mut outputs = Outputs::default();
-        match (&options.plot, &runs) {
-            (Some(path), Some(runs)) => {
-                let axes = Axes {
-                    x: "angle since first contact, °",
-                    y: "volume, mL",
-                    left: "measured less fitted, mL",
-                };
-                let fitted = runs.fitted(fit).map_err(refused)?;
-                let title = format!("volume that a roller of {} displaces", drawn.id);
-                outputs.drawing(path, fit_plot::svg(&title, axes, &fitted))?;
-            }
-            (Some(_), None) => {
-                return Err(Failure::refused(
-                    "--plot draws measured points; add --roller-volume-points FILE.csv",
-                ));
-            }
-            (None, _) => {}
-        }
+        self.draw(&mut outputs, &drawn.id, runs.as_ref())?;
         match &self.file {
             None => print(&text)?,
             Some(path) => {
                 write_new(path, &text)?;
-                print(&report.iter().map(|line| format!("  {line}\n")).collect::<String>())?;
+                tell(&report.iter().map(|line| format!("  {line}\n")).collect::<String>())?;
             }
         }
         outputs.put()
+    }
+
+    fn geometry(&self) -> Geometry {
+        Geometry {
+            rollers: self.rollers,
+            bore_radius_mm: 0.5 * self.tube.bore_mm,
+            tube_outer_radius_mm: 0.5 * self.tube.outer_mm,
+            backplate_radius_mm: self.backplate,
+            contact_angle_rad: self.contact,
+            roller_radius_mm: self.roller,
+            roller_offset_mm: self.offset,
+        }
+    }
+
+    /// Draws the measured points and the fit, if a picture is asked for.
+    fn draw(&self, outputs: &mut Outputs, id: &str, runs: Option<&RollerRuns>) -> Result<(), Failure> {
+        let Some(path) = &self.plot.plot else { return Ok(()) };
+        let Some(runs) = runs else {
+            return Err(Failure::refused(
+                "--plot draws measured points; add --roller-volume-points FILE.csv",
+            ));
+        };
+        let axes =
+            Axes { x: "angle since first contact, °", y: "volume, mL", left: "measured less fitted, mL" };
+        let fitted = runs.fitted(self.fit).map_err(|error| self.in_points(error))?;
+        let title = format!("volume that a roller of {id} displaces");
+        outputs.drawing(path, fit_plot::svg(&title, axes, &fitted))
+    }
+
+    /// Says in which table of points an error is.
+    fn in_points(&self, error: ModelError) -> Failure {
+        match &self.roller_volume_points {
+            Some(path) => Failure::refused(format!("{}: {error}", path.display())),
+            None => Failure::refused(error),
+        }
     }
 }
 
@@ -156,7 +152,7 @@ fn read_runs(path: &Path) -> Result<RollerRuns, Failure> {
     RollerRuns::of_csv(&text).map_err(|error| Failure::refused(format!("{shown}: {error}")))
 }
 
-/// What an id may hold.
+/// True for a letter that an id may hold.
 fn may_be_in_id(letter: char) -> bool {
     letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '-' || letter == '_'
 }
@@ -171,5 +167,5 @@ fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
     Staged::new(path, |file| file.write_all(text.as_bytes()))
         .and_then(Staged::put)
         .map_err(|error| Failure::refused(format!("cannot write {shown}: {error}")))?;
-    print(&format!("{shown} is written; `dose pumps check {shown}` says what it gives\n"))
+    tell(&format!("{shown} is written; `dose pumps check {shown}` says what it gives\n"))
 }
