@@ -30,9 +30,9 @@ const EXAMPLES: &str = "Examples:
 #[command(
     name = "dose",
     version,
-    about,
     override_usage = "dose [OPTIONS] <VOLUME>\n       dose [OPTIONS] <COMMAND>",
-    after_help = "`dose --help` lists every option, `dose <COMMAND> -h` those of a command.",
+    after_help = "A volume has a unit, as 25mL, or is a mass, as 25g; a negative one runs in reverse.\n\
+                  `dose --help` lists every option, `dose <COMMAND> -h` those of a command.",
     after_long_help = EXAMPLES
 )]
 pub(crate) struct Cli {
@@ -54,7 +54,7 @@ enum Command {
     Identify(IdentifyArgs),
     /// Run the model at constant speed
     Simulate(SimulateArgs),
-    /// Say where the rollers stand, what is carried and what is unfinished
+    /// Say where the rollers stand and what is unfinished
     Status(StatusArgs),
     /// Make the rest of a dose that was stopped or cut off
     Resume(ResumeArgs),

@@ -9,7 +9,7 @@ use pump_bench::pump_file::DriverName;
 
 use crate::failure::Failure;
 
-/// Width of what is printed where there is no terminal, columns.
+/// Width of what is printed where there is no terminal and COLUMNS does not tell, columns.
 const WIDTH: usize = 100;
 
 /// Prints to standard output as it is. A reader that went away is no failure of the dose.
@@ -24,8 +24,9 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 
 /// Prints words for people to standard output: their lines end at words.
 pub(crate) fn tell(text: &str) -> Result<(), Failure> {
-    let width = Term::stdout().size_checked().map_or(WIDTH, |(_, columns)| usize::from(columns));
-    print(&wrapped(text, width))
+    let told = || std::env::var("COLUMNS").ok()?.parse().ok();
+    let terminal = Term::stdout().size_checked().map(|(_, columns)| usize::from(columns));
+    print(&wrapped(text, terminal.or_else(told).unwrap_or(WIDTH)))
 }
 
 /// Says something to a person beside the results, on standard error.

@@ -9,7 +9,6 @@ use crate::terminal::print;
 #[derive(Debug, Args)]
 pub(crate) struct CompletionsArgs {
     /// bash, zsh, fish, elvish or powershell
-    #[arg(hide_possible_values = true)]
     shell: Shell,
 }
 

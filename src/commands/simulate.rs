@@ -29,19 +29,14 @@ pub(crate) struct SimulateArgs {
     #[arg(long, value_name = "TIME", value_parser = units::time_s, help_heading = "Amount and speed")]
     duration: Option<f64>,
     /// Model of the rollers [default: flow-centric]
-    #[arg(
-        long,
-        value_name = "flow-centric|roller-centric",
-        hide_possible_values = true,
-        help_heading = "Model"
-    )]
+    #[arg(long, value_name = "flow-centric|roller-centric", help_heading = "Model")]
     #[arg(value_parser = choice(&[
         (ModelName::FlowCentric, "Flows at the rollers drive the lines"),
         (ModelName::RollerCentric, "Every roller a valve, every segment between two a chamber (experimental)"),
     ]))]
     model: Option<ModelName>,
     /// Method of the solution [default: auto]
-    #[arg(long, value_name = "auto|exact|rodas5p", hide_possible_values = true, help_heading = "Model")]
+    #[arg(long, value_name = "auto|exact|rodas5p", help_heading = "Model")]
     #[arg(value_parser = choice(&[
         (AskedMethod::Auto, "The best that applies"),
         (AskedMethod::Exact, "The exact solution"),

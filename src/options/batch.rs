@@ -11,14 +11,15 @@ use crate::failure::Failure;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Batch")]
 pub(crate) struct BatchOptions {
-    /// Number of doses, one after the other or as --every says
+    /// Make a batch of this many doses
+    #[arg(long_help = "Make a batch of this many doses, one after the other or as --every says.")]
     #[arg(long, value_name = "N", value_parser = number_of_doses)]
     repeat: Option<u64>,
-    /// Time from the start of one dose to the start of the next, as 30s
+    /// Time from one dose's start to the next, as 30s
     #[arg(long, value_name = "TIME", value_parser = units::time_s)]
     pub(crate) every: Option<f64>,
     /// What becomes of a dose whose time has passed [default: skip]
-    #[arg(long, value_name = "skip|now", hide_possible_values = true, value_parser = choice(&[
+    #[arg(long, value_name = "skip|now", value_parser = choice(&[
         (Missed::Skip, "Leave it out"),
         (Missed::Now, "Make it at once"),
     ]))]

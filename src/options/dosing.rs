@@ -18,7 +18,8 @@ use crate::failure::Failure;
 pub(crate) struct DosingOptions {
     #[command(flatten)]
     cruise: CruiseOptions,
-    /// Let the speed follow the rollers' angle, for a flow as smooth as the limits allow
+    /// Let the speed follow the rollers for a smooth flow
+    #[arg(long_help = "Let the speed follow the rollers' angle, for a flow as smooth as the limits allow.")]
     #[arg(long, help_heading = "Amount and speed")]
     smooth: bool,
     #[command(flatten)]

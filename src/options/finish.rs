@@ -9,7 +9,7 @@ use pump_ctl::plan::Finish;
 #[command(next_help_heading = "Amount and speed")]
 pub(crate) struct FinishOption {
     /// Where in a pitch the dose may end [default: any]
-    #[arg(long, value_name = "any|low-flow", hide_possible_values = true, value_parser = finish())]
+    #[arg(long, value_name = "any|low-flow", value_parser = finish())]
     finish: Option<Finish>,
 }
 

@@ -20,7 +20,9 @@ pub(crate) struct PressureLimits {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Limits")]
 pub(crate) struct TubeLimit {
-    /// Volume that a tube lasts, as 100L; doses warn from 90 % on [default: the pump file's]
+    /// Volume that a tube lasts, as 100L
+    #[arg(long_help = "Volume that a tube lasts, as 100L. Doses warn from 90 % of it on, and are refused \
+        beyond. The default is the pump file's.")]
     #[arg(long, value_name = "VOLUME", value_parser = units::volume_ml)]
     tube_limit: Option<f64>,
 }

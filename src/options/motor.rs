@@ -11,8 +11,12 @@ use super::choice::choice;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Motor")]
 pub(crate) struct DriverOption {
-    /// Driver of the motor: sim moves nothing [default: the pump file's, else sim]
-    #[arg(long, value_name = "sim|grbl", hide_possible_values = true, value_parser = choice(&[
+    /// Driver of the motor [default: the pump file's]
+    #[arg(
+        long_help = "Driver of the motor. The default is the pump file's, and sim without one: a simulated \
+        motor."
+    )]
+    #[arg(long, value_name = "sim|grbl", value_parser = choice(&[
         (DriverName::Sim, "A simulated stepper, pump and vessel"),
         (DriverName::Grbl, "A board that speaks grbl 1.1's protocol over a serial port: grbl, grblHAL, FluidNC"),
     ]))]
@@ -23,7 +27,10 @@ pub(crate) struct DriverOption {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Motor")]
 pub(crate) struct PortOption {
-    /// Serial port of the controller, as /dev/ttyUSB0 [default: the pump file's]
+    /// Serial port, as /dev/ttyUSB0
+    #[arg(
+        long_help = "Serial port of the motor's controller, as /dev/ttyUSB0. The default is the pump file's."
+    )]
     #[arg(long, value_name = "DEVICE")]
     pub(crate) port: Option<PathBuf>,
 }

@@ -13,9 +13,11 @@ use crate::failure::Failure;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Pump and record")]
 pub(crate) struct PumpOption {
-    /// Built-in pump (three-roller, two-roller) or pump file
+    /// Pump: three-roller, two-roller or a pump file
+    #[arg(long_help = "Built-in pump or pump file (TOML). Environment variable: DOSE_PUMP. Default: \
+        three-roller.")]
     #[arg(long, value_name = "NAME|FILE", env = "DOSE_PUMP", default_value = "three-roller")]
-    #[arg(hide_env_values = true)]
+    #[arg(hide_env = true, hide_default_value = true)]
     pump: String,
 }
 
@@ -23,8 +25,11 @@ pub(crate) struct PumpOption {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Pump and record")]
 pub(crate) struct RecordOption {
-    /// Folder of the record: angle, carry and calibrations
-    #[arg(long, value_name = "DIR", env = "DOSE_STATE_DIR", hide_env_values = true)]
+    /// Folder of the record
+    #[arg(long_help = "Folder in which the angle, the carry and the calibrations of each pump are kept. \
+        Environment variable: DOSE_STATE_DIR. Default: pump-dose in $XDG_STATE_HOME or in \
+        ~/.local/state.")]
+    #[arg(long, value_name = "DIR", env = "DOSE_STATE_DIR", hide_env = true)]
     state_dir: Option<PathBuf>,
 }
 

@@ -9,9 +9,8 @@ use pump_bench::words::WordError;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct FormatOption {
-    /// Report for people (text) or for programs (json) [default: text]
+    /// Report for people or programs [default: text]
     #[arg(long, value_name = "text|json", value_parser = format())]
-    #[arg(hide_possible_values = true)]
     format: Option<Format>,
 }
 
@@ -19,7 +18,7 @@ pub(crate) struct FormatOption {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct VerboseOption {
-    /// Report angles, steps, limits and the uncertainty budget too
+    /// Report every detail and the uncertainty budget
     #[arg(long, short)]
     pub(crate) verbose: bool,
 }

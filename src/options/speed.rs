@@ -10,10 +10,15 @@ use crate::failure::Failure;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Amount and speed")]
 pub(crate) struct SpeedOptions {
-    /// Mean flow while cruising, as 10mL/s, or max: the fastest that holds every limit
+    /// Mean flow, as 10mL/s, or max
+    #[arg(
+        long_help = "Mean flow while cruising, as 10mL/s, or max: the fastest that holds every limit. The \
+        default is the pump file's."
+    )]
     #[arg(long, value_name = "FLOW", value_parser = units::rate)]
     rate: Option<Cruise>,
-    /// Speed of the pump head while cruising, as 100rpm
+    /// Speed of the pump head, as 100rpm
+    #[arg(long_help = "Speed of the pump head while cruising, as 100rpm.")]
     #[arg(long, value_name = "SPEED", value_parser = units::speed_rad_s)]
     speed: Option<f64>,
 }
@@ -42,7 +47,9 @@ pub(crate) struct ReverseOption {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Amount and speed")]
 pub(crate) struct StartAngleOption {
-    /// Angle of the rollers at the start, as 30deg; 0deg: a roller begins to leave the outlet [default: as recorded]
+    /// Angle of the rollers at the start, as 30deg [default: as recorded]
+    #[arg(long_help = "Angle of the rollers at the start, as 30deg. At 0deg a roller begins to leave the \
+        outlet. The default is the angle on record.")]
     #[arg(long, value_name = "ANGLE", value_parser = units::angle_rad)]
     pub(crate) start_angle: Option<f64>,
 }

@@ -24,7 +24,7 @@ pub(super) struct RunArgs {
     from: Option<PathBuf>,
     /// Fit a straight line over the speed, or s and D of the speed law (three speeds at least)
     #[arg(long, value_name = "line|speed-law", default_value_t = Fit::Line, hide_default_value = true)]
-    #[arg(hide_possible_values = true, value_parser = choice(&[
+    #[arg(value_parser = choice(&[
         (Fit::Line, "A straight line over the speed"),
         (Fit::SpeedLaw, "s and D of the speed law"),
     ]))]

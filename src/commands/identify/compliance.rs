@@ -5,7 +5,7 @@ use pump_bench::export::Axes;
 use pump_bench::identification::{identified_compliance, injection_of_csv};
 use pump_bench::units;
 
-use super::{DataArgs, LineOption, report};
+use super::data::{DataArgs, LineOption, report};
 use crate::failure::Failure;
 
 #[derive(Debug, Args)]

@@ -8,7 +8,7 @@ use pump_ctl::plan::Cruise;
 use pump_model::identification::Sought;
 use pump_model::{Port, Pump};
 
-use super::{DataArgs, plot};
+use super::data::{DataArgs, plot};
 use crate::failure::Failure;
 use crate::options::speed::{ReverseOption, SpeedOptions, StartAngleOption};
 use crate::outputs::Outputs;
@@ -23,13 +23,13 @@ pub(super) struct LineArgs {
     #[command(flatten)]
     start_angle: StartAngleOption,
     /// How the rotor began to turn: ramp, step or steady
-    #[arg(long, value_name = "ramp|step|steady", default_value = "ramp", hide_possible_values = true)]
+    #[arg(long, value_name = "ramp|step|steady", default_value = "ramp")]
     begin: Begin,
     /// When it began to turn, in the time of the table, as 0.2s [default: 0s]
     #[arg(long, value_name = "TIME", value_parser = units::time_s)]
     start_time: Option<f64>,
     /// Seek also the start (its time, near --start-time) or the reservoir (its pressure, or the sensor's error)
-    #[arg(long, value_name = "start,reservoir", value_delimiter = ',', hide_possible_values = true)]
+    #[arg(long, value_name = "start,reservoir", value_delimiter = ',')]
     also: Vec<Also>,
     /// Hold the pump file's value and do not seek it, as resistance,compliance
     #[arg(long, value_name = "PARAMETERS", value_delimiter = ',')]

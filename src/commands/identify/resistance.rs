@@ -4,7 +4,7 @@ use clap::Args;
 use pump_bench::export::Axes;
 use pump_bench::identification::{flow_points_of_csv, identified_resistance};
 
-use super::{DataArgs, LineOption, report};
+use super::data::{DataArgs, LineOption, report};
 use crate::failure::Failure;
 
 #[derive(Debug, Args)]

@@ -51,7 +51,7 @@ pub(crate) struct NewArgs {
     roller_volume_points: Option<PathBuf>,
     /// How a curve goes through these points
     #[arg(long, value_name = "quintic|spline", default_value_t = Fit::Quintic, requires = "roller_volume_points")]
-    #[arg(hide_possible_values = true, value_parser = choice(&[
+    #[arg(value_parser = choice(&[
         (Fit::Quintic, "Least squares of 5th order, as McIntyre et al."),
         (Fit::Spline, "A rising spline through the mean of each angle: a flow without jumps"),
     ]))]

@@ -10,7 +10,49 @@ fn a_dose_says_first_that_no_motor_moved() {
     assert_eq!(answer.code, 0, "{}", answer.err);
     assert_eq!(answer.out.lines().next(), Some("SIMULATED: no motor moved"));
     assert!(answer.out.contains("25.0 mL ± 1.2 mL delivered, 25 mL asked"), "{}", answer.out);
-    assert!(answer.out.contains("not checked  outlet pressure, torque"), "{}", answer.out);
+    assert_eq!(answer.out.lines().count(), 3, "{}", answer.out);
+}
+
+#[test]
+fn details_and_the_uncertainty_budget_are_told_when_they_are_asked_for() {
+    let user = User::new();
+    let brief = user.types(&["25mL", "--dry-run"]).out;
+    for option in ["-v", "--verbose"] {
+        let long = user.types(&["25mL", "--dry-run", option]).out;
+        assert!(long.starts_with(&brief), "{long}");
+        for part in [
+            "not checked  outlet pressure, torque",
+            "rollers      from 0.00° (home) to 435.38°",
+            "uncertainty  k = 2, not calibrated; standard, % of volume: model 2.4",
+        ] {
+            assert!(long.contains(part) && !brief.contains(part), "{part}: {long}");
+        }
+    }
+}
+
+#[test]
+fn an_amount_is_echoed_as_it_was_typed() {
+    let user = User::new();
+    for (typed, shown) in [
+        (&["25 g", "--dry-run"][..], " 25 g asked"),
+        (&["25g", "--dry-run"], " 25 g asked"),
+        (&["0.025 L", "--dry-run"], " 0.025 L asked"),
+        (&["-5mL", "--dry-run"], " -5 mL asked"),
+        (&["5mL", "--reverse", "--dry-run"], " -5 mL asked"),
+    ] {
+        let out = user.types(typed).out;
+        assert!(out.contains(shown), "{typed:?}: {out}");
+    }
+}
+
+#[test]
+fn a_warning_appears_once() {
+    let user = User::new();
+    let text = user.types(&["1.2uL", "--dry-run"]);
+    assert_eq!(text.out.matches("a motor step is coarse").count(), 1, "{}", text.out);
+    assert_eq!(text.err, "");
+    let json = user.types(&["1.2uL", "--dry-run", "--format", "json"]);
+    assert_eq!(json.err.matches("a motor step is coarse").count(), 1, "{}", json.err);
 }
 
 #[test]

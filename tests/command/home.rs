@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use pump_bench::built_in;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
-use super::user::{User, number};
+use crate::user::{User, number};
 
 const RIGHT: &[u8] = b"\x1b[C";
 const LEFT: &[u8] = b"\x1b[D";

@@ -38,7 +38,9 @@ fn a_low_flow_end_that_cannot_be_known_or_had_is_refused_by_name() {
     let user = User::new();
     let nearest = user.is_refused(&["0.1mL", "--finish", "low-flow"]);
     assert!(nearest.contains("no end at low flow is nearer"), "{nearest}");
-    assert!(user.is_refused(&["prime", "5mL", "--finish", "low-flow"]).contains("--finish means nothing"));
+    assert!(
+        user.is_refused(&["prime", "5mL", "--finish", "low-flow"]).contains("`dose prime` takes no --finish")
+    );
     assert!(user.is_refused(&["5mL", "--finish", "dry"]).contains("low-flow"));
     assert!(user.command(&["home", "--unknown"]).status().unwrap().success());
     let unknown = user.is_refused(&["25mL", "--finish", "low-flow"]);

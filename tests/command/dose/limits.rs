@@ -27,7 +27,7 @@ fn smooth_flow_changes_the_ripple_and_nothing_that_is_delivered() {
 
 /// A pump file of the user's own: the example's with these lines in place of others.
 fn own_pump(user: &User, changes: &[(&str, &str)]) -> String {
-    let mut text = include_str!("../../examples/pumps/my-pump.toml").to_owned();
+    let mut text = include_str!("../../../examples/pumps/my-pump.toml").to_owned();
     for (from, to) in changes {
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);

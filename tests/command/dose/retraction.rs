@@ -3,7 +3,7 @@
 use pump_bench::bench::Rehearsal;
 use pump_bench::{Bench, DoseRequest, built_in};
 
-use super::user::{User, number};
+use crate::user::{User, number};
 
 /// A step of the built-in pump delivers this at most, mL.
 const STEP_ML: f64 = 4.3982297 * std::f64::consts::TAU / 12_800.0;
@@ -49,7 +49,9 @@ fn a_retraction_without_a_dose_toward_the_outlet_is_refused() {
         let message = user.is_refused(arguments);
         assert!(message.contains("dose in mL before a retraction is -5"), "{message}");
     }
-    assert!(user.is_refused(&["prime", "5mL", "--retract", "1mL"]).contains("--retract means nothing"));
+    assert!(
+        user.is_refused(&["prime", "5mL", "--retract", "1mL"]).contains("`dose prime` takes no --retract")
+    );
     assert!(user.is_refused(&["5mL", "--retract", "1"]).contains("unit"));
 }
 

@@ -9,7 +9,7 @@ fn turned_by_hand() -> User {
     let answer = user.types(&["home", "--unknown"]);
     assert_eq!(answer.code, 0, "{}", answer.err);
     assert!(answer.out.contains("stand at an unknown angle"), "{}", answer.out);
-    assert!(answer.out.contains("that doses owed are forgotten"), "{}", answer.out);
+    assert!(answer.out.contains("µL is dropped"), "{}", answer.out);
     user
 }
 
@@ -17,7 +17,7 @@ fn turned_by_hand() -> User {
 fn a_dose_from_an_unknown_angle_says_between_which_volumes_it_lies_and_what_would_be_exact() {
     let user = turned_by_hand();
     assert!(user.types(&["status"]).out.contains("rotor at an unknown angle"));
-    let dry = user.types(&["25mL", "--dry-run"]).out;
+    let dry = user.types(&["25mL", "--dry-run", "-v"]).out;
     for said in [
         "turned by 421.68° from an unknown angle",
         "the volume lies between 23.9477 and 26.0531 mL",

@@ -34,11 +34,9 @@ fn what_is_not_known_of_a_fluid_is_refused_with_what_is() {
     assert!(unknown.contains("`oil`") && unknown.contains("known: water"), "{unknown}");
     assert!(user.is_refused(&["25g", "--temperature", "120degC"]).contains("allowed: 0 to 100"));
     assert!(user.is_refused(&["25g", "--temperature", "20"]).contains("20degC"));
-    assert!(
-        user.is_refused(&["status", "--fluid", "water"]).contains("--fluid means nothing to `dose status`")
-    );
+    assert!(user.is_refused(&["status", "--fluid", "water"]).contains("`dose status` takes no --fluid"));
 
-    let own = include_str!("../../examples/pumps/my-pump.toml");
+    let own = include_str!("../../../examples/pumps/my-pump.toml");
     let own = own.replace("name = \"water\"", "name = \"syrup\"").replace("= 997.0", "= 1330.0");
     std::fs::write(user.path("syrup.toml"), own).unwrap();
     let pump = ["25g", "--dry-run", "--pump", "syrup.toml"];

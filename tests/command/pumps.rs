@@ -93,7 +93,7 @@ fn drawings_of_pumps_that_cannot_work_are_refused_by_name() {
     assert!(
         user.is_refused(&[&DRAWING[..], &["--id", "My Pump"]].concat()).contains("[pump] id is `My Pump`")
     );
-    assert!(user.is_refused(&[&DRAWING[..], &["--rate", "5mL/s"]].concat()).contains("means nothing"));
+    assert!(user.is_refused(&[&DRAWING[..], &["--rate", "5mL/s"]].concat()).contains("takes no --rate"));
     assert!(user.is_refused(&DRAWING[..12]).contains("--rollers"));
 }
 

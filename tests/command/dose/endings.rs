@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use super::user::{User, number};
+use crate::user::{User, number};
 
 const JOURNAL: &str = "state/three-roller/sim/journal.jsonl";
 
