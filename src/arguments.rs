@@ -68,7 +68,8 @@ fn protect_minus(word: OsString) -> OsString {
 /// True if the word after an option is its value. The definitions of the command that was named so far count first; an
 /// option that stands before its command may be any command's.
 fn takes_value(node: &Command, root: &Command, option: &str, next: Option<&str>) -> bool {
-    if option.contains('=') {
+    // A value never begins with a hyphen: negative quantities are protected.
+    if option.contains('=') || next.is_some_and(|next| next.starts_with('-')) {
         return false;
     }
     let mut found = Vec::new();

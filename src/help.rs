@@ -17,6 +17,9 @@ pub(crate) fn brief(command: Command) -> Command {
 
 /// Leaves the headings and the meanings of the words to choose from out.
 fn flat(command: Command) -> Command {
-    let flat_arg = |arg: Arg| arg.help_heading(None).hide_possible_values(true);
+    let flat_arg = |arg: Arg| {
+        let has_words = arg.get_action().takes_values();
+        arg.help_heading(None).hide_possible_values(has_words)
+    };
     command.mut_args(flat_arg).mut_subcommands(flat)
 }

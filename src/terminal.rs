@@ -76,8 +76,8 @@ pub(crate) fn progress_bar(steps: u64) -> ProgressBar {
     ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-/// Breaks lines that are too long between words. The rest of a line stands two columns further in than its beginning, or
-/// under the text beside a name, as in `  speed   14 r/min`.
+/// Breaks lines that are too long between words. The rest of a line stands two columns further in than its beginning,
+/// or under the text beside a name, as in `  speed   14 r/min`.
 fn wrapped(text: &str, width: usize) -> String {
     text.split_inclusive('\n').map(|line| wrapped_line(line, width)).collect()
 }

@@ -27,8 +27,8 @@ pub(super) fn refuse_files(options: &DosingOptions, count: u64) -> Result<(), Fa
     }
 }
 
-/// Makes the doses of `schedule`, or with `--dry-run` plans them. `typed` is the volume as it was typed, and `every_s` the
-/// time from the start of one dose to the start of the next.
+/// Makes the doses of `schedule`, or with `--dry-run` plans them. `typed` is the volume as it was typed, and `every_s`
+/// the time from the start of one dose to the start of the next.
 pub(super) fn run(
     bench: &Bench,
     request: DoseRequest,
@@ -62,8 +62,8 @@ fn warn_of_release(bench: &Bench, every_s: Option<f64>) {
     let hold_s = bench.drive().hold_timeout_s.unwrap_or(f64::INFINITY);
     if let Some(every_s) = every_s.filter(|every_s| *every_s > hold_s) {
         warn(&[format!(
-            "[drive] hold_timeout_s = {hold_s} is shorter than --every {every_s} s: the motor is let go between doses, and \
-             after the second time nobody knows where the rollers stand"
+            "[drive] hold_timeout_s = {hold_s} is shorter than --every {every_s} s: the motor is let go between doses, \
+             and after the second time nobody knows where the rollers stand"
         )]);
     }
 }

@@ -17,8 +17,8 @@ const UP: &[u8] = b"\x1b[A";
 const DOWN: &[u8] = b"\x1b[B";
 const ENTER: &[u8] = b"\r";
 
-/// Runs `dose home --mark` with these arguments in a terminal of its own and types `keys`. Returns the exit code, what it
-/// printed and what the terminal showed.
+/// Runs `dose home --mark` with these arguments in a terminal of its own and types `keys`. Returns the exit code, what
+/// it printed and what the terminal showed.
 fn at_terminal(user: &User, arguments: &[&str], keys: &[&[u8]]) -> (i32, String, String) {
     let terminal = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
     grantpt(&terminal).unwrap();

@@ -135,7 +135,7 @@ fn record(user: &User, name: &str, kpa: impl Fn(u32) -> f64) {
     fs::write(user.path(name), format!("time_s,p_out_kpa\n{rows}")).unwrap();
 }
 
-/// What looks like noise and is the same in every run: the fractional parts of multiples of the golden section, scrambled.
+/// Noise that is the same in every run: the fractional parts of multiples of the golden section, scrambled.
 fn noise(n: u32) -> f64 {
     let scrambled = n.wrapping_mul(2_654_435_769) ^ (n.wrapping_mul(2_654_435_769) >> 15);
     f64::from(scrambled.wrapping_mul(2_246_822_519)) / f64::from(u32::MAX) - 0.5

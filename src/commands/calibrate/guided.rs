@@ -66,8 +66,8 @@ pub(super) fn runs(bench: &Bench, course: Course) -> Result<Option<Vec<Run>>, Fa
     let all = each as usize * speeds_rad_s.len();
     let volume_ml = f64::from(pitches) * pitch_ml;
     say(&format!(
-        "{all} runs of {pitches} pitches, {volume_ml:.1} mL by the model, after one to try; fill the line, and empty or tare \
-         the vessel before each\n"
+        "{all} runs of {pitches} pitches, {volume_ml:.1} mL by the model, after one to try; fill the line, and empty \
+         or tare the vessel before each\n"
     ));
     let middle = speeds_rad_s.get(speeds_rad_s.len() / 2).copied().unwrap_or_default();
     if guide.weighed(middle, 1, "trial run")?.is_none() {

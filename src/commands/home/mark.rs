@@ -57,8 +57,8 @@ pub(super) fn mark(
     let mark_deg = degrees(session.mark_rad()?);
     if !(io::stdin().is_terminal() && io::stderr().is_terminal()) {
         return Err(Failure::refused(
-            "the rotor is turned to its mark with the arrow keys: run this in a terminal, or say where the rollers stand with \
-             `dose home --set <ANGLE>`",
+            "the rotor is turned to its mark with the arrow keys: run this in a terminal, or say where the rollers \
+             stand with `dose home --set <ANGLE>`",
         ));
     }
     session.connect()?;

@@ -30,8 +30,8 @@ impl ShowArgs {
         match self.format {
             None => print(&file.to_toml()),
             Some(()) if file.speed_law.standard().is_some() => Err(Failure::refused(
-                "firmware plans with one volume of a revolution, and this file has a speed law; write kind = \"none\" into \
-                 its [speed_law] for the firmware",
+                "firmware plans with one volume of a revolution, and this file has a speed law; write kind = \"none\" \
+                 into its [speed_law] for the firmware",
             )),
             Some(()) => print(&rust_source(&file).map_err(Failure::refused)?),
         }

@@ -22,7 +22,7 @@ fn smooth_flow_changes_the_ripple_and_nothing_that_is_delivered() {
     assert!((number(&done, "delivered_ml") - number(&done, "planned_ml")).abs() < 1e-6);
     assert!(user.command(&["home", "--unknown"]).status().unwrap().success());
     assert!(user.is_refused(&["25mL", "--smooth"]).contains("a smooth flow needs the rollers' angle"));
-    assert!(user.is_refused(&["status", "--smooth"]).contains("--smooth means nothing to `dose status`"));
+    assert!(user.is_refused(&["status", "--smooth"]).contains("`dose status` takes no --smooth"));
 }
 
 /// A pump file of the user's own: the example's with these lines in place of others.

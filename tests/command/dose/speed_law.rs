@@ -7,8 +7,8 @@ use pump_model::{Pump, SpeedLaw};
 
 use crate::user::{User, number};
 
-const TABLE: &str = "[speed_law]\nkind = \"inlet-pressure\"\ns = 0.953\nd_per_kpa = 2.05e-3\nleast_rpm = 10\nmost_rpm = 170\n\
-                     residual_percent = 2.4\n";
+const TABLE: &str = "[speed_law]\nkind = \"inlet-pressure\"\ns = 0.953\nd_per_kpa = 2.05e-3\nleast_rpm = 10\n\
+                     most_rpm = 170\nresidual_percent = 2.4\n";
 
 /// A pump file of the built-in pump with the published law.
 fn with_law(user: &User) {

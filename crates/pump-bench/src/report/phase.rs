@@ -11,8 +11,8 @@ pub fn phase_json(found: &PhaseFit, version: Option<u32>) -> String {
     format!("{}\n", json!({ "schema": "phase/1", "found": found, "version": version }))
 }
 
-/// Says what short doses show, and what to change in the pump file. `version` is the calibration that doses use from now
-/// on; none if nothing was kept.
+/// Says what short doses show, and what to change in the pump file. `version` is the calibration that doses use from
+/// now on; none if nothing was kept.
 pub fn phase_text(bench: &Bench, found: &PhaseFit, version: Option<u32>) -> String {
     let PhaseFit { roller_volume_ml, engagement_deg, zero_deg, scatter_ml, degrees_of_freedom } = found;
     let used = version.map_or("`--use` has doses correct the zero by this\n".to_owned(), |version| {

@@ -116,8 +116,8 @@ impl SimulationReport {
     fn assumptions(&self) -> String {
         self.roller_centric.as_ref().map_or(String::new(), |model| {
             format!(
-                "  model   experimental: segments {} of the round tube's volume, {} /kPa more by pressure; rollers close \
-                 at {:.2}°, and open resist {} kPa s/mL\n",
+                "  model   experimental: segments {} of the round tube's volume, {} /kPa more by pressure; rollers \
+                 close at {:.2}°, and open resist {} kPa s/mL\n",
                 model.scale, model.distensibility_per_kpa, model.closure_deg, model.valve_resistance_kpa_s_ml
             )
         })
