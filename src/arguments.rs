@@ -69,7 +69,8 @@ fn protect_minus(word: OsString) -> OsString {
 /// option that stands before its command may be any command's.
 fn takes_value(node: &Command, root: &Command, option: &str, next: Option<&str>) -> bool {
     // A value never begins with a hyphen: negative quantities are protected.
-    if option.contains('=') || next.is_some_and(|next| next.starts_with('-')) {
+    let is_option = next.is_some_and(|next| next.starts_with('-') && next.len() > 1);
+    if option.contains('=') || is_option {
         return false;
     }
     let mut found = Vec::new();
