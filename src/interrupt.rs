@@ -1,23 +1,26 @@
 //! SIGINT (Ctrl-C), SIGTERM and SIGHUP (the terminal is closed): the dose is stopped, not the process.
 
-use std::io;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 
-/// Notes the first of these signals, from now on.
+use crate::failure::Failure;
+
+/// A watch for these signals.
 pub(crate) struct Interrupt {
     /// Its number; 0 for none.
     signal: Arc<AtomicUsize>,
 }
 
 impl Interrupt {
-    pub(crate) fn watch() -> io::Result<Self> {
+    /// Watches for the signals.
+    pub(crate) fn watch() -> Result<Self, Failure> {
         let signal = Arc::new(AtomicUsize::new(0));
         for number in [SIGINT, SIGTERM, SIGHUP] {
-            flag::register_usize(number, Arc::clone(&signal), number as usize)?;
+            flag::register_usize(number, Arc::clone(&signal), number as usize).map_err(Failure::refused)?;
         }
         Ok(Self { signal })
     }
@@ -28,5 +31,10 @@ impl Interrupt {
             0 => None,
             number => i32::try_from(number).ok(),
         }
+    }
+
+    /// Breaks a motion once a signal came.
+    pub(crate) fn flow(&self) -> ControlFlow<()> {
+        if self.signal().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

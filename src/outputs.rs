@@ -23,7 +23,7 @@ pub(crate) struct Outputs {
 }
 
 impl Outputs {
-    /// Writes a file.
+    /// Writes a file beside its place.
     pub(crate) fn write(
         &mut self,
         path: &Path,

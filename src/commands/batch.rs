@@ -5,92 +5,72 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use pump_bench::bench::Rehearsal;
+use pump_bench::dosing::{Action, Schedule};
+use pump_bench::{Bench, DoseReport, DoseRequest, Prepared, Session};
 
-use pump_bench::dosing::{Action, MAX_DOSES, Missed, Schedule};
-use pump_bench::{Bench, Delivered, DoseReport, DoseRequest, Prepared, Session};
-
-use super::dose::{deliver, ended, warn, watch, words};
-use crate::failure::{Failure, print};
+use super::delivery::{Ended, Said, deliver, ended, report_once};
+use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::options::{Missed as MissedName, Options};
+use crate::options::dosing::DosingOptions;
+use crate::terminal::{print, tell, warn};
 
 /// Longest sleep between two looks for a signal.
 const SLICE: Duration = Duration::from_millis(50);
 
-/// The number behind `--repeat`.
-pub(crate) fn number_of_doses(text: &str) -> Result<u64, String> {
-    let number = text.parse().ok().filter(|number| (1..=MAX_DOSES).contains(number));
-    number.ok_or_else(|| format!("allowed: whole numbers from 1 to {MAX_DOSES}, as in --repeat 10"))
-}
-
-/// The schedule of a batch; none for a single dose. Refuses what only a batch obeys, and what it cannot obey.
-pub(crate) fn schedule(options: &Options) -> Result<Option<Schedule>, Failure> {
-    if options.missed.is_some() && options.every.is_none() {
-        return Err(Failure::refused(
-            "--missed says what becomes of a dose whose time has passed; give the doses times with --every",
-        ));
-    }
-    let Some(count) = options.repeat else {
-        return match options.every {
-            Some(_) => Err(Failure::refused(
-                "--every is the time between the doses of a batch; say how many with --repeat",
-            )),
-            None => Ok(None),
-        };
-    };
-    let missed = match options.missed.unwrap_or(MissedName::Skip) {
-        MissedName::Skip => Missed::Skip,
-        MissedName::Now => Missed::Now,
-    };
-    let schedule = Schedule::new(count, options.every, missed)
-        .map_err(|error| Failure::refused(format!("--every: {error}")))?;
-    let files = [("--steps", &options.steps), ("--trace", &options.trace), ("--plot", &options.plot)];
-    match files.iter().find(|(_, file)| file.is_some()) {
-        Some((name, _)) if count > 1 => Err(Failure::refused(format!(
+/// Refuses files in a batch: each is the file of one dose.
+pub(super) fn refuse_files(options: &DosingOptions, count: u64) -> Result<(), Failure> {
+    match options.files().iter().find(|(_, file)| file.is_some()) {
+        Some((name, _)) => Err(Failure::refused(format!(
             "{name} is the file of one dose, and --repeat asks for {count}; leave one of them out"
         ))),
-        _ => Ok((count > 1).then_some(schedule)),
+        None => Ok(()),
     }
 }
 
-/// Makes the doses of `schedule`, or with `--dry-run` plans them.
-pub(crate) fn run(
+/// Makes the doses of `schedule`, or with `--dry-run` plans them. `typed` is the volume as it was typed, and `every_s`
+/// the time from the start of one dose to the start of the next.
+pub(super) fn run(
     bench: &Bench,
     request: DoseRequest,
+    typed: &str,
     schedule: Schedule,
-    options: &Options,
+    every_s: Option<f64>,
+    options: &DosingOptions,
 ) -> Result<(), Failure> {
+    let (json, verbose) = (options.format.json(), options.verbose.verbose);
+    let said = Said { json, verbose, asked: Some(typed) };
     let mut batch =
-        Batch { bench, options, request, count: schedule.count(), done: 0, skipped: 0, untold: Vec::new() };
+        Batch { bench, said, request, count: schedule.count(), done: 0, skipped: 0, untold: Vec::new() };
     let (ended, verb) = if options.dry_run {
         (batch.rehearse(), "planned")
     } else {
-        let hold_s = bench.drive().hold_timeout_s.unwrap_or(f64::INFINITY);
-        if let Some(every_s) = options.every.filter(|every_s| *every_s > hold_s) {
-            warn(&[format!(
-                "[drive] hold_timeout_s = {hold_s} is shorter than --every {every_s} s: the motor is let go between doses, and \
-                 after the second time nobody knows where the rollers stand"
-            )]);
-        }
+        warn_of_release(bench, every_s);
         // One session and one watch for signals, so that nothing comes between two doses.
-        let interrupt = watch()?;
+        let interrupt = Interrupt::watch()?;
         (batch.run(&mut bench.session()?, schedule, &interrupt), "done")
     };
     let Batch { count, done, skipped, .. } = batch;
     let skipped = if skipped > 0 { format!(" and {skipped} skipped") } else { String::new() };
     ended.map_err(|failure| {
-        let failure = match failure {
-            // Refused, but not before anything moved.
-            Failure::Refused(message) if done > 0 && !options.dry_run => Failure::Fault(message),
-            failure => failure,
-        };
+        let failure = if done > 0 && !options.dry_run { failure.after_motion() } else { failure };
         failure.with(&format!("; {done} of {count} doses of the batch were {verb}{skipped}"))
     })
 }
 
+/// Warns of a motor that is let go between the doses.
+fn warn_of_release(bench: &Bench, every_s: Option<f64>) {
+    let hold_s = bench.drive().hold_timeout_s.unwrap_or(f64::INFINITY);
+    if let Some(every_s) = every_s.filter(|every_s| *every_s > hold_s) {
+        warn(&[format!(
+            "[drive] hold_timeout_s = {hold_s} is shorter than --every {every_s} s: the motor is let go between doses, \
+             and after the second time nobody knows where the rollers stand"
+        )]);
+    }
+}
+
 struct Batch<'a> {
     bench: &'a Bench,
-    options: &'a Options,
+    said: Said<'a>,
     /// The next dose.
     request: DoseRequest,
     count: u64,
@@ -136,7 +116,7 @@ impl Batch<'_> {
                 Action::Dose(number) => {
                     self.still_wanted(interrupt)?;
                     let prepared = session.prepare(self.next_request())?;
-                    let delivered = deliver(self.bench, session, &prepared, interrupt, self.options)?;
+                    let delivered = deliver(self.bench, session, &prepared, interrupt, self.said.json)?;
                     self.done += u64::from(delivered.0.completed);
                     self.report(number, &prepared, Some(delivered))?;
                 }
@@ -171,10 +151,7 @@ impl Batch<'_> {
     /// Ends a batch whose rotor stands.
     fn still_wanted(&self, interrupt: &Interrupt) -> Result<(), Failure> {
         let Some(signal) = interrupt.signal() else { return Ok(()) };
-        Err(Failure::Stopped(
-            signal,
-            "stopped by the user between two doses; nothing is unfinished".to_owned(),
-        ))
+        Err(Failure::stopped(signal, "stopped by the user between two doses; nothing is unfinished"))
     }
 
     fn tell_skipped(&mut self, first: u64, last: u64) -> Result<(), Failure> {
@@ -185,31 +162,20 @@ impl Batch<'_> {
         } else {
             format!("doses {first} to {last} of {count} were skipped: their times had passed")
         };
-        if !self.options.json() {
-            return print(&format!("{message} (--missed now makes them at once)\n\n"));
+        if !self.said.json {
+            return tell(&format!("{message} (--missed now makes them at once)\n\n"));
         }
         warn(std::slice::from_ref(&message));
         self.untold.push(message);
         Ok(())
     }
 
-    fn report(
-        &mut self,
-        number: u64,
-        prepared: &Prepared,
-        delivered: Option<(Delivered, Option<i32>)>,
-    ) -> Result<(), Failure> {
-        let count = self.count;
-        let mut report =
+    fn report(&mut self, number: u64, prepared: &Prepared, delivered: Option<Ended>) -> Result<(), Failure> {
+        let report =
             DoseReport::new(self.bench, prepared, delivered.as_ref().map(|(delivered, _)| delivered));
-        let printed = if self.options.json() {
-            warn(&report.warnings);
-            report.warnings.append(&mut self.untold);
-            print(&(report.json() + "\n"))
-        } else {
-            let space = if number < count { "\n" } else { "" };
-            print(&format!("{}  batch        dose {number} of {count}\n{space}", words(self.bench, &report)))
-        };
-        ended(printed, delivered)
+        let place = Some((number, self.count));
+        let printed = report_once(self.bench, report, &self.said, place, mem::take(&mut self.untold));
+        let space = if number < self.count && !self.said.json { print("\n") } else { Ok(()) };
+        ended(printed.and(space), delivered)
     }
 }

@@ -1,12 +1,18 @@
-//! The commands, a file each.
+//! The commands, a file each; a command with subcommands is a folder.
 
-pub(crate) mod batch;
+mod batch;
 pub(crate) mod calibrate;
+pub(crate) mod completions;
+mod delivery;
+pub(crate) mod discard;
 pub(crate) mod dose;
 pub(crate) mod home;
 pub(crate) mod identify;
-pub(crate) mod mark;
-pub(crate) mod new_pump;
+pub(crate) mod prime;
 pub(crate) mod pumps;
+pub(crate) mod purge;
+pub(crate) mod release;
+pub(crate) mod resume;
 pub(crate) mod simulate;
 pub(crate) mod status;
+pub(crate) mod tube;

@@ -1,12 +1,32 @@
 //! `dose status`: what is on record.
 
+use clap::Args;
 use pump_bench::report::Status;
 
-use crate::failure::{Failure, print};
-use crate::options::Options;
+use crate::failure::Failure;
+use crate::options::bench::RecordOptions;
+use crate::options::limits::TubeLimit;
+use crate::options::motor::PortOption;
+use crate::options::report::FormatOption;
+use crate::terminal::{print, tell};
 
-pub(crate) fn status(options: &Options) -> Result<(), Failure> {
-    options.accept_only("dose status", &["--driver", "--port", "--format", "--tube-limit"])?;
-    let status = Status::of(&options.bench()?)?;
-    print(&if options.json() { status.json() + "\n" } else { status.text() })
+#[derive(Debug, Args)]
+pub(crate) struct StatusArgs {
+    #[command(flatten)]
+    record: RecordOptions,
+    #[command(flatten)]
+    port: PortOption,
+    #[command(flatten)]
+    tube_limit: TubeLimit,
+    #[command(flatten)]
+    format: FormatOption,
+}
+
+impl StatusArgs {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let mut file = self.record.pump.file()?;
+        self.tube_limit.change(&mut file);
+        let status = Status::of(&self.record.bench_of(file, Some(&self.port))?)?;
+        if self.format.json() { print(&(status.json() + "\n")) } else { tell(&status.text()) }
+    }
 }

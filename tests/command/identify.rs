@@ -5,7 +5,7 @@ use std::fs;
 use pump_model::volume_fit::PUBLISHED_POINTS;
 use serde_json::Value;
 
-use crate::drawings::DRAWING;
+use crate::pumps::DRAWING;
 use crate::user::{User, number};
 
 /// The examples, made with R 0.15, C 0.03 and L 0.0055 by the project's own simulation, with noise.
@@ -135,7 +135,7 @@ fn record(user: &User, name: &str, kpa: impl Fn(u32) -> f64) {
     fs::write(user.path(name), format!("time_s,p_out_kpa\n{rows}")).unwrap();
 }
 
-/// What looks like noise and is the same in every run: the fractional parts of multiples of the golden section, scrambled.
+/// Noise that is the same in every run: the fractional parts of multiples of the golden section, scrambled.
 fn noise(n: u32) -> f64 {
     let scrambled = n.wrapping_mul(2_654_435_769) ^ (n.wrapping_mul(2_654_435_769) >> 15);
     f64::from(scrambled.wrapping_mul(2_246_822_519)) / f64::from(u32::MAX) - 0.5
@@ -240,7 +240,10 @@ fn tables_and_options_that_mean_nothing_are_refused() {
         (&["identify", "line", "--data", "none.csv", "--speed", "1rpm"], "cannot read none.csv"),
         (&["identify", "line", "--data", "start.csv", "--speed", "37rpm"], "start.csv: "),
         (&["identify", "resistance", "--data", "start.csv"], "line 3: unknown column `time_s`"),
-        (&["identify", "resistance", "--data", "resistance.csv", "--speed", "1rpm"], "--speed means nothing"),
+        (
+            &["identify", "resistance", "--data", "resistance.csv", "--speed", "1rpm"],
+            "`dose identify resistance` takes no --speed",
+        ),
         (&["identify", "compliance", "--data", "compliance.csv", "--total-volume", "26"], "no unit"),
         (&["identify", "compliance"], "--data"),
         (
@@ -262,7 +265,7 @@ fn tables_and_options_that_mean_nothing_are_refused() {
             ],
             "--start-time means nothing to a steady record",
         ),
-        (&["pumps", "check", "start.csv", "--plot", "x.svg"], "--plot means nothing"),
+        (&["pumps", "check", "start.csv", "--plot", "x.svg"], "`dose pumps check` takes no --plot"),
         (&[&DRAWING[..], &["--fit", "spline"]].concat(), "--roller-volume-points"),
         (&[&DRAWING[..], &["--plot", "x.svg"]].concat(), "--plot draws measured points"),
         (&[&DRAWING[..], &["--roller-volume-points", "none.csv"]].concat(), "cannot read none.csv"),

@@ -2,22 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-mod batches;
 mod calibrate;
-mod doses;
-mod drawings;
-mod endings;
-mod files;
-mod finish;
-mod fluids;
-mod identify;
-mod limits;
-mod refusals;
-mod retraction;
-mod simulations;
-mod speed_law;
+mod dose;
 #[cfg(unix)]
-mod terminal;
+mod home;
+mod identify;
+mod line;
+mod pumps;
+mod simulate;
 mod tube;
-mod unknown_angle;
 mod user;

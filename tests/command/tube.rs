@@ -78,18 +78,16 @@ fn a_new_tube_has_pumped_nothing_and_doses_owe_nothing() {
     let answer = user.types(&["tube", "--new"]);
     assert_eq!(answer.code, 0, "{}", answer.err);
     assert!(answer.out.contains("the one before pumped 10.0 mL"), "{}", answer.out);
-    assert!(answer.out.contains(&format!("warning: {:.2} µL that doses owed are forgotten", 1e3 * owed)));
+    assert!(answer.out.contains(&format!("warning: a carry of {:.2} µL is dropped", 1e3 * owed)));
     assert!(answer.out.contains("volume per revolution: calibrate it"), "{}", answer.out);
     assert!(user.record().unwrap().lines().last().unwrap().contains("\"new_tube\""));
     let status = user.json(&["status"]);
     assert_eq!((number(&status, "carry_ml"), number(&status["wear"], "volume_ml")), (0.0, 0.0));
     assert_eq!(number(&status["wear"], "revolutions"), 0.0);
     assert!((number(&status, "angle_deg") - number(&before, "end_angle_deg").rem_euclid(360.0)).abs() < 1e-9);
-    assert!(!user.types(&["tube", "--new"]).out.contains("forgotten"));
+    assert!(!user.types(&["tube", "--new"]).out.contains("dropped"));
     assert!(user.is_refused(&["tube"]).contains("--new"), "nothing is reset by half a command");
-    assert!(
-        user.is_refused(&["tube", "--new", "--dry-run"]).contains("--dry-run means nothing to `dose tube`")
-    );
+    assert!(user.is_refused(&["tube", "--new", "--dry-run"]).contains("`dose tube` takes no --dry-run"));
 }
 
 #[test]

@@ -36,6 +36,7 @@ pub mod report;
 mod sampling;
 pub mod simulation;
 pub mod units;
+pub mod words;
 
 pub use bench::{Bench, Delivered, Session};
 pub use catalogue::{built_in, pump_named};

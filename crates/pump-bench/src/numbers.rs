@@ -20,3 +20,8 @@ pub(crate) fn between(least_ml: f64, most_ml: f64) -> String {
         format!("between {least_ml:.4} and {most_ml:.4} mL")
     }
 }
+
+/// A number with four decimals at most.
+pub(crate) fn short(value: f64) -> String {
+    format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
+}

@@ -1,6 +1,6 @@
-//! What a person answers at the keyboard, or a file in their place.
+//! The answers of a person at the keyboard, or of a file in their place.
 
-use std::io::{self, BufRead, Write};
+use std::io::{self, BufRead};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
@@ -12,6 +12,7 @@ use pump_bench::units::Amount;
 
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::terminal::say;
 
 /// Time between two looks for a signal.
 const LOOK: Duration = Duration::from_millis(100);
@@ -23,7 +24,7 @@ pub(super) struct Answers {
 
 /// An answer to a question for a reading.
 pub(super) enum Answer {
-    /// What was read.
+    /// A reading.
     Read(Reading),
     /// Nothing usable was read: repeat the last run.
     Redo,
@@ -72,20 +73,15 @@ impl Answers {
     pub(super) fn line(&self, session: &mut Session<'_>, interrupt: &Interrupt) -> Result<String, Failure> {
         loop {
             if let Some(signal) = interrupt.signal() {
-                return Err(Failure::Stopped(
-                    signal,
-                    "stopped by the user; nothing is kept of the readings".to_owned(),
-                ));
+                return Err(Failure::stopped(signal, "stopped by the user; nothing is kept of the readings"));
             }
             session.release_when_due()?;
             match self.lines.recv_timeout(LOOK) {
                 Ok(Ok(line)) => return Ok(line),
-                Ok(Err(error)) => return Err(Failure::Fault(format!("the answer cannot be read: {error}"))),
+                Ok(Err(error)) => return Err(Failure::fault(format!("the answer cannot be read: {error}"))),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => {
-                    return Err(Failure::Fault(
-                        "the answers ended before the last run; nothing is kept".to_owned(),
-                    ));
+                    return Err(Failure::fault("the answers ended before the last run; nothing is kept"));
                 }
             }
         }
@@ -98,11 +94,4 @@ pub(super) fn volume_ml(reading: Reading, weighing: &Weighing<'_>, degc: f64) ->
         Reading::VolumeMl(volume_ml) => Ok(volume_ml),
         Reading::MassG(mass_g) => Ok(weighing.volume_ml(mass_g, degc)?),
     }
-}
-
-/// Says something to the person; results are printed to standard output.
-pub(super) fn say(text: &str) {
-    // If standard error is closed nobody reads it.
-    let _ = io::stderr().write_all(text.as_bytes());
-    let _ = io::stderr().flush();
 }

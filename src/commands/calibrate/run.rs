@@ -1,43 +1,92 @@
 //! `dose calibrate run`: runs in, a calibration out that the next dose uses.
 
+use std::path::PathBuf;
+
+use clap::Args;
 use pump_bench::Bench;
-use pump_bench::calibration::{Calibration, Run, Source, runs_of_csv};
+use pump_bench::calibration::{Calibration, Fit, Run, Source, runs_of_csv};
+use pump_bench::report::{calibration_json, calibration_text};
+use pump_bench::units;
 
-use super::{FLUID, RunArgs, expected, guided, in_table, read, summary};
-use crate::commands::home::DEVICE;
-use crate::failure::{Failure, print};
-use crate::options::Options;
+use super::guided::{self, Course};
+use super::reading::{ReadingOptions, in_table, read};
+use crate::failure::Failure;
+use crate::options::bench::BenchOptions;
+use crate::options::choice::choice;
+use crate::options::fluid::FluidOptions;
+use crate::options::report::FormatOption;
+use crate::terminal::{print, tell};
 
-pub(super) fn run(args: &RunArgs, options: &Options) -> Result<(), Failure> {
-    let accepted: &[&str] = if args.from.is_some() { &["--driver"] } else { &DEVICE };
-    options.accept_only("dose calibrate run", &[accepted, &FLUID, &["--format"]].concat())?;
-    let bench = options.bench()?;
-    let Some(path) = &args.from else {
-        return match guided::runs(&bench, args, options)? {
-            Some(runs) => keep(&bench, Source::Guided, runs, args, options),
-            None => print("nothing is kept; doses go on as before\n"),
-        };
-    };
-    let steps_per_rev = bench.file().limits().motor.steps_per_rev;
-    let runs = in_table(path, runs_of_csv(&read(path)?, steps_per_rev))?;
-    keep(&bench, Source::File, runs, args, options)
+#[derive(Debug, Args)]
+pub(super) struct RunArgs {
+    /// Table of runs, CSV: speed_rpm, turned_deg (or revolutions, steps), mass_g (or volume_ml), start_angle_deg, ...
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["port", "configure"])]
+    from: Option<PathBuf>,
+    /// Fit a straight line over the speed, or s and D of the speed law (three speeds at least)
+    #[arg(long, value_name = "line|speed-law", default_value_t = Fit::Line, hide_default_value = true)]
+    #[arg(value_parser = choice(&[
+        (Fit::Line, "A straight line over the speed"),
+        (Fit::SpeedLaw, "s and D of the speed law"),
+    ]))]
+    fit: Fit,
+    /// Speeds of the guided runs, as 20rpm,60rpm,100rpm [default: three, from half the default rate to the limit]
+    #[arg(long, value_name = "SPEEDS", value_delimiter = ',', value_parser = units::speed_rad_s)]
+    #[arg(conflicts_with = "from")]
+    speeds: Vec<f64>,
+    /// Guided runs at each speed [default: 3]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100), conflicts_with = "from")]
+    runs: Option<u32>,
+    /// Whole pitches of each guided run [default: 50 mL or more]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(conflicts_with = "from")]
+    pitches: Option<u32>,
+    #[command(flatten)]
+    reading: ReadingOptions,
+    #[command(flatten)]
+    fluid: FluidOptions,
+    #[command(flatten)]
+    bench: BenchOptions,
+    #[command(flatten)]
+    format: FormatOption,
 }
 
-/// Fits the runs and has doses use what they show.
-fn keep(
-    bench: &Bench,
-    source: Source,
-    runs: Vec<Run>,
-    args: &RunArgs,
-    options: &Options,
-) -> Result<(), Failure> {
-    let _held = bench.folder().lock()?;
-    let before = bench.calibrations().active()?.map(|active| active.calibration);
-    let expected = expected(bench, &args.reading)?;
-    let mut calibration =
-        Calibration::of_runs(bench.file(), source, runs, args.fit.into(), &expected, before.as_ref())?;
-    calibration.tube = args.reading.tube.clone();
-    calibration.note = args.reading.note.clone();
-    let stored = bench.keep_calibration(calibration)?;
-    print(&if options.json() { summary::json(&stored) } else { summary::text(bench, &stored)? })
+impl RunArgs {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let mut file = self.bench.pump.file()?;
+        self.fluid.change(&mut file)?;
+        let bench = self.bench.bench_of(file)?;
+        let Some(path) = &self.from else {
+            let course = Course {
+                speeds_rad_s: self.speeds.clone(),
+                each: self.runs,
+                pitches: self.pitches,
+                temperature_degc: self.fluid.temperature,
+                json: self.format.json(),
+            };
+            return match guided::runs(&bench, course)? {
+                Some(runs) => self.keep(&bench, Source::Guided, runs),
+                None => tell("nothing is kept; doses go on as before\n"),
+            };
+        };
+        let steps_per_rev = bench.file().limits().motor.steps_per_rev;
+        let runs = in_table(path, runs_of_csv(&read(path)?, steps_per_rev))?;
+        self.keep(&bench, Source::File, runs)
+    }
+
+    /// Fits the runs and has doses use what they show.
+    fn keep(&self, bench: &Bench, source: Source, runs: Vec<Run>) -> Result<(), Failure> {
+        let _held = bench.folder().lock()?;
+        let before = bench.calibrations().active()?.map(|active| active.calibration);
+        let expected = self.reading.expected(bench)?;
+        let mut calibration =
+            Calibration::of_runs(bench.file(), source, runs, self.fit, &expected, before.as_ref())?;
+        calibration.tube = self.reading.tube.clone();
+        calibration.note = self.reading.note.clone();
+        let stored = bench.keep_calibration(calibration)?;
+        if self.format.json() {
+            print(&calibration_json(&stored))
+        } else {
+            tell(&calibration_text(bench, &stored)?)
+        }
+    }
 }

@@ -1,93 +1,139 @@
 //! `dose calibrate verify`: doses of one volume, their errors, and whether those are allowed.
 
+use std::path::PathBuf;
+
+use clap::Args;
 use pump_bench::calibration::{Tolerance, Verification, Weighing, readings_of_csv};
+use pump_bench::units::{self, Amount};
 use pump_bench::{Bench, DoseRequest};
 
-use super::answers::{Answer, Answers, say, volume_ml};
-use super::{FLUID, VerifyArgs, in_table, read};
-use crate::commands::dose::{deliver, watch};
-use crate::commands::home::DEVICE;
-use crate::failure::{Failure, print};
-use crate::options::Options;
+use super::answers::{Answer, Answers, volume_ml};
+use super::reading::{in_table, read};
+use crate::commands::delivery::deliver;
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::options::bench::BenchOptions;
+use crate::options::fluid::FluidOptions;
+use crate::options::report::FormatOption;
+use crate::options::speed::CruiseOptions;
+use crate::terminal::{print, say, tell};
 
 /// Doses that ISO 8655-6 asks for.
 const DOSES: u32 = 10;
 
-pub(super) fn verify(args: &VerifyArgs, options: &Options) -> Result<(), Failure> {
-    let from_table = args.from.is_some();
-    let device: &[&str] = if from_table { &["--driver"] } else { &DEVICE };
-    let cruise: &[&str] = if from_table { &[] } else { &["--rate", "--speed", "--within"] };
-    options.accept_only("dose calibrate verify", &[device, cruise, &FLUID, &["--format"]].concat())?;
-    let bench = options.bench()?;
-    let nominal_ml = args.nominal.volume_ml(bench.file().fluid.density_kg_m3);
-    if nominal_ml < 0.0 {
-        return Err(Failure::refused("--volume is negative; verify forward doses"));
+#[derive(Debug, Args)]
+pub(super) struct VerifyArgs {
+    /// Volume of the dose, with its unit
+    #[arg(long = "volume", value_name = "VOLUME", value_parser = units::amount)]
+    nominal: Amount,
+    /// Number of doses [default: 10]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1000), conflicts_with = "from")]
+    runs: Option<u32>,
+    /// Systematic error allowed, as 0.6% [default: ISO 8655-5's for 10 mL]
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    systematic: Option<f64>,
+    /// Random error (CV) allowed, as 0.2% [default: ISO 8655-5's for 10 mL]
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    random: Option<f64>,
+    /// Table of doses that were made before, CSV: mass_g or volume_ml, temperature_degc
+    #[arg(long, value_name = "FILE")]
+    #[arg(conflicts_with_all = ["port", "configure", "rate", "speed", "within"])]
+    from: Option<PathBuf>,
+    #[command(flatten)]
+    cruise: CruiseOptions,
+    #[command(flatten)]
+    fluid: FluidOptions,
+    #[command(flatten)]
+    bench: BenchOptions,
+    #[command(flatten)]
+    format: FormatOption,
+}
+
+impl VerifyArgs {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let mut file = self.bench.pump.file()?;
+        self.fluid.change(&mut file)?;
+        let bench = self.bench.bench_of(file)?;
+        let nominal_ml = self.nominal.volume_ml(bench.file().fluid.density_kg_m3);
+        if nominal_ml < 0.0 {
+            return Err(Failure::refused("--volume is negative; verify forward doses"));
+        }
+        let tolerance = self.tolerance(nominal_ml)?;
+        let volumes_ml = match &self.from {
+            Some(path) => in_table(path, readings_of_csv(&read(path)?, &Weighing::of(bench.file())))?,
+            None => match self.doses(&bench, nominal_ml)? {
+                Some(volumes_ml) => volumes_ml,
+                None => return tell("nothing was verified\n"),
+            },
+        };
+        let found = Verification::of(nominal_ml, volumes_ml, tolerance)?;
+        if self.format.json() {
+            print(&(found.json() + "\n"))?
+        } else {
+            tell(&found.text())?
+        }
+        if found.passed {
+            Ok(())
+        } else {
+            Err(Failure::fault("the doses are not within their tolerance; calibrate, `dose calibrate run`"))
+        }
     }
-    let tolerance = tolerance(args, nominal_ml)?;
-    let weighing = Weighing::of(bench.file());
-    let volumes_ml = match &args.from {
-        Some(path) => in_table(path, readings_of_csv(&read(path)?, &weighing))?,
-        None => match doses(&bench, nominal_ml, args, options)? {
-            Some(volumes_ml) => volumes_ml,
-            None => return print("nothing was verified\n"),
-        },
-    };
-    let found = Verification::of(nominal_ml, volumes_ml, tolerance)?;
-    print(&if options.json() { found.json() + "\n" } else { found.text() })?;
-    if found.passed {
-        Ok(())
+
+    fn tolerance(&self, nominal_ml: f64) -> Result<Tolerance, Failure> {
+        let standard = Tolerance::of_standard(nominal_ml);
+        let either = |given: Option<f64>, of: fn(Tolerance) -> f64| given.or(standard.map(of));
+        let systematic = either(self.systematic, |standard| standard.systematic_percent);
+        let random = either(self.random, |standard| standard.random_percent);
+        match (systematic, random) {
+            (Some(systematic_percent), Some(random_percent)) => {
+                Ok(Tolerance { systematic_percent, random_percent })
+            }
+            _ => Err(Failure::refused(format!(
+                "for {nominal_ml} mL no standard's tolerance is known here (ISO 8655-5's is for 10 mL); give \
+                 --systematic and --random, as 0.6% and 0.2%"
+            ))),
+        }
+    }
+
+    /// Makes the doses and asks for what arrived, mL. None if the person left.
+    fn doses(&self, bench: &Bench, nominal_ml: f64) -> Result<Option<Vec<f64>>, Failure> {
+        let (answers, interrupt) = (Answers::new(), Interrupt::watch()?);
+        let mut session = bench.session()?;
+        let all = self.runs.unwrap_or(DOSES);
+        let request = DoseRequest { cruise: self.cruise.cruise()?, ..DoseRequest::dose(nominal_ml) };
+        let weighing = Weighing::of(bench.file());
+        let degc = weighing.fluid.temperature_degc;
+        let mut volumes_ml = Vec::new();
+        while volumes_ml.len() < all as usize {
+            let title = format!("dose {} of {all}", volumes_ml.len() + 1);
+            say(&format!("{title}: moving\n"));
+            let prepared = session.prepare(request)?;
+            let json = self.format.json();
+            let (delivered, signal) = deliver(bench, &mut session, &prepared, &interrupt, json)?;
+            if !delivered.completed {
+                return Err(Failure::stopped(
+                    signal.unwrap_or(0),
+                    "stopped by the user in a dose; `dose resume` makes the rest, `dose discard` leaves it",
+                ));
+            }
+            match answers.reading(&title, &mut session, &interrupt)? {
+                Answer::Read(reading) => volumes_ml.push(volume_ml(reading, &weighing, degc)?),
+                Answer::Redo => {}
+                Answer::Quit => return Ok(None),
+            }
+        }
+        Ok(Some(volumes_ml))
+    }
+}
+
+/// Reads a percentage.
+fn percent(text: &str) -> Result<f64, String> {
+    let wrong = || format!("`{text}` is no percentage; write for example 0.6%");
+    let number = text.strip_suffix('%').ok_or_else(wrong)?;
+    let value: f64 = number.trim().parse().map_err(|_| wrong())?;
+    if value > 0.0 && value <= 100.0 {
+        Ok(value)
     } else {
-        Err(Failure::Fault(
-            "the doses are not within their tolerance; calibrate, `dose calibrate run`".to_owned(),
-        ))
+        Err(format!("`{text}` is not between 0% and 100%"))
     }
-}
-
-fn tolerance(args: &VerifyArgs, nominal_ml: f64) -> Result<Tolerance, Failure> {
-    let standard = Tolerance::of_standard(nominal_ml);
-    let either = |given: Option<f64>, of: fn(Tolerance) -> f64| given.or(standard.map(of));
-    let systematic = either(args.systematic, |standard| standard.systematic_percent);
-    let random = either(args.random, |standard| standard.random_percent);
-    match (systematic, random) {
-        (Some(systematic_percent), Some(random_percent)) => {
-            Ok(Tolerance { systematic_percent, random_percent })
-        }
-        _ => Err(Failure::refused(format!(
-            "for {nominal_ml} mL no standard's tolerance is known here (ISO 8655-5's is for 10 mL); give --systematic and \
-             --random, as 0.6% and 0.2%"
-        ))),
-    }
-}
-
-/// Makes the doses and asks for what arrived, mL. None if the person left.
-fn doses(
-    bench: &Bench,
-    nominal_ml: f64,
-    args: &VerifyArgs,
-    options: &Options,
-) -> Result<Option<Vec<f64>>, Failure> {
-    let (answers, interrupt) = (Answers::new(), watch()?);
-    let mut session = bench.session()?;
-    let all = args.runs.unwrap_or(DOSES);
-    let request = DoseRequest { cruise: options.cruise()?, ..DoseRequest::dose(nominal_ml) };
-    let weighing = Weighing::of(bench.file());
-    let degc = weighing.fluid.temperature_degc;
-    let mut volumes_ml = Vec::new();
-    while volumes_ml.len() < all as usize {
-        let title = format!("dose {} of {all}", volumes_ml.len() + 1);
-        say(&format!("{title}: moving\n"));
-        let prepared = session.prepare(request)?;
-        let (delivered, signal) = deliver(bench, &mut session, &prepared, &interrupt, options)?;
-        if !delivered.completed {
-            let message =
-                "stopped by the user in a dose; `dose resume` makes the rest, `dose discard` leaves it";
-            return Err(Failure::Stopped(signal.unwrap_or(0), message.to_owned()));
-        }
-        match answers.reading(&title, &mut session, &interrupt)? {
-            Answer::Read(reading) => volumes_ml.push(volume_ml(reading, &weighing, degc)?),
-            Answer::Redo => {}
-            Answer::Quit => return Ok(None),
-        }
-    }
-    Ok(Some(volumes_ml))
 }

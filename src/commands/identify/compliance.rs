@@ -5,36 +5,28 @@ use pump_bench::export::Axes;
 use pump_bench::identification::{identified_compliance, injection_of_csv};
 use pump_bench::units;
 
-use super::{DataArgs, LineName, plot};
-use crate::failure::{Failure, print};
-use crate::options::Options;
-use crate::outputs::Outputs;
+use super::data::{DataArgs, LineOption, report};
+use crate::failure::Failure;
 
 #[derive(Debug, Args)]
-pub(crate) struct ComplianceArgs {
+pub(super) struct ComplianceArgs {
     #[command(flatten)]
-    data: DataArgs,
-    /// Which line it is
-    #[arg(long, value_name = "inlet|outlet", default_value = "outlet")]
-    line: LineName,
+    line: LineOption,
     /// Volume that the closed line holds, as 26mL: gives its effective bulk modulus
     #[arg(long, value_name = "VOLUME", value_parser = units::volume_ml)]
     total_volume: Option<f64>,
+    #[command(flatten)]
+    data: DataArgs,
 }
 
-pub(super) fn compliance(args: &ComplianceArgs, options: &Options) -> Result<(), Failure> {
-    options.accept_only("dose identify compliance", &["--plot", "--format"])?;
-    options.outputs_differ()?;
-    let file = options.pump_file()?;
-    let (pump, port) = (file.model().map_err(Failure::refused)?, args.line.port());
-    let points = args.data.read(|text| injection_of_csv(text, port))?;
-    let found = identified_compliance(&points, args.total_volume, (port, pump.line(port)))
-        .map_err(|error| args.data.in_table(error))?;
-    let mut outputs = Outputs::default();
-    if let Some(path) = &options.plot {
+impl ComplianceArgs {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let (_, pump) = self.data.pump()?;
+        let port = self.line.line;
+        let points = self.data.read(|text| injection_of_csv(text, port))?;
+        let found = identified_compliance(&points, self.total_volume, (port, pump.line(port)))
+            .map_err(|error| self.data.in_table(error))?;
         let axes = Axes { x: "injected, mL", y: "pressure, kPa", left: "measured less fitted, kPa" };
-        plot(&mut outputs, path, &found.headline, axes, &found.points)?;
+        report(&found, axes, &self.data)
     }
-    outputs.put()?;
-    print(&if options.json() { found.json() } else { found.text() })
 }

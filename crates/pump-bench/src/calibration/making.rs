@@ -6,6 +6,7 @@ use super::{
 };
 use crate::displacement::Correction;
 use crate::pump_file::PumpFile;
+use crate::words::words;
 
 /// What is fitted to runs at several speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -16,6 +17,8 @@ pub enum Fit {
     /// s and D of the speed law.
     SpeedLaw,
 }
+
+words!(Fit { Line = "line", SpeedLaw = "speed-law" });
 
 impl Expected {
     /// What the pump file says of repeated runs, with the standard uncertainty of a reading, mL.

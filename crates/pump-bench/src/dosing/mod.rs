@@ -13,10 +13,10 @@ mod uncertainty;
 mod unknown_angle;
 mod warnings;
 
-pub use error::{DoseError, ErrorClass};
+pub use error::DoseError;
 pub use prepared::Prepared;
 pub use request::DoseRequest;
 pub use retraction::Retraction;
 pub use schedule::{Action, MAX_DOSES, Missed, Schedule, ScheduleError};
 pub(crate) use tube_life::TubeLife;
-pub use uncertainty::{Budget, COVERAGE_FACTOR, Share};
+pub use uncertainty::{Budget, COVERAGE_FACTOR, Share, ShareSource};

@@ -4,6 +4,8 @@ use std::time::Duration;
 
 use thiserror::Error;
 
+use crate::words::words;
+
 /// Most doses of a batch.
 pub const MAX_DOSES: u64 = 1_000_000;
 
@@ -23,6 +25,8 @@ pub enum Missed {
     /// The dose is made at once.
     Now,
 }
+
+words!(Missed { Skip = "skip", Now = "now" });
 
 /// Next action of a batch. Doses are numbered from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

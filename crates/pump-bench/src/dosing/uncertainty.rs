@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::calibration::{Applied, Sureness};
 use crate::pump_file::UncertaintyTable;
+use crate::words::words_of_reports;
 
 /// Coverage factor of the expanded uncertainty (about 95 % of doses).
 pub const COVERAGE_FACTOR: f64 = 2.0;
@@ -21,9 +22,8 @@ const READ_DEGC: f64 = 0.8;
 /// One share of the uncertainty budget.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Share {
-    /// Source of the share: `model`, `repeatability`, `roller_volume`, `step`, `phase`, `calibration`,
-    /// `speed_law`, `temperature` or `carry`.
-    pub source: &'static str,
+    /// Source of the share.
+    pub source: ShareSource,
     /// Standard uncertainty, in mL.
     pub standard_ml: f64,
     /// Part of the budget's variance, in percent.
@@ -31,6 +31,41 @@ pub struct Share {
     /// Cheapest way to reduce the share.
     pub remedy: &'static str,
 }
+
+/// Source of a share of the uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShareSource {
+    /// Model of a pump that is not calibrated.
+    Model,
+    /// Scatter of doses of one volume.
+    Repeatability,
+    /// Volume that a roller displaces.
+    RollerVolume,
+    /// Resolution of a whole motor step.
+    Step,
+    /// Start angle that is known between bounds only.
+    Phase,
+    /// Calibration of the displacement.
+    Calibration,
+    /// Dependence of the displacement on the speed.
+    SpeedLaw,
+    /// Temperature of the tube that differs from that of its calibration.
+    Temperature,
+    /// Carry of earlier doses.
+    Carry,
+}
+
+words_of_reports!(ShareSource {
+    Model = "model",
+    Repeatability = "repeatability",
+    RollerVolume = "roller_volume",
+    Step = "step",
+    Phase = "phase",
+    Calibration = "calibration",
+    SpeedLaw = "speed_law",
+    Temperature = "temperature",
+    Carry = "carry",
+});
 
 /// Uncertainty budget of a dose. Its shares are independent.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,36 +107,40 @@ impl Budget {
         let mut share = |source, standard_ml, remedy| {
             budget.shares.push(Share { source, standard_ml, variance_percent: 0.0, remedy });
         };
-        share("model", model * volume_ml, "weigh what it delivers: `dose calibrate run`");
+        share(ShareSource::Model, model * volume_ml, "weigh what it delivers: `dose calibrate run`");
         share(
-            "repeatability",
+            ShareSource::Repeatability,
             repeatability * volume_ml,
             "measure it, `dose calibrate verify`, and put the CV into the pump file",
         );
         share(
-            "roller_volume",
+            ShareSource::RollerVolume,
             table.roller_volume_ml * pulses_unsure(pump, plan, sureness.is_some()),
             "dose whole pitches, or find the roller volume: `dose calibrate phase`",
         );
-        share("step", plan.end_step_ml(pump) / sqrt(12.0), "use more microsteps");
+        share(ShareSource::Step, plan.end_step_ml(pump) / sqrt(12.0), "use more microsteps");
         share(
-            "phase",
+            ShareSource::Phase,
             phase_share_ml(pump, plan, zero_rad),
             "say where the rollers stand, `dose home --set`, or dose whole pitches",
         );
         share(
-            "calibration",
+            ShareSource::Calibration,
             of_calibration(|sure| sure.factor) * volume_ml,
             "weigh more runs, or longer ones, on a better scale",
         );
         share(
-            "speed_law",
+            ShareSource::SpeedLaw,
             law.unwrap_or(of_calibration(|sure| sure.speed_law)) * volume_ml,
             "calibrate at three speeds or more, this one among them",
         );
-        share("temperature", temperature * volume_ml, "calibrate at the temperature at which you dose");
         share(
-            "carry",
+            ShareSource::Temperature,
+            temperature * volume_ml,
+            "calibrate at the temperature at which you dose",
+        );
+        share(
+            ShareSource::Carry,
             common * plan.carry_in_ml.abs(),
             "calibrate, so that the carry from earlier doses is surer",
         );
@@ -189,7 +228,7 @@ mod tests {
         assert!((budget.expanded_ml() - 2.0 * standard_ml).abs() < 1e-4, "{budget:?}");
         let percent: f64 = budget.shares.iter().map(|share| share.variance_percent).sum();
         assert!((percent - 100.0).abs() < 1e-9 && budget.shares[0].variance_percent > 95.0, "{budget:?}");
-        assert_eq!(budget.largest().unwrap().source, "model");
+        assert_eq!(budget.largest().unwrap().source, ShareSource::Model);
     }
 
     #[test]

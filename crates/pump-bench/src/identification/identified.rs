@@ -1,9 +1,7 @@
-//! An identified line in words, as JSON and as a table for a pump file.
+//! A line that was identified. `report/identified.rs` has its words, its JSON and its table for a pump file.
 
 use pump_model::identification::Estimate;
-use pump_model::math::{floor, log};
 use pump_model::{Line, Port, metrics};
-use serde_json::{Map, json};
 
 use super::WEAK_PEARSON;
 use crate::export::Fitted;
@@ -68,103 +66,8 @@ impl Identified {
         self
     }
 
-    /// Returns the pairs of fitted and measured values.
-    fn pairs(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
+    /// Returns the pairs of fitted and measured values, in kPa.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
         self.points.iter().map(|point| (point.fitted, point.measured))
-    }
-
-    /// Returns the table of the pump file with the parameters that were found.
-    fn pump_file(&self) -> String {
-        let line = &self.line;
-        let mut text = format!("[{}]\n", self.port.name());
-        for (key, value) in [
-            ("resistance_kpa_s_ml", line.resistance_kpa_s_ml),
-            ("compliance_ml_kpa", line.compliance_ml_kpa),
-            ("inertance_kpa_s2_ml", line.inertance_kpa_s2_ml),
-            ("reservoir_kpa", line.reservoir_kpa),
-        ] {
-            let found = self.parameters.iter().find(|parameter| parameter.key == key && !parameter.is_held);
-            text += &match found {
-                // One digit more than the uncertainty leaves.
-                Some(found) => format!("{key} = {value:.*}  # found\n", decimals(found.found.standard) + 1),
-                None => format!("{key} = {value:?}\n"),
-            };
-        }
-        text
-    }
-
-    /// Returns the report as one line of JSON, with the schema `identification/1`.
-    pub fn json(&self) -> String {
-        let parameters: Map<_, _> = self
-            .parameters
-            .iter()
-            .map(|parameter| {
-                let Estimate { value, standard } = parameter.found;
-                let found = json!({ "value": value, "standard": standard, "held": parameter.is_held });
-                (parameter.key.to_owned(), found)
-            })
-            .collect();
-        let report = json!({
-            "schema": "identification/1",
-            "kind": self.kind,
-            "line": self.port.name(),
-            "parameters": parameters,
-            "points": self.points.len(),
-            "independent_points": self.independent,
-            "rmse_kpa": metrics::rmse(self.pairs()),
-            "nrmse": metrics::nrmse(self.pairs()),
-            "pearson": metrics::pearson(self.pairs()),
-            "warnings": self.warnings,
-            "pump_file": self.pump_file(),
-        });
-        format!("{report}\n")
-    }
-
-    /// Returns the report for people.
-    pub fn text(&self) -> String {
-        let mut text = format!("{}; ± is k = 2\n", self.headline);
-        for parameter in &self.parameters {
-            let Estimate { value, standard } = parameter.found;
-            let (name, unit) = (parameter.name, parameter.unit);
-            text += &if parameter.is_held {
-                format!("  {name:<13}{value} {unit}, held\n")
-            } else {
-                let digits = decimals(standard);
-                format!("  {name:<13}{value:.digits$} ± {:.digits$} {unit}\n", 2.0 * standard)
-            };
-        }
-        let metric = |value: Option<f64>, factor: f64, unit: &str| {
-            value.map_or("none".to_owned(), |value| format!("{:.4}{unit}", factor * value))
-        };
-        text += &format!(
-            "  {:<13}RMSE {}, NRMSE {} of the mean, Pearson {}\n",
-            "fit",
-            metric(metrics::rmse(self.pairs()), 1.0, " kPa"),
-            metric(metrics::nrmse(self.pairs()), 100.0, " %"),
-            metric(metrics::pearson(self.pairs()), 1.0, ""),
-        );
-        for warning in &self.warnings {
-            text += &format!("  warning      {warning}\n");
-        }
-        text + &format!("for the pump file, in place of its [{}]:\n{}", self.port.name(), self.pump_file())
-    }
-}
-
-/// Returns the number of decimals with which twice a standard uncertainty has two digits.
-fn decimals(standard: f64) -> usize {
-    let magnitude = floor(log(2.0 * standard) / std::f64::consts::LN_10);
-    // An exact fit has an infinite logarithm. No measurement has more than 9 decimals.
-    (1.0 - magnitude).clamp(0.0, 9.0) as usize
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn uncertainties_have_two_digits() {
-        for (standard, digits) in [(0.000_6, 4), (0.05, 2), (0.049, 3), (7.0, 0), (400.0, 0), (0.0, 9)] {
-            assert_eq!(decimals(standard), digits, "{standard}");
-        }
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::range::{WrongValue, allow, within, within_if_given};
+use crate::words::words;
 
 /// The table `[drive]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -75,15 +76,7 @@ pub enum Axis {
     C,
 }
 
-impl DriverName {
-    /// Returns the driver's name as in pump files and on the command line.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Sim => "sim",
-            Self::Grbl => "grbl",
-        }
-    }
-}
+words!(DriverName { Sim = "sim", Grbl = "grbl" });
 
 impl Axis {
     /// Returns the axis's place among the axes, 0 for X.

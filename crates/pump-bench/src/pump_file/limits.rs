@@ -4,6 +4,7 @@ use pump_ctl::plan::{Limits, Lowest, PressureLimits, SetBy};
 use serde::{Deserialize, Serialize};
 
 use super::PumpFile;
+use crate::words::words_of_reports;
 
 /// The table `[limits]`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -16,6 +17,29 @@ pub struct LimitsTable {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub min_inlet_kpa: Option<f64>,
 }
+
+/// A limit that nobody checks where no value of it is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UncheckedLimit {
+    /// The largest pressure at the port that pushes.
+    OutletPressure,
+    /// The smallest pressure at the port that sucks.
+    InletPressure,
+    /// The pressure at which the tube collapses.
+    TubeCollapse,
+    /// The pressure at which the fluid boils.
+    VapourPressure,
+    /// The torque that the motor has.
+    Torque,
+}
+
+words_of_reports!(UncheckedLimit {
+    OutletPressure = "outlet_pressure",
+    InletPressure = "inlet_pressure",
+    TubeCollapse = "tube_collapse",
+    VapourPressure = "vapour_pressure",
+    Torque = "torque",
+});
 
 impl LimitsTable {
     /// Returns true if the table limits nothing.
@@ -49,17 +73,17 @@ impl PumpFile {
         }
     }
 
-    /// Returns the names of the limits that a dose within `limits` does not check, since no value is known.
-    pub fn not_checked(&self, limits: &Limits) -> Vec<&'static str> {
+    /// Returns the limits that a dose within `limits` does not check, since no value is known.
+    pub fn not_checked(&self, limits: &Limits) -> Vec<UncheckedLimit> {
         let no_collapse = self.tube.collapse_below_ambient_kpa().is_none();
         let no_vapour = self.fluid.vapour_kpa().is_none();
         let nothing = no_collapse && no_vapour && limits.pressures.min_inlet_kpa.is_none();
         let all = [
-            ("outlet_pressure", limits.pressures.max_outlet_kpa.is_none()),
-            ("inlet_pressure", nothing),
-            ("tube_collapse", no_collapse && !nothing),
-            ("vapour_pressure", no_vapour && !nothing),
-            ("torque", limits.torque.is_none()),
+            (UncheckedLimit::OutletPressure, limits.pressures.max_outlet_kpa.is_none()),
+            (UncheckedLimit::InletPressure, nothing),
+            (UncheckedLimit::TubeCollapse, no_collapse && !nothing),
+            (UncheckedLimit::VapourPressure, no_vapour && !nothing),
+            (UncheckedLimit::Torque, limits.torque.is_none()),
         ];
         all.into_iter().filter_map(|(name, missing)| missing.then_some(name)).collect()
     }

@@ -22,7 +22,7 @@ pub use file::{PumpFile, SCHEMA};
 pub(crate) use fluid::SAME_TEMPERATURE_DEGC;
 pub use fluid::{FluidError, FluidTable};
 pub use head::{BackplateTable, Fit, RollerVolumeTable, RollersTable, TubeTable};
-pub use limits::LimitsTable;
+pub use limits::{LimitsTable, UncheckedLimit};
 pub use line::{HoseTable, LineTable};
 pub use motor::MotorTable;
 pub use pump::PumpTable;

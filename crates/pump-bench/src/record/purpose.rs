@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::words::words;
+
 /// Purpose of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -21,19 +23,16 @@ pub enum Purpose {
     Jog,
 }
 
-impl Purpose {
-    /// Returns the name of the purpose in reports and in the journal.
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Dose => "dose",
-            Self::Prime => "prime",
-            Self::Purge => "purge",
-            Self::Calibrate => "calibrate",
-            Self::Retract => "retract",
-            Self::Jog => "jog",
-        }
-    }
+words!(Purpose {
+    Dose = "dose",
+    Prime = "prime",
+    Purge = "purge",
+    Calibrate = "calibrate",
+    Retract = "retract",
+    Jog = "jog",
+});
 
+impl Purpose {
     /// Returns true if a cut-off motion of this purpose is to be resumed or accepted.
     pub fn is_delivery(self) -> bool {
         !matches!(self, Self::Calibrate | Self::Retract | Self::Jog)

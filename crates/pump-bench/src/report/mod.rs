@@ -1,8 +1,26 @@
-//! What is said of a dose and of a bench: JSON for programs, words for people.
+//! The reports of doses, benches, calibrations and runs: JSON for programs, words for people.
 
+mod calibration;
+mod choices;
 mod dose;
+mod dose_details;
 mod dose_text;
+mod ending;
+mod identified;
+mod phase;
+mod pump_check;
+mod rotor;
+mod simulation;
 mod status;
+mod status_text;
+mod verification;
 
+pub use calibration::{calibration_json, calibration_text, calibrations_json, calibrations_text};
+pub use choices::{Format, SpeedLimit, SuctionLimit, VolumeBasis};
 pub use dose::{CalibrationReport, DoseReport, PhaseReport, RippleReport};
+pub use ending::Ending;
+pub use phase::{phase_json, phase_text};
+pub use pump_check::pump_check;
+pub use rotor::{carry_dropped_text, rotor_text};
+pub use simulation::SimulationReport;
 pub use status::{CalibrationStatus, Status, UnfinishedStatus};

@@ -1,82 +1,80 @@
-//! What is on record of a pump, for programs and for people.
-
-use std::fmt::Write;
+//! The record of a pump, and its JSON for programs. `status_text.rs` has its words for people.
 
 use pump_model::math::degrees;
 use serde::Serialize;
 
 use crate::bench::Bench;
 use crate::dosing::DoseError;
-use crate::numbers::between;
-use crate::record::PhaseSource;
-use crate::record::Wear;
+use crate::pump_file::DriverName;
+use crate::record::{PhaseSource, Wear};
 
-/// What is on record (`schema` `status/1`).
+/// The record of a pump (`schema` `status/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Status {
     /// `status/1`.
     pub schema: &'static str,
-    /// Pump id.
+    /// Id of the pump.
     pub pump: String,
-    /// Driver.
-    pub driver: &'static str,
-    /// Whether anything was ever recorded.
+    /// Driver of the motor.
+    pub driver: DriverName,
+    /// True if anything was ever recorded.
     pub recorded: bool,
     /// Angle of the rotor, deg.
     pub angle_deg: f64,
-    /// How far off it may be, deg.
+    /// Largest error of the angle either way, deg.
     pub half_width_deg: f64,
-    /// Whether the angle is known at all.
+    /// True if the angle is known.
     pub angle_known: bool,
-    /// Where the angle comes from.
+    /// Source of the angle.
     pub angle_source: PhaseSource,
-    /// How often since it was last found the rotor was let go, its device reset or lost; the second time it is unknown.
+    /// Number of times that the rotor was let go, or its device reset or lost, since its angle was found; the second
+    /// time the angle is unknown.
     pub disturbances: u8,
     /// The device's own count of steps when it was last seen; null if it has none.
     pub device_count: Option<i64>,
-    /// What doses owe, mL, positive toward the outlet.
+    /// Carry to the next dose, mL, positive toward the outlet.
     pub carry_ml: f64,
-    /// What the tube has gone through.
+    /// Volume, revolutions and time that the tube has pumped.
     pub wear: Wear,
-    /// Volume that a tube lasts, mL; null if it is not known.
+    /// Volume that a tube lasts, mL; null if nobody has said it.
     pub tube_life_ml: Option<f64>,
-    /// The calibration that doses use; null if they use none.
+    /// Calibration that doses use; null if they use none.
     pub calibration: Option<CalibrationStatus>,
-    /// A dose that was begun and not finished.
+    /// Dose that was begun and not finished; null if there is none.
     pub unfinished: Option<UnfinishedStatus>,
-    /// Who has the pump at the moment, so that what is unfinished is in motion; null if nobody has.
+    /// Process that holds the pump, so that the unfinished dose is in motion; null if none does.
     pub in_use_by: Option<String>,
-    /// The folder of the journal.
+    /// Folder of the journal.
     pub folder: String,
 }
 
 /// The calibration that doses use.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CalibrationStatus {
-    /// Its number.
+    /// Number of the calibration.
     pub version: u32,
-    /// When it was made, UTC.
+    /// Date on which the calibration was made, UTC.
     pub date: String,
 }
 
 /// A dose that was begun and not finished.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct UnfinishedStatus {
-    /// What was asked, mL.
+    /// Volume that was asked for, mL.
     pub requested_ml: f64,
-    /// What was planned, mL.
+    /// Volume that was planned, mL.
     pub planned_ml: f64,
     /// Smallest volume that it may have delivered, mL.
     pub delivered_least_ml: f64,
-    /// Largest.
+    /// Largest volume that it may have delivered, mL.
     pub delivered_most_ml: f64,
-    /// Planned steps; negative in reverse.
+    /// Planned motor steps; negative in reverse.
     pub steps: i64,
-    /// At least these were made, without their sign.
+    /// Smallest number of steps that may have been made, without their sign.
     pub steps_made_least: u64,
-    /// At most these.
+    /// Largest number of steps that may have been made, without their sign.
     pub steps_made_most: u64,
-    /// When it began, seconds since 1970 by the clock of that day.
+    /// Time at which it began, seconds since 1970 by the clock of that day.
     pub began_unix_s: u64,
 }
 
@@ -101,7 +99,7 @@ impl Status {
         Ok(Self {
             schema: "status/1",
             pump: bench.file().pump.id.clone(),
-            driver: bench.driver().as_str(),
+            driver: bench.driver(),
             recorded: recorded.is_some(),
             angle_deg: degrees(state.angle_rad),
             half_width_deg: degrees(state.half_width_rad),
@@ -129,63 +127,5 @@ impl Status {
     /// One line of JSON.
     pub fn json(&self) -> String {
         serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a status is plain data: {error}"))
-    }
-
-    /// The same in words.
-    pub fn text(&self) -> String {
-        let (pump, driver) = (&self.pump, self.driver);
-        if !self.recorded {
-            return format!(
-                "{pump} ({driver}): nothing on record; {}\n",
-                if self.angle_known {
-                    "a fresh simulated pump stands at 0°"
-                } else {
-                    "where the rollers stand is unknown"
-                }
-            );
-        }
-        let angle = match self.half_width_deg {
-            _ if !self.angle_known => "an unknown angle".to_owned(),
-            0.0 => format!("{:.4}°", self.angle_deg),
-            width => format!("{:.4}° ± {width:.2}°", self.angle_deg),
-        };
-        let mut text = format!(
-            "{pump} ({driver}): rotor at {angle}, {:.2} µL carried to the next dose\n",
-            1e3 * self.carry_ml,
-        );
-        // Writing to a String cannot fail.
-        if self.disturbances == 1 && self.angle_known {
-            text += "the rotor was let go, or its device reset, since its angle was found: another time, and it is unknown\n";
-        }
-        let Wear { volume_ml, revolutions, motion_s } = self.wear;
-        let time = if motion_s < 3600.0 {
-            format!("{:.1} min", motion_s / 60.0)
-        } else {
-            format!("{:.1} h", motion_s / 3600.0)
-        };
-        let life = self.tube_life_ml.map_or(String::new(), |life_ml| format!(" of {life_ml} mL"));
-        let _ = writeln!(
-            text,
-            "tube: {volume_ml:.1} mL{life} in {revolutions:.1} revolutions and {time} of motion"
-        );
-        if let Some(CalibrationStatus { version, date }) = &self.calibration {
-            let _ = writeln!(text, "doses use calibration {version} of {date}");
-        }
-        if let Some(dose) = &self.unfinished {
-            let (asked_ml, made) =
-                (dose.requested_ml, between(dose.delivered_least_ml, dose.delivered_most_ml));
-            let _ = match &self.in_use_by {
-                Some(holder) => writeln!(
-                    text,
-                    "in motion, by {holder}: a dose of {asked_ml} mL, of which {made} are delivered by the end of this stretch"
-                ),
-                None => writeln!(
-                    text,
-                    "unfinished: a dose of {asked_ml} mL, of which {made} were delivered; `dose resume` makes the rest, `dose \
-                     discard` leaves it"
-                ),
-            };
-        }
-        text
     }
 }

@@ -7,20 +7,36 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::simulation::{EqualTimes, Integration, Method, Waveform};
+use crate::words::{words, words_of_reports};
 
 /// Largest number of samples of a run.
 pub const MAX_SAMPLES: f64 = 1e9;
 
 /// The method that the user asks for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AskedMethod {
     /// Exact solution where there is one, else the integrator.
+    #[default]
     Auto,
     /// Exact solution.
     Exact,
     /// Integrator.
     Rodas5p,
 }
+
+words!(AskedMethod { Auto = "auto", Exact = "exact", Rodas5p = "rodas5p" });
+
+/// Model of the rollers that a run computes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ModelName {
+    /// Flow-centric model: flows at the rollers drive the lines.
+    #[default]
+    FlowCentric,
+    /// Roller-centric model (experimental): every roller is a valve, every segment between two rollers a chamber.
+    RollerCentric,
+}
+
+words_of_reports!(ModelName { FlowCentric = "flow-centric", RollerCentric = "roller-centric" });
 
 /// A method that does not fit the model or the lines.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]

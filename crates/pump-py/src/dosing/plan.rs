@@ -183,7 +183,7 @@ impl Plan {
     /// "speed", "outlet_pressure", "inlet_pressure" and "torque".
     #[getter]
     fn limited_by(&self) -> &str {
-        self.report.limited_by
+        self.report.limited_by.as_str()
     }
 
     /// Ripple of the flow at the outlet's rollers at constant speed, over its mean: (peak to peak, root mean square).

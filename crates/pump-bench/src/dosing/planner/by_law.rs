@@ -105,7 +105,8 @@ fn the_laws_own_uncertainty_takes_the_models_place_and_runs_to_weigh_are_of_the_
     let file = file(PUBLISHED);
     let found = prepared(&file, 25.0, Cruise::Flow { ml_s: 20.0 }).unwrap();
     let budget = Budget::new(&found.model, &found.plan, &file.uncertainty, found.applied.as_ref());
-    let share_ml = |source| budget.shares.iter().find(|share| share.source == source).unwrap().standard_ml;
+    let share_ml =
+        |source| budget.shares.iter().find(|share| share.source.as_str() == source).unwrap().standard_ml;
     assert!((share_ml("speed_law") - 0.015 * found.plan.planned_ml).abs() < 1e-12);
     assert_eq!((share_ml("model"), share_ml("temperature")), (0.0, 0.0));
 

@@ -5,6 +5,8 @@
 use pump_model::{Geometry, ModelError, RollerVolume, VolumeFit, VolumePoint};
 use serde::{Deserialize, Serialize};
 
+use crate::words::words;
+
 /// The table `[roller_volume]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Keys", into = "Keys")]
@@ -38,6 +40,8 @@ pub enum Fit {
     /// Least squares of 5th order, as in McIntyre et al.
     Quintic,
 }
+
+words!(Fit { Quintic = "quintic", Spline = "spline" });
 
 impl RollerVolumeTable {
     /// Returns the volume curve of a pump with these dimensions.

@@ -1,0 +1,169 @@
+//! Calibrations of the displacement in words and as JSON.
+
+use std::fmt::Write;
+
+use pump_model::Pump;
+use serde_json::json;
+
+use crate::bench::Bench;
+use crate::calibration::{AgainstSpeed, CalibrationError, Displacement, Stored};
+use crate::numbers::short;
+use crate::pump_file::PumpFile;
+
+/// One line of JSON of a calibration that was stored.
+pub fn calibration_json(stored: &Stored) -> String {
+    format!("{}\n", json!(stored))
+}
+
+/// One line of JSON of every calibration (`calibrations/1`); `active` is the one in use.
+pub fn calibrations_json(all: &[Stored], active: Option<u32>) -> String {
+    format!("{}\n", json!({ "schema": "calibrations/1", "active": active, "calibrations": all }))
+}
+
+/// Says what a calibration found, and which doses use it from now on.
+///
+/// # Errors
+///
+/// A displacement that cannot be had of this pump.
+pub fn calibration_text(bench: &Bench, stored: &Stored) -> Result<String, CalibrationError> {
+    let Some(found) = &stored.calibration.displacement else { return Ok(String::new()) };
+    let (file, base) = (bench.file(), bench.model());
+    let mut text = heading(bench, stored, found);
+    text += &factors(base, stored, found)?;
+    text += &scatter(file, found).unwrap_or_default();
+    text += &warnings(file, found);
+    text += &range(base, found)?;
+    Ok(text)
+}
+
+/// Lists every calibration, a line each; the one in use is marked.
+pub fn calibrations_text(bench: &Bench, all: &[Stored], active: Option<u32>) -> String {
+    if all.is_empty() {
+        let (pump, driver) = (&bench.file().pump.id, bench.driver());
+        return format!(
+            "{pump} ({driver}) is not calibrated; `dose calibrate run` weighs what it delivers\n"
+        );
+    }
+    let mut text: String = all.iter().map(|stored| listed(stored, active)).collect();
+    if active.is_none() {
+        text.push_str("none is in use; `dose calibrate use <N>` uses one\n");
+    }
+    text
+}
+
+fn listed(stored: &Stored, active: Option<u32>) -> String {
+    let Stored { version, calibration } = stored;
+    let mark = if active == Some(*version) { '*' } else { ' ' };
+    let what = calibration.displacement.as_ref().map_or("zero only".to_owned(), |found| {
+        let factor = match &found.speed_law {
+            None => format!("times {:.4}", found.factor),
+            Some(law) => format!("s {:.4}, D {:.2e} /kPa", law.scale, law.distensibility_per_kpa),
+        };
+        format!("{} runs at {}, {factor}", calibration.runs.len(), speeds(found))
+    });
+    let mut text = format!("{mark} {version:>3}  {}  {what}", calibration.date);
+    // Writing to a String cannot fail.
+    if calibration.zero_deg != 0.0 {
+        let _ = write!(text, ", zero at {:.2}°", calibration.zero_deg);
+    }
+    for (name, said) in [("tube", &calibration.tube), ("note", &calibration.note)] {
+        if let Some(said) = said {
+            let _ = write!(text, ", {name} {said}");
+        }
+    }
+    text + "\n"
+}
+
+/// The speeds of the runs.
+fn speeds(displacement: &Displacement) -> String {
+    let speeds: Vec<String> = displacement.speeds_rpm.iter().map(|rpm| short(*rpm)).collect();
+    format!("{} r/min", speeds.join(", "))
+}
+
+fn heading(bench: &Bench, stored: &Stored, found: &Displacement) -> String {
+    let Stored { version, calibration } = stored;
+    format!(
+        "calibration {version} of {} ({}): {} runs at {}, {} at {} °C\n",
+        bench.file().pump.id,
+        bench.driver(),
+        calibration.runs.len(),
+        speeds(found),
+        calibration.fluid,
+        calibration.temperature_degc,
+    )
+}
+
+/// The factor on the model's volume at each speed, and the speed law if one was fitted.
+fn factors(base: &Pump, stored: &Stored, found: &Displacement) -> Result<String, CalibrationError> {
+    let mut text = String::new();
+    for rpm in &found.speeds_rpm {
+        let (factor, standard) = (found.factor_at(base, *rpm)?, found.standard_at(base, *rpm)?);
+        text += &format!(
+            "  at {:>7} r/min  model volume times {factor:.4} ± {:.4} (k = 2), {:.3} mL per revolution\n",
+            short(*rpm),
+            2.0 * standard,
+            factor * stored.calibration.revolution_ml
+        );
+    }
+    if let Some(law) = &found.speed_law {
+        text += &format!(
+            "  speed law  s {:.5} ± {:.5}, D {:.3e} ± {:.1e} /kPa (k = 2)\n",
+            law.scale,
+            2.0 * law.scale_standard,
+            law.distensibility_per_kpa,
+            2.0 * law.distensibility_standard_per_kpa
+        );
+    }
+    Ok(text)
+}
+
+/// The scatter of the runs, and how far the speeds depart from the fit.
+fn scatter(file: &PumpFile, found: &Displacement) -> Option<String> {
+    let percent = 100.0 * found.scatter?;
+    let expected = file.uncertainty.repeatability_percent;
+    let departure = match found.speeds_rpm.len() {
+        0..3 => String::new(),
+        _ => {
+            let of = if found.speed_law.is_some() { "speed law" } else { "line" };
+            format!(", speeds depart from the {of} by {:.3} %", 100.0 * found.lack_of_fit)
+        }
+    };
+    Some(format!("  runs scatter by {percent:.3} % (the pump file says {expected} %){departure}\n"))
+}
+
+fn warnings(file: &PumpFile, found: &Displacement) -> String {
+    let mut warnings: Vec<String> = found
+        .outliers
+        .iter()
+        .map(|run| format!("run {run} lies far from the others; it is in the fit: weigh it again"))
+        .collect();
+    if found.scatter.is_some_and(|scatter| found.lack_of_fit > 2.0 * scatter) {
+        warnings.push(
+            "the speeds depart from the fit by far more than the runs scatter; it is not their shape"
+                .to_owned(),
+        );
+    }
+    let (limit_rpm, fastest_rpm) = (file.motor.max_speed_rpm, found.range_rpm().1);
+    if fastest_rpm > 1.01 * limit_rpm {
+        let (fastest, limit) = (short(fastest_rpm), short(limit_rpm));
+        warnings.push(format!(
+            "{fastest} r/min is beyond the motor's {limit} r/min; were these runs made with this pump?"
+        ));
+    }
+    warnings.extend(match found.speeds_rpm.len() {
+        0 | 1 => Some("one speed; doses at others are less sure, calibrate at three or more".to_owned()),
+        2 => Some("two speeds do not show whether a line fits; calibrate at three or more".to_owned()),
+        _ => None,
+    });
+    warnings.into_iter().map(|warning| format!("  warning: {warning}\n")).collect()
+}
+
+/// The flows of the doses that use the calibration.
+fn range(base: &Pump, found: &Displacement) -> Result<String, CalibrationError> {
+    let flows = AgainstSpeed::of(Some(found), None, base).map(|against| against.flows_ml_s(false));
+    let doses = match flows.transpose()?.flatten() {
+        Some((least_ml_s, most_ml_s)) => format!("doses from {least_ml_s:.3} to {most_ml_s:.3} mL/s"),
+        None => "doses".to_owned(),
+    };
+    Ok(format!("{doses} use it from now on; `dose calibrate use none` goes back to the model\n"))
+}

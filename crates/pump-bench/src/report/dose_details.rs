@@ -1,0 +1,183 @@
+//! The details of a dose's report for people, a line each, down to the uncertainty budget.
+
+use pump_model::math::wrap;
+
+use super::choices::VolumeBasis;
+use super::dose::DoseReport;
+use super::dose_text::microlitres;
+use crate::numbers::significant;
+use crate::record::PhaseSource;
+
+/// Share of the variance below which a source of uncertainty is left out, percent.
+const TELLING_PERCENT: f64 = 1e-5;
+
+impl DoseReport {
+    /// Angles, steps, speeds, pressures, limits and the uncertainty budget, a line each.
+    pub fn details(&self) -> String {
+        let lines = [
+            ("rollers", Some(self.rollers())),
+            ("steps", Some(self.steps())),
+            ("retraction", self.retraction()),
+            ("speed", Some(self.speed())),
+            ("flow", self.ripple()),
+            ("time", Some(self.time())),
+            ("pressures", Some(self.pressures())),
+            ("suction", self.suction()),
+            ("torque", self.torque()),
+            ("not checked", Some(self.not_checked())),
+            ("uncertainty", Some(self.budget())),
+            ("remedy", self.remedy()),
+        ];
+        lines.into_iter().filter_map(|(name, text)| Some(format!("  {name:<13}{}\n", text?))).collect()
+    }
+
+    fn rollers(&self) -> String {
+        let (start_deg, end_deg) = (self.start_angle_deg, self.end_angle_deg);
+        if !self.phase.known {
+            return format!("turned by {:.2}° from an unknown angle", end_deg - start_deg);
+        }
+        let wrapped = match wrap(end_deg, 360.0) {
+            same if same == end_deg => String::new(),
+            wrapped_deg => format!(", that is {wrapped_deg:.2}°"),
+        };
+        format!("from {start_deg:.2}° ({}) to {end_deg:.2}°{wrapped}", self.known())
+    }
+
+    /// The source of the start angle, and its largest error.
+    fn known(&self) -> String {
+        let source = match self.phase.source {
+            PhaseSource::Home => "home",
+            PhaseSource::Mark => "by its mark",
+            PhaseSource::Recorded => "as recorded",
+            PhaseSource::Given => "as given",
+            PhaseSource::Assumed => "unknown",
+        };
+        match self.phase.half_width_deg {
+            width_deg if width_deg > 0.0 => format!("{source}, ± {width_deg:.2}°"),
+            _ => source.to_owned(),
+        }
+    }
+
+    fn steps(&self) -> String {
+        let of_revolution = format!("(a revolution has {})", self.steps_per_rev);
+        match self.steps_made {
+            Some(made) if !self.completed => format!("{made} of {} {of_revolution}", self.steps),
+            _ => {
+                format!(
+                    "{} {of_revolution}; carry {} to the next dose",
+                    self.steps,
+                    microlitres(self.carry_ml)
+                )
+            }
+        }
+    }
+
+    fn retraction(&self) -> Option<String> {
+        let back = significant(1e3 * self.retraction_ml?, 4);
+        Some(format!("{back} µL sucked back, for the next dose to repay"))
+    }
+
+    fn speed(&self) -> String {
+        let peak = match self.peak_speed_rpm {
+            peak_rpm if peak_rpm > 1.001 * self.cruise_speed_rpm => {
+                format!(" on average, {} at most", significant(peak_rpm, 4))
+            }
+            _ => String::new(),
+        };
+        let cruise_rpm = significant(self.cruise_speed_rpm, 4);
+        format!("{cruise_rpm} r/min{peak}, {} mL/s cruising", significant(self.cruise_flow_ml_s, 4))
+    }
+
+    fn ripple(&self) -> Option<String> {
+        let percent = |ripple: f64| significant(100.0 * ripple, 3);
+        let (after, before) = (self.ripple_after, self.ripple_before);
+        (after != before).then(|| {
+            format!(
+                "ripple {} % peak to peak, {} % RMS; at constant speed {} and {} %",
+                percent(after.peak_to_peak),
+                percent(after.rms),
+                percent(before.peak_to_peak),
+                percent(before.rms)
+            )
+        })
+    }
+
+    fn time(&self) -> String {
+        format!("{:.3} s in motion, {:.3} s to settle within 1 µL", self.motion_s, self.settle_s)
+    }
+
+    fn pressures(&self) -> String {
+        format!(
+            "inlet {:.2} to {:.2} kPa, outlet {:.2} to {:.2} kPa absolute (ambient {} kPa)",
+            self.inlet_min_kpa,
+            self.inlet_max_kpa,
+            self.outlet_min_kpa,
+            self.outlet_max_kpa,
+            self.ambient_kpa
+        )
+    }
+
+    fn suction(&self) -> Option<String> {
+        let (limit_kpa, limit) = self.inlet_limit_kpa.zip(self.inlet_limit)?;
+        Some(format!("not below {limit_kpa:.2} kPa absolute ({})", spoken(limit.as_str())))
+    }
+
+    fn torque(&self) -> Option<String> {
+        let (needed_n_m, available_n_m) = self.torque_needed_n_m.zip(self.torque_available_n_m)?;
+        let [needed, available] = [needed_n_m, available_n_m].map(|n_m| significant(n_m, 3));
+        Some(format!("{needed} N m needed where the motor has {available}"))
+    }
+
+    fn not_checked(&self) -> String {
+        if self.limits_not_checked.is_empty() {
+            return "nothing: every limit has a value".to_owned();
+        }
+        let names: Vec<String> = self.limits_not_checked.iter().map(|limit| spoken(limit.as_str())).collect();
+        names.join(", ")
+    }
+
+    /// Each share of the uncertainty in percent of the volume.
+    fn budget(&self) -> String {
+        let volume_ml = self.delivered_ml.unwrap_or(self.planned_ml).abs();
+        if volume_ml == 0.0 {
+            return "none: nothing was delivered".to_owned();
+        }
+        let shares: Vec<String> = self
+            .uncertainty_budget
+            .iter()
+            .filter(|share| share.variance_percent >= TELLING_PERCENT)
+            .map(|share| {
+                let percent = 100.0 * share.standard_ml / volume_ml;
+                format!("{} {}", spoken(share.source.as_str()), significant(percent, 2))
+            })
+            .collect();
+        format!("k = 2, {}; standard, % of volume: {}", self.basis(), shares.join(", "))
+    }
+
+    /// The basis of the volume, with the factor of the calibration or of the speed law.
+    fn basis(&self) -> String {
+        match (&self.calibration, self.speed_law_factor) {
+            (Some(calibration), _) if self.volume_basis == VolumeBasis::Calibrated => {
+                let factor = significant(calibration.displacement_factor, 6);
+                format!("calibration {} (model volume times {factor})", calibration.version)
+            }
+            (_, Some(factor)) => {
+                format!("not calibrated, speed law (model volume times {})", significant(factor, 6))
+            }
+            (_, None) => "not calibrated".to_owned(),
+        }
+    }
+
+    /// The largest share of the uncertainty, and how to make it smaller.
+    fn remedy(&self) -> Option<String> {
+        let shares = self.uncertainty_budget.iter();
+        let largest = shares.max_by(|a, b| a.standard_ml.total_cmp(&b.standard_ml))?;
+        let (source, percent) = (spoken(largest.source.as_str()), largest.variance_percent);
+        (percent > 0.0).then(|| format!("{source} makes {percent:.0} % of the variance: {}", largest.remedy))
+    }
+}
+
+/// The word of a choice without underscores.
+fn spoken(word: &str) -> String {
+    word.replace('_', " ")
+}

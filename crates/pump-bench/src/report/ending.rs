@@ -1,0 +1,67 @@
+//! How a command ended that was refused or failed: by whether anything moved.
+
+use crate::dosing::DoseError;
+use crate::drives::DriveError;
+use crate::record::FolderError;
+
+/// How a command ended that did not do what was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ending {
+    /// Nothing moved.
+    Refused,
+    /// Nothing moved: another process holds the pump or its device.
+    Busy,
+    /// Nothing moved: an unfinished dose is on record.
+    Unfinished,
+    /// The pump had begun to move.
+    Moved,
+}
+
+impl DoseError {
+    /// Tells how a command ends with this error.
+    pub fn ending(&self) -> Ending {
+        match self {
+            Self::Folder(error) => error.ending(),
+            Self::Connection(error) => error.ending(),
+            Self::Unfinished { .. } => Ending::Unfinished,
+            Self::Drive { .. }
+            | Self::NoIndex { .. }
+            | Self::Retraction { .. }
+            | Self::NotJournalled { .. }
+            | Self::AngleNotRecorded { .. }
+            | Self::NotRecorded { .. } => Ending::Moved,
+            Self::PumpFile(_)
+            | Self::Plan(_)
+            | Self::Journal(_)
+            | Self::Calibration(_)
+            | Self::SpeedLaw(_)
+            | Self::RunsTheOtherWay { .. }
+            | Self::TubeWorn { .. }
+            | Self::Stale { .. }
+            | Self::TooSlow { .. }
+            | Self::NoAngle { .. }
+            | Self::WasFinished
+            | Self::NothingUnfinished(_) => Ending::Refused,
+        }
+    }
+}
+
+impl FolderError {
+    /// Tells how a command ends with this error.
+    pub fn ending(&self) -> Ending {
+        match self {
+            Self::Busy { .. } => Ending::Busy,
+            Self::File { .. } | Self::NoFolder => Ending::Refused,
+        }
+    }
+}
+
+impl DriveError {
+    /// Tells how a command ends that met this error before anything moved.
+    fn ending(&self) -> Ending {
+        match self {
+            Self::Busy { .. } => Ending::Busy,
+            Self::Unable { .. } | Self::Device(_) | Self::Sim(_) => Ending::Refused,
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! The check of a pump file in words: what the pump gives.
+
+use pump_model::math::{degrees, rad_s, sin};
+use pump_model::{Line, Pump, RollerVolume};
+
+use crate::displacement::{RangedLaw, SpeedLawError};
+use crate::pump_file::{LineTable, PumpFile, RollerVolumeTable};
+
+/// Says what the pump of a file gives, a line each: volumes, flows, speeds, fluid, lines and uncertainty.
+///
+/// # Errors
+///
+/// A pump that cannot be modelled, or a speed law that does not hold for it.
+pub fn pump_check(file: &PumpFile) -> Result<String, SpeedLawError> {
+    let pump = file.model()?;
+    let lines = [
+        ("roller", roller_text(file, pump.roller_volume())?),
+        ("volume", volume_text(&pump)),
+        ("flow", flow_text(&pump)),
+        ("speed law", speed_law_text(file, &pump)?),
+        ("fastest", format!("{} r/min, {:.3} mL/s", file.motor.max_speed_rpm, fastest_ml_s(file, &pump)?)),
+        ("step", step_text(file, &pump)),
+        ("fluid", fluid_text(file)),
+        ("inlet", line_text(file, &file.inlet, pump.inlet())),
+        ("outlet", line_text(file, &file.outlet, pump.outlet())),
+        ("unsure", uncertainty_text(file)),
+    ];
+    let lines = lines.into_iter().map(|(name, text)| format!("  {name:<9} {text}\n"));
+    let text: String = lines.chain(overlap(&pump)).collect();
+    Ok(format!("{} ({}): ok\n\n{text}", file.pump.id, file.pump.name))
+}
+
+fn volume_text(pump: &Pump) -> String {
+    let (pitch_ml, pitch_deg) = (pump.outlet_curve().pitch_ml(), degrees(pump.pitch_rad()));
+    let revolution_ml = pump.revolution_ml();
+    format!("{revolution_ml:.4} mL per revolution, {pitch_ml:.4} mL per pitch of {pitch_deg:.2}°")
+}
+
+fn flow_text(pump: &Pump) -> String {
+    let (low, high) = pump.outlet_curve().flow_range_ml_rad();
+    format!("{low:.4} to {high:.4} mL/rad at the outlet rollers")
+}
+
+fn step_text(file: &PumpFile, pump: &Pump) -> String {
+    let steps_per_rev = file.limits().motor.steps_per_rev;
+    format!("{steps_per_rev} per revolution, {:.3} µL on average", 1e3 * pump.revolution_ml() / steps_per_rev)
+}
+
+fn fluid_text(file: &PumpFile) -> String {
+    let fluid = &file.fluid;
+    format!("{} at {} °C, {} kg/m³", fluid.name, fluid.temperature_degc, fluid.density_kg_m3)
+}
+
+fn uncertainty_text(file: &PumpFile) -> String {
+    let law = file.speed_law.standard();
+    format!(
+        "{} % of the volume{} and {} mL of a roller (standard uncertainty)",
+        100.0 * law.unwrap_or(file.uncertainty.model_percent / 100.0),
+        if law.is_some() { " (the speed law's)" } else { "" },
+        file.uncertainty.roller_volume_ml,
+    )
+}
+
+/// Warns of rollers that overlap.
+fn overlap(pump: &Pump) -> Option<String> {
+    let geometry = pump.geometry();
+    let apart_mm = 2.0 * geometry.roller_offset_mm * sin(0.5 * pump.pitch_rad());
+    (apart_mm < 2.0 * geometry.roller_radius_mm).then(|| {
+        format!("  warning   the rollers' axes stand {apart_mm:.2} mm apart: less than their diameter\n")
+    })
+}
+
+/// The dependence of the volume on the speed.
+fn speed_law_text(file: &PumpFile, pump: &Pump) -> Result<String, SpeedLawError> {
+    let Some(RangedLaw { law, least_rpm, most_rpm }) = file.speed_law()? else {
+        return Ok("none: the same volume at every speed".to_owned());
+    };
+    let factor = |rpm: f64| law.factor(pump, rad_s(rpm));
+    Ok(format!(
+        "inlet-pressure, s {}, D {:e} /kPa, closed at {:.2}°: {least_rpm} to {most_rpm} r/min, times {:.4} to {:.4}; \
+         experimental",
+        law.scale,
+        law.distensibility_per_kpa,
+        degrees(law.closure_rad),
+        factor(least_rpm)?,
+        factor(most_rpm)?,
+    ))
+}
+
+/// Mean flow at the motor's fastest speed, or the largest that the speed law gives up to it, mL/s.
+fn fastest_ml_s(file: &PumpFile, pump: &Pump) -> Result<f64, SpeedLawError> {
+    let most_rpm = file.motor.max_speed_rpm;
+    match file.speed_law()? {
+        None => Ok(pump.average_flow_ml_s(file.limits().motor.max_speed_rad_s)),
+        Some(law) => law.up_to(most_rpm).largest_ml_s(pump),
+    }
+}
+
+/// The volume of a roller, and its source.
+fn roller_text(file: &PumpFile, curve: &RollerVolume) -> Result<String, SpeedLawError> {
+    let source = match &file.roller_volume {
+        RollerVolumeTable::Polynomial { .. } => "from its polynomial".to_owned(),
+        RollerVolumeTable::Drawing => "estimated from the drawing".to_owned(),
+        RollerVolumeTable::Measured { fit, points } => {
+            let fit = fit.of(points)?;
+            let mut source = format!("from {} measured points, {:.4} mL RMS off", points.len(), fit.rms_ml());
+            for (from_deg, to_deg, fall_ml) in fit.falls().into_iter().flatten() {
+                source += &format!("; they fall by {fall_ml:.4} mL from {from_deg:.2}° to {to_deg:.2}°");
+            }
+            source
+        }
+    };
+    Ok(format!("{:.4} mL over {:.2}°, {source}", curve.total_ml(), curve.engagement_deg()))
+}
+
+/// The constants of a line, and their source.
+fn line_text(file: &PumpFile, table: &LineTable, line: &Line) -> String {
+    let source = match table {
+        LineTable::Given(_) => "as given".to_owned(),
+        LineTable::Hose { hose, .. } => {
+            let at_ml_s = hose.resistance_at_ml_s.unwrap_or(file.pump.default_rate_ml_s);
+            format!("estimated from its hose, R at {at_ml_s} mL/s")
+        }
+    };
+    format!(
+        "R {:.4} kPa s/mL, C {:.4} mL/kPa, L {:.5} kPa s²/mL, {source}",
+        line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml
+    )
+}

@@ -1,0 +1,152 @@
+//! The report of a run at constant speed, in words and as JSON.
+
+use pump_model::math::{degrees, rpm};
+use pump_model::{Friction, Port, RollerCentric, SteadyState};
+use serde::Serialize;
+
+use crate::pump_file::PumpFile;
+use crate::simulation::{ModelName, Simulation, SteadyReport};
+
+/// The report of a run at constant speed (`schema` `simulation/1`).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SimulationReport {
+    schema: &'static str,
+    pump: String,
+    model: ModelName,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    roller_centric: Option<Parameters>,
+    /// Ports whose line is a hose that resists more at more flow, in place of an R.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    friction: Vec<&'static str>,
+    method: &'static str,
+    speed_rpm: f64,
+    duration_s: f64,
+    dt_s: f64,
+    steady: SteadyReport,
+    warnings: Vec<String>,
+}
+
+/// The assumptions of the roller-centric model.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+struct Parameters {
+    experimental: bool,
+    scale: f64,
+    distensibility_per_kpa: f64,
+    valve_resistance_kpa_s_ml: f64,
+    closure_deg: f64,
+    ambient_kpa: f64,
+}
+
+impl From<RollerCentric> for Parameters {
+    fn from(model: RollerCentric) -> Self {
+        Self {
+            experimental: true,
+            scale: model.scale,
+            distensibility_per_kpa: model.distensibility_per_kpa,
+            valve_resistance_kpa_s_ml: model.valve_resistance_kpa_s_ml,
+            closure_deg: degrees(model.closure_rad),
+            ambient_kpa: model.ambient_kpa,
+        }
+    }
+}
+
+impl SimulationReport {
+    /// Reports a run of the pump of `file` and the steady state that it tends to.
+    pub fn new(
+        file: &PumpFile,
+        run: &Simulation,
+        roller_centric: Option<RollerCentric>,
+        frictions: [Option<Friction>; 2],
+        steady: &SteadyState,
+    ) -> Self {
+        let ports = [Port::Inlet, Port::Outlet].into_iter().zip(frictions);
+        Self {
+            schema: "simulation/1",
+            pump: file.pump.id.clone(),
+            model: if roller_centric.is_some() { ModelName::RollerCentric } else { ModelName::FlowCentric },
+            roller_centric: roller_centric.map(Parameters::from),
+            friction: ports.filter_map(|(port, friction)| friction.map(|_| port.name())).collect(),
+            method: run.method.name(),
+            speed_rpm: rpm(run.speed_rad_s),
+            duration_s: run.duration_s,
+            dt_s: run.dt_s,
+            steady: (*steady).into(),
+            warnings: warnings_of(file, run.speed_rad_s, steady),
+        }
+    }
+
+    /// Title of a picture of the run.
+    pub fn title(&self) -> String {
+        format!("{} at {:.4} r/min from rest", self.pump, self.speed_rpm)
+    }
+
+    /// One line of JSON.
+    pub fn json(&self) -> String {
+        serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a report is plain data: {error}"))
+    }
+
+    /// The words for people: the steady state, the model and its warnings.
+    pub fn text(&self) -> String {
+        let warnings = self.warnings.iter().map(|warning| format!("  warning {warning}\n"));
+        [self.figures(), self.assumptions(), self.hoses()].into_iter().chain(warnings).collect()
+    }
+
+    fn figures(&self) -> String {
+        let s = &self.steady;
+        format!(
+            "{} at {:.4} r/min, {} model, periodic steady state\n\n  \
+             flow    {:.4} mL/s mean; at the outlet rollers {:.1} % peak to peak, {:.1} % RMS\n  \
+             inlet   {:.3} to {:.3} kPa absolute, mean {:.3}\n  \
+             outlet  {:.3} to {:.3} kPa absolute, mean {:.3}\n",
+            self.pump,
+            self.speed_rpm,
+            self.model,
+            s.mean_flow_ml_s,
+            100.0 * s.ripple_peak_to_peak,
+            100.0 * s.ripple_rms,
+            s.inlet_min_kpa,
+            s.inlet_max_kpa,
+            s.inlet_mean_kpa,
+            s.outlet_min_kpa,
+            s.outlet_max_kpa,
+            s.outlet_mean_kpa,
+        )
+    }
+
+    fn assumptions(&self) -> String {
+        self.roller_centric.as_ref().map_or(String::new(), |model| {
+            format!(
+                "  model   experimental: segments {} of the round tube's volume, {} /kPa more by pressure; rollers \
+                 close at {:.2}°, and open resist {} kPa s/mL\n",
+                model.scale, model.distensibility_per_kpa, model.closure_deg, model.valve_resistance_kpa_s_ml
+            )
+        })
+    }
+
+    fn hoses(&self) -> String {
+        match &self.friction[..] {
+            [] => String::new(),
+            ports => {
+                format!("  lines   friction of the hose at every flow ({}), integrated\n", ports.join(", "))
+            }
+        }
+    }
+}
+
+/// The reasons for which the figures are doubtful.
+fn warnings_of(file: &PumpFile, speed_rad_s: f64, steady: &SteadyState) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let limit_rpm = file.motor.max_speed_rpm;
+    if rpm(speed_rad_s).abs() > limit_rpm * (1.0 + 1e-12) {
+        warnings.push(format!("this is above the pump's limit of {limit_rpm} r/min"));
+    }
+    for (port, range) in [("inlet", steady.inlet), ("outlet", steady.outlet)] {
+        if range.min_kpa < 0.0 {
+            warnings.push(format!(
+                "no liquid can be at {:.1} kPa absolute ({port}): it would cavitate",
+                range.min_kpa
+            ));
+        }
+    }
+    warnings
+}

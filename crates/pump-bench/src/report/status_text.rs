@@ -1,0 +1,72 @@
+//! The record of a pump in words.
+
+use super::status::{CalibrationStatus, Status, UnfinishedStatus};
+use crate::numbers::between;
+use crate::record::Wear;
+
+impl Status {
+    /// The record in words, a line each for the rotor, the tube, the calibration and an unfinished dose.
+    pub fn text(&self) -> String {
+        let (pump, driver) = (&self.pump, self.driver);
+        if !self.recorded {
+            let stands = if self.angle_known {
+                "a fresh simulated pump stands at 0°"
+            } else {
+                "where the rollers stand is unknown"
+            };
+            return format!("{pump} ({driver}): nothing on record; {stands}\n");
+        }
+        let lines = [
+            Some(self.rotor()),
+            self.disturbed(),
+            Some(self.tube()),
+            self.calibration.as_ref().map(|CalibrationStatus { version, date }| {
+                format!("doses use calibration {version} of {date}")
+            }),
+            self.unfinished.as_ref().map(|dose| self.unfinished_dose(dose)),
+        ];
+        lines.into_iter().flatten().map(|line| line + "\n").collect()
+    }
+
+    fn rotor(&self) -> String {
+        let angle = match self.half_width_deg {
+            _ if !self.angle_known => "an unknown angle".to_owned(),
+            0.0 => format!("{:.4}°", self.angle_deg),
+            width_deg => format!("{:.4}° ± {width_deg:.2}°", self.angle_deg),
+        };
+        let (pump, driver, carry) = (&self.pump, self.driver, 1e3 * self.carry_ml);
+        format!("{pump} ({driver}): rotor at {angle}, {carry:.2} µL carried to the next dose")
+    }
+
+    fn disturbed(&self) -> Option<String> {
+        (self.disturbances == 1 && self.angle_known).then(|| {
+            "the rotor was let go, or its device reset, since its angle was found: another time, and it is unknown"
+                .to_owned()
+        })
+    }
+
+    fn tube(&self) -> String {
+        let Wear { volume_ml, revolutions, motion_s } = self.wear;
+        let time = if motion_s < 3600.0 {
+            format!("{:.1} min", motion_s / 60.0)
+        } else {
+            format!("{:.1} h", motion_s / 3600.0)
+        };
+        let life = self.tube_life_ml.map_or(String::new(), |life_ml| format!(" of {life_ml} mL"));
+        format!("tube: {volume_ml:.1} mL{life} in {revolutions:.1} revolutions and {time} of motion")
+    }
+
+    fn unfinished_dose(&self, dose: &UnfinishedStatus) -> String {
+        let (asked_ml, made) = (dose.requested_ml, between(dose.delivered_least_ml, dose.delivered_most_ml));
+        match &self.in_use_by {
+            Some(holder) => format!(
+                "in motion, by {holder}: a dose of {asked_ml} mL, of which {made} are delivered by the end of this \
+                 stretch"
+            ),
+            None => format!(
+                "unfinished: a dose of {asked_ml} mL, of which {made} were delivered; `dose resume` makes the rest, \
+                 `dose discard` leaves it"
+            ),
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! The commands by name, and what a command line without one means: a dose.
+
+use clap::builder::ValueParser;
+use clap::{Arg, CommandFactory, Parser, Subcommand};
+
+use crate::commands::calibrate::CalibrateArgs;
+use crate::commands::completions::CompletionsArgs;
+use crate::commands::discard::DiscardArgs;
+use crate::commands::dose::DoseArgs;
+use crate::commands::home::HomeArgs;
+use crate::commands::identify::IdentifyArgs;
+use crate::commands::prime::PrimeArgs;
+use crate::commands::pumps::PumpsArgs;
+use crate::commands::purge::PurgeArgs;
+use crate::commands::release::ReleaseArgs;
+use crate::commands::resume::ResumeArgs;
+use crate::commands::simulate::SimulateArgs;
+use crate::commands::status::StatusArgs;
+use crate::commands::tube::TubeArgs;
+use crate::failure::Failure;
+
+const EXAMPLES: &str = "Examples:
+  dose 25mL
+  dose 0.5mL --start-angle 30deg --dry-run
+  dose 100mL --rate 600mL/min --plot dose.svg
+  dose simulate --speed 100rpm --duration 10s --trace run.csv";
+
+/// Doses with a peristaltic pump from the angle of its rollers
+#[derive(Debug, Parser)]
+#[command(
+    name = "dose",
+    version,
+    override_usage = "dose [OPTIONS] <VOLUME>\n       dose [OPTIONS] <COMMAND>",
+    after_help = "A volume has a unit, as 25mL, or is a mass, as 25g; a negative one runs in reverse.\n\
+                  `dose --help` lists every option, `dose <COMMAND> -h` those of a command.",
+    after_long_help = EXAMPLES
+)]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    dose: DoseArgs,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Fill the line before a dose; the carry stays as it is
+    Prime(PrimeArgs),
+    /// Empty the line; a negative volume runs back
+    Purge(PurgeArgs),
+    /// Weigh what the pump delivers, so that doses are right
+    Calibrate(CalibrateArgs),
+    /// Find the constants of a line from measurements
+    Identify(IdentifyArgs),
+    /// Run the model at constant speed
+    Simulate(SimulateArgs),
+    /// Say where the rollers stand and what is unfinished
+    Status(StatusArgs),
+    /// Make the rest of a dose that was stopped or cut off
+    Resume(ResumeArgs),
+    /// Accept a dose that was stopped or cut off as it is
+    #[command(alias = "accept")]
+    Discard(DiscardArgs),
+    /// Let go of the rotor; its angle is less well known afterwards
+    Release(ReleaseArgs),
+    /// Say that the tube was replaced
+    Tube(TubeArgs),
+    /// Find where the rollers stand, or say it
+    Home(HomeArgs),
+    /// Print the completions of a shell
+    Completions(CompletionsArgs),
+    /// List, show, check and make pump files
+    Pumps(PumpsArgs),
+}
+
+/// Clap's definitions of all commands. Pump and record may be named to each of them, as their environment variables are
+/// there for each; a command that needs neither does not list them.
+pub(crate) fn command() -> clap::Command {
+    with_pump_and_record(Cli::command())
+}
+
+fn with_pump_and_record(command: clap::Command) -> clap::Command {
+    let missing: Vec<Arg> = [("pump", "pump"), ("state_dir", "state-dir")]
+        .into_iter()
+        .filter(|(id, _)| !command.get_arguments().any(|arg| arg.get_id() == *id))
+        .map(|(id, long)| Arg::new(id).long(long).value_parser(ValueParser::os_string()).hide(true))
+        .collect();
+    command.args(missing).mut_subcommands(with_pump_and_record)
+}
+
+impl Cli {
+    /// Runs the command.
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        match &self.command {
+            None => {
+                if let Some(word) = self.dose.mistyped_command() {
+                    return Err(unknown(word));
+                }
+                self.dose.run()
+            }
+            Some(Command::Prime(args)) => args.run(),
+            Some(Command::Purge(args)) => args.run(),
+            Some(Command::Calibrate(args)) => args.run(),
+            Some(Command::Identify(args)) => args.run(),
+            Some(Command::Simulate(args)) => args.run(),
+            Some(Command::Status(args)) => args.run(),
+            Some(Command::Resume(args)) => args.run(),
+            Some(Command::Discard(args)) => args.run(),
+            Some(Command::Release(args)) => args.run(),
+            Some(Command::Tube(args)) => args.run(),
+            Some(Command::Home(args)) => args.run(),
+            Some(Command::Completions(args)) => args.run(&mut Self::command()),
+            Some(Command::Pumps(args)) => args.run(),
+        }
+    }
+}
+
+/// Refuses a word that is neither a volume nor a command.
+fn unknown(word: &str) -> Failure {
+    let commands: Vec<String> =
+        Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
+    let distance = |command: &&String| strsim::damerau_levenshtein(word, command);
+    match commands.iter().filter(|command| distance(command) <= 2).min_by_key(distance) {
+        Some(command) => {
+            Failure::refused(format!("unknown command `{word}`; did you mean `dose {command}`?"))
+        }
+        None => {
+            let commands = commands.join(", ");
+            Failure::refused(format!("`{word}` is neither a volume, as 25mL, nor a command: {commands}"))
+        }
+    }
+}

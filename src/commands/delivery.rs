@@ -1,0 +1,181 @@
+//! One delivery from the plan to the report: what doses, primes, purges and weighed runs have in common.
+
+use pump_bench::export::csv;
+use pump_bench::pump_file::DriverName;
+use pump_bench::record::Purpose;
+use pump_bench::simulation::{Method, Waveform, times};
+use pump_bench::{Bench, Delivered, DoseReport, DoseRequest, Prepared, Session};
+
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::options::dosing::DosingOptions;
+use crate::options::volume::Asked;
+use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
+use crate::terminal::{announce, print, progress_bar, tell, warn};
+
+/// The message after a signal.
+const STOPPED: &str = "stopped by the user; `dose resume` makes the rest, `dose discard` leaves it";
+
+/// Most rows of a file: more are a mistake and would fill disks (a row has up to 150 bytes).
+const MAX_ROWS: f64 = 1e8;
+
+/// What was delivered, and the signal that came, if one did.
+pub(super) type Ended = (Delivered, Option<i32>);
+
+/// How a report is given.
+pub(super) struct Said<'a> {
+    /// True if a program reads it.
+    pub(super) json: bool,
+    /// True if all details are wanted.
+    pub(super) verbose: bool,
+    /// The volume as it was typed.
+    pub(super) asked: Option<&'a str>,
+}
+
+/// Delivers a volume for a purpose.
+pub(super) fn run(purpose: Purpose, asked: &Asked, options: &DosingOptions) -> Result<(), Failure> {
+    options.check_files()?;
+    let bench = options.bench()?;
+    let request = options.request(purpose, asked, bench.file())?;
+    run_one(&bench, request, &options.typed(asked), options)
+}
+
+/// Plans, runs and reports one request, or with `--dry-run` plans and reports it.
+pub(super) fn run_one(
+    bench: &Bench,
+    request: DoseRequest,
+    typed: &str,
+    options: &DosingOptions,
+) -> Result<(), Failure> {
+    let json = options.format.json();
+    let said = Said { json, verbose: options.verbose.verbose, asked: Some(typed) };
+    if options.dry_run {
+        let prepared = bench.prepare(request)?;
+        write_outputs(bench, &prepared, options)?;
+        return report(bench, &prepared, None, &said);
+    }
+    // The pump is taken before its journal is read, so that nobody moves it in between.
+    let mut session = bench.session()?;
+    let prepared = session.prepare(request)?;
+    write_outputs(bench, &prepared, options)?;
+    let delivered = deliver(bench, &mut session, &prepared, &Interrupt::watch()?, json)?;
+    report(bench, &prepared, Some(delivered), &said)
+}
+
+/// Runs a dose, with its progress on standard error. A signal stops it. That a motor moves is said before it does.
+pub(super) fn deliver(
+    bench: &Bench,
+    session: &mut Session<'_>,
+    prepared: &Prepared,
+    interrupt: &Interrupt,
+    json: bool,
+) -> Result<Ended, Failure> {
+    announce(bench, json)?;
+    if warns_first(bench) {
+        warn(&prepared.warnings);
+    }
+    let bar = progress_bar(prepared.plan.steps.unsigned_abs());
+    let delivered = session.run(prepared, |made| {
+        bar.set_position(made);
+        interrupt.flow()
+    });
+    bar.finish_and_clear();
+    Ok((delivered?, interrupt.signal()))
+}
+
+/// True if warnings come before the motion and not with the report: before a real motor moves there is still time.
+fn warns_first(bench: &Bench) -> bool {
+    bench.driver() != DriverName::Sim
+}
+
+/// Reports a dose, or a dry run.
+pub(super) fn report(
+    bench: &Bench,
+    prepared: &Prepared,
+    delivered: Option<Ended>,
+    said: &Said<'_>,
+) -> Result<(), Failure> {
+    let report = DoseReport::new(bench, prepared, delivered.as_ref().map(|(delivered, _)| delivered));
+    ended(report_once(bench, report, said, None, Vec::new()), delivered)
+}
+
+/// Prints a report. Its warnings appear once: before the motion of a real motor, or here. A program reads in the report
+/// what a person was `told` before.
+pub(super) fn report_once(
+    bench: &Bench,
+    mut report: DoseReport,
+    said: &Said<'_>,
+    of_batch: Option<(u64, u64)>,
+    told: Vec<String>,
+) -> Result<(), Failure> {
+    let was_run = report.delivered_ml.is_some();
+    let has_warned = was_run && warns_first(bench);
+    if said.json {
+        if !has_warned {
+            warn(&report.warnings);
+        }
+        report.warnings.extend(told);
+        return print(&(report.json() + "\n"));
+    }
+    // The headline was printed before a real motor moved.
+    let headline = if was_run && !report.simulated { String::new() } else { report.headline() + "\n" };
+    let summary = report.summary(said.asked, of_batch);
+    let details = if said.verbose { format!("\n{}", report.details()) } else { String::new() };
+    let warnings = if has_warned { String::new() } else { report.warning_lines() };
+    tell(&format!("{headline}{summary}{details}{warnings}"))
+}
+
+/// The end of the command after a dose (none: a dry run) whose report was printed or not.
+pub(super) fn ended(printed: Result<(), Failure>, delivered: Option<Ended>) -> Result<(), Failure> {
+    match (printed, delivered) {
+        (Err(failure), Some((Delivered { volume_ml, .. }, _))) if failure.is_refusal() => {
+            let message = failure.message();
+            Err(Failure::fault(format!("{volume_ml:.4} mL were delivered and recorded, but {message}")))
+        }
+        (Ok(()), Some((delivered, signal))) if !delivered.completed => {
+            Err(Failure::stopped(signal.unwrap_or(0), STOPPED))
+        }
+        (Ok(()), Some((delivered, Some(signal)))) if !delivered.sucked_back => Err(Failure::stopped(
+            signal,
+            "stopped by the user while it sucked back; the dose is delivered, and the next dose repays the volume that \
+             was sucked back",
+        )),
+        (printed, _) => printed,
+    }
+}
+
+/// Writes the files that were asked for. They hold predictions, so they are there, all of them, before anything moves.
+fn write_outputs(bench: &Bench, prepared: &Prepared, options: &DosingOptions) -> Result<(), Failure> {
+    let plan = &prepared.plan;
+    let motion_s = plan.profile.duration_s();
+    let end_s = motion_s + prepared.prediction.settle_s;
+    let samples = |dt_s| {
+        Waveform::new(&prepared.model, plan.legs(), Method::Exact, times(dt_s, motion_s, end_s))
+            .map_err(Failure::refused)
+    };
+    let mut outputs = Outputs::default();
+    if let Some(path) = &options.steps.steps {
+        refuse_rows(plan.steps.unsigned_abs() as f64, "list of steps", "dose less at a time")?;
+        outputs.write(path, |to| csv::write_steps(to, plan))?;
+    }
+    if let Some(path) = &options.trace.trace {
+        let dt_s = options.trace.dt.unwrap_or(DEFAULT_DT_S);
+        refuse_rows(end_s / dt_s, "trace", "use a longer --dt")?;
+        outputs.trace(path, samples(dt_s)?)?;
+    }
+    if let Some(path) = &options.plot.plot {
+        let title = format!("{} mL on {} (predicted)", plan.requested_ml, bench.file().pump.id);
+        outputs.plot(path, &title, samples(f64::max(end_s / PLOT_SAMPLES, DEFAULT_DT_S))?, Some(motion_s))?;
+    }
+    outputs.put()
+}
+
+fn refuse_rows(rows: f64, what: &str, instead: &str) -> Result<(), Failure> {
+    if rows <= MAX_ROWS {
+        Ok(())
+    } else {
+        Err(Failure::refused(format!(
+            "the {what} would have {rows:.3e} rows, {MAX_ROWS:e} at most; {instead}"
+        )))
+    }
+}

@@ -1,0 +1,116 @@
+//! `dose home --mark`: a person turns the rotor with the arrow keys until its mark meets the housing's.
+
+use std::io::{self, IsTerminal, Write};
+
+use console::{Key, Term};
+use pump_bench::report::{carry_dropped_text, rotor_text};
+use pump_bench::{Bench, Session};
+use pump_model::math::{degrees, rad_s, radians};
+
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::terminal::{announce, print, tell, warn};
+
+/// Angle to which two painted lines can be seen to meet, deg: half a millimetre on a rotor of 60 mm radius.
+const TOLERANCE_DEG: f64 = 0.5;
+
+/// What a key turns the rotor by, deg.
+const STEPS_DEG: [f64; 5] = [0.1, 0.5, 1.0, 5.0, 30.0];
+
+/// Speed of these turns, r/min.
+const JOG_RPM: f64 = 10.0;
+
+/// What a key means.
+enum Wish {
+    Turn(f64),
+    Finer,
+    Coarser,
+    Meets,
+    Leave,
+    Nothing,
+}
+
+fn wish(key: &Key) -> Wish {
+    match key {
+        Key::ArrowRight => Wish::Turn(1.0),
+        Key::ArrowLeft => Wish::Turn(-1.0),
+        Key::ArrowDown => Wish::Finer,
+        Key::ArrowUp => Wish::Coarser,
+        Key::Enter => Wish::Meets,
+        Key::Escape | Key::Char('q' | 'Q') | Key::CtrlC => Wish::Leave,
+        _ => Wish::Nothing,
+    }
+}
+
+/// Turns the rotor to its mark and records the angle there.
+pub(super) fn mark(
+    tolerance_rad: Option<f64>,
+    bench: impl FnOnce() -> Result<Bench, Failure>,
+) -> Result<(), Failure> {
+    let tolerance_rad = tolerance_rad.unwrap_or(radians(TOLERANCE_DEG));
+    if tolerance_rad < 0.0 {
+        let degrees = degrees(tolerance_rad);
+        return Err(Failure::refused(format!("--mark-tolerance is {degrees} deg; allowed: 0deg or more")));
+    }
+    let bench = bench()?;
+    let mut session = bench.session()?;
+    let mark_deg = degrees(session.mark_rad()?);
+    if !(io::stdin().is_terminal() && io::stderr().is_terminal()) {
+        return Err(Failure::refused(
+            "the rotor is turned to its mark with the arrow keys: run this in a terminal, or say where the rollers \
+             stand with `dose home --set <ANGLE>`",
+        ));
+    }
+    session.connect()?;
+    warn(&session.notes());
+    let carry_ml = session.owed_ml();
+    announce(&bench, false)?;
+    say(&format!(
+        "Turn the rotor until its mark meets the housing's (at {mark_deg:.2}°); the pump pumps as it turns.\n  \
+         → ←    forward, back\n  ↑ ↓    coarser, finer\n  Enter  the marks meet\n  q      leave it\n"
+    ))?;
+    let Some(step_deg) = turn_to_mark(&mut session)? else {
+        return print("nothing was set; the turns are on record\n");
+    };
+    let state = session.set_at_mark(radians(0.5 * step_deg) + tolerance_rad)?;
+    tell(&format!("{}{}", rotor_text(&bench, &state), carry_dropped_text(carry_ml)))
+}
+
+/// Obeys keys until the marks meet. Returns the step at that moment, deg; none if the person left.
+fn turn_to_mark(session: &mut Session<'_>) -> Result<Option<f64>, Failure> {
+    let interrupt = Interrupt::watch()?;
+    let terminal = Term::stderr();
+    let mut size = 2;
+    loop {
+        let step_deg = STEPS_DEG[size];
+        say(&format!("\r  a key turns by {step_deg}°    "))?;
+        let key = match terminal.read_key_raw() {
+            Ok(key) => key,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => Key::CtrlC,
+            Err(error) => return Err(Failure::refused(format!("the keys cannot be read: {error}"))),
+        };
+        match wish(&key) {
+            Wish::Turn(direction) => {
+                let steps = session.steps_of(radians(direction * step_deg));
+                session.jog(steps, rad_s(JOG_RPM), |_| interrupt.flow())?;
+            }
+            Wish::Finer => size = size.saturating_sub(1),
+            Wish::Coarser => size = (size + 1).min(STEPS_DEG.len() - 1),
+            Wish::Meets | Wish::Leave => {
+                say("\n")?;
+                return Ok(matches!(wish(&key), Wish::Meets).then_some(step_deg));
+            }
+            Wish::Nothing => {}
+        }
+        if let Some(signal) = interrupt.signal() {
+            say("\n")?;
+            return Err(Failure::stopped(signal, "stopped by the user; the turns are on record"));
+        }
+    }
+}
+
+/// To the person at the keys.
+fn say(text: &str) -> Result<(), Failure> {
+    let said = io::stderr().write_all(text.as_bytes()).and_then(|()| io::stderr().flush());
+    said.map_err(|error| Failure::refused(format!("the terminal cannot be written to: {error}")))
+}

@@ -1,0 +1,51 @@
+//! `dose home`: where the rollers stand is found, or said.
+
+mod mark;
+mod sensor;
+mod set;
+
+use clap::{ArgGroup, Args};
+use pump_bench::units;
+
+use crate::failure::Failure;
+use crate::options::bench::BenchOptions;
+
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("angle").required(true).args(["mark", "sensor", "set", "unknown"]))]
+pub(crate) struct HomeArgs {
+    /// Turn the rotor with the arrow keys until its mark meets the housing's
+    #[arg(long)]
+    mark: bool,
+    /// How well the two marks can be seen to meet [default: 0.5deg]
+    #[arg(long, value_name = "ANGLE", value_parser = units::angle_rad, requires = "mark")]
+    mark_tolerance: Option<f64>,
+    /// Turn forward until the index sensor answers, a revolution at most
+    #[arg(long)]
+    sensor: bool,
+    /// Do not ask before the sensor is looked for, whatever the pump pumps meanwhile
+    #[arg(long, requires = "sensor")]
+    yes: bool,
+    /// Say the angle, as 30deg; 0deg: a roller begins to leave the outlet
+    #[arg(long, value_name = "ANGLE", value_parser = units::angle_rad)]
+    set: Option<f64>,
+    /// Say that nobody knows the angle: the rotor was turned by hand
+    #[arg(long)]
+    unknown: bool,
+    #[command(flatten)]
+    bench: BenchOptions,
+}
+
+impl HomeArgs {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let bench = || self.bench.bench();
+        if self.mark {
+            mark::mark(self.mark_tolerance, bench)
+        } else if self.sensor {
+            sensor::sensor(self.yes, &bench()?)
+        } else {
+            // Without an angle nobody knows it: clap asks for one of the four.
+            debug_assert!(self.unknown || self.set.is_some(), "one of the group");
+            set::set(self.set, &bench()?)
+        }
+    }
+}

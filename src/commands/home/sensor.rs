@@ -1,0 +1,47 @@
+//! `dose home --sensor`: the rotor turns until its index sensor answers.
+
+use std::io::{self, BufRead, IsTerminal, Write};
+
+use pump_bench::Bench;
+use pump_bench::report::{carry_dropped_text, rotor_text};
+
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::terminal::{announce, tell, warn};
+
+/// Finds the angle by the index sensor.
+pub(super) fn sensor(yes: bool, bench: &Bench) -> Result<(), Failure> {
+    let mut session = bench.session()?;
+    let carry_ml = session.owed_ml();
+    session.index_rad()?;
+    warn(&session.notes());
+    if !yes {
+        let most_ml = bench.model().revolution_ml();
+        agree(&format!("the pump turns forward until the sensor answers, and pumps up to {most_ml:.1} mL"))?;
+    }
+    announce(bench, false)?;
+    let interrupt = Interrupt::watch()?;
+    match session.seek_index(|_| interrupt.flow())? {
+        Some(state) => tell(&format!("{}{}", rotor_text(bench, &state), carry_dropped_text(carry_ml))),
+        None => Err(Failure::stopped(
+            interrupt.signal().unwrap_or(0),
+            "stopped by the user before the sensor answered; the rotor is where the record says",
+        )),
+    }
+}
+
+/// Asks a person at a terminal; nobody else can agree.
+fn agree(what: &str) -> Result<(), Failure> {
+    let refused = |why: &str| Err(Failure::refused(format!("{what}; {why}")));
+    if !io::stdin().is_terminal() {
+        return refused("nobody is there to agree: say --yes");
+    }
+    let mut answer = String::new();
+    let asked = write!(io::stderr(), "{what}. Go on? [y/N] ")
+        .and_then(|()| io::stdin().lock().read_line(&mut answer));
+    match asked {
+        Ok(_) if ["y", "yes"].contains(&answer.trim().to_lowercase().as_str()) => Ok(()),
+        Ok(_) => refused("nobody agreed, and nothing was moved"),
+        Err(error) => refused(&format!("the answer could not be read: {error}")),
+    }
+}

@@ -1,0 +1,24 @@
+//! `dose prime`: the line is filled; the carry stays as it is.
+
+use clap::Args;
+use pump_bench::record::Purpose;
+
+use super::delivery;
+use crate::failure::Failure;
+use crate::options::dosing::DosingOptions;
+use crate::options::volume::asked;
+
+#[derive(Debug, Args)]
+pub(crate) struct PrimeArgs {
+    /// Volume with its unit, as 20mL; negative runs in reverse
+    #[arg(value_name = "VOLUME")]
+    volume: Vec<String>,
+    #[command(flatten)]
+    options: DosingOptions,
+}
+
+impl PrimeArgs {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        delivery::run(Purpose::Prime, &asked(&self.volume)?, &self.options)
+    }
+}

@@ -1,0 +1,171 @@
+//! `dose pumps new`: a pump file from a drawing.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use pump_bench::catalogue::{DrawnPump, RollerRuns};
+use pump_bench::export::Axes;
+use pump_bench::export::fit_plot;
+use pump_bench::files::Staged;
+use pump_bench::pump_file::{Fit, PumpFile, RollerVolumeTable};
+use pump_bench::units;
+use pump_bench::units::TubeSize;
+use pump_model::{Geometry, ModelError};
+
+use crate::failure::Failure;
+use crate::options::choice::choice;
+use crate::options::files::PlotOption;
+use crate::outputs::Outputs;
+use crate::terminal::{print, tell};
+
+/// The dimensions that a drawing tells.
+#[derive(Debug, Args)]
+pub(crate) struct NewArgs {
+    /// Bore x outer diameter of the tube, as 10x14mm
+    #[arg(long, value_name = "SIZE", value_parser = units::tube_size)]
+    tube: TubeSize,
+    /// Radius of the backplate (raceway), as 63mm
+    #[arg(long, value_name = "RADIUS", value_parser = units::length_mm)]
+    backplate: f64,
+    /// Radius of a roller, as 20mm
+    #[arg(long, value_name = "RADIUS", value_parser = units::length_mm)]
+    roller: f64,
+    /// From the shaft to a roller's axis, as 40mm
+    #[arg(long, value_name = "LENGTH", value_parser = units::length_mm)]
+    offset: f64,
+    /// Contact angle: the backplate spans 180deg and twice this, as 30deg
+    #[arg(long, value_name = "ANGLE", value_parser = units::angle_rad)]
+    contact: f64,
+    /// Number of rollers
+    #[arg(long, value_name = "N")]
+    rollers: u32,
+    /// Name of the pump in records [default: FILE's name without its ending, or my-pump]
+    #[arg(long)]
+    id: Option<String>,
+    /// Length of the hose on either side, as 0.5m
+    #[arg(long, value_name = "LENGTH", default_value = "331mm", value_parser = units::length_mm)]
+    hose: f64,
+    /// Volume of a roller as measured, CSV: angle_deg since first contact, volume_ml, run [default: from the drawing]
+    #[arg(long, value_name = "FILE.csv")]
+    roller_volume_points: Option<PathBuf>,
+    /// How a curve goes through these points
+    #[arg(long, value_name = "quintic|spline", default_value_t = Fit::Quintic, requires = "roller_volume_points")]
+    #[arg(value_parser = choice(&[
+        (Fit::Quintic, "Least squares of 5th order, as McIntyre et al."),
+        (Fit::Spline, "A rising spline through the mean of each angle: a flow without jumps"),
+    ]))]
+    fit: Fit,
+    /// Where to write it; it must not be there yet [default: standard output]
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
+    #[command(flatten)]
+    plot: PlotOption,
+}
+
+impl NewArgs {
+    /// The id if none is given: two files mostly are two pumps, and the id names the record.
+    fn usual_id(&self) -> String {
+        let stem = self
+            .file
+            .as_ref()
+            .and_then(|file| file.file_stem())
+            .map(|stem| stem.to_string_lossy().to_lowercase());
+        stem.filter(|stem| !stem.is_empty() && stem.chars().all(may_be_in_id))
+            .unwrap_or_else(|| "my-pump".to_owned())
+    }
+
+    /// Writes the file, or refuses a pump that cannot work.
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let geometry = self.geometry();
+        let runs = self.roller_volume_points.as_deref().map(read_runs).transpose()?;
+        let report = match &runs {
+            Some(runs) => runs.report(self.fit, &geometry).map_err(|error| self.in_points(error))?,
+            None => Vec::new(),
+        };
+        let drawn = DrawnPump {
+            id: self.id.clone().unwrap_or_else(|| self.usual_id()),
+            geometry,
+            hose_length_mm: self.hose,
+            roller_volume: runs.as_ref().map_or(RollerVolumeTable::Drawing, |runs| runs.table(self.fit)),
+        };
+        let remarks: String = report.iter().map(|line| format!("# {line}\n")).collect();
+        let text = drawn.toml().map_err(Failure::refused)?.replacen(
+            "# Measured.\n",
+            &format!("# Measured.\n{remarks}"),
+            1,
+        );
+        // What is written must be read again: the id too.
+        PumpFile::parse(&text, "from this drawing").map_err(Failure::refused)?;
+        let mut outputs = Outputs::default();
+        self.draw(&mut outputs, &drawn.id, runs.as_ref())?;
+        match &self.file {
+            None => print(&text)?,
+            Some(path) => {
+                write_new(path, &text)?;
+                tell(&report.iter().map(|line| format!("  {line}\n")).collect::<String>())?;
+            }
+        }
+        outputs.put()
+    }
+
+    fn geometry(&self) -> Geometry {
+        Geometry {
+            rollers: self.rollers,
+            bore_radius_mm: 0.5 * self.tube.bore_mm,
+            tube_outer_radius_mm: 0.5 * self.tube.outer_mm,
+            backplate_radius_mm: self.backplate,
+            contact_angle_rad: self.contact,
+            roller_radius_mm: self.roller,
+            roller_offset_mm: self.offset,
+        }
+    }
+
+    /// Draws the measured points and the fit, if a picture is asked for.
+    fn draw(&self, outputs: &mut Outputs, id: &str, runs: Option<&RollerRuns>) -> Result<(), Failure> {
+        let Some(path) = &self.plot.plot else { return Ok(()) };
+        let Some(runs) = runs else {
+            return Err(Failure::refused(
+                "--plot draws measured points; add --roller-volume-points FILE.csv",
+            ));
+        };
+        let axes =
+            Axes { x: "angle since first contact, °", y: "volume, mL", left: "measured less fitted, mL" };
+        let fitted = runs.fitted(self.fit).map_err(|error| self.in_points(error))?;
+        let title = format!("volume that a roller of {id} displaces");
+        outputs.drawing(path, fit_plot::svg(&title, axes, &fitted))
+    }
+
+    /// Says in which table of points an error is.
+    fn in_points(&self, error: ModelError) -> Failure {
+        match &self.roller_volume_points {
+            Some(path) => Failure::refused(format!("{}: {error}", path.display())),
+            None => Failure::refused(error),
+        }
+    }
+}
+
+fn read_runs(path: &Path) -> Result<RollerRuns, Failure> {
+    let shown = path.display();
+    let text = fs::read_to_string(path)
+        .map_err(|error| Failure::refused(format!("cannot read {shown}: {error}")))?;
+    RollerRuns::of_csv(&text).map_err(|error| Failure::refused(format!("{shown}: {error}")))
+}
+
+/// True for a letter that an id may hold.
+fn may_be_in_id(letter: char) -> bool {
+    letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '-' || letter == '_'
+}
+
+fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
+    let shown = path.display();
+    if path.symlink_metadata().is_ok() {
+        return Err(Failure::refused(format!(
+            "{shown} is there already; name a new file, or remove it first"
+        )));
+    }
+    Staged::new(path, |file| file.write_all(text.as_bytes()))
+        .and_then(Staged::put)
+        .map_err(|error| Failure::refused(format!("cannot write {shown}: {error}")))?;
+    tell(&format!("{shown} is written; `dose pumps check {shown}` says what it gives\n"))
+}

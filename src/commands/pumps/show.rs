@@ -1,0 +1,39 @@
+//! `dose pumps show`: a pump as a pump file, or as constants for firmware.
+
+use clap::Args;
+use pump_bench::export::rust_source;
+use pump_bench::pump_named;
+
+use crate::failure::Failure;
+use crate::terminal::print;
+
+#[derive(Debug, Args)]
+pub(crate) struct ShowArgs {
+    /// Built-in pump or pump file
+    name: String,
+    /// Constants for firmware (rust) in place of a pump file
+    #[arg(long, value_name = "rust", help_heading = "Output", value_parser = is_rust)]
+    format: Option<()>,
+}
+
+/// Reads the one format besides a pump file.
+fn is_rust(word: &str) -> Result<(), &'static str> {
+    match word {
+        "rust" => Ok(()),
+        _ => Err("`dose pumps show` prints a pump file (TOML), or Rust with `--format rust`"),
+    }
+}
+
+impl ShowArgs {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let file = pump_named(&self.name).map_err(Failure::refused)?;
+        match self.format {
+            None => print(&file.to_toml()),
+            Some(()) if file.speed_law.standard().is_some() => Err(Failure::refused(
+                "firmware plans with one volume of a revolution, and this file has a speed law; write kind = \"none\" \
+                 into its [speed_law] for the firmware",
+            )),
+            Some(()) => print(&rust_source(&file).map_err(Failure::refused)?),
+        }
+    }
+}

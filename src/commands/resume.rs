@@ -1,0 +1,58 @@
+//! `dose resume`: the rest of an unfinished dose.
+
+use clap::Args;
+use pump_bench::DoseRequest;
+
+use super::delivery::{Said, deliver, report};
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::options::bench::BenchOptions;
+use crate::options::finish::FinishOption;
+use crate::options::fluid::FluidOptions;
+use crate::options::limits::PressureLimits;
+use crate::options::report::{FormatOption, VerboseOption};
+use crate::options::speed::CruiseOptions;
+
+#[derive(Debug, Args)]
+pub(crate) struct ResumeArgs {
+    #[command(flatten)]
+    cruise: CruiseOptions,
+    /// Let the speed follow the rollers for a smooth flow
+    #[arg(long_help = "Let the speed follow the rollers' angle, for a flow as smooth as the limits allow.")]
+    #[arg(long, help_heading = "Amount and speed")]
+    smooth: bool,
+    #[command(flatten)]
+    finish: FinishOption,
+    #[command(flatten)]
+    fluid: FluidOptions,
+    #[command(flatten)]
+    limits: PressureLimits,
+    #[command(flatten)]
+    bench: BenchOptions,
+    #[command(flatten)]
+    format: FormatOption,
+    #[command(flatten)]
+    verbose: VerboseOption,
+}
+
+impl ResumeArgs {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let mut file = self.bench.pump.file()?;
+        self.fluid.change(&mut file)?;
+        let bench = self.bench.bench_of(file)?;
+        let request = DoseRequest {
+            cruise: self.cruise.cruise()?,
+            smooth: self.smooth,
+            finish: self.finish.finish(),
+            max_outlet_kpa: self.limits.max_outlet_kpa(bench.file()),
+            min_inlet_kpa: self.limits.min_inlet_kpa(bench.file()),
+            ..DoseRequest::dose(0.0)
+        };
+        let json = self.format.json();
+        let mut session = bench.session()?;
+        let prepared = session.prepare_rest(request)?;
+        let delivered = deliver(&bench, &mut session, &prepared, &Interrupt::watch()?, json)?;
+        let said = Said { json, verbose: self.verbose.verbose, asked: None };
+        report(&bench, &prepared, Some(delivered), &said)
+    }
+}

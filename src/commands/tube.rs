@@ -1,0 +1,39 @@
+//! `dose tube --new`: the tube was replaced.
+
+use clap::Args;
+use pump_bench::bench::NewTube;
+use pump_bench::report::{carry_dropped_text, rotor_text};
+
+use crate::failure::Failure;
+use crate::options::bench::BenchOptions;
+use crate::terminal::tell;
+
+#[derive(Debug, Args)]
+pub(crate) struct TubeArgs {
+    /// The tube is new: it has pumped nothing, and nothing is carried
+    #[arg(long, required = true)]
+    new: bool,
+    #[command(flatten)]
+    bench: BenchOptions,
+}
+
+impl TubeArgs {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        debug_assert!(self.new, "required");
+        let bench = self.bench.bench()?;
+        let mut session = bench.session()?;
+        let NewTube { state, worn_ml, owed_ml, unused } = session.new_tube()?;
+        let unused = unused.map_or(String::new(), |version| {
+            format!(
+                "calibration {version} is not used any more; `dose calibrate use {version}` uses it again\n"
+            )
+        });
+        tell(&format!(
+            "a new tube is on record; the one before pumped {worn_ml:.1} mL\n{}{}{unused}warning: a new tube gives \
+             another volume per revolution: calibrate it\nif the rotor was turned by hand, say where it stands with \
+             `dose home --set <ANGLE>`\n",
+            rotor_text(&bench, &state),
+            carry_dropped_text(owed_ml)
+        ))
+    }
+}

@@ -1,0 +1,55 @@
+//! A batch: several doses from one command.
+
+use clap::Args;
+use pump_bench::dosing::{MAX_DOSES, Missed, Schedule};
+use pump_bench::units;
+
+use super::choice::choice;
+use crate::failure::Failure;
+
+/// How many doses, and when.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Batch")]
+pub(crate) struct BatchOptions {
+    /// Make a batch of this many doses
+    #[arg(long_help = "Make a batch of this many doses, one after the other or as --every says.")]
+    #[arg(long, value_name = "N", value_parser = number_of_doses)]
+    repeat: Option<u64>,
+    /// Time from one dose's start to the next, as 30s
+    #[arg(long, value_name = "TIME", value_parser = units::time_s)]
+    pub(crate) every: Option<f64>,
+    /// What becomes of a dose whose time has passed [default: skip]
+    #[arg(long, value_name = "skip|now", value_parser = choice(&[
+        (Missed::Skip, "Leave it out"),
+        (Missed::Now, "Make it at once"),
+    ]))]
+    missed: Option<Missed>,
+}
+
+/// Reads the number behind `--repeat`.
+fn number_of_doses(text: &str) -> Result<u64, String> {
+    let number = text.parse().ok().filter(|number| (1..=MAX_DOSES).contains(number));
+    number.ok_or_else(|| format!("allowed: whole numbers from 1 to {MAX_DOSES}, as in --repeat 10"))
+}
+
+impl BatchOptions {
+    /// The schedule of a batch; none for a single dose. Options that only a batch obeys are refused without one.
+    pub(crate) fn schedule(&self) -> Result<Option<Schedule>, Failure> {
+        if self.missed.is_some() && self.every.is_none() {
+            return Err(Failure::refused(
+                "--missed says what becomes of a dose whose time has passed; give the doses times with --every",
+            ));
+        }
+        let Some(count) = self.repeat else {
+            return match self.every {
+                Some(_) => Err(Failure::refused(
+                    "--every is the time between the doses of a batch; say how many with --repeat",
+                )),
+                None => Ok(None),
+            };
+        };
+        let schedule = Schedule::new(count, self.every, self.missed.unwrap_or_default())
+            .map_err(|error| Failure::refused(format!("--every: {error}")))?;
+        Ok((count > 1).then_some(schedule))
+    }
+}

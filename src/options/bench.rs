@@ -1,0 +1,75 @@
+//! The bench that a command works on: a pump, its record and its motor.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use pump_bench::Bench;
+use pump_bench::pump_file::{DriverName, PumpFile};
+
+use super::motor::{DriverOption, MotorOptions, PortOption};
+use super::pump::{PumpOption, RecordOption};
+use crate::failure::Failure;
+
+/// A bench whose motor may turn.
+#[derive(Debug, Args)]
+pub(crate) struct BenchOptions {
+    #[command(flatten)]
+    pub(crate) pump: PumpOption,
+    #[command(flatten)]
+    record: RecordOption,
+    #[command(flatten)]
+    pub(crate) motor: MotorOptions,
+}
+
+/// A bench of which only the record is used.
+#[derive(Debug, Args)]
+pub(crate) struct RecordOptions {
+    #[command(flatten)]
+    pub(crate) pump: PumpOption,
+    #[command(flatten)]
+    record: RecordOption,
+    #[command(flatten)]
+    driver: DriverOption,
+}
+
+impl BenchOptions {
+    /// The bench with the pump file as it is.
+    pub(crate) fn bench(&self) -> Result<Bench, Failure> {
+        self.bench_of(self.pump.file()?)
+    }
+
+    /// The bench with this pump file.
+    pub(crate) fn bench_of(&self, file: PumpFile) -> Result<Bench, Failure> {
+        let MotorOptions { driver, port, configure } = &self.motor;
+        refuse_unless_real(&file, driver, &[("--port", port.port.is_some()), ("--configure", *configure)])?;
+        let bench = Bench::new(file, driver.driver, &self.record.folder()?)?;
+        Ok(bench.at_port(port.port.clone()).configuring(*configure))
+    }
+}
+
+impl RecordOptions {
+    /// The bench with the pump file as it is.
+    pub(crate) fn bench(&self) -> Result<Bench, Failure> {
+        self.bench_of(self.pump.file()?, None)
+    }
+
+    /// The bench with this pump file, and the motor at this port.
+    pub(crate) fn bench_of(&self, file: PumpFile, port: Option<&PortOption>) -> Result<Bench, Failure> {
+        let port: Option<PathBuf> = port.and_then(|port| port.port.clone());
+        refuse_unless_real(&file, &self.driver, &[("--port", port.is_some())])?;
+        Ok(Bench::new(file, self.driver.driver, &self.record.folder()?)?.at_port(port))
+    }
+}
+
+/// Refuses options of real motors if the motor is simulated.
+fn refuse_unless_real(file: &PumpFile, driver: &DriverOption, given: &[(&str, bool)]) -> Result<(), Failure> {
+    let given = given.iter().find(|(_, given)| *given);
+    match given {
+        Some((name, _)) if driver.driver.unwrap_or(file.driver()) == DriverName::Sim => {
+            Err(Failure::refused(format!(
+                "{name} means nothing to a simulated motor; to move a real one name its driver, as --driver grbl"
+            )))
+        }
+        _ => Ok(()),
+    }
+}

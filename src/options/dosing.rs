@@ -1,0 +1,111 @@
+//! The options of every command that plans a motion of a given volume: dose, prime and purge.
+
+use clap::Args;
+use pump_bench::record::Purpose;
+use pump_bench::{Bench, DoseRequest, PumpFile};
+
+use super::bench::BenchOptions;
+use super::files::{PlotOption, StepsOption, TraceOptions, differ};
+use super::fluid::FluidOptions;
+use super::limits::{PressureLimits, TubeLimit};
+use super::report::{FormatOption, VerboseOption};
+use super::speed::{CruiseOptions, ReverseOption, StartAngleOption};
+use super::volume::Asked;
+use crate::failure::Failure;
+
+/// How a volume is delivered.
+#[derive(Debug, Args)]
+pub(crate) struct DosingOptions {
+    #[command(flatten)]
+    cruise: CruiseOptions,
+    /// Let the speed follow the rollers for a smooth flow
+    #[arg(long_help = "Let the speed follow the rollers' angle, for a flow as smooth as the limits allow.")]
+    #[arg(long, help_heading = "Amount and speed")]
+    smooth: bool,
+    #[command(flatten)]
+    reverse: ReverseOption,
+    #[command(flatten)]
+    start_angle: StartAngleOption,
+    #[command(flatten)]
+    fluid: FluidOptions,
+    #[command(flatten)]
+    limits: PressureLimits,
+    #[command(flatten)]
+    tube_limit: TubeLimit,
+    #[command(flatten)]
+    bench: BenchOptions,
+    /// Plan and predict; move nothing, record nothing
+    #[arg(long, help_heading = "Motor")]
+    pub(crate) dry_run: bool,
+    #[command(flatten)]
+    pub(crate) format: FormatOption,
+    #[command(flatten)]
+    pub(crate) verbose: VerboseOption,
+    #[command(flatten)]
+    pub(crate) steps: StepsOption,
+    #[command(flatten)]
+    pub(crate) trace: TraceOptions,
+    #[command(flatten)]
+    pub(crate) plot: PlotOption,
+}
+
+impl DosingOptions {
+    /// Refuses files that exclude each other.
+    pub(crate) fn check_files(&self) -> Result<(), Failure> {
+        let paths = self.files().map(|(_, path)| path);
+        differ(&paths)?;
+        if self.trace.dt.is_some() && self.trace.trace.is_none() {
+            return Err(Failure::refused("--dt is the time between rows of --trace; name that file too"));
+        }
+        Ok(())
+    }
+
+    /// The files of one dose, each with its option.
+    pub(crate) fn files(&self) -> [(&'static str, Option<&std::path::Path>); 3] {
+        [
+            ("--steps", self.steps.steps.as_deref()),
+            ("--trace", self.trace.trace.as_deref()),
+            ("--plot", self.plot.plot.as_deref()),
+        ]
+    }
+
+    /// The bench with the fluid and the tube that are named.
+    pub(crate) fn bench(&self) -> Result<Bench, Failure> {
+        let mut file = self.bench.pump.file()?;
+        self.tube_limit.change(&mut file);
+        self.fluid.change(&mut file)?;
+        self.bench.bench_of(file)
+    }
+
+    /// The amount as it was typed, with a minus in reverse.
+    pub(crate) fn typed(&self, asked: &Asked) -> String {
+        if self.reverse.reverse { format!("-{}", asked.typed) } else { asked.typed.clone() }
+    }
+
+    /// What is asked of the bench of this pump file.
+    pub(crate) fn request(
+        &self,
+        purpose: Purpose,
+        asked: &Asked,
+        file: &PumpFile,
+    ) -> Result<DoseRequest, Failure> {
+        let mut volume_ml = asked.amount.volume_ml(file.fluid.density_kg_m3);
+        if self.reverse.reverse {
+            if volume_ml < 0.0 {
+                return Err(Failure::refused(
+                    "--reverse and a negative volume both mean reverse; give one of them",
+                ));
+            }
+            volume_ml = -volume_ml;
+        }
+        Ok(DoseRequest {
+            purpose,
+            cruise: self.cruise.cruise()?,
+            smooth: self.smooth,
+            start_angle_rad: self.start_angle.start_angle,
+            max_outlet_kpa: self.limits.max_outlet_kpa(file),
+            min_inlet_kpa: self.limits.min_inlet_kpa(file),
+            ..DoseRequest::dose(volume_ml)
+        })
+    }
+}

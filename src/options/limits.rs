@@ -1,0 +1,47 @@
+//! The limits of a dose.
+
+use clap::Args;
+use pump_bench::pump_file::PumpFile;
+use pump_bench::units::{self, Pressure};
+
+/// The pressures that a dose must keep.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Limits")]
+pub(crate) struct PressureLimits {
+    /// Largest pressure at the port that pushes, as 120kPaa or 20kPag
+    #[arg(long, value_name = "PRESSURE", value_parser = units::pressure)]
+    max_outlet_pressure: Option<Pressure>,
+    /// Smallest pressure at the port that sucks, as 45kPaa
+    #[arg(long, value_name = "PRESSURE", value_parser = units::pressure)]
+    min_inlet_pressure: Option<Pressure>,
+}
+
+/// The life of the tube.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Limits")]
+pub(crate) struct TubeLimit {
+    /// Volume that a tube lasts, as 100L
+    #[arg(long_help = "Volume that a tube lasts, as 100L. Doses warn from 90 % of it on, and are refused \
+        beyond. The default is the pump file's.")]
+    #[arg(long, value_name = "VOLUME", value_parser = units::volume_ml)]
+    tube_limit: Option<f64>,
+}
+
+impl PressureLimits {
+    /// The largest pressure at the port that pushes, kPa absolute.
+    pub(crate) fn max_outlet_kpa(&self, file: &PumpFile) -> Option<f64> {
+        self.max_outlet_pressure.map(|pressure| pressure.absolute_kpa(file.ambient.pressure_kpa))
+    }
+
+    /// The smallest pressure at the port that sucks, kPa absolute.
+    pub(crate) fn min_inlet_kpa(&self, file: &PumpFile) -> Option<f64> {
+        self.min_inlet_pressure.map(|pressure| pressure.absolute_kpa(file.ambient.pressure_kpa))
+    }
+}
+
+impl TubeLimit {
+    /// Puts the life that is named in place of the pump file's.
+    pub(crate) fn change(&self, file: &mut PumpFile) {
+        file.tube.life_ml = self.tube_limit.or(file.tube.life_ml);
+    }
+}

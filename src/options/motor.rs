@@ -1,0 +1,49 @@
+//! The motor: its driver, its port and its settings.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use pump_bench::pump_file::DriverName;
+
+use super::choice::choice;
+
+/// The driver, which names the record too.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Motor")]
+pub(crate) struct DriverOption {
+    /// Driver of the motor [default: the pump file's]
+    #[arg(
+        long_help = "Driver of the motor. The default is the pump file's, and sim without one: a simulated \
+        motor."
+    )]
+    #[arg(long, value_name = "sim|grbl", value_parser = choice(&[
+        (DriverName::Sim, "A simulated stepper, pump and vessel"),
+        (DriverName::Grbl, "A board that speaks grbl 1.1's protocol over a serial port: grbl, grblHAL, FluidNC"),
+    ]))]
+    pub(crate) driver: Option<DriverName>,
+}
+
+/// The port of the motor's controller.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Motor")]
+pub(crate) struct PortOption {
+    /// Serial port, as /dev/ttyUSB0
+    #[arg(
+        long_help = "Serial port of the motor's controller, as /dev/ttyUSB0. The default is the pump file's."
+    )]
+    #[arg(long, value_name = "DEVICE")]
+    pub(crate) port: Option<PathBuf>,
+}
+
+/// Everything that a command needs that turns the motor or connects to it.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Motor")]
+pub(crate) struct MotorOptions {
+    #[command(flatten)]
+    pub(crate) driver: DriverOption,
+    #[command(flatten)]
+    pub(crate) port: PortOption,
+    /// Write the controller's settings where they do not fit the pump, and say which
+    #[arg(long)]
+    pub(crate) configure: bool,
+}

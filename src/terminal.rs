@@ -1,0 +1,132 @@
+//! Standard output and standard error: results, warnings and progress, wrapped at the width of the terminal.
+
+use std::io::{self, ErrorKind, IsTerminal, Write};
+
+use console::Term;
+use indicatif::{ProgressBar, ProgressStyle};
+use pump_bench::Bench;
+use pump_bench::pump_file::DriverName;
+
+use crate::failure::Failure;
+
+/// Width of what is printed where there is no terminal and COLUMNS does not tell, columns.
+const WIDTH: usize = 100;
+
+/// Prints to standard output as it is. A reader that went away is no failure of the dose.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    match io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::refused(format!("the report could not be printed: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints words for people to standard output: their lines end at words.
+pub(crate) fn tell(text: &str) -> Result<(), Failure> {
+    let told = || std::env::var("COLUMNS").ok()?.parse().ok();
+    let terminal = Term::stdout().size_checked().map(|(_, columns)| usize::from(columns));
+    print(&wrapped(text, terminal.or_else(told).unwrap_or(WIDTH)))
+}
+
+/// Says something to a person beside the results, on standard error.
+pub(crate) fn say(text: &str) {
+    // If standard error is closed nobody reads it.
+    let _ = io::stderr().write_all(text.as_bytes());
+    let _ = io::stderr().flush();
+}
+
+/// Says a message of one line, wrapped if standard error is a terminal; logs keep one line a message.
+fn say_line(line: &str) {
+    let width = Term::stderr().size_checked().map(|(_, columns)| usize::from(columns));
+    match width.filter(|_| io::stderr().is_terminal()) {
+        Some(width) => say(&wrapped(line, width)),
+        None => say(line),
+    }
+}
+
+/// Says why the command failed.
+pub(crate) fn say_error(message: &str) {
+    say_line(&format!("error: {message}\n"));
+}
+
+/// Warns a person beside the results.
+pub(crate) fn warn(warnings: &[String]) {
+    for warning in warnings {
+        say_line(&format!("warning: {warning}\n"));
+    }
+}
+
+/// Announces that a motor moves, before it does: on standard output, or on standard error if a program reads that.
+pub(crate) fn announce(bench: &Bench, json: bool) -> Result<(), Failure> {
+    let headline = bench.headline() + "\n";
+    match bench.driver() {
+        DriverName::Sim => Ok(()),
+        _ if json => {
+            say(&headline);
+            Ok(())
+        }
+        _ => print(&headline),
+    }
+}
+
+/// The progress of a motion, on standard error.
+pub(crate) fn progress_bar(steps: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {percent:>3} % of {len} steps, {eta} left");
+    ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// Breaks lines that are too long between words. The rest of a line stands two columns further in than its beginning,
+/// or under the text beside a name, as in `  speed   14 r/min`.
+fn wrapped(text: &str, width: usize) -> String {
+    text.split_inclusive('\n').map(|line| wrapped_line(line, width)).collect()
+}
+
+fn wrapped_line(line: &str, width: usize) -> String {
+    let bare = line.trim_end_matches('\n');
+    if bare.chars().count() <= width {
+        return line.to_owned();
+    }
+    let indent = hanging_indent(bare).min(width / 2);
+    let (mut out, mut column, mut rest) = (String::new(), 0, bare);
+    while !rest.is_empty() {
+        let spaces = rest.len() - rest.trim_start_matches(' ').len();
+        let word_end = rest[spaces..].find(' ').map_or(rest.len(), |end| spaces + end);
+        let (piece, after) = rest.split_at(word_end);
+        let length = piece.chars().count();
+        if column + length > width && column > indent {
+            out.push('\n');
+            out.push_str(&" ".repeat(indent));
+            out.push_str(&piece[spaces..]);
+            column = indent + length - spaces;
+        } else {
+            out.push_str(piece);
+            column += length;
+        }
+        rest = after;
+    }
+    out + &line[bare.len()..]
+}
+
+/// Column at which the rest of a line begins.
+fn hanging_indent(line: &str) -> usize {
+    let start = line.len() - line.trim_start_matches(' ').len();
+    let beside = line[start..].find("  ").filter(|at| start > 0 && *at <= 12).map(|at| {
+        let gap = &line[start + at..];
+        start + at + gap.len() - gap.trim_start_matches(' ').len()
+    });
+    beside.unwrap_or(start + 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_end_at_words_and_go_on_under_their_text() {
+        assert_eq!(wrapped("one two three\nfour\n", 8), "one two\n  three\nfour\n");
+        assert_eq!(wrapped("  speed   14 r/min, cruising", 20), "  speed   14 r/min,\n          cruising");
+        assert_eq!(wrapped("short\n", 80), "short\n");
+        assert_eq!(wrapped("averyverylongword\n", 5), "averyverylongword\n");
+    }
+}

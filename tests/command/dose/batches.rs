@@ -1,0 +1,252 @@
+//! Several doses from one command.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::user::{User, number};
+
+const JOURNAL: &str = "state/three-roller/sim/journal.jsonl";
+
+/// Largest volume of a motor step of the three-roller pump, mL.
+const STEP_ML: f64 = 2.2e-3;
+
+fn objects(text: &str) -> Vec<Value> {
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+fn batch(user: &User, arguments: &[&str]) -> (Vec<Value>, String) {
+    let answer = user.types(&[arguments, &["--format", "json"]].concat());
+    assert_eq!(answer.code, 0, "{arguments:?}: {}", answer.err);
+    (objects(&answer.out), answer.err)
+}
+
+/// A batch under way, and what it has reported.
+struct Running {
+    child: Child,
+    out: BufReader<ChildStdout>,
+}
+
+impl Running {
+    fn start(user: &User, arguments: &[&str]) -> Self {
+        let arguments = [arguments, &["--format", "json"]].concat();
+        let mut child =
+            user.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let out = BufReader::new(child.stdout.take().unwrap());
+        Self { child, out }
+    }
+
+    fn next_report(&mut self) -> Value {
+        let mut line = String::new();
+        self.out.read_line(&mut line).unwrap();
+        serde_json::from_str(&line).unwrap()
+    }
+
+    fn signal(&self, name: &str) {
+        let id = self.child.id().to_string();
+        assert!(Command::new("kill").args(["-s", name, &id]).status().unwrap().success());
+    }
+
+    /// Exit code, the reports that are left, and standard error.
+    fn end(mut self) -> (i32, Vec<Value>, String) {
+        let (mut out, mut err) = (String::new(), String::new());
+        self.out.read_to_string(&mut out).unwrap();
+        self.child.stderr.take().unwrap().read_to_string(&mut err).unwrap();
+        (self.child.wait().unwrap().code().unwrap(), objects(&out), err)
+    }
+}
+
+#[test]
+fn every_dose_of_a_batch_is_its_own_and_settles_what_the_one_before_owed() {
+    let user = User::new();
+    let started = Instant::now();
+    let (reports, _) = batch(&user, &["1mL", "--repeat", "4", "--every", "300ms", "--start-angle", "30deg"]);
+    assert!(started.elapsed() >= Duration::from_millis(900), "from start to start");
+    assert_eq!(reports.len(), 4);
+    assert!((number(&reports[0], "start_angle_deg") - 30.0).abs() < 1e-9);
+    for (before, after) in reports.iter().zip(&reports[1..]) {
+        assert_eq!(before["carry_ml"], after["carry_in_ml"]);
+        assert!((number(before, "end_angle_deg") - number(after, "start_angle_deg")).abs() < 1e-9);
+        assert_eq!(after["completed"], true);
+    }
+    let record = user.record().unwrap();
+    assert_eq!(record.matches("\"intent\"").count(), 4);
+    assert_eq!(record.matches("\"done\"").count(), 4);
+    let text = user.types(&["1mL", "--repeat", "2"]).out;
+    assert!(text.starts_with("SIMULATED: no motor moved"), "{text}");
+    assert!(
+        text.contains(", dose 1 of 2: ")
+            && text.contains("\n\nSIMULATED")
+            && text.contains(", dose 2 of 2: "),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_rehearsed_batch_is_planned_as_it_would_run_and_records_nothing() {
+    let user = User::new();
+    user.json(&["3mL"]);
+    let before = user.record();
+    let (planned, _) = batch(&user, &["0.7mL", "--repeat", "5", "--every", "1h", "--dry-run"]);
+    assert_eq!(user.record(), before);
+    let (made, _) = batch(&user, &["0.7mL", "--repeat", "5"]);
+    assert_eq!(planned.len(), 5);
+    for (planned, made) in planned.iter().zip(&made) {
+        for key in ["start_angle_deg", "carry_in_ml", "planned_ml", "steps", "carry_ml"] {
+            assert_eq!(planned[key], made[key], "{key}");
+        }
+        assert!(planned["delivered_ml"].is_null());
+    }
+}
+
+#[test]
+fn a_thousand_small_doses_add_up_within_a_step_over_restarts_and_a_reversed_one() {
+    let user = User::new();
+    let (mut reports, _) = batch(&user, &["0.1mL", "--repeat", "600"]);
+    reports.push(user.json(&["-3.3mL"]));
+    reports.extend(batch(&user, &["0.1mL", "--repeat", "400"]).0);
+    assert_eq!(reports.len(), 1001);
+    let sum = |key| reports.iter().map(|report| number(report, key)).sum::<f64>();
+    let carry_ml = number(&reports[1000], "carry_ml");
+    assert!(carry_ml.abs() < STEP_ML, "{carry_ml}");
+    assert!((sum("planned_ml") + carry_ml - (100.0 - 3.3)).abs() < 1e-9);
+    // The vessel is read once less than 1 nL can still arrive.
+    assert!((sum("delivered_ml") - (100.0 - 3.3)).abs() < STEP_ML + 1e-4);
+    let status = user.json(&["status"]);
+    assert_eq!(number(&status, "carry_ml"), carry_ml);
+    assert!((number(&status["wear"], "volume_ml") - 103.3).abs() < 1e-2, "either way");
+}
+
+#[test]
+fn doses_that_come_due_while_one_runs_are_skipped_aloud_or_made_at_once() {
+    let user = User::new();
+    let arguments = ["100mL", "--repeat", "5", "--every", "1ms"];
+    let (reports, err) = batch(&user, &arguments);
+    assert_eq!(reports.len(), 1);
+    assert!(err.contains("warning: doses 2 to 5 of 5 were skipped: their times had passed"), "{err}");
+    let text = user.types(&arguments).out;
+    assert!(
+        text.contains("\ndoses 2 to 5 of 5 were skipped: their times had passed (--missed now"),
+        "{text}"
+    );
+    let (reports, err) = batch(&user, &[&arguments[..], &["--missed", "now"]].concat());
+    assert_eq!(reports.len(), 5);
+    assert!(!err.contains("skipped"), "{err}");
+}
+
+#[test]
+fn a_batch_that_was_suspended_skips_what_it_slept_through() {
+    let user = User::new();
+    let mut running = Running::start(&user, &["1mL", "--repeat", "4", "--every", "1500ms"]);
+    running.next_report();
+    let first = Instant::now();
+    running.signal("STOP");
+    sleep(Duration::from_millis(3300).saturating_sub(first.elapsed()));
+    running.signal("CONT");
+    let (code, reports, err) = running.end();
+    assert_eq!((code, reports.len()), (0, 1), "{err}");
+    let told = "doses 2 to 3 of 4 were skipped: their times had passed";
+    assert_eq!(err.matches(told).count(), 1, "{err}");
+    assert_eq!(reports[0]["warnings"], serde_json::json!([told]));
+}
+
+#[test]
+fn a_signal_between_doses_ends_the_batch_at_once_with_nothing_unfinished() {
+    for (name, code) in [("INT", 130), ("TERM", 143)] {
+        let user = User::new();
+        let mut running = Running::start(&user, &["1mL", "--repeat", "3", "--every", "1h"]);
+        running.next_report();
+        let refused = user.types(&["1mL"]);
+        assert_eq!(refused.code, 3, "the pump stays this batch's: {}", refused.err);
+        let sent = Instant::now();
+        running.signal(name);
+        let (ended, reports, err) = running.end();
+        assert!(sent.elapsed() < Duration::from_secs(5));
+        assert_eq!((ended, reports.len()), (code, 0), "{err}");
+        assert!(err.contains("nothing is unfinished; 1 of 3 doses of the batch were done"), "{err}");
+        assert!(user.json(&["status"])["unfinished"].is_null());
+        user.json(&["1mL"]);
+    }
+}
+
+#[test]
+fn a_signal_in_motion_stops_the_dose_and_with_it_the_batch() {
+    let user = User::new();
+    let mut running = Running::start(&user, &["1L", "--repeat", "3"]);
+    running.next_report();
+    let deadline = Instant::now() + Duration::from_secs(20);
+    let under_way =
+        |text: &str| text.rsplit_once("\"intent\"").is_some_and(|(_, end)| end.contains("progress"));
+    while !fs::read_to_string(user.path(JOURNAL))
+        .is_ok_and(|text| text.matches("\"intent\"").count() == 2 && under_way(&text))
+    {
+        assert!(Instant::now() < deadline, "no second dose on record");
+        sleep(Duration::from_millis(2));
+    }
+    running.signal("INT");
+    let (code, reports, err) = running.end();
+    assert_eq!((code, reports.len()), (130, 1), "{err}");
+    assert_eq!(reports[0]["completed"], false);
+    assert!(err.contains("`dose resume`") && err.contains("1 of 3 doses of the batch were done"), "{err}");
+    assert!((number(&user.json(&["status"])["unfinished"], "requested_ml") - 1000.0).abs() < 1e-9);
+    let rest = user.json(&["resume"]);
+    assert!(number(&rest, "carry_ml").abs() < STEP_ML);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_dose_that_fails_ends_the_batch_with_its_own_code_and_says_how_many_were_done() {
+    let user = User::new();
+    user.json(&["1mL"]);
+    let other = User::new();
+    batch(&other, &["1mL", "--repeat", "2"]);
+    // Room for the first dose of the batch and not for the second one's intent.
+    let room = (other.record().unwrap().len() + 100).to_string();
+    // The shell ignores the signal, so that writing beyond the limit is an error as on a full disk.
+    let script = "trap '' XFSZ; prlimit --fsize=$0 --pid $$; exec \"$@\"";
+    let mut command = Command::new("bash");
+    command.args(["-c", script, &room, env!("CARGO_BIN_EXE_dose")]);
+    command.args(["1mL", "--repeat", "3", "--format", "json"]);
+    command.env("DOSE_STATE_DIR", user.path("state")).env_remove("DOSE_PUMP");
+    let output = command.output().unwrap();
+    let err = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{err}");
+    assert!(err.contains("cannot write") && err.contains("; 1 of 3 doses of the batch were done"), "{err}");
+    assert_eq!(objects(&String::from_utf8(output.stdout).unwrap()).len(), 1);
+}
+
+#[test]
+fn what_a_batch_cannot_obey_is_refused_by_name() {
+    let user = User::new();
+    for (arguments, expected) in [
+        (&["1mL", "--repeat", "0"][..], "'0' for '--repeat <N>': allowed: whole numbers from 1 to 1000000"),
+        (&["1mL", "--repeat", "1000001"], "'1000001' for '--repeat <N>'"),
+        (&["1mL", "--repeat", "2.5"], "'2.5' for '--repeat <N>'"),
+        (&["1mL", "--every", "3s"], "say how many with --repeat"),
+        (&["1mL", "--repeat", "3", "--missed", "now"], "give the doses times with --every"),
+        (&["1mL", "--repeat", "3", "--every", "0s"], "`0s` is zero"),
+        (
+            &["1mL", "--repeat", "3", "--every", "1us"],
+            "--every: time between doses in s is 0.000001; allowed: 0.001",
+        ),
+        (&["1mL", "--repeat", "3", "--every", "1e300h"], "--every: time between doses"),
+        (
+            &["1mL", "--repeat", "3", "--steps", "x.csv"],
+            "--steps is the file of one dose, and --repeat asks for 3",
+        ),
+        (&["1mL", "--repeat", "3", "--trace", "x.csv"], "--trace is the file of one dose"),
+        (&["1mL", "--repeat", "3", "--plot", "x.svg"], "--plot is the file of one dose"),
+        (&["prime", "1mL", "--repeat", "3"], "`dose prime` takes no --repeat"),
+        (&["status", "--every", "3s"], "`dose status` takes no --every"),
+        (&["1e9mL", "--repeat", "3"], "; 0 of 3 doses of the batch were done"),
+    ] {
+        let message = user.is_refused(arguments);
+        assert!(message.contains(expected), "{arguments:?}: {message}");
+    }
+    user.json(&["1mL", "--repeat", "1", "--steps", "x.csv"]);
+    assert!(user.path("x.csv").exists(), "a batch of one dose may have its files");
+}

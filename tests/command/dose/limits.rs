@@ -1,0 +1,152 @@
+//! Smooth flow and the fastest dose, as typed and reported.
+
+use crate::user::{User, number};
+
+#[test]
+fn smooth_flow_changes_the_ripple_and_nothing_that_is_delivered() {
+    let user = User::new();
+    let even = user.json(&["25mL", "--dry-run", "--rate", "4mL/s"]);
+    let smooth = user.json(&["25mL", "--dry-run", "--rate", "4mL/s", "--smooth"]);
+    for key in ["steps", "planned_ml", "end_angle_deg", "carry_ml"] {
+        assert_eq!(even[key], smooth[key], "{key}");
+    }
+    let rms = |report: &serde_json::Value, when: &str| report[when]["rms"].as_f64();
+    assert_eq!(rms(&even, "ripple_after"), rms(&even, "ripple_before"));
+    assert_eq!(rms(&smooth, "ripple_before"), rms(&even, "ripple_before"));
+    assert!(rms(&smooth, "ripple_after") < Some(0.003), "{smooth}");
+    assert!((number(&smooth, "cruise_flow_ml_s") - 4.0).abs() < 1e-9);
+    assert!((number(&smooth, "cruise_speed_rpm") / number(&even, "cruise_speed_rpm") - 1.0).abs() < 1e-9);
+    assert!(number(&smooth, "peak_speed_rpm") > 5.0 * number(&smooth, "cruise_speed_rpm"));
+
+    let done = user.json(&["25mL", "--rate", "4mL/s", "--smooth"]);
+    assert!((number(&done, "delivered_ml") - number(&done, "planned_ml")).abs() < 1e-6);
+    assert!(user.command(&["home", "--unknown"]).status().unwrap().success());
+    assert!(user.is_refused(&["25mL", "--smooth"]).contains("a smooth flow needs the rollers' angle"));
+    assert!(user.is_refused(&["status", "--smooth"]).contains("`dose status` takes no --smooth"));
+}
+
+/// A pump file of the user's own: the example's with these lines in place of others.
+fn own_pump(user: &User, changes: &[(&str, &str)]) -> String {
+    let mut text = include_str!("../../../examples/pumps/my-pump.toml").to_owned();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = text.replace(from, to);
+    }
+    let path = user.path("own.toml");
+    std::fs::write(&path, text).unwrap();
+    path.display().to_string()
+}
+
+/// Nobody knows what the tube is made of.
+const NO_COLLAPSE: [(&str, &str); 2] = [
+    ("\nmodulus_mpa = 3.5", "\n# modulus_mpa = 3.5"),
+    ("\npoisson_ratio = 0.49", "\n# poisson_ratio = 0.49"),
+];
+const TORQUE: [(&str, &str); 3] = [
+    ("# torque_curve_rpm_n_m", "torque_curve_rpm_n_m"),
+    ("# occlusion_torque_n_m", "occlusion_torque_n_m"),
+    ("# inertia_kg_m2", "inertia_kg_m2"),
+];
+
+#[test]
+fn the_largest_of_collapse_vapour_and_what_is_given_binds_and_is_named() {
+    let user = User::new();
+    let limit = |arguments: &[&str]| {
+        let report = user.json(&[&["25mL", "--dry-run"], arguments].concat());
+        let name = report["inlet_limit"].as_str().unwrap().to_owned();
+        (name, number(&report, "inlet_limit_kpa"), report["limits_not_checked"].to_string())
+    };
+    // PHYSICS: E/(4 (1 - nu²)) (t/r_m)³ below ambient with 3.5 MPa, 0.49, 2 mm and 6 mm is 42.647 kPa of 85.7.
+    let (name, kpa, not_checked) = limit(&[]);
+    assert_eq!((name.as_str(), not_checked.as_str()), ("tube_collapse", r#"["outlet_pressure","torque"]"#));
+    assert!((kpa - (85.7 - 42.647)).abs() < 1e-3, "{kpa}");
+    // IAPWS SR1-86: 3.1699 kPa at 25 °C.
+    let own = own_pump(&user, &NO_COLLAPSE);
+    let (name, kpa, not_checked) = limit(&["--pump", &own]);
+    assert_eq!(name, "vapour_pressure");
+    assert_eq!(not_checked, r#"["outlet_pressure","tube_collapse","torque"]"#);
+    assert!((kpa - 3.1699).abs() < 3e-3, "{kpa}");
+    let boiling = own_pump(&user, &[("# vapour_kpa = 3.17", "vapour_kpa = 60.0")]);
+    assert_eq!(limit(&["--pump", &boiling]).0, "vapour_pressure");
+    let refused = user.is_refused(&["60mL", "--speed", "170rpm", "--pump", &boiling]);
+    assert!(refused.contains("below the limit of 60.00 kPa, the fluid's vapour pressure; "), "{refused}");
+    assert_eq!(limit(&["--min-inlet-pressure", "60kPaa"]).0, "given");
+    assert_eq!(limit(&["--min-inlet-pressure", "20kPaa"]).0, "tube_collapse", "a lower one does not lift it");
+    // Nothing is known of this fluid and this tube, so nothing is claimed to be checked.
+    let oil = own_pump(&user, &[NO_COLLAPSE[0], NO_COLLAPSE[1], ("\"water\"", "\"oil\"")]);
+    let report = user.json(&["25mL", "--dry-run", "--pump", &oil]);
+    assert!(report["inlet_limit"].is_null());
+    assert_eq!(report["limits_not_checked"].to_string(), r#"["outlet_pressure","inlet_pressure","torque"]"#);
+}
+
+#[test]
+fn a_tube_that_would_collapse_refuses_the_dose_and_names_what_can_be_had() {
+    let user = User::new();
+    let refused = user.is_refused(&["25mL", "--speed", "300rpm", "--pump", "two-roller"]);
+    assert!(
+        refused.contains("43.05 kPa, at which the tube would collapse (thin-wall estimate)"),
+        "{refused}"
+    );
+    let fastest = user.json(&["25mL", "--rate", "max", "--dry-run", "--pump", "two-roller"]);
+    assert_eq!(fastest["limited_by"], "inlet_pressure");
+    assert!(number(&fastest, "inlet_min_kpa") >= number(&fastest, "inlet_limit_kpa"));
+    for half in NO_COLLAPSE {
+        let half = own_pump(&user, &[half]);
+        assert!(
+            user.is_refused(&["25mL", "--pump", &half]).contains("modulus and ratio go together"),
+            "{half}"
+        );
+    }
+}
+
+#[test]
+fn torque_is_checked_where_it_is_known_and_never_passed_where_it_is_not() {
+    let user = User::new();
+    let torque = |changes: &[(&str, &str)], rate: &str| {
+        user.json(&["25mL", "--dry-run", "--rate", rate, "--pump", &own_pump(&user, changes)])
+    };
+    let is_checked =
+        |report: &serde_json::Value| !report["limits_not_checked"].to_string().contains("torque");
+    assert!(is_checked(&torque(&TORQUE, "5mL/s")));
+    for left_out in [&[TORQUE[0], TORQUE[2]], &[TORQUE[1], TORQUE[2]]] {
+        assert!(!is_checked(&torque(left_out, "5mL/s")), "{left_out:?}");
+    }
+    let no_inertia = own_pump(&user, &TORQUE[..2]);
+    assert!(user.is_refused(&["25mL", "--pump", &no_inertia]).contains("[motor] inertia_kg_m2 is missing"));
+
+    // At its very end the curve still gives what it says.
+    let strong = [&TORQUE[..], &[("[170, 0.9]", "[170, 9.0]")]].concat();
+    assert_eq!(torque(&strong, "max")["limited_by"], "speed");
+    let weak = [&TORQUE[..], &[("[170, 0.9]", "[170, 0.5]")]].concat();
+    assert_eq!(torque(&weak, "max")["limited_by"], "torque");
+    let weak = own_pump(&user, &weak);
+    assert!(
+        user.is_refused(&["25mL", "--speed", "170rpm", "--pump", &weak]).contains("the motor would need")
+    );
+    for (points, why) in [
+        ("[[0, 1.2]]", "one point"),
+        ("[[0, 1], [5, 1], [5, 2]]", "not rising"),
+        ("[[10, 1], [20, 1]]", "not from 0"),
+    ] {
+        let bad = own_pump(&user, &[TORQUE[0], ("[[0, 1.2], [170, 0.9]]", points)]);
+        assert!(user.is_refused(&["25mL", "--pump", &bad]).contains("torque_curve_rpm_n_m is [["), "{why}");
+    }
+}
+
+#[test]
+fn the_fastest_rate_is_limited_by_what_binds_and_warns_that_it_is_close() {
+    let user = User::new();
+    let motor = user.json(&["60mL", "--dry-run", "--rate", "max"]);
+    assert_eq!(motor["limited_by"], "speed");
+    assert!((number(&motor, "cruise_speed_rpm") - 170.0).abs() < 1e-9);
+    let inlet = user.json(&["60mL", "--dry-run", "--rate", "max", "--min-inlet-pressure", "75kPaa"]);
+    assert_eq!(inlet["limited_by"], "inlet_pressure");
+    assert!(number(&inlet, "inlet_min_kpa") >= 75.0 && number(&inlet, "inlet_min_kpa") < 75.08, "{inlet}");
+    assert!(inlet["warnings"][0].as_str().is_some_and(|text| text.contains("inlet pressure comes close")));
+
+    let refused = user.is_refused(&["60mL", "--rate", "60mL/s", "--min-inlet-pressure", "75kPaa"]);
+    let offered = refused.split("; ").last().and_then(|text| text.split(' ').next()).map(str::to_owned);
+    let offered = format!("{}mL/s", offered.unwrap_or_default());
+    let held = user.json(&["60mL", "--dry-run", "--rate", &offered, "--min-inlet-pressure", "75kPaa"]);
+    assert_eq!(held["limited_by"], "none", "{refused}");
+}

@@ -1,0 +1,12 @@
+//! Doses: their reports, their limits, their files and every way in which they end.
+
+mod batches;
+mod endings;
+mod files;
+mod finish;
+mod fluids;
+mod limits;
+mod reports;
+mod retraction;
+mod speed_law;
+mod unknown_angle;

@@ -1,0 +1,240 @@
+//! What a dose reports and records.
+
+use std::fs;
+
+use crate::user::{User, number};
+
+#[test]
+fn a_dose_says_first_that_no_motor_moved() {
+    let answer = User::new().types(&["25mL"]);
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    assert_eq!(answer.out.lines().next(), Some("SIMULATED: no motor moved"));
+    assert!(answer.out.contains("25.0 mL ± 1.2 mL delivered, 25 mL asked"), "{}", answer.out);
+    assert_eq!(answer.out.lines().count(), 3, "{}", answer.out);
+}
+
+#[test]
+fn details_and_the_uncertainty_budget_are_told_when_they_are_asked_for() {
+    let user = User::new();
+    let brief = user.types(&["25mL", "--dry-run"]).out;
+    for option in ["-v", "--verbose"] {
+        let long = user.types(&["25mL", "--dry-run", option]).out;
+        assert!(long.starts_with(&brief), "{long}");
+        for part in [
+            "not checked  outlet pressure, torque",
+            "rollers      from 0.00° (home) to 435.38°",
+            "uncertainty  k = 2, not calibrated; standard, % of volume: model 2.4",
+        ] {
+            assert!(long.contains(part) && !brief.contains(part), "{part}: {long}");
+        }
+    }
+}
+
+#[test]
+fn an_amount_is_echoed_as_it_was_typed() {
+    let user = User::new();
+    for (typed, shown) in [
+        (&["25 g", "--dry-run"][..], " 25 g asked"),
+        (&["25g", "--dry-run"], " 25 g asked"),
+        (&["0.025 L", "--dry-run"], " 0.025 L asked"),
+        (&["-5mL", "--dry-run"], " -5 mL asked"),
+        (&["5mL", "--reverse", "--dry-run"], " -5 mL asked"),
+    ] {
+        let out = user.types(typed).out;
+        assert!(out.contains(shown), "{typed:?}: {out}");
+    }
+}
+
+#[test]
+fn a_warning_appears_once() {
+    let user = User::new();
+    let text = user.types(&["1.2uL", "--dry-run"]);
+    assert_eq!(text.out.matches("a motor step is coarse").count(), 1, "{}", text.out);
+    assert_eq!(text.err, "");
+    let json = user.types(&["1.2uL", "--dry-run", "--format", "json"]);
+    assert_eq!(json.err.matches("a motor step is coarse").count(), 1, "{}", json.err);
+}
+
+#[test]
+fn the_report_has_every_field_of_the_contract() {
+    let report = User::new().json(&["25mL"]);
+    for key in [
+        "schema",
+        "pump",
+        "driver",
+        "simulated",
+        "requested_ml",
+        "carry_in_ml",
+        "planned_ml",
+        "volume_least_ml",
+        "volume_most_ml",
+        "delivered_ml",
+        "volume_basis",
+        "expanded_uncertainty_ml",
+        "uncertainty_budget",
+        "phase",
+        "start_angle_deg",
+        "end_angle_deg",
+        "steps",
+        "steps_per_rev",
+        "carry_ml",
+        "cruise_speed_rpm",
+        "cruise_flow_ml_s",
+        "mean_flow_ml_s",
+        "motion_s",
+        "settle_s",
+        "inlet_min_kpa",
+        "inlet_max_kpa",
+        "outlet_min_kpa",
+        "outlet_max_kpa",
+        "ambient_kpa",
+        "limited_by",
+        "limits_not_checked",
+        "warnings",
+        "completed",
+    ] {
+        assert!(!report[key].is_null(), "{key} in {report}");
+    }
+    assert_eq!(report["schema"], "dose/1");
+    assert_eq!(report["phase"]["known"], true);
+    assert_eq!(report["phase"]["source"], "home");
+    assert_eq!(report["completed"], true);
+    assert_eq!(report["steps"], 15_480);
+    assert!((number(&report, "delivered_ml") - number(&report, "planned_ml")).abs() < 1e-3);
+    let turned = number(&report, "end_angle_deg") - number(&report, "start_angle_deg");
+    assert!((turned - 15_480.0 * 360.0 / 12_800.0).abs() < 1e-9);
+}
+
+#[test]
+fn angle_and_carry_pass_from_dose_to_dose_and_add_up() {
+    let user = User::new();
+    let (mut end_deg, mut carry_ml, mut planned_ml) = (0.0, 0.0, 0.0);
+    for volume in ["1mL", "250uL", "-2mL", "7 mL", "0.1mL"] {
+        let report = user.json(&[volume]);
+        assert!((number(&report, "start_angle_deg") - end_deg).abs() < 1e-9, "{volume}");
+        assert_eq!(number(&report, "carry_in_ml"), carry_ml, "{volume}");
+        end_deg = number(&report, "end_angle_deg").rem_euclid(360.0);
+        carry_ml = number(&report, "carry_ml");
+        planned_ml += number(&report, "planned_ml");
+    }
+    assert!((planned_ml + carry_ml - 6.35).abs() < 1e-12);
+    let status = user.json(&["status"]);
+    assert!((number(&status, "angle_deg") - end_deg).abs() < 1e-9);
+    assert_eq!(number(&status, "carry_ml"), carry_ml);
+}
+
+#[test]
+fn a_prime_moves_the_rollers_and_leaves_the_carry() {
+    let user = User::new();
+    let owed = number(&user.json(&["1mL"]), "carry_ml");
+    let prime = user.json(&["prime", "20mL"]);
+    assert_eq!(number(&prime, "carry_in_ml"), 0.0);
+    assert_eq!(number(&prime, "carry_ml"), owed, "what the next dose owes has not changed");
+    let status = user.json(&["status"]);
+    assert_eq!(number(&status, "carry_ml"), owed);
+    assert!((number(&status, "angle_deg") - number(&prime, "end_angle_deg").rem_euclid(360.0)).abs() < 1e-9);
+}
+
+#[test]
+fn a_dry_run_reads_the_record_and_writes_nothing() {
+    let user = User::new();
+    let report = user.json(&["25mL", "--dry-run"]);
+    assert!(report["delivered_ml"].is_null());
+    assert_eq!(report["completed"], false);
+    assert!(!user.path("state").exists());
+    user.json(&["1mL"]);
+    let before = user.record();
+    assert_eq!(user.json(&["1mL", "--dry-run"])["phase"]["source"], "recorded");
+    assert_eq!(user.record(), before);
+}
+
+#[test]
+fn reverse_is_the_same_as_a_negative_volume() {
+    let reverse = |arguments: &[&str]| User::new().json(arguments);
+    let (flag, minus) = (reverse(&["5mL", "--reverse"]), reverse(&["-5mL"]));
+    assert_eq!(flag, minus);
+    assert!(minus["steps"].as_i64().unwrap() < 0);
+    assert!((number(&minus, "delivered_ml") + 5.0).abs() < 0.002);
+    assert!(User::new().is_refused(&["--reverse", "-5mL"]).contains("both mean reverse"));
+}
+
+#[test]
+fn every_way_to_say_how_fast_is_obeyed() {
+    let user = User::new();
+    let dry = |arguments: &[&str]| user.json(&[&["25mL", "--dry-run"], arguments].concat());
+    assert!((number(&dry(&[]), "cruise_flow_ml_s") - 5.0).abs() < 1e-9);
+    assert!((number(&dry(&["--rate", "600 mL/min"]), "cruise_flow_ml_s") - 10.0).abs() < 1e-9);
+    assert!((number(&dry(&["--speed", "100rpm"]), "cruise_speed_rpm") - 100.0).abs() < 1e-9);
+    let within = dry(&["--within", "4s"]);
+    let total = number(&within, "motion_s") + number(&within, "settle_s");
+    assert!(total <= 4.0 && total > 3.9, "{total}");
+    assert!(
+        user.is_refused(&["25mL", "--rate", "5mL/s", "--speed", "100rpm"]).contains("exclude each other")
+    );
+}
+
+#[test]
+fn a_mass_is_dosed_by_the_fluids_density() {
+    let report = User::new().json(&["25g", "--dry-run"]);
+    assert!((number(&report, "requested_ml") - 25.0 / 0.997).abs() < 1e-9);
+}
+
+#[test]
+fn slow_doses_predict_small_pressures_and_keep_limits_close_to_rest() {
+    let user = User::new();
+    let slow = [
+        "25mL",
+        "--rate",
+        "0.01mL/s",
+        "--max-outlet-pressure",
+        "88.8kPaa",
+        "--min-inlet-pressure",
+        "88.5kPaa",
+    ];
+    let report = user.json(&[&slow[..], &["--dry-run"]].concat());
+    for (key, rest_kpa) in [("inlet_min_kpa", 88.637), ("inlet_max_kpa", 88.637), ("outlet_max_kpa", 88.637)]
+    {
+        assert!((number(&report, key) - rest_kpa).abs() < 0.02, "{key} in {report}");
+    }
+}
+
+#[test]
+fn the_simulated_vessel_receives_everything_at_any_rate() {
+    for rate in ["0.02mL/s", "0.3mL/s", "60mL/s"] {
+        let report = User::new().json(&["2mL", "--rate", rate]);
+        let missing = number(&report, "planned_ml") - number(&report, "delivered_ml");
+        assert!(missing.abs() < 2e-6, "{rate}: {missing} mL missing");
+    }
+}
+
+#[test]
+fn a_small_dose_says_what_a_step_makes_of_it() {
+    let user = User::new();
+    let report = user.json(&["1.2uL"]);
+    assert!(report["warnings"].to_string().contains("a motor step is coarse for this dose"), "{report}");
+    let message = user.is_refused(&["1.5uL"]);
+    assert!(
+        message.contains("0.0015 mL with -0.000") && message.contains("the smallest dose here is 0.00"),
+        "{message}"
+    );
+}
+
+#[test]
+fn pressures_that_no_liquid_can_have_are_said_to_be_so() {
+    let user = User::new();
+    let three = user.types(&["pumps", "show", "three-roller"]).out;
+    let long = three.replace("resistance_kpa_s_ml = 0.1108", "resistance_kpa_s_ml = 10.0");
+    fs::write(user.path("firm.toml"), &long).unwrap();
+    let refused = user.is_refused(&["25mL", "--pump", "firm.toml", "--rate", "20mL/s"]);
+    assert!(refused.contains("at which the tube would collapse"), "{refused}");
+    // Where nobody knows when the tube collapses and the fluid boils.
+    let unknown =
+        long.replace("modulus_mpa = 3.5\npoisson_ratio = 0.49\n", "").replace("\"water\"", "\"oil\"");
+    fs::write(user.path("long.toml"), unknown).unwrap();
+    let dose = user.json(&["25mL", "--pump", "long.toml", "--rate", "20mL/s", "--dry-run"]);
+    assert!(dose["warnings"][0].as_str().unwrap().contains("no liquid can"), "{dose}");
+    let run = ["simulate", "--pump", "long.toml", "--speed", "200rpm", "--duration", "1s"];
+    let run = user.json(&run);
+    assert!(run["warnings"][0].as_str().unwrap().contains("above the pump's limit of 170 r/min"), "{run}");
+    assert!(run["warnings"][1].as_str().unwrap().contains("no liquid can"), "{run}");
+}

@@ -1,0 +1,76 @@
+//! Doses of a rotor that somebody turned by hand.
+
+use crate::user::{User, number};
+
+/// A user whose pump has dosed, and was turned by hand since.
+fn turned_by_hand() -> User {
+    let user = User::new();
+    user.json(&["1mL"]);
+    let answer = user.types(&["home", "--unknown"]);
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    assert!(answer.out.contains("stand at an unknown angle"), "{}", answer.out);
+    assert!(answer.out.contains("µL is dropped"), "{}", answer.out);
+    user
+}
+
+#[test]
+fn a_dose_from_an_unknown_angle_says_between_which_volumes_it_lies_and_what_would_be_exact() {
+    let user = turned_by_hand();
+    assert!(user.types(&["status"]).out.contains("rotor at an unknown angle"));
+    let dry = user.types(&["25mL", "--dry-run", "-v"]).out;
+    for said in [
+        "turned by 421.68° from an unknown angle",
+        "the volume lies between 23.9477 and 26.0531 mL",
+        "7.1062, 14.212, 21.318 mL and so on; nearest to 25 mL: 21.318 and 28.425 mL",
+        "`dose home --set 0deg`, or give --start-angle",
+    ] {
+        assert!(dry.contains(said), "{said} in {dry}");
+    }
+    let report = user.json(&["25mL"]);
+    assert_eq!(report["phase"]["known"], false);
+    assert_eq!(report["carry_in_ml"], 0.0);
+    let (least, most) = (number(&report, "volume_least_ml"), number(&report, "volume_most_ml"));
+    assert!((least - 23.9477).abs() < 1e-4 && (most - 26.0531).abs() < 1e-4, "{report}");
+    assert!((number(&report, "planned_ml") - 0.5 * (least + most)).abs() < 1e-12);
+    assert!((number(&report, "planned_ml") + number(&report, "carry_ml") - 25.0).abs() < 1e-12);
+    assert!((least - 1e-3..most + 1e-3).contains(&number(&report, "delivered_ml")), "{report}");
+    assert!(number(&report, "expanded_uncertainty_ml") > 0.5 * (most - least), "{report}");
+    assert!(report["warnings"].to_string().contains("exact at any angle"), "{report}");
+}
+
+#[test]
+fn the_angle_stays_unknown_until_somebody_says_it() {
+    let user = turned_by_hand();
+    user.json(&["5mL"]);
+    assert_eq!(user.json(&["status"])["angle_known"], false);
+    let given = user.json(&["5mL", "--start-angle", "30deg"]);
+    assert_eq!(given["phase"]["known"], true);
+    assert_eq!(given["warnings"].as_array().unwrap().len(), 0, "{given}");
+    assert_eq!(given["volume_least_ml"], given["planned_ml"]);
+    assert_eq!(given["volume_most_ml"], given["planned_ml"]);
+    assert_eq!(user.json(&["status"])["angle_known"], true);
+
+    let user = turned_by_hand();
+    assert_eq!(user.types(&["home", "--set", "30deg"]).code, 0);
+    assert_eq!(user.json(&["5mL"])["phase"]["known"], true);
+}
+
+#[test]
+fn whole_pitches_lie_within_a_step_of_what_was_asked_at_any_angle() {
+    let user = turned_by_hand();
+    for volume in ["7.1062mL", "14.212mL", "-21.318mL"] {
+        let report = user.json(&[volume, "--dry-run"]);
+        let width = number(&report, "volume_most_ml") - number(&report, "volume_least_ml");
+        assert!(width < 2.2e-3, "{report}");
+    }
+    let small = user.types(&["-0.5mL", "--dry-run"]).out;
+    assert!(small.contains("nearest to -0.5 mL: -7.1062 mL;"), "{small}");
+}
+
+#[test]
+fn an_angle_and_that_it_is_unknown_exclude_each_other() {
+    for words in [&["home"][..], &["home", "--unknown", "--set", "3deg"]] {
+        let message = User::new().is_refused(words);
+        assert!(message.contains("--set") && message.contains("--unknown"), "{message}");
+    }
+}

@@ -1,0 +1,112 @@
+//! A person at a terminal: the rotor is turned to its mark with the arrow keys.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{Read, Write};
+use std::process::Stdio;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use pump_bench::built_in;
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+
+use crate::user::{User, number};
+
+const RIGHT: &[u8] = b"\x1b[C";
+const LEFT: &[u8] = b"\x1b[D";
+const UP: &[u8] = b"\x1b[A";
+const DOWN: &[u8] = b"\x1b[B";
+const ENTER: &[u8] = b"\r";
+
+/// Runs `dose home --mark` with these arguments in a terminal of its own and types `keys`. Returns the exit code, what
+/// it printed and what the terminal showed.
+fn at_terminal(user: &User, arguments: &[&str], keys: &[&[u8]]) -> (i32, String, String) {
+    let terminal = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
+    grantpt(&terminal).unwrap();
+    unlockpt(&terminal).unwrap();
+    let path = ptsname(&terminal, Vec::new()).unwrap().into_string().unwrap();
+    let line = || Stdio::from(OpenOptions::new().read(true).write(true).open(&path).unwrap());
+    let mut command = user.command(&[&["home", "--mark"], arguments].concat());
+    let mut child = command.stdin(line()).stderr(line()).stdout(Stdio::piped()).spawn().unwrap();
+    drop(command);
+
+    let mut terminal = File::from(terminal);
+    let mut screen = terminal.try_clone().unwrap();
+    let shown = thread::spawn(move || {
+        let (mut shown, mut bytes) = (Vec::new(), [0; 256]);
+        // The end of the child is the end of the line: an error.
+        while let Ok(count @ 1..) = screen.read(&mut bytes) {
+            shown.extend_from_slice(&bytes[..count]);
+        }
+        String::from_utf8_lossy(&shown).into_owned()
+    });
+    // Keys that come before the terminal reads them one by one are lost on some systems.
+    thread::sleep(Duration::from_millis(300));
+    for key in keys {
+        terminal.write_all(key).unwrap();
+        thread::sleep(Duration::from_millis(60));
+    }
+    let deadline = Instant::now() + Duration::from_secs(30);
+    while child.try_wait().unwrap().is_none() {
+        assert!(Instant::now() < deadline, "it waits for more keys");
+        thread::sleep(Duration::from_millis(5));
+    }
+    let output = child.wait_with_output().unwrap();
+    let out = String::from_utf8(output.stdout).unwrap();
+    (output.status.code().unwrap(), out, shown.join().unwrap())
+}
+
+/// A pump whose marks meet at 40 deg.
+fn marked(user: &User) -> String {
+    let mut file = built_in("three-roller").unwrap();
+    file.pump.mark_angle_deg = Some(40.0);
+    let path = user.path("marked.toml");
+    fs::write(&path, file.to_toml()).unwrap();
+    path.display().to_string()
+}
+
+#[test]
+fn arrow_keys_turn_the_rotor_and_enter_says_that_the_marks_meet() {
+    let user = User::new();
+    let pump = marked(&user);
+    let pump = ["--pump", pump.as_str()];
+    // Ten degrees on in two steps of five, one back, then finer by two sizes: half a degree, a tenth.
+    let keys = [UP, RIGHT, RIGHT, DOWN, LEFT, DOWN, RIGHT, DOWN, RIGHT, ENTER];
+    let (code, out, shown) = at_terminal(&user, &pump, &keys);
+    assert_eq!(code, 0, "{shown}");
+    assert!(shown.contains("at 40.00°") && shown.contains("a key turns by 0.1°"), "{shown}");
+    assert!(out.contains("the rollers stand at 40.00° ± 0.55°"), "{out}");
+    let status = user.json(&[&["status"], &pump[..]].concat());
+    assert_eq!(status["angle_source"], "mark");
+    let turned = number(&status["wear"], "revolutions") * 360.0;
+    assert!((turned - 11.6).abs() < 0.1, "5 + 5 + 1 + 0.5 + 0.1 deg: {turned}");
+    let dose = user.json(&[&["5mL"], &pump[..]].concat());
+    assert_eq!(dose["phase"]["source"], "mark");
+    assert!((number(&dose["phase"], "half_width_deg") - 0.55).abs() < 1e-9);
+}
+
+#[test]
+fn the_tolerance_counts_and_leaving_sets_nothing_but_keeps_count() {
+    let user = User::new();
+    let pump = marked(&user);
+    let pump = ["--pump", pump.as_str()];
+    let (code, out, _) = at_terminal(&user, &[&pump[..], &["--mark-tolerance", "2deg"]].concat(), &[ENTER]);
+    assert_eq!(code, 0);
+    assert!(out.contains("40.00° ± 2.50°"), "{out}");
+    let (code, out, _) = at_terminal(&user, &pump, &[RIGHT, RIGHT, b"q"]);
+    assert_eq!(code, 0);
+    assert!(out.contains("nothing was set"), "{out}");
+    let status = user.json(&[&["status"], &pump[..]].concat());
+    assert!((number(&status, "angle_deg") - 42.0).abs() < 0.05, "{status}");
+}
+
+#[test]
+fn without_a_terminal_or_a_mark_nothing_turns() {
+    let user = User::new();
+    let message = user.is_refused(&["home", "--mark"]);
+    assert!(message.contains("has no [pump] mark_angle_deg"), "{message}");
+    let pump = marked(&user);
+    let message = user.is_refused(&["home", "--mark", "--pump", &pump]);
+    assert!(message.contains("run this in a terminal"), "{message}");
+    let message = user.is_refused(&["home", "--mark", "--pump", &pump, "--mark-tolerance=-1deg"]);
+    assert!(message.contains("--mark-tolerance is -1 deg"), "{message}");
+}

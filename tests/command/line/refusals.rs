@@ -1,0 +1,158 @@
+//! What is refused, in which words, and with which exit code.
+
+use std::fs;
+use std::path::Path;
+
+use crate::user::{User, number};
+
+#[test]
+fn traps_of_the_command_line_are_answered_as_what_they_are() {
+    let user = User::new();
+    assert!(
+        user.is_refused(&["--pump", "x", "status"])
+            .contains("there is no pump `x`; built-in pumps: three-roller")
+    );
+    assert!(user.is_refused(&["25mL", "prime", "5mL"]).contains("a command together"));
+    assert!(user.is_refused(&["--dryrun", "25mL"]).contains("--dry-run"));
+    assert!(user.is_refused(&["stauts"]).contains("unknown command `stauts`; did you mean `dose status`?"));
+    assert!(user.is_refused(&["25mL", "30mL"]).contains("one volume at a time"));
+    assert!(user.is_refused(&["primr", "5mL"]).contains("did you mean `dose prime`?"));
+    assert!(user.is_refused(&["pump", "list"]).contains("did you mean `dose pumps`?"));
+    assert!(user.is_refused(&["prime"]).contains("how much?"));
+    assert!(user.is_refused(&[]).contains("how much?"));
+    assert!(user.is_refused(&["prime", "tube"]).contains("`tube`"));
+    assert!(user.is_refused(&["--dry-run", "status"]).contains("`dose status` takes no --dry-run"));
+    assert!(
+        user.is_refused(&["25mL", "--duration", "3s"])
+            .contains("`dose` takes no --duration; it belongs to `dose simulate`")
+    );
+
+    assert!(number(&user.json(&["prime", "-5mL"]), "delivered_ml") < -4.99);
+    assert!(number(&user.json(&["-5mL"]), "delivered_ml") < -4.99);
+    let before = user.record();
+    user.json(&["--dry-run", "prime", "5mL"]);
+    assert_eq!(user.record(), before, "an option before the command counts too");
+}
+
+#[test]
+fn bad_quantities_are_refused_by_name() {
+    let user = User::new();
+    for (arguments, expected) in [
+        (vec!["25"], "`25` has no unit"),
+        (vec!["25ML"], "did you mean `mL`"),
+        (vec!["25 furlongs"], "unknown volume unit `furlongs`"),
+        (vec!["NaNmL"], "not a finite number"),
+        (vec!["infmL"], "not a finite number"),
+        (vec!["-infmL"], "unexpected argument"),
+        (vec!["1e999mL"], "not a finite number"),
+        (vec!["0mL"], "is zero"),
+        (vec!["-0mL"], "is zero"),
+        (vec!["1e9mL"], "volume in mL is 1000000000; allowed: up to 100000"),
+        (vec!["1e-9mL"], "less than half a motor step"),
+        (vec!["25mL", "--rate", "-5mL/s"], "is negative"),
+        (vec!["25mL", "--rate", "0mL/s"], "is zero"),
+        (vec!["25mL", "--rate", "NaN"], "not a finite number"),
+        (vec!["25mL", "--rate", "5"], "has no unit"),
+        (vec!["25mL", "--rate", "100mL/s"], "60.402 mL/s at most"),
+        (vec!["25mL", "--speed", "171rpm"], "above the pump's limit of 170.00 r/min"),
+        (vec!["25mL", "--within", "0.1s"], "the fastest found takes"),
+        (vec!["25mL", "--rate", "1e-12mL/s"], "58 days"),
+        (vec!["25mL", "--max-outlet-pressure", "15psi"], "`15psia` (absolute) or `15psig`"),
+        (vec!["25mL", "--max-outlet-pressure", "89kPaa"], "above the limit of 89.00 kPa"),
+        (vec!["25mL", "--min-inlet-pressure", "88kPaa"], "below the limit of 88.00 kPa"),
+        (vec!["25mL", "--start-angle", "30"], "has no unit"),
+        (vec!["25mL", "--start-angle", "1e9rad"], "start angle in rad is 1000000000"),
+        (vec!["25mL", "--driver", "teleport"], "teleport"),
+        (vec!["simulate", "--speed", "100rpm"], "how long?"),
+        (vec!["simulate", "--duration", "1s"], "how fast?"),
+        (vec!["simulate", "--speed", "1e9rpm", "--duration", "1s"], "speed in rad/s"),
+        (vec!["simulate", "--speed", "1rpm", "--duration", "1s", "--dt", "2s"], "dt in s is 2"),
+    ] {
+        let message = user.is_refused(&arguments);
+        assert!(message.contains(expected), "{arguments:?}: {message}");
+    }
+}
+
+#[test]
+fn a_pump_that_another_process_holds_is_refused_with_exit_code_3() {
+    let user = User::new();
+    user.json(&["1mL"]);
+    let lock = fs::File::options().write(true).open(user.path("state/three-roller/sim/lock")).unwrap();
+    lock.lock().unwrap();
+    let answer = user.types(&["1mL"]);
+    assert_eq!(answer.code, 3, "{}", answer.err);
+    assert!(answer.err.contains("pump `three-roller` is in use by process"), "{}", answer.err);
+}
+
+#[test]
+fn a_pump_file_is_obeyed_and_its_mistakes_are_named() {
+    let user = User::new();
+    let three = user.types(&["pumps", "show", "three-roller"]).out;
+    let write = |text: &str| fs::write(user.path("my.toml"), text).unwrap();
+    write(&three.replace("id = \"three-roller\"", "id = \"mine\"").replace("count = 3", "count = 4"));
+    let report = user.json(&["25mL", "--pump", "my.toml"]);
+    assert_eq!(report["pump"], "mine");
+    assert!(user.path("state/mine/sim/journal.jsonl").exists());
+    assert!(user.types(&["pumps", "check", "my.toml"]).out.contains("19.2130 mL per revolution"));
+
+    for (from, to, expected) in [
+        ("pump/1", "pump/9", "schema is `pump/9`"),
+        ("bore_radius_mm = 5.0", "bore_radius_mm = -5.0", "bore radius in mm is -5"),
+        ("bore_radius_mm = 5.0", "bore_radius_mm = nan", "bore radius in mm is NaN"),
+        ("bore_radius_mm", "bore_radius_cm", "unknown field `bore_radius_cm`"),
+        ("count = 3", "count = 1", "no roller seals"),
+        ("count = 3", "count = 13", "must stay positive"),
+        ("count = 3", "count = \"three\"", "invalid type"),
+        ("offset_mm = 40.0", "offset_mm = 43.5", "beyond the backplate radius"),
+        ("id = \"three-roller\"", "id = \"../x\"", "[pump] id is `../x`"),
+        ("default_rate_ml_s = 5.0", "default_rate_ml_s = 500.0", "default_rate_ml_s is 500"),
+        ("steps_per_rev = 12800", "steps_per_rev = 0", "steps_per_rev is 0"),
+        ("max_speed_rpm = 170.0", "max_speed_rpm = -1.0", "largest speed"),
+        ("density_kg_m3 = 997.0", "density_kg_m3 = 0.997", "density_kg_m3 is 0.997; allowed: 10"),
+        ("[ambient]\npressure_kpa = 85.7", "", "missing field `ambient`"),
+        ("schema = \"pump/1\"", "schema = ", "TOML parse error"),
+    ] {
+        let text = three.replace(from, to);
+        assert_ne!(text, three, "{from} is in the file");
+        write(&text);
+        let message = user.is_refused(&["25mL", "--pump", "my.toml"]);
+        assert!(message.contains(expected) && message.contains("my.toml"), "{to}: {message}");
+    }
+    fs::write(user.path("my.toml"), [0xff, 0xfe, 0]).unwrap();
+    assert!(user.is_refused(&["25mL", "--pump", "my.toml"]).contains("cannot read pump file my.toml"));
+    assert!(user.is_refused(&["25mL", "--pump", "gone.toml"]).contains("cannot read pump file gone.toml"));
+    assert!(user.is_refused(&["25mL", "--pump", "."]).contains("cannot read pump file"));
+}
+
+#[test]
+fn the_example_pump_file_is_the_built_in_pump_under_another_name() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/pumps/my-pump.toml");
+    let mut example = pump_bench::pump_file::PumpFile::read(&path).unwrap();
+    let built_in = pump_bench::built_in("three-roller").unwrap();
+    assert_eq!(example.pump.id, "my-pump");
+    example.pump.id.clone_from(&built_in.pump.id);
+    example.pump.name.clone_from(&built_in.pump.name);
+    assert_eq!(example, built_in);
+}
+
+#[test]
+fn help_and_version_succeed_on_standard_output() {
+    let user = User::new();
+    assert!(user.types(&["--help"]).out.contains("dose [OPTIONS] <VOLUME>"));
+    assert!(user.types(&["--version"]).out.starts_with("dose "));
+    assert_eq!(user.types(&["--help"]).code, 0);
+}
+
+#[test]
+fn rust_constants_belong_to_pumps_show() {
+    let user = User::new();
+    assert!(
+        user.types(&["pumps", "show", "two-roller", "--format", "rust"]).out.contains("pub const PUMP: Pump")
+    );
+    for command in [&["1mL", "--format", "rust"][..], &["status", "--format", "rust"]] {
+        assert!(user.is_refused(command).contains("belongs to `dose pumps show`"));
+    }
+    assert!(
+        user.is_refused(&["pumps", "show", "two-roller", "--format", "json"]).contains("prints a pump file")
+    );
+}

@@ -1,0 +1,181 @@
+//! Pump files from a drawing, from measured points and from hoses.
+
+use std::fs;
+
+use pump_model::volume_fit::PUBLISHED_POINTS;
+
+use crate::user::{User, number};
+
+/// Table 1 of McIntyre et al.
+pub const DRAWING: [&str; 14] = [
+    "pumps",
+    "new",
+    "--tube",
+    "10x14mm",
+    "--backplate",
+    "63mm",
+    "--roller",
+    "20mm",
+    "--offset",
+    "40mm",
+    "--contact",
+    "30deg",
+    "--rollers",
+    "3",
+];
+
+#[test]
+fn a_drawing_becomes_a_pump_that_doses_and_says_that_it_is_estimated() {
+    let user = User::new();
+    let answer = user.types(&[&DRAWING[..], &["--id", "drawn", "drawn.toml"]].concat());
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    assert!(answer.out.contains("`dose pumps check drawn.toml`"), "{}", answer.out);
+
+    let check = user.types(&["pumps", "check", "drawn.toml"]).out;
+    for text in [
+        "roller    2.2267 mL over 66.81°, estimated from the drawing",
+        "20.9547 mL per revolution",
+        "C 0.0455 mL/kPa, L 0.00420 kPa s²/mL, estimated from its hose, R at 8.7 mL/s",
+        "unsure    3.1 % of the volume and 0.13 mL of a roller",
+    ] {
+        assert!(check.contains(text), "{text}: {check}");
+    }
+    let measured = user.json(&["25mL", "--rate", "5mL/s", "--dry-run"]);
+    let drawn = user.json(&["25mL", "--rate", "5mL/s", "--pump", "drawn.toml"]);
+    assert_eq!((&measured["volume_basis"], &drawn["volume_basis"]), (&"model".into(), &"estimated".into()));
+    let unsure = |report| number(report, "expanded_uncertainty_ml");
+    assert!(unsure(&drawn) > 1.2 * unsure(&measured));
+    assert!(drawn["warnings"][0].as_str().unwrap().contains("estimated from the drawing"));
+    assert!((number(&drawn, "delivered_ml") - number(&drawn, "planned_ml")).abs() < 2e-3);
+}
+
+#[test]
+fn the_file_goes_to_standard_output_unless_named_and_replaces_nothing() {
+    let user = User::new();
+    let text = user.types(&DRAWING).out;
+    assert!(
+        text.contains("# Estimated from the dimensions") && text.contains("contact_angle_deg = 30.0\n"),
+        "{text}"
+    );
+    assert!(
+        text.contains("# As given.\n[tube]\n") && text.contains("# Assumed: a drawing does not tell."),
+        "{text}"
+    );
+    fs::write(user.path("mine.toml"), "precious").unwrap();
+    let message = user.is_refused(&[&DRAWING[..], &["mine.toml"]].concat());
+    assert!(message.contains("mine.toml is there already"), "{message}");
+    assert_eq!(fs::read_to_string(user.path("mine.toml")).unwrap(), "precious");
+    assert!(user.is_refused(&[&DRAWING[..], &["no/such/folder/x.toml"]].concat()).contains("cannot write"));
+}
+
+#[test]
+fn drawings_of_pumps_that_cannot_work_are_refused_by_name() {
+    let user = User::new();
+    for (option, with, expected) in [
+        ("--tube", "10mm", "is no tube; write bore x outer"),
+        ("--tube", "14x10mm", "tube outer radius in mm is 5"),
+        ("--backplate", "63", "has no unit"),
+        ("--offset", "38mm", "use a larger roller, offset or wall"),
+        ("--offset", "44mm", "beyond the backplate radius"),
+        ("--contact", "85deg", "psi = 360 - 303.45 - 66.81 = -10.26 deg"),
+        ("--rollers", "1", "no roller seals"),
+        ("--rollers", "0", "number of rollers is 0"),
+        ("--roller", "-20mm", "negative"),
+    ] {
+        let mut arguments = DRAWING.map(str::to_owned);
+        let place = arguments.iter().position(|word| word == option).unwrap();
+        arguments[place] = format!("{option}={with}");
+        arguments[place + 1].clear();
+        let words: Vec<_> = arguments.iter().map(String::as_str).filter(|word| !word.is_empty()).collect();
+        let message = user.is_refused(&words);
+        assert!(message.contains(expected), "{option} {with}: {message}");
+    }
+    assert!(
+        user.is_refused(&[&DRAWING[..], &["--id", "My Pump"]].concat()).contains("[pump] id is `My Pump`")
+    );
+    assert!(user.is_refused(&[&DRAWING[..], &["--rate", "5mL/s"]].concat()).contains("takes no --rate"));
+    assert!(user.is_refused(&DRAWING[..12]).contains("--rollers"));
+}
+
+/// The three-roller pump with other keys in `[roller_volume]`.
+fn with_roller_volume(three: &str, keys: &str) -> String {
+    let start = three.find("[roller_volume]").unwrap();
+    let end = start + three[start..].find("[inlet]").unwrap();
+    format!("{}[roller_volume]\n{keys}\n\n{}", &three[..start], &three[end..])
+}
+
+#[test]
+fn measured_points_in_the_file_make_the_pump() {
+    let user = User::new();
+    let three = user.types(&["pumps", "show", "three-roller"]).out;
+    let points: Vec<_> = PUBLISHED_POINTS.iter().map(|(deg, ml)| format!("[{deg:?}, {ml:?}]")).collect();
+    let table = |fit: &str| {
+        with_roller_volume(
+            &three,
+            &format!("source = \"measured\"\nfit = \"{fit}\"\npoints_deg_ml = [{}]", points.join(", ")),
+        )
+    };
+    fs::write(user.path("quintic.toml"), table("quintic")).unwrap();
+    let check = user.types(&["pumps", "check", "quintic.toml"]).out;
+    assert!(check.contains("2.1055 mL over 50.53°, from 15 measured points, 0.0074 mL RMS off\n"), "{check}");
+    assert!(check.contains("21.3185 mL per revolution"), "{check}");
+    fs::write(user.path("spline.toml"), table("spline").replace("2.08]", "2.01]")).unwrap();
+    let check = user.types(&["pumps", "check", "spline.toml"]).out;
+    assert!(check.contains("they fall by 0.0143 mL from 42.87° to 46.53°"), "{check}");
+    // What is shown can be read again.
+    let shown = user.types(&["pumps", "show", "spline.toml"]).out;
+    fs::write(user.path("again.toml"), &shown).unwrap();
+    assert_eq!(user.types(&["pumps", "show", "again.toml"]).out, shown);
+    assert_eq!(user.json(&["25mL", "--pump", "spline.toml", "--dry-run"])["volume_basis"], "model");
+}
+
+#[test]
+fn tables_that_contradict_themselves_are_refused_by_name() {
+    let user = User::new();
+    let three = user.types(&["pumps", "show", "three-roller"]).out;
+    let refused = |text: String, expected: &str| {
+        fs::write(user.path("my.toml"), text).unwrap();
+        let message = user.is_refused(&["25mL", "--pump", "my.toml"]);
+        assert!(message.contains(expected) && message.contains("my.toml"), "{expected}: {message}");
+    };
+    for (keys, expected) in [
+        ("engagement_angle_deg = 50.0", "missing field `polynomial_ml_deg`"),
+        (
+            "source = \"drawing\"\nengagement_angle_deg = 50.0",
+            "`engagement_angle_deg` means nothing with source = \"drawing\"",
+        ),
+        ("source = \"guess\"", "unknown variant `guess`"),
+        ("source = \"drawing\"\nwidth = 1.0", "unknown field `width`"),
+        ("source = \"measured\"\npoints_deg_ml = [[0.0, 0.0]]", "missing field `fit`"),
+        (
+            "source = \"measured\"\nfit = \"spline\"\npoints_deg_ml = [[0.0, 0.0]]",
+            "at 1 different angles; the curve needs 3",
+        ),
+    ] {
+        refused(with_roller_volume(&three, keys), expected);
+    }
+    let hose = "[inlet.hose]\nbore_radius_mm = 5.0\nouter_radius_mm = 7.0\nlength_mm = 331.0\nmodulus_mpa = 3.5\n\
+                poisson_ratio = 0.5\nminor_loss = 5.75\n";
+    let resistance =
+        "resistance_kpa_s_ml = 0.1108\ncompliance_ml_kpa = 0.0361\ninertance_kpa_s2_ml = 0.0042\n";
+    assert!(three.contains(resistance));
+    let both = three.replace("[outlet]", &format!("{hose}\n[outlet]"));
+    refused(both.clone(), "`resistance_kpa_s_ml` and `hose` exclude each other");
+    refused(
+        three.replacen("compliance_ml_kpa = 0.0361\n", "", 1),
+        "missing field `compliance_ml_kpa` (or a `hose`)",
+    );
+    let by_hose = both.replacen(resistance, "", 1);
+    refused(by_hose.replace("name = \"water\"", "name = \"oil\""), "[fluid] viscosity_mpa_s is missing");
+    refused(
+        by_hose.replace("poisson_ratio = 0.5", "poisson_ratio = 0.6"),
+        "Poisson ratio of the hose is 0.6",
+    );
+    fs::write(user.path("my.toml"), &by_hose).unwrap();
+    let check = user.types(&["pumps", "check", "my.toml"]).out;
+    assert!(check.contains("inlet     R 0.0035 kPa s/mL, C 0.0455 mL/kPa"), "{check}");
+    assert!(
+        check.contains("outlet    R 0.1108 kPa s/mL, C 0.0361 mL/kPa, L 0.00420 kPa s²/mL, as given"),
+        "{check}"
+    );
+}
