@@ -74,8 +74,8 @@ fn scattered(points: &[FlowPoint], fit: &ResistanceFit, with_offset: bool) -> Op
     let most = (1.0 + 3.0 * (2.0 / degrees_of_freedom).sqrt()).sqrt();
     (is_known && fit.scatter > most).then(|| {
         format!(
-            "the points scatter {:.1} times as far from the line as their standard uncertainties say; it does \
-             not explain them",
+            "the points scatter {:.1} times as far from the line as their standard uncertainties say; it \
+             does not explain them",
             fit.scatter
         )
     })

@@ -134,9 +134,9 @@ fn doubts(fit: &LineFit, samples: &[PressureSample]) -> Vec<String> {
     let is_alike = fit.correlated_samples > 2.0 && alike_s > MOST_ALIKE * swing_s;
     if is_alike && fit.rms_kpa > SMALL_RESIDUALS * fit.spread_kpa {
         doubts.push(format!(
-            "the residual of the fit, {:.3} kPa RMS, stays alike for {alike_s:.4} s, too long for noise beside \
-             a swing of the line ({swing_s:.4} s): the model misses something that the ± do not contain; check \
-             speed, start and the parameters that are held",
+            "the residual of the fit, {:.3} kPa RMS, stays alike for {alike_s:.4} s, too long for noise \
+             beside a swing of the line ({swing_s:.4} s): the model misses something that the ± do not \
+             contain; check speed, start and the parameters that are held",
             fit.rms_kpa,
         ));
     }
