@@ -20,6 +20,8 @@ const LOOK: Duration = Duration::from_millis(100);
 /// Lines of standard input, one question each. They are read beside the program, so that a signal ends a question.
 pub(super) struct Answers {
     lines: Receiver<io::Result<String>>,
+    /// What becomes of the readings where the answers end early.
+    kept: &'static str,
 }
 
 /// An answer to a question for a reading.
@@ -33,7 +35,8 @@ pub(super) enum Answer {
 }
 
 impl Answers {
-    pub(super) fn new() -> Self {
+    /// Reads answers from now on. `kept` says what becomes of the readings where they end early.
+    pub(super) fn new(kept: &'static str) -> Self {
         let (sender, lines) = channel();
         thread::spawn(move || {
             for line in io::stdin().lock().lines() {
@@ -42,7 +45,7 @@ impl Answers {
                 }
             }
         });
-        Self { lines }
+        Self { lines, kept }
     }
 
     /// Asks for what the scale shows until the answer can be used: a mass or a volume, `redo` or `quit`.
@@ -73,7 +76,7 @@ impl Answers {
     pub(super) fn line(&self, session: &mut Session<'_>, interrupt: &Interrupt) -> Result<String, Failure> {
         loop {
             if let Some(signal) = interrupt.signal() {
-                return Err(Failure::stopped(signal, "stopped by the user; nothing is kept of the readings"));
+                return Err(Failure::stopped(signal, format!("stopped by the user; {}", self.kept)));
             }
             session.release_when_due()?;
             match self.lines.recv_timeout(LOOK) {
@@ -81,7 +84,10 @@ impl Answers {
                 Ok(Err(error)) => return Err(Failure::fault(format!("the answer cannot be read: {error}"))),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => {
-                    return Err(Failure::fault("the answers ended before the last run; nothing is kept"));
+                    return Err(Failure::fault(format!(
+                        "the answers ended before the last run; {}",
+                        self.kept
+                    )));
                 }
             }
         }

@@ -1,6 +1,8 @@
 //! Guided runs: a run to try, then several at each of several speeds, each of them weighed.
 
-use pump_bench::calibration::{Run, Weighing, now_utc};
+use std::iter;
+
+use pump_bench::calibration::{PlannedRuns, Run, RunLog, UnfinishedRuns, Weighing, now_utc};
 use pump_bench::record::Purpose;
 use pump_bench::{Bench, DoseRequest, Prepared, Session};
 use pump_ctl::plan::Cruise;
@@ -21,6 +23,9 @@ const RUNS: u32 = 3;
 /// Slowest of the default speeds, over that of the default rate: doses a little slower than usual are covered too.
 const SLOWEST: f64 = 0.5;
 
+/// What becomes of the readings of a calibration that ends early.
+const KEPT: &str = "the readings that were typed are on record: `dose calibrate run` goes on with them";
+
 /// The course of the runs, as far as it is given.
 pub(super) struct Course {
     /// Speeds of the runs, rad/s; empty for the usual ones.
@@ -29,16 +34,63 @@ pub(super) struct Course {
     pub(super) each: Option<u32>,
     /// Whole pitches of each run.
     pub(super) pitches: Option<u32>,
+    /// True if readings on record are given up.
+    pub(super) anew: bool,
     /// Temperature of the fluid, °C.
     pub(super) temperature_degc: Option<f64>,
     /// True if a program reads the result.
     pub(super) json: bool,
 }
 
+impl Course {
+    /// True if the course says nothing of the runs, so that it fits whatever is on record.
+    fn is_open(&self) -> bool {
+        self.speeds_rad_s.is_empty() && self.each.is_none() && self.pitches.is_none()
+    }
+
+    /// The runs in their order.
+    fn planned(&self, bench: &Bench) -> PlannedRuns {
+        let speeds_rad_s = if self.speeds_rad_s.is_empty() {
+            default_speeds_rad_s(bench)
+        } else {
+            self.speeds_rad_s.clone()
+        };
+        let each = self.each.unwrap_or(RUNS) as usize;
+        let model = bench.model();
+        PlannedRuns {
+            speeds_rpm: speeds_rad_s.into_iter().flat_map(|rad_s| iter::repeat_n(rpm(rad_s), each)).collect(),
+            pitches: self.pitches.unwrap_or(ceil(LEAST_ML / model.outlet_curve().pitch_ml()) as u32),
+            revolution_ml: model.revolution_ml(),
+        }
+    }
+
+    /// Refuses to go on with runs on record that are not those of this course, or of another pump.
+    fn check_goes_on(&self, bench: &Bench, on_record: &UnfinishedRuns) -> Result<(), Failure> {
+        let UnfinishedRuns { planned, runs } = on_record;
+        let (count, all) = (runs.len(), planned.speeds_rpm.len());
+        let wanted = self.planned(bench);
+        if wanted.revolution_ml != planned.revolution_ml {
+            return Err(Failure::refused(format!(
+                "{count} readings of a guided calibration are on record for a model volume of {:.4} mL per revolution, \
+                 and the pump's is {:.4} mL; give them up with `dose calibrate run --anew`",
+                planned.revolution_ml, wanted.revolution_ml,
+            )));
+        }
+        if !self.is_open() && wanted != *planned {
+            return Err(Failure::refused(format!(
+                "a guided calibration with {count} of {all} readings is on record, and its runs are others than these; \
+                 go on with it without --speeds, --runs and --pitches, or give its readings up with --anew"
+            )));
+        }
+        Ok(())
+    }
+}
+
 /// Runs under guidance.
 struct Guide<'a, 'b> {
     bench: &'a Bench,
     session: Session<'b>,
+    log: RunLog,
     answers: Answers,
     interrupt: Interrupt,
     pitches: u32,
@@ -46,44 +98,54 @@ struct Guide<'a, 'b> {
     json: bool,
 }
 
-/// Makes the runs and asks for what arrived. None if the person left.
-pub(super) fn runs(bench: &Bench, course: Course) -> Result<Option<Vec<Run>>, Failure> {
+/// Makes the runs and asks for what arrived. Each reading is on record once it is typed, and runs that are on record are not
+/// made again. None if the person left.
+pub(super) fn runs(bench: &Bench, course: &Course) -> Result<Option<Vec<Run>>, Failure> {
     let mut session = bench.session()?;
     session.connect()?;
-    let Course { mut speeds_rad_s, each, pitches, temperature_degc, json } = course;
-    if speeds_rad_s.is_empty() {
-        speeds_rad_s = default_speeds_rad_s(bench);
+    let log = RunLog::of(bench.folder());
+    let on_record = if course.anew { None } else { log.read()? };
+    if let Some(on_record) = &on_record {
+        course.check_goes_on(bench, on_record)?;
     }
-    let pitch_ml = bench.model().outlet_curve().pitch_ml();
-    let pitches = pitches.unwrap_or(ceil(LEAST_ML / pitch_ml) as u32);
-    let (answers, interrupt) = (Answers::new(), Interrupt::watch()?);
-    let mut guide = Guide { bench, session, answers, interrupt, pitches, temperature_degc, json };
+    let begins = on_record.is_none();
+    let UnfinishedRuns { planned, runs } =
+        on_record.unwrap_or_else(|| UnfinishedRuns { planned: course.planned(bench), runs: Vec::new() });
+    let (answers, interrupt) = (Answers::new(KEPT), Interrupt::watch()?);
+    let &Course { temperature_degc, json, .. } = course;
+    let pitches = planned.pitches;
+    let mut guide = Guide { bench, session, log, answers, interrupt, pitches, temperature_degc, json };
     // Every speed is planned before anything moves.
-    for speed_rad_s in &speeds_rad_s {
-        guide.prepare(*speed_rad_s)?;
+    let mut speeds_rpm = planned.speeds_rpm.clone();
+    speeds_rpm.dedup();
+    for speed_rpm in &speeds_rpm {
+        guide.prepare(*speed_rpm)?;
     }
-    let each = each.unwrap_or(RUNS);
-    let all = each as usize * speeds_rad_s.len();
-    let volume_ml = f64::from(pitches) * pitch_ml;
-    say(&format!(
-        "{all} runs of {pitches} pitches, {volume_ml:.1} mL by the model, after one to try; fill the line, and empty \
-         or tare the vessel before each\n"
-    ));
-    let middle = speeds_rad_s.get(speeds_rad_s.len() / 2).copied().unwrap_or_default();
-    if guide.weighed(middle, 1, "trial run")?.is_none() {
-        return Ok(None);
-    }
-    let mut runs = Vec::new();
-    for speed_rad_s in &speeds_rad_s {
-        for _ in 0..each {
-            let title = format!("run {} of {all}, {} r/min", runs.len() + 1, short(rpm(*speed_rad_s)));
-            match guide.weighed(*speed_rad_s, runs.len() + 1, &title)? {
-                Some(run) => runs.push(run),
-                None => return Ok(None),
-            }
+    say(&introduction(bench, &planned, runs.len()));
+    if begins {
+        let middle_rpm = speeds_rpm.get(speeds_rpm.len() / 2).copied().unwrap_or_default();
+        if guide.weighed(middle_rpm, 1, "trial run")?.is_none() {
+            return Ok(None);
         }
+        guide.log.begin(&planned)?;
     }
-    guide.last_may_be_repeated(runs)
+    match guide.rest_of(&planned, runs)? {
+        Some(runs) => guide.last_may_be_repeated(runs),
+        None => Ok(None),
+    }
+}
+
+/// The words that come first: which runs are to be made.
+fn introduction(bench: &Bench, planned: &PlannedRuns, made: usize) -> String {
+    let (all, pitches) = (planned.speeds_rpm.len(), planned.pitches);
+    let volume_ml = f64::from(pitches) * bench.model().outlet_curve().pitch_ml();
+    let each = format!("{pitches} pitches, {volume_ml:.1} mL by the model");
+    let vessel = "fill the line, and empty or tare the vessel before each";
+    if made == 0 {
+        format!("{all} runs of {each}, after one to try; {vessel}\n")
+    } else {
+        format!("{made} of {all} runs of {each}, are on record; {vessel} of the others\n")
+    }
 }
 
 /// Three speeds, each as many times the one before: from half the default rate's to the motor's fastest.
@@ -105,14 +167,16 @@ impl Guide<'_, '_> {
     fn last_may_be_repeated(&mut self, mut runs: Vec<Run>) -> Result<Option<Vec<Run>>, Failure> {
         let all = runs.len();
         while let Some(last) = runs.last() {
-            say("enter keeps the calibration; redo repeats the last run; quit keeps nothing: ");
+            say("enter keeps the calibration; redo repeats the last run; quit keeps the readings alone: ");
             match self.answers.line(&mut self.session, &self.interrupt)?.trim() {
                 "" | "yes" | "keep" => break,
                 "quit" => return Ok(None),
                 "redo" => {
                     let title = format!("run {all} of {all}, again");
-                    match self.weighed(rad_s(last.speed_rpm), all, &title)? {
+                    match self.weighed(last.speed_rpm, all, &title)? {
                         Some(run) => {
+                            self.log.redo()?;
+                            self.log.add(&run)?;
                             runs.pop();
                             runs.push(run);
                         }
@@ -125,25 +189,39 @@ impl Guide<'_, '_> {
         Ok(Some(runs))
     }
 
-    fn prepare(&mut self, speed_rad_s: f64) -> Result<Prepared, Failure> {
+    /// Makes the runs that are not on record yet. None if the person left.
+    fn rest_of(&mut self, planned: &PlannedRuns, mut runs: Vec<Run>) -> Result<Option<Vec<Run>>, Failure> {
+        let all = planned.speeds_rpm.len();
+        for speed_rpm in planned.speeds_rpm.iter().skip(runs.len()) {
+            let title = format!("run {} of {all}, {} r/min", runs.len() + 1, short(*speed_rpm));
+            let Some(run) = self.weighed(*speed_rpm, runs.len() + 1, &title)? else { return Ok(None) };
+            self.log.add(&run)?;
+            runs.push(run);
+        }
+        Ok(Some(runs))
+    }
+
+    fn prepare(&mut self, speed_rpm: f64) -> Result<Prepared, Failure> {
         let volume_ml = f64::from(self.pitches) * self.bench.model().outlet_curve().pitch_ml();
         Ok(self.session.prepare(DoseRequest {
             purpose: Purpose::Calibrate,
-            cruise: Some(Cruise::Speed { rad_s: speed_rad_s }),
+            cruise: Some(Cruise::Speed { rad_s: rad_s(speed_rpm) }),
             ..DoseRequest::dose(volume_ml)
         })?)
     }
 
     /// Makes a run until there is a reading of it that can be right. None if the person left.
-    fn weighed(&mut self, speed_rad_s: f64, number: usize, title: &str) -> Result<Option<Run>, Failure> {
+    fn weighed(&mut self, speed_rpm: f64, number: usize, title: &str) -> Result<Option<Run>, Failure> {
         loop {
             say(&format!("{title}: moving\n"));
-            let prepared = self.prepare(speed_rad_s)?;
+            let prepared = self.prepare(speed_rpm)?;
             let (delivered, signal) =
                 deliver(self.bench, &mut self.session, &prepared, &self.interrupt, self.json)?;
             if !delivered.completed {
-                let message = "stopped by the user in a run; nothing is kept of the readings";
-                return Err(Failure::stopped(signal.unwrap_or(0), message));
+                return Err(Failure::stopped(
+                    signal.unwrap_or(0),
+                    format!("stopped by the user in a run; {KEPT}"),
+                ));
             }
             let plan = &prepared.plan;
             let known = plan.start.is_known(self.bench.model().pitch_rad());
@@ -155,7 +233,7 @@ impl Guide<'_, '_> {
                     Answer::Quit => return Ok(None),
                 };
                 let run = Run {
-                    speed_rpm: rpm(speed_rad_s),
+                    speed_rpm,
                     start_angle_deg: known.then_some(degrees(plan.start.angle_rad)),
                     turned_deg: degrees(plan.steps as f64 * plan.step_rad),
                     reading,

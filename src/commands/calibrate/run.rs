@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pump_bench::Bench;
-use pump_bench::calibration::{Calibration, Fit, Run, Source, runs_of_csv};
+use pump_bench::calibration::{Calibration, Fit, Run, RunLog, Source, runs_of_csv};
 use pump_bench::report::{calibration_json, calibration_text};
 use pump_bench::units;
 
@@ -40,6 +40,9 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     #[arg(conflicts_with = "from")]
     pitches: Option<u32>,
+    /// Give up the readings of a guided calibration that was begun, and begin again
+    #[arg(long, conflicts_with = "from")]
+    anew: bool,
     #[command(flatten)]
     reading: ReadingOptions,
     #[command(flatten)]
@@ -60,12 +63,15 @@ impl RunArgs {
                 speeds_rad_s: self.speeds.clone(),
                 each: self.runs,
                 pitches: self.pitches,
+                anew: self.anew,
                 temperature_degc: self.fluid.temperature,
                 json: self.format.json(),
             };
-            return match guided::runs(&bench, course)? {
+            return match guided::runs(&bench, &course)? {
                 Some(runs) => self.keep(&bench, Source::Guided, runs),
-                None => tell("nothing is kept; doses go on as before\n"),
+                None => tell(
+                    "doses go on as before; `dose calibrate run` goes on with the readings that were typed\n",
+                ),
             };
         };
         let steps_per_rev = bench.file().limits().motor.steps_per_rev;
@@ -83,6 +89,9 @@ impl RunArgs {
         calibration.tube = self.reading.tube.clone();
         calibration.note = self.reading.note.clone();
         let stored = bench.keep_calibration(calibration)?;
+        if source == Source::Guided {
+            RunLog::of(bench.folder()).end()?;
+        }
         if self.format.json() {
             print(&calibration_json(&stored))
         } else {

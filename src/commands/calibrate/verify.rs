@@ -97,7 +97,7 @@ impl VerifyArgs {
 
     /// Makes the doses and asks for what arrived, mL. None if the person left.
     fn doses(&self, bench: &Bench, nominal_ml: f64) -> Result<Option<Vec<f64>>, Failure> {
-        let (answers, interrupt) = (Answers::new(), Interrupt::watch()?);
+        let (answers, interrupt) = (Answers::new("nothing is kept of the readings"), Interrupt::watch()?);
         let mut session = bench.session()?;
         let all = self.runs.unwrap_or(DOSES);
         let request = DoseRequest { cruise: self.cruise.cruise()?, ..DoseRequest::dose(nominal_ml) };

@@ -6,6 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use pump_model::math::{ceil, degrees, rpm};
 
+use crate::calibration::RunLog;
 use crate::dosing::DoseError;
 use crate::dosing::{DoseRequest, Prepared};
 use crate::numbers::{between, significant};
@@ -207,6 +208,8 @@ impl<'a> Session<'a> {
         let calibrations = self.bench.calibrations();
         let unused = calibrations.active_version()?;
         calibrations.activate(None)?;
+        // Readings of the old tube say nothing of the new one.
+        RunLog::of(self.bench.folder()).end()?;
         let state = State { carry_ml: 0.0, wear: Wear::default(), ..before };
         self.rest(Why::NewTube, state)?;
         Ok(NewTube { state, worn_ml: before.wear.volume_ml, owed_ml: before.carry_ml, unused })
