@@ -76,7 +76,7 @@ struct Batch<'a> {
     count: u64,
     done: u64,
     skipped: u64,
-    /// Of what was skipped, what the next report is to say.
+    /// Messages about skipped doses that the next report for a program repeats.
     untold: Vec<String>,
 }
 

@@ -19,7 +19,7 @@ const STOPPED: &str = "stopped by the user; `dose resume` makes the rest, `dose 
 /// Most rows of a file: more are a mistake and would fill disks (a row has up to 150 bytes).
 const MAX_ROWS: f64 = 1e8;
 
-/// What was delivered, and the signal that came, if one did.
+/// The delivery, and the signal that came, if one did.
 pub(super) type Ended = (Delivered, Option<i32>);
 
 /// How a report is given.

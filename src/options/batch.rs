@@ -18,7 +18,7 @@ pub(crate) struct BatchOptions {
     /// Time from one dose's start to the next, as 30s
     #[arg(long, value_name = "TIME", value_parser = units::time_s)]
     pub(crate) every: Option<f64>,
-    /// What becomes of a dose whose time has passed [default: skip]
+    /// Skip a dose whose time has passed, or make it now [default: skip]
     #[arg(long, value_name = "skip|now", value_parser = choice(&[
         (Missed::Skip, "Leave it out"),
         (Missed::Now, "Make it at once"),

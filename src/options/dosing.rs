@@ -82,7 +82,7 @@ impl DosingOptions {
         if self.reverse.reverse { format!("-{}", asked.typed) } else { asked.typed.clone() }
     }
 
-    /// What is asked of the bench of this pump file.
+    /// The request to the bench of this pump file.
     pub(crate) fn request(
         &self,
         purpose: Purpose,

@@ -14,13 +14,13 @@ use crate::terminal::{announce, print, tell, warn};
 /// Angle to which two painted lines can be seen to meet, deg: half a millimetre on a rotor of 60 mm radius.
 const TOLERANCE_DEG: f64 = 0.5;
 
-/// What a key turns the rotor by, deg.
+/// Angles by which a key turns the rotor, deg.
 const STEPS_DEG: [f64; 5] = [0.1, 0.5, 1.0, 5.0, 30.0];
 
 /// Speed of these turns, r/min.
 const JOG_RPM: f64 = 10.0;
 
-/// What a key means.
+/// The meaning of a key.
 enum Wish {
     Turn(f64),
     Finer,

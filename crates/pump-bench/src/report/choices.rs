@@ -17,7 +17,7 @@ pub enum Format {
 
 words!(Format { Text = "text", Json = "json" });
 
-/// What the volume of a dose is based on.
+/// The basis of a dose's volume.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VolumeBasis {
     /// The model alone.

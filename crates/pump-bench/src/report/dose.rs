@@ -168,13 +168,10 @@ impl DoseReport {
         delivered: Option<&Delivered>,
     ) -> Self {
         let (model, plan, applied) = (&prepared.model, &prepared.plan, prepared.applied.as_ref());
-        let way = Way::of(prepared);
-        let part = part_made(prepared, delivered);
+        let (way, part) = (Way::of(prepared, delivered), part_made(prepared, delivered));
         let budget = Budget::new(model, &part, &file.uncertainty, applied);
+        let (ripples, motion_s) = (plan.ripples(model), plan.profile.duration_s());
         let lowest = prepared.limits.lowest_where_it_sucks();
-        let ripples = plan.ripples(model);
-        let motion_s = plan.profile.duration_s();
-        let end_rad = delivered.map_or(way.end_rad, |delivered| delivered.end_angle_rad);
         Self {
             schema: "dose/1",
             pump: file.pump.id.clone(),
@@ -195,7 +192,7 @@ impl DoseReport {
             uncertainty_budget: budget.shares,
             phase: PhaseReport::of(prepared),
             start_angle_deg: degrees(plan.start.angle_rad),
-            end_angle_deg: degrees(end_rad),
+            end_angle_deg: degrees(way.end_rad),
             steps: plan.steps,
             steps_made: delivered.map(|delivered| delivered.made as i64 * plan.steps.signum()),
             steps_per_rev: plan.steps_per_rev,
@@ -232,7 +229,7 @@ impl DoseReport {
     }
 }
 
-/// The way of a planned dose and its retraction: pressures, kPa absolute, and the angle at its end.
+/// The way of a dose and its retraction: predicted pressures, kPa absolute, and the angle at its end, planned or made.
 struct Way {
     inlet: Extremes,
     outlet: Extremes,
@@ -240,18 +237,15 @@ struct Way {
 }
 
 impl Way {
-    fn of(prepared: &Prepared) -> Self {
+    fn of(prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
         let Prepared { prediction, plan, .. } = prepared;
-        match &prepared.retraction {
-            None => {
-                Self { inlet: prediction.inlet, outlet: prediction.outlet, end_rad: plan.end_angle_rad() }
-            }
-            Some(back) => Self {
-                inlet: prediction.inlet.and(back.prediction.inlet),
-                outlet: prediction.outlet.and(back.prediction.outlet),
-                end_rad: back.plan.end_angle_rad(),
-            },
+        let (mut inlet, mut outlet, mut end_rad) =
+            (prediction.inlet, prediction.outlet, plan.end_angle_rad());
+        if let Some(back) = &prepared.retraction {
+            (inlet, outlet) = (inlet.and(back.prediction.inlet), outlet.and(back.prediction.outlet));
+            end_rad = back.plan.end_angle_rad();
         }
+        Self { inlet, outlet, end_rad: delivered.map_or(end_rad, |delivered| delivered.end_angle_rad) }
     }
 }
 

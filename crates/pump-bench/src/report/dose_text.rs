@@ -46,7 +46,7 @@ impl DoseReport {
         let asked = asked.map_or_else(requested, str::to_owned);
         let carry_in = match self.carry_in_ml {
             0.0 => String::new(),
-            carry_ml => format!(", with a carry of {} from before", microlitres(carry_ml)),
+            carry_ml => format!(", carry in {}", microlitres(carry_ml)),
         };
         format!("{volume_ml:.decimals$} mL ± {unsure_ml:.decimals$} mL {verb}, {asked} asked{carry_in}")
     }
