@@ -166,14 +166,50 @@ fn guided_runs_are_weighed_one_by_one_and_the_last_can_be_repeated() {
 }
 
 #[test]
-fn who_leaves_a_guided_calibration_keeps_nothing() {
+fn readings_of_a_guided_calibration_stay_on_record_and_the_next_call_goes_on_with_them() {
+    let user = User::new();
+    let arguments = ["calibrate", "run", "--speeds", "15rpm,60rpm", "--runs", "2", "--pitches", "1"];
+    // The person leaves after one reading, and the answers end after another.
+    let left = answers(&user, &arguments, "7.1mL\n7.11mL\nquit\n");
+    assert_eq!(left.code, 0, "{}", left.err);
+    assert!(left.out.starts_with("doses go on as before; `dose calibrate run` goes on"), "{}", left.out);
+    assert!(user.types(&["calibrate", "list"]).out.contains("is not calibrated"));
+    let ended = answers(&user, &["calibrate", "run"], "7.12mL\n");
+    assert_eq!(ended.code, 1, "{}", ended.err);
+    assert!(
+        ended.err.contains("1 of 4 runs") && ended.err.contains("readings that were typed are on record")
+    );
+    // Other runs are refused before anything moves, and so is another pump.
+    let other = answers(&user, &["calibrate", "run", "--speeds", "30rpm"], "");
+    assert_eq!(other.code, 2, "{}", other.err);
+    assert!(other.err.contains("2 of 4 readings") && other.err.contains("--anew"), "{}", other.err);
+    assert!(!other.err.contains("moving"), "{}", other.err);
+    // A reading that cannot be fitted with the others loses none of them.
+    let log = user.path("state/three-roller/sim/calibrations/unfinished.jsonl");
+    let refused = answers(&user, &["calibrate", "run", "--fit", "speed-law"], "7.03mL\n7.04mL\n\n");
+    assert!(refused.code == 2 && refused.err.contains("three speeds"), "{}", refused.err);
+    assert_eq!(fs::read_to_string(&log).unwrap().lines().count(), 5);
+    let kept = answers(&user, &["calibrate", "run"], "\n");
+    assert_eq!(kept.code, 0, "{}", kept.err);
+    assert!(kept.err.contains("4 of 4 runs") && !kept.err.contains("moving"), "{}", kept.err);
+    assert!(!log.exists());
+    let list = user.json(&["calibrate", "list"]);
+    let runs = list["calibrations"][0]["runs"].as_array().unwrap().clone();
+    let read = runs.iter().map(|run| number(&run["reading"], "volume_ml")).collect::<Vec<_>>();
+    assert_eq!(read, [7.11, 7.12, 7.03, 7.04]);
+}
+
+#[test]
+fn a_guided_calibration_begins_anew_on_request_and_with_a_new_tube() {
     let user = User::new();
     let arguments = ["calibrate", "run", "--speeds", "60rpm", "--runs", "2", "--pitches", "1"];
-    let left = answers(&user, &arguments, "7.1mL\n7.1mL\nquit\n");
-    assert_eq!((left.code, left.out.as_str()), (0, "nothing is kept; doses go on as before\n"));
-    let ended = answers(&user, &arguments, "7.1mL\n");
-    assert!(ended.code == 1 && ended.err.contains("the answers ended"), "{}", ended.err);
-    assert!(user.types(&["calibrate", "list"]).out.contains("is not calibrated"));
+    let log = user.path("state/three-roller/sim/calibrations/unfinished.jsonl");
+    assert_eq!(answers(&user, &arguments, "7.1mL\n7.1mL\nquit\n").code, 0);
+    let anew = answers(&user, &["calibrate", "run", "--speeds", "30rpm", "--anew"], "7.1mL\nquit\n");
+    assert!(anew.code == 0 && anew.err.contains("3 runs of"), "{}", anew.err);
+    assert_eq!(fs::read_to_string(&log).unwrap().lines().count(), 1);
+    assert_eq!(user.types(&["tube", "--new"]).code, 0);
+    assert!(!log.exists());
     // A speed that the motor cannot have is refused before anything moves.
     let refused = answers(&user, &["calibrate", "run", "--speeds", "60rpm,400rpm"], "");
     assert_eq!(refused.code, 2, "{}", refused.err);
@@ -262,7 +298,7 @@ fn the_guided_example_prints_what_it_shows() {
     // What stands behind a question is the answer; a pipe does not show it.
     let (mut lines, mut expected) = (String::new(), String::new());
     for line in shown.lines() {
-        let question = ["quit): ", "quit keeps nothing: "].iter().find_map(|end| {
+        let question = ["quit): ", "quit keeps the readings alone: "].iter().find_map(|end| {
             let place = line.find(end)?;
             Some(line.split_at(place + end.len()))
         });

@@ -32,6 +32,19 @@ impl Graph {
         self.arrows.iter().map(|(file, others)| (file, others.keys().collect()))
     }
 
+    /// The graph of the rooms that `room` puts the files in. A file without a room is left out.
+    pub fn of_rooms(&self, room: impl Fn(&Path) -> Option<PathBuf>) -> Self {
+        let mut rooms = Self::default();
+        for (from, others) in &self.arrows {
+            for (to, names) in others {
+                if let (Some(one), Some(two)) = (room(from), room(to)) {
+                    names.iter().for_each(|name| rooms.add(&one, &two, name));
+                }
+            }
+        }
+        rooms
+    }
+
     /// Groups of files that reach one another (strongly connected components with two files or more), by Tarjan's
     /// algorithm.
     pub fn circles(&self) -> Vec<Vec<PathBuf>> {

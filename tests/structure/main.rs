@@ -49,6 +49,18 @@ fn no_circle_of_files_crosses_a_folder() {
 }
 
 #[test]
+fn no_circle_of_rooms_stands_in_a_crate() {
+    // A room is a folder or a file that stands directly below `src`.
+    let rooms = house().of_rooms(|file| {
+        let parts: Vec<_> = file.iter().collect();
+        let source = parts.iter().position(|part| *part == "src")?;
+        Some(parts[..parts.len().min(source + 2)].iter().collect())
+    });
+    let circles: Vec<String> = rooms.circles().iter().map(|circle| rooms.describe(circle)).collect();
+    assert!(circles.is_empty(), "{} circles of rooms:\n{}", circles.len(), circles.join("\n"));
+}
+
+#[test]
 fn the_arrows_are_found() {
     let graph = house();
     let arrow = |from: &str, to: &str| graph.has(Path::new(from), Path::new(to));
