@@ -9,7 +9,7 @@ use crate::interrupt::Interrupt;
 use crate::options::bench::BenchOptions;
 use crate::options::finish::FinishOption;
 use crate::options::fluid::FluidOptions;
-use crate::options::limits::PressureLimits;
+use crate::options::limits::PressureOptions;
 use crate::options::report::{FormatOption, VerboseOption};
 use crate::options::speed::CruiseOptions;
 
@@ -26,7 +26,7 @@ pub(crate) struct ResumeArgs {
     #[command(flatten)]
     fluid: FluidOptions,
     #[command(flatten)]
-    limits: PressureLimits,
+    limits: PressureOptions,
     #[command(flatten)]
     bench: BenchOptions,
     #[command(flatten)]
@@ -44,8 +44,7 @@ impl ResumeArgs {
             cruise: self.cruise.cruise()?,
             smooth: self.smooth,
             finish: self.finish.finish(),
-            max_outlet_kpa: self.limits.max_outlet_kpa(bench.file()),
-            min_inlet_kpa: self.limits.min_inlet_kpa(bench.file()),
+            pressures: self.limits.pressures(bench.file()),
             ..DoseRequest::dose(0.0)
         };
         let json = self.format.json();

@@ -7,7 +7,7 @@ use pump_bench::{Bench, DoseRequest, PumpFile};
 use super::bench::BenchOptions;
 use super::files::{PlotOption, StepsOption, TraceOptions, differ};
 use super::fluid::FluidOptions;
-use super::limits::{PressureLimits, TubeLimit};
+use super::limits::{PressureOptions, TubeLimit};
 use super::report::{FormatOption, VerboseOption};
 use super::speed::{CruiseOptions, ReverseOption, StartAngleOption};
 use super::volume::Asked;
@@ -29,7 +29,7 @@ pub(crate) struct DosingOptions {
     #[command(flatten)]
     fluid: FluidOptions,
     #[command(flatten)]
-    limits: PressureLimits,
+    limits: PressureOptions,
     #[command(flatten)]
     tube_limit: TubeLimit,
     #[command(flatten)]
@@ -103,8 +103,7 @@ impl DosingOptions {
             cruise: self.cruise.cruise()?,
             smooth: self.smooth,
             start_angle_rad: self.start_angle.start_angle,
-            max_outlet_kpa: self.limits.max_outlet_kpa(file),
-            min_inlet_kpa: self.limits.min_inlet_kpa(file),
+            pressures: self.limits.pressures(file),
             ..DoseRequest::dose(volume_ml)
         })
     }

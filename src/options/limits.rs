@@ -3,11 +3,12 @@
 use clap::Args;
 use pump_bench::pump_file::PumpFile;
 use pump_bench::units::{self, Pressure};
+use pump_ctl::plan::PressureLimits;
 
 /// The pressures that a dose must keep.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Limits")]
-pub(crate) struct PressureLimits {
+pub(crate) struct PressureOptions {
     /// Largest pressure at the port that pushes, as 120kPaa or 20kPag
     #[arg(long, value_name = "PRESSURE", value_parser = units::pressure)]
     max_outlet_pressure: Option<Pressure>,
@@ -27,15 +28,14 @@ pub(crate) struct TubeLimit {
     tube_limit: Option<f64>,
 }
 
-impl PressureLimits {
-    /// The largest pressure at the port that pushes, kPa absolute.
-    pub(crate) fn max_outlet_kpa(&self, file: &PumpFile) -> Option<f64> {
-        self.max_outlet_pressure.map(|pressure| pressure.absolute_kpa(file.ambient.pressure_kpa))
-    }
-
-    /// The smallest pressure at the port that sucks, kPa absolute.
-    pub(crate) fn min_inlet_kpa(&self, file: &PumpFile) -> Option<f64> {
-        self.min_inlet_pressure.map(|pressure| pressure.absolute_kpa(file.ambient.pressure_kpa))
+impl PressureOptions {
+    /// The limits that are named, kPa absolute.
+    pub(crate) fn pressures(&self, file: &PumpFile) -> PressureLimits {
+        let absolute_kpa = |pressure: Pressure| pressure.absolute_kpa(file.ambient.pressure_kpa);
+        PressureLimits {
+            max_outlet_kpa: self.max_outlet_pressure.map(absolute_kpa),
+            min_inlet_kpa: self.min_inlet_pressure.map(absolute_kpa),
+        }
     }
 }
 

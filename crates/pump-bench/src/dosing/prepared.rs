@@ -1,6 +1,8 @@
 //! A prepared dose: the request, planned and predicted.
 
-use pump_ctl::plan::{Cruise, Finish, Limits, Margins, Phase, Plan, PlanError, Prediction, Request};
+use pump_ctl::plan::{
+    Cruise, Finish, Limits, Margins, Phase, Plan, PlanError, Prediction, PressureLimits, Request,
+};
 use pump_model::Pump;
 
 use super::error::DoseError;
@@ -96,7 +98,8 @@ impl Prepared {
 
     /// Returns the terms that the journal keeps for the rest of this dose, in case the dose is cut off.
     pub(crate) fn terms(&self) -> Terms {
-        let DoseRequest { smooth, finish, max_outlet_kpa, min_inlet_kpa, .. } = self.request;
+        let DoseRequest { smooth, finish, pressures, .. } = self.request;
+        let PressureLimits { max_outlet_kpa, min_inlet_kpa } = pressures;
         let cruise_rad_s = Some(self.plan.profile.cruise_rad_s());
         Terms { cruise_rad_s, smooth, low_flow: finish == Finish::LowFlow, max_outlet_kpa, min_inlet_kpa }
     }
@@ -132,7 +135,7 @@ impl Basis<'_> {
             smooth: request.smooth,
             finish: request.finish,
         };
-        (asked, self.file.limits_with(request.max_outlet_kpa, request.min_inlet_kpa))
+        (asked, self.file.limits_with(request.pressures))
     }
 
     /// Adds the prediction, the margins, the warnings and the retraction to a plan.

@@ -1,6 +1,6 @@
 //! The request for a dose.
 
-use pump_ctl::plan::{Cruise, Finish};
+use pump_ctl::plan::{Cruise, Finish, PressureLimits};
 
 use crate::record::{Purpose, Terms};
 
@@ -24,10 +24,8 @@ pub struct DoseRequest {
     pub whole_ml: Option<f64>,
     /// Volume to suck back after the dose, in mL, positive. `None` sucks nothing back.
     pub retract_ml: Option<f64>,
-    /// Pressure limit at the discharge port, in kPa absolute. `None` takes the pump file's limit.
-    pub max_outlet_kpa: Option<f64>,
-    /// Pressure limit at the suction port, in kPa absolute. `None` takes the pump file's limit.
-    pub min_inlet_kpa: Option<f64>,
+    /// Pressure limits of the dose. The pump file's limits take the place of those left out.
+    pub pressures: PressureLimits,
 }
 
 impl DoseRequest {
@@ -42,8 +40,7 @@ impl DoseRequest {
             start_angle_rad: None,
             whole_ml: None,
             retract_ml: None,
-            max_outlet_kpa: None,
-            min_inlet_kpa: None,
+            pressures: PressureLimits::NONE,
         }
     }
 
@@ -54,8 +51,7 @@ impl DoseRequest {
             cruise: self.cruise.or(whole.cruise_rad_s.map(|rad_s| Cruise::Speed { rad_s })),
             smooth: self.smooth || whole.smooth,
             finish: if whole.low_flow { Finish::LowFlow } else { self.finish },
-            max_outlet_kpa: self.max_outlet_kpa.or(whole.max_outlet_kpa),
-            min_inlet_kpa: self.min_inlet_kpa.or(whole.min_inlet_kpa),
+            pressures: self.pressures.or(whole.pressures()),
             ..self
         }
     }

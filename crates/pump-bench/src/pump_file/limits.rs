@@ -51,7 +51,7 @@ impl LimitsTable {
 impl PumpFile {
     /// Returns the limits of motor, pressures and torque.
     pub fn limits(&self) -> Limits {
-        self.limits_with(None, None)
+        self.limits_with(PressureLimits::NONE)
     }
 
     /// Returns the limits of motor, pressures and torque, with pressures in kPa absolute that replace those
@@ -59,12 +59,12 @@ impl PumpFile {
     ///
     /// The lowest pressure for tube and fluid is the larger of two pressures: the one at which the tube
     /// collapses and the fluid's vapour pressure.
-    pub fn limits_with(&self, max_outlet_kpa: Option<f64>, min_inlet_kpa: Option<f64>) -> Limits {
+    pub fn limits_with(&self, pressures: PressureLimits) -> Limits {
         let bounds = [(self.fluid.vapour_kpa(), SetBy::Vapour), (self.collapse_kpa(), SetBy::TubeCollapse)];
         let known = bounds.into_iter().filter_map(|(kpa, set_by)| Some(Lowest { kpa: kpa?, set_by }));
         Limits {
             motor: self.motor.at_pump_head(),
-            pressures: PressureLimits { max_outlet_kpa, min_inlet_kpa }.or(PressureLimits {
+            pressures: pressures.or(PressureLimits {
                 max_outlet_kpa: self.limits.max_outlet_kpa,
                 min_inlet_kpa: self.limits.min_inlet_kpa,
             }),

@@ -1,8 +1,9 @@
 //! The terms of a dose besides its volume.
 
+use pump_ctl::plan::PressureLimits;
 use serde::{Deserialize, Serialize};
 
-/// Terms of a dose besides its volume. The rest of a dose that was cut off keeps to them.
+/// Terms of a dose besides its volume, in the form of the journal. The rest of a dose that was cut off keeps to them.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Terms {
@@ -24,6 +25,11 @@ pub struct Terms {
 }
 
 impl Terms {
+    /// Returns the pressure limits of the terms.
+    pub(crate) fn pressures(&self) -> PressureLimits {
+        PressureLimits { max_outlet_kpa: self.max_outlet_kpa, min_inlet_kpa: self.min_inlet_kpa }
+    }
+
     pub(super) fn is_none(&self) -> bool {
         *self == Self::default()
     }

@@ -1,11 +1,11 @@
 //! The report of a dose, and its JSON for programs. `dose_text.rs` and `dose_details.rs` have its words for people.
 
-use pump_ctl::plan::{Finish, Plan};
+use pump_ctl::plan::{Finish, LimitedBy, Plan, SetBy};
 use pump_model::math::{degrees, rpm};
 use pump_model::{Extremes, Ripple};
 use serde::Serialize;
 
-use super::choices::{SpeedLimit, SuctionLimit, VolumeBasis, finish_word};
+use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 use crate::bench::{Bench, Delivered};
 use crate::calibration::{Applied, Made};
 use crate::dosing::{Budget, Prepared, Share};
@@ -101,11 +101,13 @@ pub struct DoseReport {
     /// Ripple of the planned flow at the outlet's rollers: less than before if the flow is smooth.
     pub ripple_after: RippleReport,
     /// Limit that keeps the dose from being faster.
-    pub limited_by: SpeedLimit,
+    #[serde(serialize_with = "limit_word")]
+    pub limited_by: LimitedBy,
     /// Smallest pressure that is allowed at the port that sucks, kPa absolute; null if none is known.
     pub inlet_limit_kpa: Option<f64>,
     /// Reason for that limit: the largest of those that are known.
-    pub inlet_limit: Option<SuctionLimit>,
+    #[serde(serialize_with = "set_by_word")]
+    pub inlet_limit: Option<SetBy>,
     /// Limits for which no value is known, so that nobody checked them.
     pub limits_not_checked: Vec<UncheckedLimit>,
     /// Warnings for the user.
@@ -214,9 +216,9 @@ impl DoseReport {
             torque_available_n_m: prepared.margins.torque.map(|torque| torque.limit),
             ripple_before: ripples.before.into(),
             ripple_after: ripples.after.into(),
-            limited_by: plan.limited_by.into(),
+            limited_by: plan.limited_by,
             inlet_limit_kpa: lowest.map(|lowest| lowest.kpa),
-            inlet_limit: lowest.map(|lowest| lowest.set_by.into()),
+            inlet_limit: lowest.map(|lowest| lowest.set_by),
             limits_not_checked: file.not_checked(&prepared.limits),
             warnings: prepared.warnings.clone(),
             completed: delivered.is_some_and(|delivered| delivered.completed),

@@ -119,7 +119,7 @@ impl DoseReport {
 
     fn suction(&self) -> Option<String> {
         let (limit_kpa, limit) = self.inlet_limit_kpa.zip(self.inlet_limit)?;
-        Some(format!("not below {limit_kpa:.2} kPa absolute ({})", spoken(limit.as_str())))
+        Some(format!("not below {limit_kpa:.2} kPa absolute ({})", spoken(limit.name())))
     }
 
     fn torque(&self) -> Option<String> {

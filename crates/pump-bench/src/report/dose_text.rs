@@ -1,8 +1,8 @@
 //! The report of a dose in three lines for people; digits are cut to the uncertainty.
 
+use pump_ctl::plan::LimitedBy;
 use pump_model::math::floor;
 
-use super::choices::SpeedLimit;
 use super::dose::DoseReport;
 use crate::bench::headline;
 use crate::numbers::significant;
@@ -53,8 +53,8 @@ impl DoseReport {
 
     fn motion_line(&self) -> String {
         let limited = match self.limited_by {
-            SpeedLimit::None => String::new(),
-            limit => format!(" (limited by {})", limit.as_str().replace('_', " ")),
+            LimitedBy::Nothing => String::new(),
+            limit => format!(" (limited by {})", limit.name().replace('_', " ")),
         };
         let least_kpa = self.inlet_min_kpa.min(self.outlet_min_kpa);
         let most_kpa = self.inlet_max_kpa.max(self.outlet_max_kpa);

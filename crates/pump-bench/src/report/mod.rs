@@ -16,7 +16,7 @@ mod status_text;
 mod verification;
 
 pub use calibration::{calibration_json, calibration_text, calibrations_json, calibrations_text};
-pub use choices::{Format, SpeedLimit, SuctionLimit, VolumeBasis};
+pub use choices::{Format, VolumeBasis};
 pub use dose::{CalibrationReport, DoseReport, PhaseReport, RippleReport};
 pub use ending::Ending;
 pub use phase::{phase_json, phase_text};

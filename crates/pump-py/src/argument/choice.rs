@@ -5,8 +5,6 @@ use pyo3::prelude::*;
 
 use crate::python::errors::value;
 
-const FINISHES: [(&str, Finish); 2] = [("any", Finish::Any), ("low-flow", Finish::LowFlow)];
-
 /// Returns the value of the word that was given for `name`. Any other word is refused with the list of those allowed.
 pub(crate) fn choice<T: Copy>(name: &str, given: &str, allowed: &[(&str, T)]) -> PyResult<T> {
     if let Some((_, chosen)) = allowed.iter().find(|(word, _)| *word == given) {
@@ -18,13 +16,5 @@ pub(crate) fn choice<T: Copy>(name: &str, given: &str, allowed: &[(&str, T)]) ->
 
 /// Reads where in a pitch a dose may end.
 pub(crate) fn finish_named(name: &str) -> PyResult<Finish> {
-    choice("finish", name, &FINISHES)
-}
-
-/// Returns the word that [`finish_named`] reads back.
-pub(crate) fn finish_word(finish: Finish) -> &'static str {
-    match finish {
-        Finish::Any => FINISHES[0].0,
-        Finish::LowFlow => FINISHES[1].0,
-    }
+    name.parse().map_err(value)
 }

@@ -46,8 +46,7 @@ impl Asked<'_> {
             start_angle_rad: self.start_angle_rad,
             whole_ml: None,
             retract_ml: retracted_ml(self.retract.as_ref())?,
-            max_outlet_kpa: limits.max_outlet_kpa,
-            min_inlet_kpa: limits.min_inlet_kpa,
+            pressures: limits.pressures(),
         })
     }
 }

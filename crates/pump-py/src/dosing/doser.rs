@@ -88,6 +88,6 @@ impl Doser {
 impl Doser {
     /// Returns the limits of the pump file, with the pressures given here in place of its `[limits]`.
     fn ctl_limits(&self) -> CtlLimits {
-        self.pump.get().file.limits_with(self.limits.max_outlet_kpa, self.limits.min_inlet_kpa)
+        self.pump.get().file.limits_with(self.limits.pressures())
     }
 }

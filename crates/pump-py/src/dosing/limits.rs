@@ -1,5 +1,6 @@
 //! Pressure limits of a dose.
 
+use pump_ctl::plan::PressureLimits;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -65,5 +66,12 @@ impl Limits {
     #[pyo3(signature = (max_outlet_kpa, min_inlet_kpa))]
     fn _rebuild(max_outlet_kpa: Option<f64>, min_inlet_kpa: Option<f64>) -> Self {
         Self::new(max_outlet_kpa, min_inlet_kpa)
+    }
+}
+
+impl Limits {
+    /// Returns the limits as the planner takes them.
+    pub(crate) fn pressures(&self) -> PressureLimits {
+        PressureLimits { max_outlet_kpa: self.max_outlet_kpa, min_inlet_kpa: self.min_inlet_kpa }
     }
 }

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use super::doser::Doser;
-use crate::argument::{finish_named, finish_word};
+use crate::argument::finish_named;
 use crate::pump::Pump;
 use crate::python::errors::{self, value};
 
@@ -183,7 +183,7 @@ impl Plan {
     /// "speed", "outlet_pressure", "inlet_pressure" and "torque".
     #[getter]
     fn limited_by(&self) -> &str {
-        self.report.limited_by.as_str()
+        self.report.limited_by.name()
     }
 
     /// Ripple of the flow at the outlet's rollers at constant speed, over its mean: (peak to peak, root mean square).
@@ -246,7 +246,7 @@ impl Plan {
             self.start_half_width_rad(),
             self.report.carry_in_ml,
             request.smooth,
-            finish_word(request.finish).to_owned(),
+            request.finish.to_string(),
             request.retract_ml,
         );
         Ok((py.get_type::<Self>().getattr("_rebuild")?, plain))
@@ -291,8 +291,7 @@ impl Plan {
             start_angle_rad: Some(start_angle_rad),
             whole_ml: None,
             retract_ml,
-            max_outlet_kpa: limits.max_outlet_kpa,
-            min_inlet_kpa: limits.min_inlet_kpa,
+            pressures: limits.pressures(),
         };
         let start = Phase { angle_rad: start_angle_rad, half_width_rad: start_half_width_rad };
         Self::new(doser, request, start, carry_in_ml)

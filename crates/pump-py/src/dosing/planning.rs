@@ -85,8 +85,7 @@ impl Doser {
             start_angle_rad: Some(start_angle_rad),
             whole_ml: None,
             retract_ml: retracted_ml(retract)?,
-            max_outlet_kpa: doser.limits.max_outlet_kpa,
-            min_inlet_kpa: doser.limits.min_inlet_kpa,
+            pressures: doser.limits.pressures(),
         };
         let start = Phase { angle_rad: start_angle_rad, half_width_rad: start_half_width_rad };
         Plan::new(slf, request, start, carry_in_ml)
