@@ -7,7 +7,7 @@ use crate::math::{exp, log, pow};
 
 use super::fluid::{Fluid, kelvin, series};
 
-/// Published properties of an alcohol.
+/// Published formulas of an alcohol's properties.
 struct Alcohol {
     /// Name of its temperature in errors.
     parameter: &'static str,
@@ -21,8 +21,9 @@ struct Alcohol {
     /// log10(vapour pressure/Pa) = A - B/(T + C), T in K: Poling, Prausnitz, O'Connell, "The Properties of Gases and
     /// Liquids", 5th edition, appendix A.
     vapour: [f64; 3],
-    /// Isothermal compressibility, 1e-4/MPa: CRC Handbook of Chemistry and Physics, section 6, at one temperature. It
-    /// changes by a sixth over the range, which is nothing beside the compliance of a soft wall.
+    /// Isothermal compressibility at one temperature, 1e-4/MPa: CRC Handbook of Chemistry and Physics,
+    /// section 6. It changes by a sixth over the range, which is nothing beside the compliance of a soft
+    /// wall.
     compressibility: f64,
 }
 
@@ -60,11 +61,17 @@ impl Alcohol {
 }
 
 impl Fluid {
-    /// Ethanol without water at 5 to 40 °C.
+    /// Returns the properties of ethanol without water at 5 to 40 °C.
     ///
-    /// Density within 0.05 % (International Critical Tables), viscosity within 2 % (Perry), vapour pressure within 1 %
-    /// (Poling, Prausnitz, O'Connell); bulk modulus that at 20 °C (CRC Handbook), which changes by a sixth over the
-    /// range.
+    /// Density is within 0.05 % (International Critical Tables), viscosity within 2 % (Perry), vapour
+    /// pressure within 1 % (Poling, Prausnitz, O'Connell). The bulk modulus is that at 20 °C (CRC Handbook);
+    /// it changes by a sixth over the range.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a temperature outside 5 to 40 °C.
+    ///
+    /// # Examples
     ///
     /// ```
     /// let ethanol = pump_model::Fluid::ethanol(25.0)?;
@@ -75,9 +82,13 @@ impl Fluid {
         ETHANOL.at(temperature_degc)
     }
 
-    /// Isopropanol (2-propanol) without water at 10 to 40 °C.
+    /// Returns the properties of isopropanol (2-propanol) without water at 10 to 40 °C.
     ///
-    /// From the sources of [`Self::ethanol`] and as good; bulk modulus that at 40 °C.
+    /// Sources and accuracy are those of [`Self::ethanol`]. The bulk modulus is that at 40 °C.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a temperature outside 10 to 40 °C.
     pub fn isopropanol(temperature_degc: f64) -> Result<Self, ModelError> {
         ISOPROPANOL.at(temperature_degc)
     }
