@@ -49,8 +49,8 @@ impl Drawing {
         let least_square = roller_offset_mm * roller_offset_mm - inner_mm * inner_mm;
         if roller_radius_mm * roller_radius_mm <= least_square {
             return refused(
-                "more than sqrt(offset² - (backplate radius - tube diameter)²), for its volume to follow from a \
-                 drawing; measure that of a smaller one",
+                "more than sqrt(offset² - (backplate radius - tube diameter)²), so that its volume follows \
+                 from the drawing; measure the volume of a smaller roller",
             );
         }
         if roller_radius_mm >= roller_offset_mm {
@@ -110,7 +110,7 @@ impl Drawing {
         let offset_mm = self.geometry.roller_offset_mm;
         let (x_mm, y_mm) = (offset_mm * cos(eta), offset_mm * sin(eta));
         let bore_mm = 2.0 * self.geometry.bore_radius_mm;
-        // Where the bore is closed, h does not grow.
+        // A closed bore has an h that does not grow.
         let growth = |h_mm: f64| if h_mm < bore_mm { FRAC_PI_2 * h_mm } else { 0.0 };
         let end_mm = self.squeeze_at_end_mm(eta);
         let mean_radius_mm = self.geometry.backplate_radius_mm - self.geometry.tube_outer_radius_mm;

@@ -21,7 +21,7 @@ const CUT: f64 = 0.3;
 const SAME_CORNER_RAD: f64 = 1e-9;
 
 impl RollerVolume {
-    /// Builds the curve from the pump's dimensions alone, for a pump that nobody has measured.
+    /// Builds the curve from the pump's dimensions alone, for a pump without measurements.
     ///
     /// Its quintics meet [`Drawing::volume_ml`] within 2e-6 of V_r everywhere. They join in value and slope,
     /// so the flow has no jump.

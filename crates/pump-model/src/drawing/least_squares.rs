@@ -4,9 +4,9 @@ use crate::math::polynomial::{DEGREE, Polynomial};
 
 /// Fits y over x. There must be more than five different x.
 ///
-/// The fit uses polynomials that are orthogonal on the points, made by their three-term recurrence (Forsythe,
-/// "Generation and use of orthogonal polynomials for data-fitting with a digital computer", J. SIAM 5, 1957).
-/// No system is solved, so the near-dependence of the powers of x loses no digits.
+/// The fit uses polynomials that are orthogonal on the points, made by their three-term recurrence. No system
+/// is solved, so the near-dependence of the powers of x loses no digits. Source: Forsythe, "Generation and
+/// use of orthogonal polynomials for data-fitting with a digital computer", J. SIAM 5, 1957.
 pub(crate) fn quintic(points: impl Iterator<Item = (f64, f64)> + Clone) -> Polynomial {
     let mut fit = Polynomial::default();
     // The polynomials p_n and p_(n-1), and the squared length of the latter.

@@ -35,7 +35,8 @@ pub enum ModelError {
     },
     /// Roller and backplate overlap.
     #[error(
-        "roller offset + roller radius is {reach_mm} mm, beyond the backplate radius of {backplate_radius_mm} mm"
+        "roller offset + roller radius is {reach_mm} mm, beyond the backplate radius of \
+         {backplate_radius_mm} mm"
     )]
     RollersHitBackplate {
         /// Reach of the rollers, r_offset + r_roller, mm.
@@ -70,8 +71,9 @@ pub enum ModelError {
     },
     /// The flow per radian is not positive at some angle, so a volume has no single angle.
     #[error(
-        "with {rollers} rollers the {port} flow per radian falls to {flow_ml_rad:.3} mL/rad at {angle_deg:.1} deg; \
-         it must stay positive for a volume to have one angle; use fewer rollers or a smaller roller volume"
+        "with {rollers} rollers the {port} flow per radian falls to {flow_ml_rad:.3} mL/rad at \
+         {angle_deg:.1} deg; it must stay positive for a volume to have one angle; use fewer rollers or a \
+         smaller roller volume"
     )]
     FlowNotPositive {
         /// Number of rollers.
@@ -85,7 +87,8 @@ pub enum ModelError {
     },
     /// The roller-volume curve does not rise.
     #[error(
-        "the roller volume does not rise anywhere between 0 and {engagement_deg:.2} deg; check its coefficients"
+        "the roller volume does not rise anywhere between 0 and {engagement_deg:.2} deg; check its \
+         coefficients"
     )]
     RollerVolumeFlat {
         /// Engagement angle phi, degrees.
@@ -110,8 +113,8 @@ pub enum ModelError {
     },
     /// A periodic steady state does not exist.
     #[error(
-        "at {speed_rad_s:.6} rad/s the pulses meet a resonance of the {port} line that nothing damps: there is no \
-         steady state; give the line a resistance or change the speed"
+        "at {speed_rad_s:.6} rad/s the pulses meet a resonance of the {port} line that nothing damps: there \
+         is no steady state; give the line a resistance or change the speed"
     )]
     UndampedResonance {
         /// Name of the port: `inlet` or `outlet`.
@@ -136,8 +139,9 @@ pub enum ModelError {
     },
     /// Integrating does not come to a periodic steady state.
     #[error(
-        "no periodic steady state after {pitches} pitches: the last one still changed by {change_kpa:.2e} kPa; \
-         give the lines more resistance, less inertance or less compliance, or a speed at which a pitch takes longer"
+        "no periodic steady state after {pitches} pitches: the last one still changed by {change_kpa:.2e} \
+         kPa; give the lines more resistance, less inertance or less compliance, or a speed at which a \
+         pitch takes longer"
     )]
     NotPeriodic {
         /// Number of pitches that were tried.
@@ -147,8 +151,8 @@ pub enum ModelError {
     },
     /// The line swings or creeps for longer than the search follows it.
     #[error(
-        "the outlet line has not settled {waited_s:.3} s after the last step: it is damped too weakly (L/R) or too \
-         strongly (R C)"
+        "the outlet line has not settled {waited_s:.3} s after the last step: it is damped too weakly (L/R) \
+         or too strongly (R C)"
     )]
     NeverSettles {
         /// Time after which the search gave up, s.

@@ -53,8 +53,8 @@ pub const VOLUME_POINTS: [(f64, f64); 15] = [
     (50.53, 2.1064286),
 ];
 
-/// Coefficients of V in mL over degrees, highest order first: least squares of 5th order through [`VOLUME_POINTS`]
-/// (residual 0.0074 mL RMS).
+/// Coefficients of V in mL over degrees, highest order first: least squares of 5th order through
+/// [`VOLUME_POINTS`] (residual 0.0074 mL RMS).
 pub const VOLUME_COEFFICIENTS_DEG: [f64; 6] = [
     1.315_768_247_757_037_1e-8,
     -1.238_105_747_404_483_3e-6,

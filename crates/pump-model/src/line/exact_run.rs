@@ -21,7 +21,8 @@ use super::settling::settling_s;
 /// ```
 /// use pump_model::{ExactRun, Leg, Port, Pump};
 /// let pump = Pump::three_roller();
-/// let mut run = ExactRun::from_rest(&pump, Port::Outlet, [Leg::constant_speed(0.0, 10.471_975_511_965_978)]);
+/// let legs = [Leg::constant_speed(0.0, 10.471_975_511_965_978)];
+/// let mut run = ExactRun::from_rest(&pump, Port::Outlet, legs);
 /// assert!((run.extremes(10.0).max_kpa - 108.568_444).abs() < 1e-6);
 /// ```
 #[derive(Debug, Clone)]

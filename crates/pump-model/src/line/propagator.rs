@@ -117,7 +117,8 @@ impl Propagator {
         Self { step_s: h, change, response, degree }
     }
 
-    /// Makes the step twice as long: F' = 2 F + F², gamma_k' = (e^(A h) gamma_k + sum_j C(k, j) gamma_j) / 2^k.
+    /// Makes the step twice as long: F' = 2 F + F², gamma_k' = (e^(A h) gamma_k + sum_j C(k, j) gamma_j) /
+    /// 2^k.
     fn double(&mut self) {
         let mut scale = 1.0;
         let mut doubled = self.response;

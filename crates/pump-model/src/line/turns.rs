@@ -57,7 +57,7 @@ impl Oscillator {
             let slope = self.derivative(there, flow.at(t));
             let curvature = self.derivative(slope, flow.rate_at(t));
             let shift = slope[0] / curvature[0];
-            // Where the curve is flat there is nothing to gain.
+            // A flat curve leaves nothing to gain.
             if shift.is_nan() || shift.abs() >= 0.1 / self.norm() {
                 break;
             }
