@@ -42,8 +42,8 @@ impl Forcing for NoFlow {
 
 /// One port of the pump between the rollers and the reservoir.
 ///
-/// The state is p = P - P_res, kPa, and the line's flow Q_L, mL/s, positive from inlet to outlet. With `N =
-/// 3` the state also has the volume that has passed the line, mL. With s = 1 at the outlet and -1 at the
+/// The state is p = P - P_res, kPa, and the line's flow Q_L, mL/s, positive from inlet to outlet. With
+/// `N = 3` the state also has the volume that has passed the line, mL. With s = 1 at the outlet and -1 at the
 /// inlet:
 ///
 /// C dp/dt = s (Q - Q_L), L dQ_L/dt = s p - dP(Q_L), dV/dt = Q_L

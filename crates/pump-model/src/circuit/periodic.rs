@@ -49,7 +49,7 @@ pub(crate) fn repeated<T, const K: usize>(
         let largest = |changes: &[f64]| changes.iter().copied().fold(0.0, f64::max);
         let (last, earlier) = changes.split_at(WINDOW);
         let (last, earlier) = (largest(last), largest(earlier));
-        // With fewer changes than that, nothing is known of how they fall.
+        // The fall of the changes is unknown until all eight exist.
         let falling = earlier.is_finite() && last < earlier;
         let left_kpa = if falling { WINDOW as f64 * last * last / (earlier - last) } else { f64::INFINITY };
         // Changes below a hundredth of the limit are rounding.

@@ -27,9 +27,10 @@ pub(crate) const TOLERANCES: core::ops::RangeInclusive<f64> = 1e-13..=0.1;
 /// The integration of one port over a motion, pulled forward by its user.
 ///
 /// With `N = 2` the state is P - P_res in kPa and the line's flow in mL/s. With `N = 3` it also has the
-/// volume through the line in mL. The type `R` is the resistance of the line: R of the pump's line, or a
-/// hose's friction ([`PortRun::with_friction`]). The exact solution ([`crate::ExactRun`]) knows only the
-/// former.
+/// volume through the line in mL.
+///
+/// The type `R` is the resistance of the line. It is R of the pump's line or a hose's friction
+/// ([`PortRun::with_friction`]). The exact solution ([`crate::ExactRun`]) takes only R of the line.
 ///
 /// ```
 /// use pump_model::{DEFAULT_TOLERANCE, Leg, Port, PortRun, Pump, math};

@@ -60,8 +60,8 @@ impl Drawing {
         Ok(Self { geometry: *geometry, inner_mm, contact_rad })
     }
 
-    /// Returns the angle beyond the arc's end at which contact begins, rad: eta_c = acos((r_b - 2 r_o -
-    /// r_roller) / r_offset).
+    /// Returns the angle beyond the arc's end at which contact begins, rad:
+    /// eta_c = acos((r_b - 2 r_o - r_roller) / r_offset).
     pub fn contact_rad(&self) -> f64 {
         self.contact_rad
     }
@@ -73,8 +73,8 @@ impl Drawing {
         self.contact_rad + self.half_width_rad(0.0)
     }
 
-    /// Returns the angle at which the roller first closes the tube, rad: theta_c = eta_c - acos((r_b -
-    /// r_roller - 2 (r_o - r_i)) / r_offset).
+    /// Returns the angle at which the roller first closes the tube, rad:
+    /// theta_c = eta_c - acos((r_b - r_roller - 2 (r_o - r_i)) / r_offset).
     pub fn closure_rad(&self) -> f64 {
         let wall_mm = self.geometry.tube_outer_radius_mm - self.geometry.bore_radius_mm;
         let near_mm = self.geometry.backplate_radius_mm - self.geometry.roller_radius_mm - 2.0 * wall_mm;
@@ -110,7 +110,7 @@ impl Drawing {
         let offset_mm = self.geometry.roller_offset_mm;
         let (x_mm, y_mm) = (offset_mm * cos(eta), offset_mm * sin(eta));
         let bore_mm = 2.0 * self.geometry.bore_radius_mm;
-        // A closed bore has an h that does not grow.
+        // The squeeze h does not grow where the bore is closed.
         let growth = |h_mm: f64| if h_mm < bore_mm { FRAC_PI_2 * h_mm } else { 0.0 };
         let end_mm = self.squeeze_at_end_mm(eta);
         let mean_radius_mm = self.geometry.backplate_radius_mm - self.geometry.tube_outer_radius_mm;
@@ -133,8 +133,8 @@ impl Drawing {
         corners
     }
 
-    /// Returns the angle at the shaft between the roller's axis and the point of its surface at rho +
-    /// `squeeze_mm`, rad.
+    /// Returns the angle at the shaft between the roller's axis and the point of its surface at
+    /// rho + `squeeze_mm`, rad.
     fn half_width_rad(&self, squeeze_mm: f64) -> f64 {
         let Geometry { roller_radius_mm: radius, roller_offset_mm: offset, .. } = self.geometry;
         let reach = self.inner_mm + squeeze_mm;
@@ -177,9 +177,9 @@ impl Drawing {
 
     /// Returns the integral of a function of h over the polar angle p < 0, rad times the function's unit.
     ///
-    /// The integral runs over the angle t at the roller's axis. The roller's surface is R from the shaft, R²
-    /// = r_offset² + r_roller² + 2 r_offset r_roller cos t. Then h = R - rho and dp = (r_roller² + r_offset
-    /// r_roller cos t) / R² dt.
+    /// The integral runs over the angle t at the roller's axis. The roller's surface is R from the shaft,
+    /// R² = r_offset² + r_roller² + 2 r_offset r_roller cos t. Then h = R - rho and
+    /// dp = (r_roller² + r_offset r_roller cos t) / R² dt.
     fn over_arc(&self, eta: f64, of_squeeze: impl Fn(f64) -> f64) -> f64 {
         let Geometry { roller_radius_mm: radius, roller_offset_mm: offset, .. } = self.geometry;
         let y_mm = offset * sin(eta);

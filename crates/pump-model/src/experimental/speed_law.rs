@@ -94,8 +94,8 @@ impl SpeedLaw {
         0.5 * f64::from(pump.geometry().rollers) * (roller.total_ml() + roller.at(self.closure_rad))
     }
 
-    /// Returns the factor of every flow and volume of the pump at a speed other than 0: kappa(N) =
-    /// V_rot(N)/V_rot.
+    /// Returns the factor of every flow and volume of the pump at a speed other than 0:
+    /// kappa(N) = V_rot(N)/V_rot.
     ///
     /// # Errors
     ///

@@ -142,8 +142,8 @@ impl FlowCurve {
         scaled
     }
 
-    /// Returns this curve counted from another zero: its value at an angle is that of this curve at the angle
-    /// + `zero_rad`.
+    /// Returns this curve counted from another zero: its value at an angle is that of this curve at the
+    /// angle + `zero_rad`.
     ///
     /// `zero_rad` must be finite. Returns none if there is no room for the piece that the new zero cuts in
     /// two.

@@ -111,11 +111,11 @@ impl Geometry {
         PI - roller.engagement_rad() - 2.0 * self.contact_angle_rad + 2.0 * roller.inset_rad()
     }
 
-    /// Returns the angle by which the pulse of the inlet begins behind that of the outlet, rad: psi = 2 pi -
-    /// Lam - phi.
+    /// Returns the angle by which the pulse of the inlet begins behind that of the outlet, rad:
+    /// psi = 2 pi - Lam - phi.
     ///
-    /// A roller is fully engaged over Lam = pi + 2 beta - 2 inset. For a measured roller volume psi = pi -
-    /// phi - 2 beta (McIntyre et al.).
+    /// A roller is fully engaged over Lam = pi + 2 beta - 2 inset. For a measured roller volume
+    /// psi = pi - phi - 2 beta (McIntyre et al.).
     ///
     /// # Errors
     ///

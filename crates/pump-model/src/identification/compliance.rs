@@ -88,8 +88,8 @@ impl ComplianceFit {
         self.start_kpa.value + volume_ml / self.compliance_ml_kpa.value
     }
 
-    /// Returns the effective bulk modulus of a closed line that holds `total_ml`, kPa: B_e = dP V_total/dV =
-    /// V_total/C (McIntyre et al.; their C = 1/B_e lacks the volume).
+    /// Returns the effective bulk modulus of a closed line that holds `total_ml`, kPa:
+    /// B_e = dP V_total/dV = V_total/C (McIntyre et al.; their C = 1/B_e lacks the volume).
     pub fn bulk_modulus_kpa(&self, total_ml: f64) -> Estimate {
         self.compliance_ml_kpa.inverse().times(total_ml)
     }

@@ -188,8 +188,8 @@ mod tests {
         [new, embedded]
     }
 
-    /// Returns the Rosenbrock form (Hairer and Wanner, section IV.7): u = Gamma k, c = diag(1/gamma) -
-    /// Gamma⁻¹, a = alpha Gamma⁻¹.
+    /// Returns the Rosenbrock form (Hairer and Wanner, section IV.7): u = Gamma k,
+    /// c = diag(1/gamma) - Gamma⁻¹, a = alpha Gamma⁻¹.
     fn rosenbrock() -> Rosenbrock {
         let inverse = Matrix::from_fn(|i, j| match i {
             _ if i == j => 1.0 / GAMMA,

@@ -48,8 +48,8 @@ impl Friction {
 
 /// Returns f Re/64, which is 1 in laminar flow, and its derivative over Re.
 ///
-/// f = 8 ((8/Re)^12 + (A + B)^(-3/2))^(1/12), A = (2.457 ln (Re/7)^0.9)^16 for a smooth wall, B =
-/// (37530/Re)^16 (Churchill). So f Re/64 = (1 + (Re/8)^12 (A + B)^(-3/2))^(1/12).
+/// f = 8 ((8/Re)^12 + (A + B)^(-3/2))^(1/12), A = (2.457 ln (Re/7)^0.9)^16 for a smooth wall,
+/// B = (37530/Re)^16 (Churchill). So f Re/64 = (1 + (Re/8)^12 (A + B)^(-3/2))^(1/12).
 fn excess_over_laminar(reynolds: f64) -> (f64, f64) {
     if reynolds < LAMINAR_REYNOLDS {
         return (1.0, 0.0);

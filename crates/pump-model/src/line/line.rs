@@ -69,10 +69,10 @@ impl Line {
     /// this. It is infinite for a line without resistance, which may resonate.
     ///
     /// It is the integral of |p| after 1 mL is pushed in at once: p'' + (R/L) p' + p/(L C) = 0 from 1/C with
-    /// p' = 0. In an overdamped line p stays positive, and the integral is R. Otherwise it is R + 2 L (Q_1 +
-    /// Q_2 + ...) with the flows Q_n at the zeros of p. These fall by exp(-pi k) each, k = z/sqrt(1 - z²)
-    /// with the damping ratio z, from Q_1 = w exp(-k (pi/2 + asin z)), w = 1/sqrt(L C). As asin z >= z, z
-    /// stands for asin z and gives a bound.
+    /// p' = 0. In an overdamped line p stays positive, and the integral is R. Otherwise it is
+    /// R + 2 L (Q_1 + Q_2 + ...) with the flows Q_n at the zeros of p. These fall by exp(-pi k) each,
+    /// k = z/sqrt(1 - z²) with the damping ratio z, from Q_1 = w exp(-k (pi/2 + asin z)), w = 1/sqrt(L C). As
+    /// asin z >= z, z stands for asin z and gives a bound.
     pub fn worst_kpa_s_ml(&self) -> f64 {
         use core::f64::consts::{E, PI};
         let z = self.damping_ratio();

@@ -37,7 +37,8 @@ pub fn nrmse(pairs: impl IntoIterator<Item = (f64, f64)> + Clone) -> Option<f64>
     rmse(pairs).map(|rmse| rmse / mean).filter(|nrmse| nrmse.is_finite())
 }
 
-/// Returns Pearson's correlation, -1 to 1: how far both rise and fall together, whatever their size.
+/// Returns Pearson's correlation, -1 to 1. It tells how far both rise and fall together, independent of their
+/// size.
 ///
 /// Returns none if either does not change.
 pub fn pearson(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<f64> {

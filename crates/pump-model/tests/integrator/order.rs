@@ -101,8 +101,8 @@ fn prothero_and_robinsons_problem_is_the_more_exact_the_stiffer_it_is() {
 }
 
 /// At the ends the order is that of the reduced problem but for h² over the rate. P. Kaps's problem is stiff
-/// and nonlinear: y1' = -(rate + 2) y1 + rate y2², y2' = y1 - y2 (1 + y2). Its solution is y1 = exp(-2 t), y2
-/// = exp(-t) whatever the rate.
+/// and nonlinear: y1' = -(rate + 2) y1 + rate y2², y2' = y1 - y2 (1 + y2). Its solution is y1 = exp(-2 t),
+/// y2 = exp(-t) whatever the rate.
 #[test]
 fn kapss_problem_loses_no_accuracy_to_stiffness() {
     let solution = |t: f64| SVector::<f64, 2>::new((-2.0 * t).exp(), (-t).exp());

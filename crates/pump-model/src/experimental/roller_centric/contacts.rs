@@ -202,8 +202,8 @@ pub(super) struct Contacts {
     count: usize,
     /// Number of the roller nearest to the outlet.
     pub(super) first: i64,
-    /// Lengths of tube that belong to outlet and inlet where the piece starts, rad: phi - p_l and p_m + Lam +
-    /// phi.
+    /// Lengths of tube that belong to outlet and inlet where the piece starts, rad: phi - p_l and
+    /// p_m + Lam + phi.
     pub(super) ends_rad: [f64; 2],
 }
 
