@@ -49,8 +49,8 @@ pub struct SpeedLaw {
 }
 
 impl SpeedLaw {
-    /// Law fitted to the published figures of McIntyre et al.'s pump, with theta_c of the dimensions of Table
-    /// 1.
+    /// Law fitted to the published figures of McIntyre et al.'s pump, with theta_c by the dimensions of
+    /// Table 1.
     pub const PUBLISHED: Self = Self {
         scale: paper::SEGMENT_SCALE,
         distensibility_per_kpa: paper::DISTENSIBILITY_PER_KPA,
@@ -87,8 +87,8 @@ impl SpeedLaw {
         Ok(revolution_ml)
     }
 
-    /// Returns the volume that the rollers take of a revolution's segments when these are trapped, mL: NU
-    /// (V_r + V(theta_c))/2.
+    /// Returns the volume that the rollers take of a revolution's segments when these are trapped, mL:
+    /// NU (V_r + V(theta_c))/2.
     pub fn pinched_ml(&self, pump: &Pump) -> f64 {
         let roller = pump.roller_volume();
         0.5 * f64::from(pump.geometry().rollers) * (roller.total_ml() + roller.at(self.closure_rad))
@@ -104,8 +104,8 @@ impl SpeedLaw {
         Ok(self.revolution_ml(pump, speed_rad_s)? / pump.revolution_ml())
     }
 
-    /// Returns the mean flow at a speed other than 0, mL/s; negative in reverse: Q_avg(omega) = V_rot(N)
-    /// omega/(2 pi).
+    /// Returns the mean flow at a speed other than 0, mL/s; negative in reverse:
+    /// Q_avg(omega) = V_rot(N) omega/(2 pi).
     ///
     /// # Errors
     ///

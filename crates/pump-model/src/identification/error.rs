@@ -9,7 +9,7 @@ use crate::error::{Allowed, ModelError};
 #[non_exhaustive]
 pub enum IdentificationError {
     /// There are too few readings for a fit.
-    #[error("there are {given} {of}; {parameters} parameters and their uncertainties need {needed} at least")]
+    #[error("{given} {of}; {needed} at least are needed for {parameters} parameters and their uncertainties")]
     TooFew {
         /// Number of readings.
         given: usize,

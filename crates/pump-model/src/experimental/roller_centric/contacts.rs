@@ -92,7 +92,7 @@ impl Edges {
             let nominal = pump.nominal_ml_rad();
             let off = (nominal - rising - inlet).abs().max((nominal + falling - outlet).abs());
             if off > SAME_FLOW * nominal {
-                let allowed = "0; the roller-centric model takes no shifted zero, so give it the pump \
+                let allowed = "0; the roller-centric model takes no shift of the zero, so give it the pump \
                                before the shift";
                 return Err(refused(
                     "flow at the rollers less that of the flow curves in mL/rad",

@@ -9,7 +9,7 @@ use crate::pump::pump::Pump;
 /// the assumptions.
 ///
 /// ```
-/// use pump_model::{Geometry, Pump, RollerCentric};
+/// use pump_model::{Pump, RollerCentric};
 /// let pump = Pump::three_roller();
 /// // The closure angle follows from the dimensions.
 /// let model = RollerCentric::of(&pump, 85.7)?;

@@ -22,8 +22,8 @@ pub struct RollerSample {
     pub inlet_kpa: f64,
     /// Pressure at the outlet, kPa absolute.
     pub outlet_kpa: f64,
-    /// Flow from the inlet into the pump, mL/s: the flow of the line less that into its compliance, Q_L - C
-    /// dP/dt. The step of the pressure where a segment joins a port has no part in it.
+    /// Flow from the inlet into the pump, mL/s: the flow of the line less that into its compliance,
+    /// Q_L - C dP/dt. The step of the pressure where a segment joins a port has no part in it.
     pub inlet_ml_s: f64,
     /// Flow from the pump into the outlet, mL/s: Q_L + C dP/dt. The step of the pressure where a segment
     /// joins a port has no part in it.
