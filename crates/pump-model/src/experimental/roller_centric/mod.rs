@@ -24,8 +24,8 @@
 //! - Chambers swell in proportion to their volume and to the pressure above ambient; the wall has no inertia
 //!   and no delay.
 //! - A segment has one pressure: no wave, no friction and no inertia inside.
-//! - A roller closes with the cube of the rest of the way to theta_c, u = x/theta_c, and opens likewise. A closed
-//!   roller lets nothing pass, at any pressure.
+//! - A roller closes with the cube of the rest of the way to theta_c, u = x/theta_c, and opens likewise. A
+//!   closed roller lets nothing pass, at any pressure.
 //! - The flow past a roller is proportional to the pressure across it.
 //! - A tube under suction does not collapse, and nothing cavitates.
 //! - A roller that comes into contact at the inlet cuts off a segment at the inlet's pressure.
