@@ -1,24 +1,25 @@
-//! First-principles model of a roller-type peristaltic pump: the flow that its rollers make at every angle, and the
-//! pressures that this flow makes in the lines.
+//! First-principles model of a roller-type peristaltic pump: the flow that its rollers make at every angle,
+//! and the pressures that this flow makes in the lines.
 //!
-//! Follows McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
-//! roller-type peristaltic pump", Sensors and Actuators A ("flow-centric" model).
+//! The crate follows McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure
+//! response of a roller-type peristaltic pump", Sensors and Actuators A ("flow-centric" model).
 //!
-//! Units are mL, kPa absolute, s and rad, and stand in every name. Needs neither `std` nor an allocator.
+//! Units are mL, kPa absolute, s and rad, and stand in every name. The crate needs neither `std` nor an
+//! allocator.
 //!
 //! A feature gates rooms, and all four are on by default:
 //!
-//! - `integrator`: the implicit integrator, for models that are not linear, and the runs made with it.
+//! - `integrator`: the implicit integrator for nonlinear models, and the runs made with it.
 //! - `construction`: roller volumes from a drawing or from measured points, lines from hoses and fluids.
 //! - `identification`: lines from measurements.
 //! - `experimental`: the roller-centric model and the speed law.
 //!
-//! Everything else links into firmware without a panic (`tests/no_panic`).
+//! All other rooms link into firmware without a panic (`tests/no_panic`).
 //!
 //! ```
 //! use pump_model::Pump;
 //! let pump = Pump::three_roller();
-//! // A third of a turn delivers 7.1 mL from any angle; what a tenth of a turn delivers depends on the angle.
+//! // A third of a turn delivers 7.1 mL from any angle; the volume of a tenth of a turn depends on the angle.
 //! let from = |angle| pump.outlet_curve().volume_ml(angle + 0.6283) - pump.outlet_curve().volume_ml(angle);
 //! assert!((from(0.2) - 0.8492).abs() < 1e-3 && (from(1.2) - 2.7634).abs() < 1e-3);
 //! ```

@@ -1,5 +1,5 @@
-//! Roller volumes from the drawing: against an independent quadrature, against what McIntyre et al. measured, and as
-//! curves.
+//! Roller volumes from the drawing, as curves, against an independent quadrature and against the measurements
+//! of McIntyre et al.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -13,8 +13,10 @@ fn drawing(variant: Variant) -> Drawing {
     Drawing::new(&Geometry::published(3, variant)).unwrap()
 }
 
-/// V in mL at theta straight from the gap between roller and backplate, over y on the straight and over the polar angle
-/// p on the arc, by adaptive Simpson quadrature that knows no corners.
+/// Returns V at theta straight from the gap between roller and backplate, mL.
+///
+/// The gap is integrated over y on the straight and over the polar angle p on the arc, by adaptive Simpson
+/// quadrature that knows no corners.
 fn independent_ml(g: &Geometry, theta_rad: f64) -> f64 {
     let tube_mm = 2.0 * g.tube_outer_radius_mm;
     let (r_b, r_roller, offset) = (g.backplate_radius_mm, g.roller_radius_mm, g.roller_offset_mm);
@@ -23,7 +25,7 @@ fn independent_ml(g: &Geometry, theta_rad: f64) -> f64 {
         let h = (tube_mm - gap).clamp(0.0, 2.0 * g.bore_radius_mm);
         PI * h * h / 4.0
     };
-    // Beyond the roller the gap has no end.
+    // The gap has no end beyond the roller.
     let gap = |along: f64, across_mm: f64| {
         let square = r_roller * r_roller - across_mm * across_mm;
         if square < 0.0 { f64::INFINITY } else { r_b - along - square.sqrt() }
@@ -40,7 +42,7 @@ fn independent_ml(g: &Geometry, theta_rad: f64) -> f64 {
     1e-3 * (in_parts(&straight, 0.0, end_mm) + mean_mm * in_parts(&arc, -PI, 0.0))
 }
 
-/// In small parts first: the roller is narrow, and the rule must not be lucky at a corner.
+/// The quadrature starts with small parts: the roller is narrow, and the rule must not be lucky at a corner.
 fn in_parts(f: &dyn Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let width = (high - low) / 2048.0;
     (0..2048).map(|n| low + f64::from(n) * width).map(|a| simpson(f, a, a + width, 1e-14, 40)).sum()
@@ -98,9 +100,9 @@ fn the_inlet_phase_counts_from_where_contact_ends() {
     let pump = drawn(Geometry::published(3, Variant::Measured)).unwrap();
     let volume = pump.roller_volume();
     let psi_deg = pump.geometry().inlet_phase_rad(volume).unwrap().to_degrees();
-    // 360 - (180 + 60 - 2 (66.806 - 43.531)) - 66.806
+    // The expected value is 360 - (180 + 60 - 2 (66.806 - 43.531)) - 66.806.
     assert!((psi_deg - 99.7435).abs() < 1e-3, "{psi_deg}");
-    // Where the inlet's pulse starts and the outlet's ends, the flow is that between the rollers.
+    // The flow is that between the rollers where the inlet's pulse starts and the outlet's ends.
     let nominal = pump.geometry().nominal_ml_rad();
     let phi = volume.engagement_rad();
     let inlet = |angle_deg: f64| pump.inlet_curve().flow_ml_rad(angle_deg.to_radians());
@@ -112,7 +114,8 @@ fn the_inlet_phase_counts_from_where_contact_ends() {
 
 #[test]
 fn rollers_that_seal_nowhere_near_the_arcs_end_are_refused() {
-    // pi + 2 beta of 186 degrees is enough for two rollers, but full contact starts and ends 23.3 degrees inside it.
+    // An arc pi + 2 beta of 186 degrees is enough for two rollers, but full contact starts and ends 23.3
+    // degrees inside it.
     let geometry =
         Geometry { contact_angle_rad: 3.0_f64.to_radians(), ..Geometry::published(2, Variant::Measured) };
     geometry.validate().unwrap();
@@ -136,7 +139,7 @@ fn drawn(geometry: Geometry) -> Result<Pump, ModelError> {
     Pump::new(geometry, RollerVolume::from_drawing(&geometry)?, Line::PUBLISHED, Line::PUBLISHED)
 }
 
-/// Pumps from a finger's width to a foot, closed by just as much as the wall allows up to almost touching.
+/// Pumps from a finger's width to a foot. The gap goes from just closing the tube to none.
 fn any_geometry() -> impl Strategy<Value = Geometry> {
     let sizes = (0.4..8.0_f64, 1.15..2.2_f64, 4.0..30.0_f64, 10.0..80.0_f64, 0.0..=1.0_f64);
     sizes.prop_filter_map("rollers come from inside the bend", |(bore, ratio, radius, offset, squeeze)| {
@@ -171,7 +174,7 @@ proptest! {
         let drawing = Drawing::new(&geometry).unwrap();
         let (theta, h) = (part * drawing.engagement_rad(), 1e-6);
         let slope = (drawing.volume_ml(theta + h) - drawing.volume_ml(theta - h)) / (2.0 * h);
-        // Close to the closure the slope falls as a root, by 2e-3 of itself over h.
+        // The slope falls as a root close to the closure, by 2e-3 of itself over h.
         let allowed = 1e-7 + 4e-3 * slope * f64::from((theta - drawing.closure_rad()).abs() < 1e-2);
         prop_assert!((slope - drawing.slope_ml_rad(theta)).abs() < allowed * geometry.nominal_ml_rad().max(1.0));
     }
@@ -192,7 +195,7 @@ proptest! {
             prop_assert!(volume_ml >= last_ml, "falls at {}", theta);
             last_ml = volume_ml;
         }
-        // The slope on either side of each piece's start, and inside.
+        // Samples lie on either side of each piece's start, and inside.
         let pieces: Vec<_> = curve.precomputed_pieces().collect();
         let slope = |(_, c): &(f64, [f64; 6]), x: f64| {
             c.iter().enumerate().skip(1).map(|(n, c)| n as f64 * c * x.powi(n as i32 - 1)).sum::<f64>()

@@ -1,4 +1,4 @@
-//! The exact solution and the integrator against each other, over random pumps, lines, motions and initial states.
+//! The exact solution against the integrator, over random pumps, lines, motions and initial states.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -125,7 +125,7 @@ fn slow_motion_and_stiff_lines_stay_within_what_the_flow_can_do() {
     let stiff_pump = Pump::new(*three.geometry(), *three.roller_volume(), stiff, stiff).unwrap();
     for (pump, speed) in [(three, 1e-3), (three, 1e-2), (three, 0.1), (stiff_pump, 1e-3), (stiff_pump, 1.0)] {
         let period_s = pump.pitch_rad() / speed;
-        // Once settled P - P_res follows R q within the swing that the 2.6 % jump of the flow leaves.
+        // P - P_res follows R q once settled, within the swing that the 2.6 % jump of the flow leaves.
         let highest = 0.1108 * 4.4 * speed;
         let motion = [Leg::constant_speed(1.0, speed)];
         let mut exact = ExactRun::from_rest(&pump, Port::Outlet, motion);
@@ -134,7 +134,7 @@ fn slow_motion_and_stiff_lines_stay_within_what_the_flow_can_do() {
         for n in 1..1000 {
             let t = period_s * f64::from(n) / 1000.0;
             let (exact, integrated) = (exact.at(t)[0], integrated.at(t).unwrap()[0]);
-            // Inside a step that is stiff the output of order four is not controlled by the tolerance.
+            // The tolerance does not control the output of order four inside a stiff step.
             let bound = if pump == three { 5e-4 } else { 3e-3 };
             assert!((exact - integrated).abs() < bound, "{speed} rad/s at {t} s: {exact} or {integrated}");
         }

@@ -1,4 +1,4 @@
-//! Runs with a hose's friction: the Jacobian, an independent solver, the linear limit.
+//! Claims about runs with a hose's friction: the Jacobian, an independent solver, the linear limit.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -9,7 +9,7 @@ use pump_model::{
     ExactRun, Fluid, Friction, Geometry, Hose, Leg, Line, Port, PortRun, Pump, RollerVolume, Variant,
 };
 
-/// The hose of McIntyre et al. as far as it is known.
+/// Hose of McIntyre et al. as far as it is known.
 const HOSE: Hose = Hose {
     bore_radius_mm: 5.0,
     outer_radius_mm: 7.0,
@@ -53,8 +53,8 @@ fn the_jacobian_is_the_derivative_of_the_right_hand_side() {
     }
 }
 
-/// Runge's classic method with equal steps, which knows nothing of edges: they cost it 1e-6 mL/s at 160,000 steps and
-/// four times that at half as many.
+/// Runge's classic method with equal steps, which knows nothing of edges. They cost it 1e-6 mL/s at 160,000
+/// steps and four times that at half as many.
 fn classic(pump: &Pump, friction: &Friction, speed_rad_s: f64, end_s: f64, steps: u32) -> [f64; 2] {
     let line = pump.outlet();
     let derivative = |t: f64, [p, q]: [f64; 2]| {
@@ -101,7 +101,7 @@ fn laminar_flow_is_the_linear_line_and_turbulent_flow_is_not() {
     let smooth = Hose { minor_loss: 0.0, ..HOSE };
     let oil = Fluid { viscosity_mpa_s: 200.0, ..water };
     let difference = |hose: &Hose, fluid: &Fluid| {
-        // Linear with the resistance of slow flow; all below a Reynolds number of 100 for oil.
+        // The line has the R of slow flow; for oil all flow is below a Reynolds number of 100.
         let pump = pump_with(hose.line(fluid, 88.637, 0.0).unwrap());
         let legs = || [Leg::constant_speed(0.0, rpm(100.0))];
         let start = SVector::<f64, 2>::zeros();

@@ -1,4 +1,4 @@
-//! Lines from hoses: the published line, the other formulas for walls, friction in every regime.
+//! Claims about lines from hoses: the published line, the other formulas for walls, friction in every regime.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -7,7 +7,7 @@ use core::f64::consts::PI;
 use proptest::prelude::*;
 use pump_model::{Fluid, Hose, Line, ModelError};
 
-/// 10x14 mm, 0.331 m, 3.5 MPa, K 5.75.
+/// Hose of the published line: 10x14 mm, 0.331 m, 3.5 MPa, K 5.75.
 const PUBLISHED: Hose = Hose {
     bore_radius_mm: 5.0,
     outer_radius_mm: 7.0,
@@ -38,7 +38,7 @@ fn the_published_line_follows_from_its_hose() {
 #[test]
 fn slow_flow_meets_the_resistance_of_laminar_flow() {
     let hose = Hose { minor_loss: 0.0, ..PUBLISHED };
-    // 128 mu l/(pi d⁴) in SI, to kPa s/mL.
+    // The expected resistance is 128 mu l/(pi d⁴) in SI, to kPa s/mL.
     let expected = 128.0 * water().viscosity_mpa_s * 1e-3 * 0.331 / (PI * 1e-8) * 1e-9;
     for flow in [0.0, 1e-300, 1e-6, 1.0, -1.0] {
         let found = hose.line(&water(), 88.637, flow).unwrap().resistance_kpa_s_ml;
@@ -56,7 +56,8 @@ fn friction_factors_are_those_of_the_regimes() {
         1e3 * friction.drop_kpa(flow) / (0.331 / 0.01 * 0.5 * 997.0 * speed_m_s * speed_m_s)
     };
     assert!((factor(1000.0) * 1000.0 / 64.0 - 1.0).abs() < 1e-6);
-    // Prandtl's law of smooth pipes, 1/sqrt(f) = 2 log10(Re sqrt(f)) - 0.8: 0.03089, 0.01799, 0.01165.
+    // The factors are those of Prandtl's law of smooth pipes, 1/sqrt(f) = 2 log10(Re sqrt(f)) - 0.8: 0.03089,
+    // 0.01799, 0.01165.
     for (reynolds, prandtl) in [(1e4, 0.030_89), (1e5, 0.017_99), (1e6, 0.011_65)] {
         assert!((factor(reynolds) / prandtl - 1.0).abs() < 0.03, "{} at {reynolds}", factor(reynolds));
     }
@@ -73,7 +74,7 @@ proptest! {
             modulus_mpa: modulus, poisson_ratio: poisson, ..PUBLISHED
         };
         let (d, t) = (2.0 * bore, wall);
-        // d/(E t) (2 t/d (1 + nu) + d (1 - nu²)/(d + t)), per MPa.
+        // Wylie and Streeter's factor is d/(E t) (2 t/d (1 + nu) + d (1 - nu²)/(d + t)), per MPa.
         let factor = d / (modulus * t) * (2.0 * t * (1.0 + poisson) / d + d * (1.0 - poisson * poisson) / (d + t));
         let expected = hose.volume_ml() * (1.0 / water().bulk_modulus_mpa + factor) * 1e-3;
         prop_assert!((hose.compliance_ml_kpa(&water()) / expected - 1.0).abs() < 1e-12);

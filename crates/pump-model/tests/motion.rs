@@ -1,4 +1,5 @@
-//! Motions with ramps, reversals and stops: volume balance, settling, steady states that do not exist.
+//! Claims about motions with ramps, reversals and stops: volume balance, settling, steady states that do not
+//! exist.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -10,7 +11,8 @@ use pump_model::{
     DEFAULT_TOLERANCE, ExactRun, Leg, Line, ModelError, Port, PortRun, Pump, SETTLED_ML, Variant,
 };
 
-/// Legs that follow each other from `angle_rad` at rest, with these (duration in s, acceleration in rad/s²).
+/// Returns legs that follow each other from `angle_rad` at rest, with these (duration in s, acceleration in
+/// rad/s²).
 fn legs(angle_rad: f64, parts: &[(f64, f64)]) -> Vec<Leg> {
     let mut next =
         Leg { start_s: 0.0, duration_s: 0.0, angle_rad, speed_rad_s: 0.0, acceleration_rad_s2: 0.0 };
@@ -37,8 +39,8 @@ fn with_outlet(outlet: Line) -> Pump {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
 
-    /// Integral of the line's flow = V(theta_1) - V(theta_0) - C (P_1 - P_0), at the outlet; at the inlet the line
-    /// feeds the rollers, so the compliance counts the other way.
+    /// The integral of the line's flow is V(theta_1) - V(theta_0) - C (P_1 - P_0) at the outlet. At the inlet
+    /// the line feeds the rollers, so the compliance counts the other way.
     #[test]
     fn volume_is_balanced_over_any_motion(
         rollers in 2u32..=11,
@@ -74,7 +76,7 @@ proptest! {
 #[test]
 fn running_back_returns_every_drop() {
     let pump = Pump::three_roller();
-    // Up to 12 rad/s and down, then the same in reverse.
+    // The motion goes up to 12 rad/s and down, and then likewise in reverse.
     let motion = legs(0.2, &[(0.2, 60.0), (0.4, -60.0), (0.2, 60.0)]);
     let end = motion.last().unwrap();
     assert!((end.end_angle_rad() - 0.2).abs() < 1e-12);

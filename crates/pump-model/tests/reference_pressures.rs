@@ -1,4 +1,4 @@
-//! Pressures against the reference table and against an exact solution.
+//! Claims about pressures against the reference table and against an exact solution.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -11,8 +11,10 @@ fn rad_s(rpm: f64) -> f64 {
     rpm * core::f64::consts::TAU / 60.0
 }
 
-/// rollers, r/min, then max, min, mean of P_in and P_out, kPa: periodic steady state, true extremes, computed
-/// independently to 1e-4 kPa.
+/// Reference table: rollers, r/min, then max, min, mean of P_in and P_out, kPa.
+///
+/// The pressures are those of the periodic steady state, with true extremes, computed independently to 1e-4
+/// kPa.
 const STEADY: [(u32, f64, [f64; 6]); 6] = [
     (3, 50.0, [90.5879, 84.8782, 86.6686, 93.3473, 87.8604, 90.6054]),
     (3, 100.0, [95.3347, 73.7963, 84.7002, 104.5105, 83.5685, 92.5738]),
@@ -88,7 +90,7 @@ fn start_up_reaches_the_reference_extremes() {
     }
 }
 
-/// Largest pressure error over 10 s from rest, sampled every millisecond, kPa.
+/// Returns the largest pressure error over 10 s from rest, sampled every millisecond, kPa.
 fn benchmark_error_kpa(tolerance: f64) -> f64 {
     let pump = Pump::three_roller();
     let speed_rad_s = rad_s(100.0);

@@ -1,4 +1,4 @@
-//! The roller-centric model: its limit, its balance, its segments.
+//! Claims about the roller-centric model: its limit, its balance, its segments.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -8,7 +8,7 @@ use pump_model::{
     Variant,
 };
 
-/// In which the model becomes flow-centric as D and R_v vanish.
+/// Returns the parameters with which the model becomes flow-centric as D and R_v vanish.
 fn limit(pump: &Pump, distensibility_per_kpa: f64, valve_resistance_kpa_s_ml: f64) -> RollerCentric {
     RollerCentric {
         scale: 1.0,
@@ -27,7 +27,7 @@ fn at_rpm(rpm: f64) -> [Leg; 1] {
     [Leg::constant_speed(0.0, rad_s(rpm))]
 }
 
-/// Up in 0.2 s to 15 rad/s, on for 0.3 s, down through a stop to -15 rad/s, and rest.
+/// Returns a motion up to 15 rad/s in 0.2 s, on for 0.3 s, down through a stop to -15 rad/s, and rest.
 fn there_and_back() -> [Leg; 3] {
     let leg = |start_s, duration_s, angle_rad, speed_rad_s, acceleration_rad_s2| Leg {
         start_s,
@@ -39,8 +39,8 @@ fn there_and_back() -> [Leg; 3] {
     [leg(0.0, 0.2, 0.4, 0.0, 75.0), leg(0.2, 0.3, 1.9, 15.0, 0.0), leg(0.5, 0.6, 6.4, 15.0, -50.0)]
 }
 
-/// Root mean square deviation from the flow-centric model, kPa, of inlet and outlet over a motion from rest, every
-/// millisecond.
+/// Returns the root mean square deviation of inlet and outlet from the flow-centric model over a motion from
+/// rest, kPa, every millisecond.
 fn rmse_kpa(pump: &Pump, model: RollerCentric, legs: &[Leg], samples: u32) -> [f64; 2] {
     let legs = || legs.iter().copied();
     let mut run = RollerRun::new(pump, model, legs(), DEFAULT_TOLERANCE).unwrap();
@@ -111,7 +111,7 @@ fn what_is_delivered_and_stored_was_taken_over_every_revolution() {
                 "{took_ml} {gave_ml} {grew_ml}"
             );
             if revolution == 12 {
-                // Start-up is forgotten.
+                // Start-up is forgotten by now.
                 assert!((took_ml / gave_ml - 1.0).abs() < 1e-6, "{rollers} rollers: {took_ml} {gave_ml}");
             }
             (taken_ml, delivered_ml, stored_ml) = (sample.taken_ml, sample.delivered_ml, run.stored_ml());
@@ -144,7 +144,7 @@ fn the_steady_state_is_that_of_a_long_run_and_obeys_the_mean() {
         let after_ml = run.at(21.0 * revolution_s).unwrap().delivered_ml;
         let mean_ml_s = (after_ml - before_ml) / revolution_s;
         assert!((steady.mean_flow_ml_s / mean_ml_s - 1.0).abs() < 1e-5, "{rollers} at {rpm}: {mean_ml_s}");
-        // L dQ/dt = 0 over a period.
+        // The mean of L dQ/dt over a period is 0.
         let drop_kpa = Line::PUBLISHED.resistance_kpa_s_ml * mean_ml_s;
         assert!((steady.outlet_mean_kpa - Line::PUBLISHED.reservoir_kpa - drop_kpa).abs() < 1e-3);
         assert!((steady.inlet_mean_kpa - Line::PUBLISHED.reservoir_kpa + drop_kpa).abs() < 1e-3);
@@ -176,7 +176,7 @@ fn segments_come_and_go_as_rollers_touch_and_leave() {
                 RollerRun::new(&pump, RollerCentric::PUBLISHED, at_rpm(rpm), DEFAULT_TOLERANCE).unwrap();
             let states = (1..2000).map(|n| {
                 run.run_to(1e-3 * f64::from(n)).unwrap();
-                // Two pressures and two flows of the lines.
+                // The state has two pressures and two flows of the lines.
                 4 + run.segments_kpa().count()
             });
             let (fewest, largest) =

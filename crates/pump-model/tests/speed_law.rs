@@ -1,4 +1,4 @@
-//! Volume against speed: what is known of it from the published summary numbers.
+//! Claims about volume against speed, from the published summary numbers.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -6,8 +6,10 @@ use core::f64::consts::TAU;
 
 use pump_model::{Line, ModelError, Pump, SpeedLaw, SpeedLawFlow, Variant};
 
-/// Speeds of the paper's tests, r/min, ten revolutions at each, mL: by the law, by the linear model with V_r 2.06, and
-/// the largest and smallest inlet pressure of the steady state.
+/// Returns the results at the speeds of the paper's tests, every 10 r/min.
+///
+/// Each is the volume of ten revolutions by the law and by the linear model with V_r 2.06, mL, and the
+/// largest inlet pressure of the steady state, kPa.
 fn volumes(rollers: u32, fastest_rpm: u32) -> Vec<(f64, f64, f64)> {
     let pump = Pump::preset(rollers, Variant::Measured).unwrap();
     let linear_ml = 10.0 * Pump::preset(rollers, Variant::Published).unwrap().revolution_ml();
@@ -51,7 +53,7 @@ fn without_distensibility_the_volume_is_that_of_the_segments_at_every_speed() {
     let pump = Pump::three_roller();
     let stiff = SpeedLaw { distensibility_per_kpa: 0.0, ..SpeedLaw::PUBLISHED };
     let at = |rpm: f64| stiff.revolution_ml(&pump, rpm * TAU / 60.0).unwrap();
-    // 0.953 x 27.63489 - 3/2 (2.105466 + 1.541325)
+    // The expected volume is 0.953 x 27.63489 - 3/2 (2.105466 + 1.541325).
     assert!((at(10.0) - at(170.0)).abs() < 1e-12 && (at(10.0) - 20.865_864).abs() < 1e-5, "{}", at(10.0));
 }
 
@@ -89,7 +91,7 @@ fn in_reverse_the_outlets_line_traps_what_the_inlets_does_forward() {
 
 #[test]
 fn a_flow_gives_its_speed_and_the_slower_of_two() {
-    // An inlet that hardly damps bends the flow: it falls where the line is in resonance.
+    // An inlet with little damping bends the flow: it falls where the line is in resonance.
     let light = Line { resistance_kpa_s_ml: 0.012, ..Line::PUBLISHED };
     let base = Pump::three_roller();
     let bent = Pump::new(*base.geometry(), *base.roller_volume(), light, Line::PUBLISHED).unwrap();

@@ -1,4 +1,5 @@
-//! Claims about turns whose start angle is only known to lie in an interval, against a fine grid of start angles.
+//! Claims about turns whose start angle is only known to lie in an interval, against a fine grid of start
+//! angles.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -7,12 +8,13 @@ use pump_model::{FlowCurve, Pump, Variant};
 
 const POINTS: u32 = 400;
 
-/// The volume of a turn from `start_rad`, mL.
+/// Returns the volume of a turn from `start_rad`, mL.
 fn turned_ml(curve: &FlowCurve, start_rad: f64, turn_rad: f64) -> f64 {
     curve.volume_ml(start_rad + turn_rad) - curve.volume_ml(start_rad)
 }
 
-/// The largest of `value` over `[low, high]`: every summit of a grid, refined by ternary search beside it.
+/// Returns the largest of `value` over `[low, high]`: every summit of a grid, refined by ternary search
+/// beside it.
 fn largest(value: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let at = |n: u32| low + (high - low) * f64::from(n) / f64::from(POINTS);
     let refined = |n: u32| {

@@ -1,4 +1,4 @@
-//! Roller volumes from measured points: the paper's fit, the rising spline, what is reported of them.
+//! Claims about roller volumes from measured points: the paper's fit, the rising spline, their reports.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -19,7 +19,7 @@ fn the_papers_points_give_the_papers_polynomial() {
     let points = published();
     let fit = VolumeFit::quintic(&points).unwrap();
     let found = fit.polynomial_ml_deg().unwrap();
-    // The points are printed to 1e-7 mL, which leaves their fit as much.
+    // The points are printed to 1e-7 mL, so their fit may differ by as much.
     for (found, paper) in found.iter().zip(PUBLISHED_COEFFICIENTS_DEG) {
         assert!((found / paper - 1.0).abs() < 2e-5, "{found} for {paper}");
     }
@@ -55,7 +55,7 @@ fn where_a_quintic_falls_the_volume_is_held_and_said_so() {
     assert_eq!(fit.falls().unwrap().count(), 0, "the points themselves rise");
 }
 
-/// Flow per radian either side of every edge of a curve, and at both ends.
+/// Returns the flow per radian on either side of every edge of a curve, and at both ends.
 fn slope_jumps(curve: &RollerVolume) -> Vec<f64> {
     let pieces: Vec<_> = curve.precomputed_pieces().collect();
     let slope = |c: &[f64; 6], x: f64| (1..6).map(|n| n as f64 * c[n] * x.powi(n as i32 - 1)).sum::<f64>();
@@ -127,7 +127,7 @@ fn runs_at_the_same_angles_are_averaged_and_falls_are_pooled_and_reported() {
     let points = runs.map(point);
     let fit = VolumeFit::spline(&points).unwrap();
     let at = |deg: f64| fit.curve().at(deg.to_radians());
-    // 20 degrees weighs two points: (1.0 + 1.0 + 0.8)/3.
+    // The point at 20 degrees weighs two points: (1.0 + 1.0 + 0.8)/3.
     for (deg, ml) in [(10.0, 0.4), (20.0, 2.8 / 3.0), (25.0, 2.8 / 3.0), (30.0, 2.8 / 3.0), (40.0, 1.0)] {
         assert!((at(deg) - ml).abs() < 1e-12, "{} at {deg}", at(deg));
     }

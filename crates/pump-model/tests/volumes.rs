@@ -1,4 +1,5 @@
-//! Volumes and flows per angle: balance, periodicity, inverse, refusal of pumps that cannot work.
+//! Claims about volumes and flows per angle: balance, periodicity, inverse, refusal of pumps that cannot
+//! work.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -32,16 +33,16 @@ fn published_figures_are_met() {
     assert!((three.geometry().nominal_ml_rad() - 4.398_229_7).abs() < 1e-7);
     assert!((three.revolution_ml() - 21.3185).abs() < 5e-5);
     assert!((pump(2).revolution_ml() - 23.4240).abs() < 5e-5);
-    // Peak and duration of the pulse at 60 r/min.
+    // The peak and the duration of the pulse are those at 60 r/min.
     let (low, high) = three.outlet_curve().flow_range_ml_rad();
     assert!(((high - low) * TAU - 25.089).abs() < 1e-3);
     assert!((three.roller_volume().engagement_rad() / TAU - 0.140_36).abs() < 5e-6);
     let psi = three.geometry().inlet_phase_rad(three.roller_volume()).unwrap();
     assert!((psi / TAU - 0.192_97).abs() < 5e-6);
-    // The jump at full engagement at 100 r/min.
+    // The jump at full engagement is that at 100 r/min.
     let jump = three.outlet_curve().flow_ml_rad(-1e-9) - three.outlet_curve().flow_ml_rad(0.0);
     assert!((jump * TAU * 100.0 / 60.0 - 1.185).abs() < 1e-3);
-    // Variants.
+    // The other variants follow.
     let published = Pump::preset(3, Variant::Published).unwrap();
     assert!((published.roller_volume().total_ml() - 2.06).abs() < 1e-12);
     let as_built = Pump::preset(3, Variant::AsBuilt).unwrap();
@@ -66,7 +67,7 @@ fn flow_is_the_slope_of_the_volume_everywhere_but_at_edges() {
                 let h = 1e-5;
                 let slope = (curve.volume_ml(angle + h) - curve.volume_ml(angle - h)) / (2.0 * h);
                 let flow = curve.flow_ml_rad(angle);
-                // An edge within h of the point (the flow jumps by 0.113) is allowed for.
+                // The bound allows for an edge within h of the point (the flow jumps by 0.113).
                 assert!(
                     (slope - flow).abs() < 1e-6 || (slope - flow).abs() < 0.12 && near_edge(curve, angle, h)
                 );

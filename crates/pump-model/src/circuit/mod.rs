@@ -1,4 +1,4 @@
-//! The flow-centric model of one port as a differential equation, integrated (McIntyre et al.).
+//! The flow-centric model of one port as a differential equation, and its integration (McIntyre et al.).
 
 pub(crate) mod ode;
 pub(crate) mod periodic;

@@ -14,7 +14,7 @@ use super::resistance::{Linear, Resistance};
 pub trait Forcing {
     /// Flow at the rollers at time `t_s`, mL/s, positive from inlet to outlet.
     fn flow_ml_s(&self, t_s: f64) -> f64;
-    /// Its time derivative, mL/s².
+    /// Time derivative of the flow at the rollers, mL/s².
     fn flow_rate_ml_s2(&self, t_s: f64) -> f64;
 }
 
@@ -27,7 +27,7 @@ impl Forcing for Stretch {
     }
 }
 
-/// Rollers that do not move.
+/// Rollers at rest: there is no flow at the rollers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NoFlow;
 
@@ -40,10 +40,11 @@ impl Forcing for NoFlow {
     }
 }
 
-/// One port of the pump between the rollers and its reservoir.
+/// One port of the pump between the rollers and the reservoir.
 ///
-/// State: p = P - P_res, kPa; the line's flow Q_L, mL/s, positive from inlet to outlet; and with `N = 3` the
-/// volume that has passed the line, mL. With s = 1 at the outlet and -1 at the inlet:
+/// The state is p = P - P_res, kPa, and the line's flow Q_L, mL/s, positive from inlet to outlet. With
+/// `N = 3` the state also has the volume that has passed the line, mL. With s = 1 at the outlet and -1 at the
+/// inlet:
 ///
 /// C dp/dt = s (Q - Q_L), L dQ_L/dt = s p - dP(Q_L), dV/dt = Q_L
 ///
@@ -60,7 +61,8 @@ pub struct Circuit<F, R = Linear> {
 }
 
 impl<F: Forcing, R: Resistance> Circuit<F, R> {
-    /// The circuit of a valid line at a port. Of the line C and L count; what it resists is `resistance`.
+    /// Builds the circuit of a valid line at a port. It takes C and L from the line; `resistance` replaces
+    /// the line's R.
     pub fn new(line: &Line, resistance: R, port: Port, forcing: F) -> Self {
         let sign = match port {
             Port::Inlet => -1.0,
@@ -106,9 +108,11 @@ impl<F: Forcing, R: Resistance, const N: usize> Ode<N> for Circuit<F, R> {
     }
 }
 
-/// Errors allowed in a step of a [`Circuit`]: `tolerance` times `scale_kpa` + |P - P_res|, and the flow
-/// and volume that carry the same energy. The volume's error is that of the flow it integrates, so it has no part
-/// relative to the volume itself.
+/// Returns the errors allowed in a step of a [`Circuit`].
+///
+/// The pressure may err by `tolerance` times `scale_kpa` + |P - P_res|. Flow and volume may err by the
+/// amounts that carry the same energy. The volume's error is that of the flow it integrates, so it has no
+/// part relative to the volume itself.
 pub fn options<const N: usize>(line: &Line, tolerance: f64, scale_kpa: f64) -> Options<N> {
     let mut options = Options::uniform(tolerance);
     options.absolute[0] = tolerance * scale_kpa;

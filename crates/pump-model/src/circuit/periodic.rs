@@ -1,4 +1,5 @@
-//! The periodic steady state of what has no closed form: integrated until a pitch repeats the one before.
+//! The periodic steady state of models without a closed form, integrated until a pitch repeats the one
+//! before.
 
 use crate::error::{IntegrationError, ModelError};
 use crate::head::port::Port;
@@ -11,26 +12,27 @@ use super::port_run::PortRun;
 use super::resistance::Loss;
 use super::tally::Tally;
 
-/// Pitches after which the search gives up.
+/// Number of pitches after which the search gives up.
 pub(crate) const MOST_PITCHES: u32 = 2000;
 
-/// How near to its limit the state at the end of a pitch must come, kPa.
+/// Largest distance from its limit that the state at the end of a pitch may have, kPa.
 const NEAR_KPA: f64 = 1e-5;
 
-/// Pitches that are compared with as many before: a line that swings makes some changes small by chance.
+/// Number of pitches that are compared with as many before. A line that swings makes some changes small by
+/// chance.
 const WINDOW: usize = 4;
 
-/// Error allowed in a step, well below [`NEAR_KPA`].
+/// Tolerance of a step, well below [`NEAR_KPA`].
 pub(crate) const TOLERANCE: f64 = 1e-8;
 
-/// Tally of a pitch and the state at its end, every part of it in kPa.
+/// Tally of a pitch, and the state at its end with every part in kPa.
 pub(crate) type Turned<T, const K: usize> = Result<(T, [f64; K]), IntegrationError>;
 
-/// The first of the pitches that repeats those before to within [`NEAR_KPA`]: `turn` makes the pitch of that number,
-/// from 1 on.
+/// Returns the tally of the first pitch that repeats those before to within [`NEAR_KPA`]. `turn` makes the
+/// pitch of a given number, from 1 on.
 ///
-/// With w the largest change of the last four pitches and r how much smaller it is than that of the four before, all
-/// changes to come are 4 w r/(1 - r) at most, as long as they go on like that.
+/// Let w be the largest change of the last four pitches, and r the ratio of w to the largest change of the
+/// four before. While changes go on like that, all changes to come add up to at most 4 w r/(1 - r).
 pub(crate) fn repeated<T, const K: usize>(
     mut turn: impl FnMut(u32) -> Turned<T, K>,
 ) -> Result<T, ModelError> {
@@ -47,10 +49,10 @@ pub(crate) fn repeated<T, const K: usize>(
         let largest = |changes: &[f64]| changes.iter().copied().fold(0.0, f64::max);
         let (last, earlier) = changes.split_at(WINDOW);
         let (last, earlier) = (largest(last), largest(earlier));
-        // Until there are so many changes, nothing is known of how they fall.
+        // The fall of the changes is unknown until all eight exist.
         let falling = earlier.is_finite() && last < earlier;
         let left_kpa = if falling { WINDOW as f64 * last * last / (earlier - last) } else { f64::INFINITY };
-        // Below a hundredth of what is asked the changes are those of rounding.
+        // Changes below a hundredth of the limit are rounding.
         if left_kpa <= NEAR_KPA || last <= 0.01 * NEAR_KPA {
             return Ok(tally);
         }
@@ -59,8 +61,14 @@ pub(crate) fn repeated<T, const K: usize>(
 }
 
 impl Pump {
-    /// As [`Self::steady_state`], with what inlet and outlet line resist in place of their R: integrated from rest,
-    /// pitch by pitch, until nothing changes by more than 1e-5 kPa. An error after 2,000 pitches.
+    /// Returns the periodic steady state with a resistance of each line, inlet first, in place of R.
+    ///
+    /// The model is integrated from rest, pitch by pitch, until nothing changes by more than 1e-5 kPa.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a speed that is zero or not finite. Returns [`ModelError::NotPeriodic`] after 2,000 pitches
+    /// without a steady state, and passes on the errors of the integrator.
     pub fn resisted_steady_state(
         &self,
         [inlet, outlet]: [Loss; 2],
@@ -80,7 +88,7 @@ impl Pump {
         })
     }
 
-    /// One port over the first pitch that repeats those before.
+    /// Returns the tally of one port over the first pitch that repeats those before.
     pub(crate) fn repeated_port(
         &self,
         port: Port,

@@ -1,17 +1,17 @@
-//! How a line resists the flow in it: by its R, or by the friction of a hose.
+//! Resistance of a line to its flow: R, or the friction of a hose.
 
 use crate::line::friction::Friction;
 use crate::line::line::Line;
 
-/// How a line slows the flow in it.
+/// Resistance of a line, as the deceleration of its flow.
 pub trait Resistance {
-    /// The resisting pressure over L, mL/s².
+    /// Resisting pressure over L at `flow_ml_s`, mL/s².
     fn deceleration_ml_s2(&self, flow_ml_s: f64) -> f64;
-    /// Its derivative over the flow, 1/s.
+    /// Derivative of the deceleration over the flow at `flow_ml_s`, 1/s.
     fn damping_per_s(&self, flow_ml_s: f64) -> f64;
 }
 
-/// A resistance that is the same at every flow: that of [`Line`].
+/// Resistance R of a [`Line`], which is constant over the flow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Linear {
     /// R/L, 1/s.
@@ -19,7 +19,7 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// Resistance of a valid line.
+    /// Returns the resistance of a valid line.
     pub fn of(line: &Line) -> Self {
         Self { damping_per_s: line.resistance_kpa_s_ml / line.inertance_kpa_s2_ml }
     }
@@ -36,7 +36,7 @@ impl Resistance for Linear {
     }
 }
 
-/// A hose's friction, which grows with the flow, in place of a line's R.
+/// Friction of a hose, which grows with the flow and replaces a line's R.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rough {
     friction: Friction,
@@ -45,7 +45,7 @@ pub struct Rough {
 }
 
 impl Rough {
-    /// Friction of a hose whose L is that of the line.
+    /// Builds the friction of a hose whose inertance is that of the line.
     pub fn new(friction: Friction, line: &Line) -> Self {
         Self { friction, per_inertance: 1.0 / line.inertance_kpa_s2_ml }
     }
@@ -60,22 +60,22 @@ impl Resistance for Rough {
     }
 }
 
-/// Resistance of a line, chosen when running.
+/// Resistance of a line, chosen at run time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Loss {
-    /// R.
+    /// Constant resistance R.
     Linear(Linear),
-    /// A hose's friction.
+    /// Friction of a hose.
     Rough(Rough),
 }
 
 impl Loss {
-    /// R of a valid line.
+    /// Returns R of a valid line.
     pub fn of(line: &Line) -> Self {
         Self::Linear(Linear::of(line))
     }
 
-    /// The friction of the hose that is the line, or R of the line where there is none.
+    /// Returns the friction of the line's hose, or R of the line if `friction` is none.
     pub fn with_friction(line: &Line, friction: Option<Friction>) -> Self {
         friction.map_or(Self::of(line), |friction| Self::Rough(Rough::new(friction, line)))
     }

@@ -1,4 +1,4 @@
-//! The pressures and flows of one port over a pitch, tallied step by step.
+//! Sums and extremes of one port's pressures and flows over a pitch.
 
 use crate::head::port::Port;
 use crate::line::extremes::Extremes;
@@ -6,10 +6,10 @@ use crate::line::line::Line;
 use crate::math::polynomial::Polynomial;
 use crate::motion::ripple::square_integral;
 
-/// Pressures and flows of one port over a pitch, tallied step by step.
+/// Sums and extremes of one port's pressures and flows over a pitch, gathered step by step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tally {
-    /// s C, mL/kPa, s = 1 at the outlet and -1 at the inlet.
+    /// Signed compliance s C, mL/kPa, with s = 1 at the outlet and -1 at the inlet.
     compliance_ml_kpa: f64,
     pub(crate) time_s: f64,
     pressure: Extremes,
@@ -39,7 +39,8 @@ impl Tally {
         }
     }
 
-    /// Adds a step of `length_s`: pressure, kPa, and the line's flow, mL/s, over the part of it from 0 to 1.
+    /// Adds a step of `length_s`. `pressure` is in kPa and `flow`, that of the line, in mL/s, both over the
+    /// fraction of the step from 0 to 1.
     pub(crate) fn add(&mut self, length_s: f64, pressure: &Polynomial, flow: &Polynomial) {
         let ((_, low), (_, high)) = pressure.range_in(0.0, 1.0);
         self.pressure.cover(low);
@@ -54,18 +55,18 @@ impl Tally {
         self.square_ml2_s += length_s * square_integral(|x| at_rollers.at(x), 1.0);
     }
 
-    /// Range of the pressure, kPa.
+    /// Returns the range of the pressure, kPa.
     pub(crate) fn pressure(&self) -> Extremes {
         self.pressure
     }
 
-    /// Mean pressure, kPa.
+    /// Returns the mean pressure, kPa.
     pub(crate) fn mean_kpa(&self) -> f64 {
         self.pressure_kpa_s / self.time_s
     }
 }
 
-/// Integral over [0, 1].
+/// Integral of a polynomial over [0, 1].
 fn integral(polynomial: &Polynomial) -> f64 {
     polynomial.c.iter().zip(1..).map(|(c, n)| c / f64::from(n)).sum()
 }

@@ -1,13 +1,14 @@
-//! A roller volume that grows piece by piece, and is held where it would fall.
+//! Roller volumes that grow piece by piece and are held where they would fall.
 
 use crate::error::ModelError;
 use crate::head::roller_volume::{MAX_PIECES, RollerVolume};
 use crate::math::polynomial::{Polynomial, Roots};
 
 impl RollerVolume {
-    /// Appends [start, end] with what `volume`, over x - start, rad, gains there; where it falls the volume is held.
+    /// Appends the stretch [start, end]. `volume`, over x - start in rad, gives the gain there; where it
+    /// falls the volume is held.
     pub(crate) fn append(&mut self, start: f64, end: f64, volume: &Polynomial) -> Result<(), ModelError> {
-        /// A slope below zero by this part of the largest is rounding.
+        /// Largest negative slope, as a part of the largest slope, that counts as rounding.
         const ROUNDING: f64 = 1e-12;
         let length = end - start;
         let slope = volume.derivative();

@@ -1,9 +1,9 @@
-//! How a roller engages, from the drawing alone: its angles, and the volume that it displaces on the way.
+//! Engagement of a roller from the drawing alone: the roller's angles and the volume that it displaces.
 //!
-//! McIntyre et al. measure that volume and leave its derivation open. Here the backplate is an arc that goes over into
-//! a straight at y = 0; the tube lies against both; where the roller comes closer to the backplate than the tube is
-//! thick, the bore is flattened by the difference h, 2 r_i at most, to a stadium of unchanged perimeter, which has lost
-//! pi h²/4 of its area.
+//! McIntyre et al. measure that volume and leave its derivation open. Here the backplate is an arc that goes
+//! over into a straight at y = 0, and the tube lies against both. Where the roller comes closer to the
+//! backplate than the tube is thick, the bore is flattened by the difference h, 2 r_i at most. The flattened
+//! bore is a stadium of unchanged perimeter, which has lost pi h²/4 of its area.
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -13,7 +13,7 @@ use crate::math::{acos, asin, atan2, cos, sin, sqrt};
 
 use super::quadrature;
 
-/// A pump's dimensions as its drawing gives them, with what follows for a roller that engages.
+/// A pump's dimensions as its drawing gives them, and the engagement of a roller that follows from them.
 ///
 /// Angles are of the shaft, from the roller's first contact with the tube on.
 ///
@@ -27,16 +27,20 @@ use super::quadrature;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drawing {
     geometry: Geometry,
-    /// rho = r_b - 2 r_o, mm: how far from the shaft the tube's inner side lies.
+    /// Distance of the tube's inner side from the shaft, rho = r_b - 2 r_o, mm.
     inner_mm: f64,
-    /// Where the roller's axis stands at first contact, eta_c, rad before the arc's end.
+    /// Angle of the roller's axis at first contact, eta_c, rad before the arc's end.
     contact_rad: f64,
 }
 
 impl Drawing {
-    /// Refuses dimensions with which no roller can work ([`Geometry::validate`]), a roller that reaches around the
-    /// shaft, and one so small (about as its tube's bore) that it dips into the tube with its flank: then the flow
-    /// jumps, in a way that this squeeze does not tell.
+    /// Checks the dimensions and finds the angle of first contact.
+    ///
+    /// # Errors
+    ///
+    /// Refuses dimensions with which no roller can work ([`Geometry::validate`]) and a roller that reaches
+    /// around the shaft. Also refuses a roller so small (about as its tube's bore) that it dips into the tube
+    /// with its flank. The flow then jumps in a way that this squeeze does not describe.
     pub fn new(geometry: &Geometry) -> Result<Self, ModelError> {
         geometry.validate()?;
         let Geometry { roller_radius_mm, roller_offset_mm, .. } = *geometry;
@@ -45,8 +49,8 @@ impl Drawing {
         let least_square = roller_offset_mm * roller_offset_mm - inner_mm * inner_mm;
         if roller_radius_mm * roller_radius_mm <= least_square {
             return refused(
-                "more than sqrt(offset² - (backplate radius - tube diameter)²), for its volume to follow from a \
-                 drawing; measure that of a smaller one",
+                "more than sqrt(offset² - (backplate radius - tube diameter)²), so that its volume follows \
+                 from the drawing; measure the volume of a smaller roller",
             );
         }
         if roller_radius_mm >= roller_offset_mm {
@@ -56,27 +60,31 @@ impl Drawing {
         Ok(Self { geometry: *geometry, inner_mm, contact_rad })
     }
 
-    /// eta_c = acos((r_b - 2 r_o - r_roller) / r_offset), rad: how far beyond the arc's end contact begins.
+    /// Returns the angle beyond the arc's end at which contact begins, rad:
+    /// eta_c = acos((r_b - 2 r_o - r_roller) / r_offset).
     pub fn contact_rad(&self) -> f64 {
         self.contact_rad
     }
 
-    /// phi = eta_c + acos((rho² + r_offset² - r_roller²) / (2 rho r_offset)) with rho = r_b - 2 r_o, rad: from first
-    /// contact until the roller has left the straight.
+    /// Returns the engagement angle phi, rad: from first contact until the roller has left the straight.
+    ///
+    /// phi = eta_c + acos((rho² + r_offset² - r_roller²) / (2 rho r_offset)) with rho = r_b - 2 r_o.
     pub fn engagement_rad(&self) -> f64 {
         self.contact_rad + self.half_width_rad(0.0)
     }
 
-    /// theta_c = eta_c - acos((r_b - r_roller - 2 (r_o - r_i)) / r_offset), rad: where the roller first closes the
-    /// tube.
+    /// Returns the angle at which the roller first closes the tube, rad:
+    /// theta_c = eta_c - acos((r_b - r_roller - 2 (r_o - r_i)) / r_offset).
     pub fn closure_rad(&self) -> f64 {
         let wall_mm = self.geometry.tube_outer_radius_mm - self.geometry.bore_radius_mm;
         let near_mm = self.geometry.backplate_radius_mm - self.geometry.roller_radius_mm - 2.0 * wall_mm;
         self.contact_rad - acos((near_mm / self.geometry.roller_offset_mm).min(1.0))
     }
 
-    /// V(theta), mL: the volume displaced at `theta_rad` after first contact. By Gauss-Legendre quadrature between the
-    /// corners of h, to 1e-10 of it; constant beyond [`Self::engagement_rad`].
+    /// Returns the volume V(theta) displaced at `theta_rad` after first contact, mL.
+    ///
+    /// Gauss-Legendre quadrature between the corners of h gives V to 1e-10 of itself. V is constant beyond
+    /// [`Self::engagement_rad`].
     pub fn volume_ml(&self, theta_rad: f64) -> f64 {
         if theta_rad <= 0.0 {
             return 0.0;
@@ -89,10 +97,11 @@ impl Drawing {
         1e-3 * (straight_mm3 + arc_mm3)
     }
 
-    /// g(theta) = dV/dtheta, mL/rad.
+    /// Returns the slope g(theta) = dV/dtheta, mL/rad.
     ///
-    /// On the straight h over y - r_offset sin eta depends on theta through r_offset cos eta alone, on the arc h over p
-    /// - eta not at all, so that what is left of the arc is its end at y = 0, where both have the same h.
+    /// On the straight, h over y - r_offset sin eta depends on theta through r_offset cos eta alone. On the
+    /// arc, h over p - eta does not depend on theta at all. The arc's part is therefore its end at y = 0,
+    /// where both have the same h.
     pub fn slope_ml_rad(&self, theta_rad: f64) -> f64 {
         if theta_rad <= 0.0 || theta_rad >= self.engagement_rad() {
             return 0.0;
@@ -101,7 +110,7 @@ impl Drawing {
         let offset_mm = self.geometry.roller_offset_mm;
         let (x_mm, y_mm) = (offset_mm * cos(eta), offset_mm * sin(eta));
         let bore_mm = 2.0 * self.geometry.bore_radius_mm;
-        // Where the bore is closed h does not grow.
+        // The squeeze h does not grow where the bore is closed.
         let growth = |h_mm: f64| if h_mm < bore_mm { FRAC_PI_2 * h_mm } else { 0.0 };
         let end_mm = self.squeeze_at_end_mm(eta);
         let mean_radius_mm = self.geometry.backplate_radius_mm - self.geometry.tube_outer_radius_mm;
@@ -109,8 +118,11 @@ impl Drawing {
         1e-3 * (y_mm * self.over_straight(eta, growth) + boundary_mm3)
     }
 
-    /// The angles at which V is not smooth, rising: first contact, then where an end of the contact (h = 0) or of the
-    /// closed bore (h = 2 r_i) passes the arc's end, where the closed bore appears, and full engagement.
+    /// Returns the angles at which V is not smooth, in rising order.
+    ///
+    /// These are first contact and full engagement, and the angle at which the closed bore appears. The
+    /// others are the angles at which an end of the contact (h = 0) or of the closed bore (h = 2 r_i) passes
+    /// the arc's end.
     pub(crate) fn corners_rad(&self) -> [f64; 6] {
         let (contact, closed) =
             (self.half_width_rad(0.0), self.half_width_rad(2.0 * self.geometry.bore_radius_mm));
@@ -121,14 +133,15 @@ impl Drawing {
         corners
     }
 
-    /// Angle at the shaft between the roller's axis and where its surface is rho + `squeeze_mm` from the shaft, rad.
+    /// Returns the angle at the shaft between the roller's axis and the point of its surface at
+    /// rho + `squeeze_mm`, rad.
     fn half_width_rad(&self, squeeze_mm: f64) -> f64 {
         let Geometry { roller_radius_mm: radius, roller_offset_mm: offset, .. } = self.geometry;
         let reach = self.inner_mm + squeeze_mm;
         acos(((reach * reach + offset * offset - radius * radius) / (2.0 * reach * offset)).min(1.0))
     }
 
-    /// h at y = 0, mm.
+    /// Returns the squeeze h at y = 0, mm.
     fn squeeze_at_end_mm(&self, eta: f64) -> f64 {
         let Geometry { roller_radius_mm: radius, roller_offset_mm: offset, .. } = self.geometry;
         let (x_mm, y_mm) = (offset * cos(eta), offset * sin(eta));
@@ -142,10 +155,10 @@ impl Drawing {
         squeeze_mm.clamp(0.0, 2.0 * self.geometry.bore_radius_mm)
     }
 
-    /// Integral over y > 0 of a function of h, mm times its unit.
+    /// Returns the integral of a function of h over y > 0, mm times the function's unit.
     ///
-    /// Over the angle t at the roller's axis, y = r_offset sin eta + r_roller sin t, the squeeze
-    /// h = r_offset cos eta + r_roller cos t - rho has no singularity where the roller's flank is near.
+    /// The integral runs over the angle t at the roller's axis, y = r_offset sin eta + r_roller sin t. There
+    /// the squeeze h = r_offset cos eta + r_roller cos t - rho has no singularity near the roller's flank.
     fn over_straight(&self, eta: f64, of_squeeze: impl Fn(f64) -> f64) -> f64 {
         let Geometry { roller_radius_mm: radius, roller_offset_mm: offset, .. } = self.geometry;
         let (x_mm, y_mm) = (offset * cos(eta), offset * sin(eta));
@@ -162,10 +175,11 @@ impl Drawing {
         })
     }
 
-    /// Integral over the polar angle p < 0 of a function of h, rad times its unit.
+    /// Returns the integral of a function of h over the polar angle p < 0, rad times the function's unit.
     ///
-    /// Over the angle t at the roller's axis: R² = r_offset² + r_roller² + 2 r_offset r_roller cos t is the distance of
-    /// the roller's surface from the shaft, h = R - rho, dp = (r_roller² + r_offset r_roller cos t) / R² dt.
+    /// The integral runs over the angle t at the roller's axis. The roller's surface is R from the shaft,
+    /// R² = r_offset² + r_roller² + 2 r_offset r_roller cos t. Then h = R - rho and
+    /// dp = (r_roller² + r_offset r_roller cos t) / R² dt.
     fn over_arc(&self, eta: f64, of_squeeze: impl Fn(f64) -> f64) -> f64 {
         let Geometry { roller_radius_mm: radius, roller_offset_mm: offset, .. } = self.geometry;
         let y_mm = offset * sin(eta);

@@ -1,4 +1,5 @@
-//! The roller volume of a drawing as a piecewise polynomial, so that all that follows from it stays exact.
+//! The roller volume of a drawing as a piecewise polynomial, so that the curves that follow from it stay
+//! exact.
 
 use crate::error::ModelError;
 use crate::head::geometry::Geometry;
@@ -7,23 +8,32 @@ use crate::math::polynomial::Polynomial;
 
 use super::drawing::Drawing;
 
-/// Largest error of V on a piece, as a part of V_r, below which it is not cut further.
+/// Largest error of V on a piece, as a part of V_r, at which the piece is not cut further.
 const TOLERANCE: f64 = 2e-6;
 
-/// Where a piece is cut, as a part of it: V goes as x^(5/2) after first contact and has a term in x^(3/2) after the
-/// tube has closed, so pieces become shorter towards their starts.
+/// Place at which a piece is cut, as a part of its length.
+///
+/// V goes as x^(5/2) after first contact and has a term in x^(3/2) after the tube has closed. Pieces
+/// therefore become shorter towards their starts.
 const CUT: f64 = 0.3;
 
-/// Corners nearer than this are one, rad.
+/// Distance below which two corners count as one, rad.
 const SAME_CORNER_RAD: f64 = 1e-9;
 
 impl RollerVolume {
-    /// Curve from the pump's dimensions alone, for a pump that nobody has measured: quintics that meet
-    /// [`Drawing::volume_ml`] within 2e-6 of V_r everywhere and, where they join, in value and slope, so that the flow
-    /// has no jump.
+    /// Builds the curve from the pump's dimensions alone, for a pump without measurements.
     ///
-    /// The slope is within 0.5 % of the flow a between the rollers, but for the quarter of a degree after the tube has
-    /// closed, where it falls as a root does and pieces come within 2 % of a.
+    /// Its quintics meet [`Drawing::volume_ml`] within 2e-6 of V_r everywhere. They join in value and slope,
+    /// so the flow has no jump.
+    ///
+    /// The slope is within 0.5 % of the flow a between the rollers, except for a quarter of a degree after
+    /// the tube has closed. There the slope falls as a root does, and pieces come within 2 % of a.
+    ///
+    /// # Errors
+    ///
+    /// Refuses dimensions that [`Drawing::new`] refuses, and curves with more pieces than there are places.
+    ///
+    /// # Examples
     ///
     /// ```
     /// use pump_model::{Geometry, RollerVolume, Variant};
@@ -43,14 +53,14 @@ impl RollerVolume {
     }
 }
 
-/// A quintic in place of V over an interval.
+/// A quintic that replaces V over an interval.
 #[derive(Debug, Clone, Copy, Default)]
 struct Piece {
     start_rad: f64,
     end_rad: f64,
-    /// V, mL, over theta - start.
+    /// Volume V, mL, over theta - start.
     volume: Polynomial,
-    /// Largest difference from V, mL.
+    /// Largest difference of the quintic from V, mL.
     error_ml: f64,
 }
 
@@ -70,15 +80,18 @@ impl Piece {
     }
 }
 
-/// Where between 0 and 1 a quintic meets V besides both ends: the inner nodes of Lobatto's quadrature with four nodes,
-/// at 1/2 -+ sqrt(1/20).
+/// Nodes between 0 and 1 at which a quintic meets V, besides both ends. They are the inner nodes of Lobatto's
+/// quadrature with four nodes, at 1/2 -+ sqrt(1/20).
 const LOBATTO: [f64; 2] = [0.276_393_202_250_021, 0.723_606_797_749_979];
 
-/// Where its error is looked at: around where u²(1 - u)² times the nodes' factors is largest, 0.12, 0.5 and 0.88.
+/// Places at which the error of a quintic is checked. They lie around the places where u²(1 - u)² times the
+/// nodes' factors is largest, 0.12, 0.5 and 0.88.
 const CHECKED: [f64; 8] = [0.05, 0.1, 0.15, 0.4, 0.5, 0.6, 0.85, 0.93];
 
-/// The quintic over [0, 1] with these values at 0, both [`LOBATTO`] nodes and 1, and these slopes at 0 and 1: the cubic
-/// through the ends, and u²(1 - u)²(A + B u), where u(1 - u) = 1/5 at the nodes.
+/// Returns the quintic over [0, 1] with given values at 0, both [`LOBATTO`] nodes and 1, and given slopes at
+/// 0 and 1.
+///
+/// It is the cubic through the ends plus u²(1 - u)²(A + B u), where u(1 - u) = 1/5 at the nodes.
 fn through([at_0, at_first, at_second, at_1]: [f64; 4], [slope_0, slope_1]: [f64; 2]) -> Polynomial {
     let rise = at_1 - at_0;
     let cubic = Polynomial {
@@ -92,14 +105,15 @@ fn through([at_0, at_first, at_second, at_1]: [f64; 4], [slope_0, slope_1]: [f64
     cubic.plus(&Polynomial { c: [0.0, 0.0, a, b - 2.0 * a, a - 2.0 * b, b] })
 }
 
-/// Pieces in order of angle, fixed in number at most.
+/// Pieces in order of angle, at most [`MAX_PIECES`].
 struct Pieces {
     places: [Piece; MAX_PIECES],
     count: usize,
 }
 
 impl Pieces {
-    /// From corner to corner, the worst cut again until none is off by more than `allowed_ml`.
+    /// Starts with a piece from each corner to the next, and cuts the worst until no error exceeds
+    /// `allowed_ml`.
     fn of(drawing: &Drawing, allowed_ml: f64) -> Result<Self, ModelError> {
         let mut pieces = Self { places: [Piece::default(); MAX_PIECES], count: 0 };
         let mut start_rad = 0.0;
@@ -127,7 +141,7 @@ impl Pieces {
         self.places.get(..self.count).unwrap_or(&self.places)
     }
 
-    /// Puts a piece in at a number, those behind it one further.
+    /// Inserts a piece at a number and moves those behind it one place on.
     fn insert(&mut self, number: usize, piece: Piece) -> Result<(), ModelError> {
         let behind = self
             .places

@@ -1,10 +1,10 @@
-//! A rising cubic spline through measured points.
+//! Rising cubic splines through measured points.
 
 use crate::error::ModelError;
 use crate::head::roller_volume::{MAX_PIECES, RollerVolume};
 use crate::math::polynomial::Polynomial;
 
-/// Most different angles that a spline goes through.
+/// Largest number of different angles that a spline goes through.
 pub(crate) const MAX_KNOTS: usize = MAX_PIECES + 1;
 
 /// Mean of the volumes at one angle, or of neighbours that would fall.
@@ -22,7 +22,7 @@ pub(crate) struct Knots {
 }
 
 impl Knots {
-    /// Knots from points (rad, mL) in any order; volumes at the same angle are averaged.
+    /// Collects knots from points (rad, mL) in any order. Volumes at the same angle are averaged.
     pub(crate) fn of(points: impl Iterator<Item = (f64, f64)>) -> Result<Self, ModelError> {
         let mut knots = Self { places: [Knot::default(); MAX_KNOTS], count: 0 };
         for (x_rad, volume_ml) in points {
@@ -51,7 +51,7 @@ impl Knots {
         self.places.get(..self.count).unwrap_or(&self.places)
     }
 
-    /// Neighbours between which the volume falls: both angles, rad, and by how much, mL.
+    /// Returns the neighbours between which the volume falls: both angles, rad, and the fall, mL.
     pub(crate) fn into_falls(self) -> impl Iterator<Item = (f64, f64, f64)> {
         let knots = || self.places.into_iter().take(self.count);
         let pairs = knots().zip(knots().skip(1));
@@ -60,12 +60,15 @@ impl Knots {
             .filter(|(_, _, fall_ml)| *fall_ml > 0.0)
     }
 
-    /// Gives neighbours that fall their common mean, until none does: the rising volumes with the least sum of squared
-    /// changes (isotonic regression by pooling adjacent violators, Ayer et al., Ann. Math. Statist. 26, 1955).
+    /// Gives falling neighbours their common mean, until none falls.
+    ///
+    /// The result is the rising volumes with the least sum of squared changes (isotonic regression by pooling
+    /// adjacent violators, Ayer et al., Ann. Math. Statist. 26, 1955).
     fn pool(&mut self) {
         let knots = self.places.get_mut(..self.count).unwrap_or_default();
         for end in 1..knots.len() {
-            // Those up to here rise already; the new one takes along all that lie higher than the mean of the rest.
+            // The knots up to here rise already. The new one takes along all that lie higher than the mean of
+            // the rest.
             let Some((new, before)) = knots.get_mut(..=end).and_then(<[Knot]>::split_last_mut) else {
                 continue;
             };
@@ -83,10 +86,12 @@ impl Knots {
         }
     }
 
-    /// The spline: cubics with the slopes of Fritsch and Butland ("A method for constructing local monotone piecewise
-    /// cubic interpolants", SIAM J. Sci. Stat. Comput. 5, 1984), which neither overshoot nor swing. At both ends the
-    /// slope is 0, as it is where a roller begins to touch and where it has fully engaged: so the flow has no jump at
-    /// all.
+    /// Returns the spline through the knots.
+    ///
+    /// Its cubics have the slopes of Fritsch and Butland ("A method for constructing local monotone piecewise
+    /// cubic interpolants", SIAM J. Sci. Stat. Comput. 5, 1984), which neither overshoot nor swing. At both
+    /// ends the slope is 0, as it is where a roller begins to touch and where it has fully engaged. The flow
+    /// therefore has no jump.
     pub(crate) fn spline(mut self) -> Result<RollerVolume, ModelError> {
         self.pool();
         let knots = self.as_slice();
@@ -106,7 +111,8 @@ impl Knots {
     }
 }
 
-/// Slope at the middle of three knots: a weighted harmonic mean of those on both sides, 0 where either does not rise.
+/// Returns the slope at the middle of three knots: a weighted harmonic mean of the slopes on both sides. It
+/// is 0 where either side does not rise.
 fn butland(before: &Knot, here: &Knot, after: &Knot) -> f64 {
     let (left, right) = (here.x_rad - before.x_rad, after.x_rad - here.x_rad);
     let left_slope = (here.volume_ml - before.volume_ml) / left;

@@ -1,7 +1,7 @@
 //! Integrals of functions that are smooth between known corners.
 
-/// Nodes and weights of Gauss-Legendre quadrature with 16 nodes over [-1, 1], the positive half (Abramowitz and Stegun,
-/// table 25.4): exact to degree 31.
+/// Nodes and weights of Gauss-Legendre quadrature with 16 nodes over [-1, 1], the positive half (Abramowitz
+/// and Stegun, table 25.4). The rule is exact to degree 31.
 const NODES: [(f64, f64); 8] = [
     (0.989_400_934_991_649_9, 0.027_152_459_411_754_096),
     (0.944_575_023_073_232_6, 0.062_253_523_938_647_894),
@@ -13,8 +13,8 @@ const NODES: [(f64, f64); 8] = [
     (0.095_012_509_837_637_44, 0.189_450_610_455_068_5),
 ];
 
-/// Integral of `function` over [low, high]; `corners`, rising, are where it is not smooth, those outside have no
-/// effect.
+/// Returns the integral of `function` over [low, high]. `corners`, in rising order, are the points at which
+/// it is not smooth; corners outside have no effect.
 pub(crate) fn between<const N: usize>(
     low: f64,
     high: f64,

@@ -1,4 +1,4 @@
-//! A roller volume from measured points, and how well it meets them.
+//! Roller volumes from measured points, and the deviations of the points from them.
 
 use crate::error::{Allowed, ModelError, refused, within};
 use crate::head::geometry::Geometry;
@@ -15,14 +15,14 @@ use super::monotone_spline::Knots;
 pub struct VolumePoint {
     /// Angle since the first contact, deg, 0 to less than 360.
     pub angle_deg: f64,
-    /// Volume displaced since then, mL.
+    /// Volume displaced since the first contact, mL.
     pub volume_ml: f64,
 }
 
 pub use crate::head::paper::VOLUME_POINTS as PUBLISHED_POINTS;
 
-/// A curve through measured points, of one run or of several together, in any order. The smallest angle is the first
-/// contact, 0, and the largest is phi.
+/// A curve through measured points of one run or of several together, in any order. The smallest angle is the
+/// first contact, 0, and the largest is phi.
 ///
 /// ```
 /// use pump_model::{VolumeFit, VolumePoint, volume_fit::PUBLISHED_POINTS};
@@ -35,18 +35,23 @@ pub use crate::head::paper::VOLUME_POINTS as PUBLISHED_POINTS;
 pub struct VolumeFit<'a> {
     points: &'a [VolumePoint],
     curve: RollerVolume,
-    /// The quintic, mL over deg, where there is one.
+    /// Coefficients of the quintic, mL over deg; none for a spline.
     polynomial: Option<Polynomial>,
 }
 
 impl<'a> VolumeFit<'a> {
-    /// By least squares of 5th order, as McIntyre et al. do it; where the polynomial falls the volume is held. It
-    /// smooths what scatters, and jumps a little where the roller has fully engaged.
+    /// Fits a polynomial of 5th order by least squares, as McIntyre et al. do.
     ///
-    /// Needs six different angles at least.
+    /// Where the polynomial falls the volume is held. The fit smooths scatter, and jumps a little where the
+    /// roller has fully engaged.
+    ///
+    /// # Errors
+    ///
+    /// Refuses fewer than six different angles, values outside their ranges, points that do not start at
+    /// angle 0, and a curve that does not rise.
     pub fn quintic(points: &'a [VolumePoint]) -> Result<Self, ModelError> {
         let engagement_deg = checked(points, DEGREE + 1)?;
-        // Over -1 to 1, where the powers are of one size.
+        // The angles run over -1 to 1, where the powers are of one size.
         let (half, pairs) =
             (0.5 * engagement_deg, points.iter().map(|point| (point.angle_deg, point.volume_ml)));
         let unit = least_squares::quintic(pairs.map(|(deg, ml)| (deg / half - 1.0, ml)));
@@ -57,10 +62,15 @@ impl<'a> VolumeFit<'a> {
         Ok(Self { points, curve, polynomial: Some(polynomial) })
     }
 
-    /// By a rising cubic spline through the mean volume of every angle, whose slope is continuous and 0 at both ends:
-    /// the flow has no jump. Means that fall are pooled with their neighbours ([`Self::falls`]).
+    /// Fits a rising cubic spline through the mean volume of every angle.
     ///
-    /// Takes 3 to 25 different angles.
+    /// The spline's slope is continuous and 0 at both ends, so the flow has no jump. Means that fall are
+    /// pooled with their neighbours ([`Self::falls`]).
+    ///
+    /// # Errors
+    ///
+    /// Takes 3 to 25 different angles and refuses others. Also refuses values outside their ranges, points
+    /// that do not start at angle 0, and a curve that does not rise.
     pub fn spline(points: &'a [VolumePoint]) -> Result<Self, ModelError> {
         let engagement_deg = checked(points, 3)?;
         let curve = knots(points)?.spline()?;
@@ -71,12 +81,12 @@ impl<'a> VolumeFit<'a> {
         }
     }
 
-    /// The curve, from V(0) = 0.
+    /// Returns the fitted curve, from V(0) = 0.
     pub fn curve(&self) -> &RollerVolume {
         &self.curve
     }
 
-    /// Coefficients of the quintic, mL over deg, highest order first; none of a spline.
+    /// Returns the coefficients of the quintic, mL over deg, highest order first; none for a spline.
     pub fn polynomial_ml_deg(&self) -> Option<[f64; DEGREE + 1]> {
         self.polynomial.map(|polynomial| {
             let mut c = polynomial.c;
@@ -85,8 +95,8 @@ impl<'a> VolumeFit<'a> {
         })
     }
 
-    /// The fit less what was measured, mL, of each point in their order. A quintic's are those of the polynomial
-    /// itself, which need not be 0 at angle 0.
+    /// Returns the fitted less the measured volume of each point, mL, in the order of the points. The
+    /// residuals of a quintic are those of the polynomial itself, which need not be 0 at angle 0.
     pub fn residuals_ml(&self) -> impl Iterator<Item = f64> {
         self.points.iter().map(|point| {
             let fitted = match &self.polynomial {
@@ -97,26 +107,31 @@ impl<'a> VolumeFit<'a> {
         })
     }
 
-    /// Root of the mean square of the residuals, mL.
+    /// Returns the root of the mean square of the residuals, mL.
     pub fn rms_ml(&self) -> f64 {
         let square: f64 = self.residuals_ml().map(|residual| residual * residual).sum();
         sqrt(square / self.points.len() as f64)
     }
 
-    /// Where the measured volumes fall from one angle to the next: both angles, deg, and by how much, mL, volumes at
-    /// the same angle averaged first. It is scatter or a slip of the pen. Takes 25 different angles at most.
+    /// Returns the places at which the measured volumes fall: both angles, deg, and the fall, mL.
+    ///
+    /// Volumes at the same angle are averaged first. A fall is scatter or a slip of the pen.
+    ///
+    /// # Errors
+    ///
+    /// Refuses more than 25 different angles.
     pub fn falls(&self) -> Result<impl Iterator<Item = (f64, f64, f64)>, ModelError> {
         let falls = knots(self.points)?.into_falls();
         Ok(falls.map(|(from, to, fall_ml)| (degrees(from), degrees(to), fall_ml)))
     }
 
-    /// Stretches where the fit does not rise, deg: from, to. There the volume is held and the flow is that between the
-    /// rollers.
+    /// Returns the stretches in which the fit does not rise, deg: from, to. There the volume is held, and the
+    /// flow is that between the rollers.
     pub fn held_deg(&self) -> impl Iterator<Item = (f64, f64)> {
         self.curve.held_rad().map(|(from, to)| (degrees(from), degrees(to)))
     }
 
-    /// V_rot = V_nom - NU V_r, mL per revolution of a pump with these dimensions.
+    /// Returns the volume of a revolution of a pump with these dimensions, mL: V_rot = V_nom - NU V_r.
     pub fn revolution_ml(&self, geometry: &Geometry) -> f64 {
         TURN_RAD * geometry.nominal_ml_rad() - f64::from(geometry.rollers) * self.curve.total_ml()
     }
@@ -126,7 +141,7 @@ fn knots(points: &[VolumePoint]) -> Result<Knots, ModelError> {
     Knots::of(points.iter().map(|point| (radians(point.angle_deg), point.volume_ml)))
 }
 
-/// The largest angle, deg, of points that can be fitted.
+/// Returns the largest angle of points that can be fitted, deg.
 fn checked(points: &[VolumePoint], needed: usize) -> Result<f64, ModelError> {
     let (mut smallest, mut largest) = (f64::INFINITY, 0.0);
     for &VolumePoint { angle_deg, volume_ml } in points {

@@ -1,9 +1,9 @@
-//! The values that a parameter may take, in one type that checks and words them.
+//! Ranges of parameters: one type checks a value and words the range.
 
 use core::fmt;
 use core::ops::{Range, RangeInclusive};
 
-/// Values that a parameter may take. Its text stands after `allowed:` in a message.
+/// Values that a parameter may take. The text of this type stands after `allowed:` in a message.
 ///
 /// ```
 /// use pump_model::Allowed;
@@ -21,19 +21,19 @@ pub enum Allowed {
     Positive,
     /// Numbers from `least` to `most`, both of them included.
     Between {
-        /// Smallest number.
+        /// Smallest allowed number.
         least: f64,
-        /// Largest number.
+        /// Largest allowed number.
         most: f64,
     },
-    /// Numbers from `least`, which is included, to `below`, which is not.
+    /// Numbers from `least` to less than `below`; `least` itself is allowed.
     Below {
-        /// Smallest number.
+        /// Smallest allowed number.
         least: f64,
-        /// Smallest number that is too large.
+        /// Bound that every allowed number stays below.
         below: f64,
     },
-    /// A condition in words, which the caller checks: it depends on other parameters too.
+    /// Condition in words, for a range that depends on other parameters. The caller checks it.
     Words(&'static str),
 }
 
@@ -43,7 +43,7 @@ impl Allowed {
     /// Every finite number above zero.
     pub const POSITIVE: Self = Self::Positive;
 
-    /// True if a value is allowed. Words admit nothing: the caller has found the value wrong already.
+    /// True if a value is allowed. [`Self::Words`] admits no value: the caller has already found it wrong.
     pub fn admits(self, value: f64) -> bool {
         match self {
             Self::Finite => value.is_finite(),
@@ -85,7 +85,7 @@ impl fmt::Display for Allowed {
     }
 }
 
-/// A bound as short as it can be written: 1e-6, 0.001, 360, 1e6.
+/// Number written as short as it can be: 1e-6, 0.001, 360, 1e6.
 struct Short(f64);
 
 impl fmt::Display for Short {

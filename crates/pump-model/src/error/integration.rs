@@ -1,8 +1,8 @@
-//! Why an integration stops before its end.
+//! Errors of the integrator.
 
 use thiserror::Error;
 
-/// Why an integration stopped.
+/// Reason why an integration stopped before its end.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
@@ -13,16 +13,16 @@ pub enum IntegrationError {
         /// Time at which the state is not finite, s.
         time_s: f64,
     },
-    /// The tolerance cannot be met by any step.
+    /// No step meets the tolerance.
     #[error("the step size underflows at t = {time_s} s; loosen the tolerance")]
     StepUnderflow {
         /// Time at which no step meets the tolerance, s.
         time_s: f64,
     },
-    /// A tolerance that no method can meet.
+    /// The tolerance lies outside the range that double precision can meet.
     #[error("integration tolerance {tolerance:e}; allowed: 1e-13 to 0.1")]
     Tolerance {
-        /// The tolerance that was asked for.
+        /// Tolerance that was asked for.
         tolerance: f64,
     },
 }

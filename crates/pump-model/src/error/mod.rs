@@ -1,4 +1,4 @@
-//! Errors of the model, and the one check that refuses a value outside its range.
+//! Errors of the model, and the check that refuses a value outside its range.
 
 mod allowed;
 mod integration;

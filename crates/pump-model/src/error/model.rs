@@ -1,19 +1,19 @@
-//! Why a pump cannot be modelled.
+//! Errors of pumps, lines and motions.
 
 use thiserror::Error;
 
 use super::allowed::Allowed;
 use super::integration::IntegrationError;
 
-/// A pump, line or motion that the model refuses, with the value and what is allowed.
+/// Reason why the model refuses a pump, line or motion. It names the value and the allowed range.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ModelError {
-    /// A single parameter outside its range.
+    /// One parameter lies outside its range.
     #[error("{parameter} is {value}; allowed: {allowed}")]
     OutOfRange {
-        /// Name of the parameter, with its unit.
+        /// Name of the parameter, with the parameter's unit.
         parameter: &'static str,
         /// Value that was given.
         value: f64,
@@ -30,17 +30,18 @@ pub enum ModelError {
         rollers: u32,
         /// Angle between rollers, degrees.
         pitch_deg: f64,
-        /// Over how much a roller is fully engaged, degrees.
+        /// Angle over which a roller is fully engaged, degrees.
         span_deg: f64,
     },
     /// Roller and backplate overlap.
     #[error(
-        "roller offset + roller radius is {reach_mm} mm, beyond the backplate radius of {backplate_radius_mm} mm"
+        "roller offset + roller radius is {reach_mm} mm, beyond the backplate radius of \
+         {backplate_radius_mm} mm"
     )]
     RollersHitBackplate {
-        /// r_offset + r_roller, mm.
+        /// Reach of the rollers, r_offset + r_roller, mm.
         reach_mm: f64,
-        /// r_b, mm.
+        /// Radius of the backplate r_b, mm.
         backplate_radius_mm: f64,
     },
     /// The rollers do not close the tube.
@@ -49,112 +50,115 @@ pub enum ModelError {
          (twice its wall); use a larger roller, offset or wall"
     )]
     NotOccluding {
-        /// r_b - r_roller - r_offset, mm.
+        /// Gap between roller and backplate, r_b - r_roller - r_offset, mm.
         gap_mm: f64,
-        /// 2 (r_o - r_i), mm.
+        /// Gap at which the tube closes, 2 (r_o - r_i), mm.
         closed_mm: f64,
     },
-    /// Rollers engage and leave at the same time on one straight: psi < 0.
+    /// Rollers engage and leave at the same time on one straight: psi is negative.
     #[error(
         "rollers engage over {engagement_deg:.2} deg and seal over {span_deg:.2} deg, which leaves \
          psi = 360 - {span_deg:.2} - {engagement_deg:.2} = {psi_deg:.2} deg; it must not be negative: use a \
          smaller contact angle"
     )]
     EngagementTooLong {
-        /// phi, degrees.
+        /// Engagement angle phi, degrees.
         engagement_deg: f64,
-        /// Over how much a roller is fully engaged, degrees.
+        /// Angle over which a roller is fully engaged, degrees.
         span_deg: f64,
-        /// psi, degrees.
+        /// Inlet phase psi, degrees.
         psi_deg: f64,
     },
-    /// The flow per radian is not positive at some angle, so that a volume has no single angle.
+    /// The flow per radian is not positive at some angle, so a volume has no single angle.
     #[error(
-        "with {rollers} rollers the {port} flow per radian falls to {flow_ml_rad:.3} mL/rad at {angle_deg:.1} deg; \
-         it must stay positive for a volume to have one angle; use fewer rollers or a smaller roller volume"
+        "with {rollers} rollers the {port} flow per radian falls to {flow_ml_rad:.3} mL/rad at \
+         {angle_deg:.1} deg; it must stay positive for a volume to have one angle; use fewer rollers or a \
+         smaller roller volume"
     )]
     FlowNotPositive {
         /// Number of rollers.
         rollers: u32,
-        /// `inlet` or `outlet`.
+        /// Name of the port: `inlet` or `outlet`.
         port: &'static str,
         /// Smallest flow per radian, mL/rad.
         flow_ml_rad: f64,
-        /// Where, degrees within a pitch.
+        /// Angle of the smallest flow per radian, degrees within a pitch.
         angle_deg: f64,
     },
     /// The roller-volume curve does not rise.
     #[error(
-        "the roller volume does not rise anywhere between 0 and {engagement_deg:.2} deg; check its coefficients"
+        "the roller volume does not rise anywhere between 0 and {engagement_deg:.2} deg; check its \
+         coefficients"
     )]
     RollerVolumeFlat {
-        /// phi, degrees.
+        /// Engagement angle phi, degrees.
         engagement_deg: f64,
     },
-    /// Too few measured points for a curve.
+    /// A curve has too few measured points.
     #[error("there are measured points at {angles} different angles; the curve needs {needed} at least")]
     TooFewPoints {
-        /// Different angles.
+        /// Number of different angles.
         angles: usize,
-        /// How many are needed.
+        /// Number of different angles that the curve needs.
         needed: usize,
     },
-    /// A roller-volume curve with more pieces than there are places.
+    /// A roller-volume curve has more pieces than there are places.
     #[error(
         "the roller volume needs more than {allowed} pieces; give fewer measured points (or their fit), or \
          check the dimensions"
     )]
     TooManyPieces {
-        /// How many there may be.
+        /// Largest number allowed.
         allowed: usize,
     },
     /// A periodic steady state does not exist.
     #[error(
-        "at {speed_rad_s:.6} rad/s the pulses meet a resonance of the {port} line that nothing damps: there is no \
-         steady state; give the line a resistance or change the speed"
+        "at {speed_rad_s:.6} rad/s the pulses meet a resonance of the {port} line that nothing damps: there \
+         is no steady state; give the line a resistance or change the speed"
     )]
     UndampedResonance {
-        /// `inlet` or `outlet`.
+        /// Name of the port: `inlet` or `outlet`.
         port: &'static str,
         /// Speed, rad/s.
         speed_rad_s: f64,
     },
-    /// A line that swings all through a long pitch.
+    /// A line swings all through a long pitch.
     #[error(
         "at {speed_rad_s:.3e} rad/s the {port} line swings all through the pitch, and its extremes take \
          {steps:.1e} steps; allowed: {allowed:.0e}; give the line more resistance, or choose a faster speed"
     )]
     RingsTooLong {
-        /// `inlet` or `outlet`.
+        /// Name of the port: `inlet` or `outlet`.
         port: &'static str,
         /// Speed, rad/s.
         speed_rad_s: f64,
-        /// How many steps it takes at most.
+        /// Largest number of steps that the search for the extremes takes.
         steps: f64,
-        /// How many there may be.
+        /// Largest number allowed.
         allowed: f64,
     },
     /// Integrating does not come to a periodic steady state.
     #[error(
-        "no periodic steady state after {pitches} pitches: the last one still changed by {change_kpa:.2e} kPa; \
-         give the lines more resistance, less inertance or less compliance, or a speed at which a pitch takes longer"
+        "no periodic steady state after {pitches} pitches: the last one still changed by {change_kpa:.2e} \
+         kPa; give the lines more resistance, less inertance or less compliance, or a speed at which a \
+         pitch takes longer"
     )]
     NotPeriodic {
-        /// How many were tried.
+        /// Number of pitches that were tried.
         pitches: u32,
-        /// How much the last one changed, kPa.
+        /// Change over the last pitch, kPa.
         change_kpa: f64,
     },
-    /// The line rings or creeps for longer than anyone waits.
+    /// The line swings or creeps for longer than the search follows it.
     #[error(
-        "the outlet line has not settled {waited_s:.3} s after the last step: it is damped too little (L/R) or too \
-         much (R C)"
+        "the outlet line has not settled {waited_s:.3} s after the last step: it is damped too weakly (L/R) \
+         or too strongly (R C)"
     )]
     NeverSettles {
         /// Time after which the search gave up, s.
         waited_s: f64,
     },
-    /// The integrator gave up.
+    /// The integrator stopped before the end.
     #[error(transparent)]
     Integration(#[from] IntegrationError),
 }

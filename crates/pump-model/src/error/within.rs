@@ -1,4 +1,4 @@
-//! The one check that refuses a value outside its range.
+//! Check that refuses a value outside its range.
 
 use super::allowed::Allowed;
 use super::model::ModelError;
@@ -13,7 +13,7 @@ pub(crate) fn within(
     if allowed.admits(value) { Ok(()) } else { Err(refused(parameter, value, allowed)) }
 }
 
-/// The error of a value that is not allowed.
+/// Returns the error for a value that is not allowed.
 pub(crate) fn refused(parameter: &'static str, value: f64, allowed: impl Into<Allowed>) -> ModelError {
     ModelError::OutOfRange { parameter, value, allowed: allowed.into() }
 }

@@ -1,19 +1,20 @@
-//! Mean flow against speed by a speed law, and the speed for a flow.
+//! Mean flow against speed by a speed law, and the speed for a given flow.
 
 use crate::error::{Allowed, ModelError, refused, within};
 use crate::pump::pump::Pump;
 
 use super::speed_law::SpeedLaw;
 
-/// Ratio of neighbouring speeds of the search: a rise and fall that no three of them show may be passed over.
+/// Ratio of neighbouring speeds of the search. A rise and fall that no three of them show may be passed over.
 const RATIO: f64 = 1.01;
 
-/// Speeds that are the same, part of the speed: a last bit or two.
+/// Relative difference below which two speeds are equal: a last bit or two.
 const SAME_SPEED: f64 = 4.0 * f64::EPSILON;
 
-/// Q_avg(omega) of a pump with a speed law, between two speeds.
+/// Mean flow Q_avg(omega) of a pump with a speed law, between two speeds.
 ///
-/// The flow rises with the speed, but a resonance of the inlet's line may bend it: it need not rise everywhere.
+/// The flow rises with the speed, but a resonance of the inlet's line may bend it: it need not rise
+/// everywhere.
 #[derive(Debug, Clone, Copy)]
 pub struct SpeedLawFlow<'a> {
     law: &'a SpeedLaw,
@@ -24,8 +25,12 @@ pub struct SpeedLawFlow<'a> {
 }
 
 impl<'a> SpeedLawFlow<'a> {
-    /// Between `least_rad_s` and `most_rad_s`, both positive, turning forward or in `reverse`. `pump` is as it is
-    /// without law.
+    /// Takes speeds between `least_rad_s` and `most_rad_s`, both positive, forward or in `reverse`. `pump` is
+    /// the pump without the law.
+    ///
+    /// # Errors
+    ///
+    /// Refuses parameters of the law or speeds that are not allowed, and a slowest speed above the fastest.
     pub fn new(
         law: &'a SpeedLaw,
         pump: &'a Pump,
@@ -42,15 +47,27 @@ impl<'a> SpeedLawFlow<'a> {
         Ok(Self { law, pump, least_rad_s, most_rad_s, direction })
     }
 
-    /// Mean flow, mL/s, at a positive speed in rad/s; positive either way.
+    /// Returns the mean flow at a positive speed in rad/s, mL/s; positive either way.
+    ///
+    /// # Errors
+    ///
+    /// Fails where [`SpeedLaw::average_flow_ml_s`] does.
     pub fn at(&self, speed_rad_s: f64) -> Result<f64, ModelError> {
         let flow_ml_s = self.law.average_flow_ml_s(self.pump, self.direction * speed_rad_s)?;
         Ok(self.direction * flow_ml_s)
     }
 
-    /// The slowest speed, rad/s, whose mean flow is `flow_ml_s`, positive; none if the flow is less than at the slowest
-    /// speed or more than at any. A bracketed root: speeds 1 % apart upwards until the flow is passed, then halved to
-    /// the last bits.
+    /// Returns the slowest speed whose mean flow is `flow_ml_s`, rad/s; `flow_ml_s` is positive. Returns none
+    /// if the flow is less than at the slowest speed or more than at any.
+    ///
+    /// The search is for a bracketed root: speeds rise by 1 % until the flow is passed, then intervals are
+    /// halved to the last bits.
+    ///
+    /// # Errors
+    ///
+    /// Fails where [`Self::at`] does.
+    ///
+    /// # Examples
     ///
     /// ```
     /// use pump_model::{Pump, SpeedLaw, SpeedLawFlow};
@@ -70,8 +87,8 @@ impl<'a> SpeedLawFlow<'a> {
         if flow_ml_s == least_ml_s {
             return Ok(Some(slow));
         }
-        // The last speeds tried, the slower first: a largest flow between them lies near a speed whose neighbours have
-        // less.
+        // The last two speeds tried, the slower first. A largest flow between them lies near a speed whose
+        // neighbours have less.
         let (mut before, mut last) = ((slow, least_ml_s), (slow, least_ml_s));
         let mut fast = slow;
         loop {
@@ -105,7 +122,11 @@ impl<'a> SpeedLawFlow<'a> {
         Ok(Some(fast))
     }
 
-    /// (Largest mean flow, mL/s, the slowest speed that has it, rad/s).
+    /// Returns the largest mean flow, mL/s, and the slowest speed that has it, rad/s.
+    ///
+    /// # Errors
+    ///
+    /// Fails where [`Self::at`] does.
     pub fn largest(&self) -> Result<(f64, f64), ModelError> {
         let mut best = (self.at(self.least_rad_s)?, self.least_rad_s);
         let mut speed = self.least_rad_s;
@@ -122,7 +143,8 @@ impl<'a> SpeedLawFlow<'a> {
         Ok(if peak.0 > best.0 { peak } else { best })
     }
 
-    /// (Largest flow, mL/s, speed, rad/s) between two speeds where it rises, if at all, and then falls: by thirds.
+    /// Returns the largest flow, mL/s, and its speed, rad/s, between two speeds, by thirds. Between them the
+    /// flow rises, if at all, and then falls.
     fn peak(&self, mut slow: f64, mut fast: f64) -> Result<(f64, f64), ModelError> {
         let mut best = (self.at(slow)?, slow);
         while fast - slow > 1e-9 * fast {

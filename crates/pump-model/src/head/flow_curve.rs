@@ -11,15 +11,16 @@ use super::port::Port;
 use super::pulses::{Pulses, SAME_EDGE_RAD};
 use super::roller_volume::{self, RollerVolume};
 
-/// Every edge of the roller volume appears once in a pitch, at its start too, and the end of the last piece.
+/// Largest number of pieces. Every edge of the roller volume appears once in a pitch; the pitch's start and
+/// the end of the last piece add to them.
 const MAX_PIECES: usize = roller_volume::MAX_PIECES + 3;
 
 /// A stretch of the curve between two edges.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Piece {
-    /// Where it starts within the pitch, rad.
+    /// Start of the piece within the pitch, rad.
     pub(crate) start_rad: f64,
-    /// Its length, rad.
+    /// Length of the piece, rad.
     pub(crate) length_rad: f64,
     /// Volume since the start of the pitch, mL, over angle - start, rad.
     pub(crate) volume: Polynomial,
@@ -27,23 +28,32 @@ pub(crate) struct Piece {
     pub(crate) flow: Polynomial,
 }
 
-/// q(theta), mL/rad, and V(theta), mL, of one port: periodic pieces with closed-form integrals.
+/// Flow per radian q(theta), mL/rad, and volume V(theta), mL, of one port: periodic pieces with closed-form
+/// integrals.
 ///
-/// outlet: q(theta) = a - sum_k g(phi - (theta - k pitch)), inlet: q(theta) = a - sum_k g(theta - psi - k pitch),
-/// after McIntyre et al.; g is the slope of the [`RollerVolume`]. Pulses that overlap add. V is
-/// single-valued in theta: reversing the motor runs back along the same curve.
+/// Outlet: q(theta) = a - sum_k g(phi - (theta - k pitch)). Inlet: q(theta) = a - sum_k g(theta - psi - k
+/// pitch). Both follow McIntyre et al.; g is the slope of the [`RollerVolume`]. Pulses that overlap add. V is
+/// single-valued in theta: a motor in reverse runs back along the same curve.
+///
+/// ```
+/// let pump = pump_model::Pump::three_roller();
+/// let curve = pump.outlet_curve();
+/// assert!((curve.pitch_ml() - 7.1062).abs() < 1e-4);
+/// let angle_rad = curve.angle_rad(10.0);
+/// assert!((curve.volume_ml(angle_rad) - 10.0).abs() < 1e-12);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlowCurve {
     pieces: [Piece; MAX_PIECES],
     count: usize,
     pitch_rad: f64,
-    /// 1 / pitch, 1/rad.
+    /// Reciprocal of the pitch, 1/rad.
     per_pitch: f64,
     pitch_ml: f64,
 }
 
 impl FlowCurve {
-    /// Curve of a validated geometry; [`Self::validate`] is still to be asked.
+    /// Builds the curve of a validated geometry. The caller still has to call [`Self::validate`].
     pub(crate) fn new(geometry: &Geometry, roller: &RollerVolume, port: Port) -> Self {
         let phi = roller.engagement_rad();
         let psi = geometry.psi_rad(roller);
@@ -72,7 +82,11 @@ impl FlowCurve {
         curve
     }
 
-    /// A curve from what [`Self::precomputed_pieces`] said of it, for constants. Nothing is checked.
+    /// Builds a curve from the pieces of [`Self::precomputed_pieces`], for constants. Nothing is checked.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there are more pieces than a curve has places.
     pub const fn precomputed(
         pitch_rad: f64,
         pitch_ml: f64,
@@ -91,13 +105,16 @@ impl FlowCurve {
         Self { pieces: places, count, pitch_rad, per_pitch: 1.0 / pitch_rad, pitch_ml }
     }
 
-    /// Start and length within the pitch, rad, and coefficients of the volume since the start of the pitch, mL, over
-    /// the angle since that start, lowest order first, of each piece.
+    /// Returns each piece of the curve, for [`Self::precomputed`].
+    ///
+    /// A piece is its start and its length within the pitch, rad, and its coefficients, lowest order first.
+    /// The coefficients give the volume since the start of the pitch, mL, over the angle since the piece's
+    /// start.
     pub fn precomputed_pieces(&self) -> impl Iterator<Item = (f64, f64, [f64; DEGREE + 1])> {
         self.pieces().iter().map(|piece| (piece.start_rad, piece.length_rad, piece.volume.c))
     }
 
-    /// Refuses a curve whose flow per radian is not positive somewhere.
+    /// Refuses a curve whose flow per radian is not positive at some angle.
     pub(crate) fn validate(&self, rollers: u32, port: Port) -> Result<(), ModelError> {
         for piece in self.pieces() {
             let ((u, flow_ml_rad), _) = piece.flow.range_in(0.0, piece.length_rad);
@@ -114,7 +131,7 @@ impl FlowCurve {
         Ok(())
     }
 
-    /// This curve with flow and volume times `factor`, which must be positive.
+    /// Returns this curve with flow and volume times `factor`, which must be positive.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         let mut scaled = *self;
         for piece in &mut scaled.pieces {
@@ -125,14 +142,17 @@ impl FlowCurve {
         scaled
     }
 
-    /// This curve counted from another zero: at any angle it has what this curve has at that angle + `zero_rad`, which
-    /// must be finite. None if there is no room for the piece that the new zero cuts in two.
+    /// Returns this curve counted from another zero: its value at an angle is that of this curve at the
+    /// angle + `zero_rad`.
+    ///
+    /// `zero_rad` must be finite. Returns none if there is no room for the piece that the new zero cuts in
+    /// two.
     pub(crate) fn shifted(&self, zero_rad: f64) -> Option<Self> {
         let (_, first_rad) = self.split(zero_rad);
         let cut = self.index_of(first_rad);
         let mut shifted = Self { pieces: [Piece::default(); MAX_PIECES], count: 0, pitch_ml: 0.0, ..*self };
         let mut rest_rad = self.pitch_rad;
-        // The piece at the new zero comes first, from there on, and again last, up to there.
+        // The piece at the new zero comes first, from the zero on, and again last, up to the zero.
         for (number, piece) in self.pieces().iter().enumerate().cycle().skip(cut).take(self.count + 1) {
             let first = shifted.count == 0;
             let skipped_rad = if first && number == cut { first_rad - piece.start_rad } else { 0.0 };
@@ -155,7 +175,7 @@ impl FlowCurve {
         Some(shifted)
     }
 
-    /// Appends a piece; one that goes on with the same constant flow makes the last longer.
+    /// Appends a piece. A piece that continues the same constant flow makes the last one longer.
     fn push(&mut self, piece: Piece) {
         let is_constant = piece.flow.c.iter().skip(1).all(|c| *c == 0.0);
         match self.count.checked_sub(1).and_then(|last| self.pieces.get_mut(last)) {
@@ -170,31 +190,32 @@ impl FlowCurve {
         }
     }
 
-    /// Angle between rollers, rad: the period of the flow.
+    /// Returns the angle between rollers, rad: the period of the flow.
     pub fn pitch_rad(&self) -> f64 {
         self.pitch_rad
     }
 
-    /// Volume of a pitch, mL.
+    /// Returns the volume of a pitch, mL.
     pub fn pitch_ml(&self) -> f64 {
         self.pitch_ml
     }
 
-    /// Flow per radian at `angle_rad`, mL/rad. At an edge, the value just after it.
+    /// Returns the flow per radian at `angle_rad`, mL/rad. At an edge this is the value just after it.
     pub fn flow_ml_rad(&self, angle_rad: f64) -> f64 {
         let (_, local_rad) = self.split(angle_rad);
         let piece = self.piece_at(local_rad);
         piece.flow.at(local_rad - piece.start_rad)
     }
 
-    /// Volume from angle 0 to `angle_rad`, mL; negative below 0. Exact up to rounding.
+    /// Returns the volume from angle 0 to `angle_rad`, mL; negative below 0. It is exact up to rounding.
     pub fn volume_ml(&self, angle_rad: f64) -> f64 {
         let (pitches, local_rad) = self.split(angle_rad);
         let piece = self.piece_at(local_rad);
         pitches * self.pitch_ml + piece.volume.at(local_rad - piece.start_rad)
     }
 
-    /// The angle, rad, at which the volume since angle 0 is `volume_ml`: the inverse of [`Self::volume_ml`].
+    /// Returns the angle at which the volume since angle 0 is `volume_ml`, rad: the inverse of
+    /// [`Self::volume_ml`].
     pub fn angle_rad(&self, volume_ml: f64) -> f64 {
         let pitches = floor(volume_ml / self.pitch_ml);
         let local = volume_ml - pitches * self.pitch_ml;
@@ -203,7 +224,7 @@ impl FlowCurve {
         pitches * self.pitch_rad + piece.start_rad + piece.volume.solve_monotone(local, 0.0, piece.length_rad)
     }
 
-    /// Smallest and largest flow per radian over a pitch, mL/rad.
+    /// Returns the smallest and largest flow per radian over a pitch, mL/rad.
     pub fn flow_range_ml_rad(&self) -> (f64, f64) {
         self.pieces().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), piece| {
             let (smallest, largest) = piece.flow.range_in(0.0, piece.length_rad);
@@ -211,18 +232,21 @@ impl FlowCurve {
         })
     }
 
-    /// The part of a pitch in which rollers take from the flow: where it starts and how long it is, rad. Elsewhere the
-    /// flow is constant, at its largest. The whole pitch where pulses leave no gap.
+    /// Returns the part of a pitch in which rollers take from the flow: its start and its length, rad.
+    ///
+    /// Elsewhere the flow is constant, at its largest. Where pulses leave no gap, the part is the whole
+    /// pitch.
     pub fn uneven_part(&self) -> (f64, f64) {
         let largest = self.flow_range_ml_rad().1;
         let is_even = |piece: &&Piece| {
             let [c0, rest @ ..] = piece.flow.c;
-            // The bare tube's flow is a sum that may round.
+            // The flow of the bare tube is a sum that may round.
             rest.iter().all(|c| *c == 0.0) && c0 >= largest * (1.0 - 1e-12)
         };
         let (mut from_rad, mut length_rad) = (0.0, 0.0);
         let mut longest = (0.0, 0.0);
-        // Twice round: a shifted curve has its even part partly at the end of the pitch and partly at its start.
+        // The loop goes round twice: a shifted curve has its even part partly at the end of the pitch and
+        // partly at its start.
         for piece in self.pieces().iter().chain(self.pieces()) {
             if !is_even(&piece) {
                 length_rad = 0.0;
@@ -250,28 +274,28 @@ impl FlowCurve {
         self.pieces.get(..self.count).unwrap_or(&self.pieces)
     }
 
-    /// A piece by its number, which must be less than how many there are.
+    /// Returns a piece by its number, which must be less than the number of pieces.
     pub(crate) fn piece(&self, number: usize) -> &Piece {
         let [first, ..] = &self.pieces;
         self.pieces().get(number).unwrap_or(first)
     }
 
-    /// Flow per radian, mL/rad, and volume, mL, at an angle given as whole pitches and the rest.
+    /// Returns flow per radian, mL/rad, and volume, mL, at an angle given as whole pitches and the rest.
     pub(crate) fn flow_and_volume_at(&self, (pitches, local_rad): (f64, f64)) -> (f64, f64) {
         let piece = self.piece_at(local_rad);
         let u = local_rad - piece.start_rad;
         (piece.flow.at(u), pitches * self.pitch_ml + piece.volume.at(u))
     }
 
-    /// The piece at an angle of this pitch, and where it ends within the pitch, rad.
+    /// Returns the piece at an angle of this pitch and its end within the pitch, rad.
     pub(crate) fn piece_to_its_end(&self, local_rad: f64) -> (&Piece, f64) {
         let piece = self.piece_at(local_rad);
         let next = self.pieces().iter().find(|next| next.start_rad > piece.start_rad);
         (piece, next.map_or(self.pitch_rad, |next| next.start_rad))
     }
 
-    /// True if [`Self::split`] finds so many `pitches` and a rest in `local_rad`, a part of the pitch. On a seam, where
-    /// it may have to correct its rounding, the answer is no.
+    /// True if [`Self::split`] finds `pitches` whole pitches and a rest within `local_rad`, a part of the
+    /// pitch. On a seam, where the split may have to correct its rounding, this is false.
     #[inline]
     pub(crate) fn is_within(&self, angle_rad: f64, pitches: f64, local_rad: &Range<f64>) -> bool {
         let turned = angle_rad * self.per_pitch;
@@ -279,7 +303,7 @@ impl FlowCurve {
         whole && local_rad.contains(&(angle_rad - pitches * self.pitch_rad))
     }
 
-    /// Whole pitches and the angle within the pitch.
+    /// Splits an angle into whole pitches and the angle within the pitch.
     pub(crate) fn split(&self, angle_rad: f64) -> (f64, f64) {
         let pitches = floor(angle_rad * self.per_pitch);
         let local_rad = angle_rad - pitches * self.pitch_rad;
@@ -293,14 +317,14 @@ impl FlowCurve {
         }
     }
 
-    /// The piece that contains an angle of this pitch: the last that starts there or before.
+    /// Returns the piece that contains an angle of this pitch: the last that starts there or before.
     fn piece_at(&self, local_rad: f64) -> &Piece {
         let [first, ..] = &self.pieces;
         let later = self.pieces().iter().skip(1).take_while(|piece| piece.start_rad <= local_rad);
         later.last().unwrap_or(first)
     }
 
-    /// Number of the piece that contains an angle of this pitch.
+    /// Returns the number of the piece that contains an angle of this pitch.
     pub(crate) fn index_of(&self, local_rad: f64) -> usize {
         self.pieces().iter().rposition(|piece| piece.start_rad <= local_rad).unwrap_or(0)
     }

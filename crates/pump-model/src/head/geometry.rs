@@ -1,4 +1,4 @@
-//! The pump's dimensions and what follows from them alone (McIntyre et al.).
+//! Dimensions of a pump, and the quantities that follow from them alone (McIntyre et al.).
 
 use core::f64::consts::PI;
 
@@ -9,8 +9,16 @@ use super::roller_volume::RollerVolume;
 
 /// Dimensions of pump head and tube.
 ///
-/// McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
-/// roller-type peristaltic pump", Sensors and Actuators A.
+/// The symbols are those of McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and
+/// pressure response of a roller-type peristaltic pump", Sensors and Actuators A.
+///
+/// ```
+/// use pump_model::{Geometry, Variant};
+/// let geometry = Geometry::published(3, Variant::Measured);
+/// geometry.validate()?;
+/// assert!((geometry.nominal_ml_rad() - 4.3982297).abs() < 1e-7);
+/// # Ok::<(), pump_model::ModelError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -32,8 +40,12 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// Refuses dimensions that are not finite and positive, rollers that hit the backplate, do not close the
-    /// tube, or leave it open at some angle.
+    /// Checks the dimensions of the pump.
+    ///
+    /// # Errors
+    ///
+    /// Refuses dimensions that are not finite and positive. Also refuses rollers that hit the backplate, do
+    /// not close the tube, or leave it open at some angle.
     pub fn validate(&self) -> Result<(), ModelError> {
         within("number of rollers", f64::from(self.rollers), 1.0..=1000.0)?;
         within("bore radius in mm", self.bore_radius_mm, Allowed::POSITIVE)?;
@@ -63,8 +75,8 @@ impl Geometry {
         self.validate_seal(0.0)
     }
 
-    /// Refuses rollers of which at some angle not one has fully engaged, for rollers that do so `inset_rad` inside the
-    /// arc.
+    /// Refuses rollers if at some angle none of them is fully engaged. Rollers engage fully `inset_rad`
+    /// inside the arc.
     pub(crate) fn validate_seal(&self, inset_rad: f64) -> Result<(), ModelError> {
         let span_rad = self.sealed_span_rad(inset_rad);
         if self.pitch_rad() > span_rad {
@@ -77,30 +89,37 @@ impl Geometry {
         Ok(())
     }
 
-    /// Lam = pi + 2 beta - 2 inset, rad: how far a roller turns fully engaged.
+    /// Returns the angle over which a roller turns fully engaged, rad: Lam = pi + 2 beta - 2 inset.
     pub(crate) fn sealed_span_rad(&self, inset_rad: f64) -> f64 {
         PI + 2.0 * self.contact_angle_rad - 2.0 * inset_rad
     }
 
-    /// Flow per radian without roller pulses, a = pi r_i² (r_b - r_o), mL/rad (McIntyre et al.).
+    /// Returns the flow per radian without roller pulses, mL/rad: a = pi r_i² (r_b - r_o) (McIntyre et al.).
     pub fn nominal_ml_rad(&self) -> f64 {
         const MM3_PER_ML: f64 = 1000.0;
         let radius = self.bore_radius_mm;
         PI * radius * radius * (self.backplate_radius_mm - self.tube_outer_radius_mm) / MM3_PER_ML
     }
 
-    /// Angle between neighbouring rollers, 2 pi / NU, rad.
+    /// Returns the angle between neighbouring rollers, rad: 2 pi / NU.
     pub fn pitch_rad(&self) -> f64 {
         TURN_RAD / f64::from(self.rollers)
     }
 
-    /// psi, rad; negative where rollers engage for too long.
+    /// Returns psi, rad; negative where rollers engage for too long.
     pub(crate) fn psi_rad(&self, roller: &RollerVolume) -> f64 {
         PI - roller.engagement_rad() - 2.0 * self.contact_angle_rad + 2.0 * roller.inset_rad()
     }
 
-    /// psi = 2 pi - Lam - phi, rad: how far behind the outlet's pulse the inlet's begins. A roller is fully engaged
-    /// over Lam = pi + 2 beta - 2 inset: for a measured roller volume psi = pi - phi - 2 beta (McIntyre et al.).
+    /// Returns the angle by which the pulse of the inlet begins behind that of the outlet, rad:
+    /// psi = 2 pi - Lam - phi.
+    ///
+    /// A roller is fully engaged over Lam = pi + 2 beta - 2 inset. For a measured roller volume
+    /// psi = pi - phi - 2 beta (McIntyre et al.).
+    ///
+    /// # Errors
+    ///
+    /// Returns [`ModelError::EngagementTooLong`] if psi is negative.
     pub fn inlet_phase_rad(&self, roller: &RollerVolume) -> Result<f64, ModelError> {
         let psi = self.psi_rad(roller);
         if psi >= 0.0 {

@@ -1,4 +1,4 @@
-//! The pump head: dimensions, roller volume and flow curves, and the numbers that the paper publishes.
+//! The pump head: dimensions, roller volume and flow curves, and the published numbers.
 
 pub mod flow_curve;
 pub(crate) mod geometry;

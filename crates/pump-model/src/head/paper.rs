@@ -1,8 +1,8 @@
 //! Every number that the crate takes from the paper, with its place there.
 //!
-//! The paper is McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure response of a
-//! roller-type peristaltic pump", Sensors and Actuators A. Where its figures contradict one another, both are here and
-//! [`crate::Variant`] chooses.
+//! The paper is McIntyre, van Schoor, Uren, Kloppers, "Modelling the pulsatile flow rate and pressure
+//! response of a roller-type peristaltic pump", Sensors and Actuators A. Where the paper's figures contradict
+//! one another, both stand here and [`crate::Variant`] chooses.
 
 use crate::math::TURN_RAD;
 
@@ -33,7 +33,8 @@ pub const AS_BUILT_ROLLER_RADIUS_MM: f64 = 19.87;
 /// Distance from the shaft to a roller's axis r_offset in the authors' published code, mm.
 pub const AS_BUILT_ROLLER_OFFSET_MM: f64 = 39.5;
 
-/// Volume that a roller has displaced at an angle after first contact: (deg, mL), the mean of seven measured curves.
+/// Volumes that a roller has displaced at angles after first contact: (deg, mL), the means of seven measured
+/// curves.
 pub const VOLUME_POINTS: [(f64, f64); 15] = [
     (0.0, 0.0),
     (3.37, 0.0207143),
@@ -52,8 +53,8 @@ pub const VOLUME_POINTS: [(f64, f64); 15] = [
     (50.53, 2.1064286),
 ];
 
-/// Coefficients of V in mL over degrees, highest order first: least squares of 5th order through [`VOLUME_POINTS`]
-/// (residual 0.0074 mL RMS).
+/// Coefficients of V in mL over degrees, highest order first: least squares of 5th order through
+/// [`VOLUME_POINTS`] (residual 0.0074 mL RMS).
 pub const VOLUME_COEFFICIENTS_DEG: [f64; 6] = [
     1.315_768_247_757_037_1e-8,
     -1.238_105_747_404_483_3e-6,
@@ -69,23 +70,23 @@ pub const ENGAGEMENT_DEG: f64 = 50.53;
 /// Roller volume V_r that the paper tabulates, mL. It is not the maximum of the paper's own data (2.1064).
 pub const ROLLER_VOLUME_ML: f64 = 2.06;
 
-/// Resistance R of a line, kPa s/mL, the same at inlet and outlet.
+/// Resistance R of the line at either port, kPa s/mL.
 pub const LINE_RESISTANCE_KPA_S_ML: f64 = 0.1108;
 
-/// Compliance C of a line, mL/kPa, the same at inlet and outlet.
+/// Compliance C of the line at either port, mL/kPa.
 pub const LINE_COMPLIANCE_ML_KPA: f64 = 0.0361;
 
-/// Inertance L of a line, kPa s²/mL, the same at inlet and outlet.
+/// Inertance L of the line at either port, kPa s²/mL.
 pub const LINE_INERTANCE_KPA_S2_ML: f64 = 0.0042;
 
 /// Pressure P_res of both reservoirs, kPa absolute.
 pub const RESERVOIR_KPA: f64 = 88.637;
 
-/// Volume s between two rollers over that of the round tube, fitted to the means and deviations that the paper
-/// publishes.
+/// Volume s between two rollers over that of the round tube. It is fitted to the means and deviations that
+/// the paper publishes.
 pub const SEGMENT_SCALE: f64 = 0.953;
 
-/// Distensibility D of a segment, 1/kPa, fitted to the means and deviations that the paper publishes.
+/// Distensibility D of a segment, 1/kPa. It is fitted to the means and deviations that the paper publishes.
 pub const DISTENSIBILITY_PER_KPA: f64 = 2.05e-3;
 
 /// Angle theta_c at which an engaging roller closes the lumen, rad: drawn from the dimensions of Table 1.

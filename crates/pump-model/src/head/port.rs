@@ -10,7 +10,7 @@ pub enum Port {
 }
 
 impl Port {
-    /// `inlet` or `outlet`.
+    /// Returns the port's name: `inlet` or `outlet`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Inlet => "inlet",

@@ -6,22 +6,22 @@ use crate::math::wrap;
 use super::port::Port;
 use super::roller_volume::RollerVolume;
 
-/// Edges nearer than this are one, rad. An angle is known to 1e-15 rad; a step is 1e-4 or more.
+/// Distance below which two edges count as one, rad. An angle is known to 1e-15 rad; a step is 1e-4 or more.
 pub(crate) const SAME_EDGE_RAD: f64 = 1e-12;
 
 /// The pulses of all rollers at one port.
 pub(super) struct Pulses<'a> {
     pub(super) roller: &'a RollerVolume,
     pub(super) port: Port,
-    /// phi, rad.
+    /// Engagement angle phi, rad.
     pub(super) phi: f64,
-    /// psi, rad.
+    /// Inlet phase psi, rad.
     pub(super) psi: f64,
     pub(super) pitch_rad: f64,
 }
 
 impl Pulses<'_> {
-    /// The next angle of the pitch where a pulse changes its polynomial, or the pitch's end.
+    /// Returns the next angle of the pitch at which a pulse changes its polynomial, or the pitch's end.
     pub(super) fn edge_after(&self, start_rad: f64) -> f64 {
         let starts = self.roller.pieces().iter().map(|piece| piece.start_rad);
         let edges = starts.chain([self.phi]).map(|x| self.edge(x));
@@ -30,7 +30,7 @@ impl Pulses<'_> {
         edges.filter(distinct).fold(self.pitch_rad, f64::min)
     }
 
-    /// Where in the pitch a roller stands at `x`.
+    /// Returns the angle of the pitch at which a roller is engaged by `x`.
     fn edge(&self, x: f64) -> f64 {
         let angle = match self.port {
             Port::Outlet => self.phi - x,
@@ -39,12 +39,12 @@ impl Pulses<'_> {
         wrap(angle, self.pitch_rad)
     }
 
-    /// Volume that the rollers take from the flow between `start` and `start + u`, as a polynomial in u up to
-    /// a constant. No edge may lie inside.
+    /// Returns the volume that the rollers take from the flow between `start` and `start + u`, as a
+    /// polynomial in u up to a constant. No edge may lie inside.
     pub(super) fn displaced(&self, start: f64, length: f64) -> Polynomial {
         let middle = start + 0.5 * length;
         let mut sum = Polynomial::default();
-        // x of roller 0 in the middle of the stretch; the others stand whole pitches from it.
+        // The angle x of roller 0 in the middle of the stretch; the others stand whole pitches from it.
         let (first, direction) = match self.port {
             Port::Outlet => (self.phi - middle, -1.0),
             Port::Inlet => (middle - self.psi, 1.0),

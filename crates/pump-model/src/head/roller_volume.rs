@@ -1,10 +1,10 @@
-//! V(x): the volume that a roller displaces while it engages, over its angle x.
+//! The volume V(x) that a roller displaces while it engages, over its angle x.
 
 use crate::error::{Allowed, ModelError, within};
 use crate::math::polynomial::{DEGREE, Polynomial};
 use crate::math::{TURN_RAD, degrees, radians};
 
-/// Most pieces that a roller-volume curve may have.
+/// Largest number of pieces of a roller-volume curve.
 pub const MAX_PIECES: usize = 24;
 
 pub use super::paper::{
@@ -12,18 +12,28 @@ pub use super::paper::{
     VOLUME_COEFFICIENTS_DEG as PUBLISHED_COEFFICIENTS_DEG,
 };
 
-/// One stretch of the curve.
+/// Stretch of the curve with one polynomial.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Piece {
-    /// Where it starts, rad.
+    /// Start of the piece, rad.
     pub(crate) start_rad: f64,
-    /// V, mL, over x - start, rad.
+    /// Volume V, mL, over x - start, rad.
     pub(crate) volume: Polynomial,
 }
 
 /// The volume of a roller that engages, from V(0) = 0 to V(phi) = V_r: a rising piecewise polynomial.
 ///
 /// Its derivative is g(x) = max(0, dV/dx), which makes the pulses of inlet and outlet.
+///
+/// ```
+/// use pump_model::RollerVolume;
+/// let roller = RollerVolume::measured()?;
+/// assert!((roller.total_ml() - 2.105466).abs() < 1e-6);
+/// assert!((roller.engagement_deg() - 50.53).abs() < 1e-12);
+/// // Beyond full engagement the volume stays.
+/// assert_eq!(roller.at(1.0), roller.total_ml());
+/// # Ok::<(), pump_model::ModelError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RollerVolume {
     pieces: [Piece; MAX_PIECES],
@@ -34,8 +44,15 @@ pub struct RollerVolume {
 }
 
 impl RollerVolume {
-    /// Curve from polynomial coefficients in mL over degrees, highest order first, as measured curves are
-    /// published. Where the polynomial falls the volume is held (g = 0).
+    /// Builds the curve from polynomial coefficients in mL over degrees, highest order first, as measured
+    /// curves are published. Where the polynomial falls the volume is held (g = 0).
+    ///
+    /// # Errors
+    ///
+    /// Refuses an engagement angle outside 0 to 360 degrees, coefficients that are not finite, and a curve
+    /// that does not rise.
+    ///
+    /// # Examples
     ///
     /// ```
     /// use pump_model::roller_volume::{RollerVolume, PUBLISHED_COEFFICIENTS_DEG, PUBLISHED_ENGAGEMENT_DEG};
@@ -53,7 +70,7 @@ impl RollerVolume {
         if curve.total_ml > 0.0 { Ok(curve) } else { Err(ModelError::RollerVolumeFlat { engagement_deg }) }
     }
 
-    /// Curve of [`Self::from_polynomial_deg`] from coefficients that are known to be valid.
+    /// Builds the curve of [`Self::from_polynomial_deg`] from coefficients that are known to be valid.
     pub(crate) fn of_valid(highest_first: [f64; 6], engagement_deg: f64) -> Self {
         let mut c = highest_first;
         c.reverse();
@@ -75,17 +92,26 @@ impl RollerVolume {
         curve
     }
 
-    /// A curve without a piece, to be made of [`Self::append`]'s.
+    /// Returns a curve without a piece, which [`Self::append`] completes.
     pub(crate) fn empty(engagement_rad: f64, inset_rad: f64) -> Self {
         Self { pieces: [Piece::default(); MAX_PIECES], count: 0, engagement_rad, inset_rad, total_ml: 0.0 }
     }
 
-    /// The curve that McIntyre et al. measured.
+    /// Returns the curve that McIntyre et al. measured.
+    ///
+    /// # Errors
+    ///
+    /// Never fails: the published coefficients are valid. The result is that of
+    /// [`Self::from_polynomial_deg`].
     pub fn measured() -> Result<Self, ModelError> {
         Self::from_polynomial_deg(PUBLISHED_COEFFICIENTS_DEG, PUBLISHED_ENGAGEMENT_DEG)
     }
 
-    /// A curve from what [`Self::precomputed_pieces`] said of it, for constants. Nothing is checked.
+    /// Builds a curve from the pieces of [`Self::precomputed_pieces`], for constants. Nothing is checked.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there are more than [`MAX_PIECES`] pieces.
     pub const fn precomputed(
         engagement_rad: f64,
         inset_rad: f64,
@@ -103,18 +129,23 @@ impl RollerVolume {
         Self { pieces: places, count, engagement_rad, inset_rad, total_ml }
     }
 
-    /// Start, rad, and coefficients of V, mL, over x - start, rad, lowest order first, of each piece.
+    /// Returns each piece of the curve, for [`Self::precomputed`]: its start, rad, and its coefficients,
+    /// lowest order first. The coefficients give V, mL, over x - start, rad.
     pub fn precomputed_pieces(&self) -> impl Iterator<Item = (f64, [f64; DEGREE + 1])> {
         self.pieces().iter().map(|piece| (piece.start_rad, piece.volume.c))
     }
 
-    /// This curve's shape with another total volume, mL.
+    /// Returns this curve's shape with another total volume, mL.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a total that is not finite and positive.
     pub fn scaled_to(&self, total_ml: f64) -> Result<Self, ModelError> {
         within("roller volume in mL", total_ml, Allowed::POSITIVE)?;
         Ok(Self { total_ml, ..self.scaled(total_ml / self.total_ml) })
     }
 
-    /// This curve's shape with every volume times `factor`, which must be positive.
+    /// Returns this curve's shape with every volume times `factor`, which must be positive.
     pub(crate) fn scaled(&self, factor: f64) -> Self {
         let mut scaled = *self;
         for piece in &mut scaled.pieces {
@@ -124,7 +155,11 @@ impl RollerVolume {
         scaled
     }
 
-    /// This curve's shape and total over another engagement angle, degrees.
+    /// Returns this curve's shape and total over another engagement angle, degrees.
+    ///
+    /// # Errors
+    ///
+    /// Refuses an angle that is not finite and positive.
     pub fn stretched_to(&self, engagement_deg: f64) -> Result<Self, ModelError> {
         within("engagement angle in deg", engagement_deg, Allowed::POSITIVE)?;
         let engagement_rad = radians(engagement_deg);
@@ -137,28 +172,30 @@ impl RollerVolume {
         Ok(stretched)
     }
 
-    /// phi, rad.
+    /// Returns the engagement angle phi, rad.
     pub fn engagement_rad(&self) -> f64 {
         self.engagement_rad
     }
 
-    /// phi, degrees.
+    /// Returns the engagement angle phi, degrees.
     pub fn engagement_deg(&self) -> f64 {
         degrees(self.engagement_rad)
     }
 
-    /// How far inside the backplate's arc a roller is fully engaged, rad: phi - eta_c where the engagement is drawn, 0
-    /// where it is measured, which takes the arc's end for the end of the engagement (McIntyre et al.).
+    /// Returns the angle inside the backplate's arc at which a roller is fully engaged, rad.
+    ///
+    /// It is phi - eta_c if the engagement is drawn. It is 0 if the engagement is measured: then the arc's
+    /// end is taken for the end of the engagement (McIntyre et al.).
     pub fn inset_rad(&self) -> f64 {
         self.inset_rad
     }
 
-    /// V_r = V(phi), mL.
+    /// Returns the roller volume V_r = V(phi), mL.
     pub fn total_ml(&self) -> f64 {
         self.total_ml
     }
 
-    /// V(x), mL; 0 below 0 and V_r beyond phi.
+    /// Returns the volume V(x), mL; 0 below 0 and V_r beyond phi.
     pub fn at(&self, x_rad: f64) -> f64 {
         if x_rad <= 0.0 {
             0.0
@@ -170,7 +207,7 @@ impl RollerVolume {
         }
     }
 
-    /// Stretches over which the volume is held, rad: from, to.
+    /// Returns the stretches over which the volume is held, rad: from, to.
     pub fn held_rad(&self) -> impl Iterator<Item = (f64, f64)> {
         let ends = self.pieces().iter().skip(1).map(|next| next.start_rad).chain([self.engagement_rad]);
         let held = |piece: &Piece| piece.volume.c.iter().skip(1).all(|c| *c == 0.0);
@@ -185,13 +222,13 @@ impl RollerVolume {
         self.pieces.get(..self.count).unwrap_or(&self.pieces)
     }
 
-    /// The piece that contains `x_rad`, which must lie in [0, phi].
+    /// Returns the piece that contains `x_rad`, which must lie in [0, phi].
     pub(crate) fn piece_at(&self, x_rad: f64) -> Piece {
         self.pieces().iter().rev().find(|piece| piece.start_rad <= x_rad).copied().unwrap_or_default()
     }
 
-    /// Appends [start, end]; `local` is V over x - start, rad, up to a constant, none where the volume is held. Whether
-    /// there was a place.
+    /// Appends the stretch [start, end] and returns true if there was a place. `local` is V over x - start,
+    /// rad, up to a constant; none if the volume is held.
     pub(crate) fn push(&mut self, start: f64, end: f64, local: Option<Polynomial>) -> bool {
         let mut local = local.unwrap_or_default();
         local.c[0] = self.total_ml;

@@ -1,15 +1,18 @@
-//! The volume of a turn whose start is only known to lie in an interval.
+//! Volumes of turns whose start is only known to lie in an interval.
 
 use crate::math::polynomial::Polynomial;
 
 use super::flow_curve::FlowCurve;
 
 impl FlowCurve {
-    /// Smallest and largest volume, mL, of a turn by `turn_rad` (negative in reverse) that starts anywhere within
-    /// `half_width_rad` (not negative) of `start_rad`. Half a pitch and more is any angle.
+    /// Returns the smallest and largest volume of a turn by `turn_rad` from an uncertain start, mL.
     ///
-    /// Exact up to rounding: between the edges that start and end meet, the volume is one polynomial of the start
-    /// angle; its extremes are where the flow at the end is that at the start, or at the stretch's ends.
+    /// The turn is negative in reverse. It starts anywhere within `half_width_rad` (not negative) of
+    /// `start_rad`; half a pitch and more is any angle.
+    ///
+    /// The result is exact up to rounding. Between the edges that start and end meet, the volume is one
+    /// polynomial of the start angle. Its extremes lie where the flow at the end equals that at the start, or
+    /// at the stretch's ends.
     ///
     /// ```
     /// let pump = pump_model::Pump::three_roller();
@@ -22,13 +25,13 @@ impl FlowCurve {
     /// ```
     pub fn turn_range_ml(&self, start_rad: f64, half_width_rad: f64, turn_rad: f64) -> (f64, f64) {
         let half_width_rad = half_width_rad.min(0.5 * self.pitch_rad());
-        // Counted from the start's own pitch, so that whole pitches are as exact far from angle 0 as near it.
+        // Angles count from the start's own pitch, so whole pitches are as exact far from angle 0 as near it.
         let (_, local_rad) = self.split(start_rad - half_width_rad);
         let mut start = Place::at(self, (0.0, local_rad));
         let mut end = Place::at(self, self.split(local_rad + turn_rad));
         let mut left_rad = 2.0 * half_width_rad;
         let (mut least_ml, mut most_ml) = (f64::INFINITY, f64::NEG_INFINITY);
-        // Within a pitch each place leaves every piece once, and that where it began perhaps twice.
+        // Within a pitch each place leaves every piece once, and the piece where it began perhaps twice.
         for _ in 0..2 * self.pieces().len() + 3 {
             let length_rad = left_rad.min(start.left_rad).min(end.left_rad);
             let volume = end.volume(self).plus(&start.volume(self).scaled(-1.0));
@@ -46,11 +49,11 @@ impl FlowCurve {
     }
 }
 
-/// A place on the curve. It goes from piece to piece by count: rounding at an edge decides nothing.
+/// Place on the curve. It goes from piece to piece by count, so rounding at an edge decides nothing.
 struct Place {
     pitches: f64,
     piece: usize,
-    /// Angle up to the piece's end, rad.
+    /// Angle left to the piece's end, rad.
     left_rad: f64,
 }
 
@@ -62,7 +65,7 @@ impl Place {
         Self { pitches, piece: number, left_rad }
     }
 
-    /// Volume since the start of pitch 0, mL, over the angle since this place, rad.
+    /// Returns the volume since the start of pitch 0, mL, over the angle since this place, rad.
     fn volume(&self, curve: &FlowCurve) -> Polynomial {
         let piece = curve.piece(self.piece);
         let mut volume = piece.volume.shifted(piece.length_rad - self.left_rad);
@@ -70,7 +73,7 @@ impl Place {
         volume
     }
 
-    /// Goes on by `angle_rad`, at most to the end of the piece, and then over to the next.
+    /// Goes on by `angle_rad`, at most to the end of the piece, and then over to the next piece.
     fn go(&mut self, curve: &FlowCurve, angle_rad: f64) {
         self.left_rad -= angle_rad;
         if self.left_rad <= 0.0 {

@@ -7,7 +7,7 @@ use crate::math::{exp, log, pow};
 
 use super::fluid::{Fluid, kelvin, series};
 
-/// Published properties of an alcohol.
+/// Published formulas of an alcohol's properties.
 struct Alcohol {
     /// Name of its temperature in errors.
     parameter: &'static str,
@@ -15,14 +15,15 @@ struct Alcohol {
     range_degc: RangeInclusive<f64>,
     /// Density in kg/m³ over °C, lowest order first: International Critical Tables, vol. 3, 1928.
     density: [f64; 4],
-    /// ln(viscosity/Pa s) = C1 + C2/T + C3 ln T, T in K: Perry's Chemical Engineers' Handbook, 8th edition, table
-    /// 2-313.
+    /// ln(viscosity/Pa s) = C1 + C2/T + C3 ln T, T in K: Perry's Chemical Engineers' Handbook, 8th edition,
+    /// table 2-313.
     viscosity: [f64; 3],
-    /// log10(vapour pressure/Pa) = A - B/(T + C), T in K: Poling, Prausnitz, O'Connell, "The Properties of Gases and
-    /// Liquids", 5th edition, appendix A.
+    /// log10(vapour pressure/Pa) = A - B/(T + C), T in K: Poling, Prausnitz, O'Connell, "The Properties of
+    /// Gases and Liquids", 5th edition, appendix A.
     vapour: [f64; 3],
-    /// Isothermal compressibility, 1e-4/MPa: CRC Handbook of Chemistry and Physics, section 6, at one temperature. It
-    /// changes by a sixth over the range, which is nothing beside the compliance of a soft wall.
+    /// Isothermal compressibility at one temperature, 1e-4/MPa: CRC Handbook of Chemistry and Physics,
+    /// section 6. It changes by a sixth over the range, which is nothing beside the compliance of a soft
+    /// wall.
     compressibility: f64,
 }
 
@@ -60,24 +61,35 @@ impl Alcohol {
 }
 
 impl Fluid {
-    /// Ethanol without water at 5 to 40 °C.
+    /// Returns the properties of ethanol without water at 5 to 40 °C.
     ///
-    /// Density within 0.05 % (International Critical Tables), viscosity within 2 % (Perry), vapour pressure within 1 %
-    /// (Poling, Prausnitz, O'Connell); bulk modulus that at 20 °C (CRC Handbook), which changes by a sixth over the
-    /// range.
+    /// Density is within 0.05 % (International Critical Tables), viscosity within 2 % (Perry), vapour
+    /// pressure within 1 % (Poling, Prausnitz, O'Connell). The bulk modulus is that at 20 °C (CRC Handbook);
+    /// it changes by a sixth over the range.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a temperature outside 5 to 40 °C.
+    ///
+    /// # Examples
     ///
     /// ```
     /// let ethanol = pump_model::Fluid::ethanol(25.0)?;
-    /// assert!((ethanol.density_kg_m3 - 785.1).abs() < 0.2 && (ethanol.viscosity_mpa_s - 1.074).abs() < 0.01);
+    /// assert!((ethanol.density_kg_m3 - 785.1).abs() < 0.2);
+    /// assert!((ethanol.viscosity_mpa_s - 1.074).abs() < 0.01);
     /// # Ok::<(), pump_model::ModelError>(())
     /// ```
     pub fn ethanol(temperature_degc: f64) -> Result<Self, ModelError> {
         ETHANOL.at(temperature_degc)
     }
 
-    /// Isopropanol (2-propanol) without water at 10 to 40 °C.
+    /// Returns the properties of isopropanol (2-propanol) without water at 10 to 40 °C.
     ///
-    /// From the sources of [`Self::ethanol`] and as good; bulk modulus that at 40 °C.
+    /// Sources and accuracy are those of [`Self::ethanol`]. The bulk modulus is that at 40 °C.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a temperature outside 10 to 40 °C.
     pub fn isopropanol(temperature_degc: f64) -> Result<Self, ModelError> {
         ISOPROPANOL.at(temperature_degc)
     }
@@ -89,9 +101,9 @@ mod tests {
 
     #[test]
     fn alcohols_are_those_of_the_tables() {
-        // degC, kg/m³, mPa s, kPa; 25 °C: CRC Handbook (viscosity), Riddick, Bunger, Sakano, "Organic Solvents"
-        // (density and vapour pressure: 59.0 and 45.2 mmHg); 20 and 40 °C: the same, and OIML R 22 for ethanol's
-        // density.
+        // The columns are degC, kg/m³, mPa s and kPa. At 25 °C: CRC Handbook (viscosity), Riddick, Bunger,
+        // Sakano, "Organic Solvents" (density and vapour pressure: 59.0 and 45.2 mmHg). At 20 and 40 °C: both
+        // again, and OIML R 22 for ethanol's density.
         type Row = (f64, f64, Option<f64>, Option<f64>);
         let ethanol: [Row; 3] = [
             (20.0, 789.24, None, Some(5.95)),

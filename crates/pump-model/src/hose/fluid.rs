@@ -4,6 +4,17 @@ use crate::error::{Allowed, ModelError, within};
 use crate::math::{exp, pow};
 
 /// Properties of a fluid at one temperature, at about atmospheric pressure.
+///
+/// ```
+/// let water = pump_model::Fluid::water(25.0)?;
+/// assert!((water.density_kg_m3 - 997.05).abs() < 0.02 && (water.viscosity_mpa_s - 0.89).abs() < 2e-3);
+/// // A fluid from its data sheet.
+/// let oil = pump_model::Fluid {
+///     density_kg_m3: 870.0, viscosity_mpa_s: 50.0, bulk_modulus_mpa: 1500.0, vapour_kpa: None,
+/// };
+/// oil.validate()?;
+/// # Ok::<(), pump_model::ModelError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Fluid {
@@ -13,15 +24,22 @@ pub struct Fluid {
     pub viscosity_mpa_s: f64,
     /// Isothermal bulk modulus K, MPa.
     pub bulk_modulus_mpa: f64,
-    /// Vapour pressure, kPa absolute; none where it is not known.
+    /// Vapour pressure, kPa absolute; none if it is not known.
     pub vapour_kpa: Option<f64>,
 }
 
 impl Fluid {
-    /// Water at 0 to 100 °C.
+    /// Returns the properties of water at 0 to 100 °C.
     ///
-    /// Density and compressibility: Kell, J. Chem. Eng. Data 20:97, 1975, 0.01 kg/m³ and 0.2 % from later formulations.
-    /// Viscosity: IAPWS SR6-08 (0.1 MPa), within 1 %. Vapour pressure: IAPWS SR1-86, within 0.1 %.
+    /// Density and compressibility: Kell, J. Chem. Eng. Data 20:97, 1975, 0.01 kg/m³ and 0.2 % from later
+    /// formulations. Viscosity: IAPWS SR6-08 (0.1 MPa), within 1 %. Vapour pressure: IAPWS SR1-86, within 0.1
+    /// %.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a temperature outside 0 to 100 °C.
+    ///
+    /// # Examples
     ///
     /// ```
     /// let water = pump_model::Fluid::water(25.0)?;
@@ -38,6 +56,10 @@ impl Fluid {
         })
     }
 
+    /// Checks the properties of the fluid.
+    ///
+    /// # Errors
+    ///
     /// Refuses properties that are not finite and positive.
     pub fn validate(&self) -> Result<(), ModelError> {
         within("density in kg/m3", self.density_kg_m3, Allowed::POSITIVE)?;
@@ -48,19 +70,19 @@ impl Fluid {
     }
 }
 
-/// A polynomial at x.
+/// Returns the value of a polynomial at x.
 pub(crate) fn series<const N: usize>(lowest_first: [f64; N], x: f64) -> f64 {
     lowest_first.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
-/// Kell 1975, air-free water at 101.325 kPa.
+/// Density of air-free water at 101.325 kPa (Kell 1975).
 fn water_density_kg_m3(t: f64) -> f64 {
     const NUMERATOR: [f64; 6] =
         [999.839_52, 16.945_176, -7.987_040_1e-3, -46.170_461e-6, 105.563_02e-9, -280.542_53e-12];
     series(NUMERATOR, t) / (1.0 + 16.879_850e-3 * t)
 }
 
-/// Kell 1975: the isothermal compressibility is in 1e-6/bar.
+/// Bulk modulus of water (Kell 1975, whose isothermal compressibility is in 1e-6/bar).
 fn water_bulk_modulus_mpa(t: f64) -> f64 {
     const NUMERATOR: [f64; 6] =
         [50.884_96, 0.616_381_3, 1.459_187e-3, 20.084_38e-6, -58.477_27e-9, 410.411_0e-12];
@@ -68,14 +90,14 @@ fn water_bulk_modulus_mpa(t: f64) -> f64 {
     1e6 * MPA_PER_BAR * (1.0 + 19.673_48e-3 * t) / series(NUMERATOR, t)
 }
 
-/// IAPWS SR6-08: the sum of a (T/300 K)^b in uPa s.
+/// Viscosity of water (IAPWS SR6-08): the sum of a (T/300 K)^b in uPa s.
 fn water_viscosity_mpa_s(t: f64) -> f64 {
     const TERMS: [(f64, f64); 4] = [(280.68, -1.9), (511.45, -7.7), (61.131, -19.6), (0.459_03, -40.0)];
     let reduced = kelvin(t) / 300.0;
     1e-3 * TERMS.iter().map(|(a, b)| a * pow(reduced, *b)).sum::<f64>()
 }
 
-/// IAPWS SR1-86: ln(p/p_c) = T_c/T times the sum of a (1 - T/T_c)^b.
+/// Vapour pressure of water (IAPWS SR1-86): ln(p/p_c) = T_c/T times the sum of a (1 - T/T_c)^b.
 fn water_vapour_kpa(t: f64) -> f64 {
     const CRITICAL_K: f64 = 647.096;
     const CRITICAL_KPA: f64 = 22_064.0;

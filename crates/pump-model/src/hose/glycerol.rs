@@ -8,13 +8,20 @@ use crate::math::{exp, pow, sin};
 use super::fluid::Fluid;
 
 impl Fluid {
-    /// Glycerol and water at 15 to 30 °C; `glycerol_part` is glycerol's part of the mass, 0 to 1.
+    /// Returns the properties of glycerol and water at 15 to 30 °C. `glycerol_part` is glycerol's part of the
+    /// mass, 0 to 1.
     ///
-    /// Density: Volk and Kähler, "Density model for aqueous glycerol solutions", Exp. Fluids 59:75, 2018, within 0.1 %.
-    /// Viscosity: Cheng, "Formula for the viscosity of a glycerol-water mixture", Ind. Eng. Chem. Res. 47:3285, 2008,
-    /// within 5 %. Bulk modulus: volumes of the parts with 3.94 GPa for glycerol (CRC Handbook), within a fifth. Vapour
-    /// pressure: Raoult's law, which is a little too high, so that limits by it are on the safe side; none without
-    /// water.
+    /// Density: Volk and Kähler, "Density model for aqueous glycerol solutions", Exp. Fluids 59:75, 2018,
+    /// within 0.1 %. Viscosity: Cheng, "Formula for the viscosity of a glycerol-water mixture", Ind. Eng.
+    /// Chem. Res. 47:3285, 2008, within 5 %. Bulk modulus: volumes of the parts with 3.94 GPa for glycerol
+    /// (CRC Handbook), within a fifth. Vapour pressure: Raoult's law, which is a little too high, so limits
+    /// that use it are on the safe side. Without water there is no vapour pressure.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a part outside 0 to 1 and a temperature outside 15 to 30 °C.
+    ///
+    /// # Examples
     ///
     /// ```
     /// let half = pump_model::Fluid::glycerol_water(0.5, 20.0)?;
@@ -26,17 +33,17 @@ impl Fluid {
         within("temperature of glycerol and water in degC", temperature_degc, 15.0..=30.0)?;
         let water = Self::water(temperature_degc)?;
         let (w, t) = (glycerol_part, temperature_degc);
-        // Volk and Kähler: the volumes add but for a contraction.
+        // Volk and Kähler: the volumes add except for a contraction.
         let glycerol_kg_m3 = 1273.3 - 0.6121 * t;
         let [glycerol_volume, water_volume] = [w / glycerol_kg_m3, (1.0 - w) / water.density_kg_m3];
         let contraction = 1.78e-6 * t * t - 1.82e-4 * t + 1.41e-2;
-        // The sine of a whole half turn is 0, but for rounding that a power would not take.
+        // The sine of a half turn is 0 except for rounding, and a negative number has no such power.
         let shape = pow(sin(pow(w, 1.31) * PI).max(0.0), 0.81);
         let density_kg_m3 = (1.0 + contraction * shape) / (glycerol_volume + water_volume);
         const GLYCEROL_MPA: f64 = 1e4 / 2.54;
         let compressibility = (glycerol_volume / GLYCEROL_MPA + water_volume / water.bulk_modulus_mpa)
             / (glycerol_volume + water_volume);
-        // Moles over those of 1 kg, with 92.094 and 18.015 g/mol.
+        // Moles of both parts in 1 g of the mixture, with 92.094 and 18.015 g/mol.
         let [glycerol_moles, water_moles] = [w / 92.094, (1.0 - w) / 18.015];
         let raoult = water_moles / (glycerol_moles + water_moles);
         Ok(Self {
@@ -48,7 +55,7 @@ impl Fluid {
     }
 }
 
-/// Cheng 2008: equations 6 (mixture), 21 (water) and 22 (glycerol).
+/// Viscosity of the mixture (Cheng 2008): equations 6 (mixture), 21 (water) and 22 (glycerol).
 fn viscosity_mpa_s(part: f64, t: f64) -> f64 {
     let water = 1.790 * exp((-1230.0 - t) * t / (36_100.0 + 360.0 * t));
     let glycerol = 12_100.0 * exp((-1233.0 + t) * t / (9900.0 + 70.0 * t));

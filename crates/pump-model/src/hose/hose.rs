@@ -1,4 +1,4 @@
-//! A line from a hose: what its dimensions, its material and the fluid make of R, C and L.
+//! Lines from hoses: R, C and L from the dimensions, the material and the fluid.
 
 use core::f64::consts::PI;
 
@@ -9,6 +9,18 @@ use crate::line::line::Line;
 use super::fluid::Fluid;
 
 /// A straight hose of one bore.
+///
+/// ```
+/// use pump_model::{Fluid, Hose};
+/// let hose = Hose {
+///     bore_radius_mm: 5.0, outer_radius_mm: 7.0, length_mm: 331.0,
+///     modulus_mpa: 3.5, poisson_ratio: 0.5, minor_loss: 5.75,
+/// };
+/// let water = Fluid::water(25.0)?;
+/// assert!((hose.compliance_ml_kpa(&water) - 0.0455).abs() < 1e-4);
+/// assert!((hose.inertance_kpa_s2_ml(&water) - 0.0042).abs() < 1e-5);
+/// # Ok::<(), pump_model::ModelError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Hose {
@@ -22,12 +34,17 @@ pub struct Hose {
     pub modulus_mpa: f64,
     /// Poisson ratio nu of the wall, 0 to 0.5: 0.5 for rubber, which keeps its volume.
     pub poisson_ratio: f64,
-    /// Minor-loss coefficient K of its ends, bends and fittings together, 0 to 1e6, in velocity heads of the bore.
+    /// Minor-loss coefficient K of ends, bends and fittings together, 0 to 1e6, in velocity heads of the
+    /// bore.
     pub minor_loss: f64,
 }
 
 impl Hose {
-    /// Refuses dimensions and materials that are not physical.
+    /// Checks dimensions and material of the hose.
+    ///
+    /// # Errors
+    ///
+    /// Refuses dimensions and materials that are not physical, with the name of the parameter.
     pub fn validate(&self) -> Result<(), ModelError> {
         within("bore radius of the hose in mm", self.bore_radius_mm, Allowed::POSITIVE)?;
         within("outer radius of the hose in mm", self.outer_radius_mm, Allowed::POSITIVE)?;
@@ -41,14 +58,17 @@ impl Hose {
         within("minor-loss coefficient of the hose", self.minor_loss, 0.0..=1e6)
     }
 
-    /// V = pi a² l, mL.
+    /// Returns the volume of the bore, mL: V = pi a² l.
     pub fn volume_ml(&self) -> f64 {
         1e-3 * PI * self.bore_radius_mm * self.bore_radius_mm * self.length_mm
     }
 
-    /// C = V (1/K + 2 (1 + nu)/E (b² + (1 - 2 nu) a²)/(b² - a²)), mL/kPa: the fluid and a thick-walled cylinder whose
-    /// ends are held (Lamé, plane strain). The same as Wylie and Streeter's factor for thick walls ("Fluid Transients",
-    /// anchored throughout); any wall. A held hose is stiffer than one that may become longer.
+    /// Returns the compliance of the hose with `fluid`, mL/kPa: C = V (1/K + 2 (1 + nu)/E (b² + (1 - 2 nu)
+    /// a²)/(b² - a²)).
+    ///
+    /// K is the fluid's bulk modulus. The wall is a cylinder of any thickness whose ends are held (Lamé,
+    /// plane strain). The formula equals Wylie and Streeter's factor for thick walls ("Fluid Transients",
+    /// anchored throughout). A held hose is stiffer than one that may become longer.
     pub fn compliance_ml_kpa(&self, fluid: &Fluid) -> f64 {
         let (a2, b2) =
             (self.bore_radius_mm * self.bore_radius_mm, self.outer_radius_mm * self.outer_radius_mm);
@@ -58,19 +78,23 @@ impl Hose {
         self.volume_ml() * (1.0 / fluid.bulk_modulus_mpa + wall_per_mpa) * MPA_PER_KPA
     }
 
-    /// L = rho l / A, kPa s²/mL.
+    /// Returns the inertance of the hose with `fluid`, kPa s²/mL: L = rho l / A.
     pub fn inertance_kpa_s2_ml(&self, fluid: &Fluid) -> f64 {
         // kg/m³ mm/mm² are 1e3 Pa s²/m³, and 1 kPa s²/mL is 1e9 of those.
         1e-6 * fluid.density_kg_m3 * self.length_mm / (PI * self.bore_radius_mm * self.bore_radius_mm)
     }
 
-    /// Pressure that it takes to push the fluid through, over the flow.
+    /// Returns the friction of the hose: the pressure that pushes the fluid through, over the flow.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a hose or a fluid that is not physical.
     pub fn friction(&self, fluid: &Fluid) -> Result<Friction, ModelError> {
         self.validate()?;
         fluid.validate()?;
         let diameter_mm = 2.0 * self.bore_radius_mm;
         let area_mm2 = PI * self.bore_radius_mm * self.bore_radius_mm;
-        // v in m/s is Q in mL/s over A in mm²; kg/m³ m/s mm over mPa s is 1.
+        // The speed v in m/s is Q in mL/s over A in mm². The unit kg/m³ m/s mm over mPa s is 1.
         let reynolds_per_flow = fluid.density_kg_m3 * diameter_mm / (fluid.viscosity_mpa_s * area_mm2);
         // 32 mu l v/d² with mPa s, mm, m/s and mm²: Pa; to kPa.
         let laminar_kpa_s_ml =
@@ -79,8 +103,14 @@ impl Hose {
         Ok(Friction { reynolds_per_flow, laminar_kpa_s_ml, minor_kpa_s2_ml2 })
     }
 
-    /// The linear line of this hose: R is the pressure at `flow_ml_s` over that flow, in either direction, and at no
-    /// flow that of laminar flow, 128 mu l/(pi d⁴), alone.
+    /// Returns the linear line of this hose. R is the pressure at `flow_ml_s` over that flow, in either
+    /// direction. At no flow R is that of laminar flow alone, 128 mu l/(pi d⁴).
+    ///
+    /// # Errors
+    ///
+    /// Refuses a hose, a fluid or a line that is not physical, and a flow that is not finite.
+    ///
+    /// # Examples
     ///
     /// ```
     /// use pump_model::{Fluid, Hose};
@@ -90,7 +120,8 @@ impl Hose {
     ///     modulus_mpa: 3.5, poisson_ratio: 0.5, minor_loss: 5.75,
     /// };
     /// let line = hose.line(&Fluid::water(25.0)?, 88.637, 210.0)?;
-    /// assert!((line.resistance_kpa_s_ml - 0.1108).abs() < 2e-4 && (line.inertance_kpa_s2_ml - 0.0042).abs() < 1e-5);
+    /// assert!((line.resistance_kpa_s_ml - 0.1108).abs() < 2e-4);
+    /// assert!((line.inertance_kpa_s2_ml - 0.0042).abs() < 1e-5);
     /// # Ok::<(), pump_model::ModelError>(())
     /// ```
     pub fn line(&self, fluid: &Fluid, reservoir_kpa: f64, flow_ml_s: f64) -> Result<Line, ModelError> {

@@ -1,16 +1,16 @@
-//! How many samples of a record say as much as one that is independent of all others.
+//! Number of samples of a record that say as much as one independent sample.
 
-/// Lags that are looked at.
+/// Number of lags of the autocorrelation.
 pub(super) const LAGS: usize = 1024;
 
-/// The integrated autocorrelation time in samples, 1 + 2 (rho_1 + rho_2 + ...), at least 1; none if it does not end
-/// within [`LAGS`].
+/// Returns the integrated autocorrelation time in samples, 1 + 2 (rho_1 + rho_2 + ...), at least 1; none if
+/// it does not end within [`LAGS`].
 ///
-/// Sums of neighbouring pairs are added while they are positive, each as the smallest so far (Geyer, "Practical Markov
-/// chain Monte Carlo", Statist. Sci. 7, 1992, the initial monotone sequence): beyond there is noise alone. The values
-/// are not centred: a mean that is not 0 is a correlation too.
+/// Sums of neighbouring pairs are added while they are positive, each as the smallest so far (Geyer,
+/// "Practical Markov chain Monte Carlo", Statist. Sci. 7, 1992, the initial monotone sequence). Beyond there
+/// is noise alone. The values are not centred: a mean that is not 0 is a correlation too.
 pub(super) fn correlated_samples(values: impl Iterator<Item = f64>) -> Option<f64> {
-    // The last values, the newest at `newest`.
+    // The last values, with the newest at `newest`.
     let (mut last, mut newest, mut count) = ([0.0; LAGS], 0, 0_usize);
     let mut sums = [0.0; LAGS];
     for value in values {
@@ -30,7 +30,7 @@ pub(super) fn correlated_samples(values: impl Iterator<Item = f64>) -> Option<f6
         sum += least;
     }
     if sums[0] == 0.0 {
-        // Nothing is left over, so nothing is alike.
+        // All values are 0, so none is like another.
         return Some(1.0);
     }
     (pairs < whole.len()).then(|| (2.0 * sum / sums[0] - 1.0).max(1.0))
@@ -40,7 +40,8 @@ pub(super) fn correlated_samples(values: impl Iterator<Item = f64>) -> Option<f6
 mod tests {
     use super::*;
 
-    /// x_n = rho x_(n-1) + e_n with e uniform in -1 to 1, of a Weyl sequence scrambled by a multiplication.
+    /// Returns x_n = rho x_(n-1) + e_n with e uniform in -1 to 1, of a Weyl sequence scrambled by a
+    /// multiplication.
     fn autoregressive(rho: f64, count: u64) -> impl Iterator<Item = f64> {
         let mut x = 0.0;
         (0..count).map(move |n| {

@@ -1,4 +1,4 @@
-//! C from a syringe that injects into a closed line: C = dV/dP.
+//! Compliance C from a syringe that injects into a closed line: C = dV/dP.
 
 use crate::error::Allowed;
 
@@ -6,17 +6,17 @@ use super::error::{IdentificationError, within};
 use super::estimate::Estimate;
 use super::straight_line::{StraightLine, Terms};
 
-/// An injected volume and the pressure that it made.
+/// Injected volume and the pressure that it made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InjectionPoint {
-    /// Injected since the start, mL; drawn out if negative.
+    /// Volume injected since the start, mL; negative if drawn out.
     pub volume_ml: f64,
-    /// Pressure in the closed line, kPa, absolute or above anything that stays the same.
+    /// Pressure in the closed line, kPa, absolute or above any constant pressure.
     pub pressure_kpa: f64,
 }
 
-/// C by least squares of the pressure over the volume: the syringe says the volume exactly, the sensor's noise is in
-/// the pressure.
+/// Compliance C by least squares of the pressure over the volume. The volume of the syringe counts as exact,
+/// and the sensor's noise is in the pressure.
 ///
 /// ```
 /// use pump_model::identification::{ComplianceFit, InjectionPoint};
@@ -29,23 +29,29 @@ pub struct InjectionPoint {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComplianceFit {
-    /// C, mL/kPa.
+    /// Compliance C, mL/kPa.
     pub compliance_ml_kpa: Estimate,
     /// Pressure before the injection, kPa, measured as the points are.
     pub start_kpa: Estimate,
     /// Standard deviation of the points about the line, kPa.
     pub scatter_kpa: f64,
-    /// dP/dV at the start and by how much it changes with the volume, kPa/mL and kPa/mL², where that is more than twice
-    /// its standard uncertainty: the line stiffens or softens (air in it stiffens), and C holds at pressures like the
-    /// points' alone.
+    /// Slope dP/dV at the start, kPa/mL, and its change with the volume, kPa/mL².
+    ///
+    /// It is present if the change is more than twice its standard uncertainty. The line then stiffens or
+    /// softens (air in it stiffens), and C holds only at pressures like the points'.
     pub bend: Option<(Estimate, Estimate)>,
 }
 
-/// The name of the points in errors.
+/// Name of the points in errors.
 const POINTS: &str = "points of volume and pressure";
 
 impl ComplianceFit {
     /// Fits P = P_start + V/C.
+    ///
+    /// # Errors
+    ///
+    /// Refuses values that are not finite, fewer than three points, and points that do not determine the
+    /// compliance.
     pub fn of(points: &[InjectionPoint]) -> Result<Self, IdentificationError> {
         for (n, point) in points.iter().enumerate() {
             within(("volume in mL", "point", n), point.volume_ml, Allowed::FINITE)?;
@@ -77,13 +83,13 @@ impl ComplianceFit {
         })
     }
 
-    /// Pressure of the fit after an injection, kPa.
+    /// Returns the pressure of the fit after an injection, kPa.
     pub fn pressure_kpa(&self, volume_ml: f64) -> f64 {
         self.start_kpa.value + volume_ml / self.compliance_ml_kpa.value
     }
 
-    /// Effective bulk modulus B_e = dP V_total/dV = V_total/C of a closed line that holds `total_ml`, kPa (McIntyre et
-    /// al.; their C = 1/B_e lacks the volume).
+    /// Returns the effective bulk modulus of a closed line that holds `total_ml`, kPa:
+    /// B_e = dP V_total/dV = V_total/C (McIntyre et al.; their C = 1/B_e lacks the volume).
     pub fn bulk_modulus_kpa(&self, total_ml: f64) -> Estimate {
         self.compliance_ml_kpa.inverse().times(total_ml)
     }

@@ -1,15 +1,15 @@
-//! Why a line cannot be identified.
+//! Errors of the identification of lines.
 
 use thiserror::Error;
 
 use crate::error::{Allowed, ModelError};
 
-/// Measurements that are refused or say too little, with what is wrong and what to do.
+/// Reason why measurements are refused or say too little. It names the fault and the remedy.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum IdentificationError {
-    /// There is nothing to fit.
-    #[error("{given} {of}; {needed} at least are needed for {parameters} parameters and how sure they are")]
+    /// There are too few readings for a fit.
+    #[error("{given} {of}; {needed} at least are needed for {parameters} parameters and their uncertainties")]
     TooFew {
         /// Number of readings.
         given: usize,
@@ -20,7 +20,7 @@ pub enum IdentificationError {
         /// Number of parameters that are sought.
         parameters: usize,
     },
-    /// A measured value that is none.
+    /// A measured value is not allowed.
     #[error("{quantity} of {of} {number} is {value}; allowed: {allowed}")]
     Value {
         /// Name of the quantity, with its unit.
@@ -41,29 +41,29 @@ pub enum IdentificationError {
         of: &'static str,
         /// Parameter that was sought.
         parameter: &'static str,
-        /// Why it was not found, and what to do.
+        /// Reason why the parameter was not found, and a remedy.
         why: &'static str,
     },
-    /// A waveform of which the pump explains nothing.
+    /// The pump explains nothing of a waveform.
     #[error(
         "the fit explains {explained_percent:.1} % of how the samples of pressure vary (a constant pressure \
          explains 0), so they do not determine the line; allowed: {least_percent} % at least; check speed, \
-         start angle, port and units, and whether the pump turned; of a record that is noise for the most part \
-         average over pitches; seek the reservoir's pressure too if the sensor may be off"
+         start angle, port and units, and that the pump turned; average a noisy record over pitches; \
+         seek the reservoir's pressure too if the sensor may be off"
     )]
     Unexplained {
-        /// By how much the squares of the residuals are less than those about the mean of the samples, %; negative if
-        /// they are more.
+        /// Part of the samples' variance that the fit explains, %; negative if the residuals are larger than
+        /// the deviations from the mean.
         explained_percent: f64,
-        /// How much they must be less, %.
+        /// Smallest part that a fit must explain, %.
         least_percent: f64,
     },
-    /// Two parameters that are one.
+    /// Two sought parameters are one and the same.
     #[error("{first} and {second} are the same in a steady state; seek one of them")]
     Same {
-        /// One.
+        /// Name of one parameter.
         first: &'static str,
-        /// The other.
+        /// Name of the other parameter.
         second: &'static str,
     },
     /// The search for the least squares did not end.
@@ -72,26 +72,27 @@ pub enum IdentificationError {
          seek fewer parameters, and check speed, start angle and units"
     )]
     NotConverged {
-        /// How many were made.
+        /// Number of steps that were made.
         steps: u32,
-        /// Root of the mean square of the residuals where it stopped, kPa.
+        /// Root of the mean square of the residuals where the search stopped, kPa.
         rms_kpa: f64,
     },
-    /// The residuals look alike for so long that nobody can say how sure the fit is.
+    /// The residuals stay alike for so long that the fit has no uncertainty.
     #[error(
-        "what the fit leaves over stays alike for more than {samples} samples: the model misses something, or \
+        "the residual of the fit stays alike for more than {samples} samples: the model misses something, or \
          the record is much denser than the noise; keep every tenth sample, or check speed, angle and line"
     )]
     Alike {
-        /// Over how many samples it was looked at.
+        /// Number of samples over which the residuals were compared.
         samples: usize,
     },
-    /// The model of the pump refuses.
+    /// The model of the pump refuses its parameters.
     #[error(transparent)]
     Model(#[from] ModelError),
 }
 
-/// Name of a measured value in errors: its quantity with the unit, the kind of reading, and the reading's index from 0.
+/// Name of a measured value in errors: its quantity with the unit, the kind of reading, and the reading's
+/// index from 0.
 pub(super) type Reading = (&'static str, &'static str, usize);
 
 /// Refuses a measured value that is not allowed.
@@ -99,7 +100,7 @@ pub(super) fn within(reading: Reading, value: f64, allowed: Allowed) -> Result<(
     if allowed.admits(value) { Ok(()) } else { Err(refused(reading, value, allowed)) }
 }
 
-/// The error of a measured value that is not allowed.
+/// Returns the error for a measured value that is not allowed.
 pub(super) fn refused(
     (quantity, of, index): Reading,
     value: f64,

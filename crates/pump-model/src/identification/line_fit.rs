@@ -1,4 +1,5 @@
-//! R, C and L from a measured pressure waveform, by nonlinear least squares on the model.
+//! Resistance, compliance and inertance from a measured pressure waveform, by nonlinear least squares on the
+//! model.
 
 use crate::line::line::Line;
 use crate::math::{exp, sqrt, wrap};
@@ -12,49 +13,52 @@ use super::recording::{Recording, SAMPLES};
 use super::sought::{ANGLE, N, NAMES, PRESSURE, START, Sought, count};
 use super::waveform::{Waveform, line_of};
 
-/// Part of the samples' variance that a fit of their shape must explain: less is a Pearson correlation below 0.32. With
-/// four parameters and 100 independent samples this is an F of 2.7, where 2.5 comes by chance once in twenty times.
+/// Smallest part of the samples' variance that a fit of their shape must explain. Less is a Pearson
+/// correlation below 0.32. With four parameters and 100 independent samples this is an F of 2.7, where 2.5
+/// comes by chance once in twenty times.
 const LEAST_EXPLAINED: f64 = 0.1;
 
-/// A line that was fitted to a waveform. What was not sought has the value it was held at and no uncertainty.
+/// Line that was fitted to a waveform. A parameter that was not sought has the value it was held at and no
+/// uncertainty.
 ///
-/// Standard uncertainties come from the Jacobian and the residuals. Neighbouring residuals are alike, so n samples say
-/// as much as n over the residuals' integrated autocorrelation time: that many count. This holds for noise whose memory
-/// is short beside a swing of the line. A mismatch that returns with every pulse is no noise and is not in them: RMSE
-/// and correlation show it.
+/// Standard uncertainties come from the Jacobian and the residuals. Neighbouring residuals are alike. So n
+/// samples count as n over the residuals' integrated autocorrelation time.
+///
+/// This holds for noise whose memory is short beside a swing of the line. A mismatch that returns with every
+/// pulse is no noise, and the uncertainties leave it out: RMSE and correlation show it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineFit {
-    /// R, kPa s/mL.
+    /// Resistance R, kPa s/mL.
     pub resistance_kpa_s_ml: Estimate,
-    /// C, mL/kPa.
+    /// Compliance C, mL/kPa.
     pub compliance_ml_kpa: Estimate,
-    /// L, kPa s²/mL.
+    /// Inertance L, kPa s²/mL.
     pub inertance_kpa_s2_ml: Estimate,
     /// Angle that is added to that of the motion, rad, within half a pitch either way.
     pub angle_rad: Estimate,
     /// Time that is added to that of the motion, s.
     pub start_s: Estimate,
-    /// P_res, kPa absolute.
+    /// Reservoir pressure P_res, kPa absolute.
     pub reservoir_kpa: Estimate,
     /// Root of the mean square of the residuals, kPa.
     pub rms_kpa: f64,
-    /// Standard deviation of the samples, kPa: what a constant pressure would leave over.
+    /// Standard deviation of the samples, kPa: the RMS that a fit of a constant pressure would have.
     pub spread_kpa: f64,
-    /// How many neighbouring samples say as much as one independent sample.
+    /// Number of neighbouring samples that say as much as one independent sample.
     pub correlated_samples: f64,
-    /// Steps of the search.
+    /// Number of steps of the search.
     pub steps: u32,
 }
 
 impl LineFit {
-    /// Fits the line of the recording's port, starting from `pump`'s. The pump's flow is taken as known, and so is the
-    /// motion but for what is sought of it.
+    /// Fits the line of the recording's port, starting from the line of `pump`. The fit takes the pump's flow
+    /// as known. It takes the motion as known except for what is sought of it.
     ///
     /// ```
     /// use pump_model::identification::{LineFit, Motion, PressureSample, Recording, Sought};
     /// use pump_model::{ExactRun, Leg, Line, Port, Pump};
     /// let legs = [Leg::constant_speed(0.0, 10.0)];
-    /// // What a line with other L and C than the pump's would show.
+    /// // Readings on a line with other L and C than the pump's.
     /// let other = Line { inertance_kpa_s2_ml: 0.006, compliance_ml_kpa: 0.03, ..Line::PUBLISHED };
     /// let pump = Pump::three_roller();
     /// let real = Pump::new(*pump.geometry(), *pump.roller_volume(), other, other)?;
@@ -68,6 +72,11 @@ impl LineFit {
     /// assert!((fit.inertance_kpa_s2_ml.value - 0.006).abs() < 1e-8);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    ///
+    /// # Errors
+    ///
+    /// Refuses recordings that are no record, parameters that cannot be told apart, and samples that do not
+    /// determine them. Also fails if the fit explains too little or does not converge.
     pub fn of(pump: &Pump, recording: &Recording<'_>, sought: Sought) -> Result<Self, IdentificationError> {
         recording.validate()?;
         let flags = sought.checked(recording)?;
@@ -90,7 +99,7 @@ impl LineFit {
         }
         let pitch_rad = pump.pitch_rad();
         let angle_rad = wrap(found.at[ANGLE] + 0.5 * pitch_rad, pitch_rad) - 0.5 * pitch_rad;
-        // Where R, C or L were held their bits stay what they were.
+        // Parameters R, C and L that were held keep their bits.
         let held =
             |n: usize, found: Estimate, value: f64| if flags[n] { found } else { estimate(n, value, 1.0) };
         Ok(Self {
@@ -107,13 +116,13 @@ impl LineFit {
         })
     }
 
-    /// Part of the samples' variance that the fit explains, 1 at most; negative where it is worse than a constant
-    /// pressure.
+    /// Returns the part of the samples' variance that the fit explains, 1 at most; negative if it is worse
+    /// than a constant pressure.
     pub fn explained(&self) -> f64 {
         explained(self.rms_kpa, self.spread_kpa)
     }
 
-    /// The line that was found.
+    /// Returns the line that was found.
     pub fn line(&self) -> Line {
         Line {
             resistance_kpa_s_ml: self.resistance_kpa_s_ml.value,
@@ -123,7 +132,11 @@ impl LineFit {
         }
     }
 
-    /// Pressures of the fit at the times of the recording that was fitted, kPa absolute.
+    /// Returns the pressures of the fit at the times of the recording that was fitted, kPa absolute.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a line that is not physical, and an undamped resonance at a steady speed.
     pub fn pressures_kpa<'a>(
         &self,
         pump: &'a Pump,
@@ -138,7 +151,7 @@ impl LineFit {
 
 /// Refuses a fit that explains too little, or whose search did not end.
 fn converged(sought: Sought, steps: u32, rms_kpa: f64, spread_kpa: f64) -> Result<(), IdentificationError> {
-    // This comes first: where the fit explains next to nothing, the search may not end either.
+    // This check comes first: where the fit explains next to nothing, the search may not end either.
     let explained = explained(rms_kpa, spread_kpa);
     if sought.is_of_shape() && explained < LEAST_EXPLAINED {
         return Err(IdentificationError::Unexplained {
@@ -152,14 +165,14 @@ fn converged(sought: Sought, steps: u32, rms_kpa: f64, spread_kpa: f64) -> Resul
     Ok(())
 }
 
-/// The uncertainty of the parameters of a fit.
+/// Uncertainty of the parameters of a fit.
 struct Uncertainty {
     flags: [bool; N],
-    /// Variances of the parameters where each residual has variance 1.
+    /// Variances of the parameters if each residual had variance 1.
     variances: [f64; N],
     /// Sum of squares of the residuals.
     sum: f64,
-    /// Neighbouring samples that say as much as one independent sample.
+    /// Number of neighbouring samples that say as much as one independent sample.
     correlated: f64,
     /// Degrees of freedom.
     free: f64,
@@ -175,15 +188,16 @@ impl Uncertainty {
         let independent = waveform.recording.samples.len() as f64 / correlated;
         let free = independent - count(waveform.flags) as f64;
         if free < 1.0 {
-            let why = "what the fit leaves over is so alike that they say no more than a few would; check speed, angle \
-                       and what is held, or record for longer";
+            let why = "the residual of the fit is so alike that they say no more than a few would; check \
+                       speed, angle and what is held, or record for longer";
             let first = waveform.flags.iter().position(|is_sought| *is_sought).unwrap_or(0);
             return Err(undetermined(first, why));
         }
         Ok(Self { flags: waveform.flags, variances, sum: found.sum, correlated, free })
     }
 
-    /// Estimate of a parameter whose value is `value`, in a unit so many times that of the search.
+    /// Returns the estimate of a parameter whose value is `value`. Its unit is `unit` times that of the
+    /// search.
     fn estimate(&self, n: usize, value: f64, unit: f64) -> Estimate {
         let is_sought = self.flags[n];
         let variance = if is_sought { unit * unit * self.variances[n] * self.sum / self.free } else { 0.0 };
@@ -191,12 +205,12 @@ impl Uncertainty {
     }
 }
 
-/// The error of a parameter that the samples do not determine.
+/// Returns the error for a parameter that the samples do not determine.
 fn undetermined(n: usize, why: &'static str) -> IdentificationError {
     IdentificationError::Undetermined { of: SAMPLES, parameter: NAMES[n], why }
 }
 
-/// 1 - (rms/spread)². Samples that are all the same have nothing to be explained.
+/// Returns the explained part of the variance, 1 - (rms/spread)². Equal samples have nothing to be explained.
 fn explained(rms_kpa: f64, spread_kpa: f64) -> f64 {
     if spread_kpa > 0.0 { 1.0 - (rms_kpa / spread_kpa) * (rms_kpa / spread_kpa) } else { 0.0 }
 }

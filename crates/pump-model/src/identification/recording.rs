@@ -1,4 +1,4 @@
-//! A measured pressure, and what the model says of it.
+//! Measured pressures, and those of the model at the same times.
 
 use crate::error::{self, Allowed, ModelError};
 use crate::head::flow_curve::FlowCurve;
@@ -12,22 +12,22 @@ use crate::pump::pump::Pump;
 
 use super::error::{IdentificationError, refused, within};
 
-/// A pressure at an instant.
+/// Pressure at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PressureSample {
-    /// s.
+    /// Time of the sample, s.
     pub time_s: f64,
-    /// kPa absolute, at the port of the pump.
+    /// Pressure at the port of the pump, kPa absolute.
     pub pressure_kpa: f64,
 }
 
 /// Motion of the rotor during a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Motion<'a> {
-    /// It started from rest, the line at rest too: legs of constant acceleration, each of which starts when and where
-    /// the one before ends.
+    /// The rotor and the line started from rest. Each leg of constant acceleration starts when and where the
+    /// one before ends.
     FromRest(&'a [Leg]),
-    /// It turned at constant speed for so long that start-up is forgotten.
+    /// The rotor turned at constant speed for so long that start-up is forgotten.
     Steady {
         /// Angle at time 0, rad.
         angle_rad: f64,
@@ -36,22 +36,22 @@ pub enum Motion<'a> {
     },
 }
 
-/// A recorded waveform of one port.
+/// Recorded waveform of one port.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recording<'a> {
-    /// Where it was measured.
+    /// Port at which the pressure was measured.
     pub port: Port,
-    /// In order of time.
+    /// Samples in order of time.
     pub samples: &'a [PressureSample],
-    /// Motion of the rotor meanwhile, in the time of the samples.
+    /// Motion of the rotor during the recording, in the time of the samples.
     pub motion: Motion<'a>,
 }
 
-/// The name of the samples in errors.
+/// Name of the samples in errors.
 pub(super) const SAMPLES: &str = "samples of pressure";
 
 impl<'a> Recording<'a> {
-    /// Refuses samples that are no record, and motions that are none.
+    /// Refuses samples that are not finite or not in order of time, and motions without legs or speed.
     pub(super) fn validate(&self) -> Result<(), IdentificationError> {
         let mut last_s = f64::NEG_INFINITY;
         for (n, sample) in self.samples.iter().enumerate() {
@@ -75,12 +75,12 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Standard deviation of the samples about their mean, kPa.
+    /// Returns the standard deviation of the samples about their mean, kPa.
     pub(super) fn spread_kpa(&self) -> f64 {
         let first_kpa = self.samples.first().map_or(0.0, |sample| sample.pressure_kpa);
         let (mut count, mut mean, mut square) = (0.0, 0.0, 0.0);
         for sample in self.samples {
-            // From the first on, so that equal samples have no spread at all.
+            // Values count from the first sample, so equal samples have no spread at all.
             let value = sample.pressure_kpa - first_kpa;
             count += 1.0;
             let from = value - mean;
@@ -90,8 +90,10 @@ impl<'a> Recording<'a> {
         sqrt(square / count)
     }
 
-    /// Pressures above the reservoir by the model at the times of the samples, kPa, on a line that need not be the
-    /// pump's, with the motion at angles that are `angle_rad` larger and `start_s` later.
+    /// Returns the model's pressures above the reservoir at the times of the samples, kPa.
+    ///
+    /// The line need not be the pump's. The motion is taken at angles that are `angle_rad` larger and
+    /// `start_s` later.
     pub(super) fn model_kpa(
         &self,
         curve: &'a FlowCurve,
@@ -124,7 +126,11 @@ impl<'a> Recording<'a> {
         Ok(self.samples.iter().map(move |sample| run.at(sample.time_s)[0]))
     }
 
-    /// Pressures that the model of `pump` says at the times of the samples, kPa absolute.
+    /// Returns the pressures of the model of `pump` at the times of the samples, kPa absolute.
+    ///
+    /// # Errors
+    ///
+    /// Refuses samples or a motion that are not allowed, and an undamped resonance at a steady speed.
     pub fn predicted_kpa(
         &self,
         pump: &'a Pump,

@@ -1,4 +1,4 @@
-//! R from flows and the pressures that they take: dP = R Q.
+//! Resistance R from flows and the pressures that they take: dP = R Q.
 
 use crate::error::Allowed;
 
@@ -6,37 +6,37 @@ use super::error::{IdentificationError, within};
 use super::estimate::Estimate;
 use super::straight_line::{StraightLine, Terms};
 
-/// A steady flow and what it takes.
+/// Steady flow and the pressure that it takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlowPoint {
-    /// Flow through the line, mL/s; of either sign.
+    /// Flow through the line, mL/s, of either sign.
     pub flow_ml_s: f64,
-    /// Pressure at its beginning less that at its end, kPa, in the direction of positive flow.
+    /// Pressure at the line's beginning less that at its end, kPa, in the direction of positive flow.
     pub drop_kpa: f64,
-    /// Standard uncertainty of the pressure, kPa, positive. Points weigh by the ratios of these; 1 for all weighs them
-    /// alike.
+    /// Standard uncertainty of the pressure, kPa, positive. Points weigh by the ratios of these; 1 for all
+    /// weighs them equally.
     pub standard_kpa: f64,
 }
 
 /// A resistance that grows with the flow: dP = R Q + K Q|Q|, as bends and turbulence make it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bend {
-    /// R at no flow, kPa s/mL.
+    /// Resistance R at no flow, kPa s/mL.
     pub at_no_flow_kpa_s_ml: Estimate,
-    /// K, kPa s²/mL².
+    /// Coefficient K of the bend, kPa s²/mL².
     pub per_flow_kpa_s2_ml2: Estimate,
     /// Standard deviation of the points about the bent line, in units of their standard uncertainties.
     pub scatter: f64,
 }
 
 impl Bend {
-    /// R at a flow, kPa s/mL: drop over flow.
+    /// Returns R at a flow, drop over flow, kPa s/mL.
     pub fn resistance_kpa_s_ml(&self, flow_ml_s: f64) -> f64 {
         self.at_no_flow_kpa_s_ml.value + self.per_flow_kpa_s2_ml2.value * flow_ml_s.abs()
     }
 }
 
-/// R by weighted least squares (McIntyre et al.: R = dP/Q).
+/// Resistance R by weighted least squares (McIntyre et al.: R = dP/Q).
 ///
 /// ```
 /// use pump_model::identification::{FlowPoint, ResistanceFit};
@@ -49,26 +49,30 @@ impl Bend {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResistanceFit {
-    /// R of the straight line, kPa s/mL.
+    /// Resistance R of the straight line, kPa s/mL.
     pub resistance_kpa_s_ml: Estimate,
-    /// Drop at no flow, kPa, where it was sought: a reservoir or a sensor that is off.
+    /// Drop at no flow, kPa, if it was sought: a reservoir or a sensor that is off.
     pub offset_kpa: Option<Estimate>,
-    /// Drop at no flow, kPa, where it was not sought but is more than twice its standard uncertainty, and explains the
-    /// points better than a bend does.
+    /// Drop at no flow, kPa, if it was not sought and yet stands out. It is then more than twice its standard
+    /// uncertainty and explains the points better than a bend does.
     pub missed_offset_kpa: Option<Estimate>,
-    /// Standard deviation of the points about the straight line, in units of their standard uncertainties: kPa if those
-    /// are 1.
+    /// Standard deviation of the points about the straight line, in units of their standard uncertainties:
+    /// kPa if those are 1.
     pub scatter: f64,
-    /// The bent line, where its bend is more than twice its standard uncertainty; then R holds at flows like the
-    /// points' alone.
+    /// Bent line, if its bend is more than twice its standard uncertainty. R then holds only at flows like
+    /// the points'.
     pub bend: Option<Bend>,
 }
 
-/// The name of the points in errors.
+/// Name of the points in errors.
 const POINTS: &str = "points of flow and pressure";
 
 impl ResistanceFit {
     /// Fits a line through the origin, or with an offset.
+    ///
+    /// # Errors
+    ///
+    /// Refuses values that are not allowed, too few points, and points that do not determine the resistance.
     pub fn of(points: &[FlowPoint], with_offset: bool) -> Result<Self, IdentificationError> {
         for (n, point) in points.iter().enumerate() {
             within(("flow in mL/s", "point", n), point.flow_ml_s, Allowed::FINITE)?;
@@ -125,7 +129,7 @@ impl ResistanceFit {
         })
     }
 
-    /// Drop of the straight line at a flow, kPa.
+    /// Returns the drop of the straight line at a flow, kPa.
     pub fn drop_kpa(&self, flow_ml_s: f64) -> f64 {
         self.offset_kpa.map_or(0.0, |offset| offset.value) + self.resistance_kpa_s_ml.value * flow_ml_s
     }

@@ -1,4 +1,4 @@
-//! How much a standard uncertainty from a few readings must be widened for a coverage factor of 2 to mean 95 %.
+//! Widening of a standard uncertainty from a few readings, so that a coverage factor of 2 means 95 %.
 
 /// Student's t for 95.45 %, over the degrees of freedom (JCGM 100:2008, table G.2).
 const T: [(u32, f64); 28] = [
@@ -32,7 +32,8 @@ const T: [(u32, f64); 28] = [
     (u32::MAX, 2.0),
 ];
 
-/// t/2 for the next smaller number of degrees of freedom in the table; 1 where there is no estimate to widen (none).
+/// Returns t/2 for the next smaller number of degrees of freedom in the table; 1 for none, where there is no
+/// estimate to widen.
 pub fn widening(degrees_of_freedom: u32) -> f64 {
     let row = T.iter().rev().find(|(least, _)| *least <= degrees_of_freedom);
     row.map_or(1.0, |(_, t)| 0.5 * t)

@@ -1,4 +1,5 @@
-//! A recorded waveform as a least-squares problem: residuals, their derivatives, and the search from many starts.
+//! Recorded waveforms as least-squares problems: residuals, their derivatives, and the search from many
+//! starts.
 
 use crate::error::{Allowed, ModelError, within};
 use crate::head::flow_curve::FlowCurve;
@@ -11,18 +12,20 @@ use super::recording::Recording;
 use super::sought::{ANGLE, N, PRESSURE, START};
 use super::triangle::Triangle;
 
-/// Change of each parameter by which its effect is measured; that of the pressure is known.
+/// Change of each parameter by which its effect is measured. The effect of the pressure is known.
 const PROBES: [f64; PRESSURE] = [1e-5, 1e-5, 1e-5, 1e-5, 1e-6];
 
-/// Angles over a pitch, and natural frequencies beside the given line's, from which the search may start: the sum of
-/// squares has other minima where the line swings too often or too late.
+/// Number of angles over a pitch from which the search may start.
+///
+/// The search also starts from natural frequencies beside the given line's. The sum of squares has other
+/// minima where the line swings too often or too late.
 const ANGLES: u32 = 12;
 const FREQUENCIES: [f64; 5] = [1.0, 0.6, 0.8, 1.25, 1.7];
 
-/// How many of them are followed to their minimum.
+/// Number of starts that are followed to their minimum.
 const FOLLOWED: usize = 3;
 
-/// A recording whose line is sought.
+/// Recording whose line is sought.
 pub(super) struct Waveform<'a> {
     pub(super) recording: &'a Recording<'a>,
     pub(super) curve: &'a FlowCurve,
@@ -30,7 +33,7 @@ pub(super) struct Waveform<'a> {
     pub(super) flags: [bool; N],
 }
 
-/// The line at these parameters.
+/// Returns the line at these parameters.
 pub(super) fn line_of(at: &[f64; N]) -> Line {
     Line {
         resistance_kpa_s_ml: exp(at[0]),
@@ -41,7 +44,7 @@ pub(super) fn line_of(at: &[f64; N]) -> Line {
 }
 
 impl Waveform<'_> {
-    /// Measured less model, kPa, of the line and the motion at these parameters.
+    /// Returns the residuals, measured less model, of the line and the motion at these parameters, kPa.
     pub(super) fn residuals<'b>(
         &'b self,
         line: &'b Line,
@@ -53,7 +56,7 @@ impl Waveform<'_> {
         Ok(pairs.map(move |(sample, kpa)| sample.pressure_kpa - reservoir_kpa - kpa))
     }
 
-    /// Mean of the residuals and sum of their squares about it.
+    /// Returns the mean of the residuals and the sum of their squares about it.
     fn spread(&self, at: &[f64; N]) -> Result<(f64, f64), ModelError> {
         let (mut count, mut mean, mut square) = (0.0, 0.0, 0.0);
         for residual in self.residuals(&line_of(at), at)? {
@@ -65,7 +68,7 @@ impl Waveform<'_> {
         Ok((mean, square))
     }
 
-    /// The best of many starts, with the sums of squares there, the smallest first.
+    /// Returns the best of many starts with their sums of squares, the smallest first.
     fn starts(&self, line: &Line) -> Result<[([f64; N], f64); FOLLOWED], ModelError> {
         let logarithms =
             [line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml].map(log);
@@ -75,7 +78,7 @@ impl Waveform<'_> {
         let frequencies = if either { FREQUENCIES.len() } else { 1 };
         let mut starts = [([0.0; N], f64::INFINITY); FOLLOWED];
         for (angle, frequency) in (0..angles).flat_map(|angle| (0..frequencies).map(move |n| (angle, n))) {
-            // A frequency that is f times as large takes L C that is f² times as small.
+            // A frequency f times as large takes an L C f² times as small.
             let shift = if both { 1.0 } else { 2.0 } * log(FREQUENCIES[frequency]);
             let lowered =
                 |n: usize, logarithm: f64| if self.flags[n] { logarithm - shift } else { logarithm };
@@ -103,10 +106,10 @@ impl Waveform<'_> {
         Ok(starts)
     }
 
-    /// The best minimum that is reached from the best of many starts.
+    /// Returns the best minimum that the search reaches from the best of many starts.
     pub(super) fn best(&self, line: &Line) -> Result<Found<N>, IdentificationError> {
         if self.flags[0] {
-            // Its logarithm is sought.
+            // The search seeks the logarithm of R.
             let parameter = "line resistance to start from in kPa s/mL";
             within(parameter, line.resistance_kpa_s_ml, Allowed::POSITIVE)?;
         }
@@ -128,7 +131,7 @@ impl Residuals<N> for Waveform<'_> {
     }
 
     fn rows(&self, at: &[f64; N]) -> Result<Triangle<N>, ModelError> {
-        // Either side of each parameter but the pressure, all in step with the residuals.
+        // Probes lie on either side of each parameter but the pressure, all in step with the residuals.
         let probes: [[f64; N]; 2 * PRESSURE] = core::array::from_fn(|k| {
             let mut probe = *at;
             probe[k / 2] += if k % 2 == 0 { PROBES[k / 2] } else { -PROBES[k / 2] };

@@ -1,16 +1,16 @@
-//! The solution between the ends of a step.
+//! Solution between the ends of a step.
 
 use nalgebra::SVector;
 
 use crate::math::hermite::{self, End};
 use crate::math::polynomial::Polynomial;
 
-/// An accepted step with its dense output: every state as a polynomial in x = (t - start) / length.
+/// Accepted step with its dense output: every state as a polynomial in x = (t - start) / length.
 #[derive(Debug, Clone, Copy)]
 pub struct DenseStep<const N: usize> {
-    /// When the step starts, s.
+    /// Start of the step, s.
     pub start_s: f64,
-    /// Its length, s.
+    /// Length of the step, s.
     pub length_s: f64,
     end: SVector<f64, N>,
     /// Coefficients, lowest order first.
@@ -18,8 +18,10 @@ pub struct DenseStep<const N: usize> {
 }
 
 impl<const N: usize> DenseStep<N> {
-    /// Quintic Hermite polynomial through both ends. The curvature J f + f_t is exact along the solution, so it is of
-    /// order six; in a stiff problem J magnifies the error of the ends by (h |J|)².
+    /// Builds the quintic Hermite polynomial through both ends.
+    ///
+    /// The curvature J f + f_t is exact along the solution, so the polynomial is of order six. In a stiff
+    /// problem J magnifies the error of the ends by (h |J|)².
     pub(crate) fn hermite(
         start_s: f64,
         length_s: f64,
@@ -29,8 +31,8 @@ impl<const N: usize> DenseStep<N> {
         Self { start_s, length_s, end: to.value, c: hermite::quintic(length_s, from, to) }
     }
 
-    /// RODAS5P's own output of order four, y0 (1 - x) + x (y1 + (1 - x) (k1 + x (k2 + x k3))), which stays between the
-    /// ends however stiff the problem is.
+    /// Builds RODAS5P's own output of order four, y0 (1 - x) + x (y1 + (1 - x) (k1 + x (k2 + x k3))). It
+    /// stays between the ends however stiff the problem is.
     pub(crate) fn own(
         start_s: f64,
         length_s: f64,
@@ -42,24 +44,28 @@ impl<const N: usize> DenseStep<N> {
         Self { start_s, length_s, end: to, c }
     }
 
-    /// When the step ends, s.
+    /// Returns the end of the step, s.
     pub fn end_s(&self) -> f64 {
         self.start_s + self.length_s
     }
 
-    /// State at the end of the step.
+    /// Returns the state at the end of the step.
     pub fn end(&self) -> SVector<f64, N> {
         self.end
     }
 
-    /// State at time `t_s` inside the step.
+    /// Returns the state at time `t_s` inside the step.
     pub fn at(&self, t_s: f64) -> SVector<f64, N> {
         let x = (t_s - self.start_s) / self.length_s;
         let [c0, c1, c2, c3, c4, c5] = &self.c;
         c0 + (c1 + (c2 + (c3 + (c4 + c5 * x) * x) * x) * x) * x
     }
 
-    /// One state as a polynomial in (t - start) / length, from 0 to 1.
+    /// Returns one state as a polynomial in (t - start) / length, from 0 to 1.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `state` is not less than `N`.
     pub fn polynomial(&self, state: usize) -> Polynomial {
         Polynomial { c: self.c.map(|c| c[state]) }
     }

@@ -2,7 +2,8 @@
 
 use nalgebra::{SMatrix, SVector};
 
-/// P A = L U, with the reciprocals of U's diagonal on the diagonal: a factorisation serves eight solutions.
+/// Factorisation P A = L U, with the reciprocals of U's diagonal on the diagonal. One factorisation serves
+/// eight solutions.
 #[derive(Debug, Clone, Copy)]
 pub struct Lu<const N: usize> {
     factors: SMatrix<f64, N, N>,
@@ -10,7 +11,7 @@ pub struct Lu<const N: usize> {
 }
 
 impl<const N: usize> Lu<N> {
-    /// Factors `matrix`; none if it is singular or not finite.
+    /// Factors `matrix`. Returns none if it is singular or not finite.
     pub fn new(matrix: SMatrix<f64, N, N>) -> Option<Self> {
         let mut factors = matrix;
         let mut pivots = [0; N];
@@ -46,7 +47,7 @@ impl<const N: usize> Lu<N> {
         Some(Self { factors, pivots })
     }
 
-    /// Solution x of A x = b.
+    /// Returns the solution x of A x = b.
     pub fn solve(&self, b: SVector<f64, N>) -> SVector<f64, N> {
         let mut x = b;
         for row in 0..N {

@@ -1,4 +1,4 @@
-//! Our implicit integrator: adaptive RODAS5P of fixed size, without allocation.
+//! The implicit integrator: adaptive RODAS5P of fixed size, without allocation.
 
 mod dense;
 mod lu;

@@ -1,16 +1,16 @@
-//! The differential equation that the integrator solves.
+//! Differential equations for the integrator.
 
 use nalgebra::{SMatrix, SVector};
 
-/// y' = f(t, y) that is smooth over the interval given to the integrator.
+/// Differential equation y' = f(t, y) that is smooth over the interval given to the integrator.
 ///
-/// Rosenbrock methods need the exact Jacobian and the exact time derivative: an error of 5 % in the Jacobian costs
-/// 24 times the steps at a tolerance of 1e-8.
+/// Rosenbrock methods need the exact Jacobian and the exact time derivative. An error of 5 % in the Jacobian
+/// costs 24 times the steps at a tolerance of 1e-8.
 pub trait Ode<const N: usize> {
-    /// f(t, y).
+    /// Returns f(t, y).
     fn derivative(&self, t: f64, y: &SVector<f64, N>) -> SVector<f64, N>;
-    /// df/dy.
+    /// Returns the Jacobian df/dy.
     fn jacobian(&self, t: f64, y: &SVector<f64, N>) -> SMatrix<f64, N, N>;
-    /// Partial derivative df/dt.
+    /// Returns the partial derivative df/dt.
     fn time_derivative(&self, t: f64, y: &SVector<f64, N>) -> SVector<f64, N>;
 }

@@ -1,20 +1,20 @@
-//! How exactly to integrate, and what it cost.
+//! Options and cost of an integration.
 
 use nalgebra::SVector;
 
-/// How exactly to integrate.
+/// Tolerances and longest step of an integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options<const N: usize> {
-    /// Error allowed in a step, relative to each state. Zero or more.
+    /// Error allowed in a step, relative to each state; zero or more.
     pub relative: SVector<f64, N>,
-    /// Error allowed in a step, in the units of each state. Positive.
+    /// Error allowed in a step, in the units of each state; positive.
     pub absolute: SVector<f64, N>,
     /// Longest step, s; infinite by default.
     pub max_step_s: f64,
 }
 
 impl<const N: usize> Options<N> {
-    /// Options with one tolerance for every state, relative and absolute.
+    /// Returns options with one tolerance for every state, relative and absolute.
     pub fn uniform(tolerance: f64) -> Self {
         Self {
             relative: SVector::repeat(tolerance),
@@ -27,12 +27,12 @@ impl<const N: usize> Options<N> {
 /// Cost of an integration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Statistics {
-    /// Accepted steps.
+    /// Number of accepted steps.
     pub steps: u64,
-    /// Steps tried again with a shorter length.
+    /// Number of steps tried again with a shorter length.
     pub rejections: u64,
-    /// Matrices factored: one a step that was tried.
+    /// Number of matrices factored: one for each step that was tried.
     pub factorisations: u64,
-    /// Evaluations of f.
+    /// Number of evaluations of f.
     pub evaluations: u64,
 }

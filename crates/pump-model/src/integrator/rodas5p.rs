@@ -1,4 +1,4 @@
-//! The steps of RODAS5P: error control, stops, statistics.
+//! Steps of RODAS5P: error control, stops, statistics.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -11,14 +11,15 @@ use super::ode::Ode;
 use super::options::{Options, Statistics};
 use super::tableau::{A, ALPHA, C, GAMMA, GAMMA_I, H, STAGES};
 
-/// The error estimate is of order h^5, so a step is scaled by the fifth root of the error, with some safety.
+/// Safety factor of the step length. The error estimate is of order h^5, so a step is scaled by the fifth
+/// root of the error.
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 6.0;
-/// A state at rest lets the steps grow without end; beyond this nothing is gained.
+/// Longest step, s. A state at rest lets the steps grow without end, and beyond this nothing is gained.
 const LONGEST_STEP_S: f64 = 1e100;
-/// A step of this many times the fastest time constant is stiff: beyond it the Hermite polynomial would magnify the
-/// error of the step's ends more than a hundredfold.
+/// Ratio of a step to the fastest time constant above which the step is stiff. Beyond it the Hermite
+/// polynomial would magnify the error of the step's ends more than a hundredfold.
 const STIFF: f64 = 10.0;
 
 /// RODAS5P: linearly implicit, order 5(4), eight stages, one factorisation a step, L-stable.
@@ -27,7 +28,7 @@ pub struct Rodas5p<const N: usize> {
     time_s: f64,
     state: SVector<f64, N>,
     options: Options<N>,
-    /// Length that the error control asks for. A step clipped by a stop does not change it.
+    /// Length that the error control asks for, s. A step clipped by a stop does not change it.
     proposed_s: f64,
     /// True if the next step starts where the derivative jumps.
     restart: bool,
@@ -50,18 +51,18 @@ impl<const N: usize> Rodas5p<N> {
         }
     }
 
-    /// Time reached, s.
+    /// Returns the time reached, s.
     pub fn time_s(&self) -> f64 {
         self.time_s
     }
 
-    /// State at that time.
+    /// Returns the state at the time reached.
     pub fn state(&self) -> SVector<f64, N> {
         self.state
     }
 
-    /// Tells that the equation changes or its derivative jumps here: what is known of it is forgotten, and the next
-    /// step is short enough for what follows.
+    /// Announces that the equation changes or its derivative jumps here. The integrator forgets all that it
+    /// knows of the equation, and makes the next step short enough for the new one.
     pub fn restart(&mut self) {
         self.restart = true;
     }
@@ -72,13 +73,17 @@ impl<const N: usize> Rodas5p<N> {
         self.known = None;
     }
 
-    /// Cost of the integration so far.
+    /// Returns the cost of the integration so far.
     pub fn statistics(&self) -> Statistics {
         self.statistics
     }
 
-    /// Makes one accepted step that ends at `stop_s` at the latest, and lands on it exactly. `ode` must be smooth
-    /// up to there; before another one is brought, [`Self::restart`] must be called.
+    /// Makes one accepted step that ends at `stop_s` at the latest, and lands on it exactly. `ode` must be
+    /// smooth up to there. Before another equation is passed, [`Self::restart`] must be called.
+    ///
+    /// # Errors
+    ///
+    /// Fails if the state or its derivative is not finite, or if no step meets the tolerance.
     pub fn step(&mut self, ode: &impl Ode<N>, stop_s: f64) -> Result<DenseStep<N>, IntegrationError> {
         let from = match self.known.take() {
             Some(known) if !self.restart => known,
@@ -108,7 +113,8 @@ impl<const N: usize> Rodas5p<N> {
             let factor = (SAFETY * reciprocal_fifth_root(error.clamp(1e-10, 1e10))).clamp(SHRINK, GROW);
             match trial {
                 Some(trial) if error <= 1.0 => {
-                    // A step cut short by a stop or by halving says nothing against the longer one proposed.
+                    // A step cut short by a stop or by halving does not count against the longer one
+                    // proposed.
                     let grown = h * factor;
                     self.proposed_s = if h < wanted { grown.max(self.proposed_s) } else { grown };
                     self.statistics.steps += 1;
@@ -125,14 +131,14 @@ impl<const N: usize> Rodas5p<N> {
         }
     }
 
-    /// The new state and the error estimate of a step of length `h`; none if the matrix is singular or the result
-    /// is not finite.
+    /// Returns the new state and the error estimate of a step of length `h`; none if the matrix is singular
+    /// or the result is not finite.
     fn trial(&mut self, ode: &impl Ode<N>, from: &Start<N>, h: f64) -> Option<Trial<N>> {
         self.statistics.factorisations += 1;
         self.statistics.evaluations += STAGES as u64 - 1;
         let per_h = 1.0 / h;
         let lu = Lu::new(SMatrix::from_diagonal_element(per_h / GAMMA) - from.jacobian)?;
-        // Stage i (from 0), at a value of the state and with what couples it to the stages before.
+        // Solves stage i (from 0), at a value of the state and with the coupling to the stages before.
         let solve = |i: usize, value: &SVector<f64, N>, coupled: SVector<f64, N>| {
             let slope = ode.derivative(from.time_s + ALPHA[i] * h, value);
             lu.solve(slope + coupled * per_h + from.slope_rate * (h * GAMMA_I[i]))
@@ -153,8 +159,8 @@ impl<const N: usize> Rodas5p<N> {
         (finite(&next) && finite(&u[7])).then_some(Trial { next, stages: u })
     }
 
-    /// Dense output of an accepted step: by Hermite interpolation where the problem is not stiff over this step, by the
-    /// method's own where it is.
+    /// Returns the dense output of an accepted step: by Hermite interpolation where the problem is not stiff
+    /// over this step, by the method's own output where it is.
     fn dense(
         &mut self,
         ode: &impl Ode<N>,
@@ -176,8 +182,8 @@ impl<const N: usize> Rodas5p<N> {
         Ok(step)
     }
 
-    /// Largest rate at which the states change one another, 1/s: the row norm of the Jacobian in units of the
-    /// tolerance.
+    /// Returns the largest rate at which the states change one another, 1/s: the row norm of the Jacobian in
+    /// units of the tolerance.
     fn rate(&self, jacobian: &SMatrix<f64, N, N>, state: &SVector<f64, N>) -> f64 {
         let mut largest = 0.0_f64;
         for i in 0..N {
@@ -187,12 +193,12 @@ impl<const N: usize> Rodas5p<N> {
         largest
     }
 
-    /// Error allowed of a state in a step.
+    /// Returns the error allowed of a state in a step.
     fn allowed(&self, state: &SVector<f64, N>, i: usize) -> f64 {
         self.options.absolute[i] + self.options.relative[i] * state[i].abs()
     }
 
-    /// Largest error of a state over what is allowed.
+    /// Returns the largest error of a state over the allowed error.
     fn error_norm(&self, from: &SVector<f64, N>, trial: &Trial<N>) -> f64 {
         let mut largest = 0.0_f64;
         for i in 0..N {
@@ -202,8 +208,9 @@ impl<const N: usize> Rodas5p<N> {
         largest
     }
 
-    /// Length of the first step, from the first two derivatives in units of the tolerance (Hairer, Norsett, Wanner,
-    /// "Solving ODEs I", section II.4, with the exact second derivative in place of an Euler step).
+    /// Returns the length of the first step, from the first two derivatives in units of the tolerance. The
+    /// rule is that of Hairer, Norsett, Wanner, "Solving ODEs I", section II.4, with the exact second
+    /// derivative in place of an Euler step.
     fn first_step(&self, from: &Start<N>) -> f64 {
         let mut largest = 0.0_f64;
         for i in 0..N {
@@ -235,7 +242,7 @@ impl<const N: usize> Start<N> {
         Ok(Self { time_s, state, slope, slope_rate, jacobian })
     }
 
-    /// y'' = J f + f_t.
+    /// Returns the curvature y'' = J f + f_t.
     fn curvature(&self) -> SVector<f64, N> {
         self.jacobian * self.slope + self.slope_rate
     }
@@ -245,15 +252,15 @@ impl<const N: usize> Start<N> {
     }
 }
 
-/// A step that was tried.
+/// Result of a step that was tried.
 struct Trial<const N: usize> {
     next: SVector<f64, N>,
-    /// The last is the error estimate.
+    /// Stages of the step; the last is the error estimate.
     stages: [SVector<f64, N>; STAGES],
 }
 
-/// Where a step of the `wanted` length ends: on the stop where it lies within reach, half way to it where the step
-/// would leave less than a step's length.
+/// Returns the end of a step of the `wanted` length. It is the stop if that lies within reach, and half way
+/// to it if the step would leave less than a step's length.
 fn step_end(start_s: f64, wanted_s: f64, stop_s: f64, longest_s: f64) -> f64 {
     let room_s = stop_s - start_s;
     if wanted_s > 0.999 * room_s && room_s <= longest_s {
@@ -265,7 +272,7 @@ fn step_end(start_s: f64, wanted_s: f64, stop_s: f64, longest_s: f64) -> f64 {
     }
 }
 
-/// Sum of the first K stages with these weights; K is known when compiling, so that the loop unrolls.
+/// Returns the sum of the first K stages with these weights. K is known at compile time, so the loop unrolls.
 fn sum<const K: usize, const W: usize, const N: usize>(
     weights: &[f64; W],
     stages: &[SVector<f64, N>; STAGES],
@@ -277,10 +284,12 @@ fn sum<const K: usize, const W: usize, const N: usize>(
     sum
 }
 
-/// x^(-1/5) to 1e-6, for the step size control: a first guess from the exponent's bits, then Newton's method on
-/// y^(-5) = x. Four times faster than the general power, and the same on every target. `x` must be positive and normal.
+/// Returns x^(-1/5) to 1e-6, for the step size control. `x` must be positive and normal.
+///
+/// The first guess comes from the exponent's bits, then Newton's method solves y^(-5) = x. This is four times
+/// faster than the general power, and gives the same bits on every target.
 fn reciprocal_fifth_root(x: f64) -> f64 {
-    // 1/5 of the exponent with its sign changed, and 6/5 of the bias.
+    // The guess takes 1/5 of the exponent with its sign changed, and 6/5 of the bias.
     let mut y = f64::from_bits(0x4CB9_9999_9999_9999 - x.to_bits() / 5);
     for _ in 0..4 {
         let y2 = y * y;

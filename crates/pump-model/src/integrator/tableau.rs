@@ -1,17 +1,18 @@
 //! Coefficients of RODAS5P.
 //!
-//! G. Steinebach, "Construction of Rosenbrock-Wanner method Rodas5P and numerical benchmarks within the Julia
-//! Differential Equations package", BIT Numerical Mathematics 63:27 (2023), in the transformed form of Hairer and
-//! Wanner, "Solving Ordinary Differential Equations II", section IV.7: the stages u_i solve
-//! (1/(h gamma) - J) u_i = f(t + alpha_i h, y + sum a_ij u_j) + sum c_ij u_j / h + gamma_i h f_t.
+//! The method is that of G. Steinebach, "Construction of Rosenbrock-Wanner method Rodas5P and numerical
+//! benchmarks within the Julia Differential Equations package", BIT Numerical Mathematics 63:27 (2023). It
+//! stands in the transformed form of Hairer and Wanner, "Solving Ordinary Differential Equations II", section
+//! IV.7. There the stages u_i solve (1/(h gamma) - J) u_i = f(t + alpha_i h, y + sum a_ij u_j) + sum c_ij u_j
+//! / h + gamma_i h f_t.
 
-/// Stages.
+/// Number of stages.
 pub const STAGES: usize = 8;
 
-/// The diagonal coefficient gamma.
+/// Diagonal coefficient gamma.
 pub const GAMMA: f64 = 0.211_937_563_194_290_14;
 
-/// a_ij for stages 2 to 6. Stage 7 adds u_6, stage 8 adds u_7, and the new value adds u_8.
+/// Coefficients a_ij for stages 2 to 6. Stage 7 adds u_6, stage 8 adds u_7, and the new value adds u_8.
 pub const A: [[f64; 5]; 5] = [
     [3.0, 0.0, 0.0, 0.0, 0.0],
     [2.849_394_379_747_939, 0.458_422_422_044_639_23, 0.0, 0.0, 0.0],
@@ -32,7 +33,7 @@ pub const A: [[f64; 5]; 5] = [
     ],
 ];
 
-/// c_ij for stages 2 to 8.
+/// Coefficients c_ij for stages 2 to 8.
 pub const C: [[f64; 7]; 7] = [
     [-14.155_112_264_123_755, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     [-17.972_960_358_859_52, -2.859_693_295_451_294, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -75,7 +76,7 @@ pub const C: [[f64; 7]; 7] = [
     ],
 ];
 
-/// alpha_i: where in the step each stage evaluates f.
+/// Places alpha_i in the step at which each stage evaluates f.
 pub const ALPHA: [f64; STAGES] = [
     0.0,
     0.635_812_689_582_870_4,
@@ -87,7 +88,7 @@ pub const ALPHA: [f64; STAGES] = [
     1.0,
 ];
 
-/// gamma_i: weight of h f_t in each stage.
+/// Weights gamma_i of h f_t in each stage.
 pub const GAMMA_I: [f64; STAGES] = [
     0.211_937_563_194_290_14,
     -0.423_875_126_388_580_27,
@@ -146,17 +147,17 @@ mod tests {
     /// The coefficients are rounded to doubles and reach 1e2. The largest residual is 2e-14.
     const ROUNDING: f64 = 1e-13;
 
-    /// The method as a Rosenbrock method in its own stages k_i.
+    /// Coefficients of the method as a Rosenbrock method in its own stages k_i.
     struct Rosenbrock {
-        /// alpha_ij.
+        /// Coefficients alpha_ij.
         alpha: Matrix,
-        /// beta_ij = alpha_ij + gamma_ij.
+        /// Sums beta_ij = alpha_ij + gamma_ij.
         beta: Matrix,
-        /// gamma_ij.
+        /// Coefficients gamma_ij.
         gamma: Matrix,
     }
 
-    /// a_ij of all stages, in the transformed form.
+    /// Returns a_ij of all stages, in the transformed form.
     fn a() -> Matrix {
         Matrix::from_fn(|i, j| match i {
             0 => 0.0,
@@ -179,7 +180,7 @@ mod tests {
         })
     }
 
-    /// Weights of u_i in the new value and in the embedded one.
+    /// Returns the weights of u_i in the new value and in the embedded one.
     fn weights() -> [Vector; 2] {
         let embedded = a().row(7).transpose();
         let mut new = embedded;
@@ -187,7 +188,8 @@ mod tests {
         [new, embedded]
     }
 
-    /// Hairer and Wanner, section IV.7: u = Gamma k, c = diag(1/gamma) - Gamma⁻¹, a = alpha Gamma⁻¹.
+    /// Returns the Rosenbrock form (Hairer and Wanner, section IV.7): u = Gamma k,
+    /// c = diag(1/gamma) - Gamma⁻¹, a = alpha Gamma⁻¹.
     fn rosenbrock() -> Rosenbrock {
         let inverse = Matrix::from_fn(|i, j| match i {
             _ if i == j => 1.0 / GAMMA,
@@ -207,8 +209,9 @@ mod tests {
         matrix * Vector::repeat(1.0)
     }
 
-    /// The rooted trees of order one to five, each as the product over its branches for every stage, with its order
-    /// and density: Hairer and Wanner, table IV.7.1. A vertex with one branch takes beta_ij, with more alpha_ij.
+    /// Returns the rooted trees of order one to five (Hairer and Wanner, table IV.7.1). Each is the product
+    /// over its branches for every stage, with its order and density. A vertex with one branch takes beta_ij,
+    /// with more alpha_ij.
     fn trees() -> [(Vector, i32, f64); 17] {
         let Rosenbrock { alpha, beta, .. } = rosenbrock();
         let (a, b) = (row_sums(&alpha), row_sums(&beta));
@@ -270,7 +273,8 @@ mod tests {
 
     #[test]
     fn both_values_are_stiffly_accurate() {
-        // b_i = beta_8i and, for the embedded value, beta_7i: both vanish for a problem that is infinitely stiff.
+        // The weights are b_i = beta_8i and, for the embedded value, beta_7i: both vanish for a problem that
+        // is infinitely stiff.
         let method = rosenbrock();
         let [new, embedded] = weights().map(|m| method.gamma.tr_mul(&m));
         assert!((new - method.beta.row(7).transpose()).amax() < ROUNDING);

@@ -1,4 +1,4 @@
-//! One port followed over a motion, exactly.
+//! The exact solution of one port over a motion.
 
 use crate::error::ModelError;
 use crate::head::flow_curve::FlowCurve;
@@ -12,15 +12,17 @@ use super::line::Line;
 use super::oscillator::{Balanced, Oscillator};
 use super::settling::settling_s;
 
-/// The exact solution of one port of the flow-centric model over any motion in legs of constant acceleration: between
-/// two edges the model is linear and the flow a polynomial of time (see `propagator.rs`).
+/// The exact solution of one port of the flow-centric model, over any motion in legs of constant
+/// acceleration.
 ///
-/// States are (P - P_res in kPa, the line's flow in mL/s). Rounding is the only error.
+/// Between two edges the model is linear and the flow a polynomial of time (see `propagator.rs`). States are
+/// (P - P_res in kPa, the line's flow in mL/s). Rounding is the only error.
 ///
 /// ```
 /// use pump_model::{ExactRun, Leg, Port, Pump};
 /// let pump = Pump::three_roller();
-/// let mut run = ExactRun::from_rest(&pump, Port::Outlet, [Leg::constant_speed(0.0, 10.471_975_511_965_978)]);
+/// let legs = [Leg::constant_speed(0.0, 10.471_975_511_965_978)];
+/// let mut run = ExactRun::from_rest(&pump, Port::Outlet, legs);
 /// assert!((run.extremes(10.0).max_kpa - 108.568_444).abs() < 1e-6);
 /// ```
 #[derive(Debug, Clone)]
@@ -31,13 +33,14 @@ pub struct ExactRun<'a, M> {
     pub(crate) stretch: Stretch,
     /// Flow at the rollers over time since the stretch's start.
     pub(crate) flow: Flow,
-    /// Time since the stretch's start that is reached, and the state there.
+    /// Time reached since the stretch's start, s, and the state there.
     pub(crate) reached_s: f64,
     pub(crate) state: Balanced,
 }
 
 impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
-    /// Starts in `state` when the first of the `legs` starts, on any line that the flow curve of `port` drives.
+    /// Starts in `state` when the first of the `legs` starts, on any line that the flow curve of `port`
+    /// drives.
     pub(crate) fn on(
         line: &'a Line,
         curve: &'a FlowCurve,
@@ -52,17 +55,17 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
         Self { line, oscillator, stretches, stretch, flow, reached_s: 0.0, state }
     }
 
-    /// Time reached, s.
+    /// Returns the time reached, s.
     pub fn time_s(&self) -> f64 {
         self.stretch.start_s + self.reached_s
     }
 
-    /// State reached.
+    /// Returns the state reached: P - P_res in kPa and the line's flow in mL/s.
     pub fn state(&self) -> [f64; 2] {
         self.oscillator.physical(self.state)
     }
 
-    /// Goes on to `t_s` and returns the state there. Times in the past give the state reached.
+    /// Goes on to `t_s` and returns the state there. A time in the past gives the state reached.
     pub fn at(&mut self, t_s: f64) -> [f64; 2] {
         while t_s > self.stretch.end_s {
             self.finish_stretch();
@@ -98,15 +101,21 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
         extremes.above(self.line.reservoir_kpa)
     }
 
-    /// Goes on to `end_s`, when the motion must be over, and returns the smallest and largest pressure from now on for
-    /// ever, kPa absolute: the energy of a line left alone only falls, so its first swing is its widest.
+    /// Goes on to `end_s` and returns the smallest and largest pressure from now on for ever, kPa absolute.
+    /// The motion must be over at `end_s`.
+    ///
+    /// The energy of a line left alone only falls, so its first swing is its widest.
     pub fn extremes_to_rest(&mut self, end_s: f64) -> Extremes {
         let moving = self.extremes(end_s);
         moving.and(self.extremes(end_s + self.oscillator.widest_swing_s()))
     }
 
-    /// Time, s, after which the undelivered volume |C p| stays below [`crate::SETTLED_ML`] if the rotor rests from now
-    /// on.
+    /// Returns the time after which the undelivered volume |C p| stays below [`crate::SETTLED_ML`], s. The
+    /// rotor rests from now on.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`ModelError::NeverSettles`] if the line swings or creeps for too long.
     pub fn settling_s(&self) -> Result<f64, ModelError> {
         settling_s(&self.oscillator, self.line.compliance_ml_kpa, self.state)
     }
@@ -128,7 +137,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
     }
 }
 
-/// There is always one: the last is the rest that never ends.
+/// Returns the next stretch. There always is one: the last is the rest that never ends.
 fn next_stretch<M: Iterator<Item = Leg>>(stretches: &mut Stretches<'_, M>) -> Stretch {
     let after_s = stretches.time_s();
     stretches.next().unwrap_or_else(|| Stretch::rest(after_s))

@@ -6,13 +6,13 @@ use super::exact_run::ExactRun;
 use super::oscillator::{Balanced, Oscillator};
 use super::propagator::Propagator;
 
-/// Samples that are computed together: they do not wait for one another.
+/// Number of samples that are computed together, independent of one another.
 const LANES: usize = 4;
 
-/// Samples of an [`ExactRun`] at equal intervals; inside a stretch at constant speed each costs a dozen
+/// Samples of an [`ExactRun`] at equal intervals. Inside a stretch at constant speed each costs a dozen
 /// multiplications.
 ///
-/// Sample n + 4 follows from sample n by a step of four intervals, so that four samples at a time are independent.
+/// Sample n + 4 follows from sample n by a step of four intervals, so four samples at a time are independent.
 #[derive(Debug, Clone)]
 pub struct ExactSamples<'a, M> {
     run: ExactRun<'a, M>,
@@ -20,13 +20,13 @@ pub struct ExactSamples<'a, M> {
     dt_s: f64,
     one: Interval,
     four: Interval,
-    /// (x, y) of the samples under way, and their times since the stretch's start.
+    /// States (x, y) of the samples under way, and their times since the stretch's start.
     x: [f64; LANES],
     y: [f64; LANES],
     time_s: [f64; LANES],
-    /// Number of the first of them.
+    /// Number of the first sample under way.
     first: u64,
-    /// The next to be handed out, and how many lie inside the stretch.
+    /// Index of the next sample to hand out, and the number of samples inside the stretch.
     next: usize,
     valid: usize,
 }
@@ -35,7 +35,7 @@ pub struct ExactSamples<'a, M> {
 #[derive(Debug, Clone)]
 struct Interval {
     propagator: Propagator,
-    /// e^(A h) by columns.
+    /// The matrix e^(A h) by columns.
     decay: [Balanced; 2],
     /// Input that the flow adds to both states, as polynomials in the time since the stretch's start.
     input: [[f64; 5]; 2],
@@ -48,7 +48,7 @@ impl Interval {
         Self { propagator, decay, input: [[0.0; 5]; 2] }
     }
 
-    /// States an interval after (x, y) at times t, each independent of the others.
+    /// Returns the states an interval after (x, y) at times t, each independent of the others.
     #[inline]
     fn after<const K: usize>(&self, x: [f64; K], y: [f64; K], t: [f64; K]) -> ([f64; K], [f64; K]) {
         let ([xx, yx], [xy, yy]) = (self.decay[0], self.decay[1]);
@@ -68,7 +68,8 @@ impl Interval {
 }
 
 impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
-    /// States at n `dt_s` from the start on, n = 0, 1, 2 ... without end; `dt_s` must be positive.
+    /// Returns the states at n `dt_s` from the start on, n = 0, 1, 2 ... without end. `dt_s` must be
+    /// positive.
     pub fn every(self, dt_s: f64) -> ExactSamples<'a, M> {
         ExactSamples::new(self, dt_s)
     }
@@ -83,7 +84,8 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
         Self { run, start_s, dt_s, one, four, x: zeros, y: zeros, time_s: zeros, first: 0, next: 0, valid: 0 }
     }
 
-    /// Pressures of the next samples above the reservoir, kPa, for less than asking for them one by one.
+    /// Writes the pressures of the next samples above the reservoir, kPa, for less than asking for them one
+    /// by one.
     pub fn fill_kpa(&mut self, mut kpa: &mut [f64]) {
         while !kpa.is_empty() {
             if self.next == self.valid {
@@ -99,7 +101,7 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
         }
     }
 
-    /// Computes the next samples: at least one.
+    /// Computes the next samples, at least one.
     fn fill(&mut self) {
         self.first += self.valid as u64;
         self.next = 0;
@@ -135,8 +137,8 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
         self.settle_lanes(1);
     }
 
-    /// Places the lanes in time, from sample `known` on, counts those inside the stretch, and leaves the run at the
-    /// last of them.
+    /// Places the lanes in time from sample `known` on, and counts those inside the stretch. Leaves the run
+    /// at the last of them.
     fn settle_lanes(&mut self, known: usize) {
         let stretch = &self.run.stretch;
         let first = self.first as f64;

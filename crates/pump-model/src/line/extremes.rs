@@ -1,18 +1,18 @@
-//! The range of a pressure over time.
+//! Ranges of pressures over time.
 
 /// Smallest and largest pressure, kPa absolute.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Extremes {
-    /// Smallest, kPa.
+    /// Smallest pressure, kPa absolute.
     pub min_kpa: f64,
-    /// Largest, kPa.
+    /// Largest pressure, kPa absolute.
     pub max_kpa: f64,
 }
 
 impl Extremes {
-    /// Extremes of a single pressure.
+    /// Returns the extremes of a single pressure, kPa absolute.
     pub fn at(pressure_kpa: f64) -> Self {
         Self { min_kpa: pressure_kpa, max_kpa: pressure_kpa }
     }
@@ -23,7 +23,7 @@ impl Extremes {
         self.max_kpa = self.max_kpa.max(pressure_kpa);
     }
 
-    /// The range that covers both.
+    /// Returns the range that covers this range and another.
     pub fn and(self, other: Self) -> Self {
         Self { min_kpa: self.min_kpa.min(other.min_kpa), max_kpa: self.max_kpa.max(other.max_kpa) }
     }

@@ -1,26 +1,35 @@
-//! The hydraulic line of one port: what stands between the rollers and the reservoir.
+//! The hydraulic line of one port, between the rollers and the reservoir.
 
 use crate::error::{ModelError, within};
 use crate::head::paper;
 use crate::math::{pow, sqrt};
 
 /// Lumped line of one port (McIntyre et al.): C at the pump, R and L in series to a reservoir.
+///
+/// ```
+/// use pump_model::Line;
+/// let line = Line { inertance_kpa_s2_ml: 0.006, ..Line::PUBLISHED };
+/// line.validate()?;
+/// assert!((Line::PUBLISHED.damping_ratio() - 0.162).abs() < 5e-4);
+/// assert!(line.damping_ratio() < Line::PUBLISHED.damping_ratio());
+/// # Ok::<(), pump_model::ModelError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Line {
-    /// R, kPa s/mL, 0 to 1e6.
+    /// Resistance R, kPa s/mL, 0 to 1e6.
     pub resistance_kpa_s_ml: f64,
-    /// C, mL/kPa, 1e-6 to 1e6.
+    /// Compliance C, mL/kPa, 1e-6 to 1e6.
     pub compliance_ml_kpa: f64,
-    /// L, kPa s²/mL, 1e-6 to 1e6.
+    /// Inertance L, kPa s²/mL, 1e-6 to 1e6.
     pub inertance_kpa_s2_ml: f64,
-    /// P_res, kPa absolute, 0.001 to 1e6.
+    /// Reservoir pressure P_res, kPa absolute, 0.001 to 1e6.
     pub reservoir_kpa: f64,
 }
 
 impl Line {
-    /// The line of McIntyre et al., the same at inlet and outlet.
+    /// Line of McIntyre et al., equal at inlet and outlet.
     pub const PUBLISHED: Self = Self {
         resistance_kpa_s_ml: paper::LINE_RESISTANCE_KPA_S_ML,
         compliance_ml_kpa: paper::LINE_COMPLIANCE_ML_KPA,
@@ -28,7 +37,11 @@ impl Line {
         reservoir_kpa: paper::RESERVOIR_KPA,
     };
 
-    /// Refuses a line that is not physical.
+    /// Checks the line.
+    ///
+    /// # Errors
+    ///
+    /// Refuses parameters outside their ranges.
     pub fn validate(&self) -> Result<(), ModelError> {
         within("line resistance in kPa s/mL", self.resistance_kpa_s_ml, 0.0..=1e6)?;
         within("line compliance in mL/kPa", self.compliance_ml_kpa, 1e-6..=1e6)?;
@@ -36,12 +49,12 @@ impl Line {
         within("reservoir pressure in kPa absolute", self.reservoir_kpa, 1e-3..=1e6)
     }
 
-    /// Undamped natural frequency 1 / sqrt(L C), rad/s.
+    /// Returns the undamped natural frequency 1 / sqrt(L C), rad/s.
     pub fn natural_rad_s(&self) -> f64 {
         1.0 / sqrt(self.inertance_kpa_s2_ml * self.compliance_ml_kpa)
     }
 
-    /// Damping ratio R/2 sqrt(C/L).
+    /// Returns the damping ratio R/2 sqrt(C/L).
     ///
     /// ```
     /// assert!((pump_model::Line::PUBLISHED.damping_ratio() - 0.162).abs() < 5e-4);
@@ -50,13 +63,16 @@ impl Line {
         0.5 * self.resistance_kpa_s_ml * sqrt(self.compliance_ml_kpa / self.inertance_kpa_s2_ml)
     }
 
-    /// How far a flow at the rollers within `flow` either way can move the pressure of a line that was at rest: at most
-    /// so many times `flow`, kPa s/mL. Infinite for a line without resistance, which may resonate.
+    /// Returns the largest change of pressure that a flow at the rollers can make, over that flow, kPa s/mL.
     ///
-    /// The integral of |p| after 1 mL is pushed in at once, p'' + (R/L) p' + p/(L C) = 0 from 1/C with p' = 0. Of an
-    /// overdamped line p stays positive, and the integral is R. Otherwise it is R + 2 L (Q_1 + Q_2 + ...), with the
-    /// flows Q_n at the zeros of p, which fall by exp(-pi k) each, k = z/sqrt(1 - z²) with the damping ratio z, from
-    /// Q_1 = w exp(-k (pi/2 + asin z)), w = 1/sqrt(L C); asin z >= z bounds it.
+    /// A flow within `flow` either way moves the pressure of a line that was at rest by at most `flow` times
+    /// this. It is infinite for a line without resistance, which may resonate.
+    ///
+    /// It is the integral of |p| after 1 mL is pushed in at once: p'' + (R/L) p' + p/(L C) = 0 from 1/C with
+    /// p' = 0. In an overdamped line p stays positive, and the integral is R. Otherwise it is
+    /// R + 2 L (Q_1 + Q_2 + ...) with the flows Q_n at the zeros of p. These fall by exp(-pi k) each,
+    /// k = z/sqrt(1 - z²) with the damping ratio z, from Q_1 = w exp(-k (pi/2 + asin z)), w = 1/sqrt(L C). As
+    /// asin z >= z, z stands for asin z and gives a bound.
     pub fn worst_kpa_s_ml(&self) -> f64 {
         use core::f64::consts::{E, PI};
         let z = self.damping_ratio();

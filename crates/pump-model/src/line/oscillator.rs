@@ -1,4 +1,4 @@
-//! A line as an oscillator: its states in coordinates that carry energy alike, and their rates of change.
+//! A line as an oscillator: states in coordinates that carry energy alike, and their rates of change.
 
 use crate::head::port::Port;
 use crate::math::hermite::{self, End};
@@ -8,7 +8,7 @@ use crate::motion::flow::Flow;
 
 use super::line::Line;
 
-/// Steps with |A| h up to this are summed by their Taylor series.
+/// Largest |A| h of steps that are summed by their Taylor series.
 pub(crate) const SHORT: f64 = 0.5;
 
 /// A line in coordinates in which both states carry energy alike: x = p, y = Q_L z with z = sqrt(L/C).
@@ -17,17 +17,17 @@ pub(crate) const SHORT: f64 = 0.5;
 /// dx/dt = s w (z f - y), dy/dt = s w x - (R/L) y.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Oscillator {
-    /// s w, rad/s.
+    /// Signed natural frequency s w, rad/s.
     pub(crate) rate: f64,
-    /// R/L, 1/s.
+    /// Decay rate R/L, 1/s.
     pub(crate) decay: f64,
-    /// z, kPa s/mL.
+    /// Impedance z, kPa s/mL.
     pub(super) impedance: f64,
-    /// 1/z, mL/(s kPa).
+    /// Admittance 1/z, mL/(s kPa).
     admittance: f64,
 }
 
-/// (x, y) of an [`Oscillator`], kPa.
+/// State (x, y) of an [`Oscillator`], kPa.
 pub(crate) type Balanced = [f64; 2];
 
 impl Oscillator {
@@ -44,34 +44,35 @@ impl Oscillator {
         }
     }
 
-    /// From (pressure above the reservoir in kPa, flow in mL/s).
+    /// Converts a state from (pressure above the reservoir in kPa, flow in mL/s).
     pub(crate) fn balanced(&self, state: [f64; 2]) -> Balanced {
         [state[0], state[1] * self.impedance]
     }
 
-    /// To (pressure above the reservoir in kPa, flow in mL/s).
+    /// Converts a state to (pressure above the reservoir in kPa, flow in mL/s).
     #[inline]
     pub(crate) fn physical(&self, state: Balanced) -> [f64; 2] {
         [state[0], state[1] * self.admittance]
     }
 
-    /// Largest rate of change of its states, 1/s: a bound of |A|.
+    /// Returns a bound of |A|, the largest rate of change of the states, 1/s.
     pub(crate) fn norm(&self) -> f64 {
         self.rate.abs() + self.decay
     }
 
-    /// A z.
+    /// Returns A z for a state z.
     pub(super) fn times(&self, state: Balanced) -> Balanced {
         [-self.rate * state[1], self.rate * state[0] - self.decay * state[1]]
     }
 
-    /// dz/dt where the flow at the rollers is `flow`.
+    /// Returns dz/dt where the flow at the rollers is `flow`.
     pub(crate) fn derivative(&self, state: Balanced, flow: f64) -> Balanced {
         let [x, y] = self.times(state);
         [x + self.rate * self.impedance * flow, y]
     }
 
-    /// Pressure between two states over the fraction of the time passed, 0 to 1; `flow` counts time from `before`.
+    /// Returns the pressure between two states over the fraction of the time passed, 0 to 1. `flow` counts
+    /// time from `before`.
     pub(crate) fn pressure(
         &self,
         length_s: f64,

@@ -1,4 +1,4 @@
-//! The state of a line that repeats itself every pitch at constant speed, in closed form.
+//! The periodic state of a line at constant speed, in closed form.
 
 use crate::error::ModelError;
 use crate::head::flow_curve::FlowCurve;
@@ -10,10 +10,11 @@ use super::line::Line;
 use super::oscillator::Oscillator;
 use super::propagator::Propagator;
 
-/// State of `line` at angle 0 that repeats itself every pitch of `curve`, the flow curve of `port`.
+/// Returns the state of `line` at angle 0 that repeats itself every pitch of `curve`, the flow curve of
+/// `port`.
 ///
-/// The state after a period T is e^(A T) z + b, so that z = -(e^(A T) - I)^-1 b. Undamped resonance has none; of a
-/// period long against the decay e^(A T) is 0 and z is b.
+/// The state after a period T is e^(A T) z + b, so z = -(e^(A T) - I)^-1 b. An undamped resonance has no such
+/// state. For a period long against the decay, e^(A T) is 0 and z is b.
 pub(crate) fn periodic_state(
     line: &Line,
     curve: &FlowCurve,
@@ -26,8 +27,8 @@ pub(crate) fn periodic_state(
     let [bx, by] = oscillator.balanced(ExactRun::on(line, curve, port, motion, [0.0; 2]).at(period_s));
     let [[a, c], [b, d]] = Propagator::new(&oscillator, period_s, 0).change();
     let determinant = a * d - b * c;
-    // An eigenvalue of e^(A T) is known to rounding times the phase turned, as far as it has not died out. A line that
-    // does not swing has no resonance.
+    // An eigenvalue of e^(A T) is known to rounding times the phase turned, as far as it has not died out. A
+    // line that does not swing has no resonance.
     let rounding = oscillator.swing_left(period_s) * 1e-12 * (1.0 + oscillator.norm() * period_s);
     if determinant == 0.0 || determinant.abs() < rounding * rounding {
         return Err(ModelError::UndampedResonance { port: port.name(), speed_rad_s });

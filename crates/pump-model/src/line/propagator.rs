@@ -1,20 +1,20 @@
 //! The exact solution of a line over a time in which the flow at the rollers is a polynomial.
 //!
-//! Between two edges the model is linear with polynomial forcing, z' = A z + b f(t), so that
-//! z(h) = e^(A h) z(0) + integral of e^(A (h - t)) b f(t) dt. Two ways to sum it, both exact to rounding:
-//! the Taylor series of z over a short step, and over a long one matrices for a short step, doubled until it is long
-//! enough (scaling and squaring, after Higham, "Functions of Matrices", chapter 10). Neither divides by A, so slow,
-//! stiff, critically damped and undamped lines are one case.
+//! Between two edges the model is linear with polynomial forcing, z' = A z + b f(t), so that z(h) = e^(A h)
+//! z(0) + integral of e^(A (h - t)) b f(t) dt. There are two ways to sum it, both exact to rounding. A short
+//! step takes the Taylor series of z. A long step takes matrices for a short step, doubled until it is long
+//! enough (scaling and squaring, after Higham, "Functions of Matrices", chapter 10). Neither divides by A, so
+//! slow, stiff, critically damped and undamped lines are one case.
 
 use crate::motion::flow::{DEGREE, Flow};
 
 use super::oscillator::{Balanced, Oscillator, SHORT};
 
-/// Terms of the series: 0.5^17/17! is below rounding.
+/// Number of terms of the series: 0.5^17/17! is below rounding.
 const TERMS: usize = 17;
 
 impl Oscillator {
-    /// State `h` after `state`; `flow` counts time from there.
+    /// Returns the state `h` after `state`. `flow` counts time from there.
     pub(crate) fn after(&self, h: f64, state: Balanced, flow: &Flow) -> Balanced {
         if self.norm() * h <= SHORT {
             self.series(h, state, flow)
@@ -23,7 +23,7 @@ impl Oscillator {
         }
     }
 
-    /// z(h) = sum of Z_n with Z_(n+1) = h (A Z_n + b f_n h^n) / (n + 1).
+    /// Returns the state by its series: z(h) = sum of Z_n with Z_(n+1) = h (A Z_n + b f_n h^n) / (n + 1).
     fn series(&self, h: f64, state: Balanced, flow: &Flow) -> Balanced {
         let mut term = state;
         let mut sum = state;
@@ -39,7 +39,7 @@ impl Oscillator {
             let factor = h * reciprocal;
             term = [factor * next[0], factor * next[1]];
             sum = [sum[0] + term[0], sum[1] + term[1]];
-            // Beyond the flow's own terms they fall by |A| h / n each.
+            // Beyond the flow's own terms, the terms fall by |A| h / n each.
             if forced.is_none() && term[0].abs() + term[1].abs() <= 1e-18 * (sum[0].abs() + sum[1].abs()) {
                 break;
             }
@@ -48,7 +48,7 @@ impl Oscillator {
     }
 }
 
-/// 1/n.
+/// Table of 1/n.
 const RECIPROCALS: [f64; TERMS + DEGREE + 2] = {
     let mut table = [0.0; TERMS + DEGREE + 2];
     let mut n = 1;
@@ -63,17 +63,17 @@ const RECIPROCALS: [f64; TERMS + DEGREE + 2] = {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Propagator {
     step_s: f64,
-    /// e^(A h) - I: the difference keeps slow modes exact beside fast ones.
+    /// The matrix e^(A h) - I by columns. The difference keeps slow modes exact beside fast ones.
     change: [Balanced; 2],
-    /// gamma_k: response to a flow of (t/h)^k.
+    /// Responses gamma_k to flows of (t/h)^k.
     response: [Balanced; DEGREE + 1],
     degree: usize,
 }
 
 impl Propagator {
-    /// For steps of `h` and flows of `degree` at most.
+    /// Builds the propagator for steps of `h` and flows of `degree` at most.
     pub(crate) fn new(oscillator: &Oscillator, h: f64, degree: usize) -> Self {
-        // 2^1100 times shorter than any finite step is short.
+        // A step 2^1100 times shorter than any finite step is short.
         let mut doublings = 0;
         let mut short = h;
         while oscillator.norm() * short > SHORT && doublings < 1100 {
@@ -84,18 +84,19 @@ impl Propagator {
         for _ in 0..doublings {
             propagator.double();
         }
-        // Halving and doubling are exact, so this is h.
+        // Halving and doubling are exact, so the length is h again.
         propagator.step_s = h;
         propagator
     }
 
-    /// Taylor series: e^(A h) - I = sum A^n h^n / n!, gamma_k = sum A^n b h^(n+1) k!/(n+k+1)!.
+    /// Builds the propagator of a short step by Taylor series: e^(A h) - I = sum A^n h^n / n!, gamma_k = sum
+    /// A^n b h^(n+1) k!/(n+k+1)!.
     fn short(oscillator: &Oscillator, h: f64, degree: usize) -> Self {
         let mut change = [[0.0; 2]; 2];
         let mut columns = [[1.0, 0.0], [0.0, 1.0]];
         let mut response = [[0.0; 2]; DEGREE + 1];
         let mut input = [h * oscillator.rate * oscillator.impedance, 0.0];
-        // k!/(n+k)!, starting at n = 1.
+        // The weights k!/(n+k)!, starting at n = 1.
         let mut weights = [0.0; DEGREE + 1];
         weights.copy_from_slice(&RECIPROCALS[1..DEGREE + 2]);
         for (n, reciprocal) in RECIPROCALS.iter().enumerate().skip(1).take(TERMS) {
@@ -116,7 +117,8 @@ impl Propagator {
         Self { step_s: h, change, response, degree }
     }
 
-    /// Makes the step twice as long: F' = 2 F + F², gamma_k' = (e^(A h) gamma_k + sum_j C(k, j) gamma_j) / 2^k.
+    /// Makes the step twice as long: F' = 2 F + F², gamma_k' = (e^(A h) gamma_k + sum_j C(k, j) gamma_j) /
+    /// 2^k.
     fn double(&mut self) {
         let mut scale = 1.0;
         let mut doubled = self.response;
@@ -140,19 +142,19 @@ impl Propagator {
         self.step_s *= 2.0;
     }
 
-    /// (e^(A h) - I) z.
+    /// Returns (e^(A h) - I) z.
     fn changed(&self, state: Balanced) -> Balanced {
         let [first, second] = self.change;
         [first[0] * state[0] + second[0] * state[1], first[1] * state[0] + second[1] * state[1]]
     }
 
-    /// e^(A h) z.
+    /// Returns e^(A h) z.
     pub(crate) fn moved(&self, state: Balanced) -> Balanced {
         let change = self.changed(state);
         [state[0] + change[0], state[1] + change[1]]
     }
 
-    /// State a step after `state`; `flow` counts time from there.
+    /// Returns the state a step after `state`. `flow` counts time from there.
     pub(crate) fn apply(&self, state: Balanced, flow: &Flow) -> Balanced {
         let mut sum = self.moved(state);
         let mut power = 1.0;
@@ -163,13 +165,13 @@ impl Propagator {
         sum
     }
 
-    /// e^(A h) - I by columns.
+    /// Returns the matrix e^(A h) - I by columns.
     pub(crate) fn change(&self) -> [Balanced; 2] {
         self.change
     }
 
-    /// Input that a flow of degree 4 adds to both states over a step that starts at `t`, as polynomials in t:
-    /// sum_k gamma_k h^k f^(k)(t)/k!.
+    /// Returns the input that a flow of degree 4 adds to both states over a step that starts at `t`, as
+    /// polynomials in t: sum_k gamma_k h^k f^(k)(t)/k!.
     pub(crate) fn input(&self, flow: &Flow) -> [[f64; 5]; 2] {
         let mut inputs = [[0.0; 5]; 2];
         let [pressure, line_flow] = &mut inputs;

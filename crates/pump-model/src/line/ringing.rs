@@ -1,4 +1,4 @@
-//! How long a line swings or creeps.
+//! Times over which a line swings or creeps.
 
 use crate::head::port::Port;
 use crate::math::{TURN_RAD, exp, sqrt};
@@ -7,7 +7,7 @@ use super::line::Line;
 use super::oscillator::{Oscillator, SHORT};
 
 impl Oscillator {
-    /// Rate at which its slowest mode dies out, 1/s.
+    /// Returns the rate at which the slowest mode dies out, 1/s.
     pub(crate) fn slowest_decay(&self) -> f64 {
         let half = 0.5 * self.decay;
         let square = half * half - self.rate * self.rate;
@@ -15,9 +15,11 @@ impl Oscillator {
         if square <= 0.0 { half } else { self.rate * self.rate / (half + sqrt(square)) }
     }
 
-    /// Length of a step, s, over which the solution is simple: a fraction of the swing; in an overdamped line a
-    /// fraction of its fast mode at first, longer as that dies out over the time `since_s` the last edge, and a
-    /// sixteenth of the stretch of `length_s` at most; once every mode has died out only the polynomial is left, in 64
+    /// Returns the length of a step over which the solution is simple, s.
+    ///
+    /// For a line that swings it is a fraction of the swing. For an overdamped line it starts as a fraction
+    /// of the fast mode. It grows as that mode dies out over the time `since_s` the last edge, to a sixteenth
+    /// of the stretch of `length_s` at most. Once every mode has died out only the polynomial is left, in 64
     /// parts.
     pub(crate) fn fine_step_s(&self, since_s: f64, length_s: f64) -> f64 {
         let fast_s = SHORT / self.norm();
@@ -30,8 +32,10 @@ impl Oscillator {
         }
     }
 
-    /// Time, s, in which a line left alone has reached the largest swings either way that it ever will, from any state:
-    /// a whole swing; in an overdamped line, which turns once at most, until every mode has died out.
+    /// Returns the time in which a line left alone reaches its largest swings either way, from any state, s.
+    ///
+    /// It is a whole swing. In an overdamped line, which turns once at most, it is the time until every mode
+    /// has died out.
     pub(crate) fn widest_swing_s(&self) -> f64 {
         let half = 0.5 * self.decay;
         let square = self.rate * self.rate - half * half;
@@ -39,7 +43,8 @@ impl Oscillator {
         if square > 0.0 { (TURN_RAD / sqrt(square)).min(died_out_s) } else { died_out_s }
     }
 
-    /// How many steps of [`Self::fine_step_s`] `edges` stretches of together `time_s` take at most.
+    /// Returns the largest number of steps of [`Self::fine_step_s`] over `edges` stretches of together
+    /// `time_s`.
     pub(crate) fn most_fine_steps(&self, edges: f64, time_s: f64) -> f64 {
         let swinging_s = time_s.min(edges * 40.0 / self.slowest_decay());
         let is_overdamped = self.decay >= 2.0 * self.rate.abs();
@@ -48,14 +53,15 @@ impl Oscillator {
         swings + 64.0 * edges
     }
 
-    /// Part of a swing that is left after `time_s`; 0 of a line that does not swing.
+    /// Returns the part of a swing that is left after `time_s`; 0 for a line that does not swing.
     pub(crate) fn swing_left(&self, time_s: f64) -> f64 {
         if self.decay < 2.0 * self.rate.abs() { exp(-0.5 * self.decay * time_s) } else { 0.0 }
     }
 }
 
 impl Line {
-    /// Rate at which the line's slowest mode dies out, 1/s: half of R/L where it swings.
+    /// Returns the rate at which the line's slowest mode dies out, 1/s. It is half of R/L where the line
+    /// swings.
     ///
     /// ```
     /// assert!((pump_model::Line::PUBLISHED.slowest_decay_per_s() - 13.19).abs() < 5e-3);

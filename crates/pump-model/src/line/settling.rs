@@ -1,4 +1,4 @@
-//! How long a line needs to come to rest after the last step.
+//! Time that a line needs to come to rest after the last step.
 
 use crate::error::ModelError;
 use crate::math::polynomial::Polynomial;
@@ -6,20 +6,20 @@ use crate::motion::flow::Flow;
 
 use super::oscillator::{Balanced, Oscillator};
 
-/// Volume that still may move in a settled line: 1 uL.
+/// Volume that may still move in a settled line, mL: 1 uL.
 pub const SETTLED_ML: f64 = 1e-3;
 
-/// A line that takes longer is said not to settle, s.
+/// Time after which a line counts as never settling, s.
 const LIMIT_S: f64 = 3600.0;
 
-/// So is one that swings more often than this: at most so many steps, several a swing, are followed.
+/// Number of steps after which a line counts as never settling. A swing takes several steps.
 const LIMIT_STEPS: u32 = 2_000_000;
 
-/// Time, s, after which the undelivered volume |C p| stays below [`SETTLED_ML`], for a line left in `state` with the
-/// rotor at rest.
+/// Returns the time after which the undelivered volume |C p| stays below [`SETTLED_ML`], s. The line is left
+/// in `state` with the rotor at rest.
 ///
-/// The energy x² + y² of a passive line only falls, so once it is below that of the allowed pressure, the volume stays
-/// inside for ever, and the last crossing seen was the last.
+/// The energy x² + y² of a passive line only falls. Once it is below that of the allowed pressure the volume
+/// stays inside for ever, so the last crossing seen was the last.
 pub(crate) fn settling_s(
     oscillator: &Oscillator,
     compliance_ml_kpa: f64,
@@ -37,7 +37,7 @@ pub(crate) fn settling_s(
         if time_s > LIMIT_S {
             break;
         }
-        // Never more than doubles the time, so that it stays finite.
+        // The step never more than doubles the time, so the time stays finite.
         let length_s = oscillator.fine_step_s(time_s, f64::INFINITY).min(1.0 + time_s);
         let next = oscillator.after(length_s, state, &no_flow);
         let pressure = oscillator.pressure(length_s, state, next, &no_flow);
@@ -53,7 +53,8 @@ pub(crate) fn settling_s(
     Err(ModelError::NeverSettles { waited_s: time_s })
 }
 
-/// Time near `near_s` after `state` at which the exact pressure takes the value `bound_kpa`, by Newton's method.
+/// Returns the time near `near_s` after `state` at which the exact pressure is `bound_kpa`, by Newton's
+/// method.
 fn place(oscillator: &Oscillator, state: Balanced, near_s: f64, bound_kpa: f64) -> f64 {
     let mut t = near_s;
     for _ in 0..3 {

@@ -1,15 +1,16 @@
-//! The pressures at which a line turns, between two of its states.
+//! Pressures at which a line turns, between two of its states.
 
 use crate::motion::flow::Flow;
 
 use super::oscillator::{Balanced, Oscillator};
 
 impl Oscillator {
-    /// Pressures at which it turns within `length_s` after `before`, kPa, by way of `found`.
+    /// Reports the pressures at which the line turns within `length_s` after `before` to `found`, kPa.
     ///
-    /// Over a step short beside the swing the quintic polynomial through both ends shows the turns and Newton's method
-    /// on dp/dt, whose derivative is known, places them; over a longer one, where only slow parts are left, a change of
-    /// sign of dp/dt is bisected. What is left of the error of the place counts in second order only.
+    /// Over a step short beside the swing, the quintic polynomial through both ends shows the turns. Newton's
+    /// method on dp/dt, whose derivative is known, then places them. Over a longer step only slow parts are
+    /// left, and a change of sign of dp/dt is bisected. The remaining error of the place counts in second
+    /// order only.
     pub(crate) fn turns(
         &self,
         length_s: f64,
@@ -45,8 +46,10 @@ impl Oscillator {
         found(self.after(low, before, flow)[0]);
     }
 
-    /// Pressure where it turns near `near_s` after `state`, kPa. Beyond `length_s` the flow is another one: of a turn
-    /// that would lie there the end is taken. (In a sliver of a stretch rounding makes such turns.)
+    /// Returns the pressure at the turn near `near_s` after `state`, kPa.
+    ///
+    /// Beyond `length_s` the flow is another one, so a turn that would lie there is taken at the end. (In a
+    /// sliver of a stretch rounding makes such turns.)
     fn turning_kpa(&self, near_s: f64, length_s: f64, state: Balanced, flow: &Flow) -> f64 {
         let mut t = near_s;
         let mut there = self.after(t, state, flow);
@@ -54,7 +57,7 @@ impl Oscillator {
             let slope = self.derivative(there, flow.at(t));
             let curvature = self.derivative(slope, flow.rate_at(t));
             let shift = slope[0] / curvature[0];
-            // Where the curve is flat there is nothing to gain.
+            // A flat curve leaves nothing to gain.
             if shift.is_nan() || shift.abs() >= 0.1 / self.norm() {
                 break;
             }

@@ -1,33 +1,33 @@
-//! Angles and speeds of rotation in their units.
+//! Angles, speeds of rotation, and their units.
 
 use libm::floor;
 
 /// A full turn, rad.
 pub const TURN_RAD: f64 = 2.0 * core::f64::consts::PI;
 
-/// Angle in `[0, period)` that equals `angle` up to whole periods. `period` must be positive.
+/// Returns the angle in `[0, period)` that equals `angle` up to whole periods. `period` must be positive.
 pub fn wrap(angle: f64, period: f64) -> f64 {
     let wrapped = angle - period * floor(angle / period);
     // floor(-tiny / period) is -1, and period - tiny rounds to period.
     if wrapped >= period || wrapped < 0.0 { 0.0 } else { wrapped }
 }
 
-/// Radians of an angle in degrees.
+/// Converts an angle from degrees to radians.
 pub fn radians(degrees: f64) -> f64 {
     degrees * (core::f64::consts::PI / 180.0)
 }
 
-/// Degrees of an angle in radians.
+/// Converts an angle from radians to degrees.
 pub fn degrees(radians: f64) -> f64 {
     radians * (180.0 / core::f64::consts::PI)
 }
 
-/// Speed in r/min of one in rad/s.
+/// Converts a speed from rad/s to r/min.
 pub fn rpm(rad_s: f64) -> f64 {
     rad_s * (60.0 / TURN_RAD)
 }
 
-/// Speed in rad/s of one in r/min.
+/// Converts a speed from r/min to rad/s.
 pub fn rad_s(rpm: f64) -> f64 {
     rpm * (TURN_RAD / 60.0)
 }

@@ -1,16 +1,16 @@
-//! Quintic Hermite interpolation: between two ends of which value, slope and curvature are known.
+//! Quintic Hermite interpolation between two ends with known value, slope and curvature.
 
 use core::ops::{Add, Mul, Sub};
 
-/// Value, slope and curvature at one end of an interval, of a number or of a vector of them.
+/// Value, slope and curvature at one end of an interval, for a number or for a vector.
 pub(crate) struct End<T> {
     pub(crate) value: T,
     pub(crate) slope: T,
     pub(crate) curvature: T,
 }
 
-/// The polynomial through both ends of an interval of this length: coefficients, lowest order first, over
-/// x = (t - start) / length.
+/// Returns the polynomial through both ends of an interval of this length. The coefficients, lowest order
+/// first, are over x = (t - start) / length.
 #[inline]
 pub(crate) fn quintic<T>(length: f64, from: &End<T>, to: &End<T>) -> [T; 6]
 where

@@ -1,10 +1,12 @@
-//! How well a model meets what was measured: RMSE, NRMSE and Pearson's correlation, as McIntyre et al. report them.
+//! Metrics of a model against measurements: RMSE, NRMSE and Pearson's correlation, as McIntyre et al. report
+//! them.
 //!
-//! All take pairs (by the model, measured) and give none where the number has no meaning, never a number that pretends.
+//! All take pairs (by the model, measured). They return none where the number has no meaning, never a number
+//! that pretends.
 
 use super::sqrt;
 
-/// Root of the mean square of model less measured, in their unit; none of no pairs.
+/// Returns the root of the mean square of model less measured, in their unit; none without pairs.
 pub fn rmse(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<f64> {
     let (mut count, mut square) = (0.0, 0.0);
     for (model, measured) in pairs {
@@ -14,11 +16,12 @@ pub fn rmse(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<f64> {
     (count > 0.0).then(|| sqrt(square / count))
 }
 
-/// RMSE over the mean of what was measured, the normaliser with which the 2.37 % and 1.97 % of McIntyre et al. are met;
-/// as a part, without sign. Others divide by the range: for pressures, whose mean is mostly ambient, that is much
-/// larger.
+/// Returns the RMSE over the mean of the measured values, as a fraction without sign.
 ///
-/// None of no pairs, and of values whose mean is 0.
+/// McIntyre et al. report 2.37 % and 1.97 %, which this normaliser meets. Others divide by the range. For
+/// pressures, whose mean is mostly ambient, that number is much larger.
+///
+/// Returns none without pairs, and for measured values whose mean is 0.
 ///
 /// ```
 /// let nrmse = pump_model::metrics::nrmse([(210.0, 200.0), (190.0, 200.0)]);
@@ -34,12 +37,13 @@ pub fn nrmse(pairs: impl IntoIterator<Item = (f64, f64)> + Clone) -> Option<f64>
     rmse(pairs).map(|rmse| rmse / mean).filter(|nrmse| nrmse.is_finite())
 }
 
-/// Pearson's correlation, -1 to 1: whether both rise and fall together, whatever their size.
+/// Returns Pearson's correlation, -1 to 1. It tells how far both rise and fall together, independent of their
+/// size.
 ///
-/// None where either does not change.
+/// Returns none if either does not change.
 pub fn pearson(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<f64> {
-    // Means and moments together (Welford, "Note on a method for calculating corrected sums of squares and products",
-    // Technometrics 4, 1962): nothing cancels where the mean is large.
+    // Means and moments are updated together (Welford, "Note on a method for calculating corrected sums of
+    // squares and products", Technometrics 4, 1962): nothing cancels where the mean is large.
     let (mut count, mut mean_x, mut mean_y) = (0.0, 0.0, 0.0);
     let (mut square_x, mut square_y, mut product) = (0.0, 0.0, 0.0);
     for (x, y) in pairs {

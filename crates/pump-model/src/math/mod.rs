@@ -1,5 +1,7 @@
-//! Transcendental and rounding functions, from `libm` on every target, so that a server, a microcontroller
-//! and Python compute the same bits. Beside them angles, polynomials and the metrics of a fit.
+//! Transcendental and rounding functions, angles, polynomials and the metrics of a fit.
+//!
+//! The functions come from `libm` on every target, so a server, a microcontroller and Python compute the same
+//! bits.
 
 mod angle;
 pub(crate) mod hermite;

@@ -1,9 +1,9 @@
-//! Polynomials of degree five at most: roller volumes, flows per radian, dense output.
+//! Polynomials of degree five at most, for roller volumes, flows per radian and dense output.
 
-/// Highest degree that is represented: the paper's roller volume and quintic Hermite output have it.
+/// Highest degree of a polynomial. The paper's roller volume and quintic Hermite output have it.
 pub const DEGREE: usize = 5;
 
-/// The sum of `c[n]` x^n.
+/// Polynomial: the sum of `c[n]` x^n.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Polynomial {
     /// Coefficients, lowest order first.
@@ -18,7 +18,7 @@ pub struct Roots {
 }
 
 impl Roots {
-    /// The roots found.
+    /// Returns the roots, in rising order.
     pub fn as_slice(&self) -> &[f64] {
         self.values.get(..self.count).unwrap_or(&self.values)
     }
@@ -35,31 +35,31 @@ impl Roots {
 }
 
 impl Polynomial {
-    /// A constant.
+    /// Returns the polynomial that is `value` everywhere.
     pub fn constant(value: f64) -> Self {
         Self { c: [value, 0.0, 0.0, 0.0, 0.0, 0.0] }
     }
 
-    /// Value at `x`.
+    /// Returns the value at `x`.
     #[inline]
     pub fn at(&self, x: f64) -> f64 {
         self.c.iter().rev().fold(0.0, |sum, c| sum * x + c)
     }
 
-    /// First derivative.
+    /// Returns the first derivative.
     pub const fn derivative(&self) -> Self {
         let [_, c1, c2, c3, c4, c5] = self.c;
         Self { c: [c1, 2.0 * c2, 3.0 * c3, 4.0 * c4, 5.0 * c5, 0.0] }
     }
 
-    /// `p(x + shift)` as a polynomial in `x`.
+    /// Returns `p(x + shift)` as a polynomial in `x`.
     pub fn shifted(&self, shift: f64) -> Self {
         let mut shifted = *self;
         shift_coefficients(&mut shifted.c, shift);
         shifted
     }
 
-    /// `p(factor x)` as a polynomial in `x`.
+    /// Returns `p(factor x)` as a polynomial in `x`.
     pub fn stretched(&self, factor: f64) -> Self {
         let mut power = 1.0;
         Self {
@@ -71,12 +71,12 @@ impl Polynomial {
         }
     }
 
-    /// `factor p(x)`.
+    /// Returns `factor p(x)`.
     pub fn scaled(&self, factor: f64) -> Self {
         Self { c: self.c.map(|c| c * factor) }
     }
 
-    /// Sum of two polynomials.
+    /// Returns the sum of this polynomial and another.
     pub fn plus(&self, other: &Self) -> Self {
         let mut sum = *self;
         for (to, from) in sum.c.iter_mut().zip(other.c) {
@@ -85,8 +85,8 @@ impl Polynomial {
         sum
     }
 
-    /// Real roots in `[low, high]`, simple ones to the last bits. A root where the polynomial only touches
-    /// zero is found if its computed value there is exactly zero.
+    /// Returns the real roots in `[low, high]`, simple ones to the last bits. A root where the polynomial
+    /// only touches zero is found if its computed value there is exactly zero.
     pub fn roots_in(&self, low: f64, high: f64) -> Roots {
         if self.shifted(low).stretched(high - low).keeps_its_sign() {
             return Roots::default();
@@ -97,8 +97,8 @@ impl Polynomial {
             last = last.derivative();
             *derivative = last;
         }
-        // Between two neighbouring roots of its derivative a polynomial is monotone, so it has one root at
-        // most there. Start from the constant fifth derivative and climb.
+        // Between two neighbouring roots of its derivative a polynomial is monotone, so it has at most one
+        // root there. The search starts from the constant fifth derivative and climbs.
         let mut roots = Roots::default();
         for polynomial in derivatives.iter().rev() {
             let mut next = Roots::default();
@@ -114,9 +114,11 @@ impl Polynomial {
         roots
     }
 
-    /// True if all control points over [0, 1] lie on one side of zero, as the polynomial then does itself: a polynomial
-    /// lies within the hull of its Bernstein coefficients (Farouki, "The Bernstein polynomial basis: a centennial
-    /// retrospective", Computer Aided Geometric Design 29, 2012). Says no where rounding might decide.
+    /// True if all control points over [0, 1] lie on one side of zero; then the polynomial does too.
+    ///
+    /// A polynomial lies within the hull of its Bernstein coefficients (Farouki, "The Bernstein polynomial
+    /// basis: a centennial retrospective", Computer Aided Geometric Design 29, 2012). The answer is no where
+    /// rounding might decide.
     fn keeps_its_sign(&self) -> bool {
         const BINOMIALS: [f64; DEGREE + 1] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
         let mut points = self.c;
@@ -139,7 +141,8 @@ impl Polynomial {
         points.iter().all(|point| *point > noise) || points.iter().all(|point| *point < -noise)
     }
 
-    /// The root in `[low, high]` of a polynomial that is monotone there; none for the zero polynomial.
+    /// Returns the root in `[low, high]` of a polynomial that is monotone there; none for the zero
+    /// polynomial.
     fn monotone_root(&self, low: f64, high: f64) -> Option<f64> {
         let (at_low, at_high) = (self.at(low), self.at(high));
         if at_low == 0.0 && at_high == 0.0 {
@@ -157,8 +160,10 @@ impl Polynomial {
         Some(self.solve_monotone(0.0, low, high))
     }
 
-    /// `x` in `[low, high]` where the monotone polynomial takes `value`: Newton's method, kept inside a
-    /// bracket that bisection shrinks. The nearer end where `value` is outside.
+    /// Returns the `x` in `[low, high]` at which the monotone polynomial is `value`; the nearer end if
+    /// `value` is outside.
+    ///
+    /// Newton's method is kept inside a bracket that bisection shrinks.
     pub fn solve_monotone(&self, value: f64, low: f64, high: f64) -> f64 {
         let (at_low, at_high) = (self.at(low), self.at(high));
         let rising = at_high >= at_low;
@@ -191,7 +196,7 @@ impl Polynomial {
         x
     }
 
-    /// Smallest and largest value in `[low, high]`, with where they are taken: `((x, min), (x, max))`.
+    /// Returns the smallest and largest value in `[low, high]` and their places: `((x, min), (x, max))`.
     pub fn range_in(&self, low: f64, high: f64) -> ((f64, f64), (f64, f64)) {
         let mut smallest = (low, self.at(low));
         let mut largest = smallest;
@@ -209,7 +214,8 @@ impl Polynomial {
     }
 }
 
-/// From the coefficients of p(x), lowest order first, those of p(x + shift): repeated Horner division (Taylor shift).
+/// Turns the coefficients of p(x), lowest order first, into those of p(x + shift), by repeated Horner
+/// division (Taylor shift).
 pub(crate) fn shift_coefficients(c: &mut [f64], shift: f64) {
     let Some((highest, lower)) = c.split_last_mut() else {
         return;
@@ -243,7 +249,8 @@ mod tests {
 
     #[test]
     fn control_points_on_one_side_mean_no_root() {
-        // (x - 2)² + 0.1 and 1 - x⁵ / 2 have none in [0, 1]; x - 1/2 and 3x² - 3x + 0.7 cross or nearly touch zero.
+        // (x - 2)² + 0.1 and 1 - x⁵ / 2 have none in [0, 1]; x - 1/2 and 3x² - 3x + 0.7 cross or nearly touch
+        // zero.
         assert!(Polynomial { c: [4.1, -4.0, 1.0, 0.0, 0.0, 0.0] }.keeps_its_sign());
         assert!(Polynomial { c: [-1.0, 0.0, 0.0, 0.0, 0.0, 0.5] }.keeps_its_sign());
         assert!(!Polynomial { c: [-0.5, 1.0, 0.0, 0.0, 0.0, 0.0] }.keeps_its_sign());

@@ -2,24 +2,25 @@
 
 use crate::math::polynomial::shift_coefficients;
 
-/// Highest degree of the flow over time: a quartic in the angle, which is quadratic in time, times the speed.
+/// Highest degree of the flow over time. The flow is a quartic in the angle, which is quadratic in time,
+/// times the speed.
 pub(crate) const DEGREE: usize = 9;
 
-/// Flow at the rollers over time, as a polynomial in time since some instant, lowest order first, mL/s^(n+1).
+/// Flow at the rollers as a polynomial in the time since some instant, lowest order first, mL/s^(n+1).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Flow {
     pub(crate) c: [f64; DEGREE + 1],
-    /// Coefficients beyond this are zero.
+    /// Highest order whose coefficient may differ from zero.
     pub(crate) degree: usize,
 }
 
 impl Flow {
-    /// Value at `t`.
+    /// Returns the flow at `t`, mL/s.
     pub(crate) fn at(&self, t: f64) -> f64 {
         self.terms().rev().fold(0.0, |sum, c| sum * t + c)
     }
 
-    /// The polynomial in time since `t`.
+    /// Returns the polynomial in the time since `t`.
     pub(crate) fn shifted(&self, t: f64) -> Self {
         let mut shifted = *self;
         let count = shifted.c.len().min(self.degree + 1);
@@ -27,12 +28,12 @@ impl Flow {
         shifted
     }
 
-    /// Derivative at `t`.
+    /// Returns the derivative at `t`, mL/s².
     pub(crate) fn rate_at(&self, t: f64) -> f64 {
         self.terms().enumerate().skip(1).rev().fold(0.0, |sum, (n, c)| sum * t + n as f64 * c)
     }
 
-    /// Its coefficients but the zeros beyond its degree.
+    /// Returns the coefficients up to the degree.
     pub(crate) fn terms(&self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
         self.c.into_iter().take(self.degree + 1)
     }

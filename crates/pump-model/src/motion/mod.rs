@@ -1,4 +1,4 @@
-//! How the rotor moves, and the flow that its motion makes at the rollers.
+//! Motions of the rotor, and the flow that they make at the rollers.
 
 pub(crate) mod flow;
 pub(crate) mod leg;

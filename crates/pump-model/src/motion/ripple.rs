@@ -1,4 +1,4 @@
-//! How far a flow departs from its mean.
+//! Ripple: the departure of a flow from its mean.
 
 use crate::head::flow_curve::FlowCurve;
 use crate::math::sqrt;
@@ -6,22 +6,22 @@ use crate::math::sqrt;
 use super::leg::Leg;
 use super::stretches::Stretches;
 
-/// How far a flow departs from its mean over time, as fractions of the mean.
+/// Departure of a flow from its mean over time, as fractions of the mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ripple {
-    /// (largest - smallest) / mean.
+    /// Largest less smallest flow, over the mean.
     pub peak_to_peak: f64,
     /// Root of the mean square deviation, over the mean.
     pub rms: f64,
 }
 
 impl Ripple {
-    /// Ripple of the flow that a motion over `legs`, all of which end, makes at the rollers of a curve: over time,
-    /// whatever the direction. None if there is no flow.
+    /// Returns the ripple over time of the flow that a motion makes at the rollers of a curve, whatever the
+    /// direction. Every leg must end. Returns none if there is no flow.
     ///
-    /// In a stretch between edges and corners the flow is a polynomial of time, of degree 9 at most; its square is
-    /// integrated with an error far below rounding where a stretch is a part of a pulse, and its extremes are the
-    /// largest and smallest of [`Self::LOOKS`] equally spaced looks, ends included.
+    /// In a stretch between edges and corners the flow is a polynomial of time, of degree 9 at most. Its
+    /// square is integrated with an error far below rounding where a stretch is a part of a pulse. The
+    /// extremes are those of equally spaced looks, [`Self::LOOKS`] intervals a stretch, ends included.
     pub fn of_motion<M: Iterator<Item = Leg>>(
         curve: &FlowCurve,
         legs: impl IntoIterator<IntoIter = M>,
@@ -47,12 +47,13 @@ impl Ripple {
         })
     }
 
-    /// Intervals between the places of a stretch at which the flow is looked at for its extremes.
+    /// Number of intervals of a stretch between the places at which the flow is looked at for its extremes.
     pub const LOOKS: u32 = 8;
 }
 
 impl FlowCurve {
-    /// Peak-to-peak and root-mean-square deviation of the flow at constant speed, both divided by its mean.
+    /// Returns the peak-to-peak and root-mean-square deviation of the flow at constant speed, both divided by
+    /// its mean.
     pub fn ripple(&self) -> Ripple {
         let mean = self.pitch_ml() / self.pitch_rad();
         let (low, high) = self.flow_range_ml_rad();
@@ -63,8 +64,8 @@ impl FlowCurve {
     }
 }
 
-/// Nodes and weights of Gauss-Legendre quadrature with five nodes (Abramowitz and Stegun, table 25.4), exact to degree
-/// 9.
+/// Nodes and weights of Gauss-Legendre quadrature with five nodes (Abramowitz and Stegun, table 25.4). The
+/// rule is exact to degree 9.
 const NODES: [(f64, f64); 5] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_1),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
@@ -73,13 +74,13 @@ const NODES: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_1),
 ];
 
-/// Integral over [0, length], exact for polynomials to degree 9.
+/// Returns the integral over [0, length], exact for polynomials to degree 9.
 fn integral(value: impl Fn(f64) -> f64, length: f64) -> f64 {
     let half = 0.5 * length;
     NODES.iter().map(|(x, weight)| half * weight * value(half * (1.0 + x))).sum()
 }
 
-/// Integral of the square over [0, length], exact for polynomials to degree 4.
+/// Returns the integral of the square over [0, length], exact for polynomials to degree 4.
 pub(crate) fn square_integral(value: impl Fn(f64) -> f64, length: f64) -> f64 {
     let half = 0.5 * length;
     NODES

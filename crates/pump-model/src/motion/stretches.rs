@@ -1,4 +1,4 @@
-//! Cuts a motion into stretches in which the flow at the rollers is one polynomial of the angle.
+//! Stretches of a motion, in each of which the flow at the rollers is one polynomial of the angle.
 
 use crate::head::flow_curve::FlowCurve;
 use crate::math::polynomial::Polynomial;
@@ -7,14 +7,14 @@ use super::flow::{DEGREE, Flow};
 use super::leg::Leg;
 use super::walk::{Pitch, Walk};
 
-/// A time interval inside one leg and one piece of the flow curve: no edge and no corner inside.
+/// Time interval inside one leg and one piece of the flow curve, with no edge and no corner inside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stretch {
-    /// When it starts, s.
+    /// Start of the stretch, s.
     pub start_s: f64,
-    /// When it ends, s; infinite for the rest after the last leg.
+    /// End of the stretch, s; infinite for the rest after the last leg.
     pub end_s: f64,
-    /// The motion.
+    /// Leg that contains the stretch.
     pub leg: Leg,
     /// Flow per radian, mL/rad, over the angle since the piece's start.
     flow: Polynomial,
@@ -24,26 +24,27 @@ pub struct Stretch {
 }
 
 impl Stretch {
-    /// No motion from `start_s` on, for ever.
+    /// Returns a stretch without motion from `start_s` on, for ever.
     pub(crate) fn rest(start_s: f64) -> Self {
         let still = Polynomial::default();
         let leg = Leg::rest(start_s, 0.0);
         Self { start_s, end_s: f64::INFINITY, leg, flow: still, flow_slope: still, offset_rad: 0.0 }
     }
 
-    /// Flow at the rollers at time `t_s`, mL/s. Valid a little outside the stretch too: the polynomial goes on.
+    /// Returns the flow at the rollers at time `t_s`, mL/s. It holds a little outside the stretch too: the
+    /// polynomial goes on.
     pub fn flow_ml_s(&self, t_s: f64) -> f64 {
         let elapsed = t_s - self.leg.start_s;
         let speed = self.leg.speed_rad_s + self.leg.acceleration_rad_s2 * elapsed;
         self.flow.at(self.offset_rad + self.leg.turned(elapsed)) * speed
     }
 
-    /// Flow per radian at time `t_s`, mL/rad: at an edge, that of this side of it.
+    /// Returns the flow per radian at time `t_s`, mL/rad. At an edge it is the value on this side.
     pub fn flow_ml_rad(&self, t_s: f64) -> f64 {
         self.flow.at(self.offset_rad + self.leg.turned(t_s - self.leg.start_s))
     }
 
-    /// The flow as a polynomial in time since the stretch's start, mL/s.
+    /// Returns the flow as a polynomial in the time since the stretch's start, mL/s.
     pub(crate) fn flow(&self) -> Flow {
         let elapsed = self.start_s - self.leg.start_s;
         let (acceleration, speed) = (self.leg.acceleration_rad_s2, self.leg.speed_at(self.start_s));
@@ -57,7 +58,7 @@ impl Stretch {
             }
             return Flow { c, degree: 4 };
         }
-        // q(v) (speed + acceleration t) with v = speed t + acceleration t²/2, by Horner's rule.
+        // The flow is q(v) (speed + acceleration t) with v = speed t + acceleration t²/2, by Horner's rule.
         let mut c = [0.0; DEGREE + 1];
         for (n, coefficient) in q.iter().take(5).rev().enumerate() {
             let (mut below, mut two_below) = (0.0, 0.0);
@@ -77,7 +78,7 @@ impl Stretch {
         Flow { c, degree: DEGREE }
     }
 
-    /// Time derivative of the flow, mL/s².
+    /// Returns the time derivative of the flow at time `t_s`, mL/s².
     pub fn flow_rate_ml_s2(&self, t_s: f64) -> f64 {
         let elapsed = t_s - self.leg.start_s;
         let speed = self.leg.speed_rad_s + self.leg.acceleration_rad_s2 * elapsed;
@@ -86,7 +87,7 @@ impl Stretch {
     }
 }
 
-/// The stretches of a motion in order of time. After the last leg the rotor rests for ever.
+/// Stretches of a motion in order of time. After the last leg the rotor rests for ever.
 #[derive(Debug, Clone)]
 pub struct Stretches<'a, M> {
     curve: &'a FlowCurve,
@@ -94,12 +95,12 @@ pub struct Stretches<'a, M> {
 }
 
 impl<'a, M: Iterator<Item = Leg>> Stretches<'a, M> {
-    /// Stretches of `legs`, each of which must start when and where the one before ends.
+    /// Returns the stretches of `legs`, each of which must start when and where the one before ends.
     pub fn new(curve: &'a FlowCurve, legs: impl IntoIterator<IntoIter = M>) -> Self {
         Self { curve, walk: Walk::new(curve, legs) }
     }
 
-    /// When the next stretch starts, s.
+    /// Returns the start of the next stretch, s.
     pub fn time_s(&self) -> f64 {
         self.walk.time_s()
     }

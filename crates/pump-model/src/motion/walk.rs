@@ -1,45 +1,45 @@
-//! Cuts a motion wherever it goes from one piece of a pitch to the next.
+//! Passages of a motion from one piece of a pitch to the next.
 
 use crate::math::floor;
 
 use super::leg::Leg;
 
-/// A pitch that is cut into pieces, from 0 on and without gaps.
+/// Pitch that is cut into pieces, from 0 on and without gaps.
 pub(crate) trait Pitch {
-    /// Angle after which the pieces repeat, rad.
+    /// Returns the angle after which the pieces repeat, rad.
     fn pitch_rad(&self) -> f64;
-    /// Number of the last piece; the first is 0.
+    /// Returns the number of the last piece; the first is 0.
     fn last(&self) -> usize;
-    /// The piece at an angle of the pitch, rad.
+    /// Returns the number of the piece at an angle of the pitch, rad.
     fn index_of(&self, local_rad: f64) -> usize;
-    /// Where a piece starts within the pitch and its length, rad.
+    /// Returns the start of a piece within the pitch and its length, rad.
     fn piece_rad(&self, number: usize) -> (f64, f64);
 }
 
-/// A time interval inside one leg and one piece: no edge and no corner inside.
+/// Time interval inside one leg and one piece, with no edge and no corner inside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Passage {
-    /// When it starts, s.
+    /// Start of the passage, s.
     pub(crate) start_s: f64,
-    /// When it ends, s; infinite for the rest after the last leg.
+    /// End of the passage, s; infinite for the rest after the last leg.
     pub(crate) end_s: f64,
-    /// The motion.
+    /// Leg that contains the passage.
     pub(crate) leg: Leg,
-    /// The piece's number.
+    /// Number of the piece.
     pub(crate) piece: usize,
     /// Angle of the leg's start since the piece's start, rad.
     pub(crate) offset_rad: f64,
 }
 
-/// The passages of a motion in order of time. After the last leg the rotor rests for ever.
+/// Passages of a motion in order of time. After the last leg the rotor rests for ever.
 ///
-/// Which piece applies is counted from piece to piece, never looked up from a time or an angle, so rounding at an edge
-/// decides nothing.
+/// The walk counts from piece to piece and never looks a piece up from a time or an angle, so rounding at an
+/// edge decides nothing.
 #[derive(Debug, Clone)]
 pub(crate) struct Walk<P, M> {
     pitch: P,
     legs: M,
-    /// The leg under way and what is left of it after a reversal.
+    /// Leg under way, and the rest of it after a reversal.
     leg: Leg,
     after_reversal: Option<Leg>,
     ended: bool,
@@ -49,7 +49,7 @@ pub(crate) struct Walk<P, M> {
 }
 
 impl<P: Pitch, M: Iterator<Item = Leg>> Walk<P, M> {
-    /// Passages of `legs`, each of which must start when and where the one before ends.
+    /// Returns the passages of `legs`, each of which must start when and where the one before ends.
     pub(crate) fn new(pitch: P, legs: impl IntoIterator<IntoIter = M>) -> Self {
         let mut legs = legs.into_iter();
         let first = legs.next();
@@ -60,7 +60,7 @@ impl<P: Pitch, M: Iterator<Item = Leg>> Walk<P, M> {
         Self { pitch, legs, leg, after_reversal, ended: first.is_none(), time_s: leg.start_s, pitches, piece }
     }
 
-    /// When the next passage starts, s.
+    /// Returns the start of the next passage, s.
     pub(crate) fn time_s(&self) -> f64 {
         self.time_s
     }

@@ -1,4 +1,4 @@
-//! The pump: a head with its two lines, its presets, its runs and its steady state.
+//! The pump: a head with two lines, its presets, its runs and its steady state.
 
 pub(crate) mod presets;
 pub(crate) mod pump;

@@ -9,7 +9,7 @@ use crate::math::radians;
 
 use super::pump::Pump;
 
-/// Which of the paper's contradicting figures a preset uses.
+/// Choice among the paper's contradicting figures for a preset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Variant {
     /// Dimensions of Table 1 and the measured roller volume (V_r 2.1055 mL).
@@ -17,12 +17,12 @@ pub enum Variant {
     Measured,
     /// Dimensions of Table 1 and its V_r of 2.06 mL, to which the measured curve is scaled.
     Published,
-    /// Dimensions of the authors' published code, the rest as `Measured`.
+    /// Dimensions of the authors' published code, and all else as `Measured`.
     AsBuilt,
 }
 
 impl Geometry {
-    /// Dimensions of the pump of McIntyre et al., Table 1 or as built.
+    /// Returns the dimensions of the pump of McIntyre et al., by Table 1 or as built.
     pub fn published(rollers: u32, variant: Variant) -> Self {
         let table = Self {
             rollers,
@@ -46,7 +46,7 @@ impl Geometry {
 }
 
 impl Pump {
-    /// The pump of McIntyre et al. with three rollers.
+    /// Returns the pump of McIntyre et al. with three rollers.
     ///
     /// ```
     /// assert!((pump_model::Pump::three_roller().revolution_ml() - 21.3185).abs() < 1e-4);
@@ -55,7 +55,7 @@ impl Pump {
         Self::measured(3)
     }
 
-    /// The pump of McIntyre et al. with two rollers.
+    /// Returns the pump of McIntyre et al. with two rollers.
     ///
     /// ```
     /// assert!((pump_model::Pump::two_roller().revolution_ml() - 23.4240).abs() < 1e-4);
@@ -64,7 +64,11 @@ impl Pump {
         Self::measured(2)
     }
 
-    /// The pump of McIntyre et al. with any number of rollers that it can work with.
+    /// Returns the pump of McIntyre et al. with any number of rollers that it can work with.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a number of rollers with which the pump does not seal or its flow per radian is not positive.
     pub fn preset(rollers: u32, variant: Variant) -> Result<Self, ModelError> {
         let measured = RollerVolume::measured()?;
         let roller_volume = match variant {
@@ -75,7 +79,7 @@ impl Pump {
         Self::new(geometry, roller_volume, Line::PUBLISHED, Line::PUBLISHED)
     }
 
-    /// A preset that is valid.
+    /// Returns a preset that is known to be valid.
     fn measured(rollers: u32) -> Self {
         let roller_volume = RollerVolume::of_valid(paper::VOLUME_COEFFICIENTS_DEG, paper::ENGAGEMENT_DEG);
         let geometry = Geometry::published(rollers, Variant::Measured);

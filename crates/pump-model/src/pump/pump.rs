@@ -9,7 +9,16 @@ use crate::line::line::Line;
 use crate::math::TURN_RAD;
 use crate::math::polynomial::Polynomial;
 
-/// A validated pump with its two lines. Immutable; build another to change it.
+/// A validated pump with its two lines. A pump is immutable; build another to change it.
+///
+/// ```
+/// use pump_model::{Geometry, Line, Pump, RollerVolume, Variant};
+/// let geometry = Geometry::published(3, Variant::Measured);
+/// let pump = Pump::new(geometry, RollerVolume::measured()?, Line::PUBLISHED, Line::PUBLISHED)?;
+/// assert!((pump.revolution_ml() - 21.3185).abs() < 1e-4);
+/// assert_eq!(pump, Pump::three_roller());
+/// # Ok::<(), pump_model::ModelError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pump {
     geometry: Geometry,
@@ -21,7 +30,12 @@ pub struct Pump {
 }
 
 impl Pump {
-    /// Checks everything and derives the flow curves.
+    /// Checks all parts and derives the flow curves.
+    ///
+    /// # Errors
+    ///
+    /// Refuses dimensions and lines that are not allowed, and rollers that do not seal at some angle or
+    /// engage for too long. Also refuses a pump whose flow per radian is not positive at some angle.
     pub fn new(
         geometry: Geometry,
         roller_volume: RollerVolume,
@@ -39,7 +53,7 @@ impl Pump {
         Ok(pump)
     }
 
-    /// Derives the flow curves of what is known to make a valid pump.
+    /// Derives the flow curves of parts that are known to make a valid pump.
     pub(crate) fn of_valid(
         geometry: Geometry,
         roller_volume: RollerVolume,
@@ -51,8 +65,10 @@ impl Pump {
         Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve }
     }
 
-    /// A pump from its parts with curves that were computed before: what `dose pumps show --format rust` writes, so
-    /// that a pump can be a constant. Nothing is checked; [`Self::new`] of the parts gives the same pump.
+    /// Builds a pump from its parts and from curves that were computed before, so a pump can be a constant.
+    ///
+    /// `dose pumps show --format rust` writes such a constant. Nothing is checked; [`Self::new`] of the parts
+    /// gives an equal pump.
     pub const fn precomputed(
         geometry: Geometry,
         roller_volume: RollerVolume,
@@ -62,8 +78,16 @@ impl Pump {
         Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve }
     }
 
-    /// This pump displacing `factor` times as much at every angle: flows and volumes of both ports, of a revolution
-    /// and of a roller. Dimensions and lines stay as they are.
+    /// Returns this pump with `factor` times the displacement at every angle.
+    ///
+    /// The factor applies to flows and volumes of both ports, of a revolution and of a roller. Dimensions and
+    /// lines stay as they are.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a factor that is not finite and positive.
+    ///
+    /// # Examples
     ///
     /// ```
     /// let pump = pump_model::Pump::three_roller();
@@ -82,47 +106,51 @@ impl Pump {
         })
     }
 
-    /// This pump with its angles counted from where this one has `zero_rad`.
+    /// Returns this pump with its angles counted from `zero_rad` of this one.
+    ///
+    /// # Errors
+    ///
+    /// Refuses an angle that is not finite, and a second shift for which the curves have no room.
     pub fn shifted(&self, zero_rad: f64) -> Result<Self, ModelError> {
         const SHIFT: &str = "shift of the zero in rad";
         within(SHIFT, zero_rad, Allowed::FINITE)?;
         match [&self.inlet_curve, &self.outlet_curve].map(|curve| curve.shifted(zero_rad)) {
             [Some(inlet_curve), Some(outlet_curve)] => Ok(Self { inlet_curve, outlet_curve, ..*self }),
-            _ => Err(refused(SHIFT, zero_rad, "one shift of a pump with so many edges")),
+            _ => Err(refused(SHIFT, zero_rad, "at most one shift of a pump with so many edges")),
         }
     }
 
-    /// Dimensions.
+    /// Returns the dimensions.
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
-    /// V(x) of one roller.
+    /// Returns the volume V(x) of one roller.
     pub fn roller_volume(&self) -> &RollerVolume {
         &self.roller_volume
     }
 
-    /// The line on the inlet side.
+    /// Returns the line at the inlet.
     pub fn inlet(&self) -> &Line {
         &self.inlet
     }
 
-    /// The line on the outlet side.
+    /// Returns the line at the outlet.
     pub fn outlet(&self) -> &Line {
         &self.outlet
     }
 
-    /// Flow per radian and volume at the inlet rollers.
+    /// Returns flow per radian and volume at the inlet rollers.
     pub fn inlet_curve(&self) -> &FlowCurve {
         &self.inlet_curve
     }
 
-    /// Flow per radian and volume at the outlet rollers.
+    /// Returns flow per radian and volume at the outlet rollers.
     pub fn outlet_curve(&self) -> &FlowCurve {
         &self.outlet_curve
     }
 
-    /// The line of a port.
+    /// Returns the line of a port.
     pub fn line(&self, port: Port) -> &Line {
         match port {
             Port::Inlet => &self.inlet,
@@ -130,7 +158,7 @@ impl Pump {
         }
     }
 
-    /// The flow curve of a port.
+    /// Returns the flow curve of a port.
     pub fn curve(&self, port: Port) -> &FlowCurve {
         match port {
             Port::Inlet => &self.inlet_curve,
@@ -138,8 +166,8 @@ impl Pump {
         }
     }
 
-    /// (Flow per radian at the inlet, at the outlet, mL/rad; volume at the outlet since angle 0, mL) at `angle_rad`:
-    /// what the two curves say, for less than asking each.
+    /// Returns the flow per radian at the inlet and at the outlet, mL/rad, and the volume at the outlet since
+    /// angle 0, mL. One look-up serves both curves, so it costs less than asking each.
     pub fn at_angle(&self, angle_rad: f64) -> (f64, f64, f64) {
         // Both curves have the same pitch.
         let place = self.outlet_curve.split(angle_rad);
@@ -148,8 +176,10 @@ impl Pump {
         (inlet_ml_rad, outlet_ml_rad, outlet_ml)
     }
 
-    /// Flows and volumes of [`Self::at_angle`] at many angles, for less: neighbours in one piece of both curves need
-    /// one look-up. The slices should be of one length; what is longer is left as it is.
+    /// Writes flows and volumes of [`Self::at_angle`] at many angles.
+    ///
+    /// Neighbours in one piece of both curves need one look-up, so this costs less. The slices should be of
+    /// one length; the excess of a longer slice is left as it is.
     pub fn at_angles(
         &self,
         angle_rad: &[f64],
@@ -180,26 +210,28 @@ impl Pump {
             fill(outlet_ml, pitches * self.outlet_curve.pitch_ml(), outlet.start_rad, outlet.volume);
             next = run.end;
             if run.is_empty() {
-                // On a seam, or there would be one at least.
+                // The angle is on a seam, or the run would have one angle at least.
                 (inlet_ml_rad[next], outlet_ml_rad[next], outlet_ml[next]) = self.at_angle(first_rad);
                 next += 1;
             }
         }
     }
 
-    /// Angle between rollers, rad.
+    /// Returns the angle between rollers, rad.
     pub fn pitch_rad(&self) -> f64 {
         self.outlet_curve.pitch_rad()
     }
 
-    /// Flow per radian between pulses, mL/rad: a = (V_rot + NU V_r)/(2 pi) (McIntyre et al.), which is
-    /// [`Geometry::nominal_ml_rad`] unless the pump was [scaled](Self::scaled).
+    /// Returns the flow per radian between pulses, mL/rad: a = (V_rot + NU V_r)/(2 pi) (McIntyre et al.).
+    ///
+    /// It equals [`Geometry::nominal_ml_rad`] unless the pump was [scaled](Self::scaled).
     pub fn nominal_ml_rad(&self) -> f64 {
         let rollers_ml = f64::from(self.geometry.rollers) * self.roller_volume.total_ml();
         (self.revolution_ml() + rollers_ml) / TURN_RAD
     }
 
-    /// V_rot = V_nom - NU V_r, mL per revolution (McIntyre et al., with pulses and mean in agreement).
+    /// Returns the volume of a revolution, mL: V_rot = V_nom - NU V_r (McIntyre et al., with pulses and mean
+    /// in agreement).
     pub fn revolution_ml(&self) -> f64 {
         self.outlet_curve.pitch_ml() * f64::from(self.geometry.rollers)
     }
@@ -265,7 +297,7 @@ mod tests {
     fn many_angles_give_the_bits_of_each() {
         let pump = Pump::three_roller();
         let mut angles = [0.0; 4000];
-        // A pitch is 200 steps, as near as rounding comes: seams are met and missed by a bit either way.
+        // A pitch is 200 steps as nearly as rounding allows: seams are met and missed by a bit either way.
         for (n, angle_rad) in angles.iter_mut().enumerate() {
             *angle_rad = (n as f64 - 1500.0) * (pump.pitch_rad() / 200.0);
         }
@@ -279,7 +311,7 @@ mod tests {
         check(&angles);
         angles.reverse();
         check(&angles);
-        // Back and forth.
+        // The angles jump back and forth.
         angles.sort_unstable_by(|a, b| (a % 0.7).total_cmp(&(b % 0.7)));
         check(&angles);
     }

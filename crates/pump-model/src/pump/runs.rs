@@ -7,7 +7,7 @@ use crate::motion::leg::Leg;
 use super::pump::Pump;
 
 impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
-    /// Starts in `state` when the first of the `legs` starts; after the last the rotor rests.
+    /// Starts in `state` when the first of the `legs` starts. After the last leg the rotor rests.
     pub fn new(pump: &'a Pump, port: Port, legs: impl IntoIterator<IntoIter = M>, state: [f64; 2]) -> Self {
         Self::on(pump.line(port), pump.curve(port), port, legs, state)
     }

@@ -12,10 +12,20 @@ use crate::motion::ripple::Ripple;
 
 use super::pump::Pump;
 
-/// Steps over a pitch in search of a steady state's extremes, of which each takes about a microsecond.
+/// Largest number of steps over a pitch in search of a steady state's extremes. Each takes about a
+/// microsecond.
 const MOST_STEPS: f64 = 1e6;
 
 /// Pressures, mean flow and ripple of a pump at constant speed, once start-up is forgotten.
+///
+/// ```
+/// let pump = pump_model::Pump::three_roller();
+/// let steady = pump.steady_state(pump_model::math::rad_s(100.0))?;
+/// assert!((steady.outlet.max_kpa - 104.5105).abs() < 1e-4);
+/// assert!((steady.outlet.min_kpa - 83.5685).abs() < 1e-4);
+/// assert!((steady.inlet_mean_kpa - 84.7002).abs() < 1e-4);
+/// # Ok::<(), pump_model::ModelError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SteadyState {
     /// Range of the inlet pressure, kPa absolute.
@@ -32,7 +42,7 @@ pub struct SteadyState {
     pub ripple: Ripple,
 }
 
-/// Refuses a speed at which nothing repeats itself.
+/// Refuses a speed at which nothing repeats itself: zero, or not finite.
 pub(crate) fn moving(speed_rad_s: f64) -> Result<(), ModelError> {
     if speed_rad_s.is_finite() && speed_rad_s != 0.0 {
         Ok(())
@@ -42,11 +52,15 @@ pub(crate) fn moving(speed_rad_s: f64) -> Result<(), ModelError> {
 }
 
 impl Pump {
-    /// Periodic steady state at `speed_rad_s`, which must not be zero; negative in reverse. Refused are a resonance
-    /// that nothing damps and a line that swings more than a hundred thousand times a pitch, as one without resistance
-    /// near standstill.
+    /// Returns the periodic steady state at `speed_rad_s`, which must not be zero; negative in reverse.
     ///
     /// The means follow from L dQ_L/dt = 0 over a period: P = P_res -+ R Q_avg.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a speed that is zero or not finite, and a resonance that nothing damps. Also refuses a line
+    /// that swings more than a hundred thousand times a pitch, as one without resistance does near
+    /// standstill.
     pub fn steady_state(&self, speed_rad_s: f64) -> Result<SteadyState, ModelError> {
         moving(speed_rad_s)?;
         let flow = self.average_flow_ml_s(speed_rad_s);
@@ -62,8 +76,12 @@ impl Pump {
         })
     }
 
-    /// State (P - P_res in kPa, the line's flow in mL/s) of a port at angle 0 that repeats itself every pitch at
-    /// `speed_rad_s`.
+    /// Returns the state of a port at angle 0 that repeats itself every pitch at `speed_rad_s`: P - P_res in
+    /// kPa and the line's flow in mL/s. The speed must not be zero.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`ModelError::UndampedResonance`] at a resonance that nothing damps.
     pub fn periodic_state(&self, port: Port, speed_rad_s: f64) -> Result<[f64; 2], ModelError> {
         periodic_state(self.line(port), self.curve(port), port, speed_rad_s)
     }
@@ -81,7 +99,7 @@ impl Pump {
         Ok(ExactRun::new(self, port, motion, state).extremes(period_s))
     }
 
-    /// Flow averaged over whole pitches, Q_avg = V_rot omega / (2 pi), mL/s.
+    /// Returns the flow averaged over whole pitches, mL/s: Q_avg = V_rot omega / (2 pi).
     ///
     /// ```
     /// let pump = pump_model::Pump::three_roller();

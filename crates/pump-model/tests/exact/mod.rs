@@ -1,6 +1,7 @@
-//! An exact solution of the flow-centric model at constant speed, for comparison only: it shares neither the flow
-//! curves nor the integrator with the product. The state is extended by the powers of the time since the last edge,
-//! and the matrix exponential is summed by scaling and squaring.
+//! An exact solution of the flow-centric model at constant speed, for comparison only.
+//!
+//! It shares neither the flow curves nor the integrator with the product. The state is extended by the powers
+//! of the time since the last edge, and the matrix exponential is summed by scaling and squaring.
 
 use pump_model::Line;
 
@@ -18,10 +19,10 @@ const PUBLISHED: [f64; 6] = [
 ];
 const PHI: f64 = 50.53 * core::f64::consts::PI / 180.0;
 const FIRST_RISE: f64 = 0.567_223_275_490_138_6 * core::f64::consts::PI / 180.0;
-/// a = pi r_i^2 (r_b - r_o), mL/rad.
+/// Flow per radian a = pi r_i^2 (r_b - r_o), mL/rad.
 const NOMINAL: f64 = core::f64::consts::PI * 25.0 * 56.0 / 1000.0;
 
-/// g(x), mL/rad: the slope of the roller volume where it rises.
+/// Returns g(x), mL/rad: the slope of the roller volume where it rises.
 fn g(x: f64) -> f64 {
     if !(FIRST_RISE..=PHI).contains(&x) {
         return 0.0;
@@ -35,7 +36,7 @@ fn g(x: f64) -> f64 {
     slope * to_deg
 }
 
-/// A port of the published pump at constant speed.
+/// Port of the published pump at constant speed.
 pub struct Exact {
     pub line: Line,
     pub rollers: u32,
@@ -48,7 +49,7 @@ impl Exact {
         2.0 * core::f64::consts::PI / f64::from(self.rollers)
     }
 
-    /// Flow per radian just inside `theta`, a point that is no edge.
+    /// Returns the flow per radian just inside `theta`, a point that is no edge.
     fn flow_per_rad(&self, theta: f64) -> f64 {
         let psi = core::f64::consts::PI - PHI - core::f64::consts::PI / 3.0;
         let mut sum = NOMINAL;
@@ -59,7 +60,7 @@ impl Exact {
         sum
     }
 
-    /// Angles of the edges in [0, pitch], both included.
+    /// Returns the angles of the edges in [0, pitch], both included.
     fn edges(&self) -> Vec<f64> {
         let psi = core::f64::consts::PI - PHI - core::f64::consts::PI / 3.0;
         let mut edges = vec![0.0, self.pitch()];
@@ -72,7 +73,8 @@ impl Exact {
         edges
     }
 
-    /// Flow as coefficients in time since `start`, mL/s: interpolation at five inner points is exact for degree 4.
+    /// Returns the flow as coefficients in the time since `start`, mL/s. Interpolation at five inner points
+    /// is exact for degree 4.
     fn flow_coefficients(&self, start: f64, end: f64) -> [f64; 5] {
         let duration = (end - start) / self.speed_rad_s;
         let nodes: Vec<f64> = (0..5).map(|n| duration * (0.1 + 0.2 * f64::from(n))).collect();
@@ -95,7 +97,7 @@ impl Exact {
         c
     }
 
-    /// exp of the extended matrix over `t` inside the piece [start, end].
+    /// Returns the exponential of the extended matrix over `t` inside the piece [start, end].
     fn propagator(&self, start: f64, end: f64, t: f64) -> Matrix {
         let (r, c, l) =
             (self.line.resistance_kpa_s_ml, self.line.compliance_ml_kpa, self.line.inertance_kpa_s2_ml);
@@ -104,7 +106,8 @@ impl Exact {
         a[0][1] = -sign / c;
         a[1][0] = sign / l;
         a[1][1] = -r / l;
-        // States 2..6 are the powers 0..4 of time over the piece's duration, which keeps the matrix balanced.
+        // States 2 to 6 are the powers 0 to 4 of time over the piece's duration, which keeps the matrix
+        // balanced.
         let duration = (end - start) / self.speed_rad_s;
         for (k, q) in self.flow_coefficients(start, end).into_iter().enumerate() {
             a[0][2 + k] = sign * q * duration.powi(k as i32) / c;
@@ -115,7 +118,7 @@ impl Exact {
         exponential(a, t)
     }
 
-    /// State after `t` from `state` at angle 0, t = 0.
+    /// Returns the state after `t` from `state` at angle 0, t = 0.
     pub fn at(&self, t: f64, state: [f64; 2]) -> [f64; 2] {
         let edges = self.edges();
         let (mut y, mut time) = (state, 0.0);
@@ -132,7 +135,7 @@ impl Exact {
         }
     }
 
-    /// State at the start of a pitch that repeats itself.
+    /// Returns the state at the start of a pitch that repeats itself.
     pub fn periodic(&self) -> [f64; 2] {
         let period = self.pitch() / self.speed_rad_s;
         let offset = self.at(period, [0.0, 0.0]);

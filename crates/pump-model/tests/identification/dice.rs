@@ -1,10 +1,10 @@
-//! Noise: the same in every run.
+//! Noise that is equal in every run.
 
-/// SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
+/// Generator SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
 pub struct Dice(pub u64);
 
 impl Dice {
-    /// In [0, 1).
+    /// Returns a number in [0, 1).
     pub fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -13,19 +13,19 @@ impl Dice {
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Of mean 0 and standard deviation 1 (Box and Muller, Ann. Math. Statist. 29, 1958).
+    /// Returns a number of mean 0 and standard deviation 1 (Box and Muller, Ann. Math. Statist. 29, 1958).
     pub fn normal(&mut self) -> f64 {
         let (radius, turn) = ((-2.0 * (1.0 - self.uniform()).ln()).sqrt(), self.uniform());
         radius * (core::f64::consts::TAU * turn).cos()
     }
 
-    /// Between `low` and `high`.
+    /// Returns a number between `low` and `high`.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform()
     }
 }
 
-/// How often the truth lay within twice the standard uncertainty.
+/// Count of the truths that lay within twice the standard uncertainty.
 #[derive(Default)]
 pub struct Coverage {
     inside: u32,
@@ -38,7 +38,8 @@ impl Coverage {
         self.of += 1;
     }
 
-    /// 95.45 % of 200 are 191, within three deviations of a binomial count, 2.95 each, nearly always.
+    /// Asserts the count: 95.45 % of 200 are 191, within three deviations of a binomial count, 2.95 each,
+    /// nearly always.
     pub fn is_as_stated(&self) {
         assert_eq!(self.of, 200);
 

@@ -1,4 +1,4 @@
-//! Lines identified from simulated measurements with noise: what is found is the truth, as often as stated.
+//! Lines identified from simulated measurements with noise: the fit finds the truth as often as stated.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 

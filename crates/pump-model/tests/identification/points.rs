@@ -1,4 +1,4 @@
-//! R from flows and pressures, C from an injection.
+//! Claims about R from flows and pressures, and C from an injection.
 
 use pump_model::identification::{ComplianceFit, FlowPoint, InjectionPoint, ResistanceFit};
 use pump_model::metrics::{nrmse, pearson, rmse};
@@ -49,7 +49,7 @@ fn a_resistance_that_grows_with_the_flow_is_said_to_and_a_straight_one_hardly_ev
         false_alarms += u32::from(ResistanceFit::of(&straight, false).unwrap().bend.is_some());
     }
     [at_no_flow, per_flow].iter().for_each(Coverage::is_as_stated);
-    // 4.55 % of 200 are 9.
+    // The expected count is 9: 4.55 % of 200.
     assert!(false_alarms <= 18, "{false_alarms}");
 }
 
@@ -65,7 +65,7 @@ fn an_offset_that_was_not_sought_is_told_and_hardly_ever_where_there_is_none() {
         let through = flow_points(|q| 0.1 * q, 0.02, &mut dice);
         false_alarms += u32::from(ResistanceFit::of(&through, false).unwrap().missed_offset_kpa.is_some());
     }
-    // 4.55 % of 200 are 9.
+    // The expected count is 9: 4.55 % of 200.
     assert!(false_alarms <= 18, "{false_alarms}");
 }
 
@@ -73,7 +73,7 @@ fn an_offset_that_was_not_sought_is_told_and_hardly_ever_where_there_is_none() {
 fn a_point_weighs_as_its_uncertainty_says_and_reverse_flow_counts() {
     let point = |flow_ml_s, drop_kpa, standard_kpa| FlowPoint { flow_ml_s, drop_kpa, standard_kpa };
     let points = [point(10.0, 1.0, 1.0), point(10.0, 1.2, 2.0), point(-20.0, -2.0, 1.0)];
-    // R = sum(w Q dP)/sum(w Q²) with w = 1, 1/4, 1.
+    // The fit is R = sum(w Q dP)/sum(w Q²) with w = 1, 1/4, 1.
     let expected = (10.0 + 3.0 + 40.0) / (100.0 + 25.0 + 400.0);
     let fit = ResistanceFit::of(&points, false).unwrap();
     assert!((fit.resistance_kpa_s_ml.value - expected).abs() < 1e-15);
@@ -111,7 +111,7 @@ fn a_compliance_is_recovered_within_its_error_as_often_as_stated() {
 fn air_in_the_line_shows_as_a_bend() {
     let points: Vec<_> = (0..7)
         .map(|n| 0.1 * f64::from(n))
-        // 1 mL of air at 100 kPa, compressed at constant temperature.
+        // The line holds 1 mL of air at 100 kPa, compressed at constant temperature.
         .map(|volume_ml| InjectionPoint { volume_ml, pressure_kpa: 100.0 / (1.0 - volume_ml) })
         .collect();
     let (slope, growth) = ComplianceFit::of(&points).unwrap().bend.unwrap();

@@ -1,4 +1,4 @@
-//! Measurements that say too little, or nothing, are refused by name.
+//! Claims that measurements that say too little, or nothing, are refused by name.
 
 use pump_model::identification::{
     ComplianceFit, FlowPoint, IdentificationError, InjectionPoint, LineFit, Motion, PressureSample,
@@ -55,7 +55,7 @@ fn records_that_determine_nothing_are_refused() {
     let of = |samples: &[PressureSample], motion, sought| {
         LineFit::of(&pump, &Recording { port: Port::Outlet, samples, motion }, sought)
     };
-    // A pump that turned leaves no flat line: whatever is found is no line of it.
+    // A pump that turned leaves no flat line, so whatever is found is not its line.
     said(of(&flat, from_rest, Sought::LINE), "a constant pressure explains 0");
     let level: Vec<_> = flat.iter().map(|sample| PressureSample { pressure_kpa: 150.0, ..*sample }).collect();
     said(of(&level, from_rest, Sought { pressure: true, ..Sought::LINE }), "explains 0.0 %");
@@ -76,7 +76,7 @@ fn records_that_determine_nothing_are_refused() {
     backwards[3].pressure_kpa = f64::NAN;
     said(of(&backwards, from_rest, Sought::LINE), "pressure in kPa absolute of sample 4 is NaN");
 
-    // Before the motor starts nothing is said of the line.
+    // The samples before the motor starts say nothing of the line.
     let late = [Leg { start_s: 10.0, ..legs[0] }];
     let mean = Sought { compliance: false, inertance: false, ..Sought::LINE };
     let error = LineFit::of(&pump, &recording(&flat, Motion::FromRest(&late)), mean).unwrap_err();

@@ -1,11 +1,11 @@
-//! R, C and L from a waveform.
+//! Claims about R, C and L from a waveform.
 
 use pump_model::identification::{Estimate, LineFit, Motion, PressureSample, Recording, Sought};
 use pump_model::{Leg, Line, Port, Pump};
 
 use crate::dice::{Coverage, Dice};
 
-/// From rest to 100 r/min at 500 rad/s², as a motor does, from a roller's angle.
+/// Returns a motion from rest to 100 r/min at 500 rad/s², as a motor does, from a roller's angle.
 const RAMP: [Leg; 2] = [
     Leg { start_s: 0.0, duration_s: 0.021, angle_rad: 0.3, speed_rad_s: 0.0, acceleration_rad_s2: 500.0 },
     Leg {
@@ -24,7 +24,7 @@ fn with(line: Line) -> Pump {
     Pump::new(*pump.geometry(), *pump.roller_volume(), line, line).unwrap()
 }
 
-/// A line up to a third from the published one either way.
+/// Returns a line up to a third from the published one either way.
 fn some_line(dice: &mut Dice) -> Line {
     let line = Line::PUBLISHED;
     Line {
@@ -35,8 +35,8 @@ fn some_line(dice: &mut Dice) -> Line {
     }
 }
 
-/// What a sensor shows every 2 ms of a pump with this line: noise of which each sample keeps `memory` of the one
-/// before.
+/// Returns the readings of a sensor every 2 ms on a pump with this line. Each sample of the noise keeps
+/// `memory` of the one before.
 fn record(
     line: Line,
     port: Port,
@@ -104,7 +104,7 @@ fn a_steady_record_with_noise_that_lingers_gives_line_angle_and_pressure_as_ofte
         pressure.take(fit.reservoir_kpa, line.reservoir_kpa);
         correlated += fit.correlated_samples / 200.0;
     }
-    // (1 + 0.6)/(1 - 0.6)
+    // The autocorrelation time is (1 + 0.6)/(1 - 0.6).
     assert!((correlated / 4.0 - 1.0).abs() < 0.15, "{correlated}");
     coverage.iter().chain([&angle, &pressure]).for_each(Coverage::is_as_stated);
 }
@@ -187,7 +187,7 @@ fn a_steady_record_is_what_a_start_becomes_in_either_direction() {
             };
             let steady = kpa(Motion::Steady { angle_rad: 0.7, speed_rad_s });
             let started = kpa(Motion::FromRest(&legs));
-            // exp(-13.19 x 5) of the start is left.
+            // Only exp(-13.19 x 5) of the start is left.
             assert!(steady.iter().zip(started).all(|(one, other)| (one - other).abs() < 1e-9));
         }
     }

@@ -1,4 +1,5 @@
-//! What cannot be integrated is told, with its time, in a bounded number of evaluations.
+//! Claims that the integrator reports an equation that it cannot integrate, with the time, in a bounded
+//! number of evaluations.
 
 use core::cell::Cell;
 use std::sync::mpsc;
@@ -8,7 +9,7 @@ use crate::problems::{go, kepler, kepler_solution, scalar};
 use nalgebra::SVector;
 use pump_model::integrator::{IntegrationError, Options, Rodas5p};
 
-/// Integrates from y = 1 at `start_s`; panics after `most` evaluations of f, so that no test runs for ever.
+/// Integrates from y = 1 at `start_s`, and panics after `most` evaluations of f, so no test runs for ever.
 fn fails(
     f: impl Fn(f64, f64) -> f64,
     df: impl Fn(f64, f64) -> f64,
@@ -50,7 +51,7 @@ fn not_a_number_on_the_way_is_told_with_its_time() {
 
 #[test]
 fn a_state_that_leaves_the_domain_of_f_is_told_with_its_time() {
-    // y' = -1 / sqrt(y) reaches 0 at t = 2/3 and has no solution beyond.
+    // The solution of y' = -1 / sqrt(y) reaches 0 at t = 2/3 and does not exist beyond.
     let error = fails(|_, y| -1.0 / y.sqrt(), |_, y| 0.5 * y.powf(-1.5), (0.0, 1.0), 20_000);
     let (IntegrationError::NotFinite { time_s } | IntegrationError::StepUnderflow { time_s }) = error else {
         panic!("{error:?}")
@@ -60,7 +61,7 @@ fn a_state_that_leaves_the_domain_of_f_is_told_with_its_time() {
 
 #[test]
 fn a_blow_up_is_told_with_its_time() {
-    // y' = y², y = 1 / (1 - t).
+    // The equation y' = y² has the solution y = 1 / (1 - t).
     let error = fails(|_, y| y * y, |_, y| 2.0 * y, (0.0, 2.0), 100_000);
     let (IntegrationError::NotFinite { time_s } | IntegrationError::StepUnderflow { time_s }) = error else {
         panic!("{error:?}")
@@ -97,7 +98,7 @@ fn a_stop_that_is_reached_or_past_is_refused() {
     assert!(solver.step(&ode, 1.5).is_ok());
 }
 
-/// Longest step of two bodies with this limit, over stops at multiples of `stop_s`.
+/// Returns the longest step of two bodies with this limit, over stops at multiples of `stop_s`.
 fn longest_step(limit_s: f64, stop_s: f64) -> f64 {
     let ode = kepler();
     let options = Options { max_step_s: limit_s, ..Options::uniform(1e-2) };

@@ -4,7 +4,7 @@ use crate::problems::{autonomous, fixed, kepler, kepler_solution, orders, scalar
 use nalgebra::{SMatrix, SVector};
 use pump_model::integrator::{Ode, Rodas5p};
 
-/// Largest errors at the ends of the steps and inside them, where `solution` is exact.
+/// Returns the largest errors at the ends of the steps and inside them, where `solution` is exact.
 struct Errors {
     ends: f64,
     inside: f64,
@@ -59,7 +59,7 @@ fn two_bodies_converge_with_order_5_at_and_between_the_ends() {
 
 #[test]
 fn a_time_dependent_nonlinear_problem_converges_with_order_5() {
-    // y' = y² cos t, y = 1 / (2 - sin t).
+    // The equation y' = y² cos t has the solution y = 1 / (2 - sin t).
     let ode = scalar(|t, y| y * y * t.cos(), |t, y| 2.0 * y * t.cos(), |t, y| -y * y * t.sin());
     let solution = |t: f64| SVector::<f64, 1>::new(1.0 / (2.0 - t.sin()));
     let (ends, inside) = series(&ode, solution, 4.0, &[32, 64, 128, 256], false);
@@ -69,7 +69,7 @@ fn a_time_dependent_nonlinear_problem_converges_with_order_5() {
 
 #[test]
 fn an_integral_over_time_converges_with_order_5() {
-    // y' = cos t: nothing but alpha_i, gamma_i and f_t counts.
+    // Only alpha_i, gamma_i and f_t count in y' = cos t.
     let ode = scalar(|t, _| t.cos(), |_, _| 0.0, |t, _| -t.sin());
     let solution = |t: f64| SVector::<f64, 1>::new(t.sin());
     let (ends, inside) = series(&ode, solution, 4.0, &[8, 16, 32, 64], false);
@@ -77,7 +77,7 @@ fn an_integral_over_time_converges_with_order_5() {
     assert_orders("inside", &inside, 4.7, 5.3);
 }
 
-/// Prothero and Robinson's y' = -rate (y - sin t) + cos t, y = sin t.
+/// Problem of Prothero and Robinson: y' = -rate (y - sin t) + cos t, y = sin t.
 fn prothero_robinson(rate: f64) -> impl Ode<1> {
     scalar(
         move |t, y| -rate * (y - t.sin()) + t.cos(),
@@ -86,8 +86,8 @@ fn prothero_robinson(rate: f64) -> impl Ode<1> {
     )
 }
 
-/// Ends: the error is of the order h³ over the rate, which keeps it below that of a method whose stages have order
-/// three. Inside: the method's own output, of order four whatever the rate.
+/// At the ends the error is of the order h³ over the rate, which keeps it below that of a method whose stages
+/// have order three. Inside, the method's own output has order four whatever the rate.
 #[test]
 fn prothero_and_robinsons_problem_is_the_more_exact_the_stiffer_it_is() {
     let solution = |t: f64| SVector::<f64, 1>::new(t.sin());
@@ -100,8 +100,9 @@ fn prothero_and_robinsons_problem_is_the_more_exact_the_stiffer_it_is() {
     }
 }
 
-/// Ends: the order of the reduced problem but for h² over the rate. P. Kaps's problem, stiff and nonlinear: y1' =
-/// -(rate + 2) y1 + rate y2², y2' = y1 - y2 (1 + y2), solved by y1 = exp(-2 t), y2 = exp(-t) whatever the rate.
+/// At the ends the order is that of the reduced problem but for h² over the rate. P. Kaps's problem is stiff
+/// and nonlinear: y1' = -(rate + 2) y1 + rate y2², y2' = y1 - y2 (1 + y2). Its solution is y1 = exp(-2 t),
+/// y2 = exp(-t) whatever the rate.
 #[test]
 fn kapss_problem_loses_no_accuracy_to_stiffness() {
     let solution = |t: f64| SVector::<f64, 2>::new((-2.0 * t).exp(), (-t).exp());
@@ -128,7 +129,7 @@ fn kapss_problem_loses_no_accuracy_to_stiffness() {
     }
 }
 
-/// What one step of length 1 makes of y' = z y from y = 1, z complex.
+/// Returns the result of one step of length 1 of y' = z y from y = 1, z complex.
 fn stability(real: f64, imaginary: f64) -> f64 {
     let ode = autonomous(
         |y: &SVector<f64, 2>| {
@@ -145,7 +146,8 @@ fn stability(real: f64, imaginary: f64) -> f64 {
 fn it_is_l_stable() {
     for n in -80..=80 {
         let size = 10_f64.powf(f64::from(n) / 10.0);
-        // Bounded on the imaginary axis and without a pole to its left: bounded to the left of it.
+        // A function bounded on the imaginary axis and without a pole to its left is bounded to the left of
+        // it.
         let boundary = stability(0.0, size);
         assert!(boundary < 1.0 + 1e-14, "{size}: {boundary}");
     }

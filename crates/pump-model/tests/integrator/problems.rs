@@ -1,9 +1,9 @@
-//! Differential equations with known solutions, and how to run the integrator over them.
+//! Differential equations with known solutions, and helpers that integrate them.
 
 use nalgebra::{SMatrix, SVector};
 use pump_model::integrator::{IntegrationError, Ode, Options, Rodas5p};
 
-/// y' = f(t, y) from its three functions.
+/// Equation y' = f(t, y) from its three functions.
 pub struct Problem<F, J, T> {
     pub derivative: F,
     pub jacobian: J,
@@ -27,7 +27,7 @@ where
     }
 }
 
-/// f(y) without time.
+/// Returns the equation of f(y) without time.
 pub fn autonomous<const N: usize>(
     derivative: impl Fn(&SVector<f64, N>) -> SVector<f64, N>,
     jacobian: impl Fn(&SVector<f64, N>) -> SMatrix<f64, N, N>,
@@ -39,7 +39,7 @@ pub fn autonomous<const N: usize>(
     }
 }
 
-/// One state: f, df/dy and df/dt.
+/// Equation of one state: f, df/dy and df/dt.
 pub fn scalar(
     derivative: impl Fn(f64, f64) -> f64,
     jacobian: impl Fn(f64, f64) -> f64,
@@ -54,7 +54,8 @@ pub fn scalar(
 
 pub const ECCENTRICITY: f64 = 0.3;
 
-/// Two bodies: position and velocity, started at the pericentre (Hairer, Norsett, Wanner, "Solving ODEs I", II.10).
+/// Motion of two bodies: position and velocity, started at the pericentre (Hairer, Norsett, Wanner, "Solving
+/// ODEs I", II.10).
 pub fn kepler() -> impl Ode<4> {
     autonomous(
         |y: &SVector<f64, 4>| {
@@ -74,7 +75,7 @@ pub fn kepler() -> impl Ode<4> {
     )
 }
 
-/// Its solution, by Newton's method for Kepler's equation.
+/// Returns the solution for two bodies, by Newton's method for Kepler's equation.
 pub fn kepler_solution(t: f64) -> SVector<f64, 4> {
     let e = ECCENTRICITY;
     let mut anomaly = t;
@@ -91,13 +92,13 @@ pub fn kepler_solution(t: f64) -> SVector<f64, 4> {
     )
 }
 
-/// A tolerance that accepts every step, so that `max_step_s` alone decides. Lengths and ends that are powers of two
-/// make the steps equal to the last bit.
+/// Returns options whose tolerance accepts every step, so that `max_step_s` alone decides. Lengths and ends
+/// that are powers of two make the steps equal to the last bit.
 pub fn fixed<const N: usize>(step_s: f64) -> Options<N> {
     Options { max_step_s: step_s, ..Options::uniform(1e30) }
 }
 
-/// Goes to `end_s` in at most `most_steps` steps; panics beyond, so that no test runs for ever.
+/// Goes to `end_s` in at most `most_steps` steps, and panics beyond, so no test runs for ever.
 pub fn go<const N: usize>(
     solver: &mut Rodas5p<N>,
     ode: &impl Ode<N>,
@@ -111,7 +112,7 @@ pub fn go<const N: usize>(
     Ok(solver.state())
 }
 
-/// Orders observed between errors of steps that halve.
+/// Returns the orders observed between errors of steps that halve.
 pub fn orders(errors: &[f64]) -> Vec<f64> {
     errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
 }

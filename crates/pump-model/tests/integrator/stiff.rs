@@ -1,4 +1,4 @@
-//! Stiff problems with published solutions. Where no other source stands, the values are the reference solutions of
+//! Stiff problems with published solutions. Problems without another source have the reference solutions of
 //! F. Mazzia, C. Magherini, "Test Set for Initial Value Problem Solvers", release 2.4 (2008).
 
 use crate::problems::{autonomous, go};
@@ -8,9 +8,11 @@ use pump_model::integrator::{Ode, Options, Rodas5p};
 /// Relative tolerances at which every problem is solved.
 const TOLERANCES: [f64; 3] = [1e-4, 1e-7, 1e-10];
 
-/// Integrates to `end_s` at each of the tolerances, with absolute ones in proportion, and compares every state with its
-/// reference: three times the tolerance is allowed, relative to the state. The step counts allowed are a quarter above
-/// those measured.
+/// Integrates to `end_s` at each of the tolerances, with absolute ones in proportion, and compares every
+/// state with its reference.
+///
+/// The error may be three times the tolerance, relative to the state. The step counts allowed are a quarter
+/// above those measured.
 fn assert_solves<const N: usize>(
     ode: &impl Ode<N>,
     start: [f64; N],
@@ -34,7 +36,8 @@ fn assert_solves<const N: usize>(
     }
 }
 
-/// Hairer and Wanner, "Solving ODEs II", section IV.1: y1' = y2, y2' = ((1 - y1²) y2 - y1) / 1e-6.
+/// Van der Pol's equation (Hairer and Wanner, "Solving ODEs II", section IV.1): y1' = y2, y2' = ((1 - y1²) y2
+/// - y1) / 1e-6.
 #[test]
 fn van_der_pols_equation_is_solved() {
     let ode = autonomous(
@@ -73,7 +76,7 @@ fn robertson() -> impl Ode<3> {
 
 #[test]
 fn robertsons_reactions_are_solved() {
-    // Hairer and Wanner, "Solving ODEs II", section IV.10.
+    // The reference is Hairer and Wanner, "Solving ODEs II", section IV.10.
     let early = (40.0, [0.715_827_068_719_4, 9.185_534_764_558e-6, 0.284_163_745_745_8]);
     let late = (1e11, [2.083_340_149_701_255e-8, 8.333_360_770_334_713e-14, 0.999_999_979_166_505]);
     assert_solves(&robertson(), [1.0, 0.0, 0.0], [1e-6, 1e-10, 1e-6], early, [34, 114, 1435]);

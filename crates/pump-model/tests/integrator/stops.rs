@@ -1,4 +1,4 @@
-//! Stops, jumps of the derivative, and impulses.
+//! Claims about stops, jumps of the derivative, and impulses.
 
 use crate::problems::{go, kepler, kepler_solution, scalar};
 use nalgebra::SVector;
@@ -6,7 +6,7 @@ use pump_model::integrator::{Ode, Options, Rodas5p};
 
 const TOLERANCE: f64 = 1e-8;
 
-/// Fractions of 1 without order, the same in every run (multiples of the golden ratio).
+/// Returns fractions of 1 without order, equal in every run (multiples of the golden ratio).
 fn scattered(n: u32) -> f64 {
     (f64::from(n) * 0.618_033_988_749_894_9).fract()
 }
@@ -20,7 +20,7 @@ fn a_step_never_crosses_a_stop_and_lands_on_it_to_the_last_bit() {
     let (ode, mut solver) = (kepler(), solver());
     let mut stop_s = 0.0;
     for n in 1..300 {
-        // From a millionth of a step to many steps.
+        // Intervals go from a millionth of a step to many steps.
         stop_s += 10_f64.powf(-8.0 * scattered(n));
         let mut landed = false;
         while !landed {
@@ -67,7 +67,7 @@ fn a_polynomial_joins_the_states_of_its_step() {
     }
 }
 
-/// Steps of a turn of two bodies with these stops.
+/// Returns the number of steps of a turn of two bodies with these stops.
 fn steps_with(stops: impl Iterator<Item = f64>) -> u64 {
     let mut stops: Vec<f64> = stops.chain([6.0]).collect();
     stops.sort_by(f64::total_cmp);
@@ -111,12 +111,12 @@ fn a_clipped_step_does_not_shorten_the_next() {
     );
 }
 
-/// y' = -100 (y - level).
+/// Equation y' = -100 (y - level).
 fn relaxing(level: f64) -> impl Ode<1> {
     scalar(move |_, y| -100.0 * (y - level), |_, _| -100.0, |_, _| 0.0)
 }
 
-/// 1 - exp(-2).
+/// Value of 1 - exp(-2).
 const EXPECTED: f64 = 0.864_664_716_763_387_3;
 
 fn rests() -> Rodas5p<1> {
@@ -140,7 +140,7 @@ fn a_restart_at_a_jump_saves_rejections() {
     let end = go(&mut hidden, &ode, 10.02, 5000).unwrap();
     assert!((end[0] - EXPECTED).abs() < 100.0 * TOLERANCE);
 
-    // Measured: 11 and 419 in eleven stretches.
+    // The measured counts are 11 and 419 in eleven stretches.
     let (told, hidden) = (told.statistics().rejections, hidden.statistics().rejections);
     assert!(told <= 13 && hidden >= 100, "{told} and {hidden}");
 }

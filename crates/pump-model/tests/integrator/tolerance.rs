@@ -1,4 +1,5 @@
-//! The error falls with the tolerance: on two bodies, and on the benchmark case of the pump against the exact solution.
+//! Claims that the error falls with the tolerance: on two bodies, and on the benchmark case of the pump
+//! against the exact solution.
 
 use core::f64::consts::PI;
 
@@ -7,13 +8,13 @@ use nalgebra::SVector;
 use pump_model::integrator::{Ode, Options, Rodas5p, Statistics};
 use pump_model::{DEFAULT_TOLERANCE, ExactRun, Leg, Port, PortRun, Pump};
 
-/// 1e-3, 1e-4 ... 1e-11.
+/// Tolerances 1e-3, 1e-4 ... 1e-11.
 fn tolerances() -> impl Iterator<Item = f64> {
     (3..=11).map(|digits| 10_f64.powi(-digits))
 }
 
-/// Every error must be below its tolerance times `most`, and a tolerance ten times smaller must make it smaller by
-/// `least` at least.
+/// Asserts that every error is below its tolerance times `most`, and that a tolerance ten times smaller makes
+/// it smaller by `least` at least.
 fn assert_falls(what: &str, errors: &[f64], most: f64, least: f64) {
     for (error, tolerance) in errors.iter().zip(tolerances()) {
         assert!(*error < most * tolerance, "{what}: {error:e} at {tolerance:e}");
@@ -23,7 +24,7 @@ fn assert_falls(what: &str, errors: &[f64], most: f64, least: f64) {
     }
 }
 
-/// Largest error at the ends of the steps and between them, up to `end_s`.
+/// Returns the largest error at the ends of the steps and between them, up to `end_s`.
 fn largest_error<const N: usize>(
     ode: &impl Ode<N>,
     solution: impl Fn(f64) -> SVector<f64, N>,
@@ -54,7 +55,7 @@ fn two_bodies_follow_the_tolerance() {
 
 #[test]
 fn a_problem_with_time_in_it_follows_the_tolerance() {
-    // y' = y cos t, y = exp(sin t): alpha_i and gamma_i count.
+    // Both alpha_i and gamma_i count in y' = y cos t, y = exp(sin t).
     let ode = scalar(|t, y| y * t.cos(), |t, _| t.cos(), |t, y| -y * t.sin());
     let solution = |t: f64| SVector::<f64, 1>::new(t.sin().exp());
     let errors: Vec<f64> =
@@ -66,7 +67,8 @@ fn benchmark() -> (Pump, [Leg; 1]) {
     (Pump::three_roller(), [Leg::constant_speed(0.0, 100.0 * 2.0 * PI / 60.0)])
 }
 
-/// Largest pressure error, kPa, every millisecond of 10 s from rest, 100 r/min, three rollers, both ports.
+/// Returns the largest pressure error, kPa, every millisecond of 10 s from rest: 100 r/min, three rollers,
+/// both ports.
 fn pump_error_kpa(tolerance: f64) -> f64 {
     let (pump, motion) = benchmark();
     let mut worst = 0.0_f64;
@@ -87,7 +89,7 @@ fn the_pump_follows_the_tolerance() {
     assert_falls("pump", &errors, 5.0, 5.0);
 }
 
-/// Steps, rejections and factorisations of the benchmark case, both ports in order.
+/// Returns steps, rejections and factorisations of the benchmark case, both ports in order.
 fn pump_counters(tolerance: f64) -> [[u64; 3]; 2] {
     let (pump, motion) = benchmark();
     [Port::Inlet, Port::Outlet].map(|port| {
@@ -99,9 +101,12 @@ fn pump_counters(tolerance: f64) -> [[u64; 3]; 2] {
     })
 }
 
-/// Pinned: a change of these numbers needs a note here of why. Evaluations are free to fall. Rounding alone moves them:
-/// multiplying by reciprocals in place of divisions changed steps by 1 in 1000 and rejections by 6 in 100. Joining
-/// pieces of the same constant flow took a third of the stops away, and 3 steps in 100 at the default tolerance.
+/// These numbers are pinned, and a change of them needs a note here of the reason. Evaluations are free to
+/// fall.
+///
+/// Rounding alone moves them: multiplying by reciprocals in place of divisions changed steps by 1 in 1000 and
+/// rejections by 6 in 100. Joining pieces of equal constant flow took a third of the stops away, and 3 steps
+/// in 100 at the default tolerance.
 #[test]
 fn the_benchmark_costs_what_it_did() {
     assert_eq!(pump_counters(DEFAULT_TOLERANCE), [[1553, 294, 1847], [1505, 243, 1748]]);

@@ -1,4 +1,4 @@
-//! The equations of the chambers and the lines.
+//! Equations of the chambers and the lines.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -11,8 +11,10 @@ use crate::motion::leg::Leg;
 use super::contacts::{Contacts, MAX_CONTACTS, MAX_SEGMENTS};
 use super::parameters::RollerCentric;
 
-/// Where the states stand. Pressures are above ambient, kPa; flows in the lines, mL/s; volumes through them, mL.
-/// Segments follow from the outlet to the inlet, and those that are not there are held.
+/// Index of the inlet's pressure in the state.
+///
+/// Pressures are above ambient, kPa; flows are in the lines, mL/s; volumes are through the lines, mL.
+/// Segments follow from the outlet to the inlet, and absent segments keep their value.
 pub(super) const INLET_KPA: usize = 0;
 pub(super) const INLET_ML_S: usize = 1;
 pub(super) const OUTLET_KPA: usize = 2;
@@ -21,15 +23,16 @@ pub(super) const TAKEN_ML: usize = 4;
 pub(super) const DELIVERED_ML: usize = 5;
 pub(super) const SEGMENTS: usize = 6;
 
-/// All states.
+/// Number of states.
 pub(super) const STATES: usize = SEGMENTS + MAX_SEGMENTS;
 
-/// Outlet, segments, inlet.
+/// Largest number of chambers: outlet, segments and inlet.
 const MAX_CHAMBERS: usize = MAX_CONTACTS + 1;
 
 pub(super) type State = SVector<f64, STATES>;
 
-/// The state of a chamber, counted from the outlet, where `contacts` rollers are in contact.
+/// Returns the index of a chamber's pressure in the state. Chambers count from the outlet, and `contacts`
+/// rollers are in contact.
 pub(super) fn pressure_of(chamber: usize, contacts: usize) -> usize {
     if chamber == 0 {
         OUTLET_KPA
@@ -40,13 +43,13 @@ pub(super) fn pressure_of(chamber: usize, contacts: usize) -> usize {
     }
 }
 
-/// A line with what it resists.
+/// Line with its resistance.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PortLine {
     pub(super) compliance_ml_kpa: f64,
-    /// 1/L, mL/(s² kPa).
+    /// Reciprocal of the inertance, 1/L, mL/(s² kPa).
     per_inertance: f64,
-    /// P_res above ambient, kPa.
+    /// Reservoir pressure P_res above ambient, kPa.
     pub(super) reservoir_kpa: f64,
     loss: Loss,
 }
@@ -62,19 +65,19 @@ impl PortLine {
     }
 }
 
-/// Parameters and lines, which stay as they are while the pump turns.
+/// Parameters and lines, which stay constant while the pump turns.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plant {
     pub(super) model: RollerCentric,
-    /// s a, mL/rad.
+    /// Flow per radian of the tube between rollers, s a, mL/rad.
     pub(super) tube_ml_rad: f64,
-    /// s a pitch, mL.
+    /// Volume of the tube over a pitch, s a pitch, mL.
     pub(super) pitch_ml: f64,
     pub(super) inlet: PortLine,
     pub(super) outlet: PortLine,
 }
 
-/// The differential equation in one passage.
+/// Differential equation within one passage.
 pub(super) struct Chambers<'a> {
     pub(super) plant: &'a Plant,
     pub(super) contacts: &'a Contacts,
@@ -87,13 +90,13 @@ pub(super) struct Chambers<'a> {
 struct Moment {
     speed: f64,
     acceleration: f64,
-    /// Rollers in contact; there is a chamber more.
+    /// Number of rollers in contact; there is one chamber more.
     contacts: usize,
-    /// G_k, mL/(s kPa), and its slope over the angle.
+    /// Conductance G_k past each roller, mL/(s kPa), and its slope over the angle.
     conductance: [[f64; 2]; MAX_CONTACTS],
-    /// V0, mL, and its first two slopes over the angle.
+    /// Volume V0 of each chamber, mL, and its first two slopes over the angle.
     volume: [[f64; 3]; MAX_CHAMBERS],
-    /// C + D V0, mL/kPa.
+    /// Capacity C + D V0 of each chamber, mL/kPa.
     capacity: [f64; MAX_CHAMBERS],
 }
 
@@ -133,8 +136,8 @@ impl Chambers<'_> {
         moment
     }
 
-    /// Flow that the rollers let into a chamber less that which they let out, mL/s; with `over` 1 its slope over the
-    /// angle, mL/(s rad).
+    /// Returns the flow that the rollers let into a chamber less the flow that they let out, mL/s. With
+    /// `over` 1 it is the slope over the angle, mL/(s rad).
     fn leaks(&self, moment: &Moment, y: &State, chamber: usize, over: usize) -> f64 {
         let kpa = |chamber| y[pressure_of(chamber, moment.contacts)];
         let past = |k: usize| moment.conductance[k][over] * (kpa(k + 1) - kpa(k));
@@ -143,12 +146,12 @@ impl Chambers<'_> {
         behind - ahead
     }
 
-    /// 1 + D (P - P_atm).
+    /// Returns the swelling of a chamber, 1 + D (P - P_atm).
     fn swelling(&self, moment: &Moment, y: &State, chamber: usize) -> f64 {
         1.0 + self.plant.model.distensibility_per_kpa * y[pressure_of(chamber, moment.contacts)]
     }
 
-    /// Flow into a chamber that its pressure must take up, mL/s.
+    /// Returns the flow into a chamber that its pressure must take up, mL/s.
     fn net(&self, moment: &Moment, y: &State, chamber: usize) -> f64 {
         let mut net = self.leaks(moment, y, chamber, 0)
             - moment.volume[chamber][1] * moment.speed * self.swelling(moment, y, chamber);
@@ -161,7 +164,7 @@ impl Chambers<'_> {
         net
     }
 
-    /// Volume that tube and lines hold at time `t`, mL, up to a constant.
+    /// Returns the volume that tube and lines hold at time `t`, mL, up to a constant.
     pub(super) fn stored_ml(&self, t: f64, y: &State) -> f64 {
         let moment = self.at(t);
         let Plant { inlet, outlet, .. } = self.plant;
@@ -239,8 +242,8 @@ impl Ode<STATES> for Chambers<'_> {
     }
 }
 
-/// Errors allowed in a step: `tolerance` times 1 kPa + |P - P_atm|, and the flow and volume that carry the same energy,
-/// as in the flow-centric circuit.
+/// Returns the errors allowed in a step: `tolerance` times 1 kPa + |P - P_atm|. Flow and volume may err by
+/// the amounts that carry the same energy, as in the flow-centric circuit.
 pub(super) fn options(inlet: &Line, outlet: &Line, tolerance: f64) -> Options<STATES> {
     let mut options = Options::uniform(tolerance);
     for (line, flow, volume) in [(inlet, INLET_ML_S, TAKEN_ML), (outlet, OUTLET_ML_S, DELIVERED_ML)] {
@@ -258,7 +261,7 @@ mod tests {
     use crate::motion::walk::Walk;
     use crate::pump::pump::Pump;
 
-    /// Every equation in turn with its derivatives, over a pitch in a ramp.
+    /// Checks every equation in turn with its derivatives, over a pitch in a ramp.
     #[test]
     fn jacobian_and_time_derivative_are_those_of_the_equations() {
         for rollers in [2, 3, 8] {

@@ -1,4 +1,4 @@
-//! Where in a pitch something happens to a roller, and what every roller in contact does in between.
+//! Edges of a pitch for each roller, and the rollers in contact between them.
 
 use crate::error::{ModelError, refused};
 use crate::head::pulses::SAME_EDGE_RAD;
@@ -10,21 +10,22 @@ use crate::pump::pump::Pump;
 
 use super::parameters::RollerCentric;
 
-/// Most segments that there may be: enough for 12 rollers of the pump of McIntyre et al.
+/// Largest number of segments: enough for 12 rollers of the pump of McIntyre et al.
 pub(super) const MAX_SEGMENTS: usize = 12;
 
-/// Most rollers that may be in contact with the tube at once.
+/// Largest number of rollers in contact with the tube at once.
 pub(super) const MAX_CONTACTS: usize = MAX_SEGMENTS + 1;
 
-/// Every edge of the roller volume when engaging and when disengaging, and the same for the closure.
+/// Largest number of edges: those of the roller volume and the closure, each when engaging and when
+/// disengaging.
 const MAX_EDGES: usize = 2 * (roller_volume::MAX_PIECES + 2);
 
-/// The way of a roller over the tube.
+/// Way of a roller over the tube.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Way {
-    /// phi, rad.
+    /// Engagement angle phi, rad.
     pub(super) engagement_rad: f64,
-    /// Lam, rad.
+    /// Angle of full engagement Lam, rad.
     pub(super) sealed_rad: f64,
     /// Angle between rollers, rad.
     pub(super) pitch_rad: f64,
@@ -40,14 +41,14 @@ impl Way {
         }
     }
 
-    /// p = -Lam - phi, rad: where a roller first touches the tube.
+    /// Returns the angle at which a roller first touches the tube, rad: p = -Lam - phi.
     fn first_rad(&self) -> f64 {
         -self.sealed_rad - self.engagement_rad
     }
 }
 
-/// The angles of a pitch at which a roller begins or ends something: touching, closing, engaging, and the edges of V
-/// between.
+/// Angles of a pitch at which a roller begins or ends something: touching, closing, engaging, and the edges
+/// of V between.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edges {
     start_rad: [f64; MAX_EDGES],
@@ -56,7 +57,7 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// Refuses more rollers in contact at once than there is room for.
+    /// Finds the edges. Refuses more rollers in contact at once than there is room for.
     pub(super) fn new(pump: &Pump, model: &RollerCentric) -> Result<Self, ModelError> {
         let way = Way::of(pump);
         let contacts = ceil((way.sealed_rad + 2.0 * way.engagement_rad) / way.pitch_rad);
@@ -75,12 +76,13 @@ impl Edges {
 
     /// Refuses a pump whose flow curves do not belong to the angles of its dimensions.
     pub(super) fn validate_zero(&self, pump: &Pump, model: &RollerCentric) -> Result<(), ModelError> {
-        /// Parts of the nominal flow: far above rounding, far below a pulse.
+        /// Largest difference of flows that counts as equal, as a part of the nominal flow: far above
+        /// rounding, far below a pulse.
         const SAME_FLOW: f64 = 1e-6;
         for piece in 0..self.count {
             let (start_rad, length_rad) = self.piece_rad(piece);
             let contacts = Contacts::of(pump, model, self, 0.0, piece);
-            // Both ports take half of what a roller displaces from each side: a + V' at the outlet, a - V' at the
+            // Each roller takes half of its displacement from each side: a + V' at the outlet, a - V' at the
             // inlet.
             let slopes = contacts.as_slice().iter().map(|contact| contact.volume[1].at(0.5 * length_rad));
             let (falling, rising) = slopes.fold((0.0, 0.0), |(falling, rising), slope| {
@@ -90,8 +92,8 @@ impl Edges {
             let nominal = pump.nominal_ml_rad();
             let off = (nominal - rising - inlet).abs().max((nominal + falling - outlet).abs());
             if off > SAME_FLOW * nominal {
-                let allowed = "0; the roller-centric model knows no shift of the zero, so give it the pump before the \
-                               shift";
+                let allowed = "0; the roller-centric model takes no shift of the zero, so give it the pump \
+                               before the shift";
                 return Err(refused(
                     "flow at the rollers less that of the flow curves in mL/rad",
                     off,
@@ -102,7 +104,7 @@ impl Edges {
         Ok(())
     }
 
-    /// Adds where a roller at `p_rad` stands within the pitch, unless it is there.
+    /// Adds the place of a roller at `p_rad` within the pitch, unless it is known.
     fn insert(&mut self, p_rad: f64) {
         let local_rad = wrap(p_rad, self.pitch_rad);
         let known = self.starts().iter().any(|edge| (edge - local_rad).abs() < SAME_EDGE_RAD);
@@ -120,8 +122,8 @@ impl Edges {
         }
     }
 
-    /// Whole pitches before the piece of a passage: the walk counts them, and the angle of the piece's start tells
-    /// them.
+    /// Returns the number of whole pitches before the piece of a passage. The walk counts them, and the angle
+    /// of the piece's start tells them.
     pub(super) fn pitches_before(&self, passage: &Passage) -> f64 {
         let (start_rad, _) = self.piece_rad(passage.piece);
         round((passage.leg.angle_rad - passage.offset_rad - start_rad) / self.pitch_rad)
@@ -149,20 +151,21 @@ impl Pitch for Edges {
     }
 }
 
-/// A roller in contact, over the angle since the piece's start, rad.
+/// Roller in contact, over the angle since the piece's start, rad.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Contact {
-    /// V_k, mL, and its first two derivatives.
+    /// Volume V_k, mL, and its first two derivatives.
     pub(super) volume: [Polynomial; 3],
-    /// 1 - u at the piece's start and its slope, 1/rad; zeros where the roller is closed.
+    /// Opening 1 - u at the piece's start and its slope, 1/rad; zeros where the roller is closed.
     pub(super) opening: [f64; 2],
 }
 
 impl Contact {
-    /// A roller that is at `start_rad` on its way where the piece starts, and inside one piece of V over `length_rad`.
+    /// Builds the contact of a roller that is at `start_rad` on its way where the piece starts. The roller
+    /// stays inside one piece of V over `length_rad`.
     fn new(pump: &Pump, model: &RollerCentric, way: &Way, start_rad: f64, length_rad: f64) -> Self {
         let middle_rad = start_rad + 0.5 * length_rad;
-        // x, how far it is engaged, grows at the inlet and falls at the outlet.
+        // The engagement x grows at the inlet and falls at the outlet.
         let (x_rad, direction) = if middle_rad < -way.sealed_rad {
             (start_rad - way.first_rad(), 1.0)
         } else if middle_rad > 0.0 {
@@ -186,20 +189,21 @@ impl Contact {
         }
     }
 
-    /// True if the roller lets something pass.
+    /// True if the roller lets fluid pass.
     pub(super) fn is_open(&self) -> bool {
         self.opening != [0.0; 2]
     }
 }
 
-/// The rollers in contact while the rotor is in one piece of the pitch, from the outlet to the inlet.
+/// Rollers in contact while the rotor is in one piece of the pitch, from the outlet to the inlet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Contacts {
     places: [Contact; MAX_CONTACTS],
     count: usize,
     /// Number of the roller nearest to the outlet.
     pub(super) first: i64,
-    /// phi - p_l and p_m + Lam + phi where the piece starts, rad: the ways of tube that belong to outlet and inlet.
+    /// Lengths of tube that belong to outlet and inlet where the piece starts, rad: phi - p_l and
+    /// p_m + Lam + phi.
     pub(super) ends_rad: [f64; 2],
 }
 
@@ -208,7 +212,7 @@ impl Contacts {
         let way = Way::of(pump);
         let (local_rad, length_rad) = edges.piece_rad(piece);
         let middle_rad = local_rad + 0.5 * length_rad;
-        // p = local - n pitch: nothing touches or leaves in the middle of a piece.
+        // The angle p is local - n pitch: nothing touches or leaves in the middle of a piece.
         let first = ceil((middle_rad - way.engagement_rad) / way.pitch_rad);
         let last = floor((middle_rad - way.first_rad()) / way.pitch_rad);
         let mut contacts = Self {
@@ -236,7 +240,7 @@ impl Contacts {
         self.places.get(..self.count).unwrap_or(&self.places)
     }
 
-    /// Number of the roller nearest to the inlet.
+    /// Returns the number of the roller nearest to the inlet.
     pub(super) fn last(&self) -> i64 {
         self.first + self.count as i64 - 1
     }

@@ -1,4 +1,4 @@
-//! Both ports and the segments between them, followed over a motion.
+//! Integration of both ports and the segments between them over a motion.
 
 use crate::circuit::Loss;
 use crate::circuit::port_run::TOLERANCES;
@@ -15,17 +15,18 @@ use super::chambers::{
 use super::contacts::{Contacts, Edges, MAX_SEGMENTS};
 use super::parameters::RollerCentric;
 
-/// The pump at one time.
+/// Pressures, flows and volumes of the pump at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RollerSample {
     /// Pressure at the inlet, kPa absolute.
     pub inlet_kpa: f64,
     /// Pressure at the outlet, kPa absolute.
     pub outlet_kpa: f64,
-    /// Flow from the inlet into the pump, mL/s: that of the line less what its compliance takes, Q_L - C dP/dt. It has
-    /// no part in the step of the pressure where a segment joins a port.
+    /// Flow from the inlet into the pump, mL/s: the flow of the line less that into its compliance,
+    /// Q_L - C dP/dt. The step of the pressure where a segment joins a port has no part in it.
     pub inlet_ml_s: f64,
-    /// Flow from the pump into the outlet, mL/s: Q_L + C dP/dt, likewise.
+    /// Flow from the pump into the outlet, mL/s: Q_L + C dP/dt. The step of the pressure where a segment
+    /// joins a port has no part in it.
     pub outlet_ml_s: f64,
     /// Volume that has passed the inlet line, mL.
     pub taken_ml: f64,
@@ -33,8 +34,8 @@ pub struct RollerSample {
     pub delivered_ml: f64,
 }
 
-/// The integration of the roller-centric model over a motion from rest, pulled forward by its user. Any motion, also in
-/// reverse.
+/// The integration of the roller-centric model over a motion from rest, pulled forward by its user. The
+/// motion may also run in reverse.
 ///
 /// Experimental: see [`RollerCentric`].
 ///
@@ -60,11 +61,13 @@ pub struct RollerRun<'a, M> {
 }
 
 impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
-    /// Starts when the first of the `legs` starts, with both lines at rest. `tolerance` as in
-    /// [`DEFAULT_TOLERANCE`](crate::DEFAULT_TOLERANCE), 1e-13 to 0.1.
+    /// Starts when the first of the `legs` starts, with both lines at rest. `tolerance` is that of a step, as
+    /// in [`DEFAULT_TOLERANCE`](crate::DEFAULT_TOLERANCE), 1e-13 to 0.1.
     ///
-    /// Refuses parameters that are not allowed, more than 13 rollers in contact at once, and a pump whose zero was
-    /// [shifted](Pump::shifted).
+    /// # Errors
+    ///
+    /// Refuses parameters or a tolerance that are not allowed, more than 13 rollers in contact at once, and a
+    /// pump whose zero was [shifted](Pump::shifted).
     pub fn new(
         pump: &'a Pump,
         model: RollerCentric,
@@ -75,7 +78,12 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         Self::resisted(pump, model, losses, legs, tolerance)
     }
 
-    /// As [`Self::new`], with what inlet and outlet line resist in place of their R.
+    /// Starts as [`Self::new`] does, with a resistance of each line, inlet first, in place of R.
+    ///
+    /// # Errors
+    ///
+    /// Refuses parameters or a tolerance that are not allowed, more than 13 rollers in contact at once, and a
+    /// pump whose zero was [shifted](Pump::shifted).
     pub fn resisted(
         pump: &'a Pump,
         model: RollerCentric,
@@ -108,7 +116,7 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         Ok(Self { pump, plant, edges, walk, passage, contacts, solver, last: None })
     }
 
-    /// Makes one step that ends at `stop_s` at the latest. None once that time is reached.
+    /// Makes one step that ends at `stop_s` at the latest. Returns none once that time is reached.
     pub(super) fn step(&mut self, stop_s: f64) -> Result<Option<DenseStep<STATES>>, IntegrationError> {
         if self.solver.time_s() >= stop_s {
             return Ok(None);
@@ -133,7 +141,12 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         Ok(Some(step))
     }
 
-    /// The pump at `t_s`, which must not lie before the last step taken; times asked for must not fall.
+    /// Returns the sample at `t_s`. `t_s` must not lie before the last step taken, and the times of later
+    /// calls must not fall.
+    ///
+    /// # Errors
+    ///
+    /// Fails if the state is not finite or no step meets the tolerance.
     pub fn at(&mut self, t_s: f64) -> Result<RollerSample, IntegrationError> {
         while (self.last.is_none() || self.solver.time_s() < t_s) && self.step(f64::INFINITY)?.is_some() {}
         let Some(step) = &self.last else {
@@ -158,25 +171,30 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         }
     }
 
-    /// Integrates up to `end_s`, with a step that ends there; later calls start from it.
+    /// Integrates up to `end_s`, with a step that ends there. Later calls start from it.
+    ///
+    /// # Errors
+    ///
+    /// Fails if the state is not finite or no step meets the tolerance.
     pub fn run_to(&mut self, end_s: f64) -> Result<(), IntegrationError> {
         while self.step(end_s)?.is_some() {}
         Ok(())
     }
 
-    /// Pressures of the segments between two rollers, kPa absolute, from the outlet to the inlet, at the time reached.
+    /// Returns the pressures of the segments between two rollers at the time reached, kPa absolute, from the
+    /// outlet to the inlet.
     pub fn segments_kpa(&self) -> impl Iterator<Item = f64> {
         let state = self.solver.state();
         (0..self.segments()).map(move |n| state[SEGMENTS + n] + self.plant.model.ambient_kpa)
     }
 
-    /// Segments between two rollers.
+    /// Returns the number of segments between two rollers.
     fn segments(&self) -> usize {
         self.contacts.as_slice().len().saturating_sub(1).min(MAX_SEGMENTS)
     }
 
-    /// Volume that the tube and the compliance of the lines hold at the time reached, mL, up to a constant: it grows by
-    /// what was taken less what was delivered.
+    /// Returns the volume that the tube and the compliance of the lines hold at the time reached, mL, up to a
+    /// constant. It grows by the volume taken less the volume delivered.
     pub fn stored_ml(&self) -> f64 {
         let passage = self.passage.unwrap_or(rest(self.solver.time_s()));
         let Passage { leg, offset_rad, .. } = passage;
@@ -184,36 +202,36 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         chambers.stored_ml(self.solver.time_s(), &self.solver.state())
     }
 
-    /// Time reached, s.
+    /// Returns the time reached, s.
     pub fn time_s(&self) -> f64 {
         self.solver.time_s()
     }
 
-    /// Cost of the integration so far.
+    /// Returns the cost of the integration so far.
     pub fn statistics(&self) -> Statistics {
         self.solver.statistics()
     }
 
-    /// The middle of the first passage, s: away from all edges, where a pitch may be said to begin.
+    /// Returns the middle of the first passage, s. It is away from all edges, so a pitch may begin there.
     pub(super) fn first_middle_s(&self) -> f64 {
         self.passage.map_or(0.0, |passage| 0.5 * (passage.start_s + passage.end_s))
     }
 
-    /// State reached.
+    /// Returns the state reached.
     pub(super) fn state(&self) -> State {
         self.solver.state()
     }
 
-    /// Goes on into a passage: segments join a port whose last roller left, and are cut off from one where a roller
-    /// came.
+    /// Goes on into a passage. Segments join a port whose last roller left, and are cut off from one where a
+    /// roller came.
     fn enter(&mut self, passage: &Passage) {
         let before = self.contacts;
         let pitches = self.edges.pitches_before(passage);
         let after = Contacts::of(self.pump, &self.plant.model, &self.edges, pitches, passage.piece);
         let mut state = self.solver.state();
         let mut segments = self.segments();
-        // Between rollers that leave and rollers that come one stays that is closed, so the last segment never joins
-        // both ports.
+        // A closed roller always stays between rollers that leave and rollers that come, so the last segment
+        // never joins both ports.
         for _ in before.first..after.first {
             self.join(&mut state, OUTLET_KPA, 0);
             slots(&mut state).rotate_left(1);
@@ -242,12 +260,12 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         self.solver.restart();
     }
 
-    /// A segment becomes part of a port: (C + D V0) P is what both held. V0 is the volume of the segment, since the
-    /// port's own ends where the roller stands that leaves.
+    /// Joins a segment with a port: (C + D V0) P is the sum of both contents. V0 is the volume of the
+    /// segment, since the port's own ends at the roller that leaves.
     fn join(&self, state: &mut State, port: usize, segment: usize) {
         let Plant { model, pitch_ml, inlet, outlet, .. } = &self.plant;
         let compliance = if port == INLET_KPA { inlet } else { outlet }.compliance_ml_kpa;
-        // The roller that leaves displaces nothing any more; the next one is a pitch away.
+        // The roller that leaves displaces nothing more; the next one is a pitch away.
         let segment_ml = pitch_ml - 0.5 * self.pump.roller_volume().at(self.pump.pitch_rad());
         let swell = model.distensibility_per_kpa * segment_ml;
         if let Some(segment_kpa) = slots(state).get(segment).copied() {
@@ -256,17 +274,18 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
     }
 }
 
-/// No motion from `start_s` on, for ever, at angle 0.
+/// Returns a passage without motion from `start_s` on, for ever, at angle 0.
 fn rest(start_s: f64) -> Passage {
     Passage { start_s, end_s: f64::INFINITY, leg: Leg::rest(start_s, 0.0), piece: 0, offset_rad: 0.0 }
 }
 
-/// The pressures of the segments, also of those that are not there.
+/// Returns the pressures of the segments, absent ones included.
 fn slots(state: &mut State) -> &mut [f64] {
     state.as_mut_slice().get_mut(SEGMENTS..).unwrap_or_default()
 }
 
-/// Both lines at rest; a segment has the pressure of the port that it is open to, a closed one that of the inlet.
+/// Returns the state at rest. A segment has the pressure of the port that it is open to, and a closed one
+/// that of the inlet.
 fn at_rest(plant: &Plant, contacts: &Contacts) -> State {
     let mut state = State::zeros();
     let count = contacts.as_slice().len();

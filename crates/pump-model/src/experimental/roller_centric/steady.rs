@@ -1,4 +1,4 @@
-//! The periodic steady state of the roller-centric model.
+//! Periodic steady state of the roller-centric model.
 
 use crate::circuit::Loss;
 use crate::circuit::ode::flow_scale_ml_s;
@@ -17,15 +17,25 @@ use super::parameters::RollerCentric;
 use super::run::RollerRun;
 
 impl RollerCentric {
-    /// Periodic steady state at `speed_rad_s`, which must not be zero; negative in reverse. Integrated from rest, pitch
-    /// by pitch, until pressures and what the pump holds change by no more than 1e-5 kPa; an error after 2,000 pitches.
+    /// Returns the periodic steady state at `speed_rad_s`, which must not be zero; negative in reverse.
     ///
-    /// The ripple is that of the flow out of the pump ([`crate::RollerSample::outlet_ml_s`]).
+    /// The model is integrated from rest, pitch by pitch, until pressures and the volume in the pump change
+    /// by no more than 1e-5 kPa. The ripple is that of the flow out of the pump
+    /// ([`crate::RollerSample::outlet_ml_s`]).
+    ///
+    /// # Errors
+    ///
+    /// Refuses a speed that is zero or not finite, and everything that [`RollerRun::new`] refuses. Returns
+    /// [`ModelError::NotPeriodic`] after 2,000 pitches without a steady state.
     pub fn steady_state(&self, pump: &Pump, speed_rad_s: f64) -> Result<SteadyState, ModelError> {
         self.resisted_steady_state(pump, [pump.inlet(), pump.outlet()].map(Loss::of), speed_rad_s)
     }
 
-    /// As [`Self::steady_state`], with what inlet and outlet line resist in place of their R.
+    /// Returns the periodic steady state with a resistance of each line, inlet first, in place of R.
+    ///
+    /// # Errors
+    ///
+    /// Fails where [`Self::steady_state`] does.
     pub fn resisted_steady_state(
         &self,
         pump: &Pump,
@@ -37,7 +47,7 @@ impl RollerCentric {
         let legs = [Leg::constant_speed(0.0, speed_rad_s)];
         let mut run = RollerRun::resisted(pump, *self, losses, legs, TOLERANCE)?;
         let (inlet_line, outlet_line) = (pump.inlet(), pump.outlet());
-        // Pitches end away from all edges, where what joins and parts is the same whatever the rounding.
+        // Pitches end away from all edges, where joins and cuts do not depend on rounding.
         let start_s = run.first_middle_s();
         run.run_to(start_s)?;
         let (inlet, outlet, volume_ml) = repeated(|number| {
@@ -71,7 +81,7 @@ impl RollerCentric {
 }
 
 impl Tally {
-    /// Ripple of the flow at the rollers, whose mean is that of the line, mL/s.
+    /// Returns the ripple of the flow at the rollers, whose mean is that of the line, mL/s.
     fn ripple(&self, mean_ml_s: f64) -> Ripple {
         let mean = mean_ml_s.abs();
         Ripple {
