@@ -187,8 +187,14 @@ fn readings_of_a_guided_calibration_stay_on_record_and_the_next_call_goes_on_wit
     // A reading that cannot be fitted with the others loses none of them.
     let log = user.path("state/three-roller/sim/calibrations/unfinished.jsonl");
     let refused = answers(&user, &["calibrate", "run", "--fit", "speed-law"], "7.03mL\n7.04mL\n\n");
-    assert!(refused.code == 2 && refused.err.contains("three speeds"), "{}", refused.err);
+    // The rotor has turned, so this is a fault.
+    assert_eq!(refused.code, 1, "{}", refused.err);
+    assert!(refused.err.contains("2 speeds for a speed law; 3 at least are needed"), "{}", refused.err);
+    assert!(refused.err.contains("the readings that were typed are on record"), "{}", refused.err);
     assert_eq!(fs::read_to_string(&log).unwrap().lines().count(), 5);
+    // Nothing is left to be made, so nothing moves.
+    let refused = answers(&user, &["calibrate", "run", "--fit", "speed-law"], "\n");
+    assert_eq!(refused.code, 2, "{}", refused.err);
     let kept = answers(&user, &["calibrate", "run"], "\n");
     assert_eq!(kept.code, 0, "{}", kept.err);
     assert!(kept.err.contains("4 of 4 runs") && !kept.err.contains("moving"), "{}", kept.err);
@@ -205,7 +211,11 @@ fn a_guided_calibration_begins_anew_on_request_and_with_a_new_tube() {
     let arguments = ["calibrate", "run", "--speeds", "60rpm", "--runs", "2", "--pitches", "1"];
     let log = user.path("state/three-roller/sim/calibrations/unfinished.jsonl");
     assert_eq!(answers(&user, &arguments, "7.1mL\n7.1mL\nquit\n").code, 0);
-    let anew = answers(&user, &["calibrate", "run", "--speeds", "30rpm", "--anew"], "7.1mL\nquit\n");
+    let anew = answers(
+        &user,
+        &["calibrate", "run", "--speeds", "30rpm", "--pitches", "1", "--anew"],
+        "7.1mL\nquit\n",
+    );
     assert!(anew.code == 0 && anew.err.contains("3 runs of"), "{}", anew.err);
     assert_eq!(fs::read_to_string(&log).unwrap().lines().count(), 1);
     assert_eq!(user.types(&["tube", "--new"]).code, 0);

@@ -24,7 +24,8 @@ const RUNS: u32 = 3;
 const SLOWEST: f64 = 0.5;
 
 /// What becomes of the readings of a calibration that ends early.
-const KEPT: &str = "the readings that were typed are on record: `dose calibrate run` goes on with them";
+pub(super) const KEPT: &str =
+    "the readings that were typed are on record: `dose calibrate run` goes on with them";
 
 /// The course of the runs, as far as it is given.
 pub(super) struct Course {
@@ -86,6 +87,14 @@ impl Course {
     }
 }
 
+/// Runs that were weighed.
+pub(super) struct Weighed {
+    /// Runs on record, in the order of the plan.
+    pub(super) runs: Vec<Run>,
+    /// True if the rotor turned for some of them in this call.
+    pub(super) has_moved: bool,
+}
+
 /// Runs under guidance.
 struct Guide<'a, 'b> {
     bench: &'a Bench,
@@ -100,7 +109,7 @@ struct Guide<'a, 'b> {
 
 /// Makes the runs and asks for what arrived. Each reading is on record once it is typed, and runs that are on record are not
 /// made again. None if the person left.
-pub(super) fn runs(bench: &Bench, course: &Course) -> Result<Option<Vec<Run>>, Failure> {
+pub(super) fn runs(bench: &Bench, course: &Course) -> Result<Option<Weighed>, Failure> {
     let mut session = bench.session()?;
     session.connect()?;
     let log = RunLog::of(bench.folder());
@@ -129,10 +138,9 @@ pub(super) fn runs(bench: &Bench, course: &Course) -> Result<Option<Vec<Run>>, F
         }
         guide.log.begin(&planned)?;
     }
-    match guide.rest_of(&planned, runs)? {
-        Some(runs) => guide.last_may_be_repeated(runs),
-        None => Ok(None),
-    }
+    let Some(runs) = guide.rest_of(&planned, runs)? else { return Ok(None) };
+    let runs = guide.last_may_be_repeated(runs)?;
+    Ok(runs.map(|runs| Weighed { runs, has_moved: guide.session.has_moved() }))
 }
 
 /// The words that come first: which runs are to be made.

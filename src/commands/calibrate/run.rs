@@ -8,7 +8,7 @@ use pump_bench::calibration::{Calibration, Fit, Run, RunLog, Source, runs_of_csv
 use pump_bench::report::{calibration_json, calibration_text};
 use pump_bench::units;
 
-use super::guided::{self, Course};
+use super::guided::{self, Course, KEPT, Weighed};
 use super::reading::{ReadingOptions, in_table, read};
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
@@ -68,7 +68,9 @@ impl RunArgs {
                 json: self.format.json(),
             };
             return match guided::runs(&bench, &course)? {
-                Some(runs) => self.keep(&bench, Source::Guided, runs),
+                Some(Weighed { runs, has_moved }) => self
+                    .keep(&bench, Source::Guided, runs)
+                    .map_err(|failure| failure.after_motion(has_moved).with(&format!("; {KEPT}"))),
                 None => tell(
                     "doses go on as before; `dose calibrate run` goes on with the readings that were typed\n",
                 ),

@@ -227,7 +227,7 @@ impl Session<'_> {
         let angle_deg = degrees(state.angle_rad);
         match self.rest(why, state) {
             Ok(()) => Ok(state),
-            Err(source) if self.has_moved => Err(DoseError::AngleNotRecorded { angle_deg, source }),
+            Err(source) if self.moved => Err(DoseError::AngleNotRecorded { angle_deg, source }),
             Err(source) => Err(source.into()),
         }
     }

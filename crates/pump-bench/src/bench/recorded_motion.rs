@@ -77,7 +77,7 @@ impl<'a> Session<'a> {
         }
         let intent = self.announce(motion, &before)?;
         let Some(mut device) = self.device.take() else { unreachable!("it was connected above") };
-        self.has_moved = true;
+        self.moved = true;
         let Driven { ended, unwritten } = self.drive(&mut device, motion, watch);
         device.holds_since = Instant::now();
         match ended {

@@ -31,7 +31,7 @@ pub struct Session<'a> {
     /// Device that turns the motor. It is opened once it is needed.
     pub(super) device: Option<Device<'a>>,
     /// True if this session has turned the motor.
-    pub(super) has_moved: bool,
+    pub(super) moved: bool,
     _lock: Lock,
 }
 
@@ -76,9 +76,14 @@ impl<'a> Session<'a> {
             written: story.cut_off.is_none(),
             cut_off: story.cut_off,
             device: None,
-            has_moved: false,
+            moved: false,
             _lock: lock,
         })
+    }
+
+    /// Returns true if this session has turned the motor.
+    pub fn has_moved(&self) -> bool {
+        self.moved
     }
 
     /// Returns the state of the pump. `None` if nothing was ever recorded.
