@@ -54,14 +54,6 @@ impl Failure {
         self.kind == Kind::Refused
     }
 
-    /// The failure as a fault if the rotor has turned before it.
-    pub(crate) fn after_motion(mut self, has_moved: bool) -> Self {
-        if has_moved && matches!(self.kind, Kind::Refused | Kind::Busy | Kind::Unfinished) {
-            self.kind = Kind::Fault;
-        }
-        self
-    }
-
     /// The failure with more to say.
     pub(crate) fn with(mut self, more: &str) -> Self {
         self.message.push_str(more);

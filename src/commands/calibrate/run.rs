@@ -68,9 +68,12 @@ impl RunArgs {
                 json: self.format.json(),
             };
             return match guided::runs(&bench, &course)? {
-                Some(Weighed { runs, has_moved }) => self
-                    .keep(&bench, Source::Guided, runs)
-                    .map_err(|failure| failure.after_motion(has_moved).with(&format!("; {KEPT}"))),
+                Some(Weighed { runs, has_moved }) => {
+                    self.keep(&bench, Source::Guided, runs).map_err(|failure| {
+                        let failure = if has_moved { failure.after_motion() } else { failure };
+                        failure.with(&format!("; {KEPT}"))
+                    })
+                }
                 None => tell(
                     "doses go on as before; `dose calibrate run` goes on with the readings that were typed\n",
                 ),
