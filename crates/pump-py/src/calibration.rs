@@ -182,7 +182,7 @@ impl Calibration {
     /// Standard deviation of the runs about the line, part of the volume; None if there were too few.
     #[getter]
     fn scatter(&self) -> Option<f64> {
-        self.displacement()?.scatter
+        self.displacement()?.scatter.standard()
     }
 
     /// Numbers of the runs, from 1, that lie far from the others; they are in the fit.

@@ -61,7 +61,7 @@ pub(super) fn text(bench: &Bench, stored: &Stored) -> Result<String, Calibration
             2.0 * law.distensibility_standard_per_kpa
         );
     }
-    if let Some(scatter) = found.scatter {
+    if let Some(scatter) = found.scatter.standard() {
         let expected = file.uncertainty.repeatability_percent;
         let percent = 100.0 * scatter;
         let _ = write!(text, "  runs scatter by {percent:.3} % (the pump file says {expected} %)");
@@ -77,7 +77,7 @@ pub(super) fn text(bench: &Bench, stored: &Stored) -> Result<String, Calibration
         let _ =
             writeln!(text, "  warning: run {run} lies far from the others; it is in the fit: weigh it again");
     }
-    if found.scatter.is_some_and(|scatter| found.lack_of_fit > 2.0 * scatter) {
+    if found.scatter.standard().is_some_and(|scatter| found.lack_of_fit > 2.0 * scatter) {
         text.push_str("  warning: the speeds depart from the fit by far more than the runs scatter; it is not their shape\n");
     }
     let limit_rpm = file.motor.max_speed_rpm;

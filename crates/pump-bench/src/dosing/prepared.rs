@@ -119,7 +119,7 @@ impl Prepared {
         let prediction = plan.predict(&model)?;
         let margins = limits.margins(&model, &plan);
         let mut warnings = warnings_of(&model, &plan, &prediction, &margins)?;
-        let is_weighed = applied.as_ref().is_some_and(|applied| applied.displacement.is_some());
+        let is_weighed = applied.as_ref().is_some_and(|applied| applied.sureness().is_some());
         if file.is_estimated() && !is_weighed {
             warnings.push(
                 "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on it"

@@ -50,9 +50,9 @@ impl Budget {
     /// uncertainty. Temperature widens the bore. What is repaid of earlier doses is as unsure as they were.
     pub fn new(pump: &Pump, plan: &Plan, table: &UncertaintyTable, calibration: Option<&Applied>) -> Self {
         let volume_ml = plan.planned_ml.abs();
-        let sureness = calibration.and_then(|applied| applied.displacement);
+        let sureness = calibration.and_then(|applied| applied.sureness());
         // Nobody knows how near a speed law is that was not fitted to this pump but by what the pump file says of it.
-        let law = calibration.and_then(|applied| applied.speed_law);
+        let law = calibration.and_then(|applied| applied.speed_law());
         let model = if sureness.is_some() || law.is_some() { 0.0 } else { table.model_percent / 100.0 };
         let of_calibration = |of: fn(&Sureness) -> f64| sureness.as_ref().map_or(0.0, of);
         let repeatability =

@@ -200,7 +200,7 @@ impl DoseReport {
             volume_least_ml: part.least_ml,
             volume_most_ml: part.most_ml,
             delivered_ml: delivered.map(|delivered| delivered.volume_ml),
-            volume_basis: match applied.and_then(|applied| applied.displacement) {
+            volume_basis: match applied.and_then(|applied| applied.sureness()) {
                 Some(_) => "calibrated",
                 None if file.is_estimated() => "estimated",
                 None => "model",
@@ -215,7 +215,7 @@ impl DoseReport {
                 })
             }),
             speed_law_factor: applied
-                .and_then(|applied| applied.speed_law.map(|_| applied.correction.factor)),
+                .and_then(|applied| applied.speed_law().map(|_| applied.correction.factor)),
             expanded_uncertainty_ml: budget.expanded_ml(),
             uncertainty_budget: budget.shares,
             phase: PhaseReport {
