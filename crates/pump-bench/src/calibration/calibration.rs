@@ -110,9 +110,9 @@ impl Calibration {
     /// `rpm`, negative in reverse. Returns `None` if no displacement was weighed.
     ///
     /// One speed or two do not show how the volume depends on the speed. The share for that then takes all of
-    /// the model's uncertainty over the motor's speeds as a straight line, over the distance to the nearest
-    /// speed of the runs: sqrt(12) model_percent |N - N_nearest|/N_max. With three speeds or more it is the
-    /// distance of the runs from their line or speed law.
+    /// the model's uncertainty over the motor's speeds as a straight line. It is
+    /// sqrt(12) model_percent |N - N_nearest|/N_max, with N_nearest the nearest speed of the runs. With three
+    /// speeds or more it is the distance of the runs from their line or speed law.
     ///
     /// # Errors
     ///

@@ -23,7 +23,8 @@ pub enum CalibrationError {
     },
     /// A stored calibration cannot be read.
     #[error(
-        "the calibration {} is damaged: {message}; to dose without a calibration, say `dose calibrate use none`",
+        "the calibration {} is damaged: {message}; to dose without a calibration, say \
+         `dose calibrate use none`",
         .path.display()
     )]
     Damaged {
@@ -34,8 +35,8 @@ pub enum CalibrationError {
     },
     /// The readings of a guided calibration that was begun cannot be read.
     #[error(
-        "the readings of the guided calibration in {} are damaged: {message}; correct the file, or begin anew \
-         with `dose calibrate run --anew`", .path.display()
+        "the readings of the guided calibration in {} are damaged: {message}; correct the file, or begin \
+         anew with `dose calibrate run --anew`", .path.display()
     )]
     DamagedLog {
         /// Path of the file of readings.
@@ -107,7 +108,8 @@ pub enum CalibrationError {
     /// The dose cruises at a speed that was not calibrated.
     #[error(
         "calibration {version} holds from {least_rpm:.4} to {most_rpm:.4} r/min ({least_ml_s:.4} to \
-         {most_ml_s:.4} mL/s), and {asked} is beyond; dose within that, calibrate more speeds, or say `dose calibrate use none`"
+         {most_ml_s:.4} mL/s), and {asked} is beyond; dose within that, calibrate more speeds, or say \
+         `dose calibrate use none`"
     )]
     OutsideSpeeds {
         /// Number of the calibration.
@@ -146,8 +148,9 @@ pub enum CalibrationError {
     },
     /// The runs are not those of a speed law.
     #[error(
-        "the runs do not fit a speed law: the fit gives s {scale:.4} and D {d_per_kpa:.2e} ± {:.1e} /kPa (k = 2), \
-         and D must lie between 0 and 1; take more speeds, up to where the inlet pressure swings, or fit a line",
+        "the runs do not fit a speed law: the fit gives s {scale:.4} and D {d_per_kpa:.2e} ± {:.1e} /kPa \
+         (k = 2), and D must lie between 0 and 1; take more speeds, up to where the inlet pressure swings, \
+         or fit a line",
         2.0 * .standard_per_kpa
     )]
     NoLaw {

@@ -166,8 +166,8 @@ mod tests {
 
     #[test]
     fn a_table_may_say_angles_turns_or_steps_and_grams_or_millilitres() {
-        let text = "speed_rpm, turned_deg, revolutions, steps, direction, mass_g, volume_ml, start_angle_deg, \
-                    time\n\
+        let text = "speed_rpm, turned_deg, revolutions, steps, direction, mass_g, volume_ml, start_angle_deg,\
+                    \x20time\n\
                     60, 720,,, 1, 42.5,, 10, 9:30\n\
                     # a comment\n\
                     \n\

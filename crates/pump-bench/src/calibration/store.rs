@@ -105,8 +105,8 @@ impl Calibrations {
     ///
     /// # Errors
     ///
-    /// [`CalibrationError::NoSuchVersion`] if there is no such calibration, [`CalibrationError::Damaged`] if
-    /// its file is no calibration, and [`CalibrationError::File`] if a file cannot be read or written.
+    /// [`CalibrationError::NoSuchVersion`] if there is no such calibration. [`CalibrationError::Damaged`] if
+    /// its file is no calibration. [`CalibrationError::File`] if a file cannot be read or written.
     pub fn activate(&self, version: Option<u32>) -> Result<(), CalibrationError> {
         if let Some(version) = version {
             let versions = self.versions()?;

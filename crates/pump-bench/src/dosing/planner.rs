@@ -47,8 +47,8 @@ impl Planner<'_> {
     ///
     /// # Errors
     ///
-    /// [`CalibrationError::OtherPump`] if another pump was calibrated, a refusal that names the speeds if the
-    /// dose cruises outside of them, and the errors of [`plan`].
+    /// [`CalibrationError::OtherPump`] if another pump was calibrated. A refusal that names the calibrated
+    /// speeds if the dose cruises outside of them. The errors of [`plan`].
     pub(crate) fn plan(&self, start: Phase, request: &Request) -> Result<SpeedPlan, DoseError> {
         let Some(against) = self.against() else {
             return self.at_speed(None, 0.0, start, request);

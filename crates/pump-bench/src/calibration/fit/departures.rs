@@ -54,10 +54,11 @@ impl Departures {
         self.runs > self.by_speed.len()
     }
 
-    /// Returns the variance of the runs at one speed over the expected variance, or of the runs about the fit
-    /// with so many parameters where no speed was repeated. Returns `None` without degrees of freedom.
+    /// Returns the variance of the runs at one speed over the expected variance. Returns `None` without
+    /// degrees of freedom.
     ///
-    /// The distance of the speeds' means from the fit is the lack of fit, and counts once.
+    /// Where no speed was repeated, the variance is that of the runs about the fit, which has so many
+    /// `parameters`. The distance of the speeds' means from the fit is the lack of fit, and counts once.
     pub(super) fn variance_ratio(&self, parameters: usize) -> Option<VarianceRatio> {
         let repeated = self.repeated();
         let used = if repeated { self.by_speed.len() } else { parameters };
@@ -71,9 +72,8 @@ impl Departures {
         Some(VarianceRatio { degrees_of_freedom, ratio })
     }
 
-    /// Returns the root of the variance of the speeds' means about the fit that the scatter within the speeds
-    /// does not explain, as a part of the volume. It is 0 with two speeds or fewer, or where none was
-    /// repeated.
+    /// Returns the standard deviation of the speeds' means about the fit beyond the scatter within the
+    /// speeds, as a part of the volume. It is 0 with two speeds or fewer, or where no speed was repeated.
     pub(super) fn lack_of_fit(&self) -> f64 {
         let (speeds, runs) = (self.by_speed.len(), self.runs);
         if speeds < 3 || !self.repeated() {
@@ -89,9 +89,11 @@ impl Departures {
         sqrt(excess.max(0.0) * speeds as f64 / runs as f64)
     }
 
-    /// Returns the numbers of the runs, from 1, that lie far from the median of their speed, or, where no
-    /// speed was repeated, from the fit. No run within half of `sigma`, the deviation that was expected, is
-    /// called an outlier, however much the others agree.
+    /// Returns the numbers of the runs, from 1, that lie far from the median of their speed. Where no speed
+    /// was repeated, the runs count from the fit.
+    ///
+    /// The robust standard deviation is taken as half of `sigma`, the deviation that was expected, or more,
+    /// however much the runs agree.
     pub(super) fn outliers(&self, sigma: f64) -> Vec<usize> {
         let repeated = self.repeated();
         let mut distances = Vec::new();

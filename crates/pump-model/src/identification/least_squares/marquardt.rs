@@ -7,9 +7,10 @@ use super::triangle::Triangle;
 /// Steps that a search may take; it takes about ten.
 const MOST_STEPS: u32 = 100;
 
-/// A fit is done when what a step could still gain is this part of what is left, or the step is this small in
-/// every parameter.
+/// Part of the sum of squares: a search ends where a step could gain less.
 const GAIN: f64 = 1e-12;
+
+/// Change of a parameter: a search ends where a step changes every parameter by less.
 const STEP: f64 = 1e-9;
 
 /// Measurements and a model with N parameters, some of them held.
