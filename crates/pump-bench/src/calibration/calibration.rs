@@ -1,15 +1,14 @@
-//! A calibration, and what it makes of a dose at one speed.
+//! A calibration as it is stored.
 
-use pump_model::math::{radians, sqrt};
+use pump_model::math::radians;
 use pump_model::{ModelError, Pump};
 use serde::{Deserialize, Serialize};
 
+use super::applied::Sureness;
 use super::date;
 use super::error::CalibrationError;
 use super::fit::{Displacement, ShortDose};
 use super::run::Run;
-use crate::displacement::Correction;
-use crate::numbers::significant;
 use crate::pump_file::PumpFile;
 
 /// Schema of stored calibrations.
@@ -18,7 +17,7 @@ const SCHEMA: &str = "calibration/1";
 /// End to end difference of a straight line whose RMS about its mean is 1.
 const LINE_OVER_RMS: f64 = 3.464_101_615_137_754_6;
 
-/// Where runs come from.
+/// Origin of the runs of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Source {
@@ -26,84 +25,51 @@ pub enum Source {
     File,
     /// Runs that `dose calibrate run` made, with readings that were typed.
     Guided,
-    /// Short doses: the zero of the angle.
+    /// Short doses, which show the zero of the angle.
     Phase,
 }
 
-/// A calibration as it is stored: raw data, what was found, and of what.
+/// A calibration as it is stored: raw data, the values that were found, and the pump and fluid that they
+/// belong to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
-    /// `calibration/1`.
+    /// Schema of the data: `calibration/1`.
     pub schema: String,
-    /// When it was made, UTC.
+    /// Date at which the calibration was made, UTC.
     pub date: String,
-    /// Where the runs come from.
+    /// Origin of the runs.
     pub source: Source,
-    /// The tube, as the user calls it.
+    /// Name that the user gave the tube.
     pub tube: Option<String>,
-    /// What the user wants remembered.
+    /// Note of the user.
     pub note: Option<String>,
-    /// Fluid that was pumped.
+    /// Name of the fluid that was pumped.
     pub fluid: String,
-    /// Its mean temperature, °C.
+    /// Mean temperature of the fluid, in °C.
     pub temperature_degc: f64,
-    /// Pressure of the air around the scale, kPa absolute.
+    /// Pressure of the air around the scale, in kPa absolute.
     pub ambient_kpa: f64,
-    /// Model volume of a revolution that the factors multiply, mL.
+    /// Model volume of a revolution that the factors multiply, in mL.
     pub revolution_ml: f64,
-    /// The displacement factor; none while only the zero was sought.
+    /// Displacement factor; `None` while only the zero was sought.
     pub displacement: Option<Displacement>,
-    /// Its runs.
+    /// Weighed runs that the displacement factor was fitted to.
     pub runs: Vec<Run>,
-    /// Model angle of the rollers where the record says 0, deg.
+    /// Model angle of the rollers where the record says 0, in deg.
     pub zero_deg: f64,
-    /// Standard uncertainty of that, deg.
+    /// Standard uncertainty of the zero, in deg.
     pub zero_standard_deg: f64,
-    /// The short doses that it comes from.
+    /// Short doses that the zero was fitted to.
     pub short_doses: Vec<ShortDose>,
 }
 
-/// What a calibration, the pump file's speed law or both make of a dose at its cruise speed; uncertainties are parts of the
-/// volume.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Applied {
-    /// The calibration; none of the speed law alone.
-    pub calibration: Option<Made>,
-    /// What is changed.
-    pub correction: Correction,
-    /// How sure the displacement is that was weighed; none if it is the model's or the speed law's.
-    pub displacement: Option<Sureness>,
-    /// Standard uncertainty of the pump file's speed law, where that says the displacement.
-    pub speed_law: Option<f64>,
-    /// Standard uncertainty of the zero, rad.
-    pub zero_standard_rad: f64,
-}
-
-/// Which calibration.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Made {
-    /// Its number.
-    pub version: u32,
-    /// When it was made.
-    pub date: String,
-}
-
-/// How sure a calibrated displacement is: parts of the volume, standard.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sureness {
-    /// Of the factor at this speed: scatter of the runs and the readings.
-    pub factor: f64,
-    /// What the volume may depend on the speed beyond what the runs show.
-    pub speed_law: f64,
-    /// Standard deviation of the runs; 0 if it could not be told.
-    pub repeatability: f64,
-    /// Fluid of the dose less fluid of the runs, °C.
-    pub warmer_degc: f64,
-}
-
 impl Calibration {
-    /// A calibration of the pump of `file` that says nothing yet.
+    /// Returns a calibration of the pump of `file` that has no runs and corrects nothing yet.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::Model`] if the pump of `file` cannot be modelled.
     pub fn empty(file: &PumpFile, source: Source) -> Result<Self, CalibrationError> {
         Ok(Self {
             schema: SCHEMA.to_owned(),
@@ -123,7 +89,11 @@ impl Calibration {
         })
     }
 
-    /// Refuses data of another schema, in words.
+    /// Checks that the data have the schema of this version.
+    ///
+    /// # Errors
+    ///
+    /// A message that names both schemas if they differ.
     pub fn check_schema(&self) -> Result<(), String> {
         if self.schema == SCHEMA {
             return Ok(());
@@ -131,17 +101,22 @@ impl Calibration {
         Err(format!("its schema is `{}`; this version reads `{SCHEMA}`", self.schema))
     }
 
-    /// Model angle of the rollers where the record says 0, rad.
+    /// Returns the model angle of the rollers where the record says 0, in rad.
     pub fn zero_rad(&self) -> f64 {
         radians(self.zero_deg)
     }
 
-    /// How sure its displacement is for a dose of `base`, the pump of `file`, that cruises at `rpm`, negative in reverse.
+    /// Returns the uncertainty of the displacement for a dose of `base`, the pump of `file`, that cruises at
+    /// `rpm`, negative in reverse. Returns `None` if no displacement was weighed.
     ///
-    /// With one speed or two nobody has seen how the volume depends on the speed. The share for that is then what it is if
-    /// all of the model's uncertainty over the motor's speeds were a straight line, over the distance to the nearest speed
-    /// of the runs: sqrt(12) model_percent |N - N_nearest|/N_max. With three or more it is what the runs depart from their
-    /// line, or the speed law, by.
+    /// One speed or two do not show how the volume depends on the speed. The share for that then takes all of
+    /// the model's uncertainty over the motor's speeds as a straight line. It is
+    /// sqrt(12) model_percent |N - N_nearest|/N_max, with N_nearest the nearest speed of the runs. With three
+    /// speeds or more it is the distance of the runs from their line or speed law.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError`] where the speed law cannot be computed for this pump and speed.
     pub fn sureness_at(
         &self,
         base: &Pump,
@@ -157,29 +132,8 @@ impl Calibration {
             } else {
                 displacement.lack_of_fit
             },
-            repeatability: displacement.scatter.unwrap_or(0.0),
+            repeatability: displacement.scatter.standard().unwrap_or(0.0),
             warmer_degc: file.fluid.temperature_degc - self.temperature_degc,
         }))
-    }
-}
-
-impl Sureness {
-    /// What the user should know of a speed at which nothing was weighed.
-    pub(crate) fn warning(&self, version: u32, calibrated: &Displacement, rpm: f64) -> Option<String> {
-        let percent = 100.0 * self.speed_law;
-        (calibrated.speeds_rpm.len() < 3 && percent > 0.0).then(|| {
-            let speeds: Vec<String> = calibrated.speeds_rpm.iter().map(|speed| significant(*speed, 5)).collect();
-            format!(
-                "calibration {version} was made at {} r/min alone, and this dose cruises at {}: {percent:.2} % of the \
-                 volume is added to the uncertainty for that; calibrate at three speeds or more",
-                speeds.join(" and "),
-                significant(rpm, 5),
-            )
-        })
-    }
-
-    /// Root of the sum of squares of what is common to all doses at this speed.
-    pub fn common(&self) -> f64 {
-        sqrt(self.factor * self.factor + self.speed_law * self.speed_law)
     }
 }

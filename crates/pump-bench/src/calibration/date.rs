@@ -1,17 +1,18 @@
-//! Dates for people.
+//! Dates in text.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Now, UTC, by the clock of the day: as `2026-11-21T13:50:00Z`.
+/// Returns the present date and time by the system's clock, UTC, as `2026-11-21T13:50:00Z`.
 pub fn now() -> String {
     let unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs());
     of_unix(unix_s)
 }
 
-/// The Gregorian date of a time since 1970, counted from 1 March of the year 0, when leap days come last in a year.
+/// Returns the Gregorian date of a time since 1970. Days count from 1 March of the year 0, so that leap days
+/// come last in a year.
 fn of_unix(unix_s: u64) -> String {
     const DAYS_OF_400_YEARS: u64 = 146_097;
-    /// From 1 March of the year 0 to 1970.
+    /// Days from 1 March of the year 0 to 1970.
     const DAYS_BEFORE: u64 = 719_468;
     let (days, second) = (unix_s / 86_400 + DAYS_BEFORE, unix_s % 86_400);
     let day = days % DAYS_OF_400_YEARS;

@@ -1,4 +1,4 @@
-//! Why a calibration cannot be made or used.
+//! Errors of calibrations.
 
 use std::path::PathBuf;
 
@@ -7,163 +7,169 @@ use thiserror::Error;
 
 use crate::files::TableError;
 
-/// A calibration that is refused, with what is wrong and what to do.
+/// A calibration that cannot be made or used. The message says what is wrong and what to do.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CalibrationError {
-    /// A file cannot be used.
+    /// A file cannot be read or written.
     #[error("cannot {action} {}: {source}", .path.display())]
     File {
-        /// What was tried.
+        /// Action that was tried.
         action: &'static str,
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A stored calibration cannot be read.
     #[error(
-        "the calibration {} is damaged: {message}; `dose calibrate use none` doses without one", .path.display()
+        "the calibration {} is damaged: {message}; to dose without a calibration, say \
+         `dose calibrate use none`",
+        .path.display()
     )]
     Damaged {
-        /// Which.
+        /// Path of its file.
         path: PathBuf,
-        /// Why.
+        /// Fault in the file.
         message: String,
     },
     /// The readings of a guided calibration that was begun cannot be read.
     #[error(
-        "the readings of the guided calibration in {} are damaged: {message}; correct the file, or begin anew with \
-         `dose calibrate run --anew`", .path.display()
+        "the readings of the guided calibration in {} are damaged: {message}; correct the file, or begin \
+         anew with `dose calibrate run --anew`", .path.display()
     )]
     DamagedLog {
-        /// File of the readings.
+        /// Path of the file of readings.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Fault in the file.
         message: String,
     },
     /// A table of runs cannot be read.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// There is nothing to fit.
+    /// There are too few readings for a fit.
     #[error("{given} {of}; {needed} at least are needed")]
     TooFew {
-        /// How many there are.
+        /// Number of readings.
         given: usize,
-        /// Of what.
+        /// Kind of reading.
         of: &'static str,
-        /// How many are needed.
+        /// Number of readings that is needed.
         needed: usize,
     },
     /// The model volume of a run depends on an angle that nobody knows.
     #[error(
-        "run {run} turned {turned_deg} deg from an unknown angle; give start_angle_deg, or turn whole pitches \
-         ({pitch_deg} deg)"
+        "run {run} turned {turned_deg} deg from an unknown angle; give start_angle_deg, or turn whole \
+         pitches ({pitch_deg} deg)"
     )]
     UnknownAngle {
         /// Number of the run, from 1.
         run: usize,
-        /// How far it turned, deg.
+        /// Angle that the rotor turned, in deg.
         turned_deg: f64,
-        /// Angle between rollers, deg.
+        /// Angle between rollers, in deg.
         pitch_deg: f64,
     },
     /// A reading cannot be right.
     #[error(
-        "run {run} gave {measured_ml:.4} mL where the model gives {model_ml:.4} mL; more than twice or less than half is a \
-         mistake in a unit, an angle or a reading"
+        "run {run} gave {measured_ml:.4} mL where the model gives {model_ml:.4} mL; more than twice or \
+         less than half is a mistake in a unit, an angle or a reading"
     )]
     Implausible {
         /// Number of the run, from 1.
         run: usize,
-        /// mL.
+        /// Measured volume, in mL.
         measured_ml: f64,
-        /// mL.
+        /// Model volume, in mL.
         model_ml: f64,
     },
     /// The density of the fluid is not known at this temperature.
     #[error(
-        "{fluid} was weighed at {temperature_degc} °C, but its density is known at {known_degc} °C; put the density at the \
-         temperature of the runs into the pump file's [fluid]"
+        "{fluid} was weighed at {temperature_degc} °C, but its density is known at {known_degc} °C; put \
+         the density at the temperature of the runs into the pump file's [fluid]"
     )]
     FluidTemperature {
-        /// Its name.
+        /// Name of the fluid.
         fluid: String,
-        /// °C.
+        /// Temperature at which the fluid was weighed, in °C.
         temperature_degc: f64,
-        /// °C.
+        /// Temperature at which the density is known, in °C.
         known_degc: f64,
     },
-    /// Speed and displacement do not settle.
+    /// The search for the fastest dose does not settle on a speed and its displacement.
     #[error(
-        "the fastest dose was not found in {rounds} rounds: the displacement changes too much with the speed; ask for a rate"
+        "the fastest dose was not found in {rounds} rounds: the displacement changes too much with the \
+         speed; ask for a rate"
     )]
     NoSpeed {
-        /// How often it was planned.
+        /// Number of plans that were made.
         rounds: u32,
     },
     /// The dose cruises at a speed that was not calibrated.
     #[error(
-        "calibration {version} holds from {least_rpm:.4} to {most_rpm:.4} r/min ({least_ml_s:.4} to {most_ml_s:.4} mL/s), and \
-         {asked} is beyond; dose within that, calibrate more speeds, or say `dose calibrate use none`"
+        "calibration {version} holds from {least_rpm:.4} to {most_rpm:.4} r/min ({least_ml_s:.4} to \
+         {most_ml_s:.4} mL/s), and {asked} is beyond; dose within that, calibrate more speeds, or say \
+         `dose calibrate use none`"
     )]
     OutsideSpeeds {
-        /// Its number.
+        /// Number of the calibration.
         version: u32,
-        /// Slowest speed, r/min.
+        /// Slowest calibrated speed, in r/min.
         least_rpm: f64,
-        /// Fastest, r/min.
+        /// Fastest calibrated speed, in r/min.
         most_rpm: f64,
-        /// Mean flow at the slowest, mL/s.
+        /// Mean flow at the slowest speed, in mL/s.
         least_ml_s: f64,
-        /// Largest mean flow, mL/s.
+        /// Largest mean flow, in mL/s.
         most_ml_s: f64,
-        /// What was asked.
+        /// Speed or flow that was asked for, in words.
         asked: String,
     },
     /// The pump file is not the one that was calibrated.
     #[error(
-        "calibration {version} was made of a pump with {then_ml:.6} mL per revolution, and the pump file now says \
-         {now_ml:.6}; calibrate again, or say `dose calibrate use none`"
+        "calibration {version} was made of a pump with {then_ml:.6} mL per revolution, and the pump file now \
+         says {now_ml:.6}; calibrate again, or say `dose calibrate use none`"
     )]
     OtherPump {
-        /// Its number.
+        /// Number of the calibration.
         version: u32,
-        /// Model volume of a revolution when it was made, mL.
+        /// Model volume of a revolution when the calibration was made, in mL.
         then_ml: f64,
-        /// The same now, mL.
+        /// Model volume of a revolution by the pump file now, in mL.
         now_ml: f64,
     },
-    /// There is no such version.
+    /// There is no calibration of this number.
     #[error("there is no calibration {version} of this pump; there are: {known}")]
     NoSuchVersion {
-        /// Its number.
+        /// Number that was asked for.
         version: u32,
-        /// What there is.
+        /// Numbers of the calibrations that exist, in words.
         known: String,
     },
     /// The runs are not those of a speed law.
     #[error(
-        "the runs do not fit a speed law: s {scale:.4} and D {d_per_kpa:.2e} ± {:.1e} /kPa (k = 2) come out, and D must lie between 0 and \
-         1; take more speeds, up to where the inlet pressure swings, or fit a line", 2.0 * .standard_per_kpa
+        "the runs do not fit a speed law: the fit gives s {scale:.4} and D {d_per_kpa:.2e} ± {:.1e} /kPa \
+         (k = 2), and D must lie between 0 and 1; take more speeds, up to where the inlet pressure swings, \
+         or fit a line",
+        2.0 * .standard_per_kpa
     )]
     NoLaw {
-        /// s.
+        /// s that was found.
         scale: f64,
-        /// D, 1/kPa.
+        /// D that was found, in 1/kPa.
         d_per_kpa: f64,
-        /// Its standard uncertainty, 1/kPa.
+        /// Standard uncertainty of D, in 1/kPa.
         standard_per_kpa: f64,
     },
     /// The fit found no parameters.
-    #[error("the doses do not determine {what}: {why}")]
+    #[error("the readings do not determine {what}: {why}")]
     Undetermined {
-        /// What was sought.
+        /// Parameters that were sought.
         what: &'static str,
-        /// Why it was not found.
+        /// Reason why they were not found.
         why: &'static str,
     },
-    /// The corrected pump cannot be modelled.
+    /// The pump cannot be modelled.
     #[error(transparent)]
     Model(#[from] ModelError),
 }

@@ -1,4 +1,4 @@
-//! A calibration made of what was weighed.
+//! A calibration made from weighed runs or short doses.
 
 use super::{
     AgainstSpeed, Calibration, CalibrationError, Displacement, Expected, PhaseFit, Revolution, Run,
@@ -8,36 +8,43 @@ use crate::displacement::Correction;
 use crate::pump_file::PumpFile;
 use crate::words::words;
 
-/// What is fitted to runs at several speeds.
+/// Shape that is fitted to runs at several speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Fit {
     /// A straight line over the speed.
     #[default]
     Line,
-    /// s and D of the speed law.
+    /// Speed law, whose s and D are fitted.
     SpeedLaw,
 }
 
 words!(Fit { Line = "line", SpeedLaw = "speed-law" });
 
 impl Expected {
-    /// What the pump file says of repeated runs, with the standard uncertainty of a reading, mL.
+    /// Returns the repeatability of the pump file, with the standard uncertainty of a reading, in mL.
     pub fn of(file: &PumpFile, reading_ml: f64) -> Self {
         Self { repeatability: file.uncertainty.repeatability_percent / 100.0, reading_ml }
     }
 }
 
 impl Calibration {
-    /// The displacement of the pump of `file` by weighed runs. The zero of `before` stays: other doses found it.
+    /// Returns a calibration of the displacement of the pump of `file` by weighed runs. The zero of `before`
+    /// stays, since other doses found it.
     ///
     /// ```
     /// use pump_bench::calibration::{Calibration, Expected, Fit, Source, runs_of_csv};
     /// let file = pump_bench::built_in("three-roller").unwrap();
     /// let runs = runs_of_csv("speed_rpm,revolutions,volume_ml\n60,2,43.0618\n", 12_800.0)?;
-    /// let found = Calibration::of_runs(&file, Source::File, runs, Fit::Line, &Expected::of(&file, 0.0), None)?;
+    /// let expected = Expected::of(&file, 0.0);
+    /// let found = Calibration::of_runs(&file, Source::File, runs, Fit::Line, &expected, None)?;
     /// assert!((found.displacement.unwrap().factor - 1.01).abs() < 1e-3);
     /// # Ok::<(), pump_bench::calibration::CalibrationError>(())
     /// ```
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`Displacement::fit`] or [`Displacement::fit_law`], and [`CalibrationError::Model`] if the
+    /// pump of `file` cannot be modelled.
     pub fn of_runs(
         file: &PumpFile,
         source: Source,
@@ -68,7 +75,12 @@ impl Calibration {
         Ok(calibration)
     }
 
-    /// The zero of the pump of `file` by short doses, beside the displacement of `before`; and all that they say.
+    /// Returns a calibration of the zero of the pump of `file` by short doses, and the fit of these doses.
+    /// The displacement of `before` stays.
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`PhaseFit::of`], and [`CalibrationError::Model`] if the pump of `file` cannot be modelled.
     pub fn of_short_doses(
         file: &PumpFile,
         doses: Vec<ShortDose>,

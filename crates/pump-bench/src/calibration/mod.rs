@@ -1,5 +1,6 @@
-//! Calibrations: what a pump really displaces, from runs that were weighed, and how sure that is.
+//! Calibrations: the displacement of a pump by weighed runs, with its uncertainty.
 
+mod applied;
 mod calibration;
 mod date;
 mod error;
@@ -11,11 +12,13 @@ mod store;
 mod verification;
 mod weighing;
 
-pub use calibration::{Applied, Calibration, Made, Source, Sureness};
+pub use applied::{Applied, Basis, Made, Sureness};
+pub use calibration::{Calibration, Source};
 pub use date::now as now_utc;
 pub use error::CalibrationError;
 pub use fit::{
-    AgainstSpeed, Displacement, Expected, LawFit, PhaseFit, Revolution, ShortDose, short_doses_of_csv,
+    AgainstSpeed, Displacement, Expected, LawFit, PhaseFit, Revolution, Scatter, ShortDose,
+    short_doses_of_csv,
 };
 pub use making::Fit;
 pub use run::{Reading, Run, runs_of_csv};

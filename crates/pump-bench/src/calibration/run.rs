@@ -1,4 +1,4 @@
-//! A run that was weighed: how far the rotor turned, and what arrived.
+//! A weighed run: the angle that the rotor turned, and the volume that arrived.
 
 use pump_model::Pump;
 use pump_model::math::{degrees, radians, round};
@@ -8,42 +8,48 @@ use crate::files::Table;
 
 use super::{CalibrationError, Weighing};
 
-/// Whole pitches within this part of one deliver the same from anywhere, or as good as: the largest flow is twice the mean.
+/// A turn within this part of a pitch of whole pitches delivers the same volume from any angle, or nearly so:
+/// the largest flow is twice the mean.
 const WHOLE_PITCH: f64 = 1e-3;
 
 /// A measured volume further from the model's than this factor either way is a mistake.
 const PLAUSIBLE: f64 = 2.0;
 
-/// What was read of a run.
+/// Reading of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Reading {
-    /// What the scale showed, g.
+    /// Mass that the scale showed, in g.
     MassG(f64),
-    /// What a measuring vessel showed, mL.
+    /// Volume that a measuring vessel showed, in mL.
     VolumeMl(f64),
 }
 
-/// A run at constant speed with what arrived.
+/// A run at constant speed with the volume that arrived.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Run {
-    /// Cruise speed, r/min, positive.
+    /// Cruise speed, in r/min, positive.
     pub speed_rpm: f64,
-    /// Where the rollers stood, deg; none if nobody knows.
+    /// Angle of the rollers at the start, in deg; `None` if nobody knows.
     pub start_angle_deg: Option<f64>,
-    /// How far the rotor turned, deg; negative in reverse.
+    /// Angle that the rotor turned, in deg; negative in reverse.
     pub turned_deg: f64,
-    /// What was read, without sign.
+    /// Reading of scale or vessel, without sign.
     pub reading: Reading,
-    /// Temperature of the fluid, °C; none takes the pump file's.
+    /// Temperature of the fluid, in °C; `None` takes the pump file's.
     pub temperature_degc: Option<f64>,
-    /// When, as it was written down.
+    /// Time of the run, as it was written down.
     pub time: Option<String>,
 }
 
 impl Run {
-    /// Volume that arrived, mL.
+    /// Returns the volume that arrived, in mL.
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`Weighing::volume_ml`] if the density of the fluid is not known at the temperature of the
+    /// run.
     pub fn measured_ml(&self, weighing: &Weighing<'_>) -> Result<f64, CalibrationError> {
         match self.reading {
             Reading::VolumeMl(volume_ml) => Ok(volume_ml),
@@ -51,12 +57,16 @@ impl Run {
         }
     }
 
-    /// Temperature of the fluid, °C.
+    /// Returns the temperature of the fluid, in °C.
     pub fn temperature_degc(&self, weighing: &Weighing<'_>) -> f64 {
         self.temperature_degc.unwrap_or(weighing.fluid.temperature_degc)
     }
 
-    /// Model volume of the angles turned, mL, without sign; `number` names the run in errors.
+    /// Returns the model volume of the angle turned, in mL, without sign; `number` names the run in errors.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::UnknownAngle`] if the run turned a part of a pitch from an unknown angle.
     pub fn model_ml(&self, pump: &Pump, number: usize) -> Result<f64, CalibrationError> {
         let curve = pump.outlet_curve();
         let turn_rad = radians(self.turned_deg);
@@ -73,7 +83,12 @@ impl Run {
         }
     }
 
-    /// Measured and model volume, mL, if they may belong together.
+    /// Returns measured and model volume, in mL; `number` names the run in errors.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::Implausible`] if the measured volume is more than twice the model's or less than
+    /// half of it. Errors of [`Run::measured_ml`] and [`Run::model_ml`].
     pub fn volumes_ml(
         &self,
         pump: &Pump,
@@ -103,9 +118,15 @@ const COLUMNS: &[&str] = &[
     "time",
 ];
 
-/// Reads a table of runs: CSV with a header. A run has a `speed_rpm`, one of `turned_deg`, `revolutions` and `steps`
-/// (`steps_per_rev` of the pump head make a revolution), one of `mass_g` and `volume_ml`, and may have a `start_angle_deg`,
-/// a `direction` (1 or -1), a `temperature_degc` and a `time`.
+/// Reads a table of runs: CSV with a header.
+///
+/// A run has a `speed_rpm`, one of `turned_deg`, `revolutions` and `steps` (`steps_per_rev` of the pump head
+/// make a revolution), and one of `mass_g` and `volume_ml`. It may have a `start_angle_deg`, a `direction` (1
+/// or -1), a `temperature_degc` and a `time`.
+///
+/// # Errors
+///
+/// [`CalibrationError::Table`] with the line of a cell that is not as it should be.
 pub fn runs_of_csv(text: &str, steps_per_rev: f64) -> Result<Vec<Run>, CalibrationError> {
     let table = Table::parse(text, COLUMNS)?;
     let mut runs = Vec::new();
@@ -145,7 +166,8 @@ mod tests {
 
     #[test]
     fn a_table_may_say_angles_turns_or_steps_and_grams_or_millilitres() {
-        let text = "speed_rpm, turned_deg, revolutions, steps, direction, mass_g, volume_ml, start_angle_deg, time\n\
+        let text = "speed_rpm, turned_deg, revolutions, steps, direction, mass_g, volume_ml, start_angle_deg,\
+                    \x20time\n\
                     60, 720,,, 1, 42.5,, 10, 9:30\n\
                     # a comment\n\
                     \n\

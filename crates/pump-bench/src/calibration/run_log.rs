@@ -1,4 +1,4 @@
-//! The readings of a guided calibration, on record from the moment that each is typed.
+//! The log of a guided calibration. Each reading is on record from the moment that it is typed.
 
 use std::fs::{self, OpenOptions};
 use std::io::{ErrorKind, Write};
@@ -45,36 +45,37 @@ enum Entry {
     Begun { schema: String, planned: PlannedRuns },
     /// A run that was weighed.
     Weighed(Run),
-    /// The last run is repeated: its reading counts no more.
+    /// The last run is repeated, and its reading counts no more.
     Redone,
 }
 
 /// The log of a guided calibration: one synced line a reading, so that nothing that follows loses it.
 ///
-/// It stands in the folder of the calibrations until a calibration is kept. Whoever writes must hold the pump's lock.
+/// It stands in the folder of the calibrations until a calibration is kept. Whoever writes must hold the
+/// pump's lock.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunLog {
     path: PathBuf,
 }
 
 impl RunLog {
-    /// The log in the folder `calibrations` of a pump's record. Creates nothing.
+    /// Returns the log in the folder `calibrations` of a pump's record. Creates nothing.
     pub fn of(folder: &Folder) -> Self {
         Self { path: folder.path().join(super::store::FOLDER).join(FILE) }
     }
 
-    /// Path of the log's file.
+    /// Returns the path of the log's file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Reads the log. `None` where no guided calibration is unfinished. A torn last line was never answered for, and is
-    /// left out.
+    /// Reads the log. Returns `None` if no guided calibration is unfinished. A torn last line was never
+    /// answered for, and is left out.
     ///
     /// # Errors
     ///
-    /// [`CalibrationError::File`] where the file cannot be read, [`CalibrationError::DamagedLog`] where a line is not as it
-    /// was written.
+    /// [`CalibrationError::File`] where the file cannot be read, [`CalibrationError::DamagedLog`] where a
+    /// line is not as it was written.
     pub fn read(&self) -> Result<Option<UnfinishedRuns>, CalibrationError> {
         let text = match fs::read_to_string(&self.path) {
             Ok(text) => text,
@@ -107,7 +108,7 @@ impl RunLog {
     ///
     /// # Errors
     ///
-    /// [`CalibrationError::File`] where it cannot be written.
+    /// [`CalibrationError::File`] where the log cannot be written.
     pub fn begin(&self, planned: &PlannedRuns) -> Result<(), CalibrationError> {
         let folder = self.path.parent().unwrap_or(Path::new("."));
         fs::create_dir_all(folder).map_err(self.failed("create the folder of"))?;
@@ -120,7 +121,7 @@ impl RunLog {
     ///
     /// # Errors
     ///
-    /// [`CalibrationError::File`] where it cannot be written. The runs before it stay on record.
+    /// [`CalibrationError::File`] where the log cannot be written. The runs before stay on record.
     pub fn add(&self, run: &Run) -> Result<(), CalibrationError> {
         self.append(&Entry::Weighed(run.clone()))
     }
@@ -129,7 +130,7 @@ impl RunLog {
     ///
     /// # Errors
     ///
-    /// [`CalibrationError::File`] where that cannot be written.
+    /// [`CalibrationError::File`] where the log cannot be written.
     pub fn redo(&self) -> Result<(), CalibrationError> {
         self.append(&Entry::Redone)
     }
@@ -138,7 +139,7 @@ impl RunLog {
     ///
     /// # Errors
     ///
-    /// [`CalibrationError::File`] where it cannot be removed.
+    /// [`CalibrationError::File`] where the log cannot be removed.
     pub fn end(&self) -> Result<(), CalibrationError> {
         match fs::remove_file(&self.path) {
             Err(error) if error.kind() != ErrorKind::NotFound => Err(self.failed("remove")(error)),
@@ -146,7 +147,7 @@ impl RunLog {
         }
     }
 
-    /// Appends a line, whole and synced, or none.
+    /// Appends a line, whole and synced, or nothing.
     fn append(&self, entry: &Entry) -> Result<(), CalibrationError> {
         let failed = self.failed("write");
         let line = encode(entry).map_err(std::io::Error::from).map_err(&failed)?;

@@ -1,4 +1,4 @@
-//! Where calibrations are kept: a file a version, never overwritten, and a pointer to the one that is used.
+//! Folder of calibrations: a file for each version, never overwritten, and a pointer to the version in use.
 
 use std::fs;
 use std::io::{ErrorKind, Write};
@@ -14,8 +14,9 @@ pub(super) const FOLDER: &str = "calibrations";
 const ACTIVE: &str = "active";
 const NONE: &str = "none";
 
-/// The calibrations of a pump under a driver: `<state dir>/<pump id>/<driver>/calibrations/`, so that what was found of a
-/// simulated pump is never used for a real one. Whoever writes must hold the pump's lock.
+/// The calibrations of a pump under a driver, in `<state dir>/<pump id>/<driver>/calibrations/`. The
+/// calibration of a simulated pump is thus never used for a real one. Whoever writes must hold the pump's
+/// lock.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Calibrations {
     path: PathBuf,
@@ -24,30 +25,45 @@ pub struct Calibrations {
 /// A calibration with its number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Stored {
-    /// From 1 on.
+    /// Number of the calibration, from 1.
     pub version: u32,
-    /// What it says.
+    /// Calibration of that number.
     #[serde(flatten)]
     pub calibration: Calibration,
 }
 
 impl Calibrations {
-    /// Those in a pump's folder; nothing is created yet.
+    /// Returns the calibrations in a pump's folder. Creates nothing.
     pub fn of(folder: &Folder) -> Self {
         Self { path: folder.path().join(FOLDER) }
     }
 
-    /// Every calibration, oldest first.
+    /// Reads every calibration, oldest first.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::File`] if the folder or a file cannot be read, [`CalibrationError::Damaged`] if a
+    /// file is no calibration.
     pub fn list(&self) -> Result<Vec<Stored>, CalibrationError> {
         self.versions()?.into_iter().map(|version| self.read(version)).collect()
     }
 
-    /// The one that doses use.
+    /// Reads the calibration that doses use. Returns `None` if they use none.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::File`] if a file cannot be read, [`CalibrationError::Damaged`] if it is no
+    /// calibration.
     pub fn active(&self) -> Result<Option<Stored>, CalibrationError> {
         self.active_version()?.map(|version| self.read(version)).transpose()
     }
 
-    /// Its number.
+    /// Reads the number of the calibration that doses use. Returns `None` if they use none.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::File`] if the pointer cannot be read, [`CalibrationError::Damaged`] if it has no
+    /// number.
     pub fn active_version(&self) -> Result<Option<u32>, CalibrationError> {
         let path = self.path.join(ACTIVE);
         let text = match fs::read_to_string(&path) {
@@ -65,6 +81,10 @@ impl Calibrations {
     }
 
     /// Keeps a calibration under the next number, without using it. Returns that number.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::File`] if the folder cannot be created or read, or the file cannot be written.
     pub fn add(&self, calibration: &Calibration) -> Result<u32, CalibrationError> {
         let failed = |action, path: &Path| {
             let path = path.to_owned();
@@ -81,7 +101,12 @@ impl Calibrations {
         Ok(version)
     }
 
-    /// Has doses use a version, or none, from now on.
+    /// Has doses use a version, or no calibration, from now on.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::NoSuchVersion`] if there is no such calibration. [`CalibrationError::Damaged`] if
+    /// its file is no calibration. [`CalibrationError::File`] if a file cannot be read or written.
     pub fn activate(&self, version: Option<u32>) -> Result<(), CalibrationError> {
         if let Some(version) = version {
             let versions = self.versions()?;
@@ -120,7 +145,7 @@ impl Calibrations {
         }
     }
 
-    /// The numbers that there are, rising.
+    /// Returns the numbers of the calibrations, rising.
     fn versions(&self) -> Result<Vec<u32>, CalibrationError> {
         let failed = |source| CalibrationError::File { action: "read", path: self.path.clone(), source };
         let entries = match fs::read_dir(&self.path) {

@@ -7,54 +7,59 @@ use crate::files::Table;
 
 use super::{CalibrationError, Weighing};
 
-/// Fewest doses of which an error can be told apart from chance; ISO 8655-6:2002 asks for ten.
+/// Fewest doses whose error can be told apart from chance; ISO 8655-6:2002 asks for ten.
 const FEWEST: usize = 2;
 
-/// Largest errors allowed.
+/// Largest errors that a verification allows.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Tolerance {
-    /// Systematic error either way, percent of the nominal volume.
+    /// Largest systematic error either way, in percent of the nominal volume.
     pub systematic_percent: f64,
-    /// Random error (coefficient of variation), percent.
+    /// Largest random error (coefficient of variation), in percent.
     pub random_percent: f64,
 }
 
 impl Tolerance {
-    /// What ISO 8655-5:2002 allows a dispenser of this nominal volume, where it is known here: 10 mL.
+    /// Returns the errors that ISO 8655-5:2002 allows a dispenser of 10 mL, or `None` for other nominal
+    /// volumes.
     pub fn of_standard(nominal_ml: f64) -> Option<Self> {
         let is_10_ml = (nominal_ml - 10.0).abs() < 1e-9;
         is_10_ml.then_some(Self { systematic_percent: 0.6, random_percent: 0.2 })
     }
 }
 
-/// What repeated doses of one volume show.
+/// Result of repeated doses of one volume.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verification {
-    /// `verification/1`.
+    /// Schema of the report: `verification/1`.
     pub schema: &'static str,
-    /// Volume that every dose should have, mL.
+    /// Volume that every dose should have, in mL.
     pub nominal_ml: f64,
-    /// What each dose gave, mL.
+    /// Measured volume of each dose, in mL.
     pub volumes_ml: Vec<f64>,
-    /// Mean, mL.
+    /// Mean volume, in mL.
     pub mean_ml: f64,
-    /// Systematic error: mean less nominal, mL.
+    /// Systematic error: mean less nominal volume, in mL.
     pub systematic_ml: f64,
-    /// The same, percent of the nominal volume.
+    /// Systematic error, in percent of the nominal volume.
     pub systematic_percent: f64,
-    /// Random error: standard deviation of the doses, n - 1 degrees of freedom, mL.
+    /// Random error: standard deviation of the doses, n - 1 degrees of freedom, in mL.
     pub random_ml: f64,
-    /// Coefficient of variation: the same, percent of the mean.
+    /// Coefficient of variation: random error, in percent of the mean.
     pub random_percent: f64,
-    /// What is allowed.
+    /// Errors that are allowed.
     pub tolerance: Tolerance,
-    /// Whether both errors are allowed.
+    /// True if both errors are allowed.
     pub passed: bool,
 }
 
 impl Verification {
-    /// Errors of doses that should be `nominal_ml` (ISO 8655-6:2002, evaluation): e_s = mean - V_n, and
-    /// s_r = sqrt(sum (V_i - mean)²/(n - 1)), CV = s_r/mean.
+    /// Returns the errors of doses that should be `nominal_ml` (ISO 8655-6:2002, evaluation): e_s = mean -
+    /// V_n, s_r = sqrt(sum (V_i - mean)²/(n - 1)), and CV = s_r/mean.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::TooFew`] with fewer than two doses.
     pub fn of(nominal_ml: f64, volumes_ml: Vec<f64>, tolerance: Tolerance) -> Result<Self, CalibrationError> {
         let count = volumes_ml.len();
         if count < FEWEST {
@@ -83,7 +88,13 @@ impl Verification {
     }
 }
 
-/// Volumes, mL, of a table of doses: CSV with `mass_g` or `volume_ml`, and perhaps `temperature_degc`.
+/// Reads volumes, in mL, from a table of doses: CSV with `mass_g` or `volume_ml`, and perhaps
+/// `temperature_degc`.
+///
+/// # Errors
+///
+/// [`CalibrationError::Table`] with the line of a cell that is not as it should be. Errors of
+/// [`Weighing::volume_ml`] if the density of the fluid is not known at the temperature of a dose.
 pub fn readings_of_csv(text: &str, weighing: &Weighing<'_>) -> Result<Vec<f64>, CalibrationError> {
     let table = Table::parse(text, &["mass_g", "volume_ml", "temperature_degc", "time"])?;
     let mut volumes_ml = Vec::new();

@@ -1,36 +1,43 @@
-//! From what a scale shows to a volume: density of water and air, and the factor Z of ISO 8655-6.
+//! The volume of a mass that a scale shows: densities of fluid and air, and the factor Z of ISO 8655-6.
 
 use pump_model::math::exp;
 
 use super::CalibrationError;
 use crate::pump_file::{FluidTable, PumpFile, SAME_TEMPERATURE_DEGC};
 
-/// Density of the weights that scales are adjusted with, kg/m³ (OIML R 111-1:2004; ISO 8655-6:2002 uses it too).
+/// Density of the weights that scales are adjusted with, kg/m³ (OIML R 111-1:2004; ISO 8655-6:2002 uses it
+/// too).
 const WEIGHTS_KG_M3: f64 = 8000.0;
 
-/// Relative humidity where nobody measured it, percent: ISO 8655-6 asks for more than 50. From 30 to 80 % Z changes by 4e-6.
+/// Relative humidity where nobody measured it, in percent: ISO 8655-6 asks for more than 50. From 30 to 80 %
+/// Z changes by 4e-6.
 const HUMIDITY_PERCENT: f64 = 50.0;
 
-/// What is weighed, and where.
+/// Fluid that is weighed, and the air around the scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weighing<'a> {
-    /// The fluid.
+    /// Fluid that is weighed.
     pub fluid: &'a FluidTable,
-    /// Pressure of the air around the scale, kPa absolute.
+    /// Pressure of the air around the scale, in kPa absolute.
     pub ambient_kpa: f64,
 }
 
 impl<'a> Weighing<'a> {
-    /// The fluid and the air of a pump file.
+    /// Returns the fluid and the air of a pump file.
     pub fn of(file: &'a PumpFile) -> Self {
         Self { fluid: &file.fluid, ambient_kpa: file.ambient.pressure_kpa }
     }
 
-    /// Volume, mL, of a mass in g that a scale shows for fluid at `temperature_degc`.
+    /// Returns the volume, in mL, of a mass in g that a scale shows for fluid at `temperature_degc`.
     ///
-    /// Water has the density of its temperature. Other fluids that the model knows have that of the pump file, changed as much as
-    /// theirs changes from the temperature there; of any other only the density in the pump file is known, so its temperature
-    /// must be the one there within 2 °C.
+    /// Water has the density of its temperature. Other fluids that the model knows have the density of the
+    /// pump file, changed by as much as theirs changes from the temperature there. Any other fluid is known
+    /// at the temperature of the pump file alone, and must have that temperature within 2 °C.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::FluidTemperature`] if the density of the fluid is not known at that temperature.
+    /// [`CalibrationError::Model`] if the temperature is out of range for a fluid that the model knows.
     pub fn volume_ml(&self, mass_g: f64, temperature_degc: f64) -> Result<f64, CalibrationError> {
         let known_degc = self.fluid.temperature_degc;
         let is_there = (temperature_degc - known_degc).abs() <= SAME_TEMPERATURE_DEGC;
@@ -47,15 +54,16 @@ impl<'a> Weighing<'a> {
     }
 }
 
-/// Density of air at 50 % relative humidity, kg/m³: OIML R 111-1:2004, equation E.3-1, good to 2e-4 of it near 20 °C.
+/// Returns the density of air at 50 % relative humidity, in kg/m³: OIML R 111-1:2004, equation E.3-1, good to
+/// 2e-4 of it near 20 °C.
 pub fn air_kg_m3(temperature_degc: f64, ambient_kpa: f64) -> f64 {
     let ambient_hpa = 10.0 * ambient_kpa;
     (0.348_48 * ambient_hpa - 0.009 * HUMIDITY_PERCENT * exp(0.061 * temperature_degc))
         / (273.15 + temperature_degc)
 }
 
-/// Z, mL/g: volume of the fluid for each gram that the scale shows. Fluid and weights float in air:
-/// Z = (1 - rho_air/rho_weights)/(rho_fluid - rho_air) (ISO 8655-6:2002).
+/// Returns Z, in mL/g: the volume of the fluid for each gram that the scale shows. Fluid and weights float in
+/// air, so Z = (1 - rho_air/rho_weights)/(rho_fluid - rho_air) (ISO 8655-6:2002).
 pub fn z_ml_g(fluid_kg_m3: f64, air_kg_m3: f64) -> f64 {
     1e3 * (1.0 - air_kg_m3 / WEIGHTS_KG_M3) / (fluid_kg_m3 - air_kg_m3)
 }
@@ -96,6 +104,7 @@ mod tests {
         assert!(weighing.volume_ml(10.0, f64::NAN).is_err());
         assert!((weighing.volume_ml(10.0, 25.0).unwrap() - 10.0384).abs() < 1e-3);
     }
+
     #[test]
     fn fluids_that_are_known_have_the_density_of_their_temperature() {
         // Densities at 20 and 30 °C: Riddick, Bunger, Sakano (ethanol), Bosart and Snoddy (glycerol).

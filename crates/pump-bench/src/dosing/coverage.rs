@@ -1,8 +1,7 @@
-//! Tests that the uncertainty budget is consistent with itself: doses of random pumps, drawn from the
-//! statements of the budget.
+//! Self-consistency of the uncertainty: doses of random pumps that are drawn from the budget's statements.
 //!
-//! These tests show only that the budget adds up its statements. They say nothing of a real pump, because the
-//! pumps here vary as stated by construction.
+//! The tests show that the budget adds up correctly. They show nothing of a real pump: the pumps here vary as
+//! the budget states, by construction.
 
 use pump_ctl::plan::{Cruise, Phase, Request, plan};
 use pump_model::math::{rad_s, radians};
@@ -14,14 +13,15 @@ use crate::dosing::Budget;
 use crate::pump_file::PumpFile;
 use crate::sampling::Dice;
 
+/// Number of random pumps of a case.
 const PLANTS: u32 = 2000;
 
-/// Dose of a random pump.
+/// A dose of a random pump.
 struct Case {
     volume_ml: f64,
     speed_rpm: f64,
     start: Phase,
-    /// Speeds of its calibration, three runs each. Empty for a pump without calibration.
+    /// Speeds at which the pump is calibrated, in r/min, three runs each; empty if it is not calibrated.
     calibrated_rpm: &'static [f64],
 }
 
@@ -31,20 +31,20 @@ impl Case {
     }
 }
 
-/// Pump for which the pump file's statements are true.
+/// A random pump for which the pump file's statements are true.
 struct Plant {
     pump: Pump,
-    /// Ratio of the volume to the model's volume, at rest and per r/min.
+    /// Volume over the model's at rest.
     factor: f64,
+    /// Change of the factor with the speed, in min/r.
     slope_per_rpm: f64,
     repeatability: f64,
 }
 
 impl Plant {
-    /// Draws a pump whose revolution and roller volume depart from the model's as their uncertainties state.
-    ///
-    /// The volume of a revolution changes with the speed along a line. The RMS of that line over the motor's
-    /// speeds is the model's uncertainty. The volume at `speed_rpm` departs by that uncertainty too.
+    /// Draws a pump whose volume of a revolution and roller volume depart from the model's by their
+    /// uncertainties. Over the speed the volume of a revolution changes along a line whose RMS over the
+    /// motor's speeds is the model's uncertainty. The volume at `speed_rpm` departs by that uncertainty too.
     fn draw(file: &PumpFile, speed_rpm: f64, dice: &mut Dice) -> Self {
         let base = file.model().unwrap();
         let table = &file.uncertainty;
@@ -66,7 +66,7 @@ impl Plant {
     }
 }
 
-/// Returns the pump with another roller volume and a bore that keeps the volume of a revolution.
+/// Returns the pump with another roller volume and such a bore that a revolution delivers the same volume.
 fn with_roller(base: &Pump, roller: &RollerVolume) -> Pump {
     let mut geometry = *base.geometry();
     let rollers_ml = f64::from(geometry.rollers) * (roller.total_ml() - base.roller_volume().total_ml());
@@ -101,7 +101,7 @@ fn calibrate(file: &PumpFile, plant: &Plant, speeds_rpm: &[f64], dice: &mut Dice
     Stored { version: 1, calibration }
 }
 
-/// Returns the fraction of the doses that lie within the interval stated for them.
+/// Returns the part of the doses that lie within the interval that was stated for each of them.
 fn covered(case: &Case) -> f64 {
     let file = crate::catalogue::built_in("three-roller").unwrap();
     let base = file.model().unwrap();

@@ -91,9 +91,9 @@ impl Budget {
     /// - The carry from earlier doses is as unsure as those doses were.
     pub fn new(pump: &Pump, plan: &Plan, table: &UncertaintyTable, calibration: Option<&Applied>) -> Self {
         let volume_ml = plan.planned_ml.abs();
-        let sureness = calibration.and_then(|applied| applied.displacement);
+        let sureness = calibration.and_then(|applied| applied.sureness());
         // Only the pump file states how near a speed law is that was not fitted to this pump.
-        let law = calibration.and_then(|applied| applied.speed_law);
+        let law = calibration.and_then(|applied| applied.speed_law());
         let model = if sureness.is_some() || law.is_some() { 0.0 } else { table.model_percent / 100.0 };
         let of_calibration = |of: fn(&Sureness) -> f64| sureness.as_ref().map_or(0.0, of);
         let repeatability =

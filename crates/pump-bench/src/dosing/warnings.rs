@@ -56,7 +56,7 @@ pub(super) fn of_plan(
 /// Warns of a roller volume that is estimated from the drawing, unless the pump's displacement was
 /// calibrated.
 pub(super) fn estimated_pump(file: &PumpFile, applied: Option<&Applied>) -> Option<String> {
-    let is_weighed = applied.is_some_and(|applied| applied.displacement.is_some());
+    let is_weighed = applied.is_some_and(|applied| applied.sureness().is_some());
     (file.is_estimated() && !is_weighed).then(|| {
         "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on \
          it"

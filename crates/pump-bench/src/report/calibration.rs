@@ -119,7 +119,7 @@ fn factors(base: &Pump, stored: &Stored, found: &Displacement) -> Result<String,
 
 /// The scatter of the runs, and how far the speeds depart from the fit.
 fn scatter(file: &PumpFile, found: &Displacement) -> Option<String> {
-    let percent = 100.0 * found.scatter?;
+    let percent = 100.0 * found.scatter.standard()?;
     let expected = file.uncertainty.repeatability_percent;
     let departure = match found.speeds_rpm.len() {
         0..3 => String::new(),
@@ -137,7 +137,7 @@ fn warnings(file: &PumpFile, found: &Displacement) -> String {
         .iter()
         .map(|run| format!("run {run} lies far from the others; it is in the fit: weigh it again"))
         .collect();
-    if found.scatter.is_some_and(|scatter| found.lack_of_fit > 2.0 * scatter) {
+    if found.scatter.standard().is_some_and(|scatter| found.lack_of_fit > 2.0 * scatter) {
         warnings.push(
             "the speeds depart from the fit by far more than the runs scatter; it is not their shape"
                 .to_owned(),

@@ -189,7 +189,7 @@ impl DoseReport {
             delivered_ml: delivered.map(|delivered| delivered.volume_ml),
             volume_basis: basis(file, applied),
             calibration: applied.and_then(CalibrationReport::of),
-            speed_law_factor: applied.and_then(|by| by.speed_law.map(|_| by.correction.factor)),
+            speed_law_factor: applied.and_then(|by| by.speed_law().map(|_| by.correction.factor)),
             expanded_uncertainty_ml: budget.expanded_ml(),
             uncertainty_budget: budget.shares,
             phase: PhaseReport::of(prepared),
@@ -265,7 +265,7 @@ fn part_made(prepared: &Prepared, delivered: Option<&Delivered>) -> Plan {
 
 /// The basis of the volumes of a pump with what a calibration or a speed law changes of it.
 fn basis(file: &PumpFile, applied: Option<&Applied>) -> VolumeBasis {
-    match applied.and_then(|applied| applied.displacement) {
+    match applied.and_then(|applied| applied.sureness()) {
         Some(_) => VolumeBasis::Calibrated,
         None if file.is_estimated() => VolumeBasis::Estimated,
         None => VolumeBasis::Model,

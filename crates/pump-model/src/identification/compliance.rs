@@ -4,7 +4,7 @@ use crate::error::Allowed;
 
 use super::error::{IdentificationError, within};
 use super::estimate::Estimate;
-use super::straight_line::{StraightLine, Terms};
+use super::least_squares::{StraightLine, Terms};
 
 /// Injected volume and the pressure that it made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +59,7 @@ impl ComplianceFit {
         }
         let through = |bend| {
             let points = points.iter().map(|point| (point.volume_ml, point.pressure_kpa, 1.0));
-            StraightLine::through(points, Terms { offset: true, bend })
+            StraightLine::about(0.0, points, Terms { offset: true, slope: true, bend })?.estimated()
         };
         if points.len() < 3 {
             let given = points.len();

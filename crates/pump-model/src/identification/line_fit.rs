@@ -8,7 +8,7 @@ use crate::pump::pump::Pump;
 use super::autocorrelation::{LAGS, correlated_samples};
 use super::error::IdentificationError;
 use super::estimate::Estimate;
-use super::marquardt::{Found, MOST_STEPS};
+use super::least_squares::Found;
 use super::recording::{Recording, SAMPLES};
 use super::sought::{ANGLE, N, NAMES, PRESSURE, START, Sought, count};
 use super::waveform::{Waveform, line_of};
@@ -86,7 +86,7 @@ impl LineFit {
         let found = waveform.best(line)?;
         let rms_kpa = sqrt(found.sum / recording.samples.len() as f64);
         let spread_kpa = recording.spread_kpa();
-        converged(sought, found.steps, rms_kpa, spread_kpa)?;
+        converged(sought, &found, rms_kpa, spread_kpa)?;
         let uncertainty = Uncertainty::of(&waveform, &found)?;
         let estimate = |n, value, unit| uncertainty.estimate(n, value, unit);
         let [resistance, compliance, inertance] =
@@ -150,8 +150,13 @@ impl LineFit {
 }
 
 /// Refuses a fit that explains too little, or whose search did not end.
-fn converged(sought: Sought, steps: u32, rms_kpa: f64, spread_kpa: f64) -> Result<(), IdentificationError> {
-    // This check comes first: where the fit explains next to nothing, the search may not end either.
+fn converged(
+    sought: Sought,
+    found: &Found<N>,
+    rms_kpa: f64,
+    spread_kpa: f64,
+) -> Result<(), IdentificationError> {
+    // This comes first: where the fit explains next to nothing, the search may not end either.
     let explained = explained(rms_kpa, spread_kpa);
     if sought.is_of_shape() && explained < LEAST_EXPLAINED {
         return Err(IdentificationError::Unexplained {
@@ -159,8 +164,8 @@ fn converged(sought: Sought, steps: u32, rms_kpa: f64, spread_kpa: f64) -> Resul
             least_percent: 100.0 * LEAST_EXPLAINED,
         });
     }
-    if steps == MOST_STEPS {
-        return Err(IdentificationError::NotConverged { steps: MOST_STEPS, rms_kpa });
+    if !found.converged() {
+        return Err(IdentificationError::NotConverged { steps: found.steps, rms_kpa });
     }
     Ok(())
 }

@@ -5,14 +5,12 @@ mod autocorrelation;
 mod compliance;
 mod error;
 mod estimate;
+pub mod least_squares;
 mod line_fit;
-mod marquardt;
 mod recording;
 mod resistance;
 mod sought;
-mod straight_line;
 mod student;
-mod triangle;
 mod waveform;
 
 pub use compliance::{ComplianceFit, InjectionPoint};

@@ -4,7 +4,7 @@ use crate::error::Allowed;
 
 use super::error::{IdentificationError, within};
 use super::estimate::Estimate;
-use super::straight_line::{StraightLine, Terms};
+use super::least_squares::{StraightLine, Terms};
 
 /// Steady flow and the pressure that it takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,10 +82,10 @@ impl ResistanceFit {
         }
         let with = |offset, bend| {
             let points = points.iter().map(|point| (point.flow_ml_s, point.drop_kpa, point.standard_kpa));
-            StraightLine::through(points, Terms { offset, bend })
+            StraightLine::about(0.0, points, Terms { offset, slope: true, bend })?.estimated()
         };
         let through = |bend| with(with_offset, bend);
-        let parameters = Terms { offset: with_offset, bend: false }.count();
+        let parameters = Terms { offset: with_offset, slope: true, bend: false }.count();
         if points.len() <= parameters {
             let given = points.len();
             return Err(IdentificationError::TooFew {

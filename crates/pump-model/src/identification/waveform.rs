@@ -7,10 +7,9 @@ use crate::line::line::Line;
 use crate::math::{exp, log};
 
 use super::error::IdentificationError;
-use super::marquardt::{Found, Residuals, search};
+use super::least_squares::{Found, Residuals, Triangle, search};
 use super::recording::Recording;
 use super::sought::{ANGLE, N, PRESSURE, START};
-use super::triangle::Triangle;
 
 /// Change of each parameter by which its effect is measured. The effect of the pressure is known.
 const PROBES: [f64; PRESSURE] = [1e-5, 1e-5, 1e-5, 1e-5, 1e-6];

@@ -200,7 +200,7 @@ impl Calibration {
     /// Standard deviation of the runs about the fit, as a fraction of the volume; None if there were too few runs.
     #[getter]
     fn scatter(&self) -> Option<f64> {
-        self.displacement()?.scatter
+        self.displacement()?.scatter.standard()
     }
 
     /// Numbers, from 1, of runs that lie far from the others. The fit includes them.

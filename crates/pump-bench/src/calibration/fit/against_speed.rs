@@ -6,104 +6,138 @@ use pump_model::{ModelError, Pump};
 use super::Displacement;
 use crate::displacement::RangedLaw;
 
-/// What every flow and volume of a pump is multiplied by at a cruise speed.
+/// Displacement factor of a pump against its cruise speed. Every flow and volume of the pump is multiplied by
+/// it.
 #[derive(Debug, Clone, Copy)]
 pub struct AgainstSpeed<'a> {
-    /// What was weighed; none if the pump file's law says it.
-    displacement: Option<&'a Displacement>,
-    /// None of a line.
-    law: Option<RangedLaw>,
+    known: Known<'a>,
     base: &'a Pump,
 }
 
+/// Source of the displacement.
+#[derive(Debug, Clone, Copy)]
+enum Known<'a> {
+    /// Line through weighed runs, or their mean at one speed.
+    Line(&'a Displacement),
+    /// Speed law that was fitted to weighed runs.
+    Fitted(&'a Displacement, RangedLaw),
+    /// Speed law of the pump file.
+    Given(RangedLaw),
+}
+
 impl<'a> AgainstSpeed<'a> {
-    /// What was weighed, which takes the place of the pump file's law, or else that law; none without either. `base` is the
-    /// pump as it is without both, counted from its own zero.
+    /// Returns the displacement that was weighed, or else that of the pump file's `law`. Returns `None`
+    /// without either. `base` is the pump as it is without both, counted from its own zero.
     pub fn of(
         displacement: Option<&'a Displacement>,
         law: Option<RangedLaw>,
         base: &'a Pump,
     ) -> Option<Self> {
-        let law = displacement.map_or(law, Displacement::law);
-        (displacement.is_some() || law.is_some()).then_some(Self { displacement, law, base })
+        let known = match displacement {
+            Some(found) => found.law().map_or(Known::Line(found), |law| Known::Fitted(found, law)),
+            None => Known::Given(law?),
+        };
+        Some(Self { known, base })
     }
 
-    /// The same with flows of the law up to this speed alone, r/min, if it holds for a slower one.
+    /// Limits the flows of a law to speeds up to `most_rpm`, in r/min, if the law holds for a slower one.
     pub(crate) fn up_to(self, most_rpm: f64) -> Self {
-        Self { law: self.law.map(|law| law.up_to(most_rpm)), ..self }
+        let known = match self.known {
+            Known::Line(found) => Known::Line(found),
+            Known::Fitted(found, law) => Known::Fitted(found, law.up_to(most_rpm)),
+            Known::Given(law) => Known::Given(law.up_to(most_rpm)),
+        };
+        Self { known, ..self }
     }
 
-    /// What was weighed; none if the pump file's law says it.
+    /// Returns the displacement that was weighed, or `None` of the pump file's law.
     pub fn displacement(&self) -> Option<&'a Displacement> {
-        self.displacement
+        match self.known {
+            Known::Line(found) | Known::Fitted(found, _) => Some(found),
+            Known::Given(_) => None,
+        }
     }
 
-    /// The law; none of a line.
-    pub fn law(&self) -> Option<&RangedLaw> {
-        self.law.as_ref()
+    /// Returns the pump file's law, or `None` of a displacement that was weighed.
+    pub fn given_law(&self) -> Option<&RangedLaw> {
+        match &self.known {
+            Known::Line(_) | Known::Fitted(..) => None,
+            Known::Given(law) => Some(law),
+        }
     }
 
-    /// kappa at a speed in r/min, negative in reverse. A line is the same both ways.
+    /// Returns kappa at a speed in r/min, negative in reverse. kappa of a line is the same both ways.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError`] where the speed law cannot be computed for this pump and speed.
     pub fn factor_at(&self, speed_rpm: f64) -> Result<f64, ModelError> {
-        match (&self.law, self.displacement) {
-            (Some(law), _) => law.law.factor(self.base, rad_s(speed_rpm)),
-            (None, Some(line)) => Ok(line.line_at(speed_rpm.abs())),
-            (None, None) => Ok(1.0),
+        match &self.known {
+            Known::Line(line) => Ok(line.line_at(speed_rpm.abs())),
+            Known::Fitted(_, law) | Known::Given(law) => law.law.factor(self.base, rad_s(speed_rpm)),
         }
     }
 
-    /// Slowest and fastest speed that a dose may have, r/min; none if it is used at all of them, as what was weighed at one.
+    /// Returns the slowest and the fastest speed that a dose may have, in r/min. Returns `None` if the
+    /// displacement is used at every speed, as one that was weighed at one speed is.
     pub fn range_rpm(&self) -> Option<(f64, f64)> {
-        match self.displacement {
-            Some(found) => found.is_line().then(|| found.range_rpm()),
-            None => self.law.map(|law| (law.least_rpm, law.most_rpm)),
+        match &self.known {
+            Known::Line(found) | Known::Fitted(found, _) => found.is_line().then(|| found.range_rpm()),
+            Known::Given(law) => Some((law.least_rpm, law.most_rpm)),
         }
     }
 
-    /// Whether a dose may cruise at this speed, r/min, either way.
+    /// True if a dose may cruise at this speed, in r/min, either way.
     pub fn covers(&self, speed_rpm: f64) -> bool {
-        match (self.displacement, &self.law) {
-            (Some(found), _) => found.covers(speed_rpm.abs()),
-            (None, Some(law)) => law.covers(speed_rpm),
-            (None, None) => true,
+        match &self.known {
+            Known::Line(found) | Known::Fitted(found, _) => found.covers(speed_rpm.abs()),
+            Known::Given(law) => law.covers(speed_rpm),
         }
     }
 
-    /// A speed within the range, r/min, where a search may begin.
+    /// Returns a speed within the range, in r/min, where a search may begin.
     pub fn typical_rpm(&self) -> f64 {
-        match (self.displacement, self.law) {
-            (Some(found), _) => found.reference_rpm,
-            (None, Some(law)) => 0.5 * (law.least_rpm + law.most_rpm),
-            (None, None) => 0.0,
+        match &self.known {
+            Known::Line(found) | Known::Fitted(found, _) => found.reference_rpm,
+            Known::Given(law) => 0.5 * (law.least_rpm + law.most_rpm),
         }
     }
 
-    /// The slowest speed, r/min, whose mean flow is `flow_ml_s`, positive; none if there is none. That of a line may lie
-    /// beyond its range.
+    /// Returns the slowest speed, in r/min, whose mean flow is `flow_ml_s`, positive, or `None` if there is
+    /// none. The speed of a line may lie beyond its range.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError`] where the speed law cannot be computed for this pump.
     pub fn speed_for_flow(&self, flow_ml_s: f64, reverse: bool) -> Result<Option<f64>, ModelError> {
-        match (&self.law, self.displacement) {
-            (Some(law), _) => Ok(law.flow(self.base, reverse)?.speed_rad_s(flow_ml_s)?.map(rpm)),
-            (None, Some(line)) => Ok(line.speed_for_flow(self.base.revolution_ml(), flow_ml_s)),
-            (None, None) => Ok(Some(60.0 * flow_ml_s / self.base.revolution_ml())),
+        match &self.known {
+            Known::Line(line) => Ok(line.speed_for_flow(self.base.revolution_ml(), flow_ml_s)),
+            Known::Fitted(_, law) | Known::Given(law) => {
+                Ok(law.flow(self.base, reverse)?.speed_rad_s(flow_ml_s)?.map(rpm))
+            }
         }
     }
 
-    /// Mean flow at the slowest speed of the range and the largest within it, mL/s, positive; none without a range.
+    /// Returns the mean flow at the slowest speed of the range and the largest mean flow within the range, in
+    /// mL/s, positive. Returns `None` without a range.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError`] where the speed law cannot be computed for this pump.
     pub fn flows_ml_s(&self, reverse: bool) -> Result<Option<(f64, f64)>, ModelError> {
         let Some((least_rpm, most_rpm)) = self.range_rpm() else { return Ok(None) };
         let direction = if reverse { -1.0 } else { 1.0 };
         let flow_ml_s = |rpm: f64| -> Result<f64, ModelError> {
             Ok(self.factor_at(direction * rpm)? * self.base.revolution_ml() * rpm / 60.0)
         };
-        let largest_ml_s = match (&self.law, self.displacement) {
-            (Some(law), _) => law.flow(self.base, reverse)?.largest()?.0,
+        let largest_ml_s = match &self.known {
             // kappa(N) N is a parabola.
-            (None, Some(line)) => {
+            Known::Line(line) => {
                 let top_rpm = -line.line_at(0.0) / (2.0 * line.slope_per_rpm);
                 let inside = (least_rpm..=most_rpm).contains(&top_rpm);
                 flow_ml_s(most_rpm)?.max(flow_ml_s(if inside { top_rpm } else { least_rpm })?)
             }
-            (None, None) => flow_ml_s(most_rpm)?,
+            Known::Fitted(_, law) | Known::Given(law) => law.flow(self.base, reverse)?.largest()?.0,
         };
         Ok(Some((flow_ml_s(least_rpm)?, largest_ml_s)))
     }

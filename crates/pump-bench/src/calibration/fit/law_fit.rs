@@ -1,58 +1,66 @@
 //! The speed law fitted to runs.
 
+use pump_model::identification::least_squares::StraightLine;
 use pump_model::identification::widening;
-use pump_model::math::{TURN_RAD, radians, sqrt};
+use pump_model::math::{TURN_RAD, degrees, radians, sqrt};
 use pump_model::{Pump, SpeedLaw};
 use serde::{Deserialize, Serialize};
 
-use super::straight::Straight;
 use crate::calibration::CalibrationError;
 
 /// s and D of the speed law, by weighted least squares.
 ///
-/// Over a revolution kappa = (A s - B)(1 + D p), with p the pressure at which a segment is trapped less P_atm, A = V_nom/V_rot and
-/// B = NU (V_r + V(theta_c))/(2 V_rot): a straight line over p, kappa = u + w p with s = (u + B)/A and D = w/u. So it is fitted as
-/// the line over the speed is, with the pressure in the speed's place.
+/// Over a revolution kappa = (A s - B)(1 + D p). p is the pressure at which a segment is trapped less P_atm,
+/// A = V_nom/V_rot, and B = NU (V_r + V(theta_c))/(2 V_rot). This is a straight line over p, kappa = u + w p,
+/// with s = (u + B)/A and D = w/u. So the fit is that of the line over the speed, with the pressure in the
+/// speed's place.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LawFit {
     /// s: volume between two rollers over that of the round tube.
     pub scale: f64,
-    /// Its standard uncertainty with that of the readings, widened so that twice it covers 95 % whatever the number of runs.
+    /// Standard uncertainty of s with that of the readings, widened so that twice it covers 95 % whatever the
+    /// number of runs.
     pub scale_standard: f64,
-    /// D, 1/kPa.
+    /// D, in 1/kPa.
     pub distensibility_per_kpa: f64,
-    /// Its standard uncertainty, widened in the same way.
+    /// Standard uncertainty of D, in 1/kPa, widened so that twice it covers 95 % whatever the number of runs.
     pub distensibility_standard_per_kpa: f64,
-    /// theta_c, deg.
+    /// theta_c, in deg.
     pub closure_deg: f64,
-    /// P_atm, kPa absolute.
+    /// P_atm, in kPa absolute.
     pub ambient_kpa: f64,
-    /// Weighted mean of the pressures at which segments were trapped, kPa absolute: there kappa and its slope are independent.
+    /// Weighted mean of the pressures at which segments were trapped, in kPa absolute. kappa and its slope
+    /// are independent there.
     pub reference_kpa: f64,
-    /// Standard error of kappa there.
+    /// Standard error of kappa at the reference pressure.
     pub factor_standard: f64,
-    /// Standard error of the slope of kappa over the pressure, 1/kPa.
+    /// Standard error of the slope of kappa over the pressure, in 1/kPa.
     pub slope_standard_per_kpa: f64,
 }
 
 impl LawFit {
-    /// The law of `line`, kappa over the trapped pressure in kPa absolute, of `pump` as it is without law. `start` has theta_c
-    /// and P_atm; `reading` is the part of the volume that no mean reduces.
+    /// Returns the law of `line`, kappa over the trapped pressure in kPa absolute, of `pump`, the pump as it
+    /// is without law. theta_c and P_atm are those of `start`; `standards` are those of the line's factor and
+    /// slope; `reading` is the part of the volume that no mean reduces.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::NoLaw`] if D is negative, or s or D out of range.
     pub(super) fn of(
         pump: &Pump,
         start: &SpeedLaw,
-        closure_deg: f64,
-        line: &Straight,
-        [factor_standard, slope_standard_per_kpa]: [f64; 2],
+        line: &StraightLine,
+        standards: [f64; 2],
         reading: f64,
         degrees_of_freedom: u32,
     ) -> Result<Self, CalibrationError> {
+        let [factor_standard, slope_standard_per_kpa] = standards;
         let revolution_ml = pump.revolution_ml();
         let a = TURN_RAD * pump.geometry().nominal_ml_rad() / revolution_ml;
         let b = start.pinched_ml(pump) / revolution_ml;
         let away_kpa = start.ambient_kpa - line.reference;
-        let (u, w) = (line.at(start.ambient_kpa), line.slope);
+        let (u, w) = (line.at(start.ambient_kpa), line.slope.value);
         let (slope_variance, reference_variance) =
             (slope_standard_per_kpa * slope_standard_per_kpa, factor_standard * factor_standard);
         let u_variance = reference_variance + slope_variance * away_kpa * away_kpa;
@@ -66,7 +74,7 @@ impl LawFit {
             scale_standard: sqrt(wide * wide * u_variance + reading * reading) / a,
             distensibility_per_kpa: d,
             distensibility_standard_per_kpa: wide * sqrt(d_variance.max(0.0)),
-            closure_deg,
+            closure_deg: degrees(start.closure_rad),
             ambient_kpa: start.ambient_kpa,
             reference_kpa: line.reference,
             factor_standard,
@@ -82,7 +90,7 @@ impl LawFit {
         Ok(fit)
     }
 
-    /// The law.
+    /// Returns the law with the s and D that were found.
     pub fn law(&self) -> SpeedLaw {
         SpeedLaw {
             scale: self.scale,

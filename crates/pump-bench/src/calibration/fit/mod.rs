@@ -1,14 +1,21 @@
 //! Fits to weighed runs: the displacement factor against speed, and the zero of the angle.
 
 mod against_speed;
+mod departures;
 mod displacement;
+mod expected;
 mod law_fit;
 mod phase;
+mod points;
 mod revolution;
-mod straight;
+mod scatter;
+mod short_dose;
 
 pub use against_speed::AgainstSpeed;
-pub use displacement::{Displacement, Expected};
+pub use displacement::Displacement;
+pub use expected::Expected;
 pub use law_fit::LawFit;
-pub use phase::{PhaseFit, ShortDose, short_doses_of_csv};
+pub use phase::PhaseFit;
 pub use revolution::Revolution;
+pub use scatter::Scatter;
+pub use short_dose::{ShortDose, short_doses_of_csv};

@@ -1,27 +1,35 @@
-//! What is known of the volume of a revolution when short doses are fitted.
+//! The volume of a revolution as it is known when short doses are fitted.
 
 use pump_model::{ModelError, Pump};
 
 use super::against_speed::AgainstSpeed;
-use super::phase::ShortDose;
+use super::short_dose::ShortDose;
 
-/// What is known of the volume of a revolution without looking at short doses.
+/// Volume of a revolution, as it is known without looking at short doses.
 #[derive(Debug, Clone, Copy)]
 pub struct Revolution<'a> {
-    /// Weighed, or by the pump file's speed law; none takes the model's volume.
+    /// Displacement that was weighed, or that of the pump file's speed law; `None` takes the model's volume.
     pub against: Option<AgainstSpeed<'a>>,
-    /// Standard uncertainty of what was not weighed, part of the volume.
+    /// Standard uncertainty of a volume that was not weighed, as a part of it.
     pub model_standard: f64,
 }
 
 impl Revolution<'_> {
-    /// Volume of a revolution over the model's at the speed of a dose.
+    /// Returns the volume of a revolution over the model's at the speed of a dose.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError`] where the speed law cannot be computed for this pump and speed.
     pub(super) fn factor(&self, dose: &ShortDose) -> Result<f64, ModelError> {
         let Some(against) = &self.against else { return Ok(1.0) };
         against.factor_at(dose.speed_rpm.unwrap_or(against.typical_rpm()).copysign(dose.turned_deg))
     }
 
-    /// Standard uncertainty of that, part of the volume.
+    /// Returns the standard uncertainty of the volume of a revolution, as a part of it.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError`] where the speed law cannot be computed for this pump.
     pub(super) fn standard(&self, pump: &Pump) -> Result<f64, ModelError> {
         match self.against.and_then(|against| against.displacement()) {
             Some(known) => known.standard_at(pump, known.reference_rpm),

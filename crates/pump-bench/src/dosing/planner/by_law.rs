@@ -1,6 +1,9 @@
 //! Tests of doses of a pump whose file has a speed law.
 
+use pump_model::math::rad_s;
+
 use super::*;
+use crate::displacement::SpeedLawError;
 use crate::dosing::Budget;
 use crate::dosing::{DoseRequest, Prepared};
 use crate::pump_file::SpeedLawTable;

@@ -1,9 +1,11 @@
 //! Tests of doses of a pump whose displacement depends on the speed.
 
+use pump_model::math::rad_s;
+
 use super::*;
 use crate::calibration::{Calibration, Displacement, Expected, Reading, Run, Source, Weighing};
 
-/// Returns a calibration that fits 1 + slope (N - 50) exactly at these speeds.
+/// Returns a calibration that fits 1 + slope (N - 50) at these speeds exactly.
 fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) -> Stored {
     let pump = file.model().unwrap();
     let mut runs = Vec::new();
@@ -123,9 +125,9 @@ fn one_speed_is_used_at_every_speed_with_a_warning_and_a_share_for_it() {
     let warning = far.warning.unwrap();
     // sqrt(12) * 2.4 % over half of the motor's speeds.
     assert!(warning.contains("made at 50 r/min alone") && warning.contains("4.16 %"), "{warning}");
-    assert!((far.applied.as_ref().unwrap().displacement.unwrap().speed_law - 0.0416).abs() < 1e-4);
+    assert!((far.applied.as_ref().unwrap().sureness().unwrap().speed_law - 0.0416).abs() < 1e-4);
     let found = planned(0.0, &[50.0], 25.0, Cruise::Within { time_s: 3.0 }).unwrap();
-    assert!(found.applied.as_ref().unwrap().displacement.unwrap().speed_law > 0.0 && found.warning.is_some());
+    assert!(found.applied.as_ref().unwrap().sureness().unwrap().speed_law > 0.0 && found.warning.is_some());
 }
 
 #[test]

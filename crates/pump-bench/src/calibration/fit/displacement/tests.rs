@@ -1,6 +1,9 @@
-//! What a fit finds in runs whose truth is known.
+//! Fits to runs whose truth is known.
+
+use pump_model::SpeedLaw;
 
 use super::*;
+use crate::calibration::{CalibrationError, Expected, Run, Weighing};
 use crate::sampling::Dice;
 
 const EXPECTED: Expected = Expected { repeatability: 0.0047, reading_ml: 0.0 };
@@ -16,7 +19,7 @@ fn run(speed_rpm: f64, volume_ml: f64) -> Run {
     }
 }
 
-/// Runs of two revolutions whose volumes are the model's times these factors.
+/// Fits runs of two revolutions whose volumes are the model's times these factors.
 fn fit(runs: &[(f64, f64)], expected: &Expected) -> Result<Displacement, CalibrationError> {
     let file = crate::catalogue::built_in("three-roller").unwrap();
     let pump = file.model().unwrap();
@@ -30,7 +33,7 @@ fn a_line_through_several_speeds_is_found_exactly() {
     let truth = |rpm: f64| 1.03 - 2e-4 * (rpm - 50.0);
     let runs: Vec<(f64, f64)> = [20.0, 60.0, 100.0].iter().flat_map(|rpm| [(*rpm, truth(*rpm)); 2]).collect();
     let fit = fit(&runs, &EXPECTED).unwrap();
-    assert!(fit.is_line() && fit.degrees_of_freedom == 3);
+    assert!(fit.is_line() && fit.scatter.degrees_of_freedom() == 3);
     assert_eq!(fit.speeds_rpm, [20.0, 60.0, 100.0]);
     assert!((fit.slope_per_rpm + 2e-4).abs() < 1e-12);
     for rpm in [20.0, 33.0, 100.0] {
@@ -50,7 +53,7 @@ fn one_run_is_as_sure_as_was_expected_and_no_surer() {
     let expected = Expected { reading_ml: 0.1, ..EXPECTED };
     let fit = fit(&[(60.0, 0.98)], &expected).unwrap();
     assert!((fit.factor - 0.98).abs() < 1e-12 && fit.slope_per_rpm == 0.0 && !fit.is_line());
-    assert_eq!((fit.degrees_of_freedom, fit.scatter), (0, None));
+    assert_eq!(fit.scatter, Scatter::Expected);
     let reading = 0.1 / (2.0 * 21.318_5);
     assert!((fit.reading - reading).abs() < 1e-6);
     assert!(
@@ -76,7 +79,7 @@ fn standard_errors_are_those_of_repeated_calibrations() {
         inside += i32::from(
             (fit.line_at(80.0) - 1.008).abs() < 2.0 * fit.standard_at(&Pump::three_roller(), 80.0).unwrap(),
         );
-        squares += fit.scatter.unwrap() * fit.scatter.unwrap();
+        squares += fit.scatter.standard().unwrap() * fit.scatter.standard().unwrap();
         slopes += (fit.slope_per_rpm - 1e-4) * (fit.slope_per_rpm - 1e-4);
         expected_slope += fit.slope_standard_per_rpm * fit.slope_standard_per_rpm;
     }
@@ -102,7 +105,7 @@ fn an_outlier_is_named_and_kept_and_honest_runs_are_rarely_accused() {
     assert!(fit(&runs, &EXPECTED).unwrap().outliers.is_empty());
     runs[4].1 = 1.03;
     let spoiled = fit(&runs, &EXPECTED).unwrap();
-    assert_eq!((spoiled.outliers.as_slice(), spoiled.degrees_of_freedom), (&[5][..], 6));
+    assert_eq!((spoiled.outliers.as_slice(), spoiled.scatter.degrees_of_freedom()), (&[5][..], 6));
     let (mut dice, mut accused) = (Dice::new(3), 0);
     for _ in 0..1000 {
         let runs = runs.iter().map(|(rpm, _)| (*rpm, 1.0 + 0.0047 * dice.normal())).collect::<Vec<_>>();
@@ -125,7 +128,8 @@ fn a_bend_that_no_line_has_is_reported() {
     assert!((0.004..0.007).contains(&fit.lack_of_fit), "{}", fit.lack_of_fit);
     // The bend is no scatter.
     assert!(
-        fit.scatter.unwrap() < 2e-4 && fit.standard_at(&Pump::three_roller(), 60.0).unwrap() < 2e-4,
+        fit.scatter.standard().unwrap() < 2e-4
+            && fit.standard_at(&Pump::three_roller(), 60.0).unwrap() < 2e-4,
         "{fit:?}"
     );
 }
@@ -154,7 +158,7 @@ fn what_cannot_be_is_refused() {
     assert!(error.contains("run 2 gave 89.5377 mL where the model gives 42.6370 mL"), "{error}");
 }
 
-/// Runs of a pump that follows this law, two revolutions each, with this scatter.
+/// Fits runs of a pump that follows this law, two revolutions each, with this scatter.
 fn by_law(
     law: &SpeedLaw,
     speeds_rpm: &[f64],

@@ -5,23 +5,30 @@ use crate::math::sqrt;
 /// A column this small beside what it was is a combination of the others.
 const SINGULAR: f64 = 1e-11;
 
-/// R and Q^T b of all rows J x = b so far, by Givens rotations (Golub and Van Loan, "Matrix Computations", 4th edition,
-/// 5.2.5): no row is kept, and nothing is squared as in normal equations.
+/// R and Q^T b of all rows J x = b so far, by Givens rotations (Golub and Van Loan, "Matrix Computations",
+/// 4th edition, 5.2.5): no row is kept, and nothing is squared as in normal equations.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Triangle<const N: usize> {
+pub struct Triangle<const N: usize> {
     r: [[f64; N]; N],
     right: [f64; N],
-    /// Sum of squares of what no x explains.
+    /// Sum of squares that no x explains.
     left: f64,
 }
 
+impl<const N: usize> Default for Triangle<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<const N: usize> Triangle<N> {
-    pub(super) fn new() -> Self {
+    /// Returns a triangle of no rows, with every x free.
+    pub fn new() -> Self {
         Self { r: [[0.0; N]; N], right: [0.0; N], left: 0.0 }
     }
 
-    /// A triangle of no rows, but with x at 0 where `free` is false.
-    pub(super) fn holding(free: [bool; N]) -> Self {
+    /// Returns a triangle of no rows that holds x at 0 where `free` is false.
+    pub fn holding(free: [bool; N]) -> Self {
         let mut triangle = Self::new();
         for (n, free) in free.into_iter().enumerate() {
             triangle.r[n][n] = if free { 0.0 } else { 1.0 };
@@ -29,8 +36,8 @@ impl<const N: usize> Triangle<N> {
         triangle
     }
 
-    /// Takes one more row. Columns of what is held must be 0.
-    pub(super) fn push(&mut self, mut row: [f64; N], mut right: f64) {
+    /// Takes one more row. The row must be 0 in the columns of x that are held.
+    pub fn push(&mut self, mut row: [f64; N], mut right: f64) {
         for k in 0..N {
             if row[k] == 0.0 {
                 continue;
@@ -46,36 +53,37 @@ impl<const N: usize> Triangle<N> {
         self.left += right * right;
     }
 
-    /// Sum of squares that the best x leaves.
-    pub(super) fn left(&self) -> f64 {
+    /// Returns the sum of squares that the best x leaves.
+    pub fn left(&self) -> f64 {
         self.left
     }
 
-    /// Sum of squares by which the best x is better than 0.
-    pub(super) fn gained(&self) -> f64 {
+    /// Returns the sum of squares by which the best x is better than 0.
+    pub fn gained(&self) -> f64 {
         self.right.iter().map(|right| right * right).sum()
     }
 
-    /// Length of each column.
-    pub(super) fn lengths(&self) -> [f64; N] {
+    /// Returns the length of each column.
+    pub fn lengths(&self) -> [f64; N] {
         core::array::from_fn(|n| sqrt((0..=n).map(|row| self.r[row][n] * self.r[row][n]).sum()))
     }
 
-    /// The first column that is 0, or a combination of those before it.
-    pub(super) fn singular(&self) -> Option<usize> {
+    /// Returns the index of the first column that is 0 or a combination of the columns before it.
+    pub fn singular(&self) -> Option<usize> {
         let lengths = self.lengths();
         let is_regular = |n: usize| self.r[n][n].abs() > SINGULAR * lengths[n];
         // A column that is NaN is singular too.
         (0..N).find(|n| !is_regular(*n))
     }
 
-    /// The x with the least sum of squares; none if it is not unique.
-    pub(super) fn solution(&self) -> Option<[f64; N]> {
+    /// Returns the x with the least sum of squares, or `None` if it is not unique.
+    pub fn solution(&self) -> Option<[f64; N]> {
         if self.singular().is_some() { None } else { Some(self.back(self.right)) }
     }
 
-    /// Diagonal of (J^T J)^-1: variances of x where each row has variance 1; none if x is not unique.
-    pub(super) fn variances(&self) -> Option<[f64; N]> {
+    /// Returns the diagonal of (J^T J)^-1, the variances of x where each row has variance 1, or `None` if x
+    /// is not unique.
+    pub fn variances(&self) -> Option<[f64; N]> {
         if self.singular().is_some() {
             return None;
         }
@@ -89,7 +97,7 @@ impl<const N: usize> Triangle<N> {
         Some(variances)
     }
 
-    /// x of R x = `right`.
+    /// Returns x of R x = `right`.
     fn back(&self, right: [f64; N]) -> [f64; N] {
         let mut x = right;
         for row in (0..N).rev() {
@@ -108,7 +116,8 @@ mod tests {
 
     #[test]
     fn a_straight_line_is_that_of_the_textbook() {
-        // Anscombe's first set (American Statistician 27, 1973): 3.0001 + 0.5001 x; standard errors 1.1247 and 0.1179.
+        // Anscombe's first set (American Statistician 27, 1973): 3.0001 + 0.5001 x; standard errors 1.1247
+        // and 0.1179.
         let x = [10.0, 8.0, 13.0, 9.0, 11.0, 14.0, 6.0, 4.0, 12.0, 7.0, 5.0];
         let y = [8.04, 6.95, 7.58, 8.81, 8.33, 9.96, 7.24, 4.26, 10.84, 4.82, 5.68];
         let mut triangle = Triangle::new();

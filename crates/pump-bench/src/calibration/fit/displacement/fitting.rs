@@ -1,0 +1,126 @@
+//! The fit of a line or of the speed law to weighed runs.
+
+use pump_model::identification::least_squares::StraightLine;
+use pump_model::math::sqrt;
+use pump_model::{Pump, SpeedLaw};
+
+use super::Displacement;
+use crate::calibration::fit::departures::{Departures, VarianceRatio};
+use crate::calibration::fit::expected::Expected;
+use crate::calibration::fit::law_fit::LawFit;
+use crate::calibration::fit::points::{Points, distinct};
+use crate::calibration::fit::scatter::Scatter;
+use crate::calibration::{CalibrationError, Run, Weighing};
+
+impl Displacement {
+    /// Fits a line to `runs` of `pump`, the pump as it is without this calibration. The weight of a run is 1
+    /// over the sum of the squares of its repeatability and of the reading's share in it.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::TooFew`] without runs. Errors that name a run if its volume is implausible, or
+    /// cannot be told.
+    pub fn fit(
+        pump: &Pump,
+        runs: &[Run],
+        weighing: &Weighing<'_>,
+        expected: &Expected,
+    ) -> Result<Self, CalibrationError> {
+        let points = Points::of(pump, runs, weighing, expected)?;
+        let line = points.over_speed()?;
+        let departures = points.from_line(&line);
+        let errors = Errors::of(&points, &line, &departures, expected);
+        Ok(Self::of(&points, &line, &departures, &errors, None))
+    }
+
+    /// Fits s and D of the speed law to `runs` of `pump`; theta_c and P_atm are those of `start`. `base` is
+    /// the pump counted from its own zero. The fit needs three speeds.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::TooFew`] with fewer than three speeds. [`CalibrationError::NoLaw`] if the runs are
+    /// not those of a speed law. Errors that name a run if its volume is implausible, or cannot be told.
+    pub fn fit_law(
+        pump: &Pump,
+        base: &Pump,
+        start: &SpeedLaw,
+        runs: &[Run],
+        weighing: &Weighing<'_>,
+        expected: &Expected,
+    ) -> Result<Self, CalibrationError> {
+        const NEEDED: usize = 3;
+        let given = distinct(runs.iter().map(|run| run.speed_rpm)).len();
+        if given < NEEDED {
+            return Err(CalibrationError::TooFew { given, of: "speeds for a speed law", needed: NEEDED });
+        }
+        let points = Points::of(pump, runs, weighing, expected)?;
+        let line = points.over_speed()?;
+        let trapped_kpa = points.trapped_kpa(base, start)?;
+        let over = points.over_pressure(&trapped_kpa)?;
+        let departures = points.departures(trapped_kpa.iter().map(|kpa| over.at(*kpa)));
+        let errors = Errors::of(&points, &line, &departures, expected);
+        let degrees_of_freedom = errors.scatter.degrees_of_freedom();
+        let law =
+            LawFit::of(base, start, &over, errors.standards(&over), points.reading, degrees_of_freedom)?;
+        Ok(Self::of(&points, &line, &departures, &errors, Some(law)))
+    }
+
+    fn of(
+        points: &Points,
+        line: &StraightLine,
+        departures: &Departures,
+        errors: &Errors,
+        speed_law: Option<LawFit>,
+    ) -> Self {
+        let [factor_standard, slope_standard_per_rpm] = errors.standards(line);
+        Self {
+            reference_rpm: line.reference,
+            factor: line.offset.value,
+            factor_standard,
+            slope_per_rpm: line.slope.value,
+            slope_standard_per_rpm,
+            scatter: errors.scatter,
+            lack_of_fit: departures.lack_of_fit(),
+            reading: points.reading,
+            outliers: departures.outliers(errors.mean_sigma),
+            speeds_rpm: points.speeds_rpm.clone(),
+            speed_law,
+        }
+    }
+}
+
+/// Errors of the runs beside those that were expected.
+struct Errors {
+    scatter: Scatter,
+    /// Standard deviation that was expected of a run, mean of the runs by their weights.
+    mean_sigma: f64,
+    /// Error of the factor, over the error that was expected.
+    of_factor: f64,
+    /// Error of the slope, over the error that was expected.
+    of_slope: f64,
+}
+
+impl Errors {
+    fn of(points: &Points, line: &StraightLine, departures: &Departures, expected: &Expected) -> Self {
+        let mean_sigma = sqrt(departures.runs() as f64 * line.offset.variance);
+        match departures.variance_ratio(points.parameters()) {
+            Some(VarianceRatio { degrees_of_freedom, ratio }) => {
+                let error = sqrt(ratio);
+                let scatter = Scatter::Seen { degrees_of_freedom, standard: error * mean_sigma };
+                Self { scatter, mean_sigma, of_factor: error, of_slope: error }
+            }
+            // Without a scatter that contains it the reading has a share of its own in the factor.
+            None => Self {
+                scatter: Scatter::Expected,
+                mean_sigma,
+                of_factor: expected.repeatability / mean_sigma,
+                of_slope: 1.0,
+            },
+        }
+    }
+
+    /// Returns the standard errors of the factor and the slope of a line.
+    fn standards(&self, line: &StraightLine) -> [f64; 2] {
+        [self.of_factor * sqrt(line.offset.variance), self.of_slope * sqrt(line.slope.variance)]
+    }
+}

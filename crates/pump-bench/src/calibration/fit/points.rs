@@ -1,0 +1,146 @@
+//! Weighed runs as points of a fit: measured over model volume against the speed.
+
+use pump_model::identification::least_squares::{StraightLine, Terms};
+use pump_model::math::{rad_s, sqrt};
+use pump_model::{ModelError, Pump, SpeedLaw};
+
+use super::departures::{Departure, Departures};
+use super::expected::Expected;
+use crate::calibration::{CalibrationError, Run, Weighing};
+
+/// Speeds that differ by less than this part are one.
+pub(super) const SAME_SPEED: f64 = 0.01;
+
+/// A weighed run as a point of a fit.
+struct Point {
+    /// Cruise speed, in r/min, positive.
+    rpm: f64,
+    /// Cruise speed, in rad/s, negative in reverse.
+    speed_rad_s: f64,
+    /// Measured over model volume.
+    ratio: f64,
+    /// Standard uncertainty that is expected of the ratio.
+    sigma: f64,
+}
+
+/// Weighed runs as points of a fit. There is at least one.
+pub(super) struct Points {
+    points: Vec<Point>,
+    /// Speeds of the runs, in r/min, rising.
+    pub(super) speeds_rpm: Vec<f64>,
+    /// Standard uncertainty of a reading, as a part of the volume, mean of the runs.
+    pub(super) reading: f64,
+}
+
+impl Points {
+    /// Returns the points of `runs` of `pump`, as it is without this calibration.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::TooFew`] without runs, and the errors of [`Run::volumes_ml`].
+    pub(super) fn of(
+        pump: &Pump,
+        runs: &[Run],
+        weighing: &Weighing<'_>,
+        expected: &Expected,
+    ) -> Result<Self, CalibrationError> {
+        let mut points = Vec::new();
+        let mut reading_sum = 0.0;
+        for (n, run) in runs.iter().enumerate() {
+            let (measured_ml, model_ml) = run.volumes_ml(pump, weighing, n + 1)?;
+            let reading = expected.reading_ml / model_ml;
+            let sigma = sqrt(expected.repeatability * expected.repeatability + reading * reading);
+            reading_sum += reading;
+            points.push(Point {
+                rpm: run.speed_rpm,
+                speed_rad_s: rad_s(run.speed_rpm).copysign(run.turned_deg),
+                ratio: measured_ml / model_ml,
+                // Nothing is ever repeated exactly: this keeps the weights of a pump that claims so finite.
+                sigma: sigma.max(1e-9),
+            });
+        }
+        if points.is_empty() {
+            return Err(CalibrationError::TooFew { given: 0, of: "runs", needed: 1 });
+        }
+        let speeds_rpm = distinct(points.iter().map(|point| point.rpm));
+        let reading = reading_sum / points.len() as f64;
+        Ok(Self { points, speeds_rpm, reading })
+    }
+
+    /// Number of parameters of a line through the points: factor and slope, or the factor alone at one speed.
+    pub(super) fn parameters(&self) -> usize {
+        self.terms().count()
+    }
+
+    /// Returns the line of the ratios over the speed in r/min, or their mean if there is one speed.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::Undetermined`] if the runs determine no line.
+    pub(super) fn over_speed(&self) -> Result<StraightLine, CalibrationError> {
+        let points = self.points.iter().map(|point| (point.rpm, point.ratio, point.sigma));
+        StraightLine::about_mean(points, self.terms()).ok_or(CalibrationError::Undetermined {
+            what: "the displacement factor",
+            why: "the runs give no line over the speed; check speeds and readings",
+        })
+    }
+
+    /// Returns the line of the ratios over `x`, one for each run.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::Undetermined`] if x is the same in all runs.
+    pub(super) fn over_pressure(&self, x: &[f64]) -> Result<StraightLine, CalibrationError> {
+        let points = self.points.iter().zip(x).map(|(point, x)| (*x, point.ratio, point.sigma));
+        let terms = Terms { offset: true, slope: true, bend: false };
+        StraightLine::about_mean(points, terms).ok_or(CalibrationError::Undetermined {
+            what: "a speed law",
+            why: "the pressure at the inlet is the same at all speeds; take more speeds, or fit a line",
+        })
+    }
+
+    /// Returns the pressure, in kPa absolute, at which each run trapped its segments by `law` of `base`, the
+    /// pump counted from its own zero.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError`] where the pump or the law cannot be computed.
+    pub(super) fn trapped_kpa(&self, base: &Pump, law: &SpeedLaw) -> Result<Vec<f64>, ModelError> {
+        self.points.iter().map(|point| law.trapped_kpa(base, point.speed_rad_s)).collect()
+    }
+
+    /// Returns the departures of the ratios from a line over the speed.
+    pub(super) fn from_line(&self, line: &StraightLine) -> Departures {
+        self.departures(self.points.iter().map(|point| line.at(point.rpm)))
+    }
+
+    /// Returns the departures of the ratios from fitted values, one for each run.
+    pub(super) fn departures(&self, fitted: impl Iterator<Item = f64>) -> Departures {
+        let distance = |point: &Point, speed_rpm: &f64| (point.rpm - speed_rpm).abs();
+        let mut by_speed = vec![Vec::new(); self.speeds_rpm.len()];
+        for (n, (point, fitted)) in self.points.iter().zip(fitted).enumerate() {
+            let nearest = self
+                .speeds_rpm
+                .iter()
+                .enumerate()
+                .min_by(|(_, one), (_, other)| distance(point, one).total_cmp(&distance(point, other)));
+            if let Some(group) = nearest.and_then(|(group, _)| by_speed.get_mut(group)) {
+                let weight = 1.0 / (point.sigma * point.sigma);
+                group.push(Departure { run: n + 1, residual: point.ratio - fitted, weight });
+            }
+        }
+        Departures::new(by_speed)
+    }
+
+    fn terms(&self) -> Terms {
+        Terms { offset: true, slope: self.speeds_rpm.len() > 1, bend: false }
+    }
+}
+
+/// Returns the speeds that are not the same, rising. Each is the mean of its runs.
+pub(super) fn distinct(speeds: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut speeds: Vec<f64> = speeds.collect();
+    speeds.sort_unstable_by(f64::total_cmp);
+    let groups = speeds.chunk_by(|one, next| *next <= one * (1.0 + SAME_SPEED));
+    groups.map(|group| group.iter().sum::<f64>() / group.len() as f64).collect()
+}
