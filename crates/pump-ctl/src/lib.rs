@@ -1,8 +1,8 @@
 //! Control of a roller-type peristaltic pump from the angle of its rollers.
 //!
 //! This crate computes the angle that gives a volume, the speed, the time of each step, and the pressures to
-//! expect. Units are mL, kPa absolute, s and rad, and stand in every name. The crate needs neither `std` nor an
-//! allocator. It does no I/O and reads no clock.
+//! expect. Units are mL, kPa absolute, s and rad, and stand in every name. The crate needs neither `std` nor
+//! an allocator. It does no I/O and reads no clock.
 //!
 //! ```
 //! use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};

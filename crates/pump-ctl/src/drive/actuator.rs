@@ -128,8 +128,8 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     ///
     /// # Errors
     ///
-    /// Fails with [`Fault::NotEnabled`] if the motor is not energised, and with [`Fault::Start`] if no segment is
-    /// queued, a move is under way, or the motor was stopped.
+    /// Fails with [`Fault::NotEnabled`] if the motor is not energised, and with [`Fault::Start`] if no
+    /// segment is queued, a move is under way, or the motor was stopped.
     pub fn start(&mut self, now: u64) -> Result<u64, Fault<M::Error>> {
         if !self.enabled {
             return Err(Fault::NotEnabled);
@@ -139,22 +139,23 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         Ok(due)
     }
 
-    /// Decelerates the motor as [`Stepper::stop`] does. The timer must fire at [`Stepper::next_deadline`] if that is
-    /// earlier now.
+    /// Decelerates the motor as [`Stepper::stop`] does. The timer must fire at [`Stepper::next_deadline`] if
+    /// that is earlier now.
     pub fn stop(&mut self, now: u64) -> StopPlan {
         self.stepper.stop(now)
     }
 
     /// Makes the step that is due. Call it when the timer fires.
     ///
-    /// A call may be so late that the next step is due already. Steps in a burst would follow, which no motor can
-    /// make. The motor is decelerated instead, and then [`Fault::Late`] comes back. A call that is less late shifts
-    /// no other step.
+    /// A call may be so late that the next step is due already. Steps in a burst would follow, which no motor
+    /// can make. The motor is decelerated instead, and then [`Fault::Late`] comes back. A call that is less
+    /// late shifts no other step.
     ///
     /// # Errors
     ///
-    /// Fails with [`Fault::Motion`] if the back end fails. Once the motor stands, it fails with [`Fault::Starved`]
-    /// after a queue that ran dry, and with [`Fault::Late`] after a call that was too late.
+    /// Fails with [`Fault::Motion`] if the back end fails. Once the motor stands, it fails with
+    /// [`Fault::Starved`] after a queue that ran dry, and with [`Fault::Late`] after a call that was too
+    /// late.
     #[inline]
     pub fn on_timer(&mut self, now: u64) -> Result<Timer, Fault<M::Error>> {
         let due = self.stepper.next_deadline().unwrap_or(now);
@@ -182,8 +183,8 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         }
     }
 
-    /// Records the position at which the index sensor becomes active, from now on. Each step then reads the sensor's
-    /// pin once.
+    /// Records the position at which the index sensor becomes active, from now on. Each step then reads the
+    /// sensor's pin once.
     ///
     /// # Errors
     ///

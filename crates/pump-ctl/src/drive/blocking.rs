@@ -14,13 +14,13 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     /// The call asks `stop` over and over. Once `stop` returns true, the motor decelerates. A segment that is
     /// refused on the way makes the motor decelerate too.
     ///
-    /// Segments that do not fit into the queue are computed between steps. On a processor without f64 in hardware,
-    /// choose `Q` large enough for all of them, or steps come late.
+    /// Segments that do not fit into the queue are computed between steps. On a processor without f64 in
+    /// hardware, choose `Q` large enough for all of them, or steps come late.
     ///
     /// # Errors
     ///
-    /// Fails with [`Fault::NotEnabled`], [`Fault::Push`] or [`Fault::Start`] if the move cannot begin. A move under
-    /// way ends early with [`Fault::Motion`], [`Fault::Starved`], [`Fault::Late`] or [`Fault::Push`].
+    /// Fails with [`Fault::NotEnabled`], [`Fault::Push`] or [`Fault::Start`] if the move cannot begin. A move
+    /// under way ends early with [`Fault::Motion`], [`Fault::Starved`], [`Fault::Late`] or [`Fault::Push`].
     pub fn run(
         &mut self,
         clock: &mut impl Clock,

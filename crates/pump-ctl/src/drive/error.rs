@@ -35,8 +35,8 @@ pub enum Fault<E> {
     },
     /// A step came so late that the next step was due already. The motor was decelerated and holds.
     #[error(
-        "a step came {late_ticks} ticks late, when the next one was due already; the motor was decelerated and holds at \
-         position {position}: give the timer's interrupt a higher priority, or dose more slowly"
+        "a step came {late_ticks} ticks late, when the next one was due already; the motor was decelerated \
+         and holds at position {position}: give the timer's interrupt a higher priority, or dose more slowly"
     )]
     Late {
         /// Delay of the step, ticks.

@@ -8,8 +8,8 @@ use super::motion::Motion;
 
 /// Times that a stepper driver needs, ns, and the polarity of its pins.
 ///
-/// The default is that of a DRV8825, the slowest of the common drivers. Its times are 1.9 us high and low, 650 ns
-/// set-up and hold, and 1.7 ms from sleep to step (Texas Instruments, SLVSA73F, section 6.6).
+/// The default is that of a DRV8825, the slowest of the common drivers. Its times are 1.9 us high and low,
+/// 650 ns set-up and hold, and 1.7 ms from sleep to step (Texas Instruments, SLVSA73F, section 6.6).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -106,7 +106,8 @@ impl Pin {
     }
 }
 
-/// A stepper driver on pins: `S` step, `D` direction, `E` enable, `I` index sensor, `W` the delay between them.
+/// A stepper driver on pins: `S` step, `D` direction, `E` enable, `I` index sensor, `W` the delay between
+/// them.
 ///
 /// ```
 /// use std::cell::Cell;
@@ -142,7 +143,8 @@ pub struct StepDir<S, D, E, W, I = NoPin> {
 }
 
 impl<S: OutputPin, D: OutputPin, E: OutputPin, W: DelayNs> StepDir<S, D, E, W> {
-    /// Makes a driver from pins as they are. No pin is set before the motor is enabled. `enable` may be [`NoPin`].
+    /// Makes a driver from pins as they are. No pin is set before the motor is enabled. `enable` may be
+    /// [`NoPin`].
     pub fn new(step: S, direction: D, enable: E, delay: W, timing: Timing) -> Self {
         Self { step, direction, enable, index: None, delay, timing, facing: None }
     }

@@ -5,8 +5,8 @@
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use]
 pub enum Action {
-    /// Make one step and call again at `next`. After the last step `next` is that step's own time. The call that
-    /// follows at once returns how the move ended.
+    /// Make one step and call again at `next`. After the last step `next` is that step's own time. The call
+    /// that follows at once returns how the move ended.
     Step {
         /// Direction of the step: 1 forward, -1 in reverse.
         dir: i8,

@@ -59,8 +59,8 @@ pub(super) struct Descent {
 }
 
 impl Brake {
-    /// Makes a brake from segments that speed up from rest. Counts must be positive, and no interval may be longer
-    /// than the one before.
+    /// Makes a brake from segments that speed up from rest. Counts must be positive, and no interval may be
+    /// longer than the one before.
     ///
     /// Other segments, or more than [`BRAKE_ENTRIES`] of them, give `None`.
     pub fn from_climb(segments: impl IntoIterator<Item = Segment>) -> Option<Self> {
@@ -96,8 +96,8 @@ impl Brake {
         self.climb.iter().filter(|segment| segment.count != 0)
     }
 
-    /// Returns the way down for a motor whose last interval was `interval`, 2^-32 tick. The first interval of the way
-    /// down is no shorter. The result is `None` if the motor is so slow that it can stand at once.
+    /// Returns the way down for a motor whose last interval was `interval`, 2^-32 tick. The first interval of
+    /// the way down is no shorter. The result is `None` if the motor is so slow that it can stand at once.
     pub(super) fn descent_from(&self, interval: i128) -> Option<Descent> {
         let entries = self.climb().take_while(|segment| segment.interval_of(1) >= interval).count();
         let top = self.climb.get(entries.checked_sub(1)?)?;

@@ -14,12 +14,15 @@ pub enum PushError {
     Full,
     /// The segment has no steps, or an interval shorter than one tick or longer than 2^48 ticks.
     #[error(
-        "{0:?} has no steps, or an interval below 1 tick or above 2^48 ticks; for short intervals use a faster timer or \
-         a slower dose, for long ones a slower timer"
+        "{0:?} has no steps, or an interval below 1 tick or above 2^48 ticks; for short intervals use a \
+         faster timer or a slower dose, for long ones a slower timer"
     )]
     Segment(Segment),
     /// The move was marked as complete by `finish`.
-    #[error("the move is complete, so no segment can be added after finish(); retarget the move, or wait for its end")]
+    #[error(
+        "the move is complete, so no segment can be added after finish(); retarget the move, or wait for its \
+         end"
+    )]
     Finished,
     /// The motor was stopped, or the queue ran dry. The plan no longer holds.
     #[error(

@@ -58,8 +58,8 @@ impl<const Q: usize> Queue<Q> {
         self.pending == 0
     }
 
-    /// Appends a segment. In a full ring the oldest segment that is done gives way. Fewer than `Q` segments must be to
-    /// come.
+    /// Appends a segment. In a full ring the oldest segment that is done gives way. Fewer than `Q` segments
+    /// must be to come.
     pub(super) fn push(&mut self, segment: Segment) {
         if self.taken + self.pending == Q {
             self.oldest = self.place(1);
@@ -97,8 +97,8 @@ impl<const Q: usize> Queue<Q> {
         }
     }
 
-    /// Splits the segment under way after `made` steps. `rest` is then the next segment to come. The oldest segment
-    /// gives way if there is no place. At worst that is the segment under way.
+    /// Splits the segment under way after `made` steps. `rest` is then the next segment to come. The oldest
+    /// segment gives way if there is no place. At worst that is the segment under way.
     pub(super) fn split(&mut self, made: u32, rest: Segment) {
         let to_come = core::mem::take(&mut self.pending);
         self.cut(made);

@@ -18,10 +18,11 @@ pub struct Junction {
 }
 
 impl<const Q: usize> Stepper<Q> {
-    /// Returns the junction for a new plan, after the first step due at `not_before` or later. The call changes
-    /// nothing.
+    /// Returns the junction for a new plan, after the first step due at `not_before` or later. The call
+    /// changes nothing.
     ///
-    /// The result is `None` if no such step is queued, if no step is planned after it, or if the motor is stopping.
+    /// The result is `None` if no such step is queued, if no step is planned after it, or if the motor is
+    /// stopping.
     pub fn junction(&self, not_before: u64) -> Option<Junction> {
         let (passed, slot, k) = self.first_step_from(not_before)?;
         let ends = passed == self.queue.len() && k == slot.segment.steps();
@@ -37,8 +38,8 @@ impl<const Q: usize> Stepper<Q> {
     /// Push the new plan's segments, and none of the old plan, before the junction comes. Then call
     /// [`Self::finish`]. Otherwise the motor decelerates and stands ([`super::Action::Starved`]).
     ///
-    /// Plan first, from [`Self::junction`]. When there is a new plan, drop the old plan at the junction's `at`. The
-    /// result is `None`, and nothing changes, if there is no junction then.
+    /// Plan first, from [`Self::junction`]. When there is a new plan, drop the old plan at the junction's
+    /// `at`. The result is `None`, and nothing changes, if there is no junction then.
     pub fn retarget(&mut self, not_before: u64) -> Option<Junction> {
         let junction = self.junction(not_before)?;
         let (passed, _, k) = self.first_step_from(not_before)?;
@@ -52,8 +53,8 @@ impl<const Q: usize> Stepper<Q> {
         Some(junction)
     }
 
-    /// Finds the first step still to be made that is due at `not_before` or later. Returns the number of segments that
-    /// end before it, its segment, and its number in that segment.
+    /// Finds the first step still to be made that is due at `not_before` or later. Returns the number of
+    /// segments that end before it, its segment, and its number in that segment.
     fn first_step_from(&self, not_before: u64) -> Option<(usize, Slot, u32)> {
         if self.state != State::Moving {
             return None;

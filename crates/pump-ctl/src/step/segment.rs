@@ -4,9 +4,9 @@ use super::ticks::Ticks;
 
 /// A run of steps whose intervals change evenly.
 ///
-/// The first step comes `interval` after the step before the segment, and each interval is `add` longer than the
-/// last. Step k (from 1) is due k I + add k (k - 1) / 2 after the step before the segment, where I is interval and
-/// fraction.
+/// The first step comes `interval` after the step before the segment, and each interval is `add` longer than
+/// the last. Step k (from 1) is due k I + add k (k - 1) / 2 after the step before the segment, where I is
+/// interval and fraction.
 ///
 /// ```
 /// use pump_ctl::step::Segment;
@@ -70,14 +70,15 @@ impl Segment {
         self.first().fixed() + i128::from(self.add) * (i128::from(k) - 1)
     }
 
-    /// Returns the time from the step before the segment to its step `k` (from 1), 2^-32 tick. It is 0 for `k` 0.
+    /// Returns the time from the step before the segment to its step `k` (from 1), 2^-32 tick. It is 0 for
+    /// `k` 0.
     pub(crate) fn span(&self, k: u32) -> i128 {
         let k = i128::from(k);
         k * self.first().fixed() + i128::from(self.add) * (k * (k - 1) / 2)
     }
 
-    /// Counts the steps, of the first `limit`, that are due within `elapsed` after the step before the segment. The
-    /// time `elapsed` is in 2^-32 tick.
+    /// Counts the steps, of the first `limit`, that are due within `elapsed` after the step before the
+    /// segment. The time `elapsed` is in 2^-32 tick.
     pub(crate) fn steps_within(&self, elapsed: i128, limit: u32) -> u32 {
         let (mut within, mut beyond) = (0, limit.saturating_add(1));
         while beyond - within > 1 {

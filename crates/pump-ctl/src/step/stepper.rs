@@ -12,12 +12,12 @@ use super::ticks::Ticks;
 
 /// The executor, which makes the steps of queued segments, each at its own absolute time.
 ///
-/// `Q` segments fit, the segment under way included. Fewer than 2 do not compile. A segment that is done stays for
-/// [`Self::position_at`] until its place is needed.
+/// `Q` segments fit, the segment under way included. Fewer than 2 do not compile. A segment that is done
+/// stays for [`Self::position_at`] until its place is needed.
 ///
 /// Share the executor between thread and interrupt behind a critical section. Most calls take a few hundred
-/// instructions at most. [`Self::stop`], [`Self::retarget`] and [`Self::position_at`] take some thousands, and
-/// [`Self::fill`] takes more.
+/// instructions at most. [`Self::stop`], [`Self::retarget`] and [`Self::position_at`] take some thousands,
+/// and [`Self::fill`] takes more.
 ///
 /// ```
 /// use pump_ctl::plan::Motor;
@@ -51,8 +51,8 @@ pub struct Stepper<const Q: usize> {
     /// Steps left of the segment, the step due included. It is 0 while the motor stands.
     pub(super) left: u32,
     pub(super) direction: i8,
-    /// Direction of the last step, 0 before the first step of a move. Where the motor turns round, `direction` is
-    /// already that of the next step.
+    /// Direction of the last step, 0 before the first step of a move. Where the motor turns round,
+    /// `direction` is already that of the next step.
     pub(super) last_direction: i8,
     /// True if no segment will follow the queued segments.
     pub(super) finished: bool,
@@ -85,8 +85,8 @@ impl<const Q: usize> Stepper<Q> {
     ///
     /// # Errors
     ///
-    /// Fails with [`PushError::Full`] if there is no room, and with [`PushError::Segment`] if the segment is not
-    /// valid. After [`Self::finish`] it fails with [`PushError::Finished`], after a stop with
+    /// Fails with [`PushError::Full`] if there is no room, and with [`PushError::Segment`] if the segment is
+    /// not valid. After [`Self::finish`] it fails with [`PushError::Finished`], after a stop with
     /// [`PushError::Stopped`].
     pub fn push(&mut self, segment: Segment) -> Result<(), PushError> {
         match self.state {
@@ -106,17 +106,17 @@ impl<const Q: usize> Stepper<Q> {
         Ok(())
     }
 
-    /// Marks the move as complete with the segments queued so far. Without this call, a queue that runs out is a
-    /// fault ([`Action::Starved`]). At rest with nothing queued, the call does nothing.
+    /// Marks the move as complete with the segments queued so far. Without this call, a queue that runs out
+    /// is a fault ([`Action::Starved`]). At rest with nothing queued, the call does nothing.
     pub fn finish(&mut self) {
         self.finished = self.is_moving() || !self.queue.is_empty();
     }
 
-    /// Queues segments as far as there is room, and marks the move as complete when there are no more. Returns true
-    /// when all segments are queued.
+    /// Queues segments as far as there is room, and marks the move as complete when there are no more.
+    /// Returns true when all segments are queued.
     ///
-    /// The call computes the segments itself. Each takes some 20,000 instructions where f64 is done in software. In a
-    /// critical section, push segments that were computed before.
+    /// The call computes the segments itself. Each takes some 20,000 instructions where f64 is done in
+    /// software. In a critical section, push segments that were computed before.
     ///
     /// # Errors
     ///
@@ -141,8 +141,8 @@ impl<const Q: usize> Stepper<Q> {
     ///
     /// # Errors
     ///
-    /// Fails with [`StartError::Empty`] if no segment is queued, with [`StartError::Moving`] if a move is under way,
-    /// and with [`StartError::Stopped`] if the motor was stopped or the queue ran dry.
+    /// Fails with [`StartError::Empty`] if no segment is queued, with [`StartError::Moving`] if a move is
+    /// under way, and with [`StartError::Stopped`] if the motor was stopped or the queue ran dry.
     pub fn start(&mut self, now: u64) -> Result<u64, StartError> {
         match self.state {
             State::Moving | State::Ending { .. } | State::Braking { .. } => return Err(StartError::Moving),
@@ -157,8 +157,8 @@ impl<const Q: usize> Stepper<Q> {
         Ok(self.next.whole)
     }
 
-    /// Returns the action at `now`. A timer's interrupt or a loop calls this at each deadline. A step counts as made
-    /// then.
+    /// Returns the action at `now`. A timer's interrupt or a loop calls this at each deadline. A step counts
+    /// as made then.
     #[inline]
     pub fn on_deadline(&mut self, now: u64) -> Action {
         if self.left == 0 {
@@ -195,8 +195,8 @@ impl<const Q: usize> Stepper<Q> {
         self.left > 0
     }
 
-    /// Forgets the queued segments and an earlier stop, so that a new plan can be pushed. Returns false, and changes
-    /// nothing, if the motor moves.
+    /// Forgets the queued segments and an earlier stop, so that a new plan can be pushed. Returns false, and
+    /// changes nothing, if the motor moves.
     #[must_use]
     pub fn clear(&mut self) -> bool {
         if self.is_moving() {
@@ -208,8 +208,8 @@ impl<const Q: usize> Stepper<Q> {
         true
     }
 
-    /// Sets the position from which steps count on, as after homing, and forgets the past. Returns false, and changes
-    /// nothing, if the motor moves.
+    /// Sets the position from which steps count on, as after homing, and forgets the past. Returns false, and
+    /// changes nothing, if the motor moves.
     #[must_use]
     pub fn set_position(&mut self, position: i64) -> bool {
         let cleared = self.clear();
@@ -220,10 +220,11 @@ impl<const Q: usize> Stepper<Q> {
         cleared
     }
 
-    /// Stops at once, without deceleration, for a back end that can make no more steps. The past is forgotten.
+    /// Stops at once, without deceleration, for a back end that can make no more steps. The past is
+    /// forgotten.
     ///
-    /// `last_step_made` is true if the step of the last [`Action::Step`] was made. A step that was not made is not
-    /// counted.
+    /// `last_step_made` is true if the step of the last [`Action::Step`] was made. A step that was not made
+    /// is not counted.
     pub fn halt(&mut self, last_step_made: bool) {
         if !last_step_made {
             self.position = self.position.wrapping_sub(i64::from(self.last_direction));

@@ -16,8 +16,8 @@ pub struct StopPlan {
     pub final_count: i64,
 }
 
-/// The planned steps up to the next turn-round or the end of the queue, and the way down from there if the plan goes
-/// on.
+/// The planned steps up to the next turn-round or the end of the queue, and the way down from there if the
+/// plan goes on.
 struct PlannedEnd {
     steps: u64,
     ends: Ticks,
@@ -28,14 +28,14 @@ struct PlannedEnd {
 }
 
 impl<const Q: usize> Stepper<Q> {
-    /// Decelerates from the next step on until the motor stands, and drops the queued segments. A motor slow enough
-    /// stands at once.
+    /// Decelerates from the next step on until the motor stands, and drops the queued segments. A motor slow
+    /// enough stands at once.
     ///
-    /// If the plan itself comes to rest as soon, the motor follows it to that rest. A stop never adds steps to a plan
-    /// that is [`Self::finish`]ed. It may add one step to a plan that is not.
+    /// If the plan itself comes to rest as soon, the motor follows it to that rest. A stop never adds steps
+    /// to a plan that is [`Self::finish`]ed. It may add one step to a plan that is not.
     ///
-    /// If a step is overdue at `now` when the brake takes over, the way down begins at `now`. The delay is not made
-    /// up for. A second call changes nothing.
+    /// If a step is overdue at `now` when the brake takes over, the way down begins at `now`. The delay is
+    /// not made up for. A second call changes nothing.
     pub fn stop(&mut self, now: u64) -> StopPlan {
         match self.state {
             State::Ready | State::Stopped | State::Starved => self.refuse_what_is_queued(),
@@ -58,7 +58,8 @@ impl<const Q: usize> Stepper<Q> {
     }
 
     fn stop_moving(&mut self, now: u64) -> StopPlan {
-        // The motor stands before its first step and where it turns round, however short the interval to come.
+        // The motor stands before its first step and where it turns round, however short the interval to
+        // come.
         let turning = self.last_direction == self.direction;
         let descent = self.brake.descent_from(self.interval.fixed()).filter(|_| turning);
         let Some(descent) = descent else {
@@ -89,8 +90,8 @@ impl<const Q: usize> Stepper<Q> {
         self.after_step(&current, made + 1, steps, span)
     }
 
-    /// Puts off the rest of a move that is ending, for a motor that has fallen behind. Its next step then comes an
-    /// interval after `now`.
+    /// Puts off the rest of a move that is ending, for a motor that has fallen behind. Its next step then
+    /// comes an interval after `now`.
     pub(crate) fn put_off(&mut self, now: u64) {
         if self.left == 0 {
             return;

@@ -1,7 +1,7 @@
 //! Times in ticks of the caller's timer, with a fraction.
 
-/// A time in whole ticks and a fraction in 2^-32 tick. Sums keep the fraction, so a million intervals are as exact
-/// as one.
+/// A time in whole ticks and a fraction in 2^-32 tick. Sums keep the fraction, so a million intervals are as
+/// exact as one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(super) struct Ticks {
     pub(super) whole: u64,
