@@ -52,7 +52,10 @@ proptest! {
     }
 
     #[test]
-    fn a_call_late_by_more_than_an_interval_decelerates_without_a_burst(part in 0.0..1.0_f64, more in 1..100_000_u64) {
+    fn a_call_late_by_more_than_an_interval_decelerates_without_a_burst(
+        part in 0.0..1.0_f64,
+        more in 1..100_000_u64,
+    ) {
         let expected = punctual();
         let at = (part * (expected.len() - 2) as f64) as u64 + 1;
         let interval = expected[at as usize] - expected[at as usize - 1];

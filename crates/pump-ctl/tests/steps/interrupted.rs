@@ -62,7 +62,11 @@ proptest! {
     }
 
     #[test]
-    fn an_overdue_step_is_not_made_up_for_by_a_stop(case in any_case(), part in 0.0..1.0_f64, late in 1..100_000_u64) {
+    fn an_overdue_step_is_not_made_up_for_by_a_stop(
+        case in any_case(),
+        part in 0.0..1.0_f64,
+        late in 1..100_000_u64,
+    ) {
         let mut stepper = case.queued();
         let (_, due) = run_to(&mut stepper, &case, part);
         let interval = stepper.next_deadline();
@@ -147,7 +151,10 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
 
     #[test]
-    fn a_stop_adds_one_step_at_most_to_a_plan_that_is_not_marked_as_complete(case in any_case(), part in 0.0..1.0_f64) {
+    fn a_stop_adds_one_step_at_most_to_a_plan_that_is_not_marked_as_complete(
+        case in any_case(),
+        part in 0.0..1.0_f64,
+    ) {
         let mut stepper = Executor::new(case.motor.brake(case.tick_hz));
         for segment in case.plan.segments(case.tick_hz) {
             stepper.push(segment).unwrap();
