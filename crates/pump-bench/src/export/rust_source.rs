@@ -1,4 +1,4 @@
-//! A pump as Rust source, for firmware: constants that need no set-up and no memory but flash.
+//! The Rust source of a pump, for firmware. Its constants need no set-up and no memory but flash.
 
 use std::fmt::Write;
 
@@ -7,14 +7,21 @@ use pump_model::{FlowCurve, Geometry, Line, ModelError, Pump};
 
 use crate::pump_file::PumpFile;
 
-/// Rust source of a pump: its model, computed and checked here, and its limits.
+/// Largest width of a line of curve data in the source, columns.
+const WIDTH: usize = 110;
+
+/// Returns the Rust source of a pump. It holds the pump's model, computed and checked here, and its limits.
+///
+/// # Errors
+///
+/// Fails with the [`ModelError`] of a pump file that has no model.
 pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
     let pump = file.model()?;
     let limits = file.limits();
     let motor = limits.motor;
     let mut source = format!(
         "// {} ({}), for the crates pump-model and pump-ctl {}.\n\
-         // Written by `dose pumps show`; change the pump file, not this.\n\
+         // `dose pumps show` wrote this file. Change the pump file, not this source.\n\
          // Units: mm, rad, mL, kPa, s.\n\n",
         file.pump.name,
         file.pump.id,
@@ -30,7 +37,7 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
     let option = |limit: Option<f64>| limit.map_or("None".to_owned(), |kpa| format!("Some({kpa:?})"));
     let _ = write!(
         out,
-        "/// What a dose must not exceed.\n\
+        "/// Limits of every dose: motor, pressures and torque.\n\
          pub const LIMITS: Limits = Limits {{\n    \
              motor: Motor {{\n        \
                  steps_per_rev: {:?},\n        \
@@ -70,7 +77,7 @@ fn torque_source(torque: &Torque) -> String {
 }
 
 fn write_pump(out: &mut String, pump: &Pump) {
-    out.push_str("/// The pump.\n#[rustfmt::skip]\npub const PUMP: Pump = Pump::precomputed(\n");
+    out.push_str("/// Model of the pump.\n#[rustfmt::skip]\npub const PUMP: Pump = Pump::precomputed(\n");
     write_geometry(out, pump.geometry());
     let volume = pump.roller_volume();
     let _ = writeln!(
@@ -81,7 +88,7 @@ fn write_pump(out: &mut String, pump: &Pump) {
         volume.total_ml()
     );
     for piece in volume.precomputed_pieces() {
-        let _ = writeln!(out, "        {piece:?},");
+        push_wrapped(out, &format!("        {piece:?},"));
     }
     out.push_str("    ]),\n    [\n");
     write_line(out, pump.inlet());
@@ -117,16 +124,37 @@ fn write_geometry(out: &mut String, geometry: &Geometry) {
 fn write_line(out: &mut String, line: &Line) {
     let _ = writeln!(
         out,
-        "        Line {{ resistance_kpa_s_ml: {:?}, compliance_ml_kpa: {:?}, inertance_kpa_s2_ml: {:?}, reservoir_kpa: {:?} }},",
+        "        Line {{\n            \
+             resistance_kpa_s_ml: {:?},\n            \
+             compliance_ml_kpa: {:?},\n            \
+             inertance_kpa_s2_ml: {:?},\n            \
+             reservoir_kpa: {:?},\n        \
+         }},",
         line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml, line.reservoir_kpa,
     );
+}
+
+/// Appends a line, divided after commas where it is wider than [`WIDTH`].
+fn push_wrapped(out: &mut String, line: &str) {
+    let indent = line.len() - line.trim_start().len() + 4;
+    let mut rest = line.to_owned();
+    while rest.len() > WIDTH
+        && let Some(comma) = rest.get(..WIDTH).and_then(|start| start.rfind(", "))
+    {
+        let (head, tail) = rest.split_at(comma + 1);
+        out.push_str(head);
+        out.push('\n');
+        rest = format!("{:indent$}{}", "", tail.trim_start());
+    }
+    out.push_str(&rest);
+    out.push('\n');
 }
 
 fn write_curve(out: &mut String, curve: &FlowCurve) {
     let _ =
         writeln!(out, "        FlowCurve::precomputed({:?}, {:?}, &[", curve.pitch_rad(), curve.pitch_ml());
     for piece in curve.precomputed_pieces() {
-        let _ = writeln!(out, "            {piece:?},");
+        push_wrapped(out, &format!("            {piece:?},"));
     }
     out.push_str("        ]),\n");
 }
