@@ -143,8 +143,7 @@ fn normaliser() -> Result<String, Box<dyn Error>> {
     Ok(format!(
         "**An NRMSE without its normaliser.** The paper does not name the divisor of the RMSE. The RMSE of \
          the linear model (V_r of {ROLLER_ML} mL) against the speed law is {}. This model uses the mean, \
-         since it \
-         alone comes near the published figures.",
+         since it alone comes near the published figures.",
         texts.join(", and ")
     ))
 }
