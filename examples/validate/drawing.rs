@@ -13,8 +13,8 @@ use crate::row::{Bound, Row};
 /// Returns the section of the page about drawings.
 pub fn section() -> Result<Section, Box<dyn Error>> {
     let mut rows = Vec::new();
-    // The references are full contact and closure, deg, the deviation of V(50.53 deg) from the measured
-    // volume, %, the RMSE over the points, mL, and V_r of the whole arc, mL.
+    // The references are full contact and closure, deg, and the deviation of V(50.53 deg) from the measured
+    // volume, %. The last two are the RMSE over the points and V_r of the whole arc, mL.
     for (variant, name, [contact, closure, end, rms, arc]) in [
         (Variant::Measured, "Table 1", [66.8, 30.69, 2.6, 0.030, 2.2267]),
         (Variant::AsBuilt, "as built", [66.1, 32.91, -2.3, 0.060, 2.1147]),

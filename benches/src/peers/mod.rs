@@ -1,5 +1,5 @@
 //! Other solvers, used as well as possible. They stop at the edges of the flow and use its own polynomial
-//! between them, the exact Jacobian where they use one, and dense output at the samples.
+//! between them. They also use the exact Jacobian, where they need one, and dense output at the samples.
 
 pub mod explicit;
 pub mod implicit;

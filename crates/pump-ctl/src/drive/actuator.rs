@@ -128,7 +128,7 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     ///
     /// # Errors
     ///
-    /// Fails with [`Fault::NotEnabled`] if the motor is not energised, and with [`Fault::Start`] if no
+    /// Fails with [`Fault::NotEnabled`] if the motor is not energised. Fails with [`Fault::Start`] if no
     /// segment is queued, a move is under way, or the motor was stopped.
     pub fn start(&mut self, now: u64) -> Result<u64, Fault<M::Error>> {
         if !self.enabled {

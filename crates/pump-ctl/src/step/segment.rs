@@ -5,8 +5,8 @@ use super::ticks::Ticks;
 /// A run of steps whose intervals change evenly.
 ///
 /// The first step comes `interval` after the step before the segment, and each interval is `add` longer than
-/// the last. Step k (from 1) is due k I + add k (k - 1) / 2 after the step before the segment, where I is
-/// interval and fraction.
+/// the last. Step k (from 1) is due k I + add k (k - 1) / 2 after the step before the segment. I is interval
+/// and fraction.
 ///
 /// ```
 /// use pump_ctl::step::Segment;

@@ -141,8 +141,8 @@ impl<const Q: usize> Stepper<Q> {
     ///
     /// # Errors
     ///
-    /// Fails with [`StartError::Empty`] if no segment is queued, with [`StartError::Moving`] if a move is
-    /// under way, and with [`StartError::Stopped`] if the motor was stopped or the queue ran dry.
+    /// Fails with [`StartError::Empty`] if no segment is queued, and with [`StartError::Moving`] if a move is
+    /// under way. Fails with [`StartError::Stopped`] if the motor was stopped or the queue ran dry.
     pub fn start(&mut self, now: u64) -> Result<u64, StartError> {
         match self.state {
             State::Moving | State::Ending { .. } | State::Braking { .. } => return Err(StartError::Moving),
