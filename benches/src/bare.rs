@@ -1,13 +1,14 @@
-//! The least that the exact solution can cost: its recurrences with every coefficient known beforehand.
+//! The bare loop: the recurrences of the exact solution with every coefficient known beforehand.
 //!
-//! Between edges each port's state makes z <- M z + u(t) a sample, with u a quartic by Horner's rule; over an edge it
-//! makes z <- M z + u with numbers for that edge. Both ports run in one loop, so that neither waits for the other.
+//! The loop shows the least that the exact solution can cost. Between edges each port's state makes z <- M z
+//! + u(t) a sample, where u is a quartic by Horner's rule. Over an edge it makes z <- M z + u with numbers
+//! for that edge. Both ports run in one loop, so that neither waits for the other.
 
 use std::array;
 
 use crate::case::{Case, DT_S, PortCase, Quartic, SAMPLES, Samples, Segment, horner, sample_s, through};
 
-/// z -> M z + u.
+/// The affine map z -> M z + u.
 #[derive(Clone, Copy)]
 struct Affine {
     matrix: [[f64; 2]; 2],
@@ -22,12 +23,12 @@ impl Affine {
     }
 }
 
-/// Samples between two edges of either port.
+/// The samples between two edges of either port.
 struct Block {
-    /// To the first sample, from the one before over the edges.
+    /// Map from the sample before the block to its first sample, over the edges.
     entry: [Affine; 2],
     samples: usize,
-    /// What the flow adds to (p, q) from sample to sample, over time since the block's first sample.
+    /// Change of (p, q) by the flow from sample to sample, over time since the block's first sample.
     input: [[Quartic; 2]; 2],
 }
 
@@ -91,7 +92,7 @@ impl Bare {
 
 const SILENT: Segment = Segment { start_s: 0.0, end_s: f64::INFINITY, flow: [0.0; 5] };
 
-/// The affine map that `f` is.
+/// Returns the affine map that `f` computes.
 fn affine(f: impl Fn([f64; 2]) -> [f64; 2]) -> Affine {
     let shift = f([0.0; 2]);
     let (first, second) = (f([1.0, 0.0]), f([0.0, 1.0]));
@@ -99,7 +100,7 @@ fn affine(f: impl Fn([f64; 2]) -> [f64; 2]) -> Affine {
     Affine { matrix, shift }
 }
 
-/// From `start_s` to `end_s` over any edges between.
+/// Advances a state from `start_s` to `end_s`, over any edges between.
 fn over_edges(port: &PortCase, start_s: f64, end_s: f64, state: [f64; 2]) -> [f64; 2] {
     let met = port.segments.iter().filter(|segment| segment.end_s > start_s && segment.start_s < end_s);
     met.fold(state, |z, segment| {
@@ -108,7 +109,8 @@ fn over_edges(port: &PortCase, start_s: f64, end_s: f64, state: [f64; 2]) -> [f6
     })
 }
 
-/// A short step inside a segment by Taylor series: the n-th term is h/n times the derivative of the one before.
+/// Makes a short step inside a segment by Taylor series. The n-th term is h/n times the derivative of the
+/// term before.
 fn advance(port: &PortCase, segment: &Segment, start_s: f64, h: f64, state: [f64; 2]) -> [f64; 2] {
     let since_s = start_s - segment.start_s;
     let mut flow = segment.flow;

@@ -1,4 +1,5 @@
-//! The benchmark case: three rollers at 100 r/min from rest at angle 0, both pressures every millisecond for 10 s.
+//! The benchmark case: three rollers at 100 r/min from rest at angle 0, both pressures every millisecond for
+//! 10 s.
 
 use std::f64::consts::TAU;
 
@@ -9,15 +10,15 @@ pub const SAMPLES: usize = 10_000;
 pub const END_S: f64 = DT_S * SAMPLES as f64;
 pub const PORTS: [Port; 2] = [Port::Inlet, Port::Outlet];
 
-/// P_in and P_out, kPa absolute, at 0, 1 ms, 2 ms ...
+/// Samples of P_in and P_out, kPa absolute, at 0, 1 ms, 2 ms ...
 pub type Samples = [Vec<f64>; 2];
 
-/// Room for the samples of both ports.
+/// Returns room for the samples of both ports.
 pub fn room() -> Samples {
     [vec![0.0; SAMPLES], vec![0.0; SAMPLES]]
 }
 
-/// When sample `n` is due, s.
+/// Returns the time of sample `n`, s.
 pub fn sample_s(n: usize) -> f64 {
     n as f64 * DT_S
 }
@@ -25,7 +26,7 @@ pub fn sample_s(n: usize) -> f64 {
 /// A polynomial of degree four, lowest order first.
 pub type Quartic = [f64; 5];
 
-/// Its value by Horner's rule.
+/// Returns the value of a quartic at `t` by Horner's rule.
 #[inline]
 pub fn horner(c: &Quartic, t: f64) -> f64 {
     c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * c[4])))
@@ -40,7 +41,7 @@ pub struct Segment {
 }
 
 impl Segment {
-    /// Whether the next segment's flow is this one's polynomial continued.
+    /// Returns true if the next segment's flow continues this segment's polynomial.
     fn goes_on_as(&self, next: &Self) -> bool {
         let over_s = next.start_s - self.start_s;
         (0..5).all(|n| {
@@ -50,7 +51,8 @@ impl Segment {
     }
 }
 
-/// One port, as the peers need it: C dp/dt = s (Q - q), L dq/dt = s p - R q, with s = -1 at the inlet.
+/// The equations of one port for the peers: C dp/dt = s (Q - q), L dq/dt = s p - R q, with s = -1 at the
+/// inlet.
 pub struct PortCase {
     pub sign: f64,
     pub line: Line,
@@ -79,7 +81,7 @@ impl PortCase {
         Self { sign, line: *pump.line(port), segments }
     }
 
-    /// d(p, q)/dt where the flow at the rollers is `flow`.
+    /// Returns d(p, q)/dt where the flow at the rollers is `flow`.
     #[inline]
     pub fn derivative(&self, flow: f64, [p, q]: [f64; 2]) -> [f64; 2] {
         let Line { resistance_kpa_s_ml: r, compliance_ml_kpa: c, inertance_kpa_s2_ml: l, .. } = self.line;
@@ -110,7 +112,7 @@ impl Case {
         let pump = Pump::three_roller();
         let leg = Leg::constant_speed(0.0, 100.0 * TAU / 60.0);
         let ports = PORTS.map(|port| PortCase::new(&pump, port, leg));
-        // Not by `ExactRun::every`, so that its rounding shows in the table.
+        // `ExactRun::at` gives the reference, so that the rounding of `ExactRun::every` shows in the table.
         let exact = PORTS.map(|port| {
             let mut run = ExactRun::from_rest(&pump, port, [leg]);
             (0..SAMPLES).map(|n| pump.line(port).reservoir_kpa + run.at(sample_s(n))[0]).collect()
@@ -119,7 +121,7 @@ impl Case {
         Self { pump, leg, ports, joint, exact }
     }
 
-    /// Largest difference to the exact solution, kPa; infinite where a solver gave no number.
+    /// Returns the largest difference to the exact solution, kPa. It is infinite if a solver gave no number.
     pub fn error_kpa(&self, samples: &Samples) -> f64 {
         let pairs = samples.iter().flatten().zip(self.exact.iter().flatten());
         pairs.fold(0.0, |largest, (p, exact)| {
@@ -129,11 +131,11 @@ impl Case {
     }
 }
 
-/// The segments of both ports, cut at the edges of either.
+/// Returns the segments of both ports, cut at the edges of either.
 fn joined(ports: &[PortCase; 2]) -> Vec<JointSegment> {
     let mut ends_s: Vec<f64> = ports.iter().flat_map(|port| &port.segments).map(|s| s.end_s).collect();
     ends_s.sort_by(f64::total_cmp);
-    // Both ports have an edge where a roller passes angle 0; rounding must not make it two.
+    // Both ports have an edge where a roller passes angle 0. Rounding must not make two edges of it.
     ends_s.dedup_by(|next, kept| *next - *kept < 1e-9);
     let starts_s = std::iter::once(0.0).chain(ends_s.iter().copied());
     starts_s
@@ -150,7 +152,8 @@ fn joined(ports: &[PortCase; 2]) -> Vec<JointSegment> {
         .collect()
 }
 
-/// The quartic with the values of `f` at five points from 0 to `length`, by Newton's divided differences.
+/// Returns the quartic with the values of `f` at five points from 0 to `length`, by Newton's divided
+/// differences.
 pub fn through(length: f64, f: impl Fn(f64) -> f64) -> Quartic {
     let at = |n: usize| length * n as f64 / 4.0;
     let mut differences: Quartic = std::array::from_fn(|n| f(at(n)));
@@ -161,7 +164,7 @@ pub fn through(length: f64, f: impl Fn(f64) -> f64) -> Quartic {
     }
     let mut c = [0.0; 5];
     for n in (0..5).rev() {
-        // c(t) (t - t_n) + difference
+        // The polynomial becomes c(t) (t - t_n) + difference.
         for k in (1..5).rev() {
             c[k] = c[k - 1] - at(n) * c[k];
         }

@@ -1,6 +1,7 @@
-//! One table of what the pump's model and planner cost, beside other solvers of the same case in the same run.
+//! The cost of the pump's model and planner in one table, beside other solvers of one case in one run.
 //!
-//! `cargo run --release -p pump-benches`; with `quick` as an argument fewer rounds, to see that all is well.
+//! Run it with `cargo run --release -p pump-benches`. The argument `quick` makes fewer rounds, as a check
+//! that the benchmarks run.
 
 #![allow(clippy::print_stdout, reason = "a table is printed")]
 
@@ -46,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn print_row(row: &Row<'_>, n: usize, solves: bool, times: &Times) {
     let number = |value: Option<f64>| value.map_or(String::new(), |value| format!("{value:.1e}"));
     let (per_exact, per_ours) = if solves {
-        // From `OURS` on rows come in pairs, one for each goal.
+        // Rows from `OURS` on come in pairs, one row for each goal.
         let ours = (n >= OURS).then(|| format!("{:.2}", times.ratio(n, OURS + n % 2)));
         (format!("{:.2}", times.ratio(n, EXACT)), ours.unwrap_or_default())
     } else {

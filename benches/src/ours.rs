@@ -1,11 +1,11 @@
-//! Our two ways to the pressures.
+//! The two solvers of this project: the exact solution and the integrator.
 
 use pump_model::integrator::IntegrationError;
 use pump_model::{ExactRun, PortRun};
 
 use crate::case::{Case, DT_S, END_S, PORTS, SAMPLES, Samples, sample_s};
 
-/// The exact solution.
+/// Samples the exact solution.
 pub fn exact(case: &Case, samples: &mut Samples) {
     for (port, kpa) in PORTS.into_iter().zip(samples) {
         let base_kpa = case.pump.line(port).reservoir_kpa;
@@ -16,7 +16,7 @@ pub fn exact(case: &Case, samples: &mut Samples) {
     }
 }
 
-/// The integrator, with its dense output.
+/// Samples the integrator's solution, with its dense output.
 pub fn integrated(case: &Case, tolerance: f64, samples: &mut Samples) -> Result<(), IntegrationError> {
     for (port, kpa) in PORTS.into_iter().zip(samples) {
         let base_kpa = case.pump.line(port).reservoir_kpa;

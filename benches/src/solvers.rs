@@ -35,15 +35,16 @@ const PEERS: [(&str, Solve); 4] = [
     }),
 ];
 
-/// Where the rows stand that others are compared with.
+/// Row of the exact solution, with which other rows are compared.
 pub const EXACT: usize = 0;
+/// Row of the bare loop.
 pub const BARE: usize = 1;
-/// Our integrator at the first goal; at the second it stands a row later.
+/// Row of our integrator at the first goal. At the second goal it stands a row later.
 pub const OURS: usize = 2;
-/// diffsol's BDF, likewise.
+/// Row of diffsol's BDF at the first goal. At the second goal it stands a row later.
 pub const BDF: usize = 4;
 
-/// Every row, in that order.
+/// Returns every row: the exact solution, the bare loop, our integrator, then the peers.
 pub fn rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
     let bare = Bare::new(case);
     let mut rows = vec![
@@ -80,7 +81,8 @@ fn row<'a>(
     Ok(Row { name: name.into(), tolerance, error_kpa, makes: MAKES, run })
 }
 
-/// The loosest of ten tolerances a decade that reaches an error; a solver may fail at a loose one.
+/// Finds the loosest of ten tolerances a decade that reaches an error. A solver may fail at a loose
+/// tolerance.
 fn loosest(case: &Case, goal_kpa: f64, solve: Solve) -> Option<f64> {
     let tolerances = (10..=120).map(|tenths| 10_f64.powf(-0.1 * f64::from(tenths)));
     let mut samples = room();

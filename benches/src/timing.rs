@@ -1,22 +1,23 @@
-//! Times by turns: every row once a round, so that what slows the machine for a while slows all of them.
+//! Times of the rows by turns. Each round times every row, so a slow spell of the machine slows all of them.
 
 use std::error::Error;
 use std::time::Instant;
 
 pub type Outcome = Result<(), Box<dyn Error>>;
 
-/// Something to time.
+/// A task to time.
 pub struct Row<'a> {
     pub name: String,
-    /// What it was asked for and the error it reached, kPa, where it solves the benchmark case.
+    /// Tolerance that the solver was given, if the row solves the benchmark case.
     pub tolerance: Option<f64>,
+    /// Error that the solver reached, kPa, if the row solves the benchmark case.
     pub error_kpa: Option<f64>,
-    /// How many results one run makes, and of what.
+    /// Number of results of one run, and their noun.
     pub makes: (f64, &'static str),
     pub run: Box<dyn FnMut() -> Outcome + 'a>,
 }
 
-/// How long to measure.
+/// The length of a measurement.
 #[derive(Clone, Copy)]
 pub struct Effort {
     pub rounds: usize,
@@ -44,12 +45,12 @@ impl Times {
         Ok(Self(times))
     }
 
-    /// Median time of a row, s.
+    /// Returns the median time of a row, s.
     pub fn median_s(&self, row: usize) -> f64 {
         median(self.0[row].clone())
     }
 
-    /// Median over the rounds of a row's time over that of another in the same round.
+    /// Returns the median over the rounds of a row's time over another row's time in that round.
     pub fn ratio(&self, row: usize, to: usize) -> f64 {
         median(self.0[row].iter().zip(&self.0[to]).map(|(row, to)| row / to).collect())
     }

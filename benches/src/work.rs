@@ -66,7 +66,7 @@ fn planned(pump: &Pump, limits: &Limits, volume_ml: f64) -> Result<Plan, PlanErr
     plan(pump, Phase::known(0.3), &Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }), limits)
 }
 
-/// The three-roller pump with the n-th outlet line: from stiff and short to soft and long.
+/// Returns the three-roller pump with the n-th outlet line. Lines go from stiff and short to soft and long.
 fn with_other_outlet(n: usize) -> Result<Pump, ModelError> {
     let share = n as f64 / PUMPS as f64;
     let published = Line::PUBLISHED;
@@ -80,7 +80,7 @@ fn with_other_outlet(n: usize) -> Result<Pump, ModelError> {
     Pump::new(*pump.geometry(), RollerVolume::measured()?, *pump.inlet(), outlet)
 }
 
-/// The highest outlet pressure over the speeds from 0.2 to 200 r/min.
+/// Returns the highest outlet pressure over the speeds from 0.2 to 200 r/min.
 fn highest_kpa(pump: &Pump) -> Result<f64, ModelError> {
     (1..=SPEEDS).try_fold(0.0, |highest: f64, n| {
         let state = pump.steady_state(0.2 * n as f64 * TAU / 60.0)?;
@@ -88,7 +88,7 @@ fn highest_kpa(pump: &Pump) -> Result<f64, ModelError> {
     })
 }
 
-/// The same of every pump, on every core.
+/// Computes the highest outlet pressure of every pump, on every core.
 fn map(pumps: &[Pump], threads: usize) -> Outcome {
     let share = pumps.len().div_ceil(threads);
     let highest = |pumps: &[Pump]| pumps.iter().map(highest_kpa).collect::<Result<Vec<_>, _>>();

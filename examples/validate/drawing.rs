@@ -13,8 +13,8 @@ use crate::row::{Bound, Row};
 /// Returns the section of the page about drawings.
 pub fn section() -> Result<Section, Box<dyn Error>> {
     let mut rows = Vec::new();
-    // The references are full contact and closure, deg; V(50.53 deg) against the measured one, %; RMSE over
-    // the points and V_r of the whole arc, mL.
+    // The references are full contact and closure, deg, and the deviation of V(50.53 deg) from the measured
+    // volume, %. The last two are the RMSE over the points and V_r of the whole arc, mL.
     for (variant, name, [contact, closure, end, rms, arc]) in [
         (Variant::Measured, "Table 1", [66.8, 30.69, 2.6, 0.030, 2.2267]),
         (Variant::AsBuilt, "as built", [66.1, 32.91, -2.3, 0.060, 2.1147]),
@@ -31,7 +31,7 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
         rows.push(row("lumen closed", "deg", closure, degrees(drawing.closure_rad()), 0.005));
         let name_end = format!("{name}: V(50.53 deg)");
         rows.push(Row::computed(name_end, "mL", (end_ml, PAPER), at_end_ml, Bound::Percent(2.65)));
-        rows.push(row("the same, deviation", "%", end, 100.0 * (at_end_ml / end_ml - 1.0), 0.05));
+        rows.push(row("deviation of V(50.53 deg)", "%", end, 100.0 * (at_end_ml / end_ml - 1.0), 0.05));
         let ours = rmse(pairs).ok_or("there are points")?;
         rows.push(row("RMSE over the measured points", "mL", rms, ours, 6e-4));
         rows.push(row("V_r of the whole arc", "mL", arc, drawing.volume_ml(drawing.engagement_rad()), 5e-5));
@@ -55,7 +55,7 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
         (-11.0, REFERENCE),
         "not computed here",
     ));
-    let before = "What the paper leaves to later work: the roller volume without a measurement. No figure of the measured volume \
-                  goes into it.\n\n";
+    let before = "The paper leaves the roller volume without a measurement to later work. The rows below take \
+                  it from the drawing. No figure of the measured volume goes into them.\n\n";
     Ok(Section { title: "Roller volume from the drawing", before: before.into(), rows, after: String::new() })
 }

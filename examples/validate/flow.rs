@@ -12,7 +12,7 @@ use crate::row::{Bound, Row};
 /// Speed of the paper's figure, r/min.
 pub const RPM: f64 = 60.0;
 
-/// Returns T1 = T2, T3, and length and peak of a pulse at 60 r/min: s, s, s, mL/s.
+/// Returns T1 = T2, T3 and the length of a pulse at 60 r/min, s, and the peak of a pulse, mL/s.
 pub fn pulses(pump: &Pump) -> Result<[f64; 4], Box<dyn Error>> {
     let omega = rad_s(RPM);
     let psi_rad = pump.geometry().inlet_phase_rad(pump.roller_volume())?;
@@ -30,7 +30,7 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
         Row::computed("T1 = T2, three rollers", "s", reference(0.33333), t1, Bound::Absolute(5e-6)),
         Row::ours("T1 = T2, two rollers", "s", t1_two),
         Row::computed(
-            "T3, from the start of an outlet pulse to that of the next at the inlet",
+            "T3, from the start of an outlet pulse to the start of the next inlet pulse",
             "s",
             reference(0.19297),
             t3,
@@ -38,7 +38,7 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
         ),
         Row::computed("length of a pulse", "s", reference(0.14036), pulse_s, Bound::Absolute(5e-6)),
         Row::computed(
-            "largest flow that a roller takes",
+            "largest flow that a roller displaces",
             "mL/s",
             reference(25.089),
             peak,
@@ -59,8 +59,9 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
             Bound::Absolute(5e-5),
         ),
     ];
-    let before = "T1 = T2 is a pitch over the speed, T3 = psi over the speed, psi = pi - phi - 2 beta. Which of these times the \
-                  paper prints, and for which speeds, could not be looked up.\n\n";
+    let before = "T1 = T2 is a pitch over the speed. T3 is psi over the speed, where psi = pi - phi - 2 beta. \
+                  It could not be looked up which of these times the paper prints, and for which \
+                  speeds.\n\n";
     let after = "![Flow at the rollers at 60 r/min, three rollers above, two below](validation/flows.svg)\n";
     Ok(Section { title: "Flow at 60 r/min", before: before.into(), rows, after: after.into() })
 }

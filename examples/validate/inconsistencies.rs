@@ -1,5 +1,4 @@
-//! Lists the contradictions between the paper's figures: the figures, the cost of each, and the one that is
-//! used.
+//! Lists the contradictions between the paper's figures, with the cost of each, and the figure that is used.
 
 use std::error::Error;
 
@@ -35,10 +34,11 @@ fn roller_volume() -> Result<String, Box<dyn Error>> {
         [Variant::Measured, Variant::Published].map(|variant| Pump::preset(3, variant));
     let (measured, published) = (measured?, published?);
     Ok(format!(
-        "**V_r, {ROLLER_ML} mL against {} mL.** Table 1 says {ROLLER_ML}. The measured means end at {} mL, the paper's polynomial has {} mL at \
-         phi, and the flow that a roller takes adds up to {} mL. With Table 1 a revolution of three rollers is {} mL, with the \
-         integral {} mL, {} % less. Used: the integral, so that pulses and volume per revolution agree; variant `published` scales \
-         it to {ROLLER_ML} mL.",
+        "**V_r, {ROLLER_ML} mL against {} mL.** Table 1 says {ROLLER_ML}. The measured means end at {} mL, \
+         the paper's polynomial has {} mL at phi, and the flow that a roller displaces adds up to {} mL. With \
+         Table 1 a revolution of three rollers is {} mL. With the integral it is {} mL, {} % less. This model \
+         uses the integral, so that pulses and volume per revolution agree. The variant `published` scales it \
+         to {ROLLER_ML} mL.",
         figure(measured.roller_volume().total_ml(), 5),
         figure(POINTS[POINTS.len() - 1].1, 5),
         figure(at(&POLYNOMIAL, ENGAGEMENT_DEG), 5),
@@ -53,9 +53,10 @@ fn bulk_modulus() -> String {
     let compliance = Line::PUBLISHED.compliance_ml_kpa;
     let modulus_kpa = HOSE.volume_ml() / compliance;
     format!(
-        "**C = 1/B_e.** 1/B_e is in 1/kPa, C is in mL/kPa: the volume is missing, C = V_total/B_e = dV/dP. Which V_total was measured \
-         is not available; with the {} mL of our hose C = {compliance} mL/kPa is a B_e of {} kPa, and 1/B_e would be {} /kPa. Used: C as \
-         printed, and V_total/B_e wherever one follows from the other (`dose identify compliance`).",
+        "**C = 1/B_e.** 1/B_e is in 1/kPa, but C is in mL/kPa. The volume is missing: C = V_total/B_e = \
+         dV/dP. The measured V_total is not available here. With the {} mL of our hose, C = {compliance} \
+         mL/kPa is a B_e of {} kPa, and 1/B_e would be {} /kPa. This model uses C as printed, and V_total/B_e \
+         wherever one follows from the other (`dose identify compliance`).",
         figure(HOSE.volume_ml(), 4),
         figure(modulus_kpa, 3),
         figure(1.0 / modulus_kpa, 3)
@@ -65,9 +66,10 @@ fn bulk_modulus() -> String {
 fn times() -> String {
     let pulse_ms = |rpm: f64| 1000.0 * ENGAGEMENT_DEG / (6.0 * rpm);
     format!(
-        "**470.4 ms for 42.1 ms.** What the time is of is not available here. A roller takes {} ms for phi at 200 r/min and {} ms at 60 \
-         r/min. So 42.1 ms fits a pulse at 200 r/min, an inference of ours; 470.4 ms would be one at {} r/min, a speed of which no test is \
-         known. Used: neither; every time follows from the angles and the speed.",
+        "**470.4 ms for 42.1 ms.** The meaning of this time is not available here. A roller takes {} ms for \
+         phi at 200 r/min and {} ms at 60 r/min. We infer that 42.1 ms is a pulse at 200 r/min. A pulse of \
+         470.4 ms would be at {} r/min, a speed of which no test is known. This model uses neither, since \
+         every time follows from the angles and the speed.",
         figure(pulse_ms(200.0), 4),
         figure(pulse_ms(RPM), 5),
         figure(ENGAGEMENT_DEG / (6.0 * 0.4704), 3)
@@ -84,9 +86,10 @@ fn mean_flow() -> Result<String, Box<dyn Error>> {
     let with = nominal - taken_ml / pitch_s;
     let ours = pump.average_flow_ml_s(omega);
     Ok(format!(
-        "**The mean flow without 1/T.** Q_nom less the integral of a pulse takes mL from mL/s. At {RPM} r/min with three rollers Q_nom is {} \
-         mL/s and the integral {} mL: {} mL/s without the 1/T, {} mL/s with T = T1, which is V_rot omega/(2 pi) = {} mL/s; the \
-         first is {} % too much. Used: with 1/T.",
+        "**The mean flow without 1/T.** Q_nom less the integral of a pulse subtracts mL from mL/s. At {RPM} \
+         r/min with three rollers Q_nom is {} mL/s and the integral {} mL. The mean flow is then {} mL/s \
+         without the 1/T. With T = T1 it is {} mL/s, which is V_rot omega/(2 pi) = {} mL/s. The first is {} % \
+         too much. This model uses the 1/T.",
         figure(nominal, 5),
         figure(taken_ml, 5),
         figure(without, 5),
@@ -111,9 +114,10 @@ fn ten_samples() -> Result<String, Box<dyn Error>> {
         missed.push(figure(worst, 2));
     }
     Ok(format!(
-        "**Maxima of ten samples.** Which maxima were taken of ten samples is not available here; a maximum of samples is never above the \
-         true one. Ten equally spaced samples a pitch miss the largest outlet pressure of three rollers by up to {} kPa at 50, 100, \
-         150 r/min, depending on where the first one falls. Used: true extremes, found between the samples.",
+        "**Maxima of ten samples.** It is not available here which maxima the paper took of ten samples. A \
+         maximum of samples is never above the true one. Ten equally spaced samples a pitch miss the largest \
+         outlet pressure of three rollers by up to {} kPa at 50, 100, 150 r/min. The miss depends on where \
+         the first sample falls. This model uses true extremes, found between the samples.",
         missed.join(", ")
     ))
 }
@@ -128,18 +132,19 @@ fn normaliser() -> Result<String, Box<dyn Error>> {
             return Err("volumes have a mean and a range".into());
         };
         texts.push(format!(
-            "{} rollers: {} mL, {} % of the mean, {} % of the range; published {} %",
-            measured.rollers,
+            "{} mL with {} rollers, which is {} % of the mean and {} % of the range (published: {} %)",
             figure(rmse_ml, 3),
+            measured.rollers,
             figure(100.0 * mean, 3),
             figure(range, 3),
             measured.nrmse_percent
         ));
     }
     Ok(format!(
-        "**An NRMSE without its normaliser.** The paper does not say by what the RMSE is divided. Linear model (V_r of {ROLLER_ML} mL) against \
-         the speed law, {}. Used: the mean, which alone comes near.",
-        texts.join("; ")
+        "**An NRMSE without its normaliser.** The paper does not name the divisor of the RMSE. The RMSE of \
+         the linear model (V_r of {ROLLER_ML} mL) against the speed law is {}. This model uses the mean, \
+         since it alone comes near the published figures.",
+        texts.join(", and ")
     ))
 }
 
@@ -147,7 +152,7 @@ fn dimensions() -> Result<String, Box<dyn Error>> {
     let differ: Vec<String> = DIMENSIONS
         .iter()
         .filter(|(_, _, table, code)| table != code)
-        .map(|(name, unit, table, code)| format!("{name} {table} and {code} {unit}"))
+        .map(|(name, unit, table, code)| format!("{name} {table} against {code} {unit}"))
         .collect();
     let mut texts = Vec::new();
     for measured in &MEASURED {
@@ -163,8 +168,9 @@ fn dimensions() -> Result<String, Box<dyn Error>> {
         ));
     }
     Ok(format!(
-        "**Table 1 against the published code.** {}. Ten revolutions become: {}. Used: Table 1; the code's dimensions are the variant \
-         `as-built`. The code also samples the pulses at 1 ms.",
+        "**Table 1 against the published code.** The dimensions differ: {}. Ten revolutions become: {}. This \
+         model uses Table 1. The code's dimensions are the variant `as-built`. The code also samples the \
+         pulses at 1 ms.",
         differ.join(", "),
         texts.join(", ")
     ))

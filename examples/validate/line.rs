@@ -1,4 +1,4 @@
-//! Sets the lines beside the paper's: R, C and L, their consequences, and a hose that may be such a line.
+//! Sets the lines beside the paper's: R, C and L, their consequences, and a hose with these values.
 
 use std::error::Error;
 
@@ -9,8 +9,8 @@ use crate::page::Section;
 use crate::paper::{CODE, LINE, PAPER, REFERENCE};
 use crate::row::{Bound, Row};
 
-/// Hose that meets R and L of the paper's line. Its bore is that of the pump's tube; length and K are
-/// chosen. 3.5 MPa and nu = 0.5 are silicone rubber's.
+/// Hose that meets R and L of the paper's line. Its bore is that of the pump's tube. Length and K are chosen.
+/// The modulus of 3.5 MPa and nu = 0.5 are those of silicone rubber.
 pub const HOSE: Hose = Hose {
     bore_radius_mm: 5.0,
     outer_radius_mm: 7.0,
@@ -34,7 +34,7 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
     let mut rows = Vec::new();
     for ((name, unit, paper, code), ours) in LINE.into_iter().zip(ours) {
         rows.push(Row::input(name, unit, (paper, PAPER), ours));
-        rows.push(Row::computed("", unit, (code, CODE), ours, Bound::Percent(0.03)));
+        rows.push(Row::computed(name, unit, (code, CODE), ours, Bound::Percent(0.03)));
     }
     let damping = line.damping_ratio();
     let hertz = line.natural_rad_s() * sqrt(1.0 - damping * damping) / TURN_RAD;
@@ -85,7 +85,7 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
         Bound::Absolute(5e-5),
     ));
     rows.push(Row::computed(
-        "the same against the measured C",
+        "C of the hose against the measured C",
         "mL/kPa",
         (line.compliance_ml_kpa, PAPER),
         HOSE.compliance_ml_kpa(&water),
@@ -99,10 +99,11 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
     rows.push(Row::missing("points (flow, pressure) behind R", PAPER, "needs raw data"));
     rows.push(Row::missing("points (volume, pressure) behind C", PAPER, "needs raw data"));
     rows.push(Row::missing("waveform at 100 r/min behind L", PAPER, "needs raw data"));
-    let before = "The hose is ours: bore 10 mm, 0.331 m and K = 5.75 were chosen so that it has the paper's L, and its R at 210 mL/s. \
-                  Which length and which flow belong to the paper's line, and which Reynolds numbers the paper \
-                  gives, is not available here.\n\n";
-    let after = "The paper's authors found R by flows and pressures, C by a syringe and L by a fit to a waveform: `dose identify` does \
-                 the same with your data ([identification.md](identification.md)).\n";
+    let before = "The hose is ours. Its bore of 10 mm, its length of 0.331 m and its K = 5.75 were chosen so \
+                  that it has the paper's L, and the paper's R at 210 mL/s. The length and the flow of the \
+                  paper's line are not available here, nor are its Reynolds numbers.\n\n";
+    let after = "The paper's authors found R by flows and pressures, C by a syringe and L by a fit to a \
+                 waveform. `dose identify` finds them from your data by these methods \
+                 ([identification.md](identification.md)).\n";
     Ok(Section { title: "Lines", before: before.into(), rows, after: after.into() })
 }

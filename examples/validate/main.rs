@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-#[allow(clippy::print_stdout, reason = "who runs it wants to know what was written")]
+#[allow(clippy::print_stdout, reason = "an example says which files it wrote")]
 fn write() -> Result<(), Box<dyn Error>> {
     let sections = page::sections()?;
     for (name, content) in page::files(&sections)? {

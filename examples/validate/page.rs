@@ -7,10 +7,10 @@ use crate::{
     drawing, flow, inconsistencies, line, pictures, pressures, roller_centric, roller_volume, runs, volumes,
 };
 
-/// Part of the page with one table.
+/// A part of the page with one table.
 pub struct Section {
     pub title: &'static str,
-    /// Markdown above the table, with a blank line at its end; or empty.
+    /// Markdown above the table, with a blank line at its end, or empty.
     pub before: String,
     pub rows: Vec<Row>,
     /// Markdown below the table, or empty.
@@ -31,12 +31,12 @@ pub fn sections() -> Result<Vec<Section>, Box<dyn Error>> {
     ])
 }
 
-/// Returns a text for each figure that is beyond its bound.
+/// Returns a message for each figure whose deviation exceeds its bound.
 pub fn beyond_bounds(sections: &[Section]) -> Vec<String> {
     sections.iter().flat_map(|section| section.rows.iter().filter_map(Row::beyond_bound)).collect()
 }
 
-/// Returns names below docs/ and contents of the page and its pictures.
+/// Returns the page and its pictures, each as its name below docs/ and its contents.
 pub fn files(sections: &[Section]) -> Result<Vec<(String, String)>, Box<dyn Error>> {
     let mut page = INTRODUCTION.to_owned();
     for Section { title, before, rows, after } in sections {
@@ -47,28 +47,87 @@ pub fn files(sections: &[Section]) -> Result<Vec<(String, String)>, Box<dyn Erro
         }
     }
     page += &format!("\n## Where the paper contradicts itself\n\n{}", inconsistencies::markdown()?);
-    page += &format!("\n## Its tests, to be repeated\n\n{}", runs::markdown());
-    let mut files = vec![("validation.md".to_owned(), page)];
+    page += &format!("\n## The paper's tests, to be repeated\n\n{}", runs::markdown());
+    let mut files = vec![("validation.md".to_owned(), filled(&page))];
     for (name, svg) in pictures::all()? {
         files.push((format!("validation/{name}.svg"), svg));
     }
     Ok(files)
 }
 
+/// Largest width of a line of prose on the page, columns.
+const WIDTH: usize = 110;
+
+/// Divides the lines of prose at spaces, so that none is wider than [`WIDTH`]. Tables, titles and pictures
+/// stay.
+fn filled(page: &str) -> String {
+    let mut filled = String::new();
+    for line in page.lines() {
+        if line.starts_with(['|', '#', '!']) {
+            filled += line;
+            filled += "\n";
+            continue;
+        }
+        let indent = if line.starts_with("- ") { "  " } else { "" };
+        let mut columns = 0;
+        for word in words(line) {
+            let length = word.chars().count();
+            if columns > 0 && columns + 1 + length > WIDTH {
+                filled += "\n";
+                filled += indent;
+                columns = indent.len();
+            } else if columns > 0 {
+                filled += " ";
+                columns += 1;
+            }
+            filled += &word;
+            columns += length;
+        }
+        filled += "\n";
+    }
+    filled
+}
+
+/// Returns the words of a line. Code stays in one word, and so does a sign or number that Markdown could take
+/// for the start of a list.
+fn words(line: &str) -> Vec<String> {
+    let starts_a_line = |word: &str| {
+        let first = word.chars().next();
+        first.is_some_and(|first| first.is_alphanumeric() || "`*([\"".contains(first)) && !word.ends_with('.')
+            || first.is_some_and(char::is_alphabetic)
+    };
+    let mut words: Vec<String> = Vec::new();
+    for word in line.split(' ') {
+        match words.last_mut() {
+            Some(last) if last.matches('`').count() % 2 == 1 || !starts_a_line(word) => {
+                last.push(' ');
+                last.push_str(word);
+            }
+            _ => words.push(word.to_owned()),
+        }
+    }
+    words
+}
+
 const INTRODUCTION: &str = "\
 # Validation: McIntyre et al. beside this model
 
-Made by `make validate`; a test holds this page to what the code computes, and every deviation to its bound.
+`make validate` writes this page. A test checks that the code computes every figure on it, and that every \
+deviation is within its bound.
 
-The paper: McIntyre, van Schoor, Uren, Kloppers, \"Modelling the pulsatile flow rate and pressure response of a roller-type
-peristaltic pump\", Sensors and Actuators A (preprint arXiv 2011.13167). Its raw curves were not published, so nothing here
-reproduces a measurement point by point: the volumes of its pumps over speed and its pressures cannot be set beside ours.
+The paper is McIntyre, van Schoor, Uren, Kloppers, \"Modelling the pulsatile flow rate and pressure response of a \
+roller-type peristaltic pump\", Sensors and Actuators A (preprint arXiv 2011.13167). Its raw curves were not \
+published, so no measurement is reproduced here point by point. The measured volumes over speed and the measured \
+pressures cannot be set beside ours.
 
-- source: *Table 1* and *paper* are figures of the paper; where else than in Table 1 a figure stands could not be looked up, and
-  what its Table 2 lists is not available here, so its figures have no table of their own. *authors' code* is Main.m of
-  github.com/MPMcIntyre/Roller-pump-model-and-simulation. *reference* is not the paper's: it was computed once outside this code,
-  from the paper's equations and data, and some of these the paper may print as well.
-- done: *computed*, ours follows from other inputs; *input*, the model takes the figure as it is; *fitted*, ours was adjusted to
-  published figures and is no evidence; *needs raw data*, cannot be checked.
-- A deviation in % is of theirs, any other is ours less theirs. `-` in its column: there is nothing to compare.
+- The column *source* names the origin of a figure. *Table 1* and *paper* are figures of the paper. The place of a \
+*paper* figure could not be looked up. The contents of the paper's Table 2 are not available here, so its figures \
+have no table of their own. *authors' code* is Main.m of \
+github.com/MPMcIntyre/Roller-pump-model-and-simulation. A *reference* is not the paper's. It was computed once \
+outside this code, from the paper's equations and data. The paper may print some references as well.
+- The column *done* says how a figure was checked. *computed*: our figure follows from other inputs. *input*: the \
+model takes the figure as it is. *fitted*: our figure was adjusted to published figures and is no evidence. \
+*needs raw data*: the figure cannot be checked.
+- A deviation in % is relative to theirs. Any other deviation is ours less theirs. A `-` in its column means \
+that there is no figure to compare.
 ";

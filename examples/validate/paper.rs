@@ -2,13 +2,13 @@
 //! flow rate and pressure response of a roller-type peristaltic pump", Sensors and Actuators A (preprint
 //! arXiv 2011.13167), and their published code.
 
-/// Source: the paper's table of dimensions.
+/// Source of a figure in the paper's table of dimensions.
 pub const TABLE_1: &str = "Table 1";
-/// Source: elsewhere in the paper, whose tables, figures and pages could not be looked up.
+/// Source of a figure elsewhere in the paper, whose tables, figures and pages could not be looked up.
 pub const PAPER: &str = "paper";
-/// Source: Main.m of github.com/MPMcIntyre/Roller-pump-model-and-simulation.
+/// Source of a figure in Main.m of github.com/MPMcIntyre/Roller-pump-model-and-simulation.
 pub const CODE: &str = "authors' code";
-/// Source: not the paper, but a computation outside this code from the paper's equations and data.
+/// Source of a figure that was computed outside this code from the paper's equations and data.
 pub const REFERENCE: &str = "reference";
 
 /// Dimensions of the pump: name, unit, value in Table 1, value in the authors' code.
@@ -58,7 +58,7 @@ pub const POLYNOMIAL: [f64; 6] = [
 /// Figures that were measured of a pump.
 pub struct Measured {
     pub rollers: u32,
-    /// Fastest of the speeds, which begin at 10 r/min, r/min.
+    /// Fastest speed, r/min. The speeds begin at 10 r/min.
     pub fastest_rpm: u32,
     /// Volume of ten revolutions, mean over the speeds, mL.
     pub ten_revolutions_ml: f64,
@@ -109,6 +109,6 @@ pub const STEADY_KPA: [(u32, f64, [f64; 6]); 6] = [
     (2, 150.0, [99.8906, 61.0270, 82.1486, 116.6113, 78.3548, 95.1254]),
 ];
 
-/// Pressures from rest to 100 r/min, three rollers from angle 0: min and max of P_in, then of P_out, kPa.
+/// Pressures from rest to 100 r/min with three rollers from angle 0: min and max of P_in, then of P_out, kPa.
 /// The values are references, not the paper's.
 pub const START_KPA: [f64; 4] = [71.725, 98.109, 78.519, 108.568];

@@ -59,14 +59,14 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
         }
     }
     rows.push(Row::unchecked(
-        "Pearson correlation from 50 r/min on, above",
+        "Pearson correlation from 50 r/min on, more than",
         "",
         (0.7, PAPER),
         "needs raw data",
     ));
-    let before = "The measured waveforms were not published. What can be checked is that the model's equations are solved right: \
-                  the references were computed outside this code to 1e-4 kPa. Pressures are absolute, extremes are true ones, found \
-                  between the samples.\n\n";
+    let before = "The measured waveforms were not published. The rows below check only that the model's \
+                  equations are solved right. The references were computed outside this code to 1e-4 kPa. \
+                  Pressures are absolute. Extremes are true ones, found between the samples.\n\n";
     let after = "![Pressures at 50, 100 and 150 r/min, three rollers](validation/pressures-three.svg)\n\n\
                  ![Pressures at 50, 100 and 150 r/min, two rollers](validation/pressures-two.svg)\n";
     Ok(Section { title: "Pressures", before: before.into(), rows, after: after.into() })

@@ -1,4 +1,5 @@
-//! Checks the roller-centric model: its limit, the flow-centric model, and the volume that it delivers.
+//! Checks the roller-centric model. Its limit is the flow-centric model, and its volume is near the speed
+//! law's.
 
 use std::error::Error;
 
@@ -10,8 +11,8 @@ use crate::page::Section;
 use crate::paper::REFERENCE;
 use crate::row::{Bound, Row};
 
-/// Returns the RMSE from the flow-centric model as swelling and leaks vanish, 2 s from rest at 100 r/min,
-/// kPa: inlet, outlet.
+/// Returns the RMSE from the flow-centric model at inlet and outlet, kPa, as swelling and leaks vanish. The
+/// run is 2 s from rest at 100 r/min.
 fn limit_kpa(pump: &Pump) -> Result<[f64; 2], Box<dyn Error>> {
     let model = RollerCentric {
         scale: 1.0,
@@ -55,8 +56,9 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
             rows.push(Row::computed(name, "%", (3.0, REFERENCE), ours, Bound::Absolute(2.5)));
         }
     }
-    let before = "A reconstruction of the model of Moscato et al. that the paper compares with, experimental. No published figure of it \
-                  can be checked. The first rows are its limit at D = 1e-7 /kPa and R_v = 1e-6 kPa s/mL; the reference of the others is \
-                  \"about 3 %\".\n\n";
+    let before = "This model is an experimental reconstruction of the model of Moscato et al., with which the \
+                  paper compares its own. No published figure of it can be checked. The RMSE rows are its \
+                  limit at D = 1e-7 /kPa and R_v = 1e-6 kPa s/mL. The reference of the volume rows is \"about \
+                  3 %\".\n\n";
     Ok(Section { title: "Roller-centric model", before: before.into(), rows, after: String::new() })
 }

@@ -49,7 +49,7 @@ pub fn dimensions() -> Result<Section, Box<dyn Error>> {
     {
         for ((what, unit, table, code), ours) in DIMENSIONS.into_iter().zip(values(variant)) {
             let theirs = if source == CODE { code } else { table };
-            // Degrees come back from radians with a last bit of rounding.
+            // A conversion from degrees to radians and back rounds the last bit.
             let bound = if unit == "deg" { Bound::Absolute(1e-12) } else { Bound::Equal };
             rows.push(Row::input(format!("{what}{name}"), unit, (theirs, source), ours).bounded(bound));
         }
@@ -90,9 +90,15 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
             curve.total_ml(),
             Bound::Percent(2.3),
         ),
-        Row::computed("the same", "mL", (2.105466, REFERENCE), curve.total_ml(), Bound::Absolute(5e-7)),
         Row::computed(
-            "the same against the largest measured mean",
+            "roller volume V_r, integral of g",
+            "mL",
+            (2.105466, REFERENCE),
+            curve.total_ml(),
+            Bound::Absolute(5e-7),
+        ),
+        Row::computed(
+            "roller volume V_r against the largest measured mean",
             "mL",
             (POINTS[14].1, PAPER),
             curve.total_ml(),
@@ -111,8 +117,10 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
         rows.push(Row::computed(name, "mL/deg^n", (theirs, PAPER), ours, Bound::Percent(2e-3)));
     }
     let mut after = String::from(
-        "The points are printed with seven decimals, which leaves their fit as much. Beside each measured mean our \
-         fit, mL:\n\n| theta, deg | measured | fit | fit - measured |\n| --- | --- | --- | --- |\n",
+        "The paper prints the points with seven decimals. A new fit can therefore differ from the printed \
+         coefficients by the deviations above. The table sets our fit beside each measured mean, mL:\n\n| \
+         theta, deg | measured | fit | fit \
+         - measured |\n| --- | --- | --- | --- |\n",
     );
     for point in points {
         let fitted = at(&found, point.angle_deg);
@@ -124,6 +132,7 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
             figure(fitted - point.volume_ml, 2)
         );
     }
-    after += "\n![Roller volume over angle: measured points, fit, drawing; fitted less measured](validation/roller-volume.svg)\n";
+    after += "\n![Roller volume over angle: measured points, fit, drawing; fitted less measured]\
+              (validation/roller-volume.svg)\n";
     Ok(Section { title: "Roller volume", before: String::new(), rows, after })
 }

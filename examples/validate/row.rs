@@ -1,36 +1,36 @@
-//! Rows of the page: a figure to compare with, ours, and the largest deviation that is allowed.
+//! Rows of the page, each with their figure, our figure, and the largest deviation that is allowed.
 
 use pump_model::math::{floor, log10};
 
 /// Largest deviation of our figure from theirs that is allowed.
 #[derive(Clone, Copy)]
 pub enum Bound {
-    /// Ours equals theirs.
+    /// Our figure must equal theirs.
     Equal,
-    /// Ours differs by this part of theirs at most, percent.
+    /// Our figure may differ by this part of theirs, percent.
     Percent(f64),
-    /// Ours differs by this at most, in the row's unit.
+    /// Our figure may differ by this amount, in the row's unit.
     Absolute(f64),
-    /// Ours is no more than theirs.
+    /// Our figure must be no more than theirs.
     AtMost,
-    /// Nothing is claimed.
+    /// Any deviation is allowed.
     Open,
 }
 
-/// Way in which a figure was checked.
+/// The way in which a figure was checked.
 #[derive(Clone, Copy)]
 pub enum Done {
-    /// Ours follows from inputs that are not this figure.
+    /// Our figure follows from other inputs.
     Computed,
     /// The model takes the figure as it is.
     Input,
-    /// Parameters of ours were chosen so that this figure comes out: no evidence.
+    /// Our parameters were chosen so that this figure results, so it is no evidence.
     Fitted,
-    /// Nothing could be done, for this reason.
+    /// The figure could not be checked, for this reason.
     Not(&'static str),
 }
 
-/// Row of a table.
+/// A row of a table.
 pub struct Row {
     name: String,
     unit: &'static str,
@@ -41,13 +41,13 @@ pub struct Row {
     done: Done,
 }
 
-/// Head of a table of rows.
+/// The head of a table of rows.
 pub const HEAD: &str = "| | unit | theirs | source | ours | deviation | bound | done |
 | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
 
 impl Row {
-    /// Returns a row for a figure that ours is computed beside.
+    /// Returns a row for their figure and ours, which is computed.
     pub fn computed(
         name: impl Into<String>,
         unit: &'static str,
@@ -69,7 +69,7 @@ impl Row {
         Self::computed(name, unit, theirs, ours, Bound::Equal).taken()
     }
 
-    /// Returns a row for a figure of theirs that nothing can be set beside.
+    /// Returns a row for their figure without one of ours.
     pub fn unchecked(
         name: impl Into<String>,
         unit: &'static str,
@@ -85,7 +85,7 @@ impl Row {
         Self { theirs: None, ..Self::unchecked(name, "", (0.0, source), why) }
     }
 
-    /// Returns a row for a figure of ours that no published one stands beside.
+    /// Returns a row for our figure without a published one.
     pub fn ours(name: impl Into<String>, unit: &'static str, ours: f64) -> Self {
         let (name, done) = (name.into(), Done::Computed);
         Self { name, unit, source: "none", theirs: None, ours: Some(ours), bound: Bound::Open, done }
@@ -132,7 +132,7 @@ impl Row {
     /// Returns the row as Markdown.
     pub fn markdown(&self) -> String {
         let shown = |value: f64| match self.done {
-            // Degrees come back from radians with a last bit of rounding.
+            // A conversion from degrees to radians and back rounds the last bit.
             Done::Input => trimmed(&figure(value, 7)),
             _ => figure(value, 7),
         };

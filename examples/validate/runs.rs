@@ -12,7 +12,7 @@ use crate::roller_volume::points;
 use crate::row::figure;
 use crate::volumes::Volumes;
 
-/// Test of the paper.
+/// A test of the paper.
 struct Test {
     name: &'static str,
     /// Assumption about the quantity that the test measured.
@@ -50,15 +50,15 @@ pub fn run(name: &str) -> Result<String, Box<dyn Error>> {
 /// Returns the tests and their commands as Markdown.
 pub fn markdown() -> String {
     let mut text = String::from(
-        "The paper names its tests FT1 to FT5, PT1 and PT2. What each of them is could not be looked up. The assignment below is ours: one for \
-         each quantity that the paper is known to have measured. A run prints what the model makes of it.\n\n\
-         | test | assumed to be | command |\n| --- | --- | --- |\n",
+        "The paper names its tests FT1 to FT5, PT1 and PT2. Their definitions could not be looked up. The \
+         assignment below is ours, one test for each quantity that the paper is known to have measured. A run \
+         prints the model's results.\n\n| test | assumed to be | command |\n| --- | --- | --- |\n",
     );
     for Test { name, assumed, .. } in TESTS {
         text += &format!("| {name} | {assumed} | `cargo run --example validate -- {name}` |\n");
     }
-    text + "\nThe waveforms of PT1 and PT2, every millisecond, with a plot: `dose simulate --speed 100rpm --duration 10s --trace pt1.csv \
-            --plot pt1.svg`, with `--pump two-roller` for PT2.\n"
+    text + "\nThis command gives the waveform of PT1, every millisecond, with a plot: `dose simulate --speed \
+            100rpm --duration 10s --trace pt1.csv --plot pt1.svg`. Add `--pump two-roller` for PT2.\n"
 }
 
 fn roller_volume() -> Result<String, Box<dyn Error>> {
@@ -130,7 +130,8 @@ fn pressures(rollers: u32, fastest_rpm: u32) -> Result<String, Box<dyn Error>> {
         let [in_max, in_min, in_mean, out_max, out_min, out_mean] = steady_kpa(rollers, rpm)?;
         let flow_ml_s = pump.average_flow_ml_s(rad_s(rpm));
         text += &format!(
-            "{rpm:9}  {flow_ml_s:9.3}  {in_max:6.2}  {in_min:6.2}  {in_mean:7.2}  {out_max:7.2}  {out_min:7.2}  {out_mean:8.2}\n"
+            "{rpm:9}  {flow_ml_s:9.3}  {in_max:6.2}  {in_min:6.2}  {in_mean:7.2}  {out_max:7.2}  \
+             {out_min:7.2}  {out_mean:8.2}\n"
         );
     }
     Ok(text + "kPa absolute, periodic steady state\n")

@@ -1,5 +1,4 @@
-//! Sets the volume of ten revolutions against the speed: the measured mean, the linear model, the speed
-//! law.
+//! Sets the volume of ten revolutions over the speed side by side: measured mean, linear model and speed law.
 
 use std::error::Error;
 
@@ -15,7 +14,7 @@ use crate::row::{Bound, Row, figure};
 /// Volumes of ten revolutions at the paper's speeds.
 pub struct Volumes {
     pub rpm: Vec<f64>,
-    /// Volume by the linear model with V_r as measured, mL; the same at all speeds.
+    /// Volume by the linear model with V_r as measured, mL. It does not depend on the speed.
     pub linear_ml: f64,
     /// Volume by the linear model with V_r of 2.06 mL, mL.
     pub published_ml: f64,
@@ -85,7 +84,9 @@ fn rows(measured: &Measured, rows: &mut Vec<Row>) -> Result<String, Box<dyn Erro
         Bound::Percent(1.1),
     ));
     rows.push(Row::computed(
-        name("the same with V_r of 2.06 mL"),
+        name(&format!(
+            "ten revolutions, mean over 10 to {fastest_rpm} r/min, linear model with V_r of 2.06 mL"
+        )),
         "mL",
         mean,
         volumes.published_ml,
@@ -93,7 +94,7 @@ fn rows(measured: &Measured, rows: &mut Vec<Row>) -> Result<String, Box<dyn Erro
     ));
     let bias_percent = 100.0 * (volumes.published_ml / ten_revolutions_ml - 1.0);
     rows.push(Row::computed(
-        name("deviation of that mean, which an NRMSE cannot be below"),
+        name("deviation of the mean with V_r of 2.06 mL, a lower bound of the NRMSE"),
         "%",
         (nrmse_percent, PAPER),
         bias_percent,
@@ -136,7 +137,7 @@ fn rows(measured: &Measured, rows: &mut Vec<Row>) -> Result<String, Box<dyn Erro
         .fitted(),
     );
     rows.push(Row::computed(
-        name("the same"),
+        name("NRMSE of the linear model against the speed law"),
         "%",
         (law_nrmse, REFERENCE),
         law_percent,
@@ -161,8 +162,8 @@ fn rows(measured: &Measured, rows: &mut Vec<Row>) -> Result<String, Box<dyn Erro
     ));
     let scatter = sqrt(nrmse_percent * nrmse_percent - bias_percent * bias_percent);
     Ok(format!(
-        "With {rollers} rollers the published NRMSE of {nrmse_percent} % and the deviation of the mean, {} %, leave {} % of \
-         scatter over the speeds. ",
+        "With {rollers} rollers the published NRMSE of {nrmse_percent} % and the deviation of the mean, {} %, \
+         leave {} % of scatter over the speeds. ",
         figure(bias_percent, 3),
         figure(scatter, 3)
     ))
@@ -203,10 +204,12 @@ pub fn section() -> Result<Section, Box<dyn Error>> {
         )
         .taken(),
     );
-    after += "The volumes at each speed were not published, so the measured line in the picture is their mean alone.\n\n\
-              ![Volume of ten revolutions over speed: measured mean, linear model, speed law](validation/volumes.svg)\n";
-    let before = "The linear model is the volume of a revolution whatever the speed. The speed law lets a segment hold what it \
-                  holds at the inlet pressure at which it is cut off; its two parameters were fitted to the published means, NRMSE and \
-                  deviations, so what it meets of these is no evidence. NRMSE is over the mean.\n\n";
+    after += "The volumes at each speed were not published, so the measured line in the picture is their mean \
+              alone.\n\n![Volume of ten revolutions over speed: measured mean, linear model, speed \
+              law](validation/volumes.svg)\n";
+    let before = "The linear model gives one volume of a revolution at every speed. In the speed law the \
+                  volume of a segment of tube depends on the inlet pressure at which a roller cuts the \
+                  segment off. The law's two parameters were fitted to the published means, NRMSE and \
+                  deviations, so its agreement with them is no evidence. NRMSE is over the mean.\n\n";
     Ok(Section { title: "Volume against speed", before: before.into(), rows: all, after })
 }

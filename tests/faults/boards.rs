@@ -1,5 +1,7 @@
-//! Doses on a simulated board at the end of a pseudo-terminal, cut off by the death of the process, by what goes wrong on the
-//! board and by a disk that fills up. The board knows how many steps its motor has made; what is on record must hold that.
+//! Claims about doses on a simulated board at the end of a pseudo-terminal.
+//!
+//! The death of the process, a defect of the board or a full disk cuts each dose off. The board counts the
+//! steps that its motor has made, and the bounds on record must hold that count.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,22 +18,22 @@ use crate::random::Random;
 use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options};
 
-/// How many times faster than a real board these run.
+/// Speed of these boards over that of a real board.
 const TIME_SCALE: f64 = 8.0;
 
-/// Steps of the largest dose here, about.
+/// Approximate number of steps of the largest dose here.
 const LONGEST: f64 = 2500.0;
 
-/// A dose takes about so long here once it is announced, s.
+/// Approximate time of a dose here once it is announced, s.
 const USUAL_S: f64 = 0.7;
 
-/// Doses between two boards.
+/// Number of doses on each board.
 const DOSES_A_BOARD: u32 = 4;
 
 /// Angle of a step, rad.
 const STEP_RAD: f64 = std::f64::consts::TAU / 12_800.0;
 
-/// A pump, its record and the board of the day.
+/// A pump, its record and its current board.
 struct Rig {
     folder: PathBuf,
     board: Simulated,
@@ -39,7 +41,7 @@ struct Rig {
     stood_rad: f64,
 }
 
-/// How a dose is cut off; the board has its own ways.
+/// The way in which the test cuts a dose off. The board has defects of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Cut {
     None,
@@ -47,7 +49,7 @@ enum Cut {
     FullDisk,
 }
 
-/// What happened so far.
+/// The counts of the events so far.
 #[derive(Default)]
 struct Tally {
     midway: u32,
@@ -70,15 +72,15 @@ pub fn run(runs: u32, random: &mut Random) {
     }
     let Tally { midway, exact, resumed, unknown } = tally;
     println!(
-        "{runs} doses on boards, {midway} cut off midway, {exact} of them known exactly from the board's count, {resumed} \
-         resumed, {unknown} times the angle was unknown and said so: nothing lost"
+        "{runs} doses on boards, {midway} cut off midway, {exact} of them known exactly from the board's count, \
+         {resumed} resumed, {unknown} times the angle was unknown and said so: nothing lost"
     );
     assert!(midway > runs / 8, "too few of them were cut off midway to say much");
     assert!(runs < 100 || (exact > 0 && unknown > 0), "a kind of ending never came");
 }
 
 impl Rig {
-    /// Switches a board on, with something wrong with every second one.
+    /// Switches a board on. Three boards in four have a defect.
     fn new(folder: &Path, random: &mut Random, stood_rad: f64) -> Self {
         let at = (LONGEST * 2.0 * random.part()) as u64;
         let mut defects = Defects { seed: at, ..Defects::default() };
@@ -97,7 +99,7 @@ impl Rig {
         Self::with(folder, stood_rad, random.part() < 0.3, defects)
     }
 
-    /// Switches a board on that works.
+    /// Switches a board without defects on.
     fn healthy(folder: &Path, stood_rad: f64) -> Self {
         Self::with(folder, stood_rad, false, Defects::default())
     }
@@ -116,12 +118,12 @@ impl Rig {
         self.bench().story().unwrap().state
     }
 
-    /// Where the rotor really stands, rad.
+    /// Returns the true angle of the rotor, rad.
     fn truth_rad(&self) -> f64 {
         self.stood_rad + self.board.rest().steps as f64 * STEP_RAD
     }
 
-    /// Says where the rotor stands, on a board that has not moved yet.
+    /// Sets the rotor's angle on record to the true angle, on a board that has not moved yet.
     fn home(&self) {
         let bench = self.bench();
         let mut session = bench.session().unwrap();
@@ -131,7 +133,7 @@ impl Rig {
         session.set_angle(Some(Phase::known(self.truth_rad()))).unwrap();
     }
 
-    /// Holds the record against the truth. Returns whether the angle is known.
+    /// Checks the record against the true angle. Returns true if the angle is known.
     fn holds(&self, state: &State, what: &str) -> bool {
         let pitch_rad = std::f64::consts::TAU / 3.0;
         if state.half_width_rad >= 0.5 * pitch_rad {
@@ -148,7 +150,7 @@ impl Rig {
         true
     }
 
-    /// Runs a dose, or the rest of one (0 mL), until something ends it, and compares.
+    /// Runs a dose, or the rest of one (0 mL), until it ends or is cut off, and checks the record.
     fn cut(&self, random: &mut Random, volume_ml: f64, cut: Cut) {
         let before = self.state();
         let started = self.board.rest().steps;
@@ -165,7 +167,7 @@ impl Rig {
         };
         match cut {
             Cut::Kill => {
-                // Some while they look for the board, most once they have announced what they are about to do.
+                // Some processes die while they look for the board, most once they have announced their dose.
                 let announced = || fs::metadata(&journal).is_ok_and(|now| now.len() > length);
                 if random.part() < 0.2 {
                     runs_for(random.part(), &|| false);
@@ -211,11 +213,11 @@ impl Rig {
             let Some(state) = self.state() else { return };
             let Some(dose) = state.unfinished else { break };
             tally.midway += 1;
-            // Met again, the board may know more.
+            // The board may know more when a session meets it again.
             let bench = self.bench();
             let mut session = bench.session().unwrap();
             if session.connect().is_err() {
-                // It does not answer any more: off and on.
+                // The board does not answer any more. It is switched off and on.
                 drop(session);
                 *self = Self::healthy(&self.folder, self.truth_rad());
                 continue;

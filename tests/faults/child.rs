@@ -1,4 +1,4 @@
-//! The process that doses and is killed. It writes down every so often how many steps it has made.
+//! The process that doses and is killed. It prints the number of steps made from time to time.
 
 use std::env;
 use std::io::{Read, Write};
@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use pump_bench::pump_file::DriverName;
 use pump_bench::{Bench, DoseRequest, built_in};
 
-/// Doses, or resumes (0 mL), and says how far it is: `child <folder> <volume> [<port>]`.
+/// Doses, or resumes a dose (0 mL), and prints its progress. The arguments are `<folder> <volume> [<port>]`.
 pub fn main(arguments: &[String]) {
     let [folder, volume_ml, port @ ..] = arguments else { panic!("{arguments:?}") };
     let driver = (!port.is_empty()).then_some(DriverName::Grbl);
@@ -37,19 +37,19 @@ pub fn main(arguments: &[String]) {
     }
 }
 
-/// One write, so that a kill leaves a whole line or none.
+/// Prints a line in one write, so that a kill leaves a whole line or none.
 fn say(word: &str, number: u64) {
     let line = format!("{word} {number}\n");
     std::io::stdout().write_all(line.as_bytes()).and_then(|()| std::io::stdout().flush()).unwrap();
 }
 
-/// Starts it, on a disk that is full after `bytes` of the journal, if that is said.
+/// Starts the process. If `bytes` is given, the disk is full after so many bytes of the journal.
 pub fn start(folder: &Path, volume_ml: f64, bytes: Option<u64>, port: Option<&Path>) -> Child {
     let this = env::current_exe().unwrap();
     let mut command = match bytes {
         None => Command::new(&this),
         Some(bytes) => {
-            // The shell ignores the signal, so that writing beyond the limit is an error as on a full disk.
+            // The shell ignores the signal, so a write beyond the limit fails as on a full disk.
             let mut shell = Command::new("bash");
             let script = "trap '' XFSZ; prlimit --fsize=$0 --pid $$; exec \"$@\"";
             shell.args(["-c", script, &bytes.to_string()]).arg(&this);
@@ -60,7 +60,7 @@ pub fn start(folder: &Path, volume_ml: f64, bytes: Option<u64>, port: Option<&Pa
     command.stdout(Stdio::piped()).spawn().unwrap()
 }
 
-/// What it has said, once it is over.
+/// Returns the output of the process, once it has ended.
 pub fn said(mut child: Child) -> String {
     let mut said = String::new();
     child.stdout.take().unwrap().read_to_string(&mut said).unwrap();

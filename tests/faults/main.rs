@@ -1,9 +1,9 @@
-//! Doses cut off at random instants: none is lost, none is counted twice, and what was delivered lies within the bounds on
-//! record.
+//! Claims about doses cut off at random instants. No dose is lost, none is counted twice, and the delivered
+//! volume lies within the bounds on record.
 //!
-//! `cargo test` runs a few dozen; `make faults` runs 500 on the simulated drive and 500 on simulated boards. The program
-//! starts itself again to have something to kill: what the child says, and what the board knows, is the truth that its
-//! parent compares the record with.
+//! `cargo test` runs a few dozen doses. `make faults` runs 500 on the simulated drive and 500 on simulated
+//! boards. The program starts itself again as a child that it can kill. It compares the record with the words
+//! of the child and with the board's count of steps.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and says what it did")]
 

@@ -1,10 +1,10 @@
-//! Random instants.
+//! Random numbers for the instants at which doses are cut off.
 
-/// SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
+/// A SplitMix64 generator (Steele, Lea, Flood, OOPSLA 2014).
 pub struct Random(pub u64);
 
 impl Random {
-    /// In [0, 1).
+    /// Returns the next number in [0, 1).
     pub fn part(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

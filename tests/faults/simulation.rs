@@ -1,4 +1,4 @@
-//! Doses on the simulated drive, cut off by the death of the process and by a disk that fills up.
+//! Claims about doses on the simulated drive, cut off by the death of the process and by a full disk.
 
 use std::fs;
 use std::path::Path;
@@ -11,12 +11,12 @@ use pump_bench::{Bench, built_in};
 use crate::child;
 use crate::random::Random;
 
-/// Steps between two words of the child.
+/// Number of steps between two lines of the child.
 const WORDS_EVERY: u64 = 256;
 
 pub fn run(runs: u32, random: &mut Random) {
     let folder = tempfile::tempdir().unwrap();
-    // How long a dose takes here: processes are killed within that.
+    // The time of a dose here is the time within which processes are killed.
     let began = Instant::now();
     check(folder.path(), 50.0, random, Cut::None);
     let usual_s = began.elapsed().as_secs_f64();
@@ -29,7 +29,7 @@ pub fn run(runs: u32, random: &mut Random) {
             random,
             if run % 4 == 3 { Cut::FullDisk } else { Cut::Kill { within_s: usual_s } },
         );
-        // Resumed until it is through, now and then cut off once more; or accepted as it is.
+        // The dose is resumed to its end, now and then cut off once more, or accepted as it is.
         while state(folder.path()).is_some_and(|state| state.unfinished.is_some()) {
             midway += 1;
             if random.part() < 0.3 {
@@ -46,7 +46,7 @@ pub fn run(runs: u32, random: &mut Random) {
     assert!(midway > runs / 10, "too few of them were cut off midway to say much");
 }
 
-/// How a run is cut off.
+/// The way in which a run is cut off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Cut {
     None,
@@ -62,7 +62,7 @@ fn state(folder: &Path) -> Option<State> {
     bench(folder).story().unwrap().state
 }
 
-/// Runs a dose (0: resumes one), cuts it off and compares the record with what the child has said.
+/// Runs a dose, or resumes one (0 mL), cuts it off and compares the record with the child's output.
 fn check(folder: &Path, volume_ml: f64, random: &mut Random, cut: Cut) {
     let before = state(folder);
     let journal = folder.join("three-roller/sim/journal.jsonl");
@@ -70,7 +70,7 @@ fn check(folder: &Path, volume_ml: f64, random: &mut Random, cut: Cut) {
     let bytes = (cut == Cut::FullDisk).then(|| length + (20_000.0 * random.part()) as u64);
     let mut child = child::start(folder, volume_ml, bytes, None);
     if let Cut::Kill { within_s } = cut {
-        // Some are killed before they begin, some are through.
+        // Some processes die before they begin, some end before they are killed.
         let until = Instant::now() + Duration::from_secs_f64(within_s * random.part());
         while Instant::now() < until && child.try_wait().unwrap().is_none() {
             sleep(Duration::from_micros(500));
@@ -89,7 +89,7 @@ fn check(folder: &Path, volume_ml: f64, random: &mut Random, cut: Cut) {
         assert_eq!(after, before, "nothing was to happen: {said}");
         return;
     };
-    // What it has really made.
+    // The child has really made this many steps.
     let (least, most) = match (words("made"), words("end")) {
         (_, Some(made)) => (made, made),
         (Some(made), None) => (made, (made + WORDS_EVERY).min(steps)),
@@ -109,7 +109,7 @@ fn check(folder: &Path, volume_ml: f64, random: &mut Random, cut: Cut) {
         Some(_) => assert_eq!((least, after), (0, before), "the rest was not begun"),
         None if after == before => assert_eq!(least, 0, "a dose is lost: {said}"),
         None => {
-            // Through, and on record; the child may have been killed before it could say so.
+            // The dose is complete and on record. The child may have been killed before it could say so.
             assert!(most == steps, "made {least} to {most} of {steps} in {cut:?}: {said}");
             let worn = |state: Option<State>| state.map_or(0.0, |state| state.wear.revolutions);
             let turned = (worn(after) - worn(before)) * 12_800.0;

@@ -1,4 +1,4 @@
-//! Finding a board, and what is refused.
+//! Claims about the search for a board, and the boards that are refused.
 
 use std::time::{Duration, Instant};
 
@@ -79,11 +79,11 @@ fn an_axis_that_the_board_does_not_have_is_named() {
 
 #[test]
 fn a_motion_that_is_under_way_is_waited_for() {
-    // Slow, so that it still moves when the panic below has been printed.
+    // The board is slow, so that it still moves when the panic below has been printed.
     let board = start(Options { time_scale: 0.2, ..Options::default() });
     let mut grbl = open(&board);
     let plan = dose(&grbl, 6.0, 5.0);
-    // As if this process died: the port is closed with jogs in the queue.
+    // The port is closed with jogs in the queue, as if this process died.
     let mut sent = 0;
     let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         let _ = grbl.run(&plan, &mut |made, about_to| {

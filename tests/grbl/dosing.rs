@@ -1,4 +1,4 @@
-//! Doses that go well.
+//! Claims about doses without faults.
 
 use std::time::Duration;
 
@@ -35,7 +35,7 @@ fn an_inverted_axis_turns_the_other_way_and_counts_the_same() {
 
 #[test]
 fn jogs_blend_at_the_cruise_speed() {
-    // Slow, so that a machine with other things to do is in time.
+    // The board is slow, so that a busy machine keeps up with it.
     let board = start(Options { time_scale: 0.3, ..Options::default() });
     let mut grbl = open(&board);
     let plan = dose(&grbl, 6.0, 4.0);
@@ -49,7 +49,7 @@ fn jogs_blend_at_the_cruise_speed() {
 
 #[test]
 fn no_more_is_sent_ahead_than_a_stop_and_half_a_second() {
-    // Slow, so that a machine with other things to do is in time.
+    // The board is slow, so that a busy machine keeps up with it.
     let board = start(Options { time_scale: 0.3, ..Options::default() });
     let mut grbl = open(&board);
     let plan = dose(&grbl, 6.0, 4.0);

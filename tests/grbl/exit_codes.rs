@@ -1,4 +1,4 @@
-//! Exit codes of the command with a board: 2 only where nothing has moved.
+//! Claims about the command's exit codes with a board. The code is 2 only if nothing has moved.
 
 use std::fs;
 use std::path::Path;
@@ -20,7 +20,7 @@ fn search(folder: &Path, bytes: Option<u64>) -> Output {
     let pump = folder.join("pump.toml");
     fs::write(&pump, file.to_toml()).unwrap();
     let limit = bytes.map_or("unlimited".to_owned(), |bytes| bytes.to_string());
-    // The shell ignores the signal, so that writing beyond the limit is an error as on a full disk.
+    // The shell ignores the signal, so a write beyond the limit fails as on a full disk.
     let script = "trap '' XFSZ; prlimit --fsize=$0 --pid $$; exec \"$@\"";
     let mut command = Command::new("bash");
     command.args(["-c", script, &limit, env!("CARGO_BIN_EXE_dose"), "home", "--sensor", "--yes", "--pump"]);

@@ -1,4 +1,4 @@
-//! Boards that fail in motion: what was made is known between bounds that hold.
+//! Claims about boards that fail in motion. The steps made are known between bounds that hold.
 
 use std::time::Duration;
 
@@ -100,7 +100,7 @@ fn an_answer_that_never_comes_stops_the_dose() {
     assert!(matches!(why(fault), GrblError::NoOk { .. } | GrblError::Stalled { .. }));
 }
 
-/// Several things at once, at places that look random.
+/// Several defects strike at once, at places that look random.
 #[test]
 fn whatever_goes_wrong_what_was_made_lies_within_the_bounds() {
     each(0..12, |seed| {
@@ -130,7 +130,7 @@ fn whatever_goes_wrong_what_was_made_lies_within_the_bounds() {
         let made = board.rest().steps.unsigned_abs();
         match result {
             Ok(told) => assert_eq!(told, made, "{defects:?}"),
-            // A line on its way to a board that was reset may have moved it, and then that is told.
+            // A line on its way to a board that was reset may have moved it. The fault then says so.
             Err(fault) if fault.lost => assert!(defects.resets.is_some(), "{fault:?} {defects:?}"),
             Err(fault) => {
                 assert!(

@@ -1,4 +1,4 @@
-//! The grbl driver against a simulated board at the end of a pseudo-terminal.
+//! Claims about the grbl driver, on a simulated board at the end of a pseudo-terminal.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 

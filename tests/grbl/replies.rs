@@ -1,4 +1,4 @@
-//! What boards say, from bytes.
+//! Claims about the replies of boards, read from bytes.
 
 use proptest::prelude::*;
 use pump_bench::drives::grbl::reply::{Replies, Reply, State};
@@ -71,7 +71,12 @@ proptest! {
     #[test]
     fn any_bytes_are_read_without_panic_and_however_they_are_divided(
         bytes in proptest::collection::vec(
-            prop_oneof![any::<u8>(), proptest::sample::select(b"ok<>[]|:,.\n\r$=-0123MPosIdleGrbl /".to_vec())], 0..700),
+            prop_oneof![
+                any::<u8>(),
+                proptest::sample::select(b"ok<>[]|:,.\n\r$=-0123MPosIdleGrbl /".to_vec())
+            ],
+            0..700,
+        ),
         cuts in proptest::collection::vec(0_usize..700, 0..12),
     ) {
         let whole = read(&[&bytes]);

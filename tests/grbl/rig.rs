@@ -1,4 +1,4 @@
-//! A simulated board, a driver and a plan.
+//! The rig of these tests: a simulated board, a driver and a plan.
 
 use std::ops::ControlFlow;
 
@@ -11,7 +11,7 @@ use pump_ctl::plan::{Cruise, Phase, Plan, Request, plan};
 use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options};
 
-/// The published pump's motor.
+/// Returns the published pump's motor.
 pub fn motor() -> MotorTable {
     built_in("three-roller").unwrap().motor
 }
@@ -20,7 +20,7 @@ pub fn start(options: Options) -> Simulated {
     Simulated::start(options).unwrap()
 }
 
-/// A board with this wrong with it.
+/// Starts a board with these defects.
 pub fn defective(defects: Defects) -> Simulated {
     start(Options { defects, ..Options::default() })
 }
@@ -33,13 +33,13 @@ pub fn open(board: &Simulated) -> Grbl {
     Grbl::open(&table(board), &motor(), false).unwrap()
 }
 
-/// Why a board cannot be opened.
+/// Returns the error with which a board is refused.
 pub fn refusal(options: Options) -> DriveError {
     let board = start(options);
     Grbl::open(&table(&board), &motor(), false).map(drop).unwrap_err()
 }
 
-/// A dose as a session plans it for this driver: with the board's own ramps.
+/// Plans a dose as a session does for this driver, with the board's own ramps.
 pub fn dose(grbl: &Grbl, volume_ml: f64, ml_s: f64) -> Plan {
     let file = built_in("three-roller").unwrap();
     let mut limits = file.limits();
@@ -48,13 +48,13 @@ pub fn dose(grbl: &Grbl, volume_ml: f64, ml_s: f64) -> Plan {
     plan(&file.model().unwrap(), Phase::known(0.4), &request, &limits).unwrap()
 }
 
-/// Runs a plan to its end, and checks that nothing moves that was not announced. Returns the result and the last step that
-/// was announced.
+/// Runs a plan to its end, and checks that no step is made before it is announced. Returns the result and the
+/// last step that was announced.
 pub fn run(grbl: &mut Grbl, board: &Simulated, plan: &Plan) -> (Result<u64, DriveFault>, u64) {
     run_until(grbl, board, plan, |_, _| false)
 }
 
-/// The same; stops once `stop` says so.
+/// Runs a plan until `stop` returns true, with the checks and results of [`run`].
 pub fn run_until(
     grbl: &mut Grbl,
     board: &Simulated,
@@ -76,8 +76,8 @@ pub fn run_until(
     (result, announced)
 }
 
-/// Runs a dose of 2 mL on a board with this wrong with it. Checks that what was made lies between the bounds of the fault,
-/// and returns it.
+/// Runs a dose of 2 mL on a board with these defects. Checks that the steps made lie between the bounds of
+/// the fault, and returns the fault.
 pub fn fault(defects: Defects) -> DriveFault {
     let board = defective(defects);
     let mut grbl = open(&board);
@@ -92,7 +92,7 @@ pub fn fault(defects: Defects) -> DriveFault {
     fault
 }
 
-/// The board's error.
+/// Returns the board's error behind a drive's error.
 pub fn grbl_error(error: DriveError) -> GrblError {
     match error {
         DriveError::Device(error) => *error.downcast().unwrap(),
@@ -100,7 +100,7 @@ pub fn grbl_error(error: DriveError) -> GrblError {
     }
 }
 
-/// Does the same with each, all at a time: they mostly wait.
+/// Runs `test` on every case, all at a time, since tests mostly wait.
 pub fn each<T: Send>(cases: impl IntoIterator<Item = T>, test: impl Fn(T) + Sync) {
     std::thread::scope(|scope| {
         for case in cases {

@@ -1,4 +1,4 @@
-//! The search for the index mark.
+//! Claims about the search for the index mark.
 
 use std::ops::ControlFlow;
 
@@ -22,7 +22,7 @@ fn the_mark_is_found_and_how_far_the_motor_went_beyond_it() {
     let stands = board.rest().steps as u64;
     assert_eq!(sought.made, stands);
     assert_eq!(sought.made - sought.beyond.unwrap(), 4_000);
-    // The modes are as they were, and jogs go on from there.
+    // The board's modes are restored, and jogs go on from there.
     let rest = dose(&grbl, 0.5, 5.0);
     assert_eq!(run(&mut grbl, &board, &rest).0.unwrap(), rest.steps as u64);
     assert!(board.truth().lines.iter().any(|line| line == "G0G21G90G94"), "{:?}", board.truth().lines);

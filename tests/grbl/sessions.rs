@@ -1,4 +1,4 @@
-//! What is on record of a board that resets, is switched off and on, or lets go of its motor.
+//! Claims about the record of a board that resets, is switched off and on, or lets go of its motor.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -13,14 +13,14 @@ use crate::rig::{defective, each, start};
 use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options, Sensor};
 
-/// Two full steps of 200 a revolution, rad.
+/// Angle of two full steps of 200 a revolution, rad.
 const FALL_RAD: f64 = 2.0 * std::f64::consts::TAU / 200.0;
 
 fn go(_: u64) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// A bench with this board; `slow` has a line that settles for seconds.
+/// Makes a bench with this board. A `slow` bench has a line that settles for seconds.
 fn bench(folder: &Path, board: &Simulated, slow: bool) -> Bench {
     let mut file = built_in("three-roller").unwrap();
     if slow {
@@ -66,7 +66,7 @@ fn a_dose_cut_off_with_the_boards_power_keeps_its_bounds() {
         let mut session = bench.session().unwrap();
         session.set_angle(Some(Phase::known(0.5))).unwrap();
         let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
-        // What the journal holds early in the motion is what a kill leaves.
+        // A kill leaves the journal as it is early in the motion.
         let mut early = Vec::new();
         session
             .run(&prepared, |made| {
@@ -121,7 +121,8 @@ fn a_retraction_goes_on_from_an_angle_that_a_reset_has_widened() {
     assert!(state.disturbances >= 1 && state.half_width_rad >= FALL_RAD - 1e-9, "{state:?}");
     match delivered {
         Ok(delivered) => assert!(delivered.completed && delivered.sucked_back),
-        // The board may have been met reset before the way back: then the dose is delivered, and said to be.
+        // The session may meet the reset board before the way back. The error then says that the dose is
+        // delivered.
         Err(DoseError::Retraction { delivered_ml, .. }) => assert!((delivered_ml - 1.0).abs() < 0.01),
         Err(error) => panic!("{error}"),
     }
@@ -174,7 +175,10 @@ fn a_fault_on_the_way_back_or_in_a_turn_says_what_was_made_of_it_and_nothing_to_
     assert!(!unfinished && -2.0 < least_ml && least_ml <= most_ml && most_ml < 0.0, "{error}");
     assert!(!error.to_string().contains("resume"), "{error}");
     let owed_ml = session.state().unwrap().carry_ml;
-    assert!((owed_ml + 0.5 * (least_ml + most_ml)).abs() < 0.01, "what was sucked back is owed: {owed_ml}");
+    assert!(
+        (owed_ml + 0.5 * (least_ml + most_ml)).abs() < 0.01,
+        "the volume sucked back is carried: {owed_ml}"
+    );
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Settings: what is refused, what is told, what is written on request.
+//! Claims about a board's settings: refusals, notes, and the settings that are written on request.
 
 use pump_bench::drives::GrblError;
 use pump_bench::drives::{Disturbance, Drive, Grbl};

@@ -9,7 +9,7 @@ use ivp::solout::{ControlFlag, SolOut};
 use super::{Recorder, slope};
 use crate::case::{Case, JointSegment, Samples};
 
-/// Both ports between two edges.
+/// The system of both ports between two edges.
 struct Between<'a> {
     case: &'a Case,
     segment: &'a JointSegment,
@@ -21,7 +21,7 @@ impl FirstOrderSystem for Between<'_> {
     }
 }
 
-/// Keeps the samples, the state reached and the longest step.
+/// The observer of a solver. It keeps the samples, the state reached and the longest step.
 struct Watch<'a> {
     recorder: Recorder<'a>,
     state: [f64; 4],
@@ -49,7 +49,7 @@ impl SolOut for Watch<'_> {
     }
 }
 
-/// Which method.
+/// The method of integration.
 #[derive(Clone, Copy)]
 pub enum Method {
     Dopri5,
@@ -61,7 +61,7 @@ pub fn run(case: &Case, method: Method, tolerance: f64, samples: &mut Samples) -
     for segment in &case.joint {
         let (system, state) = (Between { case, segment }, watch.state);
         let (start_s, end_s) = (segment.start_s, segment.end_s);
-        // A first step like the longest before is a better guess than one from the derivatives alone.
+        // The longest step before is a better guess for the first step than the derivatives alone.
         let room_s = end_s - start_s;
         let first_step = (watch.longest_s > 0.0).then_some(watch.longest_s.min(room_s));
         if room_s > watch.longest_s {

@@ -1,4 +1,4 @@
-//! `diffsol`: BDF and ESDIRK34, both ports as one system, which here costs half of two.
+//! `diffsol`: BDF and ESDIRK34, both ports as one system, which here costs half as much as two systems.
 
 use std::cell::Cell;
 
@@ -14,7 +14,7 @@ use crate::case::{Case, JointSegment, Samples, horner};
 type Matrix = NalgebraMat<f64>;
 type Factored = NalgebraLU<f64>;
 
-/// Which method.
+/// The method of integration.
 #[derive(Clone, Copy)]
 pub enum Method {
     Bdf,
@@ -42,7 +42,7 @@ pub fn run(case: &Case, method: Method, tolerance: f64, samples: &mut Samples) -
     }
 }
 
-/// Goes from edge to edge.
+/// Integrates from edge to edge and fills the samples.
 fn follow<'a, E, S>(
     mut solver: S,
     problem: &'a OdeSolverProblem<E>,
@@ -58,7 +58,7 @@ where
     let mut there = solver.state().y.clone();
     for segment in &case.joint {
         let before = current.replace(*segment);
-        // Where a flow jumps the history is of no use; over a kink of the slope it is better than none.
+        // The history is of no use where a flow jumps. Over a kink of the slope it is better than none.
         let over_s = segment.start_s - before.start_s;
         let jumps =
             before.flows.iter().zip(&segment.flows).any(|(a, b)| (horner(a, over_s) - b[0]).abs() > 1e-9);

@@ -1,12 +1,12 @@
-//! Other solvers, used as well as they can be: stopped at the edges of the flow, with its own polynomial between them,
-//! the exact Jacobian where one is used, and dense output at the samples.
+//! Other solvers, used as well as possible. They stop at the edges of the flow and use its own polynomial
+//! between them. They also use the exact Jacobian, where they need one, and dense output at the samples.
 
 pub mod explicit;
 pub mod implicit;
 
 use crate::case::{Case, JointSegment, SAMPLES, Samples, horner, sample_s};
 
-/// Fills the samples in order of time.
+/// The recorder, which fills the samples in order of time.
 struct Recorder<'a> {
     samples: &'a mut Samples,
     base_kpa: [f64; 2],
@@ -18,7 +18,8 @@ impl<'a> Recorder<'a> {
         Self { samples, base_kpa: case.ports.each_ref().map(|port| port.line.reservoir_kpa), due: 0 }
     }
 
-    /// Records the samples up to `end_s` that are still due; `pressures` are P - P_res of both ports at a time.
+    /// Records the samples up to `end_s` that are still due. `pressures` gives P - P_res of both ports at a
+    /// time.
     fn record(&mut self, end_s: f64, mut pressures: impl FnMut(f64) -> [f64; 2]) {
         while self.due < SAMPLES && sample_s(self.due) <= end_s {
             let [inlet, outlet] = pressures(sample_s(self.due));
@@ -29,7 +30,7 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// dz/dt of (p, q) at the inlet and (p, q) at the outlet.
+/// Computes dz/dt of (p, q) at the inlet and (p, q) at the outlet.
 fn slope(case: &Case, segment: &JointSegment, t: f64, z: &[f64], dz: &mut [f64]) {
     let sides = z.chunks_exact(2).zip(dz.chunks_exact_mut(2)).zip(case.ports.iter().zip(&segment.flows));
     for ((z, dz), (port, flow)) in sides {

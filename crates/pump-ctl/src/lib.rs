@@ -1,8 +1,8 @@
-//! Doses with a roller-type peristaltic pump from the angle of its rollers: which angle gives which volume, how fast
-//! to turn, when to make each step, and which pressures to expect.
+//! Control of a roller-type peristaltic pump from the angle of its rollers.
 //!
-//! Units are mL, kPa absolute, s and rad, and stand in every name. Needs neither `std` nor an allocator; no I/O, no
-//! clock.
+//! This crate computes the angle that gives a volume, the speed, the time of each step, and the pressures to
+//! expect. Units are mL, kPa absolute, s and rad, and stand in every name. The crate needs neither `std` nor
+//! an allocator. It does no I/O and reads no clock.
 //!
 //! ```
 //! use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};

@@ -28,7 +28,7 @@ fn pump(rollers: u32) -> Pump {
     if rollers == 3 { Pump::three_roller() } else { Pump::two_roller() }
 }
 
-/// (rollers, volume in mL, start angle in rad)
+/// A dose as (rollers, volume in mL, start angle in rad).
 fn any_dose() -> impl Strategy<Value = (u32, f64, f64)> {
     (2u32..=3, 0.5..500.0_f64, any::<bool>(), 0.0..TAU).prop_map(|(rollers, volume, reverse, start)| {
         (rollers, if reverse { -volume } else { volume }, start)
@@ -51,7 +51,7 @@ proptest! {
         let curve = pump.outlet_curve();
         let slow = planned(rollers, volume, start, Cruise::Flow { ml_s: 5.0 });
 
-        // The step that contains the ideal end angle.
+        // These are both ends of the step that contains the ideal end angle.
         let ideal = (curve.angle_rad(curve.volume_ml(start) + volume) - start) / slow.step_rad;
         let [below, above] = [ideal.floor(), ideal.floor() + 1.0].map(|n| curve.volume_ml(start + n * slow.step_rad));
         prop_assert!(slow.carry_ml.abs() <= 0.5 * (above - below) + 1e-12);
@@ -93,7 +93,7 @@ proptest! {
             let second = (rate(three[1], three[2]) - rate(three[0], three[1])) / (three[2].0 - three[0].0);
             prop_assert!((2.0 * second).abs() <= 505.0, "{} rad/s2 at {} s", 2.0 * second, three[1].0);
         }
-        // Cruise, away from the ramps.
+        // The look is at the cruise, away from the ramps.
         if plan.limited_by == LimitedBy::Nothing {
             let ramp = rad_s(rpm) / 500.0;
             let cruise: Vec<_> = points
@@ -161,7 +161,7 @@ fn within_is_met_by_the_slowest_cruise() {
         let slower = plan.profile.peak_rad_s() * 0.9999;
         assert!(total_s(Cruise::Speed { rad_s: slower }).1 > time_s, "not the slowest for {time_s}");
     }
-    // What the refusal says is the fastest can be had.
+    // A request for the fastest dose that the refusal names is accepted.
     let refused = Request::new(25.0, Cruise::Within { time_s: 0.5 });
     let error = plan(&pump(3), Phase::known(0.4), &refused, &limits(3)).unwrap_err();
     let PlanError::TimeTooShort { fastest_s, .. } = error else { panic!("{error}") };
@@ -187,7 +187,7 @@ fn pressure_limits_refuse_what_would_break_them_in_either_direction() {
             let limits = Limits { pressures: PressureLimits { max_outlet_kpa, min_inlet_kpa }, ..limits(3) };
             plan(&pump(3), Phase::known(0.0), &Request::new(volume_ml, cruise), &limits)
         };
-        // A motor step moves the pressure by so much on top of what is predicted.
+        // A motor step moves the pressure by so much beyond the prediction.
         let room_kpa = free.step_kpa + 0.01;
         assert!(with(Some(pushing.max_kpa + room_kpa), Some(sucking.min_kpa - room_kpa)).is_ok());
         assert!(matches!(with(Some(pushing.max_kpa - 0.01), None), Err(PlanError::OutletPressure { .. })));
@@ -220,7 +220,8 @@ fn absurd_requests_are_refused_by_name() {
 
 #[test]
 fn turning_by_the_mean_volume_is_wrong_by_the_known_amounts() {
-    // (rollers, [(mL, largest error %, RMS error %)]) over all start angles, computed independently.
+    // Each row is (rollers, [(mL, largest error %, RMS error %)]) over all start angles, computed
+    // independently.
     let table = [
         (3, [(1.0, 81.7, 39.9), (5.0, 26.0, 13.8), (10.0, 12.5, 7.9), (25.0, 4.4, 3.3), (100.0, 0.44, 0.22)]),
         (2, [(1.0, 84.3, 32.6), (5.0, 24.1, 17.7), (10.0, 12.9, 5.1), (25.0, 4.9, 1.9), (100.0, 1.13, 0.90)]),

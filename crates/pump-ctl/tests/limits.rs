@@ -60,9 +60,9 @@ fn the_fastest_dose_holds_the_collapse_limit_within_the_speeds_connected_to_rest
     assert!(fastest.predict(&pump).unwrap().inlet.min_kpa >= COLLAPSE_KPA);
     let used = limits.margins(&pump, &fastest).inlet.unwrap().used;
     assert!(used <= 1.0 && used > 0.9999, "{used}");
-    // Steady state breaks it from 222 r/min; start-up reaches further, so the answer is slower.
+    // The steady state breaks the limit from 222 r/min. Start-up reaches further, so the answer is slower.
     assert!(at_rpm < 222.0 && at_rpm > 100.0, "{at_rpm}");
-    // Every slower speed holds it, the next one does not.
+    // Every slower speed holds the limit, and the next faster speed does not.
     for part in 1..100 {
         let slower = speed(at_rpm * f64::from(part) / 100.0);
         dose(&pump, 100.0, 0.3, slower, &limits).unwrap();
@@ -72,7 +72,8 @@ fn the_fastest_dose_holds_the_collapse_limit_within_the_speeds_connected_to_rest
 
 #[test]
 fn speeds_that_hold_are_not_an_interval_and_the_fastest_is_below_the_gap() {
-    // In steady state three rollers pass again above 324 r/min. A soft start, so that start-up reaches no further.
+    // In the steady state three rollers hold the limit again above 324 r/min. The start is soft, so that
+    // start-up reaches no further.
     let pump = Pump::three_roller();
     let mut limits = collapse(400.0);
     limits.motor.max_acceleration_rad_s2 = 10.0;
@@ -109,7 +110,7 @@ fn what_breaks_a_limit_is_refused_with_what_can_be_had() {
     assert!((time_s - total_s).abs() < 0.002, "{time_s} {total_s}");
     dose(&pump, 60.0, 0.3, Cruise::Within { time_s }, &limits).unwrap();
 
-    // A time that nothing meets, too, is answered with one that holds the limits.
+    // The refusal of a time that no speed meets names a time that holds the limits too.
     let error = dose(&pump, 60.0, 0.3, Cruise::Within { time_s: 0.1 }, &limits).unwrap_err();
     let PlanError::TimeTooShort { fastest_s, .. } = error else { panic!("{error}") };
     dose(&pump, 60.0, 0.3, Cruise::Within { time_s: fastest_s }, &limits).unwrap();
@@ -227,7 +228,7 @@ fn limits_hold_from_wherever_the_rollers_may_stand() {
             most_kpa = most_kpa.max(run(Port::Outlet).max_kpa);
             least_kpa = least_kpa.min(run(Port::Inlet).min_kpa);
         }
-        // Between a sixteenth of a pitch some tenths of a kilopascal are missed at most.
+        // Looks a sixteenth of a pitch apart miss some tenths of a kilopascal at most.
         assert!((predicted.outlet.max_kpa - most_kpa).abs() < 0.3, "{predicted:?} {most_kpa}");
         assert!((predicted.inlet.min_kpa - least_kpa).abs() < 0.3, "{predicted:?} {least_kpa}");
         assert!(reached_kpa > predicted.outlet.max_kpa && fell_kpa < predicted.inlet.min_kpa);
@@ -235,7 +236,7 @@ fn limits_hold_from_wherever_the_rollers_may_stand() {
     let unknown = plan(&pump, Phase::unknown(pitch_rad), &request, &limits).unwrap().predict(&pump).unwrap();
     let middle = plan(&pump, Phase::known(0.0), &request, &limits).unwrap().predict(&pump).unwrap();
     assert!(unknown.outlet.max_kpa > middle.outlet.max_kpa + 5.0, "{unknown:?} {middle:?}");
-    // What the middle holds and another angle breaks is refused.
+    // A limit that holds from the middle and breaks from another angle refuses the dose.
     let between = 0.5 * (unknown.outlet.max_kpa + middle.outlet.max_kpa);
     let limits =
         Limits { pressures: PressureLimits { max_outlet_kpa: Some(between), ..limits.pressures }, ..limits };
@@ -272,7 +273,7 @@ fn a_long_heavy_outlet_line_sucks_where_the_flow_falls() {
 #[test]
 fn an_offer_has_digits_however_slow_and_can_be_had() {
     let pump = Pump::three_roller();
-    // Microlitres a second: an outlet that stands hardly more than its reservoir and a motor step.
+    // The flow is some microlitres a second, for an outlet limit hardly above the reservoir and a motor step.
     let free = dose(&pump, 5.0, 0.3, speed(1.0), &limits(170.0)).unwrap();
     let max_kpa = Line::PUBLISHED.reservoir_kpa + free.predict(&pump).unwrap().step_kpa + 1e-3;
     let limits = Limits {
@@ -297,7 +298,7 @@ fn torque(occlusion_n_m: f64, points: &[(f64, f64)]) -> Torque {
     }
 }
 
-/// Needed over what there is, at many times of the dose.
+/// Returns the largest part of the motor's torque that the dose needs, from looks at many times.
 fn worst_used(pump: &Pump, plan: &Plan, torque: &Torque) -> f64 {
     let mut runs = [Port::Inlet, Port::Outlet].map(|port| ExactRun::from_rest(pump, port, plan.legs()));
     let mut worst = 0.0_f64;

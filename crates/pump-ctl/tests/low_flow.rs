@@ -41,7 +41,7 @@ proptest! {
         let start = Phase::known(start_rad);
         let curve = pump.outlet_curve();
         let step_rad = core::f64::consts::TAU / steps_per_rev;
-        // Every allowed end in the direction of what is owed, by looking at all of them.
+        // The search by brute force looks at every allowed end in the direction of the dose.
         let direction = owed_ml.signum();
         let ends = (1..(12.0 * steps_per_rev) as u32).map(|n| start_rad + direction * f64::from(n) * step_rad);
         let off_ml = |rad: f64| (curve.volume_ml(rad) - curve.volume_ml(start_rad) - owed_ml).abs();
@@ -110,7 +110,7 @@ fn an_angle_that_is_not_known_well_enough_is_refused_and_a_narrow_one_ends_low_f
 
 #[test]
 fn a_pump_whose_flow_never_falls_that_low_is_refused_with_the_reason() {
-    // A roller that displaces a third of what the measured one does.
+    // Each roller displaces a third of the measured volume.
     let volume = RollerVolume::measured().unwrap().scaled_to(0.7).unwrap();
     let geometry = Geometry::published(3, Variant::Measured);
     let pump = Pump::new(geometry, volume, Line::PUBLISHED, Line::PUBLISHED).unwrap();
@@ -128,7 +128,7 @@ fn a_changed_volume_ends_at_low_flow_too() {
     assert_eq!(rest.finish, Finish::LowFlow);
     assert!(is_low(&pump, rest.end_angle_rad()));
     assert!((whole.delivered_ml(&pump, 6000) + rest.planned_ml + rest.carry_ml - 40.0).abs() < 1e-9);
-    // Too late to stop at the end that is nearest to the new volume.
+    // It is too late to stop at the end that is nearest to the new volume.
     let now_ml = whole.delivered_ml(&pump, 6000);
     let error = whole.retarget(&pump, 6000, now_ml + 1e-3, FLOW, &limits).unwrap_err();
     let refused = matches!(error, PlanError::CannotStopThere { .. } | PlanError::NoLowFlowEnd { .. });

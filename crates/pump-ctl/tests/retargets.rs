@@ -19,7 +19,7 @@ fn dose(volume_ml: f64, start_rad: f64, flow_ml_s: f64) -> Plan {
     plan(&Pump::three_roller(), Phase::known(start_rad), &request, &limits()).unwrap()
 }
 
-/// Legs of `whole` up to the moment at which `made` steps are made, then those of `rest`.
+/// Returns the legs of `whole` up to the moment at which `made` steps are made, then those of `rest`.
 fn joined(whole: &Plan, made: u64, rest: &Plan) -> Vec<Leg> {
     let changed_s = whole.profile.time_of(made as f64 * whole.step_rad);
     let before = whole.legs().filter(|leg| leg.start_s < changed_s);
@@ -53,7 +53,7 @@ proptest! {
                 prop_assert!(rest.carry_ml.abs() <= 0.5 * rest.end_step_ml(&pump) + 1e-4);
                 prop_assert!((total - (pump.outlet_curve().volume_ml(rest.end_angle_rad())
                     - pump.outlet_curve().volume_ml(start))).abs() < 1e-9);
-                // Speed goes on where it was, and ends at rest.
+                // The speed goes on without a jump, and ends at rest.
                 prop_assert!((rest.speed_after(0) - whole.speed_after(made)).abs() < 1e-9);
                 prop_assert!((rest.speed_at(0.0).abs() - rest.speed_after(0)).abs() < 1e-9);
                 prop_assert!(rest.profile.acceleration_rad_s2() <= MOTOR.max_acceleration_rad_s2);
@@ -62,7 +62,7 @@ proptest! {
             }
             Err(PlanError::CannotStopThere { nearest_ml, .. }) => {
                 prop_assert!(sign * nearest_ml > new_volume - 0.01, "{nearest_ml} {new_volume}");
-                // What the message offers can be had.
+                // A request for the volume that the message offers is accepted.
                 whole.retarget(&pump, made, nearest_ml, Cruise::Flow { ml_s: new_flow }, &limits()).unwrap();
             }
             Err(other) => return Err(TestCaseError::fail(other.to_string())),
@@ -104,7 +104,7 @@ proptest! {
         while stepper.position() < before && let Action::Step { next, .. } = stepper.on_deadline(due) {
             due = next;
         }
-        // Ten milliseconds to plan the rest.
+        // Planning the rest may take ten milliseconds.
         let junction = stepper.retarget(due + 10_000).unwrap();
         let made = junction.position.unsigned_abs();
         let cruise = Cruise::Flow { ml_s: new_flow };

@@ -39,7 +39,8 @@ fn smooth(pump: &Pump, volume_ml: f64, start_rad: f64, cruise: Cruise) -> Plan {
 
 #[test]
 fn ripple_is_what_the_acceleration_allows() {
-    // r/min, (peak-to-peak %, RMS %) for three rollers and for two: computed independently, with a fine envelope.
+    // Each row is r/min, then (peak-to-peak %, RMS %) for three rollers and for two. The figures were
+    // computed independently, with a fine envelope.
     let table = [
         (20.0, (24.0, 2.3), (28.6, 2.3)),
         (50.0, (63.0, 10.7), (64.7, 9.2)),
@@ -50,7 +51,7 @@ fn ripple_is_what_the_acceleration_allows() {
             [(3, three, (118.0, 42.7)), (2, two, (107.1, 34.2))]
         {
             let pump = pump(rollers);
-            // The figures are those of a motor that is not held back by its speed.
+            // The figures hold for a motor whose largest speed does not bind.
             let request = Request::new(100.0, Cruise::Speed { rad_s: rad_s(rpm) }).smooth();
             let plan = plan(&pump, Phase::known(0.3), &request, &limits(2)).unwrap();
             let ripples = plan.ripples(&pump);
@@ -79,7 +80,7 @@ fn the_flow_is_even_up_to_the_rate_that_the_acceleration_allows_but_for_the_jump
 
 #[test]
 fn any_number_of_rollers_has_less_ripple_than_at_constant_speed() {
-    // From 8 rollers on pulses overlap.
+    // Pulses overlap from 8 rollers on.
     for rollers in 2..=11 {
         let pump = pump(rollers);
         for part in [0.02, 0.3, 0.9] {
@@ -89,7 +90,7 @@ fn any_number_of_rollers_has_less_ripple_than_at_constant_speed() {
             assert!(ripples.after.rms < ripples.before.rms, "{rollers} {part}: {ripples:?}");
             assert!((plan.profile.cruise_rad_s() / speed - 1.0).abs() < 1e-9);
             if part == 0.02 {
-                // Where pulses overlap the flow jumps where it is smallest, by up to 22 % of the mean.
+                // Overlapping pulses make the flow jump where it is smallest, by up to 22 % of the mean.
                 assert!(ripples.after.rms < 0.015, "{rollers}: {ripples:?}");
             }
         }
@@ -118,14 +119,14 @@ fn a_smooth_flow_from_an_angle_that_nobody_knows_is_refused() {
     let refused = with(0.5 * pump.pitch_rad()).unwrap_err();
     assert!(matches!(refused, PlanError::SmoothWithoutAngle { .. }), "{refused}");
     assert!(matches!(with(0.2), Err(PlanError::SmoothWithoutAngle { .. })));
-    // An angle known to two full motor steps does good still, and the worst of it is told.
+    // An angle known to two full motor steps still makes the flow smoother, and the worst ripple is reported.
     let uncertain = with(0.01).unwrap().ripples(&pump);
     let certain = with(0.0).unwrap().ripples(&pump);
     assert!(uncertain.after.rms > 1.5 * certain.after.rms, "{uncertain:?} {certain:?}");
     assert!(uncertain.after.rms < uncertain.before.rms, "{uncertain:?}");
 }
 
-/// (rollers, volume in mL, start angle in rad, part of the fastest speed, smooth)
+/// A dose as (rollers, volume in mL, start angle in rad, part of the fastest speed, smooth).
 fn any_dose() -> impl Strategy<Value = (u32, f64, f64, f64, bool)> {
     let part = prop_oneof![0.002..0.1_f64, 0.1..1.0_f64];
     (2u32..=11, 0.05..60.0_f64, any::<bool>(), -7.0..7.0_f64, part, any::<bool>()).prop_map(
@@ -135,8 +136,8 @@ fn any_dose() -> impl Strategy<Value = (u32, f64, f64, f64, bool)> {
     )
 }
 
-/// Claims about the motion itself: it is continuous, within speed and acceleration, as fast as the acceleration
-/// allows, and times follow it.
+/// Checks the motion itself. It is continuous, within speed and acceleration, and as fast as the acceleration
+/// allows. Its times follow it.
 fn check_motion(plan: &Plan, limits: &Limits, start_rad_s: f64) -> Result<(), TestCaseError> {
     let sign = f64::from(plan.direction());
     let (mut at_s, mut angle, mut speed) = (0.0, plan.start.angle_rad, sign * start_rad_s);
@@ -163,7 +164,8 @@ fn check_motion(plan: &Plan, limits: &Limits, start_rad_s: f64) -> Result<(), Te
     Ok(())
 }
 
-/// Claims about its steps: as many as without, rising in time, and in segments that are right to a tick.
+/// Checks the steps of a smooth dose. They are as many as at constant speed, rise in time, and come in
+/// segments that are right to a tick.
 fn check_steps(plan: &Plan) -> Result<(), TestCaseError> {
     const TICK_HZ: u32 = 1_000_000;
     let mut segments = plan.segments(TICK_HZ);
@@ -286,7 +288,7 @@ fn predicted_extremes_do_not_reach_beyond_an_edge_of_the_flow() {
     }
 }
 
-/// The outlet line when `made` steps of `plan` are made, from rest.
+/// Returns the state of the outlet line when `made` steps of `plan` are made, from rest.
 fn state_after(pump: &Pump, plan: &Plan, made: u64) -> [f64; 2] {
     let time_s = plan.profile.time_of(made as f64 * plan.step_rad);
     ExactRun::from_rest(pump, Port::Outlet, plan.legs()).at(time_s)

@@ -8,7 +8,7 @@ use pump_model::Pump;
 
 const FLOW: Cruise = Cruise::Flow { ml_s: 5.0 };
 
-/// The motor of the built-in pumps, with a number of steps.
+/// Makes the motor of the built-in pumps, with a number of steps.
 fn limits(steps_per_rev: f64) -> Limits {
     Limits::of_motor(Motor { steps_per_rev, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 })
 }
@@ -21,13 +21,14 @@ fn planned(pump: &Pump, start: Phase, volume_ml: f64) -> Plan {
     plan(pump, start, &Request::new(volume_ml, FLOW), &limits(12_800.0)).unwrap()
 }
 
-/// The largest deviation from `owed_ml` of `steps` from all the angles that `start` may be, mL.
+/// Returns the largest deviation of `steps` from `owed_ml`, over all angles that `start` may be, mL.
 fn worst_ml(pump: &Pump, start: Phase, steps: i64, owed_ml: f64) -> f64 {
     let (least_ml, most_ml) = start.range_ml(pump, steps as f64 * limits(12_800.0).motor.step_rad());
     (owed_ml - least_ml).max(most_ml - owed_ml)
 }
 
-/// The same from a grid of the angles, which misses their extremes by half a microlitre at most.
+/// Returns the largest deviation of `steps` from `owed_ml` over a grid of the angles, mL. The grid misses the
+/// extremes by half a microlitre at most.
 fn worst_on_a_grid_ml(pump: &Pump, start: Phase, steps: i64, owed_ml: f64) -> f64 {
     const POINTS: i32 = 2000;
     let half_width_rad = start.half_width_rad.min(0.5 * pump.pitch_rad());
@@ -82,7 +83,7 @@ proptest! {
         prop_assert!(found <= farthest + 1e-12 && found > farthest - 5e-4, "{found} {farthest}");
         prop_assert!((plan.planned_ml - 0.5 * (plan.least_ml + plan.most_ml)).abs() < 1e-12);
         prop_assert!((plan.planned_ml + plan.carry_ml - volume).abs() < 1e-12);
-        // Half of the largest step that there is.
+        // The bound is half of the largest step.
         prop_assert!(plan.carry_ml.abs() <= 0.5 * 4.4 * plan.step_rad + 1e-12);
         let made = plan.steps.unsigned_abs();
         prop_assert_eq!(plan.delivered_ml(&pump, made).to_bits(), plan.planned_ml.to_bits());
@@ -141,7 +142,7 @@ fn whole_pitches_are_exact_at_any_angle() {
         for pitches in [1.0, 2.0, 3.0, 7.0, -2.0] {
             let volume_ml = pitches * pump.outlet_curve().pitch_ml();
             let request = Request::new(volume_ml, FLOW);
-            // Whole steps to a pitch.
+            // A pitch is a whole number of steps.
             let unknown = Phase::unknown(pump.pitch_rad());
             let plan = plan(&pump, unknown, &request, &limits(12_000.0)).unwrap();
             assert_eq!(plan.steps as f64, pitches * 12_000.0 / f64::from(rollers));
@@ -150,7 +151,7 @@ fn whole_pitches_are_exact_at_any_angle() {
     }
 }
 
-/// (Volume asked, smallest, largest), mL, of the three-roller pump at an unknown angle.
+/// Volumes of the three-roller pump at an unknown angle, mL: (asked for, smallest, largest).
 const KNOWN_RANGES: [(f64, f64, f64); 3] =
     [(25.0, 23.9477, 26.0531), (5.0, 3.9850, 6.0165), (0.5, 0.1038, 0.8960)];
 

@@ -1,11 +1,11 @@
 // McIntyre et al., 3 rollers (three-roller), for the crates pump-model and pump-ctl 0.1.0.
-// Written by `dose pumps show`; change the pump file, not this.
+// `dose pumps show` wrote this file. Change the pump file, not this source.
 // Units: mm, rad, mL, kPa, s.
 
 use pump_ctl::plan::{Limits, Lowest, Motor, PressureLimits, SetBy};
 use pump_model::{FlowCurve, Geometry, Line, Pump, RollerVolume};
 
-/// The pump.
+/// Model of the pump.
 #[rustfmt::skip]
 pub const PUMP: Pump = Pump::precomputed(
     Geometry {
@@ -19,25 +19,39 @@ pub const PUMP: Pump = Pump::precomputed(
     },
     RollerVolume::precomputed(0.8819148710327347, 0.0, 2.105466465212997, &[
         (0.0, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
-        (0.00989991375124977, [0.0, 1.3877787807814457e-17, 9.111001445623494, -2.166400649496864, -12.940684255699393, 8.124423689025868]),
+        (0.00989991375124977, [0.0, 1.3877787807814457e-17, 9.111001445623494, -2.166400649496864,
+            -12.940684255699393, 8.124423689025868]),
     ]),
     [
-        Line { resistance_kpa_s_ml: 0.1108, compliance_ml_kpa: 0.0361, inertance_kpa_s2_ml: 0.0042, reservoir_kpa: 88.637 },
-        Line { resistance_kpa_s_ml: 0.1108, compliance_ml_kpa: 0.0361, inertance_kpa_s2_ml: 0.0042, reservoir_kpa: 88.637 },
+        Line {
+            resistance_kpa_s_ml: 0.1108,
+            compliance_ml_kpa: 0.0361,
+            inertance_kpa_s2_ml: 0.0042,
+            reservoir_kpa: 88.637,
+        },
+        Line {
+            resistance_kpa_s_ml: 0.1108,
+            compliance_ml_kpa: 0.0361,
+            inertance_kpa_s2_ml: 0.0042,
+            reservoir_kpa: 88.637,
+        },
     ],
     [
         FlowCurve::precomputed(2.0943951023931953, 7.106164309137073, &[
             (0.0, 1.2223801451117104, [0.0, 4.398229715025711, 0.0, 0.0, 0.0, 0.0]),
-            (1.2223801451117104, 0.8720149572814848, [5.376308677287765, 4.3982297150257095, -9.111001445623494, 2.1664006494968695, 12.940684255699393, -8.124423689025868]),
+            (1.2223801451117104, 0.8720149572814848, [5.376308677287765, 4.3982297150257095,
+                -9.111001445623494, 2.1664006494968695, 12.940684255699393, -8.124423689025868]),
         ]),
         FlowCurve::precomputed(2.0943951023931953, 7.106164309137071, &[
-            (0.0, 0.8720149572814849, [0.0, 4.2850658053900315, -1.7256035795130638, -14.474655574986834, 22.48241062491349, -8.124423689025868]),
-            (0.8720149572814849, 1.2223801451117104, [1.729855631849306, 4.398229715025711, 0.0, 0.0, 0.0, 0.0]),
+            (0.0, 0.8720149572814849, [0.0, 4.2850658053900315, -1.7256035795130638, -14.474655574986834,
+                22.48241062491349, -8.124423689025868]),
+            (0.8720149572814849, 1.2223801451117104, [1.729855631849306, 4.398229715025711, 0.0, 0.0, 0.0,
+                0.0]),
         ]),
     ],
 );
 
-/// What a dose must not exceed.
+/// Limits of every dose: motor, pressures and torque.
 pub const LIMITS: Limits = Limits {
     motor: Motor {
         steps_per_rev: 12800.0,

@@ -1,4 +1,4 @@
-//! A pump as Rust source for firmware: constants that need no set-up and no memory but flash.
+//! The Rust source of a pump, for firmware. Its constants need no set-up and no memory but flash.
 
 use std::fmt::Write;
 
@@ -7,17 +7,21 @@ use pump_model::{FlowCurve, Geometry, Line, ModelError, Pump};
 
 use crate::pump_file::PumpFile;
 
-/// Writes the Rust source of a pump: its limits and its model, which is computed and checked here.
+/// Largest width of a line of curve data in the source, columns.
+const WIDTH: usize = 110;
+
+/// Returns the Rust source of a pump. It holds the pump's model, computed and checked here, and its limits.
 ///
 /// # Errors
-/// Returns the [`ModelError`] of a pump that cannot work.
+///
+/// Fails with the [`ModelError`] of a pump file that has no model.
 pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
     let pump = file.model()?;
     let limits = file.limits();
     let motor = limits.motor;
     let mut source = format!(
         "// {} ({}), for the crates pump-model and pump-ctl {}.\n\
-         // Written by `dose pumps show`; change the pump file, not this.\n\
+         // `dose pumps show` wrote this file. Change the pump file, not this source.\n\
          // Units: mm, rad, mL, kPa, s.\n\n",
         file.pump.name,
         file.pump.id,
@@ -33,7 +37,7 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
     let option = |limit: Option<f64>| limit.map_or("None".to_owned(), |kpa| format!("Some({kpa:?})"));
     let _ = write!(
         out,
-        "/// Limits that a dose must keep.\n\
+        "/// Limits of every dose: motor, pressures and torque.\n\
          pub const LIMITS: Limits = Limits {{\n    \
              motor: Motor {{\n        \
                  steps_per_rev: {:?},\n        \
@@ -57,7 +61,6 @@ pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
     Ok(source)
 }
 
-/// Returns the source of a torque limit.
 fn torque_source(torque: &Torque) -> String {
     format!(
         "Some(Torque {{\n        \
@@ -73,9 +76,8 @@ fn torque_source(torque: &Torque) -> String {
     )
 }
 
-/// Writes the constant of the pump.
 fn write_pump(out: &mut String, pump: &Pump) {
-    out.push_str("/// The pump.\n#[rustfmt::skip]\npub const PUMP: Pump = Pump::precomputed(\n");
+    out.push_str("/// Model of the pump.\n#[rustfmt::skip]\npub const PUMP: Pump = Pump::precomputed(\n");
     write_geometry(out, pump.geometry());
     let volume = pump.roller_volume();
     let _ = writeln!(
@@ -86,7 +88,7 @@ fn write_pump(out: &mut String, pump: &Pump) {
         volume.total_ml()
     );
     for piece in volume.precomputed_pieces() {
-        let _ = writeln!(out, "        {piece:?},");
+        push_wrapped(out, &format!("        {piece:?},"));
     }
     out.push_str("    ]),\n    [\n");
     write_line(out, pump.inlet());
@@ -97,7 +99,6 @@ fn write_pump(out: &mut String, pump: &Pump) {
     out.push_str("    ],\n);\n\n");
 }
 
-/// Writes the dimensions of the pump head.
 fn write_geometry(out: &mut String, geometry: &Geometry) {
     let _ = writeln!(
         out,
@@ -120,22 +121,40 @@ fn write_geometry(out: &mut String, geometry: &Geometry) {
     );
 }
 
-/// Writes a line with its R, C, L and reservoir.
 fn write_line(out: &mut String, line: &Line) {
     let _ = writeln!(
         out,
-        "        Line {{ resistance_kpa_s_ml: {:?}, compliance_ml_kpa: {:?}, inertance_kpa_s2_ml: {:?}, \
-             reservoir_kpa: {:?} }},",
+        "        Line {{\n            \
+             resistance_kpa_s_ml: {:?},\n            \
+             compliance_ml_kpa: {:?},\n            \
+             inertance_kpa_s2_ml: {:?},\n            \
+             reservoir_kpa: {:?},\n        \
+         }},",
         line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml, line.reservoir_kpa,
     );
 }
 
-/// Writes a flow curve with its precomputed pieces.
+/// Appends a line, divided after commas where it is wider than [`WIDTH`].
+fn push_wrapped(out: &mut String, line: &str) {
+    let indent = line.len() - line.trim_start().len() + 4;
+    let mut rest = line.to_owned();
+    while rest.len() > WIDTH
+        && let Some(comma) = rest.get(..WIDTH).and_then(|start| start.rfind(", "))
+    {
+        let (head, tail) = rest.split_at(comma + 1);
+        out.push_str(head);
+        out.push('\n');
+        rest = format!("{:indent$}{}", "", tail.trim_start());
+    }
+    out.push_str(&rest);
+    out.push('\n');
+}
+
 fn write_curve(out: &mut String, curve: &FlowCurve) {
     let _ =
         writeln!(out, "        FlowCurve::precomputed({:?}, {:?}, &[", curve.pitch_rad(), curve.pitch_ml());
     for piece in curve.precomputed_pieces() {
-        let _ = writeln!(out, "            {piece:?},");
+        push_wrapped(out, &format!("            {piece:?},"));
     }
     out.push_str("        ]),\n");
 }

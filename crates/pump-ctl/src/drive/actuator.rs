@@ -8,9 +8,9 @@ use crate::step::{Action, Stepper, StopPlan};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum OnFault {
-    /// Keep it energised: it holds its angle and the line's pressure.
+    /// The motor stays energised. It holds its angle and the line's pressure.
     Hold,
-    /// Let go of it. The line may turn it, so its angle is no longer certain.
+    /// The motor is let go. The line may turn it, so its angle is no longer certain.
     Disable,
 }
 
@@ -19,44 +19,87 @@ pub enum OnFault {
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use]
 pub enum Timer {
-    /// Fire at this tick.
+    /// The timer must fire at this tick.
     At(u64),
-    /// Nothing: the motor stands, as planned or as the stop said.
+    /// The timer has no task. The motor stands, as planned or as the stop said.
     Done,
 }
 
-/// A motor that follows queued segments. `Q` as for [`Stepper`].
+/// A motor that follows queued segments. `Q` segments fit into the queue of its [`Stepper`].
+///
+/// ```
+/// use std::convert::Infallible;
+///
+/// use pump_ctl::drive::{Actuator, Motion, OnFault, StepFault, Timer};
+/// use pump_ctl::plan::Motor;
+/// use pump_ctl::step::{Segment, Stepper};
+///
+/// struct Axis {
+///     made: i64,
+/// }
+///
+/// impl Motion for Axis {
+///     type Error = Infallible;
+///     fn step(&mut self, direction: i8) -> Result<(), StepFault<Infallible>> {
+///         self.made += i64::from(direction);
+///         Ok(())
+///     }
+///     fn enable(&mut self) -> Result<(), Infallible> {
+///         Ok(())
+///     }
+///     fn disable(&mut self) -> Result<(), Infallible> {
+///         Ok(())
+///     }
+/// }
+///
+/// let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+/// let stepper = Stepper::<4>::new(motor.brake(1_000_000));
+/// let mut actuator = Actuator::new(Axis { made: 0 }, stepper, OnFault::Hold);
+/// actuator.enable()?;
+/// actuator.stepper().push(Segment { count: 5, interval: 2000, add: 0, frac: 0 })?;
+/// actuator.stepper().finish();
+/// let mut due = actuator.start(0)?;
+/// while let Timer::At(next) = actuator.on_timer(due)? {
+///     due = next; // set the timer
+/// }
+/// assert_eq!((actuator.motion().made, due), (5, 10_000));
+/// # Ok::<(), pump_ctl::drive::Fault<Infallible>>(())
+/// ```
 #[derive(Debug)]
 pub struct Actuator<M, const Q: usize> {
     motion: M,
     stepper: Stepper<Q>,
     on_fault: OnFault,
     pub(super) enabled: bool,
-    /// Delay of the call that made the motor stop, ticks.
+    /// Delay of the late call that made the motor stop, ticks.
     late_ticks: Option<u64>,
-    /// Last state of the index sensor, if it is looked at after every step.
+    /// Last state of the index sensor, if the sensor is read after every step.
     watching: Option<bool>,
     /// Position at which the index sensor last became active.
     index_at: Option<i64>,
 }
 
 impl<M: Motion, const Q: usize> Actuator<M, Q> {
-    /// A motor at rest, not energised by this.
+    /// Makes an actuator of a motor at rest. The call does not energise the motor.
     pub fn new(motion: M, stepper: Stepper<Q>, on_fault: OnFault) -> Self {
         Self { motion, stepper, on_fault, enabled: false, late_ticks: None, watching: None, index_at: None }
     }
 
-    /// The executor: to push segments, to ask where the motor is or was.
+    /// Returns the executor, which takes segments and knows where the motor is and was.
     pub fn stepper(&mut self) -> &mut Stepper<Q> {
         &mut self.stepper
     }
 
-    /// The back end.
+    /// Returns the back end.
     pub fn motion(&mut self) -> &mut M {
         &mut self.motion
     }
 
     /// Energises the motor.
+    ///
+    /// # Errors
+    ///
+    /// Fails with [`Fault::Motion`] if the back end fails.
     pub fn enable(&mut self) -> Result<(), Fault<M::Error>> {
         match self.motion.enable() {
             Ok(()) => {
@@ -67,7 +110,11 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         }
     }
 
-    /// Lets go of the motor, which must stand: a motor that moves is stopped dead, and its angle is lost.
+    /// Lets go of the motor, which must stand. A motor that moves is stopped dead, and its angle is lost.
+    ///
+    /// # Errors
+    ///
+    /// Fails with [`Fault::Motion`] if the back end fails.
     pub fn disable(&mut self) -> Result<(), Fault<M::Error>> {
         if self.stepper.is_moving() {
             self.stepper.halt(true);
@@ -77,7 +124,12 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         self.motion.disable().map_err(|error| Fault::Motion { error, position })
     }
 
-    /// Starts the queued segments at `now`. Returns when the timer must fire first.
+    /// Starts the queued segments at `now`. Returns the tick at which the timer must fire first.
+    ///
+    /// # Errors
+    ///
+    /// Fails with [`Fault::NotEnabled`] if the motor is not energised. Fails with [`Fault::Start`] if no
+    /// segment is queued, a move is under way, or the motor was stopped.
     pub fn start(&mut self, now: u64) -> Result<u64, Fault<M::Error>> {
         if !self.enabled {
             return Err(Fault::NotEnabled);
@@ -87,16 +139,23 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         Ok(due)
     }
 
-    /// Decelerates; see [`Stepper::stop`]. The timer must fire at [`Stepper::next_deadline`] if that is earlier now.
+    /// Decelerates the motor as [`Stepper::stop`] does. The timer must fire at [`Stepper::next_deadline`] if
+    /// that is earlier now.
     pub fn stop(&mut self, now: u64) -> StopPlan {
         self.stepper.stop(now)
     }
 
-    /// The timer has fired: makes the step that is due.
+    /// Makes the step that is due. Call it when the timer fires.
     ///
-    /// A call so late that the next step is due already would make steps in a burst that no motor follows: the motor
-    /// is decelerated from there on instead, and then [`Fault::Late`] comes back. A call that is less late shifts no
-    /// other step.
+    /// A call may be so late that the next step is due already. Steps in a burst would follow, which no motor
+    /// can make. The motor is decelerated instead, and then [`Fault::Late`] comes back. A call that is less
+    /// late shifts no other step.
+    ///
+    /// # Errors
+    ///
+    /// Fails with [`Fault::Motion`] if the back end fails. Once the motor stands, it fails with
+    /// [`Fault::Starved`] after a queue that ran dry, and with [`Fault::Late`] after a call that was too
+    /// late.
     #[inline]
     pub fn on_timer(&mut self, now: u64) -> Result<Timer, Fault<M::Error>> {
         let due = self.stepper.next_deadline().unwrap_or(now);
@@ -124,7 +183,12 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         }
     }
 
-    /// Notes at which position the index sensor becomes active, from now on. Costs a look at its pin a step.
+    /// Records the position at which the index sensor becomes active, from now on. Each step then reads the
+    /// sensor's pin once.
+    ///
+    /// # Errors
+    ///
+    /// Fails with [`Fault::Motion`] if the sensor cannot be read.
     pub fn watch_index(&mut self) -> Result<(), Fault<M::Error>> {
         self.index_at = None;
         match self.motion.index() {
@@ -136,7 +200,7 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         }
     }
 
-    /// Position at which the index sensor last became active since [`Self::watch_index`].
+    /// Returns the position at which the index sensor last became active since [`Self::watch_index`].
     pub fn index_at(&self) -> Option<i64> {
         self.index_at
     }
@@ -161,14 +225,14 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     fn overrun(&mut self, now: u64, late_ticks: u64) -> Timer {
         self.late_ticks.get_or_insert(late_ticks);
         self.stepper.stop(now);
-        // A way to rest that was planned or begun before is overdue too.
+        // A deceleration that was planned or begun before is overdue too.
         if self.stepper.next_deadline().is_some_and(|next| next < now) {
             self.stepper.put_off(now);
         }
         Timer::At(self.stepper.next_deadline().unwrap_or(now))
     }
 
-    /// Stands, and holds or lets go, as configured.
+    /// Stops the motor dead, and holds it or lets it go as configured.
     #[cold]
     fn failed(&mut self, error: M::Error) -> Fault<M::Error> {
         if self.stepper.is_moving() {
@@ -176,7 +240,7 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         }
         if self.on_fault == OnFault::Disable {
             self.enabled = false;
-            // The first error is the one to tell.
+            // The first error is the one to report.
             let _ = self.motion.disable();
         }
         self.fault(error)

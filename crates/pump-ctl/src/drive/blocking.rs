@@ -1,4 +1,4 @@
-//! A whole move in one call.
+//! The blocking driver: a whole move in one call.
 
 use core::iter::Peekable;
 
@@ -9,11 +9,18 @@ use super::motion::Motion;
 use crate::step::{PushError, Segment, StartError};
 
 impl<M: Motion, const Q: usize> Actuator<M, Q> {
-    /// Makes all steps of `segments` and returns when the motor stands. `stop` is asked over and over;
-    /// once it says true the motor decelerates, and so it does when a segment is refused on the way.
+    /// Makes all steps of `segments` and returns when the motor stands.
     ///
-    /// Segments that do not fit into the queue are computed between steps: on a processor without f64 in hardware
-    /// choose `Q` large enough for all of them, or steps come late.
+    /// The call asks `stop` over and over. Once `stop` returns true, the motor decelerates. A segment that is
+    /// refused on the way makes the motor decelerate too.
+    ///
+    /// Segments that do not fit into the queue are computed between steps. On a processor without f64 in
+    /// hardware, choose `Q` large enough for all of them, or steps come late.
+    ///
+    /// # Errors
+    ///
+    /// Fails with [`Fault::NotEnabled`], [`Fault::Push`] or [`Fault::Start`] if the move cannot begin. A move
+    /// under way ends early with [`Fault::Motion`], [`Fault::Starved`], [`Fault::Late`] or [`Fault::Push`].
     pub fn run(
         &mut self,
         clock: &mut impl Clock,
@@ -36,7 +43,7 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
                     Timer::Done => return refused.map_or(Ok(()), |error| Err(Fault::Push(error))),
                 }
             } else if !stopping && let Err(error) = self.stepper().fill(segments) {
-                // Not told of a motor that takes nothing because it was late or starved: that is how it ends.
+                // A motor that was late or starved refuses segments too. Its own fault is told at the end.
                 refused = Some(error);
                 stopping = true;
                 self.stop(now);
@@ -45,7 +52,7 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         }
     }
 
-    /// Queues and starts. Segments that are refused leave nothing queued.
+    /// Queues the first segments and starts the move. A segment that is refused leaves nothing queued.
     fn begin(
         &mut self,
         clock: &mut impl Clock,
@@ -59,7 +66,7 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
             Err(error) => Err(error.into()),
         };
         if let Err(Fault::Push(PushError::Segment(_)) | Fault::Start(StartError::Empty)) = begun {
-            // It stands: nothing has begun.
+            // The motor stands: nothing has begun.
             let _ = self.stepper().clear();
         }
         begun

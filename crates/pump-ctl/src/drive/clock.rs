@@ -1,7 +1,7 @@
-//! Time for the blocking driver.
+//! The clock of the blocking driver.
 
 /// A free-running timer. `embedded-hal` 1.0 has none.
 pub trait Clock {
-    /// Ticks since some time in the past; never falls.
+    /// Returns the ticks since some time in the past. The count never falls.
     fn now(&mut self) -> u64;
 }

@@ -1,8 +1,8 @@
-//! Turning a motor: the executor of [`crate::step`] with pins or any other back end.
+//! The drive of a motor: the executor of [`crate::step`] with pins or any other back end.
 //!
-//! [`Motion`] is the seam: whatever can make one step can be driven. [`StepDir`] is the usual back end, step and
-//! direction pins of `embedded-hal`. [`Actuator`] joins a back end and an executor; its [`Actuator::on_timer`] goes
-//! into a timer's interrupt, or [`Actuator::run`] does a whole move and returns when it is over.
+//! [`Motion`] is the seam: every back end that can make one step can be driven. [`StepDir`] is the usual back
+//! end, with step and direction pins of `embedded-hal`. [`Actuator`] joins a back end and an executor. Call
+//! [`Actuator::on_timer`] from a timer's interrupt, or let [`Actuator::run`] make a whole move.
 
 mod actuator;
 mod blocking;

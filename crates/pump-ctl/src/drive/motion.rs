@@ -21,14 +21,14 @@ pub trait Motion {
     /// Fails with the back end's error.
     fn enable(&mut self) -> Result<(), Self::Error>;
 
-    /// Lets go of the rotor. Its angle is then no longer certain.
+    /// Lets go of the motor. The rotor's angle is then no longer certain.
     ///
     /// # Errors
     ///
     /// Fails with the back end's error.
     fn disable(&mut self) -> Result<(), Self::Error>;
 
-    /// Tells whether the rotor stands in its index sensor; `None` without a sensor.
+    /// Returns true if the rotor stands in its index sensor. Without a sensor the result is `None`.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! Step, direction and enable pins, and an index input, of a stepper driver.
+//! The pins of a stepper driver: step, direction, enable, and an index input.
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{Error, ErrorKind, ErrorType, InputPin, OutputPin};
@@ -6,9 +6,10 @@ use embedded_hal::digital::{Error, ErrorKind, ErrorType, InputPin, OutputPin};
 use super::error::StepFault;
 use super::motion::Motion;
 
-/// Times that a stepper driver needs, ns, and the polarity of its pins. The default is that of a DRV8825 (Texas
-/// Instruments, SLVSA73F, section 6.6: 1.9 us high and low, 650 ns set-up and hold, 1.7 ms from sleep to step), the
-/// slowest of the common ones.
+/// Times that a stepper driver needs, ns, and the polarity of its pins.
+///
+/// The default is that of a DRV8825, the slowest of the common drivers. Its times are 1.9 us high and low,
+/// 650 ns set-up and hold, and 1.7 ms from sleep to step (Texas Instruments, SLVSA73F, section 6.6).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -46,7 +47,7 @@ impl Default for Timing {
     }
 }
 
-/// Stands for a pin that is not wired.
+/// A placeholder for a pin that is not wired. Writing does nothing, and reading gives low.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoPin;
 
@@ -78,13 +79,13 @@ impl InputPin for NoPin {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Pin {
-    /// Step.
+    /// Step pin.
     Step,
-    /// Direction.
+    /// Direction pin.
     Direction,
-    /// Enable.
+    /// Enable pin.
     Enable,
-    /// Index sensor.
+    /// Pin of the index sensor.
     Index,
 }
 
@@ -105,7 +106,30 @@ impl Pin {
     }
 }
 
-/// A stepper driver on pins: `S` step, `D` direction, `E` enable, `I` index sensor, `W` the delay between them.
+/// A stepper driver on pins: `S` step, `D` direction, `E` enable, `I` index sensor, `W` the delay between
+/// them.
+///
+/// ```
+/// use std::cell::Cell;
+///
+/// use embedded_hal::delay::DelayNs;
+/// use pump_ctl::drive::{Motion, NoPin, StepDir, Timing};
+///
+/// struct Elapsed<'a>(&'a Cell<u64>);
+///
+/// impl DelayNs for Elapsed<'_> {
+///     fn delay_ns(&mut self, ns: u32) {
+///         self.0.set(self.0.get() + u64::from(ns));
+///     }
+/// }
+///
+/// let ns = Cell::new(0);
+/// let mut driver = StepDir::new(NoPin, NoPin, NoPin, Elapsed(&ns), Timing::default());
+/// driver.step(1).unwrap();
+/// assert_eq!(ns.get(), 650 + 650 + 1900 + 1900);
+/// driver.step(1).unwrap();
+/// assert_eq!(ns.get(), 5100 + 3800);
+/// ```
 #[derive(Debug)]
 pub struct StepDir<S, D, E, W, I = NoPin> {
     step: S,
@@ -114,17 +138,18 @@ pub struct StepDir<S, D, E, W, I = NoPin> {
     index: Option<I>,
     delay: W,
     timing: Timing,
-    /// Direction in which the direction pin points; unknown at first.
+    /// Direction in which the direction pin points. It is unknown at first.
     facing: Option<i8>,
 }
 
 impl<S: OutputPin, D: OutputPin, E: OutputPin, W: DelayNs> StepDir<S, D, E, W> {
-    /// Takes pins as they are: none is set before the motor is enabled. `enable` may be [`NoPin`].
+    /// Makes a driver from pins as they are. No pin is set before the motor is enabled. `enable` may be
+    /// [`NoPin`].
     pub fn new(step: S, direction: D, enable: E, delay: W, timing: Timing) -> Self {
         Self { step, direction, enable, index: None, delay, timing, facing: None }
     }
 
-    /// Adds an index sensor.
+    /// Adds an index sensor to the driver.
     pub fn with_index<I: InputPin>(self, index: I) -> StepDir<S, D, E, W, I> {
         let Self { step, direction, enable, index: _, delay, timing, facing } = self;
         StepDir { step, direction, enable, index: Some(index), delay, timing, facing }
@@ -139,7 +164,7 @@ where
     W: DelayNs,
     I: InputPin,
 {
-    /// Points the direction pin, with the times that it needs before and after.
+    /// Sets the direction pin, with the hold time before and the set-up time after.
     fn face(&mut self, direction: i8) -> Result<(), PinFault> {
         if self.facing == Some(direction) {
             return Ok(());

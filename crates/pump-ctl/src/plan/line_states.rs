@@ -9,15 +9,15 @@ pub(super) type LineState = [f64; 2];
 
 /// The states of inlet and outlet line at the start of a plan.
 ///
-/// The states that an earlier plan leaves are computed when they are asked for: on a microcontroller that takes longer
-/// than a motor may wait for its next step.
+/// The states that an earlier plan leaves are computed only on request. On a microcontroller that takes
+/// longer than a motor may wait for its next step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) enum LineStates {
     /// The states are known.
     Known([LineState; 2]),
-    /// The motion over `course` leaves the lines at `time_s`, having found them as `were`.
+    /// The states follow from a motion over `course`, which starts with the states `were`, after `time_s`.
     After {
         /// States at the start of the motion.
         were: [LineState; 2],
@@ -29,10 +29,10 @@ pub(super) enum LineStates {
 }
 
 impl LineStates {
-    /// Lines in which nothing flows.
+    /// Lines at rest, without flow.
     pub(super) const AT_REST: Self = Self::Known([[0.0; 2]; 2]);
 
-    /// The states where the rollers stand `off_rad` beside the angle that the motion assumes.
+    /// Returns the states where the rollers stand `off_rad` beside the angle that the motion assumes.
     pub(super) fn states(&self, pump: &Pump, off_rad: f64) -> [LineState; 2] {
         match *self {
             Self::Known(states) => states,

@@ -1,9 +1,15 @@
-//! From a volume to a motion: angle, speed profile, step times, predicted pressures.
+//! The plan of a dose: from a volume to angle, speed profile, step times and predicted pressures.
 //!
-//! The rooms in order, each of which names only earlier ones: `words` (choices, request, refusals), `profile` (speed
-//! over angle), `target` (steps for a volume), this folder ([`Plan`], its steps and segments), `prediction` (pressures
-//! and settling), `limits` (motor, pressures, torque, margins), `speed` (the cruise speed that is asked for or
-//! allowed) and `moves` (dose, turn, retarget, stop).
+//! Each room names only the rooms before it. They are, in order:
+//!
+//! - `words`: choices, request, refusals;
+//! - `profile`: speed over angle;
+//! - `target`: steps for a volume;
+//! - this folder: [`Plan`], its steps and segments;
+//! - `prediction`: pressures and settling;
+//! - `limits`: motor, pressures, torque, margins;
+//! - `speed`: the cruise speed that is asked for or allowed;
+//! - `moves`: dose, turn, retarget, stop.
 
 mod limits;
 mod line_states;

@@ -7,31 +7,32 @@ use super::Plan;
 use super::profile::SpeedLimit;
 use super::words::PlanError;
 
-/// Ripple of the flow at the outlet's rollers while cruising, over time.
+/// Ripples over time of the flow at the outlet's rollers while cruising, without and with smoothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ripples {
     /// Ripple at constant speed, with the same mean flow.
     pub before: Ripple,
-    /// Ripple as planned.
+    /// Ripple at the planned speed.
     pub after: Ripple,
 }
 
 impl Plan {
-    /// Tells whether the speed follows the angle for a smooth flow.
+    /// Returns true if the speed follows the angle for a smooth flow.
     pub fn is_smooth(&self) -> bool {
         matches!(self.profile.course.limit, SpeedLimit::Smooth { .. })
     }
 
-    /// Mean flow over whole pitches while cruising, mL/s, not negative. A turn too short to cruise gives the flow of
-    /// its fastest speed.
+    /// Returns the mean flow over whole pitches while cruising, mL/s, not negative. A turn too short to
+    /// cruise gives the flow of its fastest speed.
     pub fn cruise_flow_ml_s(&self, pump: &Pump) -> f64 {
         pump.average_flow_ml_s(self.profile.cruise_rad_s())
     }
 
-    /// Ripple of the flow while cruising, periodic: a dose too short to cruise does not get there.
+    /// Returns the ripples of the periodic flow while cruising. A dose too short to cruise does not reach
+    /// them.
     ///
-    /// Where the angle is not known exactly it is the worst over angles at which the rollers may stand, a sixteenth of
-    /// a pitch apart at most.
+    /// If the angle is not known exactly, each ripple is the worst over the angles at which the rollers may
+    /// stand. These angles are a sixteenth of a pitch apart at most.
     pub fn ripples(&self, pump: &Pump) -> Ripples {
         let before = pump.outlet_curve().ripple();
         if !self.is_smooth() {
@@ -46,7 +47,7 @@ impl Plan {
         Ripples { before, after }
     }
 
-    /// Refuses a smooth flow that may be less smooth than at constant speed.
+    /// Refuses a smooth flow that may be less smooth than the flow at constant speed.
     pub(super) fn check_ripples(&self, pump: &Pump) -> Result<(), PlanError> {
         if !self.is_smooth() || self.start.half_width_rad == 0.0 {
             return Ok(());
@@ -62,7 +63,7 @@ impl Plan {
         })
     }
 
-    /// Ripple where the rollers stand `off_rad` beside the angle that the plan assumes.
+    /// Returns the ripple where the rollers stand `off_rad` beside the angle that the plan assumes.
     fn ripple_beside(&self, pump: &Pump, off_rad: f64) -> Ripple {
         let legs = self.profile.pitch_along().map(|leg| leg.beside(off_rad));
         Ripple::of_motion(pump.outlet_curve(), legs).unwrap_or_else(|| pump.outlet_curve().ripple())

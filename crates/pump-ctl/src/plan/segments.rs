@@ -6,42 +6,43 @@ use super::Plan;
 use super::profile::{Along, Profile};
 use crate::step::Segment;
 
-/// How far the time of a step may be from the plan's before it is rounded to a tick, ticks: with the rounding less
-/// than one tick in all.
+/// Largest distance of a step's time from the plan's before it is rounded to a tick, ticks. With the rounding
+/// the distance is less than one tick.
 const FIT_TICKS: f64 = 0.25;
 
-/// 2^32: a tick in the executor's fractions.
+/// Fractions of the executor in a tick, 2^32.
 const FRACTIONS: f64 = 4_294_967_296.0;
 
-/// The [`Segment`]s of a plan in order, computed one by one: nothing is stored a step.
+/// The [`Segment`]s of a plan in order, computed one by one. No memory is needed for each step.
 ///
-/// The step times of a segment are a parabola in the step's number, those of a ramp a root. Each segment is as long as
-/// a parabola stays within a quarter of a tick of the plan. It starts where the last one ended in whole fractions, so
-/// errors do not add up.
+/// The step times of a segment are a parabola in the step's number, the step times of a ramp a root. Each
+/// segment is as long as a parabola stays within a quarter of a tick of the plan. A segment starts where the
+/// last one ended, in whole fractions, so errors do not add up.
 #[derive(Debug, Clone)]
 pub struct Segments {
     profile: Profile,
     tick_hz: f64,
     step_rad: f64,
     backward: bool,
-    /// Steps in all.
+    /// Steps of the whole plan.
     steps: u64,
     /// Steps up to the end of the leg under way.
     leg_steps: u64,
-    /// The leg under way, if it follows an envelope.
+    /// Leg under way, if it follows an envelope.
     along: Option<Along>,
     made: u64,
     /// Time at which the last step made is due, 2^-32 tick since the start.
     at: i128,
-    /// Steps that the next segment tries to hold.
+    /// Number of steps that the next segment tries to hold.
     guess: u64,
 }
 
 impl Plan {
-    /// Segments for a timer of `tick_rate` ticks a second. Every step comes within one tick of [`Self::steps`], in a
-    /// dose of up to 2^50 ticks (35 years at 1 MHz, 77 days at 168 MHz).
+    /// Returns the segments for a timer of `tick_rate` ticks a second.
     ///
-    /// A timer slower than the steps gives segments that [`crate::step::Stepper::push`] refuses.
+    /// Every step comes within one tick of [`Self::steps`], in a dose of up to 2^50 ticks (35 years at 1 MHz,
+    /// 77 days at 168 MHz). A timer slower than the steps gives segments that [`crate::step::Stepper::push`]
+    /// refuses.
     pub fn segments(&self, tick_rate: u32) -> Segments {
         Segments {
             profile: self.profile,
@@ -59,9 +60,11 @@ impl Plan {
 }
 
 impl Segments {
-    /// Steps of the segments not yet taken that are due by tick `since_start`, counted from a start at tick 0.
+    /// Counts the steps of the segments not yet taken that are due by tick `since_start`. Ticks count from a
+    /// start at tick 0.
     ///
-    /// [`crate::step::Stepper::position_at`] says the same of a move that nobody stopped, but not for as long ago.
+    /// [`crate::step::Stepper::position_at`] gives this count for a move that was not stopped, but not as far
+    /// back.
     pub fn steps_by(self, since_start: u64) -> u64 {
         // The executor rounds to whole ticks.
         let by = (i128::from(since_start) << 32) + (1 << 31) - 1;
@@ -78,7 +81,7 @@ impl Segments {
         steps - before
     }
 
-    /// The time at which step `number` of the plan is due, ticks since the start.
+    /// Returns the time at which step `number` of the plan is due, ticks since the start.
     fn due(&self, number: u64) -> f64 {
         let turned_rad = number as f64 * self.step_rad;
         let due_s = match &self.along {
@@ -98,7 +101,8 @@ impl Segments {
         self.guess = u64::MAX;
     }
 
-    /// The parabola through the last step made, the middle and the end of `count` steps, which is even or 1.
+    /// Fits a parabola through the last step made, the middle and the end of `count` steps. `count` is even
+    /// or 1.
     fn fit(&self, count: u32) -> Segment {
         let half = f64::from(count / 2);
         let elapsed = |k: u32| self.due(self.made + u64::from(k)) - self.at as f64 / FRACTIONS;
@@ -118,15 +122,16 @@ impl Segments {
         }
     }
 
-    /// Tells whether the steps of the segment are due when they are planned.
+    /// Returns true if the steps of the segment are due within a quarter of a tick of the plan.
     ///
-    /// A parabola through a root errs most a quarter of the way from the ends, nearer to them where the root bends. So
-    /// it is checked there, and at every step where there are few.
+    /// A parabola through a root errs most a quarter of the way from the ends, or nearer to them where the
+    /// root bends. The check looks there, and at every step of a short segment.
     fn holds(&self, segment: &Segment) -> bool {
         let count = segment.steps();
         let near = |k: u32| {
             let due = (self.at + segment.span(k)) as f64 / FRACTIONS;
-            // Times are known to some parts in 2^52 only: after 2^50 ticks, that is more than a quarter of one.
+            // Times are known to some parts in 2^52 only. After 2^50 ticks that is more than a quarter of a
+            // tick.
             (due - self.due(self.made + u64::from(k))).abs() <= FIT_TICKS.max(2.0 * f64::EPSILON * due)
         };
         if count <= 8 {

@@ -7,17 +7,17 @@ use super::Plan;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Step {
-    /// 1 for the first.
+    /// Number of the step, 1 for the first.
     pub number: u64,
     /// Time of the step, s since the start of motion.
     pub time_s: f64,
-    /// 1 forward, -1 in reverse.
+    /// Direction of the step: 1 forward, -1 in reverse.
     pub direction: i8,
-    /// Angle after the step, rad, unwrapped.
+    /// Angle after the step, rad, counted on from the start angle.
     pub angle_rad: f64,
 }
 
-/// The steps of a plan in order, computed one by one: nothing is stored a step.
+/// The steps of a plan in order, computed one by one. No memory is needed for each step.
 #[derive(Debug, Clone)]
 pub struct Steps<'a> {
     plan: &'a Plan,
@@ -25,7 +25,7 @@ pub struct Steps<'a> {
 }
 
 impl Plan {
-    /// Every step with its time.
+    /// Returns every step with its time.
     pub fn steps(&self) -> Steps<'_> {
         Steps { plan: self, made: 0 }
     }

@@ -8,32 +8,34 @@ use super::target::{delivered, ends, middle};
 use super::words::PlanError;
 
 impl Plan {
-    /// Volume of the first `count` steps once the line has settled, mL; negative in reverse. It is the middle of
-    /// [`Self::range_ml`].
+    /// Returns the volume of the first `count` steps once the line has settled, mL, negative in reverse. It
+    /// is the middle of [`Self::range_ml`].
     pub fn delivered_ml(&self, pump: &Pump, count: u64) -> f64 {
         middle(self.range_ml(pump, count))
     }
 
-    /// Smallest and largest volume of the first `count` steps, mL, over the angles at which the rollers may stand.
-    /// Both are equal if the angle is known exactly.
+    /// Returns the smallest and the largest volume of the first `count` steps, mL, over the angles at which
+    /// the rollers may stand. Both are equal if the angle is known exactly.
     pub fn range_ml(&self, pump: &Pump, count: u64) -> (f64, f64) {
         let steps = f64::from(self.direction()) * count as f64;
         delivered(pump, self.start, steps, self.step_rad)
     }
 
-    /// Volume of the last step, mL: the resolution of the dose at its end.
+    /// Returns the volume of the last step, mL, which is the resolution of the dose at its end.
     pub fn end_step_ml(&self, pump: &Pump) -> f64 {
         pump.outlet_curve().flow_ml_rad(self.end_angle_rad()) * self.step_rad
     }
 
-    /// Volumes, mL, of the two ends at low flow next to the volume requested plus carried: the largest that is no
-    /// more, and the smallest that is no less.
+    /// Returns the volumes, mL, of the two ends at low flow next to the volume requested plus carried. They
+    /// are the largest that is no more, and the smallest that is no less.
     ///
-    /// An end is none if the dose's direction has no such end. A dose of such a volume ends there and carries nothing.
+    /// A volume is `None` if the dose's direction has no such end. A dose of a returned volume ends there and
+    /// carries nothing.
     ///
     /// # Errors
     ///
-    /// Fails where the outlet's flow is never low, or where the start angle is not known well enough.
+    /// Fails with [`PlanError::NoLowFlow`] if the outlet's flow is never low, and with
+    /// [`PlanError::LowFlowWithoutAngle`] if the start angle is not known well enough.
     pub fn low_flow_volumes_ml(&self, pump: &Pump) -> Result<[Option<f64>; 2], PlanError> {
         let (curve, start_rad) = (pump.outlet_curve(), self.start.angle_rad);
         let owed_ml = self.requested_ml + self.carry_in_ml;

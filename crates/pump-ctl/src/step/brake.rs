@@ -1,15 +1,26 @@
-//! The way to rest from any speed, as a table of integers.
+//! The brake: the way to rest from any speed, as a table of integers.
 
 use super::segment::Segment;
 use super::ticks::Ticks;
 
-/// Most entries of a [`Brake`].
+/// Largest number of entries of a [`Brake`].
 pub const BRAKE_ENTRIES: usize = 32;
 
-/// The way from rest to the fastest speed, to be walked backwards: a stop takes its intervals from here, whatever the
-/// motor was doing, without a root or a division a step.
+/// The way from rest to the fastest speed, which a stop walks backwards.
 ///
-/// Made by [`crate::plan::Motor::brake`].
+/// A stop takes its intervals from this table at any speed, without a root or a division for each step.
+/// [`crate::plan::Motor::brake`] makes the brake of a motor.
+///
+/// ```
+/// use pump_ctl::step::{Brake, Segment};
+///
+/// // Ten steps from rest, each interval 500 ticks shorter than the last, at 2^32 fractions a tick.
+/// let climb = Segment { count: 10, interval: 6000, add: -500 * (1 << 32), frac: 0 };
+/// let brake = Brake::from_climb([climb]).unwrap();
+/// assert_eq!(brake.climb().count(), 1);
+/// // A brake speeds up from rest: growing intervals make none.
+/// assert_eq!(Brake::from_climb([Segment { add: 500, ..climb }]), None);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
@@ -18,7 +29,7 @@ pub const BRAKE_ENTRIES: usize = 32;
 )]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Brake {
-    /// Speeding up: counts positive, intervals falling. The rest are unused, with count 0.
+    /// Segments that speed up: counts are positive, intervals fall. Unused entries have count 0.
     climb: [Segment; BRAKE_ENTRIES],
 }
 
@@ -38,17 +49,18 @@ impl TryFrom<[Segment; BRAKE_ENTRIES]> for Brake {
     }
 }
 
-/// The rest of a way down.
+/// The remainder of a way down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Descent {
-    /// Entries still to be walked, the last of them first.
+    /// Number of entries still to be walked, the last of them first.
     entries: usize,
-    /// Steps of that last one.
+    /// Steps of the entry that is walked first.
     steps: u32,
 }
 
 impl Brake {
-    /// Makes a brake from segments that speed up from rest: counts positive, no interval longer than the one before.
+    /// Makes a brake from segments that speed up from rest. Counts must be positive, and no interval may be
+    /// longer than the one before.
     ///
     /// Other segments, or more than [`BRAKE_ENTRIES`] of them, give `None`.
     pub fn from_climb(segments: impl IntoIterator<Item = Segment>) -> Option<Self> {
@@ -79,24 +91,24 @@ impl Brake {
         Self { climb }
     }
 
-    /// The entries in use, speeding up.
+    /// Returns the entries in use, in the order of speeding up.
     pub fn climb(&self) -> impl DoubleEndedIterator<Item = &Segment> {
         self.climb.iter().filter(|segment| segment.count != 0)
     }
 
-    /// The way down for a motor whose last interval was `interval`, 2^-32 tick; `None` if it is so slow that it can
-    /// stand at once. The first interval of the way down is no shorter.
+    /// Returns the way down for a motor whose last interval was `interval`, 2^-32 tick. The first interval of
+    /// the way down is no shorter. The result is `None` if the motor is so slow that it can stand at once.
     pub(super) fn descent_from(&self, interval: i128) -> Option<Descent> {
         let entries = self.climb().take_while(|segment| segment.interval_of(1) >= interval).count();
         let top = self.climb.get(entries.checked_sub(1)?)?;
         let shorter = u64::try_from(top.interval_of(1) - interval).unwrap_or(u64::MAX);
-        // The step after which the entry's interval would fall below.
+        // Number of the step after which the entry's interval would fall below `interval`.
         let below = shorter.checked_div(top.add.unsigned_abs()).unwrap_or(u64::MAX);
         let steps = u32::try_from(below).unwrap_or(u32::MAX).saturating_add(1).min(top.steps());
         Some(Descent { entries, steps })
     }
 
-    /// Steps and time, 2^-32 tick, of a way down.
+    /// Returns the steps of a way down and its time, 2^-32 tick.
     pub(super) fn length(&self, mut descent: Descent) -> (u32, i128) {
         let (mut steps, mut span) = (0_u32, 0);
         while let Some(segment) = self.next_down(&mut descent) {
@@ -106,7 +118,7 @@ impl Brake {
         (steps, span)
     }
 
-    /// The next segment of a way down, slowing down, with a positive count.
+    /// Returns the next segment of a way down. It slows down and has a positive count.
     pub(super) fn next_down(&self, descent: &mut Descent) -> Option<Segment> {
         let below = descent.entries.checked_sub(1)?;
         let up = self.climb.get(below)?;

@@ -1,8 +1,8 @@
-//! Making steps on time, in integers only: what a timer interrupt can afford.
+//! The step executor: steps on time, in integers only, as a timer interrupt can afford.
 //!
-//! Deadlines are absolute, in ticks of the caller's timer, and carry their fraction: a late call delays one step and
-//! shifts none of the others. The interrupt walks [`Segment`]s that were computed before; [`Brake`] holds those of a
-//! stop.
+//! Deadlines are absolute, in ticks of the caller's timer, and carry their fraction. A late call delays one
+//! step and shifts no other. The interrupt walks [`Segment`]s that were computed before. A [`Brake`] holds
+//! the segments of a stop.
 //!
 //! ```
 //! use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};

@@ -3,10 +3,12 @@
 use super::stepper::Stepper;
 
 impl<const Q: usize> Stepper<Q> {
-    /// Position at tick `t`, by the times at which the steps were due; not after now. `None` if that is longer ago
-    /// than the segments still held: the last `Q` at most.
+    /// Returns the position at tick `t`, by the times at which the steps were due. The tick `t` must not be
+    /// later than now.
     ///
-    /// The volume delivered by then is [`crate::plan::Plan::delivered_ml`] of the steps made since the start.
+    /// The result is `None` if `t` is longer ago than the segments still held, which are the last `Q` at
+    /// most. The volume delivered by `t` is [`crate::plan::Plan::delivered_ml`] of the steps made since the
+    /// start.
     pub fn position_at(&self, t: u64) -> Option<i64> {
         if !self.is_moving() && self.next.whole <= t {
             return Some(self.position);

@@ -1,37 +1,37 @@
-//! Segments to come, the one under way, and those done, in one ring.
+//! The queue: segments to come, the segment under way, and segments done, in one ring.
 
 use super::segment::Segment;
 use super::ticks::Ticks;
 
-/// A segment and where it began.
+/// A segment, with the time and the position at which it began.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Slot {
     pub(super) segment: Segment,
     /// Time at which the step before the segment was due.
     pub(super) began: Ticks,
-    /// Position at that time.
+    /// Position at the time `began`, signed steps.
     pub(super) from: i64,
 }
 
 impl Slot {
-    /// Position after `k` of its steps.
+    /// Returns the position after `k` steps of the segment.
     pub(super) fn position_after(&self, k: u32) -> i64 {
         self.from.wrapping_add(i64::from(self.segment.direction()) * i64::from(k))
     }
 
-    /// The time at which step `k` (from 1) is due.
+    /// Returns the time at which step `k` (from 1) is due.
     pub(super) fn due(&self, k: u32) -> Ticks {
         Ticks::of_fixed(self.began.fixed() + self.segment.span(k))
     }
 }
 
-/// A ring of `Q` segments. Those done stay until their place is needed.
+/// A ring of `Q` segments. A segment that is done stays until its place is needed.
 #[derive(Debug, Clone)]
 pub(super) struct Queue<const Q: usize> {
     slots: [Slot; Q],
     /// Place of the oldest segment.
     oldest: usize,
-    /// Number of segments taken, the one under way included.
+    /// Number of segments taken, the segment under way included.
     taken: usize,
     /// Number of segments to come.
     pending: usize,
@@ -43,13 +43,13 @@ impl<const Q: usize> Queue<Q> {
         Self { slots: [Slot::default(); Q], oldest: 0, taken: 0, pending: 0 }
     }
 
-    /// Place of the `n`-th, counted from the oldest; `n` below `Q`.
+    /// Returns the place of the `n`-th segment, counted from the oldest. `n` is below `Q`.
     fn place(&self, n: usize) -> usize {
         let place = self.oldest + n;
         if place >= Q { place - Q } else { place }
     }
 
-    /// Segments to come.
+    /// Returns the number of segments to come.
     pub(super) fn len(&self) -> usize {
         self.pending
     }
@@ -58,7 +58,8 @@ impl<const Q: usize> Queue<Q> {
         self.pending == 0
     }
 
-    /// Appends a segment; the oldest done gives way. Fewer than `Q` must be to come.
+    /// Appends a segment. In a full ring the oldest segment that is done gives way. Fewer than `Q` segments
+    /// must be to come.
     pub(super) fn push(&mut self, segment: Segment) {
         if self.taken + self.pending == Q {
             self.oldest = self.place(1);
@@ -71,7 +72,7 @@ impl<const Q: usize> Queue<Q> {
         self.pending += 1;
     }
 
-    /// Takes the next segment; it begins at `began` and `from`.
+    /// Takes the next segment, which begins at the time `began` and the position `from`.
     pub(super) fn take(&mut self, began: Ticks, from: i64) -> Option<Segment> {
         self.pending = self.pending.checked_sub(1)?;
         let place = self.place(self.taken);
@@ -82,12 +83,12 @@ impl<const Q: usize> Queue<Q> {
         Some(slot.segment)
     }
 
-    /// Drops what is to come but the first `keep`.
+    /// Drops the segments to come, except the first `keep`.
     pub(super) fn keep_pending(&mut self, keep: usize) {
         self.pending = self.pending.min(keep);
     }
 
-    /// Shortens the last segment (the one under way if none is to come) to `steps`.
+    /// Shortens the last segment to `steps`. It is the segment under way if none is to come.
     pub(super) fn cut(&mut self, steps: u32) {
         let last = self.place((self.taken + self.pending).saturating_sub(1));
         if let Some(slot) = self.slots.get_mut(last) {
@@ -96,8 +97,8 @@ impl<const Q: usize> Queue<Q> {
         }
     }
 
-    /// Splits the segment under way after `made` steps; `rest` is the next to come. The oldest gives way if there is
-    /// no place, at worst the one under way.
+    /// Splits the segment under way after `made` steps. `rest` is then the next segment to come. The oldest
+    /// segment gives way if there is no place. At worst that is the segment under way.
     pub(super) fn split(&mut self, made: u32, rest: Segment) {
         let to_come = core::mem::take(&mut self.pending);
         self.cut(made);
@@ -112,22 +113,22 @@ impl<const Q: usize> Queue<Q> {
         self.push(carried);
     }
 
-    /// Forgets everything.
+    /// Forgets all segments.
     pub(super) fn clear(&mut self) {
         (self.oldest, self.taken, self.pending) = (0, 0, 0);
     }
 
-    /// The segment under way, or the last one.
+    /// Returns the segment under way, or the last segment taken.
     pub(super) fn current(&self) -> Option<&Slot> {
         self.slots.get(self.place(self.taken.checked_sub(1)?))
     }
 
-    /// Those taken, newest first.
+    /// Returns the segments taken, newest first.
     pub(super) fn taken(&self) -> impl Iterator<Item = &Slot> {
         (0..self.taken).rev().filter_map(|n| self.slots.get(self.place(n)))
     }
 
-    /// Those to come.
+    /// Returns the segments to come, in order.
     pub(super) fn pending(&self) -> impl Iterator<Item = &Segment> {
         (self.taken..self.taken + self.pending)
             .filter_map(|n| self.slots.get(self.place(n)))

@@ -1,26 +1,28 @@
-//! Changing what comes next, in the midst of a move.
+//! A change of plan in the midst of a move.
 
 use super::queue::Slot;
 use super::state::State;
 use super::stepper::Stepper;
 use super::ticks::Ticks;
 
-/// The point at which a new plan takes over from the old one: after the step at `at`.
+/// The point at which a new plan takes over from the old one, just after the step at `at`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Junction {
-    /// Position after that step.
+    /// Position after the junction's step, signed steps.
     pub position: i64,
-    /// Time at which that step is due, ticks.
+    /// Time at which the junction's step is due, ticks.
     pub at: u64,
-    /// Interval before that step, ticks; the speed is its inverse.
+    /// Interval before the junction's step, ticks. The speed is its inverse.
     pub interval: u64,
 }
 
 impl<const Q: usize> Stepper<Q> {
-    /// The junction for a new plan: after the first step due at `not_before` or later. Changes nothing.
+    /// Returns the junction for a new plan, after the first step due at `not_before` or later. The call
+    /// changes nothing.
     ///
-    /// `None` if no such step is queued, if nothing is planned after it, or if the motor is stopping.
+    /// The result is `None` if no such step is queued, if no step is planned after it, or if the motor is
+    /// stopping.
     pub fn junction(&self, not_before: u64) -> Option<Junction> {
         let (passed, slot, k) = self.first_step_from(not_before)?;
         let ends = passed == self.queue.len() && k == slot.segment.steps();
@@ -33,11 +35,11 @@ impl<const Q: usize> Stepper<Q> {
 
     /// Drops the steps after the [`Self::junction`] for `not_before`, and returns that junction.
     ///
-    /// Push the new plan's segments, and none of the old plan, then [`Self::finish`], before the junction comes.
-    /// Otherwise the motor decelerates and stands ([`super::Action::Starved`]).
+    /// Push the new plan's segments, and none of the old plan, before the junction comes. Then call
+    /// [`Self::finish`]. Otherwise the motor decelerates and stands ([`super::Action::Starved`]).
     ///
-    /// So plan first, from [`Self::junction`], and drop the old plan at its `at` when there is a new one. `None`, and
-    /// nothing changes, if there is no junction then.
+    /// Plan first, from [`Self::junction`]. When there is a new plan, drop the old plan at the junction's
+    /// `at`. The result is `None`, and nothing changes, if there is no junction then.
     pub fn retarget(&mut self, not_before: u64) -> Option<Junction> {
         let junction = self.junction(not_before)?;
         let (passed, _, k) = self.first_step_from(not_before)?;
@@ -51,8 +53,8 @@ impl<const Q: usize> Stepper<Q> {
         Some(junction)
     }
 
-    /// The first step still to be made that is due at `not_before` or later: segments that end before it, its segment,
-    /// and its number in it.
+    /// Finds the first step still to be made that is due at `not_before` or later. Returns the number of
+    /// segments that end before it, its segment, and its number in that segment.
     fn first_step_from(&self, not_before: u64) -> Option<(usize, Slot, u32)> {
         if self.state != State::Moving {
             return None;

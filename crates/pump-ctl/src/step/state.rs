@@ -5,24 +5,24 @@ use super::brake::Descent;
 /// The state of the executor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum State {
-    /// Stands; segments may be pushed and started.
+    /// The motor stands. Segments may be pushed and started.
     Ready,
-    /// Walks the queue.
+    /// The motor walks the queue.
     Moving,
-    /// Walks down the brake.
+    /// The motor walks down the brake.
     Braking {
-        /// Rest of the way down.
+        /// Remainder of the way down.
         descent: Descent,
-        /// True if the queue ran dry, false after a stop.
+        /// True if the queue ran dry. False after a stop.
         starved: bool,
     },
-    /// Walks the queue to its end after a stop; then down the brake, unless it rests there.
+    /// The motor walks the queue to its end after a stop, then down the brake unless it rests there.
     Ending {
         /// True if the queue ends at rest.
         rests: bool,
     },
-    /// Stands after a stop; what was planned no longer holds.
+    /// The motor stands after a stop. The plan no longer holds.
     Stopped,
-    /// Stands after the queue ran dry.
+    /// The motor stands after the queue ran dry.
     Starved,
 }

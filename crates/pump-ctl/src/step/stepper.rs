@@ -1,4 +1,4 @@
-//! The executor: what happens when the timer fires.
+//! The executor: the steps that are made when the timer fires.
 
 use core::iter::Peekable;
 
@@ -10,37 +10,56 @@ use super::segment::Segment;
 use super::state::State;
 use super::ticks::Ticks;
 
-/// The executor: makes the steps of queued segments, each at its own absolute time.
+/// The executor, which makes the steps of queued segments, each at its own absolute time.
 ///
-/// `Q` segments fit, the one under way included. Those done stay for [`Self::position_at`] until their place is
-/// needed.
+/// `Q` segments fit, the segment under way included. Fewer than 2 do not compile. A segment that is done
+/// stays for [`Self::position_at`] until its place is needed.
 ///
-/// Share it between thread and interrupt behind a critical section; no call takes longer than a few hundred
-/// instructions but [`Self::stop`], [`Self::retarget`] and [`Self::position_at`] (some thousands), and [`Self::fill`].
+/// Share the executor between thread and interrupt behind a critical section. Most calls take a few hundred
+/// instructions at most. [`Self::stop`], [`Self::retarget`] and [`Self::position_at`] take some thousands,
+/// and [`Self::fill`] takes more.
+///
+/// ```
+/// use pump_ctl::plan::Motor;
+/// use pump_ctl::step::{Action, Segment, Stepper};
+///
+/// let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+/// let mut stepper = Stepper::<2>::new(motor.brake(1_000_000));
+/// stepper.push(Segment { count: 2, interval: 2000, add: 0, frac: 0 })?;
+/// stepper.finish();
+/// assert_eq!(stepper.start(500)?, 2500);
+/// assert_eq!(stepper.on_deadline(2499), Action::Wait);
+/// assert_eq!(stepper.on_deadline(2500), Action::Step { dir: 1, next: 4500 });
+/// assert_eq!(stepper.on_deadline(4500), Action::Step { dir: 1, next: 4500 });
+/// assert_eq!(stepper.on_deadline(4500), Action::Done);
+/// assert_eq!(stepper.position(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Stepper<const Q: usize> {
     pub(super) brake: Brake,
     pub(super) queue: Queue<Q>,
     pub(super) state: State,
-    /// Steps made, signed.
+    /// Position: the steps made, signed.
     pub(super) position: i64,
-    /// Time at which the next step is due; of a motor that stands, time of the last one.
+    /// Time at which the next step is due. While the motor stands, it is the time of the last step.
     pub(super) next: Ticks,
-    /// Interval from the step before to the next one.
+    /// Interval from the last step to the next.
     pub(super) interval: Ticks,
-    /// Change of the interval, 2^-32 tick.
+    /// Change of the interval from step to step, 2^-32 tick.
     pub(super) add: i64,
-    /// Steps left of the segment, the one due included; 0 when standing.
+    /// Steps left of the segment, the step due included. It is 0 while the motor stands.
     pub(super) left: u32,
     pub(super) direction: i8,
-    /// Direction of the last step, 0 before the first of a move: after a turn-round `direction` is that of the next.
+    /// Direction of the last step, 0 before the first step of a move. Where the motor turns round,
+    /// `direction` is already that of the next step.
     pub(super) last_direction: i8,
-    /// True if nothing will be pushed after the queued segments.
+    /// True if no segment will follow the queued segments.
     pub(super) finished: bool,
 }
 
 impl<const Q: usize> Stepper<Q> {
-    /// A motor at rest at position 0.
+    /// Makes an executor of a motor at rest at position 0.
     pub fn new(brake: Brake) -> Self {
         Self {
             brake,
@@ -57,12 +76,18 @@ impl<const Q: usize> Stepper<Q> {
         }
     }
 
-    /// Room for segments now. The one under way keeps its place.
+    /// Returns the number of segments that fit now. The segment under way keeps its place.
     pub fn room(&self) -> usize {
         Q - self.queue.len() - usize::from(self.is_moving())
     }
 
     /// Queues a segment, at rest or in motion.
+    ///
+    /// # Errors
+    ///
+    /// Fails with [`PushError::Full`] if there is no room, and with [`PushError::Segment`] if the segment is
+    /// not valid. After [`Self::finish`] it fails with [`PushError::Finished`], after a stop with
+    /// [`PushError::Stopped`].
     pub fn push(&mut self, segment: Segment) -> Result<(), PushError> {
         match self.state {
             State::Ending { .. } | State::Braking { .. } | State::Stopped | State::Starved => {
@@ -81,16 +106,22 @@ impl<const Q: usize> Stepper<Q> {
         Ok(())
     }
 
-    /// Says that the move ends with what is queued. Without it a queue that runs out is a fault: see
-    /// [`Action::Starved`]. At rest with nothing queued there is no move to end.
+    /// Marks the move as complete with the segments queued so far. Without this call, a queue that runs out
+    /// is a fault ([`Action::Starved`]). At rest with nothing queued, the call does nothing.
     pub fn finish(&mut self) {
         self.finished = self.is_moving() || !self.queue.is_empty();
     }
 
-    /// Queues segments as far as there is room and marks the move as complete when there are no more. True when done.
+    /// Queues segments as far as there is room, and marks the move as complete when there are no more.
+    /// Returns true when all segments are queued.
     ///
-    /// Computes the segments here and now, some 20,000 instructions each where f64 is done in software: in a critical
-    /// section push what was computed before.
+    /// The call computes the segments itself. Each takes some 20,000 instructions where f64 is done in
+    /// software. In a critical section, push segments that were computed before.
+    ///
+    /// # Errors
+    ///
+    /// Fails where [`Self::push`] does, except that a full queue is no error. The refused segment stays in
+    /// `segments`.
     pub fn fill(
         &mut self,
         segments: &mut Peekable<impl Iterator<Item = Segment>>,
@@ -106,7 +137,12 @@ impl<const Q: usize> Stepper<Q> {
         Ok(true)
     }
 
-    /// Starts the queued segments at `now`. Returns when to call [`Self::on_deadline`].
+    /// Starts the queued segments at `now`. Returns the tick at which to call [`Self::on_deadline`].
+    ///
+    /// # Errors
+    ///
+    /// Fails with [`StartError::Empty`] if no segment is queued, and with [`StartError::Moving`] if a move is
+    /// under way. Fails with [`StartError::Stopped`] if the motor was stopped or the queue ran dry.
     pub fn start(&mut self, now: u64) -> Result<u64, StartError> {
         match self.state {
             State::Moving | State::Ending { .. } | State::Braking { .. } => return Err(StartError::Moving),
@@ -121,7 +157,8 @@ impl<const Q: usize> Stepper<Q> {
         Ok(self.next.whole)
     }
 
-    /// The action at `now`. A timer's interrupt or a loop asks for it at the deadlines; a step counts as made then.
+    /// Returns the action at `now`. A timer's interrupt or a loop calls this at each deadline. A step counts
+    /// as made then.
     #[inline]
     pub fn on_deadline(&mut self, now: u64) -> Action {
         if self.left == 0 {
@@ -143,23 +180,23 @@ impl<const Q: usize> Stepper<Q> {
         Action::Step { dir, next: self.next.whole }
     }
 
-    /// Steps made since power-up, signed, or since [`Self::set_position`].
+    /// Returns the position: the signed steps made since power-up, or counted on from [`Self::set_position`].
     pub fn position(&self) -> i64 {
         self.position
     }
 
-    /// Time at which [`Self::on_deadline`] is to be called; none when the motor stands.
+    /// Returns the tick at which to call [`Self::on_deadline`], or `None` if the motor stands.
     pub fn next_deadline(&self) -> Option<u64> {
         (self.left > 0).then_some(self.next.whole)
     }
 
-    /// Tells whether steps are still to come.
+    /// Returns true if steps are still to come.
     pub fn is_moving(&self) -> bool {
         self.left > 0
     }
 
-    /// Forgets what was queued and that the motor was stopped, so that a new plan can be pushed. False, and nothing
-    /// changes, if it moves.
+    /// Forgets the queued segments and an earlier stop, so that a new plan can be pushed. Returns false, and
+    /// changes nothing, if the motor moves.
     #[must_use]
     pub fn clear(&mut self) -> bool {
         if self.is_moving() {
@@ -171,7 +208,8 @@ impl<const Q: usize> Stepper<Q> {
         true
     }
 
-    /// Counts on from `position`, as after homing, and forgets the past. False, and nothing changes, if it moves.
+    /// Sets the position from which steps count on, as after homing, and forgets the past. Returns false, and
+    /// changes nothing, if the motor moves.
     #[must_use]
     pub fn set_position(&mut self, position: i64) -> bool {
         let cleared = self.clear();
@@ -182,9 +220,11 @@ impl<const Q: usize> Stepper<Q> {
         cleared
     }
 
-    /// Stands at once, without deceleration: for a back end that can make no more steps. The past is forgotten.
+    /// Stops at once, without deceleration, for a back end that can make no more steps. The past is
+    /// forgotten.
     ///
-    /// `last_step_made` is true if the step of the last [`Action::Step`] was made; if not, it is not counted.
+    /// `last_step_made` is true if the step of the last [`Action::Step`] was made. A step that was not made
+    /// is not counted.
     pub fn halt(&mut self, last_step_made: bool) {
         if !last_step_made {
             self.position = self.position.wrapping_sub(i64::from(self.last_direction));
@@ -194,7 +234,7 @@ impl<const Q: usize> Stepper<Q> {
         self.state = State::Stopped;
     }
 
-    /// Goes on with the next segment, from the queue or down the brake, or ends.
+    /// Goes on with the next segment, from the queue or down the brake, or ends the move.
     pub(super) fn load(&mut self) {
         if self.queue.is_empty() {
             self.state = match self.state {
@@ -234,7 +274,7 @@ impl<const Q: usize> Stepper<Q> {
         }
     }
 
-    /// Steps made of the segment under way.
+    /// Returns the steps made of the segment under way.
     pub(super) fn made_of_current(&self) -> u32 {
         self.queue.current().map_or(0, |slot| slot.segment.steps() - self.left)
     }

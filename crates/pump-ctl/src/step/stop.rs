@@ -1,4 +1,4 @@
-//! Stopping in the midst of a move.
+//! A stop in the midst of a move.
 
 use super::queue::Slot;
 use super::segment::Segment;
@@ -10,30 +10,32 @@ use super::ticks::Ticks;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StopPlan {
-    /// Time at which the last step is due, ticks; the start of the move if the stop makes no step.
+    /// Time at which the last step is due, ticks. It is the start of the move if no step is made.
     pub last_step_at: u64,
-    /// Position after the last step.
+    /// Position after the last step, signed steps.
     pub final_count: i64,
 }
 
-/// The planned steps up to the next turn-round or the end, and the way down from there where the plan goes on.
+/// The planned steps up to the next turn-round or the end of the queue, and the way down from there if the
+/// plan goes on.
 struct PlannedEnd {
     steps: u64,
     ends: Ticks,
-    /// Segments of these steps still to come.
+    /// Number of segments of these steps that are still to come.
     segments: usize,
-    /// True if the steps end at rest, rather than at the end of the segments queued so far.
+    /// True if the steps end at rest. False if they end where the segments queued so far end.
     rests: bool,
 }
 
 impl<const Q: usize> Stepper<Q> {
-    /// Decelerates from the next step on and stands; queued segments are dropped. A motor slow enough stands at once.
+    /// Decelerates from the next step on until the motor stands, and drops the queued segments. A motor slow
+    /// enough stands at once.
     ///
-    /// If the plan itself comes to rest as soon, it is followed to that rest. So a stop never adds steps to a plan; it
-    /// may add one to a plan that is not [`Self::finish`]ed.
+    /// If the plan itself comes to rest as soon, the motor follows it to that rest. A stop never adds steps
+    /// to a plan that is [`Self::finish`]ed. It may add one step to a plan that is not.
     ///
-    /// Where the brake takes over, a step that is overdue at `now` is not made up for: the way down begins at `now`.
-    /// Calling again changes nothing.
+    /// If a step is overdue at `now` when the brake takes over, the way down begins at `now`. The delay is
+    /// not made up for. A second call changes nothing.
     pub fn stop(&mut self, now: u64) -> StopPlan {
         match self.state {
             State::Ready | State::Stopped | State::Starved => self.refuse_what_is_queued(),
@@ -56,7 +58,8 @@ impl<const Q: usize> Stepper<Q> {
     }
 
     fn stop_moving(&mut self, now: u64) -> StopPlan {
-        // Before its first step and where it turns round the motor stands, however short the interval to come.
+        // The motor stands before its first step and where it turns round, however short the interval to
+        // come.
         let turning = self.last_direction == self.direction;
         let descent = self.brake.descent_from(self.interval.fixed()).filter(|_| turning);
         let Some(descent) = descent else {
@@ -87,8 +90,8 @@ impl<const Q: usize> Stepper<Q> {
         self.after_step(&current, made + 1, steps, span)
     }
 
-    /// Puts off what is left of a move that is ending, so that its next step comes an interval after `now`: for a
-    /// motor that has fallen behind.
+    /// Puts off the rest of a move that is ending, for a motor that has fallen behind. Its next step then
+    /// comes an interval after `now`.
     pub(crate) fn put_off(&mut self, now: u64) {
         if self.left == 0 {
             return;
@@ -104,7 +107,7 @@ impl<const Q: usize> Stepper<Q> {
         self.take();
     }
 
-    /// The end of a way down of `steps` over `span` that follows step `k` of `slot`.
+    /// Returns the end of a way down of `steps` over `span` that follows step `k` of `slot`.
     fn after_step(&self, slot: &Slot, k: u32, steps: u32, span: i128) -> StopPlan {
         let way = i64::from(self.direction) * i64::from(steps);
         StopPlan {
@@ -113,7 +116,7 @@ impl<const Q: usize> Stepper<Q> {
         }
     }
 
-    /// Stands where it is: the step that is due is not made.
+    /// Stops the motor where it is. The step that is due is not made.
     fn stand(&mut self) -> StopPlan {
         let made = self.made_of_current();
         self.next = self.queue.current().map_or(self.next, |slot| slot.due(made));

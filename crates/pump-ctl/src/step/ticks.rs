@@ -1,7 +1,7 @@
-//! Time in ticks of the caller's timer, with a carried fraction.
+//! Times in ticks of the caller's timer, with a fraction.
 
-/// Whole ticks and a fraction in 2^-32 tick. Adding never loses the fraction, so a million intervals are as exact as
-/// one.
+/// A time in whole ticks and a fraction in 2^-32 tick. Sums keep the fraction, so a million intervals are as
+/// exact as one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(super) struct Ticks {
     pub(super) whole: u64,
@@ -11,7 +11,7 @@ pub(super) struct Ticks {
 impl Ticks {
     pub(super) const ZERO: Self = Self { whole: 0, frac: 0 };
 
-    /// The middle of tick `whole`: what is added to it and cut to whole ticks is rounded, not cut.
+    /// Returns the middle of tick `whole`. A sum that starts there and is cut to whole ticks is rounded.
     pub(super) fn middle_of(whole: u64) -> Self {
         Self { whole, frac: 1 << 31 }
     }
@@ -22,19 +22,19 @@ impl Ticks {
         Self { whole: self.whole.wrapping_add(other.whole).wrapping_add(u64::from(carry)), frac }
     }
 
-    /// `change` in 2^-32 tick.
+    /// Adds `change`, in 2^-32 tick.
     #[inline]
     pub(super) fn plus_fixed(self, change: i64) -> Self {
         let (frac, carry) = self.frac.overflowing_add(change as u32);
         Self { whole: self.whole.wrapping_add_signed(change >> 32).wrapping_add(u64::from(carry)), frac }
     }
 
-    /// The time in 2^-32 tick.
+    /// Returns the time in 2^-32 tick.
     pub(super) fn fixed(self) -> i128 {
         (i128::from(self.whole) << 32) | i128::from(self.frac)
     }
 
-    /// Makes a time from 2^-32 tick, not negative.
+    /// Makes a time from a number of 2^-32 ticks, which is not negative.
     pub(super) fn of_fixed(fixed: i128) -> Self {
         Self { whole: (fixed >> 32) as u64, frac: fixed as u32 }
     }

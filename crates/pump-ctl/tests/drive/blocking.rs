@@ -8,7 +8,7 @@ use pump_ctl::step::{PushError, Segment, StartError};
 use super::wires::Bench;
 use super::{OnPins, TICK_HZ, deadlines, dose, idle, on_pins};
 
-/// Few places: most of the plan is queued between steps.
+/// Places in the queue. They are few, so most of the plan is queued between steps.
 const Q: usize = 4;
 
 fn bench() -> Bench {
@@ -26,7 +26,7 @@ fn every_step_of_25_ml_comes_and_none_before_its_time() {
     let plan = dose(25.0, 5.0);
     let bench = bench();
     let mut actuator = actuator(&bench);
-    // The clock is looked at once before the start.
+    // There is one look at the clock before the start.
     let start = bench.clone().now();
     bench.state().now_ns = 1000 * start;
     bench.state().look_ns = [0, 700];
@@ -39,7 +39,7 @@ fn every_step_of_25_ml_comes_and_none_before_its_time() {
     assert_eq!(made.len(), due.len());
     for (made_ns, due) in made.iter().zip(due) {
         let late_ns = made_ns.checked_sub(1000 * due);
-        // A look or two, and the direction pin before the first step.
+        // A step may wait for a look or two, and the first step for the direction pin.
         assert!(late_ns.is_some_and(|ns| ns <= 3000), "{late_ns:?} ns after {due} us");
     }
 }

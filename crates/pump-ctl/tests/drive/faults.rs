@@ -9,23 +9,23 @@ use super::{idle, on_pins, start, turn_on_time};
 
 const AHEAD: i64 = 30;
 
-/// Even speed ahead in two segments, then back in two: every kind of boundary.
+/// Even speed ahead in two segments, then back in two. The move has every kind of boundary between segments.
 const MOVE: [Segment; 4] = [even(17), even(AHEAD as i32 - 17), even(-1), even(-19)];
 
-/// Steps of the move in all.
+/// Steps of the whole move.
 const STEPS: u64 = 50;
 
 const fn even(count: i32) -> Segment {
     Segment { count, interval: 500, add: 0, frac: 0 }
 }
 
-/// Position after `made` steps of the move.
+/// Returns the position after `made` steps of the move.
 fn position_after(made: u64) -> i64 {
     let made = made as i64;
     if made <= AHEAD { made } else { 2 * AHEAD - made }
 }
 
-/// Runs the move into `failure`, which must leave the motor where `made` steps lead, and there it must stay.
+/// Runs the move into `failure`. The motor must stand where `made` steps lead, and must stay there.
 fn fails_and_stays(failure: Failure, made: u64, on_fault: OnFault, watch: bool) {
     let bench = Bench::default();
     let mut actuator = on_pins::<8>(&bench, Timing::default(), on_fault);
@@ -52,7 +52,7 @@ fn fails_and_stays(failure: Failure, made: u64, on_fault: OnFault, watch: bool) 
     assert_eq!(bench.state().log.len(), events, "something moved");
 }
 
-/// Both ways to treat a fault, at every step.
+/// A pin fails at every step in turn, with both ways to treat a fault.
 fn every_step_both_ways(mut check: impl FnMut(u64, OnFault)) {
     for nth in 1..=STEPS {
         for on_fault in [OnFault::Hold, OnFault::Disable] {
@@ -110,7 +110,7 @@ fn the_first_error_is_told_when_letting_go_fails_too() {
     let mut actuator = on_pins::<8>(&bench, Timing::default(), OnFault::Disable);
     bench.state().failures = vec![
         Failure { pin: Pin::Step, high: true, nth: 5 },
-        // Active low: high lets go.
+        // The pin is active low, so a high level lets go.
         Failure { pin: Pin::Enable, high: true, nth: 1 },
         Failure { pin: Pin::Enable, high: true, nth: 1 },
     ];
@@ -122,7 +122,7 @@ fn the_first_error_is_told_when_letting_go_fails_too() {
     assert_eq!(actuator.disable(), Ok(()));
 }
 
-/// A pin that fails while the motor turns and no step is due.
+/// A pin fails while the motor turns and no step is due.
 #[test]
 fn a_fault_between_two_steps_stops_the_motor_too() {
     for (pin, high) in [(Pin::Enable, false), (Pin::Index, true)] {

@@ -1,4 +1,4 @@
-//! A back end that is no stepper on pins.
+//! A back end other than a stepper on pins.
 
 use pump_ctl::drive::{Actuator, Fault, Motion, OnFault, StepFault};
 use pump_ctl::step::Stepper;
@@ -6,12 +6,12 @@ use pump_ctl::step::Stepper;
 use super::wires::Bench;
 use super::{MOTOR, TICK_HZ, dose, start, there_and_back, turn, turn_on_time};
 
-/// A servo on a bus that takes position set-points and loses its link after some.
+/// A servo on a bus. It takes position set-points and loses its link after some of them.
 #[derive(Debug, Default)]
 struct Servo {
     set_point: i64,
     energised: bool,
-    /// Set-points until the link is lost, and whether the last one is still obeyed.
+    /// Number of set-points until the link is lost, and true if the last one is still obeyed.
     link: Option<(u32, bool)>,
 }
 

@@ -9,7 +9,8 @@ use super::{MOTOR, OnPins, TICK_HZ, deadlines, dose, on_pins, start, turn, turn_
 
 const TICK_NS: u64 = 1000;
 
-/// 2.5 mL at 5 mL/s: a step every 333 us in the cruise.
+/// Starts a dose of 2.5 mL at 5 mL/s, with a step every 333 us in the cruise. Returns the motor, the first
+/// deadline and the number of steps.
 fn started(bench: &Bench) -> (OnPins<256>, u64, i64) {
     let plan = dose(2.5, 5.0);
     let mut actuator = on_pins(bench, Timing::default(), OnFault::Hold);
@@ -17,12 +18,12 @@ fn started(bench: &Bench) -> (OnPins<256>, u64, i64) {
     (actuator, due, plan.steps)
 }
 
-/// Deadlines, ticks since the start, of that.
+/// Returns the deadlines of a dose of 2.5 mL at 5 mL/s, ticks since the start.
 fn punctual() -> Vec<u64> {
     deadlines(dose(2.5, 5.0).segments(TICK_HZ), 0)
 }
 
-/// Steps that the steepest stop from a step every `interval` ticks needs.
+/// Returns the steps that the steepest stop needs from a speed of one step every `interval` ticks.
 fn shortest_stop(interval: u64) -> f64 {
     let speed_rad_s = f64::from(TICK_HZ) / interval as f64 * MOTOR.step_rad();
     speed_rad_s * speed_rad_s / (2.0 * MOTOR.max_acceleration_rad_s2) / MOTOR.step_rad()
@@ -38,7 +39,7 @@ proptest! {
         let bench = Bench::default();
         let (mut actuator, due, steps) = started(&bench);
         let began = bench.tick();
-        // Time for the pulse of the step before.
+        // The pulse of the step before takes its time.
         let lateness = |n: u64| n.wrapping_mul(seed | 1) % (shortest - 5);
         prop_assert_eq!(turn(&mut actuator, &bench, due, lateness), Ok(()));
         prop_assert_eq!(actuator.stepper().position(), steps);
@@ -51,7 +52,10 @@ proptest! {
     }
 
     #[test]
-    fn a_call_late_by_more_than_an_interval_decelerates_without_a_burst(part in 0.0..1.0_f64, more in 1..100_000_u64) {
+    fn a_call_late_by_more_than_an_interval_decelerates_without_a_burst(
+        part in 0.0..1.0_f64,
+        more in 1..100_000_u64,
+    ) {
         let expected = punctual();
         let at = (part * (expected.len() - 2) as f64) as u64 + 1;
         let interval = expected[at as usize] - expected[at as usize - 1];
@@ -63,12 +67,12 @@ proptest! {
         prop_assert_eq!(end, Err(Fault::Late { late_ticks: late, position }));
         prop_assert_eq!(actuator.stepper().position(), position);
         prop_assert!(position >= at as i64 && position <= steps);
-        // As soon as the brake allows, and no step sooner than the speed before allows.
+        // The motor stops as soon as the brake allows, and no step comes sooner than the speed before allows.
         prop_assert!((position - at as i64) as f64 <= 2.0 * shortest_stop(interval) + 3.0);
         for gap in &bench.gaps_ns()[at as usize - 1..] {
             prop_assert!(gap / TICK_NS + 1 >= interval, "{gap} ns after intervals of {interval} ticks");
         }
-        // The motor stands, and stays so until it is told.
+        // The motor stands, and stays so until it is cleared.
         prop_assert_eq!(actuator.start(bench.tick()), Err(Fault::Start(StartError::Stopped)));
         prop_assert_eq!(bench.steps_ns().len() as i64, position);
     }
@@ -100,7 +104,7 @@ proptest! {
         for gap in &bench.gaps_ns()[at - 1..] {
             prop_assert!(gap / TICK_NS + 1 >= interval, "{gap} ns after intervals of {interval} ticks");
         }
-        // What was put off is no part of the past.
+        // Steps that were put off are no part of the past.
         for (now, late, position) in calls {
             for t in [now, now - late.min(1)] {
                 prop_assert_eq!(actuator.stepper().position_at(t), Some(position));
@@ -127,7 +131,7 @@ proptest! {
         prop_assert!((position - fed) as f64 <= 2.0 * shortest_stop(interval) + 3.0);
         let slows = gaps[fed as usize - 2..].windows(2).all(|pair| pair[1] + 2 * TICK_NS >= pair[0]);
         prop_assert!(slows && (position > fed || interval > 5000));
-        // It says so until it is cleared.
+        // The executor reports the stop until it is cleared.
         prop_assert_eq!(turn_on_time(&mut actuator, &bench, 0), Err(Fault::Starved { position }));
         prop_assert!(actuator.stepper().clear());
         prop_assert_eq!(actuator.on_timer(bench.tick()), Ok(Timer::Done));

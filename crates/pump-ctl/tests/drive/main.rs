@@ -16,21 +16,21 @@ use pump_ctl::step::{Action, Segment, Stepper};
 use pump_model::Pump;
 use wires::{Bench, Wire};
 
-/// Ticks of the timer in these tests: microseconds.
+/// Rate of the timer in these tests, Hz. A tick is a microsecond.
 const TICK_HZ: u32 = 1_000_000;
 
 const MOTOR: Motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
 
 type OnPins<const Q: usize> = Actuator<StepDir<Wire, Wire, Wire, Bench, Wire>, Q>;
 
-/// An enabled motor on pins.
+/// Makes an enabled motor on pins.
 fn on_pins<const Q: usize>(bench: &Bench, timing: Timing, on_fault: OnFault) -> OnPins<Q> {
     let mut actuator = idle(bench, timing, on_fault);
     actuator.enable().unwrap();
     actuator
 }
 
-/// A motor on pins that is not enabled yet.
+/// Makes a motor on pins that is not enabled yet.
 fn idle<const Q: usize>(bench: &Bench, timing: Timing, on_fault: OnFault) -> OnPins<Q> {
     let [step, direction, enable, index] = bench.wires();
     let driver = StepDir::new(step, direction, enable, bench.clone(), timing).with_index(index);
@@ -42,7 +42,7 @@ fn dose(volume_ml: f64, flow_ml_s: f64) -> Plan {
     plan(&Pump::three_roller(), Phase::known(0.3), &request, &Limits::of_motor(MOTOR)).unwrap()
 }
 
-/// When the steps of `segments` are due, ticks, for a start at tick `start`.
+/// Returns the ticks at which the steps of `segments` are due, for a start at tick `start`.
 fn deadlines(segments: impl Iterator<Item = Segment>, start: u64) -> Vec<u64> {
     let mut stepper = Stepper::<256>::new(MOTOR.brake(TICK_HZ));
     stepper.fill(&mut segments.peekable()).unwrap();
@@ -55,7 +55,7 @@ fn deadlines(segments: impl Iterator<Item = Segment>, start: u64) -> Vec<u64> {
     all
 }
 
-/// A dose and half of it back, in one move.
+/// Makes the segments of a dose and of half of it back, in one move.
 fn there_and_back(volume_ml: f64) -> impl Iterator<Item = Segment> {
     dose(volume_ml, 5.0).segments(TICK_HZ).chain(dose(-0.5 * volume_ml, 5.0).segments(TICK_HZ))
 }
@@ -70,7 +70,7 @@ fn start<M: Motion, const Q: usize>(
     actuator.start(bench.tick())
 }
 
-/// The timer's interrupt until the move is over, each call `late(n)` ticks late.
+/// Runs the timer's interrupt until the move is over, each call `late(n)` ticks late.
 fn turn<M: Motion, const Q: usize>(
     actuator: &mut Actuator<M, Q>,
     bench: &Bench,
@@ -87,7 +87,7 @@ fn turn<M: Motion, const Q: usize>(
     Ok(())
 }
 
-/// The same, always on time.
+/// Runs the timer's interrupt until the move is over, each call on time.
 fn turn_on_time<M: Motion, const Q: usize>(
     actuator: &mut Actuator<M, Q>,
     bench: &Bench,

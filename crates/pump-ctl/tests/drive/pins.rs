@@ -1,4 +1,4 @@
-//! When and how the pins are set.
+//! The pins of a driver: their levels and their times.
 
 use proptest::prelude::*;
 use pump_ctl::drive::{Fault, Motion, OnFault, Pin, StepDir, Timing};
@@ -24,13 +24,13 @@ fn any_timing() -> impl Strategy<Value = Timing> {
     )
 }
 
-/// Time since the last event of `pin` before the `n`-th, ns; none if there is no such event.
+/// Returns the time since the last event of `pin` before the `n`-th, ns, or `None` if there is no such event.
 fn since(log: &[Event], n: usize, pin: Pin) -> Option<u64> {
     let before = log[..n].iter().rev().find(|event| event.pin == pin)?;
     Some(log[n].at_ns - before.at_ns)
 }
 
-/// Every event keeps the times that the driver needs; the pins it needs have been set.
+/// Checks that every event keeps the times that the driver needs, and that the pins it needs are set.
 fn check_times(log: &[Event], timing: &Timing) {
     for (n, event) in log.iter().enumerate() {
         let since = |pin| since(log, n, pin);
@@ -62,7 +62,7 @@ proptest! {
         let (ahead, back) = (dose(0.2, 5.0).steps, dose(-0.1, 5.0).steps);
         prop_assert!(ahead > 50 && back < -50, "{ahead} {back}");
         let due = deadlines(there_and_back(0.2), 0);
-        // Every other call is so late that the next step, the first one back among them, is due a moment after.
+        // Every other call is so late that the next step is due a moment after, the first step back included.
         let late = |n: u64| match due.get(n as usize) {
             Some(next) if n as i64 % 2 == ahead % 2 => next - due[n as usize - 1] - 5,
             _ => 0,
@@ -92,7 +92,7 @@ proptest! {
     }
 }
 
-/// Ten steps in each direction.
+/// Ten steps forward.
 const AHEAD: Segment = Segment { count: 10, interval: 500, add: 0, frac: 0 };
 
 #[test]

@@ -1,4 +1,4 @@
-//! Pins, a delay and a clock that write down what happens when, and a rotor that follows the pins.
+//! Pins, a delay and a clock that record each event with its time, and a rotor that follows the pins.
 
 use std::cell::{RefCell, RefMut};
 use std::rc::Rc;
@@ -15,7 +15,7 @@ pub struct Event {
     pub high: bool,
 }
 
-/// A use of a pin that fails, once: the `nth` (from 1) time that it is set to this level, or read.
+/// A single failure of a pin, at the `nth` time (from 1) that it is set to this level, or read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Failure {
     pub pin: Pin,
@@ -27,20 +27,20 @@ pub struct Failure {
 pub struct State {
     pub now_ns: u64,
     pub log: Vec<Event>,
-    /// How long a look at the clock takes, ns: by turns one and the other.
+    /// Times that a look at the clock takes, ns, one and the other by turns.
     pub look_ns: [u64; 2],
-    /// Those still to strike.
+    /// Failures that are still to strike.
     pub failures: Vec<Failure>,
-    /// Steps by the rising edges, signed, where a high direction pin is forward.
+    /// Steps counted by rising edges, signed. A high direction pin is forward.
     pub rotor: i64,
-    /// Where the index sensor's pin is high.
+    /// Positions at which the index sensor's pin is high.
     pub sensor: Option<core::ops::Range<i64>>,
     levels: [Option<bool>; 4],
     looks: usize,
 }
 
 impl State {
-    /// Whether the failure strikes now.
+    /// Returns true if the failure strikes now.
     fn fails(&mut self, pin: Pin, high: bool) -> Result<(), ErrorKind> {
         let same = |failure: &&mut Failure| (failure.pin, failure.high) == (pin, high);
         if let Some(failure) = self.failures.iter_mut().find(same) {
@@ -53,13 +53,13 @@ impl State {
         Ok(())
     }
 
-    /// The level that a pin was set to last.
+    /// Returns the level to which a pin was set last.
     pub fn level(&self, pin: Pin) -> Option<bool> {
         self.levels[pin as usize]
     }
 }
 
-/// The shared time line. As a delay it lets time pass; as a clock it counts microseconds.
+/// The shared time line. As a delay it lets time pass, and as a clock it counts microseconds.
 #[derive(Debug, Clone, Default)]
 pub struct Bench(Rc<RefCell<State>>);
 
@@ -68,7 +68,7 @@ impl Bench {
         self.0.borrow_mut()
     }
 
-    /// Step, direction, enable and index.
+    /// Returns the step, direction, enable and index pins.
     pub fn wires(&self) -> [Wire; 4] {
         [Pin::Step, Pin::Direction, Pin::Enable, Pin::Index].map(|pin| Wire { pin, bench: self.clone() })
     }
@@ -82,14 +82,14 @@ impl Bench {
         state.now_ns = state.now_ns.max(1000 * tick);
     }
 
-    /// When the step pin rose, ns.
+    /// Returns the times at which the step pin rose, ns.
     pub fn steps_ns(&self) -> Vec<u64> {
         let state = self.state();
         let rises = state.log.iter().filter(|event| event.pin == Pin::Step && event.high);
         rises.map(|event| event.at_ns).collect()
     }
 
-    /// Times between the steps, ns.
+    /// Returns the times between the steps, ns.
     pub fn gaps_ns(&self) -> Vec<u64> {
         self.steps_ns().windows(2).map(|pair| pair[1] - pair[0]).collect()
     }

@@ -1,4 +1,4 @@
-//! Where the motor was, and moves after moves.
+//! Positions of the motor in the past, and moves after moves.
 
 use proptest::prelude::*;
 use pump_ctl::plan::Motor;
@@ -55,12 +55,12 @@ fn a_move_may_turn_round_and_moves_may_follow_each_other() {
             made.push((due - start, dir));
             due = next;
         }
-        // 10.5, 21, 31.5; rounded half up. Then 131.5 and 221.5.
+        // The steps are due at 10.5, 21, 31.5, 131.5 and 221.5, rounded half up.
         assert_eq!(made, [(11, 1), (21, 1), (32, 1), (132, -1), (222, -1)]);
     }
     assert_eq!(stepper.position(), 2);
     assert_eq!(stepper.position_at(5031), Some(3));
     assert_eq!(stepper.position_at(5032), Some(4));
-    // The first move's segments have given way.
+    // The segments of the first move have given way.
     assert_eq!(stepper.position_at(20), None);
 }

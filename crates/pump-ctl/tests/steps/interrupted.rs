@@ -5,20 +5,21 @@ use pump_ctl::step::{Action, PushError, StopPlan};
 
 use super::{Case, Executor, any_case, run};
 
-/// Largest deceleration between neighbouring intervals, steps/s², of steps made at `ticks`, by the mean speeds.
+/// Returns the largest deceleration, steps/s², of steps made at `ticks`, by the mean speeds of neighbouring
+/// intervals.
 fn steepest(ticks: &[u64], tick_hz: u32) -> f64 {
     let hz = f64::from(tick_hz);
     ticks
         .windows(3)
         .map(|t| {
-            // A step is made within half a tick of its time, rounded, and that is a quarter of a tick from the plan's.
+            // Rounding moves a step by half a tick at most. Its time is a quarter of a tick from the plan's.
             let (before, after) = ((t[1] - t[0]) as f64 + 1.5, (t[2] - t[1]) as f64 - 1.5);
             2.0 * (hz / before - hz / after) / ((before + after) / hz)
         })
         .fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// Runs to where `part` of the steps are made. Returns their times and the next deadline.
+/// Runs until `part` of the steps are made. Returns their times and the next deadline.
 fn run_to(stepper: &mut Executor, case: &Case, part: f64) -> (Vec<u64>, u64) {
     let mut due = stepper.start(1000).unwrap();
     let mut made = Vec::new();
@@ -47,10 +48,10 @@ proptest! {
         prop_assert_eq!(end, Action::Done);
         let last = made.last().copied().unwrap_or(1000);
         prop_assert_eq!(promise, StopPlan { last_step_at: last, final_count: stepper.position() });
-        // Never more than planned, never backwards.
+        // The motor never makes more steps than planned, and never turns back.
         let along = case.direction() * stepper.position();
         prop_assert!(along <= case.plan.steps.abs() && along >= case.direction() * before);
-        // As soon as the limit allows, twice the angle at most.
+        // The motor stops as soon as the limit allows, within twice the angle.
         let speed = f64::from(case.tick_hz) / last_interval as f64 * case.plan.step_rad;
         let limit = case.motor.max_acceleration_rad_s2;
         let shortest = speed * speed / (2.0 * limit) / case.plan.step_rad;
@@ -61,7 +62,11 @@ proptest! {
     }
 
     #[test]
-    fn an_overdue_step_is_not_made_up_for_by_a_stop(case in any_case(), part in 0.0..1.0_f64, late in 1..100_000_u64) {
+    fn an_overdue_step_is_not_made_up_for_by_a_stop(
+        case in any_case(),
+        part in 0.0..1.0_f64,
+        late in 1..100_000_u64,
+    ) {
         let mut stepper = case.queued();
         let (_, due) = run_to(&mut stepper, &case, part);
         let interval = stepper.next_deadline();
@@ -124,7 +129,7 @@ proptest! {
         let junction = junction.unwrap();
         prop_assert_eq!(junction.at, expected[kept - 1]);
         prop_assert_eq!(junction.position, case.direction() * kept as i64);
-        // Go on evenly for ten steps.
+        // The new plan goes on evenly for ten steps.
         let segment = pump_ctl::step::Segment {
             count: 10 * i32::from(case.plan.direction()),
             interval: junction.interval.max(1),
@@ -146,7 +151,10 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
 
     #[test]
-    fn a_stop_adds_one_step_at_most_to_a_plan_that_is_not_marked_as_complete(case in any_case(), part in 0.0..1.0_f64) {
+    fn a_stop_adds_one_step_at_most_to_a_plan_that_is_not_marked_as_complete(
+        case in any_case(),
+        part in 0.0..1.0_f64,
+    ) {
         let mut stepper = Executor::new(case.motor.brake(case.tick_hz));
         for segment in case.plan.segments(case.tick_hz) {
             stepper.push(segment).unwrap();
@@ -175,12 +183,12 @@ fn a_motor_that_stands_makes_no_step_when_it_is_stopped() {
     let case = Case::new(motor, 1_000_000, 2.0, 0.0, 7.0);
     let back = Case::new(motor, 1_000_000, -1.0, 0.0, 7.0);
     for late in [0, 10_000] {
-        // Before the first step.
+        // The motor stops before its first step.
         let mut stepper = case.queued();
         stepper.start(0).unwrap();
         assert_eq!(stepper.stop(late), StopPlan { last_step_at: 0, final_count: 0 });
         assert_eq!(stepper.on_deadline(1_000_000), Action::Done);
-        // Where it turns round.
+        // The motor stops where it turns round.
         let mut stepper = Executor::new(motor.brake(1_000_000));
         let both = case.plan.segments(1_000_000).chain(back.plan.segments(1_000_000));
         stepper.fill(&mut both.peekable()).unwrap();

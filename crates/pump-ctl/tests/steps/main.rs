@@ -12,7 +12,7 @@ use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Plan, Request, plan};
 use pump_ctl::step::Stepper;
 use pump_model::Pump;
 
-/// Enough for whole moves in these tests.
+/// Places in the queue, enough for whole moves in these tests.
 type Executor = Stepper<4096>;
 
 const TURN_RAD: f64 = core::f64::consts::TAU;
@@ -33,7 +33,7 @@ impl Case {
         Self { motor, plan, tick_hz }
     }
 
-    /// The executor with the whole plan queued.
+    /// Makes the executor with the whole plan queued.
     fn queued(&self) -> Executor {
         let mut stepper = Executor::new(self.motor.brake(self.tick_hz));
         assert!(
@@ -43,7 +43,7 @@ impl Case {
         stepper
     }
 
-    /// When the plan makes its steps, ticks since the start.
+    /// Returns the times at which the plan makes its steps, ticks since the start.
     fn planned_ticks(&self) -> Vec<f64> {
         self.plan.steps().map(|step| step.time_s * f64::from(self.tick_hz)).collect()
     }
@@ -53,7 +53,7 @@ impl Case {
     }
 }
 
-/// Doses of up to some 20,000 steps with motors and timers of all kinds.
+/// Draws doses of up to some 20,000 steps, with motors and timers of all kinds.
 fn any_case() -> impl Strategy<Value = Case> {
     let motor =
         (200.0..20_000.0_f64, 1.0..20.0_f64, 1.0..2000.0_f64).prop_map(|(steps, speed, acceleration)| {

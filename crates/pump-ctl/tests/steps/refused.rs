@@ -1,4 +1,4 @@
-//! What the executor does not do.
+//! Segments and moves that the executor refuses.
 
 use pump_ctl::plan::Motor;
 use pump_ctl::step::{Action, Brake, PushError, Segment, StartError, Stepper};

@@ -1,4 +1,4 @@
-//! When steps come.
+//! The times of steps.
 
 use proptest::prelude::*;
 use pump_ctl::plan::Motor;
@@ -43,7 +43,7 @@ proptest! {
 
 #[test]
 fn steps_come_from_minutes_apart_to_200_000_a_second() {
-    // A step of 0.016 rad every 160 s at 168 MHz, and 200,000 steps a second at 1 MHz.
+    // The cases are a step of 0.016 rad every 160 s at 168 MHz, and 200,000 steps a second at 1 MHz.
     let slow = Motor { steps_per_rev: 400.0, max_speed_rad_s: 1.0, max_acceleration_rad_s2: 500.0 };
     let fast = Motor { steps_per_rev: 1_000_000.0, max_speed_rad_s: 1.3, max_acceleration_rad_s2: 10.0 };
     let fast_rad_s = 200_000.0 / 1_000_000.0 * TURN_RAD;

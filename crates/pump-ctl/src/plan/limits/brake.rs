@@ -1,19 +1,20 @@
-//! The motor's brake: the table by which the executor stops.
+//! The brake of a motor, by which the executor stops.
 
 use pump_model::math::{ceil, floor, pow, sqrt};
 
 use super::motor::Motor;
 use crate::step::{BRAKE_ENTRIES, Brake, Segment};
 
-/// Entries of one step each, from rest.
+/// Number of entries of one step each, from rest.
 const SINGLE: usize = 6;
 
 impl Motor {
-    /// The way to rest from any speed up to this motor's largest, for a timer of `tick_rate` ticks a second.
+    /// Returns the way to rest from any speed up to this motor's largest, for a timer of `tick_rate` ticks a
+    /// second.
     ///
-    /// It nowhere decelerates more than the motor may. Intervals grow evenly inside an entry, so it decelerates less
-    /// in most places. It takes up to twice the angle of a stop at the limit (measured for the built-in pumps: 1.17 to
-    /// 1.24 times).
+    /// The brake nowhere decelerates more than the motor may. Intervals grow evenly inside an entry, so it
+    /// decelerates less in most places. It takes up to twice the angle of a stop at the limit. For the
+    /// built-in pumps the angle is 1.17 to 1.24 times as large (measured).
     pub fn brake(&self, tick_rate: u32) -> Brake {
         // Twice the steps of a stop at the limit are enough for the weakest deceleration below.
         let stop = self.max_speed_rad_s * self.max_speed_rad_s / (2.0 * self.max_acceleration_rad_s2);
@@ -46,13 +47,14 @@ impl Motor {
     }
 }
 
-/// 2^32: a tick in the executor's fractions.
+/// Fractions of the executor in a tick, 2^32.
 const FRACTIONS: f64 = 4_294_967_296.0;
 
-/// Largest deceleration over an even one, where the interval I grows evenly from step `ratio` n down to step n.
+/// Returns the largest deceleration over an even one, where the interval I grows evenly from step `ratio` n
+/// down to step n.
 ///
-/// At even deceleration a the speed is sqrt(2 a n) and I = 1 / sqrt(2 a n). With I straight between the two ends the
-/// deceleration is -I' / I³, largest at the fast end: 2 a (1 - ratio^-1/2) ratio^3/2 / (ratio - 1).
+/// At even deceleration a the speed is sqrt(2 a n) and I = 1 / sqrt(2 a n). With I straight between the two
+/// ends the deceleration is -I' / I³, largest at the fast end: 2 a (1 - ratio^-1/2) ratio^3/2 / (ratio - 1).
 fn steepest(ratio: f64) -> f64 {
     let root = sqrt(ratio);
     2.0 * (1.0 - 1.0 / root) * ratio * root / (ratio - 1.0)

@@ -6,42 +6,54 @@ use super::torque::Torque;
 use crate::plan::words::{PlanError, SetBy};
 
 /// Limits of the motor and, where given, of the pressures and the torque.
+///
+/// ```
+/// use pump_ctl::plan::{Limits, Lowest, Motor, PressureLimits, SetBy};
+///
+/// let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+/// let pressures = PressureLimits { min_inlet_kpa: Some(60.0), ..PressureLimits::NONE };
+/// let collapse = Lowest { kpa: 43.05, set_by: SetBy::TubeCollapse };
+/// let limits = Limits { pressures, lowest: Some(collapse), ..Limits::of_motor(motor) };
+/// limits.validate()?;
+/// assert_eq!(limits.lowest_where_it_sucks(), Some(Lowest { kpa: 60.0, set_by: SetBy::Given }));
+/// # Ok::<(), pump_ctl::plan::PlanError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Limits {
-    /// Steps, speed and acceleration.
+    /// Steps, speed and acceleration of the motor.
     pub motor: Motor,
-    /// Pressures that somebody has set.
+    /// Pressures that the user has set as limits.
     pub pressures: PressureLimits,
-    /// Smallest pressure that tube and fluid stand, at either port, since a long outlet line runs on when the rotor
-    /// stops. None is not checked.
+    /// Smallest pressure that tube and fluid stand, at either port. It holds at the discharge too, since the
+    /// flow in a long line runs on when the rotor stops. `None` is not checked.
     pub lowest: Option<Lowest>,
-    /// Torque that turning takes, and torque that the motor has; none is not checked.
+    /// Torque that turning takes, and torque that the motor has. `None` is not checked.
     pub torque: Option<Torque>,
 }
 
 impl Limits {
-    /// The limits of the motor alone.
+    /// Makes limits of the motor alone.
     pub const fn of_motor(motor: Motor) -> Self {
         Self { motor, pressures: PressureLimits::NONE, lowest: None, torque: None }
     }
 
-    /// The smallest pressure that is allowed at the port that sucks: the larger of the given limit and the pressure
-    /// that tube and fluid stand.
+    /// Returns the smallest pressure that is allowed at the suction port. It is the larger of the given limit
+    /// and the pressure that tube and fluid stand.
     pub fn lowest_where_it_sucks(&self) -> Option<Lowest> {
         let given = self.pressures.min_inlet_kpa.map(|kpa| Lowest { kpa, set_by: SetBy::Given });
         given.into_iter().chain(self.lowest).max_by(|a, b| a.kpa.total_cmp(&b.kpa))
     }
 
-    /// Tells whether anything but speed and acceleration is limited.
+    /// Returns true if a pressure or the torque is limited, so that a dose must be predicted.
     pub(in crate::plan) fn are_predicted(&self) -> bool {
         self.pressures.max_outlet_kpa.is_some()
             || self.lowest_where_it_sucks().is_some()
             || self.torque.is_some()
     }
 
-    /// Refuses limits that mean nothing.
+    /// Refuses limits outside their ranges.
     ///
     /// # Errors
     ///

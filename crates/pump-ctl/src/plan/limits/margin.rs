@@ -1,21 +1,21 @@
-//! How near a dose comes to one limit.
+//! The margin of a dose to one limit.
 
-/// How near a dose comes to a limit.
+/// The margin of a dose to one limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Margin {
     /// Worst predicted value, kPa absolute or N m. A pressure includes the change by a single motor step.
     pub reached: f64,
-    /// Limit, in the unit of `reached`. The limit of a torque is the motor's at that speed.
+    /// Limit, in the unit of `reached`. The limit of a torque is the motor's torque at that speed.
     pub limit: f64,
-    /// Used part of the limit: 0 as at rest, 1 at the limit, more beyond it.
+    /// Used part of the limit: 0 at rest, 1 at the limit, more beyond it.
     pub used: f64,
 }
 
 impl Margin {
-    /// The margin of a pressure that is `rest` when nothing turns. `sign` is 1 for a limit from above and -1 for one
-    /// from below.
+    /// Makes the margin of a pressure that is `rest` while the rotor stands. `sign` is 1 for a limit from
+    /// above and -1 for a limit from below.
     pub(super) fn of_pressure(reached: f64, limit: f64, rest: f64, sign: f64) -> Self {
         let room = sign * (limit - rest);
         let used = if room > 0.0 {
@@ -28,7 +28,7 @@ impl Margin {
         Self { reached, limit, used }
     }
 
-    /// The margin of a torque, which is not negative.
+    /// Makes the margin of a torque, which is not negative.
     pub(super) fn of_torque(needed_n_m: f64, limit_n_m: f64) -> Self {
         let used = if needed_n_m > 0.0 { needed_n_m / limit_n_m } else { 0.0 };
         Self { reached: needed_n_m, limit: limit_n_m, used }

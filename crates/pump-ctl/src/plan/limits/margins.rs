@@ -1,27 +1,27 @@
-//! How near a dose comes to each of its limits.
+//! The margins of a dose to its limits.
 
 use super::margin::Margin;
 use crate::plan::words::LimitedBy;
 
-/// How near a dose comes to each limit that is given, start-up, stop and settling included.
+/// The margins of a dose to each limit that is given, start-up, stop and settling included.
 ///
-/// [`crate::plan::Limits::margins`] makes it.
+/// [`crate::plan::Limits::margins`] computes them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Margins {
-    /// Pressure at the port that pushes.
+    /// Margin of the largest pressure at the discharge port.
     pub outlet: Option<Margin>,
-    /// Pressure at the port that sucks.
+    /// Margin of the smallest pressure at the suction port.
     pub inlet: Option<Margin>,
-    /// Smallest pressure at the port that pushes.
+    /// Margin of the smallest pressure at the discharge port.
     pub outlet_suction: Option<Margin>,
-    /// Torque of the motor while the rotor turns.
+    /// Margin of the motor's torque while the rotor turns.
     pub torque: Option<Margin>,
 }
 
 impl Margins {
-    /// The limit of which most is used, and its margin; none if no limit is given.
+    /// Returns the limit of which most is used, and its margin, or `None` if no limit is given.
     pub fn nearest(&self) -> Option<(LimitedBy, Margin)> {
         let all = [
             (LimitedBy::OutletPressure, self.outlet),
@@ -33,12 +33,12 @@ impl Margins {
         given.max_by(|a, b| a.1.used.total_cmp(&b.1.used))
     }
 
-    /// The limit that is broken most, if any is.
+    /// Returns the limit that is broken most, or `None` if every limit holds.
     pub(in crate::plan) fn broken(&self) -> Option<(LimitedBy, Margin)> {
         self.nearest().filter(|(_, margin)| margin.used > 1.0)
     }
 
-    /// The worse margin of each limit.
+    /// Returns the worse margin of each limit.
     pub(super) fn and(self, other: Self) -> Self {
         let worse = |a: Option<Margin>, b: Option<Margin>| {
             a.into_iter().chain(b).max_by(|a, b| a.used.total_cmp(&b.used))

@@ -1,4 +1,4 @@
-//! The limits of a dose, and how near a plan comes to them.
+//! The limits of a dose, and the margins of a plan to them.
 
 mod brake;
 mod limits;

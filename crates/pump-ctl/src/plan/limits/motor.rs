@@ -18,7 +18,7 @@ pub struct Motor {
 }
 
 impl Motor {
-    /// Angle of a step, rad.
+    /// Returns the angle of a step, rad.
     pub fn step_rad(&self) -> f64 {
         TURN_RAD / self.steps_per_rev
     }

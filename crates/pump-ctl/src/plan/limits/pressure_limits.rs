@@ -1,23 +1,23 @@
-//! The pressures that a dose must keep.
+//! The pressure limits of a dose.
 
 use crate::plan::words::{Allowed, PlanError, SetBy, within};
 
-/// The pressures at the ports that somebody has set as limits. A limit that is none is not checked.
+/// The pressures that the user has set as limits. A limit of `None` is not checked.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PressureLimits {
-    /// Largest pressure at the port that pushes, kPa absolute, 1e-9 to 1e6; none is not checked.
+    /// Largest pressure at the discharge port, kPa absolute, 1e-9 to 1e6. `None` is not checked.
     pub max_outlet_kpa: Option<f64>,
-    /// Smallest pressure at the port that sucks, kPa absolute, up to 1e6 either way; none is not checked.
+    /// Smallest pressure at the suction port, kPa absolute, up to 1e6 either way. `None` is not checked.
     pub min_inlet_kpa: Option<f64>,
 }
 
 impl PressureLimits {
-    /// No limits.
+    /// Pressure limits that limit nothing.
     pub const NONE: Self = Self { max_outlet_kpa: None, min_inlet_kpa: None };
 
-    /// These limits, with those of `others` in place of each that is none.
+    /// Returns these limits, with the limit of `others` in place of each that is `None`.
     ///
     /// ```
     /// use pump_ctl::plan::PressureLimits;

@@ -11,26 +11,29 @@ use crate::plan::prediction::ShortenedMotion;
 use crate::plan::words::LimitedBy;
 
 impl Limits {
-    /// The ports that suck and push, in this order: in reverse they swap roles.
+    /// Returns the suction port and the discharge port, in this order. In reverse, inlet and outlet swap
+    /// these roles.
     pub(in crate::plan) fn ports(direction: i8) -> [Port; 2] {
         if direction > 0 { [Port::Inlet, Port::Outlet] } else { [Port::Outlet, Port::Inlet] }
     }
 
-    /// How near `plan` comes to these limits, from any angle at which the rollers may stand.
+    /// Computes the margins of `plan` to these limits, the worst from any angle at which the rollers may
+    /// stand.
     ///
-    /// Pressures are exact; a torque is known to about 0.2 % of the fluid's part of it.
+    /// Pressures are exact. A torque is known to about 0.2 % of the fluid's part of it.
     pub fn margins(&self, pump: &Pump, plan: &Plan) -> Margins {
         let beside = plan.start.beside(pump.pitch_rad());
         beside.fold(Margins::default(), |worst, off_rad| worst.and(self.margins_beside(pump, plan, off_rad)))
     }
 
-    /// The limit that `plan` breaks from some angle at which the rollers may stand; none if it holds them all.
+    /// Returns a limit that `plan` breaks from some angle at which the rollers may stand, or `None` if it
+    /// holds every limit.
     pub(in crate::plan) fn broken(&self, pump: &Pump, plan: &Plan) -> Option<(LimitedBy, Margin)> {
         let mut beside = plan.start.beside(pump.pitch_rad());
         beside.find_map(|off_rad| self.margins_beside(pump, plan, off_rad).broken())
     }
 
-    /// The margins of rollers `off_rad` beside the middle of their range.
+    /// Computes the margins where the rollers stand `off_rad` beside the middle of their range.
     fn margins_beside(&self, pump: &Pump, plan: &Plan, off_rad: f64) -> Margins {
         let mut margins = Margins::default();
         if !self.are_predicted() {

@@ -1,27 +1,42 @@
-//! The torque that turning takes.
+//! The torque that turning the rotor takes.
 
 use pump_model::Pump;
 
 use super::torque_curve::TorqueCurve;
 use crate::plan::words::{Allowed, PlanError, within};
 
-/// N m in 1 kPa mL/rad.
+/// Torque of 1 kPa mL/rad, N m.
 const N_M: f64 = 1e-3;
 
 /// The torque that turning takes besides the pressures, and the torque that the motor has.
 ///
 /// All values are those at the pump head, gear included.
+///
+/// ```
+/// use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, Torque, TorqueCurve, plan};
+///
+/// let pump = pump_model::Pump::three_roller();
+/// let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+/// let curve = TorqueCurve::new(&[(0.0, 1.2), (17.8, 0.9)]).unwrap();
+/// let torque = Torque { occlusion_n_m: 0.4, inertia_kg_m2: 2e-4, ambient_kpa: 88.637, motor: curve };
+/// let limits = Limits { torque: Some(torque), ..Limits::of_motor(motor) };
+/// let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 });
+/// let plan = plan(&pump, Phase::known(0.0), &request, &limits)?;
+/// let margin = limits.margins(&pump, &plan).torque.unwrap();
+/// assert!(margin.reached > 0.4 && margin.used < 1.0);
+/// # Ok::<(), pump_ctl::plan::PlanError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Torque {
     /// Torque that squeezing the tube takes at any speed, N m, 0 to 1e6.
     pub occlusion_n_m: f64,
-    /// Moment of inertia of all that turns, kg m², 0 to 1e6.
+    /// Moment of inertia of all turning parts, kg m², 0 to 1e6.
     pub inertia_kg_m2: f64,
-    /// Ambient pressure, kPa absolute, 0 to 1e6: the pressures do work against it.
+    /// Ambient pressure, kPa absolute, 0 to 1e6. The pressures in the tube do work against it.
     pub ambient_kpa: f64,
-    /// Torque that the motor has.
+    /// Torque that the motor has over its speed.
     pub motor: TorqueCurve,
 }
 
@@ -33,10 +48,11 @@ impl Torque {
         within("ambient pressure in kPa absolute", self.ambient_kpa, allowed)
     }
 
-    /// Torque that the motor has to give in the direction of motion, N m, by power balance; negative where it brakes.
+    /// Returns the torque that the motor has to give in the direction of motion, N m, by power balance. It is
+    /// negative where the motor brakes.
     ///
-    /// tau = (P_out - P_atm) q_out - (P_in - P_atm) q_in + J alpha + tau_occlusion, q the flow per radian. In reverse
-    /// the fluid's part has the other sign, since the same flow per radian runs back.
+    /// tau = (P_out - P_atm) q_out - (P_in - P_atm) q_in + J alpha + tau_occlusion, where q is the flow per
+    /// radian. In reverse the fluid's part has the other sign, since an equal flow per radian runs back.
     pub(super) fn needed_n_m(
         &self,
         [inlet, outlet]: [(f64, f64); 2],
@@ -48,10 +64,10 @@ impl Torque {
         direction * (fluid_n_m + self.inertia_kg_m2 * acceleration_rad_s2) + self.occlusion_n_m
     }
 
-    /// An upper bound of the torque at any time of a motion from rest, N m.
+    /// Returns an upper bound of the torque at any time of a motion from rest, N m.
     ///
-    /// Pressures of inlet and outlet must stay within `within_kpa` of their reservoirs, and flows per radian below
-    /// `flow_ml_rad`.
+    /// Pressures of inlet and outlet must stay within `within_kpa` of their reservoirs, and flows per radian
+    /// below `flow_ml_rad`.
     pub(in crate::plan) fn bound_n_m(
         &self,
         pump: &Pump,

@@ -1,22 +1,32 @@
-//! The torque that the motor has.
+//! The torque that the motor has over its speed.
 
-/// Most points of a [`TorqueCurve`].
+/// Largest number of points of a [`TorqueCurve`].
 pub const TORQUE_POINTS: usize = 8;
 
-/// The torque that the motor has at the pump head over its speed: straight lines between points.
+/// The torque that the motor has at the pump head over its speed, as straight lines between points.
+///
+/// ```
+/// use pump_ctl::plan::TorqueCurve;
+///
+/// let curve = TorqueCurve::new(&[(0.0, 1.2), (10.0, 1.0), (20.0, 0.4)]).unwrap();
+/// assert!((curve.at(15.0) - 0.7).abs() < 1e-12);
+/// assert_eq!(curve.at(21.0), 0.0);
+/// // The first point must be at speed 0.
+/// assert_eq!(TorqueCurve::new(&[(1.0, 1.2), (10.0, 1.0)]), None);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TorqueCurve {
-    /// (rad/s, N m), rising in speed; the last point fills the places left.
+    /// Points (rad/s, N m), rising in speed. The last point fills the places left.
     points: [(f64, f64); TORQUE_POINTS],
 }
 
 impl TorqueCurve {
     /// Makes a curve from points (speed in rad/s, torque in N m) at the pump head.
     ///
-    /// It takes 2 to [`TORQUE_POINTS`] points, the first at speed 0, speeds rising, torques 0 to 1e6. Other points
-    /// give `None`. Beyond the last speed the motor has no torque.
+    /// A curve has 2 to [`TORQUE_POINTS`] points. The first is at speed 0, speeds rise, and torques are 0 to
+    /// 1e6. Other points give `None`. Beyond the last speed the motor has no torque.
     pub fn new(points: &[(f64, f64)]) -> Option<Self> {
         let last = points.last()?;
         let mut curve = Self { points: [*last; TORQUE_POINTS] };
@@ -35,12 +45,12 @@ impl TorqueCurve {
         Self { points }
     }
 
-    /// The curve's points (rad/s, N m), rising in speed; the last one fills the places left.
+    /// Returns the curve's points (rad/s, N m), rising in speed. The last point fills the places left.
     pub fn precomputed_points(&self) -> [(f64, f64); TORQUE_POINTS] {
         self.points
     }
 
-    /// Torque at a speed, N m, not negative; 0 beyond the last point.
+    /// Returns the torque at a speed, N m, not negative. It is 0 beyond the last point.
     pub fn at(&self, speed_rad_s: f64) -> f64 {
         let [.., (last_rad_s, _)] = self.points;
         // A speed at the end of the curve may round to a hair more.
@@ -55,7 +65,7 @@ impl TorqueCurve {
         0.0
     }
 
-    /// Smallest torque at any speed up to this one, N m.
+    /// Returns the smallest torque at any speed up to this one, N m.
     pub(in crate::plan) fn least_to(&self, speed_rad_s: f64) -> f64 {
         let below = self.points.iter().filter(|(speed, _)| *speed <= speed_rad_s);
         below.fold(self.at(speed_rad_s), |least, (_, torque)| least.min(*torque))

@@ -1,4 +1,4 @@
-//! The moment of a motion at which it comes nearest to the motor's torque.
+//! The margin of a motion to the motor's torque.
 
 use pump_model::math::ceil;
 use pump_model::{Port, Pump, Stretches};
@@ -8,12 +8,13 @@ use super::torque::Torque;
 use crate::plan::prediction::ShortenedMotion;
 
 impl Torque {
-    /// The margin where a motion comes nearest to the motor's torque, whether the motor drives or brakes.
+    /// Finds the margin where a motion comes nearest to the motor's torque, whether the motor drives or
+    /// brakes.
     ///
-    /// Between edges of the flow and corners of the motion everything is smooth. There the torque is looked at, ends
-    /// included, at least every hundredth of a radian and every tenth of a radian of the faster line's swing, 4096
-    /// times at most. Between two looks a sine of that line rises by 0.00125 of its amplitude, a pulse by 0.0006
-    /// mL/rad. The looks miss about 0.2 % of the fluid's part.
+    /// Between edges of the flow and corners of the motion the torque is smooth. Each such stretch gets looks
+    /// at the torque, ends included, 4096 at most. They are a hundredth of a radian apart at most, and a
+    /// tenth of a radian of the faster line's swing. Between two looks a sine of that line rises by 0.00125
+    /// of its amplitude, a pulse by 0.0006 mL/rad. The looks miss about 0.2 % of the fluid's part.
     pub(super) fn worst(&self, pump: &Pump, motion: &ShortenedMotion) -> Margin {
         const TURN_RAD: f64 = 0.01;
         const SWING_RAD: f64 = 0.1;

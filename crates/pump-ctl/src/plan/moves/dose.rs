@@ -8,22 +8,27 @@ use crate::plan::limits::Limits;
 use crate::plan::target::nearest_steps;
 use crate::plan::words::{Phase, PlanError, Request};
 
-/// Plans a dose: the steps whose volume is nearest to the one requested plus carried, and the fastest profile that the
-/// request and the limits allow. Steps and end angle do not depend on the speed.
+/// Plans a dose. Its steps are those whose volume is nearest to the volume requested plus carried.
 ///
-/// The angle solves V_out(theta_1) = V_out(theta_0) + V for the outlet's exact volume curve, so the dose is right from
-/// any start angle. Where the start angle is not known exactly, the steps minimise the worst deviation over all angles
-/// at which the rollers may stand (minimax). [`Plan::least_ml`] and [`Plan::most_ml`] then bound the volume that they
-/// deliver; whole pitches deliver the same from anywhere.
+/// The profile is the fastest that the request and the limits allow. Steps and end angle do not depend on the
+/// speed.
 ///
-/// Where the dose must end at low flow ([`crate::plan::Finish::LowFlow`]) the steps are those of the allowed end whose
-/// volume is nearest, and the difference is carried. An end farther from the volume than not moving at all is refused.
+/// The angle solves V_out(theta_1) = V_out(theta_0) + V for the outlet's exact volume curve, so the dose is
+/// right from any start angle. If the start angle is not known exactly, the steps minimise the worst
+/// deviation over all angles at which the rollers may stand (minimax). [`Plan::least_ml`] and
+/// [`Plan::most_ml`] then bound the volume that the steps deliver. Whole pitches deliver an equal volume from
+/// every angle.
 ///
-/// A smooth flow changes when each step is made, and neither how many there are nor where they end. A smooth flow is
-/// refused where the angle is so uncertain that the flow could be less smooth than at constant speed.
+/// A dose may have to end at low flow ([`crate::plan::Finish::LowFlow`]). The plan then takes the allowed end
+/// whose volume is nearest, and carries the difference. An end farther from the volume than no dose at all is
+/// refused.
 ///
-/// Where a pressure or torque limit is given, the whole dose is predicted from every angle at which the rollers may
-/// stand. A dose that breaks a limit is refused, with the nearest that holds them all.
+/// A smooth flow changes the time of each step, but neither the number of steps nor the end angle. A smooth
+/// flow is refused if the angle is so uncertain that the flow could be less smooth than at constant speed.
+///
+/// If a pressure or torque limit is given, the whole dose is predicted from every angle at which the rollers
+/// may stand. A dose that breaks a limit is refused, and the error names the nearest dose that holds every
+/// limit.
 ///
 /// ```
 /// use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};
@@ -39,8 +44,8 @@ use crate::plan::words::{Phase, PlanError, Request};
 ///
 /// # Errors
 ///
-/// Fails with the [`PlanError`] that says why the dose cannot be had, and where there is one the nearest dose that
-/// can.
+/// Fails with the [`PlanError`] that says why the dose is refused. The error names the nearest dose that is
+/// possible, where there is one.
 pub fn plan(pump: &Pump, start: Phase, request: &Request, limits: &Limits) -> Result<Plan, PlanError> {
     limits.validate()?;
     request.validate()?;

@@ -1,4 +1,4 @@
-//! Moves of the rotor, planned: a dose, a turn, the rest of a dose anew, a stop.
+//! The moves of the rotor that can be planned: a dose, a turn, a changed dose, a stop.
 
 mod dose;
 mod retarget;

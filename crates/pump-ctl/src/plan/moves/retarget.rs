@@ -1,4 +1,4 @@
-//! Another volume or another rate in the midst of a dose.
+//! A new volume or a new rate in the midst of a dose.
 
 use pump_model::Pump;
 
@@ -12,17 +12,17 @@ use crate::plan::words::{Allowed, Cruise, Phase, PlanError, Request};
 impl Plan {
     /// Plans the rest of this dose anew from the moment at which `made` steps are made.
     ///
-    /// `volume_ml` is that of the whole dose, counted from its start; `cruise` is that of the rest (a time counts from
-    /// that moment). A smooth flow stays smooth, and a dose that ends at low flow still does. The motor's steps must
-    /// be the same.
+    /// `volume_ml` is that of the whole dose, counted from its start. `cruise` is that of the rest, and a
+    /// time counts from that moment. A smooth flow stays smooth, and a dose that ends at low flow still does.
+    /// The motor's steps per revolution must not change.
     ///
-    /// The plan that comes back has time 0, start angle, volumes and steps of the rest alone. Its `requested_ml` was
-    /// still to be delivered, its `before_ml` was delivered before, and its carry is that of the whole dose. Where the
-    /// start angle is not known exactly, the delivered volume counts by its middle, and the range of the rest is its
-    /// own.
+    /// The returned plan has time 0, start angle, volumes and steps of the rest alone. Its `requested_ml` was
+    /// still to be delivered, its `before_ml` was delivered before, and its carry is that of the whole dose.
+    /// If the start angle is not known exactly, the delivered volume counts by its middle, and the range is
+    /// that of the rest.
     ///
-    /// The plan starts at speed, with the lines as this plan leaves them. Feed its segments after the
-    /// [`crate::step::Junction`] at position `made`.
+    /// The returned plan starts at speed, with the lines as this plan leaves them. Feed its segments after
+    /// the [`crate::step::Junction`] at position `made`.
     ///
     /// ```
     /// # use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};
@@ -38,8 +38,9 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// Fails where the rotor can no longer stop at the end nearest to the new volume, and where [`crate::plan::plan`]
-    /// does.
+    /// Fails with [`PlanError::CannotStopThere`] if the rotor can no longer stop at the end nearest to the
+    /// new volume. Fails with [`PlanError::NoSuchStep`] if the plan ends at `made` or before. It also fails
+    /// where [`crate::plan::plan`] does.
     pub fn retarget(
         &self,
         pump: &Pump,
@@ -51,8 +52,8 @@ impl Plan {
         self.retarget_shaped(pump, made, volume_ml, cruise, self.is_smooth(), limits)
     }
 
-    /// Plans the rest of this dose anew, from that moment on with a smooth flow or at constant speed. All else is as
-    /// for [`Self::retarget`].
+    /// Plans the rest of this dose anew as [`Self::retarget`] does, with a choice between smooth flow and
+    /// constant speed.
     ///
     /// # Errors
     ///
@@ -90,7 +91,7 @@ impl Plan {
         let stopping = self.stopping_steps(made, limits.motor.max_acceleration_rad_s2).max(1);
         let too_few = match &target {
             Ok(target) => target.steps * i64::from(self.direction()) < stopping,
-            // Nothing is left to deliver, but the rotor turns.
+            // No volume is left to deliver, but the rotor turns.
             Err(PlanError::LessThanHalfAStep { .. }) => true,
             Err(_) => false,
         };
@@ -102,7 +103,7 @@ impl Plan {
         let mut lines = self.lines_at(pump, made);
         let needed = limits.are_predicted() || matches!(cruise, Cruise::Within { .. } | Cruise::Fastest);
         if needed && phase.half_width_rad == 0.0 {
-            // Needed at once, and at every speed that is tried.
+            // The states are needed at once, and at every speed that is tried.
             lines = LineStates::Known(lines.states(pump, 0.0));
         }
         let start = Start { phase, speed_rad_s, before_ml: delivered_ml, lines };

@@ -18,17 +18,17 @@ pub(super) struct Start {
     pub(super) speed_rad_s: f64,
     /// Volume that the dose has delivered before, mL.
     pub(super) before_ml: f64,
-    /// Inlet and outlet line.
+    /// States of inlet and outlet line.
     pub(super) lines: LineStates,
 }
 
 impl Start {
-    /// A rotor and lines at rest.
+    /// Makes the state of a rotor and lines at rest.
     pub(super) fn at_rest(phase: Phase) -> Self {
         Self { phase, speed_rad_s: 0.0, before_ml: 0.0, lines: LineStates::AT_REST }
     }
 
-    /// The fastest plan that makes the steps of `target` within what the request and the limits allow.
+    /// Makes the fastest plan of the steps of `target` that the request and the limits allow.
     pub(super) fn plan(
         &self,
         pump: &Pump,
@@ -43,7 +43,7 @@ impl Start {
         Ok(planned)
     }
 
-    /// The plan at a cruise speed, whatever pressures and torque it makes.
+    /// Makes the plan at a cruise speed, without regard to pressures and torque.
     fn plan_at_speed(
         &self,
         pump: &Pump,

@@ -10,25 +10,26 @@ use crate::plan::target::{delivered, middle};
 use crate::plan::words::{LimitedBy, Phase};
 
 impl Plan {
-    /// The lines as this plan leaves them when `made` steps are made. Where the start angle is not known exactly, the
-    /// lines before this plan are those of its middle.
+    /// Returns the states in which this plan leaves the lines when `made` steps are made. If the start angle
+    /// is not known exactly, the states before this plan are those of its middle.
     pub(super) fn lines_at(&self, pump: &Pump, made: u64) -> LineStates {
         let time_s = self.profile.time_of(made as f64 * self.step_rad);
         LineStates::After { were: self.lines.states(pump, 0.0), course: self.profile.course, time_s }
     }
 
-    /// Fewest steps that the rotor still makes once `made` are made, if it is to stop.
+    /// Returns the fewest steps that the rotor needs to stop once `made` steps are made.
     pub(super) fn stopping_steps(&self, made: u64, acceleration_rad_s2: f64) -> i64 {
         let speed_rad_s = self.speed_after(made);
         let stopping_rad = speed_rad_s * speed_rad_s / (2.0 * acceleration_rad_s2);
-        // A dose stopped at its own end needs, up to rounding, just the steps that are left.
+        // A dose that is stopped on its last ramp needs just the steps that are left, up to rounding.
         ceil(stopping_rad / self.step_rad - 1e-6) as i64
     }
 
-    /// The way to rest from the moment at which `made` steps are made, at the plan's own acceleration. It makes no
-    /// more steps than the plan, and is `None` if the rotor stands at that moment.
+    /// Plans the way to rest from the moment at which `made` steps are made, at the plan's own acceleration.
+    /// It makes no more steps than the plan. The result is `None` if the rotor stands at that moment.
     ///
-    /// Like the plan of [`Self::retarget`] it has time 0, start angle, volumes and steps of its own.
+    /// The returned plan has time 0, start angle, volumes and steps of its own, as that of
+    /// [`Self::retarget`].
     pub fn stop(&self, pump: &Pump, made: u64) -> Option<Self> {
         let left = self.steps.unsigned_abs().checked_sub(made).filter(|left| *left > 0)?;
         let speed_rad_s = self.speed_after(made);

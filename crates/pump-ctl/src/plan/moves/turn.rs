@@ -1,4 +1,4 @@
-//! A turn by a number of steps: to a mark, to an index, by hand.
+//! A turn by a number of steps, to a mark, to an index, or by hand.
 
 use pump_model::Pump;
 
@@ -10,7 +10,7 @@ use crate::plan::words::{Cruise, Phase, PlanError, Request};
 
 /// Plans a turn by `steps` (negative in reverse, not zero) at `speed_rad_s`, from rollers at `start`.
 ///
-/// A turn takes and leaves no carry: its `requested_ml` is the volume that the steps deliver.
+/// A turn takes and leaves no carry. Its `requested_ml` is the volume that the steps deliver.
 ///
 /// ```
 /// # use pump_ctl::plan::{Limits, Motor, Phase, turn};
@@ -24,7 +24,8 @@ use crate::plan::words::{Cruise, Phase, PlanError, Request};
 ///
 /// # Errors
 ///
-/// Fails with the [`PlanError`] of a value that is out of range, or of the limit that the turn breaks.
+/// Fails with the [`PlanError`] of a value that is out of range, or with that of the limit that the turn
+/// breaks.
 pub fn turn(
     pump: &Pump,
     start: Phase,

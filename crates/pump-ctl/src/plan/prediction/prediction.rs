@@ -6,10 +6,11 @@ use super::shortened_motion::ShortenedMotion;
 use crate::plan::Plan;
 use crate::plan::words::PlanError;
 
-/// Predicted pressures over a dose, start-up, stop and settling included, for the smooth motion through the steps.
+/// Predicted pressures over a dose, start-up, stop and settling included, for the smooth motion through the
+/// steps.
 ///
-/// From an angle that is not known exactly they cover every angle at which the rollers may stand, looked at a
-/// sixteenth of a pitch apart.
+/// If the start angle is not known exactly, the ranges cover every angle at which the rollers may stand.
+/// These angles are looked at a sixteenth of a pitch apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -18,10 +19,10 @@ pub struct Prediction {
     pub inlet: Extremes,
     /// Range of the pressure at the outlet, kPa absolute.
     pub outlet: Extremes,
-    /// Largest change of a pressure by a single motor step, kPa: the step's volume over the compliance.
+    /// Largest change of a pressure by a single motor step, kPa. It is the step's volume over the compliance.
     pub step_kpa: f64,
-    /// Time from the last step until the undelivered volume stays below 1 uL, s: the longest from any angle at which
-    /// the rollers may stand.
+    /// Time from the last step until the undelivered volume stays below 1 uL, s. It is the longest from any
+    /// angle at which the rollers may stand.
     pub settle_s: f64,
 }
 
@@ -30,12 +31,12 @@ impl Plan {
     ///
     /// # Errors
     ///
-    /// Fails where the model cannot tell when the line settles.
+    /// Fails with [`PlanError::Model`] if the model cannot find the time at which the line settles.
     pub fn predict(&self, pump: &Pump) -> Result<Prediction, PlanError> {
         let range = |port| {
             let beside = self.start.beside(pump.pitch_rad());
             let ranges = beside.map(|off_rad| ShortenedMotion::new(self, pump, off_rad).extremes(pump, port));
-            // The middle is always looked at.
+            // There is always a look at the middle.
             ranges.reduce(Extremes::and).unwrap_or(Extremes::at(pump.line(port).reservoir_kpa))
         };
         Ok(Prediction {
@@ -46,14 +47,15 @@ impl Plan {
         })
     }
 
-    /// Largest change of a port's pressure by a single motor step, kPa: the step's volume over the compliance.
+    /// Returns the largest change of a port's pressure by a single motor step, kPa. It is the step's volume
+    /// over the compliance.
     pub(in crate::plan) fn step_kpa(&self, pump: &Pump, port: Port) -> f64 {
         let largest_ml = pump.curve(port).flow_range_ml_rad().1 * self.step_rad;
         largest_ml / pump.line(port).compliance_ml_kpa
     }
 
-    /// Time from the last step until the undelivered volume stays below 1 uL, s: the longest from any angle at which
-    /// the rollers may stand.
+    /// Returns the time from the last step until the undelivered volume stays below 1 uL, s. It is the
+    /// longest from any angle at which the rollers may stand.
     pub(in crate::plan) fn settle_s(&self, pump: &Pump) -> Result<f64, PlanError> {
         let mut longest_s: f64 = 0.0;
         for off_rad in self.start.beside(pump.pitch_rad()) {
@@ -62,8 +64,8 @@ impl Plan {
         Ok(longest_s)
     }
 
-    /// Settling time of rollers `off_rad` beside the middle of their range, s. The last step comes at once, so its
-    /// volume is in the line at first.
+    /// Returns the settling time where the rollers stand `off_rad` beside the middle of their range, s. The
+    /// last step comes at once, so its volume is in the line at first.
     fn settle_beside_s(&self, pump: &Pump, off_rad: f64) -> Result<f64, PlanError> {
         let motion = ShortenedMotion::new(self, pump, off_rad);
         let [pressure_kpa, flow_ml_s] = motion.run(pump, Port::Outlet).at(motion.duration_s());

@@ -7,14 +7,15 @@ use crate::plan::Plan;
 use crate::plan::line_states::LineState;
 use crate::plan::profile::{Course, Profile};
 
-/// Part of a line's swing from the start that may remain when pitches are left out, as a power of 1/e: 1e-11.
+/// Power of 1/e to which a line's swing from the start falls before pitches are left out. It leaves 1e-11 of
+/// the swing.
 const FORGOTTEN: f64 = 25.0;
 
 /// The motion of a plan without the pitches that only repeat, and the lines that it moves.
 ///
-/// Once the line has forgotten how the motion began, every pitch at the cruise speed is like the last. Whole pitches
-/// beyond that are left out, so that a dose of litres costs no more than one of some pitches. Pressures equal those of
-/// the whole dose to 1e-11 of their swing.
+/// Once the line's swing from the start has died away, every pitch at the cruise speed repeats the last.
+/// Whole pitches beyond that are left out, so a dose of litres costs no more than a dose of some pitches.
+/// Pressures equal those of the whole dose to 1e-11 of their swing.
 pub(in crate::plan) struct ShortenedMotion {
     profile: Profile,
     /// States of inlet and outlet line at the start.
@@ -42,18 +43,18 @@ impl ShortenedMotion {
         Self { profile: Profile::new(course, pump.outlet_curve()), states, off_rad }
     }
 
-    /// The legs of the motion, as the rollers make them.
+    /// Returns the legs of the motion, at the rollers' own angles.
     pub(in crate::plan) fn legs(&self) -> impl Iterator<Item = Leg> + Clone {
         let off_rad = self.off_rad;
         self.profile.legs().map(move |leg| leg.beside(off_rad))
     }
 
-    /// Time from start to rest, s.
+    /// Returns the time from start to rest, s.
     pub(in crate::plan) fn duration_s(&self) -> f64 {
         self.profile.duration_s()
     }
 
-    /// 1 forward, -1 in reverse.
+    /// Returns the direction: 1 forward, -1 in reverse.
     pub(in crate::plan) fn direction(&self) -> f64 {
         f64::from(self.profile.course.direction)
     }
@@ -69,7 +70,7 @@ impl ShortenedMotion {
         ExactRun::new(pump, port, self.legs(), state)
     }
 
-    /// Range of a port's pressure from the start of the motion on.
+    /// Returns the range of a port's pressure from the start of the motion on.
     pub(in crate::plan) fn extremes(&self, pump: &Pump, port: Port) -> Extremes {
         self.run(pump, port).extremes_to_rest(self.duration_s())
     }

@@ -1,20 +1,21 @@
-//! A speed for every angle of a pitch.
+//! The envelope: a speed for every angle of a pitch.
 
 use pump_model::math::{ceil, floor, sqrt};
 
-/// Parts into which the uneven part of a pitch is cut.
+/// Number of parts into which the uneven part of a pitch is cut.
 pub(super) const PARTS: usize = 64;
 
-/// A number for each part, in rows of a length that serde knows.
+/// A number for each part, in rows of a length that serde supports.
 pub(super) type PerPart = [[f64; 16]; PARTS / 16];
 
 /// A periodic speed over the angle.
 ///
-/// Knots are equally spaced over the part of the pitch in which the speed changes, and the acceleration between two
-/// knots is constant. The rest of the pitch has the speed of the first knot, which is the last knot's too.
+/// Knots are equally spaced over the part of the pitch in which the speed changes. The acceleration between
+/// two knots is constant. The rest of the pitch has the speed of the first knot, which is also that of the
+/// last knot.
 ///
-/// Angles are turned in the direction of motion and count from the start of the uneven part. Part `PARTS` starts at
-/// the last knot and ends with the pitch.
+/// Angles count in the direction of motion from the start of the uneven part. Part `PARTS` starts at the last
+/// knot and ends with the pitch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -34,11 +35,12 @@ pub(super) struct Envelope {
 pub(super) struct Place {
     /// Whole pitches before the part.
     pub(super) pitches: f64,
-    /// Number of the part; `PARTS` is the even one.
+    /// Number of the part. `PARTS` is the even part.
     pub(super) part: usize,
 }
 
 impl Place {
+    /// Returns the part that follows.
     pub(super) fn next(self) -> Self {
         if self.part < PARTS {
             Self { part: self.part + 1, ..self }
@@ -73,7 +75,7 @@ impl Envelope {
         self.pitch_rad
     }
 
-    /// Mean speed over time, rad/s.
+    /// Returns the mean speed over time, rad/s.
     pub(super) fn mean_rad_s(&self) -> f64 {
         self.pitch_rad / self.period_s
     }
@@ -82,35 +84,37 @@ impl Envelope {
         self.uneven_rad / PARTS as f64
     }
 
-    /// Speed at the start of a part, rad/s; the even part starts and ends at that of the first.
+    /// Returns the speed at the start of a part, rad/s. The even part starts and ends at the speed of the
+    /// first part.
     pub(super) fn knot_rad_s(&self, part: usize) -> f64 {
         let [[first, ..], ..] = &self.speed_rad_s;
         *self.speed_rad_s.as_flattened().get(part).unwrap_or(first)
     }
 
-    /// Angle within the pitch at which a part starts, rad; `PARTS + 1` is the end of the pitch.
+    /// Returns the angle within the pitch at which a part starts, rad. `PARTS + 1` gives the end of the
+    /// pitch.
     fn knot_rad(&self, part: usize) -> f64 {
         if part > PARTS { self.pitch_rad } else { part as f64 * self.part_rad() }
     }
 
-    /// Time from the start of the pitch to the start of a part, s.
+    /// Returns the time from the start of the pitch to the start of a part, s.
     fn knot_s(&self, part: usize) -> f64 {
         part.checked_sub(1)
             .map_or(0.0, |before| *self.time_s.as_flattened().get(before).unwrap_or(&self.period_s))
     }
 
-    /// Angles at which a part starts and ends, rad.
+    /// Returns the angles at which a part starts and ends, rad.
     pub(super) fn ends_rad(&self, place: Place) -> (f64, f64) {
         let base_rad = place.pitches * self.pitch_rad;
         (base_rad + self.knot_rad(place.part), base_rad + self.knot_rad(place.part + 1))
     }
 
-    /// The part in which an angle lies.
+    /// Returns the part in which an angle lies.
     pub(super) fn place_at(&self, angle_rad: f64) -> Place {
         let pitches = floor(angle_rad / self.pitch_rad);
         let local_rad = (angle_rad - pitches * self.pitch_rad).max(0.0);
         let part = if local_rad < self.uneven_rad {
-            // Not below zero; a count of parts at most.
+            // The quotient is not below zero, and a count of parts at most.
             ((local_rad / self.part_rad()) as usize).min(PARTS - 1)
         } else {
             PARTS
@@ -118,7 +122,7 @@ impl Envelope {
         Place { pitches, part }
     }
 
-    /// The part that is under way `time_s` after angle 0.
+    /// Returns the part that is under way `time_s` after angle 0.
     pub(super) fn place_at_time(&self, time_s: f64) -> Place {
         let pitches = floor(time_s / self.period_s);
         let local_s = time_s - pitches * self.period_s;
@@ -126,7 +130,7 @@ impl Envelope {
         Place { pitches, part }
     }
 
-    /// Acceleration in a part, rad/s².
+    /// Returns the acceleration in a part, rad/s².
     pub(super) fn acceleration_rad_s2(&self, part: usize) -> f64 {
         let length_rad = self.knot_rad(part + 1) - self.knot_rad(part);
         if part >= PARTS || length_rad <= 0.0 {
@@ -136,36 +140,36 @@ impl Envelope {
         (to - from) * (to + from) / (2.0 * length_rad)
     }
 
-    /// Square of the speed at an angle in a part, rad²/s².
+    /// Returns the square of the speed at an angle in a part, rad²/s².
     fn square_in(&self, place: Place, angle_rad: f64) -> f64 {
         let from = self.knot_rad_s(place.part);
         let turned_rad = angle_rad - self.ends_rad(place).0;
         (from * from + 2.0 * self.acceleration_rad_s2(place.part) * turned_rad).max(0.0)
     }
 
-    /// Square of the speed at an angle, rad²/s².
+    /// Returns the square of the speed at an angle, rad²/s².
     pub(super) fn square_at(&self, angle_rad: f64) -> f64 {
         self.square_in(self.place_at(angle_rad), angle_rad)
     }
 
-    /// Speed at an angle, rad/s.
+    /// Returns the speed at an angle, rad/s.
     pub(super) fn speed_at(&self, angle_rad: f64) -> f64 {
         sqrt(self.square_at(angle_rad))
     }
 
-    /// Time from angle 0 to an angle, s.
+    /// Returns the time from angle 0 to an angle, s.
     pub(super) fn time_at(&self, angle_rad: f64) -> f64 {
         self.time_in(self.place_at(angle_rad), angle_rad)
     }
 
-    /// Time from angle 0 to an angle in a part, s.
+    /// Returns the time from angle 0 to an angle in a part, s.
     pub(super) fn time_in(&self, place: Place, angle_rad: f64) -> f64 {
         let turned_rad = angle_rad - self.ends_rad(place).0;
         let speeds = self.knot_rad_s(place.part) + sqrt(self.square_in(place, angle_rad));
         place.pitches * self.period_s + self.knot_s(place.part) + 2.0 * turned_rad / speeds
     }
 
-    /// The first knot at `angle_rad` or beyond, rad.
+    /// Returns the angle of the first knot at `angle_rad` or beyond, rad.
     pub(super) fn knot_from(&self, angle_rad: f64) -> f64 {
         let pitches = floor(angle_rad / self.pitch_rad);
         let local_rad = (angle_rad - pitches * self.pitch_rad).max(0.0);
@@ -174,11 +178,12 @@ impl Envelope {
         pitches * self.pitch_rad + knot_rad
     }
 
-    /// Largest speed between two angles, rad/s: the speed at a knot or at an end, since none lies between knots.
+    /// Returns the largest speed between two angles, rad/s. It is the speed at a knot or at an end, since no
+    /// larger speed lies between knots.
     pub(super) fn largest_between(&self, from_rad: f64, to_rad: f64) -> f64 {
         let mut place = self.place_at(from_rad).next();
         let mut largest = self.speed_at(from_rad).max(self.speed_at(to_rad));
-        // A pitch shows every knot.
+        // A pitch has every knot.
         for _ in 0..=PARTS {
             if self.ends_rad(place).0 >= to_rad {
                 break;
@@ -189,14 +194,14 @@ impl Envelope {
         largest
     }
 
-    /// The first angle in the pitch from `from_rad` at which a straight line is no longer below the square of the
-    /// speed. With a `sign` of -1 it is the first at which the line is no longer above. The gap times `sign` must not
-    /// fall.
+    /// Finds the first angle in the pitch from `from_rad` at which a straight line is no longer below the
+    /// square of the speed. With a `sign` of -1 it is the first angle at which the line is no longer above.
+    /// The gap times `sign` must not fall.
     pub(super) fn crossing(&self, from_rad: f64, line: impl Fn(f64) -> f64, sign: f64) -> f64 {
         let gap = |place: Place, angle_rad: f64| sign * (line(angle_rad) - self.square_in(place, angle_rad));
         let mut place = self.place_at(from_rad);
         let (mut low_rad, mut low) = (from_rad, gap(place, from_rad));
-        // The part in which it starts comes twice.
+        // The part in which the search starts comes twice.
         for _ in 0..=PARTS + 1 {
             if low >= 0.0 {
                 break;

@@ -1,11 +1,12 @@
-//! A profile as legs of constant acceleration.
+//! The legs of a profile, each of constant acceleration.
 
 use pump_model::Leg;
 
 use super::envelope::Place;
 use super::profile::Profile;
 
-/// The legs of a motion, in order: to the speed limit, along it, down to rest. A constant limit makes three.
+/// The legs of a motion in order: to the speed limit, along it, down to rest. A constant limit makes three
+/// legs.
 #[derive(Debug, Clone)]
 pub struct Legs<'a> {
     profile: &'a Profile,
@@ -23,7 +24,7 @@ enum Next {
 }
 
 impl Profile {
-    /// The legs of the motion, from time 0.
+    /// Returns the legs of the motion, from time 0.
     pub fn legs(&self) -> Legs<'_> {
         Legs { profile: self, next: Next::Ramp }
     }

@@ -1,4 +1,4 @@
-//! Speed over angle: the fastest motion to rest below a speed limit, and its legs.
+//! The profile of the speed: the fastest motion to rest below a speed limit, and its legs.
 
 mod along;
 mod course;

@@ -1,4 +1,4 @@
-//! Speed over angle: from the start speed to the speed limit, along it, and down to rest.
+//! The profile of the speed: from the start speed to the speed limit, along it, and down to rest.
 
 use pump_model::math::{floor, sqrt};
 use pump_model::{FlowCurve, Leg};
@@ -10,17 +10,17 @@ use super::smooth;
 
 /// The fastest motion over a turn that ends at rest, below a speed limit and within an acceleration.
 ///
-/// The speed limit may depend on the angle. With u = omega²/2 over the angle an acceleration is a slope. So the
-/// profile is the smallest of three: the line up (or down) from the start with that slope, the limit, and the line
-/// down to the end. The limit itself is nowhere steeper, so it falls below the first line once and rises above the
-/// last once. The motion goes up, along and down, or up and down where the turn is too short. A constant limit makes a
-/// trapezoid.
+/// The speed limit may depend on the angle. With u = omega²/2 over the angle, an acceleration is a slope. So
+/// the profile is the smallest of three: the line up (or down) from the start with that slope, the limit, and
+/// the line down to the end. The limit itself is nowhere steeper, so it falls below the first line once and
+/// rises above the last line once. The motion goes up, along and down, or up and down if the turn is too
+/// short. A constant limit makes a trapezoid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Profile {
     pub(in crate::plan) course: Course,
-    /// The limit, if it is not constant.
+    /// Envelope of the speed limit, if the limit is not constant.
     envelope: Option<Envelope>,
     /// Angle in the envelope at the start, rad.
     phase_rad: f64,
@@ -37,7 +37,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// The profile of `course` on a pump whose outlet has this curve.
+    /// Makes the profile of `course` on a pump whose outlet has this curve.
     pub(in crate::plan) fn new(course: Course, curve: &FlowCurve) -> Self {
         match course.limit {
             SpeedLimit::Constant { rad_s } => Self::constant(course, rad_s),
@@ -48,7 +48,7 @@ impl Profile {
         }
     }
 
-    /// The profile below a constant limit.
+    /// Makes the profile below a constant limit.
     fn constant(course: Course, cruise_rad_s: f64) -> Self {
         let Course { start_rad_s, turn_rad, acceleration_rad_s2, .. } = course;
         // Up to the peak and down from it turns (2 peak² - start²) / (2 acceleration).
@@ -74,10 +74,10 @@ impl Profile {
         }
     }
 
-    /// The profile below an envelope, at whose angle `phase_rad` the motion starts.
+    /// Makes the profile below an envelope, at whose angle `phase_rad` the motion starts.
     fn along(course: Course, envelope: Envelope, phase_rad: f64) -> Self {
         let Course { start_rad_s, turn_rad, acceleration_rad_s2, .. } = course;
-        // The squares of the speeds, u = omega²/2 twice, change at most so much in a radian and in a pitch.
+        // Squares of speeds are 2 u. They change by `slope` a radian at most, and by `a_pitch` a pitch.
         let slope = 2.0 * acceleration_rad_s2;
         let a_pitch = slope * envelope.pitch_rad();
         let square = start_rad_s * start_rad_s;
@@ -112,7 +112,7 @@ impl Profile {
         }
     }
 
-    /// The fastest speed that is reached, rad/s.
+    /// Returns the fastest speed that is reached, rad/s.
     pub fn peak_rad_s(&self) -> f64 {
         let along = match self.along_envelope() {
             Some(envelope) => {
@@ -124,33 +124,34 @@ impl Profile {
         along.max(self.course.start_rad_s)
     }
 
-    /// The cruise speed, rad/s: the fastest that is reached, or the mean over time of a limit that depends on the
-    /// angle.
+    /// Returns the cruise speed, rad/s. It is the fastest speed that is reached, or the mean over time of a
+    /// limit that depends on the angle.
     pub fn cruise_rad_s(&self) -> f64 {
         self.along_envelope().map_or_else(|| self.peak_rad_s(), Envelope::mean_rad_s)
     }
 
-    /// Tells whether the motion reaches the speed limit.
+    /// Returns true if the motion reaches the speed limit.
     pub fn reaches_limit(&self) -> bool {
         self.reaches_limit
     }
 
-    /// Largest acceleration, rad/s²: the one of the ramps.
+    /// Returns the largest acceleration, rad/s², which is that of the ramps.
     pub fn acceleration_rad_s2(&self) -> f64 {
         self.course.acceleration_rad_s2
     }
 
-    /// Time from start to rest, s.
+    /// Returns the time from start to rest, s.
     pub fn duration_s(&self) -> f64 {
         self.ramp_s + self.down_s + self.along_s
     }
 
-    /// The envelope, if there is one and the motion reaches it.
+    /// Returns the envelope, if there is one and the motion reaches it.
     fn along_envelope(&self) -> Option<&Envelope> {
         self.envelope.as_ref().filter(|_| self.reaches_limit)
     }
 
-    /// Acceleration of the first ramp, rad/s²; negative where the rotor is faster than the limit at first.
+    /// Returns the acceleration of the first ramp, rad/s². It is negative if the rotor is faster than the
+    /// limit at first.
     fn ramp_rad_s2(&self) -> f64 {
         let acceleration_rad_s2 = self.course.acceleration_rad_s2;
         if self.course.start_rad_s > self.corner_rad_s[0] {
@@ -160,8 +161,8 @@ impl Profile {
         }
     }
 
-    /// The time at which the rotor has turned `turned_rad`, s since the start. An angle outside [0, turn] gives the
-    /// time of the nearer end.
+    /// Returns the time at which the rotor has turned `turned_rad`, s since the start. An angle outside [0,
+    /// turn] gives the time of the nearer end.
     pub fn time_of(&self, turned_rad: f64) -> f64 {
         let [reached_rad, left_rad] = self.corners_rad;
         if turned_rad <= reached_rad {
@@ -178,7 +179,7 @@ impl Profile {
         }
     }
 
-    /// The speed when the rotor has turned `turned_rad`, rad/s.
+    /// Returns the speed when the rotor has turned `turned_rad`, rad/s.
     pub(in crate::plan) fn speed_at(&self, turned_rad: f64) -> f64 {
         let [reached_rad, left_rad] = self.corners_rad;
         let start_rad_s = self.course.start_rad_s;
@@ -194,7 +195,7 @@ impl Profile {
         sqrt(square.max(0.0))
     }
 
-    /// The first angle turned, at `turned_rad` or beyond, at which the acceleration changes.
+    /// Returns the first angle turned, at `turned_rad` or beyond, at which the acceleration changes, rad.
     pub(in crate::plan) fn corner_from(&self, turned_rad: f64) -> f64 {
         let [reached_rad, left_rad] = self.corners_rad;
         if turned_rad <= reached_rad {
@@ -208,7 +209,7 @@ impl Profile {
         }
     }
 
-    /// The leg along the envelope when the rotor has turned `turned_rad`; none off the envelope.
+    /// Returns the leg along the envelope when the rotor has turned `turned_rad`, or `None` off the envelope.
     pub(in crate::plan) fn along_at(&self, turned_rad: f64) -> Option<Along> {
         let [reached_rad, left_rad] = self.corners_rad;
         let envelope =
@@ -223,7 +224,7 @@ impl Profile {
         })
     }
 
-    /// The leg under way at `t_s`.
+    /// Returns the leg under way at `t_s`.
     pub(in crate::plan) fn leg_at(&self, t_s: f64) -> Leg {
         if t_s < self.ramp_s {
             self.ramp_leg()
@@ -257,24 +258,25 @@ impl Profile {
         }
     }
 
-    /// The leg from the start to the limit.
+    /// Returns the leg from the start to the limit.
     pub(super) fn ramp_leg(&self) -> Leg {
         self.leg(0.0, self.ramp_s, 0.0, self.course.start_rad_s, self.ramp_rad_s2())
     }
 
-    /// The leg along a constant limit.
+    /// Returns the leg along a constant limit.
     pub(super) fn even_leg(&self) -> Leg {
         self.leg(self.ramp_s, self.along_s, self.corners_rad[0], self.corner_rad_s[0], 0.0)
     }
 
-    /// The leg from the limit to rest.
+    /// Returns the leg from the limit to rest.
     pub(super) fn down_leg(&self) -> Leg {
         let start_s = self.ramp_s + self.along_s;
         let down = -self.course.acceleration_rad_s2;
         self.leg(start_s, self.down_s, self.corners_rad[1], self.corner_rad_s[1], down)
     }
 
-    /// The leg along one part of an envelope, without duration where the motion does not follow the limit there.
+    /// Returns the leg along one part of an envelope. Its duration is 0 if the motion does not follow the
+    /// limit there.
     fn leg_along(&self, envelope: &Envelope, place: Place) -> Leg {
         let [reached_rad, left_rad] = self.corners_rad.map(|corner_rad| self.phase_rad + corner_rad);
         let (start_rad, end_rad) = envelope.ends_rad(place);
@@ -287,20 +289,21 @@ impl Profile {
         self.leg(start_s, end_s - start_s, start_rad - self.phase_rad, speed_rad_s, acceleration_rad_s2)
     }
 
-    /// The place along the envelope where the limit is reached; none for a constant limit, or if it is not reached.
+    /// Returns the place along the envelope where the limit is reached. The result is `None` for a constant
+    /// limit, or if the limit is not reached.
     pub(super) fn first_place(&self) -> Option<Place> {
         self.along_envelope().map(|envelope| envelope.place_at(self.phase_rad + self.corners_rad[0]))
     }
 
-    /// The leg at `place`; none after the last one.
+    /// Returns the leg at `place`, or `None` after the last leg.
     pub(super) fn leg_at_place(&self, place: Place) -> Option<Leg> {
         let envelope = self.along_envelope()?;
         let begins_rad = envelope.ends_rad(place).0;
         (begins_rad < self.phase_rad + self.corners_rad[1]).then(|| self.leg_along(envelope, place))
     }
 
-    /// The legs of a pitch of the envelope, from time 0, wherever the motion starts and ends. A constant limit has
-    /// none.
+    /// Returns the legs of a pitch of the envelope, from time 0, wherever the motion starts and ends. A
+    /// constant limit has no legs.
     pub(in crate::plan) fn pitch_along(&self) -> impl Iterator<Item = Leg> {
         self.envelope.iter().flat_map(|envelope| {
             (0..=PARTS).map(|part| {

@@ -1,4 +1,4 @@
-//! The speed at which the flow at the outlet's rollers is as smooth as the motor allows.
+//! The speeds at which the flow at the outlet's rollers is as smooth as the motor allows.
 
 use pump_model::FlowCurve;
 use pump_model::math::wrap;
@@ -6,13 +6,13 @@ use pump_model::math::wrap;
 use super::course::Course;
 use super::envelope::{Envelope, PARTS, PerPart};
 
-/// The flow per radian at the knots of the uneven part, and what bounds the speed there.
+/// The flow per radian at the knots of the uneven part, and the bounds of the speed there.
 struct Knots {
     pitch_rad: f64,
     /// Start of the uneven part, as an angle in the direction of motion, rad.
     origin_rad: f64,
     uneven_rad: f64,
-    /// 1/q², rad²/mL².
+    /// Inverse square of the flow per radian at each knot, 1/q², rad²/mL².
     per_square: PerPart,
     /// Largest change of the square of the speed from knot to knot, rad²/s².
     rise: f64,
@@ -22,7 +22,8 @@ struct Knots {
 
 impl Knots {
     fn new(curve: &FlowCurve, direction: i8, max_rad_s: f64, acceleration_rad_s2: f64) -> Self {
-        /// The flow jumps at full engagement, where a pulse begins: the first knot holds for both sides of it, rad.
+        /// Distance of a look on the other side of a knot, rad. The flow jumps at full engagement, where a
+        /// pulse begins, and the first knot holds for both sides of the jump.
         const BESIDE_RAD: f64 = 1e-9;
         let (from_rad, uneven_rad) = curve.uneven_part();
         let origin_rad = if direction < 0 { -(from_rad + uneven_rad) } else { from_rad };
@@ -44,11 +45,11 @@ impl Knots {
         }
     }
 
-    /// The largest function below (flow/q)² and the motor's limit that is nowhere steeper than the acceleration
-    /// allows.
+    /// Returns the largest function below (flow/q)² and the motor's limit that is nowhere steeper than the
+    /// acceleration allows.
     ///
-    /// Sweeps forward and backward, twice round each: wherever the smallest bound is, the second round passes
-    /// everything after it.
+    /// The sweeps go forward and backward, twice round each. Wherever the smallest bound is, the second round
+    /// passes every knot after it.
     fn envelope(&self, flow_ml_s: f64) -> Envelope {
         let square = flow_ml_s * flow_ml_s;
         let mut squares = self.per_square.map(|row| row.map(|part| (square * part).min(self.most)));
@@ -73,7 +74,7 @@ impl Knots {
     }
 }
 
-/// The envelope of a flow limit for a motion, and the angle in it at which the motion starts, rad.
+/// Returns the envelope of a flow limit for a motion, and the angle in it at which the motion starts, rad.
 pub(super) fn envelope(
     curve: &FlowCurve,
     course: &Course,
@@ -86,10 +87,10 @@ pub(super) fn envelope(
     (knots.envelope(flow_ml_s), phase_rad)
 }
 
-/// The flow limit, mL/s, whose envelope has the mean speed `mean_rad_s`, at most `max_rad_s`.
+/// Finds the flow limit, mL/s, whose envelope has the mean speed `mean_rad_s`, at most `max_rad_s`.
 ///
-/// The mean rises with the limit, up to constant speed: a root in a bracket, by regula falsi after Dowell and Jarratt
-/// ("Illinois", BIT 11:168, 1971).
+/// The mean rises with the limit, up to constant speed. The limit is a root in a bracket, found by regula
+/// falsi after Dowell and Jarratt ("Illinois", BIT 11:168, 1971).
 pub(in crate::plan) fn flow_limit_ml_s(
     curve: &FlowCurve,
     direction: i8,
@@ -100,7 +101,8 @@ pub(in crate::plan) fn flow_limit_ml_s(
     let knots = Knots::new(curve, direction, max_rad_s, acceleration_rad_s2);
     let missing = |flow_ml_s| knots.envelope(flow_ml_s).mean_rad_s() / mean_rad_s - 1.0;
     let flow_ml_s = mean_rad_s * curve.pitch_ml() / curve.pitch_rad();
-    // A limit of half the mean flow is too low. With the largest flow of the fastest motor the speed is constant.
+    // A limit of half the mean flow is too low. With the largest flow of the fastest motor the speed is
+    // constant.
     let most_ml_s = max_rad_s * curve.flow_range_ml_rad().1;
     let (mut low, mut high) = (0.5 * flow_ml_s, (1.1 * flow_ml_s).min(most_ml_s));
     let (mut below, mut above) = (missing(low), missing(high));

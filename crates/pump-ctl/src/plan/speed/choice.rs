@@ -13,7 +13,7 @@ use crate::plan::Plan;
 use crate::plan::limits::Limits;
 use crate::plan::words::{Cruise, Nearest, PlanError};
 
-/// Longest dose, s: 58 days, over which f64 resolves a step's time to a nanosecond.
+/// Longest dose, s. It is 58 days, over which f64 resolves a step's time to a nanosecond.
 const MAX_DURATION_S: f64 = 5e6;
 
 /// Plans at the speed that `cruise` asks for, within every limit.
@@ -24,7 +24,7 @@ pub(in crate::plan) fn choose(
     at_speed: impl Fn(f64) -> Plan,
 ) -> Result<Plan, PlanError> {
     let limit_rad_s = limits.motor.max_speed_rad_s;
-    // A limit written in r/min may round to a hair less than the same speed asked for.
+    // A limit written in r/min may round to a hair less than an equal speed asked for.
     let allowed = |speed_rad_s: f64| speed_rad_s <= limit_rad_s * (1.0 + 1e-12);
     let (plan, top_rad_s) = match cruise {
         Cruise::Flow { ml_s } => {

@@ -9,28 +9,30 @@ use crate::plan::words::{LimitedBy, PlanError};
 
 /// The fastest plan among speeds that are connected to rest, and the limit that keeps it from being faster.
 pub(super) struct Fastest {
-    /// Speed, rad/s, and plan; none if even the slowest speed that is tried breaks a limit.
+    /// Speed, rad/s, and plan. `None` if even the slowest speed that is tried breaks a limit.
     pub(super) plan: Option<(f64, Plan)>,
-    /// Limit that binds.
+    /// Limit that keeps the plan from being faster.
     pub(super) limited_by: LimitedBy,
-    /// Margin of the limit that binds at a slightly faster speed; none if speed or acceleration bind.
+    /// Margin of that limit at a slightly faster speed. `None` if speed or acceleration bind.
     pub(super) beyond: Option<Margin>,
 }
 
-/// Slowest speed that is tried, as a part of the fastest.
+/// Slowest speed that is tried, as a part of the fastest speed.
 const SLOWEST: f64 = 1.0 / 4096.0;
 
-/// Finds the fastest cruise up to `top_rad_s` that holds every limit and below which every one does.
+/// Finds the fastest cruise up to `top_rad_s` that holds every limit, and below which every slower cruise
+/// holds them.
 ///
-/// The whole dose is predicted at each speed, start-up, stop and settling included. Speeds that hold are not an
-/// interval: past a resonance pressures fall again. So speeds are tried upwards, from one so slow that no motion at
-/// all could break a limit. Lines that are undamped or not at rest leave no such bound; there the first speed is
-/// 1/4096 of the fastest. Each step is a sixteenth of the lines' damping ratio, 0.1 to 1 %. The first speed that
-/// breaks a limit ends the search, and bisection refines the last that holds to 1e-6.
+/// The whole dose is predicted at each speed, start-up, stop and settling included. The speeds that hold are
+/// not an interval, since pressures fall again past a resonance. So the search tries speeds upwards, from a
+/// speed so slow that no motion could break a limit. Lines that are undamped or not at rest give no such
+/// bound. The first speed is then 1/4096 of the fastest. Each step is a sixteenth of the lines' damping
+/// ratio, 0.1 to 1 %. The first speed that breaks a limit ends the search, and bisection refines the last
+/// speed that holds to 1e-6.
 ///
-/// A resonance is 2 damping ratios wide, 32 steps, in which pressures change by some tenths of a per cent between
-/// neighbours. The search may pass over a window of speeds narrower than a step, in which a limit is broken by about
-/// that much. The plan that is returned holds its limits in any case.
+/// A resonance is 2 damping ratios wide, which is 32 steps. Pressures change in it by some tenths of a per
+/// cent from step to step. The search may pass over a window of speeds narrower than a step, in which a limit
+/// is broken by about that much. The returned plan holds its limits in any case.
 pub(super) fn fastest(
     pump: &Pump,
     limits: &Limits,
@@ -44,7 +46,7 @@ pub(super) fn fastest(
     }
     let damping = pump.inlet().damping_ratio().min(pump.outlet().damping_ratio());
     let ratio = 1.0 + (damping / 16.0).clamp(0.001, 0.01);
-    // A dose too short to cruise is the same at any speed above its peak.
+    // A dose too short to cruise does not change at speeds above its peak.
     let top_rad_s = if topmost.profile.reaches_limit() || topmost.is_smooth() {
         top_rad_s
     } else {
@@ -82,12 +84,12 @@ pub(super) fn fastest(
     Ok(Fastest { plan: Some((good, Plan { limited_by, ..holds })), limited_by, beyond: Some(margin) })
 }
 
-/// The result where speed or acceleration bind.
+/// Makes the result where speed or acceleration bind.
 fn unbroken(speed_rad_s: f64, plan: Plan, limited_by: LimitedBy) -> Fastest {
     Fastest { plan: Some((speed_rad_s, Plan { limited_by, ..plan })), limited_by, beyond: None }
 }
 
-/// Tells whether no motion at all up to the fastest speed of `plan` could break a limit, from lines at rest.
+/// Returns true if no motion up to the fastest speed of `plan`, from lines at rest, could break a limit.
 fn cannot_break(pump: &Pump, limits: &Limits, plan: &Plan) -> bool {
     if plan.lines != LineStates::AT_REST {
         return false;

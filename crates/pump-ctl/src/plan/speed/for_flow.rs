@@ -3,7 +3,8 @@
 use pump_model::Pump;
 use pump_model::math::TURN_RAD;
 
-/// Speed, rad/s, whose mean flow over whole pitches is `flow_ml_s`. It is the inverse of [`Pump::average_flow_ml_s`].
+/// Returns the speed, rad/s, whose mean flow over whole pitches is `flow_ml_s`. It is the inverse of
+/// [`Pump::average_flow_ml_s`].
 ///
 /// ```
 /// let pump = pump_model::Pump::three_roller();

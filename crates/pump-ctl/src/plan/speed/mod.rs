@@ -1,4 +1,4 @@
-//! The cruise speed of a plan: the one that is asked for, or the fastest within every limit.
+//! The cruise speed of a plan: the speed that is asked for, or the fastest within every limit.
 
 mod choice;
 mod fastest;

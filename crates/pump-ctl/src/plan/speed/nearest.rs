@@ -1,4 +1,4 @@
-//! The dose that can be had in place of one that is refused.
+//! The dose that is possible in place of a refused one.
 
 use pump_model::Pump;
 use pump_model::math::{rad_s, rpm};
@@ -10,10 +10,10 @@ use crate::plan::Plan;
 use crate::plan::limits::Limits;
 use crate::plan::words::{Cruise, Nearest, PlanError};
 
-/// The nearest dose that holds every limit, in the terms of `cruise`.
+/// Finds the nearest dose that holds every limit, in the terms of `cruise`.
 ///
-/// It is `fastest`, rounded so that whoever asks for just that number gets it. Rounding changes the speed, which may
-/// break a limit again by a hair; then the next number is tried.
+/// The dose is `fastest`, rounded so that a request for the rounded number is accepted. Rounding changes the
+/// speed, which may break a limit again by a hair. The search then tries the next number.
 pub(super) fn nearest(
     pump: &Pump,
     limits: &Limits,

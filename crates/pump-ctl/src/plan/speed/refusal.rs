@@ -3,7 +3,7 @@
 use crate::plan::limits::{Limits, Lowest, Margin};
 use crate::plan::words::{LimitedBy, Nearest, PlanError, SetBy};
 
-/// The refusal of a plan that breaks a limit.
+/// Makes the refusal of a plan that breaks a limit.
 pub(super) fn refusal(
     limits: &Limits,
     limited_by: LimitedBy,

@@ -9,7 +9,8 @@ use crate::plan::Plan;
 use crate::plan::limits::Limits;
 use crate::plan::words::{Nearest, PlanError};
 
-/// The refusal of a time that no speed meets. Where limits are predicted, it names a time that holds them too.
+/// Makes the refusal of a time that no speed meets. If limits are predicted, it names a time that holds them
+/// too.
 pub(super) fn shortest_within_limits(
     pump: &Pump,
     limits: &Limits,
@@ -34,16 +35,17 @@ pub(super) fn shortest_within_limits(
     }
 }
 
-/// Time of motion and settling, s.
+/// Returns the time of motion and settling, s.
 pub(super) fn total_s(pump: &Pump, plan: &Plan) -> Result<f64, PlanError> {
     Ok(plan.profile.duration_s() + plan.settle_s(pump)?)
 }
 
-/// The slowest cruise whose motion and settling take `time_s` at most.
+/// Finds the slowest cruise whose motion and settling take `time_s` at most.
 ///
-/// Settling depends on where in its swing the line is when the motor stops, so the total time does not fall evenly
-/// with the speed. The search goes upwards in steps of 1 % from the slowest speed whose motion alone would do.
-/// Bisection refines the first speed that meets the time. A window narrower than 1 % may be passed over.
+/// Settling depends on where in its swing the line is when the motor stops. So the total time does not fall
+/// evenly with the speed. The search goes upwards in steps of 1 % from the slowest speed whose motion alone
+/// meets the time. Bisection refines the first speed that meets the time. The search may pass over a window
+/// narrower than 1 %.
 pub(super) fn slowest_within(
     pump: &Pump,
     time_s: f64,
@@ -83,9 +85,10 @@ pub(super) fn slowest_within(
     Ok(at_speed(fast))
 }
 
-/// The slowest speed up to `limit_rad_s` whose motion alone takes `time_s` at most.
+/// Finds the slowest speed up to `limit_rad_s` whose motion alone takes `time_s` at most.
 ///
-/// Where no speed does, it is a tenth of the limit, from which the search upwards finds the shortest time there is.
+/// If no speed meets the time, the result is a tenth of the limit. The search upwards from there finds the
+/// shortest possible time.
 fn slowest_motion_within(time_s: f64, limit_rad_s: f64, at_speed: impl Fn(f64) -> Plan) -> f64 {
     if at_speed(limit_rad_s).profile.duration_s() > time_s {
         return 0.1 * limit_rad_s;

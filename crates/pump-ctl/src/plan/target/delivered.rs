@@ -4,12 +4,12 @@ use pump_model::Pump;
 
 use crate::plan::words::Phase;
 
-/// The middle of a range. The middle of a single number is that number to the last bit.
+/// Returns the middle of a range. The middle of a single number is that number to the last bit.
 pub(in crate::plan) fn middle((least_ml, most_ml): (f64, f64)) -> f64 {
     least_ml + 0.5 * (most_ml - least_ml)
 }
 
-/// Smallest and largest volume of `steps` from `start`, mL.
+/// Returns the smallest and the largest volume of `steps` from `start`, mL.
 pub(in crate::plan) fn delivered(pump: &Pump, start: Phase, steps: f64, step_rad: f64) -> (f64, f64) {
     if start.half_width_rad == 0.0 {
         let curve = pump.outlet_curve();

@@ -8,13 +8,15 @@ use super::low_flow::LowFlow;
 use super::target::Target;
 use crate::plan::words::{Phase, PlanError, Request};
 
-/// A number of steps, and the smallest and largest volume that they deliver, mL.
+/// A number of steps, and the smallest and the largest volume that they deliver, mL.
 type End = (f64, (f64, f64));
 
-/// The two ends at low flow nearest to `nearest_steps`: with no more steps, and with no fewer.
+/// Finds the two ends at low flow nearest to `nearest_steps`, the first with no more steps, the second with
+/// no fewer.
 ///
-/// `nearest_steps` itself counts as both. Both ends lie in the direction of `owed_ml`, and neither has zero steps.
-/// A pump whose flow is never that low is refused, and so is an angle that would not be known well enough at the end.
+/// `nearest_steps` itself counts as both. Both ends lie in the direction of `owed_ml`, and neither has zero
+/// steps. A pump whose flow is never low is refused. An angle that is not known well enough at the end is
+/// refused too.
 pub(in crate::plan) fn ends(
     pump: &Pump,
     start: Phase,
@@ -34,7 +36,7 @@ pub(in crate::plan) fn ends(
     let revolution = f64::from(pump.geometry().rollers);
     let pitch = floor((start.angle_rad + nearest_steps * step_rad) / curve.pitch_rad());
     let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
-    // A coarse step may pass over a stretch; over a revolution it has met every one that it ever meets.
+    // A coarse step may pass over a stretch. Over a revolution it meets every stretch that it ever meets.
     let mut away = -revolution - 1.0;
     while away <= revolution + 1.0 {
         for (begun_rad, ended_rad) in low.stretches() {
@@ -61,8 +63,8 @@ pub(in crate::plan) fn ends(
     Ok([below, above].map(|steps| steps.is_finite().then(|| end(steps))))
 }
 
-/// The better of the two ends at low flow around `nearest_steps`: its worst deviation from the volume requested plus
-/// carried is smaller.
+/// Returns the better of the two ends at low flow around `nearest_steps`. Its worst deviation from the volume
+/// requested plus carried is the smaller one.
 pub(super) fn at_low_flow(
     pump: &Pump,
     start: Phase,

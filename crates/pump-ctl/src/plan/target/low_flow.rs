@@ -7,18 +7,21 @@ use crate::plan::words::PlanError;
 
 /// Part of the flow between pulses that counts as low.
 ///
-/// The flow falls to half within a pulse of every pump whose rollers take more than that at once. Half is also far
-/// from where a pulse begins and ends, so that the end's place in the pitch is no matter of rounding.
+/// The flow falls to half within a pulse of every pump whose rollers displace more than half of it at once.
+/// Half is also far from the begin and the end of a pulse, so rounding does not decide where in the pitch a
+/// dose ends.
 const LOW: f64 = 0.5;
 
-/// Parts of a pitch at whose ends the flow is looked at; bisection then refines each edge. A stretch of low flow
-/// narrower than a part may be passed over.
+/// Number of parts of a pitch at whose ends the search looks at the flow. Bisection then refines each edge.
+/// The search may pass over a stretch of low flow that is narrower than a part.
 const LOOKS: u32 = 1024;
 
-/// Most stretches of low flow in a pitch: a pulse has one, or a few if it is measured and uneven.
+/// Largest number of stretches of low flow in a pitch. A pulse has one, or a few if it is measured and
+/// uneven.
 const MAX_STRETCHES: usize = 8;
 
-/// The stretches of low flow, as angles from the start of a pitch, rad. The last one may reach beyond the pitch's end.
+/// The stretches of low flow, as angles from the start of a pitch, rad. The last stretch may reach beyond the
+/// pitch's end.
 pub(super) struct LowFlow {
     stretches: [(f64, f64); MAX_STRETCHES],
     count: usize,
@@ -36,9 +39,9 @@ impl LowFlow {
         let is_low = |angle_rad: f64| curve.flow_ml_rad(angle_rad) <= limit_ml_rad;
         let mut found = Self { stretches: [(0.0, 0.0); MAX_STRETCHES], count: 0 };
         let look_rad = curve.pitch_rad() / f64::from(LOOKS);
-        // From where the flow is high, once around: then no stretch is cut in two.
+        // The search starts where the flow is high and goes once around, so no stretch is cut in two.
         let Some(first) = (0..LOOKS).find(|look| !is_low(f64::from(*look) * look_rad)) else {
-            // Low throughout.
+            // The flow is low throughout.
             return Ok(Self { stretches: [(0.0, curve.pitch_rad()); MAX_STRETCHES], count: 1 });
         };
         let mut begun_rad = None;
@@ -72,13 +75,13 @@ impl LowFlow {
         }
     }
 
-    /// The stretches, in order.
+    /// Returns the stretches, in order.
     pub(super) fn stretches(&self) -> &[(f64, f64)] {
         self.stretches.get(..self.count).unwrap_or(&self.stretches)
     }
 }
 
-/// The angle between one of high flow and one of low flow at which the flow becomes low, on the low side.
+/// Finds the angle between `high_rad` and `low_rad` at which the flow becomes low, on the low side.
 fn edge(curve: &FlowCurve, limit_ml_rad: f64, mut high_rad: f64, mut low_rad: f64) -> f64 {
     for _ in 0..60 {
         let middle_rad = 0.5 * (high_rad + low_rad);

@@ -1,4 +1,4 @@
-//! The target of a dose: the whole number of steps that comes nearest to a volume.
+//! The target of a dose: the whole number of steps whose volume is nearest.
 
 mod delivered;
 mod ends;

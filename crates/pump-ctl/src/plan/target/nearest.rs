@@ -1,4 +1,4 @@
-//! The whole number of steps that comes nearest to a volume.
+//! The whole number of steps whose volume is nearest to a volume asked for.
 
 use pump_model::Pump;
 use pump_model::math::{ceil, floor};
@@ -8,13 +8,13 @@ use super::ends::at_low_flow;
 use super::target::Target;
 use crate::plan::words::{Finish, Phase, PlanError, Request};
 
-/// Most steps of a dose: eight hours at 36,000 a second.
+/// Largest number of steps of a dose. They take eight hours at 36,000 a second.
 const MAX_STEPS: f64 = 1e9;
 
-/// The number of steps from `start` whose volume is nearest to the one requested plus carried.
+/// Finds the number of steps from `start` whose volume is nearest to the volume requested plus carried.
 ///
-/// From an angle that is not known exactly it is the number whose largest deviation, over all angles at which the
-/// rollers may stand, is smallest.
+/// If the angle is not known exactly, each number of steps has a largest deviation over all angles at which
+/// the rollers may stand. The result is the number for which it is smallest.
 pub(in crate::plan) fn nearest_steps(
     pump: &Pump,
     start: Phase,
@@ -46,7 +46,7 @@ pub(in crate::plan) fn nearest_steps(
     }
 }
 
-/// The number of steps from a known angle: one of the two beside the angle at which the volume is there.
+/// Finds the number of steps from a known angle. It is one of the two numbers beside the ideal end angle.
 fn nearest(pump: &Pump, start: Phase, request: &Request, step_rad: f64) -> (f64, (f64, f64)) {
     let curve = pump.outlet_curve();
     let owed_ml = request.owed_ml();
@@ -56,10 +56,11 @@ fn nearest(pump: &Pump, start: Phase, request: &Request, step_rad: f64) -> (f64,
     if owed_ml - low.0 <= high.0 - owed_ml { (below, low) } else { (below + 1.0, high) }
 }
 
-/// The number of steps from an angle that is not known exactly.
+/// Finds the number of steps from an angle that is not known exactly.
 ///
-/// Smallest and largest volume both grow with the turn. So the largest deviation is smallest where both are equally
-/// far from the volume requested plus carried: on one side of that turn or the other.
+/// Smallest and largest volume both grow with the turn. So the largest deviation is smallest at the turn
+/// where both are equally far from the volume requested plus carried. The result is the number of steps on
+/// one side of that turn or the other.
 fn minimax(
     pump: &Pump,
     start: Phase,
@@ -68,7 +69,7 @@ fn minimax(
 ) -> Result<(f64, (f64, f64)), PlanError> {
     let curve = pump.outlet_curve();
     let owed_ml = request.owed_ml();
-    // Whole pitches deliver the same from anywhere, so the turn lies between two of them.
+    // Whole pitches deliver an equal volume from every angle, so the turn lies between two of them.
     let pitches = floor(owed_ml / curve.pitch_ml());
     let mut below = floor(pitches * curve.pitch_rad() / step_rad) - 1.0;
     let mut above = ceil((pitches + 1.0) * curve.pitch_rad() / step_rad) + 1.0;

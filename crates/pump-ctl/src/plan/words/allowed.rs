@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-/// The values that a parameter may have, for the check and for its message alike.
+/// The values that a parameter may have. The check of the parameter and its message both use them.
 ///
 /// ```
 /// use pump_ctl::plan::Allowed;
@@ -15,19 +15,19 @@ use core::fmt;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Allowed {
-    /// A number from the least to the most, both allowed.
+    /// Any number from `least` to `most`, both included.
     Between {
         /// Smallest value.
         least: f64,
         /// Largest value.
         most: f64,
     },
-    /// A number no farther from zero than `most`.
+    /// Any number no farther from zero than `most`.
     EitherWay {
         /// Largest magnitude.
         most: f64,
     },
-    /// A number no farther from zero than `most`, and not zero.
+    /// Any number no farther from zero than `most`, except zero itself.
     EitherWayNotZero {
         /// Largest magnitude.
         most: f64,
@@ -36,12 +36,12 @@ pub enum Allowed {
     Positive,
     /// Zero or any finite number above it.
     NotNegative,
-    /// Values that words describe, since they depend on more than a range. Such a check is the caller's own.
+    /// Values that words describe, since they depend on more than a range. The caller checks such values.
     Words(&'static str),
 }
 
 impl Allowed {
-    /// Tells whether a value lies in the range. NaN lies in none, and no value lies in [`Self::Words`].
+    /// Returns true if a value lies in the range. NaN lies in no range, and no value lies in [`Self::Words`].
     pub fn contains(&self, value: f64) -> bool {
         match *self {
             Self::Between { least, most } => (least..=most).contains(&value),

@@ -1,4 +1,4 @@
-//! How fast a dose is asked to be.
+//! The speed of a dose, as it is asked for.
 
 /// The speed of a dose, as it is asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -7,17 +7,18 @@
 pub enum Cruise {
     /// The mean flow at the cruise speed, mL/s, positive.
     Flow {
-        /// mL/s.
+        /// Mean flow, mL/s.
         ml_s: f64,
     },
     /// The cruise speed of the pump head, rad/s, positive.
     Speed {
-        /// rad/s.
+        /// Speed of the pump head, rad/s.
         rad_s: f64,
     },
-    /// The total time with ramps and settling, s, positive. The slowest cruise that meets the time is planned.
+    /// The total time with ramps and settling, s, positive. The slowest cruise that meets the time is
+    /// planned.
     Within {
-        /// s.
+        /// Total time, s.
         time_s: f64,
     },
     /// The fastest speed that holds every limit, provided that every slower speed holds them too.

@@ -1,4 +1,4 @@
-//! The refusals of a dose that cannot be planned.
+//! The refusal of a dose that cannot be planned.
 
 use core::fmt;
 
@@ -8,23 +8,23 @@ use thiserror::Error;
 use super::allowed::Allowed;
 use super::set_by::SetBy;
 
-/// The fastest dose that holds every limit, in the terms of what was asked.
+/// The fastest dose that holds every limit, in the terms of the request.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Nearest {
     /// Mean flow at the cruise speed.
     Flow {
-        /// mL/s.
+        /// Mean flow, mL/s.
         ml_s: f64,
     },
     /// Cruise speed of the pump head.
     Speed {
-        /// r/min.
+        /// Speed of the pump head, r/min.
         rpm: f64,
     },
     /// Total time, settling included.
     Within {
-        /// s.
+        /// Total time, s.
         time_s: f64,
     },
     /// No speed that was tried holds every limit.
@@ -44,12 +44,12 @@ impl fmt::Display for Nearest {
     }
 }
 
-/// A dose that is refused, with the nearest that could be had.
+/// The refusal of a dose, with the nearest dose that is possible where there is one.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum PlanError {
-    /// A single parameter outside its range.
+    /// A parameter is outside its range.
     #[error("{parameter} is {value}; allowed: {allowed}")]
     OutOfRange {
         /// Name of the parameter, with its unit.
@@ -61,20 +61,21 @@ pub enum PlanError {
     },
     /// The volume is less than half a motor step.
     #[error(
-        "{requested_ml} mL with {carry_in_ml:.6} mL carried from earlier doses is less than half a motor step at this \
-         angle; the smallest dose here is {smallest_ml:.6} mL"
+        "{requested_ml} mL with {carry_in_ml:.6} mL carried from earlier doses is less than half a motor step \
+         at this angle; the smallest dose here is {smallest_ml:.6} mL"
     )]
     LessThanHalfAStep {
-        /// Volume that was asked for, mL.
+        /// Volume asked for, mL.
         requested_ml: f64,
         /// Carry of earlier doses, mL.
         carry_in_ml: f64,
-        /// Half of the first step less the carry, mL.
+        /// Smallest dose from this angle, mL: half of the first step less the carry.
         smallest_ml: f64,
     },
-    /// The dose takes more motor steps than anyone waits for.
+    /// The dose takes more than 1e9 motor steps.
     #[error(
-        "the dose would take {steps:.3e} motor steps; a dose may take 1e9 at most: dose less, or use fewer microsteps"
+        "the dose would take {steps:.3e} motor steps; a dose may take 1e9 at most: dose less, or use fewer \
+         microsteps"
     )]
     TooManySteps {
         /// Motor steps of the dose.
@@ -86,7 +87,7 @@ pub enum PlanError {
          {limit_ml_s} mL/s at most"
     )]
     RateTooHigh {
-        /// Flow that was asked for, mL/s.
+        /// Flow asked for, mL/s.
         flow_ml_s: f64,
         /// Speed that gives this flow, r/min.
         needed_rpm: f64,
@@ -98,15 +99,15 @@ pub enum PlanError {
     /// The speed is above the motor's largest.
     #[error("a speed of {speed_rpm:.3} r/min is above the pump's limit of {limit_rpm:.2} r/min")]
     SpeedTooHigh {
-        /// Speed that was asked for, r/min.
+        /// Speed asked for, r/min.
         speed_rpm: f64,
         /// Speed limit, r/min.
         limit_rpm: f64,
     },
-    /// The dose would take longer than any controller keeps time.
+    /// The dose would take more than 5e6 s, longer than any controller keeps time.
     #[error(
-        "the dose would take {duration_s:.3e} s; a dose may take 5e6 s (58 days) at most: raise the rate or allow \
-         less time"
+        "the dose would take {duration_s:.3e} s; a dose may take 5e6 s (58 days) at most: raise the rate or \
+         allow less time"
     )]
     TooSlow {
         /// Duration of the dose, s.
@@ -114,19 +115,19 @@ pub enum PlanError {
     },
     /// The rotor is past the point at which it could still stop for the new volume.
     #[error(
-        "a volume of {asked_ml} mL cannot be had any more: the rotor, which has delivered {delivered_ml:.4} mL, stands \
-         after {nearest_ml:.4} mL at the earliest; let it stop, and dose the rest"
+        "the dose can no longer end at {asked_ml} mL: the rotor has delivered {delivered_ml:.4} mL and can \
+         stop after {nearest_ml:.4} mL at the earliest; let it stop, and dose the rest"
     )]
     CannotStopThere {
         /// New volume of the dose, mL.
         asked_ml: f64,
         /// Volume delivered so far, mL.
         delivered_ml: f64,
-        /// Volume of the dose if the rotor is stopped as soon as it can be, mL.
+        /// Volume of the dose if the rotor stops as soon as it can, mL.
         nearest_ml: f64,
     },
-    /// The step lies behind the end of the plan.
-    #[error("the plan has {steps} steps; after {made} there is nothing to change")]
+    /// The step lies at the end of the plan or beyond it.
+    #[error("the plan has {steps} steps, so it cannot change after step {made}; change it before its end")]
     NoSuchStep {
         /// Number of the step that was given.
         made: u64,
@@ -135,22 +136,23 @@ pub enum PlanError {
     },
     /// The angle is so uncertain that a speed that follows it could make the flow less smooth.
     #[error(
-        "a smooth flow needs the rollers' angle: it is known within {half_width_deg:.1} degrees, and a speed that \
-         follows it could make a ripple of {ripple_percent:.0} % (RMS) where constant speed makes \
+        "a smooth flow needs the rollers' angle, which is known within {half_width_deg:.1} degrees only: a \
+         speed that follows it could make a ripple of {ripple_percent:.0} % (RMS), and constant speed makes \
          {constant_percent:.0} %; find the angle first, or dose at constant speed"
     )]
     SmoothWithoutAngle {
         /// Half width of the start angle, deg.
         half_width_deg: f64,
-        /// Worst ripple of the flow with the speed changed at the wrong angles, RMS, %.
+        /// Worst RMS ripple of the flow if the speed changes at the wrong angles, %.
         ripple_percent: f64,
-        /// Ripple of the flow at constant speed, RMS, %.
+        /// RMS ripple of the flow at constant speed, %.
         constant_percent: f64,
     },
     /// The flow is nowhere low enough for an end at low flow.
     #[error(
-        "a dose cannot end at low flow: the rollers always deliver {least_ml_rad:.4} mL/rad or more, and low is \
-         {limit_ml_rad:.4} mL/rad, half of the flow between pulses, or less; let the dose end anywhere"
+        "a dose cannot end at low flow: the rollers deliver {least_ml_rad:.4} mL/rad or more at every angle, \
+         and low flow is {limit_ml_rad:.4} mL/rad or less, half of the flow between pulses; let the dose end \
+         anywhere"
     )]
     NoLowFlow {
         /// Smallest flow per radian at the outlet, mL/rad.
@@ -160,22 +162,23 @@ pub enum PlanError {
     },
     /// The angle is too uncertain for an end at low flow.
     #[error(
-        "a dose that ends at low flow needs the rollers' angle: it is known within {half_width_deg:.1} degrees only, \
-         so it cannot be known where in a pitch the dose ends; find the angle first, or let the dose end anywhere"
+        "a dose that ends at low flow needs the rollers' angle, which is known within {half_width_deg:.1} \
+         degrees only: the dose could end elsewhere in the pitch; find the angle first, or let the dose end \
+         anywhere"
     )]
     LowFlowWithoutAngle {
         /// Half width of the start angle, deg.
         half_width_deg: f64,
-        /// Widest stretch of low flow, deg; 0 if nothing is known of the angle.
+        /// Widest stretch of low flow, deg. It is 0 if nothing is known of the angle.
         widest_deg: f64,
     },
-    /// Every end at low flow is farther from the volume than not moving at all.
+    /// Every end at low flow is farther from the volume than no dose at all.
     #[error(
-        "no end at low flow is nearer to what is owed than not moving at all; {smallest_ml:.4} mL, the smallest dose \
-         from this angle that ends there, can be had in place of {requested_ml} mL, or an end anywhere"
+        "no end at low flow is nearer to {requested_ml} mL with the carry than no dose at all; ask for \
+         {smallest_ml:.4} mL, the smallest dose from this angle that ends there, or let the dose end anywhere"
     )]
     NoLowFlowEnd {
-        /// Volume that was asked for, mL.
+        /// Volume asked for, mL.
         requested_ml: f64,
         /// Volume of the first end at low flow less the carry, mL.
         smallest_ml: f64,
@@ -188,18 +191,19 @@ pub enum PlanError {
     },
     /// No speed meets the time.
     #[error(
-        "the dose cannot be done within {asked_s} s; the fastest found takes {fastest_s} s, settling included"
+        "the dose cannot be done within {asked_s} s; the fastest found takes {fastest_s} s, settling \
+         included"
     )]
     TimeTooShort {
-        /// Time that was asked for, s.
+        /// Time asked for, s.
         asked_s: f64,
         /// Time of the fastest dose, s.
         fastest_s: f64,
     },
-    /// The pressure at the port that pushes would be too high.
+    /// The pressure at the discharge port would be too high.
     #[error(
-        "the outlet pressure would reach {predicted_kpa:.2} kPa absolute, above the limit of {limit_kpa:.2} kPa; \
-         {nearest}"
+        "the outlet pressure would reach {predicted_kpa:.2} kPa absolute, above the limit of {limit_kpa:.2} \
+         kPa; {nearest}"
     )]
     OutletPressure {
         /// Largest predicted pressure, kPa absolute.
@@ -209,7 +213,7 @@ pub enum PlanError {
         /// Fastest dose that holds every limit.
         nearest: Nearest,
     },
-    /// The pressure at the port that sucks would be too low.
+    /// The pressure at the suction port would be too low.
     #[error(
         "the inlet pressure would fall to {predicted_kpa:.2} kPa absolute, below the limit of {limit_kpa:.2} \
          kPa{set_by}; {nearest}"
@@ -224,10 +228,10 @@ pub enum PlanError {
         /// Fastest dose that holds every limit.
         nearest: Nearest,
     },
-    /// The pressure at the port that pushes would be too low.
+    /// The pressure at the discharge port would be too low.
     #[error(
-        "the pressure at the port that pushes would fall to {predicted_kpa:.2} kPa absolute where the flow falls \
-         and the line runs on, below the limit of {limit_kpa:.2} kPa{set_by}; {nearest}"
+        "the pressure at the discharge port would fall to {predicted_kpa:.2} kPa absolute where the flow \
+         falls and the line runs on, below the limit of {limit_kpa:.2} kPa{set_by}; {nearest}"
     )]
     OutletSuction {
         /// Smallest predicted pressure, kPa absolute.
@@ -246,7 +250,7 @@ pub enum PlanError {
     Torque {
         /// Predicted torque where it comes nearest to the motor's, N m.
         needed_n_m: f64,
-        /// Torque of the motor at that speed, N m; 0 beyond the motor's last point.
+        /// Torque of the motor at that speed, N m. It is 0 beyond the motor's last point.
         limit_n_m: f64,
         /// Fastest dose that holds every limit.
         nearest: Nearest,

@@ -1,11 +1,11 @@
-//! Where in a pitch a dose may end.
+//! The place in a pitch at which a dose may end.
 
 use core::fmt;
 use core::str::FromStr;
 
 use super::unknown_name::UnknownName;
 
-/// Where in a pitch a dose may end.
+/// The place in a pitch at which a dose may end.
 ///
 /// ```
 /// use pump_ctl::plan::Finish;
@@ -19,11 +19,12 @@ use super::unknown_name::UnknownName;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Finish {
-    /// Anywhere.
+    /// The dose may end anywhere.
     #[default]
     Any,
-    /// Where a step delivers little: q_out is at most half of what it is between pulses,
-    /// [`pump_model::Pump::nominal_ml_rad`]. A stop there leaves least to drip, and steps are at most half as coarse.
+    /// The dose ends at low flow, where a step delivers little. The flow per radian q_out is there at most
+    /// half of its value between pulses, [`pump_model::Pump::nominal_ml_rad`]. A stop there leaves least to
+    /// drip, and steps are at most half as coarse.
     LowFlow,
 }
 
@@ -33,7 +34,7 @@ impl Finish {
 
     const NAMES: [&'static str; 2] = [Self::Any.name(), Self::LowFlow.name()];
 
-    /// The finish's name in the command, in Python and in reports.
+    /// Returns the finish's name in the command, in Python and in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Any => "any",

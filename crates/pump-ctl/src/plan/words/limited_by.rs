@@ -17,24 +17,26 @@ use super::unknown_name::UnknownName;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum LimitedBy {
-    /// No limit: the dose cruises at the speed that was asked for.
+    /// No limit binds. The dose cruises at the speed that was asked for.
     Nothing,
-    /// The acceleration: the dose is too short to reach that speed, or the envelope of a smooth flow.
+    /// The acceleration binds. The dose is too short to reach its cruise speed, or the envelope of a smooth
+    /// flow.
     Acceleration,
-    /// The motor's largest speed.
+    /// The motor's largest speed binds.
     Speed,
-    /// The pressure at the port that pushes.
+    /// The largest pressure at the discharge port binds.
     OutletPressure,
-    /// The pressure at the port that sucks.
+    /// The smallest pressure at the suction port binds.
     InletPressure,
-    /// Too little pressure at the port that pushes, as a long line makes where the flow falls.
+    /// The smallest pressure at the discharge port binds. A long line makes it where the flow falls.
     OutletSuction,
-    /// The torque that the motor has.
+    /// The motor's torque binds.
     Torque,
 }
 
 impl LimitedBy {
-    /// Every limit that has a name of its own. [`Self::OutletSuction`] shares that of [`Self::OutletPressure`].
+    /// Every limit that has a name of its own. [`Self::OutletSuction`] shares the name of
+    /// [`Self::OutletPressure`].
     pub const ALL: [Self; 6] = [
         Self::Nothing,
         Self::Speed,
@@ -53,7 +55,8 @@ impl LimitedBy {
         Self::Torque.name(),
     ];
 
-    /// The limit's name in reports. Both limits of the pressure at the port that pushes are `outlet_pressure`.
+    /// Returns the limit's name in reports. Both limits of the pressure at the discharge port are
+    /// `outlet_pressure`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Nothing => "none",
@@ -75,7 +78,7 @@ impl fmt::Display for LimitedBy {
 impl FromStr for LimitedBy {
     type Err = UnknownName;
 
-    /// Reads a name of [`Self::name`]; `outlet_pressure` is [`Self::OutletPressure`].
+    /// Reads a name that [`Self::name`] gives. The name `outlet_pressure` is [`Self::OutletPressure`].
     fn from_str(name: &str) -> Result<Self, UnknownName> {
         let named = Self::ALL.into_iter().find(|limit| limit.name() == name);
         named.ok_or_else(|| UnknownName::new("limited_by", name, &Self::NAMES))

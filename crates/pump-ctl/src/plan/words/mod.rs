@@ -1,4 +1,4 @@
-//! The words of a plan: its choices, its request and its refusals. No other room is named here.
+//! The words of a plan: its choices, its request and its refusals. They name no other room.
 
 mod allowed;
 mod cruise;

@@ -1,4 +1,4 @@
-//! Where the rollers stand.
+//! The angle at which the rollers stand.
 
 use pump_model::Pump;
 use pump_model::math::ceil;
@@ -6,44 +6,58 @@ use pump_model::math::ceil;
 use super::allowed::Allowed;
 use super::error::{PlanError, within};
 
-/// Angle of the rotor in the model's zero (a roller begins to leave the outlet), and how well it is known.
+/// Angle of the rotor, and the uncertainty of that angle.
+///
+/// The angle counts from the model's zero, at which a roller begins to leave the outlet.
+///
+/// ```
+/// use pump_ctl::plan::Phase;
+///
+/// let pump = pump_model::Pump::three_roller();
+/// let within_a_step = Phase { angle_rad: 0.3, half_width_rad: 0.0005 };
+/// let (least_ml, most_ml) = within_a_step.range_ml(&pump, 1.0);
+/// assert!(least_ml < most_ml && most_ml - least_ml < 0.01);
+/// assert!(within_a_step.is_known(pump.pitch_rad()));
+/// assert!(!Phase::unknown(pump.pitch_rad()).is_known(pump.pitch_rad()));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Phase {
     /// Angle, rad. Only the angle within a pitch matters.
     pub angle_rad: f64,
-    /// Largest distance of the true angle from `angle_rad`, rad, not negative.
+    /// Half width: the largest distance of the true angle from `angle_rad`, rad, not negative.
     pub half_width_rad: f64,
 }
 
 impl Phase {
-    /// Makes an angle that is known exactly.
+    /// Makes a phase of an angle that is known exactly.
     pub fn known(angle_rad: f64) -> Self {
         Self { angle_rad, half_width_rad: 0.0 }
     }
 
-    /// Makes an angle of which nothing is known, for a pump of this pitch. Its middle, 0, stands for every angle.
+    /// Makes a phase that may be any angle, for a pump of this pitch. Its middle is 0.
     pub fn unknown(pitch_rad: f64) -> Self {
         Self { angle_rad: 0.0, half_width_rad: 0.5 * pitch_rad }
     }
 
-    /// Tells whether anything is known of the angle, for a pump of this pitch.
+    /// Returns true if the angle is known to less than a whole pitch, for a pump of this pitch.
     pub fn is_known(&self, pitch_rad: f64) -> bool {
         self.half_width_rad < 0.5 * pitch_rad
     }
 
-    /// Smallest and largest volume, mL, that a turn by `turn_rad` delivers from wherever the rollers may stand.
+    /// Returns the smallest and the largest volume, mL, that a turn by `turn_rad` delivers, over the angles
+    /// at which the rollers may stand.
     pub fn range_ml(&self, pump: &Pump, turn_rad: f64) -> (f64, f64) {
         pump.outlet_curve().turn_range_ml(self.angle_rad, self.half_width_rad, turn_rad)
     }
 
-    /// Offsets from this angle, rad, at which a plan looks at the rollers. They are both ends of the range in which
-    /// the rollers may stand, its middle, and angles between them a sixteenth of a pitch apart at most. A known angle
-    /// has the offset 0 alone.
+    /// Returns the offsets from this angle, rad, at which a plan looks at the rollers. They are both ends of
+    /// the range in which the rollers may stand, its middle, and angles between them a sixteenth of a pitch
+    /// apart at most. A known angle has the offset 0 alone.
     pub(in crate::plan) fn beside(&self, pitch_rad: f64) -> impl Iterator<Item = f64> + use<> {
         let half_rad = self.half_width_rad.min(0.5 * pitch_rad);
-        // 8 at most.
+        // There are 8 looks a side at most.
         let looks = ceil(16.0 * half_rad / pitch_rad) as i32;
         (-looks..=looks).map(move |n| if n == 0 { 0.0 } else { half_rad * f64::from(n) / f64::from(looks) })
     }

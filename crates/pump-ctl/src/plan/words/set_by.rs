@@ -7,16 +7,16 @@ use core::fmt;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum SetBy {
-    /// Somebody's figure.
+    /// The user gave the pressure.
     Given,
-    /// The pressure at which the tube would collapse.
+    /// The tube would collapse at the pressure.
     TubeCollapse,
-    /// The fluid's vapour pressure.
+    /// The pressure is the fluid's vapour pressure.
     Vapour,
 }
 
 impl SetBy {
-    /// The origin's name in reports.
+    /// Returns the origin's name in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Given => "given",
@@ -27,7 +27,7 @@ impl SetBy {
 }
 
 impl fmt::Display for SetBy {
-    /// Writes what a message says behind the pressure: nothing of a figure that was given.
+    /// Writes the words that follow the pressure in a message. A pressure that was given has none.
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         to.write_str(match self {
             Self::Given => "",

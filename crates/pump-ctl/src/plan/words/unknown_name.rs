@@ -1,21 +1,21 @@
-//! The refusal of a name that no choice has.
+//! The refusal of a name that is not among those of a choice.
 
 use core::fmt;
 
-/// Most bytes of a refused name that the error repeats.
+/// Number of bytes of a refused name that the error repeats at most.
 const KEPT_BYTES: usize = 40;
 
-/// A name that is not among those of a choice.
+/// The refusal of a name that is not among those of a choice.
 ///
-/// The error repeats the first 40 bytes of the name: it needs no allocator.
+/// The error repeats the first 40 bytes of the name, so it needs no allocator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct UnknownName {
-    /// The choice, as users know it.
+    /// Name of the choice, as users know it.
     choice: &'static str,
     name: [u8; KEPT_BYTES],
     length: usize,
-    /// Tells whether the name was longer than what is kept of it.
+    /// True if the name is longer than the bytes kept of it.
     cut: bool,
     allowed: &'static [&'static str],
 }
@@ -32,12 +32,12 @@ impl UnknownName {
         Self { choice, name: kept, length, cut: length < name.len(), allowed }
     }
 
-    /// The names that the choice has.
+    /// Returns the names that the choice has.
     pub fn allowed(&self) -> &'static [&'static str] {
         self.allowed
     }
 
-    /// The refused name, as far as it is kept.
+    /// Returns the refused name, as far as it is kept.
     fn name(&self) -> &str {
         self.name.get(..self.length).and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or_default()
     }
