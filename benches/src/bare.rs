@@ -33,14 +33,14 @@ struct Block {
 }
 
 /// The prepared recurrences.
-pub struct Bare {
+pub(crate) struct Bare {
     blocks: Vec<Block>,
     inside: [[[f64; 2]; 2]; 2],
     base_kpa: [f64; 2],
 }
 
 impl Bare {
-    pub fn new(case: &Case) -> Self {
+    pub(crate) fn new(case: &Case) -> Self {
         let segment_of = |port: &PortCase, t: f64| port.segments.partition_point(|segment| segment.end_s < t);
         let place = |n: usize| case.ports.each_ref().map(|port| segment_of(port, sample_s(n)));
         let inside =
@@ -65,7 +65,7 @@ impl Bare {
         Self { blocks, inside, base_kpa: case.ports.each_ref().map(|port| port.line.reservoir_kpa) }
     }
 
-    pub fn run(&self, [inlet, outlet]: &mut Samples) {
+    pub(crate) fn run(&self, [inlet, outlet]: &mut Samples) {
         let [inside_in, inside_out] = self.inside.map(|matrix| Affine { matrix, shift: [0.0; 2] });
         let [base_in, base_out] = self.base_kpa;
         let mut kpa = inlet.iter_mut().zip(outlet);

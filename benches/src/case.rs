@@ -5,36 +5,36 @@ use std::f64::consts::TAU;
 
 use pump_model::{ExactRun, Leg, Line, Port, Pump, Stretches};
 
-pub const DT_S: f64 = 1e-3;
-pub const SAMPLES: usize = 10_000;
-pub const END_S: f64 = DT_S * SAMPLES as f64;
-pub const PORTS: [Port; 2] = [Port::Inlet, Port::Outlet];
+pub(crate) const DT_S: f64 = 1e-3;
+pub(crate) const SAMPLES: usize = 10_000;
+pub(crate) const END_S: f64 = DT_S * SAMPLES as f64;
+pub(crate) const PORTS: [Port; 2] = [Port::Inlet, Port::Outlet];
 
 /// Samples of P_in and P_out, kPa absolute, at 0, 1 ms, 2 ms ...
-pub type Samples = [Vec<f64>; 2];
+pub(crate) type Samples = [Vec<f64>; 2];
 
 /// Returns room for the samples of both ports.
-pub fn room() -> Samples {
+pub(crate) fn room() -> Samples {
     [vec![0.0; SAMPLES], vec![0.0; SAMPLES]]
 }
 
 /// Returns the time of sample `n`, s.
-pub fn sample_s(n: usize) -> f64 {
+pub(crate) fn sample_s(n: usize) -> f64 {
     n as f64 * DT_S
 }
 
 /// A polynomial of degree four, lowest order first.
-pub type Quartic = [f64; 5];
+pub(crate) type Quartic = [f64; 5];
 
 /// Returns the value of a quartic at `t` by Horner's rule.
 #[inline]
-pub fn horner(c: &Quartic, t: f64) -> f64 {
+pub(crate) fn horner(c: &Quartic, t: f64) -> f64 {
     c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * c[4])))
 }
 
 /// A time between two edges of a port's flow, s, and the flow, mL/s, over time since its start.
 #[derive(Clone, Copy)]
-pub struct Segment {
+pub(crate) struct Segment {
     pub start_s: f64,
     pub end_s: f64,
     pub flow: Quartic,
@@ -53,7 +53,7 @@ impl Segment {
 
 /// The equations of one port for the peers: C dp/dt = s (Q - q), L dq/dt = s p - R q, with s = -1 at the
 /// inlet.
-pub struct PortCase {
+pub(crate) struct PortCase {
     pub sign: f64,
     pub line: Line,
     pub segments: Vec<Segment>,
@@ -83,7 +83,7 @@ impl PortCase {
 
     /// Returns d(p, q)/dt where the flow at the rollers is `flow`.
     #[inline]
-    pub fn derivative(&self, flow: f64, [p, q]: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn derivative(&self, flow: f64, [p, q]: [f64; 2]) -> [f64; 2] {
         let Line { resistance_kpa_s_ml: r, compliance_ml_kpa: c, inertance_kpa_s2_ml: l, .. } = self.line;
         [self.sign * (flow - q) / c, (self.sign * p - r * q) / l]
     }
@@ -91,14 +91,14 @@ impl PortCase {
 
 /// A time between two edges of either port, s, with both ports' flows over time since its start.
 #[derive(Clone, Copy)]
-pub struct JointSegment {
+pub(crate) struct JointSegment {
     pub start_s: f64,
     pub end_s: f64,
     pub flows: [Quartic; 2],
 }
 
 /// The case with its exact solution.
-pub struct Case {
+pub(crate) struct Case {
     pub pump: Pump,
     pub leg: Leg,
     pub ports: [PortCase; 2],
@@ -108,7 +108,7 @@ pub struct Case {
 }
 
 impl Case {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let pump = Pump::three_roller();
         let leg = Leg::constant_speed(0.0, 100.0 * TAU / 60.0);
         let ports = PORTS.map(|port| PortCase::new(&pump, port, leg));
@@ -122,7 +122,7 @@ impl Case {
     }
 
     /// Returns the largest difference to the exact solution, kPa. It is infinite if a solver gave no number.
-    pub fn error_kpa(&self, samples: &Samples) -> f64 {
+    pub(crate) fn error_kpa(&self, samples: &Samples) -> f64 {
         let pairs = samples.iter().flatten().zip(self.exact.iter().flatten());
         pairs.fold(0.0, |largest, (p, exact)| {
             let error = (p - exact).abs();
@@ -154,7 +154,7 @@ fn joined(ports: &[PortCase; 2]) -> Vec<JointSegment> {
 
 /// Returns the quartic with the values of `f` at five points from 0 to `length`, by Newton's divided
 /// differences.
-pub fn through(length: f64, f: impl Fn(f64) -> f64) -> Quartic {
+pub(crate) fn through(length: f64, f: impl Fn(f64) -> f64) -> Quartic {
     let at = |n: usize| length * n as f64 / 4.0;
     let mut differences: Quartic = std::array::from_fn(|n| f(at(n)));
     for order in 1..5 {

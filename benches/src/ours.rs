@@ -6,7 +6,7 @@ use pump_model::{ExactRun, PortRun};
 use crate::case::{Case, DT_S, END_S, PORTS, SAMPLES, Samples, sample_s};
 
 /// Samples the exact solution.
-pub fn exact(case: &Case, samples: &mut Samples) {
+pub(crate) fn exact(case: &Case, samples: &mut Samples) {
     for (port, kpa) in PORTS.into_iter().zip(samples) {
         let base_kpa = case.pump.line(port).reservoir_kpa;
         let run = ExactRun::from_rest(&case.pump, port, [case.leg]);
@@ -17,7 +17,7 @@ pub fn exact(case: &Case, samples: &mut Samples) {
 }
 
 /// Samples the integrator's solution, with its dense output.
-pub fn integrated(case: &Case, tolerance: f64, samples: &mut Samples) -> Result<(), IntegrationError> {
+pub(crate) fn integrated(case: &Case, tolerance: f64, samples: &mut Samples) -> Result<(), IntegrationError> {
     for (port, kpa) in PORTS.into_iter().zip(samples) {
         let base_kpa = case.pump.line(port).reservoir_kpa;
         let mut run = PortRun::<_, 2>::from_rest(&case.pump, port, [case.leg], tolerance)?;

@@ -11,7 +11,7 @@ use crate::peers::{explicit, implicit};
 use crate::timing::{Outcome, Row};
 
 /// Errors to reach, kPa.
-pub const GOALS_KPA: [f64; 2] = [1e-2, 1e-6];
+pub(crate) const GOALS_KPA: [f64; 2] = [1e-2, 1e-6];
 
 const MAKES: (f64, &str) = (2.0 * SAMPLES as f64, "samples");
 
@@ -36,16 +36,16 @@ const PEERS: [(&str, Solve); 4] = [
 ];
 
 /// Row of the exact solution, with which other rows are compared.
-pub const EXACT: usize = 0;
+pub(crate) const EXACT: usize = 0;
 /// Row of the bare loop.
-pub const BARE: usize = 1;
+pub(crate) const BARE: usize = 1;
 /// Row of our integrator at the first goal. At the second goal it stands a row later.
-pub const OURS: usize = 2;
+pub(crate) const OURS: usize = 2;
 /// Row of diffsol's BDF at the first goal. At the second goal it stands a row later.
-pub const BDF: usize = 4;
+pub(crate) const BDF: usize = 4;
 
 /// Returns every row: the exact solution, the bare loop, our integrator, then the peers.
-pub fn rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
+pub(crate) fn rows(case: &Case) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
     let bare = Bare::new(case);
     let mut rows = vec![
         row("exact", case, None, move |samples| {

@@ -3,10 +3,10 @@
 use std::error::Error;
 use std::time::Instant;
 
-pub type Outcome = Result<(), Box<dyn Error>>;
+pub(crate) type Outcome = Result<(), Box<dyn Error>>;
 
 /// A task to time.
-pub struct Row<'a> {
+pub(crate) struct Row<'a> {
     pub name: String,
     /// Tolerance that the solver was given, if the row solves the benchmark case.
     pub tolerance: Option<f64>,
@@ -19,17 +19,17 @@ pub struct Row<'a> {
 
 /// The length of a measurement.
 #[derive(Clone, Copy)]
-pub struct Effort {
+pub(crate) struct Effort {
     pub rounds: usize,
     /// Time that a row fills in a round with repetitions, s.
     pub fill_s: f64,
 }
 
 /// Times of every row in every round, s.
-pub struct Times(Vec<Vec<f64>>);
+pub(crate) struct Times(Vec<Vec<f64>>);
 
 impl Times {
-    pub fn measure(rows: &mut [Row<'_>], effort: Effort) -> Result<Self, Box<dyn Error>> {
+    pub(crate) fn measure(rows: &mut [Row<'_>], effort: Effort) -> Result<Self, Box<dyn Error>> {
         let mut repetitions = Vec::new();
         for row in rows.iter_mut() {
             (row.run)()?;
@@ -46,12 +46,12 @@ impl Times {
     }
 
     /// Returns the median time of a row, s.
-    pub fn median_s(&self, row: usize) -> f64 {
+    pub(crate) fn median_s(&self, row: usize) -> f64 {
         median(self.0[row].clone())
     }
 
     /// Returns the median over the rounds of a row's time over another row's time in that round.
-    pub fn ratio(&self, row: usize, to: usize) -> f64 {
+    pub(crate) fn ratio(&self, row: usize, to: usize) -> f64 {
         median(self.0[row].iter().zip(&self.0[to]).map(|(row, to)| row / to).collect())
     }
 }

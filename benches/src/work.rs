@@ -16,7 +16,7 @@ const SPEEDS: usize = 1_000;
 const PUMPS: usize = 100;
 const STEPS: usize = 1_000_000;
 
-pub fn rows(pump: &Pump) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
+pub(crate) fn rows(pump: &Pump) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
     let pumps = (0..PUMPS).map(with_other_outlet).collect::<Result<Vec<_>, _>>()?;
     let threads = thread::available_parallelism()?.get();
     let limits = built_in("three-roller").ok_or("the built-in pump is missing")?.limits();

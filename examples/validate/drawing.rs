@@ -11,7 +11,7 @@ use crate::paper::{MEASURED, PAPER, POINTS, REFERENCE};
 use crate::row::{Bound, Row};
 
 /// Returns the section of the page about drawings.
-pub fn section() -> Result<Section, Box<dyn Error>> {
+pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     let mut rows = Vec::new();
     // The references are full contact and closure, deg, and the deviation of V(50.53 deg) from the measured
     // volume, %. The last two are the RMSE over the points and V_r of the whole arc, mL.

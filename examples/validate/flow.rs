@@ -10,10 +10,10 @@ use crate::paper::REFERENCE;
 use crate::row::{Bound, Row};
 
 /// Speed of the paper's figure, r/min.
-pub const RPM: f64 = 60.0;
+pub(crate) const RPM: f64 = 60.0;
 
 /// Returns T1 = T2, T3 and the length of a pulse at 60 r/min, s, and the peak of a pulse, mL/s.
-pub fn pulses(pump: &Pump) -> Result<[f64; 4], Box<dyn Error>> {
+pub(crate) fn pulses(pump: &Pump) -> Result<[f64; 4], Box<dyn Error>> {
     let omega = rad_s(RPM);
     let psi_rad = pump.geometry().inlet_phase_rad(pump.roller_volume())?;
     let (lowest, highest) = pump.outlet_curve().flow_range_ml_rad();
@@ -22,7 +22,7 @@ pub fn pulses(pump: &Pump) -> Result<[f64; 4], Box<dyn Error>> {
 }
 
 /// Returns the section of the page about the flow.
-pub fn section() -> Result<Section, Box<dyn Error>> {
+pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     let [t1, t3, pulse_s, peak] = pulses(&Pump::three_roller())?;
     let [t1_two, ..] = pulses(&Pump::two_roller())?;
     let reference = |value| (value, REFERENCE);

@@ -15,7 +15,7 @@ use crate::row::figure;
 use crate::volumes::Volumes;
 
 /// Returns all contradictions as a Markdown list.
-pub fn markdown() -> Result<String, Box<dyn Error>> {
+pub(crate) fn markdown() -> Result<String, Box<dyn Error>> {
     Ok([
         roller_volume()?,
         bulk_modulus(),

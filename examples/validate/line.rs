@@ -11,7 +11,7 @@ use crate::row::{Bound, Row};
 
 /// Hose that meets R and L of the paper's line. Its bore is that of the pump's tube. Length and K are chosen.
 /// The modulus of 3.5 MPa and nu = 0.5 are those of silicone rubber.
-pub const HOSE: Hose = Hose {
+pub(crate) const HOSE: Hose = Hose {
     bore_radius_mm: 5.0,
     outer_radius_mm: 7.0,
     length_mm: 331.0,
@@ -21,12 +21,12 @@ pub const HOSE: Hose = Hose {
 };
 
 /// Returns the paper's water: 997 kg/m³ at 25 °C.
-pub fn water() -> Result<Fluid, Box<dyn Error>> {
+pub(crate) fn water() -> Result<Fluid, Box<dyn Error>> {
     Ok(Fluid { density_kg_m3: 997.0, ..Fluid::water(25.0)? })
 }
 
 /// Returns the section of the page about lines.
-pub fn section() -> Result<Section, Box<dyn Error>> {
+pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     let line = Line::PUBLISHED;
     let ours =
         [line.reservoir_kpa, line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml];

@@ -8,7 +8,7 @@ use crate::{
 };
 
 /// A part of the page with one table.
-pub struct Section {
+pub(crate) struct Section {
     pub title: &'static str,
     /// Markdown above the table, with a blank line at its end, or empty.
     pub before: String,
@@ -18,7 +18,7 @@ pub struct Section {
 }
 
 /// Computes all sections.
-pub fn sections() -> Result<Vec<Section>, Box<dyn Error>> {
+pub(crate) fn sections() -> Result<Vec<Section>, Box<dyn Error>> {
     Ok(vec![
         roller_volume::dimensions()?,
         roller_volume::section()?,
@@ -32,12 +32,12 @@ pub fn sections() -> Result<Vec<Section>, Box<dyn Error>> {
 }
 
 /// Returns a message for each figure whose deviation exceeds its bound.
-pub fn beyond_bounds(sections: &[Section]) -> Vec<String> {
+pub(crate) fn beyond_bounds(sections: &[Section]) -> Vec<String> {
     sections.iter().flat_map(|section| section.rows.iter().filter_map(Row::beyond_bound)).collect()
 }
 
 /// Returns the page and its pictures, each as its name below docs/ and its contents.
-pub fn files(sections: &[Section]) -> Result<Vec<(String, String)>, Box<dyn Error>> {
+pub(crate) fn files(sections: &[Section]) -> Result<Vec<(String, String)>, Box<dyn Error>> {
     let mut page = INTRODUCTION.to_owned();
     for Section { title, before, rows, after } in sections {
         let rows: String = rows.iter().map(Row::markdown).collect();

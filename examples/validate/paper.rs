@@ -3,16 +3,16 @@
 //! arXiv 2011.13167), and their published code.
 
 /// Source of a figure in the paper's table of dimensions.
-pub const TABLE_1: &str = "Table 1";
+pub(crate) const TABLE_1: &str = "Table 1";
 /// Source of a figure elsewhere in the paper, whose tables, figures and pages could not be looked up.
-pub const PAPER: &str = "paper";
+pub(crate) const PAPER: &str = "paper";
 /// Source of a figure in Main.m of github.com/MPMcIntyre/Roller-pump-model-and-simulation.
-pub const CODE: &str = "authors' code";
+pub(crate) const CODE: &str = "authors' code";
 /// Source of a figure that was computed outside this code from the paper's equations and data.
-pub const REFERENCE: &str = "reference";
+pub(crate) const REFERENCE: &str = "reference";
 
 /// Dimensions of the pump: name, unit, value in Table 1, value in the authors' code.
-pub const DIMENSIONS: [(&str, &str, f64, f64); 6] = [
+pub(crate) const DIMENSIONS: [(&str, &str, f64, f64); 6] = [
     ("tube bore radius r_i", "mm", 5.0, 5.0),
     ("tube outer radius r_o", "mm", 7.0, 7.0),
     ("backplate radius r_b", "mm", 63.0, 62.76),
@@ -22,12 +22,12 @@ pub const DIMENSIONS: [(&str, &str, f64, f64); 6] = [
 ];
 
 /// Roller volume V_r, mL.
-pub const ROLLER_ML: f64 = 2.06;
+pub(crate) const ROLLER_ML: f64 = 2.06;
 /// Engagement angle phi, deg.
-pub const ENGAGEMENT_DEG: f64 = 50.53;
+pub(crate) const ENGAGEMENT_DEG: f64 = 50.53;
 
 /// Mean of seven measured roller volumes: angle in deg, volume in mL.
-pub const POINTS: [(f64, f64); 15] = [
+pub(crate) const POINTS: [(f64, f64); 15] = [
     (0.0, 0.0),
     (3.37, 0.0207143),
     (6.92, 0.1057143),
@@ -46,7 +46,7 @@ pub const POINTS: [(f64, f64); 15] = [
 ];
 
 /// Coefficients of the volume V in mL over deg, highest order first.
-pub const POLYNOMIAL: [f64; 6] = [
+pub(crate) const POLYNOMIAL: [f64; 6] = [
     1.315_768_247_757_037_1e-8,
     -1.238_105_747_404_483_3e-6,
     -8.751_039_956_479_692e-6,
@@ -56,7 +56,7 @@ pub const POLYNOMIAL: [f64; 6] = [
 ];
 
 /// Figures that were measured of a pump.
-pub struct Measured {
+pub(crate) struct Measured {
     pub rollers: u32,
     /// Fastest speed, r/min. The speeds begin at 10 r/min.
     pub fastest_rpm: u32,
@@ -71,7 +71,7 @@ pub struct Measured {
 }
 
 /// Measured figures of the pumps with three and with two rollers.
-pub const MEASURED: [Measured; 2] = [
+pub(crate) const MEASURED: [Measured; 2] = [
     Measured {
         rollers: 3,
         fastest_rpm: 170,
@@ -91,7 +91,7 @@ pub const MEASURED: [Measured; 2] = [
 ];
 
 /// Values of the line: name, unit, value in the paper, value in the authors' code.
-pub const LINE: [(&str, &str, f64, f64); 4] = [
+pub(crate) const LINE: [(&str, &str, f64, f64); 4] = [
     ("reservoir pressure P_res", "kPa", 88.637, 88.6372),
     ("resistance R", "kPa s/mL", 0.1108, 0.1108),
     ("compliance C", "mL/kPa", 0.0361, 0.036108499),
@@ -100,7 +100,7 @@ pub const LINE: [(&str, &str, f64, f64); 4] = [
 
 /// Pressures of the periodic steady state: rollers, r/min, then max, min, mean of P_in and of P_out, kPa.
 /// Extremes are true ones. The values are references to 1e-4 kPa, not the paper's.
-pub const STEADY_KPA: [(u32, f64, [f64; 6]); 6] = [
+pub(crate) const STEADY_KPA: [(u32, f64, [f64; 6]); 6] = [
     (3, 50.0, [90.5879, 84.8782, 86.6686, 93.3473, 87.8604, 90.6054]),
     (3, 100.0, [95.3347, 73.7963, 84.7002, 104.5105, 83.5685, 92.5738]),
     (3, 150.0, [100.3254, 61.4112, 82.7318, 116.2201, 77.4455, 94.5422]),
@@ -111,4 +111,4 @@ pub const STEADY_KPA: [(u32, f64, [f64; 6]); 6] = [
 
 /// Pressures from rest to 100 r/min with three rollers from angle 0: min and max of P_in, then of P_out, kPa.
 /// The values are references, not the paper's.
-pub const START_KPA: [f64; 4] = [71.725, 98.109, 78.519, 108.568];
+pub(crate) const START_KPA: [f64; 4] = [71.725, 98.109, 78.519, 108.568];

@@ -16,7 +16,7 @@ use crate::volumes::Volumes;
 const POINTS: u32 = 400;
 
 /// Returns names and SVGs of all pictures.
-pub fn all() -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
+pub(crate) fn all() -> Result<Vec<(&'static str, String)>, Box<dyn Error>> {
     Ok(vec![
         ("roller-volume", roller_volume()?),
         ("flows", flows()?),

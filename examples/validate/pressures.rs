@@ -10,7 +10,7 @@ use crate::paper::{MEASURED, PAPER, REFERENCE, START_KPA, STEADY_KPA};
 use crate::row::{Bound, Row};
 
 /// Returns max, min, mean of P_in, then of P_out, in the periodic steady state, kPa absolute.
-pub fn steady_kpa(rollers: u32, rpm: f64) -> Result<[f64; 6], Box<dyn Error>> {
+pub(crate) fn steady_kpa(rollers: u32, rpm: f64) -> Result<[f64; 6], Box<dyn Error>> {
     let steady = Pump::preset(rollers, Variant::Measured)?.steady_state(rad_s(rpm))?;
     Ok([
         steady.inlet.max_kpa,
@@ -24,7 +24,7 @@ pub fn steady_kpa(rollers: u32, rpm: f64) -> Result<[f64; 6], Box<dyn Error>> {
 
 /// Returns the pressure of a port over one pitch of the steady state from angle 0, at `count` equal steps,
 /// kPa absolute.
-pub fn pitch_kpa(pump: &Pump, port: Port, rpm: f64, count: u32) -> Result<Vec<f64>, Box<dyn Error>> {
+pub(crate) fn pitch_kpa(pump: &Pump, port: Port, rpm: f64, count: u32) -> Result<Vec<f64>, Box<dyn Error>> {
     let state = pump.periodic_state(port, rad_s(rpm))?;
     let mut run = ExactRun::new(pump, port, [Leg::constant_speed(0.0, rad_s(rpm))], state);
     let pitch_s = pump.pitch_rad() / rad_s(rpm);
@@ -32,7 +32,7 @@ pub fn pitch_kpa(pump: &Pump, port: Port, rpm: f64, count: u32) -> Result<Vec<f6
 }
 
 /// Returns the section of the page about pressures.
-pub fn section() -> Result<Section, Box<dyn Error>> {
+pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     const NAMES: [&str; 6] =
         ["P_in largest", "P_in smallest", "P_in mean", "P_out largest", "P_out smallest", "P_out mean"];
     let mut rows = Vec::new();

@@ -39,7 +39,7 @@ fn limit_kpa(pump: &Pump) -> Result<[f64; 2], Box<dyn Error>> {
 }
 
 /// Returns the section of the page about the roller-centric model.
-pub fn section() -> Result<Section, Box<dyn Error>> {
+pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     let mut rows = Vec::new();
     for rollers in [3, 2] {
         let pump = Pump::preset(rollers, Variant::Measured)?;

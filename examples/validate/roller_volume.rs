@@ -12,17 +12,17 @@ use crate::paper::{
 use crate::row::{Bound, Row, figure};
 
 /// Returns the measured points.
-pub fn points() -> [VolumePoint; 15] {
+pub(crate) fn points() -> [VolumePoint; 15] {
     POINTS.map(|(angle_deg, volume_ml)| VolumePoint { angle_deg, volume_ml })
 }
 
 /// Returns the value of a polynomial at `x`, highest order first.
-pub fn at(coefficients: &[f64; 6], x: f64) -> f64 {
+pub(crate) fn at(coefficients: &[f64; 6], x: f64) -> f64 {
     coefficients.iter().fold(0.0, |sum, c| sum * x + c)
 }
 
 /// Returns the section of the page about Table 1 and the dimensions of the authors' code.
-pub fn dimensions() -> Result<Section, Box<dyn Error>> {
+pub(crate) fn dimensions() -> Result<Section, Box<dyn Error>> {
     let values = |variant| {
         let g = Geometry::published(3, variant);
         let beta_deg = degrees(g.contact_angle_rad);
@@ -74,7 +74,7 @@ pub fn dimensions() -> Result<Section, Box<dyn Error>> {
 }
 
 /// Returns the section of the page about V(theta), V_r and phi.
-pub fn section() -> Result<Section, Box<dyn Error>> {
+pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     let points = points();
     let fit = VolumeFit::quintic(&points)?;
     let found = fit.polynomial_ml_deg().ok_or("a quintic has a polynomial")?;

@@ -4,7 +4,7 @@ use pump_model::math::{floor, log10};
 
 /// Largest deviation of our figure from theirs that is allowed.
 #[derive(Clone, Copy)]
-pub enum Bound {
+pub(crate) enum Bound {
     /// Our figure must equal theirs.
     Equal,
     /// Our figure may differ by this part of theirs, percent.
@@ -19,7 +19,7 @@ pub enum Bound {
 
 /// The way in which a figure was checked.
 #[derive(Clone, Copy)]
-pub enum Done {
+pub(crate) enum Done {
     /// Our figure follows from other inputs.
     Computed,
     /// The model takes the figure as it is.
@@ -31,7 +31,7 @@ pub enum Done {
 }
 
 /// A row of a table.
-pub struct Row {
+pub(crate) struct Row {
     name: String,
     unit: &'static str,
     source: &'static str,
@@ -42,13 +42,13 @@ pub struct Row {
 }
 
 /// The head of a table of rows.
-pub const HEAD: &str = "| | unit | theirs | source | ours | deviation | bound | done |
+pub(crate) const HEAD: &str = "| | unit | theirs | source | ours | deviation | bound | done |
 | --- | --- | --- | --- | --- | --- | --- | --- |
 ";
 
 impl Row {
     /// Returns a row for their figure and ours, which is computed.
-    pub fn computed(
+    pub(crate) fn computed(
         name: impl Into<String>,
         unit: &'static str,
         (theirs, source): (f64, &'static str),
@@ -60,7 +60,7 @@ impl Row {
     }
 
     /// Returns a row for a figure that the model takes as it is.
-    pub fn input(
+    pub(crate) fn input(
         name: impl Into<String>,
         unit: &'static str,
         theirs: (f64, &'static str),
@@ -70,7 +70,7 @@ impl Row {
     }
 
     /// Returns a row for their figure without one of ours.
-    pub fn unchecked(
+    pub(crate) fn unchecked(
         name: impl Into<String>,
         unit: &'static str,
         (theirs, source): (f64, &'static str),
@@ -81,28 +81,28 @@ impl Row {
     }
 
     /// Returns a row for figures that were not published.
-    pub fn missing(name: impl Into<String>, source: &'static str, why: &'static str) -> Self {
+    pub(crate) fn missing(name: impl Into<String>, source: &'static str, why: &'static str) -> Self {
         Self { theirs: None, ..Self::unchecked(name, "", (0.0, source), why) }
     }
 
     /// Returns a row for our figure without a published one.
-    pub fn ours(name: impl Into<String>, unit: &'static str, ours: f64) -> Self {
+    pub(crate) fn ours(name: impl Into<String>, unit: &'static str, ours: f64) -> Self {
         let (name, done) = (name.into(), Done::Computed);
         Self { name, unit, source: "none", theirs: None, ours: Some(ours), bound: Bound::Open, done }
     }
 
     /// Returns the row with another bound.
-    pub fn bounded(self, bound: Bound) -> Self {
+    pub(crate) fn bounded(self, bound: Bound) -> Self {
         Self { bound, ..self }
     }
 
     /// Returns the row as an input.
-    pub fn taken(self) -> Self {
+    pub(crate) fn taken(self) -> Self {
         Self { done: Done::Input, ..self }
     }
 
     /// Returns the row as a fitted figure.
-    pub fn fitted(self) -> Self {
+    pub(crate) fn fitted(self) -> Self {
         Self { done: Done::Fitted, ..self }
     }
 
@@ -120,7 +120,7 @@ impl Row {
     }
 
     /// Returns a message if the deviation exceeds its bound or is not a number.
-    pub fn beyond_bound(&self) -> Option<String> {
+    pub(crate) fn beyond_bound(&self) -> Option<String> {
         let (deviation, bound) = self.deviation()?;
         let holds = match self.bound {
             Bound::AtMost => deviation <= 0.0,
@@ -130,7 +130,7 @@ impl Row {
     }
 
     /// Returns the row as Markdown.
-    pub fn markdown(&self) -> String {
+    pub(crate) fn markdown(&self) -> String {
         let shown = |value: f64| match self.done {
             // A conversion from degrees to radians and back rounds the last bit.
             Done::Input => trimmed(&figure(value, 7)),
@@ -179,7 +179,7 @@ fn as_printed(value: f64) -> String {
 }
 
 /// Prints a number with `digits` significant digits.
-pub fn figure(value: f64, digits: i32) -> String {
+pub(crate) fn figure(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }

@@ -39,7 +39,7 @@ const TESTS: [Test; 7] = [
 ];
 
 /// Returns the results of a test as a table, or an error if no test has this name.
-pub fn run(name: &str) -> Result<String, Box<dyn Error>> {
+pub(crate) fn run(name: &str) -> Result<String, Box<dyn Error>> {
     let Some(test) = TESTS.iter().find(|test| test.name.eq_ignore_ascii_case(name)) else {
         let names = TESTS.map(|test| test.name).join(", ");
         return Err(format!("no test is named {name:?}; allowed: {names}").into());
@@ -48,7 +48,7 @@ pub fn run(name: &str) -> Result<String, Box<dyn Error>> {
 }
 
 /// Returns the tests and their commands as Markdown.
-pub fn markdown() -> String {
+pub(crate) fn markdown() -> String {
     let mut text = String::from(
         "The paper names its tests FT1 to FT5, PT1 and PT2. Their definitions could not be looked up. The \
          assignment below is ours, one test for each quantity that the paper is known to have measured. A run \

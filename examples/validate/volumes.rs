@@ -12,7 +12,7 @@ use crate::paper::{MEASURED, Measured, PAPER, REFERENCE};
 use crate::row::{Bound, Row, figure};
 
 /// Volumes of ten revolutions at the paper's speeds.
-pub struct Volumes {
+pub(crate) struct Volumes {
     pub rpm: Vec<f64>,
     /// Volume by the linear model with V_r as measured, mL. It does not depend on the speed.
     pub linear_ml: f64,
@@ -26,7 +26,7 @@ pub struct Volumes {
 
 impl Volumes {
     /// Computes the volumes at every 10 r/min.
-    pub fn of(rollers: u32, fastest_rpm: u32) -> Result<Self, Box<dyn Error>> {
+    pub(crate) fn of(rollers: u32, fastest_rpm: u32) -> Result<Self, Box<dyn Error>> {
         let pump = Pump::preset(rollers, Variant::Measured)?;
         let rpm: Vec<f64> = (1..=fastest_rpm / 10).map(|n| f64::from(10 * n)).collect();
         let law = |rpm: &f64| {
@@ -43,22 +43,22 @@ impl Volumes {
     }
 
     /// Returns the linear model (V_r of 2.06 mL) beside the law, mL.
-    pub fn pairs(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = (f64, f64)> + Clone {
         self.law_ml.iter().map(|law_ml| (self.published_ml, *law_ml))
     }
 
     /// Returns the mean of the law over the speeds, mL.
-    pub fn law_mean_ml(&self) -> f64 {
+    pub(crate) fn law_mean_ml(&self) -> f64 {
         self.law_ml.iter().sum::<f64>() / self.law_ml.len() as f64
     }
 
     /// Returns the largest deviation of the linear model from the law, %.
-    pub fn largest_percent(&self) -> f64 {
+    pub(crate) fn largest_percent(&self) -> f64 {
         self.pairs().map(|(linear, law)| 100.0 * (linear / law - 1.0).abs()).fold(0.0, f64::max)
     }
 
     /// Returns the RMSE of the linear model against the law, over the range of the law, %.
-    pub fn rmse_over_range_percent(&self) -> Option<f64> {
+    pub(crate) fn rmse_over_range_percent(&self) -> Option<f64> {
         let (low, high) = self
             .law_ml
             .iter()
@@ -170,7 +170,7 @@ fn rows(measured: &Measured, rows: &mut Vec<Row>) -> Result<String, Box<dyn Erro
 }
 
 /// Returns the section of the page about volumes.
-pub fn section() -> Result<Section, Box<dyn Error>> {
+pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     let mut all = Vec::new();
     let mut after = String::new();
     for measured in &MEASURED {

@@ -7,7 +7,7 @@ use pump_model::volume_fit::PUBLISHED_POINTS;
 use crate::user::{User, number};
 
 /// Table 1 of McIntyre et al.
-pub const DRAWING: [&str; 14] = [
+pub(crate) const DRAWING: [&str; 14] = [
     "pumps",
     "new",
     "--tube",

@@ -7,26 +7,26 @@ use std::process::{Command, Output};
 use serde_json::Value;
 
 /// A bench of its own for each test.
-pub struct User {
+pub(crate) struct User {
     pub folder: tempfile::TempDir,
 }
 
-pub struct Answer {
+pub(crate) struct Answer {
     pub code: i32,
     pub out: String,
     pub err: String,
 }
 
 impl User {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { folder: tempfile::tempdir().unwrap() }
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    pub fn command(&self, arguments: &[&str]) -> Command {
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_dose"));
         command.args(arguments).current_dir(self.folder.path()).env_remove("DOSE_PUMP");
         // So wide that no line is wrapped: the tests look for words, help.rs for the width.
@@ -34,20 +34,20 @@ impl User {
         command
     }
 
-    pub fn types(&self, arguments: &[&str]) -> Answer {
+    pub(crate) fn types(&self, arguments: &[&str]) -> Answer {
         let Output { status, stdout, stderr } = self.command(arguments).output().unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
         Answer { code: status.code().unwrap(), out: text(stdout), err: text(stderr) }
     }
 
-    pub fn json(&self, arguments: &[&str]) -> Value {
+    pub(crate) fn json(&self, arguments: &[&str]) -> Value {
         let answer = self.types(&[arguments, &["--format", "json"]].concat());
         assert_eq!(answer.code, 0, "{arguments:?}: {}", answer.err);
         serde_json::from_str(&answer.out).unwrap()
     }
 
     /// Refused with exit code 2, one message, no panic, nothing on standard output and nothing on record.
-    pub fn is_refused(&self, arguments: &[&str]) -> String {
+    pub(crate) fn is_refused(&self, arguments: &[&str]) -> String {
         let before = self.record();
         let answer = self.types(arguments);
         assert_eq!(answer.code, 2, "{arguments:?}: {}{}", answer.out, answer.err);
@@ -57,16 +57,16 @@ impl User {
         answer.err
     }
 
-    pub fn record(&self) -> Option<String> {
+    pub(crate) fn record(&self) -> Option<String> {
         fs::read_to_string(self.path("state/three-roller/sim/journal.jsonl")).ok()
     }
 }
 
-pub fn number(report: &Value, key: &str) -> f64 {
+pub(crate) fn number(report: &Value, key: &str) -> f64 {
     report[key].as_f64().unwrap_or_else(|| panic!("{key} in {report}"))
 }
 
-pub fn rows(path: &Path) -> (String, Vec<Vec<f64>>) {
+pub(crate) fn rows(path: &Path) -> (String, Vec<Vec<f64>>) {
     let text = fs::read_to_string(path).unwrap();
     let mut lines = text.lines();
     let header = lines.next().unwrap().to_owned();

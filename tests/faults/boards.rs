@@ -58,7 +58,7 @@ struct Tally {
     unknown: u32,
 }
 
-pub fn run(runs: u32, random: &mut Random) {
+pub(crate) fn run(runs: u32, random: &mut Random) {
     let folder = tempfile::tempdir().unwrap();
     let mut rig = Rig::new(folder.path(), random, 0.4);
     let mut tally = Tally::default();

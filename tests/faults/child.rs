@@ -10,7 +10,7 @@ use pump_bench::pump_file::DriverName;
 use pump_bench::{Bench, DoseRequest, built_in};
 
 /// Doses, or resumes a dose (0 mL), and prints its progress. The arguments are `<folder> <volume> [<port>]`.
-pub fn main(arguments: &[String]) {
+pub(crate) fn main(arguments: &[String]) {
     let [folder, volume_ml, port @ ..] = arguments else { panic!("{arguments:?}") };
     let driver = (!port.is_empty()).then_some(DriverName::Grbl);
     let bench = Bench::new(built_in("three-roller").unwrap(), driver, Path::new(folder)).unwrap();
@@ -44,7 +44,7 @@ fn say(word: &str, number: u64) {
 }
 
 /// Starts the process. If `bytes` is given, the disk is full after so many bytes of the journal.
-pub fn start(folder: &Path, volume_ml: f64, bytes: Option<u64>, port: Option<&Path>) -> Child {
+pub(crate) fn start(folder: &Path, volume_ml: f64, bytes: Option<u64>, port: Option<&Path>) -> Child {
     let this = env::current_exe().unwrap();
     let mut command = match bytes {
         None => Command::new(&this),
@@ -61,7 +61,7 @@ pub fn start(folder: &Path, volume_ml: f64, bytes: Option<u64>, port: Option<&Pa
 }
 
 /// Returns the output of the process, once it has ended.
-pub fn said(mut child: Child) -> String {
+pub(crate) fn said(mut child: Child) -> String {
     let mut said = String::new();
     child.stdout.take().unwrap().read_to_string(&mut said).unwrap();
     child.wait().unwrap();

@@ -14,7 +14,7 @@ use crate::random::Random;
 /// Number of steps between two lines of the child.
 const WORDS_EVERY: u64 = 256;
 
-pub fn run(runs: u32, random: &mut Random) {
+pub(crate) fn run(runs: u32, random: &mut Random) {
     let folder = tempfile::tempdir().unwrap();
     // The time of a dose here is the time within which processes are killed.
     let began = Instant::now();

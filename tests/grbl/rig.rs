@@ -12,35 +12,35 @@ use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options};
 
 /// Returns the published pump's motor.
-pub fn motor() -> MotorTable {
+pub(crate) fn motor() -> MotorTable {
     built_in("three-roller").unwrap().motor
 }
 
-pub fn start(options: Options) -> Simulated {
+pub(crate) fn start(options: Options) -> Simulated {
     Simulated::start(options).unwrap()
 }
 
 /// Starts a board with these defects.
-pub fn defective(defects: Defects) -> Simulated {
+pub(crate) fn defective(defects: Defects) -> Simulated {
     start(Options { defects, ..Options::default() })
 }
 
-pub fn table(board: &Simulated) -> DriveTable {
+pub(crate) fn table(board: &Simulated) -> DriveTable {
     DriveTable { port: Some(board.path().to_owned()), ..DriveTable::of(DriverName::Grbl) }
 }
 
-pub fn open(board: &Simulated) -> Grbl {
+pub(crate) fn open(board: &Simulated) -> Grbl {
     Grbl::open(&table(board), &motor(), false).unwrap()
 }
 
 /// Returns the error with which a board is refused.
-pub fn refusal(options: Options) -> DriveError {
+pub(crate) fn refusal(options: Options) -> DriveError {
     let board = start(options);
     Grbl::open(&table(&board), &motor(), false).map(drop).unwrap_err()
 }
 
 /// Plans a dose as a session does for this driver, with the board's own ramps.
-pub fn dose(grbl: &Grbl, volume_ml: f64, ml_s: f64) -> Plan {
+pub(crate) fn dose(grbl: &Grbl, volume_ml: f64, ml_s: f64) -> Plan {
     let file = built_in("three-roller").unwrap();
     let mut limits = file.limits();
     limits.motor.max_acceleration_rad_s2 = grbl.limits().unwrap().acceleration_rad_s2;
@@ -50,12 +50,12 @@ pub fn dose(grbl: &Grbl, volume_ml: f64, ml_s: f64) -> Plan {
 
 /// Runs a plan to its end, and checks that no step is made before it is announced. Returns the result and the
 /// last step that was announced.
-pub fn run(grbl: &mut Grbl, board: &Simulated, plan: &Plan) -> (Result<u64, DriveFault>, u64) {
+pub(crate) fn run(grbl: &mut Grbl, board: &Simulated, plan: &Plan) -> (Result<u64, DriveFault>, u64) {
     run_until(grbl, board, plan, |_, _| false)
 }
 
 /// Runs a plan until `stop` returns true, with the checks and results of [`run`].
-pub fn run_until(
+pub(crate) fn run_until(
     grbl: &mut Grbl,
     board: &Simulated,
     plan: &Plan,
@@ -78,7 +78,7 @@ pub fn run_until(
 
 /// Runs a dose of 2 mL on a board with these defects. Checks that the steps made lie between the bounds of
 /// the fault, and returns the fault.
-pub fn fault(defects: Defects) -> DriveFault {
+pub(crate) fn fault(defects: Defects) -> DriveFault {
     let board = defective(defects);
     let mut grbl = open(&board);
     let plan = dose(&grbl, 2.0, 5.0);
@@ -93,7 +93,7 @@ pub fn fault(defects: Defects) -> DriveFault {
 }
 
 /// Returns the board's error behind a drive's error.
-pub fn grbl_error(error: DriveError) -> GrblError {
+pub(crate) fn grbl_error(error: DriveError) -> GrblError {
     match error {
         DriveError::Device(error) => *error.downcast().unwrap(),
         other => panic!("{other}"),
@@ -101,7 +101,7 @@ pub fn grbl_error(error: DriveError) -> GrblError {
 }
 
 /// Runs `test` on every case, all at a time, since tests mostly wait.
-pub fn each<T: Send>(cases: impl IntoIterator<Item = T>, test: impl Fn(T) + Sync) {
+pub(crate) fn each<T: Send>(cases: impl IntoIterator<Item = T>, test: impl Fn(T) + Sync) {
     std::thread::scope(|scope| {
         for case in cases {
             scope.spawn(|| test(case));

@@ -6,34 +6,34 @@ use std::path::{Path, PathBuf};
 
 /// For each file the files that it names something from, with the names.
 #[derive(Default)]
-pub struct Graph {
+pub(crate) struct Graph {
     arrows: BTreeMap<PathBuf, BTreeMap<PathBuf, BTreeSet<String>>>,
 }
 
 impl Graph {
     /// Draws an arrow from the naming file to the defining file.
-    pub fn add(&mut self, from: &Path, to: &Path, name: &str) {
+    pub(crate) fn add(&mut self, from: &Path, to: &Path, name: &str) {
         if from != to {
             let names = self.arrows.entry(from.to_owned()).or_default().entry(to.to_owned()).or_default();
             names.insert(name.to_owned());
         }
     }
 
-    pub fn has(&self, from: &Path, to: &Path) -> bool {
+    pub(crate) fn has(&self, from: &Path, to: &Path) -> bool {
         self.arrows.get(from).is_some_and(|others| others.contains_key(to))
     }
 
     /// Number of arrows.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.arrows.values().map(BTreeMap::len).sum()
     }
 
-    pub fn arrows(&self) -> impl Iterator<Item = (&PathBuf, Vec<&PathBuf>)> {
+    pub(crate) fn arrows(&self) -> impl Iterator<Item = (&PathBuf, Vec<&PathBuf>)> {
         self.arrows.iter().map(|(file, others)| (file, others.keys().collect()))
     }
 
     /// The graph of the rooms that `room` puts the files in. A file without a room is left out.
-    pub fn of_rooms(&self, room: impl Fn(&Path) -> Option<PathBuf>) -> Self {
+    pub(crate) fn of_rooms(&self, room: impl Fn(&Path) -> Option<PathBuf>) -> Self {
         let mut rooms = Self::default();
         for (from, others) in &self.arrows {
             for (to, names) in others {
@@ -47,7 +47,7 @@ impl Graph {
 
     /// Groups of files that reach one another (strongly connected components with two files or more), by Tarjan's
     /// algorithm.
-    pub fn circles(&self) -> Vec<Vec<PathBuf>> {
+    pub(crate) fn circles(&self) -> Vec<Vec<PathBuf>> {
         let mut search = Search { graph: self, ..Search::default() };
         for file in self.arrows.keys() {
             if !search.order.contains_key(file) {
@@ -58,7 +58,7 @@ impl Graph {
     }
 
     /// A circle in words: its files, and what ties them.
-    pub fn describe(&self, circle: &[PathBuf]) -> String {
+    pub(crate) fn describe(&self, circle: &[PathBuf]) -> String {
         let mut text = format!("{} files:\n", circle.len());
         for from in circle {
             for (to, names) in &self.arrows[from] {

@@ -24,14 +24,14 @@ enum Meaning {
 }
 
 /// Every name of every module.
-pub struct Names<'a> {
+pub(crate) struct Names<'a> {
     sources: &'a Sources,
     meanings: BTreeMap<ModulePath, BTreeMap<String, Vec<Meaning>>>,
     globs: BTreeMap<ModulePath, Vec<Vec<String>>>,
 }
 
 impl<'a> Names<'a> {
-    pub fn new(sources: &'a Sources) -> Self {
+    pub(crate) fn new(sources: &'a Sources) -> Self {
         let mut names = Self { sources, meanings: BTreeMap::new(), globs: BTreeMap::new() };
         for (path, module) in &sources.modules {
             let meanings = names.meanings.entry(path.clone()).or_default();
@@ -55,7 +55,7 @@ impl<'a> Names<'a> {
     }
 
     /// An arrow from every file to the files that define what it names. Re-exports draw none.
-    pub fn graph(&self) -> Graph {
+    pub(crate) fn graph(&self) -> Graph {
         let mut graph = Graph::default();
         for (path, module) in &self.sources.modules {
             let mut named = Named::default();
@@ -155,7 +155,7 @@ fn imports(item: &ItemUse) -> Vec<(String, Vec<String>)> {
             }
             UseTree::Name(name) => found.push((name.ident.to_string(), with(name.ident.to_string()))),
             UseTree::Rename(rename) => {
-                found.push((rename.rename.to_string(), with(rename.ident.to_string())))
+                found.push((rename.rename.to_string(), with(rename.ident.to_string())));
             }
             UseTree::Glob(_) => found.push(("*".to_owned(), before.to_vec())),
             UseTree::Group(group) => group.items.iter().for_each(|tree| walk(tree, before, found)),

@@ -7,7 +7,7 @@ use std::{fs, io};
 use syn::{Attribute, Item, ItemMod};
 
 /// A module: its file and its items.
-pub struct Module {
+pub(crate) struct Module {
     /// File in which its items stand, relative to the workspace.
     pub file: PathBuf,
     /// Items, those of `cfg(test)` left out.
@@ -15,7 +15,7 @@ pub struct Module {
 }
 
 /// Every module by its path, the name of its crate first.
-pub struct Sources {
+pub(crate) struct Sources {
     pub modules: BTreeMap<Vec<String>, Module>,
 }
 
@@ -32,7 +32,7 @@ const CRATES: [(&str, &str); 7] = [
 
 impl Sources {
     /// Parses every crate of the workspace in the folder `root`.
-    pub fn of_workspace(root: &Path) -> Self {
+    pub(crate) fn of_workspace(root: &Path) -> Self {
         let mut sources = Self { modules: BTreeMap::new() };
         for (name, file) in CRATES.into_iter().filter(|(_, f)| root.join(f).exists()) {
             sources.read(root, vec![name.to_owned()], PathBuf::from(file), Path::new(file).parent().unwrap());
@@ -97,7 +97,7 @@ fn of_tests(attributes: &[Attribute]) -> bool {
 }
 
 /// Every file below `root` that has one of these endings, relative to it; what is built or downloaded is left out.
-pub fn files(root: &Path, endings: &[&str]) -> Vec<PathBuf> {
+pub(crate) fn files(root: &Path, endings: &[&str]) -> Vec<PathBuf> {
     fn walk(folder: &Path, visit: &mut impl FnMut(PathBuf)) -> io::Result<()> {
         for entry in fs::read_dir(folder)? {
             let entry = entry?;

@@ -51,12 +51,12 @@ impl SolOut for Watch<'_> {
 
 /// The method of integration.
 #[derive(Clone, Copy)]
-pub enum Method {
+pub(crate) enum Method {
     Dopri5,
     Dop853,
 }
 
-pub fn run(case: &Case, method: Method, tolerance: f64, samples: &mut Samples) -> Result<(), Error> {
+pub(crate) fn run(case: &Case, method: Method, tolerance: f64, samples: &mut Samples) -> Result<(), Error> {
     let mut watch = Watch { recorder: Recorder::new(case, samples), state: [0.0; 4], longest_s: 0.0 };
     for segment in &case.joint {
         let (system, state) = (Between { case, segment }, watch.state);

@@ -1,8 +1,8 @@
 //! Other solvers, used as well as possible. They stop at the edges of the flow and use its own polynomial
 //! between them. They also use the exact Jacobian, where they need one, and dense output at the samples.
 
-pub mod explicit;
-pub mod implicit;
+pub(crate) mod explicit;
+pub(crate) mod implicit;
 
 use crate::case::{Case, JointSegment, SAMPLES, Samples, horner, sample_s};
 

@@ -132,7 +132,7 @@ fn near_standstill_a_steady_state_is_that_of_the_resistance_alone() {
         let pump = with_outlet(line);
         let most_ml_rad = pump.geometry().nominal_ml_rad();
         for rpm in [1e-12, 1e-9, 1e-6, 1e-4] {
-            let speed_rad_s = rpm * core::f64::consts::TAU / 60.0;
+            let speed_rad_s = rpm * TAU / 60.0;
             let steady = pump.steady_state(speed_rad_s).unwrap();
             let quasi_kpa = line.resistance_kpa_s_ml * most_ml_rad * speed_rad_s;
             let above_kpa = steady.outlet.max_kpa - line.reservoir_kpa;

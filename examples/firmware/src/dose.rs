@@ -12,43 +12,43 @@ use crate::pump::{self, PUMP};
 const LIMITS: Limits = Limits::of_motor(pump::LIMITS.motor);
 
 /// Rate of the timer, Hz: the time of a step is counted in microseconds.
-pub const TICK_HZ: u32 = 1_000_000;
+pub(crate) const TICK_HZ: u32 = 1_000_000;
 
 /// Most segments that are queued before the motor starts: all of a dose, some 20 here.
-pub const QUEUE: usize = 64;
+pub(crate) const QUEUE: usize = 64;
 
 /// Executor that says when to make a step.
-pub type Executor = Stepper<QUEUE>;
+pub(crate) type Executor = Stepper<QUEUE>;
 
 /// Volume of the dose, mL.
-pub const DOSE_ML: f64 = 25.0;
+pub(crate) const DOSE_ML: f64 = 25.0;
 
 /// Volume and rate to which the dose is changed on the way, mL and mL/s.
 const CHANGED_ML: f64 = 20.0;
 const CHANGED_ML_S: f64 = 3.0;
 
 /// Time for which the motor goes on with the old plan meanwhile, ticks.
-pub const CHANGE_TICKS: u32 = 9_000;
+pub(crate) const CHANGE_TICKS: u32 = 9_000;
 
 /// Plans a dose from 0.3 rad at 5 mL/s.
-pub fn plan_dose(volume_ml: f64) -> Result<Plan, PlanError> {
+pub(crate) fn plan_dose(volume_ml: f64) -> Result<Plan, PlanError> {
     let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 });
     plan(&PUMP, Phase::known(0.3), &request, &LIMITS)
 }
 
 /// Plans the rest of the dose after `made` steps of `plan`, with the changed volume and rate.
-pub fn change(plan: &Plan, made: u64) -> Result<Plan, PlanError> {
+pub(crate) fn change(plan: &Plan, made: u64) -> Result<Plan, PlanError> {
     plan.retarget(&PUMP, made, CHANGED_ML, Cruise::Flow { ml_s: CHANGED_ML_S }, &LIMITS)
 }
 
 /// Queues a whole plan.
-pub fn queue(executor: &mut Executor, plan: &Plan) {
+pub(crate) fn queue(executor: &mut Executor, plan: &Plan) {
     let all = executor.fill(&mut plan.segments(TICK_HZ).peekable());
     assert!(all == Ok(true), "the plan has more segments than the queue");
 }
 
 /// Writes a plan, its profile, its segments and its prediction, to the last bit.
-pub fn write_plan(out: &mut impl fmt::Write, plan: &Plan, prediction: &Prediction) -> fmt::Result {
+pub(crate) fn write_plan(out: &mut impl fmt::Write, plan: &Plan, prediction: &Prediction) -> fmt::Result {
     writeln!(out, "plan: {} steps", plan.steps)?;
     let mut number = |name: &str, value: f64| writeln!(out, "{name}: {value:.6} = {:#018x}", value.to_bits());
     number("planned mL", plan.planned_ml)?;

@@ -22,7 +22,7 @@ const AXES: usize = 3;
 
 /// State of a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum State {
+pub(super) enum State {
     Idle,
     Jog,
     /// A probing move.
@@ -34,7 +34,7 @@ pub enum State {
 
 /// Text that leaves the board.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Output {
+pub(super) enum Output {
     Line(String),
     /// The answer to a line, which may be late.
     Answer(String),
@@ -42,7 +42,7 @@ pub enum Output {
 
 /// Simulated board.
 #[derive(Debug)]
-pub struct Machine {
+pub(super) struct Machine {
     pub settings: Settings,
     pub motor: Motor,
     pub state: State,
@@ -80,7 +80,7 @@ pub struct Machine {
 
 impl Machine {
     /// Returns a board that was just switched on.
-    pub fn new(options: &Options) -> Self {
+    pub(super) fn new(options: &Options) -> Self {
         let settings = Settings::new(options);
         let mut machine = Self {
             settings,
@@ -123,7 +123,7 @@ impl Machine {
     }
 
     /// Starts the processor anew, and the counter with it.
-    pub fn power_on(&mut self) {
+    pub(super) fn power_on(&mut self) {
         self.motor.zero();
         self.miscounted = 0;
         self.forget();
@@ -142,7 +142,7 @@ impl Machine {
     }
 
     /// Says the lines of a board that has started.
-    pub fn banner(&mut self) {
+    pub(super) fn banner(&mut self) {
         self.say(match self.firmware {
             Firmware::Grbl => "Grbl 1.1h ['$' for help]",
             Firmware::Grbl09 => "Grbl 0.9j ['$' for help]",
@@ -164,7 +164,7 @@ impl Machine {
     }
 
     /// Takes a byte from the line.
-    pub fn receive(&mut self, byte: u8) {
+    pub(super) fn receive(&mut self, byte: u8) {
         if self.storing_s > 0.0 {
             return;
         }
@@ -222,7 +222,7 @@ impl Machine {
     }
 
     /// Stops at once and locks.
-    pub fn alarm(&mut self, code: u16) {
+    pub(super) fn alarm(&mut self, code: u16) {
         self.motor.halt();
         self.pending = None;
         self.state = State::Alarm;
@@ -231,7 +231,7 @@ impl Machine {
     }
 
     /// Lets time pass on the board, s.
-    pub fn advance(&mut self, time_s: f64) {
+    pub(super) fn advance(&mut self, time_s: f64) {
         if self.storing_s > 0.0 {
             self.storing_s = (self.storing_s - time_s).max(0.0);
             if self.storing_s == 0.0 {
@@ -308,7 +308,7 @@ impl Machine {
     }
 
     /// Returns the steps as the board counts them.
-    pub fn counted(&self) -> i64 {
+    pub(super) fn counted(&self) -> i64 {
         self.motor.step() + self.miscounted
     }
 
@@ -359,7 +359,7 @@ impl Machine {
     }
 
     /// Reads lines as long as none has to wait.
-    pub fn work(&mut self) {
+    pub(super) fn work(&mut self) {
         if let Some((end, steps_s)) = self.pending {
             if self.motor.is_full() {
                 return;

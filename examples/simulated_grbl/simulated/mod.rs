@@ -4,7 +4,7 @@ mod commands;
 mod machine;
 mod motor;
 mod number;
-pub mod options;
+pub(crate) mod options;
 mod settings;
 mod wire;
 
@@ -17,7 +17,7 @@ use wire::Wire;
 
 /// The truth about a board, whatever the board says.
 #[derive(Debug, Clone, Default)]
-pub struct Truth {
+pub(crate) struct Truth {
     /// Steps that the motor has made since the board was switched on, those in reverse taken off.
     pub steps: i64,
     /// True if the motor turns.
@@ -36,7 +36,7 @@ pub struct Truth {
 
 /// Simulated board that runs in a thread of its own until it is dropped.
 #[derive(Debug)]
-pub struct Simulated {
+pub(crate) struct Simulated {
     path: PathBuf,
     truth: Arc<Mutex<Truth>>,
     thread: Option<JoinHandle<()>>,
@@ -44,7 +44,7 @@ pub struct Simulated {
 
 impl Simulated {
     /// Switches a board on.
-    pub fn start(options: Options) -> std::io::Result<Self> {
+    pub(crate) fn start(options: Options) -> std::io::Result<Self> {
         let truth = Arc::new(Mutex::new(Truth::default()));
         let (mut wire, path) = Wire::new(options, Arc::clone(&truth))?;
         let thread = std::thread::spawn(move || wire.run());
@@ -52,17 +52,17 @@ impl Simulated {
     }
 
     /// Returns the device that the board is connected to.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// Returns the truth about the board now.
-    pub fn truth(&self) -> Truth {
+    pub(crate) fn truth(&self) -> Truth {
         lock(&self.truth).clone()
     }
 
     /// Waits until the motor has stood for a while, and returns the truth then.
-    pub fn rest(&self) -> Truth {
+    pub(crate) fn rest(&self) -> Truth {
         let mut still = 0;
         while still < 10 {
             std::thread::sleep(std::time::Duration::from_millis(10));

@@ -20,7 +20,7 @@ struct Block {
 
 /// Motor with its queue.
 #[derive(Debug, Default)]
-pub struct Motor {
+pub(super) struct Motor {
     blocks: VecDeque<Block>,
     /// Place of the motor, in steps and parts of a step.
     at: f64,
@@ -38,42 +38,42 @@ pub struct Motor {
 
 impl Motor {
     /// Returns the step at which the motor stands.
-    pub fn step(&self) -> i64 {
+    pub(super) fn step(&self) -> i64 {
         self.at.round() as i64
     }
 
     /// Returns the step at which the queue ends.
-    pub fn planned(&self) -> i64 {
+    pub(super) fn planned(&self) -> i64 {
         self.blocks.back().map_or(self.step(), |block| block.end)
     }
 
-    pub fn is_full(&self) -> bool {
+    pub(super) fn is_full(&self) -> bool {
         self.blocks.len() >= BLOCKS
     }
 
-    pub fn is_done(&self) -> bool {
+    pub(super) fn is_done(&self) -> bool {
         self.blocks.is_empty() && self.speed == 0.0
     }
 
     /// Returns true if the motor stands, however much there is to do.
-    pub fn stands(&self) -> bool {
+    pub(super) fn stands(&self) -> bool {
         self.speed == 0.0
     }
 
     /// Returns the number of blocks that have room.
-    pub fn room(&self) -> usize {
+    pub(super) fn room(&self) -> usize {
         BLOCKS - self.blocks.len().min(BLOCKS)
     }
 
     /// Queues a way to `end`, unless the queue ends there already.
-    pub fn push(&mut self, end: i64, steps_s: f64) {
+    pub(super) fn push(&mut self, end: i64, steps_s: f64) {
         if end != self.planned() {
             self.blocks.push_back(Block { end, steps_s });
         }
     }
 
     /// Forgets the queue and stands at once.
-    pub fn halt(&mut self) {
+    pub(super) fn halt(&mut self) {
         self.blocks.clear();
         self.speed = 0.0;
         self.at = self.at.round();
@@ -81,13 +81,13 @@ impl Motor {
     }
 
     /// Forgets the queue and starts the counter anew.
-    pub fn zero(&mut self) {
+    pub(super) fn zero(&mut self) {
         self.halt();
         self.at = 0.0;
     }
 
     /// Moves on for `time_s`, or until `each` returns false at a new step.
-    pub fn advance(&mut self, time_s: f64, mut each: impl FnMut(i64) -> bool) {
+    pub(super) fn advance(&mut self, time_s: f64, mut each: impl FnMut(i64) -> bool) {
         let mut left_s = time_s;
         while left_s > 0.0 {
             let step_s = left_s.min(STEP_S);

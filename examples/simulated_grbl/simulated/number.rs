@@ -2,7 +2,7 @@
 
 /// Reads a number at the start of `text`, and returns it with the rest of the text. Digits beyond the
 /// eighth count as zeros.
-pub fn read(text: &str) -> Option<(f32, &str)> {
+pub(super) fn read(text: &str) -> Option<(f32, &str)> {
     let (negative, body) = match text.strip_prefix('-') {
         Some(body) => (true, body),
         None => (false, text.strip_prefix('+').unwrap_or(text)),
@@ -42,7 +42,7 @@ pub fn read(text: &str) -> Option<(f32, &str)> {
 }
 
 /// Prints `value` with this number of decimals, rounded in single precision.
-pub fn print(value: f32, decimals: u32) -> String {
+pub(super) fn print(value: f32, decimals: u32) -> String {
     let mut scaled = value.abs();
     let mut left = decimals;
     while left >= 2 {

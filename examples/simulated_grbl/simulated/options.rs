@@ -5,7 +5,7 @@ use std::time::Duration;
 
 /// Options of a simulated board.
 #[derive(Debug, Clone)]
-pub struct Options {
+pub(crate) struct Options {
     /// Factor by which its motors run faster than a real board's.
     pub time_scale: f64,
     /// Firmware that the board says it has.
@@ -25,7 +25,7 @@ pub struct Options {
 
 /// Firmware of a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Firmware {
+pub(crate) enum Firmware {
     /// grbl 1.1h.
     Grbl,
     /// grbl 0.9j, which has no jogs.
@@ -52,7 +52,7 @@ impl FromStr for Firmware {
 
 /// Sensor on the pump head.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sensor {
+pub(crate) struct Sensor {
     /// First step of a revolution at which the sensor answers.
     pub at: i64,
     /// Number of steps for which the sensor answers.
@@ -63,14 +63,14 @@ pub struct Sensor {
 
 impl Sensor {
     /// Returns true if the sensor answers at `step`.
-    pub fn answers(&self, step: i64) -> bool {
+    pub(crate) fn answers(&self, step: i64) -> bool {
         (step - self.at).rem_euclid(self.every) < self.width
     }
 }
 
 /// Defects of a board or its line. Places are steps that the motor has turned since it was switched on.
 #[derive(Debug, Clone, Default)]
-pub struct Defects {
+pub(crate) struct Defects {
     /// Seed of everything random.
     pub seed: u64,
     /// Longest delay of the answer to a jog, and to what comes after one.
@@ -113,16 +113,16 @@ impl Default for Options {
 
 /// Generator of numbers that look random (xorshift64*, Vigna 2016).
 #[derive(Debug)]
-pub struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
     /// Returns a generator that gives equal numbers for equal seeds.
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
     }
 
     /// Returns a number from 0 to `end` - 1.
-    pub fn below(&mut self, end: u64) -> u64 {
+    pub(crate) fn below(&mut self, end: u64) -> u64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;

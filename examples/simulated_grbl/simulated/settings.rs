@@ -10,14 +10,14 @@ const FIRST_WITH_DECIMALS: u16 = 100;
 
 /// Settings of a board by their numbers.
 #[derive(Debug)]
-pub struct Settings {
+pub(super) struct Settings {
     values: BTreeMap<u16, f32>,
     firmware: Firmware,
 }
 
 impl Settings {
     /// Returns grbl's usual settings, with those of the options in their place.
-    pub fn new(options: &Options) -> Self {
+    pub(super) fn new(options: &Options) -> Self {
         let mut values: BTreeMap<u16, f32> = [
             (0, 10.0),
             (1, 255.0),
@@ -46,12 +46,12 @@ impl Settings {
     }
 
     /// Returns a setting; 0 if there is none of this number.
-    pub fn get(&self, number: u16) -> f32 {
+    pub(super) fn get(&self, number: u16) -> f32 {
         self.values.get(&number).copied().unwrap_or(0.0)
     }
 
     /// Changes a setting. Returns the number of grbl's error if that is not possible.
-    pub fn set(&mut self, number: u16, value: f32) -> Result<(), u16> {
+    pub(super) fn set(&mut self, number: u16, value: f32) -> Result<(), u16> {
         if !self.values.contains_key(&number) || !self.lists(number) {
             return Err(3);
         }
@@ -69,7 +69,7 @@ impl Settings {
     }
 
     /// Returns the answer to `$$`.
-    pub fn lines(&self) -> Vec<String> {
+    pub(super) fn lines(&self) -> Vec<String> {
         self.values
             .iter()
             .filter(|(number, _)| self.lists(**number))
@@ -78,7 +78,7 @@ impl Settings {
     }
 
     /// Returns an item of FluidNC's configuration by its path.
-    pub fn item(&self, path: &str) -> Option<String> {
+    pub(super) fn item(&self, path: &str) -> Option<String> {
         let item = |axis: &str, first: u16| {
             let number = ["x", "y", "z"].iter().position(|name| *name == axis)?;
             Some(print(self.get(first + number as u16), 3))

@@ -24,7 +24,7 @@ const LONGEST_TICK_S: f64 = 0.25;
 
 /// Board's end of the line.
 #[derive(Debug)]
-pub struct Wire {
+pub(super) struct Wire {
     /// Line to the other end; none once the cable is pulled.
     line: Option<OwnedFd>,
     machine: Machine,
@@ -44,7 +44,7 @@ pub struct Wire {
 
 impl Wire {
     /// Returns a board that is switched on, and the path of the other end.
-    pub fn new(options: Options, truth: Arc<Mutex<Truth>>) -> io::Result<(Self, PathBuf)> {
+    pub(super) fn new(options: Options, truth: Arc<Mutex<Truth>>) -> io::Result<(Self, PathBuf)> {
         let line = rustix::pty::openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)?;
         rustix::pty::grantpt(&line)?;
         rustix::pty::unlockpt(&line)?;
@@ -69,7 +69,7 @@ impl Wire {
     }
 
     /// Runs until the truth says that the simulation is over.
-    pub fn run(&mut self) {
+    pub(super) fn run(&mut self) {
         let mut before = Instant::now();
         while !self.publish() {
             std::thread::sleep(TICK);

@@ -68,9 +68,9 @@ impl VerifyArgs {
         };
         let found = Verification::of(nominal_ml, volumes_ml, tolerance)?;
         if self.format.json() {
-            print(&(found.json() + "\n"))?
+            print(&(found.json() + "\n"))?;
         } else {
-            tell(&found.text())?
+            tell(&found.text())?;
         }
         if found.passed {
             Ok(())

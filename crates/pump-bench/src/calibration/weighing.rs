@@ -56,7 +56,7 @@ impl<'a> Weighing<'a> {
 
 /// Returns the density of air at 50 % relative humidity, in kg/m³: OIML R 111-1:2004, equation E.3-1, good to
 /// 2e-4 of it near 20 °C.
-pub fn air_kg_m3(temperature_degc: f64, ambient_kpa: f64) -> f64 {
+pub(super) fn air_kg_m3(temperature_degc: f64, ambient_kpa: f64) -> f64 {
     let ambient_hpa = 10.0 * ambient_kpa;
     (0.348_48 * ambient_hpa - 0.009 * HUMIDITY_PERCENT * exp(0.061 * temperature_degc))
         / (273.15 + temperature_degc)
@@ -64,7 +64,7 @@ pub fn air_kg_m3(temperature_degc: f64, ambient_kpa: f64) -> f64 {
 
 /// Returns Z, in mL/g: the volume of the fluid for each gram that the scale shows. Fluid and weights float in
 /// air, so Z = (1 - rho_air/rho_weights)/(rho_fluid - rho_air) (ISO 8655-6:2002).
-pub fn z_ml_g(fluid_kg_m3: f64, air_kg_m3: f64) -> f64 {
+pub(super) fn z_ml_g(fluid_kg_m3: f64, air_kg_m3: f64) -> f64 {
     1e3 * (1.0 - air_kg_m3 / WEIGHTS_KG_M3) / (fluid_kg_m3 - air_kg_m3)
 }
 

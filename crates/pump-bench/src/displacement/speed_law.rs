@@ -75,7 +75,7 @@ impl RangedLaw {
     pub fn factor_at(&self, pump: &Pump, speed_rad_s: f64) -> Result<f64, SpeedLawError> {
         let speed_rpm = rpm(speed_rad_s);
         if !self.covers(speed_rpm) {
-            let RangedLaw { least_rpm, most_rpm, .. } = *self;
+            let Self { least_rpm, most_rpm, .. } = *self;
             return Err(SpeedLawError::OutsideSpeeds {
                 asked: format!("{speed_rpm:.4} r/min"),
                 least_rpm,

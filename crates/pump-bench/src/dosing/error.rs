@@ -168,7 +168,7 @@ pub enum DoseError {
         /// Volume delivered, in mL.
         delivered_ml: f64,
         /// Cause of the failure.
-        source: Box<DoseError>,
+        source: Box<Self>,
     },
     /// The rotor was turned and its angle found, but the angle could not be recorded.
     #[error(

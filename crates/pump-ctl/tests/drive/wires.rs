@@ -9,7 +9,7 @@ use pump_ctl::drive::{Clock, Pin};
 
 /// An output pin set to a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Event {
+pub(crate) struct Event {
     pub at_ns: u64,
     pub pin: Pin,
     pub high: bool,
@@ -17,14 +17,14 @@ pub struct Event {
 
 /// A single failure of a pin, at the `nth` time (from 1) that it is set to this level, or read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Failure {
+pub(crate) struct Failure {
     pub pin: Pin,
     pub high: bool,
     pub nth: u64,
 }
 
 #[derive(Debug, Default)]
-pub struct State {
+pub(crate) struct State {
     pub now_ns: u64,
     pub log: Vec<Event>,
     /// Times that a look at the clock takes, ns, one and the other by turns.
@@ -54,43 +54,43 @@ impl State {
     }
 
     /// Returns the level to which a pin was set last.
-    pub fn level(&self, pin: Pin) -> Option<bool> {
+    pub(crate) fn level(&self, pin: Pin) -> Option<bool> {
         self.levels[pin as usize]
     }
 }
 
 /// The shared time line. As a delay it lets time pass, and as a clock it counts microseconds.
 #[derive(Debug, Clone, Default)]
-pub struct Bench(Rc<RefCell<State>>);
+pub(crate) struct Bench(Rc<RefCell<State>>);
 
 impl Bench {
-    pub fn state(&self) -> RefMut<'_, State> {
+    pub(crate) fn state(&self) -> RefMut<'_, State> {
         self.0.borrow_mut()
     }
 
     /// Returns the step, direction, enable and index pins.
-    pub fn wires(&self) -> [Wire; 4] {
+    pub(crate) fn wires(&self) -> [Wire; 4] {
         [Pin::Step, Pin::Direction, Pin::Enable, Pin::Index].map(|pin| Wire { pin, bench: self.clone() })
     }
 
-    pub fn tick(&self) -> u64 {
+    pub(crate) fn tick(&self) -> u64 {
         self.state().now_ns / 1000
     }
 
-    pub fn wait_until(&self, tick: u64) {
+    pub(crate) fn wait_until(&self, tick: u64) {
         let mut state = self.state();
         state.now_ns = state.now_ns.max(1000 * tick);
     }
 
     /// Returns the times at which the step pin rose, ns.
-    pub fn steps_ns(&self) -> Vec<u64> {
+    pub(crate) fn steps_ns(&self) -> Vec<u64> {
         let state = self.state();
         let rises = state.log.iter().filter(|event| event.pin == Pin::Step && event.high);
         rises.map(|event| event.at_ns).collect()
     }
 
     /// Returns the times between the steps, ns.
-    pub fn gaps_ns(&self) -> Vec<u64> {
+    pub(crate) fn gaps_ns(&self) -> Vec<u64> {
         self.steps_ns().windows(2).map(|pair| pair[1] - pair[0]).collect()
     }
 }
@@ -111,7 +111,7 @@ impl Clock for Bench {
 }
 
 #[derive(Debug)]
-pub struct Wire {
+pub(crate) struct Wire {
     pin: Pin,
     bench: Bench,
 }

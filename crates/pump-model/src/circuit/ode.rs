@@ -20,10 +20,10 @@ pub trait Forcing {
 
 impl Forcing for Stretch {
     fn flow_ml_s(&self, t_s: f64) -> f64 {
-        Stretch::flow_ml_s(self, t_s)
+        Self::flow_ml_s(self, t_s)
     }
     fn flow_rate_ml_s2(&self, t_s: f64) -> f64 {
-        Stretch::flow_rate_ml_s2(self, t_s)
+        Self::flow_rate_ml_s2(self, t_s)
     }
 }
 

@@ -5,14 +5,14 @@ use nalgebra::{SMatrix, SVector};
 /// Factorisation P A = L U, with the reciprocals of U's diagonal on the diagonal. One factorisation serves
 /// eight solutions.
 #[derive(Debug, Clone, Copy)]
-pub struct Lu<const N: usize> {
+pub(super) struct Lu<const N: usize> {
     factors: SMatrix<f64, N, N>,
     pivots: [usize; N],
 }
 
 impl<const N: usize> Lu<N> {
     /// Factors `matrix`. Returns none if it is singular or not finite.
-    pub fn new(matrix: SMatrix<f64, N, N>) -> Option<Self> {
+    pub(super) fn new(matrix: SMatrix<f64, N, N>) -> Option<Self> {
         let mut factors = matrix;
         let mut pivots = [0; N];
         for column in 0..N {
@@ -48,7 +48,7 @@ impl<const N: usize> Lu<N> {
     }
 
     /// Returns the solution x of A x = b.
-    pub fn solve(&self, b: SVector<f64, N>) -> SVector<f64, N> {
+    pub(super) fn solve(&self, b: SVector<f64, N>) -> SVector<f64, N> {
         let mut x = b;
         for row in 0..N {
             let pivot = self.pivots[row];

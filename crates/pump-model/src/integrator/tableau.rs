@@ -7,13 +7,13 @@
 //! / h + gamma_i h f_t.
 
 /// Number of stages.
-pub const STAGES: usize = 8;
+pub(super) const STAGES: usize = 8;
 
 /// Diagonal coefficient gamma.
-pub const GAMMA: f64 = 0.211_937_563_194_290_14;
+pub(super) const GAMMA: f64 = 0.211_937_563_194_290_14;
 
 /// Coefficients a_ij for stages 2 to 6. Stage 7 adds u_6, stage 8 adds u_7, and the new value adds u_8.
-pub const A: [[f64; 5]; 5] = [
+pub(super) const A: [[f64; 5]; 5] = [
     [3.0, 0.0, 0.0, 0.0, 0.0],
     [2.849_394_379_747_939, 0.458_422_422_044_639_23, 0.0, 0.0, 0.0],
     [-6.954_028_509_809_101, 2.489_845_061_869_568, -10.358_996_098_473_584, 0.0, 0.0],
@@ -34,7 +34,7 @@ pub const A: [[f64; 5]; 5] = [
 ];
 
 /// Coefficients c_ij for stages 2 to 8.
-pub const C: [[f64; 7]; 7] = [
+pub(super) const C: [[f64; 7]; 7] = [
     [-14.155_112_264_123_755, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     [-17.972_960_358_859_52, -2.859_693_295_451_294, 0.0, 0.0, 0.0, 0.0, 0.0],
     [147.121_502_757_117_16, -1.412_214_027_182_13, 71.689_402_513_023_58, 0.0, 0.0, 0.0, 0.0],
@@ -77,7 +77,7 @@ pub const C: [[f64; 7]; 7] = [
 ];
 
 /// Places alpha_i in the step at which each stage evaluates f.
-pub const ALPHA: [f64; STAGES] = [
+pub(super) const ALPHA: [f64; STAGES] = [
     0.0,
     0.635_812_689_582_870_4,
     0.409_579_839_339_753_5,
@@ -89,7 +89,7 @@ pub const ALPHA: [f64; STAGES] = [
 ];
 
 /// Weights gamma_i of h f_t in each stage.
-pub const GAMMA_I: [f64; STAGES] = [
+pub(super) const GAMMA_I: [f64; STAGES] = [
     0.211_937_563_194_290_14,
     -0.423_875_126_388_580_27,
     -0.338_462_712_623_592_4,
@@ -101,7 +101,7 @@ pub const GAMMA_I: [f64; STAGES] = [
 ];
 
 /// Weights of the stages in the dense output's k1, k2, k3.
-pub const H: [[f64; STAGES]; 3] = [
+pub(super) const H: [[f64; STAGES]; 3] = [
     [
         25.948_786_856_663_858,
         -2.557_972_484_584_623_5,

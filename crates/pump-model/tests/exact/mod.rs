@@ -37,7 +37,7 @@ fn g(x: f64) -> f64 {
 }
 
 /// Port of the published pump at constant speed.
-pub struct Exact {
+pub(crate) struct Exact {
     pub line: Line,
     pub rollers: u32,
     pub speed_rad_s: f64,
@@ -119,7 +119,7 @@ impl Exact {
     }
 
     /// Returns the state after `t` from `state` at angle 0, t = 0.
-    pub fn at(&self, t: f64, state: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn at(&self, t: f64, state: [f64; 2]) -> [f64; 2] {
         let edges = self.edges();
         let (mut y, mut time) = (state, 0.0);
         loop {
@@ -136,7 +136,7 @@ impl Exact {
     }
 
     /// Returns the state at the start of a pitch that repeats itself.
-    pub fn periodic(&self) -> [f64; 2] {
+    pub(crate) fn periodic(&self) -> [f64; 2] {
         let period = self.pitch() / self.speed_rad_s;
         let offset = self.at(period, [0.0, 0.0]);
         let column = |y| {

@@ -4,7 +4,7 @@ use nalgebra::{SMatrix, SVector};
 use pump_model::integrator::{IntegrationError, Ode, Options, Rodas5p};
 
 /// Equation y' = f(t, y) from its three functions.
-pub struct Problem<F, J, T> {
+pub(crate) struct Problem<F, J, T> {
     pub derivative: F,
     pub jacobian: J,
     pub time_derivative: T,
@@ -28,7 +28,7 @@ where
 }
 
 /// Returns the equation of f(y) without time.
-pub fn autonomous<const N: usize>(
+pub(crate) fn autonomous<const N: usize>(
     derivative: impl Fn(&SVector<f64, N>) -> SVector<f64, N>,
     jacobian: impl Fn(&SVector<f64, N>) -> SMatrix<f64, N, N>,
 ) -> impl Ode<N> {
@@ -40,7 +40,7 @@ pub fn autonomous<const N: usize>(
 }
 
 /// Equation of one state: f, df/dy and df/dt.
-pub fn scalar(
+pub(crate) fn scalar(
     derivative: impl Fn(f64, f64) -> f64,
     jacobian: impl Fn(f64, f64) -> f64,
     time_derivative: impl Fn(f64, f64) -> f64,
@@ -52,11 +52,11 @@ pub fn scalar(
     }
 }
 
-pub const ECCENTRICITY: f64 = 0.3;
+pub(crate) const ECCENTRICITY: f64 = 0.3;
 
 /// Motion of two bodies: position and velocity, started at the pericentre (Hairer, Norsett, Wanner, "Solving
 /// ODEs I", II.10).
-pub fn kepler() -> impl Ode<4> {
+pub(crate) fn kepler() -> impl Ode<4> {
     autonomous(
         |y: &SVector<f64, 4>| {
             let cubed = (y[0] * y[0] + y[1] * y[1]).powf(1.5);
@@ -76,7 +76,7 @@ pub fn kepler() -> impl Ode<4> {
 }
 
 /// Returns the solution for two bodies, by Newton's method for Kepler's equation.
-pub fn kepler_solution(t: f64) -> SVector<f64, 4> {
+pub(crate) fn kepler_solution(t: f64) -> SVector<f64, 4> {
     let e = ECCENTRICITY;
     let mut anomaly = t;
     for _ in 0..20 {
@@ -94,12 +94,12 @@ pub fn kepler_solution(t: f64) -> SVector<f64, 4> {
 
 /// Returns options whose tolerance accepts every step, so that `max_step_s` alone decides. Lengths and ends
 /// that are powers of two make the steps equal to the last bit.
-pub fn fixed<const N: usize>(step_s: f64) -> Options<N> {
+pub(crate) fn fixed<const N: usize>(step_s: f64) -> Options<N> {
     Options { max_step_s: step_s, ..Options::uniform(1e30) }
 }
 
 /// Goes to `end_s` in at most `most_steps` steps, and panics beyond, so no test runs for ever.
-pub fn go<const N: usize>(
+pub(crate) fn go<const N: usize>(
     solver: &mut Rodas5p<N>,
     ode: &impl Ode<N>,
     end_s: f64,
@@ -113,6 +113,6 @@ pub fn go<const N: usize>(
 }
 
 /// Returns the orders observed between errors of steps that halve.
-pub fn orders(errors: &[f64]) -> Vec<f64> {
+pub(crate) fn orders(errors: &[f64]) -> Vec<f64> {
     errors.windows(2).map(|pair| (pair[0] / pair[1]).log2()).collect()
 }

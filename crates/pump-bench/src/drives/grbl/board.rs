@@ -48,7 +48,7 @@ pub(super) struct Board {
 
 impl Board {
     /// Talks through `port` to the axis of this number.
-    pub fn new(port: Port, axis: usize) -> Self {
+    pub(super) fn new(port: Port, axis: usize) -> Self {
         Self {
             port,
             replies: Replies::default(),
@@ -61,17 +61,17 @@ impl Board {
     }
 
     /// Sends a line.
-    pub fn send(&mut self, line: &str) -> Result<(), GrblError> {
+    pub(super) fn send(&mut self, line: &str) -> Result<(), GrblError> {
         self.port.write(format!("{line}\n").as_bytes())
     }
 
     /// Sends a byte that takes effect at once.
-    pub fn send_byte(&mut self, byte: u8) -> Result<(), GrblError> {
+    pub(super) fn send_byte(&mut self, byte: u8) -> Result<(), GrblError> {
         self.port.write(&[byte])
     }
 
     /// Asks for a status report.
-    pub fn ask(&mut self) -> Result<(), GrblError> {
+    pub(super) fn ask(&mut self) -> Result<(), GrblError> {
         let now = Instant::now();
         self.asked = Some(now);
         self.unanswered.get_or_insert(now);
@@ -79,7 +79,7 @@ impl Board {
     }
 
     /// Waits a moment for something to be said, and asks for the position whenever it is due.
-    pub fn listen(&mut self) -> Result<Option<Heard>, GrblError> {
+    pub(super) fn listen(&mut self) -> Result<Option<Heard>, GrblError> {
         if self.asked.is_none_or(|asked| asked.elapsed() >= POLL) {
             self.ask()?;
         }
@@ -93,7 +93,7 @@ impl Board {
     }
 
     /// Waits until something is said or `wait` has passed.
-    pub fn hear(&mut self, wait: Duration) -> Result<Option<Heard>, GrblError> {
+    pub(super) fn hear(&mut self, wait: Duration) -> Result<Option<Heard>, GrblError> {
         let until = Instant::now() + wait;
         loop {
             if let Some(reply) = self.waiting.pop_front() {
@@ -141,7 +141,7 @@ impl Board {
     /// reports.
     ///
     /// Asks nothing meanwhile: while a board stores a setting, it loses what it is sent.
-    pub fn command(&mut self, line: &str) -> Result<Vec<Reply>, GrblError> {
+    pub(super) fn command(&mut self, line: &str) -> Result<Vec<Reply>, GrblError> {
         self.send(line)?;
         let started = Instant::now();
         let mut said = Vec::new();
@@ -164,7 +164,7 @@ impl Board {
 
     /// Asks for the state and waits for an answer that is newer than the question. Calls `at_banner` if the
     /// board was reset.
-    pub fn state(&mut self, mut at_banner: impl FnMut()) -> Result<State, GrblError> {
+    pub(super) fn state(&mut self, mut at_banner: impl FnMut()) -> Result<State, GrblError> {
         while let Some(heard) = self.hear(Duration::ZERO)? {
             if let Heard::Reply(Reply::Banner(_)) = heard {
                 at_banner();
@@ -182,7 +182,7 @@ impl Board {
 
     /// Returns the reported position of the axis of a board at rest. A board at rest sends `WCO` only in
     /// every tenth report.
-    pub fn rests_at(&mut self) -> Result<f64, GrblError> {
+    pub(super) fn rests_at(&mut self) -> Result<f64, GrblError> {
         let started = Instant::now();
         while started.elapsed() < OK_LIMIT {
             match self.listen()? {

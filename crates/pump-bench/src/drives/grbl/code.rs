@@ -2,7 +2,7 @@
 //! alarm_codes_en_US.csv.
 
 /// Returns the meaning of `error:<code>`.
-pub fn error_text(code: u16) -> &'static str {
+pub(super) fn error_text(code: u16) -> &'static str {
     match code {
         1 => "a word without its letter",
         2 => "a number that it cannot read",
@@ -45,7 +45,7 @@ pub fn error_text(code: u16) -> &'static str {
 }
 
 /// Returns the meaning of `ALARM:<code>`, and advice.
-pub fn alarm_text(code: u16) -> &'static str {
+pub(super) fn alarm_text(code: u16) -> &'static str {
     match code {
         0 => "the line that says why did not arrive",
         1 => "a limit switch was hit and the motor was stopped at once; a pump needs none: set $21=0",
@@ -67,6 +67,6 @@ pub fn alarm_text(code: u16) -> &'static str {
 ///
 /// Soft limits (2) decelerate first, and a search (4, 5) has ended. Alarms of other firmwares are unknown and
 /// count.
-pub fn stops_at_once(alarm: u16) -> bool {
+pub(super) fn stops_at_once(alarm: u16) -> bool {
     !matches!(alarm, 2 | 4 | 5)
 }

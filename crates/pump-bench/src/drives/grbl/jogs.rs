@@ -35,7 +35,7 @@ pub(super) struct Task {
 
 impl Task {
     /// Returns the count after `made` steps.
-    pub fn count_after(&self, made: u64) -> i64 {
+    pub(super) fn count_after(&self, made: u64) -> i64 {
         self.start + self.direction * made as i64
     }
 
@@ -64,7 +64,7 @@ impl Task {
     }
 
     /// Checks that every jog of the task ends on a step, before anything moves.
-    pub fn check(&self, scale: &Scale) -> Result<(), GrblError> {
+    pub(super) fn check(&self, scale: &Scale) -> Result<(), GrblError> {
         let mut sent = 0;
         while sent < self.steps {
             sent = self.next_end(sent);
@@ -122,7 +122,7 @@ pub(super) struct Jogs<'a> {
 
 impl<'a> Jogs<'a> {
     /// Prepares the jogs of `task`. Sends nothing yet.
-    pub fn new(board: &'a mut Board, scale: &'a Scale, task: Task) -> Self {
+    pub(super) fn new(board: &'a mut Board, scale: &'a Scale, task: Task) -> Self {
         Self {
             board,
             scale,
@@ -138,7 +138,7 @@ impl<'a> Jogs<'a> {
     }
 
     /// Makes the steps, or stops where the gate breaks.
-    pub fn run(&mut self, gate: &mut Gate<'_>) -> Result<(), GrblError> {
+    pub(super) fn run(&mut self, gate: &mut Gate<'_>) -> Result<(), GrblError> {
         let asked = self.travel(gate)? == Ended::Asked;
         if asked && self.sent > 0 { self.stop() } else { Ok(()) }
     }
@@ -200,7 +200,7 @@ impl<'a> Jogs<'a> {
     }
 
     /// Takes in a message of the board. Returns the state if the message told it.
-    pub fn take(&mut self, heard: Heard) -> Result<Option<State>, GrblError> {
+    pub(super) fn take(&mut self, heard: Heard) -> Result<Option<State>, GrblError> {
         match heard {
             Heard::Status(state, Some(place)) => {
                 self.see(place)?;
@@ -227,7 +227,7 @@ impl<'a> Jogs<'a> {
     }
 
     /// Follows a reported position. A single impossible one is noise; two in a row are an error.
-    pub fn see(&mut self, place: f64) -> Result<(), GrblError> {
+    pub(super) fn see(&mut self, place: f64) -> Result<(), GrblError> {
         let counted = self.scale.count(self.scale.reported_mm(place));
         let travelled = (counted - self.task.start) * self.task.direction;
         match u64::try_from(travelled) {
@@ -264,7 +264,7 @@ impl<'a> Jogs<'a> {
     }
 
     /// Checks that a silent board still does its work.
-    pub fn watch(&self) -> Result<(), GrblError> {
+    pub(super) fn watch(&self) -> Result<(), GrblError> {
         if let Some((line, since)) = &self.awaited
             && since.elapsed() > OK_LIMIT
         {

@@ -22,7 +22,7 @@ pub(super) struct Port {
 
 impl Port {
     /// Opens the port of `table` for this process alone.
-    pub fn open(table: &DriveTable) -> Result<Self, DriveError> {
+    pub(super) fn open(table: &DriveTable) -> Result<Self, DriveError> {
         let path = table.port.as_deref().ok_or(GrblError::NoPort)?;
         let fails = |reason: String| GrblError::Open { port: path.to_owned(), reason };
         let busy = || DriveError::Busy { device: path.to_owned(), holder: holder::of(path) };
@@ -46,7 +46,7 @@ impl Port {
 
     /// Reads the bytes that have come, and waits until `wait` has passed for the first. Returns 0 if none
     /// came.
-    pub fn read(&mut self, buffer: &mut [u8], wait: Duration) -> Result<usize, GrblError> {
+    pub(super) fn read(&mut self, buffer: &mut [u8], wait: Duration) -> Result<usize, GrblError> {
         let failed = |error: serialport::Error| GrblError::Gone(error.into());
         self.serial.set_timeout(wait).map_err(failed)?;
         match self.serial.read(buffer) {
@@ -60,7 +60,7 @@ impl Port {
     }
 
     /// Writes all of `bytes`.
-    pub fn write(&mut self, bytes: &[u8]) -> Result<(), GrblError> {
+    pub(super) fn write(&mut self, bytes: &[u8]) -> Result<(), GrblError> {
         let until = Instant::now() + WRITE_LIMIT;
         self.serial.set_timeout(Duration::from_millis(100)).map_err(|error| GrblError::Gone(error.into()))?;
         let mut rest = bytes;

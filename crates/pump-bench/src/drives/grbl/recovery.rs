@@ -32,7 +32,7 @@ pub(super) enum Known {
 
 impl Jogs<'_> {
     /// Stops after `error`. Returns the error that remains, and how well `made` is known.
-    pub fn recover(&mut self, error: GrblError) -> (GrblError, Known) {
+    pub(super) fn recover(&mut self, error: GrblError) -> (GrblError, Known) {
         if error.ends_link() {
             self.call_out();
             return (error, Known::Between);
@@ -57,7 +57,7 @@ impl Jogs<'_> {
     }
 
     /// Decelerates to rest, whatever goes on. Afterwards `made` is where the motor stands.
-    pub fn stop(&mut self) -> Result<(), GrblError> {
+    pub(super) fn stop(&mut self) -> Result<(), GrblError> {
         let started = Instant::now();
         let limit_s = STOP_LIMIT_S + 2.0 * self.task.steps_s / self.task.steps_s2;
         let mut cancelled: Option<Instant> = None;
@@ -106,7 +106,7 @@ impl Jogs<'_> {
     /// zero.
     ///
     /// Returns true if the board stands at zero, so that the motor has not moved again.
-    pub fn aftermath(&mut self) -> Result<bool, GrblError> {
+    pub(super) fn aftermath(&mut self) -> Result<bool, GrblError> {
         let started = Instant::now();
         let mut cancelled: Option<Instant> = None;
         let mut rests: Option<(i64, Instant)> = None;
@@ -135,7 +135,7 @@ impl Jogs<'_> {
     }
 
     /// Tells a board that does not answer to stop. The board may still hear.
-    pub fn call_out(&mut self) {
+    pub(super) fn call_out(&mut self) {
         let stop = if self.probing { HOLD } else { CANCEL };
         for _ in 0..5 {
             if self.board.send_byte(stop).is_err() {

@@ -42,40 +42,40 @@ impl Scale {
     }
 
     /// Returns the coordinate of a reported number, in mm.
-    pub fn reported_mm(&self, number: f64) -> f64 {
+    pub(super) fn reported_mm(&self, number: f64) -> f64 {
         if self.inches { number * INCH_MM } else { number }
     }
 
     /// Returns the count at the coordinate `mm`, in steps toward the outlet.
-    pub fn count(&self, mm: f64) -> i64 {
+    pub(super) fn count(&self, mm: f64) -> i64 {
         (self.sign() * mm * self.steps_per_unit).round() as i64
     }
 
     /// Returns the largest error of a reported position near zero, in steps.
-    pub fn report_error(&self) -> f64 {
+    pub(super) fn report_error(&self) -> f64 {
         let half_mm = if self.inches { 0.000_05 * INCH_MM } else { 0.000_5 };
         half_mm * self.steps_per_unit * if self.summed { 2.0 } else { 1.0 }
     }
 
     /// Returns true if a report tells single steps apart.
-    pub fn tells_steps(&self) -> bool {
+    pub(super) fn tells_steps(&self) -> bool {
         self.report_error() < REPORT
     }
 
     /// Returns the most steps per unit at which reports in millimetres tell steps apart.
-    pub fn most_steps_per_unit() -> f64 {
+    pub(super) fn most_steps_per_unit() -> f64 {
         REPORT / 0.000_5
     }
 
     /// Returns the farthest count, either way, that the board computes and reports exactly.
-    pub fn most_count(&self) -> i64 {
+    pub(super) fn most_count(&self) -> i64 {
         let reported = (0.5 - self.report_error()) / (ROUNDINGS * SINGLE);
         reported.min(MOST_COUNT) as i64
     }
 
     /// Formats the coordinate of a count with at most eight digits, so that the board rounds it to exactly
     /// this step. Returns `None` if no such number exists.
-    pub fn text(&self, count: i64) -> Option<String> {
+    pub(super) fn text(&self, count: i64) -> Option<String> {
         let wanted = self.sign() * count as f64;
         let mm = wanted / self.steps_per_unit;
         let off = |text: &String| (self.board_steps(text) - wanted).abs();

@@ -34,7 +34,7 @@ impl Jogs<'_> {
     ///
     /// Probing moves have relative targets, which the board rounds itself. This move is a step shorter, and a
     /// jog makes the missing step.
-    pub fn search(&mut self, gate: &mut Gate<'_>) -> Result<Sought, GrblError> {
+    pub(super) fn search(&mut self, gate: &mut Gate<'_>) -> Result<Sought, GrblError> {
         let delta = self.task.direction * (self.task.steps as i64 - 1);
         let far =
             GrblError::Far { count: self.task.count_after(self.task.steps), most: self.scale.most_count() };
@@ -142,7 +142,7 @@ impl Jogs<'_> {
 
     /// Decelerates a probing move to rest: holds it until it stands, then resets, which keeps the count of a
     /// motor at rest.
-    pub fn hold(&mut self) -> Result<(), GrblError> {
+    pub(super) fn hold(&mut self) -> Result<(), GrblError> {
         let started = Instant::now();
         let limit_s = HOLD_LIMIT_S + 2.0 * self.task.steps_s / self.task.steps_s2;
         let mut held: Option<Instant> = None;

@@ -83,7 +83,7 @@ pub(super) fn settings(board: &mut Board, flavour: Flavour, axis: Axis) -> Resul
 
 impl Settings {
     /// Returns the number of this axis's setting in the group that begins with `first`.
-    pub fn number(&self, first: u16) -> u16 {
+    pub(super) fn number(&self, first: u16) -> u16 {
         first + self.axis.number() as u16
     }
 
@@ -133,12 +133,12 @@ impl Settings {
     }
 
     /// Returns the steps per unit.
-    pub fn steps_per_unit(&self) -> Result<f64, GrblError> {
+    pub(super) fn steps_per_unit(&self) -> Result<f64, GrblError> {
         self.needed(100, "steps per unit")
     }
 
     /// Returns the scale of the axis. Refuses reports that do not tell single steps apart.
-    pub fn scale(&self, table: &DriveTable) -> Result<Scale, GrblError> {
+    pub(super) fn scale(&self, table: &DriveTable) -> Result<Scale, GrblError> {
         let scale = Scale {
             axis: self.axis,
             steps_per_unit: self.steps_per_unit()?,
@@ -158,28 +158,28 @@ impl Settings {
     }
 
     /// Returns the largest rate, in units/min.
-    pub fn rate_units_min(&self) -> Result<f64, GrblError> {
+    pub(super) fn rate_units_min(&self) -> Result<f64, GrblError> {
         self.needed(110, "largest rate")
     }
 
     /// Returns the acceleration, in units/s².
-    pub fn acceleration_units_s2(&self) -> Result<f64, GrblError> {
+    pub(super) fn acceleration_units_s2(&self) -> Result<f64, GrblError> {
         self.needed(120, "acceleration")
     }
 
     /// Returns the fewest steps per second that the board makes.
-    pub fn least_steps_s(&self, scale: &Scale) -> f64 {
+    pub(super) fn least_steps_s(&self, scale: &Scale) -> f64 {
         let feed = LEAST_FEED_UNITS_MIN / 60.0 * scale.steps_per_unit;
         if self.flavour == Flavour::Grbl { feed.max(LEAST_STEPS_S) } else { feed }
     }
 
     /// Returns true if the motor holds at rest. `None` if the board does not list `$1`.
-    pub fn holds(&self) -> Option<bool> {
+    pub(super) fn holds(&self) -> Option<bool> {
         self.values.get(&1).map(|delay_ms| *delay_ms == NEVER_LET_GO)
     }
 
     /// Returns true if the board refuses to go beyond a travel.
-    pub fn soft_limits(&self) -> bool {
+    pub(super) fn soft_limits(&self) -> bool {
         self.mask(20, 0.0) & 1 != 0
     }
 }
