@@ -11,7 +11,7 @@ use crate::failure::Failure;
 
 /// A watch for these signals.
 pub(crate) struct Interrupt {
-    /// Its number; 0 for none.
+    /// Number of the signal that came; 0 for none.
     signal: Arc<AtomicUsize>,
 }
 

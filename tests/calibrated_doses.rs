@@ -43,7 +43,7 @@ fn a_calibrated_dose_that_was_stopped_is_on_record_and_resumed_as_it_was_calibra
         (prepared, delivered)
     };
     assert!(!first.1.completed && (first.0.plan.planned_ml - 25.0).abs() < 2e-3);
-    // What is used now does not change what was delivered then.
+    // The calibration in use now does not change the volume delivered then.
     bench.calibrations().activate(None).unwrap();
     let unfinished = bench.story().unwrap().state.unwrap().unfinished.unwrap();
     let (least_ml, most_ml) = unfinished.delivered_ml(bench.model());

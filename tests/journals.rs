@@ -1,4 +1,4 @@
-//! What a journal tells after anything has happened to its bytes.
+//! Journals whose bytes were changed or cut off.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -55,7 +55,7 @@ proptest! {
         let whole = whole_lines(cut);
         let expected = story(&JOURNAL[..whole]).unwrap();
         prop_assert_eq!(story(&JOURNAL[..cut]).unwrap().state, expected.state);
-        // What follows the last newline may be anything.
+        // Anything may follow the last newline.
         let rest: Vec<u8> = rest.into_iter().filter(|byte| *byte != b'\n').collect();
         let torn = story(&[&JOURNAL[..whole], &rest].concat()).unwrap();
         prop_assert_eq!(torn.state, expected.state);

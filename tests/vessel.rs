@@ -1,4 +1,4 @@
-//! What arrives in the vessel against the closed form that the planner inverts.
+//! The volume in the vessel against the closed form that the planner inverts.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -32,7 +32,7 @@ fn check(cases: u32, received_ml: impl Fn(&Pump, &Plan) -> f64) {
     runner
         .run(&any_plan(), |(pump, plan)| {
             let received_ml = received_ml(&pump, &plan);
-            // What is left in the line 1.2 s later is part of the closed form: -C (P - P_res).
+            // The volume left in the line 1.2 s later is part of the closed form: -C (P - P_res).
             prop_assert!(
                 (received_ml - plan.planned_ml).abs() < 1e-6,
                 "received {received_ml}, planned {}",

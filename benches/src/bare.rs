@@ -1,7 +1,7 @@
 //! The bare loop: the recurrences of the exact solution with every coefficient known beforehand.
 //!
-//! The loop shows the least that the exact solution can cost. Between edges each port's state makes z <- M z
-//! + u(t) a sample, where u is a quartic by Horner's rule. Over an edge it makes z <- M z + u with numbers
+//! The loop shows the least that the exact solution can cost. Between edges each port's state makes
+//! z <- M z + u(t) a sample, where u is a quartic by Horner's rule. Over an edge it makes z <- M z + u with numbers
 //! for that edge. Both ports run in one loop, so that neither waits for the other.
 
 use std::array;

@@ -44,8 +44,29 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
     rows.push(Row::computed("decay R/2L", "1/s", reference(13.19), decay, Bound::Absolute(5e-3)));
     let fall_s = log(1000.0) / decay;
     rows.push(Row::computed("fall to 0.1 %", "s", reference(0.52), fall_s, Bound::Absolute(5e-3)));
+    rows.extend(hose_rows(&line)?);
+    for (degc, theirs) in [(25.0, 997.0), (40.0, 992.0)] {
+        let ours = Fluid::water(degc)?.density_kg_m3;
+        let name = format!("density of water at {degc} °C");
+        rows.push(Row::computed(name, "kg/m³", (theirs, PAPER), ours, Bound::Percent(0.03)));
+    }
+    rows.push(Row::missing("points (flow, pressure) behind R", PAPER, "needs raw data"));
+    rows.push(Row::missing("points (volume, pressure) behind C", PAPER, "needs raw data"));
+    rows.push(Row::missing("waveform at 100 r/min behind L", PAPER, "needs raw data"));
+    let before = "The hose is ours. Its bore of 10 mm, its length of 0.331 m and its K = 5.75 were chosen so \
+                  that it has the paper's L, and the paper's R at 210 mL/s. The length and the flow of the \
+                  paper's line are not available here, nor are its Reynolds numbers.\n\n";
+    let after = "The paper's authors found R by flows and pressures, C by a syringe and L by a fit to a \
+                 waveform. `dose identify` finds them from your data by these methods \
+                 ([identification.md](identification.md)).\n";
+    Ok(Section { title: "Lines", before: before.into(), rows, after: after.into() })
+}
 
+/// Returns the rows of a hose that makes the paper's line.
+fn hose_rows(line: &Line) -> Result<Vec<Row>, Box<dyn Error>> {
+    let reference = |value| (value, REFERENCE);
     let water = water()?;
+    let mut rows = Vec::new();
     let friction = HOSE.friction(&water)?;
     let bound = Bound::Percent(1.1);
     rows.push(
@@ -91,19 +112,5 @@ pub(crate) fn section() -> Result<Section, Box<dyn Error>> {
         HOSE.compliance_ml_kpa(&water),
         Bound::Percent(27.0),
     ));
-    for (degc, theirs) in [(25.0, 997.0), (40.0, 992.0)] {
-        let ours = Fluid::water(degc)?.density_kg_m3;
-        let name = format!("density of water at {degc} °C");
-        rows.push(Row::computed(name, "kg/m³", (theirs, PAPER), ours, Bound::Percent(0.03)));
-    }
-    rows.push(Row::missing("points (flow, pressure) behind R", PAPER, "needs raw data"));
-    rows.push(Row::missing("points (volume, pressure) behind C", PAPER, "needs raw data"));
-    rows.push(Row::missing("waveform at 100 r/min behind L", PAPER, "needs raw data"));
-    let before = "The hose is ours. Its bore of 10 mm, its length of 0.331 m and its K = 5.75 were chosen so \
-                  that it has the paper's L, and the paper's R at 210 mL/s. The length and the flow of the \
-                  paper's line are not available here, nor are its Reynolds numbers.\n\n";
-    let after = "The paper's authors found R by flows and pressures, C by a syringe and L by a fit to a \
-                 waveform. `dose identify` finds them from your data by these methods \
-                 ([identification.md](identification.md)).\n";
-    Ok(Section { title: "Lines", before: before.into(), rows, after: after.into() })
+    Ok(rows)
 }

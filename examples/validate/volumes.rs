@@ -112,6 +112,21 @@ fn rows(measured: &Measured, rows: &mut Vec<Row>) -> Result<String, Box<dyn Erro
         (largest_percent, PAPER),
         "needs raw data",
     ));
+    law_rows(measured, &volumes, rows)?;
+    let scatter = sqrt(nrmse_percent * nrmse_percent - bias_percent * bias_percent);
+    Ok(format!(
+        "With {rollers} rollers the published NRMSE of {nrmse_percent} % and the deviation of the mean, {} %, \
+         leave {} % of scatter over the speeds. ",
+        figure(bias_percent, 3),
+        figure(scatter, 3)
+    ))
+}
+
+/// Adds the rows of the speed law for one pump.
+fn law_rows(measured: &Measured, volumes: &Volumes, rows: &mut Vec<Row>) -> Result<(), Box<dyn Error>> {
+    let Measured { rollers, ten_revolutions_ml, nrmse_percent, largest_percent, .. } = *measured;
+    let name = |what: &str| format!("{rollers} rollers: {what}");
+    let mean = (ten_revolutions_ml, PAPER);
     let (law_mean, law_nrmse, law_correlation) =
         if rollers == 3 { (211.37, 1.90, 0.87) } else { (232.35, 2.01, 0.97) };
     let law_percent = 100.0 * nrmse(volumes.pairs()).ok_or("volumes have a mean")?;
@@ -160,13 +175,7 @@ fn rows(measured: &Measured, rows: &mut Vec<Row>) -> Result<String, Box<dyn Erro
         pearson(pairs).ok_or("pressures differ")?,
         Bound::Absolute(0.006),
     ));
-    let scatter = sqrt(nrmse_percent * nrmse_percent - bias_percent * bias_percent);
-    Ok(format!(
-        "With {rollers} rollers the published NRMSE of {nrmse_percent} % and the deviation of the mean, {} %, \
-         leave {} % of scatter over the speeds. ",
-        figure(bias_percent, 3),
-        figure(scatter, 3)
-    ))
+    Ok(())
 }
 
 /// Returns the section of the page about volumes.

@@ -22,7 +22,7 @@ const MAX_ROWS: f64 = 1e8;
 /// The delivery, and the signal that came, if one did.
 pub(super) type Ended = (Delivered, Option<i32>);
 
-/// How a report is given.
+/// Form of a report.
 pub(super) struct Said<'a> {
     /// True if a program reads it.
     pub(super) json: bool,

@@ -25,7 +25,7 @@ pub(crate) struct SimulateArgs {
     speed: SpeedOptions,
     #[command(flatten)]
     reverse: ReverseOption,
-    /// How long the pump runs, as 10s
+    /// Duration of the run, as 10s
     #[arg(long, value_name = "TIME", value_parser = units::time_s, help_heading = "Amount and speed")]
     duration: Option<f64>,
     /// Model of the rollers [default: flow-centric]

@@ -7,7 +7,7 @@ use pump_bench::units;
 use super::choice::choice;
 use crate::failure::Failure;
 
-/// How many doses, and when.
+/// Number of doses and their schedule.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Batch")]
 pub(crate) struct BatchOptions {

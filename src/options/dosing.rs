@@ -13,7 +13,7 @@ use super::speed::{CruiseOptions, ReverseOption, StartAngleOption};
 use super::volume::Asked;
 use crate::failure::Failure;
 
-/// How a volume is delivered.
+/// Delivery of a volume.
 #[derive(Debug, Args)]
 pub(crate) struct DosingOptions {
     #[command(flatten)]

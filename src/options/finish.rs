@@ -1,4 +1,4 @@
-//! Where in a pitch a dose may end.
+//! The place in a pitch at which a dose may end.
 
 use clap::Args;
 use pump_ctl::plan::Finish;
@@ -9,7 +9,7 @@ use super::choice::choice;
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Amount and speed")]
 pub(crate) struct FinishOption {
-    /// Where in a pitch the dose may end [default: any]
+    /// Place in a pitch at which the dose may end [default: any]
     #[arg(long, value_name = "any|low-flow")]
     #[arg(value_parser = choice(&[
         (Finish::Any, "Anywhere"),

@@ -1,4 +1,4 @@
-//! How fast: a rate, a speed or a time, one at most.
+//! The speed of a dose: a rate, a speed or a time, one at most.
 
 use clap::Args;
 use pump_bench::units;

@@ -305,7 +305,7 @@ fn the_guided_example_prints_what_it_shows() {
     let after = text.split("<!-- typed by the test").nth(1).unwrap();
     let block = after.split("```text\n$ dose ").nth(1).unwrap().split("```").next().unwrap();
     let (typed, shown) = block.split_once('\n').unwrap();
-    // What stands behind a question is the answer; a pipe does not show it.
+    // The answer stands behind its question; a pipe does not show it.
     let (mut lines, mut expected) = (String::new(), String::new());
     for line in shown.lines() {
         let question = ["quit): ", "quit keeps the readings alone: "].iter().find_map(|end| {

@@ -122,7 +122,7 @@ fn measured_points_in_the_file_make_the_pump() {
     fs::write(user.path("spline.toml"), table("spline").replace("2.08]", "2.01]")).unwrap();
     let check = user.types(&["pumps", "check", "spline.toml"]).out;
     assert!(check.contains("they fall by 0.0143 mL from 42.87° to 46.53°"), "{check}");
-    // What is shown can be read again.
+    // The file that is shown can be read again.
     let shown = user.types(&["pumps", "show", "spline.toml"]).out;
     fs::write(user.path("again.toml"), &shown).unwrap();
     assert_eq!(user.types(&["pumps", "show", "again.toml"]).out, shown);

@@ -1,4 +1,4 @@
-//! How long a tube lasts, and its exchange.
+//! The life of a tube, and its replacement.
 
 use std::fs;
 use std::process::Stdio;

@@ -34,12 +34,12 @@ pub(crate) fn run(runs: u32, random: &mut Random) {
             midway += 1;
             if random.part() < 0.3 {
                 bench(folder.path()).session().unwrap().discard().unwrap();
-            } else if random.part() < 0.3 {
-                check(folder.path(), 0.0, random, Cut::Kill { within_s: usual_s });
-            } else {
-                check(folder.path(), 0.0, random, Cut::None);
-                resumed += 1;
+                continue;
             }
+            let is_cut = random.part() < 0.3;
+            let cut = if is_cut { Cut::Kill { within_s: usual_s } } else { Cut::None };
+            check(folder.path(), 0.0, random, cut);
+            resumed += u32::from(!is_cut);
         }
     }
     println!("{runs} doses, {midway} times cut off midway, {resumed} resumed to their end: nothing lost");

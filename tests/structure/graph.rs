@@ -125,7 +125,7 @@ impl<'a> Search<'a> {
             self.lowest.insert(file, lowest);
         }
         if self.lowest[file] == number {
-            let start = self.stack.iter().position(|other| *other == file).unwrap();
+            let start = self.stack.iter().position(|other| *other == file).expect("it was pushed above");
             let circle: Vec<PathBuf> = self.stack.split_off(start).into_iter().cloned().collect();
             if circle.len() > 1 {
                 self.found.push(circle);

@@ -26,7 +26,7 @@ fn house() -> Graph {
     let sources = Sources::of_workspace(root());
     let graph = Names::new(&sources).graph();
     if let Some(file) = std::env::var_os("STRUCTURE_DRAWING") {
-        std::fs::write(file, graph.to_string()).unwrap();
+        std::fs::write(file, graph.to_string()).expect("STRUCTURE_DRAWING names a file that can be written");
     }
     graph
 }
@@ -93,7 +93,9 @@ fn no_folder_has_more_than_fifteen_files() {
 #[test]
 fn no_line_is_longer_than_120_columns() {
     let mut long = Vec::new();
-    for file in sources::files(root(), &["rs", "py", "pyi", "md", "toml"]) {
+    let written = sources::files(root(), &["rs", "py", "pyi", "md", "toml"]);
+    // The seeds of the fuzz targets are data.
+    for file in written.into_iter().filter(|file| !file.starts_with("fuzz/corpus")) {
         let text = std::fs::read_to_string(root().join(&file)).unwrap();
         for (number, line) in text.lines().enumerate() {
             // Tables cannot be wrapped.

@@ -1,4 +1,4 @@
-//! Where a name is defined: paths followed through imports and re-exports.
+//! The file that defines a name: paths are followed through imports and re-exports.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -12,14 +12,14 @@ use crate::sources::Sources;
 
 type ModulePath = Vec<String>;
 
-/// What a name in a module stands for.
+/// Meaning of a name in a module.
 #[derive(Clone)]
 enum Meaning {
     /// Something that the module defines.
     Item,
     /// A module below it.
     Module,
-    /// What this path, seen from the module, means.
+    /// An import of this path, seen from the module.
     Import(Vec<String>),
 }
 
@@ -64,7 +64,7 @@ impl<'a> Names<'a> {
             }
             for used in named.paths {
                 for file in self.files(path, &used) {
-                    graph.add(&module.file, &file, used.last().unwrap());
+                    graph.add(&module.file, &file, used.last().expect("a path has a name"));
                 }
             }
         }
@@ -78,7 +78,7 @@ impl<'a> Names<'a> {
         files
     }
 
-    /// Whether a path that begins so leads into the workspace.
+    /// True if a path that begins so leads into the workspace.
     fn is_ours(&self, module: &ModulePath, first: &str) -> bool {
         ["crate", "self", "super"].contains(&first)
             || self.meanings[module].contains_key(first)
@@ -206,7 +206,7 @@ impl<'ast> Visit<'ast> for Named {
         visit::visit_path(self, path);
     }
 
-    // What stands in a macro such as `format!` are expressions, most of the time.
+    // The arguments of a macro such as `format!` are expressions, most of the time.
     fn visit_macro(&mut self, mac: &'ast Macro) {
         if let Ok(arguments) = mac.parse_body_with(Punctuated::<Expr, Token![,]>::parse_terminated) {
             arguments.iter().for_each(|argument| expression(self, argument));

@@ -35,7 +35,12 @@ impl Sources {
     pub(crate) fn of_workspace(root: &Path) -> Self {
         let mut sources = Self { modules: BTreeMap::new() };
         for (name, file) in CRATES.into_iter().filter(|(_, f)| root.join(f).exists()) {
-            sources.read(root, vec![name.to_owned()], PathBuf::from(file), Path::new(file).parent().unwrap());
+            sources.read(
+                root,
+                vec![name.to_owned()],
+                PathBuf::from(file),
+                Path::new(file).parent().expect("a file has a folder"),
+            );
         }
         sources
     }
@@ -88,7 +93,7 @@ fn attributes(item: &Item) -> &[Attribute] {
     }
 }
 
-/// Whether an item is there for tests alone.
+/// True if an item is there for tests alone.
 fn of_tests(attributes: &[Attribute]) -> bool {
     attributes.iter().any(|attribute| {
         attribute.path().is_ident("cfg")
@@ -113,10 +118,10 @@ pub(crate) fn files(root: &Path, endings: &[&str]) -> Vec<PathBuf> {
     let mut files = Vec::new();
     let mut visit = |path: PathBuf| {
         if path.extension().is_some_and(|end| endings.iter().any(|ending| end == *ending)) {
-            files.push(path.strip_prefix(root).unwrap().to_owned());
+            files.push(path.strip_prefix(root).expect("it was found below the root").to_owned());
         }
     };
-    walk(root, &mut visit).unwrap();
+    walk(root, &mut visit).expect("the sources can be read");
     files.sort();
     files
 }

@@ -21,7 +21,12 @@ pub(crate) enum Method {
     Esdirk34,
 }
 
-pub(crate) fn run(case: &Case, method: Method, tolerance: f64, samples: &mut Samples) -> Result<(), DiffsolError> {
+pub(crate) fn run(
+    case: &Case,
+    method: Method,
+    tolerance: f64,
+    samples: &mut Samples,
+) -> Result<(), DiffsolError> {
     let segments = &case.joint;
     let current = Cell::new(segments[0]);
     let derivative = |z: &[f64], _: &[f64], t: f64, dz: &mut [f64]| slope(case, &current.get(), t, z, dz);

@@ -53,7 +53,7 @@ fn a_stored_line_is_read_and_found_again() {
     let stored = sample("line.json");
     let line = stored.displacement.as_ref().unwrap();
     assert!(line.speed_law.is_none() && line.scatter.degrees_of_freedom() == 6);
-    // Its runs were read to 0.02 g.
+    // The runs were read to 0.02 g.
     assert_same(&again(&stored, Fit::Line, 0.02 / 0.997_047), line);
 }
 

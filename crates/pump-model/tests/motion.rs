@@ -99,7 +99,7 @@ fn after_the_settling_time_less_than_a_microlitre_moves_and_before_it_more() {
         let mut moving = run();
         moving.at(end_s);
         let settle_s = moving.settling_s().unwrap();
-        let undelivered_ml = |run: &mut ExactRun<_>, t| (line.compliance_ml_kpa * run.at(t)[0]).abs();
+        let undelivered_ml = |run: &mut ExactRun<'_, _>, t| (line.compliance_ml_kpa * run.at(t)[0]).abs();
         let mut sampled = run();
         assert!(undelivered_ml(&mut sampled, end_s + settle_s * (1.0 - 1e-5)) > SETTLED_ML);
         for n in 0..2000 {

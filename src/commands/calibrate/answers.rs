@@ -20,7 +20,7 @@ const LOOK: Duration = Duration::from_millis(100);
 /// Lines of standard input, one question each. They are read beside the program, so that a signal ends a question.
 pub(super) struct Answers {
     lines: Receiver<io::Result<String>>,
-    /// What becomes of the readings where the answers end early.
+    /// Words for the fate of the readings if the answers end early.
     kept: &'static str,
 }
 

@@ -23,7 +23,7 @@ const RUNS: u32 = 3;
 /// Slowest of the default speeds, over that of the default rate: doses a little slower than usual are covered too.
 const SLOWEST: f64 = 0.5;
 
-/// What becomes of the readings of a calibration that ends early.
+/// Words for the fate of the readings if the calibration ends early.
 pub(super) const KEPT: &str =
     "the readings that were typed are on record: `dose calibrate run` goes on with them";
 
@@ -107,8 +107,8 @@ struct Guide<'a, 'b> {
     json: bool,
 }
 
-/// Makes the runs and asks for what arrived. Each reading is on record once it is typed, and runs that are on record are not
-/// made again. None if the person left.
+/// Makes the runs and asks for the readings. Each reading is on record once it is typed. Runs that are on record
+/// are not made again. Returns `None` if the person left.
 pub(super) fn runs(bench: &Bench, course: &Course) -> Result<Option<Weighed>, Failure> {
     let mut session = bench.session()?;
     session.connect()?;
@@ -171,7 +171,7 @@ fn short(value: f64) -> String {
 }
 
 impl Guide<'_, '_> {
-    /// Asks whether the runs are kept, and repeats the last one as often as it is wanted. None if the person left.
+    /// Asks whether the runs are kept, and repeats the last one as often as it is wanted. Returns `None` if the person left.
     fn last_may_be_repeated(&mut self, mut runs: Vec<Run>) -> Result<Option<Vec<Run>>, Failure> {
         let all = runs.len();
         while let Some(last) = runs.last() {
@@ -197,7 +197,7 @@ impl Guide<'_, '_> {
         Ok(Some(runs))
     }
 
-    /// Makes the runs that are not on record yet. None if the person left.
+    /// Makes the runs that are not on record yet. Returns `None` if the person left.
     fn rest_of(&mut self, planned: &PlannedRuns, mut runs: Vec<Run>) -> Result<Option<Vec<Run>>, Failure> {
         let all = planned.speeds_rpm.len();
         for speed_rpm in planned.speeds_rpm.iter().skip(runs.len()) {
@@ -218,7 +218,7 @@ impl Guide<'_, '_> {
         })?)
     }
 
-    /// Makes a run until there is a reading of it that can be right. None if the person left.
+    /// Makes a run until there is a reading of it that can be right. Returns `None` if the person left.
     fn weighed(&mut self, speed_rpm: f64, number: usize, title: &str) -> Result<Option<Run>, Failure> {
         loop {
             say(&format!("{title}: moving\n"));

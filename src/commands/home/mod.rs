@@ -16,7 +16,7 @@ pub(crate) struct HomeArgs {
     /// Turn the rotor with the arrow keys until its mark meets the housing's
     #[arg(long)]
     mark: bool,
-    /// How well the two marks can be seen to meet [default: 0.5deg]
+    /// Tolerance within which the two marks meet [default: 0.5deg]
     #[arg(long, value_name = "ANGLE", value_parser = units::angle_rad, requires = "mark")]
     mark_tolerance: Option<f64>,
     /// Turn forward until the index sensor answers, a revolution at most

@@ -22,7 +22,7 @@ pub(super) struct LineArgs {
     reverse: ReverseOption,
     #[command(flatten)]
     start_angle: StartAngleOption,
-    /// How the rotor began to turn: ramp, step or steady
+    /// Start of the motion: ramp, step or steady
     #[arg(long, value_name = "ramp|step|steady", default_value = "ramp")]
     begin: Begin,
     /// When it began to turn, in the time of the table, as 0.2s [default: 0s]

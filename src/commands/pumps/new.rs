@@ -49,14 +49,14 @@ pub(crate) struct NewArgs {
     /// Volume of a roller as measured, CSV: angle_deg since first contact, volume_ml, run [default: from the drawing]
     #[arg(long, value_name = "FILE.csv")]
     roller_volume_points: Option<PathBuf>,
-    /// How a curve goes through these points
+    /// Curve through these points
     #[arg(long, value_name = "quintic|spline", default_value_t = Fit::Quintic, requires = "roller_volume_points")]
     #[arg(value_parser = choice(&[
         (Fit::Quintic, "Least squares of 5th order, as McIntyre et al."),
         (Fit::Spline, "A rising spline through the mean of each angle: a flow without jumps"),
     ]))]
     fit: Fit,
-    /// Where to write it; it must not be there yet [default: standard output]
+    /// File to write; it must not exist yet [default: standard output]
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     #[command(flatten)]
@@ -95,7 +95,7 @@ impl NewArgs {
             &format!("# Measured.\n{remarks}"),
             1,
         );
-        // What is written must be read again: the id too.
+        // The file must be readable again, its id too.
         PumpFile::parse(&text, "from this drawing").map_err(Failure::refused)?;
         let mut outputs = Outputs::default();
         self.draw(&mut outputs, &drawn.id, runs.as_ref())?;

@@ -19,7 +19,7 @@ fn begun(user: &User) -> Child {
     begun_with(user, &[])
 }
 
-/// The same with options.
+/// Starts a long dose with options and waits until its journal says that steps may be made.
 fn begun_with(user: &User, options: &[&str]) -> Child {
     let child = user
         .command(&[&[LONG], options].concat())
@@ -109,7 +109,7 @@ fn a_stopped_dose_says_exactly_what_it_delivered_and_resume_makes_the_rest() {
         let status = user.json(&["status"]);
         assert!(status["unfinished"].is_null());
         assert!((number(&status["wear"], "volume_ml") - 3000.0).abs() < 1e-2);
-        // The same end angle as an undisturbed dose.
+        // An undisturbed dose has this end angle too.
         let other = User::new();
         other.json(&[LONG]);
         assert!((number(&status, "angle_deg") - number(&other.json(&["status"]), "angle_deg")).abs() < 1e-9);

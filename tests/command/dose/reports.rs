@@ -1,4 +1,4 @@
-//! What a dose reports and records.
+//! Reports and records of a dose.
 
 use std::fs;
 
@@ -227,7 +227,7 @@ fn pressures_that_no_liquid_can_have_are_said_to_be_so() {
     fs::write(user.path("firm.toml"), &long).unwrap();
     let refused = user.is_refused(&["25mL", "--pump", "firm.toml", "--rate", "20mL/s"]);
     assert!(refused.contains("at which the tube would collapse"), "{refused}");
-    // Where nobody knows when the tube collapses and the fluid boils.
+    // A pump of which the collapse of the tube and the vapour pressure are not known.
     let unknown =
         long.replace("modulus_mpa = 3.5\npoisson_ratio = 0.49\n", "").replace("\"water\"", "\"oil\"");
     fs::write(user.path("long.toml"), unknown).unwrap();

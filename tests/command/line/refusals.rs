@@ -1,4 +1,4 @@
-//! What is refused, in which words, and with which exit code.
+//! Refusals: their words and their exit codes.
 
 use std::fs;
 use std::path::Path;

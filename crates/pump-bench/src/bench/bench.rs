@@ -47,12 +47,14 @@ impl Bench {
 
     /// Returns the bench with its device at `port`, if a port is given. A driver that needs a port refuses to
     /// open without one.
+    #[must_use]
     pub fn at_port(mut self, port: Option<PathBuf>) -> Self {
         self.drive.port = port.or(self.drive.port);
         self
     }
 
     /// Returns the bench with or without leave to write device settings that do not fit the pump.
+    #[must_use]
     pub fn configuring(self, configure: bool) -> Self {
         Self { configure, ..self }
     }

@@ -105,6 +105,7 @@ impl RangedLaw {
 
     /// Returns the law up to `most_rpm`, in r/min. A law that holds at faster speeds alone is returned
     /// unchanged.
+    #[must_use]
     pub fn up_to(self, most_rpm: f64) -> Self {
         if self.least_rpm <= most_rpm { Self { most_rpm: self.most_rpm.min(most_rpm), ..self } } else { self }
     }

@@ -38,6 +38,7 @@ pub enum Style {
 }
 
 /// A curve of one panel.
+#[derive(Debug, Clone)]
 pub struct Curve {
     /// Name of the curve in the legend.
     pub label: &'static str,
@@ -50,6 +51,7 @@ pub struct Curve {
 }
 
 /// Curves over one vertical axis. A legend names them if there are several.
+#[derive(Debug, Clone)]
 pub struct Panel {
     /// Name of the vertical axis, with its unit.
     pub label: &'static str,
@@ -58,6 +60,7 @@ pub struct Panel {
 }
 
 /// A picture of panels below one another.
+#[derive(Debug, Clone)]
 pub struct Chart<'a> {
     /// Title on top of the picture.
     pub title: &'a str,

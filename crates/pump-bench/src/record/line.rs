@@ -23,7 +23,7 @@ pub(crate) fn encode(entry: &impl Serialize) -> serde_json::Result<String> {
 
 /// Decodes the entry of a line without its newline. The error describes the damage.
 pub(crate) fn decode<T: DeserializeOwned>(line: &str) -> Result<T, String> {
-    let line: Line = serde_json::from_str(line).map_err(|error| error.to_string())?;
+    let line: Line<'_> = serde_json::from_str(line).map_err(|error| error.to_string())?;
     let text = line.entry.get();
     let crc32 = format!("{:08x}", crc32fast::hash(text.as_bytes()));
     if crc32 != line.crc32 {

@@ -1,10 +1,10 @@
-//! How a command ended that was refused or failed: by whether anything moved.
+//! The ending of a command that was refused or failed, by whether anything moved.
 
 use crate::dosing::DoseError;
 use crate::drives::DriveError;
 use crate::record::FolderError;
 
-/// How a command ended that did not do what was asked.
+/// Ending of a command that did not do what was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
     /// Nothing moved.

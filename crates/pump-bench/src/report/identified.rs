@@ -88,7 +88,7 @@ impl Identified {
 /// Decimals with which twice a standard uncertainty has two digits.
 fn decimals(standard: f64) -> usize {
     let magnitude = floor(log(2.0 * standard) / std::f64::consts::LN_10);
-    // Of an exact fit the logarithm is infinite; no measurement has more digits than these.
+    // An exact fit has an infinite logarithm. No measurement has more digits than these.
     (1.0 - magnitude).clamp(0.0, 9.0) as usize
 }
 

@@ -1,4 +1,4 @@
-//! Where the rollers stand, in words.
+//! The rollers' angle in words.
 
 use pump_model::math::degrees;
 

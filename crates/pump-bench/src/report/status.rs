@@ -79,7 +79,11 @@ pub struct UnfinishedStatus {
 }
 
 impl Status {
-    /// Reads the record of a bench; needs no lock.
+    /// Reads the record of a bench. It needs no lock.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Journal`] or [`DoseError::Calibration`] where the record cannot be read.
     pub fn of(bench: &Bench) -> Result<Self, DoseError> {
         let recorded = bench.story()?.state;
         let state = recorded.unwrap_or(bench.fresh());

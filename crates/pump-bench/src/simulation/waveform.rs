@@ -71,6 +71,7 @@ impl Method {
 /// Samples of a motion from lines at rest, at rising times.
 ///
 /// As an iterator it gives them one by one; [`Waveform::fill`] is faster and gives them in columns.
+#[derive(Debug)]
 pub struct Waveform<'a, M, T> {
     pump: &'a Pump,
     times: T,
@@ -96,12 +97,14 @@ fn resisted<'a, M: Iterator<Item = Leg>, const N: usize>(
 }
 
 /// The source of the pressures, by model.
+#[derive(Debug)]
 enum Ports<'a, M> {
     FlowCentric(Lines<'a, M>),
     RollerCentric(Box<RollerRun<'a, M>>),
 }
 
 /// Inlet and outlet of the flow-centric model, by method.
+#[derive(Debug)]
 enum Lines<'a, M> {
     Exact(Box<[ExactRun<'a, M>; 2]>),
     /// Exact solution at the next of equal intervals. The time itself is not looked at.

@@ -23,7 +23,7 @@ const SAME_CORNER_RAD: f64 = 1e-9;
 impl RollerVolume {
     /// Builds the curve from the pump's dimensions alone, for a pump without measurements.
     ///
-    /// Its quintics meet [`Drawing::volume_ml`] within 2e-6 of V_r everywhere. They join in value and slope,
+    /// The quintics meet [`Drawing::volume_ml`] within 2e-6 of V_r everywhere. They join in value and slope,
     /// so the flow has no jump.
     ///
     /// The slope is within 0.5 % of the flow a between the rollers, except for a quarter of a degree after

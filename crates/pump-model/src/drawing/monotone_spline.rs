@@ -88,7 +88,7 @@ impl Knots {
 
     /// Returns the spline through the knots.
     ///
-    /// Its cubics have the slopes of Fritsch and Butland ("A method for constructing local monotone piecewise
+    /// The cubics have the slopes of Fritsch and Butland ("A method for constructing local monotone piecewise
     /// cubic interpolants", SIAM J. Sci. Stat. Comput. 5, 1984), which neither overshoot nor swing. At both
     /// ends the slope is 0, as it is where a roller begins to touch and where it has fully engaged. The flow
     /// therefore has no jump.

@@ -23,7 +23,7 @@ pub(crate) struct Piece {
 
 /// The volume of a roller that engages, from V(0) = 0 to V(phi) = V_r: a rising piecewise polynomial.
 ///
-/// Its derivative is g(x) = max(0, dV/dx), which makes the pulses of inlet and outlet.
+/// The derivative of V is g(x) = max(0, dV/dx), which makes the pulses of inlet and outlet.
 ///
 /// ```
 /// use pump_model::RollerVolume;

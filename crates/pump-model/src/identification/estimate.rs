@@ -22,11 +22,13 @@ impl Estimate {
     }
 
     /// Returns `factor` times this estimate.
+    #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self { value: factor * self.value, standard: factor.abs() * self.standard }
     }
 
     /// Returns 1 over this estimate. The relative uncertainty stays the same where it is small.
+    #[must_use]
     pub fn inverse(self) -> Self {
         let value = 1.0 / self.value;
         Self { value, standard: self.standard * value * value }

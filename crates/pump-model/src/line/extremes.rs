@@ -24,6 +24,7 @@ impl Extremes {
     }
 
     /// Returns the range that covers this range and another.
+    #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self { min_kpa: self.min_kpa.min(other.min_kpa), max_kpa: self.max_kpa.max(other.max_kpa) }
     }

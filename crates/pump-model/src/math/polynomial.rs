@@ -47,12 +47,14 @@ impl Polynomial {
     }
 
     /// Returns the first derivative.
+    #[must_use]
     pub const fn derivative(&self) -> Self {
         let [_, c1, c2, c3, c4, c5] = self.c;
         Self { c: [c1, 2.0 * c2, 3.0 * c3, 4.0 * c4, 5.0 * c5, 0.0] }
     }
 
     /// Returns `p(x + shift)` as a polynomial in `x`.
+    #[must_use]
     pub fn shifted(&self, shift: f64) -> Self {
         let mut shifted = *self;
         shift_coefficients(&mut shifted.c, shift);
@@ -60,6 +62,7 @@ impl Polynomial {
     }
 
     /// Returns `p(factor x)` as a polynomial in `x`.
+    #[must_use]
     pub fn stretched(&self, factor: f64) -> Self {
         let mut power = 1.0;
         Self {
@@ -72,11 +75,13 @@ impl Polynomial {
     }
 
     /// Returns `factor p(x)`.
+    #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         Self { c: self.c.map(|c| c * factor) }
     }
 
     /// Returns the sum of this polynomial and another.
+    #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         let mut sum = *self;
         for (to, from) in sum.c.iter_mut().zip(other.c) {

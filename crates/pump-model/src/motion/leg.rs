@@ -37,6 +37,7 @@ impl Leg {
     }
 
     /// Returns this leg with the rollers `off_rad` farther on.
+    #[must_use]
     pub fn beside(self, off_rad: f64) -> Self {
         Self { angle_rad: self.angle_rad + off_rad, ..self }
     }

@@ -110,7 +110,7 @@ impl Points {
     }
 
     /// Returns the departures of the ratios from a line over the speed.
-    pub(super) fn from_line(&self, line: &StraightLine) -> Departures {
+    pub(super) fn departures_from_line(&self, line: &StraightLine) -> Departures {
         self.departures(self.points.iter().map(|point| line.at(point.rpm)))
     }
 

@@ -114,7 +114,7 @@ impl Planner<'_> {
             let planned = within.at_speed(Some(against), speed_rpm, start, request)?;
             let found_rpm = rpm(planned.plan.profile.cruise_rad_s());
             let (with, found) = Self::factors(against, &planned, found_rpm, request)?;
-            // What limits the speed is found to 1e-6 of it, so the displacement is not known better.
+            // A search finds the limiting speed to 1e-6 of it, so the displacement is not known better.
             if (found - with).abs() <= FASTER {
                 let asked = || format!("{found_rpm:.4} r/min, the fastest,");
                 self.covers(against, found_rpm, request, asked)?;

@@ -43,11 +43,13 @@ impl Request {
     }
 
     /// Returns the request with a smooth flow.
+    #[must_use]
     pub fn smooth(self) -> Self {
         Self { smooth: true, ..self }
     }
 
     /// Returns the request with an end at low flow.
+    #[must_use]
     pub fn low_flow(self) -> Self {
         Self { finish: Finish::LowFlow, ..self }
     }

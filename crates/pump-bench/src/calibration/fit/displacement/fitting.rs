@@ -28,7 +28,7 @@ impl Displacement {
     ) -> Result<Self, CalibrationError> {
         let points = Points::of(pump, runs, weighing, expected)?;
         let line = points.over_speed()?;
-        let departures = points.from_line(&line);
+        let departures = points.departures_from_line(&line);
         let errors = Errors::of(&points, &line, &departures, expected);
         Ok(Self::of(&points, &line, &departures, &errors, None))
     }
