@@ -8,6 +8,7 @@ mod limited_by;
 mod phase;
 mod request;
 mod set_by;
+mod start_angles;
 mod unknown_name;
 
 pub use allowed::Allowed;

@@ -1,7 +1,6 @@
 //! The angle at which the rollers stand.
 
 use pump_model::Pump;
-use pump_model::math::ceil;
 
 use super::allowed::Allowed;
 use super::error::{PlanError, within};
@@ -50,16 +49,6 @@ impl Phase {
     /// at which the rollers may stand.
     pub fn range_ml(&self, pump: &Pump, turn_rad: f64) -> (f64, f64) {
         pump.outlet_curve().turn_range_ml(self.angle_rad, self.half_width_rad, turn_rad)
-    }
-
-    /// Returns the offsets from this angle, rad, at which a plan looks at the rollers. They are both ends of
-    /// the range in which the rollers may stand, its middle, and angles between them a sixteenth of a pitch
-    /// apart at most. A known angle has the offset 0 alone.
-    pub(in crate::plan) fn beside(&self, pitch_rad: f64) -> impl Iterator<Item = f64> + use<> {
-        let half_rad = self.half_width_rad.min(0.5 * pitch_rad);
-        // There are 8 looks a side at most.
-        let looks = ceil(16.0 * half_rad / pitch_rad) as i32;
-        (-looks..=looks).map(move |n| if n == 0 { 0.0 } else { half_rad * f64::from(n) / f64::from(looks) })
     }
 
     pub(in crate::plan) fn validate(&self) -> Result<(), PlanError> {
