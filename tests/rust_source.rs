@@ -6,6 +6,7 @@ use pump_bench::built_in;
 use pump_bench::export::rust_source;
 
 #[path = "../examples/firmware/src/pump.rs"]
+#[allow(unreachable_pub, reason = "written by the command, for a module or a crate")]
 mod pump;
 
 #[test]

@@ -8,6 +8,7 @@
 #[path = "src/dose.rs"]
 mod dose;
 #[path = "src/pump.rs"]
+#[allow(unreachable_pub, reason = "written by the command, for a module or a crate")]
 mod pump;
 
 use std::process::ExitCode;

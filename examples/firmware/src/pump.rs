@@ -7,7 +7,7 @@ use pump_model::{FlowCurve, Geometry, Line, Pump, RollerVolume};
 
 /// Model of the pump.
 #[rustfmt::skip]
-pub(crate) const PUMP: Pump = Pump::precomputed(
+pub const PUMP: Pump = Pump::precomputed(
     Geometry {
         rollers: 3,
         bore_radius_mm: 5.0,
@@ -52,7 +52,7 @@ pub(crate) const PUMP: Pump = Pump::precomputed(
 );
 
 /// Limits of every dose: motor, pressures and torque.
-pub(crate) const LIMITS: Limits = Limits {
+pub const LIMITS: Limits = Limits {
     motor: Motor {
         steps_per_rev: 12800.0,
         max_speed_rad_s: 17.80235837034216,

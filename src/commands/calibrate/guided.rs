@@ -171,7 +171,8 @@ fn short(value: f64) -> String {
 }
 
 impl Guide<'_, '_> {
-    /// Asks whether the runs are kept, and repeats the last one as often as it is wanted. Returns `None` if the person left.
+    /// Asks whether the runs are kept, and repeats the last one as often as it is wanted. Returns `None` if the
+    /// person left.
     fn last_may_be_repeated(&mut self, mut runs: Vec<Run>) -> Result<Option<Vec<Run>>, Failure> {
         let all = runs.len();
         while let Some(last) = runs.last() {
