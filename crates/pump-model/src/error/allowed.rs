@@ -33,6 +33,18 @@ pub enum Allowed {
         /// Bound that every allowed number stays below.
         below: f64,
     },
+    /// Numbers no farther from zero than `most`.
+    EitherWay {
+        /// Largest allowed magnitude.
+        most: f64,
+    },
+    /// Numbers no farther from zero than `most`, except zero itself.
+    EitherWayNotZero {
+        /// Largest allowed magnitude.
+        most: f64,
+    },
+    /// Zero and every finite number above it.
+    NotNegative,
     /// Condition in words, for a range that depends on other parameters. The caller checks it.
     Words(&'static str),
 }
@@ -50,6 +62,9 @@ impl Allowed {
             Self::Positive => value.is_finite() && value > 0.0,
             Self::Between { least, most } => (least..=most).contains(&value),
             Self::Below { least, below } => (least..below).contains(&value),
+            Self::EitherWay { most } => value.abs() <= most,
+            Self::EitherWayNotZero { most } => value != 0.0 && value.abs() <= most,
+            Self::NotNegative => value.is_finite() && value >= 0.0,
             Self::Words(_) => false,
         }
     }
@@ -80,6 +95,9 @@ impl fmt::Display for Allowed {
             Self::Positive => f.write_str("a positive number"),
             Self::Between { least, most } => write!(f, "{} to {}", Short(least), Short(most)),
             Self::Below { least, below } => write!(f, "{} to less than {}", Short(least), Short(below)),
+            Self::EitherWay { most } => write!(f, "up to {} either way", Short(most)),
+            Self::EitherWayNotZero { most } => write!(f, "up to {} either way, not zero", Short(most)),
+            Self::NotNegative => f.write_str("zero or a positive number"),
             Self::Words(words) => f.write_str(words),
         }
     }
@@ -91,7 +109,7 @@ struct Short(f64);
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(value) = *self;
-        if value == 0.0 || (1e-3..1e4).contains(&value.abs()) {
+        if value == 0.0 || (1e-3..1e6).contains(&value.abs()) {
             write!(f, "{value}")
         } else {
             write!(f, "{value:e}")

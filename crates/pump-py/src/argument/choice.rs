@@ -1,5 +1,7 @@
 //! Words of a fixed set, such as "inlet" or "outlet".
 
+use std::fmt::Display;
+
 use pump_ctl::plan::Finish;
 use pyo3::prelude::*;
 
@@ -12,6 +14,13 @@ pub(crate) fn choice<T: Copy>(name: &str, given: &str, allowed: &[(&str, T)]) ->
     }
     let words: Vec<_> = allowed.iter().map(|(word, _)| format!("'{word}'")).collect();
     Err(value(format_args!("{name} is '{given}'; allowed: {}", words.join(", "))))
+}
+
+/// Returns the one of the library's choices that was given for `name`, by the library's own words.
+pub(crate) fn word<T: Copy + Display>(name: &str, given: &str, all: &[T]) -> PyResult<T> {
+    let words: Vec<String> = all.iter().map(T::to_string).collect();
+    let named: Vec<(&str, T)> = words.iter().map(String::as_str).zip(all.iter().copied()).collect();
+    choice(name, given, &named)
 }
 
 /// Reads where in a pitch a dose may end.

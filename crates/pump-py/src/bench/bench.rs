@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use super::request::Asked;
 use super::worker::{Signal, Worker};
-use crate::argument::{choice, text};
+use crate::argument::{choice, text, word};
 use crate::pump::Pump;
 use crate::python::errors::{self, value};
 
@@ -223,7 +223,7 @@ fn note(delivered: &Delivered) -> String {
 }
 
 fn driver_named(name: &str) -> PyResult<DriverName> {
-    choice("driver", name, &[("sim", DriverName::Sim), ("grbl", DriverName::Grbl)])
+    word("driver", name, DriverName::ALL)
 }
 
 fn purpose_named(name: &str) -> PyResult<Purpose> {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use pump_bench::dosing::{Action, Missed, Schedule as DoseSchedule};
 use pyo3::prelude::*;
 
-use crate::argument::choice;
+use crate::argument::word;
 use crate::python::errors::value;
 
 /// Schedule of a batch: the time at which each dose is due.
@@ -17,7 +17,7 @@ pub(crate) struct Schedule(Mutex<DoseSchedule>);
 impl Schedule {
     #[new]
     fn new(count: u64, every_s: Option<f64>, missed: &str) -> PyResult<Self> {
-        let missed = choice("missed", missed, &[("skip", Missed::Skip), ("now", Missed::Now)])?;
+        let missed = word("missed", missed, Missed::ALL)?;
         Ok(Self(Mutex::new(DoseSchedule::new(count, every_s, missed).map_err(value)?)))
     }
 

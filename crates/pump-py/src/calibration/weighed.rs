@@ -6,7 +6,7 @@ use pump_bench::units;
 use pump_bench::units::Amount;
 use pyo3::prelude::*;
 
-use crate::argument::{choice, text};
+use crate::argument::{text, word};
 use crate::python::errors::value;
 
 /// Reads the standard uncertainty of a reading, mL; 0 if it is not given.
@@ -45,5 +45,5 @@ pub(crate) fn runs_of(runs: &Bound<'_, PyAny>) -> PyResult<Vec<Run>> {
 
 /// Reads the curve that is fitted to weighed runs.
 pub(crate) fn fit_named(fit: &str) -> PyResult<Fit> {
-    choice("fit", fit, &[("line", Fit::Line), ("speed-law", Fit::SpeedLaw)])
+    word("fit", fit, Fit::ALL)
 }

@@ -8,7 +8,7 @@ use pump_bench::pump_file::Fit;
 use pump_model::VolumePoint;
 use pyo3::prelude::*;
 
-use crate::argument::{Floats, choice};
+use crate::argument::{Floats, word};
 use crate::python::errors::{self, value};
 
 /// A fall of the volume: from and to angle, deg, and by how much, mL.
@@ -69,5 +69,5 @@ pub(crate) fn points_of(points: Vec<(f64, f64)>) -> Vec<VolumePoint> {
 
 /// Reads how points are fitted.
 pub(crate) fn fit_named(method: &str) -> PyResult<Fit> {
-    choice("method", method, &[("spline", Fit::Spline), ("quintic", Fit::Quintic)])
+    word("method", method, Fit::ALL)
 }

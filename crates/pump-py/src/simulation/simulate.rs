@@ -1,11 +1,11 @@
 //! A pump at constant speed from rest.
 
-use pump_bench::simulation::{AskedMethod, Simulation, choose_method};
+use pump_bench::simulation::{AskedMethod, ModelName, Simulation, choose_method};
 use pump_model::RollerCentric;
 use pyo3::prelude::*;
 
 use super::run::Run;
-use crate::argument::{Argument, choice, speed};
+use crate::argument::{Argument, choice, speed, word};
 use crate::pump::Pump;
 use crate::python::errors::{self, value};
 
@@ -81,10 +81,8 @@ impl Pump {
         valve_resistance_kpa_s_ml: Option<f64>,
         closure_rad: Option<f64>,
     ) -> PyResult<Run> {
-        let is_roller_centric = choice("model", model, &[("flow-centric", false), ("roller-centric", true)])?;
-        let methods =
-            [("auto", AskedMethod::Auto), ("exact", AskedMethod::Exact), ("rodas5p", AskedMethod::Rodas5p)];
-        let asked = choice("method", method, &methods)?;
+        let is_roller_centric = word("model", model, ModelName::ALL)? == ModelName::RollerCentric;
+        let asked = word("method", method, AskedMethod::ALL)?;
         choice("initial", initial, &[("rest", ())])?;
         let given = [
             ("segment_scale", segment_scale),

@@ -2,10 +2,9 @@
 
 use core::fmt;
 
-use pump_model::ModelError;
+use pump_model::{Allowed, ModelError};
 use thiserror::Error;
 
-use super::allowed::Allowed;
 use super::set_by::SetBy;
 
 /// The fastest dose that holds every limit, in the terms of the request.
@@ -266,5 +265,5 @@ pub(in crate::plan) fn within(
     value: f64,
     allowed: Allowed,
 ) -> Result<(), PlanError> {
-    if allowed.contains(value) { Ok(()) } else { Err(PlanError::OutOfRange { parameter, value, allowed }) }
+    if allowed.admits(value) { Ok(()) } else { Err(PlanError::OutOfRange { parameter, value, allowed }) }
 }

@@ -1,6 +1,5 @@
 //! The words of a plan: its choices, its request and its refusals. They name no other room.
 
-mod allowed;
 mod cruise;
 mod error;
 mod finish;
@@ -11,7 +10,6 @@ mod set_by;
 mod start_angles;
 mod unknown_name;
 
-pub use allowed::Allowed;
 pub use cruise::Cruise;
 pub use error::{Nearest, PlanError};
 pub use finish::Finish;
@@ -20,5 +18,8 @@ pub use phase::Phase;
 pub use request::Request;
 pub use set_by::SetBy;
 pub use unknown_name::UnknownName;
+
+/// Range of a parameter, which the model and the plan word alike.
+pub use pump_model::Allowed;
 
 pub(in crate::plan) use error::within;

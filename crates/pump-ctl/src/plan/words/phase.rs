@@ -1,8 +1,7 @@
 //! The angle at which the rollers stand.
 
-use pump_model::Pump;
+use pump_model::{Allowed, Pump};
 
-use super::allowed::Allowed;
 use super::error::{PlanError, within};
 
 /// Angle of the rotor, and the uncertainty of that angle.

@@ -1,6 +1,7 @@
 //! The request for a dose.
 
-use super::allowed::Allowed;
+use pump_model::Allowed;
+
 use super::cruise::Cruise;
 use super::error::{PlanError, within};
 use super::finish::Finish;

@@ -1,0 +1,49 @@
+//! Journals that version 0.1.0 wrote are read as that version read them. `samples/journals` has each journal with the
+//! status that version 0.1.0 printed of it, without the folder.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::fs;
+use std::path::PathBuf;
+
+use pump_bench::report::Status;
+use pump_bench::{Bench, DoseError, DoseRequest, built_in};
+use serde_json::Value;
+
+fn sample(name: &str) -> String {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/samples/journals").join(name);
+    fs::read_to_string(path).unwrap()
+}
+
+/// A bench whose journal is this sample.
+fn bench(name: &str, folder: &tempfile::TempDir) -> Bench {
+    let bench = Bench::new(built_in("three-roller").unwrap(), None, folder.path()).unwrap();
+    fs::create_dir_all(bench.folder().path()).unwrap();
+    fs::write(bench.folder().path().join("journal.jsonl"), sample(&format!("{name}.jsonl"))).unwrap();
+    bench
+}
+
+#[test]
+fn journals_of_the_first_version_give_the_status_that_it_printed() {
+    for name in ["finished", "cut_off"] {
+        let folder = tempfile::tempdir().unwrap();
+        let status = Status::of(&bench(name, &folder)).unwrap();
+        let mut found: Value = serde_json::from_str(&status.json()).unwrap();
+        found.as_object_mut().unwrap().remove("folder");
+        let expected: Value = serde_json::from_str(&sample(&format!("{name}.status.json"))).unwrap();
+        assert_eq!(found, expected, "{name}");
+    }
+}
+
+#[test]
+fn a_dose_that_the_first_version_left_unfinished_is_refused_resumed_or_accepted() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench("cut_off", &folder);
+    let mut session = bench.session().unwrap();
+    assert!(matches!(session.prepare(DoseRequest::dose(1.0)), Err(DoseError::Unfinished { .. })));
+    let rest = session.prepare_rest(DoseRequest::dose(0.0)).unwrap();
+    assert!((rest.plan.requested_ml - (30_000.0 - 407.42)).abs() < 0.3, "{}", rest.plan.requested_ml);
+    assert_eq!(rest.request.retract_ml, Some(0.1));
+    session.discard().unwrap();
+    assert!(session.prepare(DoseRequest::dose(1.0)).is_ok());
+}
