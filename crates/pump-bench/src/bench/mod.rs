@@ -1,6 +1,8 @@
 //! A bench: one pump, its drive, and its record.
 
 mod bench;
+mod connection;
+mod delivery;
 mod device;
 mod homing;
 mod recorded_motion;
@@ -10,6 +12,7 @@ mod stretches;
 
 pub use bench::Bench;
 pub(crate) use bench::headline;
+pub use delivery::Delivered;
 pub use homing::AngleSet;
 pub use rehearsal::Rehearsal;
-pub use session::{Delivered, NewTube, Session};
+pub use session::{NewTube, Session};

@@ -1,21 +1,17 @@
 //! A session: this process holds the pump and runs doses. Every stretch of a dose is on record before it
 //! happens.
 
-use std::ops::ControlFlow;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use pump_model::math::{ceil, degrees, rpm};
+use pump_model::math::{ceil, rpm};
 
 use crate::calibration::RunLog;
-use crate::dosing::DoseError;
-use crate::dosing::{DoseRequest, Prepared};
+use crate::dosing::{DoseError, DoseRequest, Prepared};
 use crate::numbers::{between, significant};
-use crate::record::Lock;
-use crate::record::{Entry, Journal, JournalError, Purpose, State, Terms, Unfinished, Wear, Why};
+use crate::record::{Entry, Journal, JournalError, Lock, Purpose, State, Unfinished, Wear, Why};
 
 use super::bench::Bench;
 use super::device::Device;
-use super::recorded_motion::RecordedMotion;
 
 /// Bench that no other process can move meanwhile.
 #[derive(Debug)]
@@ -33,23 +29,6 @@ pub struct Session<'a> {
     /// True if this session has turned the motor.
     pub(super) moved: bool,
     _lock: Lock,
-}
-
-/// Result of a dose.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Delivered {
-    /// Volume that the vessel received, in mL. If nobody can read it, the model volume of the steps made.
-    pub volume_ml: f64,
-    /// Number of steps made, without their sign.
-    pub made: u64,
-    /// Angle at which the rotor stands, in rad, counted on from the start.
-    pub end_angle_rad: f64,
-    /// True if the whole dose was delivered.
-    pub completed: bool,
-    /// Volume sucked back afterwards, in mL, positive. Zero without a retraction.
-    pub retracted_ml: f64,
-    /// True if the whole retraction was made.
-    pub sucked_back: bool,
 }
 
 /// Result of replacing the tube.
@@ -229,74 +208,6 @@ impl<'a> Session<'a> {
         let state = self.stands();
         self.bench.refuse_unfinished(Some(state))?;
         Ok(state)
-    }
-
-    /// Runs a dose that this session prepared, and records its end.
-    ///
-    /// `watch` is called now and then with the number of steps made. When it breaks, the motor decelerates
-    /// and holds.
-    ///
-    /// # Errors
-    ///
-    /// [`DoseError::Stale`] if the rotor has moved since the dose was prepared. Other [`DoseError`]s if the
-    /// device cannot be used or fails, or the dose cannot be recorded.
-    pub fn run(
-        &mut self,
-        prepared: &Prepared,
-        mut watch: impl FnMut(u64) -> ControlFlow<()>,
-    ) -> Result<Delivered, DoseError> {
-        let plan = &prepared.plan;
-        let given = prepared.request.start_angle_rad.is_some();
-        let stands = self.stands().phase();
-        if !given && plan.start != stands {
-            let [planned_deg, stands_deg] = [plan.start, stands].map(|phase| degrees(phase.angle_rad));
-            return Err(DoseError::Stale { planned_deg, stands_deg });
-        }
-        let motion = RecordedMotion {
-            plan,
-            model: &prepared.model,
-            correction: prepared.correction(),
-            purpose: prepared.request.purpose,
-            carry_out_ml: prepared.carry_out_ml,
-            given,
-            retract_ml: prepared.request.retract_ml,
-            terms: prepared.terms(),
-            settle_s: prepared.prediction.settle_s,
-            seeks: false,
-        };
-        let moved = self.perform(&motion, &mut watch)?;
-        let mut delivered = Delivered {
-            volume_ml: moved.volume_ml,
-            made: moved.made,
-            end_angle_rad: plan.angle_after(moved.made),
-            completed: moved.made == plan.steps.unsigned_abs(),
-            retracted_ml: 0.0,
-            sucked_back: prepared.retraction.is_none(),
-        };
-        if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {
-            let plan = &retraction.plan;
-            let motion = RecordedMotion {
-                plan,
-                model: &prepared.model,
-                correction: prepared.correction(),
-                purpose: Purpose::Retract,
-                carry_out_ml: retraction.carry_out_ml,
-                given: false,
-                retract_ml: None,
-                terms: Terms::default(),
-                settle_s: retraction.prediction.settle_s,
-                seeks: false,
-            };
-            // The dose is delivered and on record whatever becomes of the retraction.
-            let back = self.perform(&motion, &mut watch);
-            let delivered_ml = delivered.volume_ml;
-            let back =
-                back.map_err(|source| DoseError::Retraction { delivered_ml, source: Box::new(source) })?;
-            delivered.sucked_back = back.made == plan.steps.unsigned_abs();
-            delivered.end_angle_rad = plan.angle_after(back.made);
-            delivered.retracted_ml = -plan.delivered_ml(&prepared.model, back.made);
-        }
-        Ok(delivered)
     }
 
     /// Records that the rotor stands. If that cannot be written, this session still knows it, and the next
