@@ -6,7 +6,6 @@ use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
 use pump_model::math::TURN_RAD;
 
-use crate::bench::Session;
 use crate::calibration::{Calibration, Calibrations, Stored};
 use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
@@ -247,16 +246,6 @@ impl Bench {
             pumped_ml: state.map_or(0.0, |state| state.wear.volume_ml),
             planned_ml: prepared.plan.planned_ml.abs(),
         })
-    }
-
-    /// Takes the pump for this process until the session is dropped.
-    ///
-    /// # Errors
-    ///
-    /// [`DoseError::Folder`] if another process holds the pump. [`DoseError::Journal`] if the journal cannot
-    /// be read.
-    pub fn session(&self) -> Result<Session<'_>, DoseError> {
-        Session::open(self)
     }
 }
 

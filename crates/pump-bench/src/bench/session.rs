@@ -44,6 +44,18 @@ pub struct NewTube {
     pub unused: Option<u32>,
 }
 
+impl Bench {
+    /// Takes the pump for this process until the session is dropped.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Folder`] if another process holds the pump. [`DoseError::Journal`] if the journal cannot
+    /// be read.
+    pub fn session(&self) -> Result<Session<'_>, DoseError> {
+        Session::open(self)
+    }
+}
+
 impl<'a> Session<'a> {
     pub(crate) fn open(bench: &'a Bench) -> Result<Self, DoseError> {
         let lock = bench.folder().lock()?;
