@@ -204,10 +204,12 @@ impl<'a> Session<'a> {
         let calibrations = self.bench.calibrations();
         let unused = calibrations.active_version()?;
         calibrations.activate(None)?;
-        // Readings of the old tube say nothing of the new one.
-        RunLog::of(self.bench.folder()).end()?;
         let state = State { carry_ml: 0.0, wear: Wear::default(), ..before };
         self.rest(Why::NewTube, state)?;
+        // Readings of the old tube tell nothing about the new one.
+        let log = RunLog::of(self.bench.folder());
+        let readings = log.read()?.map_or(0, |unfinished| unfinished.runs.len());
+        log.end()?;
         Ok(NewTube { state, worn_ml: before.wear.volume_ml, owed_ml: before.carry_ml, unused })
     }
 

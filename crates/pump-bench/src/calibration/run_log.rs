@@ -26,6 +26,10 @@ pub struct PlannedRuns {
     pub pitches: u32,
     /// Model volume of a revolution, in mL. Runs of another pump cannot be continued.
     pub revolution_ml: f64,
+    /// Name of the fluid. Masses of another fluid are other volumes.
+    pub fluid: String,
+    /// Mean temperature of the fluid, in °C.
+    pub temperature_degc: f64,
 }
 
 /// A guided calibration that was begun: its plan, and the runs that were weighed.
@@ -95,8 +99,9 @@ impl RunLog {
                     return Err(at(format!("its schema is `{schema}`; this version reads `{SCHEMA}`")));
                 }
                 (Entry::Weighed(run), Some(unfinished)) => unfinished.runs.push(run),
-                (Entry::Redone, Some(unfinished)) if !unfinished.runs.is_empty() => {
+                (Entry::Again(run), Some(unfinished)) if !unfinished.runs.is_empty() => {
                     unfinished.runs.pop();
+                    unfinished.runs.push(run);
                 }
                 _ => return Err(at("it does not belong there".to_owned())),
             }
@@ -142,8 +147,9 @@ impl RunLog {
     /// [`CalibrationError::File`] where the log cannot be removed.
     pub fn end(&self) -> Result<(), CalibrationError> {
         match fs::remove_file(&self.path) {
-            Err(error) if error.kind() != ErrorKind::NotFound => Err(self.failed("remove")(error)),
-            _ => Ok(()),
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+            Err(error) => Err(self.failed("remove")(error)),
+            Ok(()) => sync_folder(self.path.parent().unwrap_or(Path::new("."))).map_err(self.failed("remove")),
         }
     }
 
@@ -193,7 +199,7 @@ mod tests {
     }
 
     fn planned() -> PlannedRuns {
-        PlannedRuns { speeds_rpm: vec![10.0, 10.0, 40.0], pitches: 9, revolution_ml: 21.318 }
+        PlannedRuns { speeds_rpm: vec![10.0, 10.0, 40.0], pitches: 9, revolution_ml: 21.318, fluid: "water".to_owned(), temperature_degc: 25.0 }
     }
 
     #[test]
@@ -204,8 +210,7 @@ mod tests {
         log.begin(&planned()).unwrap();
         log.add(&run(10.0, 63.9)).unwrap();
         log.add(&run(10.0, 36.9)).unwrap();
-        log.redo().unwrap();
-        log.add(&run(10.0, 63.8)).unwrap();
+        log.replace_last(&run(10.0, 63.8)).unwrap();
         let runs = vec![run(10.0, 63.9), run(10.0, 63.8)];
         assert_eq!(log.read().unwrap(), Some(UnfinishedRuns { planned: planned(), runs }));
         log.begin(&planned()).unwrap();

@@ -5,13 +5,13 @@ use crate::error::ModelError;
 use super::triangle::Triangle;
 
 /// Steps that a search may take; it takes about ten.
-const MOST_STEPS: u32 = 100;
+const MOST_STEPS: u32 = 200;
 
 /// Part of the sum of squares: a search ends where a step could gain less.
-const GAIN: f64 = 1e-12;
+const GAIN: f64 = 1e-14;
 
 /// Change of a parameter: a search ends where a step changes every parameter by less.
-const STEP: f64 = 1e-9;
+const STEP: f64 = 1e-10;
 
 /// Measurements and a model with N parameters, some of them held.
 pub trait Residuals<const N: usize> {
@@ -40,8 +40,10 @@ pub struct Found<const N: usize> {
     pub sum: f64,
     /// Rows of the residuals there.
     pub rows: Triangle<N>,
-    /// Number of steps that the search took; 100, the most that it may take, if it did not converge.
+    /// Number of steps that the search took; 200, the most that it may take, if it did not converge.
     pub steps: u32,
+    /// Error of the last step that was refused because its parameters give no model.
+    pub refused: Option<ModelError>,
 }
 
 impl<const N: usize> Found<N> {
@@ -88,11 +90,10 @@ impl<const N: usize> Found<N> {
 /// [`ModelError`] where `at` gives no model.
 pub fn search<const N: usize>(model: &impl Residuals<N>, at: [f64; N]) -> Result<Found<N>, ModelError> {
     let (mut sum, mut rows) = (model.sum(&at)?, model.rows(&at)?);
-    let (mut at, mut damping) = (at, 1e-3);
+    let (mut at, mut damping, mut refused) = (at, 1e-3, None);
     for steps in 0..MOST_STEPS {
-        let done = Found { at, sum, rows, steps };
         if rows.gained() <= GAIN * sum {
-            return Ok(done);
+            return Ok(Found { at, sum, rows, steps, refused });
         }
         let mut damped = rows;
         for (n, length) in rows.lengths().into_iter().enumerate() {
@@ -104,17 +105,25 @@ pub fn search<const N: usize>(model: &impl Residuals<N>, at: [f64; N]) -> Result
         let small = step.iter().all(|step| step.abs() < STEP);
         let next = core::array::from_fn(|n| at[n] + step[n]);
         // Steps to models that cannot be, or to their border, are refused like steps uphill.
-        let downhill = model.sum(&next).ok().filter(|next_sum| *next_sum <= sum);
-        match downhill.and_then(|next_sum| Some((next_sum, model.rows(&next).ok()?))) {
-            Some((next_sum, next_rows)) => {
+        let stepped = match model.sum(&next) {
+            Ok(next_sum) if next_sum <= sum => model.rows(&next).map(|next_rows| Some((next_sum, next_rows))),
+            Ok(_) => Ok(None),
+            Err(error) => Err(error),
+        };
+        match stepped {
+            Ok(Some((next_sum, next_rows))) => {
                 (at, sum, rows) = (next, next_sum, next_rows);
-                damping = (0.1 * damping).max(1e-9);
+                damping = (0.1 * damping).max(1e-12);
             }
-            None => damping *= 10.0,
+            Ok(None) => damping *= 10.0,
+            Err(error) => {
+                refused = Some(error);
+                damping *= 10.0;
+            }
         }
         if small {
-            return Ok(Found { at, sum, rows, steps });
+            return Ok(Found { at, sum, rows, steps, refused });
         }
     }
-    Ok(Found { at, sum, rows, steps: MOST_STEPS })
+    Ok(Found { at, sum, rows, steps: MOST_STEPS, refused })
 }

@@ -96,7 +96,8 @@ impl<'a> Pulse<'a> {
     ///
     /// # Errors
     ///
-    /// [`CalibrationError::Undetermined`] if the search does not end.
+    /// [`CalibrationError::Undetermined`] if the search does not end. [`CalibrationError::Model`] if it ends at pumps that
+    /// cannot be.
     pub(super) fn search_from(
         &self,
         start: [f64; PARAMETERS],
@@ -105,9 +106,11 @@ impl<'a> Pulse<'a> {
         if found.converged() {
             return Ok(found);
         }
-        let why = match found.rows.singular() {
-            Some(_) => "they sweep no pulse",
-            None => "the search did not end; are angles and volumes in their columns?",
+        let why = match (found.rows.singular(), found.refused) {
+            // The search ran into pumps that cannot be: their error says what is wrong.
+            (_, Some(error)) => return Err(error.into()),
+            (Some(_), None) => "they sweep no pulse",
+            (None, None) => "the search did not end; are angles and volumes in their columns?",
         };
         Err(CalibrationError::Undetermined { what: "the zero", why })
     }
