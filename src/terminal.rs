@@ -9,9 +9,6 @@ use pump_bench::pump_file::DriverName;
 
 use crate::failure::Failure;
 
-/// Width of what is printed where there is no terminal and COLUMNS does not tell, columns.
-const WIDTH: usize = 100;
-
 /// Prints to standard output as it is. A reader that went away is no failure of the dose.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     match io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
@@ -22,11 +19,15 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints words for people to standard output: their lines end at words.
+/// Prints words for people to standard output. On a terminal, and where COLUMNS gives a width, lines end at words; a file or
+/// a program gets whole lines.
 pub(crate) fn tell(text: &str) -> Result<(), Failure> {
     let told = || std::env::var("COLUMNS").ok()?.parse().ok();
     let terminal = Term::stdout().size_checked().map(|(_, columns)| usize::from(columns));
-    print(&wrapped(text, terminal.or_else(told).unwrap_or(WIDTH)))
+    match terminal.or_else(told) {
+        Some(width) => print(&wrapped(text, width)),
+        None => print(text),
+    }
 }
 
 /// Says something to a person beside the results, on standard error.

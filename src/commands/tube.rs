@@ -22,14 +22,18 @@ impl TubeArgs {
         debug_assert!(self.new, "required");
         let bench = self.bench.bench()?;
         let mut session = bench.session()?;
-        let NewTube { state, worn_ml, owed_ml, unused } = session.new_tube()?;
+        let NewTube { state, worn_ml, owed_ml, unused, readings } = session.new_tube()?;
         let unused = unused.map_or(String::new(), |version| {
             format!(
                 "calibration {version} is not used any more; `dose calibrate use {version}` uses it again\n"
             )
         });
+        let given_up = match readings {
+            0 => String::new(),
+            count => format!("{count} readings of a guided calibration of the old tube are given up\n"),
+        };
         tell(&format!(
-            "a new tube is on record; the one before pumped {worn_ml:.1} mL\n{}{}{unused}warning: a new tube gives \
+            "a new tube is on record; the one before pumped {worn_ml:.1} mL\n{}{}{unused}{given_up}warning: a new tube gives \
              another volume per revolution: calibrate it\nif the rotor was turned by hand, say where it stands with \
              `dose home --set <ANGLE>`\n",
             rotor_text(&bench, &state),

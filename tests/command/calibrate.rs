@@ -166,36 +166,47 @@ fn guided_runs_are_weighed_one_by_one_and_the_last_can_be_repeated() {
 }
 
 #[test]
-fn readings_of_a_guided_calibration_stay_on_record_and_the_next_call_goes_on_with_them() {
+fn readings_of_a_guided_calibration_stay_on_record_and_it_can_be_continued() {
     let user = User::new();
     let arguments = ["calibrate", "run", "--speeds", "15rpm,60rpm", "--runs", "2", "--pitches", "1"];
+    let go_on = ["calibrate", "run", "--continue"];
     // The person leaves after one reading, and the answers end after another.
     let left = answers(&user, &arguments, "7.1mL\n7.11mL\nquit\n");
     assert_eq!(left.code, 0, "{}", left.err);
-    assert!(left.out.starts_with("doses go on as before; `dose calibrate run` goes on"), "{}", left.out);
+    assert!(left.out.starts_with("doses go on as before; 1 reading is on record"), "{}", left.out);
     assert!(user.types(&["calibrate", "list"]).out.contains("is not calibrated"));
-    let ended = answers(&user, &["calibrate", "run"], "7.12mL\n");
+    let ended = answers(&user, &go_on, "7.12mL\n");
     assert_eq!(ended.code, 1, "{}", ended.err);
     assert!(
-        ended.err.contains("1 of 4 runs") && ended.err.contains("readings that were typed are on record")
+        ended.err.contains("1 of 4 runs") && ended.err.contains("2 readings are on record"),
+        "{}",
+        ended.err
     );
-    // Other runs are refused before anything moves, and so is another pump.
-    let other = answers(&user, &["calibrate", "run", "--speeds", "30rpm"], "");
-    assert_eq!(other.code, 2, "{}", other.err);
-    assert!(other.err.contains("2 of 4 readings") && other.err.contains("--anew"), "{}", other.err);
-    assert!(!other.err.contains("moving"), "{}", other.err);
-    // A reading that cannot be fitted with the others loses none of them.
+    // Nothing moves where it is not said what becomes of the readings, nor for other runs or another fluid.
+    for (words, why) in [
+        (&arguments[..], "2 of 4 readings is on record"),
+        (&["calibrate", "run", "--continue", "--speeds", "30rpm"], "has other runs than these"),
+        (
+            &["calibrate", "run", "--continue", "--fluid", "ethanol"],
+            "for water at 25 °C, and now it is ethanol",
+        ),
+        (&["calibrate", "run", "--continue", "--pump", "three-roller-as-built"], "nothing to go on with"),
+    ] {
+        let refused = answers(&user, words, "7.1mL\n");
+        assert_eq!(refused.code, 2, "{words:?} {}", refused.err);
+        assert!(refused.err.contains(why) && !refused.err.contains("moving"), "{words:?} {}", refused.err);
+    }
+    // Readings that cannot be fitted are kept. The rotor has turned, so this is a fault.
     let log = user.path("state/three-roller/sim/calibrations/unfinished.jsonl");
-    let refused = answers(&user, &["calibrate", "run", "--fit", "speed-law"], "7.03mL\n7.04mL\n\n");
-    // The rotor has turned, so this is a fault.
+    let by_law = ["calibrate", "run", "--continue", "--fit", "speed-law"];
+    let refused = answers(&user, &by_law, "7.03mL\n7.04mL\n\n");
     assert_eq!(refused.code, 1, "{}", refused.err);
     assert!(refused.err.contains("2 speeds for a speed law; 3 at least are needed"), "{}", refused.err);
-    assert!(refused.err.contains("the readings that were typed are on record"), "{}", refused.err);
-    assert_eq!(fs::read_to_string(&log).unwrap().lines().count(), 5);
+    assert!(refused.err.contains("4 readings are on record"), "{}", refused.err);
     // Nothing is left to be made, so nothing moves.
-    let refused = answers(&user, &["calibrate", "run", "--fit", "speed-law"], "\n");
-    assert_eq!(refused.code, 2, "{}", refused.err);
-    let kept = answers(&user, &["calibrate", "run"], "\n");
+    assert_eq!(answers(&user, &by_law, "\n").code, 2);
+    let unfinished = fs::read_to_string(&log).unwrap();
+    let kept = answers(&user, &go_on, "\n");
     assert_eq!(kept.code, 0, "{}", kept.err);
     assert!(kept.err.contains("4 of 4 runs") && !kept.err.contains("moving"), "{}", kept.err);
     assert!(!log.exists());
@@ -203,6 +214,10 @@ fn readings_of_a_guided_calibration_stay_on_record_and_the_next_call_goes_on_wit
     let runs = list["calibrations"][0]["runs"].as_array().unwrap().clone();
     let read = runs.iter().map(|run| number(&run["reading"], "volume_ml")).collect::<Vec<_>>();
     assert_eq!(read, [7.11, 7.12, 7.03, 7.04]);
+    // A process that ended between keeping the calibration and removing the log leaves nothing to go on with.
+    fs::write(&log, unfinished).unwrap();
+    assert_eq!(answers(&user, &go_on, "\n").code, 2);
+    assert_eq!(answers(&user, &arguments, "7.1mL\nquit\n").code, 0);
 }
 
 #[test]
@@ -211,14 +226,18 @@ fn a_guided_calibration_begins_anew_on_request_and_with_a_new_tube() {
     let arguments = ["calibrate", "run", "--speeds", "60rpm", "--runs", "2", "--pitches", "1"];
     let log = user.path("state/three-roller/sim/calibrations/unfinished.jsonl");
     assert_eq!(answers(&user, &arguments, "7.1mL\n7.1mL\nquit\n").code, 0);
-    let anew = answers(
-        &user,
-        &["calibrate", "run", "--speeds", "30rpm", "--pitches", "1", "--anew"],
-        "7.1mL\nquit\n",
-    );
+    // The readings are given up at once, also by someone who leaves at the trial run.
+    let anew =
+        answers(&user, &["calibrate", "run", "--speeds", "30rpm", "--pitches", "1", "--anew"], "quit\n");
     assert!(anew.code == 0 && anew.err.contains("3 runs of"), "{}", anew.err);
-    assert_eq!(fs::read_to_string(&log).unwrap().lines().count(), 1);
-    assert_eq!(user.types(&["tube", "--new"]).code, 0);
+    assert_eq!(anew.out, "doses go on as before; no reading is on record\n");
+    assert_eq!(answers(&user, &arguments, "7.1mL\n7.1mL\nquit\n").code, 0);
+    let tube = user.types(&["tube", "--new"]);
+    assert!(
+        tube.out.contains("1 readings of a guided calibration of the old tube are given up"),
+        "{}",
+        tube.out
+    );
     assert!(!log.exists());
     // A speed that the motor cannot have is refused before anything moves.
     let refused = answers(&user, &["calibrate", "run", "--speeds", "60rpm,400rpm"], "");

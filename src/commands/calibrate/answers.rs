@@ -20,8 +20,6 @@ const LOOK: Duration = Duration::from_millis(100);
 /// Lines of standard input, one question each. They are read beside the program, so that a signal ends a question.
 pub(super) struct Answers {
     lines: Receiver<io::Result<String>>,
-    /// Words for the fate of the readings if the answers end early.
-    kept: &'static str,
 }
 
 /// An answer to a question for a reading.
@@ -35,8 +33,7 @@ pub(super) enum Answer {
 }
 
 impl Answers {
-    /// Reads answers from now on. `kept` says what becomes of the readings where they end early.
-    pub(super) fn new(kept: &'static str) -> Self {
+    pub(super) fn new() -> Self {
         let (sender, lines) = channel();
         thread::spawn(move || {
             for line in io::stdin().lock().lines() {
@@ -45,7 +42,7 @@ impl Answers {
                 }
             }
         });
-        Self { lines, kept }
+        Self { lines }
     }
 
     /// Asks for what the scale shows until the answer can be used: a mass or a volume, `redo` or `quit`.
@@ -76,7 +73,7 @@ impl Answers {
     pub(super) fn line(&self, session: &mut Session<'_>, interrupt: &Interrupt) -> Result<String, Failure> {
         loop {
             if let Some(signal) = interrupt.signal() {
-                return Err(Failure::stopped(signal, format!("stopped by the user; {}", self.kept)));
+                return Err(Failure::stopped(signal, "stopped by the user"));
             }
             session.release_when_due()?;
             match self.lines.recv_timeout(LOOK) {
@@ -84,10 +81,7 @@ impl Answers {
                 Ok(Err(error)) => return Err(Failure::fault(format!("the answer cannot be read: {error}"))),
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => {
-                    return Err(Failure::fault(format!(
-                        "the answers ended before the last run; {}",
-                        self.kept
-                    )));
+                    return Err(Failure::fault("the answers ended before the last run"));
                 }
             }
         }

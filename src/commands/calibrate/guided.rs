@@ -2,7 +2,9 @@
 
 use std::iter;
 
-use pump_bench::calibration::{PlannedRuns, Run, RunLog, UnfinishedRuns, Weighing, now_utc};
+use pump_bench::calibration::{
+    CalibrationError, PlannedRuns, Reading, Run, RunLog, UnfinishedRuns, Weighing, now_utc,
+};
 use pump_bench::record::Purpose;
 use pump_bench::{Bench, DoseRequest, Prepared, Session};
 use pump_ctl::plan::Cruise;
@@ -23,10 +25,6 @@ const RUNS: u32 = 3;
 /// Slowest of the default speeds, over that of the default rate: doses a little slower than usual are covered too.
 const SLOWEST: f64 = 0.5;
 
-/// Words for the fate of the readings if the calibration ends early.
-pub(super) const KEPT: &str =
-    "the readings that were typed are on record: `dose calibrate run` goes on with them";
-
 /// The course of the runs, as far as it is given.
 pub(super) struct Course {
     /// Speeds of the runs, rad/s; empty for the usual ones.
@@ -35,6 +33,8 @@ pub(super) struct Course {
     pub(super) each: Option<u32>,
     /// Whole pitches of each run.
     pub(super) pitches: Option<u32>,
+    /// True if the course goes on with the readings on record.
+    pub(super) goes_on: bool,
     /// True if readings on record are given up.
     pub(super) anew: bool,
     /// Temperature of the fluid, °C.
@@ -62,25 +62,59 @@ impl Course {
             speeds_rpm: speeds_rad_s.into_iter().flat_map(|rad_s| iter::repeat_n(rpm(rad_s), each)).collect(),
             pitches: self.pitches.unwrap_or(ceil(LEAST_ML / model.outlet_curve().pitch_ml()) as u32),
             revolution_ml: model.revolution_ml(),
+            fluid: bench.file().fluid.name.clone(),
+            temperature_degc: bench.file().fluid.temperature_degc,
         }
     }
 
-    /// Refuses to go on with runs on record that are not those of this course, or of another pump.
+    /// Returns the runs on record that the course goes on with, or `None` if it begins. Readings on record are neither used
+    /// nor given up without a word.
+    fn on_record(&self, bench: &Bench, log: &RunLog) -> Result<Option<UnfinishedRuns>, Failure> {
+        let found = if self.anew { None } else { log.read()? };
+        let found = found.filter(|found| !found.runs.is_empty());
+        // A calibration was kept of these runs, and the process ended before it could remove their log.
+        let stored = bench.calibrations().list()?;
+        let found =
+            found.filter(|found| stored.last().is_none_or(|last| last.calibration.runs != found.runs));
+        match found {
+            None if self.goes_on => Err(Failure::refused(
+                "no guided calibration is unfinished: there is nothing to go on with; leave out --continue",
+            )),
+            None => Ok(None),
+            Some(found) if self.goes_on => self.check_goes_on(bench, &found).map(|()| Some(found)),
+            Some(found) => Err(Failure::refused(format!(
+                "a guided calibration with {} of {} readings is on record; go on with it (`dose calibrate run --continue`), \
+                 or give its readings up (`dose calibrate run --anew`)",
+                found.runs.len(),
+                found.planned.speeds_rpm.len()
+            ))),
+        }
+    }
+
+    /// Refuses to go on with runs that are not those of this course, or of another pump or fluid.
     fn check_goes_on(&self, bench: &Bench, on_record: &UnfinishedRuns) -> Result<(), Failure> {
         let UnfinishedRuns { planned, runs } = on_record;
         let (count, all) = (runs.len(), planned.speeds_rpm.len());
         let wanted = self.planned(bench);
+        let refused = |of: String, now: String| {
+            Err(Failure::refused(format!(
+                "{count} of {all} readings of a guided calibration are on record for {of}, and now it is {now}; go back to \
+                 that, or give the readings up with --anew"
+            )))
+        };
+        let revolution =
+            |planned: &PlannedRuns| format!("{:.4} mL of model volume per revolution", planned.revolution_ml);
+        let fluid = |planned: &PlannedRuns| format!("{} at {} °C", planned.fluid, planned.temperature_degc);
         if wanted.revolution_ml != planned.revolution_ml {
-            return Err(Failure::refused(format!(
-                "{count} readings of a guided calibration are on record for a model volume of {:.4} mL per revolution, \
-                 and the pump's is {:.4} mL; give them up with `dose calibrate run --anew`",
-                planned.revolution_ml, wanted.revolution_ml,
-            )));
+            return refused(revolution(planned), revolution(&wanted));
+        }
+        if (&wanted.fluid, wanted.temperature_degc) != (&planned.fluid, planned.temperature_degc) {
+            return refused(fluid(planned), fluid(&wanted));
         }
         if !self.is_open() && wanted != *planned {
             return Err(Failure::refused(format!(
-                "a guided calibration with {count} of {all} readings is on record, and its runs are others than these; \
-                 go on with it without --speeds, --runs and --pitches, or give its readings up with --anew"
+                "the guided calibration with {count} of {all} readings on record has other runs than these; go on with it \
+                 without --speeds, --runs and --pitches, or give its readings up with --anew"
             )));
         }
         Ok(())
@@ -107,20 +141,17 @@ struct Guide<'a, 'b> {
     json: bool,
 }
 
-/// Makes the runs and asks for the readings. Each reading is on record once it is typed. Runs that are on record
-/// are not made again. Returns `None` if the person left.
+/// Makes the runs and asks for the readings. Each reading is on record once it is typed. Runs that are on record are not
+/// made again. Returns `None` if the person left.
 pub(super) fn runs(bench: &Bench, course: &Course) -> Result<Option<Weighed>, Failure> {
     let mut session = bench.session()?;
     session.connect()?;
     let log = RunLog::of(bench.folder());
-    let on_record = if course.anew { None } else { log.read()? };
-    if let Some(on_record) = &on_record {
-        course.check_goes_on(bench, on_record)?;
-    }
+    let on_record = course.on_record(bench, &log)?;
     let begins = on_record.is_none();
     let UnfinishedRuns { planned, runs } =
         on_record.unwrap_or_else(|| UnfinishedRuns { planned: course.planned(bench), runs: Vec::new() });
-    let (answers, interrupt) = (Answers::new(KEPT), Interrupt::watch()?);
+    let (answers, interrupt) = (Answers::new(), Interrupt::watch()?);
     let &Course { temperature_degc, json, .. } = course;
     let pitches = planned.pitches;
     let mut guide = Guide { bench, session, log, answers, interrupt, pitches, temperature_degc, json };
@@ -130,17 +161,26 @@ pub(super) fn runs(bench: &Bench, course: &Course) -> Result<Option<Weighed>, Fa
     for speed_rpm in &speeds_rpm {
         guide.prepare(*speed_rpm)?;
     }
-    say(&introduction(bench, &planned, runs.len()));
     if begins {
-        let middle_rpm = speeds_rpm.get(speeds_rpm.len() / 2).copied().unwrap_or_default();
-        if guide.weighed(middle_rpm, 1, "trial run")?.is_none() {
-            return Ok(None);
-        }
         guide.log.begin(&planned)?;
     }
-    let Some(runs) = guide.rest_of(&planned, runs)? else { return Ok(None) };
-    let runs = guide.last_may_be_repeated(runs)?;
-    Ok(runs.map(|runs| Weighed { runs, has_moved: guide.session.has_moved() }))
+    say(&introduction(bench, &planned, runs.len()));
+    let weighed = guide.weigh_all(&planned, runs, begins);
+    let has_moved = guide.session.has_moved();
+    match weighed {
+        Ok(runs) => Ok(runs.map(|runs| Weighed { runs, has_moved })),
+        Err(failure) if has_moved => Err(failure.after_motion().with(&format!("; {}", kept(bench)?))),
+        Err(failure) => Err(failure),
+    }
+}
+
+/// Says how many readings of a guided calibration are on record, and how to go on with them.
+pub(super) fn kept(bench: &Bench) -> Result<String, Failure> {
+    Ok(match RunLog::of(bench.folder()).read()?.map_or(0, |found| found.runs.len()) {
+        0 => "no reading is on record".to_owned(),
+        1 => "1 reading is on record: `dose calibrate run --continue` goes on with it".to_owned(),
+        count => format!("{count} readings are on record: `dose calibrate run --continue` goes on with them"),
+    })
 }
 
 /// The words that come first: which runs are to be made.
@@ -171,6 +211,26 @@ fn short(value: f64) -> String {
 }
 
 impl Guide<'_, '_> {
+    /// Makes the trial run if the course begins, then the runs that are not on record yet. Returns `None` if the person left.
+    fn weigh_all(
+        &mut self,
+        planned: &PlannedRuns,
+        runs: Vec<Run>,
+        begins: bool,
+    ) -> Result<Option<Vec<Run>>, Failure> {
+        if begins {
+            let middle_rpm =
+                planned.speeds_rpm.get(planned.speeds_rpm.len() / 2).copied().unwrap_or_default();
+            if self.weighed(middle_rpm, 1, "trial run")?.is_none() {
+                return Ok(None);
+            }
+        }
+        match self.rest_of(planned, runs)? {
+            Some(runs) => self.last_may_be_repeated(runs),
+            None => Ok(None),
+        }
+    }
+
     /// Asks whether the runs are kept, and repeats the last one as often as it is wanted. Returns `None` if the
     /// person left.
     fn last_may_be_repeated(&mut self, mut runs: Vec<Run>) -> Result<Option<Vec<Run>>, Failure> {
@@ -184,8 +244,7 @@ impl Guide<'_, '_> {
                     let title = format!("run {all} of {all}, again");
                     match self.weighed(last.speed_rpm, all, &title)? {
                         Some(run) => {
-                            self.log.redo()?;
-                            self.log.add(&run)?;
+                            self.log.replace_last(&run).map_err(|error| unrecorded(error, &run))?;
                             runs.pop();
                             runs.push(run);
                         }
@@ -204,7 +263,7 @@ impl Guide<'_, '_> {
         for speed_rpm in planned.speeds_rpm.iter().skip(runs.len()) {
             let title = format!("run {} of {all}, {} r/min", runs.len() + 1, short(*speed_rpm));
             let Some(run) = self.weighed(*speed_rpm, runs.len() + 1, &title)? else { return Ok(None) };
-            self.log.add(&run)?;
+            self.log.add(&run).map_err(|error| unrecorded(error, &run))?;
             runs.push(run);
         }
         Ok(Some(runs))
@@ -227,10 +286,7 @@ impl Guide<'_, '_> {
             let (delivered, signal) =
                 deliver(self.bench, &mut self.session, &prepared, &self.interrupt, self.json)?;
             if !delivered.completed {
-                return Err(Failure::stopped(
-                    signal.unwrap_or(0),
-                    format!("stopped by the user in a run; {KEPT}"),
-                ));
+                return Err(Failure::stopped(signal.unwrap_or(0), "stopped by the user in a run"));
             }
             let plan = &prepared.plan;
             let known = plan.start.is_known(self.bench.model().pitch_rad());
@@ -257,4 +313,13 @@ impl Guide<'_, '_> {
             }
         }
     }
+}
+
+/// Returns the failure to put a reading on record. It names the reading, so that it is not lost.
+fn unrecorded(error: CalibrationError, run: &Run) -> Failure {
+    let reading = match run.reading {
+        Reading::MassG(mass_g) => format!("{mass_g}g"),
+        Reading::VolumeMl(volume_ml) => format!("{volume_ml}mL"),
+    };
+    Failure::fault(format!("{error}; the reading {reading} of this run is not on record: note it down"))
 }

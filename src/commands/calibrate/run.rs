@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pump_bench::Bench;
-use pump_bench::calibration::{Calibration, Fit, Run, RunLog, Source, runs_of_csv};
+use pump_bench::calibration::{Calibration, Fit, Run, RunLog, Source, Stored, runs_of_csv};
 use pump_bench::report::{calibration_json, calibration_text};
 use pump_bench::units;
 
-use super::guided::{self, Course, KEPT, Weighed};
+use super::guided::{self, Course, Weighed, kept};
 use super::reading::{ReadingOptions, in_table, read};
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
@@ -40,6 +40,9 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     #[arg(conflicts_with = "from")]
     pitches: Option<u32>,
+    /// Go on with a guided calibration that was begun: its readings are on record
+    #[arg(long = "continue", conflicts_with_all = ["from", "anew"])]
+    goes_on: bool,
     /// Give up the readings of a guided calibration that was begun, and begin again
     #[arg(long, conflicts_with = "from")]
     anew: bool,
@@ -63,29 +66,40 @@ impl RunArgs {
                 speeds_rad_s: self.speeds.clone(),
                 each: self.runs,
                 pitches: self.pitches,
+                goes_on: self.goes_on,
                 anew: self.anew,
                 temperature_degc: self.fluid.temperature,
                 json: self.format.json(),
             };
             return match guided::runs(&bench, &course)? {
-                Some(Weighed { runs, has_moved }) => {
-                    self.keep(&bench, Source::Guided, runs).map_err(|failure| {
-                        let failure = if has_moved { failure.after_motion() } else { failure };
-                        failure.with(&format!("; {KEPT}"))
-                    })
-                }
-                None => tell(
-                    "doses go on as before; `dose calibrate run` goes on with the readings that were typed\n",
-                ),
+                Some(weighed) => self.guided(&bench, weighed),
+                None => tell(&format!("doses go on as before; {}\n", kept(&bench)?)),
             };
         };
         let steps_per_rev = bench.file().limits().motor.steps_per_rev;
         let runs = in_table(path, runs_of_csv(&read(path)?, steps_per_rev))?;
-        self.keep(&bench, Source::File, runs)
+        let stored = self.keep(&bench, Source::File, runs)?;
+        self.report(&bench, &stored)
+    }
+
+    /// Keeps the calibration of guided runs, and removes their log.
+    fn guided(&self, bench: &Bench, weighed: Weighed) -> Result<(), Failure> {
+        let Weighed { runs, has_moved } = weighed;
+        let stored = match self.keep(bench, Source::Guided, runs) {
+            Ok(stored) => stored,
+            Err(failure) => {
+                let failure = if has_moved { failure.after_motion() } else { failure };
+                return Err(failure.with(&format!("; {}", kept(bench)?)));
+            }
+        };
+        RunLog::of(bench.folder()).end().map_err(|error| {
+            Failure::fault(format!("calibration {} is kept and in use, but {error}", stored.version))
+        })?;
+        self.report(bench, &stored)
     }
 
     /// Fits the runs and has doses use what they show.
-    fn keep(&self, bench: &Bench, source: Source, runs: Vec<Run>) -> Result<(), Failure> {
+    fn keep(&self, bench: &Bench, source: Source, runs: Vec<Run>) -> Result<Stored, Failure> {
         let _held = bench.folder().lock()?;
         let before = bench.calibrations().active()?.map(|active| active.calibration);
         let expected = self.reading.expected(bench)?;
@@ -93,14 +107,14 @@ impl RunArgs {
             Calibration::of_runs(bench.file(), source, runs, self.fit, &expected, before.as_ref())?;
         calibration.tube = self.reading.tube.clone();
         calibration.note = self.reading.note.clone();
-        let stored = bench.keep_calibration(calibration)?;
-        if source == Source::Guided {
-            RunLog::of(bench.folder()).end()?;
-        }
+        Ok(bench.keep_calibration(calibration)?)
+    }
+
+    fn report(&self, bench: &Bench, stored: &Stored) -> Result<(), Failure> {
         if self.format.json() {
-            print(&calibration_json(&stored))
+            print(&calibration_json(stored))
         } else {
-            tell(&calibration_text(bench, &stored)?)
+            tell(&calibration_text(bench, stored)?)
         }
     }
 }

@@ -61,7 +61,10 @@ impl VerifyArgs {
         let tolerance = self.tolerance(nominal_ml)?;
         let volumes_ml = match &self.from {
             Some(path) => in_table(path, readings_of_csv(&read(path)?, &Weighing::of(bench.file())))?,
-            None => match self.doses(&bench, nominal_ml)? {
+            None => match self
+                .doses(&bench, nominal_ml)
+                .map_err(|failure| failure.with("; nothing is kept of the readings"))?
+            {
                 Some(volumes_ml) => volumes_ml,
                 None => return tell("nothing was verified\n"),
             },
@@ -97,7 +100,7 @@ impl VerifyArgs {
 
     /// Makes the doses and asks for what arrived, mL. None if the person left.
     fn doses(&self, bench: &Bench, nominal_ml: f64) -> Result<Option<Vec<f64>>, Failure> {
-        let (answers, interrupt) = (Answers::new("nothing is kept of the readings"), Interrupt::watch()?);
+        let (answers, interrupt) = (Answers::new(), Interrupt::watch()?);
         let mut session = bench.session()?;
         let all = self.runs.unwrap_or(DOSES);
         let request = DoseRequest { cruise: self.cruise.cruise()?, ..DoseRequest::dose(nominal_ml) };

@@ -42,6 +42,8 @@ pub struct NewTube {
     pub owed_ml: f64,
     /// Calibration of the old tube, which is no longer used.
     pub unused: Option<u32>,
+    /// Readings of a guided calibration of the old tube, which are given up.
+    pub readings: usize,
 }
 
 impl Bench {
@@ -208,9 +210,9 @@ impl<'a> Session<'a> {
         self.rest(Why::NewTube, state)?;
         // Readings of the old tube tell nothing about the new one.
         let log = RunLog::of(self.bench.folder());
-        let readings = log.read()?.map_or(0, |unfinished| unfinished.runs.len());
+        let readings = log.read().ok().flatten().map_or(0, |unfinished| unfinished.runs.len());
         log.end()?;
-        Ok(NewTube { state, worn_ml: before.wear.volume_ml, owed_ml: before.carry_ml, unused })
+        Ok(NewTube { state, worn_ml: before.wear.volume_ml, owed_ml: before.carry_ml, unused, readings })
     }
 
     /// Returns the state of the pump.

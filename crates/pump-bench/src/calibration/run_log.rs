@@ -49,8 +49,8 @@ enum Entry {
     Begun { schema: String, planned: PlannedRuns },
     /// A run that was weighed.
     Weighed(Run),
-    /// The last run is repeated, and its reading counts no more.
-    Redone,
+    /// Last run, weighed again. Its reading replaces the one before.
+    Again(Run),
 }
 
 /// The log of a guided calibration: one synced line a reading, so that nothing that follows loses it.
@@ -131,13 +131,13 @@ impl RunLog {
         self.append(&Entry::Weighed(run.clone()))
     }
 
-    /// Takes back the last run, which is made again.
+    /// Puts a run on record in place of the last one.
     ///
     /// # Errors
     ///
-    /// [`CalibrationError::File`] where the log cannot be written.
-    pub fn redo(&self) -> Result<(), CalibrationError> {
-        self.append(&Entry::Redone)
+    /// [`CalibrationError::File`] where it cannot be written. The last run then stays on record.
+    pub fn replace_last(&self, run: &Run) -> Result<(), CalibrationError> {
+        self.append(&Entry::Again(run.clone()))
     }
 
     /// Removes the log: a calibration was kept, or its runs are given up.
@@ -149,7 +149,9 @@ impl RunLog {
         match fs::remove_file(&self.path) {
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
             Err(error) => Err(self.failed("remove")(error)),
-            Ok(()) => sync_folder(self.path.parent().unwrap_or(Path::new("."))).map_err(self.failed("remove")),
+            Ok(()) => {
+                sync_folder(self.path.parent().unwrap_or(Path::new("."))).map_err(self.failed("remove"))
+            }
         }
     }
 
@@ -199,7 +201,13 @@ mod tests {
     }
 
     fn planned() -> PlannedRuns {
-        PlannedRuns { speeds_rpm: vec![10.0, 10.0, 40.0], pitches: 9, revolution_ml: 21.318, fluid: "water".to_owned(), temperature_degc: 25.0 }
+        PlannedRuns {
+            speeds_rpm: vec![10.0, 10.0, 40.0],
+            pitches: 9,
+            revolution_ml: 21.318,
+            fluid: "water".to_owned(),
+            temperature_degc: 25.0,
+        }
     }
 
     #[test]
