@@ -19,8 +19,8 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints words for people to standard output. On a terminal, and where COLUMNS gives a width, lines end at words; a file or
-/// a program gets whole lines.
+/// Prints words for people to standard output. On a terminal, and where COLUMNS gives a width, lines end at words.
+/// A file or a program gets whole lines.
 pub(crate) fn tell(text: &str) -> Result<(), Failure> {
     let told = || std::env::var("COLUMNS").ok()?.parse().ok();
     let terminal = Term::stdout().size_checked().map(|(_, columns)| usize::from(columns));

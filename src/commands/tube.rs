@@ -33,9 +33,9 @@ impl TubeArgs {
             count => format!("{count} readings of a guided calibration of the old tube are given up\n"),
         };
         tell(&format!(
-            "a new tube is on record; the one before pumped {worn_ml:.1} mL\n{}{}{unused}{given_up}warning: a new tube gives \
-             another volume per revolution: calibrate it\nif the rotor was turned by hand, say where it stands with \
-             `dose home --set <ANGLE>`\n",
+            "a new tube is on record; the one before pumped {worn_ml:.1} mL\n{}{}{unused}{given_up}warning: \
+             a new tube gives another volume per revolution: calibrate it\nif the rotor was turned by hand, \
+             say where it stands with `dose home --set <ANGLE>`\n",
             rotor_text(&bench, &state),
             carry_dropped_text(owed_ml)
         ))

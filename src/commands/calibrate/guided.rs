@@ -67,8 +67,8 @@ impl Course {
         }
     }
 
-    /// Returns the runs on record that the course goes on with, or `None` if it begins. Readings on record are neither used
-    /// nor given up without a word.
+    /// Returns the runs on record that the course goes on with, or `None` if it begins. Readings on record are
+    /// neither used nor given up without a word.
     fn on_record(&self, bench: &Bench, log: &RunLog) -> Result<Option<UnfinishedRuns>, Failure> {
         let found = if self.anew { None } else { log.read()? };
         let found = found.filter(|found| !found.runs.is_empty());
@@ -83,8 +83,8 @@ impl Course {
             None => Ok(None),
             Some(found) if self.goes_on => self.check_goes_on(bench, &found).map(|()| Some(found)),
             Some(found) => Err(Failure::refused(format!(
-                "a guided calibration with {} of {} readings is on record; go on with it (`dose calibrate run --continue`), \
-                 or give its readings up (`dose calibrate run --anew`)",
+                "a guided calibration with {} of {} readings is on record; go on with it (`dose calibrate run \
+                 --continue`), or give its readings up (`dose calibrate run --anew`)",
                 found.runs.len(),
                 found.planned.speeds_rpm.len()
             ))),
@@ -98,8 +98,8 @@ impl Course {
         let wanted = self.planned(bench);
         let refused = |of: String, now: String| {
             Err(Failure::refused(format!(
-                "{count} of {all} readings of a guided calibration are on record for {of}, and now it is {now}; go back to \
-                 that, or give the readings up with --anew"
+                "{count} of {all} readings of a guided calibration are on record for {of}, and now it is {now}; \
+                 go back to that, or give the readings up with --anew"
             )))
         };
         let revolution =
@@ -113,8 +113,8 @@ impl Course {
         }
         if !self.is_open() && wanted != *planned {
             return Err(Failure::refused(format!(
-                "the guided calibration with {count} of {all} readings on record has other runs than these; go on with it \
-                 without --speeds, --runs and --pitches, or give its readings up with --anew"
+                "the guided calibration with {count} of {all} readings on record has other runs than these; go on \
+                 with it without --speeds, --runs and --pitches, or give its readings up with --anew"
             )));
         }
         Ok(())
@@ -141,8 +141,8 @@ struct Guide<'a, 'b> {
     json: bool,
 }
 
-/// Makes the runs and asks for the readings. Each reading is on record once it is typed. Runs that are on record are not
-/// made again. Returns `None` if the person left.
+/// Makes the runs and asks for the readings. Each reading is on record once it is typed. Runs that are on
+/// record are not made again. Returns `None` if the person left.
 pub(super) fn runs(bench: &Bench, course: &Course) -> Result<Option<Weighed>, Failure> {
     let mut session = bench.session()?;
     session.connect()?;
@@ -211,7 +211,8 @@ fn short(value: f64) -> String {
 }
 
 impl Guide<'_, '_> {
-    /// Makes the trial run if the course begins, then the runs that are not on record yet. Returns `None` if the person left.
+    /// Makes the trial run if the course begins, then the runs that are not on record yet. Returns `None` if
+    /// the person left.
     fn weigh_all(
         &mut self,
         planned: &PlannedRuns,

@@ -1,10 +1,10 @@
 //! The journal of a pump: an append-only file of entries. Each entry is synced before the motion that it
 //! announces.
 //!
-//! Before a motion the journal holds its [`Intent`](super::Intent). During the motion, [`Entry::Progress`] announces each
-//! stretch of half a second or half a millilitre before its steps. After the motion, [`Entry::Rest`] holds
-//! the state. So however a process ends, the next one knows the bounds of the volume that was delivered. Only
-//! the order of the entries counts, never a clock.
+//! Before a motion the journal holds its [`Intent`](super::Intent). During the motion, [`Entry::Progress`]
+//! announces each stretch of half a second or half a millilitre before its steps. After the motion,
+//! [`Entry::Rest`] holds the state. So however a process ends, the next one knows the bounds of the volume that
+//! was delivered. Only the order of the entries counts, never a clock.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};

@@ -1,6 +1,7 @@
 //! Nonlinear least squares after Levenberg and Marquardt, for residuals that come one by one.
 
 use crate::error::ModelError;
+use crate::math::sqrt;
 
 use super::triangle::Triangle;
 
@@ -99,7 +100,7 @@ pub fn search<const N: usize>(model: &impl Residuals<N>, at: [f64; N]) -> Result
         for (n, length) in rows.lengths().into_iter().enumerate() {
             // A parameter without effect stays where it is; the caller sees that it has none.
             let length = if length > 0.0 { length } else { 1.0 };
-            damped.push(core::array::from_fn(|k| if k == n { damping * length } else { 0.0 }), 0.0);
+            damped.push(core::array::from_fn(|k| if k == n { sqrt(damping) * length } else { 0.0 }), 0.0);
         }
         let Some(step) = damped.solution() else { break };
         let small = step.iter().all(|step| step.abs() < STEP);
@@ -112,7 +113,12 @@ pub fn search<const N: usize>(model: &impl Residuals<N>, at: [f64; N]) -> Result
         };
         match stepped {
             Ok(Some((next_sum, next_rows))) => {
+                // Where the model has corners, what a step gains may be nothing though the slopes promise more.
+                let done = sum - next_sum <= GAIN * sum;
                 (at, sum, rows) = (next, next_sum, next_rows);
+                if done {
+                    return Ok(Found { at, sum, rows, steps, refused });
+                }
                 damping = (0.1 * damping).max(1e-12);
             }
             Ok(None) => damping *= 10.0,

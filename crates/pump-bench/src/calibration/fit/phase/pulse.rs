@@ -96,8 +96,8 @@ impl<'a> Pulse<'a> {
     ///
     /// # Errors
     ///
-    /// [`CalibrationError::Undetermined`] if the search does not end. [`CalibrationError::Model`] if it ends at pumps that
-    /// cannot be.
+    /// [`CalibrationError::Undetermined`] if the search does not end. [`CalibrationError::Model`] if it
+    /// ends at pumps that cannot be.
     pub(super) fn search_from(
         &self,
         start: [f64; PARAMETERS],
