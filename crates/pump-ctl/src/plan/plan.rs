@@ -4,7 +4,7 @@ use super::line_states::LineStates;
 use super::profile::{Legs, Profile};
 use super::words::{Finish, LimitedBy, Phase};
 
-/// A dose, ready to run. [`crate::plan::plan`] makes it.
+/// A dose, ready to run. [`crate::plan::plan()`] makes it.
 ///
 /// ```
 /// use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};

@@ -40,7 +40,7 @@ impl Plan {
     ///
     /// Fails with [`PlanError::CannotStopThere`] if the rotor can no longer stop at the end nearest to the
     /// new volume. Fails with [`PlanError::NoSuchStep`] if the plan ends at `made` or before. It also fails
-    /// where [`crate::plan::plan`] does.
+    /// where [`crate::plan::plan()`] does.
     pub fn retarget(
         &self,
         pump: &Pump,
