@@ -111,7 +111,7 @@ impl DrawnPump {
         let mut text = match is_estimated {
             true => {
                 "# Written by `dose pumps new` from a drawing: nobody has measured this pump.\n\
-                 # Its model follows from the dimensions alone; `dose pumps check` says what they give.\n\n"
+                 # The model follows from the dimensions alone; `dose pumps check` says what they give.\n\n"
             }
             false => {
                 "# Written by `dose pumps new` from a drawing and measured roller volumes.\n\

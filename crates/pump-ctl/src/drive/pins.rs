@@ -47,7 +47,7 @@ impl Default for Timing {
     }
 }
 
-/// A placeholder for a pin that is not wired. Writing does nothing, and reading gives low.
+/// A pin that is not wired. Writing does nothing, and reading gives low.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoPin;
 
