@@ -8,7 +8,7 @@ NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --tar
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 MODEL_FEATURES := integrator construction identification experimental serde defmt
 
-.PHONY: test test-rust test-python faults fuzz lint features oldest bench validate embedded docs
+.PHONY: test test-rust test-python faults fuzz lint features oldest packages bench validate embedded docs
 
 test: test-rust test-python
 
@@ -24,9 +24,10 @@ $(VENV)/installed: $(shell git ls-files -- Cargo.lock Cargo.toml ':(glob)crates/
 	$(BIN)/pip install --quiet "./crates/pump-py[test]"
 	touch $@
 
-# Doses cut off at random instants; `make test` runs 40 of them.
+# Doses cut off at random instants, and the books of random operations; `make test` runs fewer of both.
 faults:
 	FAULTS_RUNS=500 cargo test --locked --test faults
+	BOOKS_RUNS=10000 cargo test --locked -p pump-bench --test books
 
 # Each target for FUZZ_SECONDS, from the seeds in fuzz/corpus. What else it finds worth keeping is in target/fuzz; a crash is
 # kept in fuzz/artifacts and belongs into a test.
@@ -35,7 +36,7 @@ FUZZ := PATH="$(CURDIR)/target/tools/bin:$$PATH" cargo +nightly fuzz
 fuzz:
 	rustup toolchain install nightly --profile minimal
 	test -x target/tools/bin/cargo-fuzz || cargo install cargo-fuzz --locked --root target/tools
-	for target in quantities pump_files journals grbl_replies; do \
+	for target in quantities pump_files journals grbl_replies grbl_motions; do \
 		mkdir -p target/fuzz/$$target && \
 		$(FUZZ) run --target-dir target/fuzz-build $$target target/fuzz/$$target fuzz/corpus/$$target -- -max_total_time=$(FUZZ_SECONDS) || exit 1; \
 	done
@@ -51,20 +52,36 @@ lint: $(VENV)/installed
 	cd crates/pump-py && $(BIN)/mypy python tests examples gallery
 	cd crates/pump-py && $(BIN)/python -m mypy.stubtest pumpmodel --mypy-config-file pyproject.toml --allowlist stubtest.txt
 
-# Each feature alone, none and all: no file may count on a feature that it did not ask for.
+# Each feature alone, none and all: no file may count on a feature that it did not ask for, and the tests that need none
+# pass with none. `make test` runs them with all.
 features:
-	cargo clippy --locked -p pump-model --no-default-features -- -D warnings
+	cargo test --locked -p pump-model
+	cargo clippy --locked -p pump-model --all-targets -- -D warnings
 	for feature in $(MODEL_FEATURES); do \
-		cargo clippy --locked -p pump-model --no-default-features --features $$feature -- -D warnings || exit 1; \
+		cargo clippy --locked -p pump-model --all-targets --features $$feature -- -D warnings || exit 1; \
 	done
-	cargo clippy --locked -p pump-model --all-features -- -D warnings
+	cargo clippy --locked -p pump-model --all-targets --all-features -- -D warnings
 	cargo clippy --locked -p pump-ctl -- -D warnings
 	cargo clippy --locked -p pump-ctl --features serde,defmt -- -D warnings
+	cargo clippy --locked -p pump-bench -- -D warnings
+	for feature in grbl plot; do cargo clippy --locked -p pump-bench --features $$feature -- -D warnings || exit 1; done
 
 # The oldest Rust that is promised builds the libraries and the command.
 oldest:
 	rustup toolchain install $(OLDEST) --profile minimal
 	cargo +$(OLDEST) check --locked -p pump-model -p pump-ctl -p pump-bench -p pump-dose
+
+# Programs outside the workspace, built from the crates as they are published. Each crate must build from its package
+# alone.
+PACKAGED := pump-model pump-ctl pump-bench
+OUTSIDE := --manifest-path examples/outside/Cargo.toml --target-dir target/outside
+packages:
+	cargo package --locked --allow-dirty $(PACKAGED:%=-p %)
+	cargo fmt --manifest-path examples/outside/Cargo.toml --all --check
+	cargo clippy --locked $(OUTSIDE) -p step-generator -- -D warnings
+	cargo test --locked $(OUTSIDE) -p step-generator
+	cargo run --locked $(OUTSIDE) -p motor-drive
+	cargo run --locked $(OUTSIDE) -p line-model
 
 # Beside other solvers: the peers take minutes to compile, and only here.
 bench: $(VENV)/installed
@@ -81,7 +98,7 @@ validate:
 # line is the test of that test: an index that may be out of range must not link.
 embedded:
 	rustup target add $(TARGETS)
-	for target in $(TARGETS); do cargo build --locked -p pump-model --target $$target || exit 1; done
+	for target in $(TARGETS); do cargo build --locked -p pump-model --features experimental,identification --target $$target || exit 1; done
 	cargo build --locked -p pump-ctl --features serde,defmt --target thumbv7em-none-eabihf
 	for target in $(TARGETS); do $(NO_PANIC) --release --target $$target || exit 1; done
 	for target in $(TARGETS); do $(NO_PANIC) --profile fast --target $$target || exit 1; done

@@ -38,7 +38,7 @@ impl Rotor {
 fn rms_error_ml_s(pump: &Pump, speed_rad_s: impl Fn(f64, f64) -> f64) -> f64 {
     const PERIODS: u32 = 8000;
     let curve = pump.outlet_curve();
-    let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+    let motor = Motor::new(12_800.0, 17.8, 500.0);
     let mut rotor = Rotor { motor, angle_rad: 0.0, speed_rad_s: 0.0 };
     let mut sum = 0.0;
     for n in 0..PERIODS {
@@ -53,9 +53,8 @@ fn rms_error_ml_s(pump: &Pump, speed_rad_s: impl Fn(f64, f64) -> f64) -> f64 {
 
 fn report() -> String {
     let pump = Pump::three_roller();
-    // Per radian instead of per second, the flow is the volume per angle. Any flow divided by it is a
-    // speed.
-    let by_angle = rms_error_ml_s(&pump, |ml_s, angle_rad| ml_s / pump.outlet_curve().flow_ml_rad(angle_rad));
+    let curve = pump.outlet_curve();
+    let by_angle = rms_error_ml_s(&pump, |ml_s, angle_rad| curve.speed_for_flow(ml_s, angle_rad));
     let by_mean = rms_error_ml_s(&pump, |ml_s, _| speed_for_flow(&pump, ml_s));
     format!(
         "rms error of the flow: {by_angle:.3} mL/s by the roller angle, {by_mean:.3} mL/s by mL per revolution"

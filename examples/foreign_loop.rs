@@ -4,7 +4,7 @@
 //!
 //! `cargo run --example foreign_loop`
 
-use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Plan, PlanError, Request, plan};
+use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, PlanError, Request};
 use pump_model::{Leg, Pump};
 
 /// Period of the loop, s.
@@ -21,19 +21,6 @@ impl Servo {
     }
 }
 
-/// Returns the way to rest from `t_s` on, at the plan's own deceleration and never beyond the plan's end.
-fn way_to_rest(plan: &Plan, t_s: f64) -> Leg {
-    let speed_rad_s = plan.speed_at(t_s);
-    let deceleration_rad_s2 = plan.profile.acceleration_rad_s2();
-    Leg {
-        start_s: t_s,
-        duration_s: speed_rad_s.abs() / deceleration_rad_s2,
-        angle_rad: plan.angle_at(t_s),
-        speed_rad_s,
-        acceleration_rad_s2: -deceleration_rad_s2.copysign(speed_rad_s),
-    }
-}
-
 /// Follows the plan until it ends, or until the time `stop_asked`, s. Returns the time at which the axis
 /// stands, s.
 fn follow(servo: &mut Servo, plan: &Plan, stop_asked: impl Fn(f64) -> bool) -> f64 {
@@ -41,14 +28,14 @@ fn follow(servo: &mut Servo, plan: &Plan, stop_asked: impl Fn(f64) -> bool) -> f
     let mut t_s = 0.0;
     loop {
         if stopping.is_none() && stop_asked(t_s) {
-            stopping = Some(way_to_rest(plan, t_s));
+            stopping = Some(plan.stop_at(t_s));
         }
         let (set_point_rad, ends_s) = match stopping {
             Some(leg) => (leg.angle_at(t_s.min(leg.end_s())), leg.end_s()),
-            None => (plan.angle_at(t_s), plan.profile.duration_s()),
+            None => (plan.angle_at(t_s), plan.profile().duration_s()),
         };
         servo.command(set_point_rad);
-        if t_s >= ends_s && (set_point_rad - servo.angle_rad).abs() < 0.5 * plan.step_rad {
+        if t_s >= ends_s && (set_point_rad - servo.angle_rad).abs() < 0.5 * plan.step_rad() {
             return t_s;
         }
         t_s += PERIOD_S;
@@ -59,8 +46,8 @@ fn follow(servo: &mut Servo, plan: &Plan, stop_asked: impl Fn(f64) -> bool) -> f
 fn report() -> Result<String, PlanError> {
     let pump = Pump::three_roller();
     // For a servo a step is an increment of its encoder.
-    let motor = Motor { steps_per_rev: 65_536.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 50.0 };
-    let limits = Limits::of_motor(motor);
+    let motor = Motor::new(65_536.0, 17.8, 50.0);
+    let limits = Limits::new(motor);
     let cruise = Cruise::Flow { ml_s: 5.0 };
     let start_rad = 0.3;
     let mut servo = Servo { angle_rad: start_rad };
@@ -68,11 +55,12 @@ fn report() -> Result<String, PlanError> {
         pump.outlet_curve().volume_ml(servo.angle_rad) - pump.outlet_curve().volume_ml(start_rad)
     };
 
-    let dose = plan(&pump, Phase::known(start_rad), &Request::new(25.0, cruise), &limits)?;
+    let doser = Doser::new(&pump, limits)?;
+    let dose = doser.plan(Phase::known(start_rad), &Request::new(25.0, cruise))?;
     let stood_s = follow(&mut servo, &dose, |t_s| t_s >= 2.5);
     let before_ml = delivered_ml(&servo);
 
-    let rest = plan(&pump, Phase::known(servo.angle_rad), &Request::new(25.0 - before_ml, cruise), &limits)?;
+    let rest = doser.plan(Phase::known(servo.angle_rad), &Request::new(25.0 - before_ml, cruise))?;
     follow(&mut servo, &rest, |_| false);
     Ok(format!(
         "stopped at 2.500 s, stood at {stood_s:.3} s: {before_ml:.2} mL; with the rest {:.2} mL",

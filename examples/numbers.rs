@@ -9,7 +9,7 @@ use pump_bench::record::PhaseSource;
 use pump_bench::simulation::{Simulation, SteadyReport};
 use pump_bench::{Bench, DoseRequest, Prepared, built_in};
 use pump_ctl::plan::{Cruise, Phase};
-use pump_model::math::rad_s;
+use pump_model::units::rad_s;
 use serde_json::{Map, Value, json};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -40,9 +40,9 @@ fn numbers(name: &str) -> Result<Value, Box<dyn Error>> {
     let delivered = session.run(&prepared, |_steps| ControlFlow::Continue(()))?;
     Ok(json!({
         "dose": {
-            "planned_ml": plan.planned_ml,
-            "steps": plan.steps,
-            "motion_s": plan.profile.duration_s(),
+            "planned_ml": plan.planned_ml(),
+            "steps": plan.steps(),
+            "motion_s": plan.profile().duration_s(),
             "settle_s": prediction.settle_s,
             "inlet_min_kpa": prediction.inlet.min_kpa,
             "outlet_max_kpa": prediction.outlet.max_kpa,

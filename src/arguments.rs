@@ -3,10 +3,10 @@
 
 use std::ffi::OsString;
 
-use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, Command};
 
 use crate::failure::Failure;
+use crate::refusals::{beside_a_command, is_named};
 
 /// The words in order.
 pub(crate) struct Arranged {
@@ -17,12 +17,33 @@ pub(crate) struct Arranged {
     pub(crate) brief: bool,
 }
 
+/// An option as it was given, with its value.
+struct Given {
+    /// Clap's id of the option, or its name where no command has it.
+    id: String,
+    /// Number of commands before it.
+    depth: usize,
+    words: Vec<OsString>,
+}
+
+/// True if a program reads the report: the last `--format` among the words is `json`.
+pub(crate) fn asks_for_json(words: &[OsString]) -> bool {
+    let words = words.iter().map(|word| word.to_string_lossy()).take_while(|word| word != "--");
+    let (mut json, mut is_value) = (false, false);
+    for word in words {
+        let value = if is_value { Some(&*word) } else { word.strip_prefix("--format=") };
+        json = value.map_or(json, |value| value == "json");
+        is_value = word == "--format";
+    }
+    json
+}
+
 /// Arranges the words of a command line. `root` is built: clap's own definitions say which options take a value.
 pub(crate) fn arrange(words: impl Iterator<Item = OsString>, root: &Command) -> Result<Arranged, Failure> {
     let mut words = words.map(protect_minus).peekable();
     let program = words.next().unwrap_or_else(|| root.get_name().into());
     let (mut node, mut path) = (root, Vec::new());
-    let (mut options, mut others): (Vec<OsString>, Vec<OsString>) = (Vec::new(), Vec::new());
+    let (mut options, mut others): (Vec<Given>, Vec<OsString>) = (Vec::new(), Vec::new());
     let mut brief = false;
     while let Some(word) = words.next() {
         let text = word.to_string_lossy().into_owned();
@@ -32,12 +53,21 @@ pub(crate) fn arrange(words: impl Iterator<Item = OsString>, root: &Command) -> 
         } else if text.starts_with('-') && text.len() > 1 {
             brief |= text == "-h";
             let next = words.peek().map(|next| next.to_string_lossy().into_owned());
-            let takes_next = takes_value(node, root, &text, next.as_deref());
-            options.push(word);
-            options.extend(takes_next.then(|| words.next()).flatten());
+            let name = text.split('=').next().unwrap_or_default();
+            let found = definitions(node, root, name);
+            let takes_next = !text.contains('=') && takes_value(node, &found, next.as_deref());
+            let mut given = Given {
+                id: found.first().map_or(name.to_owned(), |arg| arg.get_id().to_string()),
+                depth: path.len(),
+                words: vec![word],
+            };
+            given.words.extend(takes_next.then(|| words.next()).flatten());
+            // After the command an option counts in place of the one before it.
+            options.retain(|before| before.id != given.id || before.depth == given.depth);
+            options.push(given);
         } else if let Some(command) = node.find_subcommand(&text) {
             if !others.is_empty() && node.get_name() == root.get_name() {
-                return Err(beside_a_command(&others));
+                return Err(beside_a_command(&others, command, root));
             }
             if others.is_empty() {
                 path.push(command.get_name().to_owned());
@@ -50,6 +80,7 @@ pub(crate) fn arrange(words: impl Iterator<Item = OsString>, root: &Command) -> 
         }
     }
     let path_words = path.iter().map(OsString::from);
+    let options = options.into_iter().flat_map(|given| given.words);
     let words = [program].into_iter().chain(path_words).chain(options).chain(others).collect();
     Ok(Arranged { words, path, brief })
 }
@@ -65,18 +96,22 @@ fn protect_minus(word: OsString) -> OsString {
     }
 }
 
-/// True if the word after an option is its value. The definitions of the command that was named so far count first; an
-/// option that stands before its command may be any command's.
-fn takes_value(node: &Command, root: &Command, option: &str, next: Option<&str>) -> bool {
-    // A value never begins with a hyphen: negative quantities are protected.
-    let is_option = next.is_some_and(|next| next.starts_with('-') && next.len() > 1);
-    if option.contains('=') || is_option {
-        return false;
-    }
+/// The definitions of an option. Those of the command that was named so far count first; an option that stands before
+/// its command may be any command's.
+fn definitions<'a>(node: &'a Command, root: &'a Command, option: &str) -> Vec<&'a Arg> {
     let mut found = Vec::new();
     defined(node, option, &mut found);
     if found.is_empty() {
         defined(root, option, &mut found);
+    }
+    found
+}
+
+/// True if the word after an option with these definitions is its value.
+fn takes_value(node: &Command, found: &[&Arg], next: Option<&str>) -> bool {
+    // A value never begins with a hyphen: negative quantities are protected.
+    if next.is_some_and(|next| next.starts_with('-') && next.len() > 1) {
+        return false;
     }
     let mut takes = found.iter().map(|arg| arg.get_action().takes_values());
     // One option is a flag of one command and has a value in another: before them it has none.
@@ -89,45 +124,5 @@ fn defined<'a>(command: &'a Command, option: &str, found: &mut Vec<&'a Arg>) {
     found.extend(command.get_arguments().filter(|arg| is_named(arg, option)));
     for subcommand in command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help") {
         defined(subcommand, option, found);
-    }
-}
-
-fn is_named(arg: &Arg, option: &str) -> bool {
-    match option.strip_prefix("--") {
-        Some(long) => arg.get_long() == Some(long),
-        None => arg.get_short().is_some_and(|short| option.strip_prefix('-') == Some(&short.to_string())),
-    }
-}
-
-/// A volume before a command: never half obeyed.
-fn beside_a_command(words: &[OsString]) -> Failure {
-    let words: Vec<_> = words.iter().map(|word| word.to_string_lossy().replace('\u{2212}', "-")).collect();
-    let words = words.join(" ");
-    Failure::refused(format!("`{words}` and a command together; give either a volume or a command"))
-}
-
-/// The refusal of an option that other commands have; none if no command has it.
-pub(crate) fn misplaced(error: &clap::Error, path: &[String], root: &Command) -> Option<Failure> {
-    let ContextValue::String(option) = error.get(ContextKind::InvalidArg)? else { return None };
-    let option = option.split(['=', ' ']).next()?;
-    let mut owners = Vec::new();
-    owners_of(root, option, "dose", &mut owners);
-    let others = match &owners[..] {
-        [] => return None,
-        [owner] => format!("it belongs to {owner}"),
-        [first, second] => format!("{first} and {second} do"),
-        _ => "leave it out".to_owned(),
-    };
-    let command = [&["dose".to_owned()], path].concat().join(" ");
-    Some(Failure::refused(format!("`{command}` takes no {option}; {others}")))
-}
-
-/// Collects the commands that list an option.
-fn owners_of(command: &Command, option: &str, name: &str, owners: &mut Vec<String>) {
-    if command.get_arguments().any(|arg| !arg.is_hide_set() && is_named(arg, option)) {
-        owners.push(format!("`{name}`"));
-    }
-    for subcommand in command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help") {
-        owners_of(subcommand, option, &format!("{name} {}", subcommand.get_name()), owners);
     }
 }

@@ -18,6 +18,7 @@ use crate::commands::simulate::SimulateArgs;
 use crate::commands::status::StatusArgs;
 use crate::commands::tube::TubeArgs;
 use crate::failure::Failure;
+use crate::refusals::unknown;
 
 const EXAMPLES: &str = "Examples:
   dose 25mL
@@ -94,7 +95,7 @@ impl Cli {
         match &self.command {
             None => {
                 if let Some(word) = self.dose.mistyped_command() {
-                    return Err(unknown(word));
+                    return Err(unknown(word, &Self::command()));
                 }
                 self.dose.run()
             }
@@ -111,22 +112,6 @@ impl Cli {
             Some(Command::Home(args)) => args.run(),
             Some(Command::Completions(args)) => args.run(&mut Self::command()),
             Some(Command::Pumps(args)) => args.run(),
-        }
-    }
-}
-
-/// Refuses a word that is neither a volume nor a command.
-fn unknown(word: &str) -> Failure {
-    let commands: Vec<String> =
-        Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect();
-    let distance = |command: &&String| strsim::damerau_levenshtein(word, command);
-    match commands.iter().filter(|command| distance(command) <= 2).min_by_key(distance) {
-        Some(command) => {
-            Failure::refused(format!("unknown command `{word}`; did you mean `dose {command}`?"))
-        }
-        None => {
-            let commands = commands.join(", ");
-            Failure::refused(format!("`{word}` is neither a volume, as 25mL, nor a command: {commands}"))
         }
     }
 }

@@ -1,20 +1,26 @@
 //! Why a command did not do what was asked, and the exit code that says so.
 
-use pump_bench::DoseError;
+use std::io;
+use std::path::Path;
+
 use pump_bench::calibration::CalibrationError;
 use pump_bench::record::FolderError;
-use pump_bench::report::Ending;
+use pump_bench::report::{Ending, ErrorFacts, ErrorKind, ErrorReport, Explain};
+use pump_bench::{DoseError, Session};
 
-/// The reason why a command did not do what was asked, in words.
+use crate::interrupt::{self, Unwatched};
+
+/// The reason why a command did not do what was asked: words for people, facts for programs.
 #[derive(Debug)]
 pub(crate) struct Failure {
-    kind: Kind,
+    how: How,
+    facts: ErrorFacts,
     message: String,
 }
 
-/// The kinds of failure, by whether anything moved.
+/// The ways to fail, by whether anything moved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum How {
     /// Refused before anything moved.
     Refused,
     /// Another process holds the pump or its device.
@@ -23,35 +29,94 @@ enum Kind {
     Unfinished,
     /// Something went wrong after motion began.
     Fault,
+    /// The command did what was asked, and its result is not good enough.
+    Failed,
     /// The user stopped it by this signal, and the volume that was delivered is on record.
-    Stopped(i32),
+    Stopped { signal: i32, moved: bool },
 }
 
 impl Failure {
-    /// A refusal before anything moved.
+    /// A refusal of the command line's words before anything moved.
     pub(crate) fn refused(message: impl ToString) -> Self {
-        Self { kind: Kind::Refused, message: message.to_string() }
+        Self::new(How::Refused, ErrorKind::Usage, message)
+    }
+
+    /// An error of the library: it knows its facts, and whether anything moved.
+    pub(crate) fn of(error: impl Explain) -> Self {
+        let how = match error.ending() {
+            Ending::Refused => How::Refused,
+            Ending::Busy => How::Busy,
+            Ending::Unfinished => How::Unfinished,
+            Ending::Stopped => How::Stopped { signal: interrupt::signal().unwrap_or(0), moved: false },
+            Ending::Moved => How::Fault,
+        };
+        Self { how, facts: error.facts(), message: error.to_string() }
+    }
+
+    /// A file that cannot be read.
+    pub(crate) fn unread(path: &Path, error: &io::Error) -> Self {
+        let facts = ErrorFacts::of_file(ErrorKind::Input, path, error);
+        Self { how: How::Refused, facts, message: format!("cannot read {}: {error}", path.display()) }
+    }
+
+    /// A file that cannot be written.
+    pub(crate) fn unwritten(path: &Path, error: &io::Error) -> Self {
+        let facts = ErrorFacts::of_file(ErrorKind::Output, path, error);
+        Self { how: How::Refused, facts, message: format!("cannot write {}: {error}", path.display()) }
     }
 
     /// A fault after motion began.
-    pub(crate) fn fault(message: impl ToString) -> Self {
-        Self { kind: Kind::Fault, message: message.to_string() }
+    pub(crate) fn fault(kind: ErrorKind, message: impl ToString) -> Self {
+        Self::new(How::Fault, kind, message)
     }
 
-    /// A stop by this signal.
-    pub(crate) fn stopped(signal: i32, message: impl ToString) -> Self {
-        Self { kind: Kind::Stopped(signal), message: message.to_string() }
+    /// A result that is not good enough. Nothing else went wrong, and whether the pump moved is another question.
+    pub(crate) fn failed(kind: ErrorKind, message: impl ToString) -> Self {
+        Self::new(How::Failed, kind, message)
+    }
+
+    /// A stop by this signal. `moved` is true if the pump moved before.
+    pub(crate) fn stopped(signal: i32, moved: bool, message: impl ToString) -> Self {
+        Self::new(How::Stopped { signal, moved }, ErrorKind::Stopped, message)
+    }
+
+    fn new(how: How, kind: ErrorKind, message: impl ToString) -> Self {
+        Self { how, facts: ErrorFacts::of(kind), message: message.to_string() }
+    }
+
+    /// The failure as one of this kind.
+    pub(crate) fn kind(mut self, kind: ErrorKind) -> Self {
+        self.facts.kind = kind;
+        self
+    }
+
+    /// The failure with the value that is wrong.
+    pub(crate) fn value(self, value: impl ToString) -> Self {
+        Self { facts: self.facts.value(value.to_string()), ..self }
+    }
+
+    /// The failure with the values that are allowed.
+    pub(crate) fn allowed(self, allowed: impl ToString) -> Self {
+        Self { facts: self.facts.allowed(allowed.to_string()), ..self }
     }
 
     /// The failure of a command that had moved the pump before: a refusal of its later part is a fault of the whole.
     pub(crate) fn after_motion(self) -> Self {
-        let kind = if self.kind == Kind::Refused { Kind::Fault } else { self.kind };
-        Self { kind, ..self }
+        let how = match self.how {
+            How::Stopped { signal, .. } => How::Stopped { signal, moved: true },
+            How::Refused | How::Busy | How::Unfinished | How::Failed | How::Fault => How::Fault,
+        };
+        Self { how, ..self }
+    }
+
+    /// The failure of a command with a session that may have turned the motor before.
+    pub(crate) fn of_session(self, session: &Session<'_>) -> Self {
+        if session.has_moved() { self.after_motion() } else { self }
     }
 
     /// True if nothing moved and nothing stands in the way.
     pub(crate) fn is_refusal(&self) -> bool {
-        self.kind == Kind::Refused
+        self.how == How::Refused
     }
 
     /// The failure with more to say.
@@ -60,47 +125,65 @@ impl Failure {
         self
     }
 
+    /// The failure with words before its message.
+    pub(crate) fn after(mut self, words: &str) -> Self {
+        self.message.insert_str(0, words);
+        self
+    }
+
+    /// The failure with other words.
+    pub(crate) fn saying(self, message: String) -> Self {
+        Self { message, ..self }
+    }
+
     /// The message for people.
     pub(crate) fn message(&self) -> &str {
         &self.message
     }
 
-    /// The exit code of the command.
-    pub(crate) fn exit_code(&self) -> u8 {
-        match self.kind {
-            Kind::Fault => 1,
-            Kind::Refused => 2,
-            Kind::Busy => 3,
-            Kind::Unfinished => 4,
-            Kind::Stopped(signal) => 128 + u8::try_from(signal).unwrap_or(0),
-        }
+    /// The report for programs, one line of JSON.
+    pub(crate) fn json(&self) -> String {
+        let moved = match self.how {
+            How::Refused | How::Busy | How::Unfinished | How::Failed => false,
+            How::Fault => true,
+            How::Stopped { moved, .. } => moved,
+        };
+        let message = self.message.lines().map(str::trim).collect::<Vec<_>>().join(" ");
+        ErrorReport::new(self.exit_code(), &self.facts, &message, moved).json()
     }
 
-    fn ended(ending: Ending, message: String) -> Self {
-        let kind = match ending {
-            Ending::Refused => Kind::Refused,
-            Ending::Busy => Kind::Busy,
-            Ending::Unfinished => Kind::Unfinished,
-            Ending::Moved => Kind::Fault,
-        };
-        Self { kind, message }
+    /// The exit code of the command.
+    pub(crate) fn exit_code(&self) -> u8 {
+        match self.how {
+            How::Fault | How::Failed => 1,
+            How::Refused => 2,
+            How::Busy => 3,
+            How::Unfinished => 4,
+            How::Stopped { signal, .. } => 128 + u8::try_from(signal).unwrap_or(0),
+        }
+    }
+}
+
+impl From<Unwatched> for Failure {
+    fn from(Unwatched(error): Unwatched) -> Self {
+        Self::refused(format!("signals cannot be watched for: {error}"))
     }
 }
 
 impl From<DoseError> for Failure {
     fn from(error: DoseError) -> Self {
-        Self::ended(error.ending(), error.to_string())
+        Self::of(error)
     }
 }
 
 impl From<FolderError> for Failure {
     fn from(error: FolderError) -> Self {
-        Self::ended(error.ending(), error.to_string())
+        Self::of(error)
     }
 }
 
 impl From<CalibrationError> for Failure {
     fn from(error: CalibrationError) -> Self {
-        Self::refused(error)
+        Self::of(error)
     }
 }

@@ -1,40 +1,53 @@
 //! SIGINT (Ctrl-C), SIGTERM and SIGHUP (the terminal is closed): the dose is stopped, not the process.
 
+use std::io;
 use std::ops::ControlFlow;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, LazyLock};
 
+use pump_bench::drives::StopRequest;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use crate::failure::Failure;
+/// Number of the signal that came; 0 for none. Signals end the process while nothing watches for them.
+static SIGNAL: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
+
+/// The signals cannot be watched for.
+#[derive(Debug)]
+pub(crate) struct Unwatched(pub(crate) io::Error);
 
 /// A watch for these signals.
-pub(crate) struct Interrupt {
-    /// Number of the signal that came; 0 for none.
-    signal: Arc<AtomicUsize>,
-}
+pub(crate) struct Interrupt(());
 
 impl Interrupt {
-    /// Watches for the signals.
-    pub(crate) fn watch() -> Result<Self, Failure> {
-        let signal = Arc::new(AtomicUsize::new(0));
+    /// Watches for the signals from now on.
+    pub(crate) fn watch() -> Result<Self, Unwatched> {
         for number in [SIGINT, SIGTERM, SIGHUP] {
-            flag::register_usize(number, Arc::clone(&signal), number as usize).map_err(Failure::refused)?;
+            flag::register_usize(number, Arc::clone(&SIGNAL), number as usize).map_err(Unwatched)?;
         }
-        Ok(Self { signal })
+        Ok(Self(()))
     }
 
     /// The signal that came, if one did.
     pub(crate) fn signal(&self) -> Option<i32> {
-        match self.signal.load(Ordering::Relaxed) {
-            0 => None,
-            number => i32::try_from(number).ok(),
-        }
+        signal()
     }
 
     /// Breaks a motion once a signal came.
     pub(crate) fn flow(&self) -> ControlFlow<()> {
         if self.signal().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
+}
+
+/// The signal that came while one was watched for.
+pub(crate) fn signal() -> Option<i32> {
+    match SIGNAL.load(Ordering::Relaxed) {
+        0 => None,
+        number => i32::try_from(number).ok(),
+    }
+}
+
+/// The request to stop that ends the waits for a device once a signal came.
+pub(crate) fn stop_request() -> StopRequest {
+    StopRequest::new(|| signal().is_some())
 }

@@ -8,8 +8,10 @@ mod help;
 mod interrupt;
 mod options;
 mod outputs;
+mod refusals;
 mod terminal;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::FromArgMatches;
@@ -19,9 +21,12 @@ use cli::Cli;
 use failure::Failure;
 
 fn main() -> ExitCode {
-    let ended = match parse() {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let json = arguments::asks_for_json(&words);
+    let ended = match parse(words) {
         Ok(cli) => cli.run(),
         Err(Unparsed::Refused(failure)) => Err(failure),
+        Err(Unparsed::Clap(error)) if json && error.use_stderr() => Err(refusals::unparsed(&error)),
         Err(Unparsed::Clap(error)) => {
             // Nowhere is left to complain to if this fails.
             let _ = error.print();
@@ -31,7 +36,7 @@ fn main() -> ExitCode {
     match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            terminal::say_error(failure.message());
+            terminal::say_error(&failure, json);
             ExitCode::from(failure.exit_code())
         }
     }
@@ -44,15 +49,15 @@ enum Unparsed {
     Clap(clap::Error),
 }
 
-fn parse() -> Result<Cli, Unparsed> {
+fn parse(words: Vec<OsString>) -> Result<Cli, Unparsed> {
     let mut definitions = cli::command();
     definitions.build();
-    let arranged = arguments::arrange(std::env::args_os(), &definitions).map_err(Unparsed::Refused)?;
+    let arranged = arguments::arrange(words.into_iter(), &definitions).map_err(Unparsed::Refused)?;
     let command = if arranged.brief { help::brief(cli::command()) } else { cli::command() };
     let matches = command.try_get_matches_from(&arranged.words);
     matches.and_then(|matches| Cli::from_arg_matches(&matches)).map_err(|error| {
         let misplaced = (error.kind() == ErrorKind::UnknownArgument)
-            .then(|| arguments::misplaced(&error, &arranged.path, &definitions))
+            .then(|| refusals::misplaced(&error, &arranged.path, &definitions))
             .flatten();
         misplaced.map_or(Unparsed::Clap(error), Unparsed::Refused)
     })

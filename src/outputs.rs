@@ -3,12 +3,13 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use pump_bench::export::plot::PlotError;
-use pump_bench::export::{csv, plot};
+use pump_bench::export::{PlotError, waveform_svg, write_samples};
 use pump_bench::files::Staged;
+use pump_bench::report::{ErrorKind, Explain};
 use pump_bench::simulation::Sample;
 
 use crate::failure::Failure;
+use crate::interrupt;
 
 /// Time between rows of a trace unless told otherwise, s.
 pub(crate) const DEFAULT_DT_S: f64 = 1e-3;
@@ -29,7 +30,8 @@ impl Outputs {
         path: &Path,
         contents: impl FnOnce(&mut dyn Write) -> io::Result<()>,
     ) -> Result<(), Failure> {
-        let staged = Staged::new(path, contents).map_err(|error| refused(path, &error))?;
+        let staged =
+            Staged::new(path, |to| contents(&mut Watched(to))).map_err(|error| unwritten(path, &error))?;
         self.staged.push((path.to_owned(), staged));
         Ok(())
     }
@@ -40,40 +42,62 @@ impl Outputs {
         path: &Path,
         samples: impl Iterator<Item = Result<Sample, E>>,
     ) -> Result<(), Failure> {
-        self.write(path, |to| csv::write_samples(to, samples.map(|sample| sample.map_err(io::Error::other))))
+        self.write(path, |to| write_samples(to, samples.map(|sample| sample.map_err(io::Error::other))))
     }
 
     /// Draws a waveform; `motion_s` marks the end of motion.
-    pub(crate) fn plot<E: ToString>(
+    pub(crate) fn plot<E: Explain>(
         &mut self,
         path: &Path,
         title: &str,
         samples: impl Iterator<Item = Result<Sample, E>>,
         motion_s: Option<f64>,
     ) -> Result<(), Failure> {
-        let samples = samples.collect::<Result<Vec<_>, _>>().map_err(Failure::refused)?;
-        self.drawing(path, plot::svg(title, &samples, motion_s))
+        let samples = samples.collect::<Result<Vec<_>, _>>().map_err(Failure::of)?;
+        self.drawing(path, waveform_svg(title, &samples, motion_s))
     }
 
     /// Writes a drawing.
     pub(crate) fn drawing(&mut self, path: &Path, svg: Result<String, PlotError>) -> Result<(), Failure> {
         if path.extension().is_some_and(|extension| !extension.eq_ignore_ascii_case("svg")) {
             let path = path.display();
-            return Err(Failure::refused(format!("{path}: plots are SVG; name a file that ends in .svg")));
+            let refused = Failure::refused(format!("{path}: plots are SVG; name a file that ends in .svg"));
+            return Err(refused.kind(ErrorKind::Output).value(path).allowed("a file that ends in .svg"));
         }
-        let svg = svg.map_err(Failure::refused)?;
+        let svg = svg.map_err(Failure::of)?;
         self.write(path, |to| to.write_all(svg.as_bytes()))
     }
 
     /// Puts every file in place.
     pub(crate) fn put(self) -> Result<(), Failure> {
         for (path, staged) in self.staged {
-            staged.put().map_err(|error| refused(&path, &error))?;
+            staged.put().map_err(|error| Failure::unwritten(&path, &error))?;
         }
         Ok(())
     }
 }
 
-fn refused(path: &Path, error: &io::Error) -> Failure {
-    Failure::refused(format!("cannot write {}: {error}", path.display()))
+/// A writer that refuses to go on once a signal came.
+struct Watched<'a>(&'a mut dyn Write);
+
+impl Write for Watched<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if interrupt::signal().is_some() {
+            return Err(io::Error::other("stopped by the user"));
+        }
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
+/// Returns the failure of an output that was not written.
+fn unwritten(path: &Path, error: &io::Error) -> Failure {
+    if let Some(signal) = interrupt::signal() {
+        let message = format!("stopped by the user while {} was written; nothing moved", path.display());
+        return Failure::stopped(signal, false, message);
+    }
+    Failure::unwritten(path, error)
 }

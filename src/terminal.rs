@@ -1,27 +1,60 @@
 //! Standard output and standard error: results, warnings and progress, wrapped at the width of the terminal.
 
+use std::borrow::Cow;
 use std::io::{self, ErrorKind, IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use console::Term;
 use indicatif::{ProgressBar, ProgressStyle};
-use pump_bench::Bench;
-use pump_bench::pump_file::DriverName;
+use pump_bench::{Bench, DoseError, Session};
 
 use crate::failure::Failure;
+
+/// True once nobody reads standard output any more.
+static READER_GONE: AtomicBool = AtomicBool::new(false);
 
 /// Prints to standard output as it is. A reader that went away is no failure of the dose.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     match io::stdout().write_all(text.as_bytes()).and_then(|()| io::stdout().flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::refused(format!("the report could not be printed: {error}")))
+        Ok(()) => Ok(()),
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => {
+            READER_GONE.store(true, Ordering::Relaxed);
+            Ok(())
         }
-        _ => Ok(()),
+        Err(error) => {
+            let refused = Failure::refused(format!("the report could not be printed: {error}"));
+            Err(refused.kind(pump_bench::report::ErrorKind::Output))
+        }
     }
+}
+
+/// True if the reader of standard output went away.
+pub(crate) fn is_reader_gone() -> bool {
+    READER_GONE.load(Ordering::Relaxed)
+}
+
+/// Shows the control characters of a text instead of obeying them: names come from files and boards. The marks that
+/// turn the direction of writing are shown too, as they hide what a name is.
+fn shown(text: &str) -> Cow<'_, str> {
+    let steers = |c: char| {
+        let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        turns || c.is_control() && c != '\n'
+    };
+    if !text.contains(steers) {
+        return Cow::Borrowed(text);
+    }
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        if steers(c) { out.extend(c.escape_default()) } else { out.push(c) }
+    }
+    Cow::Owned(out)
 }
 
 /// Prints words for people to standard output. On a terminal, and where COLUMNS gives a width, lines end at words.
 /// A file or a program gets whole lines.
 pub(crate) fn tell(text: &str) -> Result<(), Failure> {
+    let text = &*shown(text);
     let told = || std::env::var("COLUMNS").ok()?.parse().ok();
     let terminal = Term::stdout().size_checked().map(|(_, columns)| usize::from(columns));
     match terminal.or_else(told) {
@@ -33,7 +66,7 @@ pub(crate) fn tell(text: &str) -> Result<(), Failure> {
 /// Says something to a person beside the results, on standard error.
 pub(crate) fn say(text: &str) {
     // If standard error is closed nobody reads it.
-    let _ = io::stderr().write_all(text.as_bytes());
+    let _ = io::stderr().write_all(shown(text).as_bytes());
     let _ = io::stderr().flush();
 }
 
@@ -46,9 +79,13 @@ fn say_line(line: &str) {
     }
 }
 
-/// Says why the command failed.
-pub(crate) fn say_error(message: &str) {
-    say_line(&format!("error: {message}\n"));
+/// Says why the command failed: in words, or as one line of JSON if a program reads the report.
+pub(crate) fn say_error(failure: &Failure, json: bool) {
+    if json {
+        say(&(failure.json() + "\n"));
+    } else {
+        say_line(&format!("error: {}\n", failure.message()));
+    }
 }
 
 /// Warns a person beside the results.
@@ -58,16 +95,25 @@ pub(crate) fn warn(warnings: &[String]) {
     }
 }
 
+/// Passes the result of a session on. A failure has no report that could tell the session's notes, so they are warned
+/// of here.
+pub(crate) fn noted<T>(session: &mut Session<'_>, result: Result<T, DoseError>) -> Result<T, DoseError> {
+    if result.is_err() {
+        warn(&session.notes());
+    }
+    result
+}
+
 /// Announces that a motor moves, before it does: on standard output, or on standard error if a program reads that.
 pub(crate) fn announce(bench: &Bench, json: bool) -> Result<(), Failure> {
     let headline = bench.headline() + "\n";
-    match bench.driver() {
-        DriverName::Sim => Ok(()),
-        _ if json => {
+    match json {
+        _ if bench.is_simulated() => Ok(()),
+        true => {
             say(&headline);
             Ok(())
         }
-        _ => print(&headline),
+        false => tell(&headline),
     }
 }
 
@@ -75,6 +121,13 @@ pub(crate) fn announce(bench: &Bench, json: bool) -> Result<(), Failure> {
 pub(crate) fn progress_bar(steps: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {percent:>3} % of {len} steps, {eta} left");
     ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// Words beside a sign that turns, on standard error, while nothing else can be said. Only a terminal shows it.
+pub(crate) fn waiting(what: &str) -> ProgressBar {
+    let bar = ProgressBar::new_spinner().with_message(what.to_owned());
+    bar.enable_steady_tick(Duration::from_millis(100));
+    bar
 }
 
 /// Breaks lines that are too long between words. The rest of a line stands two columns further in than its beginning,
@@ -122,6 +175,11 @@ fn hanging_indent(line: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn control_characters_are_shown() {
+        assert_eq!(shown("a\u{1b}[2J\r\u{9b}\u{202e}\nb°"), "a\\u{1b}[2J\\r\\u{9b}\\u{202e}\nb°");
+    }
 
     #[test]
     fn lines_end_at_words_and_go_on_under_their_text() {

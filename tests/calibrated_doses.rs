@@ -4,13 +4,15 @@
 
 use std::ops::ControlFlow;
 
-use pump_bench::calibration::{Calibration, Displacement, Expected, Reading, Run, Source, Weighing};
+use pump_bench::calibration::{
+    Calibration, CalibrationRun, Displacement, Expected, Reading, Source, Weighing,
+};
 use pump_bench::{Bench, Delivered, DoseRequest, Prepared, built_in};
 
 /// A bench whose calibration says that a revolution delivers `factor` times the model's volume, at a zero of 20 deg.
 fn bench(folder: &std::path::Path, factor: f64) -> Bench {
     let bench = Bench::new(built_in("three-roller").unwrap(), None, folder).unwrap();
-    let run = Run {
+    let run = CalibrationRun {
         speed_rpm: 14.0,
         start_angle_deg: None,
         turned_deg: 720.0,
@@ -42,7 +44,7 @@ fn a_calibrated_dose_that_was_stopped_is_on_record_and_resumed_as_it_was_calibra
         let delivered = session.run(&prepared, stop).unwrap();
         (prepared, delivered)
     };
-    assert!(!first.1.completed && (first.0.plan.planned_ml - 25.0).abs() < 2e-3);
+    assert!(!first.1.completed && (first.0.plan.planned_ml() - 25.0).abs() < 2e-3);
     // The calibration in use now does not change the volume delivered then.
     bench.calibrations().activate(None).unwrap();
     let unfinished = bench.story().unwrap().state.unwrap().unfinished.unwrap();

@@ -3,13 +3,14 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use std::fs;
+use std::io::{Seek, SeekFrom, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::LazyLock;
 
 use proptest::prelude::*;
 use pump_bench::record::PhaseSource;
-use pump_bench::record::{State, Story};
+use pump_bench::record::{PumpState, Story};
 use pump_bench::{Bench, DoseRequest, built_in};
 use pump_ctl::plan::Phase;
 use pump_model::Pump;
@@ -37,8 +38,34 @@ fn story(bytes: &[u8]) -> Result<Story, String> {
     let folder = tempfile::tempdir().unwrap();
     let path: &Path = &folder.path().join("journal.jsonl");
     fs::write(path, bytes).unwrap();
-    Story::read(path, &Pump::three_roller(), State::fresh(Phase::known(0.0), PhaseSource::Home))
+    Story::read(path, &Pump::three_roller(), PumpState::fresh(Phase::known(0.0), PhaseSource::Home))
         .map_err(|error| error.to_string())
+}
+
+/// Texts of the journal's entries after its first line.
+fn entries() -> Vec<String> {
+    let text = str::from_utf8(&JOURNAL).unwrap();
+    let entry = |line: &str| line.split_once(r#""entry":"#).unwrap().1.strip_suffix('}').unwrap().to_owned();
+    text.lines().skip(1).map(entry).collect()
+}
+
+/// Writes these entries as a journal of format 1, whose lines have no number and which has no first line.
+fn first_format(entries: &[String]) -> Vec<u8> {
+    let line = |entry: &String| {
+        let crc32 = crc32fast::hash(entry.as_bytes());
+        format!("{{\"crc32\":\"{crc32:08x}\",\"entry\":{entry}}}\n")
+    };
+    entries.iter().map(line).collect::<String>().into_bytes()
+}
+
+/// Writes these entries as a journal of format 2.
+fn second_format(entries: &[String]) -> Vec<u8> {
+    let line = |(number, entry): (usize, &str)| {
+        let crc32 = crc32fast::hash(format!("{number} {entry}").as_bytes());
+        format!("{{\"crc32\":\"{crc32:08x}\",\"number\":{number},\"entry\":{entry}}}\n")
+    };
+    let entries = [r#"{"begins":{"format":2}}"#].into_iter().chain(entries.iter().map(String::as_str));
+    entries.enumerate().map(line).collect::<String>().into_bytes()
 }
 
 /// Bytes up to the end of the last whole line among the first `length`.
@@ -53,6 +80,11 @@ proptest! {
     fn a_journal_cut_anywhere_tells_what_its_whole_lines_tell(part in 0.0..=1.0_f64, rest in any::<Vec<u8>>()) {
         let cut = (part * JOURNAL.len() as f64) as usize;
         let whole = whole_lines(cut);
+        if whole == 0 {
+            // The first line of a journal is there as soon as its file is.
+            prop_assert!(story(&JOURNAL[..cut]).unwrap_err().contains("line 1 of"));
+            return Ok(());
+        }
         let expected = story(&JOURNAL[..whole]).unwrap();
         prop_assert_eq!(story(&JOURNAL[..cut]).unwrap().state, expected.state);
         // Anything may follow the last newline.
@@ -84,23 +116,52 @@ proptest! {
 }
 
 #[test]
-fn of_a_long_journal_the_end_is_read() {
+fn the_end_of_a_long_journal_is_read_and_its_damage_found() {
+    let entries = entries();
+    assert_eq!(second_format(&entries), *JOURNAL, "these tests write what the program writes");
     // Longer than any window that is read at first, with and without a rest in the last of it.
-    let one = JOURNAL.len();
-    let many = 300_000 / one + 1;
-    let long = JOURNAL.repeat(many);
-    assert_eq!(story(&long).unwrap().state, story(&JOURNAL).unwrap().state);
-    let lines: Vec<&[u8]> = JOURNAL.split_inclusive(|byte| *byte == b'\n').collect();
-    let progress = lines.iter().find(|line| line.windows(8).any(|word| word == b"progress")).unwrap();
-    let intent = lines.iter().find(|line| line.windows(6).any(|word| word == b"intent")).unwrap();
-    let under_way = [&long, *intent, &progress.repeat(3000)].concat();
-    assert!(story(&under_way).unwrap().cut_off.is_some());
-    // The number of a damaged line is that in the file.
-    let mut damaged = long.clone();
-    let last = damaged.len() - 20;
-    damaged[last] ^= 1;
-    let message = story(&damaged).unwrap_err();
-    assert!(message.contains(&format!("line {} of", lines.len() * many)), "{message}");
+    let many = 300_000 / JOURNAL.len() + 1;
+    let long: Vec<String> = (0..many).flat_map(|_| entries.clone()).collect();
+    let intent = entries.iter().find(|entry| entry.contains("intent")).unwrap();
+    let progress = entries.iter().find(|entry| entry.contains("progress")).unwrap();
+    let under_way: Vec<String> = [vec![intent.clone()], vec![progress.clone(); 3000]].concat();
+    for written in [first_format as fn(&[String]) -> Vec<u8>, second_format] {
+        assert_eq!(story(&written(&long)).unwrap().state, story(&JOURNAL).unwrap().state);
+        assert!(story(&written(&[long.clone(), under_way.clone()].concat())).unwrap().cut_off.is_some());
+        let mut damaged = written(&long);
+        let last = damaged.len() - 20;
+        damaged[last] ^= 1;
+        let message = story(&damaged).unwrap_err();
+        assert!(message.starts_with("the last line of the journal"), "{message}");
+    }
+}
+
+#[test]
+fn damage_at_the_end_of_a_huge_journal_is_found_without_reading_it_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("journal.jsonl");
+    let mut file = fs::File::create(&path).unwrap();
+    let head = JOURNAL.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+    file.write_all(&JOURNAL[..head]).unwrap();
+    // A hole takes no room on the disk, and more than any memory once it is read.
+    file.seek(SeekFrom::Start(1 << 40)).unwrap();
+    let mut end = [b"\n", &JOURNAL[head..]].concat();
+    let read = || {
+        Story::read(&path, &Pump::three_roller(), PumpState::fresh(Phase::known(0.0), PhaseSource::Home))
+            .map_err(|error| error.to_string())
+    };
+    file.write_all(&end).unwrap();
+    assert_eq!(read().unwrap().state, story(&JOURNAL).unwrap().state);
+    let last = end.len() - 20;
+    end[last] ^= 1;
+    file.seek(SeekFrom::Start(1 << 40)).unwrap();
+    file.write_all(&end).unwrap();
+    let message = read().unwrap_err();
+    assert!(message.contains("the last line of") && message.contains("is damaged"), "{message}");
+    // Zeros without an end are no line that was torn.
+    file.set_len(1 << 41).unwrap();
+    let message = read().unwrap_err();
+    assert!(message.contains("is damaged") && message.contains("zeros"), "{message}");
 }
 
 #[test]

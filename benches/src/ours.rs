@@ -10,8 +10,8 @@ pub(crate) fn exact(case: &Case, samples: &mut Samples) {
     for (port, kpa) in PORTS.into_iter().zip(samples) {
         let base_kpa = case.pump.line(port).reservoir_kpa;
         let run = ExactRun::from_rest(&case.pump, port, [case.leg]);
-        for (kpa, [p, _]) in kpa.iter_mut().zip(run.every(DT_S)) {
-            *kpa = base_kpa + p;
+        for (kpa, state) in kpa.iter_mut().zip(run.every(DT_S)) {
+            *kpa = base_kpa + state.above_reservoir_kpa;
         }
     }
 }

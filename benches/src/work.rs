@@ -7,7 +7,7 @@ use std::thread;
 
 use pump_bench::built_in;
 use pump_bench::drives::Sim;
-use pump_ctl::plan::{Cruise, Limits, Phase, Plan, PlanError, Request, plan};
+use pump_ctl::plan::{Cruise, Doser, Limits, Phase, Plan, PlanError, Request};
 use pump_model::{Line, ModelError, Pump, RollerVolume, Variant};
 
 use crate::timing::{Outcome, Row};
@@ -22,7 +22,7 @@ pub(crate) fn rows(pump: &Pump) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
     let limits = built_in("three-roller").ok_or("the built-in pump is missing")?.limits();
     let dose = planned(pump, &limits, 25.0)?;
     let long = planned(pump, &limits, 2_000.0)?;
-    assert!(long.steps > STEPS as i64, "the long dose has too few steps");
+    assert!(long.steps() > STEPS as i64, "the long dose has too few steps");
     Ok(vec![
         row("steady state with extremes", (1.0, "states"), move || {
             black_box(pump.steady_state(black_box(10.0))?);
@@ -46,11 +46,11 @@ pub(crate) fn rows(pump: &Pump) -> Result<Vec<Row<'_>>, Box<dyn Error>> {
             Ok(())
         }),
         row("a million step times", (STEPS as f64, "steps"), move || {
-            black_box(black_box(&long).steps().take(STEPS).map(|step| step.time_s).sum::<f64>());
+            black_box(black_box(&long).each_step().take(STEPS).map(|step| step.time_s).sum::<f64>());
             Ok(())
         }),
-        row("simulated drive, 25 mL", (dose.steps as f64, "steps"), move || {
-            let mut sim = Sim::new(pump);
+        row("simulated drive, 25 mL", (dose.steps() as f64, "steps"), move || {
+            let mut sim = Sim::new(pump)?;
             sim.make(black_box(&dose))?;
             black_box(sim.received_ml());
             Ok(())
@@ -63,7 +63,8 @@ fn row<'a>(name: &str, makes: (f64, &'static str), run: impl FnMut() -> Outcome 
 }
 
 fn planned(pump: &Pump, limits: &Limits, volume_ml: f64) -> Result<Plan, PlanError> {
-    plan(pump, Phase::known(0.3), &Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }), limits)
+    Doser::new(pump, *limits)
+        .and_then(|doser| doser.plan(Phase::known(0.3), &Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 })))
 }
 
 /// Returns the three-roller pump with the n-th outlet line. Lines go from stiff and short to soft and long.

@@ -5,6 +5,7 @@
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program says what it found")]
 
+mod documented;
 #[path = "src/dose.rs"]
 mod dose;
 #[path = "src/pump.rs"]
@@ -13,7 +14,7 @@ mod pump;
 
 use std::process::ExitCode;
 
-use dose::{DOSE_ML, Executor, TICK_HZ};
+use dose::{DOSE_ML, Executor, TICK_HZ, TICK_RATE};
 use pump::{LIMITS, PUMP};
 use pump_ctl::plan::Plan;
 use pump_ctl::step::Action;
@@ -54,14 +55,14 @@ fn check(text: &str) -> Checked {
     let (figures, done): (Vec<_>, Vec<_>) =
         text.lines().partition(|line| line.starts_with("cost:") || line.starts_with("memory:"));
     let mut done = done.into_iter();
-    let plan = dose::plan_dose(DOSE_ML).map_err(|error| error.to_string())?;
+    let plan = dose::plan_dose(&dose::doser(), DOSE_ML).map_err(|error| error.to_string())?;
     let prediction = plan.predict(&PUMP).map_err(|error| error.to_string())?;
     let mut expected = String::new();
     dose::write_plan(&mut expected, &plan, &prediction).map_err(|error| error.to_string())?;
     for line in expected.lines() {
         same(done.next(), line)?;
     }
-    println!("plan: {} steps, every bit as on the host", plan.steps);
+    println!("plan: {} steps, every bit as on the host", plan.steps());
     whole(&mut done, &plan)?;
     stopped(&mut done, &plan)?;
     changed(&mut done, &plan)?;
@@ -85,10 +86,10 @@ fn numbers<const N: usize>(line: Option<&str>) -> Result<[i64; N], String> {
     found.try_into().map_err(|_| format!("{N} numbers expected in\n  {line}"))
 }
 
-fn queued(plan: &Plan) -> Executor {
-    let mut executor = Executor::new(LIMITS.motor.brake(TICK_HZ));
+fn queued(plan: &Plan) -> Result<Executor, String> {
+    let mut executor = Executor::new(LIMITS.motor.brake(TICK_RATE).map_err(|error| error.to_string())?);
     dose::queue(&mut executor, plan);
-    executor
+    Ok(executor)
 }
 
 /// Makes up to `most` steps from `due` on. Adds their times to `made`, and returns the time of the next.
@@ -138,24 +139,24 @@ fn steps<'a>(
 }
 
 fn whole<'a>(done: &mut impl Iterator<Item = &'a str>, plan: &Plan) -> Checked {
-    let mut executor = queued(plan);
+    let mut executor = queued(plan)?;
     let mut made = Vec::new();
     let due = executor.start(0).map_err(|error| error.to_string())?;
     go_on(&mut executor, due, i64::MAX, &mut made);
-    for (due, step) in made.iter().zip(plan.steps()) {
+    for (due, step) in made.iter().zip(plan.each_step()) {
         let planned = step.time_s * f64::from(TICK_HZ);
         if (*due as f64 - planned).abs() > 1.0 {
             return Err(format!("step {} is due at {due} us and planned at {planned} us", step.number));
         }
     }
     same(done.next(), "run: whole")?;
-    steps(done, "whole", &made, DIRECTION_COUNTS, plan.steps)
+    steps(done, "whole", &made, DIRECTION_COUNTS, plan.steps())
 }
 
 fn stopped<'a>(done: &mut impl Iterator<Item = &'a str>, plan: &Plan) -> Checked {
     same(done.next(), "run: stopped")?;
     let [count, asked, promised, last] = numbers(done.next())?;
-    let mut executor = queued(plan);
+    let mut executor = queued(plan)?;
     let mut made = Vec::new();
     let due = executor.start(0).map_err(|error| error.to_string())?;
     let due = go_on(&mut executor, due, count, &mut made);
@@ -177,7 +178,7 @@ fn stopped<'a>(done: &mut impl Iterator<Item = &'a str>, plan: &Plan) -> Checked
 fn changed<'a>(done: &mut impl Iterator<Item = &'a str>, plan: &Plan) -> Checked {
     same(done.next(), "run: changed")?;
     let [asked, position, at] = numbers(done.next())?;
-    let mut executor = queued(plan);
+    let mut executor = queued(plan)?;
     let mut made = Vec::new();
     let due = executor.start(0).map_err(|error| error.to_string())?;
     let junction =
@@ -190,11 +191,11 @@ fn changed<'a>(done: &mut impl Iterator<Item = &'a str>, plan: &Plan) -> Checked
     if at - asked > CHANGE_TICKS {
         return Err(format!("changed: asked for at {asked} us, done at {at} us"));
     }
-    let rest = dose::change(plan, position as u64).map_err(|error| error.to_string())?;
+    let rest = dose::change(&dose::doser(), plan, position as u64).map_err(|error| error.to_string())?;
     dose::queue(&mut executor, &rest);
     go_on(&mut executor, due, i64::MAX, &mut made);
     println!("changed: {} us after it was asked for, planning included", at - asked);
-    steps(done, "changed", &made, 0, position + rest.steps)
+    steps(done, "changed", &made, 0, position + rest.steps())
 }
 
 /// Prints the costs, and holds them to their limits.
@@ -212,5 +213,5 @@ fn costs(figures: &[&str]) -> Checked {
             return Err(format!("more than {most} instructions:\n  {line}"));
         }
     }
-    Ok(())
+    documented::check(figures)
 }

@@ -2,8 +2,8 @@
 
 use std::error::Error;
 
-use pump_model::math::{degrees, radians};
 use pump_model::metrics::rmse;
+use pump_model::units::{degrees, radians};
 use pump_model::{Drawing, Geometry, Line, Pump, RollerVolume, Variant};
 
 use crate::page::Section;

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use pump_model::Pump;
-use pump_model::math::rad_s;
+use pump_model::units::rad_s;
 
 use crate::page::Section;
 use crate::paper::REFERENCE;

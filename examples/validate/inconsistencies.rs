@@ -2,8 +2,8 @@
 
 use std::error::Error;
 
-use pump_model::math::rad_s;
 use pump_model::metrics::{nrmse, rmse};
+use pump_model::units::rad_s;
 use pump_model::{Line, Port, Pump, Variant};
 
 use crate::flow::{RPM, pulses};

@@ -2,7 +2,8 @@
 
 use std::error::Error;
 
-use pump_model::math::{TURN_RAD, log, sqrt};
+use libm::{log, sqrt};
+use pump_model::units::TURN_RAD;
 use pump_model::{Fluid, Hose, Line};
 
 use crate::page::Section;

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use pump_bench::export::{BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, Style, VERMILION};
-use pump_model::math::{TURN_RAD, rad_s, radians};
+use pump_model::units::{TURN_RAD, rad_s, radians};
 use pump_model::{Drawing, Geometry, Port, Pump, Variant, VolumeFit};
 
 use crate::flow::RPM;

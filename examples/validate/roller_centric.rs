@@ -3,8 +3,8 @@
 
 use std::error::Error;
 
-use pump_model::math::{TURN_RAD, rad_s};
 use pump_model::metrics::rmse;
+use pump_model::units::{TURN_RAD, rad_s};
 use pump_model::{DEFAULT_TOLERANCE, ExactRun, Leg, Port, Pump, RollerCentric, RollerRun, SpeedLaw, Variant};
 
 use crate::page::Section;

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use pump_model::math::{TURN_RAD, degrees};
+use pump_model::units::{TURN_RAD, degrees};
 use pump_model::{Geometry, Pump, Variant, VolumeFit, VolumePoint};
 
 use crate::page::Section;

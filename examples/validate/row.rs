@@ -1,6 +1,6 @@
 //! Rows of the page, each with their figure, our figure, and the largest deviation that is allowed.
 
-use pump_model::math::{floor, log10};
+use libm::{floor, log10};
 
 /// Largest deviation of our figure from theirs that is allowed.
 #[derive(Clone, Copy)]

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use pump_model::math::rad_s;
+use pump_model::units::rad_s;
 use pump_model::{Line, Pump, Variant, VolumeFit};
 
 use crate::line::{HOSE, water};

@@ -2,9 +2,10 @@
 
 use std::error::Error;
 
+use libm::sqrt;
 use pump_bench::built_in;
-use pump_model::math::{rad_s, sqrt};
 use pump_model::metrics::{nrmse, pearson, rmse};
+use pump_model::units::rad_s;
 use pump_model::{Pump, SpeedLaw, Variant};
 
 use crate::page::Section;

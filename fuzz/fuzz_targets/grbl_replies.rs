@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use pump_bench::drives::grbl::reply::{Replies, Reply};
+use pump_bench::drives::grbl_reply::{Replies, Reply};
 
 fn read(pieces: &[&[u8]]) -> Vec<Reply> {
     let (mut reader, mut replies) = (Replies::default(), Vec::new());

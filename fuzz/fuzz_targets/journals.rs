@@ -1,10 +1,10 @@
 //! Fuzzes the reader of journals: every text is read or refused, and its statements about rotor and dose
-//! agree. The lines get right checksums here, since chance does not find them.
+//! agree. The lines get right checksums and numbers here, since chance does not find them.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use pump_bench::record::PhaseSource;
-use pump_bench::record::{State, Story};
+use pump_bench::record::{PumpState, Story};
 use pump_ctl::plan::Phase;
 use pump_model::Pump;
 
@@ -13,10 +13,15 @@ fuzz_target!(|text: &str| {
         let crc32 = crc32fast::hash(entry.as_bytes());
         format!("{{\"crc32\":\"{crc32:08x}\",\"entry\":{entry}}}\n")
     });
-    let written: String = lines.collect();
+    let first: String = lines.collect();
+    let lines = text.lines().enumerate().map(|(number, entry)| {
+        let crc32 = crc32fast::hash(format!("{number} {entry}").as_bytes());
+        format!("{{\"crc32\":\"{crc32:08x}\",\"number\":{number},\"entry\":{entry}}}\n")
+    });
+    let second: String = lines.collect();
     let pump = Pump::three_roller();
-    let fresh = State::fresh(Phase::known(0.0), PhaseSource::Home);
-    for bytes in [written.as_bytes(), text.as_bytes()] {
+    let fresh = PumpState::fresh(Phase::known(0.0), PhaseSource::Home);
+    for bytes in [first.as_bytes(), second.as_bytes(), text.as_bytes()] {
         let Ok(story) = Story::from_bytes(bytes, &pump, fresh) else { continue };
         let Some(state) = story.state else { continue };
         if let Some(dose) = state.unfinished {

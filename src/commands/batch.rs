@@ -4,15 +4,17 @@ use std::mem;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use pump_bench::bench::Rehearsal;
-use pump_bench::dosing::{Action, Schedule};
+use pump_bench::Rehearsal;
+use pump_bench::dosing::{Schedule, ScheduleAction};
+use pump_bench::report::ErrorKind;
 use pump_bench::{Bench, DoseReport, DoseRequest, Prepared, Session};
+use pump_ctl::plan::Finish;
 
-use super::delivery::{Ended, Said, deliver, ended, report_once};
+use super::delivery::{DeliveryEnd, Said, deliver, ended, report_once};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
-use crate::terminal::{print, tell, warn};
+use crate::terminal::{is_reader_gone, noted, print, tell, warn};
 
 /// Longest sleep between two looks for a signal.
 const SLICE: Duration = Duration::from_millis(50);
@@ -47,7 +49,9 @@ pub(super) fn run(
         warn_of_release(bench, every_s);
         // One session and one watch for signals, so that nothing comes between two doses.
         let interrupt = Interrupt::watch()?;
-        (batch.run(&mut bench.session()?, schedule, &interrupt), "done")
+        let mut session = bench.session()?;
+        batch.refuse_missing_ends(&mut session, &interrupt)?;
+        (batch.run(&mut session, schedule, &interrupt), "done")
     };
     let Batch { count, done, skipped, .. } = batch;
     let skipped = if skipped > 0 { format!(" and {skipped} skipped") } else { String::new() };
@@ -87,6 +91,27 @@ impl Batch<'_> {
             let prepared = rehearsal.prepare(self.next_request())?;
             self.done = number;
             self.report(number, &prepared, None)?;
+            self.still_read()?;
+        }
+        Ok(())
+    }
+
+    /// Refuses a batch of which a dose would find no end at low flow, before its first dose. The carries of
+    /// the doses before it decide that.
+    fn refuse_missing_ends(&self, session: &mut Session<'_>, interrupt: &Interrupt) -> Result<(), Failure> {
+        if self.request.finish != Some(Finish::LowFlow) {
+            return Ok(());
+        }
+        let mut rehearsal = session.rehearsal()?;
+        let mut request = self.request;
+        for number in 1..=self.count {
+            self.still_wanted(interrupt)?;
+            if let Err(error) = rehearsal.prepare(request) {
+                let place =
+                    format!("; this is dose {number} of {} of the batch, and none was made", self.count);
+                return Err(Failure::from(error).with(&place));
+            }
+            request.start_angle_rad = None;
         }
         Ok(())
     }
@@ -97,12 +122,13 @@ impl Batch<'_> {
         mut schedule: Schedule,
         interrupt: &Interrupt,
     ) -> Result<(), Failure> {
-        let started = Instant::now();
+        // The clock starts with the first dose: a board may take seconds to answer.
+        let mut started = None;
         // The doses that were skipped since the last one that was not.
         let mut missed = None;
         loop {
-            let action = schedule.next(started.elapsed());
-            if let Action::Skip(number) = action {
+            let action = schedule.next(started.map_or(Duration::ZERO, |started: Instant| started.elapsed()));
+            if let ScheduleAction::Skip(number) = action {
                 missed = Some((missed.map_or(number, |(first, _)| first), number));
                 continue;
             }
@@ -110,15 +136,20 @@ impl Batch<'_> {
                 self.tell_skipped(first, last)?;
             }
             match action {
-                Action::Done => return Ok(()),
-                Action::Skip(_) => {}
-                Action::Wait(until) => self.wait(session, started, until, interrupt)?,
-                Action::Dose(number) => {
+                ScheduleAction::Done => return Ok(()),
+                ScheduleAction::Skip(_) => {}
+                ScheduleAction::Wait(until) => {
+                    self.wait(session, *started.get_or_insert_with(Instant::now), until, interrupt)?;
+                }
+                ScheduleAction::Dose(number) => {
                     self.still_wanted(interrupt)?;
-                    let prepared = session.prepare(self.next_request())?;
+                    let prepared = session.prepare(self.next_request());
+                    let prepared = noted(session, prepared)?;
+                    started.get_or_insert_with(Instant::now);
                     let delivered = deliver(self.bench, session, &prepared, interrupt, self.said.json)?;
                     self.done += u64::from(delivered.0.completed);
                     self.report(number, &prepared, Some(delivered))?;
+                    self.still_read()?;
                 }
             }
         }
@@ -151,7 +182,15 @@ impl Batch<'_> {
     /// Ends a batch whose rotor stands.
     fn still_wanted(&self, interrupt: &Interrupt) -> Result<(), Failure> {
         let Some(signal) = interrupt.signal() else { return Ok(()) };
-        Err(Failure::stopped(signal, "stopped by the user between two doses; nothing is unfinished"))
+        Err(Failure::stopped(signal, false, "stopped by the user between two doses; nothing is unfinished"))
+    }
+
+    /// Ends a batch whose reports nobody reads: nobody would know of its doses.
+    fn still_read(&self) -> Result<(), Failure> {
+        if self.done == self.count || !is_reader_gone() {
+            return Ok(());
+        }
+        Err(Failure::refused("nobody reads the reports of the batch any more").kind(ErrorKind::Output))
     }
 
     fn tell_skipped(&mut self, first: u64, last: u64) -> Result<(), Failure> {
@@ -170,7 +209,12 @@ impl Batch<'_> {
         Ok(())
     }
 
-    fn report(&mut self, number: u64, prepared: &Prepared, delivered: Option<Ended>) -> Result<(), Failure> {
+    fn report(
+        &mut self,
+        number: u64,
+        prepared: &Prepared,
+        delivered: Option<DeliveryEnd>,
+    ) -> Result<(), Failure> {
         let report =
             DoseReport::new(self.bench, prepared, delivered.as_ref().map(|(delivered, _)| delivered));
         let place = Some((number, self.count));

@@ -1,17 +1,17 @@
 //! One delivery from the plan to the report: what doses, primes, purges and weighed runs have in common.
 
-use pump_bench::export::csv;
-use pump_bench::pump_file::DriverName;
+use pump_bench::export::write_steps;
 use pump_bench::record::Purpose;
+use pump_bench::report::ErrorKind;
 use pump_bench::simulation::{Method, Waveform, times};
 use pump_bench::{Bench, Delivered, DoseReport, DoseRequest, Prepared, Session};
 
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
-use crate::options::volume::Asked;
+use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
-use crate::terminal::{announce, print, progress_bar, tell, warn};
+use crate::terminal::{announce, noted, print, progress_bar, tell, warn};
 
 /// The message after a signal.
 const STOPPED: &str = "stopped by the user; `dose resume` makes the rest, `dose discard` leaves it";
@@ -20,7 +20,7 @@ const STOPPED: &str = "stopped by the user; `dose resume` makes the rest, `dose 
 const MAX_ROWS: f64 = 1e8;
 
 /// The delivery, and the signal that came, if one did.
-pub(super) type Ended = (Delivered, Option<i32>);
+pub(super) type DeliveryEnd = (Delivered, Option<i32>);
 
 /// Form of a report.
 pub(super) struct Said<'a> {
@@ -33,7 +33,7 @@ pub(super) struct Said<'a> {
 }
 
 /// Delivers a volume for a purpose.
-pub(super) fn run(purpose: Purpose, asked: &Asked, options: &DosingOptions) -> Result<(), Failure> {
+pub(super) fn run(purpose: Purpose, asked: &AskedVolume, options: &DosingOptions) -> Result<(), Failure> {
     options.check_files()?;
     let bench = options.bench()?;
     let request = options.request(purpose, asked, bench.file())?;
@@ -54,11 +54,13 @@ pub(super) fn run_one(
         write_outputs(bench, &prepared, options)?;
         return report(bench, &prepared, None, &said);
     }
+    let interrupt = Interrupt::watch()?;
     // The pump is taken before its journal is read, so that nobody moves it in between.
     let mut session = bench.session()?;
-    let prepared = session.prepare(request)?;
+    let prepared = session.prepare(request);
+    let prepared = noted(&mut session, prepared)?;
     write_outputs(bench, &prepared, options)?;
-    let delivered = deliver(bench, &mut session, &prepared, &Interrupt::watch()?, json)?;
+    let delivered = deliver(bench, &mut session, &prepared, &interrupt, json)?;
     report(bench, &prepared, Some(delivered), &said)
 }
 
@@ -69,38 +71,42 @@ pub(super) fn deliver(
     prepared: &Prepared,
     interrupt: &Interrupt,
     json: bool,
-) -> Result<Ended, Failure> {
+) -> Result<DeliveryEnd, Failure> {
     announce(bench, json)?;
     if warns_first(bench) {
         warn(&prepared.warnings);
     }
-    let bar = progress_bar(prepared.plan.steps.unsigned_abs());
+    let bar = progress_bar(prepared.plan.steps().unsigned_abs());
     let delivered = session.run(prepared, |made| {
         bar.set_position(made);
         interrupt.flow()
     });
     bar.finish_and_clear();
-    Ok((delivered?, interrupt.signal()))
+    let delivered = noted(session, delivered)?;
+    if warns_first(bench) {
+        warn(&delivered.warnings);
+    }
+    Ok((delivered, interrupt.signal()))
 }
 
 /// True if warnings come before the motion and not with the report: before a real motor moves there is still time.
 fn warns_first(bench: &Bench) -> bool {
-    bench.driver() != DriverName::Sim
+    !bench.is_simulated()
 }
 
 /// Reports a dose, or a dry run.
 pub(super) fn report(
     bench: &Bench,
     prepared: &Prepared,
-    delivered: Option<Ended>,
+    delivered: Option<DeliveryEnd>,
     said: &Said<'_>,
 ) -> Result<(), Failure> {
     let report = DoseReport::new(bench, prepared, delivered.as_ref().map(|(delivered, _)| delivered));
     ended(report_once(bench, report, said, None, Vec::new()), delivered)
 }
 
-/// Prints a report. Its warnings appear once: before the motion of a real motor, or here. A program reads in the report
-/// what a person was `told` before.
+/// Prints a report. Its warnings appear once: before and after the motion of a real motor, or here. A program reads in
+/// the report what a person was `told` before.
 pub(super) fn report_once(
     bench: &Bench,
     mut report: DoseReport,
@@ -126,17 +132,19 @@ pub(super) fn report_once(
 }
 
 /// The end of the command after a dose (none: a dry run) whose report was printed or not.
-pub(super) fn ended(printed: Result<(), Failure>, delivered: Option<Ended>) -> Result<(), Failure> {
+pub(super) fn ended(printed: Result<(), Failure>, delivered: Option<DeliveryEnd>) -> Result<(), Failure> {
     match (printed, delivered) {
         (Err(failure), Some((Delivered { volume_ml, .. }, _))) if failure.is_refusal() => {
             let message = failure.message();
-            Err(Failure::fault(format!("{volume_ml:.4} mL were delivered and recorded, but {message}")))
+            let message = format!("{volume_ml:.4} mL were delivered and recorded, but {message}");
+            Err(Failure::fault(ErrorKind::Output, message))
         }
         (Ok(()), Some((delivered, signal))) if !delivered.completed => {
-            Err(Failure::stopped(signal.unwrap_or(0), STOPPED))
+            Err(Failure::stopped(signal.unwrap_or(0), delivered.made > 0, STOPPED))
         }
         (Ok(()), Some((delivered, Some(signal)))) if !delivered.sucked_back => Err(Failure::stopped(
             signal,
+            true,
             "stopped by the user while it sucked back; the dose is delivered, and the next dose repays the volume that \
              was sucked back",
         )),
@@ -147,16 +155,16 @@ pub(super) fn ended(printed: Result<(), Failure>, delivered: Option<Ended>) -> R
 /// Writes the files that were asked for. They hold predictions, so they are there, all of them, before anything moves.
 fn write_outputs(bench: &Bench, prepared: &Prepared, options: &DosingOptions) -> Result<(), Failure> {
     let plan = &prepared.plan;
-    let motion_s = plan.profile.duration_s();
+    let motion_s = plan.profile().duration_s();
     let end_s = motion_s + prepared.prediction.settle_s;
     let samples = |dt_s| {
         Waveform::new(&prepared.model, plan.legs(), Method::Exact, times(dt_s, motion_s, end_s))
-            .map_err(Failure::refused)
+            .map_err(Failure::of)
     };
     let mut outputs = Outputs::default();
     if let Some(path) = &options.steps.steps {
-        refuse_rows(plan.steps.unsigned_abs() as f64, "list of steps", "dose less at a time")?;
-        outputs.write(path, |to| csv::write_steps(to, plan))?;
+        refuse_rows(plan.steps().unsigned_abs() as f64, "list of steps", "dose less at a time")?;
+        outputs.write(path, |to| write_steps(to, plan))?;
     }
     if let Some(path) = &options.trace.trace {
         let dt_s = options.trace.dt.unwrap_or(DEFAULT_DT_S);
@@ -164,7 +172,7 @@ fn write_outputs(bench: &Bench, prepared: &Prepared, options: &DosingOptions) ->
         outputs.trace(path, samples(dt_s)?)?;
     }
     if let Some(path) = &options.plot.plot {
-        let title = format!("{} mL on {} (predicted)", plan.requested_ml, bench.file().pump.id);
+        let title = format!("{} mL on {} (predicted)", plan.requested_ml(), bench.file().pump.id);
         outputs.plot(path, &title, samples(f64::max(end_s / PLOT_SAMPLES, DEFAULT_DT_S))?, Some(motion_s))?;
     }
     outputs.put()
@@ -174,8 +182,8 @@ fn refuse_rows(rows: f64, what: &str, instead: &str) -> Result<(), Failure> {
     if rows <= MAX_ROWS {
         Ok(())
     } else {
-        Err(Failure::refused(format!(
-            "the {what} would have {rows:.3e} rows, {MAX_ROWS:e} at most; {instead}"
-        )))
+        let message = format!("the {what} would have {rows:.3e} rows, {MAX_ROWS:e} at most; {instead}");
+        let refused = Failure::refused(message).kind(ErrorKind::Range);
+        Err(refused.value(format!("{rows:.3e} rows")).allowed(format!("{MAX_ROWS:e} rows at most")))
     }
 }

@@ -5,7 +5,7 @@ use pump_bench::report::{carry_dropped_text, rotor_text};
 
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
-use crate::terminal::{tell, warn};
+use crate::terminal::{noted, tell, warn};
 
 #[derive(Debug, Args)]
 pub(crate) struct DiscardArgs {
@@ -18,7 +18,8 @@ impl DiscardArgs {
         let bench = self.bench.bench()?;
         let mut session = bench.session()?;
         let carry_ml = session.owed_ml();
-        let (state, unasked) = session.discard()?;
+        let discarded = session.discard();
+        let (state, unasked) = noted(&mut session, discarded)?;
         let unasked =
             unasked.map(|error| format!("the device could not be asked what it has counted: {error}"));
         warn(&unasked.into_iter().chain(session.notes()).collect::<Vec<_>>());

@@ -11,6 +11,7 @@ use crate::options::batch::BatchOptions;
 use crate::options::dosing::DosingOptions;
 use crate::options::finish::FinishOption;
 use crate::options::volume::asked;
+use crate::refusals::is_name;
 
 #[derive(Debug, Args)]
 pub(crate) struct DoseArgs {
@@ -31,9 +32,7 @@ pub(crate) struct DoseArgs {
 impl DoseArgs {
     /// The first word in place of the volume, if it looks like a command rather than a number.
     pub(crate) fn mistyped_command(&self) -> Option<&str> {
-        let word = self.volume.first()?;
-        let is_number = ["nan", "inf"].iter().any(|name| word.to_lowercase().starts_with(name));
-        (!is_number && word.starts_with(char::is_alphabetic)).then_some(word)
+        self.volume.first().map(String::as_str).filter(|word| is_name(word))
     }
 
     pub(crate) fn run(&self) -> Result<(), Failure> {

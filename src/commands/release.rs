@@ -5,7 +5,7 @@ use pump_bench::report::rotor_text;
 
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
-use crate::terminal::{tell, warn};
+use crate::terminal::{noted, tell, warn};
 
 #[derive(Debug, Args)]
 pub(crate) struct ReleaseArgs {
@@ -17,7 +17,8 @@ impl ReleaseArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let bench = self.bench.bench()?;
         let mut session = bench.session()?;
-        session.connect()?;
+        let connected = session.connect();
+        noted(&mut session, connected)?;
         warn(&session.notes());
         let state = session.release()?;
         tell(&format!("the motor is without current\n{}", rotor_text(&bench, &state)))

@@ -1,7 +1,7 @@
 //! `dose resume`: the rest of an unfinished dose.
 
 use clap::Args;
-use pump_bench::DoseRequest;
+use pump_bench::{DoseError, DoseRequest};
 
 use super::delivery::{Said, deliver, report};
 use crate::failure::Failure;
@@ -12,6 +12,7 @@ use crate::options::fluid::FluidOptions;
 use crate::options::limits::PressureOptions;
 use crate::options::report::{FormatOption, VerboseOption};
 use crate::options::speed::CruiseOptions;
+use crate::terminal::{noted, say, tell, warn};
 
 #[derive(Debug, Args)]
 pub(crate) struct ResumeArgs {
@@ -48,10 +49,28 @@ impl ResumeArgs {
             ..DoseRequest::dose(0.0)
         };
         let json = self.format.json();
+        let interrupt = Interrupt::watch()?;
         let mut session = bench.session()?;
-        let prepared = session.prepare_rest(request)?;
-        let delivered = deliver(&bench, &mut session, &prepared, &Interrupt::watch()?, json)?;
+        let prepared = match session.prepare_rest(request) {
+            // The dose is done, as was asked.
+            Err(done @ DoseError::WasFinished) => {
+                warn(&session.notes());
+                return finished(&done, json);
+            }
+            prepared => noted(&mut session, prepared)?,
+        };
+        let delivered = deliver(&bench, &mut session, &prepared, &interrupt, json)?;
         let said = Said { json, verbose: self.verbose.verbose, asked: None };
         report(&bench, &prepared, Some(delivered), &said)
     }
+}
+
+/// Tells that the device has finished the dose: a person on standard output, and beside the reports for a program.
+fn finished(done: &DoseError, json: bool) -> Result<(), Failure> {
+    let text = format!("{done}\n");
+    if json {
+        say(&text);
+        return Ok(());
+    }
+    tell(&text)
 }

@@ -1,12 +1,12 @@
 //! `dose tube --new`: the tube was replaced.
 
 use clap::Args;
-use pump_bench::bench::NewTube;
+use pump_bench::NewTube;
 use pump_bench::report::{carry_dropped_text, rotor_text};
 
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
-use crate::terminal::tell;
+use crate::terminal::{noted, tell, warn};
 
 #[derive(Debug, Args)]
 pub(crate) struct TubeArgs {
@@ -22,7 +22,9 @@ impl TubeArgs {
         debug_assert!(self.new, "required");
         let bench = self.bench.bench()?;
         let mut session = bench.session()?;
-        let NewTube { state, worn_ml, owed_ml, unused, readings } = session.new_tube()?;
+        let replaced = session.new_tube();
+        let NewTube { state, worn_ml, owed_ml, unused, readings } = noted(&mut session, replaced)?;
+        warn(&session.notes());
         let unused = unused.map_or(String::new(), |version| {
             format!(
                 "calibration {version} is not used any more; `dose calibrate use {version}` uses it again\n"

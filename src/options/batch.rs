@@ -49,7 +49,7 @@ impl BatchOptions {
             };
         };
         let schedule = Schedule::new(count, self.every, self.missed.unwrap_or_default())
-            .map_err(|error| Failure::refused(format!("--every: {error}")))?;
+            .map_err(|error| Failure::of(error).after("--every: "))?;
         Ok((count > 1).then_some(schedule))
     }
 }

@@ -9,6 +9,7 @@ use pump_bench::pump_file::{DriverName, PumpFile};
 use super::motor::{DriverOption, MotorOptions, PortOption};
 use super::pump::{PumpOption, RecordOption};
 use crate::failure::Failure;
+use crate::interrupt;
 
 /// A bench whose motor may turn.
 #[derive(Debug, Args)]
@@ -16,7 +17,7 @@ pub(crate) struct BenchOptions {
     #[command(flatten)]
     pub(crate) pump: PumpOption,
     #[command(flatten)]
-    record: RecordOption,
+    pub(crate) record: RecordOption,
     #[command(flatten)]
     pub(crate) motor: MotorOptions,
 }
@@ -40,10 +41,19 @@ impl BenchOptions {
 
     /// The bench with this pump file.
     pub(crate) fn bench_of(&self, file: PumpFile) -> Result<Bench, Failure> {
-        let MotorOptions { driver, port, configure } = &self.motor;
-        refuse_unless_real(&file, driver, &[("--port", port.port.is_some()), ("--configure", *configure)])?;
+        let MotorOptions { driver, port, configure, accept_settings } = &self.motor;
+        let given = [
+            ("--port", port.port.is_some()),
+            ("--configure", *configure),
+            ("--accept-settings", *accept_settings),
+        ];
+        refuse_unless_real(&file, driver, &given)?;
         let bench = Bench::new(file, driver.driver, &self.record.folder()?)?;
-        Ok(bench.at_port(port.port.clone()).configuring(*configure))
+        Ok(bench
+            .at_port(port.port.clone())
+            .configuring(*configure)
+            .accepting_settings(*accept_settings)
+            .stopping_on(interrupt::stop_request()))
     }
 }
 

@@ -5,12 +5,12 @@ use pump_bench::record::Purpose;
 use pump_bench::{Bench, DoseRequest, PumpFile};
 
 use super::bench::BenchOptions;
-use super::files::{PlotOption, StepsOption, TraceOptions, differ};
+use super::files::{Files, PlotOption, StepsOption, TraceOptions};
 use super::fluid::FluidOptions;
 use super::limits::{PressureOptions, TubeLimit};
 use super::report::{FormatOption, VerboseOption};
 use super::speed::{CruiseOptions, ReverseOption, StartAngleOption};
-use super::volume::Asked;
+use super::volume::AskedVolume;
 use crate::failure::Failure;
 
 /// Delivery of a volume.
@@ -50,10 +50,11 @@ pub(crate) struct DosingOptions {
 }
 
 impl DosingOptions {
-    /// Refuses files that exclude each other.
+    /// Refuses files that exclude each other, and those that must not be replaced.
     pub(crate) fn check_files(&self) -> Result<(), Failure> {
-        let paths = self.files().map(|(_, path)| path);
-        differ(&paths)?;
+        let BenchOptions { pump, record, .. } = &self.bench;
+        let state_dir = Some(record.folder()?);
+        Files { outputs: &self.files(), inputs: &[pump.path()], state_dir }.check()?;
         if self.trace.dt.is_some() && self.trace.trace.is_none() {
             return Err(Failure::refused("--dt is the time between rows of --trace; name that file too"));
         }
@@ -78,7 +79,7 @@ impl DosingOptions {
     }
 
     /// The amount as it was typed, with a minus in reverse.
-    pub(crate) fn typed(&self, asked: &Asked) -> String {
+    pub(crate) fn typed(&self, asked: &AskedVolume) -> String {
         if self.reverse.reverse { format!("-{}", asked.typed) } else { asked.typed.clone() }
     }
 
@@ -86,7 +87,7 @@ impl DosingOptions {
     pub(crate) fn request(
         &self,
         purpose: Purpose,
-        asked: &Asked,
+        asked: &AskedVolume,
         file: &PumpFile,
     ) -> Result<DoseRequest, Failure> {
         let mut volume_ml = asked.amount.volume_ml(file.fluid.density_kg_m3);

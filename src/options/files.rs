@@ -1,8 +1,11 @@
 //! The files that a command writes.
 
-use std::path::{Path, PathBuf, absolute};
+use std::path::{Path, PathBuf};
 
 use clap::Args;
+use pump_bench::files::{is_one_file, names_in, place_of};
+use pump_bench::pump_file::DriverName;
+use pump_bench::report::ErrorKind;
 use pump_bench::units;
 
 use crate::failure::Failure;
@@ -37,18 +40,53 @@ pub(crate) struct PlotOption {
     pub(crate) plot: Option<PathBuf>,
 }
 
-/// Refuses standard output as a file, and two outputs in one file.
-pub(crate) fn differ(paths: &[Option<&Path>]) -> Result<(), Failure> {
-    let paths: Vec<&Path> = paths.iter().copied().flatten().collect();
-    for (n, path) in paths.iter().enumerate() {
-        if path.as_os_str() == "-" {
-            return Err(Failure::refused("`-` is no file; standard output carries the report"));
+/// The files of a command: outputs with their options, the files that it reads, and the folder of all records.
+pub(crate) struct Files<'a> {
+    pub(crate) outputs: &'a [(&'static str, Option<&'a Path>)],
+    pub(crate) inputs: &'a [Option<&'a Path>],
+    pub(crate) state_dir: Option<PathBuf>,
+}
+
+impl Files<'_> {
+    /// Refuses standard output as a file, two outputs in one file, and outputs that would replace an input or a file
+    /// of a record.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        let outputs: Vec<_> =
+            self.outputs.iter().filter_map(|(option, path)| path.map(|path| (*option, path))).collect();
+        for (n, (option, path)) in outputs.iter().enumerate() {
+            let refused = |why: String| {
+                let message = format!("{option} {}: {why}", path.display());
+                Err(Failure::refused(message).kind(ErrorKind::Output).value(path.display()))
+            };
+            if path.as_os_str() == "-" {
+                return refused("`-` is no file; standard output carries the report".to_owned());
+            }
+            if outputs[..n].iter().any(|(_, other)| is_one_file(other, path)) {
+                return refused("it is named for two outputs; give each its own file".to_owned());
+            }
+            if let Some(input) = self.inputs.iter().flatten().find(|input| is_one_file(input, path)) {
+                let input = input.display();
+                return refused(format!("{input} is read by this command; name another file"));
+            }
+            let Some(state_dir) = &self.state_dir else { continue };
+            if is_of_record(state_dir, path) {
+                return refused("it would lie in the record of a pump; name a file elsewhere".to_owned());
+            }
+            if let Some(name) = names_in(state_dir, path).iter().find(|name| is_of_record(state_dir, name)) {
+                let name = name.display();
+                return refused(format!(
+                    "it is {name} of a pump's record by another name; name another file"
+                ));
+            }
         }
-        let place = |path: &Path| absolute(path).unwrap_or_else(|_| path.to_owned());
-        if paths[..n].iter().any(|other| place(other) == place(path)) {
-            let path = path.display();
-            return Err(Failure::refused(format!("{path} is named for two outputs; give each its own file")));
-        }
+        Ok(())
     }
-    Ok(())
+}
+
+/// True if a path leads into the folder of a pump's record, `<state dir>/<pump id>/<driver>/`.
+fn is_of_record(state_dir: &Path, path: &Path) -> bool {
+    let (state_dir, path) = (place_of(state_dir), place_of(path));
+    let Ok(inside) = path.strip_prefix(state_dir) else { return false };
+    let driver = inside.components().nth(1).and_then(|driver| driver.as_os_str().to_str());
+    driver.is_some_and(|driver| driver.parse::<DriverName>().is_ok())
 }

@@ -19,8 +19,8 @@ pub(crate) struct FinishOption {
 }
 
 impl FinishOption {
-    /// The place that is asked for.
-    pub(crate) fn finish(&self) -> Finish {
-        self.finish.unwrap_or_default()
+    /// The place that is asked for; none without the option.
+    pub(crate) fn finish(&self) -> Option<Finish> {
+        self.finish
     }
 }

@@ -22,7 +22,7 @@ impl FluidOptions {
     /// Puts the fluid that is named in place of the pump file's.
     pub(crate) fn change(&self, file: &mut PumpFile) -> Result<(), Failure> {
         let changed = file.fluid.changed_to(self.fluid.as_deref(), self.temperature);
-        file.fluid = changed.map_err(Failure::refused)?;
+        file.fluid = changed.map_err(Failure::of)?;
         Ok(())
     }
 }

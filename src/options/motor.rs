@@ -46,4 +46,7 @@ pub(crate) struct MotorOptions {
     /// Write the controller's settings where they do not fit the pump, and say which
     #[arg(long)]
     pub(crate) configure: bool,
+    /// Accept controller settings that have changed since the last time
+    #[arg(long)]
+    pub(crate) accept_settings: bool,
 }

@@ -1,11 +1,11 @@
 //! Which pump, and where its record is.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use pump_bench::pump_file::PumpFile;
-use pump_bench::pump_named;
 use pump_bench::record::default_state_dir;
+use pump_bench::{built_in, pump_named};
 
 use crate::failure::Failure;
 
@@ -33,10 +33,29 @@ pub(crate) struct RecordOption {
     state_dir: Option<PathBuf>,
 }
 
+/// The folder of the record, for a command that leaves the record alone: its files are no outputs.
+#[derive(Debug, Args)]
+pub(crate) struct ForeignRecord {
+    #[arg(long, value_name = "DIR", env = "DOSE_STATE_DIR", hide = true)]
+    state_dir: Option<PathBuf>,
+}
+
+impl ForeignRecord {
+    /// The folder in which records are kept, if there is one.
+    pub(crate) fn folder(&self) -> Option<PathBuf> {
+        self.state_dir.clone().or_else(|| default_state_dir().ok())
+    }
+}
+
 impl PumpOption {
+    /// The pump file, if a file is named.
+    pub(crate) fn path(&self) -> Option<&Path> {
+        built_in(&self.pump).is_none().then(|| Path::new(&self.pump))
+    }
+
     /// Reads the pump that is named.
     pub(crate) fn file(&self) -> Result<PumpFile, Failure> {
-        pump_named(&self.pump).map_err(Failure::refused)
+        pump_named(&self.pump).map_err(Failure::of)
     }
 }
 

@@ -6,14 +6,14 @@ use crate::failure::Failure;
 
 /// A volume or a mass that was asked for.
 #[derive(Debug, Clone)]
-pub(crate) struct Asked {
+pub(crate) struct AskedVolume {
     pub(crate) amount: Amount,
     /// The amount as it was typed, with a space between number and unit.
     pub(crate) typed: String,
 }
 
 /// Reads one amount from the words that were typed: `25mL`, or `25 mL` as two words.
-pub(crate) fn asked(words: &[String]) -> Result<Asked, Failure> {
+pub(crate) fn asked(words: &[String]) -> Result<AskedVolume, Failure> {
     let text = match words {
         [] => return Err(Failure::refused("how much? Write a volume with its unit, as in `dose 25mL`")),
         [word] => word.clone(),
@@ -23,8 +23,8 @@ pub(crate) fn asked(words: &[String]) -> Result<Asked, Failure> {
             return Err(Failure::refused(format!("`{words}`: one volume at a time, as in `dose 25mL`")));
         }
     };
-    let amount = units::amount(&text).map_err(Failure::refused)?;
-    Ok(Asked { amount, typed: spaced(&text) })
+    let amount = units::amount(&text).map_err(Failure::of)?;
+    Ok(AskedVolume { amount, typed: spaced(&text) })
 }
 
 /// True for a letter with which a number begins.

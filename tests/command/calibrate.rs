@@ -1,7 +1,7 @@
 //! Calibrations as a user makes and uses them.
 
 use std::fs;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::process::Stdio;
 
 use serde_json::Value;
@@ -182,6 +182,14 @@ fn readings_of_a_guided_calibration_stay_on_record_and_it_can_be_continued() {
         "{}",
         ended.err
     );
+    // Whoever looks is told.
+    let told = "2 of 4 readings on record; `dose calibrate run --continue` goes on with it";
+    for words in [&["status"][..], &["calibrate", "list"]] {
+        let answer = user.types(words);
+        assert!(answer.out.contains(told), "{words:?}: {}", answer.out);
+    }
+    let unfinished = &user.json(&["status"])["unfinished_calibration"];
+    assert_eq!((&unfinished["readings"], &unfinished["planned"]), (&2.into(), &4.into()));
     // Nothing moves where it is not said what becomes of the readings, nor for other runs or another fluid.
     for (words, why) in [
         (&arguments[..], "2 of 4 readings is on record"),
@@ -210,6 +218,7 @@ fn readings_of_a_guided_calibration_stay_on_record_and_it_can_be_continued() {
     assert_eq!(kept.code, 0, "{}", kept.err);
     assert!(kept.err.contains("4 of 4 runs") && !kept.err.contains("moving"), "{}", kept.err);
     assert!(!log.exists());
+    assert!(user.json(&["status"])["unfinished_calibration"].is_null());
     let list = user.json(&["calibrate", "list"]);
     let runs = list["calibrations"][0]["runs"].as_array().unwrap().clone();
     let read = runs.iter().map(|run| number(&run["reading"], "volume_ml")).collect::<Vec<_>>();
@@ -218,6 +227,35 @@ fn readings_of_a_guided_calibration_stay_on_record_and_it_can_be_continued() {
     fs::write(&log, unfinished).unwrap();
     assert_eq!(answers(&user, &go_on, "\n").code, 2);
     assert_eq!(answers(&user, &arguments, "7.1mL\nquit\n").code, 0);
+}
+
+#[test]
+fn a_reading_that_cannot_be_recorded_is_repeated_to_the_person() {
+    let user = User::new();
+    let arguments = ["calibrate", "run", "--speeds", "60rpm", "--runs", "2", "--pitches", "1"];
+    let mut command = user.command(&arguments);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    let (mut typed, mut shown) = (child.stdin.take().unwrap(), child.stderr.take().unwrap());
+    let mut text = String::new();
+    let mut until = |word: &str, text: &mut String| {
+        let mut byte = [0];
+        while !text.ends_with(word) && shown.read(&mut byte).unwrap() == 1 {
+            text.push(char::from(byte[0]));
+        }
+    };
+    until("trial run (as 42.51g or 42.6mL; redo, quit): ", &mut text);
+    typed.write_all(b"7.1mL\n").unwrap();
+    until("run 1 of 2, 60 r/min (as 42.51g or 42.6mL; redo, quit): ", &mut text);
+    // A folder stands in the place of the log: nothing can be appended.
+    let log = user.path("state/three-roller/sim/calibrations/unfinished.jsonl");
+    fs::remove_file(&log).unwrap();
+    fs::create_dir(&log).unwrap();
+    typed.write_all(b"7.12mL\n").unwrap();
+    until("never", &mut text);
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{text}");
+    assert!(text.contains("the reading 7.12mL of this run is not on record: note it down"), "{text}");
+    assert_eq!(user.types(&["status"]).code, 0, "the rest of the record is well");
 }
 
 #[test]
@@ -342,4 +380,65 @@ fn the_guided_example_prints_what_it_shows() {
     let user = User::new();
     let said = answers(&user, &typed.split(' ').collect::<Vec<_>>(), &lines);
     assert_eq!(said.err + &said.out, expected);
+}
+
+#[test]
+fn a_carry_of_before_is_no_error_of_the_pump_that_is_verified() {
+    let user = User::new();
+    // The retraction leaves half a millilitre to the next dose.
+    user.json(&["5mL", "--retract", "500uL"]);
+    let verify = [
+        "calibrate",
+        "verify",
+        "--volume",
+        "10mL",
+        "--runs",
+        "2",
+        "--systematic",
+        "0.6%",
+        "--random",
+        "0.2%",
+    ];
+    let said = answers(&user, &[&verify[..], &["--format", "json"]].concat(), "10.5mL\n10mL\n");
+    let found: Value =
+        serde_json::from_str(&said.out).unwrap_or_else(|error| panic!("{error}: {}", said.err));
+    assert!(number(&found, "systematic_percent").abs() < 0.01, "{found}");
+    assert_eq!(said.code, 0, "{}", said.err);
+}
+
+#[test]
+fn a_verification_that_fails_after_a_dose_does_not_say_that_nothing_has_moved() {
+    let user = User::new();
+    let file = user.types(&["pumps", "show", "three-roller"]).out;
+    // The second dose would use up the tube.
+    let file = if file.contains("[tube]") {
+        file.replace("[tube]", "[tube]\nlife_ml = 15.0")
+    } else {
+        file + "\n[tube]\nlife_ml = 15.0\n"
+    };
+    fs::write(user.path("worn.toml"), file).unwrap();
+    let verify = ["calibrate", "verify", "--volume", "10mL", "--runs", "2", "--pump", "worn.toml"];
+    let said = answers(&user, &verify, "10mL\n");
+    assert!(said.err.contains("tube") && said.err.contains("nothing is kept"), "{}", said.err);
+    assert_eq!(said.code, 1, "{}", said.err);
+    // Nothing moves where the first dose is refused.
+    let said = answers(&user, &verify, "");
+    assert!(said.err.contains("tube"), "{}", said.err);
+    assert_eq!(said.code, 2, "{}", said.err);
+}
+
+#[test]
+fn guided_runs_of_a_coarse_motor_are_whole_steps_where_the_angle_is_unknown() {
+    let user = User::new();
+    let file = user.types(&["pumps", "show", "three-roller"]).out.replace("12800", "400");
+    assert!(file.contains("400"), "{file}");
+    fs::write(user.path("coarse.toml"), file).unwrap();
+    let of_coarse = |arguments: &[&'static str]| [arguments, &["--pump", "coarse.toml"]].concat();
+    assert_eq!(user.types(&of_coarse(&["home", "--unknown"])).code, 0);
+    let run = ["calibrate", "run", "--speeds", "60rpm", "--runs", "1"];
+    let said = answers(&user, &of_coarse(&run), "64mL\n64mL\n\n");
+    assert!(said.code == 0 && said.err.contains("9 pitches, 64.0 mL"), "{}{}", said.out, said.err);
+    // A single pitch is 133 1/3 steps.
+    let refused = answers(&user, &of_coarse(&[&run[..], &["--pitches", "1"]].concat()), "");
+    assert!(refused.code == 2 && refused.err.contains("from an unknown angle"), "{}", refused.err);
 }

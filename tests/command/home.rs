@@ -2,7 +2,7 @@
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{Read, Write};
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -20,12 +20,27 @@ const ENTER: &[u8] = b"\r";
 /// Runs `dose home --mark` with these arguments in a terminal of its own and types `keys`. Returns the exit code, what
 /// it printed and what the terminal showed.
 fn at_terminal(user: &User, arguments: &[&str], keys: &[&[u8]]) -> (i32, String, String) {
+    at_terminal_until(user, arguments, keys, |_, _| {})
+}
+
+/// Does as `at_terminal`. At the end `last` gets the terminal and the number of the process.
+fn at_terminal_until(
+    user: &User,
+    arguments: &[&str],
+    keys: &[&[u8]],
+    last: impl FnOnce(&mut File, u32),
+) -> (i32, String, String) {
     let terminal = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC).unwrap();
     grantpt(&terminal).unwrap();
     unlockpt(&terminal).unwrap();
     let path = ptsname(&terminal, Vec::new()).unwrap().into_string().unwrap();
     let line = || Stdio::from(OpenOptions::new().read(true).write(true).open(&path).unwrap());
-    let mut command = user.command(&[&["home", "--mark"], arguments].concat());
+    let dose = user.command(&[&["home", "--mark"], arguments].concat());
+    // The shell ignores the signal of a file that may not grow, so that a write fails as on a full disk.
+    let mut command = Command::new("bash");
+    command.args(["-c", "trap '' XFSZ; exec \"$0\" \"$@\""]).arg(dose.get_program()).args(dose.get_args());
+    command.envs(dose.get_envs().filter_map(|(name, value)| Some((name, value?)))).env_remove("DOSE_PUMP");
+    command.current_dir(user.folder.path());
     let mut child = command.stdin(line()).stderr(line()).stdout(Stdio::piped()).spawn().unwrap();
     drop(command);
 
@@ -45,6 +60,7 @@ fn at_terminal(user: &User, arguments: &[&str], keys: &[&[u8]]) -> (i32, String,
         terminal.write_all(key).unwrap();
         thread::sleep(Duration::from_millis(60));
     }
+    last(&mut terminal, child.id());
     let deadline = Instant::now() + Duration::from_secs(30);
     while child.try_wait().unwrap().is_none() {
         assert!(Instant::now() < deadline, "it waits for more keys");
@@ -97,6 +113,47 @@ fn the_tolerance_counts_and_leaving_sets_nothing_but_keeps_count() {
     assert!(out.contains("nothing was set"), "{out}");
     let status = user.json(&[&["status"], &pump[..]].concat());
     assert!((number(&status, "angle_deg") - 42.0).abs() < 0.05, "{status}");
+}
+
+#[test]
+fn a_signal_while_it_waits_for_a_key_is_the_end_and_its_exit_code_says_so() {
+    for (signal, code) in [("INT", 130), ("TERM", 143)] {
+        let user = User::new();
+        let pump = marked(&user);
+        let pump = ["--pump", pump.as_str()];
+        for (keys, turned) in [(&[][..], false), (&[RIGHT][..], true)] {
+            let (ended, out, shown) = at_terminal_until(&user, &pump, keys, |_, id| {
+                let id = id.to_string();
+                assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
+            });
+            assert_eq!((ended, out.as_str()), (code, ""), "{shown}");
+            assert!(shown.contains("stopped by the user; the turns are on record"), "{shown}");
+            assert_eq!(user.json(&[&["status"], &pump[..]].concat())["recorded"], turned, "{shown}");
+        }
+    }
+    // The key Ctrl-C is the same wish.
+    let user = User::new();
+    let pump = marked(&user);
+    assert_eq!(at_terminal(&user, &["--pump", &pump], &[b"\x03"]).0, 130);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_failure_after_a_turn_does_not_say_that_nothing_has_moved() {
+    let user = User::new();
+    let pump = marked(&user);
+    let pump = ["--pump", pump.as_str()];
+    for (turns, code) in [(&[][..], 2), (&[RIGHT][..], 1)] {
+        assert_eq!(user.types(&[&["home", "--set", "0deg"], &pump[..]].concat()).code, 0);
+        let (ended, out, shown) = at_terminal_until(&user, &pump, turns, |terminal, id| {
+            // A turn cannot be recorded any more.
+            let limit = Command::new("prlimit").args(["--fsize=10", "--pid", &id.to_string()]).status();
+            assert!(limit.unwrap().success());
+            terminal.write_all(RIGHT).unwrap();
+        });
+        assert_eq!((ended, out.as_str()), (code, ""), "{shown}");
+        assert!(shown.contains("journal.jsonl"), "{shown}");
+    }
 }
 
 #[test]

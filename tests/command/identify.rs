@@ -1,6 +1,7 @@
 //! Lines and roller volumes from tables of measurements.
 
 use std::fs;
+use std::time::{Duration, Instant};
 
 use pump_model::volume_fit::PUBLISHED_POINTS;
 use serde_json::Value;
@@ -48,6 +49,37 @@ fn the_examples_give_the_line_that_they_were_made_with() {
     is_found(&line, "start_angle_deg", 17.0, 0.01);
     assert!((number(&line, "rmse_kpa") / 0.3 - 1.0).abs() < 0.15 && number(&line, "pearson") > 0.99);
     assert_eq!(line["parameters"]["reservoir_kpa"]["held"], true);
+}
+
+#[test]
+fn a_long_recording_is_thinned_and_the_result_says_so() {
+    let user = User::new();
+    let made = user.types(&[
+        "simulate",
+        "--speed",
+        "100rpm",
+        "--duration",
+        "10s",
+        "--dt",
+        "0.1ms",
+        "--trace",
+        "long.csv",
+    ]);
+    assert_eq!(made.code, 0, "{}", made.err);
+    let identify = ["identify", "line", "--data", "out.csv", "--speed", "100rpm", "--begin", "step"];
+    let long = fs::read_to_string(user.path("long.csv")).unwrap();
+    let rows = long.lines().map(|line| {
+        let cells: Vec<&str> = line.split(',').collect();
+        format!("{},{}\n", cells[0], cells[6])
+    });
+    fs::write(user.path("out.csv"), rows.collect::<String>()).unwrap();
+    let begun = Instant::now();
+    let found = user.json(&identify);
+    assert!(begun.elapsed() < Duration::from_secs(6), "twice what a machine of its own takes: {begun:?}");
+    assert_eq!((number(&found, "rows"), number(&found, "points")), (100_001.0, 14_286.0));
+    assert!((number(&found["parameters"]["resistance_kpa_s_ml"], "value") - 0.1108).abs() < 1e-3, "{found}");
+    let said = user.types(&identify).out;
+    assert!(said.contains("1 in 7 of 100001 samples worth"), "{said}");
 }
 
 #[test]
@@ -320,4 +352,23 @@ fn measured_roller_volumes_become_a_pump_file_with_what_is_to_be_said_of_them() 
     fs::write(user.path("few.csv"), "angle_deg,volume_ml\n0,0\n10,1\n").unwrap();
     let refused = user.is_refused(&[&DRAWING[..], &["--roller-volume-points", "few.csv"]].concat());
     assert!(refused.contains("few.csv: there are measured points at 2 different angles"), "{refused}");
+}
+
+#[test]
+fn points_that_agree_exactly_tell_no_error() {
+    let user = User::new();
+    let resistance = |rows: &str, more: &[&str]| {
+        fs::write(user.path("r.csv"), format!("flow_ml_s,drop_kpa\n{rows}")).unwrap();
+        let words = [&["identify", "resistance", "--data", "r.csv"], more].concat();
+        (user.json(&words)["parameters"]["resistance_kpa_s_ml"].clone(), user.types(&words).out)
+    };
+    let (exact, text) = resistance("10,1.1\n20,2.2\n", &[]);
+    assert!(exact["standard"].is_null() && (number(&exact, "value") - 0.11).abs() < 1e-12, "{exact}");
+    assert!(text.contains("0.11 kPa s/mL, no error from 2 points that agree exactly"), "{text}");
+    assert!(text.contains("resistance_kpa_s_ml = 0.11  # found\n") && !text.contains("0.000000"), "{text}");
+    let (exact, _) = resistance("10,1.3\n20,2.4\n30,3.5\n", &["--offset"]);
+    assert!(exact["standard"].is_null(), "{exact}");
+    // Two points that differ from their line by what they were measured with tell how far.
+    let (measured, text) = resistance("10,1.1\n20,2.3\n", &[]);
+    assert!(number(&measured, "standard") > 0.01 && text.contains("0.114 ± 0.028"), "{text}");
 }

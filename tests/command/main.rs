@@ -3,12 +3,15 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod calibrate;
+mod calibration_limits;
 mod dose;
 #[cfg(unix)]
 mod home;
+mod hostile;
 mod identify;
 mod line;
 mod pumps;
+mod record;
 mod simulate;
 mod tube;
 mod user;

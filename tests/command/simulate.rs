@@ -119,3 +119,19 @@ fn a_hose_resists_more_at_more_flow_and_has_no_exact_solution() {
     assert_eq!(exact.code, 2);
     assert!(exact.err.contains("the friction of a hose grows with the flow"), "{}", exact.err);
 }
+
+#[test]
+fn a_pressure_below_that_at_which_the_tube_collapses_is_warned_of() {
+    let user = User::new();
+    let warnings =
+        |speed| user.json(&["simulate", "--speed", speed, "--duration", "1s"])["warnings"].to_string();
+    // The thin ring of 3.5 MPa, 0.49, 2 mm on 6 mm collapses at 42.65 kPa below 85.7 kPa.
+    let fast = warnings("1000rpm");
+    assert!(
+        fast.contains("the inlet pressure falls to 29.5")
+            && fast.contains("below the limit of 43.05 kPa, at which"),
+        "{fast}"
+    );
+    assert!(!fast.contains("the outlet pressure falls"), "{fast}");
+    assert_eq!(warnings("100rpm"), "[]");
+}

@@ -9,7 +9,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use pump_bench::pump_file::DriverName;
-use pump_bench::record::State;
+use pump_bench::record::PumpState;
 use pump_bench::{Bench, built_in};
 use pump_ctl::plan::Phase;
 
@@ -39,6 +39,9 @@ struct Rig {
     board: Simulated,
     /// Angle of the rotor when the board's motor had made no step, rad.
     stood_rad: f64,
+    /// Steps by which the board's counter jumps. A jump in the midst of a motion looks like the motion, so the
+    /// record may be wrong by it.
+    jump: i64,
 }
 
 /// The way in which the test cuts a dose off. The board has defects of its own.
@@ -105,8 +108,9 @@ impl Rig {
     }
 
     fn with(folder: &Path, stood_rad: f64, resets_on_open: bool, defects: Defects) -> Self {
+        let jump = defects.miscounts.map_or(0, |(_, by)| by);
         let options = Options { time_scale: TIME_SCALE, resets_on_open, defects, ..Options::default() };
-        Self { folder: folder.to_owned(), board: Simulated::start(options).unwrap(), stood_rad }
+        Self { folder: folder.to_owned(), board: Simulated::start(options).unwrap(), stood_rad, jump }
     }
 
     fn bench(&self) -> Bench {
@@ -114,7 +118,7 @@ impl Rig {
         bench.unwrap().at_port(Some(self.board.path().to_owned()))
     }
 
-    fn state(&self) -> Option<State> {
+    fn state(&self) -> Option<PumpState> {
         self.bench().story().unwrap().state
     }
 
@@ -134,17 +138,19 @@ impl Rig {
     }
 
     /// Checks the record against the true angle. Returns true if the angle is known.
-    fn holds(&self, state: &State, what: &str) -> bool {
+    fn holds(&self, state: &PumpState, what: &str) -> bool {
         let pitch_rad = std::f64::consts::TAU / 3.0;
         if state.half_width_rad >= 0.5 * pitch_rad {
             return false;
         }
-        let off_rad =
-            (self.truth_rad() - state.angle_rad + 0.5 * pitch_rad).rem_euclid(pitch_rad) - 0.5 * pitch_rad;
+        let off_rad = [0, self.jump].map(|jump| {
+            let stands_rad = self.truth_rad() + jump as f64 * STEP_RAD;
+            (stands_rad - state.angle_rad + 0.5 * pitch_rad).rem_euclid(pitch_rad) - 0.5 * pitch_rad
+        });
         assert!(
-            off_rad.abs() <= state.half_width_rad + 1e-9,
+            off_rad.iter().any(|off_rad| off_rad.abs() <= state.half_width_rad + 1e-9),
             "{what}: {} steps off, {} said: {state:?}",
-            off_rad / STEP_RAD,
+            off_rad[0] / STEP_RAD,
             state.half_width_rad / STEP_RAD
         );
         true
@@ -157,7 +163,9 @@ impl Rig {
         let journal = self.folder.join("three-roller/grbl/journal.jsonl");
         let length = fs::metadata(&journal).map_or(0, |found| found.len());
         let bytes = (cut == Cut::FullDisk).then(|| length + (3000.0 * random.part()) as u64);
-        let mut process = child::start(&self.folder, volume_ml, bytes, Some(self.board.path()));
+        // At this board's speed the disk may take a tenth of a second before the motor pauses for it.
+        let sync_ms = (random.part() < 0.4).then(|| 150.0 * random.part());
+        let mut process = child::start(&self.folder, volume_ml, bytes, sync_ms, Some(self.board.path()));
         let mut runs_for = |longest_s: f64, until: &dyn Fn() -> bool| {
             let deadline = Instant::now() + Duration::from_secs_f64(longest_s);
             while Instant::now() < deadline && process.try_wait().unwrap().is_none() && !until() {
@@ -189,10 +197,11 @@ impl Rig {
         let known = self.holds(&state, &said);
         match state.unfinished {
             Some(dose) if Some(dose) != before.and_then(|state| state.unfinished) => {
-                let made = moved * dose.intent.steps.signum();
+                let made = [moved, moved + self.jump].map(|moved| moved * dose.intent.steps.signum());
                 assert!(
-                    !known || (dose.made_least as i64..=dose.made_most as i64).contains(&made),
-                    "{made} steps made: {dose:?}; {said}"
+                    !known || made.iter().any(|made| (dose.made_least..=dose.made_most).contains(made)),
+                    "{} steps made: {dose:?}; {said}",
+                    made[0]
                 );
             }
             Some(_) => assert_eq!(moved, 0, "the rest was not begun: {said}"),
@@ -219,7 +228,7 @@ impl Rig {
             if session.connect().is_err() {
                 // The board does not answer any more. It is switched off and on.
                 drop(session);
-                *self = Self::healthy(&self.folder, self.truth_rad());
+                *self = Self { jump: self.jump, ..Self::healthy(&self.folder, self.truth_rad()) };
                 continue;
             }
             let met = *session.state().unwrap();

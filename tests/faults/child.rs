@@ -1,13 +1,36 @@
 //! The process that doses and is killed. It prints the number of steps made from time to time.
 
 use std::env;
-use std::io::{Read, Write};
+use std::fs::File;
+use std::io::{self, Read, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
 
 use pump_bench::pump_file::DriverName;
+use pump_bench::record::Storage;
 use pump_bench::{Bench, DoseRequest, built_in};
+
+use crate::random::Random;
+
+/// Variable that says for how many milliseconds at most each sync of the journal takes longer.
+const SYNC_MS: &str = "FAULTS_SYNC_MS";
+
+/// Disk whose syncs take longer, each by another time.
+#[derive(Debug)]
+struct UnevenDisk {
+    most_ms: f64,
+    random: Random,
+}
+
+impl Storage for UnevenDisk {
+    fn sync(&mut self, file: &File) -> io::Result<()> {
+        sleep(Duration::from_secs_f64(1e-3 * self.most_ms * self.random.part()));
+        file.sync_data()
+    }
+}
 
 /// Doses, or resumes a dose (0 mL), and prints its progress. The arguments are `<folder> <volume> [<port>]`.
 pub(crate) fn main(arguments: &[String]) {
@@ -16,6 +39,10 @@ pub(crate) fn main(arguments: &[String]) {
     let bench = Bench::new(built_in("three-roller").unwrap(), driver, Path::new(folder)).unwrap();
     let bench = bench.at_port(port.first().map(Into::into));
     let mut session = bench.session().unwrap();
+    if let Ok(most_ms) = env::var(SYNC_MS) {
+        let random = Random(u64::from(std::process::id()));
+        session.store_by(Box::new(UnevenDisk { most_ms: most_ms.parse().unwrap(), random }));
+    }
     let request = DoseRequest::dose(volume_ml.parse().unwrap());
     let prepared =
         if request.volume_ml == 0.0 { session.prepare_rest(request) } else { session.prepare(request) };
@@ -23,7 +50,7 @@ pub(crate) fn main(arguments: &[String]) {
         Ok(prepared) => prepared,
         Err(error) => return println!("refused: {error}"),
     };
-    say("begin", prepared.plan.steps.unsigned_abs());
+    say("begin", prepared.plan.steps().unsigned_abs());
     let delivered = session.run(&prepared, |made| {
         say("made", made);
         ControlFlow::Continue(())
@@ -40,11 +67,18 @@ pub(crate) fn main(arguments: &[String]) {
 /// Prints a line in one write, so that a kill leaves a whole line or none.
 fn say(word: &str, number: u64) {
     let line = format!("{word} {number}\n");
-    std::io::stdout().write_all(line.as_bytes()).and_then(|()| std::io::stdout().flush()).unwrap();
+    io::stdout().write_all(line.as_bytes()).and_then(|()| io::stdout().flush()).unwrap();
 }
 
-/// Starts the process. If `bytes` is given, the disk is full after so many bytes of the journal.
-pub(crate) fn start(folder: &Path, volume_ml: f64, bytes: Option<u64>, port: Option<&Path>) -> Child {
+/// Starts the process. If `bytes` is given, the disk is full after so many bytes of the journal. If `sync_ms` is
+/// given, each of its syncs takes longer by up to so many milliseconds.
+pub(crate) fn start(
+    folder: &Path,
+    volume_ml: f64,
+    bytes: Option<u64>,
+    sync_ms: Option<f64>,
+    port: Option<&Path>,
+) -> Child {
     let this = env::current_exe().unwrap();
     let mut command = match bytes {
         None => Command::new(&this),
@@ -57,6 +91,7 @@ pub(crate) fn start(folder: &Path, volume_ml: f64, bytes: Option<u64>, port: Opt
         }
     };
     command.arg("child").arg(folder).arg(volume_ml.to_string()).args(port);
+    command.envs(sync_ms.map(|ms| (SYNC_MS, ms.to_string())));
     command.stdout(Stdio::piped()).spawn().unwrap()
 }
 

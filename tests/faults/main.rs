@@ -1,9 +1,10 @@
 //! Claims about doses cut off at random instants. No dose is lost, none is counted twice, and the delivered
 //! volume lies within the bounds on record.
 //!
-//! `cargo test` runs a few dozen doses. `make faults` runs 500 on the simulated drive and 500 on simulated
-//! boards. The program starts itself again as a child that it can kill. It compares the record with the words
-//! of the child and with the board's count of steps.
+//! `cargo test` runs a few dozen doses. `make faults` runs 500 on the simulated drive, 500 on simulated
+//! boards, and 40 on each firmware that this machine has as a simulator. The program starts itself again as a
+//! child that it can kill. It compares the record with the words of the child and with the board's count of
+//! steps.
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may panic, and says what it did")]
 
@@ -13,6 +14,7 @@ mod random;
 #[path = "../../examples/simulated_grbl/simulated/mod.rs"]
 mod simulated;
 mod simulation;
+mod simulators;
 
 use std::env;
 
@@ -29,4 +31,5 @@ fn main() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15 ^ seed);
     simulation::run(wanted.unwrap_or(40), &mut random);
     boards::run(wanted.unwrap_or(16), &mut random);
+    simulators::run(wanted.unwrap_or(0).min(40));
 }

@@ -1,6 +1,7 @@
 //! Random numbers for the instants at which doses are cut off.
 
 /// A SplitMix64 generator (Steele, Lea, Flood, OOPSLA 2014).
+#[derive(Debug)]
 pub(crate) struct Random(pub u64);
 
 impl Random {

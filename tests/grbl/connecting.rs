@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use pump_bench::drives::GrblError;
-use pump_bench::drives::{Disturbance, Drive, DriveError, Grbl};
+use pump_bench::drives::{Disturbance, Drive, DriveError, Grbl, Opening};
 use pump_bench::pump_file::{Axis, DriveTable};
 
 use crate::rig::{defective, dose, grbl_error, motor, open, refusal, run, start, table};
@@ -21,7 +21,7 @@ fn a_board_that_resets_on_open_is_waited_for_unlocked_and_the_reset_told_once() 
     assert_eq!(grbl.disturbed(), Some(Disturbance::Reset));
     assert_eq!(grbl.disturbed(), None);
     let plan = dose(&grbl, 0.5, 5.0);
-    assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64);
+    assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64);
 }
 
 #[test]
@@ -32,7 +32,7 @@ fn a_board_that_was_opened_once_is_not_reset_again() {
     run(&mut grbl, &board, &plan).0.unwrap();
     drop(grbl);
     let mut again = open(&board);
-    assert_eq!((again.count(), again.disturbed()), (Some(plan.steps), None));
+    assert_eq!((again.count(), again.disturbed()), (Some(plan.steps()), None));
     assert_eq!(board.truth().resets, 1);
 }
 
@@ -40,7 +40,7 @@ fn a_board_that_was_opened_once_is_not_reset_again() {
 fn a_second_driver_is_told_who_has_the_port() {
     let board = start(Options::default());
     let _grbl = open(&board);
-    let error = Grbl::open(&table(&board), &motor(), false).unwrap_err();
+    let error = Grbl::open(&table(&board), &motor(), &Opening::default()).unwrap_err();
     let DriveError::Busy { holder, .. } = &error else { panic!("{error}") };
     assert!(holder.contains(&std::process::id().to_string()), "{error}");
 }
@@ -49,10 +49,10 @@ fn a_second_driver_is_told_who_has_the_port() {
 fn a_port_that_is_not_named_or_not_there_is_an_error_that_says_so() {
     let board = start(Options::default());
     let nowhere = DriveTable { port: None, ..table(&board) };
-    let error = Grbl::open(&nowhere, &motor(), false).unwrap_err().to_string();
+    let error = Grbl::open(&nowhere, &motor(), &Opening::default()).unwrap_err().to_string();
     assert!(error.contains("--port"), "{error}");
     let missing = DriveTable { port: Some("/dev/ttyNOTHERE".into()), ..table(&board) };
-    let error = Grbl::open(&missing, &motor(), false).unwrap_err().to_string();
+    let error = Grbl::open(&missing, &motor(), &Opening::default()).unwrap_err().to_string();
     assert!(error.contains("ttyNOTHERE"), "{error}");
 }
 
@@ -63,7 +63,7 @@ fn firmwares_of_the_family_are_driven_and_older_ones_refused() {
         let mut grbl = open(&board);
         assert!(grbl.notes().is_empty());
         let plan = dose(&grbl, 0.5, 5.0);
-        assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64, "{firmware:?}");
+        assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64, "{firmware:?}");
     }
     let old = refusal(Options { firmware: Firmware::Grbl09, ..Options::default() });
     assert!(matches!(grbl_error(old), GrblError::Old { .. }));
@@ -73,7 +73,7 @@ fn firmwares_of_the_family_are_driven_and_older_ones_refused() {
 fn an_axis_that_the_board_does_not_have_is_named() {
     let board = start(Options::default());
     let table = DriveTable { axis: Axis::A, ..table(&board) };
-    let error = Grbl::open(&table, &motor(), false).unwrap_err().to_string();
+    let error = Grbl::open(&table, &motor(), &Opening::default()).unwrap_err().to_string();
     assert!(error.contains("axis") && error.contains('A'), "{error}");
 }
 
@@ -89,7 +89,7 @@ fn a_motion_that_is_under_way_is_waited_for() {
         let _ = grbl.run(&plan, &mut |made, about_to| {
             assert!(made < 500, "dies here");
             sent = about_to;
-            std::ops::ControlFlow::Continue(())
+            pump_bench::drives::Leave::Go
         });
     }));
     assert!(result.is_err());
@@ -99,7 +99,7 @@ fn a_motion_that_is_under_way_is_waited_for() {
     let truth = board.truth();
     assert!(!truth.moving);
     assert_eq!(again.count(), Some(truth.steps));
-    assert!(truth.steps >= 500 && truth.steps < plan.steps && truth.steps <= sent as i64);
+    assert!(truth.steps >= 500 && truth.steps < plan.steps() && truth.steps <= sent as i64);
 }
 
 #[test]
@@ -112,7 +112,7 @@ fn a_locked_board_is_refused_with_what_to_do() {
     assert_eq!((again.made_least, again.made_most), (0, 0));
     assert!(again.to_string().contains("$X"), "{again}");
     drop(grbl);
-    let error = Grbl::open(&table(&board), &motor(), false).unwrap_err();
+    let error = Grbl::open(&table(&board), &motor(), &Opening::default()).unwrap_err();
     assert!(matches!(grbl_error(error), GrblError::Locked { .. }));
 }
 
@@ -126,14 +126,14 @@ fn a_sleeping_board_is_woken_and_that_is_a_reset() {
     let mut again = open(&board);
     assert_eq!(again.disturbed(), Some(Disturbance::Reset));
     let plan = dose(&again, 0.3, 5.0);
-    assert_eq!(run(&mut again, &board, &plan).0.unwrap(), plan.steps as u64);
+    assert_eq!(run(&mut again, &board, &plan).0.unwrap(), plan.steps() as u64);
 }
 
 #[test]
 fn a_port_where_no_board_answers_is_refused_in_bounded_time() {
     let board = defective(Defects { silent: Some(0), ..Defects::default() });
     let started = Instant::now();
-    let error = Grbl::open(&table(&board), &motor(), false).unwrap_err();
+    let error = Grbl::open(&table(&board), &motor(), &Opening::default()).unwrap_err();
     assert!(matches!(grbl_error(error), GrblError::NoGrbl { .. }));
     assert!(started.elapsed() < Duration::from_secs(20));
 }

@@ -15,9 +15,9 @@ fn every_step_of_a_dose_is_made_and_none_before_it_is_announced() {
     for volume_ml in [1.7, -0.6, 0.9] {
         let plan = dose(&grbl, volume_ml, 5.0);
         let (made, announced) = run(&mut grbl, &board, &plan);
-        stands += plan.steps;
-        assert_eq!(made.unwrap(), plan.steps.unsigned_abs());
-        assert_eq!((announced, board.truth().steps), (plan.steps.unsigned_abs(), stands));
+        stands += plan.steps();
+        assert_eq!(made.unwrap(), plan.steps().unsigned_abs());
+        assert_eq!((announced, board.truth().steps), (plan.steps().unsigned_abs(), stands));
         assert_eq!(grbl.count(), Some(stands));
         assert_eq!(grbl.disturbed(), None);
     }
@@ -27,21 +27,26 @@ fn every_step_of_a_dose_is_made_and_none_before_it_is_announced() {
 fn an_inverted_axis_turns_the_other_way_and_counts_the_same() {
     let board = start(Options::default());
     let table = pump_bench::pump_file::DriveTable { invert: true, ..crate::rig::table(&board) };
-    let mut grbl = pump_bench::drives::Grbl::open(&table, &crate::rig::motor(), false).unwrap();
+    let mut grbl =
+        pump_bench::drives::Grbl::open(&table, &crate::rig::motor(), &pump_bench::drives::Opening::default())
+            .unwrap();
     let plan = dose(&grbl, 0.5, 5.0);
-    let made = grbl.run(&plan, &mut |_, _| std::ops::ControlFlow::Continue(())).unwrap();
-    assert_eq!((made, board.truth().steps, grbl.count()), (plan.steps as u64, -plan.steps, Some(plan.steps)));
+    let made = grbl.run(&plan, &mut |_, _| pump_bench::drives::Leave::Go).unwrap();
+    assert_eq!(
+        (made, board.truth().steps, grbl.count()),
+        (plan.steps() as u64, -plan.steps(), Some(plan.steps()))
+    );
 }
 
 #[test]
 fn jogs_blend_at_the_cruise_speed() {
-    // The board is slow, so that a busy machine keeps up with it.
-    let board = start(Options { time_scale: 0.3, ..Options::default() });
+    // The board waits for a busy machine.
+    let board = start(Options { patient: true, ..Options::default() });
     let mut grbl = open(&board);
     let plan = dose(&grbl, 6.0, 4.0);
     run(&mut grbl, &board, &plan).0.unwrap();
     let truth = board.truth();
-    let cruise = plan.profile.peak_rad_s() / plan.step_rad;
+    let cruise = plan.profile().peak_rad_s() / plan.step_rad();
     assert_eq!(truth.starts, 1, "it came to rest between jogs");
     assert!((truth.peak_steps_s / cruise - 1.0).abs() < 1e-3, "{} of {cruise} steps/s", truth.peak_steps_s);
     assert!(truth.lines.iter().filter(|line| line.starts_with("$J=")).count() > 10);
@@ -49,12 +54,11 @@ fn jogs_blend_at_the_cruise_speed() {
 
 #[test]
 fn no_more_is_sent_ahead_than_a_stop_and_half_a_second() {
-    // The board is slow, so that a busy machine keeps up with it.
-    let board = start(Options { time_scale: 0.3, ..Options::default() });
+    let board = start(Options { patient: true, ..Options::default() });
     let mut grbl = open(&board);
     let plan = dose(&grbl, 6.0, 4.0);
-    let cruise = plan.profile.peak_rad_s() / plan.step_rad;
-    let stop = cruise * cruise * plan.step_rad / (2.0 * grbl.limits().unwrap().acceleration_rad_s2);
+    let cruise = plan.profile().peak_rad_s() / plan.step_rad();
+    let stop = cruise * cruise * plan.step_rad() / (2.0 * grbl.limits().unwrap().acceleration_rad_s2);
     let mut ahead = 0;
     run_until(&mut grbl, &board, &plan, |made, about_to| {
         ahead = ahead.max(about_to - made);
@@ -71,11 +75,11 @@ fn a_dose_that_is_stopped_decelerates_and_knows_its_last_step() {
     let mut grbl = open(&board);
     let plan = dose(&grbl, 8.0, 4.0);
     let made = run_until(&mut grbl, &board, &plan, |made, _| made > 3_000).0.unwrap();
-    assert!(made > 3_000 && made < plan.steps as u64);
+    assert!(made > 3_000 && made < plan.steps() as u64);
     assert_eq!(board.rest().steps, made as i64);
     let rest = dose(&grbl, 0.5, 4.0);
-    assert_eq!(run(&mut grbl, &board, &rest).0.unwrap(), rest.steps as u64);
-    assert_eq!(board.truth().steps, made as i64 + rest.steps);
+    assert_eq!(run(&mut grbl, &board, &rest).0.unwrap(), rest.steps() as u64);
+    assert_eq!(board.truth().steps, made as i64 + rest.steps());
 }
 
 #[test]
@@ -93,7 +97,7 @@ fn a_cancel_that_is_missed_is_repeated() {
     let mut grbl = open(&board);
     let plan = dose(&grbl, 8.0, 2.0);
     let made = run_until(&mut grbl, &board, &plan, |made, _| made > 1_000).0.unwrap();
-    assert!(made < plan.steps as u64);
+    assert!(made < plan.steps() as u64);
     assert_eq!(board.rest().steps, made as i64);
 }
 
@@ -109,8 +113,8 @@ fn late_answers_noise_pieces_and_merged_lines_cost_no_step() {
         });
         let mut grbl = open(&board);
         let plan = dose(&grbl, 2.5, 5.0);
-        assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64, "seed {seed}");
-        assert_eq!(board.truth().steps, plan.steps, "seed {seed}");
+        assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64, "seed {seed}");
+        assert_eq!(board.truth().steps, plan.steps(), "seed {seed}");
     });
 }
 
@@ -122,8 +126,8 @@ fn positions_are_read_in_every_kind_of_report() {
             let board = start(Options { settings: settings.clone(), ..Options::default() });
             let mut grbl = open(&board);
             let plan = dose(&grbl, 1.0, 1.0);
-            assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64, "{settings:?}");
-            assert_eq!(board.truth().steps, plan.steps, "{settings:?}");
+            assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64, "{settings:?}");
+            assert_eq!(board.truth().steps, plan.steps(), "{settings:?}");
         },
     );
 }
@@ -139,7 +143,7 @@ fn many_doses_far_from_zero_stay_exact() {
     let mut stands = 0;
     for volume_ml in [500.0, 0.3, -0.31, 0.37] {
         let plan = dose(&grbl, volume_ml, 8.0);
-        stands += plan.steps;
+        stands += plan.steps();
         run(&mut grbl, &board, &plan).0.unwrap();
         assert_eq!((board.truth().steps, grbl.count()), (stands, Some(stands)));
     }

@@ -6,6 +6,9 @@ mod connecting;
 mod dosing;
 mod exit_codes;
 mod faults;
+mod interference;
+mod motions;
+mod record;
 mod replies;
 mod rig;
 mod searching;
@@ -13,3 +16,5 @@ mod sessions;
 mod settings;
 #[path = "../../examples/simulated_grbl/simulated/mod.rs"]
 mod simulated;
+mod talkative;
+mod virtual_time;

@@ -1,7 +1,7 @@
 //! Claims about the replies of boards, read from bytes.
 
 use proptest::prelude::*;
-use pump_bench::drives::grbl::reply::{Replies, Reply, State};
+use pump_bench::drives::grbl_reply::{BoardState, Replies, Reply};
 
 fn read(pieces: &[&[u8]]) -> Vec<Reply> {
     let (mut reader, mut replies) = (Replies::default(), Vec::new());
@@ -36,7 +36,7 @@ fn every_kind_of_line_is_read() {
     let Reply::Status(status) = one("<Hold:1|WPos:1.000,-2.5,0|Bf:15,128|FS:0,0|WCO:0.5,0,0>") else {
         panic!()
     };
-    assert_eq!(status.state, State::Hold { still: false });
+    assert_eq!(status.state, BoardState::Hold { still: false });
     assert_eq!((status.machine, status.work), (None, Some(vec![1.0, -2.5, 0.0])));
     assert_eq!(status.offset, Some(vec![0.5, 0.0, 0.0]));
 }

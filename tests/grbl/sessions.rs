@@ -1,11 +1,14 @@
 //! Claims about the record of a board that resets, is switched off and on, or lets go of its motor.
 
+use std::fs::File;
+use std::io;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Duration;
 
+use pump_bench::drives::{DriveError, StopRequest};
 use pump_bench::pump_file::{DriveTable, DriverName};
-use pump_bench::record::State;
+use pump_bench::record::{PumpState, Purpose, Storage};
 use pump_bench::{Bench, DoseError, DoseRequest, built_in};
 use pump_ctl::plan::Phase;
 
@@ -77,7 +80,7 @@ fn a_dose_cut_off_with_the_boards_power_keeps_its_bounds() {
             })
             .unwrap();
         std::fs::write(&journal, early).unwrap();
-        board.rest().steps.unsigned_abs()
+        board.rest().steps
     };
     let board = start(Options::default());
     let bench = bench(folder.path(), &board, false);
@@ -105,7 +108,7 @@ fn a_retraction_goes_on_from_an_angle_that_a_reset_has_widened() {
         "long enough to be reset in: {}",
         prepared.prediction.settle_s
     );
-    let steps = prepared.plan.steps;
+    let steps = prepared.plan.steps();
     let (path, board) = (board.path().to_owned(), &board);
     let delivered = std::thread::scope(|scope| {
         scope.spawn(move || {
@@ -130,7 +133,7 @@ fn a_retraction_goes_on_from_an_angle_that_a_reset_has_widened() {
 
 #[test]
 fn an_index_found_by_a_board_that_lets_go_of_its_motor_is_known_less_well() {
-    let seek = |settings: Vec<(u16, f32)>| -> State {
+    let seek = |settings: Vec<(u16, f32)>| -> PumpState {
         let folder = tempfile::tempdir().unwrap();
         let sensor = Some(Sensor { at: 4000, width: 128, every: 12_800 });
         let board = start(Options { settings, time_scale: 4.0, sensor, ..Options::default() });
@@ -167,7 +170,7 @@ fn a_fault_on_the_way_back_or_in_a_turn_says_what_was_made_of_it_and_nothing_to_
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let request = DoseRequest { retract_ml: Some(1.0), ..DoseRequest::dose(1.0) };
     let prepared = session.prepare(request).unwrap();
-    assert!(prepared.plan.steps < 1300, "the alarm comes on the way back");
+    assert!(prepared.plan.steps() < 1300, "the alarm comes on the way back");
     let error = session.run(&prepared, go).unwrap_err();
     let DoseError::Retraction { delivered_ml, source } = &error else { panic!("{error}") };
     assert!((delivered_ml - 1.0).abs() < 0.01);
@@ -207,4 +210,193 @@ fn a_motor_that_was_let_go_on_purpose_is_disturbed_once() {
     session.connect().unwrap();
     let met = *session.state().unwrap();
     assert!(close(met.half_width_rad, FALL_RAD) && met.disturbances == 1, "{met:?}");
+}
+
+/// Sends bytes to a board as another program does, and waits until the board rests.
+fn other_program(board: &Simulated, bytes: &[u8]) {
+    std::fs::write(board.path(), bytes).unwrap();
+    std::thread::sleep(Duration::from_millis(100));
+    board.rest();
+}
+
+#[test]
+fn a_released_rotor_that_another_program_turned_is_unknown() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = start(Options::default());
+    let bench = bench(folder.path(), &board, false);
+    {
+        let mut session = bench.session().unwrap();
+        session.set_angle(Some(Phase::known(1.0))).unwrap();
+        assert!(session.release().unwrap().phase().is_known(bench.model().pitch_rad()));
+    }
+    other_program(&board, b"\x18$X\n$J=G91X20F6000\n");
+    assert_eq!(board.rest().steps, 5_000);
+    let mut session = bench.session().unwrap();
+    session.connect().unwrap();
+    assert!(!session.state().unwrap().phase().is_known(bench.model().pitch_rad()));
+    assert!(session.notes().iter().any(|note| note.contains("something else has moved it")));
+}
+
+#[test]
+fn a_released_rotor_whose_board_counts_anew_is_unknown() {
+    let folder = tempfile::tempdir().unwrap();
+    {
+        let board = start(Options::default());
+        let bench = bench(folder.path(), &board, false);
+        let mut session = bench.session().unwrap();
+        session.set_angle(Some(Phase::known(1.0))).unwrap();
+        let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
+        session.run(&prepared, go).unwrap();
+        session.release().unwrap();
+    }
+    let board = start(Options::default());
+    let bench = bench(folder.path(), &board, false);
+    let mut session = bench.session().unwrap();
+    session.connect().unwrap();
+    assert!(!session.state().unwrap().phase().is_known(bench.model().pitch_rad()));
+}
+
+#[test]
+fn a_release_that_cannot_be_recorded_is_no_release_and_no_disturbance() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = start(Options::default());
+    let bench = bench(folder.path(), &board, false);
+    bench.session().unwrap().set_angle(Some(Phase::known(1.0))).unwrap();
+    let mut session = bench.session().unwrap();
+    session.connect().unwrap();
+    let (journal, aside) = (bench.folder().path().join("journal.jsonl"), folder.path().join("aside"));
+    std::fs::rename(&journal, &aside).unwrap();
+    std::fs::create_dir(&journal).unwrap();
+    for _ in 0..3 {
+        assert!(session.release().is_err());
+        let state = session.state().unwrap();
+        assert_eq!((state.disturbances, state.half_width_rad, state.released), (0, 0.0, false));
+    }
+    assert!(!board.truth().lines.iter().any(|line| line == "$SLP"));
+    std::fs::remove_dir(&journal).unwrap();
+    std::fs::rename(&aside, &journal).unwrap();
+    assert_eq!(session.release().unwrap().disturbances, 1);
+}
+
+/// Makes a dose, and leaves the record as a kill late in its motion does. Returns the steps of the dose.
+fn killed_late(bench: &Bench, request: DoseRequest) -> i64 {
+    let journal = bench.folder().path().join("journal.jsonl");
+    let mut session = bench.session().unwrap();
+    session.set_angle(Some(Phase::known(0.0))).unwrap();
+    let prepared = session.prepare(request).unwrap();
+    let (mut late, mut is_made) = (Vec::new(), false);
+    session
+        .run(&prepared, |made| {
+            is_made |= made == prepared.plan.steps().unsigned_abs();
+            if !is_made {
+                late = std::fs::read(&journal).unwrap();
+                return ControlFlow::Continue(());
+            }
+            // Nothing is sucked back.
+            ControlFlow::Break(())
+        })
+        .unwrap();
+    std::fs::write(&journal, late).unwrap();
+    prepared.plan.steps()
+}
+
+/// Disk that takes nothing any more.
+#[derive(Debug)]
+struct FullDisk;
+
+impl Storage for FullDisk {
+    fn sync(&mut self, _file: &File) -> io::Result<()> {
+        Err(io::ErrorKind::StorageFull.into())
+    }
+}
+
+#[test]
+fn a_release_that_cannot_be_recorded_leaves_what_is_to_be_sucked_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = start(Options::default());
+    let bench = bench(folder.path(), &board, false);
+    let steps = killed_late(&bench, DoseRequest { retract_ml: Some(0.3), ..DoseRequest::dose(1.0) });
+    assert_eq!(board.rest().steps, steps, "nothing was sucked back");
+    let mut session = bench.session().unwrap();
+    session.connect().unwrap();
+    assert!(session.state().unwrap().unfinished.is_none(), "the board has finished the dose");
+    session.store_by(Box::new(FullDisk));
+    session.release().unwrap_err();
+    let rest = session.prepare_rest(DoseRequest::dose(0.0)).unwrap();
+    assert!(rest.plan.steps() < 0 && rest.request.volume_ml == -0.3, "{:?}", rest.request);
+}
+
+#[test]
+fn a_stop_while_the_board_is_asked_leaves_the_old_tube() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = start(Options::default());
+    let bench = bench(folder.path(), &board, false);
+    let request = DoseRequest { purpose: Purpose::Calibrate, ..DoseRequest::dose(1.0) };
+    killed_late(&bench, request);
+    let worn_ml = bench.stands().unwrap().wear.volume_ml;
+    assert!(worn_ml > 0.0);
+    let stopped = bench.clone().stopping_on(StopRequest::new(|| true));
+    let error = stopped.session().unwrap().new_tube().unwrap_err();
+    assert!(matches!(error, DoseError::Connection(DriveError::Interrupted)), "{error}");
+    assert_eq!(bench.stands().unwrap().wear.volume_ml, worn_ml);
+    bench.session().unwrap().new_tube().unwrap();
+    assert_eq!(bench.stands().unwrap().wear.volume_ml, 0.0);
+}
+
+#[test]
+fn the_steps_of_a_turn_that_failed_are_none_of_the_dose_on_record() {
+    let folder = tempfile::tempdir().unwrap();
+    {
+        let board = defective(Defects { alarm: Some((700, 1)), ..Defects::default() });
+        let bench = bench(folder.path(), &board, false);
+        let mut session = bench.session().unwrap();
+        session.set_angle(Some(Phase::known(0.0))).unwrap();
+        let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
+        session.run(&prepared, go).unwrap_err();
+    }
+    let board = defective(Defects { unplugged: Some(200), ..Defects::default() });
+    let bench = bench(folder.path(), &board, false).homing_unfinished(true);
+    let mut session = bench.session().unwrap();
+    session.connect().unwrap();
+    let before = *session.state().unwrap();
+    assert!(before.unfinished.is_some() && before.count.is_some(), "{before:?}");
+    session.jog(2_000, 1.0, go).unwrap_err();
+    let after = *session.state().unwrap();
+    assert!(after.count.is_none(), "the board is out of reach: {after:?}");
+    assert_eq!(after.unfinished, before.unfinished);
+}
+
+#[test]
+fn a_hold_leaves_a_rest_that_is_resumed_to_the_dose() {
+    let folder = tempfile::tempdir().unwrap();
+    let defects = Defects { pressed: Some((900, b'!')), ..Defects::default() };
+    let board = start(Options { defects, patient: true, ..Options::default() });
+    let bench = bench(folder.path(), &board, false);
+    let mut session = bench.session().unwrap();
+    session.set_angle(Some(Phase::known(0.0))).unwrap();
+    let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
+    let error = session.run(&prepared, go).unwrap_err();
+    let DoseError::Drive { least_ml, most_ml, unfinished: true, .. } = error else { panic!("{error}") };
+    assert!(least_ml == most_ml && (0.5..2.5).contains(&least_ml), "{error}");
+    let rest = session.prepare_rest(DoseRequest::dose(0.0)).unwrap();
+    session.run(&rest, go).unwrap();
+    assert_eq!(board.rest().steps, prepared.plan.steps());
+    let state = session.state().unwrap();
+    assert!(state.unfinished.is_none() && state.half_width_rad == 0.0, "{state:?}");
+}
+
+#[test]
+fn a_dose_that_went_too_far_has_no_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = defective(Defects { foreign: Some((300, 30.0)), ..Defects::default() });
+    let bench = bench(folder.path(), &board, false);
+    let mut session = bench.session().unwrap();
+    session.set_angle(Some(Phase::known(0.0))).unwrap();
+    let prepared = session.prepare(DoseRequest::dose(1.0)).unwrap();
+    let error = session.run(&prepared, go).unwrap_err();
+    let DoseError::Drive { most_ml, unfinished: true, .. } = error else { panic!("{error}") };
+    assert!(board.rest().steps > prepared.plan.steps() && most_ml > 1.0, "{error}");
+    let error = session.prepare_rest(DoseRequest::dose(0.0)).unwrap_err();
+    assert!(matches!(error, DoseError::NoRest { .. }), "{error}");
+    session.discard().unwrap();
 }

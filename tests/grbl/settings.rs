@@ -1,13 +1,18 @@
 //! Claims about a board's settings: refusals, notes, and the settings that are written on request.
 
 use pump_bench::drives::GrblError;
-use pump_bench::drives::{Disturbance, Drive, Grbl};
+use pump_bench::drives::{Disturbance, Drive, Grbl, Opening};
 
-use crate::rig::{dose, grbl_error, motor, open, refusal, run, start, table};
-use crate::simulated::options::{Firmware, Options};
+use crate::rig::{defective, dose, each, grbl_error, motor, open, refusal, run, start, table, turn_at};
+use crate::simulated::options::{Defects, Firmware, Options};
 
 fn with(settings: &[(u16, f32)]) -> Options {
     Options { settings: settings.to_vec(), ..Options::default() }
+}
+
+/// Leave to write the settings that do not fit.
+fn configuring() -> Opening {
+    Opening { configure: true, ..Opening::default() }
 }
 
 #[test]
@@ -52,9 +57,9 @@ fn grblhal_has_no_floor_of_thirty_steps_a_second() {
     let board = start(Options { firmware: Firmware::GrblHal, ..Options::default() });
     let mut grbl = open(&board);
     let plan = dose(&grbl, 0.002, 0.01);
-    assert!(plan.profile.peak_rad_s() / plan.step_rad < 30.0);
-    assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64);
-    assert_eq!(board.truth().steps, plan.steps);
+    assert!(plan.profile().peak_rad_s() / plan.step_rad() < 30.0);
+    assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64);
+    assert_eq!(board.truth().steps, plan.steps());
 }
 
 #[test]
@@ -83,20 +88,92 @@ fn a_board_that_cuts_the_current_disturbs_the_rotor_once_a_motion() {
 #[test]
 fn configuring_writes_what_differs_and_says_what() {
     let board = start(with(&[(1, 25.0), (10, 2.0), (13, 1.0), (20, 1.0), (120, 100_000.0)]));
-    let mut grbl = Grbl::open(&table(&board), &motor(), true).unwrap();
+    let mut grbl = Grbl::open(&table(&board), &motor(), &configuring()).unwrap();
     let notes = grbl.notes();
     for number in ["$1 ", "$10 ", "$13 ", "$20 ", "$110 ", "$120 "] {
         assert!(notes.iter().any(|note| note.starts_with(number)), "{number}: {notes:?}");
     }
     assert!(grbl.limits().unwrap().acceleration_rad_s2 <= motor().max_acceleration_rad_s2);
     let plan = dose(&grbl, 0.4, 5.0);
-    assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps as u64);
+    assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64);
     assert_eq!(grbl.disturbed(), None);
     drop(grbl);
-    let mut again = Grbl::open(&table(&board), &motor(), true).unwrap();
+    let mut again = Grbl::open(&table(&board), &motor(), &configuring()).unwrap();
     assert!(
         !again.notes().iter().any(|note| note.contains(" was ")),
         "a second time there is nothing to write"
     );
     assert!(!board.truth().lines.iter().any(|line| line.starts_with("$100=")));
+}
+
+#[test]
+fn a_setting_that_is_told_with_two_values_is_refused() {
+    each([(100, 210.0), (110, 600.0), (120, 40.0), (1, 25.0), (13, 1.0)], |(number, value)| {
+        let board = defective(Defects { misreads: Some((1, number, value)), ..Defects::default() });
+        let error = grbl_error(Grbl::open(&table(&board), &motor(), &Opening::default()).unwrap_err());
+        assert!(matches!(error, GrblError::Unsteady { number: told, .. } if told == number), "{error}");
+    });
+}
+
+#[test]
+fn settings_that_have_changed_since_the_last_time_are_refused_until_they_are_accepted() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = Some(folder.path().join("board-settings.json"));
+    let usual = Opening { settings_record: record, ..Opening::default() };
+    let accepting = Opening { accept_settings: true, ..usual.clone() };
+    let configuring = Opening { configure: true, ..usual.clone() };
+    let opened = |options: Options, opening: &Opening| {
+        let board = start(options);
+        Grbl::open(&table(&board), &motor(), opening).map(|mut grbl| grbl.notes())
+    };
+    opened(Options::default(), &usual).unwrap();
+    opened(Options::default(), &usual).unwrap();
+    for (number, value) in [(100, 210.0), (110, 600.0), (120, 40.0), (1, 25.0), (3, 1.0)] {
+        let changed = || with(&[(number, value)]);
+        let error = grbl_error(opened(changed(), &usual).unwrap_err());
+        assert!(matches!(error, GrblError::SettingsChanged { .. }), "{error}");
+        let said = error.to_string();
+        assert!(
+            said.contains(&format!("${number} was")) && said.contains(&format!("is {value} now")),
+            "{said}"
+        );
+        assert!(said.contains("--accept-settings"), "{said}");
+        let notes = opened(changed(), &accepting).unwrap();
+        assert!(notes.iter().any(|note| note.starts_with(&format!("${number} was"))), "{notes:?}");
+        opened(changed(), &usual).unwrap();
+        opened(Options::default(), &accepting).unwrap();
+    }
+    // Settings of other axes, and those without a say in the way of the motor, may change.
+    opened(with(&[(101, 80.0), (3, 2.0), (11, 0.02), (130, 300.0)]), &usual).unwrap();
+    opened(with(&[(1, 25.0)]), &configuring).unwrap();
+    assert!(opened(Options::default(), &usual).is_err(), "configured to other rates");
+}
+
+#[test]
+fn a_damaged_record_of_settings_is_refused_and_written_anew_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board-settings.json");
+    std::fs::write(&path, "{").unwrap();
+    let board = start(Options::default());
+    let usual = Opening { settings_record: Some(path), ..Opening::default() };
+    let error = grbl_error(Grbl::open(&table(&board), &motor(), &usual).unwrap_err());
+    assert!(matches!(error, GrblError::SettingsRecord { .. }), "{error}");
+    let accepting = Opening { accept_settings: true, ..usual.clone() };
+    Grbl::open(&table(&board), &motor(), &accepting).unwrap();
+    Grbl::open(&table(&board), &motor(), &usual).unwrap();
+}
+
+#[test]
+fn grbl_makes_thirty_thousand_steps_a_second_at_most_whatever_its_settings_say() {
+    let fast = &[(110, 12_000.0)];
+    let board = start(with(fast));
+    let mut grbl = open(&board);
+    let step_rad = std::f64::consts::TAU / 12_800.0;
+    assert!((grbl.limits().unwrap().max_speed_rad_s / step_rad - 30_000.0).abs() < 1e-6);
+    let plan = turn_at(&grbl, 36_000.0);
+    let fault = run(&mut grbl, &board, &plan).0.unwrap_err();
+    assert!(matches!(grbl_error(fault.error), GrblError::FasterThanGrbl { .. }));
+    assert_eq!(board.truth().steps, 0);
+    let hal = start(Options { firmware: Firmware::GrblHal, ..with(fast) });
+    assert!((open(&hal).limits().unwrap().max_speed_rad_s / step_rad - 50_000.0).abs() < 1e-6);
 }

@@ -19,7 +19,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod bench;
+mod bench;
 pub mod calibration;
 pub mod catalogue;
 pub mod displacement;
@@ -38,7 +38,7 @@ pub mod simulation;
 pub mod units;
 pub mod words;
 
-pub use bench::{Bench, Delivered, Session};
+pub use bench::{AngleSet, Bench, Delivered, NewTube, Rehearsal, Session};
 pub use catalogue::{built_in, pump_named};
 pub use dosing::{DoseError, DoseRequest, Prepared};
 pub use pump_file::PumpFile;

@@ -1,6 +1,6 @@
 //! Numbers worded for people.
 
-use pump_model::math::floor;
+use libm::floor;
 
 /// Formats a number with `digits` significant digits, without an exponent and without trailing zeros.
 pub(crate) fn significant(value: f64, digits: i32) -> String {

@@ -1,6 +1,6 @@
 //! Reproducible random numbers for tests.
 
-use pump_model::math::sqrt;
+use libm::sqrt;
 
 /// The generator SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA
 /// 2014).

@@ -52,7 +52,7 @@ fn assert_same(found: &Displacement, stored: &Displacement) {
 fn a_stored_line_is_read_and_found_again() {
     let stored = sample("line.json");
     let line = stored.displacement.as_ref().unwrap();
-    assert!(line.speed_law.is_none() && line.scatter.degrees_of_freedom() == 6);
+    assert!(line.law.is_none() && line.scatter.degrees_of_freedom() == 6);
     // The runs were read to 0.02 g.
     assert_same(&again(&stored, Fit::Line, 0.02 / 0.997_047), line);
 }
@@ -61,9 +61,9 @@ fn a_stored_line_is_read_and_found_again() {
 fn a_stored_speed_law_is_read_and_found_again() {
     let stored = sample("speed-law.json");
     let known = stored.displacement.as_ref().unwrap();
-    let found = again(&stored, Fit::SpeedLaw, 0.0);
+    let found = again(&stored, Fit::Law, 0.0);
     assert_same(&found, known);
-    let (found, known) = (found.speed_law.unwrap(), known.speed_law.unwrap());
+    let (found, known) = (found.law.unwrap(), known.law.unwrap());
     for (found, known) in [
         (found.scale, known.scale),
         (found.scale_standard, known.scale_standard),
@@ -96,5 +96,5 @@ fn a_scatter_without_degrees_of_freedom_is_refused() {
     let text = fs::read_to_string(folder.join("line.json")).unwrap();
     let spoiled = text.replace("\"degrees_of_freedom\": 6", "\"degrees_of_freedom\": 0");
     let error = serde_json::from_str::<Calibration>(&spoiled).unwrap_err().to_string();
-    assert!(error.contains("with 0 degrees_of_freedom"), "{error}");
+    assert!(error.contains("with degrees_of_freedom 0; allowed: null, or a number with"), "{error}");
 }

@@ -5,20 +5,22 @@
 //! an allocator. It does no I/O and reads no clock.
 //!
 //! ```
-//! use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};
+//! use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Request};
 //! use pump_model::Pump;
 //!
 //! let pump = Pump::three_roller();
-//! let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+//! let motor = Motor::new(12_800.0, 17.8, 500.0);
 //! let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 });
-//! let plan = plan(&pump, Phase::known(0.0), &request, &Limits::of_motor(motor))?;
-//! assert_eq!(plan.steps, 15_480);
-//! assert!((plan.planned_ml - 25.0).abs() < 0.001);
+//! let plan = Doser::new(&pump, Limits::new(motor))?.plan(Phase::known(0.0), &request)?;
+//! assert_eq!(plan.steps(), 15_480);
+//! assert!((plan.planned_ml() - 25.0).abs() < 0.001);
 //! # Ok::<(), pump_ctl::plan::PlanError>(())
 //! ```
 #![no_std]
 
 pub mod drive;
+#[doc(hidden)]
+pub mod generated;
 pub mod plan;
 pub mod step;
 

@@ -3,10 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use proptest::prelude::*;
+use pump_ctl::generated::{torque_curve, torque_points};
 use pump_ctl::plan::{
-    Cruise, LimitedBy, Limits, Lowest, Motor, Nearest, Phase, Plan, PlanError, PressureLimits, Request,
-    SetBy, Torque, TorqueCurve, plan,
+    Cruise, Doser, LimitedBy, Limits, Lowest, Motor, Nearest, Phase, Plan, PlanError, PressureLimits,
+    Request, SetBy, Torque, TorqueCurve,
 };
+use pump_ctl::step::Direction;
 use pump_model::{ExactRun, Line, Port, Pump};
 
 const TAU: f64 = core::f64::consts::TAU;
@@ -22,18 +24,12 @@ fn rpm(rad_s: f64) -> f64 {
 }
 
 fn limits(max_rpm: f64) -> Limits {
-    Limits::of_motor(Motor {
-        steps_per_rev: 12_800.0,
-        max_speed_rad_s: rad_s(max_rpm),
-        max_acceleration_rad_s2: 500.0,
-    })
+    Limits::new(Motor::new(12_800.0, rad_s(max_rpm), 500.0))
 }
 
 fn collapse(max_rpm: f64) -> Limits {
-    Limits {
-        pressures: PressureLimits { min_inlet_kpa: Some(COLLAPSE_KPA), ..PressureLimits::NONE },
-        ..limits(max_rpm)
-    }
+    limits(max_rpm)
+        .with_pressures(PressureLimits { min_inlet_kpa: Some(COLLAPSE_KPA), ..PressureLimits::NONE })
 }
 
 fn dose(
@@ -43,7 +39,8 @@ fn dose(
     cruise: Cruise,
     limits: &Limits,
 ) -> Result<Plan, PlanError> {
-    plan(pump, Phase::known(start_rad), &Request::new(volume_ml, cruise), limits)
+    Doser::new(pump, *limits)
+        .and_then(|doser| doser.plan(Phase::known(start_rad), &Request::new(volume_ml, cruise)))
 }
 
 fn speed(rpm: f64) -> Cruise {
@@ -55,8 +52,8 @@ fn the_fastest_dose_holds_the_collapse_limit_within_the_speeds_connected_to_rest
     let pump = Pump::three_roller();
     let limits = collapse(400.0);
     let fastest = dose(&pump, 100.0, 0.3, Cruise::Fastest, &limits).unwrap();
-    let at_rpm = rpm(fastest.profile.peak_rad_s());
-    assert_eq!(fastest.limited_by, LimitedBy::InletPressure);
+    let at_rpm = rpm(fastest.profile().peak_rad_s());
+    assert_eq!(fastest.limited_by(), LimitedBy::InletSuction);
     assert!(fastest.predict(&pump).unwrap().inlet.min_kpa >= COLLAPSE_KPA);
     let used = limits.margins(&pump, &fastest).inlet.unwrap().used;
     assert!(used <= 1.0 && used > 0.9999, "{used}");
@@ -80,7 +77,7 @@ fn speeds_that_hold_are_not_an_interval_and_the_fastest_is_below_the_gap() {
     let holds = |rpm| pump.steady_state(rad_s(rpm)).unwrap().inlet.min_kpa >= COLLAPSE_KPA;
     assert_eq!([221.0, 223.0, 320.0, 327.0].map(holds), [true, false, false, true]);
     let fastest = dose(&pump, 3000.0, 0.3, Cruise::Fastest, &limits).unwrap();
-    assert!(rpm(fastest.profile.peak_rad_s()) < 222.5, "{}", rpm(fastest.profile.peak_rad_s()));
+    assert!(rpm(fastest.profile().peak_rad_s()) < 222.5, "{}", rpm(fastest.profile().peak_rad_s()));
 }
 
 #[test]
@@ -95,7 +92,7 @@ fn what_breaks_a_limit_is_refused_with_what_can_be_had() {
         other => panic!("{other:?}"),
     };
     let fastest = dose(&pump, 60.0, 0.3, Cruise::Fastest, &limits).unwrap();
-    let at_rpm = rpm(fastest.profile.peak_rad_s());
+    let at_rpm = rpm(fastest.profile().peak_rad_s());
 
     let Nearest::Speed { rpm } = refused(speed(250.0)) else { panic!() };
     assert!(rpm <= at_rpm && rpm > at_rpm - 0.02, "{rpm} {at_rpm}");
@@ -105,7 +102,7 @@ fn what_breaks_a_limit_is_refused_with_what_can_be_had() {
     assert!((ml_s - fastest.cruise_flow_ml_s(&pump)).abs() < 2e-3);
     dose(&pump, 60.0, 0.3, Cruise::Flow { ml_s }, &limits).unwrap();
 
-    let total_s = fastest.profile.duration_s() + fastest.predict(&pump).unwrap().settle_s;
+    let total_s = fastest.profile().duration_s() + fastest.predict(&pump).unwrap().settle_s;
     let Nearest::Within { time_s } = refused(Cruise::Within { time_s: 0.85 * total_s }) else { panic!() };
     assert!((time_s - total_s).abs() < 0.002, "{time_s} {total_s}");
     dose(&pump, 60.0, 0.3, Cruise::Within { time_s }, &limits).unwrap();
@@ -122,13 +119,12 @@ fn what_breaks_a_limit_is_refused_with_what_can_be_had() {
 #[test]
 fn a_limit_that_rest_breaks_is_refused_whatever_the_speed() {
     let pump = Pump::three_roller();
-    let limits = Limits {
-        pressures: PressureLimits { max_outlet_kpa: Some(80.0), ..PressureLimits::NONE },
-        ..limits(170.0)
-    };
+    let limits =
+        limits(170.0).with_pressures(PressureLimits { max_outlet_kpa: Some(80.0), ..PressureLimits::NONE });
     for cruise in [Cruise::Fastest, speed(10.0)] {
         let error = dose(&pump, 25.0, 0.3, cruise, &limits).unwrap_err();
-        assert!(matches!(error, PlanError::OutletPressure { nearest: Nearest::Nothing, .. }), "{error}");
+        assert!(matches!(error, PlanError::OutletPressure { nearest: Nearest::RestBreaks, .. }), "{error}");
+        assert!(error.to_string().contains("limits are absolute"), "{error}");
     }
 }
 
@@ -136,15 +132,13 @@ fn a_limit_that_rest_breaks_is_refused_whatever_the_speed() {
 fn without_a_limit_that_binds_the_motor_does() {
     let pump = Pump::three_roller();
     let fastest = |volume_ml| dose(&pump, volume_ml, 0.3, Cruise::Fastest, &limits(170.0)).unwrap();
-    assert_eq!(fastest(60.0).limited_by, LimitedBy::Speed);
-    assert!((fastest(60.0).profile.peak_rad_s() - rad_s(170.0)).abs() < 1e-9);
-    assert_eq!(fastest(0.2).limited_by, LimitedBy::Acceleration);
+    assert_eq!(fastest(60.0).limited_by(), LimitedBy::Speed);
+    assert!((fastest(60.0).profile().peak_rad_s() - rad_s(170.0)).abs() < 1e-9);
+    assert_eq!(fastest(0.2).limited_by(), LimitedBy::Acceleration);
     // A limit that is far away changes nothing.
-    let far = Limits {
-        pressures: PressureLimits { min_inlet_kpa: Some(1.0), ..PressureLimits::NONE },
-        ..limits(170.0)
-    };
-    let with = |volume_ml| dose(&pump, volume_ml, 0.3, Cruise::Fastest, &far).unwrap().limited_by;
+    let far =
+        limits(170.0).with_pressures(PressureLimits { min_inlet_kpa: Some(1.0), ..PressureLimits::NONE });
+    let with = |volume_ml| dose(&pump, volume_ml, 0.3, Cruise::Fastest, &far).unwrap().limited_by();
     assert_eq!((with(60.0), with(0.2)), (LimitedBy::Speed, LimitedBy::Acceleration));
 }
 
@@ -154,42 +148,37 @@ fn smoothing_the_outlet_worsens_the_inlet_whose_limit_refuses_it() {
     for rpm in [20.0, 50.0] {
         let even = Request::new(60.0, speed(rpm));
         let with = |request: Request, min_inlet_kpa| {
-            plan(
+            Doser::new(
                 &pump,
-                Phase::known(0.3),
-                &request,
-                &Limits {
-                    pressures: PressureLimits { min_inlet_kpa, ..PressureLimits::NONE },
-                    ..limits(170.0)
-                },
+                limits(170.0).with_pressures(PressureLimits { min_inlet_kpa, ..PressureLimits::NONE }),
             )
+            .and_then(|doser| doser.plan(Phase::known(0.3), &request))
         };
         let least_kpa = |request| with(request, None).unwrap().predict(&pump).unwrap().inlet.min_kpa;
-        let (before_kpa, after_kpa) = (least_kpa(even), least_kpa(even.smooth()));
+        let (before_kpa, after_kpa) = (least_kpa(even), least_kpa(even.with_smooth(true)));
         assert!(after_kpa < before_kpa, "{after_kpa} {before_kpa} at {rpm} r/min");
         let between_kpa = Some(0.5 * (before_kpa + after_kpa));
         with(even, between_kpa).unwrap();
-        let refused = with(even.smooth(), between_kpa).unwrap_err();
+        let refused = with(even.with_smooth(true), between_kpa).unwrap_err();
         let PlanError::InletPressure { nearest: Nearest::Speed { rpm }, .. } = refused else {
             panic!("{refused}")
         };
-        with(Request { cruise: speed(rpm), ..even.smooth() }, between_kpa).unwrap();
+        with(even.with_smooth(true).with_cruise(speed(rpm)), between_kpa).unwrap();
     }
 }
 
 #[test]
 fn a_long_dose_has_the_margins_that_following_every_pitch_gives() {
     let pump = Pump::two_roller();
-    let limits = Limits {
-        pressures: PressureLimits { max_outlet_kpa: Some(150.0), min_inlet_kpa: Some(20.0) },
-        ..limits(300.0)
-    };
+    let limits = limits(300.0)
+        .with_pressures(PressureLimits { max_outlet_kpa: Some(150.0), min_inlet_kpa: Some(20.0) });
     for (volume_ml, rpm, smooth) in [(2000.0, 150.0, false), (-1500.0, 90.0, true), (900.0, 40.0, true)] {
-        let request = Request { smooth, ..Request::new(volume_ml, speed(rpm)) };
-        let plan = plan(&pump, Phase::known(1.1), &request, &limits).unwrap();
+        let request = Request::new(volume_ml, speed(rpm)).with_smooth(smooth);
+        let plan = Doser::new(&pump, limits).unwrap().plan(Phase::known(1.1), &request).unwrap();
         let margins = limits.margins(&pump, &plan);
-        let all =
-            |port| ExactRun::from_rest(&pump, port, plan.legs()).extremes_to_rest(plan.profile.duration_s());
+        let all = |port| {
+            ExactRun::from_rest(&pump, port, plan.legs()).extremes_to_rest(plan.profile().duration_s())
+        };
         let (inlet, outlet) = (all(Port::Inlet), all(Port::Outlet));
         let (sucking, pushing) = if volume_ml > 0.0 { (inlet, outlet) } else { (outlet, inlet) };
         let predicted = plan.predict(&pump).unwrap();
@@ -207,14 +196,12 @@ fn a_long_dose_has_the_margins_that_following_every_pitch_gives() {
 fn limits_hold_from_wherever_the_rollers_may_stand() {
     let pump = Pump::three_roller();
     let pitch_rad = pump.pitch_rad();
-    let limits = Limits {
-        pressures: PressureLimits { max_outlet_kpa: Some(150.0), min_inlet_kpa: Some(20.0) },
-        ..limits(170.0)
-    };
+    let limits = limits(170.0)
+        .with_pressures(PressureLimits { max_outlet_kpa: Some(150.0), min_inlet_kpa: Some(20.0) });
     let request = Request::new(60.0, speed(150.0));
     for half_width_rad in [0.5 * pitch_rad, 0.1 * pitch_rad, 0.01] {
-        let start = Phase { angle_rad: 0.4, half_width_rad };
-        let planned = plan(&pump, start, &request, &limits).unwrap();
+        let start = Phase::within(0.4, half_width_rad);
+        let planned = Doser::new(&pump, limits).unwrap().plan(start, &request).unwrap();
         let margins = limits.margins(&pump, &planned);
         let predicted = planned.predict(&pump).unwrap();
         let (reached_kpa, fell_kpa) = (margins.outlet.unwrap().reached, margins.inlet.unwrap().reached);
@@ -223,7 +210,7 @@ fn limits_hold_from_wherever_the_rollers_may_stand() {
             let off_rad = half_width_rad * f64::from(n) / 50.0;
             let run = |port| {
                 let legs = planned.legs().map(|leg| leg.beside(off_rad));
-                ExactRun::from_rest(&pump, port, legs).extremes_to_rest(planned.profile.duration_s())
+                ExactRun::from_rest(&pump, port, legs).extremes_to_rest(planned.profile().duration_s())
             };
             most_kpa = most_kpa.max(run(Port::Outlet).max_kpa);
             least_kpa = least_kpa.min(run(Port::Inlet).min_kpa);
@@ -233,19 +220,29 @@ fn limits_hold_from_wherever_the_rollers_may_stand() {
         assert!((predicted.inlet.min_kpa - least_kpa).abs() < 0.3, "{predicted:?} {least_kpa}");
         assert!(reached_kpa > predicted.outlet.max_kpa && fell_kpa < predicted.inlet.min_kpa);
     }
-    let unknown = plan(&pump, Phase::unknown(pitch_rad), &request, &limits).unwrap().predict(&pump).unwrap();
-    let middle = plan(&pump, Phase::known(0.0), &request, &limits).unwrap().predict(&pump).unwrap();
+    let unknown = Doser::new(&pump, limits)
+        .unwrap()
+        .plan(Phase::unknown(pitch_rad), &request)
+        .unwrap()
+        .predict(&pump)
+        .unwrap();
+    let middle =
+        Doser::new(&pump, limits).unwrap().plan(Phase::known(0.0), &request).unwrap().predict(&pump).unwrap();
     assert!(unknown.outlet.max_kpa > middle.outlet.max_kpa + 5.0, "{unknown:?} {middle:?}");
     // A limit that holds from the middle and breaks from another angle refuses the dose.
     let between = 0.5 * (unknown.outlet.max_kpa + middle.outlet.max_kpa);
-    let limits =
-        Limits { pressures: PressureLimits { max_outlet_kpa: Some(between), ..limits.pressures }, ..limits };
-    assert!(plan(&pump, Phase::known(0.0), &request, &limits).is_ok());
-    let refused = plan(&pump, Phase::unknown(pitch_rad), &request, &limits).unwrap_err();
+    let limits = limits.with_pressures(PressureLimits { max_outlet_kpa: Some(between), ..limits.pressures });
+    assert!(Doser::new(&pump, limits).and_then(|doser| doser.plan(Phase::known(0.0), &request)).is_ok());
+    let refused = Doser::new(&pump, limits)
+        .and_then(|doser| doser.plan(Phase::unknown(pitch_rad), &request))
+        .unwrap_err();
     let PlanError::OutletPressure { nearest: Nearest::Speed { rpm }, .. } = refused else {
         panic!("{refused}")
     };
-    plan(&pump, Phase::unknown(pitch_rad), &Request::new(60.0, speed(rpm)), &limits).unwrap();
+    Doser::new(&pump, limits)
+        .unwrap()
+        .plan(Phase::unknown(pitch_rad), &Request::new(60.0, speed(rpm)))
+        .unwrap();
 }
 
 #[test]
@@ -253,8 +250,8 @@ fn a_long_heavy_outlet_line_sucks_where_the_flow_falls() {
     let pump = Pump::three_roller();
     let heavy = Line { inertance_kpa_s2_ml: 4.0 * Line::PUBLISHED.inertance_kpa_s2_ml, ..Line::PUBLISHED };
     let pump = Pump::new(*pump.geometry(), *pump.roller_volume(), *pump.inlet(), heavy).unwrap();
-    let lowest = Some(Lowest { kpa: COLLAPSE_KPA, set_by: SetBy::TubeCollapse });
-    let limits = Limits { lowest, ..limits(170.0) };
+    let lowest = Lowest { kpa: COLLAPSE_KPA, set_by: SetBy::TubeCollapse };
+    let limits = limits(170.0).with_lowest(lowest);
     let refused = dose(&pump, 60.0, 0.3, speed(150.0), &limits).unwrap_err();
     let PlanError::OutletSuction { predicted_kpa, nearest: Nearest::Speed { rpm }, .. } = refused else {
         panic!("{refused}")
@@ -267,7 +264,39 @@ fn a_long_heavy_outlet_line_sucks_where_the_flow_falls() {
     );
     dose(&pump, 60.0, 0.3, speed(rpm), &limits).unwrap();
     let fastest = dose(&pump, 60.0, 0.3, Cruise::Fastest, &limits).unwrap();
-    assert_eq!(fastest.limited_by, LimitedBy::OutletSuction);
+    assert_eq!(fastest.limited_by(), LimitedBy::OutletSuction);
+}
+
+#[test]
+fn the_limit_that_binds_is_named_by_its_port_and_its_side_in_both_directions() {
+    let heavy = Line { inertance_kpa_s2_ml: 4.0 * Line::PUBLISHED.inertance_kpa_s2_ml, ..Line::PUBLISHED };
+    let three = Pump::three_roller();
+    let with = |inlet, outlet| Pump::new(*three.geometry(), *three.roller_volume(), inlet, outlet).unwrap();
+    let pressures = |pressures, lowest| {
+        let mut limits = limits(170.0);
+        (limits.pressures, limits.lowest) = (pressures, lowest);
+        limits
+    };
+    let highest = pressures(PressureLimits { max_outlet_kpa: Some(100.0), ..PressureLimits::NONE }, None);
+    let sucking = pressures(PressureLimits { min_inlet_kpa: Some(75.0), ..PressureLimits::NONE }, None);
+    let falling =
+        pressures(PressureLimits::NONE, Some(Lowest { kpa: COLLAPSE_KPA, set_by: SetBy::TubeCollapse }));
+    for (pump, limits, forward, reverse) in [
+        (three, highest, LimitedBy::OutletPressure, LimitedBy::InletPressure),
+        (three, sucking, LimitedBy::InletSuction, LimitedBy::OutletSuction),
+        (with(*three.inlet(), heavy), falling, LimitedBy::OutletSuction, LimitedBy::OutletSuction),
+        (with(heavy, *three.outlet()), falling, LimitedBy::InletSuction, LimitedBy::InletSuction),
+    ] {
+        for (volume_ml, limited_by, direction) in
+            [(60.0, forward, Direction::Forward), (-60.0, reverse, Direction::Reverse)]
+        {
+            let fastest = dose(&pump, volume_ml, 0.3, Cruise::Fastest, &limits).unwrap();
+            assert_eq!(fastest.limited_by(), limited_by, "{volume_ml} mL, {limits:?}");
+            let (nearest, margin) = limits.margins(&pump, &fastest).nearest(direction).unwrap();
+            assert_eq!(nearest, limited_by);
+            assert!(margin.used <= 1.0 && margin.used > 0.99, "{margin:?}");
+        }
+    }
 }
 
 #[test]
@@ -276,10 +305,8 @@ fn an_offer_has_digits_however_slow_and_can_be_had() {
     // The flow is some microlitres a second, for an outlet limit hardly above the reservoir and a motor step.
     let free = dose(&pump, 5.0, 0.3, speed(1.0), &limits(170.0)).unwrap();
     let max_kpa = Line::PUBLISHED.reservoir_kpa + free.predict(&pump).unwrap().step_kpa + 1e-3;
-    let limits = Limits {
-        pressures: PressureLimits { max_outlet_kpa: Some(max_kpa), ..PressureLimits::NONE },
-        ..limits(170.0)
-    };
+    let limits = limits(170.0)
+        .with_pressures(PressureLimits { max_outlet_kpa: Some(max_kpa), ..PressureLimits::NONE });
     let refused = dose(&pump, 5.0, 0.3, Cruise::Flow { ml_s: 5.0 }, &limits).unwrap_err();
     let PlanError::OutletPressure { nearest: Nearest::Flow { ml_s }, .. } = refused else {
         panic!("{refused}")
@@ -290,12 +317,8 @@ fn an_offer_has_digits_however_slow_and_can_be_had() {
 }
 
 fn torque(occlusion_n_m: f64, points: &[(f64, f64)]) -> Torque {
-    Torque {
-        occlusion_n_m,
-        inertia_kg_m2: 2e-4,
-        ambient_kpa: AMBIENT_KPA,
-        motor: TorqueCurve::new(points).unwrap(),
-    }
+    let curve = TorqueCurve::new(points).unwrap();
+    Torque::new(AMBIENT_KPA, curve).with_occlusion_n_m(occlusion_n_m).with_inertia_kg_m2(2e-4)
 }
 
 /// Returns the largest part of the motor's torque that the dose needs, from looks at many times.
@@ -311,7 +334,7 @@ fn worst_used(pump: &Pump, plan: &Plan, torque: &Torque) -> f64 {
                 kpa * pump.curve(port).flow_ml_rad(leg.angle_at(t))
             });
             let shaft = 1e-3 * (work[1] - work[0]) + torque.inertia_kg_m2 * leg.acceleration_rad_s2;
-            let needed = f64::from(plan.direction()) * shaft + torque.occlusion_n_m;
+            let needed = f64::from(plan.direction().sign()) * shaft + torque.occlusion_n_m;
             worst = worst.max(needed.abs() / torque.motor.at(leg.speed_at(t).abs()));
         }
     }
@@ -332,10 +355,10 @@ proptest! {
     ) {
         let pump = Pump::three_roller();
         let torque = torque(occlusion, &[(0.0, 10.0), (10.0, 6.0), (60.0, 3.0)]);
-        let limits = Limits { torque: Some(torque), ..limits(170.0) };
+        let limits = limits(170.0).with_torque(torque);
         let volume = if reverse { -volume } else { volume };
-        let request = Request { smooth, ..Request::new(volume, speed(rpm)) };
-        let plan = plan(&pump, Phase::known(start), &request, &limits).unwrap();
+        let request = Request::new(volume, speed(rpm)).with_smooth(smooth);
+        let plan = Doser::new(&pump, limits).unwrap().plan(Phase::known(start), &request).unwrap();
         let found = limits.margins(&pump, &plan).torque.unwrap();
         let expected = worst_used(&pump, &plan, &torque);
         prop_assert!((found.used / expected - 1.0).abs() < 2e-3, "{found:?} {expected}");
@@ -345,8 +368,8 @@ proptest! {
 #[test]
 fn the_fluids_torque_at_150_rpm_is_about_two_tenths_of_a_newton_metre() {
     let pump = Pump::three_roller();
-    let torque = Torque { inertia_kg_m2: 0.0, ..torque(0.0, &[(0.0, 5.0), (60.0, 5.0)]) };
-    let limits = Limits { torque: Some(torque), ..limits(170.0) };
+    let torque = torque(0.0, &[(0.0, 5.0), (60.0, 5.0)]).with_inertia_kg_m2(0.0);
+    let limits = limits(170.0).with_torque(torque);
     let plan = dose(&pump, 200.0, 0.3, speed(150.0), &limits).unwrap();
     let needed = limits.margins(&pump, &plan).torque.unwrap().reached;
     assert!((0.1..0.3).contains(&needed), "{needed} N m");
@@ -356,11 +379,11 @@ fn the_fluids_torque_at_150_rpm_is_about_two_tenths_of_a_newton_metre() {
 fn the_motors_torque_binds_and_is_never_passed() {
     let pump = Pump::three_roller();
     let torque = torque(0.5, &[(0.0, 1.2), (5.0, 1.0), (15.0, 0.62)]);
-    let limits = Limits { torque: Some(torque), ..limits(170.0) };
+    let limits = limits(170.0).with_torque(torque);
     let fastest = dose(&pump, 60.0, 0.3, Cruise::Fastest, &limits).unwrap();
-    assert_eq!(fastest.limited_by, LimitedBy::Torque);
+    assert_eq!(fastest.limited_by(), LimitedBy::Torque);
     assert!(worst_used(&pump, &fastest, &torque) < 1.002);
-    assert!(fastest.profile.peak_rad_s() < 15.0);
+    assert!(fastest.profile().peak_rad_s() < 15.0);
     let error = dose(&pump, 60.0, 0.3, speed(160.0), &limits).unwrap_err();
     let PlanError::Torque { nearest: Nearest::Speed { rpm }, limit_n_m, .. } = error else {
         panic!("{error}")
@@ -386,5 +409,11 @@ fn torque_curves_that_mean_nothing_are_refused() {
     let curve = TorqueCurve::new(&[(0.0, 2.0), (10.0, 1.0)]).unwrap();
     assert_eq!([0.0, 5.0, 10.0, 10.1].map(|speed| curve.at(speed)), [2.0, 1.5, 1.0, 0.0]);
     assert_eq!(curve.at(10.0 + 1e-12), 1.0, "a speed at the end of the curve may round");
-    assert_eq!(TorqueCurve::precomputed(curve.precomputed_points()), curve);
+    let points = torque_points(&curve);
+    assert_eq!(torque_curve(points), Some(curve));
+    for place in 0..points.len() {
+        let mut damaged = points;
+        damaged[place].0 = f64::NAN;
+        assert_eq!(torque_curve(damaged), None, "{damaged:?}");
+    }
 }

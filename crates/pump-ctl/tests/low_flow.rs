@@ -3,18 +3,18 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use proptest::prelude::*;
-use pump_ctl::plan::{Cruise, Finish, Limits, Motor, Phase, Plan, PlanError, Request, plan};
+use pump_ctl::plan::{Cruise, Doser, Finish, Limits, Motor, Phase, Plan, PlanError, Request, Retarget};
 use pump_model::{Geometry, Line, Pump, RollerVolume, Variant};
 
 const FLOW: Cruise = Cruise::Flow { ml_s: 5.0 };
 
 fn limits(steps_per_rev: f64) -> Limits {
-    Limits::of_motor(Motor { steps_per_rev, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 })
+    Limits::new(Motor::new(steps_per_rev, 17.8, 500.0))
 }
 
 fn low(pump: &Pump, start: Phase, volume_ml: f64, carry_in_ml: f64, steps: f64) -> Result<Plan, PlanError> {
-    let request = Request { carry_in_ml, ..Request::new(volume_ml, FLOW).low_flow() };
-    plan(pump, start, &request, &limits(steps))
+    let request = Request::new(volume_ml, FLOW).with_finish(Finish::LowFlow).with_carry_in_ml(carry_in_ml);
+    Doser::new(pump, limits(steps)).and_then(|doser| doser.plan(start, &request))
 }
 
 fn is_low(pump: &Pump, angle_rad: f64) -> bool {
@@ -49,8 +49,8 @@ proptest! {
         match low(&pump, start, volume, carry_in_ml, steps_per_rev) {
             Ok(plan) => {
                 prop_assert!(is_low(&pump, plan.end_angle_rad()));
-                prop_assert!((plan.carry_ml.abs() - least_ml).abs() < 1e-9, "{} {least_ml}", plan.carry_ml);
-                prop_assert!((plan.planned_ml + plan.carry_ml - owed_ml).abs() < 1e-12);
+                prop_assert!((plan.carry_ml().abs() - least_ml).abs() < 1e-9, "{} {least_ml}", plan.carry_ml());
+                prop_assert!((plan.planned_ml() + plan.carry_ml() - owed_ml).abs() < 1e-12);
             }
             Err(PlanError::NoLowFlowEnd { .. }) => prop_assert!(least_ml > owed_ml.abs() - 1e-9),
             Err(PlanError::LessThanHalfAStep { .. }) => prop_assert!(owed_ml.abs() < 4.5 * step_rad),
@@ -65,10 +65,10 @@ fn what_is_said_to_carry_nothing_carries_nothing() {
     for volume_ml in [5.0, 25.0, -40.0] {
         let carrying = low(&pump, Phase::known(0.3), volume_ml, 0.4, 12_800.0).unwrap();
         let offered = carrying.low_flow_volumes_ml(&pump).unwrap();
-        assert!(offered.iter().flatten().any(|ml| (ml - carrying.planned_ml).abs() < 1e-12), "{offered:?}");
+        assert!(offered.iter().flatten().any(|ml| (ml - carrying.planned_ml()).abs() < 1e-12), "{offered:?}");
         for ml in offered.into_iter().flatten() {
             let exact = low(&pump, Phase::known(0.3), ml - 0.4, 0.4, 12_800.0).unwrap();
-            assert!(exact.carry_ml.abs() < 1e-9, "{volume_ml}: {exact:?}");
+            assert!(exact.carry_ml().abs() < 1e-9, "{volume_ml}: {exact:?}");
         }
     }
 }
@@ -79,8 +79,8 @@ fn many_doses_that_end_at_low_flow_add_up_and_owe_less_than_a_pitch() {
     let (mut stands, mut carry_ml, mut sum_ml) = (Phase::known(0.3), 0.0, 0.0);
     for dose in 1..=200 {
         let plan = low(&pump, stands, 9.3, carry_ml, 12_800.0).unwrap();
-        (stands.angle_rad, carry_ml) = (plan.end_angle_rad(), plan.carry_ml);
-        sum_ml += plan.planned_ml;
+        (stands, carry_ml) = (stands.moved_to(plan.end_angle_rad()), plan.carry_ml());
+        sum_ml += plan.planned_ml();
         assert!((sum_ml + carry_ml - 9.3 * f64::from(dose)).abs() < 1e-8);
         assert!(carry_ml.abs() < pump.outlet_curve().pitch_ml(), "{carry_ml}");
     }
@@ -90,18 +90,18 @@ fn many_doses_that_end_at_low_flow_add_up_and_owe_less_than_a_pitch() {
 fn steps_at_the_end_are_half_as_coarse_or_less() {
     let pump = Pump::three_roller();
     let plan = low(&pump, Phase::known(0.3), 25.0, 0.0, 12_800.0).unwrap();
-    assert!(plan.end_step_ml(&pump) <= 0.5 * pump.nominal_ml_rad() * plan.step_rad * (1.0 + 1e-9));
+    assert!(plan.end_step_ml(&pump) <= 0.5 * pump.nominal_ml_rad() * plan.step_rad() * (1.0 + 1e-9));
 }
 
 #[test]
 fn an_angle_that_is_not_known_well_enough_is_refused_and_a_narrow_one_ends_low_from_anywhere_in_it() {
     let pump = Pump::three_roller();
     for half_width_rad in [0.4, 0.5 * pump.pitch_rad(), 3.0] {
-        let start = Phase { angle_rad: 0.3, half_width_rad };
+        let start = Phase::within(0.3, half_width_rad);
         let error = low(&pump, start, 25.0, 0.0, 12_800.0).unwrap_err();
         assert!(matches!(error, PlanError::LowFlowWithoutAngle { .. }), "{error}");
     }
-    let start = Phase { angle_rad: 0.3, half_width_rad: 0.02 };
+    let start = Phase::within(0.3, 0.02);
     let plan = low(&pump, start, 25.0, 0.0, 12_800.0).unwrap();
     for part in [-1.0, -0.5, 0.0, 0.5, 1.0] {
         assert!(is_low(&pump, plan.end_angle_rad() + part * 0.02), "{part}");
@@ -124,13 +124,15 @@ fn a_changed_volume_ends_at_low_flow_too() {
     let pump = Pump::three_roller();
     let limits = limits(12_800.0);
     let whole = low(&pump, Phase::known(0.3), 25.0, 0.0, 12_800.0).unwrap();
-    let rest = whole.retarget(&pump, 6000, 40.0, FLOW, &limits).unwrap();
-    assert_eq!(rest.finish, Finish::LowFlow);
+    let rest = Doser::new(&pump, limits).unwrap().retarget(&whole, &Retarget::new(6000, 40.0, FLOW)).unwrap();
+    assert_eq!(rest.finish(), Finish::LowFlow);
     assert!(is_low(&pump, rest.end_angle_rad()));
-    assert!((whole.delivered_ml(&pump, 6000) + rest.planned_ml + rest.carry_ml - 40.0).abs() < 1e-9);
+    assert!((whole.delivered_ml(&pump, 6000) + rest.planned_ml() + rest.carry_ml() - 40.0).abs() < 1e-9);
     // It is too late to stop at the end that is nearest to the new volume.
     let now_ml = whole.delivered_ml(&pump, 6000);
-    let error = whole.retarget(&pump, 6000, now_ml + 1e-3, FLOW, &limits).unwrap_err();
+    let error = Doser::new(&pump, limits)
+        .and_then(|doser| doser.retarget(&whole, &Retarget::new(6000, now_ml + 1e-3, FLOW)))
+        .unwrap_err();
     let refused = matches!(error, PlanError::CannotStopThere { .. } | PlanError::NoLowFlowEnd { .. });
     assert!(refused, "{error}");
 }

@@ -1,6 +1,6 @@
 //! The names of choices, and the messages that refuse other names and values.
 
-use pump_ctl::plan::{Allowed, Cruise, Finish, LimitedBy, Limits, Motor, Phase, Request, SetBy, plan};
+use pump_ctl::plan::{Allowed, Cruise, Doser, Finish, LimitedBy, Limits, Motor, Phase, Request, SetBy};
 use pump_model::Pump;
 
 #[test]
@@ -16,9 +16,11 @@ fn every_choice_is_read_back_from_its_name() {
 }
 
 #[test]
-fn both_limits_of_the_pressure_where_the_pump_pushes_share_a_name() {
-    assert_eq!(LimitedBy::OutletSuction.name(), "outlet_pressure");
-    assert_eq!("outlet_pressure".parse(), Ok(LimitedBy::OutletPressure));
+fn every_limit_has_a_name_of_its_own() {
+    for limit in LimitedBy::ALL {
+        assert_eq!(LimitedBy::ALL.iter().filter(|other| other.name() == limit.name()).count(), 1, "{limit}");
+    }
+    assert_eq!(LimitedBy::OutletSuction.name(), "outlet_suction");
 }
 
 #[test]
@@ -26,8 +28,8 @@ fn a_name_that_is_refused_is_repeated_with_the_names_that_are_allowed() {
     let refused = "Torque".parse::<LimitedBy>().unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "limited_by is 'Torque'; allowed: 'none', 'speed', 'acceleration', 'outlet_pressure', 'inlet_pressure', \
-         'torque'"
+        "limited_by is 'Torque'; allowed: 'none', 'speed', 'acceleration', 'inlet_suction', 'inlet_pressure', \
+         'outlet_suction', 'outlet_pressure', 'torque'"
     );
     assert_eq!("".parse::<Finish>().unwrap_err().to_string(), "finish is ''; allowed: 'any', 'low-flow'");
 }
@@ -63,12 +65,15 @@ fn a_range_checks_the_values_that_its_message_allows() {
 
 #[test]
 fn a_value_out_of_range_is_refused_with_its_name_and_range() {
-    let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+    let motor = Motor::new(12_800.0, 17.8, 500.0);
     let refused = |volume_ml, cruise, limits: Limits| {
         let request = Request::new(volume_ml, cruise);
-        plan(&Pump::three_roller(), Phase::known(0.0), &request, &limits).unwrap_err().to_string()
+        Doser::new(&Pump::three_roller(), limits)
+            .and_then(|doser| doser.plan(Phase::known(0.0), &request))
+            .unwrap_err()
+            .to_string()
     };
-    let limits = Limits::of_motor(motor);
+    let limits = Limits::new(motor);
     assert_eq!(
         refused(0.0, Cruise::Fastest, limits),
         "volume in mL is 0; allowed: up to 100000 either way, not zero"
@@ -77,6 +82,6 @@ fn a_value_out_of_range_is_refused_with_its_name_and_range() {
         refused(1.0, Cruise::Within { time_s: -1.0 }, limits),
         "time in s is -1; allowed: a positive number"
     );
-    let coarse = Limits::of_motor(Motor { steps_per_rev: 2.0, ..motor });
+    let coarse = Limits::new(motor.with_steps_per_rev(2.0));
     assert_eq!(refused(1.0, Cruise::Fastest, coarse), "steps per revolution is 2; allowed: 4 to 1e9");
 }

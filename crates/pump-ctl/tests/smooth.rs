@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use proptest::prelude::*;
-use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Plan, PlanError, Request, plan};
-use pump_model::{ExactRun, Geometry, Leg, Line, Port, Pump, RollerVolume, Variant};
+use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, PlanError, Request, Retarget};
+use pump_model::{ExactRun, Geometry, Leg, Line, LineState, Port, Pump, RollerVolume, Variant};
 
 const TAU: f64 = core::f64::consts::TAU;
 
@@ -25,16 +25,15 @@ fn pump(rollers: u32) -> Pump {
 /// The motor of the built-in pumps.
 fn limits(rollers: u32) -> Limits {
     let max_rpm = if rollers == 2 { 300.0 } else { 170.0 };
-    Limits::of_motor(Motor {
-        steps_per_rev: 12_800.0,
-        max_speed_rad_s: rad_s(max_rpm),
-        max_acceleration_rad_s2: 500.0,
-    })
+    Limits::new(Motor::new(12_800.0, rad_s(max_rpm), 500.0))
 }
 
 fn smooth(pump: &Pump, volume_ml: f64, start_rad: f64, cruise: Cruise) -> Plan {
     let limits = limits(pump.geometry().rollers);
-    plan(pump, Phase::known(start_rad), &Request::new(volume_ml, cruise).smooth(), &limits).unwrap()
+    Doser::new(pump, limits)
+        .unwrap()
+        .plan(Phase::known(start_rad), &Request::new(volume_ml, cruise).with_smooth(true))
+        .unwrap()
 }
 
 #[test]
@@ -52,8 +51,8 @@ fn ripple_is_what_the_acceleration_allows() {
         {
             let pump = pump(rollers);
             // The figures hold for a motor whose largest speed does not bind.
-            let request = Request::new(100.0, Cruise::Speed { rad_s: rad_s(rpm) }).smooth();
-            let plan = plan(&pump, Phase::known(0.3), &request, &limits(2)).unwrap();
+            let request = Request::new(100.0, Cruise::Speed { rad_s: rad_s(rpm) }).with_smooth(true);
+            let plan = Doser::new(&pump, limits(2)).unwrap().plan(Phase::known(0.3), &request).unwrap();
             let ripples = plan.ripples(&pump);
             let near = |found: f64, expected: f64, part| (100.0 * found / expected - 1.0).abs() < part;
             assert!(near(ripples.before.peak_to_peak, peak_before, 0.005), "{ripples:?}");
@@ -88,7 +87,7 @@ fn any_number_of_rollers_has_less_ripple_than_at_constant_speed() {
             let plan = smooth(&pump, 60.0, 0.3, Cruise::Speed { rad_s: speed });
             let ripples = plan.ripples(&pump);
             assert!(ripples.after.rms < ripples.before.rms, "{rollers} {part}: {ripples:?}");
-            assert!((plan.profile.cruise_rad_s() / speed - 1.0).abs() < 1e-9);
+            assert!((plan.profile().cruise_rad_s() / speed - 1.0).abs() < 1e-9);
             if part == 0.02 {
                 // Overlapping pulses make the flow jump where it is smallest, by up to 22 % of the mean.
                 assert!(ripples.after.rms < 0.015, "{rollers}: {ripples:?}");
@@ -104,8 +103,8 @@ fn at_the_motors_fastest_the_speed_is_constant_and_beyond_it_nothing_can_be_had(
     let fastest = smooth(&pump, 60.0, 0.3, Cruise::Flow { ml_s: limit_ml_s * (1.0 - 1e-12) });
     let ripples = fastest.ripples(&pump);
     assert!((ripples.after.rms / ripples.before.rms - 1.0).abs() < 1e-6, "{ripples:?}");
-    let request = Request::new(60.0, Cruise::Flow { ml_s: 1.001 * limit_ml_s }).smooth();
-    let refused = plan(&pump, Phase::known(0.3), &request, &limits(3));
+    let request = Request::new(60.0, Cruise::Flow { ml_s: 1.001 * limit_ml_s }).with_smooth(true);
+    let refused = Doser::new(&pump, limits(3)).and_then(|doser| doser.plan(Phase::known(0.3), &request));
     assert!(matches!(refused, Err(PlanError::RateTooHigh { .. })), "{refused:?}");
 }
 
@@ -113,8 +112,9 @@ fn at_the_motors_fastest_the_speed_is_constant_and_beyond_it_nothing_can_be_had(
 fn a_smooth_flow_from_an_angle_that_nobody_knows_is_refused() {
     let pump = pump(3);
     let with = |half_width_rad| {
-        let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 }).smooth();
-        plan(&pump, Phase { angle_rad: 0.3, half_width_rad }, &request, &limits(3))
+        let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 }).with_smooth(true);
+        Doser::new(&pump, limits(3))
+            .and_then(|doser| doser.plan(Phase::within(0.3, half_width_rad), &request))
     };
     let refused = with(0.5 * pump.pitch_rad()).unwrap_err();
     assert!(matches!(refused, PlanError::SmoothWithoutAngle { .. }), "{refused}");
@@ -139,8 +139,8 @@ fn any_dose() -> impl Strategy<Value = (u32, f64, f64, f64, bool)> {
 /// Checks the motion itself. It is continuous, within speed and acceleration, and as fast as the acceleration
 /// allows. Its times follow it.
 fn check_motion(plan: &Plan, limits: &Limits, start_rad_s: f64) -> Result<(), TestCaseError> {
-    let sign = f64::from(plan.direction());
-    let (mut at_s, mut angle, mut speed) = (0.0, plan.start.angle_rad, sign * start_rad_s);
+    let sign = f64::from(plan.direction().sign());
+    let (mut at_s, mut angle, mut speed) = (0.0, plan.start().angle_rad(), sign * start_rad_s);
     let most = limits.motor.max_speed_rad_s.max(start_rad_s) * (1.0 + 1e-9);
     for leg in plan.legs() {
         let middle_s = leg.start_s + 0.5 * leg.duration_s;
@@ -150,28 +150,28 @@ fn check_motion(plan: &Plan, limits: &Limits, start_rad_s: f64) -> Result<(), Te
         prop_assert!(leg.acceleration_rad_s2.abs() <= limits.motor.max_acceleration_rad_s2 * (1.0 + 1e-9));
         (at_s, angle, speed) = (leg.end_s(), leg.end_angle_rad(), leg.speed_at(leg.end_s()));
         prop_assert!(leg.speed_rad_s * sign >= 0.0 && leg.speed_rad_s * sign <= most);
-        let turned = sign * (leg.angle_at(middle_s) - plan.start.angle_rad);
-        prop_assert!((plan.profile.time_of(turned) - middle_s).abs() < 1e-9 * (1.0 + at_s), "{leg:?}");
+        let turned = sign * (leg.angle_at(middle_s) - plan.start().angle_rad());
+        prop_assert!((plan.profile().time_of(turned) - middle_s).abs() < 1e-9 * (1.0 + at_s), "{leg:?}");
         prop_assert!((plan.angle_at(middle_s) - leg.angle_at(middle_s)).abs() < 1e-9, "{leg:?}");
         prop_assert!((plan.speed_at(middle_s) - leg.speed_at(middle_s)).abs() < 1e-6, "{leg:?}");
     }
-    prop_assert!((at_s - plan.profile.duration_s()).abs() < 1e-9 * (1.0 + at_s));
+    prop_assert!((at_s - plan.profile().duration_s()).abs() < 1e-9 * (1.0 + at_s));
     prop_assert!((angle - plan.end_angle_rad()).abs() < 1e-9);
     prop_assert!(speed.abs() < 1e-3, "ends at {speed}");
-    prop_assert!(plan.profile.peak_rad_s() <= most);
+    prop_assert!(plan.profile().peak_rad_s() <= most);
     let fastest = plan.legs().map(|leg| leg.speed_rad_s.abs()).fold(0.0, f64::max);
-    prop_assert!((plan.profile.peak_rad_s() - fastest).abs() < 1e-9, "{fastest}");
+    prop_assert!((plan.profile().peak_rad_s() - fastest).abs() < 1e-9, "{fastest}");
     Ok(())
 }
 
 /// Checks the steps of a smooth dose. They are as many as at constant speed, rise in time, and come in
 /// segments that are right to a tick.
 fn check_steps(plan: &Plan) -> Result<(), TestCaseError> {
-    const TICK_HZ: u32 = 1_000_000;
-    let mut segments = plan.segments(TICK_HZ);
+    const TICK_RATE: pump_ctl::step::TickRate = pump_ctl::step::TickRate::from_hz(1_000_000).unwrap();
+    let mut segments = plan.segments(TICK_RATE);
     let (mut left, mut due, mut interval, mut add) = (0, 0_i128, 0_i128, 0);
     let mut last_s = 0.0;
-    for step in plan.steps() {
+    for step in plan.each_step() {
         if left == 0 {
             let segment = segments.next().unwrap();
             prop_assert_eq!(segment.direction(), plan.direction());
@@ -183,19 +183,19 @@ fn check_steps(plan: &Plan) -> Result<(), TestCaseError> {
         interval += add;
         left -= 1;
         let ticks = due as f64 / 4_294_967_296.0;
-        let time = step.time_s * f64::from(TICK_HZ);
+        let time = step.time_s * f64::from(TICK_RATE.hz());
         prop_assert!((ticks - time).abs() < 1.0, "step {} at {time}, made at {ticks}", step.number);
         prop_assert!(step.time_s > last_s || step.number == 1);
         last_s = step.time_s;
     }
     prop_assert!(segments.next().is_none() && left == 0);
-    prop_assert_eq!(last_s.to_bits(), plan.profile.duration_s().to_bits());
+    prop_assert_eq!(last_s.to_bits(), plan.profile().duration_s().to_bits());
     Ok(())
 }
 
 /// Runs `whole` up to the moment at which `made` steps are made, then `rest`.
 fn joined(whole: &Plan, made: u64, rest: &Plan) -> Vec<Leg> {
-    let changed_s = whole.profile.time_of(made as f64 * whole.step_rad);
+    let changed_s = whole.profile().time_of(made as f64 * whole.step_rad());
     let before = whole.legs().filter(|leg| leg.start_s < changed_s);
     let before = before.map(|leg| Leg { duration_s: leg.duration_s.min(changed_s - leg.start_s), ..leg });
     let after = rest.legs().map(|leg| Leg { start_s: leg.start_s + changed_s, ..leg });
@@ -214,11 +214,11 @@ proptest! {
         let mut limits = limits(rollers);
         limits.motor.max_acceleration_rad_s2 = acceleration;
         let request = Request::new(volume, Cruise::Speed { rad_s: part * limits.motor.max_speed_rad_s });
-        let even = plan(&pump, Phase::known(start), &request, &limits).unwrap();
-        let smooth = plan(&pump, Phase::known(start), &request.smooth(), &limits).unwrap();
-        prop_assert_eq!(even.steps, smooth.steps);
+        let even = Doser::new(&pump, limits).unwrap().plan(Phase::known(start), &request).unwrap();
+        let smooth = Doser::new(&pump, limits).unwrap().plan(Phase::known(start), &request.with_smooth(true)).unwrap();
+        prop_assert_eq!(even.steps(), smooth.steps());
         prop_assert_eq!(even.end_angle_rad().to_bits(), smooth.end_angle_rad().to_bits());
-        prop_assert_eq!(even.carry_ml.to_bits(), smooth.carry_ml.to_bits());
+        prop_assert_eq!(even.carry_ml().to_bits(), smooth.carry_ml().to_bits());
         check_motion(&smooth, &limits, 0.0)?;
         check_steps(&smooth)?;
     }
@@ -233,21 +233,22 @@ proptest! {
         let (pump, limits) = (pump(rollers), limits(rollers));
         let volume = volume + volume.signum();
         let top = limits.motor.max_speed_rad_s;
-        let request = Request { smooth, ..Request::new(volume, Cruise::Speed { rad_s: part * top }) };
-        let whole = plan(&pump, Phase::known(start), &request, &limits).unwrap();
-        let made = (moment * whole.steps.unsigned_abs() as f64) as u64;
+        let request = Request::new(volume, Cruise::Speed { rad_s: part * top }).with_smooth(smooth);
+        let doser = Doser::new(&pump, limits).unwrap();
+        let whole = doser.plan(Phase::known(start), &request).unwrap();
+        let made = (moment * whole.steps().unsigned_abs() as f64) as u64;
         let cruise = Cruise::Speed { rad_s: new_part * top };
         let new_volume = volume + volume.signum() * more;
-        match whole.retarget_shaped(&pump, made, new_volume, cruise, to_smooth, &limits) {
+        match doser.retarget(&whole, &Retarget::new(made, new_volume, cruise).with_smooth(to_smooth)) {
             Ok(rest) => {
                 check_motion(&rest, &limits, whole.speed_after(made))?;
                 check_steps(&rest)?;
-                let balance_ml = whole.delivered_ml(&pump, made) + rest.planned_ml + rest.carry_ml - new_volume;
+                let balance_ml = whole.delivered_ml(&pump, made) + rest.planned_ml() + rest.carry_ml() - new_volume;
                 prop_assert!(balance_ml.abs() < 1e-9);
-                let changed_s = whole.profile.time_of(made as f64 * whole.step_rad);
+                let changed_s = whole.profile().time_of(made as f64 * whole.step_rad());
                 let mut run = ExactRun::from_rest(&pump, Port::Outlet, joined(&whole, made, &rest));
                 run.at(changed_s);
-                let expected = run.extremes(changed_s + rest.profile.duration_s() + 0.5);
+                let expected = run.extremes(changed_s + rest.profile().duration_s() + 0.5);
                 let predicted = rest.predict(&pump).unwrap().outlet;
                 prop_assert!((predicted.min_kpa - expected.min_kpa).abs() < 1e-6, "{predicted:?} {expected:?}");
                 prop_assert!((predicted.max_kpa - expected.max_kpa).abs() < 1e-6, "{predicted:?} {expected:?}");
@@ -257,7 +258,7 @@ proptest! {
         }
         if let Some(stop) = whole.stop(&pump, made) {
             check_motion(&stop, &limits, whole.speed_after(made))?;
-            prop_assert!(made + stop.steps.unsigned_abs() <= whole.steps.unsigned_abs());
+            prop_assert!(made + stop.steps().unsigned_abs() <= whole.steps().unsigned_abs());
         }
     }
 }
@@ -269,14 +270,19 @@ fn predicted_extremes_do_not_reach_beyond_an_edge_of_the_flow() {
     // A knot of the smooth flow comes to lie a rounding away from an edge, where the pressure has a kink.
     let top = limits.motor.max_speed_rad_s;
     let request = Request::new(60.346141201613925, Cruise::Speed { rad_s: 0.36863260453305285 * top });
-    let whole = plan(&pump, Phase::known(0.0), &request, &limits).unwrap();
-    let made = (0.17231731939757244 * whole.steps.unsigned_abs() as f64) as u64;
+    let whole = Doser::new(&pump, limits).unwrap().plan(Phase::known(0.0), &request).unwrap();
+    let made = (0.17231731939757244 * whole.steps().unsigned_abs() as f64) as u64;
     let cruise = Cruise::Speed { rad_s: 0.7863013130830714 * top };
-    let rest = whole.retarget_shaped(&pump, made, request.volume_ml, cruise, true, &limits).unwrap();
-    let smooth =
-        plan(&pump, Phase::known(0.0), &Request::new(40.0, at_speed(130.0)).smooth(), &limits).unwrap();
-    for (plan, state) in [(smooth, [0.0; 2]), (rest, state_after(&pump, &whole, made))] {
-        let motion_s = plan.profile.duration_s();
+    let rest = Doser::new(&pump, limits)
+        .unwrap()
+        .retarget(&whole, &Retarget::new(made, request.volume_ml, cruise).with_smooth(true))
+        .unwrap();
+    let smooth = Doser::new(&pump, limits)
+        .unwrap()
+        .plan(Phase::known(0.0), &Request::new(40.0, at_speed(130.0)).with_smooth(true))
+        .unwrap();
+    for (plan, state) in [(smooth, LineState::AT_REST), (rest, state_after(&pump, &whole, made))] {
+        let motion_s = plan.profile().duration_s();
         let run = || ExactRun::new(&pump, Port::Outlet, plan.legs(), state);
         let (mut sampled, mut largest) = (run(), 0.0_f64);
         for n in 0..=400_000 {
@@ -289,7 +295,7 @@ fn predicted_extremes_do_not_reach_beyond_an_edge_of_the_flow() {
 }
 
 /// Returns the state of the outlet line when `made` steps of `plan` are made, from rest.
-fn state_after(pump: &Pump, plan: &Plan, made: u64) -> [f64; 2] {
-    let time_s = plan.profile.time_of(made as f64 * plan.step_rad);
+fn state_after(pump: &Pump, plan: &Plan, made: u64) -> LineState {
+    let time_s = plan.profile().time_of(made as f64 * plan.step_rad());
     ExactRun::from_rest(pump, Port::Outlet, plan.legs()).at(time_s)
 }

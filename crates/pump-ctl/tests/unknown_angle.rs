@@ -3,14 +3,14 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 use proptest::prelude::*;
-use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Plan, PlanError, Request, plan};
+use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, PlanError, Request, Retarget};
 use pump_model::Pump;
 
 const FLOW: Cruise = Cruise::Flow { ml_s: 5.0 };
 
 /// Makes the motor of the built-in pumps, with a number of steps.
 fn limits(steps_per_rev: f64) -> Limits {
-    Limits::of_motor(Motor { steps_per_rev, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 })
+    Limits::new(Motor::new(steps_per_rev, 17.8, 500.0))
 }
 
 fn pump(rollers: u32) -> Pump {
@@ -18,7 +18,7 @@ fn pump(rollers: u32) -> Pump {
 }
 
 fn planned(pump: &Pump, start: Phase, volume_ml: f64) -> Plan {
-    plan(pump, start, &Request::new(volume_ml, FLOW), &limits(12_800.0)).unwrap()
+    Doser::new(pump, limits(12_800.0)).unwrap().plan(start, &Request::new(volume_ml, FLOW)).unwrap()
 }
 
 /// Returns the largest deviation of `steps` from `owed_ml`, over all angles that `start` may be, mL.
@@ -31,11 +31,11 @@ fn worst_ml(pump: &Pump, start: Phase, steps: i64, owed_ml: f64) -> f64 {
 /// extremes by half a microlitre at most.
 fn worst_on_a_grid_ml(pump: &Pump, start: Phase, steps: i64, owed_ml: f64) -> f64 {
     const POINTS: i32 = 2000;
-    let half_width_rad = start.half_width_rad.min(0.5 * pump.pitch_rad());
+    let half_width_rad = start.half_width_rad().min(0.5 * pump.pitch_rad());
     let curve = pump.outlet_curve();
     let turn_rad = steps as f64 * limits(12_800.0).motor.step_rad();
     (0..=POINTS)
-        .map(|n| start.angle_rad + half_width_rad * (2.0 * f64::from(n) / f64::from(POINTS) - 1.0))
+        .map(|n| start.angle_rad() + half_width_rad * (2.0 * f64::from(n) / f64::from(POINTS) - 1.0))
         .map(|angle_rad| curve.volume_ml(angle_rad + turn_rad) - curve.volume_ml(angle_rad))
         .map(|volume_ml| (volume_ml - owed_ml).abs())
         .fold(0.0, f64::max)
@@ -58,13 +58,13 @@ proptest! {
         farther in 2i64..3000,
     ) {
         let pump = pump(rollers);
-        let start = Phase { angle_rad, half_width_rad };
+        let start = Phase::within(angle_rad, half_width_rad);
         let plan = planned(&pump, start, volume);
-        let worst = worst_ml(&pump, start, plan.steps, volume);
-        for other in [1, 2, farther].into_iter().flat_map(|away| [plan.steps - away, plan.steps + away]) {
-            prop_assert!(worst_ml(&pump, start, other, volume) > worst - 1e-12, "{} {other}", plan.steps);
+        let worst = worst_ml(&pump, start, plan.steps(), volume);
+        for other in [1, 2, farther].into_iter().flat_map(|away| [plan.steps() - away, plan.steps() + away]) {
+            prop_assert!(worst_ml(&pump, start, other, volume) > worst - 1e-12, "{} {other}", plan.steps());
             let on_a_grid = worst_on_a_grid_ml(&pump, start, other, volume);
-            prop_assert!(on_a_grid > worst - 5e-4, "{} {other}", plan.steps);
+            prop_assert!(on_a_grid > worst - 5e-4, "{} {other}", plan.steps());
         }
     }
 
@@ -76,38 +76,38 @@ proptest! {
         half_width_rad in prop_oneof![Just(2.0), 0.001..0.8_f64],
     ) {
         let pump = pump(rollers);
-        let start = Phase { angle_rad, half_width_rad };
+        let start = Phase::within(angle_rad, half_width_rad);
         let plan = planned(&pump, start, volume);
-        let farthest = (volume - plan.least_ml).max(plan.most_ml - volume);
-        let found = worst_on_a_grid_ml(&pump, start, plan.steps, volume);
+        let farthest = (volume - plan.least_ml()).max(plan.most_ml() - volume);
+        let found = worst_on_a_grid_ml(&pump, start, plan.steps(), volume);
         prop_assert!(found <= farthest + 1e-12 && found > farthest - 5e-4, "{found} {farthest}");
-        prop_assert!((plan.planned_ml - 0.5 * (plan.least_ml + plan.most_ml)).abs() < 1e-12);
-        prop_assert!((plan.planned_ml + plan.carry_ml - volume).abs() < 1e-12);
+        prop_assert!((plan.planned_ml() - 0.5 * (plan.least_ml() + plan.most_ml())).abs() < 1e-12);
+        prop_assert!((plan.planned_ml() + plan.carry_ml() - volume).abs() < 1e-12);
         // The bound is half of the largest step.
-        prop_assert!(plan.carry_ml.abs() <= 0.5 * 4.4 * plan.step_rad + 1e-12);
-        let made = plan.steps.unsigned_abs();
-        prop_assert_eq!(plan.delivered_ml(&pump, made).to_bits(), plan.planned_ml.to_bits());
-        prop_assert_eq!(plan.range_ml(&pump, made), (plan.least_ml, plan.most_ml));
+        prop_assert!(plan.carry_ml().abs() <= 0.5 * 4.4 * plan.step_rad() + 1e-12);
+        let made = plan.steps().unsigned_abs();
+        prop_assert_eq!(plan.delivered_ml(&pump, made).to_bits(), plan.planned_ml().to_bits());
+        prop_assert_eq!(plan.range_ml(&pump, made), (plan.least_ml(), plan.most_ml()));
     }
 
     #[test]
     fn every_angle_is_the_same_when_none_is_known(volume in any_volume(), angle_rad in 0.0..6.0_f64) {
         let pump = pump(3);
         let unknown = planned(&pump, Phase::unknown(pump.pitch_rad()), volume);
-        let anywhere = planned(&pump, Phase { angle_rad, half_width_rad: 50.0 }, volume);
-        prop_assert_eq!(unknown.steps, anywhere.steps);
-        prop_assert!((unknown.least_ml - anywhere.least_ml).abs() < 1e-12);
-        prop_assert!((unknown.most_ml - anywhere.most_ml).abs() < 1e-12);
+        let anywhere = planned(&pump, Phase::within(angle_rad, 50.0), volume);
+        prop_assert_eq!(unknown.steps(), anywhere.steps());
+        prop_assert!((unknown.least_ml() - anywhere.least_ml()).abs() < 1e-12);
+        prop_assert!((unknown.most_ml() - anywhere.most_ml()).abs() < 1e-12);
     }
 
     #[test]
     fn a_narrow_interval_comes_close_to_the_known_angle(volume in any_volume(), angle_rad in 0.0..6.0_f64) {
         let pump = pump(3);
         let known = planned(&pump, Phase::known(angle_rad), volume);
-        let nearly = planned(&pump, Phase { angle_rad, half_width_rad: 1e-9 }, volume);
-        prop_assert!(known.steps.abs_diff(nearly.steps) <= 1);
-        prop_assert!((known.planned_ml.abs() - nearly.planned_ml.abs()).abs() <= 4.4 * known.step_rad);
-        prop_assert!(nearly.least_ml <= nearly.most_ml && nearly.most_ml - nearly.least_ml < 1e-8);
+        let nearly = planned(&pump, Phase::within(angle_rad, 1e-9), volume);
+        prop_assert!(known.steps().abs_diff(nearly.steps()) <= 1);
+        prop_assert!((known.planned_ml().abs() - nearly.planned_ml().abs()).abs() <= 4.4 * known.step_rad());
+        prop_assert!(nearly.least_ml() <= nearly.most_ml() && nearly.most_ml() - nearly.least_ml() < 1e-8);
     }
 
     #[test]
@@ -119,19 +119,19 @@ proptest! {
     ) {
         let pump = pump(rollers);
         let curve = pump.outlet_curve();
-        let request = Request { carry_in_ml, ..Request::new(volume, FLOW) };
-        let plan = plan(&pump, Phase::known(start), &request, &limits(12_800.0)).unwrap();
+        let request = Request::new(volume, FLOW).with_carry_in_ml(carry_in_ml);
+        let plan = Doser::new(&pump, limits(12_800.0)).unwrap().plan(Phase::known(start), &request).unwrap();
         let (start_ml, owed_ml) = (curve.volume_ml(start), volume + carry_in_ml);
-        let delivered = |steps: f64| curve.volume_ml(start + steps * plan.step_rad) - start_ml;
-        let below = ((curve.angle_rad(start_ml + owed_ml) - start) / plan.step_rad).floor();
+        let delivered = |steps: f64| curve.volume_ml(start + steps * plan.step_rad()) - start_ml;
+        let below = ((curve.angle_rad(start_ml + owed_ml) - start) / plan.step_rad()).floor();
         let (low_ml, high_ml) = (delivered(below), delivered(below + 1.0));
         let (steps, planned_ml) =
             if owed_ml - low_ml <= high_ml - owed_ml { (below, low_ml) } else { (below + 1.0, high_ml) };
-        prop_assert_eq!(plan.steps, steps as i64);
-        for ml in [plan.planned_ml, plan.least_ml, plan.most_ml] {
+        prop_assert_eq!(plan.steps(), steps as i64);
+        for ml in [plan.planned_ml(), plan.least_ml(), plan.most_ml()] {
             prop_assert_eq!(ml.to_bits(), planned_ml.to_bits());
         }
-        prop_assert_eq!(plan.carry_ml.to_bits(), (owed_ml - planned_ml).to_bits());
+        prop_assert_eq!(plan.carry_ml().to_bits(), (owed_ml - planned_ml).to_bits());
     }
 }
 
@@ -144,9 +144,9 @@ fn whole_pitches_are_exact_at_any_angle() {
             let request = Request::new(volume_ml, FLOW);
             // A pitch is a whole number of steps.
             let unknown = Phase::unknown(pump.pitch_rad());
-            let plan = plan(&pump, unknown, &request, &limits(12_000.0)).unwrap();
-            assert_eq!(plan.steps as f64, pitches * 12_000.0 / f64::from(rollers));
-            assert!(plan.most_ml - plan.least_ml < 1e-12 && plan.carry_ml.abs() < 1e-12, "{plan:?}");
+            let plan = Doser::new(&pump, limits(12_000.0)).unwrap().plan(unknown, &request).unwrap();
+            assert_eq!(plan.steps() as f64, pitches * 12_000.0 / f64::from(rollers));
+            assert!(plan.most_ml() - plan.least_ml() < 1e-12 && plan.carry_ml().abs() < 1e-12, "{plan:?}");
         }
     }
 }
@@ -161,7 +161,7 @@ fn an_unknown_angle_costs_what_is_known() {
     for (volume_ml, least_ml, most_ml) in KNOWN_RANGES {
         let plan = planned(&pump, Phase::unknown(pump.pitch_rad()), volume_ml);
         let near = |found: f64, expected: f64| (found - expected).abs() < 5e-4;
-        assert!(near(plan.least_ml, least_ml) && near(plan.most_ml, most_ml), "{plan:?}");
+        assert!(near(plan.least_ml(), least_ml) && near(plan.most_ml(), most_ml), "{plan:?}");
     }
 }
 
@@ -169,13 +169,14 @@ fn an_unknown_angle_costs_what_is_known() {
 fn a_dose_that_no_angle_makes_a_step_of_is_refused_with_the_smallest_that_can_be_had() {
     let pump = pump(3);
     let dose = |volume_ml| {
-        plan(&pump, Phase::unknown(pump.pitch_rad()), &Request::new(volume_ml, FLOW), &limits(12_800.0))
+        Doser::new(&pump, limits(12_800.0))
+            .and_then(|doser| doser.plan(Phase::unknown(pump.pitch_rad()), &Request::new(volume_ml, FLOW)))
     };
     for sign in [1.0, -1.0] {
         let Err(PlanError::LessThanHalfAStep { smallest_ml, .. }) = dose(sign * 1e-5) else {
             panic!("too small a dose was planned");
         };
-        assert_eq!(dose(smallest_ml * (1.0 + 1e-9)).unwrap().steps, sign as i64);
+        assert_eq!(dose(smallest_ml * (1.0 + 1e-9)).unwrap().steps(), sign as i64);
         assert!(dose(smallest_ml * (1.0 - 1e-9)).is_err());
     }
 }
@@ -184,10 +185,34 @@ fn a_dose_that_no_angle_makes_a_step_of_is_refused_with_the_smallest_that_can_be
 fn a_dose_from_an_unknown_angle_can_be_changed_and_stopped() {
     let pump = pump(3);
     let whole = planned(&pump, Phase::unknown(pump.pitch_rad()), 25.0);
-    let rest = whole.retarget(&pump, 6000, 30.0, FLOW, &limits(12_800.0)).unwrap();
-    let total_ml = whole.delivered_ml(&pump, 6000) + rest.planned_ml + rest.carry_ml;
-    assert!((total_ml - 30.0).abs() < 1e-9 && rest.carry_ml.abs() < 2e-3);
-    assert!(!rest.start.is_known(pump.pitch_rad()));
+    let rest = Doser::new(&pump, limits(12_800.0))
+        .unwrap()
+        .retarget(&whole, &Retarget::new(6000, 30.0, FLOW))
+        .unwrap();
+    let total_ml = whole.delivered_ml(&pump, 6000) + rest.planned_ml() + rest.carry_ml();
+    assert!((total_ml - 30.0).abs() < 1e-9 && rest.carry_ml().abs() < 2e-3);
+    assert!(!rest.start().is_known(pump.pitch_rad()));
     let stop = whole.stop(&pump, 6000).unwrap();
-    assert_eq!((stop.least_ml, stop.most_ml), stop.range_ml(&pump, stop.steps.unsigned_abs()));
+    assert_eq!((stop.least_ml(), stop.most_ml()), stop.range_ml(&pump, stop.steps().unsigned_abs()));
+}
+
+#[test]
+fn a_change_to_the_volume_that_was_offered_is_not_refused() {
+    let pump = pump(3);
+    let limits = limits(12_800.0);
+    for volume_ml in [10.0, 12.0, 14.2, 17.0] {
+        let whole = planned(&pump, Phase::unknown(pump.pitch_rad()), volume_ml);
+        for made in [1500, 3000, 4500] {
+            let refused = Doser::new(&pump, limits)
+                .and_then(|doser| doser.retarget(&whole, &Retarget::new(made, 0.1, FLOW)))
+                .unwrap_err();
+            let PlanError::CannotStopThere { nearest_ml, .. } = refused else { panic!("{refused}") };
+            let rest = Doser::new(&pump, limits)
+                .unwrap()
+                .retarget(&whole, &Retarget::new(made, nearest_ml, FLOW))
+                .unwrap();
+            let total_ml = whole.delivered_ml(&pump, made) + rest.planned_ml();
+            assert!((total_ml - nearest_ml).abs() < 1e-9, "{volume_ml} mL after {made}");
+        }
+    }
 }

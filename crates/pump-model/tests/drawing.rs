@@ -196,7 +196,7 @@ proptest! {
             last_ml = volume_ml;
         }
         // Samples lie on either side of each piece's start, and inside.
-        let pieces: Vec<_> = curve.precomputed_pieces().collect();
+        let pieces: Vec<_> = pump_model::generated::volume_pieces(&curve).collect();
         let slope = |(_, c): &(f64, [f64; 6]), x: f64| {
             c.iter().enumerate().skip(1).map(|(n, c)| n as f64 * c * x.powi(n as i32 - 1)).sum::<f64>()
         };

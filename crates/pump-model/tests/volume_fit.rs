@@ -57,7 +57,7 @@ fn where_a_quintic_falls_the_volume_is_held_and_said_so() {
 
 /// Returns the flow per radian on either side of every edge of a curve, and at both ends.
 fn slope_jumps(curve: &RollerVolume) -> Vec<f64> {
-    let pieces: Vec<_> = curve.precomputed_pieces().collect();
+    let pieces: Vec<_> = pump_model::generated::volume_pieces(curve).collect();
     let slope = |c: &[f64; 6], x: f64| (1..6).map(|n| n as f64 * c[n] * x.powi(n as i32 - 1)).sum::<f64>();
     let mut before = 0.0;
     let mut jumps = Vec::new();

@@ -62,7 +62,7 @@ def edges(curve: Callable[[Array], Array], pitch: float) -> list[float]:
 
 def segments(pump: pm.Pump) -> list[Segment]:
     pitch = pump.pitch_rad
-    curves = (pump.inlet_flow_per_rad, pump.outlet_flow_per_rad)
+    curves = (pump.inlet_flow_ml_rad, pump.outlet_flow_ml_rad)
     angles = sorted({angle for curve in curves for angle in edges(curve, pitch)} | {pitch})
     pieces: list[Segment] = []
     for start, end in itertools.pairwise(angles):
@@ -160,7 +160,7 @@ def main() -> None:
     pieces = segments(pump)
     ours = partial(pump.simulate, speed_rad_s=SPEED_RAD_S, duration_s=END_S, dt_s=DT_S, method="exact")
     run = ours()
-    exact = np.stack([run.p_in_kpa, run.p_out_kpa])
+    exact = np.stack([run.inlet_kpa, run.outlet_kpa])
 
     print("| what | tolerance | error, kPa | ms | / exact |\n| --- | --- | --- | --- | --- |")
     runs: dict[str, Callable[[], object]] = {}

@@ -63,7 +63,7 @@ def main(folder: Path) -> Choice:
     sealing = np.array([[sealing_rollers(int(count), angle) for angle in ANGLES_DEG] for count in ROLLERS])
     # The contact angle does not change the outlet's flow: any angle that works will do here.
     heads = [head(int(count), ANGLES_DEG[row > 0][0]) for count, row in zip(ROLLERS, sealing, strict=True)]
-    speed_rpm = np.array([pump.speed_for_flow(flow_ml_s=FLOW_ML_S) for pump in heads])
+    speed_rpm = np.array([pump.speed_for_flow_rpm(flow_ml_s=FLOW_ML_S) for pump in heads])
     steady = [pump.steady_state(speed_rpm=speed) for pump, speed in zip(heads, speed_rpm, strict=True)]
     swing_kpa = np.array([state.outlet_max_kpa - state.outlet_min_kpa for state in steady])
     fits = np.flatnonzero((swing_kpa <= TARGET_KPA) & (sealing.max(axis=1) >= SEALING))

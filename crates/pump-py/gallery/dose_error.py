@@ -19,7 +19,7 @@ def naive_error_percent(
 ) -> NDArray[np.float64]:
     """Turn volume / (volume per revolution) revolutions, from any angle of the rollers."""
     turn_rad = math.tau * volume_ml / pump.volume_per_revolution_ml
-    dosed_ml = pump.outlet_volume(start_rad + turn_rad) - pump.outlet_volume(start_rad)
+    dosed_ml = pump.outlet_volume_ml(start_rad + turn_rad) - pump.outlet_volume_ml(start_rad)
     return 100 * (dosed_ml / volume_ml - 1)
 
 
@@ -43,7 +43,7 @@ def main(folder: Path) -> dict[int, tuple[float, float]]:
         naive.plot(np.degrees(fine_rad), percent, color=colour, label=f"{volume_ml} mL")
         ours.plot(np.degrees(coarse_rad), microlitres, ".", color=colour)
         largest[volume_ml] = (float(np.abs(percent).max()), float(np.abs(microlitres).max()))
-    half_step = 500 * pump.outlet_flow_per_rad(fine_rad).max() * math.tau / pump.steps_per_rev
+    half_step = 500 * pump.outlet_flow_ml_rad(fine_rad).max() * math.tau / pump.steps_per_rev
     for limit in (-half_step, half_step):
         ours.axhline(limit, color="0.45", linestyle="--", linewidth=1)
     naive.set(ylabel="error (% of the dose)", title="volume / (volume per revolution) revolutions")

@@ -24,7 +24,7 @@ def outlet(pump: pm.Pump) -> pm.Run:
 
 def measure(pump: pm.Pump, seed: int) -> NDArray[np.float64]:
     """Return a waveform as a sensor would have given it."""
-    exact = outlet(pump).p_out_kpa
+    exact = outlet(pump).outlet_kpa
     return exact + np.random.default_rng(seed).normal(0, NOISE_KPA, len(exact))
 
 
@@ -56,10 +56,10 @@ def main(folder: Path) -> pm.Identified:
     figure, (top, bottom) = plt.subplots(
         2, 1, figsize=(8, 5), sharex=True, layout="constrained", height_ratios=(3, 1)
     )
-    top.plot(found.x, found.measured_kpa, ".", color="0.6", markersize=3, label="measured")
-    top.plot(found.x, outlet(guess).p_out_kpa, ":", color="#E69F00", linewidth=1.2, label="first guess")
-    top.plot(found.x, found.fitted_kpa, color="#0072B2", linewidth=1.2, label="fit")
-    bottom.plot(found.x, found.residual_kpa, ".", color="0.6", markersize=3)
+    top.plot(found.time_s, found.measured_kpa, ".", color="0.6", markersize=3, label="measured")
+    top.plot(found.time_s, outlet(guess).outlet_kpa, ":", color="#E69F00", linewidth=1.2, label="first guess")
+    top.plot(found.time_s, found.fitted_kpa, color="#0072B2", linewidth=1.2, label="fit")
+    bottom.plot(found.time_s, found.residual_kpa, ".", color="0.6", markersize=3)
     top.set_ylabel("outlet pressure\n(kPa absolute)")
     estimates = [found.parameters[name] for name in NAMES]
     top.set_title(

@@ -31,10 +31,10 @@ def draw_flow(file: Path) -> list[tuple[float, float]]:
     time_s = np.linspace(0, 1, 4001)
     for axis, pump in zip(axes, PUMPS, strict=True):
         angle_rad = math.tau * time_s
-        whole = pump.outlet_flow_per_rad(pump.engagement_rad)
+        whole = pump.outlet_flow_ml_rad(pump.engagement_rad)
         for name, colour, flow in (
-            ("inlet", BLUE, pump.inlet_flow_per_rad(angle_rad)),
-            ("outlet", VERMILION, pump.outlet_flow_per_rad(angle_rad)),
+            ("inlet", BLUE, pump.inlet_flow_ml_rad(angle_rad)),
+            ("outlet", VERMILION, pump.outlet_flow_ml_rad(angle_rad)),
         ):
             taken = (whole - flow) * math.tau
             axis.plot(time_s, taken, color=colour, label=name)
@@ -55,8 +55,8 @@ def draw_pressures(file: Path) -> None:
         for axis, speed_rpm in zip(axes[:, column], (50, 100, 150), strict=True):
             run = pump.simulate(speed_rpm=speed_rpm, duration_s=6)
             shown = run.time_s >= 5
-            axis.plot(run.time_s[shown] - 5, run.p_in_kpa[shown], color=BLUE, label="inlet")
-            axis.plot(run.time_s[shown] - 5, run.p_out_kpa[shown], color=VERMILION, label="outlet")
+            axis.plot(run.time_s[shown] - 5, run.inlet_kpa[shown], color=BLUE, label="inlet")
+            axis.plot(run.time_s[shown] - 5, run.outlet_kpa[shown], color=VERMILION, label="outlet")
             axis.set_title(f"{pump.rollers} rollers, {speed_rpm} r/min", fontsize="medium")
             axis.grid(alpha=0.25)
             axis.margins(x=0)

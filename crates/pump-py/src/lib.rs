@@ -2,10 +2,12 @@
 //!
 //! The rooms build on one another in this order: `python` (exceptions, interrupts, arrays), `argument` (values that
 //! Python passes), `line`, `pump`, then `simulation`, `identification` and `calibration`, `dosing`, and `bench`.
+//! `choices` has the words of them all.
 
 mod argument;
 mod bench;
 mod calibration;
+mod choices;
 mod dosing;
 mod identification;
 mod line;
@@ -20,6 +22,8 @@ mod _pumpmodel {
     use crate::bench::{Bench, Schedule};
     #[pymodule_export]
     use crate::calibration::{_reading, Calibration};
+    #[pymodule_export]
+    use crate::choices::_choices;
     #[pymodule_export]
     use crate::dosing::{Doser, Limits, Plan};
     #[pymodule_export]

@@ -3,16 +3,19 @@
 
 use core::fmt;
 
-use pump_ctl::plan::{Cruise, Limits, Phase, Plan, PlanError, Prediction, Request, plan};
-use pump_ctl::step::Stepper;
+use pump_ctl::plan::{Cruise, Doser, Limits, Phase, Plan, PlanError, Prediction, Request, Retarget};
+use pump_ctl::step::{Stepper, TickRate};
 
 use crate::pump::{self, PUMP};
 
 /// Limits of the motor alone. Pressures are predicted in a step of their own, so that planning stays fast.
-const LIMITS: Limits = Limits::of_motor(pump::LIMITS.motor);
+const LIMITS: Limits = Limits::new(pump::LIMITS.motor);
 
 /// Rate of the timer, Hz: the time of a step is counted in microseconds.
 pub(crate) const TICK_HZ: u32 = 1_000_000;
+
+/// Rate of the timer, for brake and segments.
+pub(crate) const TICK_RATE: TickRate = TickRate::from_hz(TICK_HZ).expect("the timer runs");
 
 /// Most segments that are queued before the motor starts: all of a dose, some 20 here.
 pub(crate) const QUEUE: usize = 64;
@@ -30,31 +33,35 @@ const CHANGED_ML_S: f64 = 3.0;
 /// Time for which the motor goes on with the old plan meanwhile, ticks.
 pub(crate) const CHANGE_TICKS: u32 = 9_000;
 
+/// Makes the planner of all doses.
+pub(crate) fn doser() -> Doser<'static> {
+    Doser::new(&PUMP, LIMITS).expect("the limits are in their ranges")
+}
+
 /// Plans a dose from 0.3 rad at 5 mL/s.
-pub(crate) fn plan_dose(volume_ml: f64) -> Result<Plan, PlanError> {
-    let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 });
-    plan(&PUMP, Phase::known(0.3), &request, &LIMITS)
+pub(crate) fn plan_dose(doser: &Doser<'_>, volume_ml: f64) -> Result<Plan, PlanError> {
+    doser.plan(Phase::known(0.3), &Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }))
 }
 
 /// Plans the rest of the dose after `made` steps of `plan`, with the changed volume and rate.
-pub(crate) fn change(plan: &Plan, made: u64) -> Result<Plan, PlanError> {
-    plan.retarget(&PUMP, made, CHANGED_ML, Cruise::Flow { ml_s: CHANGED_ML_S }, &LIMITS)
+pub(crate) fn change(doser: &Doser<'_>, plan: &Plan, made: u64) -> Result<Plan, PlanError> {
+    doser.retarget(plan, &Retarget::new(made, CHANGED_ML, Cruise::Flow { ml_s: CHANGED_ML_S }))
 }
 
 /// Queues a whole plan.
 pub(crate) fn queue(executor: &mut Executor, plan: &Plan) {
-    let all = executor.fill(&mut plan.segments(TICK_HZ).peekable());
+    let all = executor.fill(&mut plan.segments(TICK_RATE).feed());
     assert!(all == Ok(true), "the plan has more segments than the queue");
 }
 
 /// Writes a plan, its profile, its segments and its prediction, to the last bit.
 pub(crate) fn write_plan(out: &mut impl fmt::Write, plan: &Plan, prediction: &Prediction) -> fmt::Result {
-    writeln!(out, "plan: {} steps", plan.steps)?;
+    writeln!(out, "plan: {} steps", plan.steps())?;
     let mut number = |name: &str, value: f64| writeln!(out, "{name}: {value:.6} = {:#018x}", value.to_bits());
-    number("planned mL", plan.planned_ml)?;
-    number("carry mL", plan.carry_ml)?;
+    number("planned mL", plan.planned_ml())?;
+    number("carry mL", plan.carry_ml())?;
     number("end angle rad", plan.end_angle_rad())?;
-    number("duration s", plan.profile.duration_s())?;
+    number("duration s", plan.profile().duration_s())?;
     for leg in plan.legs() {
         number("leg start s", leg.start_s)?;
         number("leg duration s", leg.duration_s)?;
@@ -68,7 +75,7 @@ pub(crate) fn write_plan(out: &mut impl fmt::Write, plan: &Plan, prediction: &Pr
     number("outlet max kPa", prediction.outlet.max_kpa)?;
     number("single step kPa", prediction.step_kpa)?;
     number("settling s", prediction.settle_s)?;
-    for segment in plan.segments(TICK_HZ) {
+    for segment in plan.segments(TICK_RATE) {
         writeln!(out, "{segment:?}")?;
     }
     Ok(())

@@ -10,7 +10,7 @@ use pump_ctl::plan::Plan;
 use pump_ctl::step::{Junction, Segment, StopPlan};
 
 use crate::board::{Alarm, COUNT_HZ, Output, StepPin, Wait, counts};
-use crate::dose::{QUEUE, TICK_HZ, queue};
+use crate::dose::{QUEUE, TICK_HZ, TICK_RATE, queue};
 
 /// Driver with step, direction and enable pin.
 pub type Driver = StepDir<StepPin, Output, Output, Wait>;
@@ -203,7 +203,10 @@ impl Machine {
     }
 
     pub fn push(&mut self, segment: Segment) {
-        self.actuator.stepper().push(segment).expect("the queue has room, and a plan's segments are valid");
+        self.actuator
+            .stepper()
+            .push(segment, TICK_RATE)
+            .expect("the queue has room, and a plan's segments are valid");
     }
 
     /// Says that nothing will be pushed any more.

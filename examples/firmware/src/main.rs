@@ -80,7 +80,8 @@ fn install() {
     let record = cortex_m::singleton!(: Record = [Made { due: 0, rose: 0 }; 16_384]);
     board::start_counter();
     let pins = StepDir::new(StepPin(Output::new(0)), Output::new(1), Output::new(2), Wait, Timing::default());
-    let executor = Stepper::new(pump::LIMITS.motor.brake(dose::TICK_HZ));
+    let brake = pump::LIMITS.motor.brake(dose::TICK_RATE).expect("the motor can be stopped");
+    let executor = Stepper::new(brake);
     let mut actuator = Actuator::new(pins, executor, OnFault::Hold);
     actuator.enable().expect("these pins do not fail");
     Machine::install(actuator, Alarm::new(core.SYST), record.expect("it is made once"));

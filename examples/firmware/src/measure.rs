@@ -3,11 +3,12 @@
 use core::fmt::{Result, Write};
 use core::hint::black_box;
 
-use pump_ctl::plan::{self, Cruise, Limits, Phase, Plan, PlanError, Request};
-use pump_ctl::step::Action;
+use pump_ctl::plan::{Cruise, Doser, Phase, Plan, PlanError, Request, Segments};
+use pump_ctl::step::{Action, Brake, Stepper};
+use pump_model::{FlowCurve, Pump};
 
 use crate::board::counts;
-use crate::dose::{self, DOSE_ML, Executor, TICK_HZ};
+use crate::dose::{self, DOSE_ML, Executor, TICK_RATE};
 use crate::machine::Record;
 use crate::memory;
 use crate::pump::{LIMITS, PUMP};
@@ -35,30 +36,31 @@ pub fn tenths(out: &mut impl Write, total: u32, number: u32, what: &str) -> Resu
 }
 
 /// Plans the dose with a smooth flow.
-fn plan_smooth(volume_ml: f64) -> core::result::Result<Plan, PlanError> {
-    let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }).smooth();
-    plan::plan(&PUMP, Phase::known(0.3), &request, &Limits::of_motor(LIMITS.motor))
+fn plan_smooth(doser: &Doser<'_>, volume_ml: f64) -> core::result::Result<Plan, PlanError> {
+    let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }).with_smooth(true);
+    doser.plan(Phase::known(0.3), &request)
 }
 
 /// Plans the dose and writes the plan and its cost. It is not inlined, so that its part of the stack is
 /// free afterwards.
 #[inline(never)]
 pub fn plan(out: &mut impl Write) -> core::result::Result<Plan, core::fmt::Error> {
-    let (plan, planning) = counting(|| dose::plan_dose(black_box(DOSE_ML)));
+    let doser = dose::doser();
+    let (plan, planning) = counting(|| dose::plan_dose(black_box(&doser), black_box(DOSE_ML)));
     let plan = plan.expect("the dose can be planned");
-    let (segments, fitting) = counting(|| black_box(&plan).segments(TICK_HZ).map(black_box).count());
+    let (segments, fitting) = counting(|| black_box(&plan).segments(TICK_RATE).map(black_box).count());
     let (prediction, predicting) = counting(|| black_box(&plan).predict(&PUMP));
     dose::write_plan(out, &plan, &prediction.expect("the lines settle"))?;
-    let (smooth, smoothing) = counting(|| plan_smooth(black_box(DOSE_ML)));
+    let (smooth, smoothing) = counting(|| plan_smooth(&doser, black_box(DOSE_ML)));
     let smooth = smooth.expect("the dose can be planned with a smooth flow");
-    let (pieces, cutting) = counting(|| black_box(&smooth).segments(TICK_HZ).map(black_box).count());
+    let (pieces, cutting) = counting(|| black_box(&smooth).segments(TICK_RATE).map(black_box).count());
     writeln!(
         out,
         "cost: {} instructions for a plan with a smooth flow: {smoothing} for angle and profile, \
          {cutting} for {pieces} segments",
         smoothing + cutting
     )?;
-    let (_, braking) = counting(|| black_box(LIMITS.motor).brake(TICK_HZ));
+    let (_, braking) = counting(|| black_box(LIMITS.motor).brake(TICK_RATE));
     writeln!(
         out,
         "cost: {} instructions for a plan: {planning} for angle and profile, {fitting} for {segments} segments",
@@ -70,7 +72,7 @@ pub fn plan(out: &mut impl Write) -> core::result::Result<Plan, core::fmt::Error
 }
 
 fn queued(plan: &Plan) -> Executor {
-    let mut executor = Executor::new(LIMITS.motor.brake(TICK_HZ));
+    let mut executor = Executor::new(LIMITS.motor.brake(TICK_RATE).expect("the motor can be stopped"));
     dose::queue(&mut executor, plan);
     executor
 }
@@ -119,5 +121,20 @@ pub fn memory(out: &mut impl Write) -> Result {
     let record = size_of::<Record>();
     writeln!(out, "memory: {flash} bytes of flash")?;
     writeln!(out, "memory: {} bytes of statics, and {record} for the record of steps", statics - record)?;
-    writeln!(out, "memory: {} bytes of stack", memory::stack())
+    writeln!(out, "memory: {} bytes of stack", memory::stack())?;
+    let (places, place) = (size_of::<Executor>(), size_of::<Stepper<65>>() - size_of::<Stepper<64>>());
+    writeln!(
+        out,
+        "memory: {} bytes of an executor without its queue, {place} a place, {} its brake, {places} with 64 places",
+        places - 64 * place,
+        size_of::<Brake>()
+    )?;
+    writeln!(
+        out,
+        "memory: {} bytes of a plan, {} its segments, {} a pump, {} a flow curve",
+        size_of::<Plan>(),
+        size_of::<Segments>(),
+        size_of::<Pump>(),
+        size_of::<FlowCurve>()
+    )
 }

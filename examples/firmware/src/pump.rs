@@ -2,12 +2,19 @@
 // `dose pumps show` wrote this file. Change the pump file, not this source.
 // Units: mm, rad, mL, kPa, s.
 
+const _: () = assert!(
+    pump_model::generated::FORMAT == 1 && pump_ctl::generated::FORMAT == 2,
+    "other versions of pump-model and pump-ctl wrote this source: print it anew with \
+     `dose pumps show NAME --format rust`"
+);
+
 use pump_ctl::plan::{Limits, Lowest, Motor, PressureLimits, SetBy};
-use pump_model::{FlowCurve, Geometry, Line, Pump, RollerVolume};
+use pump_model::generated::{flow_curve, pump, roller_volume};
+use pump_model::{Geometry, Line, Pump};
 
 /// Model of the pump.
 #[rustfmt::skip]
-pub const PUMP: Pump = Pump::precomputed(
+pub static PUMP: Pump = pump(
     Geometry {
         rollers: 3,
         bore_radius_mm: 5.0,
@@ -17,7 +24,7 @@ pub const PUMP: Pump = Pump::precomputed(
         roller_radius_mm: 20.0,
         roller_offset_mm: 40.0,
     },
-    RollerVolume::precomputed(0.8819148710327347, 0.0, 2.105466465212997, &[
+    roller_volume(0.8819148710327347, 0.0, 2.105466465212997, &[
         (0.0, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
         (0.00989991375124977, [0.0, 1.3877787807814457e-17, 9.111001445623494, -2.166400649496864,
             -12.940684255699393, 8.124423689025868]),
@@ -37,28 +44,22 @@ pub const PUMP: Pump = Pump::precomputed(
         },
     ],
     [
-        FlowCurve::precomputed(2.0943951023931953, 7.106164309137073, &[
+        flow_curve(2.0943951023931953, 7.106164309137073, &[
             (0.0, 1.2223801451117104, [0.0, 4.398229715025711, 0.0, 0.0, 0.0, 0.0]),
             (1.2223801451117104, 0.8720149572814848, [5.376308677287765, 4.3982297150257095,
                 -9.111001445623494, 2.1664006494968695, 12.940684255699393, -8.124423689025868]),
         ]),
-        FlowCurve::precomputed(2.0943951023931953, 7.106164309137071, &[
+        flow_curve(2.0943951023931953, 7.106164309137071, &[
             (0.0, 0.8720149572814849, [0.0, 4.2850658053900315, -1.7256035795130638, -14.474655574986834,
                 22.48241062491349, -8.124423689025868]),
             (0.8720149572814849, 1.2223801451117104, [1.729855631849306, 4.398229715025711, 0.0, 0.0, 0.0,
                 0.0]),
         ]),
     ],
-);
+)
+.expect("the curves of the pump are whole");
 
 /// Limits of every dose: motor, pressures and torque.
-pub const LIMITS: Limits = Limits {
-    motor: Motor {
-        steps_per_rev: 12800.0,
-        max_speed_rad_s: 17.80235837034216,
-        max_acceleration_rad_s2: 500.0,
-    },
-    pressures: PressureLimits { max_outlet_kpa: None, min_inlet_kpa: None },
-    lowest: Some(Lowest { kpa: 43.05306302486196, set_by: SetBy::TubeCollapse }),
-    torque: None,
-};
+pub static LIMITS: Limits = Limits::new(Motor::new(12800.0, 17.80235837034216, 500.0))
+    .with_pressures(PressureLimits { max_outlet_kpa: None, min_inlet_kpa: None })
+    .with_lowest(Lowest { kpa: 43.05306302486196, set_by: SetBy::TubeCollapse });

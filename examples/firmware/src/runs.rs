@@ -6,7 +6,7 @@ use pump_ctl::plan::Plan;
 use pump_ctl::step::Segment;
 
 use crate::board::{COUNT_HZ, StepPin, Wait, counts};
-use crate::dose::{self, CHANGE_TICKS, QUEUE, TICK_HZ};
+use crate::dose::{self, CHANGE_TICKS, QUEUE, TICK_RATE};
 use crate::machine::{self, with};
 use crate::measure::{INSTRUCTIONS_PER_COUNT, counting, tenths};
 
@@ -27,7 +27,7 @@ pub fn whole(out: &mut impl Write, plan: &Plan) -> Result {
         pieces
     });
     let waiting = INSTRUCTIONS_PER_COUNT * Wait::waited().wrapping_sub(waited);
-    let steps = plan.steps.unsigned_abs() as u32;
+    let steps = plan.steps().unsigned_abs() as u32;
     writeln!(out, "run: whole")?;
     write_steps(out)?;
     let interrupts = all - pieces * (ten / 10) - waiting;
@@ -57,6 +57,7 @@ pub fn stopped(out: &mut impl Write, plan: &Plan) -> Result {
 /// Makes a dose whose volume and rate are changed after 2 s. The change is planned while the motor turns.
 #[inline(never)]
 pub fn changed(out: &mut impl Write, plan: &Plan) -> Result {
+    let doser = dose::doser();
     with(|machine| machine.start(plan));
     wait(2 * COUNT_HZ);
     // The old plan stays until there is a new one.
@@ -65,11 +66,11 @@ pub fn changed(out: &mut impl Write, plan: &Plan) -> Result {
         (asked, machine.junction(asked + u64::from(CHANGE_TICKS)))
     });
     let junction = junction.expect("the motor turns, with seconds to go");
-    let (changed, planning) = counting(|| dose::change(plan, junction.position.unsigned_abs()));
+    let (changed, planning) = counting(|| dose::change(&doser, plan, junction.position.unsigned_abs()));
     let changed = changed.expect("the rotor can still stop for the smaller volume");
     let mut segments = [Segment::default(); QUEUE];
     let (count, fitting) = counting(|| {
-        let places = segments.iter_mut().zip(changed.segments(TICK_HZ));
+        let places = segments.iter_mut().zip(changed.segments(TICK_RATE));
         places.map(|(place, found)| *place = found).count()
     });
     let (taken_over, cost) = with(|machine| counting(|| machine.retarget(junction.at)));

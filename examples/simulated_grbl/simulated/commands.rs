@@ -56,8 +56,15 @@ impl Machine {
         }
         match command {
             "$" => {
+                self.lists += 1;
                 for line in self.settings.lines() {
-                    self.say(&line);
+                    let (key, _) = line.split_once('=').unwrap_or_default();
+                    let misread = self
+                        .defects
+                        .misreads
+                        .filter(|(list, number, _)| *list == self.lists && key == format!("${number}"));
+                    let told = misread.map(|(_, _, value)| format!("{key}={value:.3}"));
+                    self.say(&told.unwrap_or(line));
                 }
             }
             "I" => self.say_version(),
@@ -116,7 +123,7 @@ impl Machine {
     }
 
     /// Queues a jog. Returns true if the jog has to wait for room.
-    fn jog(&mut self, words: &str) -> Result<bool, u16> {
+    pub(super) fn jog(&mut self, words: &str) -> Result<bool, u16> {
         if !matches!(self.state, State::Idle | State::Jog) {
             return Err(8);
         }
@@ -126,7 +133,10 @@ impl Machine {
         {
             return Err(code);
         }
-        let words = parse(words)?;
+        let words = match self.defects.garbles {
+            Some((which, digit)) if which == self.jogs => parse(&garbled(words, digit))?,
+            _ => parse(words)?,
+        };
         let has = |code: &str| words.codes.iter().any(|word| word == code);
         if words.codes.iter().any(|code| !["G20", "G21", "G53", "G90", "G91"].contains(&code.as_str())) {
             return Err(16);
@@ -146,7 +156,8 @@ impl Machine {
         if self.settings.get(20) != 0.0 && !(-self.settings.get(130)..=0.0).contains(&mm) {
             return Err(15);
         }
-        let waits = self.way(mm, feed);
+        let farther = if self.defects.stretches == Some(self.jogs) { mm - self.planned_mm() } else { 0.0 };
+        let waits = self.way(mm + farther, feed);
         self.state = State::Jog;
         Ok(waits)
     }
@@ -230,4 +241,19 @@ fn parse(line: &str) -> Result<Words, u16> {
         rest = after;
     }
     Ok(words)
+}
+
+/// Returns the words of a jog with another first digit of its target.
+fn garbled(words: &str, digit: char) -> String {
+    let mut in_target = false;
+    let mut done = false;
+    let change = |letter: char| {
+        in_target = in_target || letter == 'X';
+        if in_target && !done && letter.is_ascii_digit() {
+            done = true;
+            return digit;
+        }
+        letter
+    };
+    words.chars().map(change).collect()
 }

@@ -34,7 +34,7 @@ pub(super) enum State {
 
 /// Text that leaves the board.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Output {
+pub(crate) enum Output {
     Line(String),
     /// The answer to a line, which may be late.
     Answer(String),
@@ -42,10 +42,10 @@ pub(super) enum Output {
 
 /// Simulated board.
 #[derive(Debug)]
-pub(super) struct Machine {
-    pub settings: Settings,
-    pub motor: Motor,
-    pub state: State,
+pub(crate) struct Machine {
+    pub(super) settings: Settings,
+    pub(super) motor: Motor,
+    pub(super) state: State,
     pub firmware: Firmware,
     pub defects: Defects,
     pub random: Random,
@@ -71,8 +71,9 @@ pub(super) struct Machine {
     pub stalled: bool,
     /// Board time left while a setting is stored, s.
     pub storing_s: f64,
-    /// Number of jogs so far, and every line that was read.
+    /// Number of jogs and of lists of settings so far, and every line that was read.
     pub(super) jogs: u32,
+    pub(super) lists: u32,
     pub lines: Vec<String>,
     /// Count at which the sensor answered in the probing move under way.
     touched: Option<i64>,
@@ -80,7 +81,7 @@ pub(super) struct Machine {
 
 impl Machine {
     /// Returns a board that was just switched on.
-    pub(super) fn new(options: &Options) -> Self {
+    pub(crate) fn new(options: &Options) -> Self {
         let settings = Settings::new(options);
         let mut machine = Self {
             settings,
@@ -105,6 +106,7 @@ impl Machine {
             stalled: false,
             storing_s: 0.0,
             jogs: 0,
+            lists: 0,
             lines: Vec::new(),
             touched: None,
         };
@@ -164,16 +166,17 @@ impl Machine {
     }
 
     /// Takes a byte from the line.
-    pub(super) fn receive(&mut self, byte: u8) {
+    pub(crate) fn receive(&mut self, byte: u8) {
         if self.storing_s > 0.0 {
             return;
         }
         match byte {
+            b'?' if self.defects.deaf.is_some_and(|place| self.turned >= place) => {}
             b'?' => self.report(),
             b'!' => self.hold(),
             b'~' if self.state == State::Hold && self.motor.stands() => {
                 self.motor.stopping = false;
-                self.state = State::Run;
+                self.state = if self.motor.is_done() { State::Idle } else { State::Run };
             }
             b'~' => {}
             0x18 => self.soft_reset(),
@@ -202,6 +205,7 @@ impl Machine {
                 self.state = State::Hold;
                 self.motor.stopping = true;
             }
+            State::Idle => self.state = State::Hold,
             _ => {}
         }
     }
@@ -231,7 +235,7 @@ impl Machine {
     }
 
     /// Lets time pass on the board, s.
-    pub(super) fn advance(&mut self, time_s: f64) {
+    pub(crate) fn advance(&mut self, time_s: f64) {
         if self.storing_s > 0.0 {
             self.storing_s = (self.storing_s - time_s).max(0.0);
             if self.storing_s == 0.0 {
@@ -349,7 +353,8 @@ impl Machine {
         if mask & 2 != 0 {
             text += &format!("|Bf:{},{}", self.motor.room(), RECEIVE_BUFFER - self.received.len());
         }
-        text += "|FS:0,0";
+        let speed = if self.stalled { 0.0 } else { self.motor.speed() };
+        text += &format!("|FS:{:.0},0", speed * 60.0 / f64::from(self.settings.get(100)));
         if self.until_offset == 0 {
             text += &format!("|WCO:{}", triple(offset));
             self.until_offset = OFFSET_EVERY[usize::from(self.state != State::Idle)];
@@ -359,7 +364,7 @@ impl Machine {
     }
 
     /// Reads lines as long as none has to wait.
-    pub(super) fn work(&mut self) {
+    pub(crate) fn work(&mut self) {
         if let Some((end, steps_s)) = self.pending {
             if self.motor.is_full() {
                 return;

@@ -1,7 +1,8 @@
 //! A simulated grbl board at the end of a pseudo-terminal.
 
 mod commands;
-mod machine;
+mod defects;
+pub(crate) mod machine;
 mod motor;
 mod number;
 pub(crate) mod options;

@@ -42,6 +42,11 @@ impl Motor {
         self.at.round() as i64
     }
 
+    /// Returns the speed of the motor along its way, steps/s.
+    pub(super) fn speed(&self) -> f64 {
+        self.speed
+    }
+
     /// Returns the step at which the queue ends.
     pub(super) fn planned(&self) -> i64 {
         self.blocks.back().map_or(self.step(), |block| block.end)

@@ -19,6 +19,13 @@ pub(crate) struct Options {
     pub settings: Vec<(u16, f32)>,
     /// Sensor on the first axis, if there is one.
     pub sensor: Option<Sensor>,
+    /// Time between status reports that nobody asked for, as grblHAL's `$481` sets it.
+    pub auto_report: Option<Duration>,
+    /// True if the board sends messages without end.
+    pub chatters: bool,
+    /// True if time stands still on the board while nothing is heard from its user, so that a busy machine
+    /// keeps up with it.
+    pub patient: bool,
     /// Defects of the board and its line.
     pub defects: Defects,
 }
@@ -87,10 +94,24 @@ pub(crate) struct Defects {
     pub unplugged: Option<u64>,
     /// Place from which the board says nothing more.
     pub silent: Option<u64>,
+    /// Place from which the board answers no question for its position.
+    pub deaf: Option<u64>,
     /// Place from which the motor stands while the board says that it jogs.
     pub stalls: Option<u64>,
     /// Place at which the board's counter jumps, and the number of steps by which it jumps.
     pub miscounts: Option<(u64, i64)>,
+    /// Place at which somebody else sends a byte: `!` is a hold button, 0x85 a jog cancel.
+    pub pressed: Option<(u64, u8)>,
+    /// Place at which somebody else jogs, and the way, mm.
+    pub foreign: Option<(u64, f32)>,
+    /// Number of the jog that is damaged on the wire (1 for the first), and the first digit that arrives.
+    pub garbles: Option<(u32, char)>,
+    /// Number of the jog that goes twice as far as it says (1 for the first).
+    pub stretches: Option<u32>,
+    /// Place at which the motor misses steps, their number, and the place at which the counter learns of them.
+    pub misses: Option<(u64, i64, u64)>,
+    /// Number of the list of settings with a flipped bit (1 for the first), its setting, and the value there.
+    pub misreads: Option<(u32, u16, f32)>,
     /// True if there is noise among the lines.
     pub noise: bool,
     /// True if lines come in pieces or several at once, and some run into each other.
@@ -106,6 +127,9 @@ impl Default for Options {
             boot: Duration::from_millis(60),
             settings: Vec::new(),
             sensor: None,
+            auto_report: None,
+            chatters: false,
+            patient: false,
             defects: Defects::default(),
         }
     }

@@ -19,6 +19,15 @@ use super::{Truth, lock};
 /// Time between two looks at the line.
 const TICK: Duration = Duration::from_micros(700);
 
+/// Silence of the user after which time stands still on a patient board. Users ask every 50 ms.
+const PATIENCE: Duration = Duration::from_millis(70);
+
+/// Most bytes on their way out to which a board that talks by itself adds more.
+const MOST_UNREAD: usize = 2048;
+
+/// Longest time that a late thread of a patient board makes up at once, s of board time.
+const PATIENT_TICK_S: f64 = 0.005;
+
 /// Longest time that a late thread makes up at once, s of board time.
 const LONGEST_TICK_S: f64 = 0.25;
 
@@ -40,6 +49,9 @@ pub(super) struct Wire {
     /// Late answers with the times at which they are due. Lines that follow them do not wait.
     late: VecDeque<(Instant, String)>,
     silent: bool,
+    /// Instant at which something was last heard, and that of the last report that nobody asked for.
+    heard: Instant,
+    reported: Instant,
 }
 
 impl Wire {
@@ -64,6 +76,8 @@ impl Wire {
             outgoing: VecDeque::new(),
             late: VecDeque::new(),
             silent: false,
+            heard: Instant::now(),
+            reported: Instant::now(),
         };
         Ok((wire, path))
     }
@@ -83,10 +97,15 @@ impl Wire {
                     self.machine.banner();
                 }
             } else {
-                self.machine.advance(passed_s.min(LONGEST_TICK_S));
+                let waits = self.options.patient && now - self.heard > PATIENCE;
+                let longest_s = if self.options.patient { PATIENT_TICK_S } else { LONGEST_TICK_S };
+                self.machine.advance(if waits { 0.0 } else { passed_s.min(longest_s) });
                 self.fail();
                 self.machine.work();
+                self.talk(now);
             }
+            // The truth is there before anybody reads of it.
+            self.publish();
             self.write(now);
         }
     }
@@ -109,6 +128,7 @@ impl Wire {
         match rustix::io::read(line, &mut bytes) {
             Ok(count) => {
                 self.opened();
+                self.heard = Instant::now();
                 for byte in bytes.iter().take(count) {
                     if self.starts_at.is_none() {
                         self.machine.receive(*byte);
@@ -140,15 +160,27 @@ impl Wire {
         lock(&self.truth).resets += 1;
     }
 
+    /// Says what nobody asked for.
+    fn talk(&mut self, now: Instant) {
+        if self.outgoing.len() > MOST_UNREAD {
+            return;
+        }
+        if self.options.auto_report.is_some_and(|every| now - self.reported >= every) {
+            self.reported = now;
+            self.machine.receive(b'?');
+        }
+        if self.options.chatters {
+            self.machine.say("[MSG:Spindle at speed]");
+        }
+    }
+
     /// Lets each defect happen at its place.
     fn fail(&mut self) {
+        self.machine.suffer();
         let turned = self.machine.turned;
         let due = |place: Option<u64>| place.is_some_and(|place| turned >= place);
         let defects = &mut self.machine.defects;
-        if due(defects.alarm.map(|(place, _)| place)) {
-            let code = defects.alarm.take().map_or(1, |(_, code)| code);
-            self.machine.alarm(code);
-        } else if due(defects.resets) {
+        if due(defects.resets) {
             defects.resets = None;
             self.reset();
         } else if due(defects.unplugged) {
@@ -156,10 +188,6 @@ impl Wire {
             self.line = None;
         } else if due(defects.silent) {
             self.silent = true;
-        } else if due(defects.stalls) {
-            self.machine.stalled = true;
-        } else if due(defects.miscounts.map(|(place, _)| place)) {
-            self.machine.miscounted += defects.miscounts.take().map_or(0, |(_, by)| by);
         }
     }
 

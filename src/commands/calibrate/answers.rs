@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use pump_bench::Session;
 use pump_bench::calibration::{Reading, Weighing};
+use pump_bench::report::ErrorKind;
 use pump_bench::units;
 use pump_bench::units::Amount;
 
@@ -73,19 +74,26 @@ impl Answers {
     pub(super) fn line(&self, session: &mut Session<'_>, interrupt: &Interrupt) -> Result<String, Failure> {
         loop {
             if let Some(signal) = interrupt.signal() {
-                return Err(Failure::stopped(signal, "stopped by the user"));
+                return Err(Failure::stopped(signal, session.has_moved(), "stopped by the user"));
             }
             session.release_when_due()?;
             match self.lines.recv_timeout(LOOK) {
                 Ok(Ok(line)) => return Ok(line),
-                Ok(Err(error)) => return Err(Failure::fault(format!("the answer cannot be read: {error}"))),
+                Ok(Err(error)) => {
+                    return Err(no_answer(session, &format!("the answer cannot be read: {error}")));
+                }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => {
-                    return Err(Failure::fault("the answers ended before the last run"));
+                    return Err(no_answer(session, "the answers ended before the last run"));
                 }
             }
         }
     }
+}
+
+/// The failure of a question that nobody can answer any more.
+fn no_answer(session: &Session<'_>, message: &str) -> Failure {
+    Failure::failed(ErrorKind::Input, message).of_session(session)
 }
 
 /// Volume of a reading, mL.

@@ -2,19 +2,22 @@
 
 use std::iter;
 
+use libm::{ceil, pow, round};
 use pump_bench::calibration::{
-    CalibrationError, PlannedRuns, Reading, Run, RunLog, UnfinishedRuns, Weighing, now_utc,
+    CalibrationError, CalibrationRun, PlannedRuns, Reading, RunLog, UnfinishedRuns, Weighing,
+    default_rate_left_out, now_utc,
 };
 use pump_bench::record::Purpose;
+use pump_bench::report::ErrorKind;
 use pump_bench::{Bench, DoseRequest, Prepared, Session};
 use pump_ctl::plan::Cruise;
-use pump_model::math::{ceil, degrees, pow, rad_s, rpm};
+use pump_model::units::{degrees, rad_s, rpm};
 
 use super::answers::{Answer, Answers};
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::say;
+use crate::terminal::{noted, say, warn};
 
 /// Volume of a run, mL: on a scale that shows 0.01 g a reading is then good to 2e-4.
 const LEAST_ML: f64 = 50.0;
@@ -22,11 +25,14 @@ const LEAST_ML: f64 = 50.0;
 /// Runs at each speed.
 const RUNS: u32 = 3;
 
+/// Largest part of a run by which whole steps may miss its whole pitches.
+const WHOLE_STEPS: f64 = 1e-4;
+
 /// Slowest of the default speeds, over that of the default rate: doses a little slower than usual are covered too.
 const SLOWEST: f64 = 0.5;
 
 /// The course of the runs, as far as it is given.
-pub(super) struct Course {
+pub(super) struct GuidedCourse {
     /// Speeds of the runs, rad/s; empty for the usual ones.
     pub(super) speeds_rad_s: Vec<f64>,
     /// Runs at each speed.
@@ -43,16 +49,16 @@ pub(super) struct Course {
     pub(super) json: bool,
 }
 
-impl Course {
+impl GuidedCourse {
     /// True if the course says nothing of the runs, so that it fits whatever is on record.
     fn is_open(&self) -> bool {
         self.speeds_rad_s.is_empty() && self.each.is_none() && self.pitches.is_none()
     }
 
-    /// The runs in their order.
-    fn planned(&self, bench: &Bench) -> PlannedRuns {
+    /// The runs in their order. `range_rad_s` are the slowest and the fastest speed that the device allows.
+    fn planned(&self, bench: &Bench, range_rad_s: (f64, f64)) -> PlannedRuns {
         let speeds_rad_s = if self.speeds_rad_s.is_empty() {
-            default_speeds_rad_s(bench)
+            default_speeds_rad_s(bench, range_rad_s)
         } else {
             self.speeds_rad_s.clone()
         };
@@ -60,7 +66,7 @@ impl Course {
         let model = bench.model();
         PlannedRuns {
             speeds_rpm: speeds_rad_s.into_iter().flat_map(|rad_s| iter::repeat_n(rpm(rad_s), each)).collect(),
-            pitches: self.pitches.unwrap_or(ceil(LEAST_ML / model.outlet_curve().pitch_ml()) as u32),
+            pitches: self.pitches.unwrap_or_else(|| default_pitches(bench)),
             revolution_ml: model.revolution_ml(),
             fluid: bench.file().fluid.name.clone(),
             temperature_degc: bench.file().fluid.temperature_degc,
@@ -69,19 +75,21 @@ impl Course {
 
     /// Returns the runs on record that the course goes on with, or `None` if it begins. Readings on record are
     /// neither used nor given up without a word.
-    fn on_record(&self, bench: &Bench, log: &RunLog) -> Result<Option<UnfinishedRuns>, Failure> {
-        let found = if self.anew { None } else { log.read()? };
-        let found = found.filter(|found| !found.runs.is_empty());
-        // A calibration was kept of these runs, and the process ended before it could remove their log.
-        let stored = bench.calibrations().list()?;
-        let found =
-            found.filter(|found| stored.last().is_none_or(|last| last.calibration.runs != found.runs));
+    fn on_record(
+        &self,
+        bench: &Bench,
+        log: &RunLog,
+        range_rad_s: (f64, f64),
+    ) -> Result<Option<UnfinishedRuns>, Failure> {
+        let found = if self.anew { None } else { log.unfinished(&bench.calibrations())? };
         match found {
             None if self.goes_on => Err(Failure::refused(
                 "no guided calibration is unfinished: there is nothing to go on with; leave out --continue",
             )),
             None => Ok(None),
-            Some(found) if self.goes_on => self.check_goes_on(bench, &found).map(|()| Some(found)),
+            Some(found) if self.goes_on => {
+                self.check_goes_on(bench, &found, range_rad_s).map(|()| Some(found))
+            }
             Some(found) => Err(Failure::refused(format!(
                 "a guided calibration with {} of {} readings is on record; go on with it (`dose calibrate run \
                  --continue`), or give its readings up (`dose calibrate run --anew`)",
@@ -92,10 +100,15 @@ impl Course {
     }
 
     /// Refuses to go on with runs that are not those of this course, or of another pump or fluid.
-    fn check_goes_on(&self, bench: &Bench, on_record: &UnfinishedRuns) -> Result<(), Failure> {
+    fn check_goes_on(
+        &self,
+        bench: &Bench,
+        on_record: &UnfinishedRuns,
+        range_rad_s: (f64, f64),
+    ) -> Result<(), Failure> {
         let UnfinishedRuns { planned, runs } = on_record;
         let (count, all) = (runs.len(), planned.speeds_rpm.len());
-        let wanted = self.planned(bench);
+        let wanted = self.planned(bench, range_rad_s);
         let refused = |of: String, now: String| {
             Err(Failure::refused(format!(
                 "{count} of {all} readings of a guided calibration are on record for {of}, and now it is {now}; \
@@ -124,7 +137,7 @@ impl Course {
 /// Runs that were weighed.
 pub(super) struct Weighed {
     /// Runs on record, in the order of the plan.
-    pub(super) runs: Vec<Run>,
+    pub(super) runs: Vec<CalibrationRun>,
     /// True if the rotor turned for some of them in this call.
     pub(super) has_moved: bool,
 }
@@ -143,16 +156,19 @@ struct Guide<'a, 'b> {
 
 /// Makes the runs and asks for the readings. Each reading is on record once it is typed. Runs that are on
 /// record are not made again. Returns `None` if the person left.
-pub(super) fn runs(bench: &Bench, course: &Course) -> Result<Option<Weighed>, Failure> {
+pub(super) fn runs(bench: &Bench, course: &GuidedCourse) -> Result<Option<Weighed>, Failure> {
     let mut session = bench.session()?;
-    session.connect()?;
+    let connected = session.connect();
+    noted(&mut session, connected)?;
+    warn(&session.notes());
     let log = RunLog::of(bench.folder());
-    let on_record = course.on_record(bench, &log)?;
+    let range_rad_s = session.speed_range_rad_s();
+    let on_record = course.on_record(bench, &log, range_rad_s)?;
     let begins = on_record.is_none();
-    let UnfinishedRuns { planned, runs } =
-        on_record.unwrap_or_else(|| UnfinishedRuns { planned: course.planned(bench), runs: Vec::new() });
+    let UnfinishedRuns { planned, runs } = on_record
+        .unwrap_or_else(|| UnfinishedRuns { planned: course.planned(bench, range_rad_s), runs: Vec::new() });
     let (answers, interrupt) = (Answers::new(), Interrupt::watch()?);
-    let &Course { temperature_degc, json, .. } = course;
+    let &GuidedCourse { temperature_degc, json, .. } = course;
     let pitches = planned.pitches;
     let mut guide = Guide { bench, session, log, answers, interrupt, pitches, temperature_degc, json };
     // Every speed is planned before anything moves.
@@ -165,22 +181,28 @@ pub(super) fn runs(bench: &Bench, course: &Course) -> Result<Option<Weighed>, Fa
         guide.log.begin(&planned)?;
     }
     say(&introduction(bench, &planned, runs.len()));
+    warn(default_rate_left_out(bench.file(), bench.model(), &planned.speeds_rpm).as_slice());
     let weighed = guide.weigh_all(&planned, runs, begins);
     let has_moved = guide.session.has_moved();
     match weighed {
         Ok(runs) => Ok(runs.map(|runs| Weighed { runs, has_moved })),
-        Err(failure) if has_moved => Err(failure.after_motion().with(&format!("; {}", kept(bench)?))),
+        Err(failure) if has_moved => Err(failure.after_motion().with(&format!("; {}", kept(bench)))),
         Err(failure) => Err(failure),
     }
 }
 
-/// Says how many readings of a guided calibration are on record, and how to go on with them.
-pub(super) fn kept(bench: &Bench) -> Result<String, Failure> {
-    Ok(match RunLog::of(bench.folder()).read()?.map_or(0, |found| found.runs.len()) {
+/// Says how many readings of a guided calibration are on record, and how to go on with them. It stands behind other
+/// errors, so that an error of its own takes the place of none.
+pub(super) fn kept(bench: &Bench) -> String {
+    let found = match RunLog::of(bench.folder()).read() {
+        Ok(found) => found,
+        Err(error) => return format!("nor can the readings on record be read: {error}"),
+    };
+    match found.map_or(0, |found| found.runs.len()) {
         0 => "no reading is on record".to_owned(),
         1 => "1 reading is on record: `dose calibrate run --continue` goes on with it".to_owned(),
         count => format!("{count} readings are on record: `dose calibrate run --continue` goes on with them"),
-    })
+    }
 }
 
 /// The words that come first: which runs are to be made.
@@ -196,13 +218,26 @@ fn introduction(bench: &Bench, planned: &PlannedRuns, made: usize) -> String {
     }
 }
 
-/// Three speeds, each as many times the one before: from half the default rate's to the motor's fastest.
-fn default_speeds_rad_s(bench: &Bench) -> Vec<f64> {
-    let fastest_rad_s = bench.file().limits().motor.max_speed_rad_s;
+/// Three speeds, each as many times the one before: from half the default rate's to the fastest of the range.
+fn default_speeds_rad_s(bench: &Bench, (least_rad_s, fastest_rad_s): (f64, f64)) -> Vec<f64> {
     let usual_rad_s = pump_ctl::plan::speed_for_flow(bench.model(), bench.file().pump.default_rate_ml_s);
-    let slowest_rad_s = SLOWEST * usual_rad_s;
+    let slowest_rad_s = (SLOWEST * usual_rad_s).max(least_rad_s).min(fastest_rad_s);
     let step = pow(fastest_rad_s / slowest_rad_s, 0.5);
     vec![slowest_rad_s, slowest_rad_s * step, fastest_rad_s]
+}
+
+/// The fewest pitches of [`LEAST_ML`] or more that are whole motor steps, or nearly so. Such a run has the same
+/// volume from any angle.
+fn default_pitches(bench: &Bench) -> u32 {
+    let pitch_steps = bench.model().pitch_rad() / bench.file().limits().motor.step_rad();
+    let fewest = ceil(LEAST_ML / bench.model().outlet_curve().pitch_ml()) as u32;
+    // A head of up to 12 rollers has one among these.
+    let mut counts = fewest..fewest + 12;
+    let is_whole = |count: &u32| {
+        let steps = f64::from(*count) * pitch_steps;
+        (steps - round(steps)).abs() <= WHOLE_STEPS * steps
+    };
+    counts.find(is_whole).unwrap_or(fewest)
 }
 
 /// A number with four decimals at most.
@@ -216,9 +251,9 @@ impl Guide<'_, '_> {
     fn weigh_all(
         &mut self,
         planned: &PlannedRuns,
-        runs: Vec<Run>,
+        runs: Vec<CalibrationRun>,
         begins: bool,
-    ) -> Result<Option<Vec<Run>>, Failure> {
+    ) -> Result<Option<Vec<CalibrationRun>>, Failure> {
         if begins {
             let middle_rpm =
                 planned.speeds_rpm.get(planned.speeds_rpm.len() / 2).copied().unwrap_or_default();
@@ -234,7 +269,10 @@ impl Guide<'_, '_> {
 
     /// Asks whether the runs are kept, and repeats the last one as often as it is wanted. Returns `None` if the
     /// person left.
-    fn last_may_be_repeated(&mut self, mut runs: Vec<Run>) -> Result<Option<Vec<Run>>, Failure> {
+    fn last_may_be_repeated(
+        &mut self,
+        mut runs: Vec<CalibrationRun>,
+    ) -> Result<Option<Vec<CalibrationRun>>, Failure> {
         let all = runs.len();
         while let Some(last) = runs.last() {
             say("enter keeps the calibration; redo repeats the last run; quit keeps the readings alone: ");
@@ -259,7 +297,11 @@ impl Guide<'_, '_> {
     }
 
     /// Makes the runs that are not on record yet. Returns `None` if the person left.
-    fn rest_of(&mut self, planned: &PlannedRuns, mut runs: Vec<Run>) -> Result<Option<Vec<Run>>, Failure> {
+    fn rest_of(
+        &mut self,
+        planned: &PlannedRuns,
+        mut runs: Vec<CalibrationRun>,
+    ) -> Result<Option<Vec<CalibrationRun>>, Failure> {
         let all = planned.speeds_rpm.len();
         for speed_rpm in planned.speeds_rpm.iter().skip(runs.len()) {
             let title = format!("run {} of {all}, {} r/min", runs.len() + 1, short(*speed_rpm));
@@ -272,25 +314,31 @@ impl Guide<'_, '_> {
 
     fn prepare(&mut self, speed_rpm: f64) -> Result<Prepared, Failure> {
         let volume_ml = f64::from(self.pitches) * self.bench.model().outlet_curve().pitch_ml();
-        Ok(self.session.prepare(DoseRequest {
+        let prepared = self.session.prepare(DoseRequest {
             purpose: Purpose::Calibrate,
             cruise: Some(Cruise::Speed { rad_s: rad_s(speed_rpm) }),
             ..DoseRequest::dose(volume_ml)
-        })?)
+        });
+        Ok(noted(&mut self.session, prepared)?)
     }
 
     /// Makes a run until there is a reading of it that can be right. Returns `None` if the person left.
-    fn weighed(&mut self, speed_rpm: f64, number: usize, title: &str) -> Result<Option<Run>, Failure> {
+    fn weighed(
+        &mut self,
+        speed_rpm: f64,
+        number: usize,
+        title: &str,
+    ) -> Result<Option<CalibrationRun>, Failure> {
         loop {
             say(&format!("{title}: moving\n"));
             let prepared = self.prepare(speed_rpm)?;
             let (delivered, signal) =
                 deliver(self.bench, &mut self.session, &prepared, &self.interrupt, self.json)?;
             if !delivered.completed {
-                return Err(Failure::stopped(signal.unwrap_or(0), "stopped by the user in a run"));
+                return Err(Failure::stopped(signal.unwrap_or(0), true, "stopped by the user in a run"));
             }
             let plan = &prepared.plan;
-            let known = plan.start.is_known(self.bench.model().pitch_rad());
+            let known = plan.start().is_known(self.bench.model().pitch_rad());
             loop {
                 let answer = self.answers.reading(title, &mut self.session, &self.interrupt)?;
                 let reading = match answer {
@@ -298,10 +346,10 @@ impl Guide<'_, '_> {
                     Answer::Redo => break,
                     Answer::Quit => return Ok(None),
                 };
-                let run = Run {
+                let run = CalibrationRun {
                     speed_rpm,
-                    start_angle_deg: known.then_some(degrees(plan.start.angle_rad)),
-                    turned_deg: degrees(plan.steps as f64 * plan.step_rad),
+                    start_angle_deg: known.then_some(degrees(plan.start().angle_rad())),
+                    turned_deg: degrees(plan.steps() as f64 * plan.step_rad()),
                     reading,
                     temperature_degc: self.temperature_degc,
                     time: Some(now_utc()),
@@ -317,10 +365,11 @@ impl Guide<'_, '_> {
 }
 
 /// Returns the failure to put a reading on record. It names the reading, so that it is not lost.
-fn unrecorded(error: CalibrationError, run: &Run) -> Failure {
+fn unrecorded(error: CalibrationError, run: &CalibrationRun) -> Failure {
     let reading = match run.reading {
         Reading::MassG(mass_g) => format!("{mass_g}g"),
         Reading::VolumeMl(volume_ml) => format!("{volume_ml}mL"),
     };
-    Failure::fault(format!("{error}; the reading {reading} of this run is not on record: note it down"))
+    let message = format!("{error}; the reading {reading} of this run is not on record: note it down");
+    Failure::fault(ErrorKind::Record, message)
 }

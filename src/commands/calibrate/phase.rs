@@ -33,6 +33,7 @@ pub(super) struct PhaseArgs {
 
 impl PhaseArgs {
     pub(super) fn run(&self) -> Result<(), Failure> {
+        self.reading.check()?;
         let mut file = self.record.pump.file()?;
         self.fluid.change(&mut file)?;
         let bench = self.record.bench_of(file, None)?;
@@ -40,7 +41,7 @@ impl PhaseArgs {
         let doses = in_table(&self.from, doses)?;
         let _held = bench.folder().lock()?;
         let before = bench.calibrations().active()?.map(|active| active.calibration);
-        let expected = self.reading.expected(&bench)?;
+        let expected = self.reading.expected(&bench);
         let (mut calibration, found) =
             Calibration::of_short_doses(bench.file(), doses, &expected, before.as_ref())?;
         calibration.tube = self.reading.tube.clone().or(calibration.tube);

@@ -5,7 +5,10 @@ use std::path::Path;
 use clap::Args;
 use pump_bench::Bench;
 use pump_bench::calibration::{CalibrationError, Expected};
+use pump_bench::files::{MOST_TABLE_BYTES, read_text};
+use pump_bench::report::ErrorKind;
 use pump_bench::units::{self, Amount};
+use pump_model::Shown;
 
 use crate::failure::Failure;
 
@@ -24,25 +27,41 @@ pub(super) struct ReadingOptions {
     pub(super) note: Option<String>,
 }
 
+/// Largest uncertainty of a reading, g or mL: more is a mistake in the unit.
+const MOST_SCALE: f64 = 1000.0;
+
 impl ReadingOptions {
+    /// Refuses an uncertainty that cannot be meant, before anything is weighed.
+    pub(super) fn check(&self) -> Result<(), Failure> {
+        let (value, unit) = match self.scale {
+            None => return Ok(()),
+            Some(Amount::Mass(mass_g)) => (mass_g, "g"),
+            Some(Amount::Volume(volume_ml)) => (volume_ml, "mL"),
+        };
+        if value > 0.0 && value <= MOST_SCALE {
+            return Ok(());
+        }
+        let value = format!("{} {unit}", Shown(value));
+        let allowed = format!("more than 0 {unit}, {MOST_SCALE} {unit} at most");
+        let message =
+            format!("--scale is {value}; allowed: {allowed}; write how unsure a reading is, as 0.01g");
+        Err(Failure::refused(message).kind(ErrorKind::Range).value(value).allowed(allowed))
+    }
+
     /// The scatter that is expected of the readings of a bench.
-    pub(super) fn expected(&self, bench: &Bench) -> Result<Expected, Failure> {
+    pub(super) fn expected(&self, bench: &Bench) -> Expected {
         let file = bench.file();
         let reading_ml = self.scale.map_or(0.0, |scale| scale.volume_ml(file.fluid.density_kg_m3));
-        if reading_ml < 0.0 {
-            return Err(Failure::refused("--scale is negative; write how unsure a reading is, as 0.01g"));
-        }
-        Ok(Expected::of(file, reading_ml))
+        Expected::of(file, reading_ml)
     }
 }
 
 /// Reads a table that a person wrote.
 pub(super) fn read(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path)
-        .map_err(|error| Failure::refused(format!("cannot read {}: {error}", path.display())))
+    read_text(path, MOST_TABLE_BYTES).map_err(|error| Failure::unread(path, &error))
 }
 
 /// Says in which table an error is.
 pub(super) fn in_table<T>(path: &Path, found: Result<T, CalibrationError>) -> Result<T, Failure> {
-    found.map_err(|error| Failure::refused(format!("{}: {error}", path.display())))
+    found.map_err(|error| Failure::of(error).after(&format!("{}: ", path.display())))
 }

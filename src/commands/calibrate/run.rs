@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pump_bench::Bench;
-use pump_bench::calibration::{Calibration, Fit, Run, RunLog, Source, Stored, runs_of_csv};
-use pump_bench::report::{calibration_json, calibration_text};
+use pump_bench::calibration::{Calibration, CalibrationRun, Fit, RunLog, Source, Stored, runs_of_csv};
+use pump_bench::report::{ErrorKind, calibration_json, calibration_text};
 use pump_bench::units;
 
-use super::guided::{self, Course, Weighed, kept};
+use super::guided::{self, GuidedCourse, Weighed, kept};
 use super::reading::{ReadingOptions, in_table, read};
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
@@ -26,7 +26,7 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "line|speed-law", default_value_t = Fit::Line, hide_default_value = true)]
     #[arg(value_parser = choice(&[
         (Fit::Line, "A straight line over the speed"),
-        (Fit::SpeedLaw, "s and D of the speed law"),
+        (Fit::Law, "s and D of the speed law"),
     ]))]
     fit: Fit,
     /// Speeds of the guided runs, as 20rpm,60rpm,100rpm [default: three, from half the default rate to the limit]
@@ -58,11 +58,12 @@ pub(super) struct RunArgs {
 
 impl RunArgs {
     pub(super) fn run(&self) -> Result<(), Failure> {
+        self.reading.check()?;
         let mut file = self.bench.pump.file()?;
         self.fluid.change(&mut file)?;
         let bench = self.bench.bench_of(file)?;
         let Some(path) = &self.from else {
-            let course = Course {
+            let course = GuidedCourse {
                 speeds_rad_s: self.speeds.clone(),
                 each: self.runs,
                 pitches: self.pitches,
@@ -73,7 +74,7 @@ impl RunArgs {
             };
             return match guided::runs(&bench, &course)? {
                 Some(weighed) => self.guided(&bench, weighed),
-                None => tell(&format!("doses go on as before; {}\n", kept(&bench)?)),
+                None => tell(&format!("doses go on as before; {}\n", kept(&bench))),
             };
         };
         let steps_per_rev = bench.file().limits().motor.steps_per_rev;
@@ -89,20 +90,24 @@ impl RunArgs {
             Ok(stored) => stored,
             Err(failure) => {
                 let failure = if has_moved { failure.after_motion() } else { failure };
-                return Err(failure.with(&format!("; {}", kept(bench)?)));
+                return Err(failure.with(&format!("; {}", kept(bench))));
             }
         };
         RunLog::of(bench.folder()).end().map_err(|error| {
-            Failure::fault(format!("calibration {} is kept and in use, but {error}", stored.version))
+            let failure = Failure::failed(
+                ErrorKind::Record,
+                format!("calibration {} is kept and in use, but {error}", stored.version),
+            );
+            if has_moved { failure.after_motion() } else { failure }
         })?;
         self.report(bench, &stored)
     }
 
     /// Fits the runs and has doses use what they show.
-    fn keep(&self, bench: &Bench, source: Source, runs: Vec<Run>) -> Result<Stored, Failure> {
+    fn keep(&self, bench: &Bench, source: Source, runs: Vec<CalibrationRun>) -> Result<Stored, Failure> {
         let _held = bench.folder().lock()?;
         let before = bench.calibrations().active()?.map(|active| active.calibration);
-        let expected = self.reading.expected(bench)?;
+        let expected = self.reading.expected(bench);
         let mut calibration =
             Calibration::of_runs(bench.file(), source, runs, self.fit, &expected, before.as_ref())?;
         calibration.tube = self.reading.tube.clone();
@@ -112,7 +117,7 @@ impl RunArgs {
 
     fn report(&self, bench: &Bench, stored: &Stored) -> Result<(), Failure> {
         if self.format.json() {
-            print(&calibration_json(stored))
+            print(&calibration_json(bench, stored)?)
         } else {
             tell(&calibration_text(bench, stored)?)
         }

@@ -24,6 +24,7 @@ impl UseArgs {
                 Failure::refused(format!(
                     "`{number}` is no calibration; write its number from `dose calibrate list`, or none"
                 ))
+                .value(number)
             })?),
         };
         let _held = bench.folder().lock()?;

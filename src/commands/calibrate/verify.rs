@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use pump_bench::calibration::{Tolerance, Verification, Weighing, readings_of_csv};
+use pump_bench::report::ErrorKind;
 use pump_bench::units::{self, Amount};
-use pump_bench::{Bench, DoseRequest};
+use pump_bench::{Bench, DoseRequest, Session};
 
 use super::answers::{Answer, Answers, volume_ml};
 use super::reading::{in_table, read};
@@ -16,7 +17,7 @@ use crate::options::bench::BenchOptions;
 use crate::options::fluid::FluidOptions;
 use crate::options::report::FormatOption;
 use crate::options::speed::CruiseOptions;
-use crate::terminal::{print, say, tell};
+use crate::terminal::{noted, print, say, tell};
 
 /// Doses that ISO 8655-6 asks for.
 const DOSES: u32 = 10;
@@ -59,27 +60,35 @@ impl VerifyArgs {
             return Err(Failure::refused("--volume is negative; verify forward doses"));
         }
         let tolerance = self.tolerance(nominal_ml)?;
-        let volumes_ml = match &self.from {
-            Some(path) => in_table(path, readings_of_csv(&read(path)?, &Weighing::of(bench.file())))?,
-            None => match self
-                .doses(&bench, nominal_ml)
-                .map_err(|failure| failure.with("; nothing is kept of the readings"))?
-            {
-                Some(volumes_ml) => volumes_ml,
-                None => return tell("nothing was verified\n"),
-            },
+        if let Some(path) = &self.from {
+            let volumes_ml = in_table(path, readings_of_csv(&read(path)?, &Weighing::of(bench.file())))?;
+            return self.judge(Verification::of(nominal_ml, volumes_ml, tolerance)?);
+        }
+        let mut session = bench.session()?;
+        let verified = match self.doses(&bench, &mut session, nominal_ml) {
+            Ok(Some(volumes_ml)) => Verification::of(nominal_ml, volumes_ml, tolerance)
+                .map_err(Failure::from)
+                .and_then(|found| self.judge(found)),
+            Ok(None) => tell("nothing was verified\n"),
+            Err(failure) => Err(failure.with("; nothing is kept of the readings")),
         };
-        let found = Verification::of(nominal_ml, volumes_ml, tolerance)?;
+        verified.map_err(|failure| failure.of_session(&session))
+    }
+
+    /// Reports the errors of the doses. Errors beyond the tolerance are a failure.
+    fn judge(&self, found: Verification) -> Result<(), Failure> {
         if self.format.json() {
             print(&(found.json() + "\n"))?;
         } else {
             tell(&found.text())?;
         }
         if found.passed {
-            Ok(())
-        } else {
-            Err(Failure::fault("the doses are not within their tolerance; calibrate, `dose calibrate run`"))
+            return Ok(());
         }
+        Err(Failure::failed(
+            ErrorKind::Tolerance,
+            "the doses are not within their tolerance; calibrate, `dose calibrate run`",
+        ))
     }
 
     fn tolerance(&self, nominal_ml: f64) -> Result<Tolerance, Failure> {
@@ -99,9 +108,13 @@ impl VerifyArgs {
     }
 
     /// Makes the doses and asks for what arrived, mL. None if the person left.
-    fn doses(&self, bench: &Bench, nominal_ml: f64) -> Result<Option<Vec<f64>>, Failure> {
+    fn doses(
+        &self,
+        bench: &Bench,
+        session: &mut Session<'_>,
+        nominal_ml: f64,
+    ) -> Result<Option<Vec<f64>>, Failure> {
         let (answers, interrupt) = (Answers::new(), Interrupt::watch()?);
-        let mut session = bench.session()?;
         let all = self.runs.unwrap_or(DOSES);
         let request = DoseRequest { cruise: self.cruise.cruise()?, ..DoseRequest::dose(nominal_ml) };
         let weighing = Weighing::of(bench.file());
@@ -110,17 +123,23 @@ impl VerifyArgs {
         while volumes_ml.len() < all as usize {
             let title = format!("dose {} of {all}", volumes_ml.len() + 1);
             say(&format!("{title}: moving\n"));
-            let prepared = session.prepare(request)?;
+            let prepared = session.prepare(request);
+            let prepared = noted(session, prepared)?;
             let json = self.format.json();
-            let (delivered, signal) = deliver(bench, &mut session, &prepared, &interrupt, json)?;
+            let (delivered, signal) = deliver(bench, session, &prepared, &interrupt, json)?;
             if !delivered.completed {
                 return Err(Failure::stopped(
                     signal.unwrap_or(0),
+                    true,
                     "stopped by the user in a dose; `dose resume` makes the rest, `dose discard` leaves it",
                 ));
             }
-            match answers.reading(&title, &mut session, &interrupt)? {
-                Answer::Read(reading) => volumes_ml.push(volume_ml(reading, &weighing, degc)?),
+            match answers.reading(&title, session, &interrupt)? {
+                Answer::Read(reading) => {
+                    // The carry that a dose repays or leaves is no error of the pump.
+                    let carried_ml = prepared.plan.planned_ml() - nominal_ml;
+                    volumes_ml.push(volume_ml(reading, &weighing, degc)? - carried_ml);
+                }
                 Answer::Redo => {}
                 Answer::Quit => return Ok(None),
             }

@@ -3,13 +3,14 @@
 use std::io::{self, IsTerminal, Write};
 
 use console::{Key, Term};
-use pump_bench::report::{carry_dropped_text, rotor_text};
+use pump_bench::report::{ErrorKind, carry_dropped_text, rotor_text};
 use pump_bench::{Bench, Session};
-use pump_model::math::{degrees, rad_s, radians};
+use pump_model::units::{degrees, rad_s, radians};
+use signal_hook::consts::SIGINT;
 
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::{announce, print, tell, warn};
+use crate::terminal::{announce, noted, print, tell, warn};
 
 /// Angle to which two painted lines can be seen to meet, deg: half a millimetre on a rotor of 60 mm radius.
 const TOLERANCE_DEG: f64 = 0.5;
@@ -37,7 +38,7 @@ fn wish(key: &Key) -> Wish {
         Key::ArrowDown => Wish::Finer,
         Key::ArrowUp => Wish::Coarser,
         Key::Enter => Wish::Meets,
-        Key::Escape | Key::Char('q' | 'Q') | Key::CtrlC => Wish::Leave,
+        Key::Escape | Key::Char('q' | 'Q') => Wish::Leave,
         _ => Wish::Nothing,
     }
 }
@@ -50,7 +51,8 @@ pub(super) fn mark(
     let tolerance_rad = tolerance_rad.unwrap_or(radians(TOLERANCE_DEG));
     if tolerance_rad < 0.0 {
         let degrees = degrees(tolerance_rad);
-        return Err(Failure::refused(format!("--mark-tolerance is {degrees} deg; allowed: 0deg or more")));
+        let refused = Failure::refused(format!("--mark-tolerance is {degrees} deg; allowed: 0deg or more"));
+        return Err(refused.kind(ErrorKind::Range).value(format!("{degrees} deg")).allowed("0deg or more"));
     }
     let bench = bench()?;
     let mut session = bench.session()?;
@@ -61,7 +63,8 @@ pub(super) fn mark(
              stand with `dose home --set <ANGLE>`",
         ));
     }
-    session.connect()?;
+    let connected = session.connect();
+    noted(&mut session, connected)?;
     warn(&session.notes());
     let carry_ml = session.owed_ml();
     announce(&bench, false)?;
@@ -69,11 +72,26 @@ pub(super) fn mark(
         "Turn the rotor until its mark meets the housing's (at {mark_deg:.2}°); the pump pumps as it turns.\n  \
          → ←    forward, back\n  ↑ ↓    coarser, finer\n  Enter  the marks meet\n  q      leave it\n"
     ))?;
-    let Some(step_deg) = turn_to_mark(&mut session)? else {
+    let turned = turn_to_mark(&mut session);
+    warn(&session.notes());
+    let set = turned.and_then(|step_deg| set_at(&bench, &mut session, step_deg, tolerance_rad, carry_ml));
+    set.map_err(|failure| failure.of_session(&session))
+}
+
+/// Records that the marks meet, to a key's step and the tolerance. Without a step the person left.
+fn set_at(
+    bench: &Bench,
+    session: &mut Session<'_>,
+    step_deg: Option<f64>,
+    tolerance_rad: f64,
+    carry_ml: f64,
+) -> Result<(), Failure> {
+    let Some(step_deg) = step_deg else {
         return print("nothing was set; the turns are on record\n");
     };
-    let state = session.set_at_mark(radians(0.5 * step_deg) + tolerance_rad)?;
-    tell(&format!("{}{}", rotor_text(&bench, &state), carry_dropped_text(carry_ml)))
+    let set = session.set_at_mark(radians(0.5 * step_deg) + tolerance_rad);
+    let state = noted(session, set)?;
+    tell(&format!("{}{}", rotor_text(bench, &state), carry_dropped_text(carry_ml - state.carry_ml)))
 }
 
 /// Obeys keys until the marks meet. Returns the step at that moment, deg; none if the person left.
@@ -84,9 +102,15 @@ fn turn_to_mark(session: &mut Session<'_>) -> Result<Option<f64>, Failure> {
     loop {
         let step_deg = STEPS_DEG[size];
         say(&format!("\r  a key turns by {step_deg}°    "))?;
-        let key = match terminal.read_key_raw() {
+        let key = terminal.read_key_raw();
+        // A signal ends the wait for a key, too; the key Ctrl-C is the signal of a terminal that hands its keys on.
+        let pressed = matches!(key, Ok(Key::CtrlC)).then_some(SIGINT);
+        if let Some(signal) = interrupt.signal().or(pressed) {
+            return Err(left(session, signal));
+        }
+        let key = match key {
             Ok(key) => key,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => Key::CtrlC,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
             Err(error) => return Err(Failure::refused(format!("the keys cannot be read: {error}"))),
         };
         match wish(&key) {
@@ -103,10 +127,15 @@ fn turn_to_mark(session: &mut Session<'_>) -> Result<Option<f64>, Failure> {
             Wish::Nothing => {}
         }
         if let Some(signal) = interrupt.signal() {
-            say("\n")?;
-            return Err(Failure::stopped(signal, "stopped by the user; the turns are on record"));
+            return Err(left(session, signal));
         }
     }
+}
+
+/// The end by a signal. The terminal may be gone, so that nothing more is said there than the error.
+fn left(session: &Session<'_>, signal: i32) -> Failure {
+    let _ = say("\n");
+    Failure::stopped(signal, session.has_moved(), "stopped by the user; the turns are on record")
 }
 
 /// To the person at the keys.

@@ -31,13 +31,16 @@ pub(crate) struct HomeArgs {
     /// Say that nobody knows the angle: the rotor was turned by hand
     #[arg(long)]
     unknown: bool,
+    /// Find the angle while a dose is unfinished: the dose and its carry stay on record
+    #[arg(long)]
+    unfinished: bool,
     #[command(flatten)]
     bench: BenchOptions,
 }
 
 impl HomeArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let bench = || self.bench.bench();
+        let bench = || Ok(self.bench.bench()?.homing_unfinished(self.unfinished));
         if self.mark {
             mark::mark(self.mark_tolerance, bench)
         } else if self.sensor {

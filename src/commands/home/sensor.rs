@@ -7,13 +7,14 @@ use pump_bench::report::{carry_dropped_text, rotor_text};
 
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::{announce, tell, warn};
+use crate::terminal::{announce, noted, tell, warn};
 
 /// Finds the angle by the index sensor.
 pub(super) fn sensor(yes: bool, bench: &Bench) -> Result<(), Failure> {
     let mut session = bench.session()?;
     let carry_ml = session.owed_ml();
-    session.index_rad()?;
+    let index_rad = session.index_rad();
+    noted(&mut session, index_rad)?;
     warn(&session.notes());
     if !yes {
         let most_ml = bench.model().revolution_ml();
@@ -21,10 +22,17 @@ pub(super) fn sensor(yes: bool, bench: &Bench) -> Result<(), Failure> {
     }
     announce(bench, false)?;
     let interrupt = Interrupt::watch()?;
-    match session.seek_index(|_| interrupt.flow())? {
-        Some(state) => tell(&format!("{}{}", rotor_text(bench, &state), carry_dropped_text(carry_ml))),
+    let sought = session.seek_index(|_| interrupt.flow());
+    warn(&session.notes());
+    match sought.map_err(|error| Failure::from(error).of_session(&session))? {
+        Some(state) => {
+            let dropped = carry_dropped_text(carry_ml - state.carry_ml);
+            let told = tell(&format!("{}{dropped}", rotor_text(bench, &state)));
+            told.map_err(|failure| failure.of_session(&session))
+        }
         None => Err(Failure::stopped(
             interrupt.signal().unwrap_or(0),
+            session.has_moved(),
             "stopped by the user before the sensor answered; the rotor is where the record says",
         )),
     }

@@ -1,7 +1,7 @@
 //! `dose home --set` and `--unknown`: a person says where the rollers stand.
 
+use pump_bench::AngleSet;
 use pump_bench::Bench;
-use pump_bench::bench::AngleSet;
 use pump_bench::report::{carry_dropped_text, rotor_text};
 use pump_ctl::plan::Phase;
 

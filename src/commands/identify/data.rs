@@ -1,19 +1,19 @@
 //! The data of an identification, and what it writes.
 
-use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use pump_bench::PumpFile;
-use pump_bench::export::{Axes, Fitted, fit_plot};
-use pump_bench::files::TableError;
+use pump_bench::export::{Axes, Fitted, fit_svg};
+use pump_bench::files::{MOST_TABLE_BYTES, TableError, read_text};
 use pump_bench::identification::Identified;
+use pump_bench::report::Explain;
 use pump_model::{Port, Pump};
 
 use crate::failure::Failure;
-use crate::options::files::{PlotOption, differ};
-use crate::options::pump::PumpOption;
+use crate::options::files::{Files, PlotOption};
+use crate::options::pump::{ForeignRecord, PumpOption};
 use crate::options::report::FormatOption;
 use crate::outputs::Outputs;
 use crate::terminal::{print, tell};
@@ -30,6 +30,8 @@ pub(super) struct DataArgs {
     pub(super) format: FormatOption,
     #[command(flatten)]
     pub(super) plot: PlotOption,
+    #[command(flatten)]
+    record: ForeignRecord,
 }
 
 /// The line whose constants are sought.
@@ -52,22 +54,24 @@ fn line_named() -> impl TypedValueParser<Value = Port> {
 impl DataArgs {
     /// The pump file that is named and its model, once the outputs are known to be files of their own.
     pub(super) fn pump(&self) -> Result<(PumpFile, Pump), Failure> {
-        differ(&[self.plot.plot.as_deref()])?;
+        let outputs = [("--plot", self.plot.plot.as_deref())];
+        let inputs = [Some(self.data.as_path()), self.pump.path()];
+        Files { outputs: &outputs, inputs: &inputs, state_dir: self.record.folder() }.check()?;
         let file = self.pump.file()?;
-        let pump = file.model().map_err(Failure::refused)?;
+        let pump = file.model().map_err(Failure::of)?;
         Ok((file, pump))
     }
 
     /// Reads the table; what is wrong in it is said with file and line.
     pub(super) fn read<T>(&self, table: impl FnOnce(&str) -> Result<T, TableError>) -> Result<T, Failure> {
-        let shown = self.data.display();
-        let text = fs::read_to_string(&self.data)
-            .map_err(|error| Failure::refused(format!("cannot read {shown}: {error}")))?;
+        let text =
+            read_text(&self.data, MOST_TABLE_BYTES).map_err(|error| Failure::unread(&self.data, &error))?;
         table(&text).map_err(|error| self.in_table(error))
     }
 
-    pub(super) fn in_table(&self, error: impl std::fmt::Display) -> Failure {
-        Failure::refused(format!("{}: {error}", self.data.display()))
+    /// Says in which table an error is.
+    pub(super) fn in_table(&self, error: impl Explain) -> Failure {
+        Failure::of(error).after(&format!("{}: ", self.data.display()))
     }
 }
 
@@ -88,7 +92,7 @@ pub(super) fn plot(
     points: &[Fitted],
 ) -> Result<(), Failure> {
     match &data.plot.plot {
-        Some(path) => outputs.drawing(path, fit_plot::svg(title, axes, points)),
+        Some(path) => outputs.drawing(path, fit_svg(title, axes, points)),
         None => Ok(()),
     }
 }

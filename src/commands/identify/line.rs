@@ -1,18 +1,20 @@
 //! `dose identify line`: R, C and L from pressure waveforms.
 
 use clap::{Args, ValueEnum};
+use pump_bench::displacement::SpeedDependentPump;
 use pump_bench::export::Axes;
+use pump_bench::files::TableError;
 use pump_bench::identification::{self, Turning, identified_line, waveforms_of_csv};
 use pump_bench::{PumpFile, units};
 use pump_ctl::plan::Cruise;
+use pump_model::Port;
 use pump_model::identification::Sought;
-use pump_model::{Port, Pump};
 
 use super::data::{DataArgs, plot};
 use crate::failure::Failure;
 use crate::options::speed::{ReverseOption, SpeedOptions, StartAngleOption};
 use crate::outputs::Outputs;
-use crate::terminal::{print, tell};
+use crate::terminal::{print, tell, waiting};
 
 #[derive(Debug, Args)]
 pub(super) struct LineArgs {
@@ -24,7 +26,7 @@ pub(super) struct LineArgs {
     start_angle: StartAngleOption,
     /// Start of the motion: ramp, step or steady
     #[arg(long, value_name = "ramp|step|steady", default_value = "ramp")]
-    begin: Begin,
+    begin: BeginOption,
     /// When it began to turn, in the time of the table, as 0.2s [default: 0s]
     #[arg(long, value_name = "TIME", value_parser = units::time_s)]
     start_time: Option<f64>,
@@ -39,7 +41,7 @@ pub(super) struct LineArgs {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Begin {
+enum BeginOption {
     /// It started from rest with the pump file's acceleration
     Ramp,
     /// It started from rest at full speed, as `dose simulate` does
@@ -64,16 +66,20 @@ enum Hold {
 impl LineArgs {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let (file, pump) = self.data.pump()?;
-        let speed_rad_s = self.speed_rad_s(&file, &pump)?;
-        let pump = file.pump_at(&pump, speed_rad_s).map_err(Failure::refused)?;
-        if self.begin == Begin::Steady && self.start_time.is_some() {
+        let law = file.displacement_law().map_err(Failure::of)?;
+        let pump = SpeedDependentPump::new(pump, law);
+        let speed_rad_s = self.speed_rad_s(&pump)?;
+        let pump = pump.at(speed_rad_s).map_err(Failure::of)?;
+        if self.begin == BeginOption::Steady && self.start_time.is_some() {
             return Err(Failure::refused("--start-time means nothing to a steady record; leave it out"));
         }
         let waveforms = self.data.read(waveforms_of_csv)?;
         let ports = [(Port::Inlet, &waveforms.inlet), (Port::Outlet, &waveforms.outlet)];
         let ports: Vec<_> = ports.into_iter().filter(|(_, samples)| !samples.is_empty()).collect();
         if ports.is_empty() {
-            return Err(self.data.in_table("there are no rows under the header"));
+            return Err(self
+                .data
+                .in_table(TableError { line: 1, message: "there are no rows under the header".to_owned() }));
         }
         if ports.len() > 1 && self.data.plot.plot.is_some() {
             return Err(Failure::refused(
@@ -85,8 +91,10 @@ impl LineArgs {
         let mut outputs = Outputs::default();
         let mut texts = Vec::new();
         for (port, samples) in ports {
-            let found = identified_line(&pump, port, samples, &turning, sought)
-                .map_err(|error| self.data.in_table(error))?;
+            let waiting = waiting(&format!("fitting the {} line to {} samples", port.name(), samples.len()));
+            let found = identified_line(&pump, port, samples, &turning, sought);
+            waiting.finish_and_clear();
+            let found = found.map_err(|error| self.data.in_table(error))?;
             let axes = Axes { x: "time, s", y: "pressure, kPa absolute", left: "measured less fitted, kPa" };
             plot(&mut outputs, &self.data, &found.headline, axes, &found.points)?;
             texts.push(if json { found.json() } else { found.text() });
@@ -96,10 +104,10 @@ impl LineArgs {
     }
 
     /// The speed that the rotor had, rad/s, negative in reverse.
-    fn speed_rad_s(&self, file: &PumpFile, pump: &Pump) -> Result<f64, Failure> {
+    fn speed_rad_s(&self, pump: &SpeedDependentPump) -> Result<f64, Failure> {
         let speed_rad_s = match self.speed.cruise()? {
             Some(Cruise::Speed { rad_s }) => rad_s,
-            Some(Cruise::Flow { ml_s }) => file.speed_for_flow(pump, ml_s).map_err(Failure::refused)?,
+            Some(Cruise::Flow { ml_s }) => pump.speed_for_flow(ml_s).map_err(Failure::of)?,
             _ => {
                 return Err(Failure::refused("how fast did it turn? Add --speed 100rpm or --rate 10mL/s"));
             }
@@ -109,12 +117,12 @@ impl LineArgs {
 
     fn turning(&self, file: &PumpFile, speed_rad_s: f64) -> Turning {
         let begin = match self.begin {
-            Begin::Ramp => {
+            BeginOption::Ramp => {
                 let acceleration_rad_s2 = file.limits().motor.max_acceleration_rad_s2;
                 identification::Begin::Ramp { acceleration_rad_s2 }
             }
-            Begin::Step => identification::Begin::Step,
-            Begin::Steady => identification::Begin::Steady,
+            BeginOption::Step => identification::Begin::Step,
+            BeginOption::Steady => identification::Begin::Steady,
         };
         Turning {
             begin,
@@ -125,13 +133,12 @@ impl LineArgs {
     }
 
     fn sought(&self) -> Sought {
-        Sought {
-            resistance: !self.hold.contains(&Hold::Resistance),
-            compliance: !self.hold.contains(&Hold::Compliance),
-            inertance: !self.hold.contains(&Hold::Inertance),
-            angle: self.start_angle.start_angle.is_none(),
-            start: self.also.contains(&Also::Start),
-            pressure: self.also.contains(&Also::Reservoir),
-        }
+        Sought::new()
+            .with_resistance(!self.hold.contains(&Hold::Resistance))
+            .with_compliance(!self.hold.contains(&Hold::Compliance))
+            .with_inertance(!self.hold.contains(&Hold::Inertance))
+            .with_angle(self.start_angle.start_angle.is_none())
+            .with_start(self.also.contains(&Also::Start))
+            .with_pressure(self.also.contains(&Also::Reservoir))
     }
 }

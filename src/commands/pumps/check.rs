@@ -25,7 +25,9 @@ impl CheckArgs {
                 "{name} is built in; `dose pumps show {name}` prints its file"
             )));
         }
-        let file = PumpFile::read(file).map_err(Failure::refused)?;
-        tell(&pump_check(&file).map_err(Failure::refused)?)
+        let origin = file.display().to_string();
+        let file = PumpFile::read(file).map_err(Failure::of)?;
+        file.check_port(&origin).map_err(Failure::of)?;
+        tell(&pump_check(&file).map_err(Failure::of)?)
     }
 }

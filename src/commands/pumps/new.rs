@@ -1,21 +1,21 @@
 //! `dose pumps new`: a pump file from a drawing.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use pump_bench::catalogue::{DrawnPump, RollerRuns};
-use pump_bench::export::Axes;
-use pump_bench::export::fit_plot;
-use pump_bench::files::Staged;
-use pump_bench::pump_file::{Fit, PumpFile, RollerVolumeTable};
+use pump_bench::export::{Axes, fit_svg};
+use pump_bench::files::{MOST_TABLE_BYTES, Staged, read_text};
+use pump_bench::pump_file::{CurveFit, PumpFile, RollerVolumeTable};
+use pump_bench::report::ErrorKind;
 use pump_bench::units;
 use pump_bench::units::TubeSize;
 use pump_model::{Geometry, ModelError};
 
 use crate::failure::Failure;
 use crate::options::choice::choice;
-use crate::options::files::PlotOption;
+use crate::options::files::{Files, PlotOption};
+use crate::options::pump::ForeignRecord;
 use crate::outputs::Outputs;
 use crate::terminal::{print, tell};
 
@@ -50,17 +50,19 @@ pub(crate) struct NewArgs {
     #[arg(long, value_name = "FILE.csv")]
     roller_volume_points: Option<PathBuf>,
     /// Curve through these points
-    #[arg(long, value_name = "quintic|spline", default_value_t = Fit::Quintic, requires = "roller_volume_points")]
+    #[arg(long, value_name = "quintic|spline", default_value_t = CurveFit::Quintic, requires = "roller_volume_points")]
     #[arg(value_parser = choice(&[
-        (Fit::Quintic, "Least squares of 5th order, as McIntyre et al."),
-        (Fit::Spline, "A rising spline through the mean of each angle: a flow without jumps"),
+        (CurveFit::Quintic, "Least squares of 5th order, as McIntyre et al."),
+        (CurveFit::Spline, "A rising spline through the mean of each angle: a flow without jumps"),
     ]))]
-    fit: Fit,
+    fit: CurveFit,
     /// File to write; it must not exist yet [default: standard output]
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     #[command(flatten)]
     plot: PlotOption,
+    #[command(flatten)]
+    record: ForeignRecord,
 }
 
 impl NewArgs {
@@ -77,6 +79,9 @@ impl NewArgs {
 
     /// Writes the file, or refuses a pump that cannot work.
     pub(super) fn run(&self) -> Result<(), Failure> {
+        let outputs = [("FILE", self.file.as_deref()), ("--plot", self.plot.plot.as_deref())];
+        let inputs = [self.roller_volume_points.as_deref()];
+        Files { outputs: &outputs, inputs: &inputs, state_dir: self.record.folder() }.check()?;
         let geometry = self.geometry();
         let runs = self.roller_volume_points.as_deref().map(read_runs).transpose()?;
         let report = match &runs {
@@ -90,13 +95,13 @@ impl NewArgs {
             roller_volume: runs.as_ref().map_or(RollerVolumeTable::Drawing, |runs| runs.table(self.fit)),
         };
         let remarks: String = report.iter().map(|line| format!("# {line}\n")).collect();
-        let text = drawn.toml().map_err(Failure::refused)?.replacen(
+        let text = drawn.toml().map_err(Failure::of)?.replacen(
             "# Measured.\n",
             &format!("# Measured.\n{remarks}"),
             1,
         );
         // The file must be readable again, its id too.
-        PumpFile::parse(&text, "from this drawing").map_err(Failure::refused)?;
+        PumpFile::parse(&text, "from this drawing").map_err(Failure::of)?;
         let mut outputs = Outputs::default();
         self.draw(&mut outputs, &drawn.id, runs.as_ref())?;
         match &self.file {
@@ -133,23 +138,21 @@ impl NewArgs {
             Axes { x: "angle since first contact, °", y: "volume, mL", left: "measured less fitted, mL" };
         let fitted = runs.fitted(self.fit).map_err(|error| self.in_points(error))?;
         let title = format!("volume that a roller of {id} displaces");
-        outputs.drawing(path, fit_plot::svg(&title, axes, &fitted))
+        outputs.drawing(path, fit_svg(&title, axes, &fitted))
     }
 
     /// Says in which table of points an error is.
     fn in_points(&self, error: ModelError) -> Failure {
         match &self.roller_volume_points {
-            Some(path) => Failure::refused(format!("{}: {error}", path.display())),
-            None => Failure::refused(error),
+            Some(path) => Failure::of(error).after(&format!("{}: ", path.display())),
+            None => Failure::of(error),
         }
     }
 }
 
 fn read_runs(path: &Path) -> Result<RollerRuns, Failure> {
-    let shown = path.display();
-    let text = fs::read_to_string(path)
-        .map_err(|error| Failure::refused(format!("cannot read {shown}: {error}")))?;
-    RollerRuns::of_csv(&text).map_err(|error| Failure::refused(format!("{shown}: {error}")))
+    let text = read_text(path, MOST_TABLE_BYTES).map_err(|error| Failure::unread(path, &error))?;
+    RollerRuns::of_csv(&text).map_err(|error| Failure::of(error).after(&format!("{}: ", path.display())))
 }
 
 /// True for a letter that an id may hold.
@@ -160,12 +163,12 @@ fn may_be_in_id(letter: char) -> bool {
 fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
     let shown = path.display();
     if path.symlink_metadata().is_ok() {
-        return Err(Failure::refused(format!(
-            "{shown} is there already; name a new file, or remove it first"
-        )));
+        let refused =
+            Failure::refused(format!("{shown} is there already; name a new file, or remove it first"));
+        return Err(refused.kind(ErrorKind::Output).value(shown).allowed("a new file"));
     }
     Staged::new(path, |file| file.write_all(text.as_bytes()))
         .and_then(Staged::put)
-        .map_err(|error| Failure::refused(format!("cannot write {shown}: {error}")))?;
+        .map_err(|error| Failure::unwritten(path, &error))?;
     tell(&format!("{shown} is written; `dose pumps check {shown}` says what it gives\n"))
 }

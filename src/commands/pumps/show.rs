@@ -26,14 +26,10 @@ fn is_rust(word: &str) -> Result<(), &'static str> {
 
 impl ShowArgs {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let file = pump_named(&self.name).map_err(Failure::refused)?;
+        let file = pump_named(&self.name).map_err(Failure::of)?;
         match self.format {
             None => print(&file.to_toml()),
-            Some(()) if file.speed_law.standard().is_some() => Err(Failure::refused(
-                "firmware plans with one volume of a revolution, and this file has a speed law; write kind = \"none\" \
-                 into its [speed_law] for the firmware",
-            )),
-            Some(()) => print(&rust_source(&file).map_err(Failure::refused)?),
+            Some(()) => print(&rust_source(&file).map_err(Failure::of)?),
         }
     }
 }

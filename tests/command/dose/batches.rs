@@ -141,7 +141,7 @@ fn doses_that_come_due_while_one_runs_are_skipped_aloud_or_made_at_once() {
 #[test]
 fn a_batch_that_was_suspended_skips_what_it_slept_through() {
     let user = User::new();
-    let mut running = Running::start(&user, &["1mL", "--repeat", "4", "--every", "1500ms"]);
+    let mut running = Running::start(&user, &["5mL", "--repeat", "4", "--every", "1500ms"]);
     running.next_report();
     let first = Instant::now();
     running.signal("STOP");

@@ -68,6 +68,42 @@ fn unwritable_outputs_are_refused_before_anything_moves() {
 
 #[test]
 #[cfg(target_os = "linux")]
+fn a_file_that_does_not_fit_is_named_and_its_temporary_file_is_not() {
+    let user = User::new();
+    let script = "trap '' XFSZ; prlimit --fsize=20000 --pid $$; exec \"$@\"";
+    let mut command = user.command(&["25mL", "--dry-run", "--steps", "steps.csv"]);
+    let program = command.get_program().to_owned();
+    let envs: Vec<_> = command
+        .get_envs()
+        .map(|(name, value)| (name.to_owned(), value.unwrap_or_default().to_owned()))
+        .collect();
+    command = std::process::Command::new("bash");
+    command.args(["-c", script, "limited"]).arg(program).args(["25mL", "--dry-run", "--steps", "steps.csv"]);
+    let output = command.envs(envs).env_remove("DOSE_PUMP").current_dir(user.folder.path()).output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("cannot write steps.csv: File too large"), "{message}");
+    assert!(!message.contains(".dose-"), "{message}");
+}
+
+#[test]
+fn a_state_folder_that_is_named_by_a_relative_path_in_the_environment_is_ignored() {
+    let user = User::new();
+    let status = |state: &str| {
+        let mut command = user.command(&["status", "--format", "json"]);
+        command.env_remove("DOSE_STATE_DIR").env("HOME", user.path("home")).env("XDG_STATE_HOME", state);
+        let output = command.output().unwrap();
+        let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        report["folder"].as_str().unwrap().to_owned()
+    };
+    let home = user.path("home/.local/state/pump-dose/three-roller/sim").display().to_string();
+    assert_eq!(status("relative/folder"), home);
+    let absolute = user.path("xdg").display().to_string();
+    assert_eq!(status(&absolute), format!("{absolute}/pump-dose/three-roller/sim"));
+}
+
+#[test]
+#[cfg(target_os = "linux")]
 fn a_report_that_cannot_be_printed_does_not_hide_the_dose() {
     let user = User::new();
     let full = || fs::File::options().write(true).open("/dev/full").unwrap();

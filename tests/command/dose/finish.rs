@@ -61,3 +61,17 @@ fn what_is_carried_never_has_a_dose_run_the_other_way() {
     let more = user.json(&["10mL"]);
     assert!((number(&more, "planned_ml") - 10.0 - carry_ml).abs() < 2e-3, "{more}");
 }
+
+#[test]
+fn a_batch_of_which_a_dose_finds_no_end_at_low_flow_is_refused_before_its_first_dose() {
+    let user = User::new();
+    let batch = ["2mL", "--finish", "low-flow", "--repeat", "8"];
+    let refused = user.is_refused(&batch);
+    assert!(refused.contains("no end at low flow is nearer"), "{refused}");
+    assert!(refused.contains("this is dose 2 of 8 of the batch, and none was made"), "{refused}");
+    // A rehearsal of the same batch stops there too.
+    let rehearsed = user.types(&[&batch[..], &["--dry-run"]].concat());
+    assert!(rehearsed.code == 2 && rehearsed.err.contains("1 of 8 doses"), "{}", rehearsed.err);
+    let made = user.types(&["6mL", "--finish", "low-flow", "--repeat", "8"]);
+    assert!(made.code == 0 && made.out.contains("dose 8 of 8"), "{}", made.err);
+}

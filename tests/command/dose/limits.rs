@@ -88,7 +88,7 @@ fn a_tube_that_would_collapse_refuses_the_dose_and_names_what_can_be_had() {
         "{refused}"
     );
     let fastest = user.json(&["25mL", "--rate", "max", "--dry-run", "--pump", "two-roller"]);
-    assert_eq!(fastest["limited_by"], "inlet_pressure");
+    assert_eq!(fastest["limited_by"], "inlet_suction");
     assert!(number(&fastest, "inlet_min_kpa") >= number(&fastest, "inlet_limit_kpa"));
     for half in NO_COLLAPSE {
         let half = own_pump(&user, &[half]);
@@ -140,7 +140,7 @@ fn the_fastest_rate_is_limited_by_what_binds_and_warns_that_it_is_close() {
     assert_eq!(motor["limited_by"], "speed");
     assert!((number(&motor, "cruise_speed_rpm") - 170.0).abs() < 1e-9);
     let inlet = user.json(&["60mL", "--dry-run", "--rate", "max", "--min-inlet-pressure", "75kPaa"]);
-    assert_eq!(inlet["limited_by"], "inlet_pressure");
+    assert_eq!(inlet["limited_by"], "inlet_suction");
     assert!(number(&inlet, "inlet_min_kpa") >= 75.0 && number(&inlet, "inlet_min_kpa") < 75.08, "{inlet}");
     assert!(inlet["warnings"][0].as_str().is_some_and(|text| text.contains("inlet pressure comes close")));
 
@@ -149,4 +149,67 @@ fn the_fastest_rate_is_limited_by_what_binds_and_warns_that_it_is_close() {
     let offered = format!("{}mL/s", offered.unwrap_or_default());
     let held = user.json(&["60mL", "--dry-run", "--rate", &offered, "--min-inlet-pressure", "75kPaa"]);
     assert_eq!(held["limited_by"], "none", "{refused}");
+}
+
+#[test]
+fn a_smooth_flow_that_widens_the_swing_of_the_inlet_says_both_ports_ranges() {
+    let user = User::new();
+    let warnings =
+        |more: &[&str]| user.json(&[&["25mL", "--dry-run"], more].concat())["warnings"].to_string();
+    let told = warnings(&["--rate", "4mL/s", "--smooth"]);
+    assert!(
+        told.contains(
+            "inlet 78.79 to 95.53 kPa, 86.74 to 89.49 kPa at constant speed; outlet 87.61 to 90.10 kPa, 87.31 to \
+             90.46 kPa at constant speed"
+        ),
+        "{told}"
+    );
+    let even = user.json(&["25mL", "--dry-run", "--rate", "4mL/s"]);
+    assert!((number(&even, "inlet_min_kpa") - 86.74).abs() < 0.005, "{even}");
+    assert!((number(&even, "outlet_max_kpa") - 90.46).abs() < 0.005, "{even}");
+    assert!(!warnings(&["--rate", "4mL/s"]).contains("smooth"));
+    // The motor has no room to follow the rollers at this rate, so nothing widens.
+    assert!(!warnings(&["--rate", "55mL/s", "--smooth"]).contains("widens"));
+}
+
+#[test]
+fn a_limit_that_looks_like_a_gauge_pressure_is_said_to_be_absolute() {
+    let user = User::new();
+    for limit in [["--max-outlet-pressure", "20kPaa"], ["--min-inlet-pressure", "100kPaa"]] {
+        let refused = user.is_refused(&[&["25mL"], &limit[..]].concat());
+        assert!(refused.contains("at rest: limits are absolute, so add the ambient pressure"), "{refused}");
+    }
+    // The ambient pressure is 85.7 kPa.
+    assert_eq!(user.json(&["25mL", "--dry-run", "--max-outlet-pressure", "20kPag"])["limited_by"], "none");
+    let file = user.types(&["pumps", "show", "three-roller"]).out + "\n[limits]\nmax_outlet_kpa = -20\n";
+    std::fs::write(user.path("gauge.toml"), file).unwrap();
+    let refused = user.is_refused(&["25mL", "--pump", "gauge.toml"]);
+    assert!(
+        refused.contains(
+            "[limits] max_outlet_kpa is -20; allowed: more than 0: it is absolute, so add the ambient"
+        ) && refused.contains("85.7 kPa"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn a_limit_in_reverse_names_the_port_that_has_the_role_then() {
+    let user = User::new();
+    assert!(user.command(&["home", "--set", "0deg"]).status().unwrap().success());
+    let refused = |volume: &str, limit: &[&str]| {
+        user.is_refused(&[&[volume, "--dry-run", "--rate", "30mL/s"], limit].concat())
+    };
+    let (pushes, sucks) = (["--max-outlet-pressure", "90kPaa"], ["--min-inlet-pressure", "84kPaa"]);
+    assert!(refused("20mL", &pushes).contains("the outlet pressure would reach"));
+    assert!(refused("20mL", &sucks).contains("the inlet pressure would fall to"));
+    assert!(refused("-20mL", &pushes).contains("the inlet pressure would reach"));
+    assert!(refused("-20mL", &sucks).contains("the outlet pressure would fall to"));
+    let none = user.is_refused(&["-20mL", "--dry-run", "--rate", "max", "--max-outlet-pressure", "80kPaa"]);
+    assert!(none.contains("the inlet pressure would"), "{none}");
+    // The fastest dose names the port that limits it, and so does its warning.
+    for (volume, port) in [("60mL", "inlet"), ("-60mL", "outlet")] {
+        let text = user.types(&[volume, "--dry-run", "--rate", "max", "--min-inlet-pressure", "80kPaa"]).out;
+        assert!(text.contains(&format!("(limited by {port} suction)")), "{text}");
+        assert!(text.contains(&format!("{port} pressure comes close")), "{text}");
+    }
 }

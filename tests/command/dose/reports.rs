@@ -83,6 +83,8 @@ fn the_report_has_every_field_of_the_contract() {
         "mean_flow_ml_s",
         "motion_s",
         "settle_s",
+        "backflow_ml",
+        "reverse_flow_ml",
         "inlet_min_kpa",
         "inlet_max_kpa",
         "outlet_min_kpa",
@@ -99,6 +101,8 @@ fn the_report_has_every_field_of_the_contract() {
     assert_eq!(report["phase"]["known"], true);
     assert_eq!(report["phase"]["source"], "home");
     assert_eq!(report["completed"], true);
+    assert_eq!(report["measured_motion_s"], report["motion_s"], "a simulated motor keeps to its plan");
+    assert!(User::new().json(&["25mL", "--dry-run"])["measured_motion_s"].is_null());
     assert_eq!(report["steps"], 15_480);
     assert!((number(&report, "delivered_ml") - number(&report, "planned_ml")).abs() < 1e-3);
     let turned = number(&report, "end_angle_deg") - number(&report, "start_angle_deg");
@@ -214,7 +218,7 @@ fn a_small_dose_says_what_a_step_makes_of_it() {
     assert!(report["warnings"].to_string().contains("a motor step is coarse for this dose"), "{report}");
     let message = user.is_refused(&["1.5uL"]);
     assert!(
-        message.contains("0.0015 mL with -0.000") && message.contains("the smallest dose here is 0.00"),
+        message.contains("1.500 µL with -") && message.contains("the smallest dose here is 1."),
         "{message}"
     );
 }
@@ -237,4 +241,25 @@ fn pressures_that_no_liquid_can_have_are_said_to_be_so() {
     let run = user.json(&run);
     assert!(run["warnings"][0].as_str().unwrap().contains("above the pump's limit of 170 r/min"), "{run}");
     assert!(run["warnings"][1].as_str().unwrap().contains("no liquid can"), "{run}");
+}
+
+#[test]
+fn the_back_flow_is_told_and_warned_of_where_it_exceeds_the_uncertainty() {
+    let user = User::new();
+    let small = ["0.8mL", "--start-angle", "110deg", "--dry-run"];
+    let report = user.json(&small);
+    let (back, reverse) = (number(&report, "backflow_ml"), number(&report, "reverse_flow_ml"));
+    assert!(back > number(&report, "expanded_uncertainty_ml") && back < 0.08, "{report}");
+    assert!(reverse > back && reverse < 0.2, "{report}");
+    let swings = "when the motor stops, the line gives 71.3 µL too much";
+    assert!(user.types(&small).out.contains(swings));
+    // A slower rate has less, a long dose has room for it.
+    assert!(
+        !user
+            .types(&["0.8mL", "--start-angle", "110deg", "--rate", "0.5mL/s", "--dry-run"])
+            .out
+            .contains(swings)
+    );
+    let long = user.types(&["25mL", "--dry-run", "-v"]).out;
+    assert!(!long.contains(swings) && long.contains("back flow    "), "{long}");
 }

@@ -1,6 +1,6 @@
 //! Suck-back, and what doses owe each other over many of them.
 
-use pump_bench::bench::Rehearsal;
+use pump_bench::Rehearsal;
 use pump_bench::{Bench, DoseRequest, built_in};
 
 use crate::user::{User, number};
@@ -65,13 +65,13 @@ fn ten_thousand_small_doses_add_up_to_a_litre_within_a_step_whatever_lies_betwee
         // Every hundredth dose is sucked back after, every thousandth is followed by one in reverse.
         let retract_ml = (n % 100 == 99).then_some(0.05);
         let prepared = rehearsal.prepare(DoseRequest { retract_ml, ..DoseRequest::dose(0.1) }).unwrap();
-        planned_ml += prepared.plan.planned_ml;
-        planned_ml += prepared.retraction.as_ref().map_or(0.0, |back| back.plan.planned_ml);
+        planned_ml += prepared.plan.planned_ml();
+        planned_ml += prepared.retraction.as_ref().map_or(0.0, |back| back.plan.planned_ml());
         owes_ml = prepared.owes_ml();
         if n % 1000 == 500 {
             for volume_ml in [-0.7, 0.7] {
                 let there_and_back = rehearsal.prepare(DoseRequest::dose(volume_ml)).unwrap();
-                planned_ml += there_and_back.plan.planned_ml;
+                planned_ml += there_and_back.plan.planned_ml();
             }
         }
     }

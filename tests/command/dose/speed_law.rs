@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use pump_model::math::rad_s;
+use pump_model::units::rad_s;
 use pump_model::{Pump, SpeedLaw};
 
 use crate::user::{User, number};
@@ -83,4 +83,15 @@ fn runs_at_several_speeds_fit_a_speed_law_that_doses_use() {
     assert!(refused.contains("calibration 1 holds from 20.0000 to 160.0000 r/min"), "{refused}");
     let refused = user.is_refused(&["calibrate", "run", "--from", "runs.csv", "--fit", "parabola"]);
     assert!(refused.contains("line, speed-law"), "{refused}");
+}
+
+#[test]
+fn the_example_of_a_fitted_speed_law_prints_what_its_page_shows() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/");
+    let text = fs::read_to_string(format!("{root}docs/calibration.md")).unwrap();
+    let block = text.split("```text\n$ dose ").find(|block| block.contains("--fit speed-law\n")).unwrap();
+    let (typed, shown) = block.split("```").next().unwrap().split_once('\n').unwrap();
+    let typed = typed.replace("examples/", &format!("{root}examples/"));
+    let said = User::new().types(&typed.split(' ').collect::<Vec<_>>());
+    assert_eq!((said.code, said.out.as_str()), (0, shown), "{}", said.err);
 }

@@ -19,7 +19,7 @@ fn an_option_stands_before_its_command_or_after_it() {
         &["--format", "rust", "pumps", "show", "two-roller"][..],
         &["pumps", "--format", "rust", "show", "two-roller"],
     ] {
-        assert!(user.types(words).out.contains("pub const PUMP"), "{words:?}");
+        assert!(user.types(words).out.contains("pub static PUMP"), "{words:?}");
     }
     let listed = user.types(&["--format", "json", "calibrate"]);
     assert!(listed.out.contains("calibrations/1"), "{}", listed.err);
@@ -27,6 +27,23 @@ fn an_option_stands_before_its_command_or_after_it() {
     std::fs::write(user.path("r.csv"), "flow_ml_s,drop_kpa\n5,0.8\n10,1.5\n15,2.3\n20,3.0\n").unwrap();
     let found = user.types(&["--offset", "--data", "r.csv", "identify", "resistance"]);
     assert_eq!(found.code, 0, "{}", found.err);
+}
+
+#[test]
+fn an_option_after_its_command_counts_in_place_of_the_one_before() {
+    let user = User::new();
+    for words in [
+        &["--pump", "nobody", "status", "--pump", "two-roller", "--format", "json"][..],
+        &["--pump=nobody", "--format=text", "status", "--format", "json", "--pump=two-roller"],
+    ] {
+        let answer = user.types(words);
+        assert_eq!(answer.code, 0, "{words:?}: {}", answer.err);
+        assert!(answer.out.contains("\"pump\":\"two-roller\""), "{words:?}: {}", answer.out);
+    }
+    let answer = user.types(&["-v", "prime", "1mL", "--verbose", "--dry-run"]);
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    // In one place an option that stands twice is a slip.
+    assert!(user.is_refused(&["1mL", "--rate", "5mL/s", "--rate", "6mL/s"]).contains("multiple times"));
 }
 
 #[test]

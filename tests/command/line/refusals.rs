@@ -19,6 +19,10 @@ fn traps_of_the_command_line_are_answered_as_what_they_are() {
     assert!(user.is_refused(&["primr", "5mL"]).contains("did you mean `dose prime`?"));
     assert!(user.is_refused(&["pump", "list"]).contains("did you mean `dose pumps`?"));
     assert!(user.is_refused(&["prime"]).contains("how much?"));
+    let swapped = user.is_refused(&["show", "pumps"]);
+    assert!(swapped.contains("unknown command `show`; did you mean `dose pumps show`?"), "{swapped}");
+    let listed = user.is_refused(&["everything", "status"]);
+    assert!(listed.contains("`everything` is neither a volume") && listed.contains("calibrate"), "{listed}");
     assert!(user.is_refused(&[]).contains("how much?"));
     assert!(user.is_refused(&["prime", "tube"]).contains("`tube`"));
     assert!(user.is_refused(&["--dry-run", "status"]).contains("`dose status` takes no --dry-run"));
@@ -147,7 +151,9 @@ fn help_and_version_succeed_on_standard_output() {
 fn rust_constants_belong_to_pumps_show() {
     let user = User::new();
     assert!(
-        user.types(&["pumps", "show", "two-roller", "--format", "rust"]).out.contains("pub const PUMP: Pump")
+        user.types(&["pumps", "show", "two-roller", "--format", "rust"])
+            .out
+            .contains("pub static PUMP: Pump")
     );
     for command in [&["1mL", "--format", "rust"][..], &["status", "--format", "rust"]] {
         assert!(user.is_refused(command).contains("belongs to `dose pumps show`"));

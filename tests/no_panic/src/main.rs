@@ -11,16 +11,19 @@ use core::panic::PanicInfo;
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{ErrorKind, ErrorType, InputPin, OutputPin};
-use pump_ctl::drive::{Actuator, Clock, OnFault, StepDir, Timing};
-
+use libm::{ceil, floor, pow, sqrt};
+use pump_ctl::drive::{Actuator, Clock, OnFault, StepDir, StepMotor, Timing};
+use pump_ctl::generated::torque_curve;
 use pump_ctl::plan::{
-    Cruise, Finish, LimitedBy, Limits, Lowest, Motor, Phase, PlanError, Request, SetBy, plan, speed_for_flow,
+    Cruise, Doser, Finish, LimitedBy, Limits, Lowest, Motor, Phase, PlanError, Request, Retarget, SetBy,
+    speed_for_flow,
 };
 use pump_ctl::plan::{Torque, TorqueCurve};
-use pump_ctl::step::{Brake, Segment, Stepper};
-use pump_model::math::{ceil, degrees, floor, pow, rad_s, radians, rpm, sqrt, wrap};
+use pump_ctl::step::{Brake, BrakeError, Direction, Feed, Segment, Stepper, TickRate, Ticks};
+use pump_model::generated;
 use pump_model::polynomial::Polynomial;
-use pump_model::{ExactRun, FlowCurve, Geometry, Leg, Line, ModelError, Port, Pump};
+use pump_model::units::{degrees, rad_s, radians, rpm, wrap};
+use pump_model::{ExactRun, FlowCurve, Geometry, Leg, Line, LineState, ModelError, Port, Pump};
 use pump_model::{RollerVolume, Stretches, Variant};
 
 unsafe extern "C" {
@@ -60,7 +63,8 @@ fn any_leg() -> Leg {
 
 fn everything() -> Result<(), PlanError> {
     numbers();
-    for pump in [own_pump()?, preset()?, Pump::three_roller(), Pump::two_roller()] {
+    let generated = generated_pump().unwrap_or(Pump::three_roller());
+    for pump in [own_pump()?, preset()?, generated, Pump::three_roller(), Pump::two_roller()] {
         let pump = black_box(pump);
         curve(pump.inlet_curve());
         curve(pump.outlet_curve());
@@ -121,6 +125,19 @@ fn own_pump() -> Result<Pump, ModelError> {
     Pump::new(geometry, volume, line, Line::PUBLISHED)?.shifted(any())?.scaled(any())
 }
 
+/// Makes a pump as a generated source does, but at run time.
+fn generated_pump() -> Option<Pump> {
+    let flows = [(); 40].map(|()| (any(), any(), [(); 6].map(|()| any())));
+    let volumes = [(); 40].map(|()| (any(), [(); 6].map(|()| any())));
+    let flows = flows.get(..black_box(2)).unwrap_or(&flows);
+    let volumes = volumes.get(..black_box(2)).unwrap_or(&volumes);
+    let curve = || generated::flow_curve(any(), any(), flows);
+    let volume = generated::roller_volume(any(), any(), any(), volumes);
+    let geometry = Geometry::published(black_box(3), Variant::Measured);
+    black_box(torque_curve([(); 8].map(|()| (any(), any()))));
+    generated::pump(geometry, volume, [Line::PUBLISHED; 2], [curve(), curve()])
+}
+
 fn preset() -> Result<Pump, ModelError> {
     let variant = match black_box(0) {
         0 => Variant::Measured,
@@ -136,6 +153,7 @@ fn curve(curve: &FlowCurve) {
     black_box((curve.flow_ml_rad(any()), curve.volume_ml(any()), curve.angle_rad(any())));
     black_box((curve.pitch_rad(), curve.pitch_ml(), curve.flow_range_ml_rad(), curve.ripple()));
     black_box((curve.turn_range_ml(any(), any(), any()), curve.uneven_part()));
+    black_box(curve.speed_for_flow(any(), any()));
 }
 
 fn pressures(pump: &Pump) -> Result<(), ModelError> {
@@ -143,8 +161,10 @@ fn pressures(pump: &Pump) -> Result<(), ModelError> {
     black_box((pump.at_angle(any()), pump.pitch_rad(), pump.revolution_ml(), pump.nominal_ml_rad()));
     black_box((pump.geometry(), pump.roller_volume(), pump.inlet(), pump.outlet(), pump.line(port)));
     black_box((pump.steady_state(any())?, pump.periodic_state(port, any())?, port.name()));
+    let state = LineState { above_reservoir_kpa: any(), flow_ml_s: any() };
+    black_box(state.pressure_kpa(pump.line(port)));
     let legs = [any_leg(), Leg::constant_speed(any(), any()), Leg::rest(any(), any())];
-    let mut run = ExactRun::new(pump, port, legs, [any(), any()]);
+    let mut run = ExactRun::new(pump, port, legs, state);
     black_box((run.at(any()), run.pressure_kpa(any()), run.time_s(), run.state(), run.settling_s()?));
     black_box(run.extremes(any()).and(run.extremes(any())));
     for sample in run.every(any()).take(black_box(1000)) {
@@ -158,15 +178,17 @@ fn pressures(pump: &Pump) -> Result<(), ModelError> {
 }
 
 fn dose(pump: &Pump) -> Result<(), PlanError> {
-    let motor = Motor { steps_per_rev: any(), max_speed_rad_s: any(), max_acceleration_rad_s2: any() };
-    let mut limits = Limits::of_motor(motor);
+    let motor = Motor::new(any(), any(), any());
+    let mut limits = Limits::new(motor);
     limits.pressures.max_outlet_kpa = black_box(true).then(any);
     limits.pressures.min_inlet_kpa = black_box(true).then(any);
     let points = [(any(), any()), (any(), any()), (any(), any())];
     if let Some(curve) = TorqueCurve::new(points.get(..black_box(3)).unwrap_or(&points)) {
         black_box(curve.at(any()));
         let [occlusion_n_m, inertia_kg_m2, ambient_kpa] = [(); 3].map(|()| any());
-        limits.torque = Some(Torque { occlusion_n_m, inertia_kg_m2, ambient_kpa, motor: curve });
+        let torque = Torque::new(ambient_kpa, curve);
+        limits =
+            limits.with_torque(torque.with_occlusion_n_m(occlusion_n_m).with_inertia_kg_m2(inertia_kg_m2));
     }
     let set_by = if black_box(true) { SetBy::Vapour } else { SetBy::TubeCollapse };
     limits.lowest = black_box(true).then(|| Lowest { kpa: any(), set_by });
@@ -182,34 +204,41 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
         black_box(unknown);
     }
     let request =
-        Request { carry_in_ml: any(), smooth: black_box(true), finish, ..Request::new(any(), cruise) };
-    let start = Phase { half_width_rad: any(), ..Phase::known(any()) };
-    let plan = plan(pump, start, &request, &limits)?;
+        Request::new(any(), cruise).with_carry_in_ml(any()).with_smooth(black_box(true)).with_finish(finish);
+    let start = Phase::within(any(), any());
+    let plan = Doser::new(pump, limits)?.plan(start, &request)?;
     black_box((plan.predict(pump)?, plan.end_step_ml(pump), plan.end_angle_rad()));
     for leg in plan.legs() {
         black_box(leg);
     }
     black_box((plan.angle_after(black_box(1)), plan.direction(), start.is_known(any())));
     black_box((Phase::unknown(any()), start.range_ml(pump, any()), plan.range_ml(pump, black_box(1))));
+    black_box((
+        Phase::from_index(any(), black_box(1), any()),
+        plan.after(pump, black_box(1)),
+        plan.stop_at(any()),
+    ));
     black_box((speed_for_flow(pump, any()), motor.step_rad()));
-    for step in plan.steps() {
+    for step in plan.each_step() {
         black_box(step);
     }
-    let profile = plan.profile;
+    let profile = plan.profile();
     black_box((profile.time_of(any()), profile.duration_s(), profile.cruise_rad_s()));
     black_box((profile.peak_rad_s(), profile.reaches_limit(), profile.acceleration_rad_s2()));
-    black_box(limits.margins(pump, &plan).nearest());
+    black_box(limits.margins(pump, &plan).nearest(plan.direction()));
     black_box(plan.low_flow_volumes_ml(pump)?);
     black_box((plan.is_smooth(), plan.cruise_flow_ml_s(pump), plan.ripples(pump)));
     black_box((plan.angle_at(any()), plan.speed_at(any()), plan.speed_after(black_box(1))));
-    black_box(plan.retarget(pump, black_box(1), any(), cruise, &limits)?);
-    let rest = plan.retarget_shaped(pump, black_box(1), any(), cruise, black_box(true), &limits)?;
+    black_box(Doser::new(pump, limits)?.retarget(&plan, &Retarget::new(black_box(1), any(), cruise))?);
+    let rest = Doser::new(pump, limits)?
+        .retarget(&plan, &Retarget::new(black_box(1), any(), cruise).with_smooth(black_box(true)))?;
     black_box((rest.delivered_ml(pump, black_box(1)), rest.stop(pump, black_box(1)), rest.predict(pump)?));
-    for segment in rest.segments(black_box(1)) {
+    let Some(tick_rate) = TickRate::from_hz(black_box(1)) else { return Ok(()) };
+    for segment in rest.segments(tick_rate) {
         black_box(segment);
     }
-    black_box(rest.segments(black_box(1)).steps_by(black_box(1)));
-    moves(motor, rest.segments(black_box(1)));
+    black_box(rest.segments(tick_rate).steps_by(black_box(1)));
+    black_box(moves(motor, rest.segments(tick_rate).feed()).is_ok());
     Ok(())
 }
 
@@ -256,15 +285,28 @@ fn any_segment() -> Segment {
     Segment { count: black_box(1), interval: black_box(1), add: black_box(1), frac: black_box(1) }
 }
 
-fn moves(motor: Motor, segments: impl Iterator<Item = Segment>) {
-    let brake = Brake::from_climb([any_segment(), any_segment()]).unwrap_or(motor.brake(black_box(1)));
-    for segment in brake.climb() {
-        black_box((segment.steps(), segment.direction(), segment.is_valid()));
+fn moves(motor: Motor, mut feed: Feed<impl Iterator<Item = Segment>>) -> Result<(), BrakeError> {
+    let tick_rate = feed.tick_rate();
+    let brake = match Brake::from_climb(tick_rate, [any_segment(), any_segment()]) {
+        Ok(brake) => brake,
+        Err(_) => motor.brake(tick_rate)?,
+    };
+    let mut carry = black_box(0);
+    let interval = Ticks { whole: black_box(1), frac: black_box(1) };
+    let direction = if black_box(true) { Direction::Forward } else { Direction::Reverse };
+    for segment in brake.climb().copied().chain(brake.descent(interval, direction)).chain([any_segment()]) {
+        black_box((segment.steps(), segment.direction().reversed(), segment.is_valid(), segment.duration()));
+        black_box(segment.interval_before(black_box(1)));
+        for ticks in segment.intervals(&mut carry) {
+            black_box(ticks);
+        }
     }
     let mut stepper = Stepper::<8>::new(brake);
-    black_box((stepper.push(any_segment()).is_ok(), stepper.set_position(black_box(1)), stepper.clear()));
+    black_box((feed.peek().copied(), feed.next()));
+    black_box(stepper.push(any_segment(), stepper.tick_rate()).is_ok());
+    black_box((stepper.set_position(black_box(1)), stepper.clear()));
 
-    let timing = Timing { step_high_ns: black_box(1), ..Timing::default() };
+    let timing = Timing::new().with_step_high_ns(black_box(1));
     let pins = StepDir::new(Any, Any, Any, Any, timing).with_index(Any);
     let mut actuator = Actuator::new(pins, stepper, OnFault::Disable);
     black_box((actuator.enable().is_ok(), actuator.watch_index().is_ok(), actuator.index_at()));
@@ -283,6 +325,11 @@ fn moves(motor: Motor, segments: impl Iterator<Item = Segment>) {
             black_box(actuator.stop(black_box(1)));
         }
     }
-    black_box(actuator.run(&mut Any, &mut segments.peekable(), || black_box(false)).is_ok());
+    black_box(actuator.run(&mut &mut Any, &mut feed, || black_box(false)).is_ok());
     black_box(actuator.disable().is_ok());
+    let (mut pins, mut stepper) = actuator.release();
+    black_box(stepper.fill(&mut feed).is_ok());
+    black_box((&mut pins).step(direction).is_ok());
+    black_box(pins.release());
+    Ok(())
 }

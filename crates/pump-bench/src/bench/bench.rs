@@ -4,17 +4,20 @@ use std::path::{Path, PathBuf};
 
 use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
-use pump_model::math::TURN_RAD;
+use pump_model::units::TURN_RAD;
 
 use crate::calibration::{Calibration, Calibrations, Stored};
 use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
-use crate::dosing::{DoseRequest, Prepared};
-use crate::drives::{DriveError, registry};
+use crate::dosing::{DoseRequest, Prepared, Stands};
+use crate::drives::{Drive, DriveError, Identity, Opening, StopRequest, registry};
 use crate::pump_file::{DriveTable, DriverName, PumpFile};
 use crate::record::Folder;
 use crate::record::{PhaseSource, Purpose};
-use crate::record::{State, Story};
+use crate::record::{PumpState, Story};
+
+/// File in the journal's folder that holds the device settings of the last time.
+const SETTINGS_RECORD: &str = "board-settings.json";
 
 /// Bench of one pump: its file, its model, its drive and the folder of its journal.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,9 +25,13 @@ pub struct Bench {
     file: PumpFile,
     model: Pump,
     drive: DriveTable,
+    identity: Identity,
+    /// True if sessions are given their drive. Otherwise they open the one that the drive table names.
+    is_given: bool,
     folder: Folder,
-    /// True if the settings of the device may be written.
-    configure: bool,
+    opening: Opening,
+    /// True if the angle may be found while a dose is unfinished.
+    unfinished: bool,
 }
 
 impl Bench {
@@ -40,8 +47,29 @@ impl Bench {
         let driver = driver.unwrap_or(file.driver());
         let named = file.drive.clone().filter(|drive| drive.driver == driver);
         let drive = named.unwrap_or(DriveTable::of(driver));
-        let folder = Folder::new(state_dir, &file.pump.id, driver.as_str());
-        Ok(Self { file, model, drive, folder, configure: false })
+        let identity = registry::identity(driver);
+        let folder = Folder::new(state_dir, &file.pump.id, &identity.id);
+        let settings_record = Some(folder.path().join(SETTINGS_RECORD));
+        let opening = Opening { settings_record, ..Opening::default() };
+        Ok(Self { file, model, drive, identity, is_given: false, folder, opening, unfinished: false })
+    }
+
+    /// Returns the bench of the same pump that keeps the record of `drive`. [`Session::with_drive`] takes the drive.
+    ///
+    /// The index angle and the hold time stay those of the pump file's `[drive]`. Its port is left out.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Connection`] with [`DriveError::Name`] if the drive's name cannot name a folder, or is that of
+    /// another drive that pump files name.
+    ///
+    /// [`Session::with_drive`]: super::Session::with_drive
+    pub fn driven_by(self, drive: &dyn Drive) -> Result<Self, DoseError> {
+        let identity = Identity::of(drive).map_err(DoseError::Connection)?;
+        let folder = self.folder.of_drive(&identity.id);
+        let opening = Opening { settings_record: Some(folder.path().join(SETTINGS_RECORD)), ..self.opening };
+        let table = DriveTable { port: None, ..self.file.drive.clone().unwrap_or(self.drive) };
+        Ok(Self { drive: table, identity, is_given: true, folder, opening, ..self })
     }
 
     /// Returns the bench with its device at `port`, if a port is given. A driver that needs a port refuses to
@@ -54,8 +82,31 @@ impl Bench {
 
     /// Returns the bench with or without leave to write device settings that do not fit the pump.
     #[must_use]
-    pub fn configuring(self, configure: bool) -> Self {
-        Self { configure, ..self }
+    pub fn configuring(mut self, configure: bool) -> Self {
+        self.opening.configure = configure;
+        self
+    }
+
+    /// Returns the bench with or without leave for device settings that differ from those on record.
+    #[must_use]
+    pub fn accepting_settings(mut self, accept: bool) -> Self {
+        self.opening.accept_settings = accept;
+        self
+    }
+
+    /// Returns the bench with a request of the user to stop. It ends the waits for a device at rest; motions
+    /// ask their `watch`.
+    #[must_use]
+    pub fn stopping_on(mut self, stop: StopRequest) -> Self {
+        self.opening.stop = stop;
+        self
+    }
+
+    /// Returns the bench with or without leave to find the angle while a dose is unfinished. The dose stays
+    /// on record, and so does its carry.
+    #[must_use]
+    pub fn homing_unfinished(self, unfinished: bool) -> Self {
+        Self { unfinished, ..self }
     }
 
     /// Returns the pump file.
@@ -68,9 +119,34 @@ impl Bench {
         &self.model
     }
 
-    /// Returns the driver that turns the motor.
-    pub fn driver(&self) -> DriverName {
-        self.drive.driver
+    /// Returns the name of the drive that turns the motor.
+    pub fn drive_id(&self) -> &str {
+        &self.identity.id
+    }
+
+    /// Returns true if no motor moves.
+    pub fn is_simulated(&self) -> bool {
+        self.identity.is_simulated
+    }
+
+    /// Returns the identity of the drive.
+    pub(crate) fn identity(&self) -> &Identity {
+        &self.identity
+    }
+
+    /// Refuses a drive other than the one whose record this bench keeps.
+    pub(super) fn check_drive(&self, drive: &dyn Drive) -> Result<(), DoseError> {
+        let given = Identity::of(drive).map_err(DoseError::Connection)?;
+        if given == self.identity {
+            return Ok(());
+        }
+        let bench = self.identity.id.clone();
+        Err(DoseError::Connection(DriveError::Other { bench, given: given.id }))
+    }
+
+    /// Returns true if sessions are given their drive.
+    pub(super) fn is_given_its_drive(&self) -> bool {
+        self.is_given
     }
 
     /// Returns the drive table: the driver, its port and its settings.
@@ -78,15 +154,20 @@ impl Bench {
         &self.drive
     }
 
-    /// Returns true if the settings of the device may be written.
-    pub(crate) fn may_configure(&self) -> bool {
-        self.configure
+    /// Returns the terms on which the device is opened.
+    pub(crate) fn opening(&self) -> &Opening {
+        &self.opening
+    }
+
+    /// Returns true if the angle may be found while a dose is unfinished.
+    pub(super) fn may_home_unfinished(&self) -> bool {
+        self.unfinished
     }
 
     /// Returns the line that is printed before a motor moves, and at the head of every report.
     pub fn headline(&self) -> String {
         let device = self.drive.port.as_ref().map(|port| port.display().to_string());
-        headline(&self.file.pump.id, self.driver() == DriverName::Sim, device.as_deref())
+        headline(&self.file.pump.id, self.is_simulated(), device.as_deref())
     }
 
     /// Returns the angle that a released rotor may fall before it is caught again, in rad of the pump head.
@@ -108,9 +189,10 @@ impl Bench {
 
     /// Returns the state of this pump without a journal. A simulated rotor stands at 0 deg. The angle of any
     /// other is unknown.
-    pub(crate) fn fresh(&self) -> State {
-        let phase = registry::fresh(self.driver(), self.model.pitch_rad());
-        State::fresh(phase, PhaseSource::Home)
+    pub(crate) fn fresh(&self) -> PumpState {
+        let pitch_rad = self.model.pitch_rad();
+        let phase = if self.is_simulated() { Phase::known(0.0) } else { Phase::unknown(pitch_rad) };
+        PumpState::fresh(phase, PhaseSource::Home).as_recorded(pitch_rad)
     }
 
     /// Reads the journal of the pump.
@@ -127,7 +209,7 @@ impl Bench {
     /// # Errors
     ///
     /// [`DoseError::Journal`] if the journal cannot be read.
-    pub fn stands(&self) -> Result<State, DoseError> {
+    pub fn stands(&self) -> Result<PumpState, DoseError> {
         Ok(self.story()?.state.unwrap_or(self.fresh()))
     }
 
@@ -138,14 +220,28 @@ impl Bench {
     /// [`DoseError`] if the dose cannot be planned or a dose is unfinished. [`DoseError::Folder`] if another
     /// process moves the pump, because nobody knows yet where it will stop.
     pub fn prepare(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
+        self.rehearse(self.state_to_plan_from()?, request)
+    }
+
+    /// Returns the recorded state from which a dose can be planned while nothing moves.
+    pub(super) fn state_to_plan_from(&self) -> Result<Option<PumpState>, DoseError> {
         let state = self.story()?.state;
         if state.is_some_and(|state| state.unfinished.is_some())
             && let Some(holder) = self.folder.holder()
         {
             return Err(self.folder.busy(holder).into());
         }
+        Ok(state)
+    }
+
+    /// Plans a dose as if `state` were on record, and tells that the device was not asked.
+    pub(super) fn rehearse(
+        &self,
+        state: Option<PumpState>,
+        request: DoseRequest,
+    ) -> Result<Prepared, DoseError> {
         let mut prepared = self.prepare_from(&self.file, state, request)?;
-        if self.driver() != DriverName::Sim {
+        if !self.is_simulated() {
             let unread =
                 "a dry run does not ask the device: its own speeds, acceleration and count are not known";
             prepared.warnings.push(unread.to_owned());
@@ -157,7 +253,7 @@ impl Bench {
     pub(crate) fn prepare_from(
         &self,
         file: &PumpFile,
-        state: Option<State>,
+        state: Option<PumpState>,
         request: DoseRequest,
     ) -> Result<Prepared, DoseError> {
         let (asked_ml, carry_ml) = (request.volume_ml, state.map_or(0.0, |state| state.carry_ml));
@@ -166,7 +262,7 @@ impl Bench {
             self.refuse_unfinished(state)?;
             return Err(DoseError::RunsTheOtherWay { asked_ml, carry_ml, owed_ml });
         }
-        let prepared = self.plan_from(file, state, request)?;
+        let prepared = self.plan_from(file, state, request, None)?;
         self.tube_life(state, &prepared).map_or(Ok(()), |tube| tube.check())?;
         Ok(prepared)
     }
@@ -174,46 +270,61 @@ impl Bench {
     /// Plans a dose as if `state` were on record, whatever the age of the tube: a dose that was begun may end
     /// on it.
     ///
-    /// `file` is the pump file as the device allows it.
+    /// `file` is the pump file as the device allows it. `to_end_ml` is the volume to the planned end of a dose
+    /// whose rest this is.
     pub(crate) fn plan_from(
         &self,
         file: &PumpFile,
-        state: Option<State>,
+        state: Option<PumpState>,
         request: DoseRequest,
+        to_end_ml: Option<f64>,
     ) -> Result<Prepared, DoseError> {
         self.refuse_unfinished(state)?;
-        if request.smooth && !registry::abilities(self.driver()).angle_dependent_speed {
+        if request.smooth && !self.identity.abilities.angle_dependent_speed {
             return Err(DoseError::Connection(DriveError::Unable {
-                driver: self.driver().as_str(),
+                driver: self.drive_id().to_owned(),
                 ability: "speed that follows the rollers' angle: the board plans its own ramps",
-                instead: "leave --smooth out",
+                instead: "leave --smooth out, or resume with --rate or --speed",
             }));
         }
-        let stands = state.unwrap_or(self.fresh());
-        let (start, source) = match request.start_angle_rad {
-            Some(angle_rad) => (Phase::known(angle_rad), PhaseSource::Given),
-            None if !stands.phase().is_known(self.model.pitch_rad()) => {
-                (stands.phase(), PhaseSource::Assumed)
-            }
-            None => (stands.phase(), stands.source),
-        };
-        let carry_ml = state.map_or(0.0, |state| state.carry_ml);
-        let stored = self.calibrations().active()?.filter(|_| request.purpose != Purpose::Calibrate);
-        let mut prepared = match stored {
-            Some(stored) => {
-                Prepared::calibrated(file, &self.model, &stored, request, start, source, carry_ml)?
-            }
-            None => Prepared::new(file, &self.model, request, start, source, carry_ml)?,
-        };
+        let stored = self.calibrations().active()?;
+        let stands = Stands { to_end_ml, ..self.stands_for(state, &request, stored.as_ref()) };
+        let mut prepared = Prepared::standing(file, &self.model, stored.as_ref(), request, stands)?;
         prepared.warnings.extend(self.tube_life(state, &prepared).and_then(|tube| tube.warning()));
         Ok(prepared)
     }
 
+    /// Returns the place from which a dose is planned, if `state` is on record and `stored` is in use.
+    fn stands_for(&self, state: Option<PumpState>, request: &DoseRequest, stored: Option<&Stored>) -> Stands {
+        let state = state.unwrap_or(self.fresh());
+        let (start, source) = match request.start_angle_rad {
+            Some(angle_rad) => (Phase::known(angle_rad), PhaseSource::Given),
+            None if !state.phase().is_known(self.model.pitch_rad()) => (state.phase(), PhaseSource::Assumed),
+            None => (state.phase(), state.source),
+        };
+        let zero_rad = stored.map_or(0.0, |stored| stored.calibration.zero_rad());
+        // The sum of the doses since an angle counts as long as the angle's zero is the one of before.
+        let goes_on = request.purpose.changes_carry() && request.start_angle_rad.is_none();
+        let account = state.account.filter(|account| goes_on && account.correction.zero_rad == zero_rad);
+        let carry_half_width_ml = match account {
+            Some(_) => state.carry_half_width_ml,
+            None => state.closed(&self.model).carry_half_width_ml,
+        };
+        Stands {
+            start,
+            source,
+            carry_ml: state.carry_ml,
+            carry_half_width_ml,
+            turned: account.map(|account| account.turned),
+            to_end_ml: None,
+        }
+    }
+
     /// Refuses while a dose is unfinished, because anything else would change the rest of that dose.
-    pub(crate) fn refuse_unfinished(&self, state: Option<State>) -> Result<(), DoseError> {
+    pub(crate) fn refuse_unfinished(&self, state: Option<PumpState>) -> Result<(), DoseError> {
         let Some(dose) = state.and_then(|state| state.unfinished) else { return Ok(()) };
         let (least_ml, most_ml) = dose.delivered_ml(&self.model);
-        Err(DoseError::Unfinished { requested_ml: dose.intent.requested_ml, least_ml, most_ml })
+        Err(DoseError::Unfinished { requested_ml: dose.intent.whole_requested_ml(), least_ml, most_ml })
     }
 
     /// Makes doses use a calibration from now on, or none.
@@ -240,11 +351,11 @@ impl Bench {
     }
 
     /// Returns the life of the tube with the planned dose. `None` if the pump file gives no life.
-    fn tube_life(&self, state: Option<State>, prepared: &Prepared) -> Option<TubeLife> {
+    fn tube_life(&self, state: Option<PumpState>, prepared: &Prepared) -> Option<TubeLife> {
         Some(TubeLife {
             life_ml: self.file.tube.life_ml?,
             pumped_ml: state.map_or(0.0, |state| state.wear.volume_ml),
-            planned_ml: prepared.plan.planned_ml.abs(),
+            planned_ml: prepared.plan.planned_ml().abs(),
         })
     }
 }

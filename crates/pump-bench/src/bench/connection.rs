@@ -3,14 +3,14 @@
 use std::time::{Duration, Instant};
 
 use pump_ctl::plan::Plan;
-use pump_model::math::rpm;
+use pump_model::units::rpm;
 
 use super::device::Device;
 use super::session::Session;
 use crate::dosing::DoseError;
 use crate::drives::{Disturbance, Drive, DriveError, DriveLimits, registry};
 use crate::pump_file::PumpFile;
-use crate::record::{State, Unfinished, Why};
+use crate::record::{PumpState, Unfinished, Why};
 
 /// Returns the pump file with the motor's limits as the device sets them: never faster than the file, and
 /// with the device's acceleration.
@@ -25,11 +25,19 @@ fn as_allowed(file: &PumpFile, limits: Option<DriveLimits>) -> PumpFile {
 
 /// Returns the unfinished dose during which the device was lost, and the steps counted since its start.
 /// `None` if the count does not fit or begins anew.
-fn lost_and_found(stands: &State, count: Option<i64>) -> Option<(Unfinished, i64)> {
+fn lost_and_found(stands: &PumpState, count: Option<i64>) -> Option<(Unfinished, i64)> {
     let part = stands.unfinished?;
     let now = count.filter(|now| *now != 0)?;
     let moved = now - part.count_before?;
     part.holds(moved).then_some((part, moved))
+}
+
+/// Returns the note that a device was moved by another program.
+fn moved_elsewhere(before: i64, now: i64) -> String {
+    format!(
+        "the device counts {now} steps, and {before} are on record: something else has moved it; the \
+         rollers' angle is unknown, and `dose home` finds it"
+    )
 }
 
 impl<'a> Session<'a> {
@@ -44,17 +52,35 @@ impl<'a> Session<'a> {
             return Ok(());
         }
         let bench = self.bench;
-        let opened = registry::open(bench.drive(), bench.file(), bench.model(), bench.may_configure());
-        let mut drive = opened.map_err(DoseError::Connection)?;
+        let drive = match self.given.take() {
+            Some(drive) => Ok(drive),
+            None if bench.is_given_its_drive() => {
+                Err(DriveError::NotGiven { id: bench.drive_id().to_owned() })
+            }
+            None => registry::open(bench.drive(), bench.file(), bench.model(), bench.opening()),
+        };
+        self.take(drive.map_err(DoseError::Connection)?)
+    }
+
+    /// Takes `drive` into use and compares its count with the record.
+    fn take(&mut self, mut drive: Box<dyn Drive + 'a>) -> Result<(), DoseError> {
+        let bench = self.bench;
         let limits = drive.limits();
         let mut notes = drive.notes();
+        let begun = self.stands().unfinished;
         let met = self.meet(drive.as_mut(), &mut notes);
+        self.notes.append(&mut notes);
         let file = as_allowed(bench.file(), limits);
-        self.device = Some(Device { drive, file, limits, notes, holds_since: Instant::now() });
-        if met != self.stands() || (self.state.is_none() && met.count.is_some()) {
-            self.rest(Why::Met, met)?;
-        }
-        Ok(())
+        self.device = Some(Device { drive, file, limits, holds_since: Instant::now() });
+        let changed = met != self.stands() || (self.state.is_none() && met.count.is_some());
+        let recorded = if changed { self.rest(Why::Met, met) } else { Ok(()) };
+        self.finished_by_device = begun.filter(|_| met.unfinished.is_none());
+        Ok(recorded?)
+    }
+
+    /// Lets go of a device, which is met anew before it moves again. A drive that the session was given is kept.
+    pub(super) fn put_away(&mut self, device: Device<'a>) {
+        self.given = Some(device.drive).filter(|_| self.bench.is_given_its_drive());
     }
 
     /// Returns the pump file as the device allows it, or as it is while no device is connected.
@@ -62,8 +88,15 @@ impl<'a> Session<'a> {
         self.device.as_ref().map_or(self.bench.file(), |device| &device.file)
     }
 
+    /// Returns the slowest and the fastest speed of the pump head, in rad/s, as pump file and connected device
+    /// allow. The slowest is 0 where neither has one.
+    pub fn speed_range_rad_s(&self) -> (f64, f64) {
+        let least_rad_s = self.device.as_ref().map_or(0.0, Device::least_rad_s);
+        (least_rad_s, self.file().limits().motor.max_speed_rad_s)
+    }
+
     /// Returns the state of the pump by a device that was just connected.
-    fn meet(&self, drive: &mut dyn Drive, notes: &mut Vec<String>) -> State {
+    fn meet(&self, drive: &mut dyn Drive, notes: &mut Vec<String>) -> PumpState {
         let (model, stands) = (self.bench.model(), self.stands());
         let (was_known, pitch_rad) = (stands.phase().is_known(model.pitch_rad()), model.pitch_rad());
         // The drive reports disturbances first: it may hear of a reset that changes the count.
@@ -75,8 +108,10 @@ impl<'a> Session<'a> {
         let cut_off = self.cut_off.is_some_and(|(_, part)| part.made_least < part.made_most);
         let starts_anew = count == Some(0) && stands.count.is_some_and(|before| before != 0 || cut_off);
         let event = told.or(starts_anew.then_some(Disturbance::Reset));
-        if let Some(event) = event.filter(|_| !stands.released) {
-            met = stands.disturbed(self.bench.fall_rad(), pitch_rad);
+        if stands.released {
+            met = self.meet_released(count, notes);
+        } else if let Some(event) = event {
+            met = stands.disturbed(self.bench.fall_rad(), model);
             if was_known {
                 let now = if met.phase().is_known(pitch_rad) {
                     "known less well, by two full steps of the motor"
@@ -85,27 +120,47 @@ impl<'a> Session<'a> {
                 };
                 notes.push(format!("{event}: the rollers' angle is {now}; `dose home` finds it"));
             }
-        } else if let (Some((part, moved)), false) = (lost_and_found(&stands, count), stands.released) {
-            met = stands.recounted(&part, moved.unsigned_abs());
-        } else if let (Some(before), Some(now), false) = (stands.count, count, stands.released) {
+        } else if let Some((part, moved)) = lost_and_found(&stands, count) {
+            met = stands.recounted(&part, moved * part.intent.steps.signum(), model);
+        } else if let (Some(before), Some(now)) = (stands.count, count) {
             let moved = now - before;
             met = match self.cut_off {
                 // The board made and counted more of the motion than the process that ended could record.
                 Some((before, part)) if part.holds(moved) => {
-                    let made = moved.unsigned_abs();
+                    let made = moved * part.intent.steps.signum();
                     before.after(&part.intent, made, made, model)
                 }
                 None if moved == 0 => stands,
                 _ => {
-                    notes.push(format!(
-                        "the device counts {now} steps, and {before} are on record: something else has \
-                         moved it; the rollers' angle is unknown, and `dose home` finds it"
-                    ));
-                    stands.lost(pitch_rad)
+                    notes.push(moved_elsewhere(before, now));
+                    stands.lost(model)
                 }
             };
         }
-        State { count, released: false, ..met }
+        PumpState { count, released: false, ..met }
+    }
+
+    /// Returns the state of a pump whose rotor was released, by a device that counts `count` now.
+    ///
+    /// The release is on record as a disturbance, and waking the device is none. But a released rotor does
+    /// not move the count: another program does, and a device that counts anew may have moved unheard.
+    fn meet_released(&self, count: Option<i64>, notes: &mut Vec<String>) -> PumpState {
+        let (stands, model) = (self.stands(), self.bench.model());
+        match (stands.count, count) {
+            (Some(before), Some(0)) if before != 0 => {
+                notes.push(
+                    "the device was reset while the motor was released, and counts from zero: the rollers' \
+                     angle may be any; `dose home` finds it"
+                        .to_owned(),
+                );
+                stands.disturbed(self.bench.fall_rad(), model)
+            }
+            (Some(before), Some(now)) if before != now => {
+                notes.push(moved_elsewhere(before, now));
+                stands.lost(model)
+            }
+            _ => stands,
+        }
     }
 
     /// Refuses a plan that the device cannot run. The state in which the device was met is on record.
@@ -115,7 +170,10 @@ impl<'a> Session<'a> {
             self.device = Some(device);
             return Ok(());
         };
-        let met = self.meet(device.drive.as_mut(), &mut device.notes);
+        let mut notes = Vec::new();
+        let met = self.meet(device.drive.as_mut(), &mut notes);
+        self.put_away(device);
+        self.notes.append(&mut notes);
         if met != self.stands() {
             self.rest(Why::Met, met)?;
         }
@@ -126,28 +184,41 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     ///
-    /// [`DoseError`] if the device cannot be used, or its state cannot be recorded.
-    pub fn release(&mut self) -> Result<State, DoseError> {
+    /// [`DoseError`] if the device cannot be used or cannot let go of its motor, or its state cannot be recorded.
+    pub fn release(&mut self) -> Result<PumpState, DoseError> {
         self.connect()?;
-        let state = self.stands().disturbed(self.bench.fall_rad(), self.bench.model().pitch_rad());
-        let state = State { released: true, ..state };
-        // The release is on record first, so the record never claims a better angle than there is.
-        self.rest(Why::Released, state)?;
-        // The device is met anew before it moves again.
-        match self.device.take() {
-            Some(mut device) => device.drive.release().map_err(DoseError::Connection).map(|()| state),
-            None => Ok(state),
+        // A motor that its drive cannot let go of holds on, so its angle is known as before.
+        if let Some(device) = self.device.as_ref().filter(|device| !device.drive.abilities().release) {
+            return Err(DoseError::Connection(DriveError::no_release(device.drive.id())));
         }
+        let state = self.stands().disturbed(self.bench.fall_rad(), self.bench.model());
+        let state = PumpState { released: true, ..state };
+        // The release is on record first, so the record never claims a better angle than there is.
+        let before = (self.state, self.written, self.cut_off, self.finished_by_device);
+        if let Err(error) = self.rest(Why::Released, state) {
+            // The motor holds, so the rotor stands as before. It is not released before another timeout.
+            (self.state, self.written, self.cut_off, self.finished_by_device) = before;
+            if let Some(device) = &mut self.device {
+                device.holds_since = Instant::now();
+            }
+            return Err(error.into());
+        }
+        // The device is met anew before it moves again.
+        let Some(mut device) = self.device.take() else { return Ok(state) };
+        let released = device.drive.release();
+        self.put_away(device);
+        released.map_err(DoseError::Connection).map(|()| state)
     }
 
     /// Releases a rotor that has held for the pump file's `hold_timeout_s`. A caller that waits in a session
-    /// calls this now and then.
+    /// calls this now and then. A drive that cannot let go of its motor holds on.
     ///
     /// # Errors
     ///
     /// [`DoseError`] as in [`Self::release`].
     pub fn release_when_due(&mut self) -> Result<(), DoseError> {
-        let timeout_s = self.bench.drive().hold_timeout_s.filter(|_| self.device.is_some());
+        let can = self.device.as_ref().is_some_and(|device| device.drive.abilities().release);
+        let timeout_s = self.bench.drive().hold_timeout_s.filter(|_| can);
         let held = self.device.as_ref().map_or(Duration::ZERO, |device| device.holds_since.elapsed());
         match timeout_s {
             Some(timeout_s) if held.as_secs_f64() >= timeout_s => self.release().map(drop),
@@ -155,9 +226,9 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Returns the notes of the device that were not shown yet.
+    /// Returns the notes for the user that were not shown yet.
     pub fn notes(&mut self) -> Vec<String> {
-        self.device.as_mut().map_or_else(Vec::new, |device| std::mem::take(&mut device.notes))
+        std::mem::take(&mut self.notes)
     }
 
     /// Refuses a drive without an index sensor.
@@ -166,11 +237,6 @@ impl<'a> Session<'a> {
         if has {
             return Ok(());
         }
-        Err(DoseError::Connection(DriveError::Unable {
-            driver: self.bench.driver().as_str(),
-            ability: "index sensor",
-            instead: "say where the rollers stand with `dose home --set <ANGLE>`, or turn them to a mark \
-                      with `dose home --mark`",
-        }))
+        Err(DoseError::Connection(DriveError::no_index(self.bench.drive_id())))
     }
 }

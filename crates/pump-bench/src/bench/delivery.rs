@@ -2,15 +2,16 @@
 
 use std::ops::ControlFlow;
 
-use pump_model::math::degrees;
+use pump_model::units::degrees;
 
+use super::lateness;
 use super::recorded_motion::RecordedMotion;
 use super::session::Session;
-use crate::dosing::{DoseError, Prepared};
-use crate::record::{Purpose, Terms};
+use crate::dosing::{DoseError, Prepared, Retraction};
+use crate::record::{DoseTerms, Purpose};
 
 /// Result of a dose.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Delivered {
     /// Volume that the vessel received, in mL. If nobody can read it, the model volume of the steps made.
     pub volume_ml: f64,
@@ -24,6 +25,10 @@ pub struct Delivered {
     pub retracted_ml: f64,
     /// True if the whole retraction was made.
     pub sucked_back: bool,
+    /// Time that the motion of the dose took, in s. A simulated motion takes the time of its plan.
+    pub measured_s: f64,
+    /// Warnings for the user that came up in motion or after it.
+    pub warnings: Vec<String>,
 }
 
 impl Session<'_> {
@@ -44,8 +49,8 @@ impl Session<'_> {
         let plan = &prepared.plan;
         let given = prepared.request.start_angle_rad.is_some();
         let stands = self.stands().phase();
-        if !given && plan.start != stands {
-            let [planned_deg, stands_deg] = [plan.start, stands].map(|phase| degrees(phase.angle_rad));
+        if !given && plan.start() != stands {
+            let [planned_deg, stands_deg] = [plan.start(), stands].map(|phase| degrees(phase.angle_rad()));
             return Err(DoseError::Stale { planned_deg, stands_deg });
         }
         let motion = RecordedMotion {
@@ -56,42 +61,69 @@ impl Session<'_> {
             carry_out_ml: prepared.carry_out_ml,
             given,
             retract_ml: prepared.request.retract_ml,
-            terms: prepared.terms(),
+            whole: self.whole_of_rest(prepared),
+            terms: prepared.terms(self.file()),
             settle_s: prepared.prediction.settle_s,
             seeks: false,
+            may_pause: !lateness::is_critical(&prepared.request),
         };
         let moved = self.perform(&motion, &mut watch)?;
         let mut delivered = Delivered {
             volume_ml: moved.volume_ml,
             made: moved.made,
             end_angle_rad: plan.angle_after(moved.made),
-            completed: moved.made == plan.steps.unsigned_abs(),
+            completed: moved.made == plan.steps().unsigned_abs(),
             retracted_ml: 0.0,
             sucked_back: prepared.retraction.is_none(),
+            measured_s: moved.measured_s,
+            warnings: Vec::new(),
         };
-        if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {
-            let plan = &retraction.plan;
-            let motion = RecordedMotion {
-                plan,
-                model: &prepared.model,
-                correction: prepared.correction(),
-                purpose: Purpose::Retract,
-                carry_out_ml: retraction.carry_out_ml,
-                given: false,
-                retract_ml: None,
-                terms: Terms::default(),
-                settle_s: retraction.prediction.settle_s,
-                seeks: false,
-            };
-            // The dose is delivered and on record whatever becomes of the retraction.
-            let back = self.perform(&motion, &mut watch);
-            let delivered_ml = delivered.volume_ml;
-            let back =
-                back.map_err(|source| DoseError::Retraction { delivered_ml, source: Box::new(source) })?;
-            delivered.sucked_back = back.made == plan.steps.unsigned_abs();
-            delivered.end_angle_rad = plan.angle_after(back.made);
-            delivered.retracted_ml = -plan.delivered_ml(&prepared.model, back.made);
+        if delivered.completed {
+            let late = lateness::warning(prepared, moved.measured_s, moved.pace, self.journal.path());
+            self.notes.extend(late);
         }
+        if let Some(retraction) = prepared.retraction.as_ref().filter(|_| delivered.completed) {
+            self.suck_back(prepared, retraction, &mut delivered, &mut watch)?;
+        }
+        delivered.warnings.append(&mut self.notes);
         Ok(delivered)
+    }
+
+    /// Makes the retraction after a dose. The dose is delivered and on record whatever becomes of it.
+    fn suck_back(
+        &mut self,
+        prepared: &Prepared,
+        retraction: &Retraction,
+        delivered: &mut Delivered,
+        watch: &mut impl FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<(), DoseError> {
+        let plan = &retraction.plan;
+        let motion = RecordedMotion {
+            plan,
+            model: &prepared.model,
+            correction: prepared.correction(),
+            purpose: Purpose::Retract,
+            carry_out_ml: retraction.carry_out_ml,
+            given: false,
+            retract_ml: None,
+            whole: None,
+            terms: DoseTerms::default(),
+            settle_s: retraction.prediction.settle_s,
+            seeks: false,
+            may_pause: true,
+        };
+        let back = match self.perform(&motion, watch) {
+            // Nothing was sucked back.
+            Err(error) if error.is_stop() => return Ok(()),
+            Err(error) => {
+                let delivered_ml = delivered.volume_ml;
+                return Err(DoseError::Retraction { delivered_ml, source: Box::new(error) });
+            }
+            Ok(back) => back,
+        };
+        delivered.sucked_back = back.made == plan.steps().unsigned_abs();
+        delivered.end_angle_rad = plan.angle_after(back.made);
+        delivered.retracted_ml = -plan.delivered_ml(&prepared.model, back.made);
+        Ok(())
     }
 }

@@ -12,8 +12,6 @@ pub(super) struct Device<'a> {
     /// Pump file with its motor as the device allows it.
     pub(super) file: PumpFile,
     pub(super) limits: Option<DriveLimits>,
-    /// Notes for the user that were not shown yet.
-    pub(super) notes: Vec<String>,
     /// Instant from which on the motor holds.
     pub(super) holds_since: Instant,
 }

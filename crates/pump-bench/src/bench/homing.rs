@@ -3,13 +3,15 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
-use pump_ctl::plan::{Phase, Plan, turn};
-use pump_model::math::{ceil, degrees, floor, rad_s, radians};
+use libm::{ceil, floor};
+use pump_ctl::plan::{Doser, Limits, Phase, Plan};
+use pump_model::units::{degrees, rad_s, radians};
 
 use super::bench::Bench;
 use crate::displacement::Correction;
-use crate::dosing::DoseError;
-use crate::record::{JournalError, State, Terms, Why};
+use crate::dosing::{DisplacedPumps, DoseError};
+use crate::drives::Drive;
+use crate::record::{DoseTerms, JournalError, PumpState, Why};
 use crate::record::{PhaseSource, Purpose};
 
 use super::recorded_motion::{Moved, RecordedMotion};
@@ -23,7 +25,7 @@ const SEEK_RPM: f64 = 10.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct AngleSet {
     /// State of the pump now.
-    pub state: State,
+    pub state: PumpState,
     /// Carry that was dropped, in mL.
     pub owed_ml: f64,
     /// New path of a journal that could not be read.
@@ -41,18 +43,46 @@ impl Bench {
     /// [`DoseError`] if another process holds the pump, a dose is unfinished, or the angle cannot be
     /// recorded.
     pub fn set_angle(&self, phase: Option<Phase>) -> Result<(Session<'_>, AngleSet), DoseError> {
+        self.set_angle_by(None, phase)
+    }
+
+    /// Records that the rotor that `drive` turns stands at `phase`, as [`Self::set_angle`] does.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as for [`Self::set_angle`] and [`Session::with_drive`].
+    pub fn set_angle_with_drive<'a>(
+        &'a self,
+        drive: Box<dyn Drive + 'a>,
+        phase: Option<Phase>,
+    ) -> Result<(Session<'a>, AngleSet), DoseError> {
+        self.set_angle_by(Some(drive), phase)
+    }
+
+    fn set_angle_by<'a>(
+        &'a self,
+        mut drive: Option<Box<dyn Drive + 'a>>,
+        phase: Option<Phase>,
+    ) -> Result<(Session<'a>, AngleSet), DoseError> {
+        if let Some(drive) = &drive {
+            self.check_drive(drive.as_ref())?;
+        }
         let aside = match self.session() {
             Err(DoseError::Journal(JournalError::Damaged { .. })) => {
                 self.folder().lock()?.set_journal_aside()?
             }
             session => {
                 let mut session = session?;
+                session.given = drive;
                 let owed_ml = session.owed_ml();
                 let state = session.set_angle(phase)?;
+                // The carry of an unfinished dose stays.
+                let owed_ml = owed_ml - state.carry_ml;
                 return Ok((session, AngleSet { state, owed_ml, aside: None }));
             }
         };
         let set = self.session().and_then(|mut session| {
+            session.given = drive.take();
             let state = session.set_angle(phase)?;
             Ok((session, state))
         });
@@ -73,8 +103,9 @@ impl Session<'_> {
     /// # Errors
     ///
     /// [`DoseError`] if a dose is unfinished, the device cannot be used, or the angle cannot be recorded.
-    pub fn set_angle(&mut self, phase: Option<Phase>) -> Result<State, DoseError> {
-        self.finished()?;
+    pub fn set_angle(&mut self, phase: Option<Phase>) -> Result<PumpState, DoseError> {
+        self.may_find_angle()?;
+        phase.map_or(Ok(()), |phase| phase.validate())?;
         self.find(phase, PhaseSource::Home, Why::Set)
     }
 
@@ -123,9 +154,9 @@ impl Session<'_> {
     ///
     /// [`DoseError`] if a dose is unfinished, the pump file gives no angle of the mark, or the angle cannot
     /// be recorded.
-    pub fn set_at_mark(&mut self, half_width_rad: f64) -> Result<State, DoseError> {
-        self.finished()?;
-        let phase = Phase { angle_rad: self.mark_rad()?, half_width_rad };
+    pub fn set_at_mark(&mut self, half_width_rad: f64) -> Result<PumpState, DoseError> {
+        self.may_find_angle()?;
+        let phase = Phase::within(self.mark_rad()?, half_width_rad);
         self.find(Some(phase), PhaseSource::Mark, Why::Mark)
     }
 
@@ -155,7 +186,7 @@ impl Session<'_> {
     pub fn seek_index(
         &mut self,
         watch: impl FnMut(u64) -> ControlFlow<()>,
-    ) -> Result<Option<State>, DoseError> {
+    ) -> Result<Option<PumpState>, DoseError> {
         let index_rad = self.index_rad()?;
         let steps = ceil(self.bench.file().limits().motor.steps_per_rev) as i64;
         let plan = self.planned_turn(steps, rad_s(SEEK_RPM))?;
@@ -164,30 +195,47 @@ impl Session<'_> {
         let disturbed = self.stands().disturbances > before;
         match beyond {
             Some(beyond) => {
-                let phase = Phase {
-                    angle_rad: index_rad + beyond as f64 * plan.step_rad,
-                    half_width_rad: radians(self.bench.drive().index_width_deg) + 0.5 * plan.step_rad,
-                };
-                let found = self.stands().found(phase, PhaseSource::Home);
+                let phase = Phase::within(
+                    index_rad + beyond as f64 * plan.step_rad(),
+                    radians(self.bench.drive().index_width_deg) + 0.5 * plan.step_rad(),
+                );
+                let model = self.bench.model();
+                let found = self.stands().found(Some(phase), PhaseSource::Home, model);
                 // A board that releases the motor after each motion has done so after this one.
-                let pitch_rad = self.bench.model().pitch_rad();
-                let state = if disturbed { found.disturbed(self.bench.fall_rad(), pitch_rad) } else { found };
+                let state = if disturbed { found.disturbed(self.bench.fall_rad(), model) } else { found };
                 self.record_angle(Why::Sensor, state).map(Some)
             }
-            None if made == plan.steps.unsigned_abs() => {
-                let turned_deg = degrees(made as f64 * plan.step_rad);
-                Err(DoseError::NoIndex { turned_deg, pumped_ml: plan.planned_ml })
+            None if made == plan.steps().unsigned_abs() => {
+                let turned_deg = degrees(made as f64 * plan.step_rad());
+                Err(DoseError::NoIndex { turned_deg, pumped_ml: plan.planned_ml() })
             }
             None => Ok(None),
         }
     }
 
+    /// Returns the state of the pump, if the angle may be found: no dose is unfinished, or the bench may home
+    /// with an unfinished dose whose angle is not known exactly.
+    fn may_find_angle(&self) -> Result<PumpState, DoseError> {
+        let state = self.stands();
+        match state.unfinished {
+            Some(_) if self.bench.may_home_unfinished() && state.half_width_rad > 0.0 => Ok(state),
+            Some(_) if self.bench.may_home_unfinished() => Err(DoseError::AngleIsKnown),
+            _ => self.finished(),
+        }
+    }
+
     fn planned_turn(&self, steps: i64, speed_rad_s: f64) -> Result<Plan, DoseError> {
-        let stands = self.finished()?.phase();
+        let stands = self.may_find_angle()?.phase();
         let limits = self.file().limits();
         let least_rad_s = self.device.as_ref().map_or(0.0, |device| device.least_rad_s());
         let speed_rad_s = speed_rad_s.max(least_rad_s).min(limits.motor.max_speed_rad_s);
-        Ok(turn(self.bench.model(), stands, steps, speed_rad_s, &limits)?)
+        let model = self.bench.model();
+        let plan = Doser::new(model, Limits::new(limits.motor))?.turn(stands, steps, speed_rad_s)?;
+        let stored = self.bench.calibrations().active()?;
+        let signed_rad_s = speed_rad_s.copysign(steps as f64);
+        let displaced = DisplacedPumps::at(self.bench.file(), model, stored.as_ref(), signed_rad_s)?;
+        displaced.check(&plan, &limits)?;
+        Ok(plan)
     }
 
     fn turn(
@@ -207,32 +255,66 @@ impl Session<'_> {
             carry_out_ml,
             given: false,
             retract_ml: None,
-            terms: Terms::default(),
+            whole: None,
+            terms: DoseTerms::default(),
             settle_s: 0.0,
             seeks,
+            may_pause: true,
         };
         self.perform(&motion, watch)
     }
 
     /// Records where the rotor was found.
-    fn find(&mut self, phase: Option<Phase>, source: PhaseSource, why: Why) -> Result<State, DoseError> {
+    fn find(&mut self, phase: Option<Phase>, source: PhaseSource, why: Why) -> Result<PumpState, DoseError> {
         self.connect()?;
-        let phase = phase.unwrap_or(Phase::unknown(self.bench.model().pitch_rad()));
-        let state = self.stands().found(phase, source);
+        let state = self.stands().found(phase, source, self.bench.model());
         self.record_angle(why, state)
     }
 
     /// Records the angle. The error tells if the rotor was turned before.
-    fn record_angle(&mut self, why: Why, state: State) -> Result<State, DoseError> {
-        let angle_deg = degrees(state.angle_rad);
+    fn record_angle(&mut self, why: Why, state: PumpState) -> Result<PumpState, DoseError> {
         match self.rest(why, state) {
             Ok(()) => Ok(state),
-            Err(source) if self.moved => Err(DoseError::AngleNotRecorded { angle_deg, source }),
+            Err(source) if self.moved => Err(not_recorded(&state, self.bench.model().pitch_rad(), source)),
             Err(source) => Err(source.into()),
         }
     }
 
     fn no_angle(&self, key: &'static str, what: &'static str) -> DoseError {
         DoseError::NoAngle { pump: self.bench.file().pump.id.clone(), key, what }
+    }
+}
+
+/// Returns the error of a rotor that was turned and whose state could not be recorded. It names the angle if that is
+/// known.
+fn not_recorded(state: &PumpState, pitch_rad: f64, source: JournalError) -> DoseError {
+    let angle_deg = state.phase().is_known(pitch_rad).then(|| degrees(state.angle_rad));
+    DoseError::AngleNotRecorded { angle_deg, source }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::ErrorKind;
+
+    use super::*;
+
+    #[test]
+    fn an_angle_that_nobody_knows_is_not_named_where_it_cannot_be_recorded() {
+        let pitch_rad = radians(120.0);
+        let said = |phase, cause: ErrorKind| {
+            let state = PumpState::fresh(phase, PhaseSource::Home);
+            let path = PathBuf::from("journal.jsonl");
+            let source = JournalError::File { action: "write", path, source: cause.into() };
+            not_recorded(&state, pitch_rad, source).to_string()
+        };
+        let unknown = said(Phase::unknown(pitch_rad), ErrorKind::StorageFull);
+        assert!(
+            unknown.starts_with("the rotor was turned and nobody knows its angle, but this"),
+            "{unknown}"
+        );
+        assert!(unknown.contains("make room there"), "{unknown}");
+        let known = said(Phase::known(radians(30.0)), ErrorKind::PermissionDenied);
+        assert!(!known.contains("make room") && known.contains("give this user access to it"), "{known}");
+        assert!(known.starts_with("the rotor was turned and stands at 30.0000 deg, but this"), "{known}");
     }
 }

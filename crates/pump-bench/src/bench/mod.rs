@@ -1,12 +1,16 @@
 //! A bench: one pump, its drive, and its record.
 
+mod announced_steps;
 mod bench;
 mod connection;
 mod delivery;
 mod device;
+mod ended_motion;
 mod homing;
+mod lateness;
 mod recorded_motion;
 mod rehearsal;
+mod rest;
 mod session;
 mod stretches;
 

@@ -5,17 +5,18 @@ use std::time::Instant;
 
 use pump_ctl::plan::Plan;
 use pump_model::Pump;
-use pump_model::math::degrees;
 
+use super::announced_steps::{AnnouncedSteps, Halt, Pace};
 use super::device::Device;
 use crate::displacement::Correction;
 use crate::dosing::DoseError;
-use crate::drives::{Disturbance, DriveFault, Sought};
+use crate::drives::{DriveFault, IndexSearch, Leave};
 use crate::record::Purpose;
-use crate::record::{Entry, Intent, JournalError, State, Terms, Unfinished, Why};
+use crate::record::{Announcer, DoseTerms, Entry, Intent, PumpState, Unfinished, Whole, Why};
 
+use super::ended_motion::EndedMotion;
 use super::session::{Session, unix_s};
-use super::stretches::Stretches;
+use super::stretches::AnnouncedStretches;
 
 /// Number of steps between two calls of `watch`.
 const WATCH_EVERY: u64 = 256;
@@ -34,12 +35,16 @@ pub(super) struct RecordedMotion<'p> {
     pub(super) given: bool,
     /// Volume to suck back afterwards, in mL.
     pub(super) retract_ml: Option<f64>,
+    /// Whole dose of which the motion makes the rest.
+    pub(super) whole: Option<Whole>,
     /// Terms of the dose besides its volume.
-    pub(super) terms: Terms,
+    pub(super) terms: DoseTerms,
     /// Settling time of the line, in s.
     pub(super) settle_s: f64,
     /// True if the motion ends at the index mark.
     pub(super) seeks: bool,
+    /// True if the motor may pause until the disk has the next stretch.
+    pub(super) may_pause: bool,
 }
 
 /// Motion that was made.
@@ -50,12 +55,17 @@ pub(super) struct Moved {
     pub(super) beyond: Option<u64>,
     /// Volume that the vessel received, in mL. If nobody can read it, the model volume of the steps made.
     pub(super) volume_ml: f64,
+    /// Time that the motion took, in s.
+    pub(super) measured_s: f64,
+    pub(super) pace: Pace,
 }
 
-/// End of a motion by the drive, and the journal's error meanwhile.
+/// End of a motion by the drive, with the times and the error of the journal meanwhile.
 struct Driven {
-    ended: Result<Sought, DriveFault>,
-    unwritten: Option<JournalError>,
+    ended: Result<IndexSearch, DriveFault>,
+    measured_s: f64,
+    pace: Pace,
+    halt: Option<Halt>,
 }
 
 impl<'a> Session<'a> {
@@ -64,7 +74,7 @@ impl<'a> Session<'a> {
     pub(super) fn perform(
         &mut self,
         motion: &RecordedMotion<'_>,
-        watch: impl FnMut(u64) -> ControlFlow<()>,
+        mut watch: impl FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Moved, DoseError> {
         self.connect()?;
         if let (false, Some(state)) = (self.written, self.state) {
@@ -77,144 +87,94 @@ impl<'a> Session<'a> {
         }
         let intent = self.announce(motion, &before)?;
         let Some(mut device) = self.device.take() else { unreachable!("it was connected above") };
+        let driven = self.journal.announcing(|announcer| drive(&mut device, motion, announcer, &mut watch));
+        let Driven { ended, measured_s, pace, halt } = match driven {
+            Ok(driven) => driven,
+            // Nothing has moved.
+            Err(error) => {
+                self.device = Some(device);
+                self.rest(Why::Fault, before)?;
+                return Err(error.into());
+            }
+        };
         self.moved = true;
-        let Driven { ended, unwritten } = self.drive(&mut device, motion, watch);
         device.holds_since = Instant::now();
         match ended {
-            Ok(sought) => self.conclude(device, motion, &before, &intent, sought, unwritten),
-            // The device is dropped, so it is met anew before it moves again.
-            Err(fault) => Err(self.record_fault(device, &before, intent, fault)),
+            Ok(IndexSearch { made, beyond }) => {
+                let after = EndedMotion { made, beyond, measured_s, pace, halt, before, intent };
+                self.conclude(device, motion, after, &mut || watch(made))
+            }
+            // The device is met anew before it moves again.
+            Err(fault) => Err(self.record_fault(device, &before, intent, fault, pace.pauses)),
         }
     }
 
     /// Writes the intent of a motion.
-    fn announce(&mut self, motion: &RecordedMotion<'_>, before: &State) -> Result<Intent, DoseError> {
+    fn announce(&mut self, motion: &RecordedMotion<'_>, before: &PumpState) -> Result<Intent, DoseError> {
         let RecordedMotion { plan, correction, purpose, carry_out_ml, .. } = *motion;
         let mut intent = Intent::of(plan, correction, purpose, carry_out_ml, unix_s());
         intent.retract_ml = motion.retract_ml;
         intent.terms = motion.terms;
-        if !motion.given {
+        intent.whole = motion.whole;
+        intent.carry_in_half_width_ml = before.carry_within_ml(self.bench.model());
+        if !motion.given && before.half_width_rad > intent.half_width_rad {
             // A disturbance since the motion was planned counts.
-            intent.half_width_rad = intent.half_width_rad.max(before.half_width_rad);
+            intent.widen(before.half_width_rad, self.bench.model());
         }
         self.journal.append(&Entry::Intent(intent))?;
         Ok(intent)
     }
 
-    /// Turns the motor. The motor stops where `watch` breaks, or where the next stretch cannot be recorded.
-    fn drive(
-        &mut self,
-        device: &mut Device<'_>,
-        motion: &RecordedMotion<'_>,
-        mut watch: impl FnMut(u64) -> ControlFlow<()>,
-    ) -> Driven {
-        let mut stretches = Stretches::new(motion.plan, motion.model);
-        let mut unwritten: Option<JournalError> = None;
-        let journal = &mut self.journal;
-        let mut gate = |made: u64, about_to: u64| {
-            let ends = about_to > stretches.end;
-            // Drives that make many steps at a time ask seldom enough to call `watch` every time.
-            let looks = ends || about_to > made + 1 || made.is_multiple_of(WATCH_EVERY);
-            if looks && watch(made).is_break() {
-                return ControlFlow::Break(());
-            }
-            if ends {
-                let may = stretches.next(about_to);
-                if let Err(error) = journal.append(&Entry::Progress { made, may }) {
-                    unwritten = Some(error);
-                    return ControlFlow::Break(());
-                }
-            }
-            ControlFlow::Continue(())
-        };
-        let drive = device.drive.as_mut();
-        drive.displaces(motion.correction);
-        let ended = if motion.seeks {
-            drive.seek(motion.plan, &mut gate)
-        } else {
-            drive.run(motion.plan, &mut gate).map(|made| Sought { made, beyond: None })
-        };
-        Driven { ended, unwritten }
-    }
-
-    /// Returns the state with the device's count and disturbances.
-    fn with_device(&self, device: &mut Device<'_>, state: State) -> State {
-        // The drive reports disturbances first: it may hear of a reset that changes the count.
-        let event = device.drive.disturbed();
-        let state = State { count: device.drive.count(), ..state };
-        let Some(event) = event else { return state };
-        if event != Disturbance::Disabled {
-            device.notes.push(format!("{event}: the rollers' angle is known less well"));
-        }
-        state.disturbed(self.bench.fall_rad(), self.bench.model().pitch_rad())
-    }
-
-    /// Records the state after a fault.
+    /// Records the state after a fault of a motion that paused so many times.
     fn record_fault(
         &mut self,
-        mut device: Device<'_>,
-        before: &State,
+        mut device: Device<'a>,
+        before: &PumpState,
         intent: Intent,
         fault: DriveFault,
+        pauses: u8,
     ) -> DoseError {
         let DriveFault { made_least, made_most, lost, error } = fault;
         let model = self.bench.model();
         let after = before.after(&intent, made_least, made_most, model);
-        let after = if lost { after.lost(model.pitch_rad()) } else { after };
-        let mut state = self.with_device(&mut device, after);
-        if let (None, false, Some(part)) = (state.count, lost, &mut state.unfinished) {
+        let after = if lost { after.lost(model) } else { after };
+        let mut state = self.with_device(&mut device, after, Some(pauses));
+        // A turn to find the angle is no part of the unfinished dose that stays on record.
+        let is_delivery = intent.purpose.is_delivery();
+        if let (None, false, true, Some(part)) = (state.count, lost, is_delivery, &mut state.unfinished) {
             part.count_before = before.count;
         }
+        self.put_away(device);
         // If this fails, the journal's last stretch tells as much with wider bounds.
         let _ = self.rest(Why::Fault, state);
         let (least_ml, most_ml) =
             Unfinished { intent, made_least, made_most, count_before: None }.delivered_ml(model);
         DoseError::Drive { error, least_ml, most_ml, unfinished: state.unfinished.is_some() }
     }
+}
 
-    /// Lets the line settle and records the state after the motion.
-    fn conclude(
-        &mut self,
-        mut device: Device<'a>,
-        motion: &RecordedMotion<'_>,
-        before: &State,
-        intent: &Intent,
-        sought: Sought,
-        unwritten: Option<JournalError>,
-    ) -> Result<Moved, DoseError> {
-        let Sought { made, beyond } = sought;
-        let plan = motion.plan;
-        let read_ml = device.drive.settle(motion.settle_s);
-        let counted_ml = plan.delivered_ml(motion.model, made);
-        let after = before.after(intent, made, made, self.bench.model());
-        let state = self.with_device(&mut device, after);
-        self.device = Some(device);
-        let why = match &unwritten {
-            Some(_) => Why::Fault,
-            None if made == plan.steps.unsigned_abs() || beyond.is_some() => Why::Done,
-            None => Why::Stopped,
-        };
-        let rested = self.rest(why, state);
-        let volume_ml = match read_ml {
-            Ok(read_ml) => read_ml.unwrap_or(counted_ml),
-            Err(error) => {
-                let unfinished = state.unfinished.is_some();
-                return Err(DoseError::Drive {
-                    error,
-                    least_ml: counted_ml,
-                    most_ml: counted_ml,
-                    unfinished,
-                });
-            }
-        };
-        if let Some(source) = unwritten {
-            return Err(DoseError::NotJournalled { delivered_ml: volume_ml, source });
-        }
-        rested.map_err(|source| DoseError::NotRecorded {
-            delivered_ml: volume_ml,
-            end_angle_deg: degrees(plan.angle_after(made)),
-            source,
-        })?;
-        Ok(Moved { made, beyond, volume_ml })
-    }
+/// Turns the motor. The motor stops where `watch` breaks, or where the next stretch cannot be recorded.
+fn drive(
+    device: &mut Device<'_>,
+    motion: &RecordedMotion<'_>,
+    announcer: &Announcer,
+    watch: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Driven {
+    let drive = device.drive.as_mut();
+    let stretches = AnnouncedStretches::new(motion.plan, motion.model, !drive.is_simulated());
+    let mut announced = AnnouncedSteps::new(stretches, announcer, motion.may_pause);
+    let mut gate = |made: u64, about_to: u64| {
+        // Drives that make many steps at a time ask seldom enough to call `watch` every time.
+        let looks = about_to > announced.end || about_to > made + 1 || made.is_multiple_of(WATCH_EVERY);
+        if looks && watch(made).is_break() { Leave::Stop } else { announced.leave(made, about_to) }
+    };
+    drive.displaces(motion.correction);
+    let ended = if motion.seeks {
+        drive.seek(motion.plan, &mut gate)
+    } else {
+        drive.run(motion.plan, &mut gate).map(|made| IndexSearch { made, beyond: None })
+    };
+    let AnnouncedSteps { pace, halt, .. } = announced;
+    let took_s = pace.began.map_or(0.0, |began| began.elapsed().as_secs_f64());
+    Driven { ended, measured_s: drive.simulated_s().unwrap_or(took_s), pace, halt }
 }

@@ -3,15 +3,29 @@
 use pump_ctl::plan::Plan;
 
 use super::bench::Bench;
+use super::session::Session;
 use crate::dosing::{DoseError, DoseRequest, Prepared};
-use crate::record::{Intent, Purpose, State};
+use crate::record::{Intent, PumpState, Purpose};
 
 /// Session that moves and records nothing. Each dose is planned from where the one before would leave the
 /// pump.
 #[derive(Debug, Clone)]
 pub struct Rehearsal<'a> {
     bench: &'a Bench,
-    state: Option<State>,
+    state: Option<PumpState>,
+}
+
+impl Session<'_> {
+    /// Starts a rehearsal from the state of this session, in which the device was met.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Connection`] if the device cannot be used. [`DoseError::Journal`] if its state cannot be
+    /// recorded.
+    pub fn rehearsal(&mut self) -> Result<Rehearsal<'_>, DoseError> {
+        self.connect()?;
+        Ok(Rehearsal { bench: self.bench, state: self.state })
+    }
 }
 
 impl<'a> Rehearsal<'a> {
@@ -19,9 +33,10 @@ impl<'a> Rehearsal<'a> {
     ///
     /// # Errors
     ///
-    /// [`DoseError::Journal`] if the journal cannot be read.
+    /// [`DoseError::Journal`] if the journal cannot be read. [`DoseError::Folder`] if another process moves the
+    /// pump, because nobody knows yet where it will stop.
     pub fn new(bench: &'a Bench) -> Result<Self, DoseError> {
-        Ok(Self { bench, state: bench.story()?.state })
+        Ok(Self { bench, state: bench.state_to_plan_from()? })
     }
 
     /// Plans a dose and goes on as if it had been delivered.
@@ -30,11 +45,11 @@ impl<'a> Rehearsal<'a> {
     ///
     /// [`DoseError`] if the dose cannot be planned, or a dose is unfinished.
     pub fn prepare(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
-        let prepared = self.bench.prepare_from(self.bench.file(), self.state, request)?;
+        let prepared = self.bench.rehearse(self.state, request)?;
         let correction = prepared.correction();
         let mut made = |plan: &Plan, purpose, carry_out_ml| {
             let intent = Intent::of(plan, correction, purpose, carry_out_ml, 0);
-            let all = plan.steps.unsigned_abs();
+            let all = plan.steps().abs();
             let before = self.state.unwrap_or(self.bench.fresh());
             self.state = Some(before.after(&intent, all, all, self.bench.model()));
         };

@@ -3,12 +3,13 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use pump_model::math::{ceil, rpm};
+use libm::ceil;
+use pump_model::units::rpm;
 
 use crate::calibration::RunLog;
 use crate::dosing::{DoseError, DoseRequest, Prepared};
-use crate::numbers::{between, significant};
-use crate::record::{Entry, Journal, JournalError, Lock, Purpose, State, Unfinished, Wear, Why};
+use crate::drives::Drive;
+use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfinished, Wear, Why};
 
 use super::bench::Bench;
 use super::device::Device;
@@ -19,13 +20,19 @@ pub struct Session<'a> {
     pub(super) bench: &'a Bench,
     pub(super) journal: Journal,
     /// Last state of the pump. `None` if nothing was ever recorded.
-    pub(super) state: Option<State>,
+    pub(super) state: Option<PumpState>,
     /// True if the state is on record as the rotor's rest.
     pub(super) written: bool,
     /// State before a motion that an earlier process left unended, and that motion.
-    pub(super) cut_off: Option<(State, Unfinished)>,
+    pub(super) cut_off: Option<(PumpState, Unfinished)>,
+    /// Dose that the device finished after the process that ran it had ended, until something else happens.
+    pub(super) finished_by_device: Option<Unfinished>,
     /// Device that turns the motor. It is opened once it is needed.
     pub(super) device: Option<Device<'a>>,
+    /// Drive that the session was given and that is not connected.
+    pub(super) given: Option<Box<dyn Drive + 'a>>,
+    /// Notes for the user that were not shown yet.
+    pub(super) notes: Vec<String>,
     /// True if this session has turned the motor.
     pub(super) moved: bool,
     _lock: Lock,
@@ -35,7 +42,7 @@ pub struct Session<'a> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NewTube {
     /// State of the pump now.
-    pub state: State,
+    pub state: PumpState,
     /// Volume that the old tube pumped, in mL.
     pub worn_ml: f64,
     /// Carry that was dropped, in mL.
@@ -68,10 +75,33 @@ impl<'a> Session<'a> {
             state: story.state,
             written: story.cut_off.is_none(),
             cut_off: story.cut_off,
+            finished_by_device: None,
             device: None,
+            given: None,
+            notes: Vec::new(),
             moved: false,
             _lock: lock,
         })
+    }
+
+    /// Takes the pump for this process until the session is dropped, and `drive` to turn it. The drive is asked
+    /// once it is needed.
+    ///
+    /// [`Bench::driven_by`] makes the bench of a drive, whose record is its own. A drive that fails is kept: the next
+    /// motion meets it anew, so [`Drive::check`] is the place to connect it again.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Connection`] with [`DriveError::Other`](crate::drives::DriveError::Other) if the bench keeps
+    /// the record of another drive. Otherwise as for [`Bench::session`].
+    pub fn with_drive(bench: &'a Bench, drive: Box<dyn Drive + 'a>) -> Result<Self, DoseError> {
+        bench.check_drive(drive.as_ref())?;
+        Ok(Self { given: Some(drive), ..Self::open(bench)? })
+    }
+
+    /// Returns the bench of this session.
+    pub fn bench(&self) -> &'a Bench {
+        self.bench
     }
 
     /// Returns true if this session has turned the motor.
@@ -80,8 +110,13 @@ impl<'a> Session<'a> {
     }
 
     /// Returns the state of the pump. `None` if nothing was ever recorded.
-    pub fn state(&self) -> Option<&State> {
+    pub fn state(&self) -> Option<&PumpState> {
         self.state.as_ref()
+    }
+
+    /// Has the journal's entries synced by `storage`, in place of the disk itself.
+    pub fn store_by(&mut self, storage: Box<dyn Storage>) {
+        self.journal.store_by(storage);
     }
 
     /// Returns the carry to the next dose, in mL.
@@ -90,7 +125,7 @@ impl<'a> Session<'a> {
     }
 
     /// Returns the state of the pump, or its fresh state if nothing was ever recorded.
-    pub(super) fn stands(&self) -> State {
+    pub(super) fn stands(&self) -> PumpState {
         self.state.unwrap_or(self.bench.fresh())
     }
 
@@ -104,72 +139,30 @@ impl<'a> Session<'a> {
             self.finished()?;
         }
         if let Err(error) = self.connect() {
-            self.finished()?;
+            if !error.is_stop() {
+                self.finished()?;
+            }
             return Err(error);
         }
         let prepared = self.bench.prepare_from(self.file(), self.state, request)?;
         self.checked(prepared)
     }
 
-    /// Plans the rest of the unfinished dose on the terms of the whole dose, in what `request` leaves open:
-    /// cruise and limits. A smooth flow stays smooth, and an end at low flow stays one.
-    ///
-    /// The rest leads to the same end angle if the delivered volume is known, and to the most probable one
-    /// otherwise.
-    ///
-    /// # Errors
-    ///
-    /// [`DoseError::NothingUnfinished`] if no dose is unfinished. [`DoseError::WasFinished`] if the device
-    /// has finished the dose since. Other [`DoseError`]s if the device cannot be used or the rest cannot be
-    /// planned.
-    pub fn prepare_rest(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
-        if self.stands().unfinished.is_none() {
-            return Err(DoseError::NothingUnfinished("resume"));
-        }
-        self.connect()?;
-        let state = self.stands();
-        let Some(dose) = state.unfinished else {
-            return Err(DoseError::WasFinished);
-        };
-        let (least_ml, most_ml) = dose.delivered_ml(self.bench.model());
-        let intent = dose.intent;
-        let volume_ml = intent.requested_ml - 0.5 * (least_ml + most_ml);
-        let carry_ml = if intent.purpose == Purpose::Dose { intent.carry_in_ml } else { state.carry_ml };
-        let retract_ml = intent.retract_ml;
-        let whole_ml = Some(intent.requested_ml);
-        let request = request.for_rest(&intent.terms);
-        let rest = DoseRequest { purpose: intent.purpose, volume_ml, whole_ml, retract_ml, ..request };
-        let state = State { unfinished: None, carry_ml, ..state };
-        let mut prepared = self.bench.plan_from(self.file(), Some(state), rest)?;
-        if most_ml - least_ml > prepared.plan.end_step_ml(&prepared.model) {
-            let rest_ml = prepared.plan.planned_ml;
-            prepared.warnings.push(format!(
-                "{} of the {} mL asked for were delivered before; this rest is for the middle of that \
-                 range, so that {} will be delivered in all; `dose discard` accepts the dose as it is \
-                 instead",
-                between(least_ml, most_ml),
-                significant(intent.requested_ml, 6),
-                between(least_ml + rest_ml, most_ml + rest_ml),
-            ));
-        }
-        self.checked(prepared)
-    }
-
     /// Refuses a dose that the device would run in another way, and adds the notes of the device.
-    fn checked(&mut self, mut prepared: Prepared) -> Result<Prepared, DoseError> {
-        let Some(device) = &mut self.device else { return Ok(prepared) };
-        let speed_rad_s = prepared.plan.profile.peak_rad_s();
+    pub(super) fn checked(&mut self, mut prepared: Prepared) -> Result<Prepared, DoseError> {
+        let Some(device) = &self.device else { return Ok(prepared) };
+        let speed_rad_s = prepared.plan.profile().peak_rad_s();
         let least_rad_s = device.least_rad_s();
         if speed_rad_s < least_rad_s {
             let up = |x: f64| ceil(1e4 * x) / 1e4;
             return Err(DoseError::TooSlow {
-                driver: self.bench.driver().as_str(),
+                driver: self.bench.drive_id().to_owned(),
                 speed_rpm: rpm(speed_rad_s),
                 least_rpm: up(rpm(least_rad_s)),
                 least_ml_s: up(prepared.model.average_flow_ml_s(least_rad_s)),
             });
         }
-        prepared.warnings.append(&mut device.notes);
+        prepared.warnings.append(&mut self.notes);
         Ok(prepared)
     }
 
@@ -179,18 +172,21 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     ///
-    /// [`DoseError::NothingUnfinished`] if no dose is unfinished. [`DoseError::Journal`] if the state cannot
-    /// be recorded.
-    pub fn discard(&mut self) -> Result<(State, Option<DoseError>), DoseError> {
+    /// [`DoseError::NothingUnfinished`] if no dose is unfinished. [`DoseError::Connection`] if the user asked
+    /// to stop meanwhile. [`DoseError::Journal`] if the state cannot be recorded.
+    pub fn discard(&mut self) -> Result<(PumpState, Option<DoseError>), DoseError> {
         if self.stands().unfinished.is_none() {
             return Err(DoseError::NothingUnfinished("discard"));
         }
         // A device that still knows its count tells the steps made. Otherwise the recorded bounds stay, and
         // the count starts anew when the device is met again.
-        let unasked = self.connect().err();
+        let unasked = match self.connect() {
+            Err(error) if error.is_stop() => return Err(error),
+            asked => asked.err(),
+        };
         let state = self.stands();
         let count = state.count.filter(|_| unasked.is_none());
-        let state = State { unfinished: None, carry_ml: 0.0, count, ..state };
+        let state = PumpState { unfinished: None, count, ..state.without_carry() };
         self.rest(Why::Discarded, state)?;
         Ok((state, unasked))
     }
@@ -201,12 +197,20 @@ impl<'a> Session<'a> {
     ///
     /// [`DoseError`] if a dose is unfinished, or the calibrations or the state cannot be written.
     pub fn new_tube(&mut self) -> Result<NewTube, DoseError> {
+        // A device that still knows its count tells the steps of a run that was cut off. Otherwise the recorded
+        // bounds stay, and the count starts anew when the device is met again.
+        let is_cut_off = self.cut_off.is_some() && self.finished().is_ok();
+        let unasked = match if is_cut_off { self.connect() } else { Ok(()) } {
+            Err(error) if error.is_stop() => return Err(error),
+            asked => asked.is_err(),
+        };
         let before = self.finished()?;
+        let count = before.count.filter(|_| !unasked);
         // Calibrations come first, so that no dose of the new tube uses the old tube's calibration.
         let calibrations = self.bench.calibrations();
         let unused = calibrations.active_version()?;
         calibrations.activate(None)?;
-        let state = State { carry_ml: 0.0, wear: Wear::default(), ..before };
+        let state = PumpState { wear: Wear::default(), count, ..before.without_carry() };
         self.rest(Why::NewTube, state)?;
         // Readings of the old tube tell nothing about the new one.
         let log = RunLog::of(self.bench.folder());
@@ -220,7 +224,7 @@ impl<'a> Session<'a> {
     /// # Errors
     ///
     /// [`DoseError::Unfinished`] if a dose is unfinished.
-    pub fn finished(&self) -> Result<State, DoseError> {
+    pub(crate) fn finished(&self) -> Result<PumpState, DoseError> {
         let state = self.stands();
         self.bench.refuse_unfinished(Some(state))?;
         Ok(state)
@@ -228,9 +232,10 @@ impl<'a> Session<'a> {
 
     /// Records that the rotor stands. If that cannot be written, this session still knows it, and the next
     /// motion records it first.
-    pub(super) fn rest(&mut self, why: Why, state: State) -> Result<(), JournalError> {
+    pub(super) fn rest(&mut self, why: Why, state: PumpState) -> Result<(), JournalError> {
         self.state = Some(state);
         self.cut_off = None;
+        self.finished_by_device = None;
         self.written = false;
         self.journal.append(&Entry::Rest { unix_s: unix_s(), why, state })?;
         self.written = true;

@@ -1,6 +1,6 @@
 //! A calibration as it is stored.
 
-use pump_model::math::radians;
+use pump_model::units::radians;
 use pump_model::{ModelError, Pump};
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use super::applied::Sureness;
 use super::date;
 use super::error::CalibrationError;
 use super::fit::{Displacement, ShortDose};
-use super::run::Run;
+use super::run::CalibrationRun;
 use crate::pump_file::PumpFile;
 
 /// Schema of stored calibrations.
@@ -55,7 +55,7 @@ pub struct Calibration {
     /// Displacement factor; `None` while only the zero was sought.
     pub displacement: Option<Displacement>,
     /// Weighed runs that the displacement factor was fitted to.
-    pub runs: Vec<Run>,
+    pub runs: Vec<CalibrationRun>,
     /// Model angle of the rollers where the record says 0, in deg.
     pub zero_deg: f64,
     /// Standard uncertainty of the zero, in deg.
@@ -112,12 +112,12 @@ impl Calibration {
     /// One speed or two do not show how the volume depends on the speed. The share for that then takes all of
     /// the model's uncertainty over the motor's speeds as a straight line. It is
     /// sqrt(12) model_percent |N - N_nearest|/N_max, with N_nearest the nearest speed of the runs. With three
-    /// speeds or more it is the distance of the runs from their line or speed law.
+    /// speeds or more it is the distance of the runs from their line or law.
     ///
     /// # Errors
     ///
-    /// [`ModelError`] where the speed law cannot be computed for this pump and speed.
-    pub fn sureness_at(
+    /// [`ModelError`] where the law cannot be computed for this pump and speed.
+    pub(crate) fn sureness_at(
         &self,
         base: &Pump,
         rpm: f64,
@@ -126,7 +126,7 @@ impl Calibration {
         let Some(displacement) = &self.displacement else { return Ok(None) };
         Ok(Some(Sureness {
             factor: displacement.standard_at(base, rpm)?,
-            speed_law: if displacement.speeds_rpm.len() < 3 {
+            speed_dependence: if displacement.speeds_rpm.len() < 3 {
                 let distance = displacement.distance_rpm(rpm.abs()) / file.motor.max_speed_rpm;
                 LINE_OVER_RMS * file.uncertainty.model_percent / 100.0 * distance
             } else {

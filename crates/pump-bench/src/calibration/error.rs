@@ -70,6 +70,18 @@ pub enum CalibrationError {
         /// Angle between rollers, in deg.
         pitch_deg: f64,
     },
+    /// A run that is to be weighed would turn a part of a pitch from an unknown angle.
+    #[error(
+        "a run from an unknown angle turns whole pitches of {pitch_deg:.4} deg, and this one turns \
+         {turned_deg:.4} deg in whole motor steps; make it more pitches long, or find the angle with \
+         `dose home`"
+    )]
+    PartOfPitch {
+        /// Angle that the run would turn, in deg.
+        turned_deg: f64,
+        /// Angle between rollers, in deg.
+        pitch_deg: f64,
+    },
     /// A reading cannot be right.
     #[error(
         "run {run} gave {measured_ml:.4} mL where the model gives {model_ml:.4} mL; more than twice or \

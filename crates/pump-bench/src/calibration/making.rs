@@ -1,8 +1,8 @@
 //! A calibration made from weighed runs or short doses.
 
 use super::{
-    AgainstSpeed, Calibration, CalibrationError, Displacement, Expected, PhaseFit, Revolution, Run,
-    ShortDose, Source, Weighing,
+    AgainstSpeed, Calibration, CalibrationError, CalibrationRun, Displacement, Expected, LawToFit, PhaseFit,
+    Revolution, ShortDose, Source, Weighing,
 };
 use crate::displacement::Correction;
 use crate::pump_file::PumpFile;
@@ -14,11 +14,11 @@ pub enum Fit {
     /// A straight line over the speed.
     #[default]
     Line,
-    /// Speed law, whose s and D are fitted.
-    SpeedLaw,
+    /// Law of volume against speed: the speed law, whose s and D are fitted.
+    Law,
 }
 
-words!(Fit { Line = "line", SpeedLaw = "speed-law" });
+words!(Fit { Line = "line", Law = "speed-law" });
 
 impl Expected {
     /// Returns the repeatability of the pump file, with the standard uncertainty of a reading, in mL.
@@ -43,12 +43,12 @@ impl Calibration {
     ///
     /// # Errors
     ///
-    /// Errors of [`Displacement::fit`] or [`Displacement::fit_law`], and [`CalibrationError::Model`] if the
-    /// pump of `file` cannot be modelled.
+    /// Errors of [`Displacement::fit`]. [`CalibrationError::NoLaw`] if a law is asked for that the runs do not
+    /// show. [`CalibrationError::Model`] if the pump of `file` cannot be modelled.
     pub fn of_runs(
         file: &PumpFile,
         source: Source,
-        runs: Vec<Run>,
+        runs: Vec<CalibrationRun>,
         fit: Fit,
         expected: &Expected,
         before: Option<&Self>,
@@ -64,9 +64,9 @@ impl Calibration {
         let pump = Correction { factor: 1.0, zero_rad: calibration.zero_rad() }.of(&base)?;
         calibration.displacement = Some(match fit {
             Fit::Line => Displacement::fit(&pump, &runs, &weighing, expected)?,
-            Fit::SpeedLaw => {
-                let start = file.speed_law_to_fit()?;
-                Displacement::fit_law(&pump, &base, &start, &runs, &weighing, expected)?
+            Fit::Law => {
+                let law = LawToFit::of(file, &base)?;
+                Displacement::fit_law(&law, &pump, &runs, &weighing, expected)?
             }
         });
         calibration.temperature_degc =
@@ -80,7 +80,9 @@ impl Calibration {
     ///
     /// # Errors
     ///
-    /// Errors of [`PhaseFit::of`], and [`CalibrationError::Model`] if the pump of `file` cannot be modelled.
+    /// [`CalibrationError::TooFew`] with fewer than five doses. [`CalibrationError::Undetermined`] if the
+    /// doses scatter too much, or sweep too little of a pulse, for the zero to be found.
+    /// [`CalibrationError::Model`] if the pump of `file` cannot be modelled.
     pub fn of_short_doses(
         file: &PumpFile,
         doses: Vec<ShortDose>,
@@ -88,10 +90,11 @@ impl Calibration {
         before: Option<&Self>,
     ) -> Result<(Self, PhaseFit), CalibrationError> {
         let empty = Self::empty(file, Source::Phase)?;
-        let (base, displacement) = (file.model()?, before.and_then(|before| before.displacement.as_ref()));
-        let model_standard = file.speed_law.standard().unwrap_or(file.uncertainty.model_percent / 100.0);
-        let against = AgainstSpeed::of(displacement, file.speed_law()?, &base);
-        let found = PhaseFit::of(&base, Revolution { against, model_standard }, &doses, expected)?;
+        let displacement = before.and_then(|before| before.displacement.as_ref());
+        let pump = file.speed_dependent_pump()?;
+        let against = AgainstSpeed::of(displacement, &pump);
+        let revolution = Revolution { against, model_standard: file.model_standard() };
+        let found = PhaseFit::of(pump.base(), revolution, &doses, expected)?;
         let calibration = Self {
             date: empty.date.clone(),
             source: Source::Phase,

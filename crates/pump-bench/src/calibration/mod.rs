@@ -3,6 +3,7 @@
 mod applied;
 mod calibration;
 mod date;
+mod default_rate;
 mod error;
 mod fit;
 mod making;
@@ -12,16 +13,17 @@ mod store;
 mod verification;
 mod weighing;
 
-pub use applied::{Applied, Basis, Made, Sureness};
+pub(crate) use applied::{Applied, Basis, Made, Sureness};
 pub use calibration::{Calibration, Source};
 pub use date::now as now_utc;
+pub use default_rate::default_rate_left_out;
+pub(crate) use default_rate::default_rate_uncovered;
 pub use error::CalibrationError;
-pub use fit::{
-    AgainstSpeed, Displacement, Expected, LawFit, PhaseFit, Revolution, Scatter, ShortDose,
-    short_doses_of_csv,
-};
+pub(crate) use fit::{AgainstSpeed, LawToFit, Revolution};
+pub use fit::{Displacement, Expected, LawFit, PhaseFit, Scatter, ShortDose, short_doses_of_csv};
 pub use making::Fit;
-pub use run::{Reading, Run, runs_of_csv};
+pub(crate) use run::turned_ml;
+pub use run::{CalibrationRun, Reading, runs_of_csv};
 pub use run_log::{PlannedRuns, RunLog, UnfinishedRuns};
 pub use store::{Calibrations, Stored};
 pub use verification::{Tolerance, Verification, readings_of_csv};

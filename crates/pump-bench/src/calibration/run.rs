@@ -1,16 +1,17 @@
 //! A weighed run: the angle that the rotor turned, and the volume that arrived.
 
+use libm::round;
 use pump_model::Pump;
-use pump_model::math::{degrees, radians, round};
+use pump_model::units::{degrees, radians};
 use serde::{Deserialize, Serialize};
 
 use crate::files::Table;
 
 use super::{CalibrationError, Weighing};
 
-/// A turn within this part of a pitch of whole pitches delivers the same volume from any angle, or nearly so:
-/// the largest flow is twice the mean.
-const WHOLE_PITCH: f64 = 1e-3;
+/// A turn within this part of whole pitches delivers the same volume from any angle, within twice this part:
+/// the largest flow is at most twice the mean.
+const WHOLE_PITCHES: f64 = 1e-3;
 
 /// A measured volume further from the model's than this factor either way is a mistake.
 const PLAUSIBLE: f64 = 2.0;
@@ -28,7 +29,7 @@ pub enum Reading {
 /// A run at constant speed with the volume that arrived.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Run {
+pub struct CalibrationRun {
     /// Cruise speed, in r/min, positive.
     pub speed_rpm: f64,
     /// Angle of the rollers at the start, in deg; `None` if nobody knows.
@@ -43,14 +44,14 @@ pub struct Run {
     pub time: Option<String>,
 }
 
-impl Run {
+impl CalibrationRun {
     /// Returns the volume that arrived, in mL.
     ///
     /// # Errors
     ///
     /// Errors of [`Weighing::volume_ml`] if the density of the fluid is not known at the temperature of the
     /// run.
-    pub fn measured_ml(&self, weighing: &Weighing<'_>) -> Result<f64, CalibrationError> {
+    pub(crate) fn measured_ml(&self, weighing: &Weighing<'_>) -> Result<f64, CalibrationError> {
         match self.reading {
             Reading::VolumeMl(volume_ml) => Ok(volume_ml),
             Reading::MassG(mass_g) => weighing.volume_ml(mass_g, self.temperature_degc(weighing)),
@@ -58,7 +59,7 @@ impl Run {
     }
 
     /// Returns the temperature of the fluid, in °C.
-    pub fn temperature_degc(&self, weighing: &Weighing<'_>) -> f64 {
+    pub(crate) fn temperature_degc(&self, weighing: &Weighing<'_>) -> f64 {
         self.temperature_degc.unwrap_or(weighing.fluid.temperature_degc)
     }
 
@@ -67,20 +68,8 @@ impl Run {
     /// # Errors
     ///
     /// [`CalibrationError::UnknownAngle`] if the run turned a part of a pitch from an unknown angle.
-    pub fn model_ml(&self, pump: &Pump, number: usize) -> Result<f64, CalibrationError> {
-        let curve = pump.outlet_curve();
-        let turn_rad = radians(self.turned_deg);
-        if let Some(start_deg) = self.start_angle_deg {
-            let start_rad = radians(start_deg);
-            return Ok((curve.volume_ml(start_rad + turn_rad) - curve.volume_ml(start_rad)).abs());
-        }
-        let pitches = (turn_rad / curve.pitch_rad()).abs();
-        if round(pitches) > 0.0 && (pitches - round(pitches)).abs() <= WHOLE_PITCH {
-            Ok(pitches * curve.pitch_ml())
-        } else {
-            let (turned_deg, pitch_deg) = (self.turned_deg, degrees(curve.pitch_rad()));
-            Err(CalibrationError::UnknownAngle { run: number, turned_deg, pitch_deg })
-        }
+    pub(crate) fn model_ml(&self, pump: &Pump, number: usize) -> Result<f64, CalibrationError> {
+        turned_ml(pump, self.start_angle_deg, self.turned_deg, number)
     }
 
     /// Returns measured and model volume, in mL; `number` names the run in errors.
@@ -88,7 +77,8 @@ impl Run {
     /// # Errors
     ///
     /// [`CalibrationError::Implausible`] if the measured volume is more than twice the model's or less than
-    /// half of it. Errors of [`Run::measured_ml`] and [`Run::model_ml`].
+    /// half of it. [`CalibrationError::UnknownAngle`] if the run turned a part of a pitch from an unknown
+    /// angle. Errors of [`Weighing::volume_ml`] if the run was weighed.
     pub fn volumes_ml(
         &self,
         pump: &Pump,
@@ -101,6 +91,29 @@ impl Run {
         } else {
             Err(CalibrationError::Implausible { run: number, measured_ml, model_ml })
         }
+    }
+}
+
+/// Returns the model volume of a turn from `start_angle_deg`, in mL, without sign. `None` is an unknown angle;
+/// `number` names the run in errors.
+pub(crate) fn turned_ml(
+    pump: &Pump,
+    start_angle_deg: Option<f64>,
+    turned_deg: f64,
+    number: usize,
+) -> Result<f64, CalibrationError> {
+    let curve = pump.outlet_curve();
+    let turn_rad = radians(turned_deg);
+    if let Some(start_deg) = start_angle_deg {
+        let start_rad = radians(start_deg);
+        return Ok((curve.volume_ml(start_rad + turn_rad) - curve.volume_ml(start_rad)).abs());
+    }
+    let pitches = (turn_rad / curve.pitch_rad()).abs();
+    let whole = round(pitches);
+    if whole > 0.0 && (pitches - whole).abs() <= WHOLE_PITCHES * whole {
+        Ok(pitches * curve.pitch_ml())
+    } else {
+        Err(CalibrationError::UnknownAngle { run: number, turned_deg, pitch_deg: degrees(curve.pitch_rad()) })
     }
 }
 
@@ -127,7 +140,7 @@ const COLUMNS: &[&str] = &[
 /// # Errors
 ///
 /// [`CalibrationError::Table`] with the line of a cell that is not as it should be.
-pub fn runs_of_csv(text: &str, steps_per_rev: f64) -> Result<Vec<Run>, CalibrationError> {
+pub fn runs_of_csv(text: &str, steps_per_rev: f64) -> Result<Vec<CalibrationRun>, CalibrationError> {
     let table = Table::parse(text, COLUMNS)?;
     let mut runs = Vec::new();
     for row in table.rows() {
@@ -148,7 +161,7 @@ pub fn runs_of_csv(text: &str, steps_per_rev: f64) -> Result<Vec<Run>, Calibrati
         if value <= 0.0 {
             return Err(row.error(format!("{name} is {value}; allowed: more than 0")).into());
         }
-        runs.push(Run {
+        runs.push(CalibrationRun {
             speed_rpm: row.positive("speed_rpm")?,
             start_angle_deg: row.number("start_angle_deg")?,
             turned_deg,
@@ -210,7 +223,7 @@ mod tests {
     #[test]
     fn the_phase_cancels_over_whole_pitches_and_counts_elsewhere() {
         let pump = Pump::three_roller();
-        let run = |start_angle_deg, turned_deg| Run {
+        let run = |start_angle_deg, turned_deg| CalibrationRun {
             speed_rpm: 60.0,
             start_angle_deg,
             turned_deg,

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{CalibrationError, Run};
-use crate::files::sync_folder;
+use super::{CalibrationError, CalibrationRun, Calibrations};
+use crate::files::{check_plain, create_folders, open_plain, sync_folder};
 use crate::record::{Folder, decode, encode};
 
 /// File of the log, beside the calibrations that are kept.
@@ -38,19 +38,19 @@ pub struct UnfinishedRuns {
     /// Runs that were to be made.
     pub planned: PlannedRuns,
     /// Runs that were weighed, in the order of the plan.
-    pub runs: Vec<Run>,
+    pub runs: Vec<CalibrationRun>,
 }
 
 /// A line of the log.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-enum Entry {
+enum RunLogEntry {
     /// First line: schema and plan.
     Begun { schema: String, planned: PlannedRuns },
     /// A run that was weighed.
-    Weighed(Run),
+    Weighed(CalibrationRun),
     /// Last run, weighed again. Its reading replaces the one before.
-    Again(Run),
+    Again(CalibrationRun),
 }
 
 /// The log of a guided calibration: one synced line a reading, so that nothing that follows loses it.
@@ -68,11 +68,6 @@ impl RunLog {
         Self { path: folder.path().join(super::store::FOLDER).join(FILE) }
     }
 
-    /// Returns the path of the log's file.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// Reads the log. Returns `None` if no guided calibration is unfinished. A torn last line was never
     /// answered for, and is left out.
     ///
@@ -81,6 +76,7 @@ impl RunLog {
     /// [`CalibrationError::File`] where the file cannot be read, [`CalibrationError::DamagedLog`] where a
     /// line is not as it was written.
     pub fn read(&self) -> Result<Option<UnfinishedRuns>, CalibrationError> {
+        self.check("read")?;
         let text = match fs::read_to_string(&self.path) {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -91,15 +87,15 @@ impl RunLog {
         let mut found: Option<UnfinishedRuns> = None;
         for (number, line) in whole.lines().enumerate() {
             let at = |message: String| damaged(format!("line {}: {message}", number + 1));
-            match (decode::<Entry>(line).map_err(at)?, &mut found) {
-                (Entry::Begun { schema, planned }, None) if schema == SCHEMA => {
+            match (decode::<RunLogEntry>(line).map_err(at)?, &mut found) {
+                (RunLogEntry::Begun { schema, planned }, None) if schema == SCHEMA => {
                     found = Some(UnfinishedRuns { planned, runs: Vec::new() });
                 }
-                (Entry::Begun { schema, .. }, None) => {
+                (RunLogEntry::Begun { schema, .. }, None) => {
                     return Err(at(format!("its schema is `{schema}`; this version reads `{SCHEMA}`")));
                 }
-                (Entry::Weighed(run), Some(unfinished)) => unfinished.runs.push(run),
-                (Entry::Again(run), Some(unfinished)) if !unfinished.runs.is_empty() => {
+                (RunLogEntry::Weighed(run), Some(unfinished)) => unfinished.runs.push(run),
+                (RunLogEntry::Again(run), Some(unfinished)) if !unfinished.runs.is_empty() => {
                     unfinished.runs.pop();
                     unfinished.runs.push(run);
                 }
@@ -109,6 +105,21 @@ impl RunLog {
         Ok(found)
     }
 
+    /// Reads the readings that a guided calibration can go on with. Returns `None` if there are none, or if one of the
+    /// `calibrations` was kept of them: its process then ended before it could remove the log.
+    ///
+    /// # Errors
+    ///
+    /// As [`RunLog::read`], and [`CalibrationError`] where the calibrations cannot be read.
+    pub fn unfinished(
+        &self,
+        calibrations: &Calibrations,
+    ) -> Result<Option<UnfinishedRuns>, CalibrationError> {
+        let Some(found) = self.read()?.filter(|found| !found.runs.is_empty()) else { return Ok(None) };
+        let kept = calibrations.list()?;
+        Ok(Some(found).filter(|found| kept.last().is_none_or(|last| last.calibration.runs != found.runs)))
+    }
+
     /// Begins a log in place of any other.
     ///
     /// # Errors
@@ -116,9 +127,10 @@ impl RunLog {
     /// [`CalibrationError::File`] where the log cannot be written.
     pub fn begin(&self, planned: &PlannedRuns) -> Result<(), CalibrationError> {
         let folder = self.path.parent().unwrap_or(Path::new("."));
-        fs::create_dir_all(folder).map_err(self.failed("create the folder of"))?;
+        self.check("write")?;
+        create_folders(folder).map_err(self.failed("create the folder of"))?;
         self.end()?;
-        self.append(&Entry::Begun { schema: SCHEMA.to_owned(), planned: planned.clone() })?;
+        self.append(&RunLogEntry::Begun { schema: SCHEMA.to_owned(), planned: planned.clone() })?;
         sync_folder(folder).map_err(self.failed("write"))
     }
 
@@ -127,8 +139,8 @@ impl RunLog {
     /// # Errors
     ///
     /// [`CalibrationError::File`] where the log cannot be written. The runs before stay on record.
-    pub fn add(&self, run: &Run) -> Result<(), CalibrationError> {
-        self.append(&Entry::Weighed(run.clone()))
+    pub fn add(&self, run: &CalibrationRun) -> Result<(), CalibrationError> {
+        self.append(&RunLogEntry::Weighed(run.clone()))
     }
 
     /// Puts a run on record in place of the last one.
@@ -136,8 +148,8 @@ impl RunLog {
     /// # Errors
     ///
     /// [`CalibrationError::File`] where it cannot be written. The last run then stays on record.
-    pub fn replace_last(&self, run: &Run) -> Result<(), CalibrationError> {
-        self.append(&Entry::Again(run.clone()))
+    pub fn replace_last(&self, run: &CalibrationRun) -> Result<(), CalibrationError> {
+        self.append(&RunLogEntry::Again(run.clone()))
     }
 
     /// Removes the log: a calibration was kept, or its runs are given up.
@@ -156,10 +168,12 @@ impl RunLog {
     }
 
     /// Appends a line, whole and synced, or nothing.
-    fn append(&self, entry: &Entry) -> Result<(), CalibrationError> {
+    fn append(&self, entry: &RunLogEntry) -> Result<(), CalibrationError> {
+        self.check("write")?;
         let failed = self.failed("write");
         let line = encode(entry).map_err(std::io::Error::from).map_err(&failed)?;
-        let mut file = OpenOptions::new().create(true).append(true).open(&self.path).map_err(&failed)?;
+        let mut file =
+            open_plain(&self.path, OpenOptions::new().create(true).append(true)).map_err(&failed)?;
         // The torn line of a process that was killed is cut off: this one would run into it.
         let text = fs::read(&self.path).map_err(&failed)?;
         let whole = text.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1) as u64;
@@ -172,6 +186,12 @@ impl RunLog {
             let _ = file.set_len(whole);
             failed(error)
         })
+    }
+
+    /// Refuses links in place of the log or of its folder.
+    fn check(&self, action: &'static str) -> Result<(), CalibrationError> {
+        let folder = self.path.parent().unwrap_or(Path::new("."));
+        check_plain(folder).and_then(|()| check_plain(&self.path)).map_err(self.failed(action))
     }
 
     fn failed(&self, action: &'static str) -> impl Fn(std::io::Error) -> CalibrationError {
@@ -189,8 +209,8 @@ mod tests {
         RunLog::of(&Folder::new(folder, "mine", "sim"))
     }
 
-    fn run(speed_rpm: f64, mass_g: f64) -> Run {
-        Run {
+    fn run(speed_rpm: f64, mass_g: f64) -> CalibrationRun {
+        CalibrationRun {
             speed_rpm,
             start_angle_deg: Some(12.5),
             turned_deg: 1080.0,
@@ -233,18 +253,39 @@ mod tests {
         let log = log(folder.path());
         log.begin(&planned()).unwrap();
         log.add(&run(10.0, 63.9)).unwrap();
-        let text = fs::read_to_string(log.path()).unwrap();
+        let text = fs::read_to_string(&log.path).unwrap();
         for torn in 1..60 {
-            fs::write(log.path(), &text[..text.len() - torn]).unwrap();
+            fs::write(&log.path, &text[..text.len() - torn]).unwrap();
             assert_eq!(log.read().unwrap().unwrap().runs, [], "{torn}");
             log.add(&run(10.0, 64.1)).unwrap();
             assert_eq!(log.read().unwrap().unwrap().runs, [run(10.0, 64.1)], "{torn}");
         }
-        fs::write(log.path(), text.replace("63.9", "69.3")).unwrap();
+        fs::write(&log.path, text.replace("63.9", "69.3")).unwrap();
         let error = log.read().unwrap_err().to_string();
         assert!(
             error.contains("line 2") && error.contains("checksum") && error.contains("--anew"),
             "{error}"
         );
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_link_in_place_of_the_log_or_of_its_folder_is_refused() {
+        use std::os::unix::fs::symlink;
+
+        let folder = tempfile::tempdir().unwrap();
+        let log = log(folder.path());
+        log.begin(&planned()).unwrap();
+        let other = folder.path().join("other");
+        for linked in [log.path.as_path(), log.path.parent().unwrap()] {
+            fs::rename(linked, &other).unwrap();
+            symlink(&other, linked).unwrap();
+            for refused in [log.read().map(drop), log.add(&run(10.0, 63.9)), log.begin(&planned())] {
+                assert!(refused.unwrap_err().to_string().contains("it is a link"));
+            }
+            fs::remove_file(linked).unwrap();
+            fs::rename(&other, linked).unwrap();
+        }
+        assert!(log.read().unwrap().is_some());
     }
 }

@@ -4,15 +4,19 @@ use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use pump_model::Pump;
 use serde::Serialize;
 
 use super::{Calibration, CalibrationError};
-use crate::files::Staged;
+use crate::files::{Staged, check_plain, create_folders};
 use crate::record::Folder;
 
 pub(super) const FOLDER: &str = "calibrations";
 const ACTIVE: &str = "active";
 const NONE: &str = "none";
+
+/// Model volumes of a revolution that differ by less than this part are the same.
+const SAME_PUMP: f64 = 1e-9;
 
 /// The calibrations of a pump under a driver, in `<state dir>/<pump id>/<driver>/calibrations/`. The
 /// calibration of a simulated pump is thus never used for a real one. Whoever writes must hold the pump's
@@ -32,9 +36,17 @@ pub struct Stored {
     pub calibration: Calibration,
 }
 
+impl Stored {
+    /// Returns true if `base`, a pump without calibration, is the one that was calibrated.
+    pub(crate) fn is_of(&self, base: &Pump) -> bool {
+        let (then_ml, now_ml) = (self.calibration.revolution_ml, base.revolution_ml());
+        (then_ml - now_ml).abs() <= SAME_PUMP * now_ml
+    }
+}
+
 impl Calibrations {
     /// Returns the calibrations in a pump's folder. Creates nothing.
-    pub fn of(folder: &Folder) -> Self {
+    pub(crate) fn of(folder: &Folder) -> Self {
         Self { path: folder.path().join(FOLDER) }
     }
 
@@ -66,6 +78,7 @@ impl Calibrations {
     /// number.
     pub fn active_version(&self) -> Result<Option<u32>, CalibrationError> {
         let path = self.path.join(ACTIVE);
+        self.check("read", &path)?;
         let text = match fs::read_to_string(&path) {
             Ok(text) => text,
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
@@ -90,7 +103,8 @@ impl Calibrations {
             let path = path.to_owned();
             move |source| CalibrationError::File { action, path, source }
         };
-        fs::create_dir_all(&self.path).map_err(failed("create the folder", &self.path))?;
+        self.check("write", &self.path)?;
+        create_folders(&self.path).map_err(failed("create the folder", &self.path))?;
         let version = self.versions()?.last().map_or(1, |last| last + 1);
         let path = self.path_of(version);
         let write = |to: &mut dyn Write| {
@@ -120,6 +134,7 @@ impl Calibrations {
             return Ok(());
         }
         let path = self.path.join(ACTIVE);
+        self.check("write", &path)?;
         let text = version.map_or(NONE.to_owned(), |version| version.to_string());
         Staged::new(&path, |to| writeln!(to, "{text}"))
             .and_then(Staged::put)
@@ -132,6 +147,7 @@ impl Calibrations {
 
     fn read(&self, version: u32) -> Result<Stored, CalibrationError> {
         let path = self.path_of(version);
+        self.check("read", &path)?;
         let text = match fs::read_to_string(&path) {
             Ok(text) => text,
             Err(source) => return Err(CalibrationError::File { action: "read", path, source }),
@@ -145,8 +161,17 @@ impl Calibrations {
         }
     }
 
+    /// Refuses links in place of the folder or of a file in it.
+    fn check(&self, action: &'static str, path: &Path) -> Result<(), CalibrationError> {
+        [self.path.as_path(), path].into_iter().try_for_each(|path| {
+            let path = path.to_owned();
+            check_plain(&path).map_err(|source| CalibrationError::File { action, path, source })
+        })
+    }
+
     /// Returns the numbers of the calibrations, rising.
     fn versions(&self) -> Result<Vec<u32>, CalibrationError> {
+        self.check("read", &self.path)?;
         let failed = |source| CalibrationError::File { action: "read", path: self.path.clone(), source };
         let entries = match fs::read_dir(&self.path) {
             Ok(entries) => entries,

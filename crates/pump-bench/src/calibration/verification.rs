@@ -1,6 +1,6 @@
 //! Verification: systematic and random error of repeated doses, as ISO 8655-6 reports them.
 
-use pump_model::math::sqrt;
+use libm::sqrt;
 use serde::Serialize;
 
 use crate::files::Table;

@@ -1,6 +1,6 @@
 //! The volume of a mass that a scale shows: densities of fluid and air, and the factor Z of ISO 8655-6.
 
-use pump_model::math::exp;
+use libm::exp;
 
 use super::CalibrationError;
 use crate::pump_file::{FluidTable, PumpFile, SAME_TEMPERATURE_DEGC};

@@ -1,6 +1,7 @@
 //! A pump file from a drawing, for a pump of which at most a roller's volume was measured.
 
-use pump_model::math::{ceil, degrees, floor, pow, rad_s, sqrt};
+use libm::{ceil, floor, pow, sqrt};
+use pump_model::units::{degrees, rad_s};
 use pump_model::{Fluid, Geometry, ModelError};
 
 use crate::catalogue::built_in;
@@ -220,7 +221,7 @@ fn bore_percent(geometry: &Geometry) -> f64 {
 
 /// Rounds a positive number to two significant digits.
 fn two_digits(value: f64) -> f64 {
-    let place = pow(10.0, floor(pump_model::math::log(value) / core::f64::consts::LN_10) - 1.0);
+    let place = pow(10.0, floor(libm::log(value) / core::f64::consts::LN_10) - 1.0);
     // Passing through text makes 0.13 exactly the number that is written 0.13.
     let rounded = floor(value / place + 0.5) * place;
     format!("{rounded:.6e}").parse().unwrap_or(rounded)
@@ -270,7 +271,7 @@ mod tests {
             geometry: Geometry::published(3, Variant::Measured),
             hose_length_mm: 331.0,
             roller_volume: RollerVolumeTable::Measured {
-                fit: crate::pump_file::Fit::Quintic,
+                fit: crate::pump_file::CurveFit::Quintic,
                 points: points.to_vec(),
             },
         };

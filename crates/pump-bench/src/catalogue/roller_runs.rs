@@ -1,11 +1,11 @@
 //! Measured roller volumes: runs of (angle, volume) from a table, and the report of their fit.
 
-use pump_model::math::radians;
+use pump_model::units::radians;
 use pump_model::{Geometry, ModelError, VolumePoint};
 
 use crate::export::Fitted;
 use crate::files::{Table, TableError};
-use crate::pump_file::{Fit, RollerVolumeTable};
+use crate::pump_file::{CurveFit, RollerVolumeTable};
 
 /// Runs of a roller that was turned into the tube, with the displaced volume at several angles.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,7 +65,7 @@ impl RollerRuns {
     }
 
     /// Returns the table `[roller_volume]` of a pump file.
-    pub fn table(&self, fit: Fit) -> RollerVolumeTable {
+    pub fn table(&self, fit: CurveFit) -> RollerVolumeTable {
         RollerVolumeTable::Measured { fit, points: self.points.clone() }
     }
 
@@ -102,7 +102,7 @@ impl RollerRuns {
     ///
     /// # Errors
     /// Returns the [`ModelError`] of points that cannot be fitted.
-    pub fn report(&self, fit: Fit, geometry: &Geometry) -> Result<Vec<String>, ModelError> {
+    pub fn report(&self, fit: CurveFit, geometry: &Geometry) -> Result<Vec<String>, ModelError> {
         let found = fit.of(&self.points)?;
         let runs = self.names().len();
         let (mut most_ml, mut most_deg): (f64, f64) = (0.0, 0.0);
@@ -112,8 +112,8 @@ impl RollerRuns {
             }
         }
         let name = match fit {
-            Fit::Quintic => "quintic",
-            Fit::Spline => "spline",
+            CurveFit::Quintic => "quintic",
+            CurveFit::Spline => "spline",
         };
         let mut lines = vec![
             format!(
@@ -147,7 +147,7 @@ impl RollerRuns {
     ///
     /// # Errors
     /// Returns the [`ModelError`] of points that cannot be fitted.
-    pub fn fitted(&self, fit: Fit) -> Result<Vec<Fitted>, ModelError> {
+    pub fn fitted(&self, fit: CurveFit) -> Result<Vec<Fitted>, ModelError> {
         let found = fit.of(&self.points)?;
         let mut fitted: Vec<_> = self
             .points

@@ -1,6 +1,5 @@
 //! The correction that a calibration makes to a pump.
 
-use pump_ctl::plan::Phase;
 use pump_model::{ModelError, Pump};
 use serde::{Deserialize, Serialize};
 
@@ -22,32 +21,24 @@ impl Default for Correction {
 
 impl Correction {
     /// Correction that changes nothing.
-    pub const NONE: Self = Self { factor: 1.0, zero_rad: 0.0 };
+    pub(crate) const NONE: Self = Self { factor: 1.0, zero_rad: 0.0 };
 
     /// Returns true if the correction changes nothing.
-    pub fn is_none(&self) -> bool {
+    pub(crate) fn is_none(&self) -> bool {
         *self == Self::NONE
     }
 
     /// Returns the corrected volume of a turn in mL. `pump` is the uncorrected pump.
-    pub fn volume_ml(&self, pump: &Pump, from_rad: f64, to_rad: f64) -> f64 {
+    pub(crate) fn volume_ml(&self, pump: &Pump, from_rad: f64, to_rad: f64) -> f64 {
         let curve = pump.outlet_curve();
         self.factor * (curve.volume_ml(to_rad + self.zero_rad) - curve.volume_ml(from_rad + self.zero_rad))
-    }
-
-    /// Returns the smallest and the largest corrected volume of a turn in mL, over all angles at which the
-    /// rollers may stand. `pump` is the uncorrected pump.
-    pub fn range_ml(&self, pump: &Pump, start: Phase, turn_rad: f64) -> (f64, f64) {
-        let start = Phase { angle_rad: start.angle_rad + self.zero_rad, ..start };
-        let (least_ml, most_ml) = start.range_ml(pump, turn_rad);
-        (self.factor * least_ml, self.factor * most_ml)
     }
 
     /// Returns the pump with this correction.
     ///
     /// # Errors
     /// Returns the [`ModelError`] of a factor or an angle that the model refuses.
-    pub fn of(&self, pump: &Pump) -> Result<Pump, ModelError> {
+    pub(crate) fn of(&self, pump: &Pump) -> Result<Pump, ModelError> {
         let shifted = if self.zero_rad == 0.0 { *pump } else { pump.shifted(self.zero_rad)? };
         if self.factor == 1.0 { Ok(shifted) } else { shifted.scaled(self.factor) }
     }
@@ -66,10 +57,6 @@ mod tests {
             let curve = corrected.outlet_curve();
             let expected_ml = curve.volume_ml(from_rad + turn_rad) - curve.volume_ml(from_rad);
             assert!((correction.volume_ml(&pump, from_rad, from_rad + turn_rad) - expected_ml).abs() < 1e-12);
-            let start = Phase { angle_rad: from_rad, half_width_rad: 0.3 };
-            let (range, expected) =
-                (correction.range_ml(&pump, start, turn_rad), start.range_ml(&corrected, turn_rad));
-            assert!((range.0 - expected.0).abs() < 1e-9 && (range.1 - expected.1).abs() < 1e-9);
         }
         assert_eq!(Correction::default().of(&pump).unwrap(), pump);
     }

@@ -1,7 +1,13 @@
-//! Corrections of the displaced volume: by a calibration and by a speed law.
+//! The displaced volume: its correction by a calibration, and its dependence on the speed.
 
 mod correction;
-mod speed_law;
+mod error;
+mod law;
+mod speed_dependent_pump;
+#[cfg(test)]
+mod tests;
 
 pub use correction::Correction;
-pub use speed_law::{RangedLaw, SpeedLawError};
+pub use error::DisplacementError;
+pub use law::DisplacementLaw;
+pub use speed_dependent_pump::SpeedDependentPump;

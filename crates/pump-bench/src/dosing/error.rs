@@ -1,10 +1,13 @@
 //! The errors of a dose that was refused or failed.
 
+use std::path::PathBuf;
+
 use pump_ctl::plan::PlanError;
+use pump_model::Shown;
 use thiserror::Error;
 
 use crate::calibration::CalibrationError;
-use crate::displacement::SpeedLawError;
+use crate::displacement::DisplacementError;
 use crate::drives::DriveError;
 use crate::numbers::between;
 use crate::pump_file::PumpFileError;
@@ -30,9 +33,9 @@ pub enum DoseError {
     /// A calibration cannot be made or used. Nothing has moved.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// The pump file's speed law does not cover the dose.
+    /// The displacement of the pump is not known at the dose's speed.
     #[error(transparent)]
-    SpeedLaw(#[from] SpeedLawError),
+    Displacement(#[from] DisplacementError),
     /// An earlier dose is unfinished.
     #[error(
         "a dose of {requested_ml} mL is unfinished: {} were delivered; see `dose status`, then finish it \
@@ -49,8 +52,9 @@ pub enum DoseError {
     },
     /// The carry from earlier doses would reverse the dose.
     #[error(
-        "{asked_ml} mL asked and {carry_ml:+.4} mL carried from earlier doses would have the pump run the \
-         other way, by {owed_ml:.4} mL; ask for more than the carry, or drop the carry with `dose home --set`"
+        "{} mL asked and {carry_ml:+.4} mL carried from earlier doses would have the pump run the \
+         other way, by {owed_ml:.4} mL; ask for more than the carry, or drop the carry with `dose home --set`",
+        Shown(*asked_ml)
     )]
     RunsTheOtherWay {
         /// Volume asked for, in mL.
@@ -60,6 +64,32 @@ pub enum DoseError {
         /// Volume that the pump would deliver, in mL.
         owed_ml: f64,
     },
+    /// The retraction after the dose cannot be made. Nothing has moved.
+    #[error("{}", suck_back_text(*volume_ml, source))]
+    SuckBack {
+        /// Volume to suck back, in mL.
+        volume_ml: f64,
+        /// Refusal of the way back.
+        source: PlanError,
+    },
+    /// The unfinished dose has delivered its volume on the way to an end at low flow.
+    #[error(
+        "the dose of {requested_ml} mL has delivered {delivered_ml:.4} mL on its way to an end at low flow, \
+         so no rest is left that could end anywhere; `dose resume` without --finish any goes on to that end, \
+         `dose discard` accepts the dose as it is"
+    )]
+    BeyondRequest {
+        /// Volume asked for in all, in mL.
+        requested_ml: f64,
+        /// Volume delivered so far, in mL.
+        delivered_ml: f64,
+    },
+    /// The angle of the unfinished dose is known, so nothing is left to find.
+    #[error(
+        "a dose is unfinished, and the rollers' angle is known exactly: finish the dose with `dose resume` or \
+         accept it as it is with `dose discard`, then find the angle anew"
+    )]
+    AngleIsKnown,
     /// The dose would use up the tube.
     #[error(
         "the tube has pumped {pumped_ml:.1} mL, and this dose of {planned_ml:.4} mL would use up the \
@@ -94,8 +124,8 @@ pub enum DoseError {
          use fewer microsteps"
     )]
     TooSlow {
-        /// Name of the driver.
-        driver: &'static str,
+        /// Name of the drive.
+        driver: String,
         /// Fastest speed of the plan, in r/min.
         speed_rpm: f64,
         /// Slowest speed of the device, in r/min, rounded up.
@@ -124,6 +154,20 @@ pub enum DoseError {
         /// Volume that the rotor has pumped, in mL.
         pumped_ml: f64,
     },
+    /// The unfinished dose has delivered more than was asked for.
+    #[error(
+        "{} of the {requested_ml} mL asked for were delivered: there is no rest to make; accept the dose as \
+         it is with `dose discard`",
+        between(*least_ml, *most_ml)
+    )]
+    NoRest {
+        /// Volume asked for, in mL.
+        requested_ml: f64,
+        /// Smallest volume that the dose may have delivered, in mL.
+        least_ml: f64,
+        /// Largest volume that the dose may have delivered, in mL.
+        most_ml: f64,
+    },
     /// The device finished the dose after the process that ran it had ended.
     #[error(
         "the device has finished the dose that was cut off: it is on record as done, and there is nothing \
@@ -136,13 +180,31 @@ pub enum DoseError {
     /// The motor was stopped because its next steps could not be recorded.
     #[error(
         "the dose was stopped after {delivered_ml:.4} mL because its progress could not be recorded: \
-         {source}; make room, then see `dose status`"
+         {source}; then see `dose status`"
     )]
     NotJournalled {
         /// Volume delivered, in mL.
         delivered_ml: f64,
         /// Cause of the failure.
         source: JournalError,
+    },
+    /// The motor was stopped because its next steps were not recorded in time.
+    #[error(
+        "the dose was stopped after {delivered_ml:.4} mL because the disk took more than {took_s:.2} s to record \
+         its next steps in {}, and {}; keep the record on a faster disk with --state-dir or DOSE_STATE_DIR, then \
+         see `dose status`",
+        .journal.display(),
+        if *must_not_pause { "a dose with --within or --smooth may not pause" } else { "30 s is the longest wait" }
+    )]
+    SlowDisk {
+        /// Volume delivered, in mL.
+        delivered_ml: f64,
+        /// Longest time that the disk took for an entry of the journal, in s.
+        took_s: f64,
+        /// Path of the journal.
+        journal: PathBuf,
+        /// True if the dose may not pause.
+        must_not_pause: bool,
     },
     /// The drive failed in motion.
     #[error(
@@ -154,6 +216,7 @@ pub enum DoseError {
     )]
     Drive {
         /// Error of the drive.
+        #[source]
         error: DriveError,
         /// Smallest volume delivered, in mL.
         least_ml: f64,
@@ -170,21 +233,22 @@ pub enum DoseError {
         /// Cause of the failure.
         source: Box<Self>,
     },
-    /// The rotor was turned and its angle found, but the angle could not be recorded.
+    /// The rotor was turned, and then its angle, found or unknown, could not be recorded.
     #[error(
-        "the rotor was turned and stands at {angle_deg:.4} deg, but this could not be recorded: {source}; \
-         find the angle again once the journal can be written"
+        "the rotor was turned and {}, but this could not be recorded: {source}; find the angle again once \
+         the journal can be written",
+        angle_deg.map_or("nobody knows its angle".to_owned(), |deg| format!("stands at {deg:.4} deg"))
     )]
     AngleNotRecorded {
-        /// Angle of the rotor, in deg.
-        angle_deg: f64,
+        /// Angle of the rotor, in deg. `None` if it is unknown.
+        angle_deg: Option<f64>,
         /// Cause of the failure.
         source: JournalError,
     },
     /// The dose is over, but its end could not be recorded.
     #[error(
         "{delivered_ml:.4} mL were delivered and the rotor stands at {end_angle_deg:.4} deg, but this could \
-         not be recorded: {source}; make room, then see `dose status`"
+         not be recorded: {source}; then see `dose status`"
     )]
     NotRecorded {
         /// Volume delivered, in mL.
@@ -194,4 +258,33 @@ pub enum DoseError {
         /// Cause of the failure.
         source: JournalError,
     },
+}
+
+impl DoseError {
+    /// Returns true if the user asked to stop before anything moved.
+    pub(crate) fn is_stop(&self) -> bool {
+        matches!(self, Self::Connection(DriveError::Interrupted))
+    }
+}
+
+/// Words the refusal of a suck-back. In reverse the inlet discharges and the outlet sucks.
+fn suck_back_text(volume_ml: f64, source: &PlanError) -> String {
+    let text = match source {
+        PlanError::OutletPressure { predicted_kpa, limit_kpa, .. } => format!(
+            "the pressure at the inlet, which then discharges, would reach {predicted_kpa:.2} kPa absolute, above \
+             the limit of {limit_kpa:.2} kPa"
+        ),
+        PlanError::InletPressure { predicted_kpa, limit_kpa, set_by, .. } => format!(
+            "the pressure at the outlet, which then sucks, would fall to {predicted_kpa:.2} kPa absolute, below \
+             the limit of {limit_kpa:.2} kPa{set_by}"
+        ),
+        PlanError::OutletSuction { predicted_kpa, limit_kpa, set_by, .. } => format!(
+            "the pressure at the inlet would fall to {predicted_kpa:.2} kPa absolute where the flow falls, below \
+             the limit of {limit_kpa:.2} kPa{set_by}"
+        ),
+        other => other.to_string(),
+    };
+    format!(
+        "{volume_ml} mL cannot be sucked back after the dose: {text}; suck back less, or dose at a lower rate"
+    )
 }

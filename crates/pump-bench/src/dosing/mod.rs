@@ -2,21 +2,28 @@
 
 #[cfg(test)]
 mod coverage;
+mod displaced_pumps;
 mod error;
 mod planner;
 mod prepared;
 mod request;
 mod retraction;
 mod schedule;
+mod stands;
+mod swept;
 mod tube_life;
 mod uncertainty;
 mod unknown_angle;
 mod warnings;
 
+pub(crate) use displaced_pumps::DisplacedPumps;
 pub use error::DoseError;
 pub use prepared::Prepared;
 pub use request::DoseRequest;
 pub use retraction::Retraction;
-pub use schedule::{Action, MAX_DOSES, Missed, Schedule, ScheduleError};
+pub use schedule::{MAX_DOSES, Missed, Schedule, ScheduleAction, ScheduleError};
+pub(crate) use stands::Stands;
+pub(crate) use swept::Swept;
 pub(crate) use tube_life::TubeLife;
-pub use uncertainty::{Budget, COVERAGE_FACTOR, Share, ShareSource};
+pub(crate) use uncertainty::Budget;
+pub use uncertainty::{Share, ShareSource};

@@ -8,23 +8,20 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-use pump_ctl::plan::{Cruise, Limits, Phase, Plan, Request, plan};
-use pump_model::math::{radians, rpm};
+use pump_ctl::plan::{Cruise, Doser, Limits, Phase, Plan, Request};
+use pump_model::units::{radians, rpm};
 use pump_model::{ModelError, Pump};
 
 use super::error::DoseError;
 use crate::calibration::{AgainstSpeed, Applied, Basis, CalibrationError, Made, Stored};
-use crate::displacement::{Correction, RangedLaw};
+use crate::displacement::{Correction, SpeedDependentPump};
 use crate::pump_file::PumpFile;
-
-/// Model volumes of a revolution that differ by less than this part are the same.
-const SAME_PUMP: f64 = 1e-9;
 
 /// A plan with the pump that it was made for.
 pub(crate) struct SpeedPlan {
     pub(crate) model: Pump,
     pub(crate) plan: Plan,
-    /// Calibration or speed law that was applied; `None` of a pump as its model is.
+    /// Calibration or law that was applied; `None` of a pump as its model is.
     pub(crate) applied: Option<Applied>,
     pub(crate) warning: Option<String>,
 }
@@ -32,11 +29,9 @@ pub(crate) struct SpeedPlan {
 /// Pump, calibration and limits that a dose is planned with.
 pub(crate) struct Planner<'a> {
     pub(crate) file: &'a PumpFile,
-    /// Pump as it is without calibration and speed law.
-    pub(crate) base: &'a Pump,
+    /// Pump as it is without calibration.
+    pub(crate) pump: &'a SpeedDependentPump,
     pub(crate) stored: Option<&'a Stored>,
-    /// Speed law of the pump file, if it is to be used.
-    pub(crate) law: Option<RangedLaw>,
     pub(crate) limits: &'a Limits,
 }
 
@@ -48,18 +43,17 @@ impl Planner<'_> {
     /// # Errors
     ///
     /// [`CalibrationError::OtherPump`] if another pump was calibrated. A refusal that names the calibrated
-    /// speeds if the dose cruises outside of them. The errors of [`plan`].
+    /// speeds if the dose cruises outside of them. The errors of [`Doser::plan`].
     pub(crate) fn plan(&self, start: Phase, request: &Request) -> Result<SpeedPlan, DoseError> {
         let Some(against) = self.against() else {
             return self.at_speed(None, 0.0, start, request);
         };
         let against = &against;
-        if let Some(stored) = self.stored.filter(|_| against.displacement().is_some()) {
-            let (then_ml, now_ml) = (stored.calibration.revolution_ml, self.base.revolution_ml());
-            if (then_ml - now_ml).abs() > SAME_PUMP * now_ml {
-                let version = stored.version;
-                return Err(CalibrationError::OtherPump { version, then_ml, now_ml }.into());
-            }
+        if let Some(stored) = self.stored.filter(|_| against.displacement().is_some())
+            && !stored.is_of(self.pump.base())
+        {
+            let (then_ml, now_ml) = (stored.calibration.revolution_ml, self.pump.base().revolution_ml());
+            return Err(CalibrationError::OtherPump { version: stored.version, then_ml, now_ml }.into());
         }
         match request.cruise {
             Cruise::Speed { rad_s } => {
@@ -85,7 +79,7 @@ impl Planner<'_> {
     /// Returns the displacement against speed up to the motor's limit, or `None` of a pump as its model is.
     fn against(&self) -> Option<AgainstSpeed<'_>> {
         let displacement = self.stored.and_then(|stored| stored.calibration.displacement.as_ref());
-        let against = AgainstSpeed::of(displacement, self.law, self.base)?;
+        let against = AgainstSpeed::of(displacement, self.pump)?;
         Some(against.up_to(rpm(self.limits.motor.max_speed_rad_s)))
     }
 
@@ -99,12 +93,12 @@ impl Planner<'_> {
     ) -> Result<SpeedPlan, DoseError> {
         let (applied, warning) = self.applied(against, rpm, request).map_err(CalibrationError::from)?;
         let correction = applied.as_ref().map_or(Correction::NONE, |applied| applied.correction);
-        let model = correction.of(self.base).map_err(CalibrationError::from)?;
-        let plan = plan(&model, start, request, self.limits)?;
+        let model = correction.of(self.pump.base()).map_err(CalibrationError::from)?;
+        let plan = Doser::new(&model, *self.limits)?.plan(start, request)?;
         Ok(SpeedPlan { model, plan, applied, warning })
     }
 
-    /// Returns the calibration or speed law as applied at a speed in r/min, positive, and the warning of that
+    /// Returns the calibration or law as applied at a speed in r/min, positive, and the warning of that
     /// speed.
     fn applied(
         &self,
@@ -118,7 +112,7 @@ impl Planner<'_> {
         let calibration = self.stored.map(|stored| &stored.calibration);
         let signed_rpm = signed(rpm, request);
         let displacement = match calibration {
-            Some(calibration) => calibration.sureness_at(self.base, signed_rpm, self.file)?,
+            Some(calibration) => calibration.sureness_at(self.pump.base(), signed_rpm, self.file)?,
             None => None,
         };
         let known = self.stored.zip(displacement);
@@ -136,7 +130,7 @@ impl Planner<'_> {
             },
             basis: match displacement {
                 Some(sureness) => Basis::Weighed(sureness),
-                None => against.and(self.file.speed_law.standard()).map_or(Basis::Model, Basis::SpeedLaw),
+                None => against.and(self.file.law_standard()).map_or(Basis::Model, Basis::Law),
             },
             zero_standard_rad: calibration.map_or(0.0, |calibration| radians(calibration.zero_standard_deg)),
         };

@@ -3,31 +3,38 @@
 use pump_ctl::plan::{
     Cruise, Finish, Limits, Margins, Phase, Plan, PlanError, Prediction, PressureLimits, Request,
 };
-use pump_model::Pump;
+use pump_model::units::degrees;
+use pump_model::{BackFlow, Pump};
 
+use super::displaced_pumps::DisplacedPumps;
 use super::error::DoseError;
 use super::planner::{Planner, SpeedPlan};
 use super::request::DoseRequest;
 use super::retraction::Retraction;
+use super::stands::Stands;
+use super::swept::Swept;
+use super::uncertainty::Budget;
 use super::warnings;
-use crate::calibration::{Applied, Stored};
-use crate::displacement::Correction;
+use crate::calibration::{Applied, CalibrationError, Stored, turned_ml};
+use crate::displacement::{Correction, SpeedDependentPump};
 use crate::pump_file::PumpFile;
-use crate::record::{PhaseSource, Purpose, Terms};
+use crate::record::{DoseTerms, PhaseSource, Purpose};
 
 /// Dose that is planned and may run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prepared {
     /// Request that the dose was planned for.
     pub request: DoseRequest,
-    /// Pump that the dose was planned for, corrected by its calibration or speed law at the dose's speed.
+    /// Pump that the dose was planned for, corrected by its calibration or law at the dose's speed.
     pub model: Pump,
-    /// Calibration and speed law that corrected the pump. `None` for a pump as its model is.
-    pub applied: Option<Applied>,
+    /// Calibration and law that corrected the pump. `None` for a pump as its model is.
+    pub(crate) applied: Option<Applied>,
     /// Steps and profile.
     pub plan: Plan,
     /// Predicted pressures and settling.
     pub prediction: Prediction,
+    /// Volume that the line takes back from the vessel, before any retraction.
+    pub back_flow: BackFlow,
     /// Limits that the dose was planned within.
     pub limits: Limits,
     /// Distances of the dose from its limits.
@@ -36,6 +43,9 @@ pub struct Prepared {
     pub phase_source: PhaseSource,
     /// Carry after the dose, in mL: the plan's carry, or the carry on record before a prime or purge.
     pub carry_out_ml: f64,
+    /// Half width of the range around the carry before the dose that holds the true carry, in mL, without the
+    /// doses of the plan's `turned`.
+    pub carry_half_width_ml: f64,
     /// Retraction after the dose.
     pub retraction: Option<Retraction>,
     /// Warnings for the user.
@@ -43,17 +53,14 @@ pub struct Prepared {
 }
 
 /// Everything that a dose is planned from.
-struct Basis<'a> {
+struct PlanningBasis<'a> {
     file: &'a PumpFile,
-    /// Pump without calibration and speed law.
+    /// Pump without calibration and law.
     model: &'a Pump,
     /// Calibration in use.
     stored: Option<&'a Stored>,
     request: DoseRequest,
-    start: Phase,
-    phase_source: PhaseSource,
-    /// Carry on record, in mL.
-    carry_ml: f64,
+    stands: Stands,
 }
 
 impl Prepared {
@@ -70,7 +77,7 @@ impl Prepared {
         phase_source: PhaseSource,
         carry_ml: f64,
     ) -> Result<Self, DoseError> {
-        Basis { file, model, stored: None, request, start, phase_source, carry_ml }.prepare()
+        Self::standing(file, model, None, request, Stands::at(start, phase_source, carry_ml))
     }
 
     /// Plans and predicts a dose of a calibrated pump from `start`, with a carry of `carry_ml` on record.
@@ -88,20 +95,62 @@ impl Prepared {
         phase_source: PhaseSource,
         carry_ml: f64,
     ) -> Result<Self, DoseError> {
-        Basis { file, model, stored: Some(stored), request, start, phase_source, carry_ml }.prepare()
+        Self::standing(file, model, Some(stored), request, Stands::at(start, phase_source, carry_ml))
     }
 
-    /// Returns the correction of the displacement by the calibration or the speed law.
-    pub fn correction(&self) -> Correction {
+    /// Plans and predicts a dose from the place `stands`.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as in [`Self::new`] and [`Self::calibrated`].
+    pub(crate) fn standing(
+        file: &PumpFile,
+        model: &Pump,
+        stored: Option<&Stored>,
+        request: DoseRequest,
+        stands: Stands,
+    ) -> Result<Self, DoseError> {
+        PlanningBasis { file, model, stored, request, stands }.prepare()
+    }
+
+    /// Returns the correction of the displacement by the calibration or the law.
+    pub(crate) fn correction(&self) -> Correction {
         self.applied.as_ref().map_or(Correction::NONE, |applied| applied.correction)
     }
 
     /// Returns the terms that the journal keeps for the rest of this dose, in case the dose is cut off.
-    pub(crate) fn terms(&self) -> Terms {
+    pub(crate) fn terms(&self, file: &PumpFile) -> DoseTerms {
         let DoseRequest { smooth, finish, pressures, .. } = self.request;
         let PressureLimits { max_outlet_kpa, min_inlet_kpa } = pressures;
-        let cruise_rad_s = Some(self.plan.profile.cruise_rad_s());
-        Terms { cruise_rad_s, smooth, low_flow: finish == Finish::LowFlow, max_outlet_kpa, min_inlet_kpa }
+        let low_flow = finish == Some(Finish::LowFlow);
+        let cruise = cruise(&self.request, file);
+        DoseTerms {
+            smooth,
+            low_flow,
+            max_outlet_kpa,
+            min_inlet_kpa,
+            ..DoseTerms::cruising(cruise, self.plan.profile().cruise_rad_s())
+        }
+    }
+
+    /// Returns the half width of the range around the carry that holds the true carry, in mL, once the rotor
+    /// stands at `end_rad` after this dose and its retraction.
+    pub(crate) fn carry_within_ml(&self, end_rad: f64) -> f64 {
+        if !self.request.purpose.changes_carry() {
+            return self.carry_half_width_ml;
+        }
+        let last = self.retraction.as_ref().map_or(&self.plan, |retraction| &retraction.plan);
+        let turn_rad = end_rad - last.start().angle_rad();
+        self.carry_half_width_ml + last.turned().by(turn_rad, turn_rad).half_width_ml(&self.model)
+    }
+
+    /// Returns the half width of the range around the carry before this dose that holds the true carry, in
+    /// mL.
+    pub(crate) fn carry_in_within_ml(&self) -> f64 {
+        if !self.request.purpose.changes_carry() {
+            return self.carry_half_width_ml;
+        }
+        self.carry_half_width_ml + self.plan.turned().half_width_ml(&self.model)
     }
 
     /// Returns the carry once this dose and its retraction are made, in mL.
@@ -110,63 +159,143 @@ impl Prepared {
     }
 }
 
-impl Basis<'_> {
+impl PlanningBasis<'_> {
     /// Plans the dose, then predicts it.
     fn prepare(&self) -> Result<Prepared, DoseError> {
         let (asked, limits) = self.asked();
-        let law = match self.request.purpose {
-            Purpose::Calibrate => None,
-            _ => self.file.speed_law().map_err(PlanError::from)?,
-        };
         let Self { file, model: base, stored, .. } = *self;
-        let planner = Planner { file, base, stored, law, limits: &limits };
-        let found = planner.plan(self.start, &asked)?;
-        Ok(self.predicted(found, limits)?)
+        if self.request.purpose == Purpose::Calibrate {
+            return self.prepare_to_weigh(&asked, limits);
+        }
+        let pump = SpeedDependentPump::new(*base, file.displacement_law().map_err(PlanError::from)?);
+        let planner = Planner { file, pump: &pump, stored, limits: &limits };
+        let found = planner.plan(self.stands.start, &asked)?;
+        let displaced = found.model;
+        self.predicted(found, &displaced, limits)
+    }
+
+    /// Plans a run to be weighed: its steps are those of the model, and its limits hold by what the pump
+    /// displaces.
+    fn prepare_to_weigh(&self, asked: &Request, limits: Limits) -> Result<Prepared, DoseError> {
+        let Self { file, model: base, stored, .. } = *self;
+        let pump = SpeedDependentPump::constant(*base);
+        // The fastest run is sought by the model.
+        let sought = match asked.cruise {
+            Cruise::Fastest => limits,
+            _ => Limits::new(limits.motor),
+        };
+        let planner = Planner { file, pump: &pump, stored: None, limits: &sought };
+        let found = planner.plan(self.stands.start, asked)?;
+        let speed_rad_s = found.plan.profile().cruise_rad_s() * f64::from(found.plan.direction().sign());
+        let displaced = DisplacedPumps::at(file, base, stored, speed_rad_s)?;
+        displaced.check(&found.plan, &limits)?;
+        check_weighable(base, &found.plan)?;
+        self.predicted(found, displaced.known(), limits)
+    }
+
+    /// Returns the carry that the dose settles, in mL.
+    fn carry_in_ml(&self) -> f64 {
+        if self.request.purpose == Purpose::Dose { self.stands.carry_ml } else { 0.0 }
     }
 
     /// Returns the request to the planner, and the limits: the pump file's where the request names none.
     fn asked(&self) -> (Request, Limits) {
         let request = &self.request;
-        let default_cruise = Cruise::Flow { ml_s: self.file.pump.default_rate_ml_s };
-        let asked = Request {
-            volume_ml: request.volume_ml,
-            carry_in_ml: if request.purpose == Purpose::Dose { self.carry_ml } else { 0.0 },
-            cruise: request.cruise.unwrap_or(default_cruise),
-            smooth: request.smooth,
-            finish: request.finish,
+        let (volume_ml, carry_in_ml) = match self.stands.to_end_ml {
+            Some(to_end_ml) => (to_end_ml, 0.0),
+            None => (request.volume_ml, self.carry_in_ml()),
         };
+        let asked = Request::new(volume_ml, cruise(request, self.file))
+            .with_carry_in_ml(carry_in_ml)
+            .with_smooth(request.smooth)
+            .with_finish(request.finish.unwrap_or_default())
+            .with_turned(self.stands.turned);
         (asked, self.file.limits_with(request.pressures))
     }
 
-    /// Adds the prediction, the margins, the warnings and the retraction to a plan.
-    fn predicted(&self, found: SpeedPlan, limits: Limits) -> Result<Prepared, PlanError> {
+    /// Returns the plan with the volumes that were asked for. The rest of a dose is planned to the end of the
+    /// whole.
+    fn as_asked(&self, plan: Plan) -> Plan {
+        match self.stands.to_end_ml {
+            Some(_) => plan.booked_as(self.request.volume_ml, self.carry_in_ml()),
+            None => plan,
+        }
+    }
+
+    /// Adds the prediction, the margins, the warnings and the retraction to a plan. `displaced` is the pump
+    /// with its best known displacement, by which the pressures are predicted.
+    fn predicted(&self, found: SpeedPlan, displaced: &Pump, limits: Limits) -> Result<Prepared, DoseError> {
         let SpeedPlan { model, plan, applied, warning } = found;
+        let plan = self.as_asked(plan);
         let request = self.request;
-        let prediction = plan.predict(&model)?;
-        let margins = limits.margins(&model, &plan);
-        let mut warnings = warnings::of_plan(&model, &plan, &prediction, &margins)?;
-        warnings.extend(warnings::estimated_pump(self.file, applied.as_ref()));
-        warnings.extend(warning);
-        let carry_out_ml = if request.purpose == Purpose::Dose { plan.carry_ml } else { self.carry_ml };
+        let prediction = plan.predict(displaced)?;
+        let back_flow = plan.back_flow(displaced)?;
+        let margins = limits.margins(displaced, &plan);
+        let carry_out_ml = match request.purpose {
+            Purpose::Dose => plan.carry_ml(),
+            Purpose::Retract => self.stands.carry_ml - plan.planned_ml(),
+            _ => self.stands.carry_ml,
+        };
         let retraction = match request.retract_ml {
             Some(volume_ml) => {
-                let asked_ml = request.whole_ml.unwrap_or(plan.requested_ml);
+                let asked_ml = request.whole_ml.unwrap_or(plan.requested_ml());
                 Some(Retraction::new(&model, &plan, &limits, asked_ml, carry_out_ml, volume_ml)?)
             }
             None => None,
         };
-        Ok(Prepared {
+        let mut prepared = Prepared {
             request,
             model,
             applied,
             plan,
             prediction,
+            back_flow,
             limits,
             margins,
-            phase_source: self.phase_source,
+            phase_source: self.stands.source,
             carry_out_ml,
+            carry_half_width_ml: self.stands.carry_half_width_ml,
             retraction,
-            warnings,
-        })
+            warnings: Vec::new(),
+        };
+        prepared.warnings = self.warnings(&prepared, warning)?;
+        Ok(prepared)
     }
+
+    /// Returns the warnings of a prepared dose. `of_speed` is that of its speed.
+    fn warnings(&self, prepared: &Prepared, of_speed: Option<String>) -> Result<Vec<String>, PlanError> {
+        let Prepared { model, applied, plan, prediction, margins, retraction, .. } = prepared;
+        let mut warnings = warnings::of_plan(model, plan, prediction, margins)?;
+        warnings.extend(warnings::wider_inlet_swing(model, plan, prediction, prepared.limits.motor)?);
+        if prepared.request.purpose == Purpose::Dose {
+            let half_width_ml = prepared.carry_in_within_ml();
+            warnings.extend(warnings::unsure_carry(plan.requested_ml(), plan.carry_in_ml(), half_width_ml));
+            let swept = Swept::whole(model, plan);
+            let budget = Budget::new(model, &swept, &self.file.uncertainty, applied.as_ref())
+                .with_carry_within(plan.carry_in_ml(), half_width_ml);
+            warnings.extend(warnings::back_flow(plan, prepared.back_flow.backflow_ml, budget.expanded_ml()));
+        }
+        warnings.extend(warnings::estimated_pump(self.file, applied.as_ref()));
+        warnings.extend(of_speed);
+        warnings.extend(retraction.iter().flat_map(|retraction| retraction.warnings.clone()));
+        Ok(warnings)
+    }
+}
+
+/// Refuses a run to be weighed whose volume the model cannot tell: a part of a pitch from an unknown angle.
+fn check_weighable(model: &Pump, plan: &Plan) -> Result<(), CalibrationError> {
+    let known = plan.start().is_known(model.pitch_rad());
+    let turned_deg = degrees(plan.steps() as f64 * plan.step_rad());
+    let pitch_deg = degrees(model.pitch_rad());
+    match turned_ml(model, known.then_some(degrees(plan.start().angle_rad())), turned_deg, 1) {
+        Err(CalibrationError::UnknownAngle { .. }) => {
+            Err(CalibrationError::PartOfPitch { turned_deg, pitch_deg })
+        }
+        told => told.map(drop),
+    }
+}
+
+/// Returns the cruise that a request asks for: the pump file's default rate where it names none.
+fn cruise(request: &DoseRequest, file: &PumpFile) -> Cruise {
+    request.cruise.unwrap_or(Cruise::Flow { ml_s: file.pump.default_rate_ml_s })
 }

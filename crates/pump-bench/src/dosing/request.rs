@@ -2,7 +2,7 @@
 
 use pump_ctl::plan::{Cruise, Finish, PressureLimits};
 
-use crate::record::{Purpose, Terms};
+use crate::record::{DoseTerms, Purpose};
 
 /// Request for a dose.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,8 +15,9 @@ pub struct DoseRequest {
     pub cruise: Option<Cruise>,
     /// True if the speed follows the rollers' angle for a smooth flow.
     pub smooth: bool,
-    /// Position in a pitch where the dose may end. Its retraction may end anywhere.
-    pub finish: Finish,
+    /// Position in a pitch where the dose may end. Its retraction may end anywhere. `None` lets the dose end
+    /// anywhere, and the rest of a dose where the whole dose was to end.
+    pub finish: Option<Finish>,
     /// Angle at the start, in rad. `None` takes the recorded angle.
     pub start_angle_rad: Option<f64>,
     /// Volume of the whole dose if this is the rest of one that was cut off, in mL. `None` if this is the
@@ -36,7 +37,7 @@ impl DoseRequest {
             volume_ml,
             cruise: None,
             smooth: false,
-            finish: Finish::Any,
+            finish: None,
             start_angle_rad: None,
             whole_ml: None,
             retract_ml: None,
@@ -45,12 +46,13 @@ impl DoseRequest {
     }
 
     /// Completes the request for the rest of a dose that was cut off. The terms of the whole dose fill what
-    /// the request leaves open.
-    pub(crate) fn for_rest(self, whole: &Terms) -> Self {
+    /// the request leaves open. A speed in the request without a smooth flow means a constant speed.
+    pub(crate) fn for_rest(self, whole: &DoseTerms) -> Self {
+        let finish = if whole.low_flow { Finish::LowFlow } else { Finish::Any };
         Self {
-            cruise: self.cruise.or(whole.cruise_rad_s.map(|rad_s| Cruise::Speed { rad_s })),
-            smooth: self.smooth || whole.smooth,
-            finish: if whole.low_flow { Finish::LowFlow } else { self.finish },
+            cruise: self.cruise.or(whole.cruise()),
+            smooth: self.smooth || (whole.smooth && self.cruise.is_none()),
+            finish: self.finish.or(Some(finish)),
             pressures: self.pressures.or(whole.pressures()),
             ..self
         }

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use pump_model::Shown;
 use thiserror::Error;
 
 use crate::words::words;
@@ -30,7 +31,7 @@ words!(Missed { Skip = "skip", Now = "now" });
 
 /// Next action of a batch. Doses are numbered from 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Action {
+pub enum ScheduleAction {
     /// Wait until this time on the schedule's clock.
     Wait(Duration),
     /// Make the dose of this number.
@@ -46,7 +47,7 @@ pub enum Action {
 #[non_exhaustive]
 pub enum ScheduleError {
     /// A value is outside its range.
-    #[error("{what} is {value}; allowed: {least} to {most}")]
+    #[error("{what} is {}; allowed: {least} to {most}", Shown(*value))]
     OutOfRange {
         /// Name of the value, with its unit.
         what: &'static str,
@@ -67,16 +68,16 @@ pub enum ScheduleError {
 /// ```
 /// use std::time::Duration;
 ///
-/// use pump_bench::dosing::{Action, Missed, Schedule};
+/// use pump_bench::dosing::{Missed, Schedule, ScheduleAction};
 ///
 /// let mut schedule = Schedule::new(3, Some(10.0), Missed::Skip)?;
 /// let at = Duration::from_secs;
-/// assert_eq!(schedule.next(at(0)), Action::Dose(1));
+/// assert_eq!(schedule.next(at(0)), ScheduleAction::Dose(1));
 /// // The first dose took 12 s: the second one's time has passed.
-/// assert_eq!(schedule.next(at(12)), Action::Skip(2));
-/// assert_eq!(schedule.next(at(12)), Action::Wait(at(20)));
-/// assert_eq!(schedule.next(at(20)), Action::Dose(3));
-/// assert_eq!(schedule.next(at(21)), Action::Done);
+/// assert_eq!(schedule.next(at(12)), ScheduleAction::Skip(2));
+/// assert_eq!(schedule.next(at(12)), ScheduleAction::Wait(at(20)));
+/// assert_eq!(schedule.next(at(20)), ScheduleAction::Dose(3));
+/// assert_eq!(schedule.next(at(21)), ScheduleAction::Done);
 /// # Ok::<(), pump_bench::dosing::ScheduleError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -127,15 +128,15 @@ impl Schedule {
 
     /// Returns the action at `now`, the time since the batch's start. Each dose or skip is returned once and
     /// then counts as past.
-    pub fn next(&mut self, now: Duration) -> Action {
+    pub fn next(&mut self, now: Duration) -> ScheduleAction {
         if self.past == self.count {
-            return Action::Done;
+            return ScheduleAction::Done;
         }
         let number = self.past + 1;
         let due = self.due(number);
         if now < due {
             self.in_time = true;
-            return Action::Wait(due);
+            return ScheduleAction::Wait(due);
         }
         let late = now - due;
         let missed = match self.every {
@@ -145,7 +146,11 @@ impl Schedule {
         };
         self.past = number;
         self.in_time = false;
-        if missed && self.missed == Missed::Skip { Action::Skip(number) } else { Action::Dose(number) }
+        if missed && self.missed == Missed::Skip {
+            ScheduleAction::Skip(number)
+        } else {
+            ScheduleAction::Dose(number)
+        }
     }
 }
 
@@ -164,37 +169,39 @@ mod tests {
     #[test]
     fn doses_are_due_from_start_to_start_and_lateness_does_not_add_up() {
         let mut schedule = every_second(3, Missed::Skip);
-        assert_eq!(schedule.next(ms(1)), Action::Dose(1));
-        assert_eq!(schedule.next(ms(900)), Action::Wait(ms(1000)));
-        assert_eq!(schedule.next(ms(1040)), Action::Dose(2), "woken a little late is not missed");
-        assert_eq!(schedule.next(ms(1041)), Action::Wait(ms(2000)));
-        assert_eq!(schedule.next(ms(2000)), Action::Dose(3));
-        assert_eq!(schedule.next(ms(2001)), Action::Done);
-        assert_eq!(schedule.next(ms(9000)), Action::Done);
+        assert_eq!(schedule.next(ms(1)), ScheduleAction::Dose(1));
+        assert_eq!(schedule.next(ms(900)), ScheduleAction::Wait(ms(1000)));
+        assert_eq!(schedule.next(ms(1040)), ScheduleAction::Dose(2), "woken a little late is not missed");
+        assert_eq!(schedule.next(ms(1041)), ScheduleAction::Wait(ms(2000)));
+        assert_eq!(schedule.next(ms(2000)), ScheduleAction::Dose(3));
+        assert_eq!(schedule.next(ms(2001)), ScheduleAction::Done);
+        assert_eq!(schedule.next(ms(9000)), ScheduleAction::Done);
     }
 
     #[test]
     fn a_dose_that_came_due_while_the_one_before_ran_is_skipped_or_made_at_once() {
         let mut skips = every_second(5, Missed::Skip);
-        assert_eq!(skips.next(ms(0)), Action::Dose(1));
-        let told: Vec<Action> = (0..3).map(|_| skips.next(ms(2001))).collect();
-        assert_eq!(told, [Action::Skip(2), Action::Skip(3), Action::Wait(ms(3000))]);
-        assert_eq!(skips.next(ms(3000)), Action::Dose(4));
-        assert_eq!(skips.next(ms(4000)), Action::Dose(5), "due at this moment is not missed");
+        assert_eq!(skips.next(ms(0)), ScheduleAction::Dose(1));
+        let told: Vec<ScheduleAction> = (0..3).map(|_| skips.next(ms(2001))).collect();
+        assert_eq!(told, [ScheduleAction::Skip(2), ScheduleAction::Skip(3), ScheduleAction::Wait(ms(3000))]);
+        assert_eq!(skips.next(ms(3000)), ScheduleAction::Dose(4));
+        assert_eq!(skips.next(ms(4000)), ScheduleAction::Dose(5), "due at this moment is not missed");
 
         let mut catches_up = every_second(5, Missed::Now);
-        assert_eq!(catches_up.next(ms(0)), Action::Dose(1));
-        assert_eq!(catches_up.next(ms(2500)), Action::Dose(2));
-        assert_eq!(catches_up.next(ms(2600)), Action::Dose(3));
-        assert_eq!(catches_up.next(ms(2700)), Action::Wait(ms(3000)), "back on its times");
+        assert_eq!(catches_up.next(ms(0)), ScheduleAction::Dose(1));
+        assert_eq!(catches_up.next(ms(2500)), ScheduleAction::Dose(2));
+        assert_eq!(catches_up.next(ms(2600)), ScheduleAction::Dose(3));
+        assert_eq!(catches_up.next(ms(2700)), ScheduleAction::Wait(ms(3000)), "back on its times");
     }
 
     #[test]
     fn a_dose_slept_through_is_missed() {
-        for (missed, told) in [(Missed::Skip, Action::Skip(2)), (Missed::Now, Action::Dose(2))] {
+        for (missed, told) in
+            [(Missed::Skip, ScheduleAction::Skip(2)), (Missed::Now, ScheduleAction::Dose(2))]
+        {
             let mut schedule = every_second(9, missed);
-            assert_eq!(schedule.next(ms(0)), Action::Dose(1));
-            assert_eq!(schedule.next(ms(1)), Action::Wait(ms(1000)));
+            assert_eq!(schedule.next(ms(0)), ScheduleAction::Dose(1));
+            assert_eq!(schedule.next(ms(1)), ScheduleAction::Wait(ms(1000)));
             assert_eq!(schedule.next(ms(2500)), told);
         }
     }
@@ -202,9 +209,9 @@ mod tests {
     #[test]
     fn without_an_interval_one_follows_the_other() {
         let mut schedule = Schedule::new(2, None, Missed::Skip).unwrap();
-        assert_eq!(schedule.next(ms(5)), Action::Dose(1));
-        assert_eq!(schedule.next(ms(500_000)), Action::Dose(2));
-        assert_eq!(schedule.next(ms(500_000)), Action::Done);
+        assert_eq!(schedule.next(ms(5)), ScheduleAction::Dose(1));
+        assert_eq!(schedule.next(ms(500_000)), ScheduleAction::Dose(2));
+        assert_eq!(schedule.next(ms(500_000)), ScheduleAction::Done);
     }
 
     #[test]

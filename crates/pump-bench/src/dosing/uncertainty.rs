@@ -1,16 +1,16 @@
 //! The uncertainty budget of a dose.
 
-use pump_ctl::plan::{Phase, Plan};
+use libm::sqrt;
 use pump_model::Pump;
-use pump_model::math::sqrt;
 use serde::Serialize;
 
+use super::swept::Swept;
 use crate::calibration::{Applied, Sureness};
 use crate::pump_file::UncertaintyTable;
 use crate::words::words_of_reports;
 
 /// Coverage factor of the expanded uncertainty (about 95 % of doses).
-pub const COVERAGE_FACTOR: f64 = 2.0;
+const COVERAGE_FACTOR: f64 = 2.0;
 
 /// Growth of the cross section of a tube's bore, in 1/°C: twice the linear expansion of silicone rubber,
 /// 3e-4. Natural rubber has 2.2e-4, a third of its expansion in volume, 6.6e-4 (Polymer Handbook).
@@ -48,7 +48,7 @@ pub enum ShareSource {
     /// Calibration of the displacement.
     Calibration,
     /// Dependence of the displacement on the speed.
-    SpeedLaw,
+    SpeedDependence,
     /// Temperature of the tube that differs from that of its calibration.
     Temperature,
     /// Carry of earlier doses.
@@ -62,20 +62,20 @@ words_of_reports!(ShareSource {
     Step = "step",
     Phase = "phase",
     Calibration = "calibration",
-    SpeedLaw = "speed_law",
+    SpeedDependence = "speed_law",
     Temperature = "temperature",
     Carry = "carry",
 });
 
 /// Uncertainty budget of a dose. Its shares are independent.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Budget {
+pub(crate) struct Budget {
     /// Shares of the budget.
-    pub shares: Vec<Share>,
+    pub(crate) shares: Vec<Share>,
 }
 
 impl Budget {
-    /// Computes the budget of `plan` on `pump`, the pump that it was planned for, with the calibration that
+    /// Computes the budget of a turn of `pump`, the pump that it was planned for, with the calibration that
     /// corrected the pump.
     ///
     /// - Model and repeatability are fractions of the volume, measured over many revolutions. A calibration
@@ -89,11 +89,16 @@ impl Budget {
     ///   range, so a rectangle over it would give too little. An identified zero adds its own uncertainty.
     /// - Temperature widens the bore.
     /// - The carry from earlier doses is as unsure as those doses were.
-    pub fn new(pump: &Pump, plan: &Plan, table: &UncertaintyTable, calibration: Option<&Applied>) -> Self {
-        let volume_ml = plan.planned_ml.abs();
+    pub(crate) fn new(
+        pump: &Pump,
+        swept: &Swept,
+        table: &UncertaintyTable,
+        calibration: Option<&Applied>,
+    ) -> Self {
+        let volume_ml = swept.volume_ml.abs();
         let sureness = calibration.and_then(|applied| applied.sureness());
-        // Only the pump file states how near a speed law is that was not fitted to this pump.
-        let law = calibration.and_then(|applied| applied.speed_law());
+        // Only the pump file states how near a law is that was not fitted to this pump.
+        let law = calibration.and_then(|applied| applied.law_standard());
         let model = if sureness.is_some() || law.is_some() { 0.0 } else { table.model_percent / 100.0 };
         let of_calibration = |of: fn(&Sureness) -> f64| sureness.as_ref().map_or(0.0, of);
         let repeatability =
@@ -115,13 +120,13 @@ impl Budget {
         );
         share(
             ShareSource::RollerVolume,
-            table.roller_volume_ml * pulses_unsure(pump, plan, sureness.is_some()),
+            table.roller_volume_ml * pulses_unsure(pump, swept, sureness.is_some()),
             "dose whole pitches, or find the roller volume: `dose calibrate phase`",
         );
-        share(ShareSource::Step, plan.end_step_ml(pump) / sqrt(12.0), "use more microsteps");
+        share(ShareSource::Step, swept.end_step_ml / sqrt(12.0), "use more microsteps");
         share(
             ShareSource::Phase,
-            phase_share_ml(pump, plan, zero_rad),
+            phase_share_ml(pump, swept, zero_rad),
             "say where the rollers stand, `dose home --set`, or dose whole pitches",
         );
         share(
@@ -130,8 +135,8 @@ impl Budget {
             "weigh more runs, or longer ones, on a better scale",
         );
         share(
-            ShareSource::SpeedLaw,
-            law.unwrap_or(of_calibration(|sure| sure.speed_law)) * volume_ml,
+            ShareSource::SpeedDependence,
+            law.unwrap_or(of_calibration(|sure| sure.speed_dependence)) * volume_ml,
             "calibrate at three speeds or more, this one among them",
         );
         share(
@@ -141,10 +146,22 @@ impl Budget {
         );
         share(
             ShareSource::Carry,
-            common * plan.carry_in_ml.abs(),
+            common * swept.carry_in_ml.abs(),
             "calibrate, so that the carry from earlier doses is surer",
         );
         budget.with_percentages()
+    }
+
+    /// Returns the budget with a carry of `carry_ml` that is known within `half_width_ml`, rectangular:
+    /// / sqrt(3) (GUM, JCGM 100:2008, 4.3.7). The dose repays no more than the carry, so it is not more unsure.
+    #[must_use]
+    pub(crate) fn with_carry_within(mut self, carry_ml: f64, half_width_ml: f64) -> Self {
+        let half_width_ml = half_width_ml.min(carry_ml.abs());
+        for share in self.shares.iter_mut().filter(|share| share.source == ShareSource::Carry) {
+            let square = share.standard_ml * share.standard_ml + half_width_ml * half_width_ml / 3.0;
+            share.standard_ml = sqrt(square);
+        }
+        self.with_percentages()
     }
 
     /// Sets each share's part of the variance.
@@ -158,50 +175,45 @@ impl Budget {
     }
 
     /// Returns the combined standard uncertainty, in mL.
-    pub fn standard_ml(&self) -> f64 {
+    pub(crate) fn standard_ml(&self) -> f64 {
         sqrt(self.shares.iter().map(|share| share.standard_ml * share.standard_ml).sum())
     }
 
     /// Returns the expanded uncertainty (k = 2), in mL.
-    pub fn expanded_ml(&self) -> f64 {
+    pub(crate) fn expanded_ml(&self) -> f64 {
         COVERAGE_FACTOR * self.standard_ml()
-    }
-
-    /// Returns the largest share.
-    pub fn largest(&self) -> Option<&Share> {
-        self.shares.iter().max_by(|a, b| a.standard_ml.total_cmp(&b.standard_ml))
     }
 }
 
-/// Returns the number of roller volumes by which another roller volume changes what `plan` delivers.
+/// Returns the number of roller volumes by which another roller volume changes what the turn delivers.
 ///
-/// With known dimensions that number is the roller volumes that the plan sweeps, one at most. The common part
+/// With known dimensions that number is the roller volumes that the turn sweeps, one at most. The common part
 /// of several is in the model's share. With a known volume of a revolution it is the swept number less the
-/// average number in the plan's turn.
-fn pulses_unsure(pump: &Pump, plan: &Plan, revolution_is_known: bool) -> f64 {
-    let turn_rad = (plan.end_angle_rad() - plan.start.angle_rad).abs();
-    let taken_ml = pump.nominal_ml_rad() * turn_rad - plan.planned_ml.abs();
+/// average number in the turn.
+fn pulses_unsure(pump: &Pump, swept: &Swept, revolution_is_known: bool) -> f64 {
+    let turn_rad = (swept.end_rad - swept.start.angle_rad()).abs();
+    let taken_ml = pump.nominal_ml_rad() * turn_rad - swept.volume_ml.abs();
     let pulses = taken_ml / pump.roller_volume().total_ml();
     if revolution_is_known { (pulses - turn_rad / pump.pitch_rad()).abs() } else { pulses.clamp(0.0, 1.0) }
 }
 
 /// Returns the root of the mean square deviation from the planned volume, in mL. Start and end angle shift
 /// together within the half width, and by a zero of this standard uncertainty.
-fn phase_share_ml(pump: &Pump, plan: &Plan, zero_standard_rad: f64) -> f64 {
+fn phase_share_ml(pump: &Pump, swept: &Swept, zero_standard_rad: f64) -> f64 {
     const POINTS: i32 = 256;
-    let Phase { angle_rad, half_width_rad } = plan.start;
+    let (angle_rad, half_width_rad) = (swept.start.angle_rad(), swept.start.half_width_rad());
     let curve = pump.outlet_curve();
-    let slope_ml_rad = curve.flow_ml_rad(plan.end_angle_rad()) - curve.flow_ml_rad(angle_rad);
+    let slope_ml_rad = curve.flow_ml_rad(swept.end_rad) - curve.flow_ml_rad(angle_rad);
     let zero_ml = slope_ml_rad * zero_standard_rad;
     if half_width_rad == 0.0 {
         return zero_ml.abs();
     }
     // Beyond half a pitch every angle within the pitch is equally likely.
     let half_width_rad = half_width_rad.min(0.5 * pump.pitch_rad());
-    let turn_rad = plan.end_angle_rad() - angle_rad;
+    let turn_rad = swept.end_rad - angle_rad;
     let error_ml = |n| {
         let start = angle_rad + half_width_rad * ((2.0 * f64::from(n) + 1.0) / f64::from(POINTS) - 1.0);
-        curve.volume_ml(start + turn_rad) - curve.volume_ml(start) - plan.planned_ml
+        curve.volume_ml(start + turn_rad) - curve.volume_ml(start) - swept.volume_ml
     };
     let square = (0..POINTS).map(|n| error_ml(n) * error_ml(n)).sum::<f64>() / f64::from(POINTS);
     sqrt(square + zero_ml * zero_ml)
@@ -210,14 +222,14 @@ fn phase_share_ml(pump: &Pump, plan: &Plan, zero_standard_rad: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pump_ctl::plan::{Cruise, Request, plan};
+    use pump_ctl::plan::{Cruise, Doser, Phase, Request};
 
     fn budget(volume_ml: f64, start: Phase) -> Budget {
         let file = crate::catalogue::built_in("three-roller").unwrap();
         let pump = file.model().unwrap();
         let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 });
-        let plan = plan(&pump, start, &request, &file.limits()).unwrap();
-        Budget::new(&pump, &plan, &file.uncertainty, None)
+        let plan = Doser::new(&pump, file.limits()).unwrap().plan(start, &request).unwrap();
+        Budget::new(&pump, &Swept::whole(&pump, &plan), &file.uncertainty, None)
     }
 
     #[test]
@@ -228,7 +240,7 @@ mod tests {
         assert!((budget.expanded_ml() - 2.0 * standard_ml).abs() < 1e-4, "{budget:?}");
         let percent: f64 = budget.shares.iter().map(|share| share.variance_percent).sum();
         assert!((percent - 100.0).abs() < 1e-9 && budget.shares[0].variance_percent > 95.0, "{budget:?}");
-        assert_eq!(budget.largest().unwrap().source, ShareSource::Model);
+        assert_eq!(budget.shares[0].source, ShareSource::Model);
     }
 
     #[test]
@@ -244,11 +256,15 @@ mod tests {
                 let file = crate::catalogue::built_in("three-roller").unwrap();
                 let pump = file.model().unwrap();
                 let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 });
-                let plan = plan(&pump, Phase::known(start_rad), &request, &file.limits()).unwrap();
-                let expanded_ml = Budget::new(&pump, &plan, &file.uncertainty, None).expanded_ml();
+                let plan = Doser::new(&pump, file.limits())
+                    .unwrap()
+                    .plan(Phase::known(start_rad), &request)
+                    .unwrap();
+                let expanded_ml =
+                    Budget::new(&pump, &Swept::whole(&pump, &plan), &file.uncertainty, None).expanded_ml();
                 let turn_rad = plan.end_angle_rad() - start_rad;
                 for other in ["three-roller-published", "three-roller-as-built"] {
-                    let difference_ml = volume_of(other, start_rad, turn_rad) - plan.planned_ml;
+                    let difference_ml = volume_of(other, start_rad, turn_rad) - plan.planned_ml();
                     assert!(
                         difference_ml.abs() < expanded_ml,
                         "{volume_ml} mL from {start_rad}: {difference_ml}"
@@ -260,7 +276,7 @@ mod tests {
 
     #[test]
     fn an_unknown_angle_dominates_a_small_dose_and_vanishes_over_whole_pitches() {
-        let anywhere = Phase { angle_rad: 0.0, half_width_rad: 10.0 };
+        let anywhere = Phase::within(0.0, 10.0);
         let phase_of = |volume_ml| budget(volume_ml, anywhere).shares[4].standard_ml;
         assert!(phase_of(1.0) > 0.2);
         let pitch_ml =
@@ -274,11 +290,13 @@ mod tests {
         let pump = file.model().unwrap();
         for half_width_rad in [1e-4, 0.01, 0.3, 2.0] {
             for volume_ml in [0.5, 5.0, 25.0, -25.0] {
-                let start = Phase { angle_rad: 0.7, half_width_rad };
+                let start = Phase::within(0.7, half_width_rad);
                 let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 });
-                let plan = plan(&pump, start, &request, &file.limits()).unwrap();
-                let share_ml = Budget::new(&pump, &plan, &file.uncertainty, None).shares[4].standard_ml;
-                let half_ml = 0.5 * (plan.most_ml - plan.least_ml);
+                let plan = Doser::new(&pump, file.limits()).unwrap().plan(start, &request).unwrap();
+                let share_ml = Budget::new(&pump, &Swept::whole(&pump, &plan), &file.uncertainty, None)
+                    .shares[4]
+                    .standard_ml;
+                let half_ml = 0.5 * (plan.most_ml() - plan.least_ml());
                 assert!(share_ml < half_ml && COVERAGE_FACTOR * share_ml > half_ml, "{share_ml} {half_ml}");
             }
         }

@@ -1,8 +1,8 @@
 //! The warnings of a dose that is planned without a known angle.
 
+use libm::floor;
 use pump_ctl::plan::Plan;
 use pump_model::Pump;
-use pump_model::math::floor;
 
 use crate::numbers::between;
 use crate::numbers::significant;
@@ -13,24 +13,28 @@ const DIGITS: i32 = 5;
 /// Returns the range that the dose may deliver, and the volumes that are exact at any angle.
 pub(crate) fn warnings(model: &Pump, plan: &Plan) -> [String; 2] {
     let pitch_ml = model.outlet_curve().pitch_ml();
-    let asked_ml = plan.requested_ml;
+    let (asked_ml, carry_ml) = (plan.requested_ml(), plan.carry_in_ml());
+    let owed_ml = asked_ml + carry_ml;
+    let way = 1.0_f64.copysign(owed_ml);
     let list = |pitches: &[f64]| {
-        let volumes = pitches.iter().filter(|pitches| **pitches > 0.0);
-        let volumes = volumes.map(|pitches| significant((pitches * pitch_ml).copysign(asked_ml), DIGITS));
-        volumes.collect::<Vec<_>>()
+        let volumes = pitches.iter().map(|pitches| way * pitches * pitch_ml - carry_ml);
+        // The carry may be more than a pitch.
+        let volumes = volumes.filter(|volume_ml| volume_ml * way > 0.0);
+        volumes.map(|volume_ml| significant(volume_ml, DIGITS)).collect::<Vec<_>>()
     };
-    let below = floor(asked_ml.abs() / pitch_ml);
+    let (first, below) = (floor(way * carry_ml / pitch_ml).max(0.0), floor(owed_ml.abs() / pitch_ml));
     [
         format!(
             "the rollers' angle is unknown: by that alone the volume lies {}; pressures and settling are the \
              worst of all angles",
-            between(plan.least_ml, plan.most_ml)
+            between(plan.least_ml(), plan.most_ml())
         ),
         format!(
-            "multiples of a pitch are exact at any angle: {} mL and so on; nearest to {} mL: {} mL; to dose \
+            "{} are exact at any angle: {} mL and so on; nearest to {} mL: {} mL; to dose \
              other volumes, turn a roller to where it begins to leave the outlet and say `dose home --set \
              0deg`, or give --start-angle",
-            list(&[1.0, 2.0, 3.0]).join(", "),
+            if carry_ml == 0.0 { "multiples of a pitch" } else { "multiples of a pitch less the carry" },
+            list(&[first + 1.0, first + 2.0, first + 3.0]).join(", "),
             significant(asked_ml, DIGITS + 1),
             list(&[below, below + 1.0]).join(" and "),
         ),

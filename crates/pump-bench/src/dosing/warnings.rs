@@ -1,11 +1,13 @@
 //! Warnings of a plan, for the user to read before the dose runs. One function makes one warning.
 
-use pump_ctl::plan::{Finish, LimitedBy, Margin, Margins, Plan, PlanError, Prediction};
-use pump_model::Pump;
-use pump_model::math::rpm;
+use pump_ctl::plan::{Doser, Finish, LimitedBy, Limits, Margin, Margins, Motor, Plan, PlanError, Prediction};
+use pump_ctl::step::Direction;
+use pump_model::units::rpm;
+use pump_model::{Extremes, Pump};
 
 use super::unknown_angle;
 use crate::calibration::Applied;
+use crate::numbers::significant;
 use crate::pump_file::PumpFile;
 
 /// Part of the room to a limit from which on a dose is warned of.
@@ -14,8 +16,14 @@ const CLOSE: f64 = 0.95;
 /// Part of the ripple from which on a flow is hardly smooth.
 const HARDLY: f64 = 0.9;
 
+/// Swing of the inlet pressure over that at constant speed from which on a smooth flow is warned of.
+const WIDER: f64 = 1.1;
+
 /// Part of the requested volume from which on a carry by the size of a step is warned of.
 const COARSE: f64 = 0.05;
+
+/// Part of the requested volume from which on the uncertainty of a carry is warned of.
+const UNSURE: f64 = 0.001;
 
 /// Swing of pressure by a single step from which on a dose is warned of, in kPa.
 const SWING_KPA: f64 = 1.0;
@@ -28,29 +36,75 @@ pub(super) fn of_plan(
     margins: &Margins,
 ) -> Result<Vec<String>, PlanError> {
     let mut warnings = Vec::new();
-    if !plan.start.is_known(model.pitch_rad()) {
+    if !plan.start().is_known(model.pitch_rad()) {
         warnings.extend(unknown_angle::warnings(model, plan));
     }
     warnings.extend(short_dose(plan));
     warnings.extend(hardly_smooth(model, plan));
     warnings.extend(low_flow_carry(model, plan)?.or_else(|| coarse_step(plan)));
-    warnings.extend(
+    warnings.extend(of_pressures(plan.direction() == Direction::Reverse, prediction, margins));
+    Ok(warnings)
+}
+
+/// Returns the warnings of a retraction: those of its pressures and of its torque.
+pub(super) fn of_retraction(prediction: &Prediction, margins: &Margins) -> Vec<String> {
+    let warnings = of_pressures(true, prediction, margins);
+    warnings.into_iter().map(|warning| format!("while it sucks back: {warning}")).collect()
+}
+
+/// Returns the warnings of a motion's pressures and of its torque. In reverse the ports change their roles.
+fn of_pressures(is_reverse: bool, prediction: &Prediction, margins: &Margins) -> Vec<String> {
+    let (discharge, suction) = if is_reverse { ("inlet", "outlet") } else { ("outlet", "inlet") };
+    let mut warnings: Vec<String> =
         [("inlet", prediction.inlet.min_kpa), ("outlet", prediction.outlet.min_kpa)]
             .into_iter()
-            .filter_map(|(port, min_kpa)| cavitation(port, min_kpa)),
-    );
+            .filter_map(|(port, min_kpa)| cavitation(port, min_kpa))
+            .collect();
+    let discharge_falls = format!("{discharge} pressure where the flow falls");
     warnings.extend(
         [
-            ("outlet pressure", "kPa", margins.outlet),
-            ("inlet pressure", "kPa", margins.inlet),
-            ("outlet pressure where the flow falls", "kPa", margins.outlet_suction),
-            ("torque", "N m", margins.torque),
+            (format!("{discharge} pressure"), "kPa", margins.outlet),
+            (format!("{suction} pressure"), "kPa", margins.inlet),
+            (discharge_falls, "kPa", margins.outlet_suction),
+            ("torque".to_owned(), "N m", margins.torque),
         ]
         .into_iter()
-        .filter_map(|(quantity, unit, margin)| close_to_limit(quantity, unit, margin?)),
+        .filter_map(|(quantity, unit, margin)| close_to_limit(&quantity, unit, margin?)),
     );
     warnings.extend(rough_steps(prediction));
-    Ok(warnings)
+    warnings
+}
+
+/// Warns of a carry that is known within bounds only.
+pub(super) fn unsure_carry(requested_ml: f64, carry_ml: f64, half_width_ml: f64) -> Option<String> {
+    (half_width_ml.min(carry_ml.abs()) > UNSURE * requested_ml.abs()).then(|| {
+        format!(
+            "earlier motions leave the carry unsure: it is {} mL \u{b1} {} mL; `dose home` finds the angle and \
+             drops the carry",
+            significant(carry_ml, 4),
+            significant(half_width_ml, 2)
+        )
+    })
+}
+
+/// Warns of a back flow that exceeds the expanded uncertainty of the dose.
+pub(super) fn back_flow(plan: &Plan, backflow_ml: f64, expanded_ml: f64) -> Option<String> {
+    if backflow_ml <= expanded_ml {
+        return None;
+    }
+    let (back, expanded) = (significant(1e3 * backflow_ml, 3), significant(1e3 * expanded_ml, 3));
+    let swing = match plan.direction() {
+        Direction::Forward => {
+            format!(
+                "gives {back} µL too much and takes them back, unless the nozzle is in air and takes in air instead"
+            )
+        }
+        Direction::Reverse => format!("takes {back} µL too much from the vessel and gives them back"),
+    };
+    Some(format!(
+        "when the motor stops, the line {swing}; the dose's \u{b1} {expanded} µL does not contain that; a much slower \
+         rate makes it less"
+    ))
 }
 
 /// Warns of a roller volume that is estimated from the drawing, unless the pump's displacement was
@@ -66,11 +120,11 @@ pub(super) fn estimated_pump(file: &PumpFile, applied: Option<&Applied>) -> Opti
 
 /// Warns of a dose that is too short to reach its cruise speed.
 fn short_dose(plan: &Plan) -> Option<String> {
-    (plan.limited_by == LimitedBy::Acceleration).then(|| {
+    (plan.limited_by() == LimitedBy::Acceleration).then(|| {
         format!(
             "the dose is too short to reach its cruise speed at {} rad/s2; it peaks at {:.4} r/min",
-            plan.profile.acceleration_rad_s2(),
-            rpm(plan.profile.peak_rad_s()),
+            plan.profile().acceleration_rad_s2(),
+            rpm(plan.profile().peak_rad_s()),
         )
     })
 }
@@ -88,34 +142,63 @@ fn hardly_smooth(model: &Pump, plan: &Plan) -> Option<String> {
     })
 }
 
+/// Warns of a smooth flow that widens the swing of the inlet pressure: the outlet's flow is evened out, and the
+/// inlet's is not.
+pub(super) fn wider_inlet_swing(
+    model: &Pump,
+    plan: &Plan,
+    prediction: &Prediction,
+    motor: Motor,
+) -> Result<Option<String>, PlanError> {
+    if !plan.is_smooth() {
+        return Ok(None);
+    }
+    let cruise_rad_s = plan.profile().cruise_rad_s();
+    let doser = Doser::new(model, Limits::new(motor))?;
+    let even = doser.turn(plan.start(), plan.steps(), cruise_rad_s)?.predict(model)?;
+    let swing_kpa = |range: Extremes| range.max_kpa - range.min_kpa;
+    let said = |range: Extremes| format!("{:.2} to {:.2} kPa", range.min_kpa, range.max_kpa);
+    let is_wider = swing_kpa(prediction.inlet) > WIDER * swing_kpa(even.inlet);
+    Ok(is_wider.then(|| {
+        format!(
+            "the smooth flow widens the swing of the inlet pressure: inlet {}, {} at constant speed; outlet {}, \
+             {} at constant speed (absolute)",
+            said(prediction.inlet),
+            said(even.inlet),
+            said(prediction.outlet),
+            said(even.outlet)
+        )
+    }))
+}
+
 /// Warns of the carry that an end at low flow costs, and offers volumes that carry nothing.
 fn low_flow_carry(model: &Pump, plan: &Plan) -> Result<Option<String>, PlanError> {
     // Within half a step of the volume asked for, the end is where it would be anyway.
-    let half_step_ml = 0.5 * plan.step_rad * model.nominal_ml_rad();
-    if plan.finish == Finish::Any || plan.carry_ml.abs() <= half_step_ml {
+    let half_step_ml = 0.5 * plan.step_rad() * model.nominal_ml_rad();
+    if plan.finish() == Finish::Any || plan.carry_ml().abs() <= half_step_ml {
         return Ok(None);
     }
     let volumes = plan.low_flow_volumes_ml(model)?.into_iter().flatten();
     let nearest: Vec<String> =
-        volumes.map(|volume_ml| format!("{:.4} mL", volume_ml - plan.carry_in_ml)).collect();
+        volumes.map(|volume_ml| format!("{:.4} mL", volume_ml - plan.carry_in_ml())).collect();
     Ok(Some(format!(
         "to end at low flow the dose gives {:.4} mL for {} mL asked and carries {:+.4} mL to the next; \
          nearest volumes that end there and carry nothing: {}",
-        plan.planned_ml,
-        plan.requested_ml,
-        plan.carry_ml,
+        plan.planned_ml(),
+        plan.requested_ml(),
+        plan.carry_ml(),
         nearest.join(" and ")
     )))
 }
 
 /// Warns of a motor step that is coarse for the dose.
 fn coarse_step(plan: &Plan) -> Option<String> {
-    (plan.carry_ml.abs() > COARSE * plan.requested_ml.abs()).then(|| {
+    (plan.carry_ml().abs() > COARSE * plan.requested_ml().abs()).then(|| {
         format!(
             "a motor step is coarse for this dose: it gives {:.2} µL, and the other {:.2} µL are carried to \
              the next",
-            1e3 * plan.planned_ml,
-            1e3 * plan.carry_ml
+            1e3 * plan.planned_ml(),
+            1e3 * plan.carry_ml()
         )
     })
 }

@@ -4,33 +4,41 @@ use std::error::Error as StdError;
 use std::fmt::{self, Debug, Display, Formatter};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use pump_ctl::plan::Plan;
 use pump_model::integrator::IntegrationError;
 use thiserror::Error;
 
+use super::abilities::Abilities;
 use crate::displacement::Correction;
 
-/// Gate that a drive asks before it makes steps. `made` are made, and the next up to `about_to` are about to
-/// be made. To break is to stop.
-pub type Gate<'a> = dyn FnMut(u64, u64) -> ControlFlow<()> + 'a;
+/// Time between two questions of a wait at rest.
+const POLL: Duration = Duration::from_millis(20);
 
-/// Abilities of a driver. Anything else is refused before the motor moves, never approximated in silence.
+/// Leave of a gate for the steps that a drive is about to make. A drive treats each answer, so there will be no
+/// further one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Abilities {
-    /// True if the driver makes each step at the plan's time. Otherwise the device has ramps of its own and
-    /// keeps to the cruise speed.
-    pub step_times: bool,
-    /// True if the speed may follow the rollers' angle.
-    pub angle_dependent_speed: bool,
-    /// True if the driver finds an index mark by a sensor.
-    pub index: bool,
-    /// True if the driver reads the device's own step count.
-    pub readback: bool,
+pub enum Leave {
+    /// The steps may be made.
+    Go,
+    /// The steps are not on record yet. The drive makes only those that it had leave for, and asks again.
+    Wait,
+    /// The motion ends: the motor decelerates and holds.
+    Stop,
 }
+
+/// Gate that a drive asks before it makes steps. `made` are made, and the next up to `about_to` are about to
+/// be made. The gate answers within milliseconds.
+pub type Gate<'a> = dyn FnMut(u64, u64) -> Leave + 'a;
+
+/// Question that a drive asks now and then while nothing moves. To break is to end the wait.
+pub type Watch<'a> = dyn FnMut() -> ControlFlow<()> + 'a;
 
 /// Limits of the pump head's motion by the device's own settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct DriveLimits {
     /// Slowest cruise, in rad/s. Zero without such a limit.
     pub min_speed_rad_s: f64,
@@ -38,6 +46,19 @@ pub struct DriveLimits {
     pub max_speed_rad_s: f64,
     /// Acceleration of the device's ramps, in rad/s². It holds whatever the plan says.
     pub acceleration_rad_s2: f64,
+}
+
+impl DriveLimits {
+    /// Makes the limits of a device without a slowest cruise.
+    pub const fn new(max_speed_rad_s: f64, acceleration_rad_s2: f64) -> Self {
+        Self { min_speed_rad_s: 0.0, max_speed_rad_s, acceleration_rad_s2 }
+    }
+
+    /// Returns the limits with this slowest cruise, in rad/s.
+    #[must_use]
+    pub const fn with_min_speed(self, min_speed_rad_s: f64) -> Self {
+        Self { min_speed_rad_s, ..self }
+    }
 }
 
 /// Event that the rotor's angle may not have survived.
@@ -66,7 +87,7 @@ impl Display for Disturbance {
 
 /// Result of a search for the index mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sought {
+pub struct IndexSearch {
     /// Steps made in all.
     pub made: u64,
     /// Steps made after the mark. `None` if the mark was not found.
@@ -74,19 +95,90 @@ pub struct Sought {
 }
 
 /// Drive of one motor.
-pub trait Drive: Debug {
-    /// Returns the abilities of the driver.
-    fn abilities(&self) -> Abilities;
+///
+/// Only [`Self::id`] and [`Self::run`] must be written. The other methods suit a motor in real time that holds its
+/// angle, has no limits, no count and no sensor, and cannot be let go. `&mut T` is a drive too.
+///
+/// A drive that a pump file names is opened by [`crate::Bench::session`]. Any other is given to
+/// [`crate::Session::with_drive`]. The record, the pauses, the limits and the rest of an unfinished dose are the same
+/// for both.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use pump_bench::drives::{Drive, DriveFault, Gate, Leave};
+/// use pump_bench::{Bench, DoseRequest, Session, built_in};
+/// use pump_ctl::plan::Plan;
+///
+/// /// Belt that turns the pump head.
+/// #[derive(Debug)]
+/// struct Belt;
+///
+/// impl Drive for Belt {
+///     fn id(&self) -> &str {
+///         "belt"
+///     }
+///
+///     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+///         let mut made = 0;
+///         for step in plan.each_step() {
+///             loop {
+///                 match gate(made, step.number) {
+///                     Leave::Go => break,
+///                     Leave::Wait => {}
+///                     Leave::Stop => return Ok(made),
+///                 }
+///             }
+///             made = step.number; // here the belt makes the step
+///         }
+///         Ok(made)
+///     }
+/// }
+///
+/// let state = tempfile::tempdir()?;
+/// let bench = Bench::new(built_in("three-roller").unwrap(), None, state.path())?.driven_by(&Belt)?;
+/// let mut session = Session::with_drive(&bench, Box::new(Belt))?;
+/// let prepared = session.prepare(DoseRequest::dose(0.1))?;
+/// assert!(session.run(&prepared, |_steps| ControlFlow::Continue(()))?.completed);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub trait Drive: Debug + Send {
+    /// Returns the name of the drive, 1 to 64 of a-z, 0-9, `-` and `_`. The record of a pump under this drive is in
+    /// the folder of this name, so the name must not change.
+    fn id(&self) -> &str;
+
+    /// Returns true if no motor moves. A simulation may wait for the disk at no cost. Its rotor stands at 0 deg as
+    /// long as nothing is on record.
+    fn is_simulated(&self) -> bool {
+        false
+    }
+
+    /// Returns the abilities of the drive. They never change.
+    fn abilities(&self) -> Abilities {
+        Abilities::new()
+    }
 
     /// Returns the limits of the device. `None` if it takes whatever the pump file allows.
-    fn limits(&self) -> Option<DriveLimits>;
+    fn limits(&self) -> Option<DriveLimits> {
+        None
+    }
 
     /// Returns the device's own count of steps, positive toward the outlet, from any zero. `None` without a
-    /// count.
-    fn count(&self) -> Option<i64>;
+    /// count. A count of zero is that of a device that was just switched on.
+    fn count(&self) -> Option<i64> {
+        None
+    }
 
     /// Returns the last disturbance of the rotor since this was last asked, or since the drive was opened.
-    fn disturbed(&mut self) -> Option<Disturbance>;
+    fn disturbed(&mut self) -> Option<Disturbance> {
+        None
+    }
+
+    /// Returns true if the motor holds wherever it rests, in the pauses of a motion too. Otherwise each rest after a
+    /// motion counts as a disturbance, and [`Self::disturbed`] need not tell it.
+    fn holds_at_rest(&self) -> bool {
+        true
+    }
 
     /// Checks that the device can run a plan, and that the rotor is where it was left. Nothing has moved or
     /// been announced yet.
@@ -94,13 +186,15 @@ pub trait Drive: Debug {
     /// # Errors
     ///
     /// [`DriveError`] if the device cannot run the plan, or has moved or been reset since.
-    fn check(&mut self, plan: &Plan) -> Result<(), DriveError>;
+    fn check(&mut self, _plan: &Plan) -> Result<(), DriveError> {
+        Ok(())
+    }
 
     /// Sets the correction of the displacement from now on. Only a simulation needs it.
     fn displaces(&mut self, _correction: Correction) {}
 
-    /// Makes the steps of `plan` and asks `gate` before them. When the gate breaks, the motor decelerates and
-    /// holds.
+    /// Makes the steps of `plan` and asks `gate` before them. When the gate says [`Leave::Stop`], the motor
+    /// decelerates and holds.
     ///
     /// Returns the number of steps made, those of the deceleration included.
     ///
@@ -109,46 +203,87 @@ pub trait Drive: Debug {
     /// [`DriveFault`] if the drive failed with the motor under way.
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault>;
 
-    /// Makes steps of `plan` until the index mark is found or `gate` breaks, then stops and holds.
+    /// Makes steps of `plan` until the index mark is found or `gate` says [`Leave::Stop`], then stops and holds.
     ///
     /// # Errors
     ///
     /// [`DriveFault`] if the drive has no index sensor, or failed with the motor under way.
-    fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<Sought, DriveFault>;
+    fn seek(&mut self, _plan: &Plan, _gate: &mut Gate<'_>) -> Result<IndexSearch, DriveFault> {
+        Err(DriveFault::at(0, DriveError::no_index(self.id())))
+    }
 
-    /// Waits for at least `settle_s`, until nothing noticeable can still arrive in the vessel.
+    /// Waits for at least `settle_s`, until nothing noticeable can still arrive in the vessel. The wait ends
+    /// early when `watch` breaks.
     ///
-    /// Returns the volume that the vessel received since the last plan was begun, in mL, or `None` if nobody
-    /// can read it.
+    /// Returns the volume that the vessel received since the last plan was begun, in mL. Returns `None` if
+    /// nobody can read it, or if the wait ended early.
     ///
     /// # Errors
     ///
     /// [`DriveError`] if the drive failed meanwhile.
-    fn settle(&mut self, settle_s: f64) -> Result<Option<f64>, DriveError>;
+    fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {
+        let wait = Duration::try_from_secs_f64(settle_s).unwrap_or_default();
+        let began = Instant::now();
+        while began.elapsed() < wait && watch().is_continue() {
+            sleep(POLL.min(wait.saturating_sub(began.elapsed())));
+        }
+        Ok(None)
+    }
+
+    /// Returns the time of the last motion by the drive's own clock, in s. `None` for a drive whose motions take as
+    /// long as the computer's clock says.
+    fn simulated_s(&self) -> Option<f64> {
+        None
+    }
 
     /// Returns the notes for the user to read before the device moves. Each note is returned once.
-    fn notes(&mut self) -> Vec<String>;
+    fn notes(&mut self) -> Vec<String> {
+        Vec::new()
+    }
 
-    /// Releases the rotor.
+    /// Releases the rotor. It is called only if [`Abilities::release`] says that the drive can.
     ///
     /// # Errors
     ///
-    /// [`DriveError`] if the device cannot be reached or refuses.
-    fn release(&mut self) -> Result<(), DriveError>;
+    /// [`DriveError`] if the device cannot be reached, refuses, or cannot let go of its motor.
+    fn release(&mut self) -> Result<(), DriveError> {
+        Err(DriveError::no_release(self.id()))
+    }
 }
 
 /// Fault of a drive with the motor under way. The motor holds, as far as it can be reached.
 #[derive(Debug, Error)]
 #[error("{error}")]
+#[non_exhaustive]
 pub struct DriveFault {
-    /// Fewest steps of the plan that were made.
-    pub made_least: u64,
-    /// Most steps of the plan that were made.
-    pub made_most: u64,
+    /// Fewest net steps that were made in the plan's direction. Negative if the motor may stand behind its
+    /// start.
+    pub made_least: i64,
+    /// Most net steps that were made in the plan's direction. The plan may have fewer.
+    pub made_most: i64,
     /// True if the device's own count disagrees, so that nobody knows where the rotor stands.
     pub lost: bool,
     /// Error of the drive.
+    #[source]
     pub error: DriveError,
+}
+
+impl DriveFault {
+    /// Makes the fault of a motor that has made just `made` net steps in the plan's direction.
+    pub fn at(made: i64, error: DriveError) -> Self {
+        Self::between(made, made, error)
+    }
+
+    /// Makes the fault of a motor that has made `least` to `most` net steps in the plan's direction.
+    pub fn between(least: i64, most: i64, error: DriveError) -> Self {
+        Self { made_least: least.min(most), made_most: most.max(least), lost: false, error }
+    }
+
+    /// Returns the fault of a motor whose place nobody knows.
+    #[must_use]
+    pub fn lost(self) -> Self {
+        Self { lost: true, ..self }
+    }
 }
 
 /// Error of a drive that failed or cannot be used.
@@ -163,20 +298,93 @@ pub enum DriveError {
         /// Holder of the device, as far as the system tells.
         holder: String,
     },
-    /// The driver lacks an ability.
+    /// The drive lacks an ability.
     #[error("the {driver} driver has no {ability}; {instead}")]
     Unable {
-        /// Name of the driver.
-        driver: &'static str,
-        /// Ability that the driver lacks.
+        /// Name of the drive.
+        driver: String,
+        /// Ability that the drive lacks.
         ability: &'static str,
         /// Advice to the user.
         instead: &'static str,
     },
-    /// The device failed with an error of its own protocol.
-    #[error(transparent)]
-    Device(Box<dyn StdError + Send + Sync>),
+    /// The user asked to stop while the device was at rest.
+    #[error("stopped by the user before anything moved")]
+    Interrupted,
+    /// The device failed with an error of its own, which is the source of this one.
+    #[error("{0}")]
+    Device(#[source] Box<dyn StdError + Send + Sync>),
+    /// The drive has a name that no folder can have, or that of a drive that a pump file names.
+    #[error("the drive is named `{id}`, and a name is {allowed}; name the drive so")]
+    Name {
+        /// Name of the drive.
+        id: String,
+        /// Names that are allowed.
+        allowed: &'static str,
+    },
+    /// The bench keeps the record of another drive.
+    #[error(
+        "the bench keeps the record of the drive `{bench}`, and the drive given is `{given}`; make the bench \
+         of this drive with `Bench::driven_by`"
+    )]
+    Other {
+        /// Name of the drive whose record the bench keeps.
+        bench: String,
+        /// Name of the drive that was given.
+        given: String,
+    },
+    /// No pump file names the drive, so a session cannot open it.
+    #[error("no pump file names the drive `{id}`; give it to the session with `Session::with_drive`")]
+    NotGiven {
+        /// Name of the drive.
+        id: String,
+    },
+    /// The program is built without the drive.
+    #[error(
+        "this program is built without the {driver} driver; build pump-bench with its feature `{driver}`"
+    )]
+    NotBuilt {
+        /// Name of the drive.
+        driver: &'static str,
+    },
     /// The arithmetic of the simulation failed.
     #[error("the simulated drive failed: {0}")]
     Sim(#[from] IntegrationError),
+}
+
+impl DriveError {
+    /// Makes the error of a device from the device's own error, which becomes its source.
+    ///
+    /// ```
+    /// use std::error::Error;
+    /// use std::io;
+    ///
+    /// use pump_bench::drives::DriveError;
+    ///
+    /// let error = DriveError::device(io::Error::from(io::ErrorKind::BrokenPipe));
+    /// let source = error.source().and_then(|source| source.downcast_ref::<io::Error>());
+    /// assert_eq!(source.map(io::Error::kind), Some(io::ErrorKind::BrokenPipe));
+    /// ```
+    pub fn device(error: impl Into<Box<dyn StdError + Send + Sync>>) -> Self {
+        Self::Device(error.into())
+    }
+
+    /// Returns the refusal of a drive that cannot let go of its motor.
+    pub(crate) fn no_release(driver: &str) -> Self {
+        Self::Unable {
+            driver: driver.to_owned(),
+            ability: "way to let go of the motor",
+            instead: "switch its power off",
+        }
+    }
+
+    /// Returns the refusal of a drive without an index sensor.
+    pub(crate) fn no_index(driver: &str) -> Self {
+        Self::Unable {
+            driver: driver.to_owned(),
+            ability: "index sensor",
+            instead: "say where the rollers stand with `dose home --set <ANGLE>`, or turn them to a mark with \
+                      `dose home --mark`",
+        }
+    }
 }

@@ -1,14 +1,17 @@
 //! The simulated drive: a virtual stepper, pump, outlet line and vessel that follow every step.
 
-use nalgebra::SVector;
+use std::time::{Duration, Instant};
+
 use pump_ctl::plan::{Plan, Step};
-use pump_model::circuit::{Circuit, Linear, NoFlow, options};
+use pump_model::circuit::{Circuit, Linear, Lumped, NoFlow, options};
 use pump_model::integrator::{IntegrationError, Rodas5p};
 use pump_model::{Line, Port, Pump};
 
 use crate::displacement::Correction;
+use crate::pump_file::DriverName;
 
-use super::drive::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
+use super::abilities::Abilities;
+use super::drive::{Drive, DriveError, DriveFault, Gate, Leave, Watch};
 
 /// Error allowed in a step, relative to 1 kPa plus |P - P_res|. The volume does not depend on it. At any
 /// tolerance, the volume that leaves the line is the volume that the rollers pushed less the volume that the
@@ -17,6 +20,9 @@ const TOLERANCE: f64 = 1e-6;
 
 /// Volume that may still arrive when the vessel is read, in mL.
 const AT_REST_ML: f64 = 1e-6;
+
+/// Longest real time for which a wait for the vessel goes on after a stop.
+const LONGEST_ANSWER: Duration = Duration::from_millis(200);
 
 /// Longest wait for the vessel, in s.
 const LONGEST_WAIT_S: f64 = 36_000.0;
@@ -29,23 +35,37 @@ const LONGEST_WAIT_S: f64 = 36_000.0;
 #[derive(Debug)]
 pub struct Sim<'a> {
     pump: &'a Pump,
+    /// Model of the outlet line.
+    model: Lumped,
     solver: Rodas5p<3>,
     /// Correction of the displacement. The simulated pump displaces as its calibration says.
     correction: Correction,
     /// Volume in the vessel when the last plan was begun, in mL.
     begun_ml: f64,
+    /// Time from the start of the last plan to its last step, in s.
+    moved_s: f64,
 }
 
 impl<'a> Sim<'a> {
     /// Starts with a line at rest and an empty vessel.
-    pub fn new(pump: &'a Pump) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// [`IntegrationError`] if the line is so small that no error can be allowed in a step.
+    pub fn new(pump: &'a Pump) -> Result<Self, IntegrationError> {
         Self::with_tolerance(pump, TOLERANCE)
     }
 
     /// Starts with a line at rest and an empty vessel, and allows `tolerance` as the error in a step.
-    pub fn with_tolerance(pump: &'a Pump, tolerance: f64) -> Self {
-        let solver = Rodas5p::new(0.0, SVector::zeros(), options(pump.outlet(), tolerance, 1.0));
-        Self { pump, solver, correction: Correction::NONE, begun_ml: 0.0 }
+    ///
+    /// # Errors
+    ///
+    /// [`IntegrationError`] if the tolerance is not positive.
+    pub fn with_tolerance(pump: &'a Pump, tolerance: f64) -> Result<Self, IntegrationError> {
+        let line = pump.outlet();
+        let model = Lumped::new(line, Linear::of(line), Port::Outlet);
+        let solver = Rodas5p::new(0.0, [0.0; 3], options(&model, tolerance, 1.0))?;
+        Ok(Self { pump, model, solver, correction: Correction::NONE, begun_ml: 0.0, moved_s: 0.0 })
     }
 
     /// Makes every step of `plan`.
@@ -55,7 +75,7 @@ impl<'a> Sim<'a> {
     /// [`IntegrationError`] if the line cannot be integrated.
     pub fn make(&mut self, plan: &Plan) -> Result<(), IntegrationError> {
         let started_s = self.solver.time_s();
-        for step in plan.steps() {
+        for step in plan.each_step() {
             self.step(plan, &step, started_s)?;
         }
         Ok(())
@@ -78,22 +98,35 @@ impl<'a> Sim<'a> {
         self.wait_until(self.solver.time_s() + time_s)
     }
 
-    /// Waits until nothing noticeable can still arrive: until the energy of the line is that of 1e-6 mL in
-    /// its compliance.
-    fn wait_for_rest(&mut self) -> Result<(), IntegrationError> {
-        let line = self.pump.outlet();
+    /// Waits for at least `least_s`, until nothing noticeable can still arrive: until the energy of the line
+    /// is that of 1e-6 mL in its compliance. Returns false if `stopped` ended the wait.
+    fn wait_for_rest(
+        &mut self,
+        least_s: f64,
+        stopped: &mut dyn FnMut() -> bool,
+    ) -> Result<bool, IntegrationError> {
         let circuit = self.at_rest();
-        let end_s = self.solver.time_s() + LONGEST_WAIT_S;
+        let least_s = self.solver.time_s() + least_s;
+        let end_s = least_s + LONGEST_WAIT_S;
         while self.solver.time_s() < end_s {
-            let state = self.solver.state();
-            let stored_ml = line.compliance_ml_kpa * state[0];
-            let moving_ml = state[1] / line.natural_rad_s();
-            if stored_ml * stored_ml + moving_ml * moving_ml < AT_REST_ML * AT_REST_ML {
+            let waits = self.solver.time_s() < least_s;
+            if !waits && self.holds_ml() < AT_REST_ML {
                 break;
             }
-            self.solver.step(&circuit, end_s)?;
+            self.solver.step(&circuit, if waits { least_s } else { end_s })?;
+            if stopped() {
+                return Ok(false);
+            }
         }
-        Ok(())
+        Ok(true)
+    }
+
+    /// Returns the volume in the line's compliance that has the energy of the line, in mL.
+    fn holds_ml(&self) -> f64 {
+        let (line, state) = (self.pump.outlet(), self.solver.state());
+        let stored_ml = line.compliance_ml_kpa * state[0];
+        let moving_ml = state[1] / line.natural_rad_s();
+        (stored_ml * stored_ml + moving_ml * moving_ml).sqrt()
     }
 
     /// Returns the volume that the vessel has received, in mL.
@@ -107,7 +140,7 @@ impl<'a> Sim<'a> {
     }
 
     fn at_rest(&self) -> Circuit<NoFlow> {
-        Circuit::new(self.pump.outlet(), Linear::of(self.pump.outlet()), Port::Outlet, NoFlow)
+        Circuit::new(self.model, Port::Outlet, NoFlow)
     }
 
     fn push(&mut self, line: &Line, volume_ml: f64) {
@@ -128,9 +161,17 @@ impl<'a> Sim<'a> {
 
 /// Abilities of the simulated drive.
 pub(super) const ABILITIES: Abilities =
-    Abilities { step_times: true, angle_dependent_speed: true, index: false, readback: false };
+    Abilities { step_times: true, angle_dependent_speed: true, index: false, readback: false, release: true };
 
 impl Drive for Sim<'_> {
+    fn id(&self) -> &str {
+        DriverName::Sim.as_str()
+    }
+
+    fn is_simulated(&self) -> bool {
+        true
+    }
+
     fn displaces(&mut self, correction: Correction) {
         self.correction = correction;
     }
@@ -139,62 +180,50 @@ impl Drive for Sim<'_> {
         ABILITIES
     }
 
-    fn limits(&self) -> Option<DriveLimits> {
-        None
-    }
-
-    fn count(&self) -> Option<i64> {
-        None
-    }
-
-    fn disturbed(&mut self) -> Option<Disturbance> {
-        None
-    }
-
-    fn seek(&mut self, _plan: &Plan, _gate: &mut Gate<'_>) -> Result<Sought, DriveFault> {
-        let error = DriveError::Unable {
-            driver: "sim",
-            ability: "index sensor",
-            instead: "say where the rollers stand with `dose home --set <ANGLE>`",
-        };
-        Err(DriveFault { made_least: 0, made_most: 0, lost: false, error })
-    }
-
-    fn check(&mut self, _plan: &Plan) -> Result<(), DriveError> {
-        Ok(())
-    }
-
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
         let started_s = self.solver.time_s();
         self.begun_ml = self.received_ml();
+        self.moved_s = 0.0;
         let mut made = 0;
-        let failed = |made_least, error: IntegrationError| DriveFault {
-            made_least,
-            made_most: made_least + 1,
+        let failed = |made: u64, error: IntegrationError| DriveFault {
+            made_least: made as i64,
+            made_most: made as i64 + 1,
             lost: false,
             error: error.into(),
         };
-        for step in plan.steps() {
-            if gate(made, step.number).is_break() {
+        for step in plan.each_step() {
+            // No time passes while the gate waits.
+            let leave = loop {
+                match gate(made, step.number) {
+                    Leave::Wait => {}
+                    leave => break leave,
+                }
+            };
+            if leave == Leave::Stop {
                 let Some(stop) = plan.stop(self.pump, made) else { break };
-                let most = made + stop.steps.unsigned_abs();
-                self.make(&stop).map_err(|error| DriveFault { made_most: most, ..failed(made, error) })?;
-                return Ok(made + stop.steps.unsigned_abs());
+                let most = made + stop.steps().unsigned_abs();
+                self.make(&stop)
+                    .map_err(|error| DriveFault { made_most: most as i64, ..failed(made, error) })?;
+                self.moved_s = self.solver.time_s() - started_s;
+                return Ok(made + stop.steps().unsigned_abs());
             }
             self.step(plan, &step, started_s).map_err(|error| failed(made, error))?;
-            made = step.number;
+            (made, self.moved_s) = (step.number, step.time_s);
         }
         Ok(made)
     }
 
-    fn settle(&mut self, settle_s: f64) -> Result<Option<f64>, DriveError> {
-        self.wait(settle_s)?;
-        self.wait_for_rest()?;
-        Ok(Some(self.received_ml() - self.begun_ml))
+    fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {
+        let mut unwanted: Option<Instant> = None;
+        // The line is at rest within milliseconds of real time, so a stop only ends a wait that takes longer.
+        let rests = self.wait_for_rest(settle_s, &mut || {
+            watch().is_break() && unwanted.get_or_insert_with(Instant::now).elapsed() > LONGEST_ANSWER
+        })?;
+        Ok(rests.then(|| self.received_ml() - self.begun_ml))
     }
 
-    fn notes(&mut self) -> Vec<String> {
-        Vec::new()
+    fn simulated_s(&self) -> Option<f64> {
+        Some(self.moved_s)
     }
 
     fn release(&mut self) -> Result<(), DriveError> {

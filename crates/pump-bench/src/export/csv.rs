@@ -7,9 +7,9 @@ use pump_ctl::plan::Plan;
 use crate::simulation::Sample;
 
 /// Header of the table that [`write_steps`] writes.
-pub const STEPS_HEADER: &str = "step,time_s,direction,angle_rad";
+const STEPS_HEADER: &str = "step,time_s,direction,angle_rad";
 /// Header of the table that [`write_samples`] writes.
-pub const TRACE_HEADER: &str =
+pub(crate) const TRACE_HEADER: &str =
     "time_s,angle_rad,speed_rad_s,q_in_ml_s,q_out_ml_s,p_in_kpa,p_out_kpa,delivered_ml";
 
 /// Writes every step of `plan`, with numbers in full precision.
@@ -18,8 +18,8 @@ pub const TRACE_HEADER: &str =
 /// Returns the [`io::Error`] of the writer.
 pub fn write_steps(to: &mut dyn Write, plan: &Plan) -> io::Result<()> {
     writeln!(to, "{STEPS_HEADER}")?;
-    for step in plan.steps() {
-        writeln!(to, "{},{},{},{}", step.number, step.time_s, step.direction, step.angle_rad)?;
+    for step in plan.each_step() {
+        writeln!(to, "{},{},{},{}", step.number, step.time_s, step.direction.sign(), step.angle_rad)?;
     }
     Ok(())
 }

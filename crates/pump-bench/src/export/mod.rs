@@ -1,11 +1,18 @@
 //! Files that a bench writes: CSV, pictures and Rust source.
 
-mod chart;
-pub mod csv;
-pub mod fit_plot;
-pub mod plot;
+mod csv;
+mod fitted;
+#[cfg(feature = "plot")]
+mod pictures;
+mod plot_error;
 mod rust_source;
 
-pub use chart::{BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, PlotError, Style, VERMILION};
-pub use fit_plot::{Axes, Fitted};
+pub(crate) use csv::TRACE_HEADER;
+pub use csv::{write_samples, write_steps};
+pub use fitted::{Axes, Fitted};
+#[cfg(feature = "plot")]
+pub use pictures::{
+    BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, Style, VERMILION, fit_svg, waveform_svg,
+};
+pub use plot_error::PlotError;
 pub use rust_source::rust_source;

@@ -1,10 +1,13 @@
-//! The Rust source of a pump, for firmware. Its constants need no set-up and no memory but flash.
+//! The Rust source of a pump, for firmware. Its statics need no set-up and no memory but flash.
 
 use std::fmt::Write;
 
+use pump_ctl::generated::torque_points;
 use pump_ctl::plan::{Lowest, Torque};
-use pump_model::{FlowCurve, Geometry, Line, ModelError, Pump};
+use pump_model::generated::{flow_pieces, volume_pieces};
+use pump_model::{FlowCurve, Geometry, Line, Pump};
 
+use crate::displacement::DisplacementError;
 use crate::pump_file::PumpFile;
 
 /// Largest width of a line of curve data in the source, columns.
@@ -14,80 +17,103 @@ const WIDTH: usize = 110;
 ///
 /// # Errors
 ///
-/// Fails with the [`ModelError`] of a pump file that has no model.
-pub fn rust_source(file: &PumpFile) -> Result<String, ModelError> {
-    let pump = file.model()?;
+/// [`DisplacementError::NotConstant`] if the pump's volumes depend on the speed, and
+/// [`DisplacementError::Model`] if the pump file has no model.
+pub fn rust_source(file: &PumpFile) -> Result<String, DisplacementError> {
+    let pump = file.speed_dependent_pump()?.into_constant()?;
     let limits = file.limits();
     let motor = limits.motor;
-    let mut source = format!(
-        "// {} ({}), for the crates pump-model and pump-ctl {}.\n\
-         // `dose pumps show` wrote this file. Change the pump file, not this source.\n\
-         // Units: mm, rad, mL, kPa, s.\n\n",
-        file.pump.name,
-        file.pump.id,
-        env!("CARGO_PKG_VERSION"),
-    );
+    let mut source = header(file);
     let out = &mut source;
-    let torque = if limits.torque.is_some() { ", Torque, TorqueCurve" } else { "" };
+    let torque = if limits.torque.is_some() { ", Torque" } else { "" };
+    if limits.torque.is_some() {
+        out.push_str("use pump_ctl::generated::torque_curve;\n");
+    }
     let (lowest, set_by) = if limits.lowest.is_some() { (", Lowest", ", SetBy") } else { ("", "") };
     let _ = writeln!(out, "use pump_ctl::plan::{{Limits{lowest}, Motor, PressureLimits{set_by}{torque}}};");
-    out.push_str("use pump_model::{FlowCurve, Geometry, Line, Pump, RollerVolume};\n\n");
+    out.push_str("use pump_model::generated::{flow_curve, pump, roller_volume};\n");
+    out.push_str("use pump_model::{Geometry, Line, Pump};\n\n");
 
     write_pump(out, &pump);
-    let option = |limit: Option<f64>| limit.map_or("None".to_owned(), |kpa| format!("Some({kpa:?})"));
     let _ = write!(
         out,
         "/// Limits of every dose: motor, pressures and torque.\n\
-         pub const LIMITS: Limits = Limits {{\n    \
-             motor: Motor {{\n        \
-                 steps_per_rev: {:?},\n        \
-                 max_speed_rad_s: {:?},\n        \
-                 max_acceleration_rad_s2: {:?},\n    \
-             }},\n    \
-             pressures: PressureLimits {{ max_outlet_kpa: {}, min_inlet_kpa: {} }},\n    \
-             lowest: {},\n    \
-             torque: {},\n\
-         }};\n",
+         pub static LIMITS: Limits = Limits::new(Motor::new({:?}, {:?}, {:?}))\n    \
+             .with_pressures(PressureLimits {{ max_outlet_kpa: {:?}, min_inlet_kpa: {:?} }})",
         motor.steps_per_rev,
         motor.max_speed_rad_s,
         motor.max_acceleration_rad_s2,
-        option(limits.pressures.max_outlet_kpa),
-        option(limits.pressures.min_inlet_kpa),
-        limits.lowest.map_or("None".to_owned(), |Lowest { kpa, set_by }| {
-            format!("Some(Lowest {{ kpa: {kpa:?}, set_by: SetBy::{set_by:?} }})")
-        }),
-        limits.torque.as_ref().map_or("None".to_owned(), torque_source),
+        limits.pressures.max_outlet_kpa,
+        limits.pressures.min_inlet_kpa,
     );
+    if let Some(Lowest { kpa, set_by }) = limits.lowest {
+        let _ = write!(out, "\n    .with_lowest(Lowest {{ kpa: {kpa:?}, set_by: SetBy::{set_by:?} }})");
+    }
+    if let Some(torque) = &limits.torque {
+        out.push_str(&torque_source(torque));
+    }
+    out.push_str(";\n");
     Ok(source)
 }
 
-fn torque_source(torque: &Torque) -> String {
+/// Returns the comment of the source, and the check that it is compiled with the crates that it is for.
+fn header(file: &PumpFile) -> String {
     format!(
-        "Some(Torque {{\n        \
-             occlusion_n_m: {:?},\n        \
-             inertia_kg_m2: {:?},\n        \
-             ambient_kpa: {:?},\n        \
-             motor: TorqueCurve::precomputed({:?}),\n    \
-         }})",
-        torque.occlusion_n_m,
-        torque.inertia_kg_m2,
-        torque.ambient_kpa,
-        torque.motor.precomputed_points(),
+        "// {} ({}), for the crates pump-model and pump-ctl {}.\n\
+         // `dose pumps show` wrote this file. Change the pump file, not this source.\n\
+         // Units: mm, rad, mL, kPa, s.\n\n\
+         const _: () = assert!(\n    \
+             pump_model::generated::FORMAT == {} && pump_ctl::generated::FORMAT == {},\n    \
+             \"other versions of pump-model and pump-ctl wrote this source: print it anew with \\\n     \
+             `dose pumps show NAME --format rust`\"\n\
+         );\n\n",
+        one_line(&file.pump.name),
+        file.pump.id,
+        env!("CARGO_PKG_VERSION"),
+        pump_model::generated::FORMAT,
+        pump_ctl::generated::FORMAT,
     )
 }
 
+/// Returns the call that adds the torque to the limits.
+fn torque_source(torque: &Torque) -> String {
+    format!(
+        "\n    .with_torque(\n        \
+             Torque::new(\n            \
+                 {:?},\n            \
+                 torque_curve({:?}).expect(\"the torque curve is whole\"),\n        \
+             )\n        \
+             .with_occlusion_n_m({:?})\n        \
+             .with_inertia_kg_m2({:?}),\n    \
+         )",
+        torque.ambient_kpa,
+        torque_points(&torque.motor),
+        torque.occlusion_n_m,
+        torque.inertia_kg_m2,
+    )
+}
+
+/// Shows the control characters of a text, so that a comment does not end before its line.
+fn one_line(text: &str) -> String {
+    let mut line = String::new();
+    for c in text.chars() {
+        if c.is_control() { line.extend(c.escape_default()) } else { line.push(c) }
+    }
+    line
+}
+
 fn write_pump(out: &mut String, pump: &Pump) {
-    out.push_str("/// Model of the pump.\n#[rustfmt::skip]\npub const PUMP: Pump = Pump::precomputed(\n");
+    out.push_str("/// Model of the pump.\n#[rustfmt::skip]\npub static PUMP: Pump = pump(\n");
     write_geometry(out, pump.geometry());
     let volume = pump.roller_volume();
     let _ = writeln!(
         out,
-        "    RollerVolume::precomputed({:?}, {:?}, {:?}, &[",
+        "    roller_volume({:?}, {:?}, {:?}, &[",
         volume.engagement_rad(),
         volume.inset_rad(),
         volume.total_ml()
     );
-    for piece in volume.precomputed_pieces() {
+    for piece in volume_pieces(volume) {
         push_wrapped(out, &format!("        {piece:?},"));
     }
     out.push_str("    ]),\n    [\n");
@@ -96,7 +122,7 @@ fn write_pump(out: &mut String, pump: &Pump) {
     out.push_str("    ],\n    [\n");
     write_curve(out, pump.inlet_curve());
     write_curve(out, pump.outlet_curve());
-    out.push_str("    ],\n);\n\n");
+    out.push_str("    ],\n)\n.expect(\"the curves of the pump are whole\");\n\n");
 }
 
 fn write_geometry(out: &mut String, geometry: &Geometry) {
@@ -151,9 +177,8 @@ fn push_wrapped(out: &mut String, line: &str) {
 }
 
 fn write_curve(out: &mut String, curve: &FlowCurve) {
-    let _ =
-        writeln!(out, "        FlowCurve::precomputed({:?}, {:?}, &[", curve.pitch_rad(), curve.pitch_ml());
-    for piece in curve.precomputed_pieces() {
+    let _ = writeln!(out, "        flow_curve({:?}, {:?}, &[", curve.pitch_rad(), curve.pitch_ml());
+    for piece in flow_pieces(curve) {
         push_wrapped(out, &format!("            {piece:?},"));
     }
     out.push_str("        ]),\n");

@@ -1,14 +1,16 @@
 //! Files that appear whole or not at all.
 
-use std::fs::{self, File};
+use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+
+use super::plain::{FileError, kind_of};
 
 /// A file whose contents are written but not yet in place.
 ///
 /// The contents wait in a synced temporary file beside the target, which [`Staged::put`] renames. So nobody
 /// ever sees half of the file, and the old file stays until then. A staged file that is dropped leaves
-/// nothing. Devices and pipes are written directly.
+/// nothing. `/dev/null` and the pipes and terminals of this process, as `/dev/stderr`, are written directly.
 #[derive(Debug)]
 pub struct Staged {
     temporary: Option<tempfile::NamedTempFile>,
@@ -19,38 +21,49 @@ impl Staged {
     /// Writes the contents that will replace `path`.
     ///
     /// # Errors
-    /// Returns the [`io::Error`] of `write` or of the file system. A folder and a file without write
+    /// Returns the [`io::Error`] of `write` or of the file system. A folder, a device, a pipe and a file without write
     /// permission are refused.
     pub fn new(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<Self> {
+        match fs::metadata(path) {
+            Ok(found) if !found.is_file() => return Self::stream(path, &found, write),
+            Ok(_) if is_stream(path) => return Err(FileError::Occupied.into()),
+            // A file without write permission must not be replaced either.
+            Ok(_) => drop(File::options().write(true).open(path)?),
+            Err(_) => {}
+        }
         // Following a link replaces its target and not the link.
         let target = match fs::canonicalize(path) {
             Ok(target) => target,
             Err(error) if error.kind() == io::ErrorKind::NotFound => path.to_owned(),
             Err(error) => return Err(error),
         };
-        match fs::metadata(&target) {
-            Ok(found) if found.is_dir() => {
-                return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
-            }
-            Ok(found) if !found.is_file() => {
-                let mut device = BufWriter::new(File::options().write(true).open(&target)?);
-                write(&mut device)?;
-                device.flush()?;
-                return Ok(Self { temporary: None, target });
-            }
-            // A file without write permission must not be replaced either.
-            Ok(_) => drop(File::options().write(true).open(&target)?),
-            Err(_) => {}
-        }
         // The error names the temporary file, which users do not know. Its kind says enough.
         let mut temporary =
             temporary_beside(folder_of(&target)).map_err(|error| io::Error::from(error.kind()))?;
-        let mut buffered = BufWriter::new(&mut temporary);
+        // Errors of the file itself do not name it.
+        let mut buffered = BufWriter::new(temporary.as_file_mut());
         write(&mut buffered)?;
         buffered.flush()?;
         drop(buffered);
         temporary.as_file().sync_all()?;
         Ok(Self { temporary: Some(temporary), target })
+    }
+
+    /// Writes to a stream of this process or to `/dev/null`. Anything else that is not plain is refused: a pipe would
+    /// block, and a device may be a disk or a motor.
+    fn stream(
+        path: &Path,
+        found: &Metadata,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<Self> {
+        let kind = found.file_type();
+        if found.is_dir() || !(is_stream(path) || path == Path::new("/dev/null")) {
+            return Err(FileError::NotWritable { found: kind_of(kind) }.into());
+        }
+        let mut stream = BufWriter::new(File::options().write(true).open(path)?);
+        write(&mut stream)?;
+        stream.flush()?;
+        Ok(Self { temporary: None, target: path.to_owned() })
     }
 
     /// Puts the file in place.
@@ -69,11 +82,17 @@ impl Staged {
     ///
     /// # Errors
     /// [`io::ErrorKind::AlreadyExists`] if the target exists. Otherwise the error of the file system.
-    pub fn put_new(self) -> io::Result<()> {
+    pub(crate) fn put_new(self) -> io::Result<()> {
         let Some(temporary) = self.temporary else { return Err(io::ErrorKind::AlreadyExists.into()) };
         temporary.persist_noclobber(&self.target)?;
         sync_folder(folder_of(&self.target))
     }
+}
+
+/// Returns true if a path names an open stream of this process.
+fn is_stream(path: &Path) -> bool {
+    let named = ["/dev/stdout", "/dev/stderr"].map(Path::new);
+    named.contains(&path) || ["/dev/fd", "/proc/self/fd"].map(Path::new).contains(&folder_of(path))
 }
 
 /// Returns the folder of a file, `.` for a bare name.
@@ -96,10 +115,15 @@ fn temporary_beside(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-/// Makes a rename in the folder survive a power loss.
+/// Makes a rename in the folder survive a power loss. A folder that may be passed but not read cannot be
+/// synced: its file system does so in its own time.
 pub(crate) fn sync_folder(folder: &Path) -> io::Result<()> {
     #[cfg(unix)]
-    File::open(folder)?.sync_all()?;
+    match File::open(folder) {
+        Ok(folder) => folder.sync_all()?,
+        Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {}
+        Err(error) => return Err(error),
+    }
     #[cfg(not(unix))]
     let _ = folder;
     Ok(())

@@ -6,6 +6,9 @@ use pump_model::{Line, Port, metrics};
 use super::WEAK_PEARSON;
 use crate::export::Fitted;
 
+/// Part of the measured values within which a fit agrees with them but for rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// A parameter of a line that was found or held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
@@ -39,7 +42,9 @@ pub struct Identified {
     pub headline: String,
     /// Parameters that were found and parameters that were held.
     pub parameters: Vec<Parameter>,
-    /// Measured points and their fit, in kPa.
+    /// Number of rows in the table. The fit uses fewer of a long recording.
+    pub rows: usize,
+    /// Measured points that the fit uses, and their fit, in kPa.
     pub points: Vec<Fitted>,
     /// Number of independent points that the points are worth.
     pub independent: f64,
@@ -64,6 +69,13 @@ impl Identified {
             ));
         }
         self
+    }
+
+    /// Returns true if the points tell how sure the parameters are. Points that lie on their fit but for
+    /// rounding tell nothing, as two points that agree do.
+    pub(crate) fn has_errors(&self) -> bool {
+        let largest = self.points.iter().map(|point| point.measured.abs()).fold(0.0, f64::max);
+        metrics::rmse(self.pairs()).is_some_and(|rmse| rmse > ROUNDING * largest)
     }
 
     /// Returns the pairs of fitted and measured values, in kPa.

@@ -4,6 +4,7 @@ mod identified;
 mod points;
 mod pressure_record;
 mod tables;
+mod thinned;
 
 pub use identified::{Identified, Parameter};
 pub use points::{identified_compliance, identified_resistance};

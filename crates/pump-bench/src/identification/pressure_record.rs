@@ -1,12 +1,13 @@
 //! R, C and L from a pressure waveform, with their warnings.
 
 use pump_model::identification::{
-    Estimate, IdentificationError, LineFit, Motion, PressureSample, Recording, Sought,
+    Estimate, IdentificationError, LineFit, PressureSample, Recording, RotorMotion, Sought,
 };
-use pump_model::math::{degrees, rpm};
-use pump_model::{Leg, Port, Pump};
+use pump_model::units::{degrees, rpm};
+use pump_model::{Leg, Line, Port, Pump};
 
 use super::identified::{Identified, Parameter};
+use super::thinned::Thinned;
 use crate::export::Fitted;
 
 /// The way in which a rotor came to its speed.
@@ -62,7 +63,14 @@ const MOST_ALIKE: f64 = 0.2;
 /// Fraction of the samples' standard deviation below which the RMS of the residuals is small, alike or not.
 const SMALL_RESIDUALS: f64 = 0.05;
 
+/// Returns the time of a swing of a line, in s.
+fn swing_s(line: &Line) -> f64 {
+    std::f64::consts::TAU / line.natural_rad_s()
+}
+
 /// Fits the line of a port to a waveform, starting from the line of `pump`.
+///
+/// A long recording is thinned to the samples that the fit needs. The headline says so, and [`Identified::rows`].
 ///
 /// # Errors
 /// Returns the [`IdentificationError`] of samples or a motion that determine no line.
@@ -76,9 +84,13 @@ pub fn identified_line(
     let Turning { begin, start_s, angle_rad, speed_rad_s } = *turning;
     let legs = turning.legs();
     let motion = match begin {
-        Begin::Steady => Motion::Steady { angle_rad, speed_rad_s },
-        Begin::Ramp { .. } | Begin::Step => Motion::FromRest(&legs),
+        Begin::Steady => RotorMotion::Steady { angle_rad, speed_rad_s },
+        Begin::Ramp { .. } | Begin::Step => RotorMotion::FromRest(&legs),
     };
+    let rows = samples.len();
+    let pitch_s = pump.pitch_rad() / speed_rad_s.abs();
+    let Thinned { samples, words } = Thinned::of(samples, f64::min(swing_s(pump.line(port)), pitch_s));
+    let samples = &*samples;
     let recording = Recording { port, samples, motion };
     let fit = LineFit::of(pump, &recording, sought)?;
     let line = fit.line();
@@ -104,12 +116,12 @@ pub fn identified_line(
         kind: "line",
         port,
         headline: format!(
-            "{} line at {:.4} r/min, {} samples worth {independent:.0} independent ones",
+            "{} line at {:.4} r/min, {words} worth {independent:.0} independent ones",
             port.name(),
             rpm(speed_rad_s),
-            samples.len(),
         ),
         parameters: parameters.collect(),
+        rows,
         independent,
         points,
         warnings: doubts(&fit, samples),
@@ -122,7 +134,7 @@ pub fn identified_line(
 fn doubts(fit: &LineFit, samples: &[PressureSample]) -> Vec<String> {
     let time_s = |sample: Option<&PressureSample>| sample.map_or(0.0, |sample| sample.time_s);
     let interval_s = (time_s(samples.last()) - time_s(samples.first())) / (samples.len() - 1) as f64;
-    let swing_s = std::f64::consts::TAU / fit.line().natural_rad_s();
+    let swing_s = swing_s(&fit.line());
     let mut doubts = Vec::new();
     if swing_s < 4.0 * interval_s {
         doubts.push(format!(

@@ -3,35 +3,39 @@
 use pump_model::Port;
 use pump_model::identification::{FlowPoint, InjectionPoint, PressureSample};
 
-use crate::export::csv::TRACE_HEADER;
+use crate::export::TRACE_HEADER;
 use crate::files::{Row, Table, TableError};
 
-/// Returns the column of the pressure at a port, in kPa absolute.
-fn pressure_column(port: Port) -> &'static str {
+/// Columns of a run's table of `pumpmodel` that a trace names otherwise.
+const OF_PUMPMODEL: [&str; 4] = ["inlet_flow_ml_s", "outlet_flow_ml_s", "inlet_kpa", "outlet_kpa"];
+
+/// Returns the columns of the pressure at a port, in kPa absolute: that of a trace, and that of a table which
+/// `pumpmodel` wrote.
+fn pressure_columns(port: Port) -> [&'static str; 2] {
     match port {
-        Port::Inlet => "p_in_kpa",
-        Port::Outlet => "p_out_kpa",
+        Port::Inlet => ["p_in_kpa", "inlet_kpa"],
+        Port::Outlet => ["p_out_kpa", "outlet_kpa"],
     }
 }
 
 /// Reads steady flows and their pressure drops.
 ///
 /// The column `flow_ml_s` has the flow. The drop over the line stands in `drop_kpa`, or else the absolute
-/// pressure at the pump stands in the port's `p_in_kpa` or `p_out_kpa`. An optional `standard_kpa` has the
-/// standard uncertainty of the pressure.
+/// pressure at the pump stands in the port's `p_in_kpa` or `p_out_kpa`, which may be named `inlet_kpa` and
+/// `outlet_kpa` too. An optional `standard_kpa` has the standard uncertainty of the pressure.
 ///
 /// # Errors
 /// Returns the [`TableError`] of the first line that cannot be used.
 pub fn flow_points_of_csv(text: &str, port: Port, reservoir_kpa: f64) -> Result<Vec<FlowPoint>, TableError> {
-    let at_pump = pressure_column(port);
-    let table = Table::parse(text, &["flow_ml_s", "drop_kpa", at_pump, "standard_kpa"])?;
+    let [at_pump, at_port] = pressure_columns(port);
+    let table = Table::parse(text, &["flow_ml_s", "drop_kpa", at_pump, at_port, "standard_kpa"])?;
     // The drop is along the flow: towards the pump at the inlet, away from it at the outlet.
     let sign = match port {
         Port::Inlet => -1.0,
         Port::Outlet => 1.0,
     };
     let point = |row: Row<'_>| {
-        let (_, kpa, is_drop) = row.one_of([("drop_kpa", true), (at_pump, false)])?;
+        let (_, kpa, is_drop) = row.one_of([("drop_kpa", true), (at_pump, false), (at_port, false)])?;
         let standard_kpa = match row.number("standard_kpa")? {
             Some(_) => row.positive("standard_kpa")?,
             None => 1.0,
@@ -45,15 +49,15 @@ pub fn flow_points_of_csv(text: &str, port: Port, reservoir_kpa: f64) -> Result<
 /// Reads an injection into the closed line of a port.
 ///
 /// The column `volume_ml` has the injected volume. The pressure stands in `pressure_kpa` or in the port's
-/// `p_in_kpa` or `p_out_kpa`.
+/// `p_in_kpa` or `p_out_kpa`, which may be named `inlet_kpa` and `outlet_kpa` too.
 ///
 /// # Errors
 /// Returns the [`TableError`] of the first line that cannot be used.
 pub fn injection_of_csv(text: &str, port: Port) -> Result<Vec<InjectionPoint>, TableError> {
-    let at_pump = pressure_column(port);
-    let table = Table::parse(text, &["volume_ml", "pressure_kpa", at_pump])?;
+    let [at_pump, at_port] = pressure_columns(port);
+    let table = Table::parse(text, &["volume_ml", "pressure_kpa", at_pump, at_port])?;
     let point = |row: Row<'_>| {
-        let (_, pressure_kpa, ()) = row.one_of([("pressure_kpa", ()), (at_pump, ())])?;
+        let (_, pressure_kpa, ()) = row.one_of([("pressure_kpa", ()), (at_pump, ()), (at_port, ())])?;
         Ok(InjectionPoint { volume_ml: row.required("volume_ml")?, pressure_kpa })
     };
     table.rows().map(point).collect()
@@ -62,21 +66,22 @@ pub fn injection_of_csv(text: &str, port: Port) -> Result<Vec<InjectionPoint>, T
 /// Waveforms of the pressure at inlet and outlet. Either may be missing.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Waveforms {
-    /// Samples of `p_in_kpa`. Empty if the table has no such column.
+    /// Samples of the inlet. Empty if the table has no such column.
     pub inlet: Vec<PressureSample>,
-    /// Samples of `p_out_kpa`. Empty if the table has no such column.
+    /// Samples of the outlet. Empty if the table has no such column.
     pub outlet: Vec<PressureSample>,
 }
 
 /// Reads waveforms of the absolute pressure: `time_s`, which rises, and `p_in_kpa`, `p_out_kpa` or both.
 ///
-/// The other columns of a trace may stand beside them. They are ignored.
+/// The pressures may be named `inlet_kpa` and `outlet_kpa` too. The other columns of a trace, or of a run's table of
+/// `pumpmodel`, may stand beside them. They are ignored.
 ///
 /// # Errors
 /// Returns the [`TableError`] of the first line that cannot be used.
 pub fn waveforms_of_csv(text: &str) -> Result<Waveforms, TableError> {
-    let trace: Vec<&str> = TRACE_HEADER.split(',').collect();
-    let table = Table::parse(text, &trace)?;
+    let known: Vec<&str> = TRACE_HEADER.split(',').chain(OF_PUMPMODEL).collect();
+    let table = Table::parse(text, &known)?;
     let mut last_s = f64::NEG_INFINITY;
     let mut waveforms = Waveforms::default();
     for row in table.rows() {
@@ -87,11 +92,17 @@ pub fn waveforms_of_csv(text: &str) -> Result<Waveforms, TableError> {
         last_s = time_s;
         let mut given = false;
         for (port, samples) in [(Port::Inlet, &mut waveforms.inlet), (Port::Outlet, &mut waveforms.outlet)] {
-            let column = pressure_column(port);
-            if table.has(column) {
-                given = true;
-                samples.push(PressureSample { time_s, pressure_kpa: row.required(column)? });
-            }
+            let [at_pump, at_port] = pressure_columns(port);
+            let column = match (table.has(at_pump), table.has(at_port)) {
+                (false, false) => continue,
+                (true, false) => at_pump,
+                (false, true) => at_port,
+                (true, true) => {
+                    return Err(row.error(format!("{at_pump} and {at_port} are both given; give one")));
+                }
+            };
+            given = true;
+            samples.push(PressureSample { time_s, pressure_kpa: row.required(column)? });
         }
         if !given {
             return Err(row.error("give p_in_kpa, p_out_kpa or both".to_owned()));
@@ -133,6 +144,21 @@ mod tests {
     }
 
     #[test]
+    fn a_table_of_pumpmodel_is_read_as_a_trace_is() {
+        let header =
+            "time_s,angle_rad,speed_rad_s,inlet_flow_ml_s,outlet_flow_ml_s,inlet_kpa,outlet_kpa,delivered_ml";
+        let numbers = "0,0,0,0,0,88,89,0\n0.001,0,0,0,0,88.5,89.5,0\n";
+        let of = |header| waveforms_of_csv(&format!("{header}\n{numbers}")).unwrap();
+        assert_eq!(of(header), of(TRACE_HEADER));
+        let flows =
+            |column| flow_points_of_csv(&format!("flow_ml_s,{column}\n1,88\n"), Port::Inlet, 88.637).unwrap();
+        assert_eq!(flows("inlet_kpa"), flows("p_in_kpa"));
+        let injected =
+            |column| injection_of_csv(&format!("volume_ml,{column}\n1,88\n"), Port::Outlet).unwrap();
+        assert_eq!(injected("outlet_kpa"), injected("p_out_kpa"));
+    }
+
+    #[test]
     fn what_is_refused_is_named_with_its_line() {
         let flow = |text| flow_points_of_csv(text, Port::Inlet, 88.637).unwrap_err().to_string();
         let injection = |text| injection_of_csv(text, Port::Outlet).unwrap_err().to_string();
@@ -152,6 +178,7 @@ mod tests {
             (waveform("time_s\n0\n"), "line 2: give p_in_kpa, p_out_kpa or both"),
             (waveform("time_s,p_out_kpa\n0,88\n0,89\n"), "line 3: time_s is 0 after 0"),
             (waveform("time_s,p_out_kpa\n0,\n"), "line 2: p_out_kpa is missing"),
+            (waveform("time_s,p_out_kpa,outlet_kpa\n0,88,88\n"), "p_out_kpa and outlet_kpa are both given"),
             (waveform("time_ms,p_out_kpa\n0,88\n"), "unknown column `time_ms`"),
         ] {
             assert!(said.contains(part), "{part}: {said}");

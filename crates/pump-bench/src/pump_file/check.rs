@@ -1,19 +1,20 @@
 //! Refusal of pump files whose contents contradict one another or cannot work.
 
-use pump_model::Pump;
-
-use crate::displacement::SpeedLawError;
+use crate::displacement::DisplacementError;
 
 use super::error::PumpFileError;
 use super::file::{PumpFile, SCHEMA};
 use super::range::{WrongValue, allow};
+
+/// Smallest default rate, mL/s: the longest dose, 5e6 s, delivers 5 mL at this rate.
+const LEAST_RATE_ML_S: f64 = 1e-6;
 
 impl PumpFile {
     /// Refuses contents that contradict one another or cannot work. `origin` names the file in errors.
     ///
     /// # Errors
     /// [`PumpFileError::Schema`] or [`PumpFileError::Value`] for a schema or a value that is not allowed.
-    /// [`PumpFileError::Limits`], [`PumpFileError::Model`] or [`PumpFileError::SpeedLaw`] for a pump that
+    /// [`PumpFileError::Limits`], [`PumpFileError::Model`] or [`PumpFileError::Displacement`] for a pump that
     /// cannot work.
     pub fn check(&self, origin: &str) -> Result<(), PumpFileError> {
         if self.schema != SCHEMA {
@@ -21,6 +22,17 @@ impl PumpFile {
         }
         self.check_tables().map_err(|wrong| wrong.in_file(origin))?;
         self.check_pump(origin)
+    }
+
+    /// Refuses a file whose drive needs a port and that names none. `origin` names the file in errors.
+    ///
+    /// Commands may give the port, so that [`PumpFile::check`] does not ask for it.
+    ///
+    /// # Errors
+    /// [`PumpFileError::Value`] for a port that is missing.
+    pub fn check_port(&self, origin: &str) -> Result<(), PumpFileError> {
+        let checked = self.drive.as_ref().map_or(Ok(()), |drive| drive.check_port());
+        checked.map_err(|wrong| wrong.in_file(origin))
     }
 
     /// Refuses the first value that is wrong by itself or beside others.
@@ -36,32 +48,33 @@ impl PumpFile {
         self.uncertainty.check()
     }
 
-    /// Refuses limits, a model, a speed law or a default rate that cannot work.
+    /// Refuses limits, a model, a law of the displacement or a default rate that cannot work.
     fn check_pump(&self, origin: &str) -> Result<(), PumpFileError> {
-        let named = || origin.to_owned();
+        let origin_name = || origin.to_owned();
         let limits = self.limits();
-        limits.validate().map_err(|source| PumpFileError::Limits { origin: named(), source })?;
-        let model = self.model().map_err(|source| PumpFileError::Model { origin: named(), source })?;
+        let absolute = format!(
+            "more than 0: it is absolute, so add the ambient pressure, {} kPa, to a gauge one",
+            self.ambient.pressure_kpa
+        );
+        let max_outlet_kpa = self.limits.max_outlet_kpa.unwrap_or(f64::INFINITY);
+        allow(max_outlet_kpa > 0.0, "[limits] max_outlet_kpa", max_outlet_kpa, &absolute)
+            .map_err(|wrong| wrong.in_file(origin))?;
+        limits.validate().map_err(|source| PumpFileError::Limits { origin: origin_name(), source })?;
+        let of_model = |source| PumpFileError::Model { origin: origin_name(), source };
+        let pump = self.speed_dependent_pump().map_err(of_model)?;
         let rate = self.pump.default_rate_ml_s;
-        self.check_speed_law(&model, rate, origin)?;
-        let fastest = model.average_flow_ml_s(limits.motor.max_speed_rad_s);
+        match pump.up_to(self.motor.max_speed_rpm).speed_for_flow(rate) {
+            Ok(_) => {}
+            Err(DisplacementError::Model(source)) => return Err(of_model(source)),
+            Err(source) => return Err(PumpFileError::Displacement { origin: origin_name(), source }),
+        }
+        let fastest = pump.base().average_flow_ml_s(limits.motor.max_speed_rad_s);
         allow(
-            rate > 0.0 && rate <= fastest,
+            rate >= LEAST_RATE_ML_S && rate <= fastest,
             "[pump] default_rate_ml_s",
             rate,
-            "more than 0, and no more than the flow at [motor] max_speed_rpm",
+            "1e-6 or more, and no more than the flow at [motor] max_speed_rpm",
         )
         .map_err(|wrong| wrong.in_file(origin))
-    }
-
-    /// Refuses a speed law that cannot be computed or has no speed for the default rate.
-    fn check_speed_law(&self, model: &Pump, rate_ml_s: f64, origin: &str) -> Result<(), PumpFileError> {
-        let of_model = |source| PumpFileError::Model { origin: origin.to_owned(), source };
-        let Some(law) = self.speed_law().map_err(of_model)? else { return Ok(()) };
-        match law.up_to(self.motor.max_speed_rpm).speed_for_flow(model, rate_ml_s) {
-            Ok(_) => Ok(()),
-            Err(SpeedLawError::Model(source)) => Err(of_model(source)),
-            Err(source) => Err(PumpFileError::SpeedLaw { origin: origin.to_owned(), source }),
-        }
     }
 }

@@ -78,25 +78,6 @@ pub enum Axis {
 
 words!(DriverName { Sim = "sim", Grbl = "grbl" });
 
-impl Axis {
-    /// Returns the axis's place among the axes, 0 for X.
-    pub fn number(self) -> usize {
-        self as usize
-    }
-
-    /// Returns the axis's letter.
-    pub fn letter(self) -> char {
-        match self {
-            Self::X => 'X',
-            Self::Y => 'Y',
-            Self::Z => 'Z',
-            Self::A => 'A',
-            Self::B => 'B',
-            Self::C => 'C',
-        }
-    }
-}
-
 impl DriveTable {
     /// Returns the table of a driver with the usual settings.
     pub fn of(driver: DriverName) -> Self {
@@ -110,6 +91,19 @@ impl DriveTable {
             index_angle_deg: None,
             index_width_deg: usual_index_width_deg(),
         }
+    }
+
+    /// Refuses a table without the port that its driver needs.
+    pub(super) fn check_port(&self) -> Result<(), WrongValue> {
+        let needs_port = match self.driver {
+            DriverName::Sim => false,
+            DriverName::Grbl => true,
+        };
+        if needs_port && self.port.is_none() {
+            let allowed = "a serial port, as \"/dev/ttyUSB0\"; without it every command needs --port";
+            return Err(WrongValue::missing("[drive] port", allowed));
+        }
+        Ok(())
     }
 
     /// Refuses the first value outside its range.

@@ -6,7 +6,7 @@ use pump_ctl::plan::PlanError;
 use pump_model::ModelError;
 use thiserror::Error;
 
-use crate::displacement::SpeedLawError;
+use crate::displacement::DisplacementError;
 
 /// A pump file that cannot be used.
 #[derive(Debug, Error)]
@@ -64,13 +64,13 @@ pub enum PumpFileError {
         /// Reason that the model gives.
         source: ModelError,
     },
-    /// The speed law has no speed for the default rate.
+    /// The pump has no speed for the default rate.
     #[error("pump file {origin}: [pump] default_rate_ml_s: {source}")]
-    SpeedLaw {
+    Displacement {
         /// Name of the file.
         origin: String,
-        /// Reason that the speed law gives.
-        source: SpeedLawError,
+        /// Reason that the displacement gives.
+        source: DisplacementError,
     },
     /// The motor or the limits cannot work.
     #[error("pump file {origin}: {source}")]

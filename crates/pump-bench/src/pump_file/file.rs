@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use pump_model::math::radians;
-use pump_model::{Friction, Geometry, ModelError, Pump};
+use pump_model::units::radians;
+use pump_model::{Friction, Geometry, ModelError, Pump, SpeedLaw};
 use serde::{Deserialize, Serialize};
 
 use super::ambient::AmbientTable;
@@ -17,9 +17,11 @@ use super::motor::MotorTable;
 use super::pump::PumpTable;
 use super::speed_law::SpeedLawTable;
 use super::uncertainty::UncertaintyTable;
+use crate::displacement::{DisplacementLaw, SpeedDependentPump};
+use crate::files::{MOST_PUMP_FILE_BYTES, read_text};
 
 /// Schema of pump files.
-pub const SCHEMA: &str = "pump/1";
+pub(crate) const SCHEMA: &str = "pump/1";
 
 /// The contents of a pump file. [`PumpFile::check`] checks them.
 ///
@@ -79,7 +81,7 @@ impl PumpFile {
     /// # Errors
     /// [`PumpFileError::Read`] if the file cannot be read. Otherwise as [`PumpFile::parse`].
     pub fn read(path: &Path) -> Result<Self, PumpFileError> {
-        let text = std::fs::read_to_string(path)
+        let text = read_text(path, MOST_PUMP_FILE_BYTES)
             .map_err(|source| PumpFileError::Read { path: path.to_owned(), source })?;
         Self::parse(&text, &path.display().to_string())
     }
@@ -104,7 +106,7 @@ impl PumpFile {
     }
 
     /// Returns the dimensions of the pump head.
-    pub(super) fn geometry(&self) -> Geometry {
+    fn geometry(&self) -> Geometry {
         Geometry {
             rollers: self.rollers.count,
             bore_radius_mm: self.tube.bore_radius_mm,
@@ -116,7 +118,7 @@ impl PumpFile {
         }
     }
 
-    /// Returns the pump that the file describes, without its speed law.
+    /// Returns the pump that the file describes, without the law of its displacement.
     ///
     /// # Errors
     /// Returns the [`ModelError`] of dimensions, a roller volume, a fluid or a line that cannot work.
@@ -125,6 +127,42 @@ impl PumpFile {
         let volume = self.roller_volume.curve(&geometry)?;
         let line = |table: &LineTable| table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s);
         Pump::new(geometry, volume, line(&self.inlet)?, line(&self.outlet)?)
+    }
+
+    /// Returns the law by which the volume of a revolution depends on the speed, or `None` if every speed has
+    /// the same volume.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of dimensions from which no closure angle follows.
+    pub fn displacement_law(&self) -> Result<Option<DisplacementLaw>, ModelError> {
+        self.speed_law.law(&self.geometry(), self.ambient.pressure_kpa)
+    }
+
+    /// Returns the standard uncertainty of the volumes by the law, as a part of them, or `None` without a
+    /// law.
+    pub(crate) fn law_standard(&self) -> Option<f64> {
+        self.speed_law.standard()
+    }
+
+    /// Returns the speed law whose s and D a calibration seeks, with theta_c and P_atm of this pump.
+    ///
+    /// # Errors
+    /// Returns the [`ModelError`] of dimensions from which no closure angle follows.
+    pub(crate) fn speed_law_to_fit(&self) -> Result<SpeedLaw, ModelError> {
+        self.speed_law.law_to_fit(&self.geometry(), self.ambient.pressure_kpa)
+    }
+
+    /// Returns the pump that the file describes, with the law of its displacement if it has one.
+    ///
+    /// # Errors
+    /// Errors of [`PumpFile::model`] and [`PumpFile::displacement_law`].
+    pub fn speed_dependent_pump(&self) -> Result<SpeedDependentPump, ModelError> {
+        Ok(SpeedDependentPump::new(self.model()?, self.displacement_law()?))
+    }
+
+    /// Returns the standard uncertainty of a volume that was not weighed, as a part of it.
+    pub(crate) fn model_standard(&self) -> f64 {
+        self.law_standard().unwrap_or(self.uncertainty.model_percent / 100.0)
     }
 
     /// Returns the friction in the hoses of inlet and outlet. It is `None` where the file gives a line by its

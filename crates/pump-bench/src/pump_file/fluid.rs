@@ -165,7 +165,7 @@ impl FluidTable {
     ///
     /// # Errors
     /// Returns the [`ModelError`] of a value that is out of range, or that is neither given nor known.
-    pub fn fluid(&self) -> Result<Fluid, ModelError> {
+    pub(crate) fn fluid(&self) -> Result<Fluid, ModelError> {
         // Validation refuses a NaN by its name, if a hose needs it.
         let unknown = Fluid {
             density_kg_m3: self.density_kg_m3,
@@ -187,7 +187,7 @@ impl FluidTable {
 
     /// Returns the vapour pressure in kPa absolute, from the file or else from the model. Returns `None` if
     /// neither knows it.
-    pub fn vapour_kpa(&self) -> Option<f64> {
+    pub(crate) fn vapour_kpa(&self) -> Option<f64> {
         self.vapour_kpa.or_else(|| self.known()?.ok()?.vapour_kpa)
     }
 

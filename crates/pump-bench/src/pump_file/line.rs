@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// The table `[inlet]` or `[outlet]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Keys", into = "Keys")]
+#[serde(try_from = "LineKeys", into = "LineKeys")]
 pub enum LineTable {
     /// Line with its R, C, L and reservoir.
     Given(Line),
@@ -42,7 +42,7 @@ pub struct HoseTable {
 
 impl HoseTable {
     /// Returns the hose of the model.
-    pub fn hose(&self) -> Hose {
+    pub(crate) fn hose(&self) -> Hose {
         Hose {
             bore_radius_mm: self.bore_radius_mm,
             outer_radius_mm: self.outer_radius_mm,
@@ -59,7 +59,7 @@ impl LineTable {
     ///
     /// # Errors
     /// Returns the [`ModelError`] of a fluid or a hose that is out of range.
-    pub fn line(
+    pub(crate) fn line(
         &self,
         fluid: impl FnOnce() -> Result<Fluid, ModelError>,
         rate_ml_s: f64,
@@ -76,7 +76,7 @@ impl LineTable {
     ///
     /// # Errors
     /// Returns the [`ModelError`] of a fluid or a hose that is out of range.
-    pub fn friction(
+    pub(crate) fn friction(
         &self,
         fluid: impl FnOnce() -> Result<Fluid, ModelError>,
     ) -> Result<Option<Friction>, ModelError> {
@@ -87,7 +87,7 @@ impl LineTable {
     }
 
     /// Returns true if the line is estimated from a hose and not measured.
-    pub fn is_estimated(&self) -> bool {
+    pub(crate) fn is_estimated(&self) -> bool {
         matches!(self, Self::Hose { .. })
     }
 }
@@ -101,7 +101,7 @@ impl From<Line> for LineTable {
 /// Keys of the table, whether it gives a line or a hose.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Keys {
+struct LineKeys {
     #[serde(skip_serializing_if = "Option::is_none")]
     resistance_kpa_s_ml: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -113,11 +113,12 @@ struct Keys {
     hose: Option<HoseTable>,
 }
 
-impl TryFrom<Keys> for LineTable {
+impl TryFrom<LineKeys> for LineTable {
     type Error = String;
 
-    fn try_from(keys: Keys) -> Result<Self, String> {
-        let Keys { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa, hose } = keys;
+    fn try_from(keys: LineKeys) -> Result<Self, String> {
+        let LineKeys { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa, hose } =
+            keys;
         let given = [
             ("resistance_kpa_s_ml", resistance_kpa_s_ml),
             ("compliance_ml_kpa", compliance_ml_kpa),
@@ -140,7 +141,7 @@ impl TryFrom<Keys> for LineTable {
     }
 }
 
-impl From<LineTable> for Keys {
+impl From<LineTable> for LineKeys {
     fn from(table: LineTable) -> Self {
         match table {
             LineTable::Given(line) => Self {

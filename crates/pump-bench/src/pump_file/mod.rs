@@ -2,6 +2,7 @@
 
 mod ambient;
 mod check;
+mod dose_limits;
 mod drive;
 mod error;
 mod file;
@@ -16,13 +17,15 @@ mod speed_law;
 mod uncertainty;
 
 pub use ambient::AmbientTable;
+pub use dose_limits::UncheckedLimit;
 pub use drive::{Axis, DriveTable, DriverName};
 pub use error::PumpFileError;
-pub use file::{PumpFile, SCHEMA};
+pub use file::PumpFile;
+pub(crate) use file::SCHEMA;
 pub(crate) use fluid::SAME_TEMPERATURE_DEGC;
 pub use fluid::{FluidError, FluidTable};
-pub use head::{BackplateTable, Fit, RollerVolumeTable, RollersTable, TubeTable};
-pub use limits::{LimitsTable, UncheckedLimit};
+pub use head::{BackplateTable, CurveFit, RollerVolumeTable, RollersTable, TubeTable};
+pub use limits::LimitsTable;
 pub use line::{HoseTable, LineTable};
 pub use motor::MotorTable;
 pub use pump::PumpTable;

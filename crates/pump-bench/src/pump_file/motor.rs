@@ -1,7 +1,7 @@
 //! `[motor]`: steps, speeds and torque of the motor.
 
 use pump_ctl::plan::{Motor, TORQUE_POINTS, Torque, TorqueCurve};
-use pump_model::math::rad_s;
+use pump_model::units::rad_s;
 use serde::{Deserialize, Serialize};
 
 use super::range::{WrongValue, allow, within, within_if_given};
@@ -35,12 +35,12 @@ pub struct MotorTable {
 
 impl MotorTable {
     /// Returns the motor as the pump head sees it.
-    pub fn at_pump_head(&self) -> Motor {
-        Motor {
-            steps_per_rev: f64::from(self.steps_per_rev) * self.gear,
-            max_speed_rad_s: rad_s(self.max_speed_rpm),
-            max_acceleration_rad_s2: self.max_acceleration_rad_s2,
-        }
+    pub(crate) fn at_pump_head(&self) -> Motor {
+        Motor::new(
+            f64::from(self.steps_per_rev) * self.gear,
+            rad_s(self.max_speed_rpm),
+            self.max_acceleration_rad_s2,
+        )
     }
 
     /// Returns the torque that turning takes and the torque that the motor gives, at an ambient pressure in
@@ -48,10 +48,11 @@ impl MotorTable {
     ///
     /// Returns `None` unless torque curve, occlusion torque and inertia are all known: the fluid's part alone
     /// would pass nearly everything.
-    pub fn torque(&self, ambient_kpa: f64) -> Option<Torque> {
+    pub(crate) fn torque(&self, ambient_kpa: f64) -> Option<Torque> {
         let motor = curve(self.torque_curve_rpm_n_m.as_deref()?)?;
         let (occlusion_n_m, inertia_kg_m2) = self.occlusion_torque_n_m.zip(self.inertia_kg_m2)?;
-        Some(Torque { occlusion_n_m, inertia_kg_m2, ambient_kpa, motor })
+        let torque = Torque::new(ambient_kpa, motor);
+        Some(torque.with_occlusion_n_m(occlusion_n_m).with_inertia_kg_m2(inertia_kg_m2))
     }
 
     /// Refuses the first value outside its range. Speed and acceleration are left to the planner.

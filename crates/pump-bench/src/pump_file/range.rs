@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
+use pump_model::Shown;
+
 use super::error::PumpFileError;
 
 /// A value that a pump file must not hold.
@@ -39,7 +41,14 @@ pub(super) fn allow(
     value: impl Display,
     allowed: &str,
 ) -> Result<(), WrongValue> {
-    if ok { Ok(()) } else { Err(WrongValue { key, value: value.to_string(), allowed: allowed.to_owned() }) }
+    if ok {
+        return Ok(());
+    }
+    let text = value.to_string();
+    // A number of hundreds of digits is as readable with an exponent.
+    let value =
+        if text.len() > 24 { text.parse().map_or(text, |number| Shown(number).to_string()) } else { text };
+    Err(WrongValue { key, value, allowed: allowed.to_owned() })
 }
 
 /// Refuses a value outside `range`.
@@ -86,7 +95,9 @@ mod tests {
             said(within("[motor] gear", f64::NAN, 1e-3..=1e4)).ends_with("is NaN; allowed: 0.001 to 10000")
         );
         assert!(said(positive("[tube] life_ml", f64::INFINITY)).ends_with("is inf; allowed: more than 0"));
-        assert!(said(positive_up_to("[speed_law] s", 3.0, 2.0)).ends_with("allowed: more than 0, 2 at most"));
+        assert!(
+            said(positive_up_to("[tube] life_ml", 3.0, 2.0)).ends_with("allowed: more than 0, 2 at most")
+        );
         assert_eq!(within_if_given("[tube] poisson_ratio", None, 0.0..=0.5), Ok(()));
     }
 }

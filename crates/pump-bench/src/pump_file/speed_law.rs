@@ -1,12 +1,11 @@
 //! `[speed_law]`: how the volume of a revolution depends on the speed, if it does.
 
-use pump_model::math::radians;
-use pump_model::{Drawing, ModelError, Pump, SpeedLaw};
+use pump_model::units::radians;
+use pump_model::{Drawing, Geometry, ModelError, SpeedLaw};
 use serde::{Deserialize, Serialize};
 
-use super::PumpFile;
 use super::range::{WrongValue, positive, positive_up_to, within};
-use crate::displacement::{RangedLaw, SpeedLawError};
+use crate::displacement::DisplacementLaw;
 
 /// The table `[speed_law]`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -66,64 +65,47 @@ impl SpeedLawTable {
 
     /// Returns the standard uncertainty of the law's volumes as a fraction of them, or `None` if the law is
     /// off.
-    pub fn standard(&self) -> Option<f64> {
+    pub(super) fn standard(&self) -> Option<f64> {
         match self {
             Self::Off {} => None,
             Self::InletPressure { residual_percent, .. } => Some(residual_percent / 100.0),
         }
     }
-}
 
-impl PumpFile {
-    /// Returns the law of `[speed_law]` with its speeds, or `None` if the law is off.
+    /// Returns the law of a pump of these dimensions, with its speeds, or `None` if the law is off.
     ///
     /// # Errors
+    ///
     /// Returns the [`ModelError`] of dimensions from which no closure angle follows.
-    pub fn speed_law(&self) -> Result<Option<RangedLaw>, ModelError> {
-        let SpeedLawTable::InletPressure { s, d_per_kpa, least_rpm, most_rpm, .. } = self.speed_law else {
-            return Ok(None);
-        };
-        let law = SpeedLaw { scale: s, distensibility_per_kpa: d_per_kpa, ..self.speed_law_to_fit()? };
-        Ok(Some(RangedLaw { law, least_rpm, most_rpm }))
+    pub(super) fn law(
+        &self,
+        geometry: &Geometry,
+        ambient_kpa: f64,
+    ) -> Result<Option<DisplacementLaw>, ModelError> {
+        let &Self::InletPressure { s, d_per_kpa, least_rpm, most_rpm, .. } = self else { return Ok(None) };
+        let to_fit = self.law_to_fit(geometry, ambient_kpa)?;
+        let law = SpeedLaw { scale: s, distensibility_per_kpa: d_per_kpa, ..to_fit };
+        Ok(Some(DisplacementLaw::new(law, [least_rpm, most_rpm])))
     }
 
-    /// Returns a law whose s and D are to be fitted, with theta_c and P_atm of this pump.
+    /// Returns a law whose s and D are to be fitted, with theta_c of a pump of these dimensions.
     ///
     /// # Errors
+    ///
     /// Returns the [`ModelError`] of dimensions from which no closure angle follows.
-    pub fn speed_law_to_fit(&self) -> Result<SpeedLaw, ModelError> {
-        let closure_rad = match self.speed_law {
-            SpeedLawTable::InletPressure { closure_angle_deg: Some(deg), .. } => radians(deg),
-            _ => Drawing::new(&self.geometry())?.closure_rad(),
+    pub(super) fn law_to_fit(&self, geometry: &Geometry, ambient_kpa: f64) -> Result<SpeedLaw, ModelError> {
+        let closure_rad = match self {
+            Self::InletPressure { closure_angle_deg: Some(deg), .. } => radians(*deg),
+            _ => Drawing::new(geometry)?.closure_rad(),
         };
-        Ok(SpeedLaw { closure_rad, ambient_kpa: self.ambient.pressure_kpa, ..SpeedLaw::PUBLISHED })
-    }
-
-    /// Returns `pump`, the model of this file, at a constant speed in rad/s. The speed law applies if it is
-    /// on.
-    ///
-    /// # Errors
-    /// [`SpeedLawError::OutsideSpeeds`] for a speed at which the law does not hold, or
-    /// [`SpeedLawError::Model`].
-    pub fn pump_at(&self, pump: &Pump, speed_rad_s: f64) -> Result<Pump, SpeedLawError> {
-        self.speed_law()?.map_or(Ok(*pump), |law| law.pump_at(pump, speed_rad_s))
-    }
-
-    /// Returns the speed in rad/s whose mean flow over whole pitches is `flow_ml_s`. The speed law applies if
-    /// it is on.
-    ///
-    /// # Errors
-    /// [`SpeedLawError::OutsideFlows`] for a flow that the law gives at no speed, or
-    /// [`SpeedLawError::Model`].
-    pub fn speed_for_flow(&self, pump: &Pump, flow_ml_s: f64) -> Result<f64, SpeedLawError> {
-        let usual = || Ok(pump_ctl::plan::speed_for_flow(pump, flow_ml_s));
-        self.speed_law()?.map_or_else(usual, |law| law.speed_for_flow(pump, flow_ml_s))
+        Ok(SpeedLaw { closure_rad, ambient_kpa, ..SpeedLaw::PUBLISHED })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pump_file::PumpFile;
 
     fn parsed(table: &str) -> Result<PumpFile, String> {
         let text = crate::catalogue::built_in("three-roller").unwrap().to_toml();
@@ -137,12 +119,14 @@ mod tests {
     #[test]
     fn a_table_is_the_law_with_the_closure_of_the_dimensions() {
         let file = parsed(TABLE).unwrap();
-        let law = file.speed_law().unwrap().unwrap();
-        assert!((law.law.closure_rad - SpeedLaw::PUBLISHED.closure_rad).abs() < 1e-6);
-        assert_eq!((law.law.ambient_kpa, law.least_rpm, law.most_rpm), (85.7, 10.0, 170.0));
+        let to_fit = file.speed_law_to_fit().unwrap();
+        assert!((to_fit.closure_rad - SpeedLaw::PUBLISHED.closure_rad).abs() < 1e-6);
+        assert_eq!(to_fit.ambient_kpa, 85.7);
+        let law = SpeedLaw { scale: 0.953, distensibility_per_kpa: 2.05e-3, ..to_fit };
+        assert_eq!(file.displacement_law().unwrap(), Some(DisplacementLaw::new(law, [10.0, 170.0])));
         assert_eq!(PumpFile::parse(&file.to_toml(), "the same").unwrap(), file);
         let given = parsed(&format!("{TABLE}closure_angle_deg = 32.9\n")).unwrap();
-        assert!((given.speed_law().unwrap().unwrap().law.closure_rad - radians(32.9)).abs() < 1e-12);
+        assert!((given.speed_law_to_fit().unwrap().closure_rad - radians(32.9)).abs() < 1e-12);
         assert_eq!(parsed("").unwrap().speed_law, SpeedLawTable::Off {}, "none is what nobody writes");
     }
 

@@ -9,8 +9,8 @@ use std::time::Duration;
 use pump_model::Pump;
 use thiserror::Error;
 
-use super::{Journal, JournalError, State, Story};
-use crate::files::sync_folder;
+use super::{Journal, JournalError, PumpState, Story};
+use crate::files::{create_folders, open_plain};
 
 const JOURNAL: &str = "journal.jsonl";
 const LOCK: &str = "lock";
@@ -44,7 +44,7 @@ pub enum FolderError {
     },
     /// No folder for journals is named or can be found.
     #[error(
-        "no folder for journals: neither XDG_STATE_HOME nor HOME is set; name one with --state-dir or \
+        "no folder for journals: neither an absolute XDG_STATE_HOME nor HOME is set; name one with --state-dir or \
          DOSE_STATE_DIR"
     )]
     NoFolder,
@@ -59,19 +59,28 @@ pub struct Folder {
 
 /// Returns the default folder for journals: `$XDG_STATE_HOME/pump-dose` or `~/.local/state/pump-dose`.
 ///
+/// A relative XDG_STATE_HOME is ignored, as its specification (XDG Base Directory 0.8) asks for.
+///
 /// # Errors
 ///
-/// [`FolderError::NoFolder`] if neither XDG_STATE_HOME nor HOME is set.
+/// [`FolderError::NoFolder`] if neither an absolute XDG_STATE_HOME nor HOME is set.
 pub fn default_state_dir() -> Result<PathBuf, FolderError> {
     let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-    let base = set("XDG_STATE_HOME").or_else(|| set("HOME").map(|home| home.join(".local").join("state")));
+    let base = set("XDG_STATE_HOME")
+        .filter(|path| path.is_absolute())
+        .or_else(|| set("HOME").map(|home| home.join(".local").join("state")));
     Ok(base.ok_or(FolderError::NoFolder)?.join("pump-dose"))
 }
 
 impl Folder {
     /// Names the folder of a pump under a driver. Creates nothing yet.
-    pub fn new(state_dir: &Path, pump: &str, driver: &str) -> Self {
+    pub(crate) fn new(state_dir: &Path, pump: &str, driver: &str) -> Self {
         Self { path: state_dir.join(pump).join(driver), pump: pump.to_owned() }
+    }
+
+    /// Names the folder of the same pump under another driver.
+    pub(crate) fn of_drive(&self, driver: &str) -> Self {
+        Self { path: self.path.with_file_name(driver), pump: self.pump.clone() }
     }
 
     /// Returns the path of the folder.
@@ -84,13 +93,13 @@ impl Folder {
     /// # Errors
     ///
     /// [`JournalError`] if the file cannot be read or a line in it is damaged.
-    pub fn read(&self, pump: &Pump, fresh: State) -> Result<Story, JournalError> {
+    pub(crate) fn read(&self, pump: &Pump, fresh: PumpState) -> Result<Story, JournalError> {
         Story::read(&self.path.join(JOURNAL), pump, fresh)
     }
 
     /// Returns the other process that holds the pump now, as the lock file names it. Keeps nothing locked.
-    pub fn holder(&self) -> Option<String> {
-        let mut file = File::open(self.path.join(LOCK)).ok()?;
+    pub(crate) fn holder(&self) -> Option<String> {
+        let mut file = open_plain(&self.path.join(LOCK), File::options().read(true)).ok()?;
         match file.try_lock_shared() {
             Err(TryLockError::WouldBlock) => {
                 Some(named_holder(&mut file)).filter(|holder| *holder != this_process())
@@ -115,19 +124,11 @@ impl Folder {
             let path = path.to_owned();
             move |source| FolderError::File { action, path, source }
         };
-        fs::create_dir_all(&self.path).map_err(failed("create the folder", &self.path))?;
-        // The folders that hold this one may be as new as it.
-        for folder in self.path.ancestors().skip(1).take(3).filter(|folder| !folder.as_os_str().is_empty()) {
-            sync_folder(folder).map_err(failed("sync", folder))?;
-        }
+        create_folders(&self.path).map_err(failed("create the folder", &self.path))?;
         let path = self.path.join(LOCK);
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(&path)
-            .map_err(failed("write", &path))?;
+        let mut options = OpenOptions::new();
+        options.read(true).write(true).create(true).truncate(false);
+        let mut file = open_plain(&path, &mut options).map_err(failed("write", &path))?;
         // A process that only asks who holds the pump takes the lock for an instant.
         let mut tried = file.try_lock();
         for _ in 0..10 {
@@ -151,7 +152,7 @@ impl Folder {
             .and_then(|()| file.rewind())
             .and_then(|()| file.write_all(holder.as_bytes()))
             .map_err(failed("write", &path))?;
-        Ok(Lock { folder: self.clone(), _file: file })
+        Ok(Lock { folder: self.clone(), file, process: std::process::id() })
     }
 }
 
@@ -172,7 +173,19 @@ fn named_holder(file: &mut File) -> String {
 #[derive(Debug)]
 pub struct Lock {
     folder: Folder,
-    _file: File,
+    file: File,
+    /// Process that took the lock.
+    process: u32,
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // A forked process has this file too, and the lock would go with the last of both. A fork itself
+        // leaves the lock alone.
+        if self.process == std::process::id() {
+            let _ = self.file.unlock();
+        }
+    }
 }
 
 impl Lock {
@@ -181,7 +194,7 @@ impl Lock {
     /// # Errors
     ///
     /// [`JournalError`] if the file cannot be read or a line in it is damaged.
-    pub fn journal(&self, pump: &Pump, fresh: State) -> Result<(Journal, Story), JournalError> {
+    pub(crate) fn journal(&self, pump: &Pump, fresh: PumpState) -> Result<(Journal, Story), JournalError> {
         Journal::open(&self.folder.path.join(JOURNAL), pump, fresh)
     }
 
@@ -190,7 +203,7 @@ impl Lock {
     /// # Errors
     ///
     /// [`FolderError::File`] if the file cannot be renamed.
-    pub fn put_journal_back(&self, aside: &Path) -> Result<(), FolderError> {
+    pub(crate) fn put_journal_back(&self, aside: &Path) -> Result<(), FolderError> {
         let path = self.folder.path.join(JOURNAL);
         fs::rename(aside, &path).map_err(|source| FolderError::File { action: "put back", path, source })
     }
@@ -201,7 +214,7 @@ impl Lock {
     /// # Errors
     ///
     /// [`FolderError::File`] if the file cannot be renamed.
-    pub fn set_journal_aside(&self) -> Result<PathBuf, FolderError> {
+    pub(crate) fn set_journal_aside(&self) -> Result<PathBuf, FolderError> {
         let path = self.folder.path.join(JOURNAL);
         let mut aside = path.with_extension("damaged");
         let mut n = 1;
@@ -230,5 +243,20 @@ mod tests {
         assert_eq!(folder.holder(), None, "it is not another's");
         drop(lock);
         assert!(folder.lock().is_ok());
+    }
+
+    #[test]
+    fn a_child_that_inherits_the_lock_file_does_not_keep_the_pump() {
+        let state = tempfile::tempdir().unwrap();
+        let folder = Folder::new(state.path(), "pump", "sim");
+        let lock = folder.lock().unwrap();
+        let inherited = lock.file.try_clone().unwrap();
+        let mut child = std::process::Command::new("sleep").arg("60").stdin(inherited).spawn().unwrap();
+        assert!(folder.lock().is_err());
+        drop(lock);
+        let locked = folder.lock();
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(locked.is_ok(), "{locked:?}");
     }
 }

@@ -1,10 +1,10 @@
 //! The intent of a motion: its plan, as the journal announces it before the rotor turns.
 
-use pump_ctl::plan::{Phase, Plan};
+use pump_ctl::plan::{Phase, Plan, Turned};
 use pump_model::Pump;
 use serde::{Deserialize, Serialize};
 
-use super::{Purpose, Terms};
+use super::{Account, DoseTerms, Purpose, Whole};
 use crate::displacement::Correction;
 
 /// Plan of a motion, as the journal announces it before the rotor turns.
@@ -12,66 +12,121 @@ use crate::displacement::Correction;
 #[serde(deny_unknown_fields)]
 pub struct Intent {
     /// Time of the entry by the system clock, in seconds since 1970. Only people read it.
-    pub unix_s: u64,
+    pub(crate) unix_s: u64,
     /// Reason for which the pump turns.
-    pub purpose: Purpose,
+    pub(crate) purpose: Purpose,
     /// Volume asked for, in mL. Negative in reverse.
-    pub requested_ml: f64,
+    pub(crate) requested_ml: f64,
     /// Carry from earlier doses, in mL.
-    pub carry_in_ml: f64,
+    pub(crate) carry_in_ml: f64,
+    /// Half width of the range around the carry on record before the dose that holds the true carry, in mL.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub(crate) carry_in_half_width_ml: f64,
     /// Volume of the planned steps, in mL.
-    pub planned_ml: f64,
+    pub(crate) planned_ml: f64,
     /// Carry to the next dose once every step is made, in mL.
-    pub carry_out_ml: f64,
+    pub(crate) carry_out_ml: f64,
     /// Angle of the rotor at the start, in rad.
-    pub start_angle_rad: f64,
+    pub(crate) start_angle_rad: f64,
     /// Half width of the range around the start angle that holds the true angle, in rad.
-    pub half_width_rad: f64,
+    pub(crate) half_width_rad: f64,
+    /// Turn of the earlier doses that the motion was planned with. `None` if it was planned alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) turned: Option<Turned>,
     /// Number of motor steps. Negative in reverse.
     pub steps: i64,
     /// Angle of a step, in rad.
-    pub step_rad: f64,
+    pub(crate) step_rad: f64,
     /// Duration of the motion, in s.
-    pub motion_s: f64,
+    pub(crate) motion_s: f64,
     /// Volume to suck back after the dose, in mL. `None` without a retraction.
     #[serde(default)]
-    pub retract_ml: Option<f64>,
+    pub(crate) retract_ml: Option<f64>,
+    /// Whole dose of which this motion makes the rest. `None` if the motion makes the whole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) whole: Option<Whole>,
     /// Terms of the dose besides its volume.
-    #[serde(default, skip_serializing_if = "Terms::is_none")]
-    pub terms: Terms,
+    #[serde(default, skip_serializing_if = "DoseTerms::is_none")]
+    pub(crate) terms: DoseTerms,
     /// Correction of the displacement that the plan was made with.
     #[serde(default, skip_serializing_if = "Correction::is_none")]
-    pub correction: Correction,
+    pub(crate) correction: Correction,
+}
+
+/// Returns true for zero, which an entry leaves out.
+pub(super) fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 impl Intent {
     /// Returns the angle of the rotor at the start, with its half width.
-    pub fn start(&self) -> Phase {
-        Phase { angle_rad: self.start_angle_rad, half_width_rad: self.half_width_rad }
+    pub(crate) fn start(&self) -> Phase {
+        Phase::within(self.start_angle_rad, self.half_width_rad)
     }
 
-    /// Returns the angle after `made` steps, in rad, unwrapped. It equals the plan's.
-    pub fn angle_after(&self, made: u64) -> f64 {
-        let direction = if self.steps < 0 { -1.0 } else { 1.0 };
-        self.start_angle_rad + direction * (made as f64 * self.step_rad)
+    /// Returns the angle after `made` net steps, in rad, unwrapped. It equals the plan's.
+    pub(crate) fn angle_after(&self, made: i64) -> f64 {
+        self.start_angle_rad + self.turn_rad(made)
     }
 
-    /// Returns the volume of the first `made` steps from the middle of the possible start angles, in mL.
+    /// Returns the volume asked for in all, in mL: that of the whole dose if this is the rest of one.
+    pub(crate) fn whole_requested_ml(&self) -> f64 {
+        self.whole.map_or(self.requested_ml, |whole| whole.requested_ml)
+    }
+
+    /// Returns the volume that the first `made` steps are booked with, in mL, negative in reverse.
     ///
-    /// The volume is negative in reverse.
-    pub fn delivered_ml(&self, pump: &Pump, made: u64) -> f64 {
-        self.correction.volume_ml(pump, self.start_angle_rad, self.angle_after(made))
+    /// From a known angle it is their volume. Otherwise it is their part of the middle of all sums with the
+    /// earlier doses.
+    pub(crate) fn delivered_ml(&self, pump: &Pump, made: i64) -> f64 {
+        self.booked_ml(pump, made, made)
     }
 
-    /// Returns the smallest and largest volume of the first `made` steps over all possible start angles, in
-    /// mL.
-    pub(super) fn range_ml(&self, pump: &Pump, made: u64) -> (f64, f64) {
-        if self.half_width_rad == 0.0 {
-            let volume_ml = self.delivered_ml(pump, made);
-            return (volume_ml, volume_ml);
-        }
+    /// Returns the volume that `least` to `most` net steps are booked with, in mL, negative in reverse.
+    pub(crate) fn booked_ml(&self, pump: &Pump, least: i64, most: i64) -> f64 {
+        let of = |turned| self.account(turned).middle_ml(pump);
+        of(self.turned_after(least, most)) - of(self.turned_before())
+    }
+
+    /// Returns the turn of the earlier doses.
+    fn turned_before(&self) -> Turned {
+        self.turned.unwrap_or(Turned::at(self.start()))
+    }
+
+    /// Returns the turn of the earlier doses and of `least` to `most` net steps.
+    pub(super) fn turned_after(&self, least: i64, most: i64) -> Turned {
+        self.turned_by(self.turned_before(), least, most)
+    }
+
+    /// Returns a turn after `least` to `most` net steps more.
+    pub(super) fn turned_by(&self, turned: Turned, least: i64, most: i64) -> Turned {
+        let [a, b] = [least, most].map(|made| self.turn_rad(made));
+        turned.by(a.min(b), a.max(b))
+    }
+
+    /// Returns the account of a turn, with the correction of this motion.
+    pub(super) fn account(&self, turned: Turned) -> Account {
+        Account { turned, correction: self.correction }
+    }
+
+    /// Returns the angle of `made` net steps, in rad, negative in reverse.
+    fn turn_rad(&self, made: i64) -> f64 {
         let direction = if self.steps < 0 { -1.0 } else { 1.0 };
-        self.correction.range_ml(pump, self.start(), direction * (made as f64 * self.step_rad))
+        direction * (made as f64 * self.step_rad)
+    }
+
+    /// Widens the start angle to `half_width_rad`: the rotor was disturbed since the motion was planned. The
+    /// motion counts alone from there on.
+    pub(crate) fn widen(&mut self, half_width_rad: f64, pump: &Pump) {
+        self.half_width_rad = half_width_rad;
+        self.turned = None;
+        let (start, correction) = (self.start(), self.correction);
+        if let Some(whole) = &mut self.whole {
+            let (least_ml, most_ml) = Account { turned: whole.turned, correction }.range_ml(pump);
+            whole.least_ml += least_ml;
+            whole.most_ml += most_ml;
+            whole.turned = Turned::at(start);
+        }
     }
 
     /// Describes `plan` as an intent, without a retraction and without terms.
@@ -85,17 +140,20 @@ impl Intent {
         Self {
             unix_s,
             purpose,
-            requested_ml: plan.requested_ml,
-            carry_in_ml: plan.carry_in_ml,
-            planned_ml: plan.planned_ml,
+            requested_ml: plan.requested_ml(),
+            carry_in_ml: plan.carry_in_ml(),
+            carry_in_half_width_ml: 0.0,
+            planned_ml: plan.planned_ml(),
             carry_out_ml,
-            start_angle_rad: plan.start.angle_rad,
-            half_width_rad: plan.start.half_width_rad,
-            steps: plan.steps,
-            step_rad: plan.step_rad,
-            motion_s: plan.profile.duration_s(),
+            start_angle_rad: plan.start().angle_rad(),
+            half_width_rad: plan.start().half_width_rad(),
+            turned: (plan.turned() != Turned::at(plan.start())).then_some(plan.turned()),
+            steps: plan.steps(),
+            step_rad: plan.step_rad(),
+            motion_s: plan.profile().duration_s(),
             retract_ml: None,
-            terms: Terms::default(),
+            whole: None,
+            terms: DoseTerms::default(),
             correction,
         }
     }

@@ -33,6 +33,11 @@ words!(Purpose {
 });
 
 impl Purpose {
+    /// Returns true if a motion of this purpose changes the carry.
+    pub(crate) fn changes_carry(self) -> bool {
+        matches!(self, Self::Dose | Self::Retract)
+    }
+
     /// Returns true if a cut-off motion of this purpose is to be resumed or accepted.
     pub fn is_delivery(self) -> bool {
         !matches!(self, Self::Calibrate | Self::Retract | Self::Jog)

@@ -1,22 +1,43 @@
 //! The state of a pump between doses.
 
+use std::f64::consts::PI;
+
 use pump_ctl::plan::Phase;
 use pump_model::Pump;
-use pump_model::math::{TURN_RAD, wrap};
+use pump_model::units::{TURN_RAD, wrap};
 use serde::{Deserialize, Serialize};
 
-use super::{Intent, PhaseSource, Purpose, Unfinished, Wear};
+use super::intent::is_zero;
+use super::{Account, Intent, PhaseSource, Purpose, Unfinished, Wear};
+
+/// Half width of an angle that is unknown, in rad. It covers the pitch of every pump, so the angle stays
+/// unknown when the number of rollers is corrected in the pump file.
+const UNKNOWN_RAD: f64 = PI;
+
+/// Largest number of rollers by which an earlier version may have recorded an unknown angle.
+const MOST_ROLLERS: u8 = 12;
+
+/// Difference between a planned and a booked volume that is rounding, in mL.
+const ROUNDING_ML: f64 = 1e-9;
 
 /// State of a pump between doses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct State {
+pub struct PumpState {
     /// Angle of the rotor from the model's zero, in rad, in [0, 2 pi).
     pub angle_rad: f64,
     /// Half width of the range around the angle that holds the true angle, in rad.
     pub half_width_rad: f64,
     /// Carry to the next dose, in mL. Positive toward the outlet.
     pub carry_ml: f64,
+    /// Half width of the range around the carry that holds the true carry, in mL, without the doses of
+    /// `account`.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub(crate) carry_half_width_ml: f64,
+    /// Account of the doses since the angle's half width last changed. `None` if the angle is known exactly,
+    /// or if no dose was made since.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) account: Option<Account>,
     /// Wear of the tube.
     pub wear: Wear,
     /// Dose that was begun and not finished.
@@ -37,13 +58,15 @@ pub struct State {
     pub released: bool,
 }
 
-impl State {
+impl PumpState {
     /// Returns the state of a rotor at `phase` with a new tube and without carry.
     pub fn fresh(phase: Phase, source: PhaseSource) -> Self {
         Self {
-            angle_rad: wrap(phase.angle_rad, TURN_RAD),
-            half_width_rad: phase.half_width_rad,
+            angle_rad: wrap(phase.angle_rad(), TURN_RAD),
+            half_width_rad: phase.half_width_rad(),
             carry_ml: 0.0,
+            carry_half_width_ml: 0.0,
+            account: None,
             wear: Wear::default(),
             unfinished: None,
             source,
@@ -53,123 +76,249 @@ impl State {
         }
     }
 
-    /// Returns the state once the angle is found at `phase`. The carry is dropped.
-    pub(crate) fn found(self, phase: Phase, source: PhaseSource) -> Self {
-        Self { carry_ml: 0.0, source, disturbances: 0, ..self.at(phase) }
+    /// Returns the state with an unknown angle recorded as such. Earlier versions recorded it as half of the
+    /// pitch that the pump file gave on that day.
+    #[must_use]
+    pub(crate) fn as_recorded(self, pitch_rad: f64) -> Self {
+        let half_pitch = |rollers: u8| self.half_width_rad == PI / f64::from(rollers);
+        let unknown = !self.phase().is_known(pitch_rad) || (2..=MOST_ROLLERS).any(half_pitch);
+        let half_width_rad = if unknown { self.half_width_rad.max(UNKNOWN_RAD) } else { self.half_width_rad };
+        Self { half_width_rad, ..self }
+    }
+
+    /// Returns the state once the angle is found at `phase`, or known to be unknown. The carry is dropped,
+    /// unless it belongs to an unfinished dose, which stays on record.
+    pub(crate) fn found(self, phase: Option<Phase>, source: PhaseSource, pump: &Pump) -> Self {
+        let state = match self.unfinished {
+            // The device's count began before the rotor was found.
+            Some(part) => {
+                Self { unfinished: Some(Unfinished { count_before: None, ..part }), ..self.closed(pump) }
+            }
+            None => self.without_carry(),
+        };
+        let phase = phase.unwrap_or(Phase::within(0.0, UNKNOWN_RAD));
+        Self { source, disturbances: 0, ..state.at(phase) }
+    }
+
+    /// Returns the state with nothing to carry.
+    #[must_use]
+    pub(crate) fn without_carry(self) -> Self {
+        Self { carry_ml: 0.0, carry_half_width_ml: 0.0, account: None, ..self }
     }
 
     /// Returns the state after the rotor may have been released and caught again. It fell by `by_rad` at
     /// most.
     ///
     /// After the second such disturbance the angle is unknown.
-    pub(crate) fn disturbed(self, by_rad: f64, pitch_rad: f64) -> Self {
+    pub(crate) fn disturbed(self, by_rad: f64, pump: &Pump) -> Self {
         let disturbances = self.disturbances.saturating_add(1);
-        let wider = Phase { half_width_rad: self.half_width_rad + by_rad, ..self.phase() };
-        let stands = if disturbances < 2 { self.at(wider) } else { self.lost(pitch_rad) };
-        Self { disturbances, ..stands }
+        if disturbances >= 2 {
+            return Self { disturbances, ..self.lost(pump) };
+        }
+        let wider = Phase::within(self.angle_rad, self.half_width_rad + by_rad);
+        Self { disturbances, ..self.closed(pump).at(wider) }
     }
 
     /// Returns the state once a lost device reports that it made `made` steps of the unfinished dose `part`.
     ///
-    /// Any other uncertainty of the angle stays.
-    pub(crate) fn recounted(self, part: &Unfinished, made: u64) -> Self {
+    /// Any other uncertainty of the angle stays, and an angle that is unknown stays unknown.
+    pub(crate) fn recounted(self, part: &Unfinished, made: i64, pump: &Pump) -> Self {
         let exact = Unfinished { made_least: made, made_most: made, count_before: None, ..*part };
-        let disturbed_rad = (self.half_width_rad - part.phase().half_width_rad).max(0.0);
-        let Phase { angle_rad, half_width_rad } = exact.phase();
-        let all = part.intent.steps.unsigned_abs();
+        let disturbed_rad = (self.half_width_rad - part.phase().half_width_rad()).max(0.0);
+        let counted = exact.phase();
+        let phase = if self.phase().is_known(pump.pitch_rad()) {
+            Phase::within(counted.angle_rad(), counted.half_width_rad() + disturbed_rad)
+        } else {
+            self.phase()
+        };
+        let all = part.intent.steps.abs();
+        let closed = self.closed(pump);
+        let surer_ml = part.intent.carry_in_half_width_ml + exact.unsure_ml(pump);
+        let carry_half_width_ml = match part.intent.purpose {
+            Purpose::Dose => closed.carry_half_width_ml.min(surer_ml),
+            _ => closed.carry_half_width_ml,
+        };
         Self {
             carry_ml: if made == all { part.intent.carry_out_ml } else { self.carry_ml },
-            unfinished: (made < all).then_some(exact),
-            ..self.at(Phase { angle_rad, half_width_rad: half_width_rad + disturbed_rad })
+            carry_half_width_ml,
+            unfinished: (made != all).then_some(exact),
+            ..closed.at(phase)
         }
     }
 
     /// Returns the state with the angle unknown.
-    pub(crate) fn lost(self, pitch_rad: f64) -> Self {
-        self.at(Phase::unknown(pitch_rad))
+    pub(crate) fn lost(self, pump: &Pump) -> Self {
+        self.closed(pump).at(Phase::within(0.0, UNKNOWN_RAD))
+    }
+
+    /// Returns the state with its account closed: the carry keeps the account's uncertainty.
+    pub(crate) fn closed(self, pump: &Pump) -> Self {
+        let open_ml = self.account.map_or(0.0, |account| account.half_width_ml(pump));
+        Self { carry_half_width_ml: self.carry_half_width_ml + open_ml, account: None, ..self }
+    }
+
+    /// Returns the half width of the range around the carry that holds the true carry, in mL.
+    ///
+    /// While a dose is unfinished, it is that of the carry before the dose.
+    pub fn carry_within_ml(&self, pump: &Pump) -> f64 {
+        match self.unfinished {
+            Some(part) => part.intent.carry_in_half_width_ml,
+            None => self.closed(pump).carry_half_width_ml,
+        }
     }
 
     /// Returns the state with the rotor at `phase`.
     #[must_use]
     pub fn at(self, phase: Phase) -> Self {
-        Self { angle_rad: wrap(phase.angle_rad, TURN_RAD), half_width_rad: phase.half_width_rad, ..self }
+        Self { angle_rad: wrap(phase.angle_rad(), TURN_RAD), half_width_rad: phase.half_width_rad(), ..self }
     }
 
     /// Returns the angle of the rotor, with its half width.
     pub fn phase(&self) -> Phase {
-        Phase { angle_rad: self.angle_rad, half_width_rad: self.half_width_rad }
+        Phase::within(self.angle_rad, self.half_width_rad)
     }
 
-    /// Returns the state once the rotor stands after `made_least` to `made_most` steps of `intent`.
-    pub(crate) fn after(self, intent: &Intent, made_least: u64, made_most: u64, pump: &Pump) -> Self {
-        let all = intent.steps.unsigned_abs();
+    /// Returns the state once the rotor stands after `made_least` to `made_most` net steps of `intent`.
+    ///
+    /// The tube wears by the most steps that may have been made in either direction.
+    pub(crate) fn after(self, intent: &Intent, made_least: i64, made_most: i64, pump: &Pump) -> Self {
+        let all = intent.steps.abs();
+        let worn = if -made_least > made_most { made_least } else { made_most };
         let part = Unfinished { intent: *intent, made_least, made_most, count_before: None };
         let wear = Wear {
-            volume_ml: self.wear.volume_ml + intent.delivered_ml(pump, made_most).abs(),
-            revolutions: self.wear.revolutions + made_most as f64 * intent.step_rad / TURN_RAD,
-            motion_s: self.wear.motion_s + intent.motion_s * made_most as f64 / all as f64,
+            volume_ml: self.wear.volume_ml + intent.delivered_ml(pump, worn).abs(),
+            revolutions: self.wear.revolutions + worn.abs() as f64 * intent.step_rad / TURN_RAD,
+            motion_s: self.wear.motion_s + intent.motion_s * worn.abs() as f64 / all as f64,
         };
-        let finished = made_least == all;
+        let finished = made_least == all && made_most == all;
+        let unfinished = match intent.purpose {
+            // A turn to find the angle of an unfinished dose leaves that dose on record.
+            Purpose::Jog => self.unfinished.map(|dose| Unfinished { count_before: None, ..dose }),
+            purpose => (!finished && purpose.is_delivery()).then_some(part),
+        };
         Self {
             carry_ml: match intent.purpose {
+                // The carry on record counts, whatever it was when the turn was planned.
+                Purpose::Jog => self.carry_ml,
                 _ if finished => intent.carry_out_ml,
                 // The volume sucked back is known within bounds: its middle counts.
-                Purpose::Retract => self.carry_ml - middle(intent, made_least, made_most, pump),
+                Purpose::Retract => self.carry_ml - part.motion_booked_ml(pump),
                 _ => self.carry_ml,
             },
             wear,
-            unfinished: (!finished && intent.purpose.is_delivery()).then_some(part),
+            unfinished,
             source: PhaseSource::Recorded,
-            ..self
+            ..self.booked(&part, pump)
         }
         .at(part.phase())
     }
-}
 
-/// Returns the middle of the volumes of the fewest and the most steps made, in mL.
-fn middle(intent: &Intent, made_least: u64, made_most: u64, pump: &Pump) -> f64 {
-    0.5 * (intent.delivered_ml(pump, made_least) + intent.delivered_ml(pump, made_most))
+    /// Returns the state with the steps of `part` in the account. Motions that do not change the carry close
+    /// the account instead.
+    fn booked(self, part: &Unfinished, pump: &Pump) -> Self {
+        let Unfinished { intent, made_least, made_most, .. } = part;
+        let before = self.account;
+        if !intent.purpose.changes_carry() {
+            return self.closed(pump);
+        }
+        let goes_on = intent.turned == before.map(|account| account.turned)
+            && before.is_none_or(|account| account.correction.zero_rad == intent.correction.zero_rad);
+        let closed = match before {
+            // A sum of parts with two displacements is as unsure as the change between them makes it.
+            Some(account) if goes_on => {
+                let change = (intent.correction.factor / account.correction.factor - 1.0).abs();
+                let changed_ml = change * account.half_width_ml(pump);
+                Self { carry_half_width_ml: self.carry_half_width_ml + changed_ml, ..self }
+            }
+            _ => self.closed(pump),
+        };
+        // A disturbance since the plan was made changes what its steps are booked with.
+        let finished = *made_least == intent.steps.abs() && made_most == made_least;
+        let slip_ml = (intent.planned_ml - part.motion_booked_ml(pump)).abs();
+        let slip_ml = if finished && slip_ml > ROUNDING_ML { slip_ml } else { 0.0 };
+        let turned = intent.turned_after(*made_least, *made_most);
+        Self {
+            carry_half_width_ml: closed.carry_half_width_ml + slip_ml,
+            account: (!turned.is_exact()).then_some(intent.account(turned)),
+            ..closed
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::displacement::Correction;
-    use crate::record::Terms;
+    use crate::record::DoseTerms;
 
     const PITCH_RAD: f64 = TURN_RAD / 3.0;
     const FALL_RAD: f64 = TURN_RAD / 100.0;
 
+    const TURN: Intent = Intent {
+        unix_s: 0,
+        purpose: Purpose::Jog,
+        requested_ml: 1.0,
+        carry_in_ml: 0.0,
+        carry_in_half_width_ml: 0.0,
+        planned_ml: 1.0,
+        carry_out_ml: 0.25,
+        start_angle_rad: 1.0,
+        half_width_rad: 0.0,
+        turned: None,
+        steps: -1000,
+        step_rad: 0.001,
+        motion_s: 1.0,
+        retract_ml: None,
+        whole: None,
+        terms: DoseTerms {
+            cruise_rad_s: None,
+            flow_ml_s: None,
+            fastest: false,
+            smooth: false,
+            low_flow: false,
+            max_outlet_kpa: None,
+            min_inlet_kpa: None,
+        },
+        correction: Correction::NONE,
+    };
+
     #[test]
     fn a_rotor_that_was_let_go_once_is_known_less_well_and_twice_not_at_all() {
-        let stood = State::fresh(Phase { angle_rad: 1.0, half_width_rad: 0.01 }, PhaseSource::Home);
-        let once = stood.disturbed(FALL_RAD, PITCH_RAD);
+        let pump = Pump::three_roller();
+        let stood = PumpState::fresh(Phase::within(1.0, 0.01), PhaseSource::Home);
+        let once = stood.disturbed(FALL_RAD, &pump);
         assert_eq!((once.angle_rad, once.half_width_rad), (1.0, 0.01 + FALL_RAD));
-        assert!(!once.disturbed(FALL_RAD, PITCH_RAD).phase().is_known(PITCH_RAD));
-        let found = once.found(Phase::known(2.0), PhaseSource::Mark);
-        assert!(found.disturbed(FALL_RAD, PITCH_RAD).phase().is_known(PITCH_RAD), "found anew");
+        assert!(!once.disturbed(FALL_RAD, &pump).phase().is_known(PITCH_RAD));
+        let found = once.found(Some(Phase::known(2.0)), PhaseSource::Mark, &pump);
+        assert!(found.disturbed(FALL_RAD, &pump).phase().is_known(PITCH_RAD), "found anew");
+    }
+
+    #[test]
+    fn a_lost_angle_stays_lost_however_often_the_device_tells_its_count() {
+        let pump = Pump::three_roller();
+        let mut state = PumpState::fresh(Phase::known(1.0), PhaseSource::Home);
+        for _ in 0..4 {
+            let start = state.phase();
+            let intent = Intent {
+                purpose: Purpose::Dose,
+                start_angle_rad: start.angle_rad(),
+                half_width_rad: start.half_width_rad(),
+                ..TURN
+            };
+            // The cable is pulled in motion, and the device tells its count when it is met again.
+            let lost = state.after(&intent, 300, 700, &pump).disturbed(FALL_RAD, &pump);
+            let part = Unfinished { count_before: Some(0), ..lost.unfinished.unwrap() };
+            state = lost.recounted(&part, 500, &pump);
+        }
+        assert!(!state.phase().is_known(PITCH_RAD), "{state:?}");
+        let found = state.found(Some(Phase::known(2.0)), PhaseSource::Mark, &pump);
+        assert!(found.phase().is_known(PITCH_RAD), "found");
     }
 
     #[test]
     fn a_rotor_that_was_turned_to_a_mark_leaves_nothing_to_resume() {
-        let intent = Intent {
-            unix_s: 0,
-            purpose: Purpose::Jog,
-            requested_ml: 1.0,
-            carry_in_ml: 0.0,
-            planned_ml: 1.0,
-            carry_out_ml: 0.25,
-            start_angle_rad: 1.0,
-            half_width_rad: 0.0,
-            steps: -1000,
-            step_rad: 0.001,
-            motion_s: 1.0,
-            retract_ml: None,
-            terms: Terms::default(),
-            correction: Correction::NONE,
-        };
-        let before = State { carry_ml: 0.25, ..State::fresh(Phase::known(1.0), PhaseSource::Home) };
-        let after = before.after(&intent, 400, 600, &Pump::three_roller());
+        let before = PumpState { carry_ml: 0.25, ..PumpState::fresh(Phase::known(1.0), PhaseSource::Home) };
+        let after = before.after(&TURN, 400, 600, &Pump::three_roller());
         assert_eq!(after.unfinished, None);
         assert_eq!((after.angle_rad, after.carry_ml), (0.5, 0.25));
         assert!((after.half_width_rad - 0.1).abs() < 1e-12);

@@ -1,10 +1,12 @@
 //! An unfinished dose: the rotor made a part of its steps, perhaps within bounds.
 
-use pump_ctl::plan::Phase;
+use pump_ctl::plan::{Phase, Turned};
 use pump_model::Pump;
+use pump_model::units::{TURN_RAD, wrap};
 use serde::{Deserialize, Serialize};
 
-use super::Intent;
+use super::{Intent, Whole};
+use crate::displacement::Correction;
 
 /// Dose that was begun and not finished.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -12,46 +14,91 @@ use super::Intent;
 pub struct Unfinished {
     /// Plan of the whole dose.
     pub intent: Intent,
-    /// Fewest steps that were made.
-    pub made_least: u64,
-    /// Most steps that were made.
-    pub made_most: u64,
+    /// Fewest net steps that were made in the dose's direction. Negative if the rotor may stand behind its
+    /// start.
+    pub made_least: i64,
+    /// Most net steps that were made in the dose's direction. The dose may have fewer.
+    pub made_most: i64,
     /// Count of the device at the start, if the device was lost on the way. Its count tells the steps made
     /// once it is met again.
     #[serde(default)]
-    pub count_before: Option<i64>,
+    pub(crate) count_before: Option<i64>,
 }
 
 impl Unfinished {
     /// Returns true if a device that counted `moved` steps since the start stayed within the announced
     /// bounds.
     pub(crate) fn holds(&self, moved: i64) -> bool {
-        let forward = moved.signum() != -self.intent.steps.signum();
-        forward && (self.made_least..=self.made_most).contains(&moved.unsigned_abs())
+        (self.made_least..=self.made_most).contains(&(moved * self.intent.steps.signum()))
     }
 
     /// Returns the middle of the possible angles, with the half width that covers them all.
-    pub fn phase(&self) -> Phase {
+    pub(crate) fn phase(&self) -> Phase {
         let [least, most] = [self.made_least, self.made_most].map(|made| self.intent.angle_after(made));
-        Phase {
-            angle_rad: 0.5 * (least + most),
-            half_width_rad: self.intent.half_width_rad + 0.5 * (most - least).abs(),
+        Phase::within(0.5 * (least + most), self.intent.half_width_rad + 0.5 * (most - least).abs())
+    }
+
+    /// Returns the smallest and largest volume that the dose may have delivered, in mL, the motions before
+    /// the last one included. Both are negative in reverse.
+    pub fn delivered_ml(&self, pump: &Pump) -> (f64, f64) {
+        let whole = self.whole(pump);
+        let (least_ml, most_ml) = self.intent.account(whole.turned).range_ml(pump);
+        (whole.least_ml + least_ml, whole.most_ml + most_ml)
+    }
+
+    /// Returns the volume that this dose is booked with so far, in mL, the motions before the last one
+    /// included.
+    pub(crate) fn booked_ml(&self, pump: &Pump) -> f64 {
+        self.intent.whole.map_or(0.0, |whole| whole.booked_ml) + self.motion_booked_ml(pump)
+    }
+
+    /// Returns the volume that the last motion of this dose is booked with so far, in mL.
+    pub(crate) fn motion_booked_ml(&self, pump: &Pump) -> f64 {
+        self.intent.booked_ml(pump, self.made_least, self.made_most)
+    }
+
+    /// Returns the largest error of the volume that this dose is booked with so far, in mL.
+    pub(super) fn unsure_ml(&self, pump: &Pump) -> f64 {
+        let ((least_ml, most_ml), booked_ml) = (self.delivered_ml(pump), self.booked_ml(pump));
+        (booked_ml - least_ml).max(most_ml - booked_ml)
+    }
+
+    /// Returns this dose as the whole of which a further motion makes the rest.
+    fn whole(&self, pump: &Pump) -> Whole {
+        let intent = &self.intent;
+        let (before, turned) = match intent.whole {
+            Some(whole) => ((whole.least_ml, whole.most_ml), whole.turned),
+            None => ((0.0, 0.0), Turned::at(intent.start())),
+        };
+        Whole {
+            requested_ml: intent.whole_requested_ml(),
+            booked_ml: self.booked_ml(pump),
+            least_ml: before.0,
+            most_ml: before.1,
+            turned: intent.turned_by(turned, self.made_least, self.made_most),
         }
     }
 
-    /// Returns the smallest and largest volume that the dose may have delivered, in mL. Both are negative in
-    /// reverse.
-    pub fn delivered_ml(&self, pump: &Pump) -> (f64, f64) {
-        let [least, most] = [self.made_least, self.made_most].map(|made| self.intent.range_ml(pump, made));
-        (least.0.min(most.0), least.1.max(most.1))
+    /// Returns this dose as the whole for a rest that starts at `stands` with `correction`.
+    ///
+    /// The turn goes on if nothing has disturbed the rotor since and the displacement is the one of before.
+    /// Otherwise the volumes of both parts add up.
+    pub(crate) fn whole_for_rest(&self, pump: &Pump, stands: Phase, correction: Correction) -> Whole {
+        let whole = self.whole(pump);
+        let ended = self.phase();
+        let undisturbed = ended.moved_to(wrap(ended.angle_rad(), TURN_RAD));
+        if undisturbed == stands && correction == self.intent.correction {
+            return whole;
+        }
+        let (least_ml, most_ml) = self.delivered_ml(pump);
+        Whole { least_ml, most_ml, turned: Turned::at(stands), ..whole }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::displacement::Correction;
-    use crate::record::{Purpose, Terms};
+    use crate::record::{DoseTerms, Purpose};
 
     #[test]
     fn a_count_is_within_what_was_announced_only_in_its_direction() {
@@ -61,15 +108,18 @@ mod tests {
                 purpose: Purpose::Dose,
                 requested_ml: 1.0,
                 carry_in_ml: 0.0,
+                carry_in_half_width_ml: 0.0,
                 planned_ml: 1.0,
                 carry_out_ml: 0.0,
                 start_angle_rad: 0.0,
                 half_width_rad: 0.0,
+                turned: None,
                 steps,
                 step_rad: 0.001,
                 motion_s: 1.0,
                 retract_ml: None,
-                terms: Terms::default(),
+                whole: None,
+                terms: DoseTerms::default(),
                 correction: Correction::NONE,
             },
             made_least: 0,

@@ -5,14 +5,26 @@ use std::fmt::Write;
 use pump_model::Pump;
 use serde_json::json;
 
+use super::status::UnfinishedCalibration;
 use crate::bench::Bench;
-use crate::calibration::{AgainstSpeed, CalibrationError, Displacement, Stored};
+use crate::calibration::{AgainstSpeed, CalibrationError, Displacement, Stored, default_rate_uncovered};
+use crate::displacement::SpeedDependentPump;
 use crate::numbers::short;
 use crate::pump_file::PumpFile;
 
-/// One line of JSON of a calibration that was stored.
-pub fn calibration_json(stored: &Stored) -> String {
-    format!("{}\n", json!(stored))
+/// One line of JSON of a calibration that was stored, with the warnings of its fit.
+///
+/// # Errors
+///
+/// A displacement that cannot be had of this pump.
+pub fn calibration_json(bench: &Bench, stored: &Stored) -> Result<String, CalibrationError> {
+    let warnings = match &stored.calibration.displacement {
+        Some(found) => warnings(bench.file(), bench.model(), found)?,
+        None => Vec::new(),
+    };
+    let mut report = json!(stored);
+    report["warnings"] = json!(warnings);
+    Ok(format!("{report}\n"))
 }
 
 /// One line of JSON of every calibration (`calibrations/1`); `active` is the one in use.
@@ -31,15 +43,22 @@ pub fn calibration_text(bench: &Bench, stored: &Stored) -> Result<String, Calibr
     let mut text = heading(bench, stored, found);
     text += &factors(base, stored, found)?;
     text += &scatter(file, found).unwrap_or_default();
-    text += &warnings(file, found);
+    for warning in warnings(file, base, found)? {
+        text += &format!("  warning: {warning}\n");
+    }
     text += &range(base, found)?;
     Ok(text)
 }
 
-/// Lists every calibration, a line each; the one in use is marked.
+/// Lists every calibration, a line each; the one in use is marked. A guided calibration that is unfinished comes last.
 pub fn calibrations_text(bench: &Bench, all: &[Stored], active: Option<u32>) -> String {
+    let unfinished = UnfinishedCalibration::of(bench).map_or(String::new(), |found| found.text() + "\n");
+    finished_text(bench, all, active) + &unfinished
+}
+
+fn finished_text(bench: &Bench, all: &[Stored], active: Option<u32>) -> String {
     if all.is_empty() {
-        let (pump, driver) = (&bench.file().pump.id, bench.driver());
+        let (pump, driver) = (&bench.file().pump.id, bench.drive_id());
         return format!(
             "{pump} ({driver}) is not calibrated; `dose calibrate run` weighs what it delivers\n"
         );
@@ -55,9 +74,9 @@ fn listed(stored: &Stored, active: Option<u32>) -> String {
     let Stored { version, calibration } = stored;
     let mark = if active == Some(*version) { '*' } else { ' ' };
     let what = calibration.displacement.as_ref().map_or("zero only".to_owned(), |found| {
-        let factor = match &found.speed_law {
+        let factor = match &found.law {
             None => format!("times {:.4}", found.factor),
-            Some(law) => format!("s {:.4}, D {:.2e} /kPa", law.scale, law.distensibility_per_kpa),
+            Some(law) => law.to_string(),
         };
         format!("{} runs at {}, {factor}", calibration.runs.len(), speeds(found))
     });
@@ -85,7 +104,7 @@ fn heading(bench: &Bench, stored: &Stored, found: &Displacement) -> String {
     format!(
         "calibration {version} of {} ({}): {} runs at {}, {} at {} °C\n",
         bench.file().pump.id,
-        bench.driver(),
+        bench.drive_id(),
         calibration.runs.len(),
         speeds(found),
         calibration.fluid,
@@ -93,7 +112,7 @@ fn heading(bench: &Bench, stored: &Stored, found: &Displacement) -> String {
     )
 }
 
-/// The factor on the model's volume at each speed, and the speed law if one was fitted.
+/// The factor on the model's volume at each speed, and the law if one was fitted.
 fn factors(base: &Pump, stored: &Stored, found: &Displacement) -> Result<String, CalibrationError> {
     let mut text = String::new();
     for rpm in &found.speeds_rpm {
@@ -105,14 +124,8 @@ fn factors(base: &Pump, stored: &Stored, found: &Displacement) -> Result<String,
             factor * stored.calibration.revolution_ml
         );
     }
-    if let Some(law) = &found.speed_law {
-        text += &format!(
-            "  speed law  s {:.5} ± {:.5}, D {:.3e} ± {:.1e} /kPa (k = 2)\n",
-            law.scale,
-            2.0 * law.scale_standard,
-            law.distensibility_per_kpa,
-            2.0 * law.distensibility_standard_per_kpa
-        );
+    if let Some(law) = &found.law {
+        text += &format!("  speed law  {}\n", law.text_with_uncertainty());
     }
     Ok(text)
 }
@@ -124,14 +137,14 @@ fn scatter(file: &PumpFile, found: &Displacement) -> Option<String> {
     let departure = match found.speeds_rpm.len() {
         0..3 => String::new(),
         _ => {
-            let of = if found.speed_law.is_some() { "speed law" } else { "line" };
+            let of = if found.law.is_some() { "speed law" } else { "line" };
             format!(", speeds depart from the {of} by {:.3} %", 100.0 * found.lack_of_fit)
         }
     };
     Some(format!("  runs scatter by {percent:.3} % (the pump file says {expected} %){departure}\n"))
 }
 
-fn warnings(file: &PumpFile, found: &Displacement) -> String {
+fn warnings(file: &PumpFile, base: &Pump, found: &Displacement) -> Result<Vec<String>, CalibrationError> {
     let mut warnings: Vec<String> = found
         .outliers
         .iter()
@@ -155,12 +168,14 @@ fn warnings(file: &PumpFile, found: &Displacement) -> String {
         2 => Some("two speeds do not show whether a line fits; calibrate at three or more".to_owned()),
         _ => None,
     });
-    warnings.into_iter().map(|warning| format!("  warning: {warning}\n")).collect()
+    warnings.extend(default_rate_uncovered(file, base, found)?);
+    Ok(warnings)
 }
 
 /// The flows of the doses that use the calibration.
 fn range(base: &Pump, found: &Displacement) -> Result<String, CalibrationError> {
-    let flows = AgainstSpeed::of(Some(found), None, base).map(|against| against.flows_ml_s(false));
+    let pump = SpeedDependentPump::constant(*base);
+    let flows = AgainstSpeed::of(Some(found), &pump).map(|against| against.flows_ml_s(false));
     let doses = match flows.transpose()?.flatten() {
         Some((least_ml_s, most_ml_s)) => format!("doses from {least_ml_s:.3} to {most_ml_s:.3} mL/s"),
         None => "doses".to_owned(),

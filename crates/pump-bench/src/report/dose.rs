@@ -1,14 +1,15 @@
 //! The report of a dose, and its JSON for programs. `dose_text.rs` and `dose_details.rs` have its words for people.
 
-use pump_ctl::plan::{Finish, LimitedBy, Plan, SetBy};
-use pump_model::math::{degrees, rpm};
-use pump_model::{Extremes, Ripple};
+use pump_ctl::plan::{Finish, LimitedBy, SetBy};
+use pump_model::units::{degrees, rpm};
+use pump_model::{BackFlow, Extremes, Ripple};
 use serde::Serialize;
 
 use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 use crate::bench::{Bench, Delivered};
 use crate::calibration::{Applied, Made};
-use crate::dosing::{Budget, Prepared, Share};
+use crate::dosing::{Budget, Prepared, Share, Swept};
+use crate::drives::{Identity, registry};
 use crate::pump_file::{DriverName, PumpFile, UncheckedLimit};
 use crate::record::{PhaseSource, Purpose};
 
@@ -19,19 +20,20 @@ pub struct DoseReport {
     pub schema: &'static str,
     /// Id of the pump.
     pub pump: String,
-    /// Driver of the motor.
-    pub driver: DriverName,
+    /// Name of the drive.
+    pub driver: String,
     /// True if no motor moved.
     pub simulated: bool,
     /// Port to which the motor is connected; null if the motor is simulated.
     pub device: Option<String>,
-    /// Reason why the pump turns: `dose`, `prime`, `purge` or `calibrate`.
+    /// Reason why the pump turns: `dose`, `prime`, `purge`, `calibrate` or `retract`.
     pub purpose: Purpose,
     /// Volume that was asked for, mL.
     pub requested_ml: f64,
     /// Carry of earlier doses, mL, positive toward the outlet.
     pub carry_in_ml: f64,
-    /// Model volume of the planned steps after the line has settled, mL; the middle of the least and the most.
+    /// Model volume of the planned steps after the line has settled, mL. From an angle that is not known exactly it is
+    /// the part of this dose in the middle of all sums with the earlier doses.
     pub planned_ml: f64,
     /// Smallest model volume of the planned steps from an angle at which the rollers may stand, mL.
     pub volume_least_ml: f64,
@@ -64,11 +66,15 @@ pub struct DoseReport {
     pub steps_per_rev: f64,
     /// Volume that is sucked back after the dose, or was, mL; null if no retraction was asked for.
     pub retraction_ml: Option<f64>,
+    /// True if the whole retraction was made; null if none was asked for, or on a dry run.
+    pub retraction_completed: Option<bool>,
     /// Place in a pitch at which the dose may end: `any` or `low-flow`.
     #[serde(serialize_with = "finish_word")]
     pub finish: Finish,
     /// Carry to the next dose, mL: requested + carry in - planned; a prime or purge leaves the carry as it was.
     pub carry_ml: f64,
+    /// Half width of the range around `carry_ml` that holds the true carry, mL; 0 if the carry is known exactly.
+    pub carry_half_width_ml: f64,
     /// Speed of the pump head while cruising, r/min; the mean over time if the flow is smooth.
     pub cruise_speed_rpm: f64,
     /// Fastest speed of the pump head, r/min.
@@ -79,8 +85,16 @@ pub struct DoseReport {
     pub mean_flow_ml_s: f64,
     /// Time from the start to the last step, s.
     pub motion_s: f64,
+    /// Time from the start to the last step that was made, s, by the clock; null on a dry run. A simulated motor takes
+    /// the time of its plan.
+    pub measured_motion_s: Option<f64>,
     /// Time from the last step until less than 1 µL is undelivered, s.
     pub settle_s: f64,
+    /// Largest volume delivered less the final one, before any retraction, mL: the line swings at the stop. It is
+    /// predicted; null if the dose was stopped early.
+    pub backflow_ml: Option<f64>,
+    /// All that the line takes back from the vessel on the way, before any retraction, mL; null as `backflow_ml`.
+    pub reverse_flow_ml: Option<f64>,
     /// Smallest predicted inlet pressure, kPa absolute.
     pub inlet_min_kpa: f64,
     /// Largest predicted inlet pressure, kPa absolute.
@@ -100,7 +114,9 @@ pub struct DoseReport {
     pub ripple_before: RippleReport,
     /// Ripple of the planned flow at the outlet's rollers: less than before if the flow is smooth.
     pub ripple_after: RippleReport,
-    /// Limit that keeps the dose from being faster.
+    /// Limit that keeps the dose from being faster: `none`, `speed`, `acceleration`, `torque`, or a pressure by its
+    /// port. `inlet_pressure` and `outlet_pressure` are the largest pressures allowed there, `inlet_suction` and
+    /// `outlet_suction` the smallest.
     #[serde(serialize_with = "limit_word")]
     pub limited_by: LimitedBy,
     /// Smallest pressure that is allowed at the port that sucks, kPa absolute; null if none is known.
@@ -159,7 +175,7 @@ impl DoseReport {
     /// Reports a prepared dose that was run, or a dry run.
     pub fn new(bench: &Bench, prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
         let device = bench.drive().port.as_ref().map(|port| port.display().to_string());
-        Self { device, ..Self::without_bench(bench.file(), bench.driver(), prepared, delivered) }
+        Self { device, ..Self::of(bench.file(), bench.identity(), prepared, delivered) }
     }
 
     /// Reports a dose that was planned without a bench, so without a record.
@@ -169,59 +185,69 @@ impl DoseReport {
         prepared: &Prepared,
         delivered: Option<&Delivered>,
     ) -> Self {
+        Self::of(file, &registry::identity(driver), prepared, delivered)
+    }
+
+    fn of(file: &PumpFile, drive: &Identity, prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
         let (model, plan, applied) = (&prepared.model, &prepared.plan, prepared.applied.as_ref());
-        let (way, part) = (Way::of(prepared, delivered), part_made(prepared, delivered));
-        let budget = Budget::new(model, &part, &file.uncertainty, applied);
-        let (ripples, motion_s) = (plan.ripples(model), plan.profile.duration_s());
+        let (whole, part) = (WholeDose::of(prepared, delivered), part_made(prepared, delivered));
+        let budget = budget(file, prepared, &part);
+        let (ripples, motion_s) = (plan.ripples(model), plan.profile().duration_s());
         let lowest = prepared.limits.lowest_where_it_sucks();
+        let (backflow_ml, reverse_flow_ml) = back_flow_ml(prepared, delivered).unzip();
         Self {
             schema: "dose/1",
             pump: file.pump.id.clone(),
-            driver,
-            simulated: driver == DriverName::Sim,
+            driver: drive.id.clone(),
+            simulated: drive.is_simulated,
             device: None,
             purpose: prepared.request.purpose,
-            requested_ml: plan.requested_ml,
-            carry_in_ml: plan.carry_in_ml,
-            planned_ml: plan.planned_ml,
-            volume_least_ml: part.least_ml,
-            volume_most_ml: part.most_ml,
+            requested_ml: plan.requested_ml(),
+            carry_in_ml: plan.carry_in_ml(),
+            planned_ml: plan.planned_ml(),
+            volume_least_ml: part.range_ml.0,
+            volume_most_ml: part.range_ml.1,
             delivered_ml: delivered.map(|delivered| delivered.volume_ml),
             volume_basis: basis(file, applied),
             calibration: applied.and_then(CalibrationReport::of),
-            speed_law_factor: applied.and_then(|by| by.speed_law().map(|_| by.correction.factor)),
+            speed_law_factor: applied.and_then(|by| by.law_standard().map(|_| by.correction.factor)),
             expanded_uncertainty_ml: budget.expanded_ml(),
             uncertainty_budget: budget.shares,
             phase: PhaseReport::of(prepared),
-            start_angle_deg: degrees(plan.start.angle_rad),
-            end_angle_deg: degrees(way.end_rad),
-            steps: plan.steps,
-            steps_made: delivered.map(|delivered| delivered.made as i64 * plan.steps.signum()),
-            steps_per_rev: plan.steps_per_rev,
+            start_angle_deg: degrees(plan.start().angle_rad()),
+            end_angle_deg: degrees(whole.end_rad),
+            steps: plan.steps(),
+            steps_made: delivered.map(|end| end.made as i64 * plan.steps().signum()),
+            steps_per_rev: plan.steps_per_rev(),
             retraction_ml: retraction_ml(prepared, delivered),
-            finish: plan.finish,
+            retraction_completed: prepared.retraction.as_ref().and(delivered).map(|end| end.sucked_back),
+            finish: plan.finish(),
             carry_ml: carry_ml(prepared, delivered),
-            cruise_speed_rpm: rpm(plan.profile.cruise_rad_s()),
-            peak_speed_rpm: rpm(plan.profile.peak_rad_s()),
+            carry_half_width_ml: prepared.carry_within_ml(whole.end_rad),
+            cruise_speed_rpm: rpm(plan.profile().cruise_rad_s()),
+            peak_speed_rpm: rpm(plan.profile().peak_rad_s()),
             cruise_flow_ml_s: plan.cruise_flow_ml_s(model),
-            mean_flow_ml_s: plan.planned_ml.abs() / motion_s,
+            mean_flow_ml_s: plan.planned_ml().abs() / motion_s,
             motion_s,
+            measured_motion_s: delivered.map(|delivered| delivered.measured_s),
             settle_s: prepared.prediction.settle_s,
-            inlet_min_kpa: way.inlet.min_kpa,
-            inlet_max_kpa: way.inlet.max_kpa,
-            outlet_min_kpa: way.outlet.min_kpa,
-            outlet_max_kpa: way.outlet.max_kpa,
+            backflow_ml,
+            reverse_flow_ml,
+            inlet_min_kpa: whole.inlet.min_kpa,
+            inlet_max_kpa: whole.inlet.max_kpa,
+            outlet_min_kpa: whole.outlet.min_kpa,
+            outlet_max_kpa: whole.outlet.max_kpa,
             ambient_kpa: file.ambient.pressure_kpa,
             torque_needed_n_m: prepared.margins.torque.map(|torque| torque.reached),
             torque_available_n_m: prepared.margins.torque.map(|torque| torque.limit),
             ripple_before: ripples.before.into(),
             ripple_after: ripples.after.into(),
-            limited_by: plan.limited_by,
+            limited_by: plan.limited_by(),
             inlet_limit_kpa: lowest.map(|lowest| lowest.kpa),
             inlet_limit: lowest.map(|lowest| lowest.set_by),
             limits_not_checked: file.not_checked(&prepared.limits),
-            warnings: prepared.warnings.clone(),
-            completed: delivered.is_some_and(|delivered| delivered.completed),
+            warnings: warnings(prepared, delivered),
+            completed: delivered.is_some_and(|end| end.completed),
         }
     }
 
@@ -231,14 +257,14 @@ impl DoseReport {
     }
 }
 
-/// The way of a dose and its retraction: predicted pressures, kPa absolute, and the angle at its end, planned or made.
-struct Way {
+/// A dose with its retraction: predicted pressures, kPa absolute, and the angle at its end, planned or made.
+struct WholeDose {
     inlet: Extremes,
     outlet: Extremes,
     end_rad: f64,
 }
 
-impl Way {
+impl WholeDose {
     fn of(prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
         let Prepared { prediction, plan, .. } = prepared;
         let (mut inlet, mut outlet, mut end_rad) =
@@ -252,15 +278,18 @@ impl Way {
 }
 
 /// The part of the plan that was made: a dose that was stopped is as unsure as that part.
-fn part_made(prepared: &Prepared, delivered: Option<&Delivered>) -> Plan {
+fn part_made(prepared: &Prepared, delivered: Option<&Delivered>) -> Swept {
     let (model, plan) = (&prepared.model, &prepared.plan);
-    let mut part = *plan;
-    if let Some(delivered) = delivered.filter(|delivered| !delivered.completed) {
-        part.steps = delivered.made as i64 * plan.steps.signum();
-        (part.least_ml, part.most_ml) = plan.range_ml(model, delivered.made);
-        part.planned_ml = plan.delivered_ml(model, delivered.made);
+    match delivered.filter(|delivered| !delivered.completed) {
+        Some(delivered) => Swept::part(model, plan, delivered.made),
+        None => Swept::whole(model, plan),
     }
-    part
+}
+
+/// The warnings of the plan, then those of the motion.
+fn warnings(prepared: &Prepared, delivered: Option<&Delivered>) -> Vec<String> {
+    let after = delivered.map_or(&[][..], |delivered| &delivered.warnings);
+    [&prepared.warnings, after].concat()
 }
 
 /// The basis of the volumes of a pump with what a calibration or a speed law changes of it.
@@ -275,7 +304,20 @@ fn basis(file: &PumpFile, applied: Option<&Applied>) -> VolumeBasis {
 /// The volume that is sucked back, or was, mL.
 fn retraction_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> Option<f64> {
     let back = prepared.retraction.as_ref()?;
-    Some(delivered.map_or(-back.plan.planned_ml, |delivered| delivered.retracted_ml))
+    Some(delivered.map_or(-back.plan.planned_ml(), |delivered| delivered.retracted_ml))
+}
+
+/// The uncertainty budget of the part that was made.
+fn budget(file: &PumpFile, prepared: &Prepared, part: &Swept) -> Budget {
+    let budget = Budget::new(&prepared.model, part, &file.uncertainty, prepared.applied.as_ref());
+    budget.with_carry_within(prepared.plan.carry_in_ml(), prepared.carry_in_within_ml())
+}
+
+/// The back flow and the reverse flow of a dose that was made to its end or is planned, mL.
+fn back_flow_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> Option<(f64, f64)> {
+    let is_whole = delivered.is_none_or(|delivered| delivered.made == prepared.plan.steps().unsigned_abs());
+    let BackFlow { backflow_ml, reverse_flow_ml } = prepared.back_flow;
+    is_whole.then_some((backflow_ml, reverse_flow_ml))
 }
 
 /// The carry to the next dose, mL.
@@ -293,10 +335,12 @@ impl CalibrationReport {
 
 impl PhaseReport {
     fn of(prepared: &Prepared) -> Self {
+        // Only the angle within a pitch matters.
+        let half_width_rad = prepared.plan.start().half_width_rad().min(0.5 * prepared.model.pitch_rad());
         Self {
-            known: prepared.plan.start.is_known(prepared.model.pitch_rad()),
+            known: prepared.plan.start().is_known(prepared.model.pitch_rad()),
             source: prepared.phase_source,
-            half_width_deg: degrees(prepared.plan.start.half_width_rad),
+            half_width_deg: degrees(half_width_rad),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The details of a dose's report for people, a line each, down to the uncertainty budget.
 
-use pump_model::math::wrap;
+use pump_model::units::wrap;
 
 use super::choices::VolumeBasis;
 use super::dose::DoseReport;
@@ -21,6 +21,7 @@ impl DoseReport {
             ("speed", Some(self.speed())),
             ("flow", self.ripple()),
             ("time", Some(self.time())),
+            ("back flow", self.back_flow()),
             ("pressures", Some(self.pressures())),
             ("suction", self.suction()),
             ("torque", self.torque()),
@@ -104,6 +105,11 @@ impl DoseReport {
 
     fn time(&self) -> String {
         format!("{:.3} s in motion, {:.3} s to settle within 1 µL", self.motion_s, self.settle_s)
+    }
+
+    fn back_flow(&self) -> Option<String> {
+        let [back, reverse] = [self.backflow_ml?, self.reverse_flow_ml?].map(|ml| significant(1e3 * ml, 2));
+        Some(format!("{back} µL after the line's swing at the stop; {reverse} µL flow back in all"))
     }
 
     fn pressures(&self) -> String {

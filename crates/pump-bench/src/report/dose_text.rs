@@ -1,7 +1,7 @@
 //! The report of a dose in three lines for people; digits are cut to the uncertainty.
 
+use libm::floor;
 use pump_ctl::plan::LimitedBy;
-use pump_model::math::floor;
 
 use super::dose::DoseReport;
 use crate::bench::headline;

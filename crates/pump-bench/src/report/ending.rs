@@ -13,6 +13,8 @@ pub enum Ending {
     Busy,
     /// Nothing moved: an unfinished dose is on record.
     Unfinished,
+    /// Nothing moved: the user asked to stop.
+    Stopped,
     /// The pump had begun to move.
     Moved,
 }
@@ -23,19 +25,24 @@ impl DoseError {
         match self {
             Self::Folder(error) => error.ending(),
             Self::Connection(error) => error.ending(),
-            Self::Unfinished { .. } => Ending::Unfinished,
+            Self::Unfinished { .. }
+            | Self::NoRest { .. }
+            | Self::BeyondRequest { .. }
+            | Self::AngleIsKnown => Ending::Unfinished,
             Self::Drive { .. }
             | Self::NoIndex { .. }
             | Self::Retraction { .. }
             | Self::NotJournalled { .. }
+            | Self::SlowDisk { .. }
             | Self::AngleNotRecorded { .. }
             | Self::NotRecorded { .. } => Ending::Moved,
             Self::PumpFile(_)
             | Self::Plan(_)
             | Self::Journal(_)
             | Self::Calibration(_)
-            | Self::SpeedLaw(_)
+            | Self::Displacement(_)
             | Self::RunsTheOtherWay { .. }
+            | Self::SuckBack { .. }
             | Self::TubeWorn { .. }
             | Self::Stale { .. }
             | Self::TooSlow { .. }
@@ -61,7 +68,14 @@ impl DriveError {
     fn ending(&self) -> Ending {
         match self {
             Self::Busy { .. } => Ending::Busy,
-            Self::Unable { .. } | Self::Device(_) | Self::Sim(_) => Ending::Refused,
+            Self::Interrupted => Ending::Stopped,
+            Self::Unable { .. }
+            | Self::Device(_)
+            | Self::Name { .. }
+            | Self::Other { .. }
+            | Self::NotGiven { .. }
+            | Self::NotBuilt { .. }
+            | Self::Sim(_) => Ending::Refused,
         }
     }
 }

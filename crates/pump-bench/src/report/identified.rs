@@ -1,11 +1,15 @@
 //! An identified line in words, as JSON and as lines for a pump file.
 
+use libm::{floor, log};
 use pump_model::identification::Estimate;
-use pump_model::math::{floor, log};
 use pump_model::metrics;
 use serde_json::{Map, json};
 
 use crate::identification::Identified;
+use crate::numbers::significant;
+
+/// Significant digits of a value whose points tell no error.
+const DIGITS: i32 = 6;
 
 impl Identified {
     /// The table of the pump file with what was found.
@@ -20,6 +24,9 @@ impl Identified {
         ] {
             let found = self.parameters.iter().find(|parameter| parameter.key == key && !parameter.is_held);
             text += &match found {
+                Some(found) if !self.has_errors() => {
+                    format!("{key} = {}  # found\n", significant(found.found.value, DIGITS))
+                }
                 // One digit more than is known.
                 Some(found) => format!("{key} = {value:.*}  # found\n", decimals(found.found.standard) + 1),
                 None => format!("{key} = {value:?}\n"),
@@ -35,6 +42,8 @@ impl Identified {
             .iter()
             .map(|parameter| {
                 let Estimate { value, standard } = parameter.found;
+                let is_told = parameter.is_held || self.has_errors();
+                let standard = is_told.then_some(standard);
                 let found = json!({ "value": value, "standard": standard, "held": parameter.is_held });
                 (parameter.key.to_owned(), found)
             })
@@ -44,6 +53,7 @@ impl Identified {
             "kind": self.kind,
             "line": self.port.name(),
             "parameters": parameters,
+            "rows": self.rows,
             "points": self.points.len(),
             "independent_points": self.independent,
             "rmse_kpa": metrics::rmse(self.pairs()),
@@ -63,6 +73,9 @@ impl Identified {
             let (name, unit) = (parameter.name, parameter.unit);
             text += &if parameter.is_held {
                 format!("  {name:<13}{value} {unit}, held\n")
+            } else if !self.has_errors() {
+                let (value, count) = (significant(value, DIGITS), self.points.len());
+                format!("  {name:<13}{value} {unit}, no error from {count} points that agree exactly\n")
             } else {
                 let digits = decimals(standard);
                 format!("  {name:<13}{value:.digits$} ± {:.digits$} {unit}\n", 2.0 * standard)

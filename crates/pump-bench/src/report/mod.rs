@@ -6,6 +6,7 @@ mod dose;
 mod dose_details;
 mod dose_text;
 mod ending;
+mod error;
 mod identified;
 mod phase;
 mod pump_check;
@@ -19,8 +20,9 @@ pub use calibration::{calibration_json, calibration_text, calibrations_json, cal
 pub use choices::{Format, VolumeBasis};
 pub use dose::{CalibrationReport, DoseReport, PhaseReport, RippleReport};
 pub use ending::Ending;
+pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain};
 pub use phase::{phase_json, phase_text};
 pub use pump_check::pump_check;
 pub use rotor::{carry_dropped_text, rotor_text};
 pub use simulation::SimulationReport;
-pub use status::{CalibrationStatus, Status, UnfinishedStatus};
+pub use status::{CalibrationStatus, Status, UnfinishedCalibration, UnfinishedStatus};

@@ -1,24 +1,26 @@
 //! The check of a pump file in words: what the pump gives.
 
-use pump_model::math::{degrees, rad_s, sin};
+use libm::sin;
+use pump_model::units::{degrees, rad_s};
 use pump_model::{Line, Pump, RollerVolume};
 
-use crate::displacement::{RangedLaw, SpeedLawError};
+use crate::displacement::{DisplacementError, SpeedDependentPump};
 use crate::pump_file::{LineTable, PumpFile, RollerVolumeTable};
 
 /// Says what the pump of a file gives, a line each: volumes, flows, speeds, fluid, lines and uncertainty.
 ///
 /// # Errors
 ///
-/// A pump that cannot be modelled, or a speed law that does not hold for it.
-pub fn pump_check(file: &PumpFile) -> Result<String, SpeedLawError> {
-    let pump = file.model()?;
+/// A pump that cannot be modelled, or a law of its displacement that does not hold for it.
+pub fn pump_check(file: &PumpFile) -> Result<String, DisplacementError> {
+    let by_speed = file.speed_dependent_pump()?;
+    let pump = *by_speed.base();
     let lines = [
         ("roller", roller_text(file, pump.roller_volume())?),
         ("volume", volume_text(&pump)),
         ("flow", flow_text(&pump)),
-        ("speed law", speed_law_text(file, &pump)?),
-        ("fastest", format!("{} r/min, {:.3} mL/s", file.motor.max_speed_rpm, fastest_ml_s(file, &pump)?)),
+        ("speed law", law_text(&by_speed)?),
+        ("fastest", fastest_text(file, &by_speed)?),
         ("step", step_text(file, &pump)),
         ("fluid", fluid_text(file)),
         ("inlet", line_text(file, &file.inlet, pump.inlet())),
@@ -52,11 +54,10 @@ fn fluid_text(file: &PumpFile) -> String {
 }
 
 fn uncertainty_text(file: &PumpFile) -> String {
-    let law = file.speed_law.standard();
     format!(
         "{} % of the volume{} and {} mL of a roller (standard uncertainty)",
-        100.0 * law.unwrap_or(file.uncertainty.model_percent / 100.0),
-        if law.is_some() { " (the speed law's)" } else { "" },
+        100.0 * file.model_standard(),
+        if file.law_standard().is_some() { " (the speed law's)" } else { "" },
         file.uncertainty.roller_volume_ml,
     )
 }
@@ -71,33 +72,27 @@ fn overlap(pump: &Pump) -> Option<String> {
 }
 
 /// The dependence of the volume on the speed.
-fn speed_law_text(file: &PumpFile, pump: &Pump) -> Result<String, SpeedLawError> {
-    let Some(RangedLaw { law, least_rpm, most_rpm }) = file.speed_law()? else {
+fn law_text(pump: &SpeedDependentPump) -> Result<String, DisplacementError> {
+    let Some(law) = pump.law() else {
         return Ok("none: the same volume at every speed".to_owned());
     };
-    let factor = |rpm: f64| law.factor(pump, rad_s(rpm));
+    let (least_rpm, most_rpm) = law.range_rpm();
+    let factor = |rpm: f64| law.factor_at(pump.base(), rad_s(rpm));
     Ok(format!(
-        "inlet-pressure, s {}, D {:e} /kPa, closed at {:.2}°: {least_rpm} to {most_rpm} r/min, times {:.4} to {:.4}; \
-         experimental",
-        law.scale,
-        law.distensibility_per_kpa,
-        degrees(law.closure_rad),
+        "{law}: {least_rpm} to {most_rpm} r/min, times {:.4} to {:.4}; experimental",
         factor(least_rpm)?,
         factor(most_rpm)?,
     ))
 }
 
-/// Mean flow at the motor's fastest speed, or the largest that the speed law gives up to it, mL/s.
-fn fastest_ml_s(file: &PumpFile, pump: &Pump) -> Result<f64, SpeedLawError> {
+/// The motor's fastest speed, and the largest mean flow up to it.
+fn fastest_text(file: &PumpFile, pump: &SpeedDependentPump) -> Result<String, DisplacementError> {
     let most_rpm = file.motor.max_speed_rpm;
-    match file.speed_law()? {
-        None => Ok(pump.average_flow_ml_s(file.limits().motor.max_speed_rad_s)),
-        Some(law) => law.up_to(most_rpm).largest_ml_s(pump),
-    }
+    Ok(format!("{most_rpm} r/min, {:.3} mL/s", pump.largest_flow_ml_s(most_rpm)?))
 }
 
 /// The volume of a roller, and its source.
-fn roller_text(file: &PumpFile, curve: &RollerVolume) -> Result<String, SpeedLawError> {
+fn roller_text(file: &PumpFile, curve: &RollerVolume) -> Result<String, DisplacementError> {
     let source = match &file.roller_volume {
         RollerVolumeTable::Polynomial { .. } => "from its polynomial".to_owned(),
         RollerVolumeTable::Drawing => "estimated from the drawing".to_owned(),

@@ -1,12 +1,12 @@
 //! The rollers' angle in words.
 
-use pump_model::math::degrees;
+use pump_model::units::degrees;
 
 use crate::bench::Bench;
-use crate::record::State;
+use crate::record::PumpState;
 
 /// Says where the rollers stand.
-pub fn rotor_text(bench: &Bench, state: &State) -> String {
+pub fn rotor_text(bench: &Bench, state: &PumpState) -> String {
     if !state.phase().is_known(bench.model().pitch_rad()) {
         return "the rollers stand at an unknown angle; `dose home` finds it, or `dose home --set <ANGLE>` says it\n"
             .to_owned();

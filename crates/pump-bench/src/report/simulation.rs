@@ -1,6 +1,6 @@
 //! The report of a run at constant speed, in words and as JSON.
 
-use pump_model::math::{degrees, rpm};
+use pump_model::units::{degrees, rpm};
 use pump_model::{Friction, Port, RollerCentric, SteadyState};
 use serde::Serialize;
 
@@ -140,11 +140,18 @@ fn warnings_of(file: &PumpFile, speed_rad_s: f64, steady: &SteadyState) -> Vec<S
     if rpm(speed_rad_s).abs() > limit_rpm * (1.0 + 1e-12) {
         warnings.push(format!("this is above the pump's limit of {limit_rpm} r/min"));
     }
+    let lowest = file.limits().lowest;
     for (port, range) in [("inlet", steady.inlet), ("outlet", steady.outlet)] {
         if range.min_kpa < 0.0 {
             warnings.push(format!(
                 "no liquid can be at {:.1} kPa absolute ({port}): it would cavitate",
                 range.min_kpa
+            ));
+        } else if let Some(lowest) = lowest.filter(|lowest| range.min_kpa < lowest.kpa) {
+            warnings.push(format!(
+                "the {port} pressure falls to {:.2} kPa absolute, below the limit of {:.2} kPa{}; a dose that \
+                 reaches this is refused",
+                range.min_kpa, lowest.kpa, lowest.set_by
             ));
         }
     }

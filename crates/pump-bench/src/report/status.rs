@@ -1,11 +1,11 @@
 //! The record of a pump, and its JSON for programs. `status_text.rs` has its words for people.
 
-use pump_model::math::degrees;
+use pump_model::units::degrees;
 use serde::Serialize;
 
 use crate::bench::Bench;
+use crate::calibration::RunLog;
 use crate::dosing::DoseError;
-use crate::pump_file::DriverName;
 use crate::record::{PhaseSource, Wear};
 
 /// The record of a pump (`schema` `status/1`).
@@ -16,7 +16,7 @@ pub struct Status {
     /// Id of the pump.
     pub pump: String,
     /// Driver of the motor.
-    pub driver: DriverName,
+    pub driver: String,
     /// True if anything was ever recorded.
     pub recorded: bool,
     /// Angle of the rotor, deg.
@@ -34,6 +34,8 @@ pub struct Status {
     pub device_count: Option<i64>,
     /// Carry to the next dose, mL, positive toward the outlet.
     pub carry_ml: f64,
+    /// Half width of the range around the carry that holds the true carry, mL; 0 if the carry is known exactly.
+    pub carry_half_width_ml: f64,
     /// Volume, revolutions and time that the tube has pumped.
     pub wear: Wear,
     /// Volume that a tube lasts, mL; null if nobody has said it.
@@ -42,6 +44,8 @@ pub struct Status {
     pub calibration: Option<CalibrationStatus>,
     /// Dose that was begun and not finished; null if there is none.
     pub unfinished: Option<UnfinishedStatus>,
+    /// Guided calibration that was begun and not finished; null if there is none.
+    pub unfinished_calibration: Option<UnfinishedCalibration>,
     /// Process that holds the pump, so that the unfinished dose is in motion; null if none does.
     pub in_use_by: Option<String>,
     /// Folder of the journal.
@@ -68,14 +72,38 @@ pub struct UnfinishedStatus {
     pub delivered_least_ml: f64,
     /// Largest volume that it may have delivered, mL.
     pub delivered_most_ml: f64,
-    /// Planned motor steps; negative in reverse.
+    /// Planned motor steps of its last motion; negative in reverse.
     pub steps: i64,
-    /// Smallest number of steps that may have been made, without their sign.
-    pub steps_made_least: u64,
-    /// Largest number of steps that may have been made, without their sign.
-    pub steps_made_most: u64,
+    /// Fewest net steps of its last motion that may have been made in its direction. Negative if the rotor may
+    /// stand behind its start.
+    pub steps_made_least: i64,
+    /// Most net steps of its last motion that may have been made in its direction.
+    pub steps_made_most: i64,
     /// Time at which it began, seconds since 1970 by the clock of that day.
     pub began_unix_s: u64,
+}
+
+/// A guided calibration that was begun and not finished.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct UnfinishedCalibration {
+    /// Number of readings on record; null if they cannot be read.
+    pub readings: Option<usize>,
+    /// Number of readings that the calibration needs; null if it cannot be read.
+    pub planned: Option<usize>,
+}
+
+impl UnfinishedCalibration {
+    /// Reads the guided calibration that is unfinished, if one is.
+    pub(super) fn of(bench: &Bench) -> Option<Self> {
+        match RunLog::of(bench.folder()).unfinished(&bench.calibrations()) {
+            Ok(found) => found.map(|found| Self {
+                readings: Some(found.runs.len()),
+                planned: Some(found.planned.speeds_rpm.len()),
+            }),
+            // Nothing else depends on the readings. Who goes on with them is told what is wrong.
+            Err(_) => Some(Self { readings: None, planned: None }),
+        }
+    }
 }
 
 impl Status {
@@ -90,8 +118,8 @@ impl Status {
         let unfinished = state.unfinished.map(|dose| {
             let (delivered_least_ml, delivered_most_ml) = dose.delivered_ml(bench.model());
             UnfinishedStatus {
-                requested_ml: dose.intent.requested_ml,
-                planned_ml: dose.intent.planned_ml,
+                requested_ml: dose.intent.whole_requested_ml(),
+                planned_ml: dose.intent.whole.map_or(0.0, |whole| whole.booked_ml) + dose.intent.planned_ml,
                 delivered_least_ml,
                 delivered_most_ml,
                 steps: dose.intent.steps,
@@ -103,10 +131,10 @@ impl Status {
         Ok(Self {
             schema: "status/1",
             pump: bench.file().pump.id.clone(),
-            driver: bench.driver(),
+            driver: bench.drive_id().to_owned(),
             recorded: recorded.is_some(),
             angle_deg: degrees(state.angle_rad),
-            half_width_deg: degrees(state.half_width_rad),
+            half_width_deg: degrees(state.half_width_rad.min(0.5 * bench.model().pitch_rad())),
             angle_known: state.phase().is_known(bench.model().pitch_rad()),
             angle_source: if state.phase().is_known(bench.model().pitch_rad()) {
                 state.source
@@ -116,6 +144,7 @@ impl Status {
             disturbances: state.disturbances,
             device_count: state.count,
             carry_ml: state.carry_ml,
+            carry_half_width_ml: state.carry_within_ml(bench.model()),
             wear: state.wear,
             tube_life_ml: bench.file().tube.life_ml,
             calibration: bench
@@ -123,6 +152,7 @@ impl Status {
                 .active()?
                 .map(|stored| CalibrationStatus { version: stored.version, date: stored.calibration.date }),
             unfinished,
+            unfinished_calibration: UnfinishedCalibration::of(bench),
             in_use_by: bench.folder().holder(),
             folder: bench.folder().path().display().to_string(),
         })

@@ -1,13 +1,13 @@
 //! The record of a pump in words.
 
-use super::status::{CalibrationStatus, Status, UnfinishedStatus};
+use super::status::{CalibrationStatus, Status, UnfinishedCalibration, UnfinishedStatus};
 use crate::numbers::between;
 use crate::record::Wear;
 
 impl Status {
     /// The record in words, a line each for the rotor, the tube, the calibration and an unfinished dose.
     pub fn text(&self) -> String {
-        let (pump, driver) = (&self.pump, self.driver);
+        let (pump, driver) = (&self.pump, &self.driver);
         if !self.recorded {
             let stands = if self.angle_known {
                 "a fresh simulated pump stands at 0°"
@@ -24,6 +24,7 @@ impl Status {
                 format!("doses use calibration {version} of {date}")
             }),
             self.unfinished.as_ref().map(|dose| self.unfinished_dose(dose)),
+            self.unfinished_calibration.map(|calibration| calibration.text()),
         ];
         lines.into_iter().flatten().map(|line| line + "\n").collect()
     }
@@ -34,7 +35,7 @@ impl Status {
             0.0 => format!("{:.4}°", self.angle_deg),
             width_deg => format!("{:.4}° ± {width_deg:.2}°", self.angle_deg),
         };
-        let (pump, driver, carry) = (&self.pump, self.driver, 1e3 * self.carry_ml);
+        let (pump, driver, carry) = (&self.pump, &self.driver, 1e3 * self.carry_ml);
         format!("{pump} ({driver}): rotor at {angle}, {carry:.2} µL carried to the next dose")
     }
 
@@ -67,6 +68,21 @@ impl Status {
                 "unfinished: a dose of {asked_ml} mL, of which {made} were delivered; `dose resume` makes the rest, \
                  `dose discard` leaves it"
             ),
+        }
+    }
+}
+
+impl UnfinishedCalibration {
+    /// The calibration in words, and the command that goes on with it.
+    pub(super) fn text(&self) -> String {
+        match (self.readings, self.planned) {
+            (Some(readings), Some(planned)) => format!(
+                "unfinished: a guided calibration with {readings} of {planned} readings on record; `dose calibrate run \
+                 --continue` goes on with it"
+            ),
+            _ => "unfinished: a guided calibration whose readings cannot be read; `dose calibrate run --continue` says \
+                  why"
+                .to_owned(),
         }
     }
 }

@@ -6,8 +6,6 @@ mod times;
 mod waveform;
 
 pub use sample::{COLUMNS, Columns, Sample};
-pub use simulation::{
-    AskedMethod, MAX_SAMPLES, MethodError, ModelName, Simulation, SteadyReport, choose_method,
-};
+pub use simulation::{AskedMethod, MethodError, ModelName, Simulation, SteadyReport, choose_method};
 pub use times::{EqualTimes, times};
 pub use waveform::{Integration, Method, Waveform};

@@ -32,7 +32,7 @@ pub type Columns<'c> = [&'c mut [f64]; COLUMNS];
 
 impl Sample {
     /// Returns the sample as columns of length 1.
-    pub fn as_columns(&mut self) -> Columns<'_> {
+    pub(crate) fn as_columns(&mut self) -> Columns<'_> {
         [
             from_mut(&mut self.time_s),
             from_mut(&mut self.angle_rad),

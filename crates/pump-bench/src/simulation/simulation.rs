@@ -10,7 +10,7 @@ use crate::simulation::{EqualTimes, Integration, Method, Waveform};
 use crate::words::{words, words_of_reports};
 
 /// Largest number of samples of a run.
-pub const MAX_SAMPLES: f64 = 1e9;
+const MAX_SAMPLES: f64 = 1e9;
 
 /// The method that the user asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -11,7 +11,7 @@ pub struct EqualTimes {
 
 impl EqualTimes {
     /// Makes the times for n = 0 to `intervals`, with `dt_s` in s.
-    pub fn new(dt_s: f64, intervals: u64) -> Self {
+    pub(crate) fn new(dt_s: f64, intervals: u64) -> Self {
         Self { dt_s, numbers: 0..intervals + 1 }
     }
 }

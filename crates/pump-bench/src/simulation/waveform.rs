@@ -3,8 +3,8 @@
 use pump_model::circuit::Loss;
 use pump_model::integrator::IntegrationError;
 use pump_model::{
-    ExactRun, ExactSamples, Friction, Leg, ModelError, Port, PortRun, Pump, RollerCentric, RollerRun,
-    SteadyState,
+    ExactRun, ExactSamples, Friction, Leg, LineState, ModelError, Port, PortRun, Pump, RollerCentric,
+    RollerRun, SteadyState,
 };
 
 use crate::simulation::{Columns, EqualTimes, Sample};
@@ -93,7 +93,7 @@ fn resisted<'a, M: Iterator<Item = Leg>, const N: usize>(
         Port::Inlet => inlet,
         Port::Outlet => outlet,
     };
-    PortRun::resisted(pump, loss, port, legs, [0.0; N].into(), tolerance)
+    PortRun::resisted(pump, loss, port, legs, LineState::AT_REST, tolerance)
 }
 
 /// The source of the pressures, by model.
@@ -247,7 +247,7 @@ impl<M: Iterator<Item = Leg>> Lines<'_, M> {
             Self::Exact(ports) => {
                 for (run, kpa) in ports.iter_mut().zip([inlet_kpa, &mut *outlet_kpa]) {
                     for (kpa, time_s) in kpa.iter_mut().zip(time_s) {
-                        [*kpa, _] = run.at(*time_s);
+                        *kpa = run.at(*time_s).above_reservoir_kpa;
                     }
                 }
             }
@@ -257,8 +257,9 @@ impl<M: Iterator<Item = Leg>> Lines<'_, M> {
             }
             Self::Integrated(ports) => {
                 for (n, time_s) in time_s.iter().enumerate() {
-                    let (inlet, outlet) = (ports.0.at(*time_s)?, ports.1.at(*time_s)?);
-                    (inlet_kpa[n], outlet_kpa[n], through_ml[n]) = (inlet[0], outlet[0], outlet[2]);
+                    let (outlet, passed_ml) = ports.1.passed_at(*time_s)?;
+                    inlet_kpa[n] = ports.0.at(*time_s)?.above_reservoir_kpa;
+                    (outlet_kpa[n], through_ml[n]) = (outlet.above_reservoir_kpa, passed_ml);
                 }
                 return Ok(());
             }

@@ -2,7 +2,7 @@
 
 use super::error::QuantityError;
 use super::kind::Kind;
-use super::reading::{Reading, shown};
+use super::reading::{QuantityText, shown};
 
 /// The amount of a dose, as a volume or as a mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,10 +35,10 @@ impl Amount {
 /// # Errors
 /// Returns the [`QuantityError`] of a text that is neither a volume nor a mass, or that is zero.
 pub fn amount(text: &str) -> Result<Amount, QuantityError> {
-    let read = Reading::new(text, Kind::Volume)?;
+    let read = QuantityText::new(text, Kind::Volume)?;
     let mass = Kind::Mass.factor(&read.unit);
     let kind = if mass.is_some() { Kind::Mass } else { Kind::Volume };
-    let value = Reading { kind, ..read }.value()?;
+    let value = QuantityText { kind, ..read }.value()?;
     if value == 0.0 {
         return Err(QuantityError::Zero { text: shown(text), kind });
     }

@@ -16,8 +16,8 @@ pub enum QuantityError {
     },
     /// The text does not start with a number.
     #[error(
-        "`{text}` is not a {kind}: it does not start with a number; write for example {}",
-        .kind.example()
+        "`{text}` is not {}: it does not start with a number; write for example {}",
+        .kind.with_article(), .kind.example()
     )]
     NotANumber {
         /// Text that was read.
@@ -82,7 +82,7 @@ pub enum QuantityError {
         text: String,
     },
     /// The quantity is zero, where zero means nothing.
-    #[error("`{text}` is zero; a {kind} must be more than that")]
+    #[error("`{text}` is zero; {} must be more than that", .kind.with_article())]
     Zero {
         /// Text that was read.
         text: String,
@@ -91,8 +91,9 @@ pub enum QuantityError {
     },
     /// The quantity is negative, where a negative one means nothing.
     #[error(
-        "`{text}` is negative; a {kind} must be positive (a dose runs in reverse by --reverse \
-         or a negative volume)"
+        "`{text}` is negative; {} must be positive (a dose runs in reverse by --reverse or a negative \
+         volume)",
+        .kind.with_article()
     )]
     Negative {
         /// Text that was read.

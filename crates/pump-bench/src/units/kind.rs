@@ -95,8 +95,19 @@ const LENGTHS: Units =
     &[("mm", 1.0), ("cm", 10.0), ("m", 1e3), ("um", 1e-3), ("µm", 1e-3), ("in", 25.4), ("inch", 25.4)];
 
 impl Kind {
+    /// Says how to write a quantity of this kind.
+    pub(crate) fn wanted(self) -> String {
+        format!("{} with its unit, as {}", self.with_article(), self.example())
+    }
+
+    /// Returns the name of the kind after its article.
+    pub(super) fn with_article(self) -> String {
+        let article = if self == Self::Angle { "an" } else { "a" };
+        format!("{article} {self}")
+    }
+
     /// Returns an example of how to write a quantity of this kind.
-    pub fn example(self) -> &'static str {
+    pub(crate) fn example(self) -> &'static str {
         match self {
             Self::Volume => "25mL",
             Self::Mass => "25g",
@@ -111,7 +122,7 @@ impl Kind {
     }
 
     /// Returns the accepted units in words.
-    pub(super) fn units_listed(self) -> &'static str {
+    pub(crate) fn units_listed(self) -> &'static str {
         match self {
             Self::Volume => {
                 "L, dL, cL, mL, uL (µL), nL, cm3 (cc), mm3 (a mass in kg, g, mg needs the fluid's density)"

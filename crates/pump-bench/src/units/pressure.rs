@@ -2,7 +2,7 @@
 
 use super::error::QuantityError;
 use super::kind::Kind;
-use super::reading::{Reading, shown};
+use super::reading::{QuantityText, shown};
 
 /// A pressure with its reference, vacuum or ambient.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,7 +29,7 @@ impl Pressure {
 /// [`QuantityError::AbsoluteOrGauge`] for a bare `15psi`; it suggests both readings. Otherwise the error of a
 /// text that is no pressure.
 pub fn pressure(text: &str) -> Result<Pressure, QuantityError> {
-    let read = Reading::new(text, Kind::Pressure)?;
+    let read = QuantityText::new(text, Kind::Pressure)?;
     if Kind::Pressure.factor(&read.unit).is_some() {
         let (number, unit) = (read.number.clone(), read.unit.clone());
         return Err(QuantityError::AbsoluteOrGauge { text: shown(text), number, unit });
@@ -38,7 +38,7 @@ pub fn pressure(text: &str) -> Result<Pressure, QuantityError> {
         if let Some(unit) = read.unit.strip_suffix(suffix)
             && Kind::Pressure.factor(unit).is_some()
         {
-            return Ok(of(Reading { unit: unit.to_owned(), ..read }.value()?));
+            return Ok(of(QuantityText { unit: unit.to_owned(), ..read }.value()?));
         }
     }
     Err(read.unknown_unit())

@@ -2,7 +2,7 @@
 
 use super::error::QuantityError;
 use super::kind::Kind;
-use super::reading::{Reading, shown};
+use super::reading::{QuantityText, shown};
 
 /// Reads a positive volume and returns it in mL.
 ///
@@ -41,7 +41,7 @@ pub fn time_s(text: &str) -> Result<f64, QuantityError> {
 /// # Errors
 /// Returns the [`QuantityError`] of a text that is no angle.
 pub fn angle_rad(text: &str) -> Result<f64, QuantityError> {
-    Reading::new(text, Kind::Angle)?.value()
+    QuantityText::new(text, Kind::Angle)?.value()
 }
 
 /// Reads a temperature, which may be zero or negative, and returns it in °C.
@@ -49,7 +49,7 @@ pub fn angle_rad(text: &str) -> Result<f64, QuantityError> {
 /// # Errors
 /// Returns the [`QuantityError`] of a text that is no temperature.
 pub fn temperature_degc(text: &str) -> Result<f64, QuantityError> {
-    Reading::new(text, Kind::Temperature)?.value()
+    QuantityText::new(text, Kind::Temperature)?.value()
 }
 
 /// Reads a positive length and returns it in mm.
@@ -62,7 +62,7 @@ pub fn length_mm(text: &str) -> Result<f64, QuantityError> {
 
 /// Reads a positive quantity of this kind.
 fn positive(text: &str, kind: Kind) -> Result<f64, QuantityError> {
-    let value = Reading::new(text, kind)?.value()?;
+    let value = QuantityText::new(text, kind)?.value()?;
     if value == 0.0 {
         Err(QuantityError::Zero { text: shown(text), kind })
     } else if value < 0.0 {

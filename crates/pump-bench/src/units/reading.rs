@@ -4,14 +4,14 @@ use super::error::QuantityError;
 use super::kind::Kind;
 
 /// A number and a unit that are not yet converted.
-pub(super) struct Reading {
+pub(super) struct QuantityText {
     pub(super) text: String,
     pub(super) number: String,
     pub(super) unit: String,
     pub(super) kind: Kind,
 }
 
-impl Reading {
+impl QuantityText {
     /// Splits `text` into a number and a unit.
     pub(super) fn new(text: &str, kind: Kind) -> Result<Self, QuantityError> {
         let trimmed = shown(text.trim());

@@ -3,7 +3,7 @@
 use super::error::QuantityError;
 use super::kind::Kind;
 use super::quantity::length_mm;
-use super::reading::{Reading, shown};
+use super::reading::{QuantityText, shown};
 
 /// The two diameters of a tube.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +25,7 @@ pub fn tube_size(text: &str) -> Result<TubeSize, QuantityError> {
     let outer_mm = length_mm(outer)?;
     let bore = bore.trim();
     // A bore without a unit has the unit of the outer diameter.
-    let unit = Reading::new(outer, Kind::Length)?.unit;
+    let unit = QuantityText::new(outer, Kind::Length)?.unit;
     let bore_mm = match bore.ends_with(|c: char| c.is_ascii_digit() || c == '.') {
         true => length_mm(&format!("{bore}{unit}"))?,
         false => length_mm(bore)?,

@@ -1,7 +1,7 @@
 //! A motor and its executor, driven from a timer's interrupt.
 
 use super::error::Fault;
-use super::motion::Motion;
+use super::step_motor::StepMotor;
 use crate::step::{Action, Stepper, StopPlan};
 
 /// The treatment of the motor when its back end fails.
@@ -15,6 +15,8 @@ pub enum OnFault {
 }
 
 /// The next task of the timer.
+///
+/// The enum is exhaustive on purpose: a timer that misses a task loses steps, so a new one is a breaking change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use]
@@ -30,44 +32,40 @@ pub enum Timer {
 /// ```
 /// use std::convert::Infallible;
 ///
-/// use pump_ctl::drive::{Actuator, Motion, OnFault, StepFault, Timer};
+/// use pump_ctl::drive::{Actuator, OnFault, StepMotor, Timer};
 /// use pump_ctl::plan::Motor;
-/// use pump_ctl::step::{Segment, Stepper};
+/// use pump_ctl::step::{Direction, Segment, Stepper, TickRate};
 ///
 /// struct Axis {
 ///     made: i64,
 /// }
 ///
-/// impl Motion for Axis {
+/// impl StepMotor for Axis {
 ///     type Error = Infallible;
-///     fn step(&mut self, direction: i8) -> Result<(), StepFault<Infallible>> {
-///         self.made += i64::from(direction);
-///         Ok(())
-///     }
-///     fn enable(&mut self) -> Result<(), Infallible> {
-///         Ok(())
-///     }
-///     fn disable(&mut self) -> Result<(), Infallible> {
+///     fn step(&mut self, direction: Direction) -> Result<(), Infallible> {
+///         self.made += i64::from(direction.sign());
 ///         Ok(())
 ///     }
 /// }
 ///
-/// let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
-/// let stepper = Stepper::<4>::new(motor.brake(1_000_000));
+/// let motor = Motor::new(12_800.0, 17.8, 500.0);
+/// let tick_rate = TickRate::from_hz(1_000_000).unwrap();
+/// let stepper = Stepper::<4>::new(motor.brake(tick_rate)?);
 /// let mut actuator = Actuator::new(Axis { made: 0 }, stepper, OnFault::Hold);
 /// actuator.enable()?;
-/// actuator.stepper().push(Segment { count: 5, interval: 2000, add: 0, frac: 0 })?;
+/// actuator.stepper().push(Segment { count: 5, interval: 2000, add: 0, frac: 0 }, tick_rate)?;
 /// actuator.stepper().finish();
 /// let mut due = actuator.start(0)?;
 /// while let Timer::At(next) = actuator.on_timer(due)? {
 ///     due = next; // set the timer
 /// }
-/// assert_eq!((actuator.motion().made, due), (5, 10_000));
-/// # Ok::<(), pump_ctl::drive::Fault<Infallible>>(())
+/// let (axis, stepper) = actuator.release();
+/// assert_eq!((axis.made, stepper.position(), due), (5, 5, 10_000));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
 pub struct Actuator<M, const Q: usize> {
-    motion: M,
+    motor: M,
     stepper: Stepper<Q>,
     on_fault: OnFault,
     pub(super) enabled: bool,
@@ -79,10 +77,10 @@ pub struct Actuator<M, const Q: usize> {
     index_at: Option<i64>,
 }
 
-impl<M: Motion, const Q: usize> Actuator<M, Q> {
+impl<M: StepMotor, const Q: usize> Actuator<M, Q> {
     /// Makes an actuator of a motor at rest. The call does not energise the motor.
-    pub fn new(motion: M, stepper: Stepper<Q>, on_fault: OnFault) -> Self {
-        Self { motion, stepper, on_fault, enabled: false, late_ticks: None, watching: None, index_at: None }
+    pub fn new(motor: M, stepper: Stepper<Q>, on_fault: OnFault) -> Self {
+        Self { motor, stepper, on_fault, enabled: false, late_ticks: None, watching: None, index_at: None }
     }
 
     /// Returns the executor, which takes segments and knows where the motor is and was.
@@ -91,17 +89,22 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     }
 
     /// Returns the back end.
-    pub fn motion(&mut self) -> &mut M {
-        &mut self.motion
+    pub fn motor(&mut self) -> &mut M {
+        &mut self.motor
+    }
+
+    /// Gives back end and executor back. A motor that moves makes no further step, and stays energised.
+    pub fn release(self) -> (M, Stepper<Q>) {
+        (self.motor, self.stepper)
     }
 
     /// Energises the motor.
     ///
     /// # Errors
     ///
-    /// Fails with [`Fault::Motion`] if the back end fails.
+    /// Fails with [`Fault::Motor`] if the back end fails.
     pub fn enable(&mut self) -> Result<(), Fault<M::Error>> {
-        match self.motion.enable() {
+        match self.motor.enable() {
             Ok(()) => {
                 self.enabled = true;
                 Ok(())
@@ -114,14 +117,14 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     ///
     /// # Errors
     ///
-    /// Fails with [`Fault::Motion`] if the back end fails.
+    /// Fails with [`Fault::Motor`] if the back end fails.
     pub fn disable(&mut self) -> Result<(), Fault<M::Error>> {
         if self.stepper.is_moving() {
             self.stepper.halt(true);
         }
         self.enabled = false;
         let position = self.stepper.position();
-        self.motion.disable().map_err(|error| Fault::Motion { error, position })
+        self.motor.disable().map_err(|error| Fault::Motor { error, position })
     }
 
     /// Starts the queued segments at `now`. Returns the tick at which the timer must fire first.
@@ -153,17 +156,17 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     ///
     /// # Errors
     ///
-    /// Fails with [`Fault::Motion`] if the back end fails. Once the motor stands, it fails with
+    /// Fails with [`Fault::Motor`] if the back end fails. Once the motor stands, it fails with
     /// [`Fault::Starved`] after a queue that ran dry, and with [`Fault::Late`] after a call that was too
     /// late.
     #[inline]
     pub fn on_timer(&mut self, now: u64) -> Result<Timer, Fault<M::Error>> {
         let due = self.stepper.next_deadline().unwrap_or(now);
         match self.stepper.on_deadline(now) {
-            Action::Step { dir, next } => {
-                if let Err(fault) = self.motion.step(dir) {
-                    self.stepper.halt(fault.made);
-                    return Err(self.failed(fault.error));
+            Action::Step { direction, next } => {
+                if let Err(error) = self.motor.step(direction) {
+                    self.stepper.halt(self.motor.made_its_step(&error));
+                    return Err(self.failed(error));
                 }
                 if self.watching.is_some() {
                     self.look_at_index()?;
@@ -188,10 +191,10 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     ///
     /// # Errors
     ///
-    /// Fails with [`Fault::Motion`] if the sensor cannot be read.
+    /// Fails with [`Fault::Motor`] if the sensor cannot be read.
     pub fn watch_index(&mut self) -> Result<(), Fault<M::Error>> {
         self.index_at = None;
-        match self.motion.index() {
+        match self.motor.index() {
             Ok(active) => {
                 self.watching = active;
                 Ok(())
@@ -206,7 +209,7 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     }
 
     fn look_at_index(&mut self) -> Result<(), Fault<M::Error>> {
-        match self.motion.index() {
+        match self.motor.index() {
             Ok(active) => {
                 if active == Some(true) && self.watching == Some(false) {
                     self.index_at = Some(self.stepper.position());
@@ -241,12 +244,12 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
         if self.on_fault == OnFault::Disable {
             self.enabled = false;
             // The first error is the one to report.
-            let _ = self.motion.disable();
+            let _ = self.motor.disable();
         }
         self.fault(error)
     }
 
     fn fault(&self, error: M::Error) -> Fault<M::Error> {
-        Fault::Motion { error, position: self.stepper.position() }
+        Fault::Motor { error, position: self.stepper.position() }
     }
 }

@@ -1,14 +1,12 @@
 //! The blocking driver: a whole move in one call.
 
-use core::iter::Peekable;
-
 use super::actuator::{Actuator, Timer};
 use super::clock::Clock;
 use super::error::Fault;
-use super::motion::Motion;
-use crate::step::{PushError, Segment, StartError};
+use super::step_motor::StepMotor;
+use crate::step::{Feed, PushError, Segment, StartError};
 
-impl<M: Motion, const Q: usize> Actuator<M, Q> {
+impl<M: StepMotor, const Q: usize> Actuator<M, Q> {
     /// Makes all steps of `segments` and returns when the motor stands.
     ///
     /// The call asks `stop` over and over. Once `stop` returns true, the motor decelerates. A segment that is
@@ -20,11 +18,11 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     /// # Errors
     ///
     /// Fails with [`Fault::NotEnabled`], [`Fault::Push`] or [`Fault::Start`] if the move cannot begin. A move
-    /// under way ends early with [`Fault::Motion`], [`Fault::Starved`], [`Fault::Late`] or [`Fault::Push`].
+    /// under way ends early with [`Fault::Motor`], [`Fault::Starved`], [`Fault::Late`] or [`Fault::Push`].
     pub fn run(
         &mut self,
         clock: &mut impl Clock,
-        segments: &mut Peekable<impl Iterator<Item = Segment>>,
+        segments: &mut Feed<impl Iterator<Item = Segment>>,
         mut stop: impl FnMut() -> bool,
     ) -> Result<(), Fault<M::Error>> {
         let mut due = self.begin(clock, segments)?;
@@ -56,7 +54,7 @@ impl<M: Motion, const Q: usize> Actuator<M, Q> {
     fn begin(
         &mut self,
         clock: &mut impl Clock,
-        segments: &mut Peekable<impl Iterator<Item = Segment>>,
+        segments: &mut Feed<impl Iterator<Item = Segment>>,
     ) -> Result<u64, Fault<M::Error>> {
         if !self.enabled {
             return Err(Fault::NotEnabled);

@@ -4,16 +4,6 @@ use thiserror::Error;
 
 use crate::step::{PushError, StartError};
 
-/// A step that failed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct StepFault<E> {
-    /// Error of the back end.
-    pub error: E,
-    /// True if the motor has made the step all the same.
-    pub made: bool,
-}
-
 /// A move that ended early, or did not begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -21,7 +11,7 @@ pub struct StepFault<E> {
 pub enum Fault<E> {
     /// The back end failed. The motor made no further step, and the position is right.
     #[error("the motor's driver failed at position {position}: {error:?}")]
-    Motion {
+    Motor {
         /// Error of the back end.
         error: E,
         /// Position of the motor, signed steps.

@@ -3,49 +3,9 @@
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{Error, ErrorKind, ErrorType, InputPin, OutputPin};
 
-use super::error::StepFault;
-use super::motion::Motion;
-
-/// Times that a stepper driver needs, ns, and the polarity of its pins.
-///
-/// The default is that of a DRV8825, the slowest of the common drivers. Its times are 1.9 us high and low,
-/// 650 ns set-up and hold, and 1.7 ms from sleep to step (Texas Instruments, SLVSA73F, section 6.6).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Timing {
-    /// Time for which the step pin is active, ns.
-    pub step_high_ns: u32,
-    /// Time for which the step pin is inactive before the next step, ns.
-    pub step_low_ns: u32,
-    /// Time from a change of direction to the next step, ns.
-    pub direction_setup_ns: u32,
-    /// Time from a step to the next change of direction, ns.
-    pub direction_hold_ns: u32,
-    /// Time from enable to the first step, ns.
-    pub enable_setup_ns: u32,
-    /// True if the motor is energised while the enable pin is low.
-    pub enable_active_low: bool,
-    /// True if a low direction pin is forward.
-    pub reversed: bool,
-    /// True if the index sensor is active while its pin is low.
-    pub index_active_low: bool,
-}
-
-impl Default for Timing {
-    fn default() -> Self {
-        Self {
-            step_high_ns: 1900,
-            step_low_ns: 1900,
-            direction_setup_ns: 650,
-            direction_hold_ns: 650,
-            enable_setup_ns: 1_700_000,
-            enable_active_low: true,
-            reversed: false,
-            index_active_low: false,
-        }
-    }
-}
+use super::step_motor::StepMotor;
+use super::timing::Timing;
+use crate::step::Direction;
 
 /// A pin that is not wired. Writing does nothing, and reading gives low.
 #[derive(Debug, Clone, Copy, Default)]
@@ -98,11 +58,13 @@ pub struct PinFault {
     /// Kind of the pin's own error.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub kind: ErrorKind,
+    /// True if the motor has made the step in which the pin failed.
+    pub made: bool,
 }
 
 impl Pin {
     fn fault(self, error: impl Error) -> PinFault {
-        PinFault { pin: self, kind: error.kind() }
+        PinFault { pin: self, kind: error.kind(), made: false }
     }
 }
 
@@ -113,7 +75,8 @@ impl Pin {
 /// use std::cell::Cell;
 ///
 /// use embedded_hal::delay::DelayNs;
-/// use pump_ctl::drive::{Motion, NoPin, StepDir, Timing};
+/// use pump_ctl::drive::{NoPin, StepDir, StepMotor, Timing};
+/// use pump_ctl::step::Direction;
 ///
 /// struct Elapsed<'a>(&'a Cell<u64>);
 ///
@@ -125,9 +88,9 @@ impl Pin {
 ///
 /// let ns = Cell::new(0);
 /// let mut driver = StepDir::new(NoPin, NoPin, NoPin, Elapsed(&ns), Timing::default());
-/// driver.step(1).unwrap();
+/// driver.step(Direction::Forward).unwrap();
 /// assert_eq!(ns.get(), 650 + 650 + 1900 + 1900);
-/// driver.step(1).unwrap();
+/// driver.step(Direction::Forward).unwrap();
 /// assert_eq!(ns.get(), 5100 + 3800);
 /// ```
 #[derive(Debug)]
@@ -139,7 +102,7 @@ pub struct StepDir<S, D, E, W, I = NoPin> {
     delay: W,
     timing: Timing,
     /// Direction in which the direction pin points. It is unknown at first.
-    facing: Option<i8>,
+    facing: Option<Direction>,
 }
 
 impl<S: OutputPin, D: OutputPin, E: OutputPin, W: DelayNs> StepDir<S, D, E, W> {
@@ -156,6 +119,14 @@ impl<S: OutputPin, D: OutputPin, E: OutputPin, W: DelayNs> StepDir<S, D, E, W> {
     }
 }
 
+impl<S, D, E, W, I> StepDir<S, D, E, W, I> {
+    /// Gives the parts back: step, direction and enable pin, index sensor and delay. The pins stay as they
+    /// are.
+    pub fn release(self) -> (S, D, E, Option<I>, W) {
+        (self.step, self.direction, self.enable, self.index, self.delay)
+    }
+}
+
 impl<S, D, E, W, I> StepDir<S, D, E, W, I>
 where
     S: OutputPin,
@@ -165,13 +136,13 @@ where
     I: InputPin,
 {
     /// Sets the direction pin, with the hold time before and the set-up time after.
-    fn face(&mut self, direction: i8) -> Result<(), PinFault> {
+    fn face(&mut self, direction: Direction) -> Result<(), PinFault> {
         if self.facing == Some(direction) {
             return Ok(());
         }
         self.delay.delay_ns(self.timing.direction_hold_ns);
         self.facing = None;
-        let high = (direction > 0) != self.timing.reversed;
+        let high = (direction == Direction::Forward) != self.timing.reversed;
         self.direction.set_state(high.into()).map_err(|error| Pin::Direction.fault(error))?;
         self.facing = Some(direction);
         self.delay.delay_ns(self.timing.direction_setup_ns);
@@ -184,7 +155,7 @@ where
     }
 }
 
-impl<S, D, E, W, I> Motion for StepDir<S, D, E, W, I>
+impl<S, D, E, W, I> StepMotor for StepDir<S, D, E, W, I>
 where
     S: OutputPin,
     D: OutputPin,
@@ -194,14 +165,18 @@ where
 {
     type Error = PinFault;
 
-    fn step(&mut self, direction: i8) -> Result<(), StepFault<PinFault>> {
-        self.face(direction).map_err(|error| StepFault { error, made: false })?;
-        let failed = |error, made| StepFault { error: Pin::Step.fault(error), made };
-        self.step.set_high().map_err(|error| failed(error, false))?;
+    fn step(&mut self, direction: Direction) -> Result<(), PinFault> {
+        self.face(direction)?;
+        self.step.set_high().map_err(|error| Pin::Step.fault(error))?;
         self.delay.delay_ns(self.timing.step_high_ns);
-        self.step.set_low().map_err(|error| failed(error, true))?;
+        // The driver steps when the pin rises.
+        self.step.set_low().map_err(|error| PinFault { made: true, ..Pin::Step.fault(error) })?;
         self.delay.delay_ns(self.timing.step_low_ns);
         Ok(())
+    }
+
+    fn made_its_step(&self, error: &PinFault) -> bool {
+        error.made
     }
 
     fn enable(&mut self) -> Result<(), PinFault> {

@@ -1,18 +1,14 @@
 //! The state of both lines when a plan begins.
 
-use pump_model::{ExactRun, Port, Pump};
+use pump_model::{ExactRun, LineState, Port, Pump};
 
 use super::profile::{Course, Profile};
-
-/// The state of a line: pressure above the reservoir, kPa, and flow, mL/s.
-pub(super) type LineState = [f64; 2];
 
 /// The states of inlet and outlet line at the start of a plan.
 ///
 /// The states that an earlier plan leaves are computed only on request. On a microcontroller that takes
 /// longer than a motor may wait for its next step.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) enum LineStates {
     /// The states are known.
@@ -30,7 +26,7 @@ pub(super) enum LineStates {
 
 impl LineStates {
     /// Lines at rest, without flow.
-    pub(super) const AT_REST: Self = Self::Known([[0.0; 2]; 2]);
+    pub(super) const AT_REST: Self = Self::Known([LineState::AT_REST; 2]);
 
     /// Returns the states where the rollers stand `off_rad` beside the angle that the motion assumes.
     pub(super) fn states(&self, pump: &Pump, off_rad: f64) -> [LineState; 2] {

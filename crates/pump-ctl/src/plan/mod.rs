@@ -6,11 +6,12 @@
 //! - `profile`: speed over angle;
 //! - `target`: steps for a volume;
 //! - this folder: [`Plan`], its steps and segments;
-//! - `prediction`: pressures and settling;
+//! - `prediction`: pressures, settling and back flow;
 //! - `limits`: motor, pressures, torque, margins;
 //! - `speed`: the cruise speed that is asked for or allowed;
 //! - `moves`: dose, turn, retarget, stop.
 
+mod handover;
 mod limits;
 mod line_states;
 mod moves;
@@ -25,10 +26,11 @@ mod target;
 mod volumes;
 mod words;
 
+pub use handover::Handover;
 pub use limits::{
     Limits, Lowest, Margin, Margins, Motor, PressureLimits, TORQUE_POINTS, Torque, TorqueCurve,
 };
-pub use moves::{plan, turn};
+pub use moves::Doser;
 pub use plan::Plan;
 pub use prediction::Prediction;
 pub use profile::{Legs, Profile};
@@ -36,4 +38,7 @@ pub use ripple::Ripples;
 pub use segments::Segments;
 pub use speed::speed_for_flow;
 pub use steps::{Step, Steps};
-pub use words::{Allowed, Cruise, Finish, LimitedBy, Nearest, Phase, PlanError, Request, SetBy, UnknownName};
+pub use words::{
+    Allowed, Cruise, Finish, LimitedBy, Nearest, Phase, PlanError, Request, Retarget, SetBy, Turned,
+    UnknownName,
+};

@@ -1,6 +1,6 @@
 //! The ripple of the flow at the outlet's rollers.
 
-use pump_model::math::degrees;
+use pump_model::units::degrees;
 use pump_model::{Pump, Ripple};
 
 use super::Plan;

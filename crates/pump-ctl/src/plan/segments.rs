@@ -1,10 +1,10 @@
 //! The steps of a plan as runs of integers for the executor.
 
-use pump_model::math::floor;
+use libm::floor;
 
 use super::Plan;
 use super::profile::{Along, Profile};
-use crate::step::Segment;
+use crate::step::{Direction, Feed, Segment, TickRate};
 
 /// Largest distance of a step's time from the plan's before it is rounded to a tick, ticks. With the rounding
 /// the distance is less than one tick.
@@ -21,9 +21,10 @@ const FRACTIONS: f64 = 4_294_967_296.0;
 #[derive(Debug, Clone)]
 pub struct Segments {
     profile: Profile,
+    tick_rate: TickRate,
     tick_hz: f64,
     step_rad: f64,
-    backward: bool,
+    direction: Direction,
     /// Steps of the whole plan.
     steps: u64,
     /// Steps up to the end of the leg under way.
@@ -38,17 +39,18 @@ pub struct Segments {
 }
 
 impl Plan {
-    /// Returns the segments for a timer of `tick_rate` ticks a second.
+    /// Returns the segments for a timer of this rate.
     ///
-    /// Every step comes within one tick of [`Self::steps`], in a dose of up to 2^50 ticks (35 years at 1 MHz,
+    /// Every step comes within one tick of [`Self::each_step`], in a dose of up to 2^50 ticks (35 years at 1 MHz,
     /// 77 days at 168 MHz). A timer slower than the steps gives segments that [`crate::step::Stepper::push`]
     /// refuses.
-    pub fn segments(&self, tick_rate: u32) -> Segments {
+    pub fn segments(&self, tick_rate: TickRate) -> Segments {
         Segments {
             profile: self.profile,
-            tick_hz: f64::from(tick_rate),
+            tick_rate,
+            tick_hz: f64::from(tick_rate.hz()),
             step_rad: self.step_rad,
-            backward: self.steps < 0,
+            direction: self.direction(),
             steps: self.steps.unsigned_abs(),
             leg_steps: 0,
             along: None,
@@ -60,6 +62,16 @@ impl Plan {
 }
 
 impl Segments {
+    /// Returns the rate of the timer that the segments are made for.
+    pub fn tick_rate(&self) -> TickRate {
+        self.tick_rate
+    }
+
+    /// Returns the segments as a feed for the executor, which keeps their tick rate.
+    pub fn feed(self) -> Feed<Self> {
+        Feed::new(self.tick_rate, self)
+    }
+
     /// Counts the steps of the segments not yet taken that are due by tick `since_start`. Ticks count from a
     /// start at tick 0.
     ///
@@ -165,7 +177,7 @@ impl Iterator for Segments {
         self.guess = 2 * u64::from(count);
         self.made += u64::from(count);
         self.at += segment.span(count);
-        if self.backward {
+        if self.direction == Direction::Reverse {
             segment.count = -segment.count;
         }
         Some(segment)

@@ -1,6 +1,7 @@
 //! The time of every motor step.
 
 use super::Plan;
+use crate::step::Direction;
 
 /// One motor step.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,8 +12,8 @@ pub struct Step {
     pub number: u64,
     /// Time of the step, s since the start of motion.
     pub time_s: f64,
-    /// Direction of the step: 1 forward, -1 in reverse.
-    pub direction: i8,
+    /// Direction of the step.
+    pub direction: Direction,
     /// Angle after the step, rad, counted on from the start angle.
     pub angle_rad: f64,
 }
@@ -26,7 +27,7 @@ pub struct Steps<'a> {
 
 impl Plan {
     /// Returns every step with its time.
-    pub fn steps(&self) -> Steps<'_> {
+    pub fn each_step(&self) -> Steps<'_> {
         Steps { plan: self, made: 0 }
     }
 }

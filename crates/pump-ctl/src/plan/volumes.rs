@@ -1,23 +1,23 @@
 //! The volumes that a plan's steps deliver.
 
+use libm::floor;
 use pump_model::Pump;
-use pump_model::math::floor;
 
 use super::Plan;
-use super::target::{delivered, ends, middle};
+use super::target::{booked, delivered, ends};
 use super::words::PlanError;
 
 impl Plan {
     /// Returns the volume of the first `count` steps once the line has settled, mL, negative in reverse. It
-    /// is the middle of [`Self::range_ml`].
+    /// lies within [`Self::range_ml`], in the middle for a dose alone.
     pub fn delivered_ml(&self, pump: &Pump, count: u64) -> f64 {
-        middle(self.range_ml(pump, count))
+        self.turned_after(count).middle_ml(pump) - self.turned.middle_ml(pump)
     }
 
     /// Returns the smallest and the largest volume of the first `count` steps, mL, over the angles at which
     /// the rollers may stand. Both are equal if the angle is known exactly.
     pub fn range_ml(&self, pump: &Pump, count: u64) -> (f64, f64) {
-        let steps = f64::from(self.direction()) * count as f64;
+        let steps = f64::from(self.direction().sign()) * count as f64;
         delivered(pump, self.start, steps, self.step_rad)
     }
 
@@ -41,6 +41,6 @@ impl Plan {
         let owed_ml = self.requested_ml + self.carry_in_ml;
         let ideal_rad = curve.angle_rad(curve.volume_ml(start_rad) + owed_ml) - start_rad;
         let ends = ends(pump, self.start, owed_ml, floor(ideal_rad / self.step_rad + 0.5), self.step_rad)?;
-        Ok(ends.map(|end| end.map(|(_, range_ml)| middle(range_ml))))
+        Ok(ends.map(|end| end.map(|(steps, _)| booked(pump, self.turned, steps, self.step_rad))))
     }
 }

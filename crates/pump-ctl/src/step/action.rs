@@ -1,6 +1,10 @@
 //! The task of a timer interrupt.
 
+use super::direction::Direction;
+
 /// The task of a timer interrupt.
+///
+/// The enum is exhaustive on purpose: an interrupt must handle every action, so a new one is a breaking change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use]
@@ -8,8 +12,8 @@ pub enum Action {
     /// Make one step and call again at `next`. After the last step `next` is that step's own time. The call
     /// that follows at once returns how the move ended.
     Step {
-        /// Direction of the step: 1 forward, -1 in reverse.
-        dir: i8,
+        /// Direction of the step.
+        direction: Direction,
         /// Time at which to call again, ticks.
         next: u64,
     },

@@ -1,6 +1,9 @@
 //! The brake: the way to rest from any speed, as a table of integers.
 
+use super::direction::Direction;
+use super::error::BrakeError;
 use super::segment::Segment;
+use super::tick_rate::TickRate;
 use super::ticks::Ticks;
 
 /// Largest number of entries of a [`Brake`].
@@ -9,43 +12,59 @@ pub const BRAKE_ENTRIES: usize = 32;
 /// The way from rest to the fastest speed, which a stop walks backwards.
 ///
 /// A stop takes its intervals from this table at any speed, without a root or a division for each step.
-/// [`crate::plan::Motor::brake`] makes the brake of a motor.
+/// [`crate::plan::Motor::brake`] makes the brake of a motor. A brake has at least one entry: without any, a
+/// stop would be a dead stop from full speed.
 ///
 /// ```
-/// use pump_ctl::step::{Brake, Segment};
+/// use pump_ctl::step::{Brake, BrakeError, Segment, TickRate};
 ///
+/// const TICK_RATE: TickRate = TickRate::from_hz(1_000_000).unwrap();
 /// // Ten steps from rest, each interval 500 ticks shorter than the last, at 2^32 fractions a tick.
 /// let climb = Segment { count: 10, interval: 6000, add: -500 * (1 << 32), frac: 0 };
-/// let brake = Brake::from_climb([climb]).unwrap();
-/// assert_eq!(brake.climb().count(), 1);
-/// // A brake speeds up from rest: growing intervals make none.
-/// assert_eq!(Brake::from_climb([Segment { add: 500, ..climb }]), None);
+/// let brake = Brake::from_climb(TICK_RATE, [climb])?;
+/// assert_eq!((brake.climb().count(), brake.tick_rate()), (1, TICK_RATE));
+/// // A brake speeds up from rest: growing intervals make none, and neither does nothing.
+/// let slower = Segment { add: 500, ..climb };
+/// let refused = Brake::from_climb(TICK_RATE, [slower]);
+/// assert_eq!(refused, Err(BrakeError::Segment { number: 1, segment: slower }));
+/// assert_eq!(Brake::from_climb(TICK_RATE, []), Err(BrakeError::Empty));
+/// # Ok::<(), BrakeError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(
-    feature = "serde",
-    serde(try_from = "[Segment; BRAKE_ENTRIES]", into = "[Segment; BRAKE_ENTRIES]")
-)]
+#[cfg_attr(feature = "serde", serde(try_from = "StoredBrake", into = "StoredBrake"))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Brake {
-    /// Segments that speed up: counts are positive, intervals fall. Unused entries have count 0.
+    /// Rate of the timer that the segments are made for.
+    tick_rate: TickRate,
+    /// Segments that speed up: counts are positive, intervals fall. Unused entries have count 0 and stand at
+    /// the end. There is one entry in use at least.
     climb: [Segment; BRAKE_ENTRIES],
 }
 
-impl From<Brake> for [Segment; BRAKE_ENTRIES] {
-    fn from(brake: Brake) -> Self {
-        brake.climb
+/// A brake as it is stored. Unused entries are zero and stand at the end.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+struct StoredBrake {
+    tick_rate: TickRate,
+    climb: [Segment; BRAKE_ENTRIES],
+}
+
+#[cfg(feature = "serde")]
+impl From<Brake> for StoredBrake {
+    fn from(Brake { tick_rate, climb }: Brake) -> Self {
+        Self { tick_rate, climb }
     }
 }
 
-impl TryFrom<[Segment; BRAKE_ENTRIES]> for Brake {
-    type Error = &'static str;
+#[cfg(feature = "serde")]
+impl TryFrom<StoredBrake> for Brake {
+    type Error = BrakeError;
 
-    /// Makes a brake with [`Brake::from_climb`] from the segments that have steps.
-    fn try_from(climb: [Segment; BRAKE_ENTRIES]) -> Result<Self, Self::Error> {
-        Self::from_climb(climb.into_iter().filter(|segment| segment.count != 0))
-            .ok_or("a brake's segments must speed up from rest, with valid intervals")
+    fn try_from(StoredBrake { tick_rate, climb }: StoredBrake) -> Result<Self, BrakeError> {
+        let used =
+            climb.iter().rposition(|segment| *segment != Segment::default()).map_or(0, |last| last + 1);
+        Self::from_climb(tick_rate, climb.into_iter().take(used))
     }
 }
 
@@ -59,41 +78,90 @@ pub(super) struct Descent {
 }
 
 impl Brake {
-    /// Makes a brake from segments that speed up from rest. Counts must be positive, and no interval may be
-    /// longer than the one before.
+    /// Makes a brake from segments that speed up from rest, for a timer of this rate.
     ///
-    /// Other segments, or more than [`BRAKE_ENTRIES`] of them, give `None`.
-    pub fn from_climb(segments: impl IntoIterator<Item = Segment>) -> Option<Self> {
+    /// # Errors
+    ///
+    /// Fails with [`BrakeError::Empty`] if there is no segment, and with [`BrakeError::TooMany`] if there are
+    /// more than [`BRAKE_ENTRIES`]. Fails with [`BrakeError::Segment`] if a segment is not valid, does not go
+    /// forward, or has an interval that is longer than the one before.
+    pub fn from_climb(
+        tick_rate: TickRate,
+        segments: impl IntoIterator<Item = Segment>,
+    ) -> Result<Self, BrakeError> {
         let mut climb = [Segment::default(); BRAKE_ENTRIES];
         let mut last = i128::MAX;
+        let mut number = 0;
         let mut slots = climb.iter_mut();
         for segment in segments {
+            number += 1;
+            let Some(slot) = slots.next() else {
+                return Err(BrakeError::TooMany);
+            };
             let falls = segment.count > 0 && segment.add <= 0 && segment.interval_of(1) <= last;
             if !(falls && segment.is_valid()) {
-                return None;
+                return Err(BrakeError::Segment { number, segment });
             }
             last = segment.interval_of(segment.steps());
-            *slots.next()? = segment;
+            *slot = segment;
         }
-        Some(Self { climb })
+        if number == 0 { Err(BrakeError::Empty) } else { Ok(Self { tick_rate, climb }) }
     }
 
     /// Makes a brake from entries that are known to speed up, up to the first with an interval below a tick.
-    pub(crate) fn climbing(mut entry: impl FnMut(usize) -> Segment) -> Self {
+    pub(crate) fn climbing(
+        tick_rate: TickRate,
+        mut entry: impl FnMut(usize) -> Segment,
+    ) -> Result<Self, BrakeError> {
         let mut climb = [Segment::default(); BRAKE_ENTRIES];
         for (n, slot) in climb.iter_mut().enumerate() {
             let segment = entry(n);
             if !segment.is_valid() {
+                if n == 0 {
+                    return Err(BrakeError::SlowTimer { tick_rate });
+                }
                 break;
             }
             *slot = segment;
         }
-        Self { climb }
+        Ok(Self { tick_rate, climb })
+    }
+
+    /// Returns the rate of the timer that the brake is made for.
+    pub fn tick_rate(&self) -> TickRate {
+        self.tick_rate
     }
 
     /// Returns the entries in use, in the order of speeding up.
     pub fn climb(&self) -> impl DoubleEndedIterator<Item = &Segment> {
         self.climb.iter().filter(|segment| segment.count != 0)
+    }
+
+    /// Returns the segments by which a motor that turns in `direction` comes to rest. The interval before its
+    /// last step was `interval`.
+    ///
+    /// Use them where steps come from hardware, and not from [`super::Stepper`], which stops by itself. There
+    /// are none if the motor is so slow that it can stand at once.
+    ///
+    /// ```
+    /// use pump_ctl::plan::Motor;
+    /// use pump_ctl::step::{Direction, TickRate, Ticks};
+    ///
+    /// let motor = Motor::new(12_800.0, 17.8, 500.0);
+    /// let brake = motor.brake(TickRate::from_hz(1_000_000).unwrap())?;
+    /// // 2,000 steps a second.
+    /// let way = || brake.descent(Ticks { whole: 500, frac: 0 }, Direction::Reverse);
+    /// assert_eq!(way().map(|segment| segment.count).sum::<i32>(), -2);
+    /// assert!(way().all(|segment| segment.interval >= 500 && segment.add >= 0));
+    /// # Ok::<(), pump_ctl::step::BrakeError>(())
+    /// ```
+    pub fn descent(&self, interval: Ticks, direction: Direction) -> impl Iterator<Item = Segment> + '_ {
+        let mut descent = self.descent_from(interval.fixed());
+        core::iter::from_fn(move || {
+            let mut segment = self.next_down(descent.as_mut()?)?;
+            segment.count *= i32::from(direction.sign());
+            Some(segment)
+        })
     }
 
     /// Returns the way down for a motor whose last interval was `interval`, 2^-32 tick. The first interval of

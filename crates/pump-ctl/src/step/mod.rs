@@ -5,22 +5,22 @@
 //! the segments of a stop.
 //!
 //! ```
-//! use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, plan};
-//! use pump_ctl::step::{Action, Stepper};
+//! use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Request};
+//! use pump_ctl::step::{Action, Stepper, TickRate};
 //! use pump_model::Pump;
 //!
-//! const TICK_HZ: u32 = 1_000_000;
-//! let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+//! const TICK_RATE: TickRate = TickRate::from_hz(1_000_000).unwrap();
+//! let motor = Motor::new(12_800.0, 17.8, 500.0);
 //! let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 });
-//! let plan = plan(&Pump::three_roller(), Phase::known(0.0), &request, &Limits::of_motor(motor))?;
+//! let plan = Doser::new(&Pump::three_roller(), Limits::new(motor))?.plan(Phase::known(0.0), &request)?;
 //!
-//! let mut stepper = Stepper::<64>::new(motor.brake(TICK_HZ));
-//! for segment in plan.segments(TICK_HZ) {
-//!     stepper.push(segment)?;
+//! let mut stepper = Stepper::<64>::new(motor.brake(TICK_RATE)?);
+//! for segment in plan.segments(TICK_RATE) {
+//!     stepper.push(segment, TICK_RATE)?;
 //! }
 //! stepper.finish();
 //! let mut due = stepper.start(0)?;
-//! while let Action::Step { dir: _, next } = stepper.on_deadline(due) {
+//! while let Action::Step { direction: _, next } = stepper.on_deadline(due) {
 //!     due = next; // set the timer
 //! }
 //! assert_eq!(stepper.position(), 15_480);
@@ -29,7 +29,9 @@
 
 mod action;
 mod brake;
+mod direction;
 mod error;
+mod feed;
 mod position;
 mod queue;
 mod retarget;
@@ -37,12 +39,17 @@ mod segment;
 mod state;
 mod stepper;
 mod stop;
+mod tick_rate;
 mod ticks;
 
 pub use action::Action;
 pub use brake::{BRAKE_ENTRIES, Brake};
-pub use error::{PushError, StartError};
+pub use direction::Direction;
+pub use error::{BrakeError, PushError, StartError};
+pub use feed::Feed;
 pub use retarget::Junction;
-pub use segment::Segment;
+pub use segment::{Intervals, Segment};
 pub use stepper::Stepper;
 pub use stop::StopPlan;
+pub use tick_rate::TickRate;
+pub use ticks::Ticks;

@@ -16,7 +16,7 @@ pub(super) struct Slot {
 impl Slot {
     /// Returns the position after `k` steps of the segment.
     pub(super) fn position_after(&self, k: u32) -> i64 {
-        self.from.wrapping_add(i64::from(self.segment.direction()) * i64::from(k))
+        self.from.wrapping_add(i64::from(self.segment.direction().sign()) * i64::from(k))
     }
 
     /// Returns the time at which step `k` (from 1) is due.
@@ -93,7 +93,7 @@ impl<const Q: usize> Queue<Q> {
         let last = self.place((self.taken + self.pending).saturating_sub(1));
         if let Some(slot) = self.slots.get_mut(last) {
             let steps = i32::try_from(steps).unwrap_or(i32::MAX);
-            slot.segment.count = steps * i32::from(slot.segment.direction());
+            slot.segment.count = steps * i32::from(slot.segment.direction().sign());
         }
     }
 

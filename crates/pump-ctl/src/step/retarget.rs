@@ -1,7 +1,7 @@
 //! A change of plan in the midst of a move.
 
 use super::queue::Slot;
-use super::state::State;
+use super::state::StepperState;
 use super::stepper::Stepper;
 use super::ticks::Ticks;
 
@@ -56,7 +56,7 @@ impl<const Q: usize> Stepper<Q> {
     /// Finds the first step still to be made that is due at `not_before` or later. Returns the number of
     /// segments that end before it, its segment, and its number in that segment.
     fn first_step_from(&self, not_before: u64) -> Option<(usize, Slot, u32)> {
-        if self.state != State::Moving {
+        if self.state != StepperState::Moving {
             return None;
         }
         let mut slot = *self.queue.current()?;

@@ -1,5 +1,6 @@
 //! The segment: steps whose intervals grow or shrink evenly.
 
+use super::direction::Direction;
 use super::ticks::Ticks;
 
 /// A run of steps whose intervals change evenly.
@@ -9,12 +10,12 @@ use super::ticks::Ticks;
 /// and fraction.
 ///
 /// ```
-/// use pump_ctl::step::Segment;
+/// use pump_ctl::step::{Direction, Segment};
 ///
 /// // Intervals of 1000, 999.5 and 999 ticks.
 /// let reverse = Segment { count: -3, interval: 1000, add: -(1 << 31), frac: 0 };
 /// assert!(reverse.is_valid());
-/// assert_eq!((reverse.steps(), reverse.direction()), (3, -1));
+/// assert_eq!((reverse.steps(), reverse.direction()), (3, Direction::Reverse));
 /// // No interval may be shorter than a tick.
 /// assert!(!Segment { interval: 0, ..reverse }.is_valid());
 /// ```
@@ -39,9 +40,9 @@ const MAX_INTERVAL: i128 = 1 << 48;
 const TICK: i128 = 1 << 32;
 
 impl Segment {
-    /// Returns the direction: 1 forward, -1 in reverse.
-    pub fn direction(&self) -> i8 {
-        if self.count < 0 { -1 } else { 1 }
+    /// Returns the direction of the steps.
+    pub fn direction(&self) -> Direction {
+        if self.count < 0 { Direction::Reverse } else { Direction::Forward }
     }
 
     /// Returns the number of steps without their direction.
@@ -58,6 +59,48 @@ impl Segment {
             && allowed(self.interval_of(1))
             && allowed(self.interval_of(self.steps()))
     }
+
+    /// Returns the interval before step `k` of the segment, 1 for the first. [`super::Brake::descent`] begins
+    /// with it.
+    ///
+    /// The segment must be valid and `k` one of its steps.
+    pub fn interval_before(&self, k: u32) -> Ticks {
+        Ticks::of_fixed(self.interval_of(k))
+    }
+
+    /// Returns the time from the step before the segment to its last step. The segment must be valid.
+    ///
+    /// ```
+    /// use pump_ctl::step::{Segment, Ticks};
+    ///
+    /// // Intervals of 1000, 999.5 and 999 ticks.
+    /// let segment = Segment { count: 3, interval: 1000, add: -(1 << 31), frac: 0 };
+    /// assert_eq!(segment.duration(), Ticks { whole: 2998, frac: 1 << 31 });
+    /// ```
+    pub fn duration(&self) -> Ticks {
+        Ticks::of_fixed(self.span(self.steps()))
+    }
+
+    /// Returns the intervals of the segment in whole ticks, for a PIO or a DMA channel. The segment must be
+    /// valid.
+    ///
+    /// `carry` is the fraction of a tick that the intervals before have left over. Begin a move with
+    /// [`Segment::CARRY`]. The sums of the intervals are then the deadlines of [`super::Stepper`].
+    ///
+    /// ```
+    /// use pump_ctl::step::Segment;
+    ///
+    /// let mut carry = Segment::CARRY;
+    /// let segment = Segment { count: 3, interval: 1000, add: -(1 << 31), frac: 0 };
+    /// assert!(segment.intervals(&mut carry).eq([1000, 1000, 999]));
+    /// assert!(segment.intervals(&mut carry).eq([1000, 999, 999]));
+    /// ```
+    pub fn intervals<'a>(&self, carry: &'a mut u32) -> Intervals<'a> {
+        Intervals::new(self, carry)
+    }
+
+    /// Carry at the start of a move, 2^-32 tick: half a tick, by which cut times are rounded.
+    pub const CARRY: u32 = 1 << 31;
 
     /// Returns the first interval.
     #[inline]
@@ -90,5 +133,37 @@ impl Segment {
             }
         }
         within
+    }
+}
+
+/// The intervals of a segment in whole ticks. [`Segment::intervals`] makes them.
+#[derive(Debug)]
+pub struct Intervals<'a> {
+    interval: Ticks,
+    add: i64,
+    left: u32,
+    carry: &'a mut u32,
+}
+
+impl<'a> Intervals<'a> {
+    pub(super) fn new(segment: &Segment, carry: &'a mut u32) -> Self {
+        Self { interval: segment.first(), add: segment.add, left: segment.steps(), carry }
+    }
+}
+
+impl Iterator for Intervals<'_> {
+    type Item = u64;
+
+    fn next(&mut self) -> Option<u64> {
+        self.left = self.left.checked_sub(1)?;
+        let Ticks { whole, frac } = self.interval.plus(Ticks { whole: 0, frac: *self.carry });
+        *self.carry = frac;
+        self.interval = self.interval.plus_fixed(self.add);
+        Some(whole)
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let left = usize::try_from(self.left).unwrap_or(usize::MAX);
+        (left, Some(left))
     }
 }

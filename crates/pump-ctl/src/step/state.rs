@@ -4,7 +4,7 @@ use super::brake::Descent;
 
 /// The state of the executor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum State {
+pub(super) enum StepperState {
     /// The motor stands. Segments may be pushed and started.
     Ready,
     /// The motor walks the queue.

@@ -1,13 +1,14 @@
 //! The executor: the steps that are made when the timer fires.
 
-use core::iter::Peekable;
-
 use super::action::Action;
 use super::brake::Brake;
+use super::direction::Direction;
 use super::error::{PushError, StartError};
+use super::feed::Feed;
 use super::queue::Queue;
 use super::segment::Segment;
-use super::state::State;
+use super::state::StepperState;
+use super::tick_rate::TickRate;
 use super::ticks::Ticks;
 
 /// The executor, which makes the steps of queued segments, each at its own absolute time.
@@ -21,16 +22,17 @@ use super::ticks::Ticks;
 ///
 /// ```
 /// use pump_ctl::plan::Motor;
-/// use pump_ctl::step::{Action, Segment, Stepper};
+/// use pump_ctl::step::{Action, Direction, Segment, Stepper, TickRate};
 ///
-/// let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
-/// let mut stepper = Stepper::<2>::new(motor.brake(1_000_000));
-/// stepper.push(Segment { count: 2, interval: 2000, add: 0, frac: 0 })?;
+/// let motor = Motor::new(12_800.0, 17.8, 500.0);
+/// let tick_rate = TickRate::from_hz(1_000_000).unwrap();
+/// let mut stepper = Stepper::<2>::new(motor.brake(tick_rate)?);
+/// stepper.push(Segment { count: 2, interval: 2000, add: 0, frac: 0 }, tick_rate)?;
 /// stepper.finish();
 /// assert_eq!(stepper.start(500)?, 2500);
 /// assert_eq!(stepper.on_deadline(2499), Action::Wait);
-/// assert_eq!(stepper.on_deadline(2500), Action::Step { dir: 1, next: 4500 });
-/// assert_eq!(stepper.on_deadline(4500), Action::Step { dir: 1, next: 4500 });
+/// assert_eq!(stepper.on_deadline(2500), Action::Step { direction: Direction::Forward, next: 4500 });
+/// assert_eq!(stepper.on_deadline(4500), Action::Step { direction: Direction::Forward, next: 4500 });
 /// assert_eq!(stepper.on_deadline(4500), Action::Done);
 /// assert_eq!(stepper.position(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -39,7 +41,7 @@ use super::ticks::Ticks;
 pub struct Stepper<const Q: usize> {
     pub(super) brake: Brake,
     pub(super) queue: Queue<Q>,
-    pub(super) state: State,
+    pub(super) state: StepperState,
     /// Position: the steps made, signed.
     pub(super) position: i64,
     /// Time at which the next step is due. While the motor stands, it is the time of the last step.
@@ -50,10 +52,10 @@ pub struct Stepper<const Q: usize> {
     pub(super) add: i64,
     /// Steps left of the segment, the step due included. It is 0 while the motor stands.
     pub(super) left: u32,
-    pub(super) direction: i8,
-    /// Direction of the last step, 0 before the first step of a move. Where the motor turns round,
+    pub(super) direction: Direction,
+    /// Direction of the last step, `None` before the first step of a move. Where the motor turns round,
     /// `direction` is already that of the next step.
-    pub(super) last_direction: i8,
+    pub(super) last_direction: Option<Direction>,
     /// True if no segment will follow the queued segments.
     pub(super) finished: bool,
 }
@@ -64,16 +66,21 @@ impl<const Q: usize> Stepper<Q> {
         Self {
             brake,
             queue: Queue::new(),
-            state: State::Ready,
+            state: StepperState::Ready,
             position: 0,
             next: Ticks::ZERO,
             interval: Ticks::ZERO,
             add: 0,
             left: 0,
-            direction: 1,
-            last_direction: 0,
+            direction: Direction::Forward,
+            last_direction: None,
             finished: false,
         }
+    }
+
+    /// Returns the rate of the timer that the executor's brake is made for.
+    pub fn tick_rate(&self) -> TickRate {
+        self.brake.tick_rate()
     }
 
     /// Returns the number of segments that fit now. The segment under way keeps its place.
@@ -81,20 +88,29 @@ impl<const Q: usize> Stepper<Q> {
         Q - self.queue.len() - usize::from(self.is_moving())
     }
 
-    /// Queues a segment, at rest or in motion.
+    /// Queues a segment, at rest or in motion. `tick_rate` is the rate of the timer that the segment is made
+    /// for.
     ///
     /// # Errors
     ///
     /// Fails with [`PushError::Full`] if there is no room, and with [`PushError::Segment`] if the segment is
-    /// not valid. After [`Self::finish`] it fails with [`PushError::Finished`], after a stop with
+    /// not valid. Fails with [`PushError::TickRate`] if `tick_rate` is not that of the brake, by which the
+    /// motor could not stop. After [`Self::finish`] it fails with [`PushError::Finished`], after a stop with
     /// [`PushError::Stopped`].
-    pub fn push(&mut self, segment: Segment) -> Result<(), PushError> {
+    pub fn push(&mut self, segment: Segment, tick_rate: TickRate) -> Result<(), PushError> {
         match self.state {
-            State::Ending { .. } | State::Braking { .. } | State::Stopped | State::Starved => {
+            StepperState::Ending { .. }
+            | StepperState::Braking { .. }
+            | StepperState::Stopped
+            | StepperState::Starved => {
                 return Err(PushError::Stopped);
             }
-            State::Ready | State::Moving if self.finished => return Err(PushError::Finished),
-            State::Ready | State::Moving => {}
+            StepperState::Ready | StepperState::Moving if self.finished => return Err(PushError::Finished),
+            StepperState::Ready | StepperState::Moving => {}
+        }
+        let brake = self.brake.tick_rate();
+        if tick_rate != brake {
+            return Err(PushError::TickRate { segments: tick_rate, brake });
         }
         if !segment.is_valid() {
             return Err(PushError::Segment(segment));
@@ -122,12 +138,10 @@ impl<const Q: usize> Stepper<Q> {
     ///
     /// Fails where [`Self::push`] does, except that a full queue is no error. The refused segment stays in
     /// `segments`.
-    pub fn fill(
-        &mut self,
-        segments: &mut Peekable<impl Iterator<Item = Segment>>,
-    ) -> Result<bool, PushError> {
+    pub fn fill(&mut self, segments: &mut Feed<impl Iterator<Item = Segment>>) -> Result<bool, PushError> {
+        let tick_rate = segments.tick_rate();
         while let Some(segment) = segments.peek() {
-            match self.push(*segment) {
+            match self.push(*segment, tick_rate) {
                 Ok(()) => segments.next(),
                 Err(PushError::Full) => return Ok(false),
                 Err(refused) => return Err(refused),
@@ -145,13 +159,15 @@ impl<const Q: usize> Stepper<Q> {
     /// under way. Fails with [`StartError::Stopped`] if the motor was stopped or the queue ran dry.
     pub fn start(&mut self, now: u64) -> Result<u64, StartError> {
         match self.state {
-            State::Moving | State::Ending { .. } | State::Braking { .. } => return Err(StartError::Moving),
-            State::Stopped | State::Starved => return Err(StartError::Stopped),
-            State::Ready if self.queue.is_empty() => return Err(StartError::Empty),
-            State::Ready => {}
+            StepperState::Moving | StepperState::Ending { .. } | StepperState::Braking { .. } => {
+                return Err(StartError::Moving);
+            }
+            StepperState::Stopped | StepperState::Starved => return Err(StartError::Stopped),
+            StepperState::Ready if self.queue.is_empty() => return Err(StartError::Empty),
+            StepperState::Ready => {}
         }
-        self.state = State::Moving;
-        self.last_direction = 0;
+        self.state = StepperState::Moving;
+        self.last_direction = None;
         self.next = Ticks::middle_of(now);
         self.load();
         Ok(self.next.whole)
@@ -162,14 +178,14 @@ impl<const Q: usize> Stepper<Q> {
     #[inline]
     pub fn on_deadline(&mut self, now: u64) -> Action {
         if self.left == 0 {
-            return if self.state == State::Starved { Action::Starved } else { Action::Done };
+            return if self.state == StepperState::Starved { Action::Starved } else { Action::Done };
         }
         if now < self.next.whole {
             return Action::Wait;
         }
-        let dir = self.direction;
-        self.last_direction = dir;
-        self.position = self.position.wrapping_add(i64::from(dir));
+        let direction = self.direction;
+        self.last_direction = Some(direction);
+        self.position = self.position.wrapping_add(i64::from(direction.sign()));
         self.left -= 1;
         if self.left > 0 {
             self.interval = self.interval.plus_fixed(self.add);
@@ -177,7 +193,7 @@ impl<const Q: usize> Stepper<Q> {
         } else {
             self.load();
         }
-        Action::Step { dir, next: self.next.whole }
+        Action::Step { direction, next: self.next.whole }
     }
 
     /// Returns the position: the signed steps made since power-up, or counted on from [`Self::set_position`].
@@ -204,7 +220,7 @@ impl<const Q: usize> Stepper<Q> {
         }
         self.queue.keep_pending(0);
         self.finished = false;
-        self.state = State::Ready;
+        self.state = StepperState::Ready;
         true
     }
 
@@ -227,37 +243,40 @@ impl<const Q: usize> Stepper<Q> {
     /// is not counted.
     pub fn halt(&mut self, last_step_made: bool) {
         if !last_step_made {
-            self.position = self.position.wrapping_sub(i64::from(self.last_direction));
+            let last = self.last_direction.map_or(0, Direction::sign);
+            self.position = self.position.wrapping_sub(i64::from(last));
         }
         self.queue.clear();
         self.left = 0;
-        self.state = State::Stopped;
+        self.state = StepperState::Stopped;
     }
 
     /// Goes on with the next segment, from the queue or down the brake, or ends the move.
     pub(super) fn load(&mut self) {
         if self.queue.is_empty() {
             self.state = match self.state {
-                State::Moving if self.finished => State::Ready,
-                State::Moving => self
-                    .brake
-                    .descent_from(self.interval.fixed())
-                    .map_or(State::Starved, |descent| State::Braking { descent, starved: true }),
-                State::Ending { rests: false } => self
-                    .brake
-                    .descent_from(self.interval.fixed())
-                    .map_or(State::Stopped, |descent| State::Braking { descent, starved: false }),
-                State::Ending { rests: true } => State::Stopped,
+                StepperState::Moving if self.finished => StepperState::Ready,
+                StepperState::Moving => {
+                    self.brake.descent_from(self.interval.fixed()).map_or(StepperState::Starved, |descent| {
+                        StepperState::Braking { descent, starved: true }
+                    })
+                }
+                StepperState::Ending { rests: false } => {
+                    self.brake.descent_from(self.interval.fixed()).map_or(StepperState::Stopped, |descent| {
+                        StepperState::Braking { descent, starved: false }
+                    })
+                }
+                StepperState::Ending { rests: true } => StepperState::Stopped,
                 other => other,
             };
             self.finished = false;
         }
-        if let State::Braking { descent, starved } = &mut self.state {
+        if let StepperState::Braking { descent, starved } = &mut self.state {
             if let Some(mut segment) = self.brake.next_down(descent) {
-                segment.count *= i32::from(self.direction);
+                segment.count *= i32::from(self.direction.sign());
                 self.queue.push(segment);
             } else {
-                self.state = if *starved { State::Starved } else { State::Stopped };
+                self.state = if *starved { StepperState::Starved } else { StepperState::Stopped };
             }
         }
         self.take();

@@ -2,7 +2,7 @@
 
 use super::queue::Slot;
 use super::segment::Segment;
-use super::state::State;
+use super::state::StepperState;
 use super::stepper::Stepper;
 use super::ticks::Ticks;
 
@@ -38,21 +38,23 @@ impl<const Q: usize> Stepper<Q> {
     /// not made up for. A second call changes nothing.
     pub fn stop(&mut self, now: u64) -> StopPlan {
         match self.state {
-            State::Ready | State::Stopped | State::Starved => self.refuse_what_is_queued(),
-            State::Ending { .. } => self.planned_end(&self.planned_run()),
-            State::Braking { descent, .. } => {
+            StepperState::Ready | StepperState::Stopped | StepperState::Starved => {
+                self.refuse_what_is_queued()
+            }
+            StepperState::Ending { .. } => self.planned_end(&self.planned_run()),
+            StepperState::Braking { descent, .. } => {
                 let (steps, span) = self.brake.length(descent);
                 let current = self.queue.current().copied().unwrap_or_default();
                 self.after_step(&current, current.segment.steps(), steps, span)
             }
-            State::Moving => self.stop_moving(now),
+            StepperState::Moving => self.stop_moving(now),
         }
     }
 
     fn refuse_what_is_queued(&mut self) -> StopPlan {
         self.queue.keep_pending(0);
-        if self.state == State::Ready {
-            self.state = State::Stopped;
+        if self.state == StepperState::Ready {
+            self.state = StepperState::Stopped;
         }
         StopPlan { last_step_at: self.next.whole, final_count: self.position }
     }
@@ -60,7 +62,7 @@ impl<const Q: usize> Stepper<Q> {
     fn stop_moving(&mut self, now: u64) -> StopPlan {
         // The motor stands before its first step and where it turns round, however short the interval to
         // come.
-        let turning = self.last_direction == self.direction;
+        let turning = self.last_direction == Some(self.direction);
         let descent = self.brake.descent_from(self.interval.fixed()).filter(|_| turning);
         let Some(descent) = descent else {
             return self.stand();
@@ -69,11 +71,11 @@ impl<const Q: usize> Stepper<Q> {
         let run = self.planned_run();
         if run.steps <= u64::from(steps) + 1 {
             self.queue.keep_pending(run.segments);
-            self.state = State::Ending { rests: run.rests };
+            self.state = StepperState::Ending { rests: run.rests };
             return self.planned_end(&run);
         }
 
-        self.state = State::Braking { descent, starved: false };
+        self.state = StepperState::Braking { descent, starved: false };
         self.queue.keep_pending(0);
         let made = self.made_of_current();
         if now > self.next.whole {
@@ -97,7 +99,7 @@ impl<const Q: usize> Stepper<Q> {
             return;
         }
         let rest = Segment {
-            count: i32::try_from(self.left).unwrap_or(i32::MAX) * i32::from(self.direction),
+            count: i32::try_from(self.left).unwrap_or(i32::MAX) * i32::from(self.direction.sign()),
             interval: self.interval.whole,
             frac: self.interval.frac,
             add: self.add,
@@ -109,7 +111,7 @@ impl<const Q: usize> Stepper<Q> {
 
     /// Returns the end of a way down of `steps` over `span` that follows step `k` of `slot`.
     fn after_step(&self, slot: &Slot, k: u32, steps: u32, span: i128) -> StopPlan {
-        let way = i64::from(self.direction) * i64::from(steps);
+        let way = i64::from(self.direction.sign()) * i64::from(steps);
         StopPlan {
             last_step_at: Ticks::of_fixed(slot.due(k).fixed() + span).whole,
             final_count: slot.position_after(k).wrapping_add(way),
@@ -123,7 +125,7 @@ impl<const Q: usize> Stepper<Q> {
         self.queue.keep_pending(0);
         self.queue.cut(made);
         self.left = 0;
-        self.state = State::Stopped;
+        self.state = StepperState::Stopped;
         StopPlan { last_step_at: self.next.whole, final_count: self.position }
     }
 
@@ -133,7 +135,7 @@ impl<const Q: usize> Stepper<Q> {
             steps: u64::from(self.left),
             ends: last.due(last.segment.steps()),
             segments: 0,
-            rests: self.finished || self.state == State::Ending { rests: true },
+            rests: self.finished || self.state == StepperState::Ending { rests: true },
         };
         for segment in self.queue.pending() {
             if segment.direction() != self.direction {
@@ -155,7 +157,7 @@ impl<const Q: usize> Stepper<Q> {
     }
 
     fn planned_end(&self, run: &PlannedEnd) -> StopPlan {
-        let way = i64::from(self.direction) * i64::try_from(run.steps).unwrap_or(i64::MAX);
+        let way = i64::from(self.direction.sign()) * i64::try_from(run.steps).unwrap_or(i64::MAX);
         StopPlan { last_step_at: run.ends.whole, final_count: self.position.wrapping_add(way) }
     }
 }

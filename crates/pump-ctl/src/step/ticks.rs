@@ -3,9 +3,13 @@
 /// A time in whole ticks and a fraction in 2^-32 tick. Sums keep the fraction, so a million intervals are as
 /// exact as one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub(super) struct Ticks {
-    pub(super) whole: u64,
-    pub(super) frac: u32,
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Ticks {
+    /// Whole ticks.
+    pub whole: u64,
+    /// Fraction of a tick, 2^-32 tick.
+    pub frac: u32,
 }
 
 impl Ticks {

@@ -3,10 +3,10 @@
 use std::cell::Cell;
 
 use pump_ctl::drive::{Clock, Fault, OnFault, Timing};
-use pump_ctl::step::{PushError, Segment, StartError};
+use pump_ctl::step::{Feed, PushError, Segment, StartError, TickRate};
 
 use super::wires::Bench;
-use super::{OnPins, TICK_HZ, deadlines, dose, idle, on_pins};
+use super::{OnPins, TICK_RATE, deadlines, dose, idle, on_pins};
 
 /// Places in the queue. They are few, so most of the plan is queued between steps.
 const Q: usize = 4;
@@ -30,12 +30,12 @@ fn every_step_of_25_ml_comes_and_none_before_its_time() {
     let start = bench.clone().now();
     bench.state().now_ns = 1000 * start;
     bench.state().look_ns = [0, 700];
-    let mut segments = plan.segments(TICK_HZ).peekable();
+    let mut segments = plan.segments(TICK_RATE).feed();
     assert_eq!(actuator.run(&mut bench.clone(), &mut segments, || false), Ok(()));
-    assert_eq!(actuator.stepper().position(), plan.steps);
-    assert_eq!(bench.state().rotor, plan.steps);
+    assert_eq!(actuator.stepper().position(), plan.steps());
+    assert_eq!(bench.state().rotor, plan.steps());
     let made = bench.steps_ns();
-    let due = deadlines(plan.segments(TICK_HZ), start);
+    let due = deadlines(plan.segments(TICK_RATE), start);
     assert_eq!(made.len(), due.len());
     for (made_ns, due) in made.iter().zip(due) {
         let late_ns = made_ns.checked_sub(1000 * due);
@@ -49,7 +49,7 @@ fn the_stop_closure_decelerates() {
     let plan = dose(25.0, 5.0);
     let bench = bench();
     let mut actuator = actuator(&bench);
-    let mut segments = plan.segments(TICK_HZ).peekable();
+    let mut segments = plan.segments(TICK_RATE).feed();
     let asked = Cell::new(0);
     let stop = || {
         let stop = bench.state().rotor >= 5000;
@@ -71,7 +71,7 @@ fn the_stop_closure_decelerates() {
 fn a_hiccup_decelerates_although_the_plan_is_not_queued_yet() {
     let bench = bench();
     let mut actuator = actuator(&bench);
-    let mut segments = dose(25.0, 5.0).segments(TICK_HZ).peekable();
+    let mut segments = dose(25.0, 5.0).segments(TICK_RATE).feed();
     let hiccup = || {
         let mut state = bench.state();
         if state.rotor == 100 {
@@ -91,9 +91,9 @@ fn a_segment_that_is_refused_on_the_way_decelerates_first() {
     let bench = bench();
     let mut actuator = actuator(&bench);
     let wrong = Segment::default();
-    let good = dose(25.0, 5.0).segments(TICK_HZ).take(12);
+    let good = dose(25.0, 5.0).segments(TICK_RATE).take(12);
     let fed: i64 = good.clone().map(|segment| i64::from(segment.count)).sum();
-    let mut segments = good.chain([wrong]).peekable();
+    let mut segments = Feed::new(TICK_RATE, good.chain([wrong]));
     let end = actuator.run(&mut bench.clone(), &mut segments, || false);
     assert_eq!(end, Err(Fault::Push(PushError::Segment(wrong))));
     assert!(!actuator.stepper().is_moving());
@@ -108,18 +108,23 @@ fn a_segment_that_is_refused_on_the_way_decelerates_first() {
 fn a_move_that_is_refused_leaves_nothing_queued() {
     let bench = bench();
     let mut actuator = idle::<Q>(&bench, Timing::default(), OnFault::Hold);
-    let mut segments = dose(25.0, 5.0).segments(TICK_HZ).peekable();
+    let mut segments = dose(25.0, 5.0).segments(TICK_RATE).feed();
     let end = actuator.run(&mut bench.clone(), &mut segments, || false);
     assert_eq!(end, Err(Fault::NotEnabled));
     actuator.enable().unwrap();
     let wrong = [Segment { count: 5, interval: 500, add: 0, frac: 0 }, Segment::default()];
-    let end = actuator.run(&mut bench.clone(), &mut wrong.into_iter().peekable(), || false);
+    let end = actuator.run(&mut bench.clone(), &mut Feed::new(TICK_RATE, wrong), || false);
     assert_eq!(end, Err(Fault::Push(PushError::Segment(wrong[1]))));
-    let end = actuator.run(&mut bench.clone(), &mut core::iter::empty().peekable(), || false);
+    let end = actuator.run(&mut bench.clone(), &mut Feed::new(TICK_RATE, []), || false);
     assert_eq!(end, Err(Fault::Start(StartError::Empty)));
 
+    let kilohertz = TickRate::from_hz(1000).unwrap();
+    let end = actuator.run(&mut bench.clone(), &mut dose(25.0, 5.0).segments(kilohertz).feed(), || false);
+    let refused = PushError::TickRate { segments: kilohertz, brake: TICK_RATE };
+    assert_eq!(end, Err(Fault::Push(refused)), "a brake of another timer is none");
+
     let back = dose(-0.2, 5.0);
-    let mut segments = back.segments(TICK_HZ).peekable();
+    let mut segments = back.segments(TICK_RATE).feed();
     assert_eq!(actuator.run(&mut bench.clone(), &mut segments, || false), Ok(()));
-    assert_eq!(bench.state().rotor, back.steps);
+    assert_eq!(bench.state().rotor, back.steps());
 }

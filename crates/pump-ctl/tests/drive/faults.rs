@@ -37,8 +37,9 @@ fn fails_and_stays(failure: Failure, made: u64, on_fault: OnFault, watch: bool) 
     let due = start(&mut actuator, &bench, MOVE).unwrap();
 
     let fault = turn_on_time(&mut actuator, &bench, due).unwrap_err();
-    let error = PinFault { pin: failure.pin, kind: ErrorKind::Other };
-    assert_eq!(fault, Fault::Motion { error, position: position_after(made) }, "{failure:?}");
+    let fell = failure.pin == Pin::Step && !failure.high;
+    let error = PinFault { pin: failure.pin, kind: ErrorKind::Other, made: fell };
+    assert_eq!(fault, Fault::Motor { error, position: position_after(made) }, "{failure:?}");
     assert_eq!(bench.state().rotor, position_after(made), "{failure:?}");
     assert_eq!(actuator.stepper().position(), position_after(made));
 
@@ -97,8 +98,8 @@ fn a_motor_that_cannot_be_enabled_does_not_start() {
         let bench = Bench::default();
         let mut actuator = idle::<8>(&bench, Timing::default(), OnFault::Hold);
         bench.state().failures = vec![Failure { pin, high: false, nth: 1 }];
-        let error = PinFault { pin, kind: ErrorKind::Other };
-        assert_eq!(actuator.enable(), Err(Fault::Motion { error, position: 0 }));
+        let error = PinFault { pin, kind: ErrorKind::Other, made: false };
+        assert_eq!(actuator.enable(), Err(Fault::Motor { error, position: 0 }));
         assert_eq!(start(&mut actuator, &bench, MOVE), Err(Fault::NotEnabled));
         assert_eq!(bench.steps_ns(), []);
     }
@@ -115,7 +116,8 @@ fn the_first_error_is_told_when_letting_go_fails_too() {
         Failure { pin: Pin::Enable, high: true, nth: 1 },
     ];
     let due = start(&mut actuator, &bench, MOVE).unwrap();
-    let told = |pin| Fault::Motion { error: PinFault { pin, kind: ErrorKind::Other }, position: 4 };
+    let told =
+        |pin| Fault::Motor { error: PinFault { pin, kind: ErrorKind::Other, made: false }, position: 4 };
     assert_eq!(turn_on_time(&mut actuator, &bench, due), Err(told(Pin::Step)));
     assert_eq!(actuator.disable(), Err(told(Pin::Enable)));
     assert_eq!(actuator.start(0), Err(Fault::NotEnabled));
@@ -133,8 +135,8 @@ fn a_fault_between_two_steps_stops_the_motor_too() {
         let _ = actuator.on_timer(due).unwrap();
         bench.state().failures = vec![Failure { pin, high, nth: 1 }];
         let fault = if pin == Pin::Enable { actuator.enable() } else { actuator.watch_index() };
-        let error = PinFault { pin, kind: ErrorKind::Other };
-        assert_eq!(fault, Err(Fault::Motion { error, position: 1 }));
+        let error = PinFault { pin, kind: ErrorKind::Other, made: false };
+        assert_eq!(fault, Err(Fault::Motor { error, position: 1 }));
         assert_eq!(turn_on_time(&mut actuator, &bench, due + 500), Ok(()));
         assert_eq!((bench.state().rotor, actuator.stepper().position()), (1, 1));
     }
@@ -143,7 +145,7 @@ fn a_fault_between_two_steps_stops_the_motor_too() {
 #[test]
 fn a_step_pin_left_high_by_a_fault_is_low_long_enough_before_the_next_step() {
     let bench = Bench::default();
-    let timing = Timing { enable_setup_ns: 0, ..Timing::default() };
+    let timing = Timing::new().with_enable_setup_ns(0);
     let mut actuator = on_pins::<8>(&bench, timing, OnFault::Hold);
     bench.state().failures = vec![Failure { pin: Pin::Step, high: false, nth: 3 }];
     let due = start(&mut actuator, &bench, MOVE).unwrap();

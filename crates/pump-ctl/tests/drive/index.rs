@@ -1,6 +1,6 @@
 //! The index sensor.
 
-use pump_ctl::drive::{Motion, OnFault, StepDir, Timing};
+use pump_ctl::drive::{OnFault, StepDir, StepMotor, Timing};
 use pump_ctl::step::Segment;
 
 use super::wires::Bench;
@@ -19,7 +19,7 @@ fn moved(actuator: &mut OnPins<8>, bench: &Bench, segments: &[Segment]) -> Optio
 fn the_position_at_which_the_sensor_becomes_active_is_noted() {
     for index_active_low in [false, true] {
         let bench = Bench::default();
-        let timing = Timing { index_active_low, ..Timing::default() };
+        let timing = Timing::new().with_index_active_low(index_active_low);
         // The pin is high inside the sensor, or everywhere outside, where "outside" is active.
         bench.state().sensor = Some(12..20);
         let mut actuator = on_pins::<8>(&bench, timing, OnFault::Hold);

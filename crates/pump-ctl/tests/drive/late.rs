@@ -5,7 +5,7 @@ use pump_ctl::drive::{Fault, OnFault, Timer, Timing};
 use pump_ctl::step::{Segment, StartError};
 
 use super::wires::Bench;
-use super::{MOTOR, OnPins, TICK_HZ, deadlines, dose, on_pins, start, turn, turn_on_time};
+use super::{MOTOR, OnPins, TICK_RATE, deadlines, dose, on_pins, start, turn, turn_on_time};
 
 const TICK_NS: u64 = 1000;
 
@@ -14,18 +14,18 @@ const TICK_NS: u64 = 1000;
 fn started(bench: &Bench) -> (OnPins<256>, u64, i64) {
     let plan = dose(2.5, 5.0);
     let mut actuator = on_pins(bench, Timing::default(), OnFault::Hold);
-    let due = start(&mut actuator, bench, plan.segments(TICK_HZ)).unwrap();
-    (actuator, due, plan.steps)
+    let due = start(&mut actuator, bench, plan.segments(TICK_RATE)).unwrap();
+    (actuator, due, plan.steps())
 }
 
 /// Returns the deadlines of a dose of 2.5 mL at 5 mL/s, ticks since the start.
 fn punctual() -> Vec<u64> {
-    deadlines(dose(2.5, 5.0).segments(TICK_HZ), 0)
+    deadlines(dose(2.5, 5.0).segments(TICK_RATE), 0)
 }
 
 /// Returns the steps that the steepest stop needs from a speed of one step every `interval` ticks.
 fn shortest_stop(interval: u64) -> f64 {
-    let speed_rad_s = f64::from(TICK_HZ) / interval as f64 * MOTOR.step_rad();
+    let speed_rad_s = f64::from(TICK_RATE.hz()) / interval as f64 * MOTOR.step_rad();
     speed_rad_s * speed_rad_s / (2.0 * MOTOR.max_acceleration_rad_s2) / MOTOR.step_rad()
 }
 
@@ -114,12 +114,12 @@ proptest! {
 
     #[test]
     fn a_queue_that_runs_dry_decelerates_and_says_so(keep in 1_usize..20) {
-        let segments: Vec<_> = dose(25.0, 5.0).segments(TICK_HZ).take(keep).collect();
+        let segments: Vec<_> = dose(25.0, 5.0).segments(TICK_RATE).take(keep).collect();
         let fed: i64 = segments.iter().map(|segment| i64::from(segment.count)).sum();
         let bench = Bench::default();
         let mut actuator = on_pins::<32>(&bench, Timing::default(), OnFault::Hold);
         for segment in segments {
-            actuator.stepper().push(segment).unwrap();
+            actuator.stepper().push(segment, TICK_RATE).unwrap();
         }
         let due = actuator.start(bench.tick()).unwrap();
         let end = turn_on_time(&mut actuator, &bench, due);
@@ -156,7 +156,7 @@ fn a_new_move_after_a_late_one_is_not_late() {
     let end = turn(&mut actuator, &bench, due, |n| if n == 500 { 50_000 } else { 0 });
     let Err(Fault::Late { position, .. }) = end else { unreachable!("{end:?}") };
     assert!(actuator.stepper().clear());
-    let due = start(&mut actuator, &bench, dose(2.5, 5.0).segments(TICK_HZ)).unwrap();
+    let due = start(&mut actuator, &bench, dose(2.5, 5.0).segments(TICK_RATE)).unwrap();
     assert_eq!(turn_on_time(&mut actuator, &bench, due), Ok(()));
     assert_eq!(actuator.stepper().position(), position + steps);
 }

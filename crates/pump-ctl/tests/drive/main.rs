@@ -10,16 +10,16 @@ mod late;
 mod pins;
 mod wires;
 
-use pump_ctl::drive::{Actuator, Fault, Motion, OnFault, StepDir, Timer, Timing};
-use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Plan, Request, plan};
-use pump_ctl::step::{Action, Segment, Stepper};
+use pump_ctl::drive::{Actuator, Fault, OnFault, StepDir, StepMotor, Timer, Timing};
+use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, Request};
+use pump_ctl::step::{Action, Feed, Segment, Stepper, TickRate};
 use pump_model::Pump;
 use wires::{Bench, Wire};
 
-/// Rate of the timer in these tests, Hz. A tick is a microsecond.
-const TICK_HZ: u32 = 1_000_000;
+/// Rate of the timer in these tests. A tick is a microsecond.
+const TICK_RATE: TickRate = TickRate::from_hz(1_000_000).unwrap();
 
-const MOTOR: Motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+const MOTOR: Motor = Motor::new(12_800.0, 17.8, 500.0);
 
 type OnPins<const Q: usize> = Actuator<StepDir<Wire, Wire, Wire, Bench, Wire>, Q>;
 
@@ -34,18 +34,18 @@ fn on_pins<const Q: usize>(bench: &Bench, timing: Timing, on_fault: OnFault) -> 
 fn idle<const Q: usize>(bench: &Bench, timing: Timing, on_fault: OnFault) -> OnPins<Q> {
     let [step, direction, enable, index] = bench.wires();
     let driver = StepDir::new(step, direction, enable, bench.clone(), timing).with_index(index);
-    Actuator::new(driver, Stepper::new(MOTOR.brake(TICK_HZ)), on_fault)
+    Actuator::new(driver, Stepper::new(MOTOR.brake(TICK_RATE).unwrap()), on_fault)
 }
 
 fn dose(volume_ml: f64, flow_ml_s: f64) -> Plan {
     let request = Request::new(volume_ml, Cruise::Flow { ml_s: flow_ml_s });
-    plan(&Pump::three_roller(), Phase::known(0.3), &request, &Limits::of_motor(MOTOR)).unwrap()
+    Doser::new(&Pump::three_roller(), Limits::new(MOTOR)).unwrap().plan(Phase::known(0.3), &request).unwrap()
 }
 
 /// Returns the ticks at which the steps of `segments` are due, for a start at tick `start`.
 fn deadlines(segments: impl Iterator<Item = Segment>, start: u64) -> Vec<u64> {
-    let mut stepper = Stepper::<256>::new(MOTOR.brake(TICK_HZ));
-    stepper.fill(&mut segments.peekable()).unwrap();
+    let mut stepper = Stepper::<256>::new(MOTOR.brake(TICK_RATE).unwrap());
+    stepper.fill(&mut Feed::new(TICK_RATE, segments)).unwrap();
     let mut due = stepper.start(start).unwrap();
     let mut all = Vec::new();
     while let Action::Step { next, .. } = stepper.on_deadline(due) {
@@ -57,21 +57,21 @@ fn deadlines(segments: impl Iterator<Item = Segment>, start: u64) -> Vec<u64> {
 
 /// Makes the segments of a dose and of half of it back, in one move.
 fn there_and_back(volume_ml: f64) -> impl Iterator<Item = Segment> {
-    dose(volume_ml, 5.0).segments(TICK_HZ).chain(dose(-0.5 * volume_ml, 5.0).segments(TICK_HZ))
+    dose(volume_ml, 5.0).segments(TICK_RATE).chain(dose(-0.5 * volume_ml, 5.0).segments(TICK_RATE))
 }
 
 /// Queues all segments and starts at the bench's time.
-fn start<M: Motion, const Q: usize>(
+fn start<M: StepMotor, const Q: usize>(
     actuator: &mut Actuator<M, Q>,
     bench: &Bench,
     segments: impl IntoIterator<Item = Segment>,
 ) -> Result<u64, Fault<M::Error>> {
-    assert!(actuator.stepper().fill(&mut segments.into_iter().peekable())?, "more segments than places");
+    assert!(actuator.stepper().fill(&mut Feed::new(TICK_RATE, segments))?, "more segments than places");
     actuator.start(bench.tick())
 }
 
 /// Runs the timer's interrupt until the move is over, each call `late(n)` ticks late.
-fn turn<M: Motion, const Q: usize>(
+fn turn<M: StepMotor, const Q: usize>(
     actuator: &mut Actuator<M, Q>,
     bench: &Bench,
     mut due: u64,
@@ -88,7 +88,7 @@ fn turn<M: Motion, const Q: usize>(
 }
 
 /// Runs the timer's interrupt until the move is over, each call on time.
-fn turn_on_time<M: Motion, const Q: usize>(
+fn turn_on_time<M: StepMotor, const Q: usize>(
     actuator: &mut Actuator<M, Q>,
     bench: &Bench,
     due: u64,

@@ -1,8 +1,8 @@
 //! The pins of a driver: their levels and their times.
 
 use proptest::prelude::*;
-use pump_ctl::drive::{Fault, Motion, OnFault, Pin, StepDir, Timing};
-use pump_ctl::step::Segment;
+use pump_ctl::drive::{Fault, OnFault, Pin, StepDir, StepMotor, Timing};
+use pump_ctl::step::{Direction, Segment};
 
 use super::wires::{Bench, Event};
 use super::{deadlines, dose, idle, on_pins, start, there_and_back, turn, turn_on_time};
@@ -11,15 +11,16 @@ fn any_timing() -> impl Strategy<Value = Timing> {
     let step = (0..30_000_u32, 0..30_000_u32);
     let direction = (0..60_000_u32, 0..60_000_u32);
     (step, direction, 0..2_000_000_u32, any::<[bool; 3]>()).prop_map(
-        |((high, low), (setup, hold), enable, [enable_low, reversed, index_low])| Timing {
-            step_high_ns: high,
-            step_low_ns: low,
-            direction_setup_ns: setup,
-            direction_hold_ns: hold,
-            enable_setup_ns: enable,
-            enable_active_low: enable_low,
-            reversed,
-            index_active_low: index_low,
+        |((high, low), (setup, hold), enable, [enable_low, reversed, index_low])| {
+            Timing::new()
+                .with_step_high_ns(high)
+                .with_step_low_ns(low)
+                .with_direction_setup_ns(setup)
+                .with_direction_hold_ns(hold)
+                .with_enable_setup_ns(enable)
+                .with_enable_active_low(enable_low)
+                .with_reversed(reversed)
+                .with_index_active_low(index_low)
         },
     )
 }
@@ -59,7 +60,7 @@ proptest! {
 
     #[test]
     fn a_dose_that_turns_round_keeps_the_drivers_times_at_every_step(timing in any_timing()) {
-        let (ahead, back) = (dose(0.2, 5.0).steps, dose(-0.1, 5.0).steps);
+        let (ahead, back) = (dose(0.2, 5.0).steps(), dose(-0.1, 5.0).steps());
         prop_assert!(ahead > 50 && back < -50, "{ahead} {back}");
         let due = deadlines(there_and_back(0.2), 0);
         // Every other call is so late that the next step is due a moment after, the first step back included.
@@ -88,7 +89,7 @@ proptest! {
         prop_assert_eq!(actuator.disable(), Ok(()));
         prop_assert_eq!(bench.state().level(Pin::Enable), Some(timing.enable_active_low));
         bench.state().sensor = Some(i64::MIN..i64::MAX);
-        prop_assert_eq!(actuator.motion().index(), Ok(Some(!timing.index_active_low)));
+        prop_assert_eq!(actuator.motor().index(), Ok(Some(!timing.index_active_low)));
     }
 }
 
@@ -134,7 +135,7 @@ fn a_pin_that_is_not_wired_may_stay_away() {
     let [step, direction, ..] = bench.wires();
     let mut driver = StepDir::new(step, direction, NoPin, bench.clone(), Timing::default());
     assert_eq!(driver.enable(), Ok(()));
-    assert_eq!(driver.step(1), Ok(()));
+    assert_eq!(driver.step(Direction::Forward), Ok(()));
     assert_eq!(driver.index(), Ok(None));
     assert_eq!(bench.state().rotor, 1);
 }

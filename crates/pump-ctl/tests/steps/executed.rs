@@ -2,9 +2,9 @@
 
 use proptest::prelude::*;
 use pump_ctl::plan::Motor;
-use pump_ctl::step::{Action, Segment, Stepper};
+use pump_ctl::step::{Action, Feed, Segment, Stepper};
 
-use super::{any_case, run};
+use super::{KILOHERTZ, any_case, run};
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
@@ -18,7 +18,7 @@ proptest! {
         let mut stepper = case.queued();
         let mut due = stepper.start(1000).unwrap();
         let mut made = Vec::new();
-        let count = (part * case.plan.steps.unsigned_abs() as f64) as usize;
+        let count = (part * case.plan.steps().unsigned_abs() as f64) as usize;
         while made.len() < count && let Action::Step { next, .. } = stepper.on_deadline(due) {
             made.push(due);
             due = next;
@@ -33,7 +33,7 @@ proptest! {
             let expected = made.iter().filter(|at| **at <= t).count() as i64;
             prop_assert_eq!(stepper.position_at(t), Some(case.direction() * expected));
             if part <= 0.5 {
-                let planned = case.plan.segments(case.tick_hz).steps_by(t - 1000);
+                let planned = case.plan.segments(case.tick_rate).steps_by(t - 1000);
                 prop_assert!(t > last || planned as i64 == expected);
             }
         }
@@ -43,16 +43,16 @@ proptest! {
 
 #[test]
 fn a_move_may_turn_round_and_moves_may_follow_each_other() {
-    let motor = Motor { steps_per_rev: 200.0, max_speed_rad_s: 1.0, max_acceleration_rad_s2: 10.0 };
-    let mut stepper = Stepper::<2>::new(motor.brake(1000));
+    let motor = Motor::new(200.0, 1.0, 10.0);
+    let mut stepper = Stepper::<2>::new(motor.brake(KILOHERTZ).unwrap());
     let ahead = Segment { count: 3, interval: 10, add: 0, frac: 1 << 31 };
     let back = Segment { count: -2, interval: 100, add: -(10 << 32), frac: 0 };
     for start in [0, 5000] {
-        assert!(stepper.fill(&mut [ahead, back].into_iter().peekable()).unwrap());
+        assert!(stepper.fill(&mut Feed::new(KILOHERTZ, [ahead, back])).unwrap());
         let mut due = stepper.start(start).unwrap();
         let mut made = Vec::new();
-        while let Action::Step { dir, next } = stepper.on_deadline(due) {
-            made.push((due - start, dir));
+        while let Action::Step { direction, next } = stepper.on_deadline(due) {
+            made.push((due - start, direction.sign()));
             due = next;
         }
         // The steps are due at 10.5, 21, 31.5, 131.5 and 221.5, rounded half up.

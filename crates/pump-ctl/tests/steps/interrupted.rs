@@ -1,7 +1,7 @@
 //! Stops, changes of plan, and queues that run dry.
 
 use proptest::prelude::*;
-use pump_ctl::step::{Action, PushError, StopPlan};
+use pump_ctl::step::{Action, Feed, PushError, StopPlan};
 
 use super::{Case, Executor, any_case, run};
 
@@ -23,7 +23,7 @@ fn steepest(ticks: &[u64], tick_hz: u32) -> f64 {
 fn run_to(stepper: &mut Executor, case: &Case, part: f64) -> (Vec<u64>, u64) {
     let mut due = stepper.start(1000).unwrap();
     let mut made = Vec::new();
-    for _ in 0..(part * case.plan.steps.unsigned_abs() as f64) as u64 {
+    for _ in 0..(part * case.plan.steps().unsigned_abs() as f64) as u64 {
         let Action::Step { next, .. } = stepper.on_deadline(due) else { unreachable!() };
         made.push(due);
         due = next;
@@ -50,15 +50,16 @@ proptest! {
         prop_assert_eq!(promise, StopPlan { last_step_at: last, final_count: stepper.position() });
         // The motor never makes more steps than planned, and never turns back.
         let along = case.direction() * stepper.position();
-        prop_assert!(along <= case.plan.steps.abs() && along >= case.direction() * before);
+        prop_assert!(along <= case.plan.steps().abs() && along >= case.direction() * before);
         // The motor stops as soon as the limit allows, within twice the angle.
-        let speed = f64::from(case.tick_hz) / last_interval as f64 * case.plan.step_rad;
+        let speed = f64::from(case.tick_rate.hz()) / last_interval as f64 * case.plan.step_rad();
         let limit = case.motor.max_acceleration_rad_s2;
-        let shortest = speed * speed / (2.0 * limit) / case.plan.step_rad;
+        let shortest = speed * speed / (2.0 * limit) / case.plan.step_rad();
         prop_assert!((made.len() - stopped_from) as f64 <= 2.0 * shortest + 3.0);
         let from = stopped_from.saturating_sub(1);
-        prop_assert!(steepest(&made[from..], case.tick_hz) * case.plan.step_rad <= 1.02 * limit);
-        prop_assert_eq!(stepper.push(case.plan.segments(case.tick_hz).next().unwrap()), Err(PushError::Stopped));
+        prop_assert!(steepest(&made[from..], case.tick_rate.hz()) * case.plan.step_rad() <= 1.02 * limit);
+        let segment = case.plan.segments(case.tick_rate).next().unwrap();
+        prop_assert_eq!(stepper.push(segment, case.tick_rate), Err(PushError::Stopped));
     }
 
     #[test]
@@ -74,7 +75,7 @@ proptest! {
         let promise = stepper.stop(now);
         let next = stepper.next_deadline();
         // Either the plan is at its end, or the next step is still to come.
-        let at_its_end = Some(due) == interval && promise.final_count == case.plan.steps;
+        let at_its_end = Some(due) == interval && promise.final_count == case.plan.steps();
         prop_assert!(next.is_none_or(|next| next > now) || at_its_end);
         let (made, _) = run(&mut stepper, next.unwrap_or(now));
         prop_assert_eq!(stepper.position(), promise.final_count);
@@ -85,18 +86,18 @@ proptest! {
 
     #[test]
     fn a_queue_that_runs_dry_decelerates_the_motor(case in any_case(), keep in 1_usize..60) {
-        let segments: Vec<_> = case.plan.segments(case.tick_hz).collect();
+        let segments: Vec<_> = case.plan.segments(case.tick_rate).collect();
         let keep = keep.min(segments.len());
-        let mut stepper = Executor::new(case.motor.brake(case.tick_hz));
+        let mut stepper = Executor::new(case.motor.brake(case.tick_rate).unwrap());
         for segment in &segments[..keep] {
-            stepper.push(*segment).unwrap();
+            stepper.push(*segment, case.tick_rate).unwrap();
         }
         let due = stepper.start(0).unwrap();
         let (made, end) = run(&mut stepper, due);
         prop_assert_eq!(end, Action::Starved);
         let fed: u32 = segments[..keep].iter().map(|segment| segment.steps()).sum();
         let from = (fed as usize).saturating_sub(2);
-        let steepest_rad_s2 = steepest(&made[from..], case.tick_hz) * case.plan.step_rad;
+        let steepest_rad_s2 = steepest(&made[from..], case.tick_rate.hz()) * case.plan.step_rad();
         prop_assert!(steepest_rad_s2 <= 1.02 * case.motor.max_acceleration_rad_s2);
         prop_assert_eq!(made.len() as i64, case.direction() * stepper.position());
     }
@@ -112,7 +113,7 @@ proptest! {
         let (expected, _) = run(&mut punctual, first);
         let mut stepper = case.queued();
         let (mut made, due) = run_to(&mut stepper, &case, part);
-        let not_before = due + (lead_s * f64::from(case.tick_hz)) as u64;
+        let not_before = due + (lead_s * f64::from(case.tick_rate.hz())) as u64;
         let promised = stepper.junction(not_before);
         prop_assert_eq!(stepper.junction(not_before), promised);
         let junction = stepper.retarget(not_before);
@@ -131,12 +132,12 @@ proptest! {
         prop_assert_eq!(junction.position, case.direction() * kept as i64);
         // The new plan goes on evenly for ten steps.
         let segment = pump_ctl::step::Segment {
-            count: 10 * i32::from(case.plan.direction()),
+            count: 10 * i32::from(case.plan.direction().sign()),
             interval: junction.interval.max(1),
             add: 0,
             frac: 0,
         };
-        stepper.push(segment).unwrap();
+        stepper.push(segment, case.tick_rate).unwrap();
         stepper.finish();
         let (rest, end) = run(&mut stepper, due);
         made.extend(rest);
@@ -155,13 +156,13 @@ proptest! {
         case in any_case(),
         part in 0.0..1.0_f64,
     ) {
-        let mut stepper = Executor::new(case.motor.brake(case.tick_hz));
-        for segment in case.plan.segments(case.tick_hz) {
-            stepper.push(segment).unwrap();
+        let mut stepper = Executor::new(case.motor.brake(case.tick_rate).unwrap());
+        for segment in case.plan.segments(case.tick_rate) {
+            stepper.push(segment, case.tick_rate).unwrap();
         }
         let (mut made, due) = run_to(&mut stepper, &case, part);
         let promise = stepper.stop(due - 1);
-        prop_assert!(case.direction() * promise.final_count <= case.plan.steps.abs() + 1);
+        prop_assert!(case.direction() * promise.final_count <= case.plan.steps().abs() + 1);
         prop_assert_eq!(stepper.stop(due - 1), promise);
         let (rest, end) = run(&mut stepper, due);
         made.extend(rest);
@@ -175,11 +176,7 @@ proptest! {
 
 #[test]
 fn a_motor_that_stands_makes_no_step_when_it_is_stopped() {
-    let motor = pump_ctl::plan::Motor {
-        steps_per_rev: 12_800.0,
-        max_speed_rad_s: 17.8,
-        max_acceleration_rad_s2: 500.0,
-    };
+    let motor = pump_ctl::plan::Motor::new(12_800.0, 17.8, 500.0);
     let case = Case::new(motor, 1_000_000, 2.0, 0.0, 7.0);
     let back = Case::new(motor, 1_000_000, -1.0, 0.0, 7.0);
     for late in [0, 10_000] {
@@ -189,24 +186,23 @@ fn a_motor_that_stands_makes_no_step_when_it_is_stopped() {
         assert_eq!(stepper.stop(late), StopPlan { last_step_at: 0, final_count: 0 });
         assert_eq!(stepper.on_deadline(1_000_000), Action::Done);
         // The motor stops where it turns round.
-        let mut stepper = Executor::new(motor.brake(1_000_000));
-        let both = case.plan.segments(1_000_000).chain(back.plan.segments(1_000_000));
-        stepper.fill(&mut both.peekable()).unwrap();
+        let mut stepper = Executor::new(motor.brake(case.tick_rate).unwrap());
+        let both = case.plan.segments(case.tick_rate).chain(back.plan.segments(case.tick_rate));
+        stepper.fill(&mut Feed::new(case.tick_rate, both)).unwrap();
         let mut due = stepper.start(0).unwrap();
         let mut last = 0;
-        while stepper.position() < case.plan.steps {
+        while stepper.position() < case.plan.steps() {
             let Action::Step { next, .. } = stepper.on_deadline(due) else { unreachable!() };
             (last, due) = (due, next);
         }
-        let promise = StopPlan { last_step_at: last, final_count: case.plan.steps };
+        let promise = StopPlan { last_step_at: last, final_count: case.plan.steps() };
         assert_eq!(stepper.stop(last + late), promise);
     }
 }
 
 #[test]
 fn a_slow_motor_stands_at_once() {
-    let motor =
-        pump_ctl::plan::Motor { steps_per_rev: 400.0, max_speed_rad_s: 1.0, max_acceleration_rad_s2: 500.0 };
+    let motor = pump_ctl::plan::Motor::new(400.0, 1.0, 500.0);
     let case = Case::new(motor, 1_000_000, 2.0, 0.0, 1e-4);
     let mut stepper = case.queued();
     let (made, due) = run_to(&mut stepper, &case, 0.5);

@@ -1,11 +1,13 @@
 //! Segments and moves that the executor refuses.
 
 use pump_ctl::plan::Motor;
-use pump_ctl::step::{Action, Brake, PushError, Segment, StartError, Stepper};
+use pump_ctl::step::{Action, Feed, PushError, Segment, StartError, Stepper};
+
+use super::KILOHERTZ;
 
 fn stepper() -> Stepper<3> {
-    let motor = Motor { steps_per_rev: 200.0, max_speed_rad_s: 6.0, max_acceleration_rad_s2: 10.0 };
-    Stepper::new(motor.brake(1000))
+    let motor = Motor::new(200.0, 6.0, 10.0);
+    Stepper::new(motor.brake(KILOHERTZ).unwrap())
 }
 
 const EVEN: Segment = Segment { count: 5, interval: 10, add: 0, frac: 0 };
@@ -22,9 +24,9 @@ fn impossible_segments_are_refused() {
         Segment { count: i32::MAX, add: i64::MAX, ..EVEN },
     ];
     for segment in refused {
-        assert_eq!(stepper().push(segment), Err(PushError::Segment(segment)));
+        assert_eq!(stepper().push(segment, KILOHERTZ), Err(PushError::Segment(segment)));
     }
-    let message = stepper().push(refused[0]).unwrap_err().to_string();
+    let message = stepper().push(refused[0], KILOHERTZ).unwrap_err().to_string();
     assert!(message.contains("count: 0") && message.contains("use a faster timer"), "{message}");
 }
 
@@ -32,11 +34,11 @@ fn impossible_segments_are_refused() {
 fn a_full_queue_a_finished_move_and_a_stopped_motor_take_no_segment() {
     let mut stepper = stepper();
     for _ in 0..3 {
-        stepper.push(EVEN).unwrap();
+        stepper.push(EVEN, KILOHERTZ).unwrap();
     }
-    assert_eq!(stepper.push(EVEN), Err(PushError::Full));
+    assert_eq!(stepper.push(EVEN, KILOHERTZ), Err(PushError::Full));
     stepper.finish();
-    assert_eq!(stepper.push(EVEN), Err(PushError::Finished));
+    assert_eq!(stepper.push(EVEN, KILOHERTZ), Err(PushError::Finished));
     let due = stepper.start(0).unwrap();
     assert_eq!(stepper.start(1), Err(StartError::Moving));
     assert!(!stepper.clear() && !stepper.set_position(0));
@@ -44,22 +46,22 @@ fn a_full_queue_a_finished_move_and_a_stopped_motor_take_no_segment() {
     assert_eq!(stepper.position(), 0);
     stepper.halt(true);
     assert_eq!(stepper.on_deadline(due), Action::Done);
-    assert_eq!(stepper.push(EVEN), Err(PushError::Stopped));
+    assert_eq!(stepper.push(EVEN, KILOHERTZ), Err(PushError::Stopped));
     assert_eq!(stepper.start(1), Err(StartError::Stopped));
     assert!(stepper.clear());
     assert_eq!(stepper.start(1), Err(StartError::Empty));
-    stepper.push(EVEN).unwrap();
+    stepper.push(EVEN, KILOHERTZ).unwrap();
     stepper.start(1).unwrap();
 }
 
 #[test]
 fn a_plan_is_queued_whole_or_refused_but_never_swallowed() {
-    let plan = || [EVEN, EVEN].into_iter().peekable();
+    let plan = || Feed::new(KILOHERTZ, [EVEN, EVEN]);
     let mut stepper = stepper();
     stepper.finish();
     assert_eq!(stepper.fill(&mut plan()), Ok(true));
     assert_eq!(stepper.fill(&mut plan()), Err(PushError::Finished));
-    assert_eq!(stepper.fill(&mut [].into_iter().peekable()), Ok(true));
+    assert_eq!(stepper.fill(&mut Feed::new(KILOHERTZ, [])), Ok(true));
     stepper.start(0).unwrap();
     assert_eq!(stepper.room(), 1);
 }
@@ -67,7 +69,7 @@ fn a_plan_is_queued_whole_or_refused_but_never_swallowed() {
 #[test]
 fn a_step_that_was_not_made_is_not_counted() {
     let mut stepper = stepper();
-    stepper.push(EVEN).unwrap();
+    stepper.push(EVEN, KILOHERTZ).unwrap();
     let mut due = stepper.start(0).unwrap();
     for _ in 0..2 {
         if let Action::Step { next, .. } = stepper.on_deadline(due) {
@@ -77,13 +79,4 @@ fn a_step_that_was_not_made_is_not_counted() {
     stepper.halt(false);
     assert_eq!(stepper.position(), 1);
     assert!(!stepper.is_moving());
-}
-
-#[test]
-fn a_brake_must_speed_up_from_rest() {
-    let slow = Segment { count: 2, interval: 20, add: -(1 << 32), frac: 0 };
-    assert!(Brake::from_climb([slow, EVEN]).is_some());
-    assert!(Brake::from_climb([EVEN, slow]).is_none());
-    assert!(Brake::from_climb([Segment { count: -2, ..slow }]).is_none());
-    assert!(Brake::from_climb([slow; 33]).is_none());
 }

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use pump_ctl::plan::Motor;
-use pump_ctl::step::Action;
+use pump_ctl::step::{Action, TickRate};
 
 use super::{Case, TURN_RAD, any_case, run};
 
@@ -15,7 +15,7 @@ proptest! {
         let due = stepper.start(start).unwrap();
         let (made, end) = run(&mut stepper, due);
         prop_assert_eq!(end, Action::Done);
-        prop_assert_eq!(stepper.position(), case.plan.steps);
+        prop_assert_eq!(stepper.position(), case.plan.steps());
         let planned = case.planned_ticks();
         prop_assert_eq!(made.len(), planned.len());
         for (made, planned) in made.iter().zip(planned) {
@@ -44,8 +44,8 @@ proptest! {
 #[test]
 fn steps_come_from_minutes_apart_to_200_000_a_second() {
     // The cases are a step of 0.016 rad every 160 s at 168 MHz, and 200,000 steps a second at 1 MHz.
-    let slow = Motor { steps_per_rev: 400.0, max_speed_rad_s: 1.0, max_acceleration_rad_s2: 500.0 };
-    let fast = Motor { steps_per_rev: 1_000_000.0, max_speed_rad_s: 1.3, max_acceleration_rad_s2: 10.0 };
+    let slow = Motor::new(400.0, 1.0, 500.0);
+    let fast = Motor::new(1_000_000.0, 1.3, 10.0);
     let fast_rad_s = 200_000.0 / 1_000_000.0 * TURN_RAD;
     for case in
         [Case::new(slow, 168_000_000, 2.0, 0.0, 1e-4), Case::new(fast, 1_000_000, 20.0, 0.0, fast_rad_s)]
@@ -57,15 +57,18 @@ fn steps_come_from_minutes_apart_to_200_000_a_second() {
             assert!(((made - 7) as f64 - planned).abs() <= 1.0);
         }
         let shortest = made.windows(2).map(|pair| pair[1] - pair[0]).min().unwrap();
-        let interval = f64::from(case.tick_hz) * case.plan.step_rad / case.plan.profile.peak_rad_s();
+        let interval =
+            f64::from(case.tick_rate.hz()) * case.plan.step_rad() / case.plan.profile().peak_rad_s();
         assert!((shortest as f64 - interval).abs() <= 1.0, "{shortest} {interval}");
     }
 }
 
 #[test]
 fn a_dose_at_the_default_rate_needs_few_segments() {
-    let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
-    let count = |tick_hz| Case::new(motor, tick_hz, 25.0, 0.3, 7.4).plan.segments(tick_hz).count();
+    let motor = Motor::new(12_800.0, 17.8, 500.0);
+    let count = |tick_hz| {
+        Case::new(motor, tick_hz, 25.0, 0.3, 7.4).plan.segments(TickRate::from_hz(tick_hz).unwrap()).count()
+    };
     assert!(count(1_000_000) <= 50, "{}", count(1_000_000));
     assert!(count(168_000_000) <= 130, "{}", count(168_000_000));
 }

@@ -1,10 +1,17 @@
 //! The flow-centric model of one port as a differential equation, and its integration (McIntyre et al.).
 
-pub(crate) mod ode;
+mod line_model;
+pub(crate) mod line_run;
+pub(crate) mod lumped;
+mod ode;
 pub(crate) mod periodic;
 pub(crate) mod port_run;
-mod resistance;
+pub(crate) mod resistance;
 pub(crate) mod tally;
 
+pub use line_model::LineModel;
+pub use line_run::LineRun;
+pub use lumped::Lumped;
 pub use ode::{Circuit, Forcing, NoFlow, options};
-pub use resistance::{Linear, Loss, Resistance, Rough};
+pub use periodic::PeriodicLine;
+pub use resistance::{Linear, Loss, Resistance};

@@ -3,14 +3,16 @@
 
 use crate::error::{IntegrationError, ModelError};
 use crate::head::port::Port;
+use crate::line::extremes::Extremes;
 use crate::motion::leg::Leg;
 use crate::pump::pump::Pump;
 use crate::pump::steady_state::{SteadyState, moving};
 
-use super::ode::flow_scale_ml_s;
-use super::port_run::PortRun;
+use super::line_model::LineModel;
+use super::line_run::LineRun;
+use super::lumped::Lumped;
 use super::resistance::Loss;
-use super::tally::Tally;
+use super::tally::PressureTally;
 
 /// Number of pitches after which the search gives up.
 pub(crate) const MOST_PITCHES: u32 = 2000;
@@ -60,6 +62,18 @@ pub(crate) fn repeated<T, const K: usize>(
     Err(ModelError::NotPeriodic { pitches: MOST_PITCHES, change_kpa: changes[0] })
 }
 
+/// Periodic state of a line at constant speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct PeriodicLine<const N: usize> {
+    /// State at angle 0, where a pitch ends and the next begins.
+    pub state: [f64; N],
+    /// Range of the pressure at the rollers, kPa absolute.
+    pub pressure: Extremes,
+    /// Mean pressure at the rollers, kPa absolute.
+    pub mean_kpa: f64,
+}
+
 impl Pump {
     /// Returns the periodic steady state with a resistance of each line, inlet first, in place of R.
     ///
@@ -74,37 +88,54 @@ impl Pump {
         [inlet, outlet]: [Loss; 2],
         speed_rad_s: f64,
     ) -> Result<SteadyState, ModelError> {
-        moving(speed_rad_s)?;
-        let inlet = self.repeated_port(Port::Inlet, inlet, speed_rad_s)?;
-        let outlet = self.repeated_port(Port::Outlet, outlet, speed_rad_s)?;
-        let [inlet_kpa, outlet_kpa] = [self.inlet(), self.outlet()].map(|line| line.reservoir_kpa);
+        let port =
+            |port, loss| self.periodic_line::<2>(port, Lumped::new(self.line(port), loss, port), speed_rad_s);
+        let (inlet, outlet) = (port(Port::Inlet, inlet)?, port(Port::Outlet, outlet)?);
         Ok(SteadyState {
-            inlet: inlet.pressure().above(inlet_kpa),
-            inlet_mean_kpa: inlet_kpa + inlet.mean_kpa(),
-            outlet: outlet.pressure().above(outlet_kpa),
-            outlet_mean_kpa: outlet_kpa + outlet.mean_kpa(),
+            inlet: inlet.pressure,
+            inlet_mean_kpa: inlet.mean_kpa,
+            outlet: outlet.pressure,
+            outlet_mean_kpa: outlet.mean_kpa,
             mean_flow_ml_s: self.average_flow_ml_s(speed_rad_s),
             ripple: self.outlet_curve().ripple(),
         })
     }
 
-    /// Returns the tally of one port over the first pitch that repeats those before.
-    pub(crate) fn repeated_port(
+    /// Returns the periodic state of a model of the line at a port. The model stands in place of the pump's
+    /// line; only the reservoir's pressure stays.
+    ///
+    /// The model is integrated from rest, pitch by pitch, until no state changes by more than 1e-5 of its
+    /// [scale](LineModel::scale). [Totals](LineModel::totals) need not repeat.
+    ///
+    /// # Errors
+    ///
+    /// Refuses a speed that is zero or not finite. Returns [`ModelError::NotPeriodic`] after 2,000 pitches
+    /// without a steady state, and passes on the errors of the integrator.
+    pub fn periodic_line<const N: usize>(
         &self,
         port: Port,
-        loss: Loss,
+        model: impl LineModel<N>,
         speed_rad_s: f64,
-    ) -> Result<Tally, ModelError> {
-        let (line, period_s) = (self.line(port), self.pitch_rad() / speed_rad_s.abs());
+    ) -> Result<PeriodicLine<N>, ModelError> {
+        moving(speed_rad_s)?;
+        let period_s = self.pitch_rad() / speed_rad_s.abs();
+        let reservoir_kpa = self.line(port).reservoir_kpa;
         let legs = [Leg::constant_speed(0.0, speed_rad_s)];
-        let mut run = PortRun::<_, 2, _>::resisted(self, loss, port, legs, nalgebra::zero(), TOLERANCE)?;
-        repeated(|number| {
-            let mut tally = Tally::new(line, port);
+        let (scale, totals) = (model.scale(), model.totals());
+        let mut run = LineRun::new(self, port, model, legs, [0.0; N], TOLERANCE)?;
+        let (tally, state) = repeated(|number| {
+            let mut tally = PressureTally::EMPTY;
             while let Some(step) = run.step(f64::from(number) * period_s)? {
-                tally.add(step.length_s, &step.polynomial(0), &step.polynomial(1));
+                tally.add(step.length_s, &step.polynomial(0));
             }
             let end = run.state();
-            Ok((tally, [end[0], end[1] / flow_scale_ml_s(line)]))
+            let in_kpa = |n: usize| if totals[n] { 0.0 } else { end[n] / scale[n] };
+            Ok(((tally, end), core::array::from_fn::<_, N, _>(in_kpa)))
+        })?;
+        Ok(PeriodicLine {
+            state,
+            pressure: tally.range().above(reservoir_kpa),
+            mean_kpa: reservoir_kpa + tally.mean_kpa(),
         })
     }
 }
@@ -113,7 +144,7 @@ impl Pump {
 mod tests {
     use super::*;
     use crate::line::line::Line;
-    use crate::math::rad_s;
+    use crate::units::rad_s;
 
     #[test]
     fn integrating_to_periodicity_finds_the_closed_form() {

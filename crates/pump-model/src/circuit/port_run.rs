@@ -1,41 +1,32 @@
-//! Integration of one port over a motion: steps, states at given times, extremes.
-
-use nalgebra::SVector;
+//! Integration of the pump's own line at one port over a motion.
 
 use crate::error::IntegrationError;
 use crate::head::port::Port;
-use crate::integrator::{DenseStep, Rodas5p, Statistics};
+use crate::integrator::{DenseStep, Statistics};
 use crate::line::extremes::Extremes;
 use crate::line::friction::Friction;
-use crate::line::line::Line;
+use crate::line::line_state::LineState;
 use crate::motion::leg::Leg;
-use crate::motion::stretches::{Stretch, Stretches};
 use crate::pump::pump::Pump;
 
-use super::ode::{Circuit, options};
-use super::resistance::{Linear, Resistance, Rough};
+use super::line_run::LineRun;
+use super::lumped::Lumped;
+use super::resistance::{Linear, Resistance};
 
-/// Tolerance of a step, relative to 1 kPa plus |P - P_res|.
+/// The integration of the pump's own line at one port over a motion, pulled forward by its user.
 ///
-/// It keeps the pressures of the published pumps within 1e-4 kPa of the exact ones. Between the long steps of
-/// motion slower than 1 r/min it keeps them within 5e-4 kPa.
-pub const DEFAULT_TOLERANCE: f64 = 1e-5;
-
-/// Range of tolerances that double precision can meet.
-pub(crate) const TOLERANCES: core::ops::RangeInclusive<f64> = 1e-13..=0.1;
-
-/// The integration of one port over a motion, pulled forward by its user.
+/// A [`LineRun`] integrates other models of a line.
 ///
-/// With `N = 2` the state is P - P_res in kPa and the line's flow in mL/s. With `N = 3` it also has the
-/// volume through the line in mL.
+/// With `N = 2` pressure and flow of the line are integrated. With `N = 3` the volume through the line is too
+/// ([`PortRun::passed_at`]).
 ///
 /// The type `R` is the resistance of the line. It is R of the pump's line or a hose's friction
 /// ([`PortRun::with_friction`]). The exact solution ([`crate::ExactRun`]) takes only R of the line.
 ///
 /// ```
-/// use pump_model::{DEFAULT_TOLERANCE, Leg, Port, PortRun, Pump, math};
+/// use pump_model::{DEFAULT_TOLERANCE, Leg, Port, PortRun, Pump, units};
 /// let pump = Pump::three_roller();
-/// let motion = [Leg::constant_speed(0.0, math::rad_s(100.0))];
+/// let motion = [Leg::constant_speed(0.0, units::rad_s(100.0))];
 /// let mut run = PortRun::<_, 2>::from_rest(&pump, Port::Outlet, motion, DEFAULT_TOLERANCE)?;
 /// // Start-up is forgotten after 3 s; a revolution takes 0.6 s.
 /// run.run_to(3.0)?;
@@ -45,18 +36,12 @@ pub(crate) const TOLERANCES: core::ops::RangeInclusive<f64> = 1e-13..=0.1;
 /// ```
 #[derive(Debug, Clone)]
 pub struct PortRun<'a, M, const N: usize, R = Linear> {
-    line: &'a Line,
-    resistance: R,
-    port: Port,
-    stretches: Stretches<'a, M>,
-    stretch: Option<Stretch>,
-    solver: Rodas5p<N>,
-    last: Option<DenseStep<N>>,
+    run: LineRun<'a, M, Lumped<R>, N>,
 }
 
 impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
     /// Starts in `state` when the first of the `legs` starts. `tolerance` is that of a step, as in
-    /// [`DEFAULT_TOLERANCE`], 1e-13 to 0.1.
+    /// [`crate::DEFAULT_TOLERANCE`], 1e-13 to 0.1.
     ///
     /// # Errors
     ///
@@ -65,7 +50,7 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
         pump: &'a Pump,
         port: Port,
         legs: impl IntoIterator<IntoIter = M>,
-        state: SVector<f64, N>,
+        state: LineState,
         tolerance: f64,
     ) -> Result<Self, IntegrationError> {
         Self::resisted(pump, Linear::of(pump.line(port)), port, legs, state, tolerance)
@@ -82,11 +67,11 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N> {
         legs: impl IntoIterator<IntoIter = M>,
         tolerance: f64,
     ) -> Result<Self, IntegrationError> {
-        Self::new(pump, port, legs, SVector::zeros(), tolerance)
+        Self::new(pump, port, legs, LineState::AT_REST, tolerance)
     }
 }
 
-impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N, Rough> {
+impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N, Friction> {
     /// Starts as [`PortRun::new`] does, with a hose's friction in place of R of the port's line. C and L stay
     /// those of the line.
     ///
@@ -98,14 +83,14 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize> PortRun<'a, M, N, Rough> {
         friction: Friction,
         port: Port,
         legs: impl IntoIterator<IntoIter = M>,
-        state: SVector<f64, N>,
+        state: LineState,
         tolerance: f64,
     ) -> Result<Self, IntegrationError> {
-        Self::resisted(pump, Rough::new(friction, pump.line(port)), port, legs, state, tolerance)
+        Self::resisted(pump, friction, port, legs, state, tolerance)
     }
 }
 
-impl<'a, M: Iterator<Item = Leg>, const N: usize, R: Resistance + Copy> PortRun<'a, M, N, R> {
+impl<'a, M: Iterator<Item = Leg>, const N: usize, R: Resistance> PortRun<'a, M, N, R> {
     /// Starts as [`PortRun::new`] does, with `resistance` in place of R of the port's line. C and L stay
     /// those of the line.
     ///
@@ -117,17 +102,15 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize, R: Resistance + Copy> PortRun<
         resistance: R,
         port: Port,
         legs: impl IntoIterator<IntoIter = M>,
-        state: SVector<f64, N>,
+        state: LineState,
         tolerance: f64,
     ) -> Result<Self, IntegrationError> {
-        if !TOLERANCES.contains(&tolerance) {
-            return Err(IntegrationError::Tolerance { tolerance });
+        let mut start = [0.0; N];
+        for (place, number) in start.iter_mut().zip(state.numbers()) {
+            *place = number;
         }
-        let line = pump.line(port);
-        let mut stretches = Stretches::new(pump.curve(port), legs);
-        let solver = Rodas5p::new(stretches.time_s(), state, options(line, tolerance, 1.0));
-        let stretch = stretches.next();
-        Ok(Self { line, resistance, port, stretches, stretch, solver, last: None })
+        let model = Lumped::new(pump.line(port), resistance, port);
+        Ok(Self { run: LineRun::new(pump, port, model, legs, start, tolerance)? })
     }
 
     /// Makes one step that ends at `stop_s` at the latest. Returns none once that time is reached.
@@ -136,20 +119,7 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize, R: Resistance + Copy> PortRun<
     ///
     /// Fails if the state is not finite or no step meets the tolerance.
     pub fn step(&mut self, stop_s: f64) -> Result<Option<DenseStep<N>>, IntegrationError> {
-        if self.solver.time_s() >= stop_s {
-            return Ok(None);
-        }
-        while self.stretch.is_some_and(|stretch| self.solver.time_s() >= stretch.end_s) {
-            self.stretch = self.stretches.next();
-            self.solver.restart();
-        }
-        let Some(stretch) = self.stretch else {
-            return Ok(None);
-        };
-        let circuit = Circuit::new(self.line, self.resistance, self.port, stretch);
-        let step = self.solver.step(&circuit, stretch.end_s.min(stop_s))?;
-        self.last = Some(step);
-        Ok(Some(step))
+        self.run.step(stop_s)
     }
 
     /// Returns the state at `t_s`. `t_s` must not lie before the last step taken, and the times of later
@@ -158,13 +128,8 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize, R: Resistance + Copy> PortRun<
     /// # Errors
     ///
     /// Fails if the state is not finite or no step meets the tolerance.
-    pub fn at(&mut self, t_s: f64) -> Result<SVector<f64, N>, IntegrationError> {
-        // A step may pass `t_s`: dense output serves the samples inside it.
-        while self.solver.time_s() < t_s && self.step(f64::INFINITY)?.is_some() {}
-        Ok(match &self.last {
-            Some(step) if t_s < step.end_s() => step.at(t_s),
-            _ => self.solver.state(),
-        })
+    pub fn at(&mut self, t_s: f64) -> Result<LineState, IntegrationError> {
+        Ok(line_state(&self.run.at(t_s)?))
     }
 
     /// Returns the state at `end_s`, with a step that ends there. Later calls start from it.
@@ -172,9 +137,8 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize, R: Resistance + Copy> PortRun<
     /// # Errors
     ///
     /// Fails if the state is not finite or no step meets the tolerance.
-    pub fn run_to(&mut self, end_s: f64) -> Result<SVector<f64, N>, IntegrationError> {
-        while self.step(end_s)?.is_some() {}
-        Ok(self.solver.state())
+    pub fn run_to(&mut self, end_s: f64) -> Result<LineState, IntegrationError> {
+        Ok(line_state(&self.run.run_to(end_s)?))
     }
 
     /// Returns the smallest and largest pressure from now until `end_s`, kPa absolute.
@@ -183,22 +147,42 @@ impl<'a, M: Iterator<Item = Leg>, const N: usize, R: Resistance + Copy> PortRun<
     ///
     /// Fails if the state is not finite or no step meets the tolerance.
     pub fn extremes(&mut self, end_s: f64) -> Result<Extremes, IntegrationError> {
-        let mut extremes = Extremes::at(self.solver.state()[0]);
-        while let Some(step) = self.step(end_s)? {
-            let ((_, low), (_, high)) = step.polynomial(0).range_in(0.0, 1.0);
-            extremes.cover(low);
-            extremes.cover(high);
-        }
-        Ok(extremes.above(self.line.reservoir_kpa))
+        self.run.extremes(end_s)
     }
 
     /// Returns the state reached.
-    pub fn state(&self) -> SVector<f64, N> {
-        self.solver.state()
+    pub fn state(&self) -> LineState {
+        line_state(&self.run.state())
     }
 
     /// Returns the cost of the integration so far.
     pub fn statistics(&self) -> Statistics {
-        self.solver.statistics()
+        self.run.statistics()
     }
+}
+
+impl<M: Iterator<Item = Leg>, R: Resistance> PortRun<'_, M, 3, R> {
+    /// Returns the state at `t_s` and the volume that has passed the line by then, mL. The times are those of
+    /// [`Self::at`].
+    ///
+    /// # Errors
+    ///
+    /// Fails if the state is not finite or no step meets the tolerance.
+    pub fn passed_at(&mut self, t_s: f64) -> Result<(LineState, f64), IntegrationError> {
+        let numbers = self.run.at(t_s)?;
+        let [.., volume_ml] = numbers;
+        Ok((line_state(&numbers), volume_ml))
+    }
+
+    /// Returns the volume that has passed the line up to the time reached, mL.
+    pub fn passed_ml(&self) -> f64 {
+        let [.., volume_ml] = self.run.state();
+        volume_ml
+    }
+}
+
+/// Returns the line's part of a state.
+fn line_state<const N: usize>(numbers: &[f64; N]) -> LineState {
+    const { assert!(N >= 2, "pressure and flow come first") };
+    LineState::of([numbers[0], numbers[1]])
 }

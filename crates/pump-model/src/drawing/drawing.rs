@@ -5,11 +5,12 @@
 //! backplate than the tube is thick, the bore is flattened by the difference h, 2 r_i at most. The flattened
 //! bore is a stadium of unchanged perimeter, which has lost pi h²/4 of its area.
 
+use libm::{acos, asin, atan2, cos, sin, sqrt};
+
 use core::f64::consts::{FRAC_PI_2, PI};
 
 use crate::error::{ModelError, refused};
 use crate::head::geometry::Geometry;
-use crate::math::{acos, asin, atan2, cos, sin, sqrt};
 
 use super::quadrature;
 
@@ -18,7 +19,7 @@ use super::quadrature;
 /// Angles are of the shaft, from the roller's first contact with the tube on.
 ///
 /// ```
-/// use pump_model::{Drawing, Geometry, Variant, math::degrees};
+/// use pump_model::{Drawing, Geometry, Variant, units::degrees};
 /// let drawing = Drawing::new(&Geometry::published(3, Variant::Measured))?;
 /// assert!((degrees(drawing.engagement_rad()) - 66.8).abs() < 0.05);
 /// assert!((drawing.volume_ml(drawing.engagement_rad()) - 2.2267).abs() < 1e-4);

@@ -55,7 +55,7 @@ impl RollerVolume {
 
 /// A quintic that replaces V over an interval.
 #[derive(Debug, Clone, Copy, Default)]
-struct Piece {
+struct DrawnPiece {
     start_rad: f64,
     end_rad: f64,
     /// Volume V, mL, over theta - start.
@@ -64,7 +64,7 @@ struct Piece {
     error_ml: f64,
 }
 
-impl Piece {
+impl DrawnPiece {
     fn new(drawing: &Drawing, start_rad: f64, end_rad: f64) -> Self {
         let length_rad = end_rad - start_rad;
         let at = |part: f64| drawing.volume_ml(start_rad + part * length_rad);
@@ -107,7 +107,7 @@ fn through([at_0, at_first, at_second, at_1]: [f64; 4], [slope_0, slope_1]: [f64
 
 /// Pieces in order of angle, at most [`MAX_PIECES`].
 struct Pieces {
-    places: [Piece; MAX_PIECES],
+    places: [DrawnPiece; MAX_PIECES],
     count: usize,
 }
 
@@ -115,11 +115,11 @@ impl Pieces {
     /// Starts with a piece from each corner to the next, and cuts the worst until no error exceeds
     /// `allowed_ml`.
     fn of(drawing: &Drawing, allowed_ml: f64) -> Result<Self, ModelError> {
-        let mut pieces = Self { places: [Piece::default(); MAX_PIECES], count: 0 };
+        let mut pieces = Self { places: [DrawnPiece::default(); MAX_PIECES], count: 0 };
         let mut start_rad = 0.0;
         for end_rad in drawing.corners_rad() {
             if end_rad - start_rad > SAME_CORNER_RAD {
-                pieces.insert(pieces.count, Piece::new(drawing, start_rad, end_rad))?;
+                pieces.insert(pieces.count, DrawnPiece::new(drawing, start_rad, end_rad))?;
                 start_rad = end_rad;
             }
         }
@@ -131,18 +131,18 @@ impl Pieces {
             };
             let cut_rad = piece.start_rad + CUT * (piece.end_rad - piece.start_rad);
             if let Some(place) = pieces.places.get_mut(number) {
-                *place = Piece::new(drawing, piece.start_rad, cut_rad);
+                *place = DrawnPiece::new(drawing, piece.start_rad, cut_rad);
             }
-            pieces.insert(number + 1, Piece::new(drawing, cut_rad, piece.end_rad))?;
+            pieces.insert(number + 1, DrawnPiece::new(drawing, cut_rad, piece.end_rad))?;
         }
     }
 
-    fn as_slice(&self) -> &[Piece] {
+    fn as_slice(&self) -> &[DrawnPiece] {
         self.places.get(..self.count).unwrap_or(&self.places)
     }
 
     /// Inserts a piece at a number and moves those behind it one place on.
-    fn insert(&mut self, number: usize, piece: Piece) -> Result<(), ModelError> {
+    fn insert(&mut self, number: usize, piece: DrawnPiece) -> Result<(), ModelError> {
         let behind = self
             .places
             .get_mut(number..=self.count)

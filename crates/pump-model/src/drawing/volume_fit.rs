@@ -1,10 +1,12 @@
 //! Roller volumes from measured points, and the deviations of the points from them.
 
+use libm::sqrt;
+
 use crate::error::{Allowed, ModelError, refused, within};
 use crate::head::geometry::Geometry;
 use crate::head::roller_volume::RollerVolume;
 use crate::math::polynomial::{DEGREE, Polynomial};
-use crate::math::{TURN_RAD, degrees, radians, sqrt};
+use crate::units::{TURN_RAD, degrees, radians};
 
 use super::least_squares;
 use super::monotone_spline::Knots;

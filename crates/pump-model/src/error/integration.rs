@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use super::allowed::Allowed;
+
 /// Reason why an integration stopped before its end.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -24,5 +26,15 @@ pub enum IntegrationError {
     Tolerance {
         /// Tolerance that was asked for.
         tolerance: f64,
+    },
+    /// An option of the integrator lies outside its range.
+    #[error("{parameter} is {value:e}; allowed: {allowed}")]
+    OutOfRange {
+        /// Name of the option.
+        parameter: &'static str,
+        /// Value that was given.
+        value: f64,
+        /// Values that are accepted.
+        allowed: Allowed,
     },
 }

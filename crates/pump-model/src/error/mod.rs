@@ -3,9 +3,11 @@
 mod allowed;
 mod integration;
 mod model;
+mod shown;
 mod within;
 
 pub use allowed::Allowed;
 pub use integration::IntegrationError;
 pub use model::ModelError;
+pub use shown::Shown;
 pub(crate) use within::{refused, within};

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use super::allowed::Allowed;
 use super::integration::IntegrationError;
+use super::shown::Shown;
 
 /// Reason why the model refuses a pump, line or motion. It names the value and the allowed range.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -11,7 +12,7 @@ use super::integration::IntegrationError;
 #[non_exhaustive]
 pub enum ModelError {
     /// One parameter lies outside its range.
-    #[error("{parameter} is {value}; allowed: {allowed}")]
+    #[error("{parameter} is {}; allowed: {allowed}", Shown(*value))]
     OutOfRange {
         /// Name of the parameter, with the parameter's unit.
         parameter: &'static str,

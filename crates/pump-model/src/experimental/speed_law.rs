@@ -5,10 +5,10 @@ use crate::error::{Allowed, ModelError, within};
 use crate::head::paper;
 use crate::head::port::Port;
 use crate::line::exact_run::ExactRun;
-use crate::math::{TURN_RAD, wrap};
 use crate::motion::leg::Leg;
 use crate::pump::pump::Pump;
 use crate::pump::steady_state::moving;
+use crate::units::{TURN_RAD, wrap};
 
 /// Dependence of the volume of a revolution on the speed.
 ///
@@ -27,7 +27,7 @@ use crate::pump::steady_state::moving;
 /// calibration says so.
 ///
 /// ```
-/// use pump_model::{Pump, SpeedLaw, math::rad_s};
+/// use pump_model::{Pump, SpeedLaw, units::rad_s};
 /// let pump = Pump::three_roller();
 /// // Without distensibility the volume is that of the segments at every speed.
 /// let stiff = SpeedLaw { distensibility_per_kpa: 0.0, ..SpeedLaw::PUBLISHED };
@@ -134,7 +134,7 @@ impl SpeedLaw {
         let state = pump.periodic_state(port, speed_rad_s)?;
         let motion = [Leg::constant_speed(0.0, speed_rad_s)];
         let time_s = wrap(turn_rad, pump.pitch_rad()) / speed_rad_s.abs();
-        let [kpa, _] = ExactRun::new(pump, port, motion, state).at(time_s);
+        let kpa = ExactRun::new(pump, port, motion, state).at(time_s).above_reservoir_kpa;
         Ok(pump.line(port).reservoir_kpa + kpa)
     }
 }

@@ -1,10 +1,12 @@
 //! Flow per radian of one port and its exact integral over the angle.
 
+use libm::floor;
+
 use core::ops::Range;
 
 use crate::error::ModelError;
 use crate::math::polynomial::{DEGREE, Polynomial};
-use crate::math::{degrees, floor};
+use crate::units::{TURN_RAD, degrees};
 
 use super::geometry::Geometry;
 use super::port::Port;
@@ -17,7 +19,7 @@ const MAX_PIECES: usize = roller_volume::MAX_PIECES + 3;
 
 /// A stretch of the curve between two edges.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Piece {
+pub(crate) struct FlowPiece {
     /// Start of the piece within the pitch, rad.
     pub(crate) start_rad: f64,
     /// Length of the piece, rad.
@@ -44,7 +46,7 @@ pub(crate) struct Piece {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlowCurve {
-    pieces: [Piece; MAX_PIECES],
+    pieces: [FlowPiece; MAX_PIECES],
     count: usize,
     pitch_rad: f64,
     /// Reciprocal of the pitch, 1/rad.
@@ -62,7 +64,7 @@ impl FlowCurve {
         let pulses = Pulses { roller, port, phi, psi, pitch_rad };
 
         let mut curve = Self {
-            pieces: [Piece::default(); MAX_PIECES],
+            pieces: [FlowPiece::default(); MAX_PIECES],
             count: 0,
             pitch_rad,
             per_pitch: 1.0 / pitch_rad,
@@ -75,43 +77,46 @@ impl FlowCurve {
             let mut volume = Polynomial { c: [0.0, nominal, 0.0, 0.0, 0.0, 0.0] };
             volume = volume.plus(&pulses.displaced(start_rad, length_rad).scaled(-1.0));
             volume.c[0] = curve.pitch_ml;
-            curve.push(Piece { start_rad, length_rad, volume, flow: volume.derivative() });
+            curve.push(FlowPiece { start_rad, length_rad, volume, flow: volume.derivative() });
             curve.pitch_ml = volume.at(length_rad);
             start_rad = end_rad;
         }
         curve
     }
 
-    /// Builds a curve from the pieces of [`Self::precomputed_pieces`], for constants. Nothing is checked.
-    ///
-    /// # Panics
-    ///
-    /// Panics if there are more pieces than a curve has places.
-    pub const fn precomputed(
+    /// Builds a curve from pieces that were computed before: start and length within the pitch, rad, and
+    /// coefficients of the volume, mL, lowest order first. Returns none if there are no pieces, more than
+    /// [`MAX_PIECES`] of them, a value that is not finite, or pieces out of order.
+    pub(crate) const fn of_pieces(
         pitch_rad: f64,
         pitch_ml: f64,
         pieces: &[(f64, f64, [f64; DEGREE + 1])],
-    ) -> Self {
+    ) -> Option<Self> {
         const NONE: Polynomial = Polynomial { c: [0.0; DEGREE + 1] };
-        const UNUSED: Piece = Piece { start_rad: 0.0, length_rad: 0.0, volume: NONE, flow: NONE };
+        const UNUSED: FlowPiece = FlowPiece { start_rad: 0.0, length_rad: 0.0, volume: NONE, flow: NONE };
         let mut places = [UNUSED; MAX_PIECES];
         let mut count = 0;
-        while count < pieces.len() {
+        let mut next_rad = 0.0;
+        let is_positive = pitch_rad > 0.0 && pitch_rad <= TURN_RAD && pitch_ml > 0.0 && pitch_ml.is_finite();
+        if pieces.is_empty() || pieces.len() > MAX_PIECES || !is_positive {
+            return None;
+        }
+        while count < MAX_PIECES && count < pieces.len() {
             let (start_rad, length_rad, c) = pieces[count];
+            let follows = start_rad >= next_rad - SAME_EDGE_RAD && start_rad <= next_rad + SAME_EDGE_RAD;
             let volume = Polynomial { c };
-            places[count] = Piece { start_rad, length_rad, volume, flow: volume.derivative() };
+            if !(follows && length_rad > 0.0 && volume.is_finite()) {
+                return None;
+            }
+            places[count] = FlowPiece { start_rad, length_rad, volume, flow: volume.derivative() };
+            next_rad = start_rad + length_rad;
             count += 1;
         }
-        Self { pieces: places, count, pitch_rad, per_pitch: 1.0 / pitch_rad, pitch_ml }
-    }
-
-    /// Returns each piece of the curve, for [`Self::precomputed`].
-    ///
-    /// A piece is its start and its length within the pitch, rad, and its coefficients, lowest order first.
-    /// The coefficients give the volume since the start of the pitch, mL, over the angle since the piece's
-    /// start.
-    pub fn precomputed_pieces(&self) -> impl Iterator<Item = (f64, f64, [f64; DEGREE + 1])> {
-        self.pieces().iter().map(|piece| (piece.start_rad, piece.length_rad, piece.volume.c))
+        let is_whole = next_rad >= pitch_rad - SAME_EDGE_RAD && next_rad <= pitch_rad + SAME_EDGE_RAD;
+        if !is_whole {
+            return None;
+        }
+        Some(Self { pieces: places, count, pitch_rad, per_pitch: 1.0 / pitch_rad, pitch_ml })
     }
 
     /// Refuses a curve whose flow per radian is not positive at some angle.
@@ -150,7 +155,8 @@ impl FlowCurve {
     pub(crate) fn shifted(&self, zero_rad: f64) -> Option<Self> {
         let (_, first_rad) = self.split(zero_rad);
         let cut = self.index_of(first_rad);
-        let mut shifted = Self { pieces: [Piece::default(); MAX_PIECES], count: 0, pitch_ml: 0.0, ..*self };
+        let mut shifted =
+            Self { pieces: [FlowPiece::default(); MAX_PIECES], count: 0, pitch_ml: 0.0, ..*self };
         let mut rest_rad = self.pitch_rad;
         // The piece at the new zero comes first, from the zero on, and again last, up to the zero.
         for (number, piece) in self.pieces().iter().enumerate().cycle().skip(cut).take(self.count + 1) {
@@ -166,7 +172,7 @@ impl FlowCurve {
             let mut volume = piece.volume.shifted(skipped_rad);
             volume.c[0] = shifted.pitch_ml;
             let start_rad = self.pitch_rad - rest_rad;
-            shifted.push(Piece { start_rad, length_rad, volume, flow: volume.derivative() });
+            shifted.push(FlowPiece { start_rad, length_rad, volume, flow: volume.derivative() });
             shifted.pitch_ml = volume.at(length_rad);
             rest_rad -= length_rad;
         }
@@ -176,7 +182,7 @@ impl FlowCurve {
     }
 
     /// Appends a piece. A piece that continues the same constant flow makes the last one longer.
-    fn push(&mut self, piece: Piece) {
+    fn push(&mut self, piece: FlowPiece) {
         let is_constant = piece.flow.c.iter().skip(1).all(|c| *c == 0.0);
         match self.count.checked_sub(1).and_then(|last| self.pieces.get_mut(last)) {
             Some(last) if is_constant && last.flow == piece.flow => last.length_rad += piece.length_rad,
@@ -205,6 +211,20 @@ impl FlowCurve {
         let (_, local_rad) = self.split(angle_rad);
         let piece = self.piece_at(local_rad);
         piece.flow.at(local_rad - piece.start_rad)
+    }
+
+    /// Returns the speed that makes `flow_ml_s` while the rollers stand at `angle_rad`, rad/s, negative for a
+    /// flow in reverse: flow over flow per radian. It follows a flow that changes all the time.
+    ///
+    /// ```
+    /// let pump = pump_model::Pump::three_roller();
+    /// let curve = pump.outlet_curve();
+    /// // Where a roller leaves the outlet, the rotor must turn faster.
+    /// let [least, most] = [0.2, 1.2].map(|angle_rad| curve.speed_for_flow(5.0, angle_rad));
+    /// assert!((most * curve.flow_ml_rad(1.2) - 5.0).abs() < 1e-12 && least > most);
+    /// ```
+    pub fn speed_for_flow(&self, flow_ml_s: f64, angle_rad: f64) -> f64 {
+        flow_ml_s / self.flow_ml_rad(angle_rad)
     }
 
     /// Returns the volume from angle 0 to `angle_rad`, mL; negative below 0. It is exact up to rounding.
@@ -238,7 +258,7 @@ impl FlowCurve {
     /// pitch.
     pub fn uneven_part(&self) -> (f64, f64) {
         let largest = self.flow_range_ml_rad().1;
-        let is_even = |piece: &&Piece| {
+        let is_even = |piece: &&FlowPiece| {
             let [c0, rest @ ..] = piece.flow.c;
             // The flow of the bare tube is a sum that may round.
             rest.iter().all(|c| *c == 0.0) && c0 >= largest * (1.0 - 1e-12)
@@ -270,12 +290,12 @@ impl FlowCurve {
         (start_rad, self.pitch_rad - length_rad)
     }
 
-    pub(crate) fn pieces(&self) -> &[Piece] {
+    pub(crate) fn pieces(&self) -> &[FlowPiece] {
         self.pieces.get(..self.count).unwrap_or(&self.pieces)
     }
 
     /// Returns a piece by its number, which must be less than the number of pieces.
-    pub(crate) fn piece(&self, number: usize) -> &Piece {
+    pub(crate) fn piece(&self, number: usize) -> &FlowPiece {
         let [first, ..] = &self.pieces;
         self.pieces().get(number).unwrap_or(first)
     }
@@ -288,7 +308,7 @@ impl FlowCurve {
     }
 
     /// Returns the piece at an angle of this pitch and its end within the pitch, rad.
-    pub(crate) fn piece_to_its_end(&self, local_rad: f64) -> (&Piece, f64) {
+    pub(crate) fn piece_to_its_end(&self, local_rad: f64) -> (&FlowPiece, f64) {
         let piece = self.piece_at(local_rad);
         let next = self.pieces().iter().find(|next| next.start_rad > piece.start_rad);
         (piece, next.map_or(self.pitch_rad, |next| next.start_rad))
@@ -318,7 +338,7 @@ impl FlowCurve {
     }
 
     /// Returns the piece that contains an angle of this pitch: the last that starts there or before.
-    fn piece_at(&self, local_rad: f64) -> &Piece {
+    fn piece_at(&self, local_rad: f64) -> &FlowPiece {
         let [first, ..] = &self.pieces;
         let later = self.pieces().iter().skip(1).take_while(|piece| piece.start_rad <= local_rad);
         later.last().unwrap_or(first)

@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 use crate::error::{Allowed, ModelError, refused, within};
-use crate::math::{TURN_RAD, degrees};
+use crate::units::{TURN_RAD, degrees};
 
 use super::roller_volume::RollerVolume;
 

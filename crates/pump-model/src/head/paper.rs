@@ -4,7 +4,7 @@
 //! response of a roller-type peristaltic pump", Sensors and Actuators A. Where the paper's figures contradict
 //! one another, both stand here and [`crate::Variant`] chooses.
 
-use crate::math::TURN_RAD;
+use crate::units::TURN_RAD;
 
 /// Inner radius of the tube r_i, mm: Table 1.
 pub const BORE_RADIUS_MM: f64 = 5.0;

@@ -1,6 +1,8 @@
 //! The two ends of the pump.
 
 /// An end of the pump.
+///
+/// The enum is exhaustive on purpose: a pump has two ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Port {
     /// The end that sucks in forward motion.

@@ -1,7 +1,7 @@
 //! The pulses that the rollers take from the flow of one port.
 
 use crate::math::polynomial::Polynomial;
-use crate::math::wrap;
+use crate::units::wrap;
 
 use super::port::Port;
 use super::roller_volume::RollerVolume;

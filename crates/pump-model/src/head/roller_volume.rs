@@ -2,7 +2,7 @@
 
 use crate::error::{Allowed, ModelError, within};
 use crate::math::polynomial::{DEGREE, Polynomial};
-use crate::math::{TURN_RAD, degrees, radians};
+use crate::units::{TURN_RAD, degrees, radians};
 
 /// Largest number of pieces of a roller-volume curve.
 pub const MAX_PIECES: usize = 24;
@@ -14,7 +14,7 @@ pub use super::paper::{
 
 /// Stretch of the curve with one polynomial.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Piece {
+pub(crate) struct VolumePiece {
     /// Start of the piece, rad.
     pub(crate) start_rad: f64,
     /// Volume V, mL, over x - start, rad.
@@ -36,7 +36,7 @@ pub(crate) struct Piece {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RollerVolume {
-    pieces: [Piece; MAX_PIECES],
+    pieces: [VolumePiece; MAX_PIECES],
     count: usize,
     engagement_rad: f64,
     inset_rad: f64,
@@ -94,7 +94,13 @@ impl RollerVolume {
 
     /// Returns a curve without a piece, which [`Self::append`] completes.
     pub(crate) fn empty(engagement_rad: f64, inset_rad: f64) -> Self {
-        Self { pieces: [Piece::default(); MAX_PIECES], count: 0, engagement_rad, inset_rad, total_ml: 0.0 }
+        Self {
+            pieces: [VolumePiece::default(); MAX_PIECES],
+            count: 0,
+            engagement_rad,
+            inset_rad,
+            total_ml: 0.0,
+        }
     }
 
     /// Returns the curve that McIntyre et al. measured.
@@ -107,32 +113,36 @@ impl RollerVolume {
         Self::from_polynomial_deg(PUBLISHED_COEFFICIENTS_DEG, PUBLISHED_ENGAGEMENT_DEG)
     }
 
-    /// Builds a curve from the pieces of [`Self::precomputed_pieces`], for constants. Nothing is checked.
-    ///
-    /// # Panics
-    ///
-    /// Panics if there are more than [`MAX_PIECES`] pieces.
-    pub const fn precomputed(
+    /// Builds a curve from pieces that were computed before: start, rad, and coefficients of V, mL, lowest
+    /// order first. Returns none if there are no pieces, more than [`MAX_PIECES`] of them, a value that is
+    /// not finite, or pieces out of order.
+    pub(crate) const fn of_pieces(
         engagement_rad: f64,
         inset_rad: f64,
         total_ml: f64,
         pieces: &[(f64, [f64; DEGREE + 1])],
-    ) -> Self {
-        const UNUSED: Piece = Piece { start_rad: 0.0, volume: Polynomial { c: [0.0; DEGREE + 1] } };
+    ) -> Option<Self> {
+        const UNUSED: VolumePiece =
+            VolumePiece { start_rad: 0.0, volume: Polynomial { c: [0.0; DEGREE + 1] } };
         let mut places = [UNUSED; MAX_PIECES];
         let mut count = 0;
-        while count < pieces.len() {
+        let mut least_rad = 0.0;
+        let engages = engagement_rad > 0.0 && engagement_rad < TURN_RAD && inset_rad.is_finite();
+        let is_positive = total_ml > 0.0 && total_ml.is_finite();
+        if pieces.is_empty() || pieces.len() > MAX_PIECES || !(engages && is_positive) {
+            return None;
+        }
+        while count < MAX_PIECES && count < pieces.len() {
             let (start_rad, c) = pieces[count];
-            places[count] = Piece { start_rad, volume: Polynomial { c } };
+            let volume = Polynomial { c };
+            if !(start_rad >= least_rad && start_rad <= engagement_rad && volume.is_finite()) {
+                return None;
+            }
+            places[count] = VolumePiece { start_rad, volume };
+            least_rad = start_rad;
             count += 1;
         }
-        Self { pieces: places, count, engagement_rad, inset_rad, total_ml }
-    }
-
-    /// Returns each piece of the curve, for [`Self::precomputed`]: its start, rad, and its coefficients,
-    /// lowest order first. The coefficients give V, mL, over x - start, rad.
-    pub fn precomputed_pieces(&self) -> impl Iterator<Item = (f64, [f64; DEGREE + 1])> {
-        self.pieces().iter().map(|piece| (piece.start_rad, piece.volume.c))
+        Some(Self { pieces: places, count, engagement_rad, inset_rad, total_ml })
     }
 
     /// Returns this curve's shape with another total volume, mL.
@@ -210,7 +220,7 @@ impl RollerVolume {
     /// Returns the stretches over which the volume is held, rad: from, to.
     pub fn held_rad(&self) -> impl Iterator<Item = (f64, f64)> {
         let ends = self.pieces().iter().skip(1).map(|next| next.start_rad).chain([self.engagement_rad]);
-        let held = |piece: &Piece| piece.volume.c.iter().skip(1).all(|c| *c == 0.0);
+        let held = |piece: &VolumePiece| piece.volume.c.iter().skip(1).all(|c| *c == 0.0);
         self.pieces()
             .iter()
             .zip(ends)
@@ -218,12 +228,12 @@ impl RollerVolume {
             .map(|(piece, end)| (piece.start_rad, end))
     }
 
-    pub(crate) fn pieces(&self) -> &[Piece] {
+    pub(crate) fn pieces(&self) -> &[VolumePiece] {
         self.pieces.get(..self.count).unwrap_or(&self.pieces)
     }
 
     /// Returns the piece that contains `x_rad`, which must lie in [0, phi].
-    pub(crate) fn piece_at(&self, x_rad: f64) -> Piece {
+    pub(crate) fn piece_at(&self, x_rad: f64) -> VolumePiece {
         self.pieces().iter().rev().find(|piece| piece.start_rad <= x_rad).copied().unwrap_or_default()
     }
 
@@ -235,7 +245,7 @@ impl RollerVolume {
         let Some(piece) = self.pieces.get_mut(self.count) else {
             return false;
         };
-        *piece = Piece { start_rad: start, volume: local };
+        *piece = VolumePiece { start_rad: start, volume: local };
         self.count += 1;
         self.total_ml = local.at(end - start);
         true

@@ -27,8 +27,8 @@ impl FlowCurve {
         let half_width_rad = half_width_rad.min(0.5 * self.pitch_rad());
         // Angles count from the start's own pitch, so whole pitches are as exact far from angle 0 as near it.
         let (_, local_rad) = self.split(start_rad - half_width_rad);
-        let mut start = Place::at(self, (0.0, local_rad));
-        let mut end = Place::at(self, self.split(local_rad + turn_rad));
+        let mut start = CurvePlace::at(self, (0.0, local_rad));
+        let mut end = CurvePlace::at(self, self.split(local_rad + turn_rad));
         let mut left_rad = 2.0 * half_width_rad;
         let (mut least_ml, mut most_ml) = (f64::INFINITY, f64::NEG_INFINITY);
         // Within a pitch each place leaves every piece once, and the piece where it began perhaps twice.
@@ -50,14 +50,14 @@ impl FlowCurve {
 }
 
 /// Place on the curve. It goes from piece to piece by count, so rounding at an edge decides nothing.
-struct Place {
+struct CurvePlace {
     pitches: f64,
     piece: usize,
     /// Angle left to the piece's end, rad.
     left_rad: f64,
 }
 
-impl Place {
+impl CurvePlace {
     fn at(curve: &FlowCurve, (pitches, local_rad): (f64, f64)) -> Self {
         let number = curve.index_of(local_rad);
         let piece = curve.piece(number);

@@ -1,9 +1,10 @@
 //! Ethanol and isopropanol without water.
 
+use libm::{exp, log, pow};
+
 use core::ops::RangeInclusive;
 
 use crate::error::{ModelError, within};
-use crate::math::{exp, log, pow};
 
 use super::fluid::{Fluid, kelvin, series};
 

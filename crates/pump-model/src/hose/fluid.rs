@@ -1,7 +1,8 @@
 //! The fluid that is pumped: density, viscosity, bulk modulus, vapour pressure.
 
+use libm::{exp, pow};
+
 use crate::error::{Allowed, ModelError, within};
-use crate::math::{exp, pow};
 
 /// Properties of a fluid at one temperature, at about atmospheric pressure.
 ///

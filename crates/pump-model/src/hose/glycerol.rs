@@ -1,9 +1,10 @@
 //! Mixtures of glycerol and water.
 
+use libm::{exp, pow, sin};
+
 use core::f64::consts::PI;
 
 use crate::error::{ModelError, within};
-use crate::math::{exp, pow, sin};
 
 use super::fluid::Fluid;
 

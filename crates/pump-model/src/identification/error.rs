@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::error::{Allowed, ModelError};
+use crate::error::{Allowed, ModelError, Shown};
 
 /// Reason why measurements are refused or say too little. It names the fault and the remedy.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -21,7 +21,7 @@ pub enum IdentificationError {
         parameters: usize,
     },
     /// A measured value is not allowed.
-    #[error("{quantity} of {of} {number} is {value}; allowed: {allowed}")]
+    #[error("{quantity} of {of} {number} is {}; allowed: {allowed}", Shown(*value))]
     Value {
         /// Name of the quantity, with its unit.
         quantity: &'static str,
@@ -93,16 +93,16 @@ pub enum IdentificationError {
 
 /// Name of a measured value in errors: its quantity with the unit, the kind of reading, and the reading's
 /// index from 0.
-pub(super) type Reading = (&'static str, &'static str, usize);
+pub(super) type ReadingName = (&'static str, &'static str, usize);
 
 /// Refuses a measured value that is not allowed.
-pub(super) fn within(reading: Reading, value: f64, allowed: Allowed) -> Result<(), IdentificationError> {
+pub(super) fn within(reading: ReadingName, value: f64, allowed: Allowed) -> Result<(), IdentificationError> {
     if allowed.admits(value) { Ok(()) } else { Err(refused(reading, value, allowed)) }
 }
 
 /// Returns the error for a measured value that is not allowed.
 pub(super) fn refused(
-    (quantity, of, index): Reading,
+    (quantity, of, index): ReadingName,
     value: f64,
     allowed: impl Into<Allowed>,
 ) -> IdentificationError {

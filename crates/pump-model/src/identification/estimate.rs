@@ -1,6 +1,6 @@
 //! Values with their uncertainty.
 
-use crate::math::sqrt;
+use libm::sqrt;
 
 use super::student::widening;
 

@@ -1,9 +1,11 @@
 //! Resistance, compliance and inertance from a measured pressure waveform, by nonlinear least squares on the
 //! model.
 
+use libm::{exp, sqrt};
+
 use crate::line::line::Line;
-use crate::math::{exp, sqrt, wrap};
 use crate::pump::pump::Pump;
+use crate::units::wrap;
 
 use super::autocorrelation::{LAGS, correlated_samples};
 use super::error::IdentificationError;
@@ -11,7 +13,7 @@ use super::estimate::Estimate;
 use super::least_squares::Found;
 use super::recording::{Recording, SAMPLES};
 use super::sought::{ANGLE, N, NAMES, PRESSURE, START, Sought, count};
-use super::waveform::{Waveform, line_of};
+use super::waveform::{WaveformResiduals, line_of};
 
 /// Smallest part of the samples' variance that a fit of their shape must explain. Less is a Pearson
 /// correlation below 0.32. With four parameters and 100 independent samples this is an F of 2.7, where 2.5
@@ -55,7 +57,7 @@ impl LineFit {
     /// as known. It takes the motion as known except for what is sought of it.
     ///
     /// ```
-    /// use pump_model::identification::{LineFit, Motion, PressureSample, Recording, Sought};
+    /// use pump_model::identification::{LineFit, PressureSample, Recording, RotorMotion, Sought};
     /// use pump_model::{ExactRun, Leg, Line, Port, Pump};
     /// let legs = [Leg::constant_speed(0.0, 10.0)];
     /// // Readings on a line with other L and C than the pump's.
@@ -67,7 +69,7 @@ impl LineFit {
     ///     .map(|n| f64::from(n) * 2e-3)
     ///     .map(|time_s| PressureSample { time_s, pressure_kpa: run.pressure_kpa(time_s) })
     ///     .collect();
-    /// let recording = Recording { port: Port::Outlet, samples: &samples, motion: Motion::FromRest(&legs) };
+    /// let recording = Recording { port: Port::Outlet, samples: &samples, motion: RotorMotion::FromRest(&legs) };
     /// let fit = LineFit::of(&pump, &recording, Sought::LINE)?;
     /// assert!((fit.inertance_kpa_s2_ml.value - 0.006).abs() < 1e-8);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -82,7 +84,7 @@ impl LineFit {
         let flags = sought.checked(recording)?;
         let line = pump.line(recording.port);
         line.validate()?;
-        let waveform = Waveform { recording, curve: pump.curve(recording.port), flags };
+        let waveform = WaveformResiduals { recording, curve: pump.curve(recording.port), flags };
         let found = waveform.best(line)?;
         let rms_kpa = sqrt(found.sum / recording.samples.len() as f64);
         let spread_kpa = recording.spread_kpa();
@@ -184,7 +186,7 @@ struct Uncertainty {
 }
 
 impl Uncertainty {
-    fn of(waveform: &Waveform<'_>, found: &Found<N>) -> Result<Self, IdentificationError> {
+    fn of(waveform: &WaveformResiduals<'_>, found: &Found<N>) -> Result<Self, IdentificationError> {
         const NO_EFFECT: &str = "it has no effect on them that others do not have; seek fewer parameters";
         let variances =
             found.rows.variances().ok_or(undetermined(found.rows.singular().unwrap_or(0), NO_EFFECT))?;

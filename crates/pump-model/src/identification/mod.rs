@@ -17,7 +17,7 @@ pub use compliance::{ComplianceFit, InjectionPoint};
 pub use error::IdentificationError;
 pub use estimate::Estimate;
 pub use line_fit::LineFit;
-pub use recording::{Motion, PressureSample, Recording};
+pub use recording::{PressureSample, Recording, RotorMotion};
 pub use resistance::{Bend, FlowPoint, ResistanceFit};
 pub use sought::Sought;
 pub use student::widening;

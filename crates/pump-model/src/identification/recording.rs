@@ -1,14 +1,17 @@
 //! Measured pressures, and those of the model at the same times.
 
+use libm::sqrt;
+
 use crate::error::{self, Allowed, ModelError};
 use crate::head::flow_curve::FlowCurve;
 use crate::head::port::Port;
 use crate::line::exact_run::ExactRun;
 use crate::line::line::Line;
+use crate::line::line_state::LineState;
 use crate::line::periodic_state::periodic_state;
-use crate::math::{sqrt, wrap};
 use crate::motion::leg::Leg;
 use crate::pump::pump::Pump;
+use crate::units::wrap;
 
 use super::error::{IdentificationError, refused, within};
 
@@ -23,7 +26,7 @@ pub struct PressureSample {
 
 /// Motion of the rotor during a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Motion<'a> {
+pub enum RotorMotion<'a> {
     /// The rotor and the line started from rest. Each leg of constant acceleration starts when and where the
     /// one before ends.
     FromRest(&'a [Leg]),
@@ -44,7 +47,7 @@ pub struct Recording<'a> {
     /// Samples in order of time.
     pub samples: &'a [PressureSample],
     /// Motion of the rotor during the recording, in the time of the samples.
-    pub motion: Motion<'a>,
+    pub motion: RotorMotion<'a>,
 }
 
 /// Name of the samples in errors.
@@ -64,11 +67,11 @@ impl<'a> Recording<'a> {
             last_s = sample.time_s;
         }
         match self.motion {
-            Motion::FromRest(legs) => {
+            RotorMotion::FromRest(legs) => {
                 let legs = legs.len() as f64;
                 Ok(error::within("number of legs of the motion", legs, Allowed::POSITIVE)?)
             }
-            Motion::Steady { speed_rad_s, .. } => {
+            RotorMotion::Steady { speed_rad_s, .. } => {
                 let speed_rad_s = speed_rad_s.abs();
                 Ok(error::within("speed in rad/s, without sign", speed_rad_s, Allowed::POSITIVE)?)
             }
@@ -103,8 +106,8 @@ impl<'a> Recording<'a> {
     ) -> Result<impl Iterator<Item = f64> + use<'a>, ModelError> {
         line.validate()?;
         let (legs, steady, state) = match self.motion {
-            Motion::FromRest(legs) => (legs, None, [0.0; 2]),
-            Motion::Steady { angle_rad: at_0_rad, speed_rad_s } => {
+            RotorMotion::FromRest(legs) => (legs, None, LineState::AT_REST),
+            RotorMotion::Steady { angle_rad: at_0_rad, speed_rad_s } => {
                 let first_s = self.samples.first().map_or(0.0, |sample| sample.time_s);
                 // The run starts where the angle was last a whole number of pitches, whose state is known.
                 let first_rad = at_0_rad + angle_rad + speed_rad_s * (first_s - start_s);
@@ -123,7 +126,7 @@ impl<'a> Recording<'a> {
         };
         let legs = steady.into_iter().chain(legs.iter().map(shifted));
         let mut run = ExactRun::on(line, curve, self.port, legs, state);
-        Ok(self.samples.iter().map(move |sample| run.at(sample.time_s)[0]))
+        Ok(self.samples.iter().map(move |sample| run.at(sample.time_s).above_reservoir_kpa))
     }
 
     /// Returns the pressures of the model of `pump` at the times of the samples, kPa absolute.

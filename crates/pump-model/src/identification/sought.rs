@@ -1,7 +1,7 @@
 //! Parameters of a waveform's fit, and the choice of those that it seeks.
 
 use super::error::IdentificationError;
-use super::recording::{Motion, Recording, SAMPLES};
+use super::recording::{Recording, RotorMotion, SAMPLES};
 
 /// Number of parameters: ln R, ln C, ln L, angle in rad, start in s, pressure in kPa. The logarithms keep a
 /// line physical.
@@ -13,7 +13,16 @@ pub(super) const NAMES: [&str; N] =
     ["resistance", "compliance", "inertance", "start angle", "start time", "reservoir pressure"];
 
 /// Parameters that a fit seeks. It holds the others at the values of the pump and the recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+///
+/// ```
+/// use pump_model::identification::Sought;
+///
+/// let sought = Sought::LINE.with_inertance(false).with_pressure(true);
+/// assert!(sought.resistance && sought.pressure && !sought.inertance);
+/// assert_eq!(Sought::new().with_resistance(true).with_compliance(true).with_inertance(true), Sought::LINE);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct Sought {
     /// True if the fit seeks R.
     pub resistance: bool,
@@ -32,14 +41,55 @@ pub struct Sought {
 
 impl Sought {
     /// Choice of R, C and L.
-    pub const LINE: Self = Self {
-        resistance: true,
-        compliance: true,
-        inertance: true,
-        angle: false,
-        start: false,
-        pressure: false,
-    };
+    pub const LINE: Self = Self::new().with_resistance(true).with_compliance(true).with_inertance(true);
+
+    /// Choice of nothing, to which parameters are added.
+    pub const fn new() -> Self {
+        Self {
+            resistance: false,
+            compliance: false,
+            inertance: false,
+            angle: false,
+            start: false,
+            pressure: false,
+        }
+    }
+
+    /// Says whether the fit seeks R.
+    #[must_use]
+    pub const fn with_resistance(self, resistance: bool) -> Self {
+        Self { resistance, ..self }
+    }
+
+    /// Says whether the fit seeks C.
+    #[must_use]
+    pub const fn with_compliance(self, compliance: bool) -> Self {
+        Self { compliance, ..self }
+    }
+
+    /// Says whether the fit seeks L.
+    #[must_use]
+    pub const fn with_inertance(self, inertance: bool) -> Self {
+        Self { inertance, ..self }
+    }
+
+    /// Says whether the fit seeks an angle.
+    #[must_use]
+    pub const fn with_angle(self, angle: bool) -> Self {
+        Self { angle, ..self }
+    }
+
+    /// Says whether the fit seeks a start.
+    #[must_use]
+    pub const fn with_start(self, start: bool) -> Self {
+        Self { start, ..self }
+    }
+
+    /// Says whether the fit seeks the reservoir's pressure.
+    #[must_use]
+    pub const fn with_pressure(self, pressure: bool) -> Self {
+        Self { pressure, ..self }
+    }
 
     /// True if anything is sought that shows in the shape of the pressure and not in its mean.
     pub(super) fn is_of_shape(self) -> bool {
@@ -53,7 +103,7 @@ impl Sought {
     /// Returns the parameters that are sought. Refuses parameters that cannot be told apart, and a recording
     /// with no more samples than parameters.
     pub(super) fn checked(self, recording: &Recording<'_>) -> Result<[bool; N], IdentificationError> {
-        if self.angle && self.start && matches!(recording.motion, Motion::Steady { .. }) {
+        if self.angle && self.start && matches!(recording.motion, RotorMotion::Steady { .. }) {
             return Err(IdentificationError::Same { first: NAMES[ANGLE], second: NAMES[START] });
         }
         let flags = self.flags();

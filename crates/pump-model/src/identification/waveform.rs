@@ -1,10 +1,11 @@
 //! Recorded waveforms as least-squares problems: residuals, their derivatives, and the search from many
 //! starts.
 
+use libm::{exp, log};
+
 use crate::error::{Allowed, ModelError, within};
 use crate::head::flow_curve::FlowCurve;
 use crate::line::line::Line;
-use crate::math::{exp, log};
 
 use super::error::IdentificationError;
 use super::least_squares::{Found, Residuals, Triangle, search};
@@ -25,7 +26,7 @@ const FREQUENCIES: [f64; 5] = [1.0, 0.6, 0.8, 1.25, 1.7];
 const FOLLOWED: usize = 3;
 
 /// Recording whose line is sought.
-pub(super) struct Waveform<'a> {
+pub(super) struct WaveformResiduals<'a> {
     pub(super) recording: &'a Recording<'a>,
     pub(super) curve: &'a FlowCurve,
     /// Parameters that are sought.
@@ -42,7 +43,7 @@ pub(super) fn line_of(at: &[f64; N]) -> Line {
     }
 }
 
-impl Waveform<'_> {
+impl WaveformResiduals<'_> {
     /// Returns the residuals, measured less model, of the line and the motion at these parameters, kPa.
     pub(super) fn residuals<'b>(
         &'b self,
@@ -124,7 +125,7 @@ impl Waveform<'_> {
     }
 }
 
-impl Residuals<N> for Waveform<'_> {
+impl Residuals<N> for WaveformResiduals<'_> {
     fn sum(&self, at: &[f64; N]) -> Result<f64, ModelError> {
         Ok(self.residuals(&line_of(at), at)?.map(|residual| residual * residual).sum())
     }

@@ -50,15 +50,15 @@ impl<const N: usize> DenseStep<N> {
     }
 
     /// Returns the state at the end of the step.
-    pub fn end(&self) -> SVector<f64, N> {
-        self.end
+    pub fn end(&self) -> [f64; N] {
+        self.end.into()
     }
 
     /// Returns the state at time `t_s` inside the step.
-    pub fn at(&self, t_s: f64) -> SVector<f64, N> {
+    pub fn at(&self, t_s: f64) -> [f64; N] {
         let x = (t_s - self.start_s) / self.length_s;
         let [c0, c1, c2, c3, c4, c5] = &self.c;
-        c0 + (c1 + (c2 + (c3 + (c4 + c5 * x) * x) * x) * x) * x
+        (c0 + (c1 + (c2 + (c3 + (c4 + c5 * x) * x) * x) * x) * x).into()
     }
 
     /// Returns one state as a polynomial in (t - start) / length, from 0 to 1.

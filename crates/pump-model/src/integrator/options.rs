@@ -1,27 +1,94 @@
 //! Options and cost of an integration.
 
-use nalgebra::SVector;
+use crate::error::{Allowed, IntegrationError};
 
-/// Tolerances and longest step of an integration.
+/// Tolerances and longest step of an integration. [`super::Rodas5p::new`] checks them.
+///
+/// ```
+/// use pump_model::integrator::Options;
+///
+/// let options = Options::new([1e-6, 0.0], [1e-6, 1e-3]).with_max_step_s(0.1);
+/// assert_eq!((options.absolute[1], options.max_step_s), (1e-3, 0.1));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Options<const N: usize> {
     /// Error allowed in a step, relative to each state; zero or more.
-    pub relative: SVector<f64, N>,
+    pub relative: [f64; N],
     /// Error allowed in a step, in the units of each state; positive.
-    pub absolute: SVector<f64, N>,
-    /// Longest step, s; infinite by default.
+    pub absolute: [f64; N],
+    /// Longest step, s; positive, and infinite by default.
     pub max_step_s: f64,
 }
 
 impl<const N: usize> Options<N> {
-    /// Returns options with one tolerance for every state, relative and absolute.
-    pub fn uniform(tolerance: f64) -> Self {
-        Self {
-            relative: SVector::repeat(tolerance),
-            absolute: SVector::repeat(tolerance),
-            max_step_s: f64::INFINITY,
-        }
+    /// Returns options with the errors allowed in a step, relative to each state and in its units. The steps may
+    /// be of any length.
+    pub const fn new(relative: [f64; N], absolute: [f64; N]) -> Self {
+        Self { relative, absolute, max_step_s: f64::INFINITY }
     }
+
+    /// Replaces the errors allowed relative to each state.
+    #[must_use]
+    pub const fn with_relative(self, relative: [f64; N]) -> Self {
+        Self { relative, ..self }
+    }
+
+    /// Replaces the errors allowed in the units of each state.
+    #[must_use]
+    pub const fn with_absolute(self, absolute: [f64; N]) -> Self {
+        Self { absolute, ..self }
+    }
+
+    /// Replaces the longest step, s.
+    #[must_use]
+    pub const fn with_max_step_s(self, max_step_s: f64) -> Self {
+        Self { max_step_s, ..self }
+    }
+
+    /// Returns options with one tolerance for every state, relative and absolute.
+    ///
+    /// ```
+    /// use pump_model::integrator::Options;
+    ///
+    /// assert_eq!(Options::<2>::uniform(1e-6)?.relative, [1e-6; 2]);
+    /// let refused = Options::<2>::uniform(-1.0).unwrap_err();
+    /// assert_eq!(refused.to_string(), "tolerance of a step is -1e0; allowed: a positive number");
+    /// # Ok::<(), pump_model::IntegrationError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Fails with [`IntegrationError::OutOfRange`] if the tolerance is not finite and positive.
+    pub fn uniform(tolerance: f64) -> Result<Self, IntegrationError> {
+        within("tolerance of a step", tolerance, Allowed::POSITIVE)?;
+        Ok(Self::equal(tolerance))
+    }
+
+    /// Returns options with one tolerance for every state. The tolerance is not checked.
+    pub(crate) const fn equal(tolerance: f64) -> Self {
+        Self::new([tolerance; N], [tolerance; N])
+    }
+
+    /// Refuses options by which an error estimate would mean nothing.
+    pub(super) fn validate(&self) -> Result<(), IntegrationError> {
+        for relative in self.relative {
+            within("relative tolerance of a state", relative, Allowed::NotNegative)?;
+        }
+        for absolute in self.absolute {
+            within("absolute tolerance of a state", absolute, Allowed::POSITIVE)?;
+        }
+        if self.max_step_s > 0.0 {
+            return Ok(());
+        }
+        let allowed = Allowed::Words("a positive length, or infinity");
+        Err(IntegrationError::OutOfRange { parameter: "longest step in s", value: self.max_step_s, allowed })
+    }
+}
+
+fn within(parameter: &'static str, value: f64, allowed: Allowed) -> Result<(), IntegrationError> {
+    let refused = IntegrationError::OutOfRange { parameter, value, allowed };
+    if allowed.admits(value) { Ok(()) } else { Err(refused) }
 }
 
 /// Cost of an integration.

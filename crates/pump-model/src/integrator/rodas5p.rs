@@ -33,22 +33,28 @@ pub struct Rodas5p<const N: usize> {
     /// True if the next step starts where the derivative jumps.
     restart: bool,
     /// Values that the last step evaluated at its end, for the next to start from.
-    known: Option<Start<N>>,
+    known: Option<StepStart<N>>,
     statistics: Statistics,
 }
 
 impl<const N: usize> Rodas5p<N> {
     /// Starts at `time_s` in `state`.
-    pub fn new(time_s: f64, state: SVector<f64, N>, options: Options<N>) -> Self {
-        Self {
+    ///
+    /// # Errors
+    ///
+    /// Fails with [`IntegrationError::OutOfRange`] if a tolerance or the longest step is not allowed. By a
+    /// tolerance that is NaN or negative, every step would be accepted.
+    pub fn new(time_s: f64, state: [f64; N], options: Options<N>) -> Result<Self, IntegrationError> {
+        options.validate()?;
+        Ok(Self {
             time_s,
-            state,
+            state: state.into(),
             options,
             proposed_s: 0.0,
             restart: true,
             known: None,
             statistics: Statistics::default(),
-        }
+        })
     }
 
     /// Returns the time reached, s.
@@ -57,8 +63,8 @@ impl<const N: usize> Rodas5p<N> {
     }
 
     /// Returns the state at the time reached.
-    pub fn state(&self) -> SVector<f64, N> {
-        self.state
+    pub fn state(&self) -> [f64; N] {
+        self.state.into()
     }
 
     /// Announces that the equation changes or its derivative jumps here. The integrator forgets all that it
@@ -68,8 +74,8 @@ impl<const N: usize> Rodas5p<N> {
     }
 
     /// Replaces the state, as an impulse does.
-    pub fn set_state(&mut self, state: SVector<f64, N>) {
-        self.state = state;
+    pub fn set_state(&mut self, state: [f64; N]) {
+        self.state = state.into();
         self.known = None;
     }
 
@@ -89,7 +95,7 @@ impl<const N: usize> Rodas5p<N> {
             Some(known) if !self.restart => known,
             _ => {
                 self.statistics.evaluations += 1;
-                Start::new(ode, self.time_s, self.state)?
+                StepStart::new(ode, self.time_s, self.state)?
             }
         };
         if self.restart {
@@ -133,14 +139,15 @@ impl<const N: usize> Rodas5p<N> {
 
     /// Returns the new state and the error estimate of a step of length `h`; none if the matrix is singular
     /// or the result is not finite.
-    fn trial(&mut self, ode: &impl Ode<N>, from: &Start<N>, h: f64) -> Option<Trial<N>> {
+    fn trial(&mut self, ode: &impl Ode<N>, from: &StepStart<N>, h: f64) -> Option<Trial<N>> {
         self.statistics.factorisations += 1;
         self.statistics.evaluations += STAGES as u64 - 1;
         let per_h = 1.0 / h;
-        let lu = Lu::new(SMatrix::from_diagonal_element(per_h / GAMMA) - from.jacobian)?;
+        let diagonal = |i, j| if i == j { per_h / GAMMA } else { 0.0 };
+        let lu = Lu::new(SMatrix::from_fn(|i, j| diagonal(i, j) - from.jacobian[i][j]))?;
         // Solves stage i (from 0), at a value of the state and with the coupling to the stages before.
         let solve = |i: usize, value: &SVector<f64, N>, coupled: SVector<f64, N>| {
-            let slope = ode.derivative(from.time_s + ALPHA[i] * h, value);
+            let slope = SVector::from(ode.derivative(from.time_s + ALPHA[i] * h, entries(value)));
             lu.solve(slope + coupled * per_h + from.slope_rate * (h * GAMMA_I[i]))
         };
         let mut u = [SVector::<f64, N>::zeros(); STAGES];
@@ -164,7 +171,7 @@ impl<const N: usize> Rodas5p<N> {
     fn dense(
         &mut self,
         ode: &impl Ode<N>,
-        from: &Start<N>,
+        from: &StepStart<N>,
         h: f64,
         trial: &Trial<N>,
     ) -> Result<DenseStep<N>, IntegrationError> {
@@ -175,7 +182,7 @@ impl<const N: usize> Rodas5p<N> {
             });
             return Ok(DenseStep::own(from.time_s, h, from.state, trial.next, k));
         }
-        let to = Start::new(ode, self.time_s, trial.next)?;
+        let to = StepStart::new(ode, self.time_s, trial.next)?;
         self.statistics.evaluations += 1;
         let step = DenseStep::hermite(from.time_s, h, &from.end(), &to.end());
         self.known = Some(to);
@@ -184,11 +191,11 @@ impl<const N: usize> Rodas5p<N> {
 
     /// Returns the largest rate at which the states change one another, 1/s: the row norm of the Jacobian in
     /// units of the tolerance.
-    fn rate(&self, jacobian: &SMatrix<f64, N, N>, state: &SVector<f64, N>) -> f64 {
+    fn rate(&self, jacobian: &[[f64; N]; N], state: &SVector<f64, N>) -> f64 {
         let mut largest = 0.0_f64;
-        for i in 0..N {
-            let row: f64 = (0..N).map(|j| jacobian[(i, j)].abs() * self.allowed(state, j)).sum();
-            largest = largest.max(row / self.allowed(state, i));
+        for (i, row) in jacobian.iter().enumerate() {
+            let change: f64 = (0..N).map(|j| row[j].abs() * self.allowed(state, j)).sum();
+            largest = largest.max(change / self.allowed(state, i));
         }
         largest
     }
@@ -211,7 +218,7 @@ impl<const N: usize> Rodas5p<N> {
     /// Returns the length of the first step, from the first two derivatives in units of the tolerance. The
     /// rule is that of Hairer, Norsett, Wanner, "Solving ODEs I", section II.4, with the exact second
     /// derivative in place of an Euler step.
-    fn first_step(&self, from: &Start<N>) -> f64 {
+    fn first_step(&self, from: &StepStart<N>) -> f64 {
         let mut largest = 0.0_f64;
         for i in 0..N {
             let derivative = from.slope[i].abs().max(from.curvature()[i].abs());
@@ -223,28 +230,29 @@ impl<const N: usize> Rodas5p<N> {
 
 /// State and derivatives where a step starts or ends.
 #[derive(Debug, Clone)]
-struct Start<const N: usize> {
+struct StepStart<const N: usize> {
     time_s: f64,
     state: SVector<f64, N>,
     slope: SVector<f64, N>,
     slope_rate: SVector<f64, N>,
-    jacobian: SMatrix<f64, N, N>,
+    jacobian: [[f64; N]; N],
 }
 
-impl<const N: usize> Start<N> {
+impl<const N: usize> StepStart<N> {
     fn new(ode: &impl Ode<N>, time_s: f64, state: SVector<f64, N>) -> Result<Self, IntegrationError> {
-        let slope = ode.derivative(time_s, &state);
+        let slope = SVector::from(ode.derivative(time_s, entries(&state)));
         if !(finite(&state) && finite(&slope)) {
             return Err(IntegrationError::NotFinite { time_s });
         }
-        let jacobian = ode.jacobian(time_s, &state);
-        let slope_rate = ode.time_derivative(time_s, &state);
+        let jacobian = ode.jacobian(time_s, entries(&state));
+        let slope_rate = SVector::from(ode.time_derivative(time_s, entries(&state)));
         Ok(Self { time_s, state, slope, slope_rate, jacobian })
     }
 
     /// Returns the curvature y'' = J f + f_t.
     fn curvature(&self) -> SVector<f64, N> {
-        self.jacobian * self.slope + self.slope_rate
+        let product = self.jacobian.map(|row| row.iter().zip(&self.slope).map(|(j, slope)| j * slope).sum());
+        SVector::from(product) + self.slope_rate
     }
 
     fn end(&self) -> End<SVector<f64, N>> {
@@ -296,6 +304,12 @@ fn reciprocal_fifth_root(x: f64) -> f64 {
         y *= 1.2 - 0.2 * x * y2 * y2 * y;
     }
     y
+}
+
+/// Returns the entries of a vector.
+fn entries<const N: usize>(vector: &SVector<f64, N>) -> &[f64; N] {
+    let [column] = &vector.data.0;
+    column
 }
 
 fn finite<const N: usize>(vector: &SVector<f64, N>) -> bool {

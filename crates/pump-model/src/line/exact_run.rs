@@ -9,14 +9,15 @@ use crate::motion::stretches::{Stretch, Stretches};
 
 use super::extremes::Extremes;
 use super::line::Line;
+use super::line_state::LineState;
 use super::oscillator::{Balanced, Oscillator};
 use super::settling::settling_s;
 
 /// The exact solution of one port of the flow-centric model, over any motion in legs of constant
 /// acceleration.
 ///
-/// Between two edges the model is linear and the flow a polynomial of time (see `propagator.rs`). States are
-/// (P - P_res in kPa, the line's flow in mL/s). Rounding is the only error.
+/// Between two edges the model is linear and the flow a polynomial of time (see `propagator.rs`). Rounding is
+/// the only error.
 ///
 /// ```
 /// use pump_model::{ExactRun, Leg, Port, Pump};
@@ -46,12 +47,12 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
         curve: &'a FlowCurve,
         port: Port,
         legs: impl IntoIterator<IntoIter = M>,
-        state: [f64; 2],
+        state: LineState,
     ) -> Self {
         let oscillator = Oscillator::new(line, port);
         let mut stretches = Stretches::new(curve, legs);
         let stretch = next_stretch(&mut stretches);
-        let (flow, state) = (stretch.flow(), oscillator.balanced(state));
+        let (flow, state) = (stretch.flow(), oscillator.balanced(state.numbers()));
         Self { line, oscillator, stretches, stretch, flow, reached_s: 0.0, state }
     }
 
@@ -60,13 +61,13 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
         self.stretch.start_s + self.reached_s
     }
 
-    /// Returns the state reached: P - P_res in kPa and the line's flow in mL/s.
-    pub fn state(&self) -> [f64; 2] {
-        self.oscillator.physical(self.state)
+    /// Returns the state reached.
+    pub fn state(&self) -> LineState {
+        LineState::of(self.oscillator.physical(self.state))
     }
 
     /// Goes on to `t_s` and returns the state there. A time in the past gives the state reached.
-    pub fn at(&mut self, t_s: f64) -> [f64; 2] {
+    pub fn at(&mut self, t_s: f64) -> LineState {
         while t_s > self.stretch.end_s {
             self.finish_stretch();
         }
@@ -76,26 +77,19 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
 
     /// Goes on to `t_s` as [`Self::at`] does and returns the pressure there, kPa absolute.
     pub fn pressure_kpa(&mut self, t_s: f64) -> f64 {
-        self.line.reservoir_kpa + self.at(t_s)[0]
+        self.at(t_s).pressure_kpa(self.line)
     }
 
     /// Goes on to `end_s` and returns the smallest and largest pressure on the way, kPa absolute.
     pub fn extremes(&mut self, end_s: f64) -> Extremes {
         let mut extremes = Extremes::at(self.state[0]);
         while self.time_s() < end_s {
-            let stretch_s = self.stretch.end_s - self.stretch.start_s;
-            let room_s = (end_s - self.stretch.start_s).min(stretch_s) - self.reached_s;
-            let wanted_s = self.oscillator.fine_step_s(self.reached_s, stretch_s);
-            let length_s = wanted_s.min(room_s);
             let (before, flow) = (self.state, self.flow.shifted(self.reached_s));
-            self.go_on(length_s);
+            let (length_s, is_last) = self.fine_step(end_s);
             extremes.cover(self.state[0]);
             self.oscillator.turns(length_s, before, self.state, &flow, |kpa| extremes.cover(kpa));
-            if wanted_s >= room_s {
-                if end_s < self.stretch.end_s {
-                    break;
-                }
-                self.finish_stretch();
+            if is_last && !self.enters_next(end_s) {
+                break;
             }
         }
         extremes.above(self.line.reservoir_kpa)
@@ -118,6 +112,31 @@ impl<'a, M: Iterator<Item = Leg>> ExactRun<'a, M> {
     /// Returns [`ModelError::NeverSettles`] if the line swings or creeps for too long.
     pub fn settling_s(&self) -> Result<f64, ModelError> {
         settling_s(&self.oscillator, self.line.compliance_ml_kpa, self.state)
+    }
+
+    /// Goes on inside the stretch by a step short beside the swing, at most to `end_s`. Returns its length, s,
+    /// and true if it reaches `end_s` or the end of the stretch.
+    pub(super) fn fine_step(&mut self, end_s: f64) -> (f64, bool) {
+        let stretch_s = self.stretch.end_s - self.stretch.start_s;
+        let room_s = (end_s - self.stretch.start_s).min(stretch_s) - self.reached_s;
+        let wanted_s = self.oscillator.fine_step_s(self.reached_s, stretch_s);
+        let length_s = wanted_s.min(room_s);
+        self.go_on(length_s);
+        (length_s, wanted_s >= room_s)
+    }
+
+    /// Goes on into the next stretch and returns true, unless this one lasts beyond `end_s`.
+    pub(super) fn enters_next(&mut self, end_s: f64) -> bool {
+        let enters = end_s >= self.stretch.end_s;
+        if enters {
+            self.finish_stretch();
+        }
+        enters
+    }
+
+    /// Returns the line's compliance, mL/kPa.
+    pub(super) fn compliance_ml_kpa(&self) -> f64 {
+        self.line.compliance_ml_kpa
     }
 
     /// Goes on inside the stretch.

@@ -3,6 +3,7 @@
 use crate::motion::leg::Leg;
 
 use super::exact_run::ExactRun;
+use super::line_state::LineState;
 use super::oscillator::{Balanced, Oscillator};
 use super::propagator::Propagator;
 
@@ -160,15 +161,15 @@ impl<'a, M: Iterator<Item = Leg>> ExactSamples<'a, M> {
 }
 
 impl<M: Iterator<Item = Leg>> Iterator for ExactSamples<'_, M> {
-    type Item = [f64; 2];
+    type Item = LineState;
 
     #[inline]
-    fn next(&mut self) -> Option<[f64; 2]> {
+    fn next(&mut self) -> Option<LineState> {
         if self.next == self.valid {
             self.fill();
         }
         let n = self.next;
         self.next += 1;
-        Some(self.run.oscillator.physical([self.x[n % LANES], self.y[n % LANES]]))
+        Some(LineState::of(self.run.oscillator.physical([self.x[n % LANES], self.y[n % LANES]])))
     }
 }

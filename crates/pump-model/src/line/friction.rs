@@ -1,6 +1,6 @@
 //! Resistance of a hose at every flow: friction from laminar to turbulent, and the losses of ends and bends.
 
-use crate::math::{log, pow};
+use libm::{log, pow};
 
 /// Reynolds number below which Churchill's formula is 64/Re to the last bit.
 const LAMINAR_REYNOLDS: f64 = 100.0;

@@ -1,8 +1,9 @@
 //! The hydraulic line of one port, between the rollers and the reservoir.
 
+use libm::{pow, sqrt};
+
 use crate::error::{ModelError, within};
 use crate::head::paper;
-use crate::math::{pow, sqrt};
 
 /// Lumped line of one port (McIntyre et al.): C at the pump, R and L in series to a reservoir.
 ///

@@ -1,9 +1,10 @@
 //! A line as an oscillator: states in coordinates that carry energy alike, and their rates of change.
 
+use libm::sqrt;
+
 use crate::head::port::Port;
 use crate::math::hermite::{self, End};
 use crate::math::polynomial::Polynomial;
-use crate::math::sqrt;
 use crate::motion::flow::Flow;
 
 use super::line::Line;

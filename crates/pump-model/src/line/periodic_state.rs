@@ -7,6 +7,7 @@ use crate::motion::leg::Leg;
 
 use super::exact_run::ExactRun;
 use super::line::Line;
+use super::line_state::LineState;
 use super::oscillator::Oscillator;
 use super::propagator::Propagator;
 
@@ -20,11 +21,12 @@ pub(crate) fn periodic_state(
     curve: &FlowCurve,
     port: Port,
     speed_rad_s: f64,
-) -> Result<[f64; 2], ModelError> {
+) -> Result<LineState, ModelError> {
     let oscillator = Oscillator::new(line, port);
     let period_s = curve.pitch_rad() / speed_rad_s.abs();
     let motion = [Leg::constant_speed(0.0, speed_rad_s)];
-    let [bx, by] = oscillator.balanced(ExactRun::on(line, curve, port, motion, [0.0; 2]).at(period_s));
+    let after = ExactRun::on(line, curve, port, motion, LineState::AT_REST).at(period_s);
+    let [bx, by] = oscillator.balanced(after.numbers());
     let [[a, c], [b, d]] = Propagator::new(&oscillator, period_s, 0).change();
     let determinant = a * d - b * c;
     // An eigenvalue of e^(A T) is known to rounding times the phase turned, as far as it has not died out. A
@@ -33,5 +35,6 @@ pub(crate) fn periodic_state(
     if determinant == 0.0 || determinant.abs() < rounding * rounding {
         return Err(ModelError::UndampedResonance { port: port.name(), speed_rad_s });
     }
-    Ok(oscillator.physical([(b * by - d * bx) / determinant, (c * bx - a * by) / determinant]))
+    let state = [(b * by - d * bx) / determinant, (c * bx - a * by) / determinant];
+    Ok(LineState::of(oscillator.physical(state)))
 }

@@ -1,7 +1,9 @@
 //! Times over which a line swings or creeps.
 
+use libm::{exp, sqrt};
+
 use crate::head::port::Port;
-use crate::math::{TURN_RAD, exp, sqrt};
+use crate::units::TURN_RAD;
 
 use super::line::Line;
 use super::oscillator::{Oscillator, SHORT};

@@ -4,7 +4,7 @@
 //! All take pairs (by the model, measured). They return none where the number has no meaning, never a number
 //! that pretends.
 
-use super::sqrt;
+use libm::sqrt;
 
 /// Returns the root of the mean square of model less measured, in their unit; none without pairs.
 pub fn rmse(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<f64> {

@@ -46,6 +46,14 @@ impl Polynomial {
         self.c.iter().rev().fold(0.0, |sum, c| sum * x + c)
     }
 
+    /// Returns true if every coefficient is finite.
+    pub(crate) const fn is_finite(&self) -> bool {
+        let [c0, c1, c2, c3, c4, c5] = self.c;
+        // A sum with zero is NaN where one of them is not finite.
+        let sum = 0.0 * c0 + 0.0 * c1 + 0.0 * c2 + 0.0 * c3 + 0.0 * c4 + 0.0 * c5;
+        !sum.is_nan()
+    }
+
     /// Returns the first derivative.
     #[must_use]
     pub const fn derivative(&self) -> Self {

@@ -33,6 +33,11 @@ impl Flow {
         self.terms().enumerate().skip(1).rev().fold(0.0, |sum, (n, c)| sum * t + n as f64 * c)
     }
 
+    /// Returns the volume from 0 to `t`, mL.
+    pub(crate) fn volume(&self, t: f64) -> f64 {
+        t * self.terms().enumerate().rev().fold(0.0, |sum, (n, c)| sum * t + c / (n + 1) as f64)
+    }
+
     /// Returns the coefficients up to the degree.
     pub(crate) fn terms(&self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
         self.c.into_iter().take(self.degree + 1)

@@ -1,6 +1,6 @@
 //! Motions of the rotor: theta(t) as legs of constant acceleration.
 
-use crate::math::sqrt;
+use libm::sqrt;
 
 /// A stretch of time with constant acceleration.
 ///

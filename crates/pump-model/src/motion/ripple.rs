@@ -1,7 +1,8 @@
 //! Ripple: the departure of a flow from its mean.
 
+use libm::sqrt;
+
 use crate::head::flow_curve::FlowCurve;
-use crate::math::sqrt;
 
 use super::leg::Leg;
 use super::stretches::Stretches;

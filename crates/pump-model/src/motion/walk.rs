@@ -1,6 +1,6 @@
 //! Passages of a motion from one piece of a pitch to the next.
 
-use crate::math::floor;
+use libm::floor;
 
 use super::leg::Leg;
 

@@ -5,7 +5,7 @@ use crate::head::geometry::Geometry;
 use crate::head::paper;
 use crate::head::roller_volume::RollerVolume;
 use crate::line::line::Line;
-use crate::math::radians;
+use crate::units::radians;
 
 use super::pump::Pump;
 

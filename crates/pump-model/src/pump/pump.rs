@@ -6,8 +6,8 @@ use crate::head::geometry::Geometry;
 use crate::head::port::Port;
 use crate::head::roller_volume::RollerVolume;
 use crate::line::line::Line;
-use crate::math::TURN_RAD;
 use crate::math::polynomial::Polynomial;
+use crate::units::TURN_RAD;
 
 /// A validated pump with its two lines. A pump is immutable; build another to change it.
 ///
@@ -65,11 +65,8 @@ impl Pump {
         Self { geometry, roller_volume, inlet, outlet, inlet_curve, outlet_curve }
     }
 
-    /// Builds a pump from its parts and from curves that were computed before, so a pump can be a constant.
-    ///
-    /// `dose pumps show --format rust` writes such a constant. Nothing is checked; [`Self::new`] of the parts
-    /// gives an equal pump.
-    pub const fn precomputed(
+    /// Builds a pump from its parts and from curves that were computed before. Nothing is checked.
+    pub(crate) const fn of_curves(
         geometry: Geometry,
         roller_volume: RollerVolume,
         [inlet, outlet]: [Line; 2],

@@ -4,11 +4,12 @@ use crate::error::{ModelError, refused};
 use crate::head::port::Port;
 use crate::line::exact_run::ExactRun;
 use crate::line::extremes::Extremes;
+use crate::line::line_state::LineState;
 use crate::line::oscillator::Oscillator;
 use crate::line::periodic_state::periodic_state;
-use crate::math::TURN_RAD;
 use crate::motion::leg::Leg;
 use crate::motion::ripple::Ripple;
+use crate::units::TURN_RAD;
 
 use super::pump::Pump;
 
@@ -20,7 +21,7 @@ const MOST_STEPS: f64 = 1e6;
 ///
 /// ```
 /// let pump = pump_model::Pump::three_roller();
-/// let steady = pump.steady_state(pump_model::math::rad_s(100.0))?;
+/// let steady = pump.steady_state(pump_model::units::rad_s(100.0))?;
 /// assert!((steady.outlet.max_kpa - 104.5105).abs() < 1e-4);
 /// assert!((steady.outlet.min_kpa - 83.5685).abs() < 1e-4);
 /// assert!((steady.inlet_mean_kpa - 84.7002).abs() < 1e-4);
@@ -76,19 +77,19 @@ impl Pump {
         })
     }
 
-    /// Returns the state of a port at angle 0 that repeats itself every pitch at `speed_rad_s`: P - P_res in
-    /// kPa and the line's flow in mL/s. The speed must not be zero.
+    /// Returns the state of a port's line at angle 0 that repeats itself every pitch at `speed_rad_s`. The speed
+    /// must not be zero.
     ///
     /// # Errors
     ///
     /// Returns [`ModelError::UndampedResonance`] at a resonance that nothing damps.
-    pub fn periodic_state(&self, port: Port, speed_rad_s: f64) -> Result<[f64; 2], ModelError> {
+    pub fn periodic_state(&self, port: Port, speed_rad_s: f64) -> Result<LineState, ModelError> {
         periodic_state(self.line(port), self.curve(port), port, speed_rad_s)
     }
 
     fn periodic_extremes(&self, port: Port, speed_rad_s: f64) -> Result<Extremes, ModelError> {
         let period_s = self.pitch_rad() / speed_rad_s.abs();
-        let edges = self.curve(port).precomputed_pieces().count() as f64;
+        let edges = self.curve(port).pieces().len() as f64;
         let steps = Oscillator::new(self.line(port), port).most_fine_steps(edges, period_s);
         if steps > MOST_STEPS {
             let port = port.name();

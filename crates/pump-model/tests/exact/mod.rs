@@ -3,10 +3,14 @@
 //! It shares neither the flow curves nor the integrator with the product. The state is extended by the powers
 //! of the time since the last edge, and the matrix exponential is summed by scaling and squaring.
 
-use pump_model::Line;
+type Matrix<const N: usize> = [[f64; N]; N];
 
-const N: usize = 7;
-type Matrix = [[f64; N]; N];
+/// A line with constant coefficients, y' = A y + b u, where u is the flow from the rollers into the line,
+/// mL/s.
+pub(crate) struct Linear<const S: usize> {
+    pub matrix: Matrix<S>,
+    pub input: [f64; S],
+}
 
 /// Coefficients of the paper's roller volume, mL over degrees, highest order first.
 const PUBLISHED: [f64; 6] = [
@@ -38,7 +42,6 @@ fn g(x: f64) -> f64 {
 
 /// Port of the published pump at constant speed.
 pub(crate) struct Exact {
-    pub line: Line,
     pub rollers: u32,
     pub speed_rad_s: f64,
     pub outlet: bool,
@@ -97,36 +100,46 @@ impl Exact {
         c
     }
 
-    /// Returns the exponential of the extended matrix over `t` inside the piece [start, end].
-    fn propagator(&self, start: f64, end: f64, t: f64) -> Matrix {
-        let (r, c, l) =
-            (self.line.resistance_kpa_s_ml, self.line.compliance_ml_kpa, self.line.inertance_kpa_s2_ml);
+    /// Returns the exponential of the extended matrix over `t` inside the piece [start, end]. `K` is `S` + 5.
+    fn propagator<const S: usize, const K: usize>(
+        &self,
+        line: &Linear<S>,
+        [start, end]: [f64; 2],
+        t: f64,
+    ) -> Matrix<K> {
         let sign = if self.outlet { 1.0 } else { -1.0 };
-        let mut a = [[0.0; N]; N];
-        a[0][1] = -sign / c;
-        a[1][0] = sign / l;
-        a[1][1] = -r / l;
-        // States 2 to 6 are the powers 0 to 4 of time over the piece's duration, which keeps the matrix
+        let mut a = [[0.0; K]; K];
+        for (row, from) in a.iter_mut().zip(&line.matrix) {
+            row[..S].copy_from_slice(from);
+        }
+        // The last five states are the powers 0 to 4 of time over the piece's duration, which keeps the matrix
         // balanced.
         let duration = (end - start) / self.speed_rad_s;
         for (k, q) in self.flow_coefficients(start, end).into_iter().enumerate() {
-            a[0][2 + k] = sign * q * duration.powi(k as i32) / c;
+            for (row, input) in a.iter_mut().zip(line.input) {
+                row[S + k] = sign * input * q * duration.powi(k as i32);
+            }
         }
         for k in 1..5 {
-            a[2 + k][1 + k] = k as f64 / duration;
+            a[S + k][S + k - 1] = k as f64 / duration;
         }
         exponential(a, t)
     }
 
-    /// Returns the state after `t` from `state` at angle 0, t = 0.
-    pub(crate) fn at(&self, t: f64, state: [f64; 2]) -> [f64; 2] {
+    /// Returns the state of a line after `t` from `state` at angle 0, t = 0. `K` is `S` + 5.
+    pub(crate) fn follow<const S: usize, const K: usize>(
+        &self,
+        line: &Linear<S>,
+        t: f64,
+        state: [f64; S],
+    ) -> [f64; S] {
         let edges = self.edges();
         let (mut y, mut time) = (state, 0.0);
         loop {
             for pair in edges.windows(2) {
                 let duration = (pair[1] - pair[0]) / self.speed_rad_s;
                 let step = duration.min(t - time);
-                y = apply(&self.propagator(pair[0], pair[1], step), y);
+                y = apply(&self.propagator::<S, K>(line, [pair[0], pair[1]], step), y);
                 time += step;
                 if t - time <= 1e-15 * t {
                     return y;
@@ -135,28 +148,48 @@ impl Exact {
         }
     }
 
-    /// Returns the state at the start of a pitch that repeats itself.
-    pub(crate) fn periodic(&self) -> [f64; 2] {
-        let period = self.pitch() / self.speed_rad_s;
-        let offset = self.at(period, [0.0, 0.0]);
-        let column = |y| {
-            let moved: [f64; 2] = self.at(period, y);
-            [moved[0] - offset[0], moved[1] - offset[1]]
-        };
-        let (p, q) = (column([1.0, 0.0]), column([0.0, 1.0]));
-        let (a, b, c, d) = (1.0 - p[0], -q[0], -p[1], 1.0 - q[1]);
-        let determinant = a * d - b * c;
-        [(d * offset[0] - b * offset[1]) / determinant, (a * offset[1] - c * offset[0]) / determinant]
+    /// Returns the state of a line at the start of a pitch that repeats itself. `K` is `S` + 5.
+    pub(crate) fn periodic<const S: usize, const K: usize>(&self, line: &Linear<S>) -> [f64; S] {
+        let after = |state| self.follow::<S, K>(line, self.pitch() / self.speed_rad_s, state);
+        let offset = after([0.0; S]);
+        // (I - M) y = offset, where column n of M is what state n leaves after a pitch.
+        let columns: [[f64; S]; S] = core::array::from_fn(|n| {
+            let moved = after(core::array::from_fn(|k| f64::from(u8::from(k == n))));
+            core::array::from_fn(|k| f64::from(u8::from(k == n)) - (moved[k] - offset[k]))
+        });
+        solved(core::array::from_fn(|row| columns.map(|column| column[row])), offset)
     }
 }
 
-fn apply(matrix: &Matrix, y: [f64; 2]) -> [f64; 2] {
-    let z = [y[0], y[1], 1.0, 0.0, 0.0, 0.0, 0.0];
-    let row = |n: usize| matrix[n].iter().zip(z).map(|(m, x)| m * x).sum();
-    [row(0), row(1)]
+/// Returns the solution of A x = b, by Gauss's elimination with pivots.
+fn solved<const S: usize>(mut a: Matrix<S>, mut b: [f64; S]) -> [f64; S] {
+    for n in 0..S {
+        let pivot = (n..S).max_by(|i, j| a[*i][n].abs().total_cmp(&a[*j][n].abs())).expect("a row is left");
+        a.swap(n, pivot);
+        b.swap(n, pivot);
+        for row in 0..S {
+            if row != n {
+                let factor = a[row][n] / a[n][n];
+                let above = a[n];
+                for (entry, above) in a[row].iter_mut().zip(above) {
+                    *entry -= factor * above;
+                }
+                b[row] -= factor * b[n];
+            }
+        }
+    }
+    core::array::from_fn(|n| b[n] / a[n][n])
 }
 
-fn multiply(a: &Matrix, b: &Matrix) -> Matrix {
+fn apply<const S: usize, const K: usize>(matrix: &Matrix<K>, y: [f64; S]) -> [f64; S] {
+    // At a piece's start only power 0 of the time differs from 0.
+    let mut z = [0.0; K];
+    z[..S].copy_from_slice(&y);
+    z[S] = 1.0;
+    core::array::from_fn(|n| matrix[n].iter().zip(z).map(|(m, x)| m * x).sum())
+}
+
+fn multiply<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
     let mut product = [[0.0; N]; N];
     for i in 0..N {
         for j in 0..N {
@@ -166,7 +199,7 @@ fn multiply(a: &Matrix, b: &Matrix) -> Matrix {
     product
 }
 
-fn exponential(a: Matrix, t: f64) -> Matrix {
+fn exponential<const N: usize>(a: Matrix<N>, t: f64) -> Matrix<N> {
     let largest = a.iter().flatten().fold(0.0_f64, |norm, x| norm.max((x * t).abs()));
     let squarings = (largest * N as f64).max(1e-3).log2().ceil().max(0.0) as i32 + 3;
     let factor = t / 2_f64.powi(squarings);

@@ -1,8 +1,8 @@
 //! Claims that measurements that say too little, or nothing, are refused by name.
 
 use pump_model::identification::{
-    ComplianceFit, FlowPoint, IdentificationError, InjectionPoint, LineFit, Motion, PressureSample,
-    Recording, ResistanceFit, Sought,
+    ComplianceFit, FlowPoint, IdentificationError, InjectionPoint, LineFit, PressureSample, Recording,
+    ResistanceFit, RotorMotion, Sought,
 };
 use pump_model::{Leg, Line, Port, Pump};
 
@@ -51,25 +51,25 @@ fn records_that_determine_nothing_are_refused() {
         .map(|n| PressureSample { time_s: f64::from(n) * 2e-3, pressure_kpa: 88.637 + 0.1 * dice.normal() })
         .collect();
     let recording = |samples, motion| Recording { port: Port::Outlet, samples, motion };
-    let from_rest = Motion::FromRest(&legs);
+    let from_rest = RotorMotion::FromRest(&legs);
     let of = |samples: &[PressureSample], motion, sought| {
         LineFit::of(&pump, &Recording { port: Port::Outlet, samples, motion }, sought)
     };
     // A pump that turned leaves no flat line, so whatever is found is not its line.
     said(of(&flat, from_rest, Sought::LINE), "a constant pressure explains 0");
     let level: Vec<_> = flat.iter().map(|sample| PressureSample { pressure_kpa: 150.0, ..*sample }).collect();
-    said(of(&level, from_rest, Sought { pressure: true, ..Sought::LINE }), "explains 0.0 %");
+    said(of(&level, from_rest, Sought::LINE.with_pressure(true)), "explains 0.0 %");
     said(
         of(&flat[..3], from_rest, Sought::LINE),
         "3 samples of pressure; 4 at least are needed for 3 parameters",
     );
-    let none = Sought { resistance: false, compliance: false, inertance: false, ..Sought::LINE };
+    let none = Sought::LINE.with_resistance(false).with_compliance(false).with_inertance(false);
     assert!(of(&flat, from_rest, none).is_err());
-    let steady = Motion::Steady { angle_rad: 0.0, speed_rad_s: 10.0 };
-    let both = Sought { angle: true, start: true, ..Sought::LINE };
+    let steady = RotorMotion::Steady { angle_rad: 0.0, speed_rad_s: 10.0 };
+    let both = Sought::LINE.with_angle(true).with_start(true);
     said(of(&flat, steady, both), "start angle and start time are the same in a steady state");
-    said(of(&flat, Motion::Steady { angle_rad: 0.0, speed_rad_s: 0.0 }, Sought::LINE), "speed in rad/s");
-    said(of(&flat, Motion::FromRest(&[]), Sought::LINE), "number of legs");
+    said(of(&flat, RotorMotion::Steady { angle_rad: 0.0, speed_rad_s: 0.0 }, Sought::LINE), "speed in rad/s");
+    said(of(&flat, RotorMotion::FromRest(&[]), Sought::LINE), "number of legs");
     let mut backwards = flat.clone();
     backwards[7].time_s = 0.0;
     said(of(&backwards, from_rest, Sought::LINE), "time in s of sample 8 is 0");
@@ -78,8 +78,8 @@ fn records_that_determine_nothing_are_refused() {
 
     // The samples before the motor starts say nothing of the line.
     let late = [Leg { start_s: 10.0, ..legs[0] }];
-    let mean = Sought { compliance: false, inertance: false, ..Sought::LINE };
-    let error = LineFit::of(&pump, &recording(&flat, Motion::FromRest(&late)), mean).unwrap_err();
+    let mean = Sought::LINE.with_compliance(false).with_inertance(false);
+    let error = LineFit::of(&pump, &recording(&flat, RotorMotion::FromRest(&late)), mean).unwrap_err();
     assert!(matches!(error, IdentificationError::Undetermined { parameter: "resistance", .. }), "{error}");
 
     let frictionless = Line { resistance_kpa_s_ml: 0.0, ..Line::PUBLISHED };
@@ -94,13 +94,13 @@ fn a_sensor_that_drifts_is_no_noise() {
     let legs = [Leg::constant_speed(0.0, 10.0)];
     let times: Vec<_> =
         (0..5000).map(|n| PressureSample { time_s: f64::from(n) * 1e-4, pressure_kpa: 0.0 }).collect();
-    let recording = |samples| Recording { port: Port::Outlet, samples, motion: Motion::FromRest(&legs) };
+    let recording = |samples| Recording { port: Port::Outlet, samples, motion: RotorMotion::FromRest(&legs) };
     let samples: Vec<_> = recording(&times)
         .predicted_kpa(&pump)
         .unwrap()
         .zip(&times)
         .map(|(kpa, sample)| PressureSample { pressure_kpa: kpa + 2.0 * sample.time_s, ..*sample })
         .collect();
-    let only = Sought { resistance: false, compliance: false, ..Sought::LINE };
+    let only = Sought::LINE.with_resistance(false).with_compliance(false);
     said(LineFit::of(&pump, &recording(&samples), only), "stays alike for more than 1024 samples");
 }

@@ -1,6 +1,6 @@
 //! Claims about R, C and L from a waveform.
 
-use pump_model::identification::{Estimate, LineFit, Motion, PressureSample, Recording, Sought};
+use pump_model::identification::{Estimate, LineFit, PressureSample, Recording, RotorMotion, Sought};
 use pump_model::{Leg, Line, Port, Pump};
 
 use crate::dice::{Coverage, Dice};
@@ -17,7 +17,7 @@ const RAMP: [Leg; 2] = [
     },
 ];
 
-const ALL: Sought = Sought { angle: true, pressure: true, ..Sought::LINE };
+const ALL: Sought = Sought::LINE.with_angle(true).with_pressure(true);
 
 fn with(line: Line) -> Pump {
     let pump = Pump::three_roller();
@@ -40,7 +40,7 @@ fn some_line(dice: &mut Dice) -> Line {
 fn record(
     line: Line,
     port: Port,
-    motion: Motion<'_>,
+    motion: RotorMotion<'_>,
     count: u32,
     (noise_kpa, memory): (f64, f64),
     dice: &mut Dice,
@@ -74,7 +74,7 @@ fn a_start_from_rest_gives_the_line_within_its_errors_as_often_as_stated() {
     let mut coverage: [Coverage; 3] = Default::default();
     for n in 0..200 {
         let (line, port) = (some_line(&mut dice), if n % 2 == 0 { Port::Outlet } else { Port::Inlet });
-        let motion = Motion::FromRest(&RAMP);
+        let motion = RotorMotion::FromRest(&RAMP);
         let samples = record(line, port, motion, 250, (0.5, 0.0), &mut dice);
         let fit = LineFit::of(&pump, &Recording { port, samples: &samples, motion }, Sought::LINE).unwrap();
         take(&mut coverage, &fit, &line);
@@ -94,9 +94,9 @@ fn a_steady_record_with_noise_that_lingers_gives_line_angle_and_pressure_as_ofte
     for _ in 0..200 {
         let line = Line { reservoir_kpa: dice.between(80.0, 100.0), ..some_line(&mut dice) };
         let angle_rad = dice.between(-1.0, 1.0);
-        let real = Motion::Steady { angle_rad, speed_rad_s: 9.0 };
+        let real = RotorMotion::Steady { angle_rad, speed_rad_s: 9.0 };
         let samples = record(line, Port::Outlet, real, 500, (0.4, 0.6), &mut dice);
-        let motion = Motion::Steady { angle_rad: 0.0, speed_rad_s: 9.0 };
+        let motion = RotorMotion::Steady { angle_rad: 0.0, speed_rad_s: 9.0 };
         let recording = Recording { port: Port::Outlet, samples: &samples, motion };
         let fit = LineFit::of(&pump, &recording, ALL).unwrap();
         take(&mut coverage, &fit, &line);
@@ -119,9 +119,9 @@ fn without_noise_every_parameter_comes_back() {
         reservoir_kpa: 95.0,
     };
     let late = RAMP.map(|leg| Leg { start_s: leg.start_s + 0.004, angle_rad: leg.angle_rad + 0.5, ..leg });
-    let samples = record(line, Port::Outlet, Motion::FromRest(&late), 500, (0.0, 0.0), &mut Dice(0));
-    let recording = Recording { port: Port::Outlet, samples: &samples, motion: Motion::FromRest(&RAMP) };
-    let fit = LineFit::of(&pump, &recording, Sought { start: true, ..ALL }).unwrap();
+    let samples = record(line, Port::Outlet, RotorMotion::FromRest(&late), 500, (0.0, 0.0), &mut Dice(0));
+    let recording = Recording { port: Port::Outlet, samples: &samples, motion: RotorMotion::FromRest(&RAMP) };
+    let fit = LineFit::of(&pump, &recording, ALL.with_start(true)).unwrap();
     let found = fit.line();
     for (found, truth) in [
         (found.resistance_kpa_s_ml, line.resistance_kpa_s_ml),
@@ -147,7 +147,7 @@ fn lines_far_from_the_first_guess_are_found_too() {
             inertance_kpa_s2_ml: inertance * Line::PUBLISHED.inertance_kpa_s2_ml,
             ..Line::PUBLISHED
         };
-        let motion = Motion::FromRest(&RAMP);
+        let motion = RotorMotion::FromRest(&RAMP);
         let samples = record(line, Port::Outlet, motion, 300, (0.2, 0.0), &mut Dice(7));
         let recording = Recording { port: Port::Outlet, samples: &samples, motion };
         let fit = LineFit::of(&pump, &recording, Sought::LINE).unwrap();
@@ -160,10 +160,10 @@ fn lines_far_from_the_first_guess_are_found_too() {
 fn what_is_held_keeps_its_bits_and_has_no_uncertainty() {
     let pump = Pump::three_roller();
     let line = Line { inertance_kpa_s2_ml: 0.006, ..Line::PUBLISHED };
-    let motion = Motion::FromRest(&RAMP);
+    let motion = RotorMotion::FromRest(&RAMP);
     let samples = record(line, Port::Inlet, motion, 200, (0.3, 0.0), &mut Dice(3));
     let recording = Recording { port: Port::Inlet, samples: &samples, motion };
-    let only = Sought { resistance: false, compliance: false, ..Sought::LINE };
+    let only = Sought::LINE.with_resistance(false).with_compliance(false);
     let fit = LineFit::of(&pump, &recording, only).unwrap();
     let held = |value| Estimate { value, standard: 0.0 };
     assert_eq!(fit.resistance_kpa_s_ml, held(0.1108));
@@ -185,8 +185,8 @@ fn a_steady_record_is_what_a_start_becomes_in_either_direction() {
                 let recording = Recording { port, samples: &samples, motion };
                 recording.predicted_kpa(&pump).unwrap().collect::<Vec<_>>()
             };
-            let steady = kpa(Motion::Steady { angle_rad: 0.7, speed_rad_s });
-            let started = kpa(Motion::FromRest(&legs));
+            let steady = kpa(RotorMotion::Steady { angle_rad: 0.7, speed_rad_s });
+            let started = kpa(RotorMotion::FromRest(&legs));
             // Only exp(-13.19 x 5) of the start is left.
             assert!(steady.iter().zip(started).all(|(one, other)| (one - other).abs() < 1e-9));
         }

@@ -5,7 +5,7 @@ use core::cell::Cell;
 use std::sync::mpsc;
 use std::time::Duration;
 
-use crate::problems::{go, kepler, kepler_solution, scalar};
+use crate::problems::{go, kepler, kepler_solution, scalar, uniform};
 use nalgebra::SVector;
 use pump_model::integrator::{IntegrationError, Options, Rodas5p};
 
@@ -26,19 +26,19 @@ fn fails(
         df,
         |_, _| 0.0,
     );
-    let mut solver = Rodas5p::new(start_s, SVector::<f64, 1>::new(1.0), Options::uniform(1e-6));
+    let mut solver = uniform(start_s, SVector::<f64, 1>::new(1.0), 1e-6);
     go(&mut solver, &ode, end_s, u64::from(most)).unwrap_err()
 }
 
 #[test]
 fn not_a_number_at_the_start_is_told() {
     let ode = scalar(|_, _| f64::NAN, |_, _| 0.0, |_, _| 0.0);
-    let mut solver = Rodas5p::new(3.0, SVector::<f64, 1>::new(1.0), Options::uniform(1e-6));
+    let mut solver = uniform(3.0, SVector::<f64, 1>::new(1.0), 1e-6);
     assert_eq!(solver.step(&ode, 4.0).unwrap_err(), IntegrationError::NotFinite { time_s: 3.0 });
     let ode = kepler();
     let mut broken = kepler_solution(0.0);
     broken[3] = f64::INFINITY;
-    let mut solver = Rodas5p::new(3.0, broken, Options::uniform(1e-6));
+    let mut solver = uniform(3.0, broken, 1e-6);
     assert_eq!(solver.step(&ode, 4.0).unwrap_err(), IntegrationError::NotFinite { time_s: 3.0 });
 }
 
@@ -89,11 +89,11 @@ fn a_jacobian_that_is_not_a_number_is_told() {
 #[test]
 fn a_stop_that_is_reached_or_past_is_refused() {
     let ode = kepler();
-    let mut solver = Rodas5p::new(1.0, kepler_solution(1.0), Options::uniform(1e-6));
+    let mut solver = uniform(1.0, kepler_solution(1.0), 1e-6);
     for stop_s in [1.0, 0.5, f64::NEG_INFINITY] {
         let refused = solver.step(&ode, stop_s).unwrap_err();
         assert_eq!(refused, IntegrationError::StepUnderflow { time_s: 1.0 });
-        assert_eq!((solver.time_s(), solver.state()), (1.0, kepler_solution(1.0)));
+        assert_eq!((solver.time_s(), solver.state()), (1.0, kepler_solution(1.0).into()));
     }
     assert!(solver.step(&ode, 1.5).is_ok());
 }
@@ -101,8 +101,8 @@ fn a_stop_that_is_reached_or_past_is_refused() {
 /// Returns the longest step of two bodies with this limit, over stops at multiples of `stop_s`.
 fn longest_step(limit_s: f64, stop_s: f64) -> f64 {
     let ode = kepler();
-    let options = Options { max_step_s: limit_s, ..Options::uniform(1e-2) };
-    let mut solver = Rodas5p::new(0.0, kepler_solution(0.0), options);
+    let options = Options::uniform(1e-2).unwrap().with_max_step_s(limit_s);
+    let mut solver = Rodas5p::new(0.0, kepler_solution(0.0).into(), options).unwrap();
     let mut longest = 0.0_f64;
     for n in 1..=20 {
         while solver.time_s() < stop_s * f64::from(n) {
@@ -131,7 +131,7 @@ fn no_step_stretches_over_the_limit_to_reach_a_stop() {
 #[test]
 fn a_state_at_rest_reaches_any_time_in_few_steps() {
     let ode = scalar(|_, _| 0.0, |_, _| 0.0, |_, _| 0.0);
-    let mut solver = Rodas5p::new(0.0, SVector::<f64, 1>::new(1.0), Options::uniform(1e-6));
+    let mut solver = uniform(0.0, SVector::<f64, 1>::new(1.0), 1e-6);
     assert_eq!(go(&mut solver, &ode, 1e12, 30).unwrap()[0], 1.0);
 }
 
@@ -140,7 +140,7 @@ fn a_state_at_rest_without_a_stop_comes_to_an_end() {
     let (done, wait) = mpsc::channel();
     std::thread::spawn(move || {
         let ode = scalar(|_, _| 0.0, |_, _| 0.0, |_, _| 0.0);
-        let mut solver = Rodas5p::new(0.0, SVector::<f64, 1>::new(1.0), Options::uniform(1e-6));
+        let mut solver = uniform(0.0, SVector::<f64, 1>::new(1.0), 1e-6);
         let mut steps = 0;
         while solver.time_s() < f64::INFINITY && steps < 1000 && solver.step(&ode, f64::INFINITY).is_ok() {
             steps += 1;
@@ -149,4 +149,26 @@ fn a_state_at_rest_without_a_stop_comes_to_an_end() {
     });
     let steps = wait.recv_timeout(Duration::from_secs(1));
     assert!(steps.is_ok(), "still running");
+}
+
+#[test]
+fn a_tolerance_by_which_every_step_would_be_accepted_is_refused() {
+    for tolerance in [f64::NAN, -1e-6, 0.0, f64::INFINITY] {
+        let refused = Options::<2>::uniform(tolerance).unwrap_err();
+        assert!(matches!(refused, IntegrationError::OutOfRange { .. }), "{refused:?}");
+    }
+    let good = Options::<2>::uniform(1e-6).unwrap();
+    let message = |options| Rodas5p::new(0.0, [1.0; 2], options).unwrap_err().to_string();
+    for (options, expected) in [
+        (good.with_relative([1e-6, -1.0]), "relative tolerance of a state is -1e0; allowed: "),
+        (good.with_relative([f64::NAN, 1e-6]), "relative tolerance of a state is NaN; allowed: "),
+        (good.with_absolute([1e-6, 0.0]), "absolute tolerance of a state is 0e0; allowed: "),
+        (good.with_absolute([f64::INFINITY; 2]), "absolute tolerance of a state is inf; allowed: "),
+        (good.with_max_step_s(f64::NAN), "longest step in s is NaN; allowed: "),
+        (good.with_max_step_s(0.0), "longest step in s is 0e0; allowed: "),
+    ] {
+        assert!(message(options).starts_with(expected), "{}", message(options));
+    }
+    // The volume of a line is integrated without a relative tolerance.
+    assert!(Rodas5p::new(0.0, [1.0; 2], good.with_relative([0.0; 2])).is_ok());
 }

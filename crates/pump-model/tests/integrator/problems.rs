@@ -16,14 +16,15 @@ where
     J: Fn(f64, &SVector<f64, N>) -> SMatrix<f64, N, N>,
     T: Fn(f64, &SVector<f64, N>) -> SVector<f64, N>,
 {
-    fn derivative(&self, t: f64, y: &SVector<f64, N>) -> SVector<f64, N> {
-        (self.derivative)(t, y)
+    fn derivative(&self, t: f64, y: &[f64; N]) -> [f64; N] {
+        (self.derivative)(t, &SVector::from(*y)).into()
     }
-    fn jacobian(&self, t: f64, y: &SVector<f64, N>) -> SMatrix<f64, N, N> {
-        (self.jacobian)(t, y)
+    fn jacobian(&self, t: f64, y: &[f64; N]) -> [[f64; N]; N] {
+        let jacobian = (self.jacobian)(t, &SVector::from(*y));
+        core::array::from_fn(|i| core::array::from_fn(|j| jacobian[(i, j)]))
     }
-    fn time_derivative(&self, t: f64, y: &SVector<f64, N>) -> SVector<f64, N> {
-        (self.time_derivative)(t, y)
+    fn time_derivative(&self, t: f64, y: &[f64; N]) -> [f64; N] {
+        (self.time_derivative)(t, &SVector::from(*y)).into()
     }
 }
 
@@ -95,7 +96,12 @@ pub(crate) fn kepler_solution(t: f64) -> SVector<f64, 4> {
 /// Returns options whose tolerance accepts every step, so that `max_step_s` alone decides. Lengths and ends
 /// that are powers of two make the steps equal to the last bit.
 pub(crate) fn fixed<const N: usize>(step_s: f64) -> Options<N> {
-    Options { max_step_s: step_s, ..Options::uniform(1e30) }
+    Options::uniform(1e30).unwrap().with_max_step_s(step_s)
+}
+
+/// Returns a solver with one tolerance for every state.
+pub(crate) fn uniform<const N: usize>(time_s: f64, state: SVector<f64, N>, tolerance: f64) -> Rodas5p<N> {
+    Rodas5p::new(time_s, state.into(), Options::uniform(tolerance).unwrap()).unwrap()
 }
 
 /// Goes to `end_s` in at most `most_steps` steps, and panics beyond, so no test runs for ever.
@@ -109,7 +115,7 @@ pub(crate) fn go<const N: usize>(
         solver.step(ode, end_s)?;
         assert!(solver.statistics().steps <= most_steps, "{:?} at {}", solver.statistics(), solver.time_s());
     }
-    Ok(solver.state())
+    Ok(SVector::from(solver.state()))
 }
 
 /// Returns the orders observed between errors of steps that halve.

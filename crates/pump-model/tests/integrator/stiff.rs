@@ -1,7 +1,7 @@
 //! Stiff problems with published solutions. Problems without another source have the reference solutions of
 //! F. Mazzia, C. Magherini, "Test Set for Initial Value Problem Solvers", release 2.4 (2008).
 
-use crate::problems::{autonomous, go};
+use crate::problems::{autonomous, go, uniform};
 use nalgebra::{SMatrix, SVector};
 use pump_model::integrator::{Ode, Options, Rodas5p};
 
@@ -21,9 +21,8 @@ fn assert_solves<const N: usize>(
     most_steps: [u64; 3],
 ) {
     for (tolerance, most_steps) in TOLERANCES.into_iter().zip(most_steps) {
-        let options =
-            Options { absolute: SVector::from(absolute) * tolerance, ..Options::uniform(tolerance) };
-        let mut solver = Rodas5p::new(0.0, SVector::from(start), options);
+        let options = Options::uniform(tolerance).unwrap().with_absolute(absolute.map(|one| one * tolerance));
+        let mut solver = Rodas5p::new(0.0, start, options).unwrap();
         let end = go(&mut solver, ode, end_s, most_steps).unwrap();
         assert_eq!(solver.time_s(), end_s);
         for (found, reference) in end.iter().zip(reference) {
@@ -85,7 +84,7 @@ fn robertsons_reactions_are_solved() {
 
 #[test]
 fn robertsons_mass_is_kept() {
-    let mut solver = Rodas5p::new(0.0, SVector::<f64, 3>::new(1.0, 0.0, 0.0), Options::uniform(1e-6));
+    let mut solver = uniform(0.0, SVector::<f64, 3>::new(1.0, 0.0, 0.0), 1e-6);
     let end = go(&mut solver, &robertson(), 40.0, 1000).unwrap();
     assert!((end.sum() - 1.0).abs() < 1e-13, "{:e}", end.sum() - 1.0);
 }

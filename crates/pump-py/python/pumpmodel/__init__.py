@@ -1,17 +1,21 @@
 """First-principles model of a roller-type peristaltic pump, and doses planned from the angle of its rollers.
 
-Units are mL, kPa absolute, s and rad, and stand in every name. Functions take a speed as ``speed_rpm`` or
-``speed_rad_s``.
+Units are mL, kPa absolute, s and rad. A name that takes or returns a number with a unit ends with the unit;
+text has its unit in itself, as ``"25mL"``. Functions take a speed as ``speed_rpm`` or ``speed_rad_s``. The
+ports are ``inlet`` and ``outlet``: ``inlet_kpa`` is the pressure at the inlet, ``inlet_flow_ml_s`` the flow.
+Choices are words, whose types are in ``pumpmodel.choices``. Former names still work, with a
+DeprecationWarning.
 
 Examples
 --------
 >>> import pumpmodel as pm
 >>> pump = pm.Pump.three_roller()
 >>> run = pump.simulate(speed_rpm=100, duration_s=1)
->>> f"{run.p_in_kpa.min():.1f} to {run.p_in_kpa.max():.1f} kPa"
+>>> f"{run.inlet_kpa.min():.1f} to {run.inlet_kpa.max():.1f} kPa"
 '71.7 to 98.1 kPa'
 """
 
+from pumpmodel import choices
 from pumpmodel._pumpmodel import (
     Calibration,
     Doser,
@@ -73,6 +77,7 @@ __all__ = [
     "VolumeFit",
     "WeighedRun",
     "__version__",
+    "choices",
     "identify_compliance",
     "identify_line",
     "identify_resistance",

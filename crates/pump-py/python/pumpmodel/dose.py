@@ -4,13 +4,22 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from pumpmodel._results.record import Record
+from pumpmodel.choices import (
+    Finish,
+    InletLimit,
+    LimitedBy,
+    Purpose,
+    UncertaintySource,
+    UncheckedLimit,
+    VolumeBasis,
+)
 
 
 @dataclass(frozen=True)
 class Share(Record):
     """A source of uncertainty: standard uncertainty, share of the variance, and a remedy."""
 
-    source: str
+    source: UncertaintySource
     standard_ml: float
     variance_percent: float
     remedy: str
@@ -66,14 +75,14 @@ class Dose(Record):
     driver: str
     simulated: bool
     device: str | None
-    purpose: str
+    purpose: Purpose
     requested_ml: float
     carry_in_ml: float
     planned_ml: float
     volume_least_ml: float
     volume_most_ml: float
     delivered_ml: float | None
-    volume_basis: str
+    volume_basis: VolumeBasis
     calibration: CalibrationUsed | None
     speed_law_factor: float | None
     expanded_uncertainty_ml: float
@@ -85,14 +94,19 @@ class Dose(Record):
     steps_made: int | None
     steps_per_rev: float
     retraction_ml: float | None
-    finish: str
+    retraction_completed: bool | None
+    finish: Finish
     carry_ml: float
+    carry_half_width_ml: float
     cruise_speed_rpm: float
     peak_speed_rpm: float
     cruise_flow_ml_s: float
     mean_flow_ml_s: float
     motion_s: float
+    measured_motion_s: float | None
     settle_s: float
+    backflow_ml: float | None
+    reverse_flow_ml: float | None
     inlet_min_kpa: float
     inlet_max_kpa: float
     outlet_min_kpa: float
@@ -102,10 +116,10 @@ class Dose(Record):
     torque_available_n_m: float | None
     ripple_before: Ripple
     ripple_after: Ripple
-    limited_by: str
+    limited_by: LimitedBy
     inlet_limit_kpa: float | None
-    inlet_limit: str | None
-    limits_not_checked: tuple[str, ...]
+    inlet_limit: InletLimit | None
+    limits_not_checked: tuple[UncheckedLimit, ...]
     warnings: tuple[str, ...]
     completed: bool
 
@@ -150,6 +164,17 @@ class CalibrationInUse(Record):
 
 
 @dataclass(frozen=True)
+class UnfinishedCalibration(Record):
+    """A guided calibration that was begun and not finished: readings on record, and readings that it needs.
+
+    Both are None if the readings cannot be read.
+    """
+
+    readings: int | None
+    planned: int | None
+
+
+@dataclass(frozen=True)
 class Status(Record):
     """The record of a bench: the fields of the command's JSON `status/1`."""
 
@@ -157,6 +182,7 @@ class Status(Record):
         "wear": Wear,
         "calibration": CalibrationInUse,
         "unfinished": Unfinished,
+        "unfinished_calibration": UnfinishedCalibration,
     }
 
     schema: str
@@ -170,10 +196,12 @@ class Status(Record):
     disturbances: int
     device_count: int | None
     carry_ml: float
+    carry_half_width_ml: float
     wear: Wear
     tube_life_ml: float | None
     calibration: CalibrationInUse | None
     unfinished: Unfinished | None
+    unfinished_calibration: UnfinishedCalibration | None
     in_use_by: str | None
     folder: str
 

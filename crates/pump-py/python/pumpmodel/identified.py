@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,8 +13,17 @@ from numpy.typing import ArrayLike, NDArray
 from pumpmodel import _pumpmodel as core
 from pumpmodel._pumpmodel import Line, Pump
 from pumpmodel._results.record import Record
+from pumpmodel._results.renamed import renamed
+from pumpmodel.choices import Begin, Identification, LineParameter, Port
 
 _Array: TypeAlias = NDArray[np.float64]
+
+# Name of what was varied in the measurement, for each kind.
+_VARIED: dict[Identification, str] = {
+    "resistance": "flow_ml_s",
+    "compliance": "volume_ml",
+    "line": "time_s",
+}
 
 
 @dataclass(frozen=True)
@@ -38,9 +47,9 @@ class Identified:
     """
 
     #: Kind of identification: "resistance", "compliance" or "line".
-    kind: str
+    kind: Identification
     #: Port of the line: "inlet" or "outlet".
-    port: str
+    port: Port
     #: Line of the pump with the identified parameters: `pump.replace(outlet=found.line)`.
     line: Line
     #: Parameters, sought or held, by name with unit, as "inertance_kpa_s2_ml".
@@ -55,19 +64,21 @@ class Identified:
     pearson: float | None
     #: Number of independent points to which the measurements amount.
     independent_points: float
-    #: Times in s, flows in mL/s or volumes in mL, rising, shape (n,), read-only.
-    x: _Array
-    #: Measured values at `x`, kPa, shape (n,), read-only: drops for a resistance, otherwise pressures.
+    #: Number of points that were given. The fit uses fewer of a long recording.
+    rows: int
+    #: Measured values, kPa, shape (n,), read-only: drops for a resistance, otherwise pressures.
     measured_kpa: _Array
-    #: Fitted values at `x`, kPa, shape (n,), read-only.
+    #: Fitted values, kPa, shape (n,), read-only.
     fitted_kpa: _Array
+    # Times, flows or volumes, by the kind.
+    _varied: _Array
     # JSON and text of the command.
     _json: str = field(default="")
     _text: str = field(default="")
 
     @classmethod
     def _of(cls, answer: tuple[str, str, Line, _Array, _Array, _Array]) -> Identified:
-        told, text, line, x, measured, fitted = answer
+        told, text, line, varied, measured, fitted = answer
         data = json.loads(told)
         parameters = {name: Estimate.from_dict(found) for name, found in data["parameters"].items()}
         return cls(
@@ -80,12 +91,34 @@ class Identified:
             nrmse=data["nrmse"],
             pearson=data["pearson"],
             independent_points=data["independent_points"],
-            x=x,
+            rows=data["rows"],
             measured_kpa=measured,
             fitted_kpa=fitted,
+            _varied=varied,
             _json=told,
             _text=text,
         )
+
+    @property
+    def time_s(self) -> _Array:
+        """Times of the values, s, rising, shape (n,), read-only. Only a line has them."""
+        return self._varied_by("line", "time_s")
+
+    @property
+    def flow_ml_s(self) -> _Array:
+        """Flows of the values, mL/s, rising, shape (n,), read-only. Only a resistance has them."""
+        return self._varied_by("resistance", "flow_ml_s")
+
+    @property
+    def volume_ml(self) -> _Array:
+        """Injected volumes of the values, mL, rising, shape (n,), read-only. Only a compliance has them."""
+        return self._varied_by("compliance", "volume_ml")
+
+    @property
+    def x(self) -> _Array:
+        """Deprecated name of `time_s`, `flow_ml_s` and `volume_ml`."""
+        renamed("Identified.x", f"Identified.{_VARIED[self.kind]}")
+        return self._varied
 
     @property
     def residual_kpa(self) -> _Array:
@@ -134,14 +167,19 @@ class Identified:
         return _rebuild, (self._json, self._text, self.line, *self._arrays())
 
     def _arrays(self) -> tuple[_Array, _Array, _Array]:
-        return self.x, self.measured_kpa, self.fitted_kpa
+        return self._varied, self.measured_kpa, self.fitted_kpa
+
+    def _varied_by(self, kind: Identification, name: str) -> _Array:
+        if self.kind != kind:
+            raise AttributeError(f"an identified {self.kind} has no {name}; it has {_VARIED[self.kind]}")
+        return self._varied
 
 
 def _rebuild(told: str, text: str, line: Line, *arrays: _Array) -> Identified:
-    x, measured, fitted = arrays
+    varied, measured, fitted = arrays
     for array in arrays:
         array.setflags(write=False)
-    return Identified._of((told, text, line, x, measured, fitted))
+    return Identified._of((told, text, line, varied, measured, fitted))
 
 
 def _pump(pump: Pump | None) -> Pump:
@@ -154,7 +192,7 @@ def identify_resistance(
     *,
     drop_kpa: ArrayLike | None = None,
     pump: Pump | None = None,
-    port: Literal["inlet", "outlet"] = "outlet",
+    port: Port = "outlet",
     standard_kpa: ArrayLike | None = None,
     offset: bool = False,
 ) -> Identified:
@@ -205,7 +243,7 @@ def identify_compliance(
     pressure_kpa: ArrayLike,
     *,
     pump: Pump | None = None,
-    port: Literal["inlet", "outlet"] = "outlet",
+    port: Port = "outlet",
     total_ml: float | None = None,
 ) -> Identified:
     """Find C of a closed line from a syringe that injects into it: C = dV/dP.
@@ -248,11 +286,11 @@ def identify_line(
     *,
     time_s: ArrayLike,
     pressure_kpa: ArrayLike,
-    port: Literal["inlet", "outlet"] = "outlet",
+    port: Port = "outlet",
     speed_rpm: float | None = None,
     speed_rad_s: float | None = None,
-    fit: Sequence[Literal["R", "C", "L", "reservoir", "start"]] = ("R", "C", "L"),
-    begin: Literal["ramp", "step", "steady"] = "ramp",
+    fit: Sequence[LineParameter] = ("R", "C", "L"),
+    begin: Begin = "ramp",
     start_s: float | None = None,
     start_angle_rad: float | None = None,
 ) -> Identified:
@@ -305,7 +343,7 @@ def identify_line(
     ...     speed_rpm=100, duration_s=0.5, dt_s=2e-3
     ... )
     >>> found = pm.identify_line(
-    ...     pump, time_s=run.time_s, pressure_kpa=run.p_out_kpa, speed_rpm=100, begin="step"
+    ...     pump, time_s=run.time_s, pressure_kpa=run.outlet_kpa, speed_rpm=100, begin="step"
     ... )
     >>> round(found.line.inertance_kpa_s2_ml, 6)
     0.006

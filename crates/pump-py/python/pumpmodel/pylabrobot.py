@@ -13,10 +13,11 @@ import asyncio
 import os
 from collections.abc import Callable
 from contextlib import suppress
-from typing import Any, Literal, NoReturn
+from typing import Any, NoReturn
 
 from pumpmodel._results.optional import optional
 from pumpmodel.bench import Bench
+from pumpmodel.choices import Driver
 from pumpmodel.dose import Dose
 from pumpmodel.errors import PumpError
 
@@ -64,7 +65,7 @@ class BenchBackend(_PumpBackend):
     def __init__(
         self,
         pump: str | os.PathLike[str],
-        driver: Literal["sim", "grbl"] | None = None,
+        driver: Driver | None = None,
         port: str | None = None,
         state_dir: str | os.PathLike[str] | None = None,
     ) -> None:

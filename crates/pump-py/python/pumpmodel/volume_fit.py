@@ -3,13 +3,32 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
-from typing import Any, Literal, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel import _pumpmodel as core
 from pumpmodel._results.record import Record
+from pumpmodel._results.renamed import renamed
+from pumpmodel.choices import VolumeMethod
+
+
+class Fall(NamedTuple):
+    """A fall of a measured volume, from an angle to another, deg, and by how much, mL."""
+
+    from_deg: float
+    to_deg: float
+    fall_ml: float
+
+
+class RunFall(NamedTuple):
+    """A fall of the volume within a run: name of the run, from and to, deg, and by how much, mL."""
+
+    run: str
+    from_deg: float
+    to_deg: float
+    fall_ml: float
 
 
 @dataclass(frozen=True, init=False)
@@ -45,7 +64,7 @@ class VolumeFit(Record):
     2.1
     """
 
-    method: Literal["spline", "quintic"]
+    method: VolumeMethod
     angle_deg: tuple[float, ...]
     volume_ml: tuple[float, ...]
     run: tuple[str, ...] | None = None
@@ -55,7 +74,7 @@ class VolumeFit(Record):
         angle_deg: ArrayLike,
         volume_ml: ArrayLike,
         *,
-        method: Literal["spline", "quintic"] = "spline",
+        method: VolumeMethod = "spline",
         run: Sequence[str] | None = None,
     ) -> None:
         angles, volumes = (np.asarray(numbers, dtype=np.float64) for numbers in (angle_deg, volume_ml))
@@ -73,7 +92,7 @@ class VolumeFit(Record):
         core._volume_fit(*self._fit)
 
     @classmethod
-    def from_csv(cls, path: str | PathLike[str], *, method: Literal["spline", "quintic"] = "spline") -> Self:
+    def from_csv(cls, path: str | PathLike[str], *, method: VolumeMethod = "spline") -> Self:
         """Fit the runs of a table, as `dose pumps new --roller-volume-points` reads it.
 
         Parameters
@@ -135,25 +154,26 @@ class VolumeFit(Record):
         return core._volume_fit(*self._fit)[3]
 
     @property
-    def falls(self) -> list[tuple[float, float, float]] | None:
-        """Falls of the measured volume: from and to, deg, and by how much, mL; None beyond 25 angles."""
-        return core._volume_fit(*self._fit)[4]
+    def falls(self) -> list[Fall] | None:
+        """Falls of the measured volume, as tuples with names; None beyond 25 angles."""
+        falls = core._volume_fit(*self._fit)[4]
+        return None if falls is None else [Fall(*fall) for fall in falls]
 
     @property
-    def run_falls(self) -> list[tuple[str, float, float, float]]:
-        """Falls of the volume within a run: its name, from and to, deg, and by how much, mL.
+    def run_falls(self) -> list[RunFall]:
+        """Falls of the volume within a run, as tuples with names.
 
         No roller behaves so: a fall is scatter or a typing error.
         """
         runs = self.run or ("1",) * len(self.angle_deg)
-        return core._volume_run_falls(runs, self._fit[1])
+        return [RunFall(*fall) for fall in core._volume_run_falls(runs, self._fit[1])]
 
     @property
     def held_deg(self) -> list[tuple[float, float]]:
         """Stretches where the fit would not rise and the volume is held: from and to, deg."""
         return core._volume_fit(*self._fit)[5]
 
-    def volume(self, angle_rad: float | NDArray[Any] | Sequence[Any]) -> float | NDArray[np.float64]:
+    def displaced_ml(self, angle_rad: float | NDArray[Any] | Sequence[Any]) -> float | NDArray[np.float64]:
         """Return the volume displaced at an angle after the first contact.
 
         Parameters
@@ -174,6 +194,11 @@ class VolumeFit(Record):
         """
         return core._volume_fit_at(*self._fit, angle_rad)
 
+    def volume(self, angle_rad: float | NDArray[Any] | Sequence[Any]) -> float | NDArray[np.float64]:
+        """Return the volume, by the deprecated name of `displaced_ml`."""
+        renamed("VolumeFit.volume", "VolumeFit.displaced_ml")
+        return self.displaced_ml(angle_rad)
+
     @property
-    def _fit(self) -> tuple[str, list[tuple[float, float]]]:
+    def _fit(self) -> tuple[VolumeMethod, list[tuple[float, float]]]:
         return self.method, list(zip(self.angle_deg, self.volume_ml, strict=True))

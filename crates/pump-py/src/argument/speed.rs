@@ -1,6 +1,6 @@
 //! Speeds of the pump head, given as `speed_rpm` or `speed_rad_s`.
 
-use pump_model::math::TURN_RAD;
+use pump_model::units::TURN_RAD;
 use pyo3::prelude::*;
 
 use super::floats::Floats;

@@ -9,7 +9,7 @@ use pump_bench::report::Status;
 use pump_bench::{Bench as DoseBench, Delivered, DoseError, DoseReport, Prepared, Session, units};
 use pyo3::prelude::*;
 
-use super::request::Asked;
+use super::request::AskedDose;
 use super::worker::{Signal, Worker};
 use crate::argument::{choice, text, word};
 use crate::pump::Pump;
@@ -32,7 +32,7 @@ struct Ran {
 impl Bench {
     #[new]
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
-    #[pyo3(signature = (pump, *, driver, port, state_dir, configure, tube_limit, fluid, temperature))]
+    #[pyo3(signature = (pump, *, driver, port, state_dir, configure, accept_settings, tube_limit, fluid, temperature))]
     fn new(
         py: Python<'_>,
         pump: &Pump,
@@ -40,6 +40,7 @@ impl Bench {
         port: Option<PathBuf>,
         state_dir: Option<PathBuf>,
         configure: bool,
+        accept_settings: bool,
         tube_limit: Option<&Bound<'_, PyAny>>,
         fluid: Option<&str>,
         temperature: Option<&Bound<'_, PyAny>>,
@@ -55,7 +56,8 @@ impl Bench {
         file.fluid = file.fluid.changed_to(fluid, degc).map_err(value)?;
         let driver = driver.map(driver_named).transpose()?;
         if driver.unwrap_or(file.driver()) == DriverName::Sim {
-            let given = [("port", port.is_some()), ("configure", configure)];
+            let given =
+                [("port", port.is_some()), ("configure", configure), ("accept_settings", accept_settings)];
             if let Some((name, _)) = given.iter().find(|(_, given)| *given) {
                 return Err(value(format_args!(
                     "{name} is given, but the motor is simulated; to move a real one name its driver, as \
@@ -74,8 +76,8 @@ impl Bench {
             },
         };
         let bench = DoseBench::new(file, driver, &state_dir).map_err(|error| errors::dose(py, error))?;
-        let bench = Arc::new(bench.at_port(port).configuring(configure));
-        let worker = Worker::new(Arc::clone(&bench))?;
+        let bench = bench.at_port(port).configuring(configure).accepting_settings(accept_settings);
+        let (worker, bench) = Worker::new(bench)?;
         Ok(Self { bench, worker })
     }
 
@@ -88,7 +90,7 @@ impl Bench {
     /// Name of the driver that turns the motor.
     #[getter]
     fn driver(&self) -> &str {
-        self.bench.driver().as_str()
+        self.bench.drive_id()
     }
 
     /// Serial port of the motor's controller.
@@ -122,11 +124,25 @@ impl Bench {
     }
 
     /// Plans a dose from the record without moving. Returns the JSON of a dry run.
-    fn prepare(&self, py: Python<'_>, purpose: &str, asked: Asked<'_>) -> PyResult<String> {
+    fn prepare(&self, py: Python<'_>, purpose: &str, asked: AskedDose<'_>) -> PyResult<String> {
         let request = asked.request(purpose_named(purpose)?, self.density_kg_m3())?;
         let bench = &self.bench;
         let prepared = py.detach(|| bench.prepare(request)).map_err(|error| errors::dose(py, error))?;
         Ok(DoseReport::new(bench, &prepared, None).json())
+    }
+
+    /// Connects the motor, unless a dose is unfinished: then the next dose is refused anyway.
+    fn connect(&self, py: Python<'_>) -> PyResult<()> {
+        self.worker.call(
+            py,
+            None,
+            |()| "the motor is connected; nothing moved".to_owned(),
+            |held, _| {
+                let session = held.session()?;
+                let refuses = session.state().is_some_and(|state| state.unfinished.is_some());
+                if refuses { Ok(()) } else { session.connect() }
+            },
+        )
     }
 
     /// Runs a dose. Returns the JSON of the command.
@@ -135,7 +151,7 @@ impl Bench {
         &self,
         py: Python<'_>,
         purpose: &str,
-        asked: Asked<'_>,
+        asked: AskedDose<'_>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let request = asked.request(purpose_named(purpose)?, self.density_kg_m3())?;
@@ -147,7 +163,7 @@ impl Bench {
     fn resume(
         &self,
         py: Python<'_>,
-        asked: Asked<'_>,
+        asked: AskedDose<'_>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let request = asked.request(Purpose::Dose, self.density_kg_m3())?;
@@ -200,7 +216,7 @@ pub(super) fn deliver(
     prepared: &Prepared,
     signal: &Signal,
 ) -> Result<Delivered, DoseError> {
-    signal.plans(prepared.plan.steps.unsigned_abs());
+    signal.plans(prepared.plan.steps().unsigned_abs());
     session.run(prepared, |made| signal.made(made))
 }
 

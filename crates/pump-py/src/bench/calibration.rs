@@ -6,7 +6,7 @@ use pump_bench::calibration::{
 };
 use pump_bench::record::Purpose;
 use pump_ctl::plan::Cruise;
-use pump_model::math::{degrees, rpm};
+use pump_model::units::{degrees, rpm};
 use pyo3::prelude::*;
 
 use super::bench::{Bench, deliver};
@@ -15,7 +15,7 @@ use crate::calibration::{Calibration, fit_named, reading_ml, runs_of};
 use crate::python::errors::{self, value};
 
 /// A run: speed (r/min), start angle (deg, or None), turned angle (deg), time, and true if it was completed.
-type Turned = (f64, Option<f64>, f64, String, bool);
+type TurnedRun = (f64, Option<f64>, f64, String, bool);
 
 #[pymethods]
 impl Bench {
@@ -28,7 +28,7 @@ impl Bench {
         speed_rad_s: Argument<'_, 'py>,
         pitches: u32,
         progress: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Turned> {
+    ) -> PyResult<TurnedRun> {
         let rad_s = speed::speed_rad_s(speed_rpm, speed_rad_s)?;
         if rad_s <= 0.0 {
             return Err(value(format_args!("the speed is {} r/min; allowed: more than 0", rpm(rad_s))));
@@ -52,8 +52,8 @@ impl Bench {
                 let prepared = session.prepare(request)?;
                 let delivered = deliver(session, &prepared, signal)?;
                 let plan = &prepared.plan;
-                let start = plan.start.is_known(pitch_rad).then_some(degrees(plan.start.angle_rad));
-                let turned_deg = degrees(plan.steps as f64 * plan.step_rad);
+                let start = plan.start().is_known(pitch_rad).then_some(degrees(plan.start().angle_rad()));
+                let turned_deg = degrees(plan.steps() as f64 * plan.step_rad());
                 Ok((rpm(rad_s), start, turned_deg, now_utc(), delivered.completed))
             },
         )
@@ -166,7 +166,7 @@ impl Bench {
 
 /// Returns roller volume (mL), engagement angle (rad) and zero (rad), each with its standard uncertainty.
 fn numbers(found: &PhaseFit) -> [(f64, f64); 3] {
-    let rad = pump_model::math::radians;
+    let rad = pump_model::units::radians;
     let PhaseFit { roller_volume_ml, engagement_deg, zero_deg, .. } = found;
     [
         (roller_volume_ml.value, roller_volume_ml.standard),

@@ -3,7 +3,7 @@
 use pump_bench::report::Status;
 use pump_bench::{DoseError, Session};
 use pump_ctl::plan::Phase;
-use pump_model::math::rad_s;
+use pump_model::units::rad_s;
 use pyo3::prelude::*;
 
 use super::bench::Bench;
@@ -28,7 +28,7 @@ impl Bench {
             return Err(value(format_args!("angle_rad is {angle}; allowed: a finite angle")));
         }
         let half_width_rad = width(half_width_rad)?;
-        let phase = angle_rad.map(|angle_rad| Phase { angle_rad, half_width_rad });
+        let phase = angle_rad.map(|angle_rad| Phase::within(angle_rad, half_width_rad));
         self.tell(py, move |held, _| {
             let mut told = Vec::new();
             let carry_ml = if let Some(session) = &mut held.session {

@@ -11,19 +11,19 @@ use crate::python::errors::value;
 /// Keywords of a dose, read from a dict.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub(super) struct Asked<'py> {
+pub(super) struct AskedDose<'py> {
     volume: Option<Bound<'py, PyAny>>,
     rate: Option<Bound<'py, PyAny>>,
     speed: Option<Bound<'py, PyAny>>,
     within: Option<Bound<'py, PyAny>>,
     smooth: bool,
-    finish: String,
+    finish: Option<String>,
     retract: Option<Bound<'py, PyAny>>,
     start_angle_rad: Option<f64>,
     limits: Option<Py<Limits>>,
 }
 
-impl Asked<'_> {
+impl AskedDose<'_> {
     /// Returns the request for a fluid of this density.
     pub(super) fn request(&self, purpose: Purpose, density_kg_m3: f64) -> PyResult<DoseRequest> {
         let volume_ml = match &self.volume {
@@ -42,7 +42,7 @@ impl Asked<'_> {
             volume_ml,
             cruise: cruise(self.rate.as_ref(), self.speed.as_ref(), self.within.as_ref())?,
             smooth: self.smooth,
-            finish: finish_named(&self.finish)?,
+            finish: self.finish.as_deref().map(finish_named).transpose()?,
             start_angle_rad: self.start_angle_rad,
             whole_ml: None,
             retract_ml: retracted_ml(self.retract.as_ref())?,

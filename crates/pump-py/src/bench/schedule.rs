@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-use pump_bench::dosing::{Action, Missed, Schedule as DoseSchedule};
+use pump_bench::dosing::{Missed, Schedule as DoseSchedule, ScheduleAction};
 use pyo3::prelude::*;
 
 use crate::argument::word;
@@ -28,10 +28,10 @@ impl Schedule {
         let elapsed = Duration::try_from_secs_f64(elapsed_s).map_err(value)?;
         let mut schedule = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(match schedule.next(elapsed) {
-            Action::Wait(until) => ("wait", until.as_secs_f64()),
-            Action::Dose(number) => ("dose", number as f64),
-            Action::Skip(number) => ("skip", number as f64),
-            Action::Done => ("done", 0.0),
+            ScheduleAction::Wait(until) => ("wait", until.as_secs_f64()),
+            ScheduleAction::Dose(number) => ("dose", number as f64),
+            ScheduleAction::Skip(number) => ("skip", number as f64),
+            ScheduleAction::Done => ("done", 0.0),
         })
     }
 }

@@ -6,10 +6,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use pump_bench::drives::{DriveError, StopRequest};
 use pump_bench::{Bench, DoseError, Session};
 use pyo3::prelude::*;
 
 use crate::python::errors::{self, PumpError};
+use crate::python::warnings;
 
 /// Time between two checks of a caller for signals, and of an idle session for a motor that is due for release.
 const LOOK: Duration = Duration::from_millis(50);
@@ -72,6 +74,12 @@ impl<'a> Held<'a> {
 
 type Job = Box<dyn FnOnce(&mut Held<'_>) + Send>;
 
+/// Failure of a call, with the notes of the session that no result can tell.
+struct Failed {
+    error: DoseError,
+    notes: Vec<String>,
+}
+
 /// A bench on a thread of its own.
 pub(super) struct Worker {
     jobs: Mutex<Option<Sender<Job>>>,
@@ -84,22 +92,31 @@ pub(super) struct Worker {
 
 impl Worker {
     /// Starts the thread.
-    pub(super) fn new(bench: Arc<Bench>) -> std::io::Result<Self> {
+    ///
+    /// A stop of the call under way ends its waits for a device too.
+    pub(super) fn new(bench: Bench) -> std::io::Result<(Self, Arc<Bench>)> {
         let (sender, jobs) = channel();
+        let running: Arc<Mutex<Option<Arc<Signal>>>> = Arc::default();
+        let asked = Arc::clone(&running);
+        let stop = StopRequest::new(move || lock(&asked).as_ref().is_some_and(|signal| signal.stopped()));
+        let bench = Arc::new(bench.stopping_on(stop));
+        let held = Arc::clone(&bench);
         let thread =
-            thread::Builder::new().name("pumpmodel bench".to_owned()).spawn(move || work(&bench, &jobs))?;
-        Ok(Self {
+            thread::Builder::new().name("pumpmodel bench".to_owned()).spawn(move || work(&held, &jobs))?;
+        let worker = Self {
             jobs: Mutex::new(Some(sender)),
             thread: Mutex::new(Some(thread)),
-            running: Arc::default(),
+            running,
             process: std::process::id(),
-        })
+        };
+        Ok((worker, bench))
     }
 
     /// Makes the thread do `job`, and waits for it while other Python threads run.
     ///
     /// `progress` is called with the steps made and the steps planned. Its exception, or a signal's, stops the motor
-    /// and is raised once all is on record. `note` adds the outcome of the call to the exception.
+    /// and is raised once all is on record. `note` adds the outcome of the call to the exception. The notes of a call
+    /// that fails become warnings.
     pub(super) fn call<T: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -132,6 +149,7 @@ impl Worker {
                 raised = Some(error);
             }
         };
+        let ended = ended.map_err(|Failed { error, notes }| (error, warnings::warn(py, &notes).err()));
         match (ended, raised) {
             (Ok(Some(done)), None) => {
                 if let Err(error) = tell(progress, &signal, &mut told) {
@@ -148,10 +166,16 @@ impl Worker {
                 error.value(py).call_method1("add_note", (words,))?;
                 Err(error)
             }
-            (Err(error), None) => Err(errors::dose(py, error)),
-            (Err(error), Some(raised)) => {
+            (Err((DoseError::Connection(DriveError::Interrupted), _)), Some(error)) => {
+                error.value(py).call_method1("add_note", ("nothing moved",))?;
+                Err(error)
+            }
+            (Err((error, warned)), raised) => {
                 let error = errors::dose(py, error);
-                error.set_cause(py, Some(raised));
+                // A warning that the user made an exception does not take the failure's place.
+                if let Some(cause) = raised.or(warned) {
+                    error.set_cause(py, Some(cause));
+                }
                 Err(error)
             }
         }
@@ -162,13 +186,17 @@ impl Worker {
         &self,
         signal: Arc<Signal>,
         job: impl FnOnce(&mut Held<'_>, &Signal) -> Result<T, DoseError> + Send + 'static,
-    ) -> PyResult<Receiver<Result<Option<T>, DoseError>>> {
+    ) -> PyResult<Receiver<Result<Option<T>, Failed>>> {
         let (sender, result) = channel();
         let running = Arc::clone(&self.running);
         let job: Job = Box::new(move |held| {
             let begun = !signal.stopped();
             *lock(&running) = Some(Arc::clone(&signal));
             let ended = if begun { job(held, &signal).map(Some) } else { Ok(None) };
+            let ended = ended.map_err(|error| {
+                let notes = held.session.as_mut().map_or_else(Vec::new, Session::notes);
+                Failed { error, notes }
+            });
             *lock(&running) = None;
             // The caller may be gone.
             let _ = sender.send(ended);

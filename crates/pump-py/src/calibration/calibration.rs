@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use pump_bench::calibration::{
-    Calibration as DoseCalibration, Displacement, Expected, Run, Source, Stored, runs_of_csv,
+    Calibration as DoseCalibration, CalibrationRun, Displacement, Expected, Source, Stored, runs_of_csv,
 };
+use pump_bench::files::{MOST_TABLE_BYTES, read_text};
 use pump_bench::pump_file::PumpFile;
 use pump_model::{ModelError, Pump as Model};
 use pyo3::prelude::*;
@@ -89,7 +90,7 @@ impl Calibration {
     #[staticmethod]
     #[pyo3(signature = (pump, path, *, scale=None, fit="line"))]
     fn from_csv(pump: &Pump, path: PathBuf, scale: Option<&Bound<'_, PyAny>>, fit: &str) -> PyResult<Self> {
-        let text = std::fs::read_to_string(&path).map_err(|error| errors::file(&path, &error))?;
+        let text = read_text(&path, MOST_TABLE_BYTES).map_err(|error| errors::file(&path, &error))?;
         let runs = runs_of_csv(&text, pump.file.limits().motor.steps_per_rev);
         let runs = runs.map_err(|error| value(format_args!("{}: {error}", path.display())))?;
         Self::of(&pump.file, runs, fit, scale)
@@ -279,7 +280,12 @@ impl Calibration {
 
 impl Calibration {
     /// Fits runs to a pump.
-    fn of(file: &PumpFile, runs: Vec<Run>, fit: &str, scale: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+    fn of(
+        file: &PumpFile,
+        runs: Vec<CalibrationRun>,
+        fit: &str,
+        scale: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
         let fit = fit_named(fit)?;
         let expected = Expected::of(file, reading_ml(scale, file)?);
         let calibration = DoseCalibration::of_runs(file, Source::File, runs, fit, &expected, None);
@@ -306,8 +312,8 @@ impl Calibration {
         let Some(displacement) = self.displacement() else { return Ok(speeds.map(|_| without)) };
         let line = Model::three_roller();
         let base = match pump {
-            Some(pump) => &pump.model,
-            None if displacement.speed_law.is_some() => {
+            Some(pump) => pump.model(),
+            None if displacement.law.is_some() => {
                 return Err(value("the calibration fitted a speed law, which needs the pump; give pump="));
             }
             // A straight line does not depend on the pump.

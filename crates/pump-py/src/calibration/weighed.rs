@@ -1,6 +1,6 @@
 //! Weighed runs and readings of a scale or a vessel.
 
-use pump_bench::calibration::{Fit, Run};
+use pump_bench::calibration::{CalibrationRun, Fit};
 use pump_bench::pump_file::PumpFile;
 use pump_bench::units;
 use pump_bench::units::Amount;
@@ -33,7 +33,7 @@ pub(crate) fn _reading(reading: &Bound<'_, PyAny>) -> PyResult<(Option<f64>, Opt
 }
 
 /// Converts `WeighedRun`s to runs.
-pub(crate) fn runs_of(runs: &Bound<'_, PyAny>) -> PyResult<Vec<Run>> {
+pub(crate) fn runs_of(runs: &Bound<'_, PyAny>) -> PyResult<Vec<CalibrationRun>> {
     runs.try_iter()?
         .map(|run| {
             let json: String = run?.call_method0("_json")?.extract()?;

@@ -102,13 +102,13 @@ impl Plan {
     /// Angle of the rollers at the start, rad.
     #[getter]
     fn start_angle_rad(&self) -> f64 {
-        self.prepared.plan.start.angle_rad
+        self.prepared.plan.start().angle_rad()
     }
 
     /// Half width of the start angle, rad: the true angle lies within it on either side of `start_angle_rad`.
     #[getter]
     fn start_half_width_rad(&self) -> f64 {
-        self.prepared.plan.start.half_width_rad
+        self.prepared.plan.start().half_width_rad()
     }
 
     /// Angle of the rollers at the end, before a retraction, rad, counted on from the start angle.
@@ -153,6 +153,18 @@ impl Plan {
         self.report.settle_s
     }
 
+    /// Largest volume delivered less the final one, mL: the line swings at the stop. It is predicted.
+    #[getter]
+    fn backflow_ml(&self) -> Option<f64> {
+        self.report.backflow_ml
+    }
+
+    /// All that the line takes back from the vessel on the way, mL.
+    #[getter]
+    fn reverse_flow_ml(&self) -> Option<f64> {
+        self.report.reverse_flow_ml
+    }
+
     /// Smallest predicted inlet pressure, kPa absolute.
     #[getter]
     fn inlet_min_kpa(&self) -> f64 {
@@ -180,7 +192,8 @@ impl Plan {
     /// Limit that keeps the dose from being faster.
     ///
     /// "none": the dose cruises as asked. "acceleration": the acceleration keeps it slower. The fastest dose also has
-    /// "speed", "outlet_pressure", "inlet_pressure" and "torque".
+    /// "speed" and "torque", and the port at which a pressure binds: "inlet_suction" and "outlet_suction" by the
+    /// smallest pressure allowed there, "inlet_pressure" and "outlet_pressure" by the largest.
     #[getter]
     fn limited_by(&self) -> &str {
         self.report.limited_by.name()
@@ -246,7 +259,7 @@ impl Plan {
             self.start_half_width_rad(),
             self.report.carry_in_ml,
             request.smooth,
-            request.finish.to_string(),
+            request.finish.unwrap_or_default().to_string(),
             request.retract_ml,
         );
         Ok((py.get_type::<Self>().getattr("_rebuild")?, plain))
@@ -287,13 +300,13 @@ impl Plan {
             volume_ml,
             cruise,
             smooth,
-            finish: finish_named(finish)?,
+            finish: Some(finish_named(finish)?),
             start_angle_rad: Some(start_angle_rad),
             whole_ml: None,
             retract_ml,
             pressures: limits.pressures(),
         };
-        let start = Phase { angle_rad: start_angle_rad, half_width_rad: start_half_width_rad };
+        let start = Phase::within(start_angle_rad, start_half_width_rad);
         Self::new(doser, request, start, carry_in_ml)
     }
 }
@@ -307,7 +320,8 @@ impl Plan {
         carry_in_ml: f64,
     ) -> PyResult<Self> {
         let Doser { pump, calibration, .. } = doser.get();
-        let (Pump { file, model, .. }, py) = (pump.get(), doser.py());
+        let (pump, py) = (pump.get(), doser.py());
+        let (file, model) = (&pump.file, pump.model());
         let (stored, source) =
             (calibration.as_ref().map(|calibration| &calibration.get().0), PhaseSource::Given);
         let planned = py.detach(|| {

@@ -81,13 +81,13 @@ impl Doser {
             volume_ml: amount.volume_ml(doser.pump.get().file.fluid.density_kg_m3),
             cruise: cruise(rate, speed, within)?,
             smooth,
-            finish: finish_named(finish)?,
+            finish: Some(finish_named(finish)?),
             start_angle_rad: Some(start_angle_rad),
             whole_ml: None,
             retract_ml: retracted_ml(retract)?,
             pressures: doser.limits.pressures(),
         };
-        let start = Phase { angle_rad: start_angle_rad, half_width_rad: start_half_width_rad };
+        let start = Phase::within(start_angle_rad, start_half_width_rad);
         Plan::new(slf, request, start, carry_in_ml)
     }
 }

@@ -20,8 +20,8 @@ impl Plan {
         let times = self.step_times_s.get_or_try_init(py, || {
             let times = py.detach(|| {
                 let mut times = Vec::new();
-                reserve(&mut times, self.prepared.plan.steps.unsigned_abs())?;
-                times.extend(self.prepared.plan.steps().map(|step| step.time_s));
+                reserve(&mut times, self.prepared.plan.steps().unsigned_abs())?;
+                times.extend(self.prepared.plan.each_step().map(|step| step.time_s));
                 Ok::<_, PyErr>(times)
             })?;
             frozen(py, times)
@@ -102,8 +102,8 @@ impl Plan {
     fn step_angles_rad(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
         let angles = py.detach(|| {
             let mut angles = Vec::new();
-            reserve(&mut angles, self.prepared.plan.steps.unsigned_abs())?;
-            angles.extend(self.prepared.plan.steps().map(|step| step.angle_rad));
+            reserve(&mut angles, self.prepared.plan.steps().unsigned_abs())?;
+            angles.extend(self.prepared.plan.each_step().map(|step| step.angle_rad));
             Ok::<_, PyErr>(angles)
         })?;
         frozen(py, angles)

@@ -10,11 +10,14 @@ use crate::line::Line;
 use crate::python::errors::{self, value};
 
 /// JSON and text of the command, the line, then the varied, the measured and the fitted numbers.
-pub(super) type Answer<'py> =
+pub(super) type IdentificationAnswer<'py> =
     (String, String, Line, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
 /// Converts an identified line, or the error of the search.
-pub(super) fn answer(py: Python<'_>, found: Result<Identified, IdentificationError>) -> PyResult<Answer<'_>> {
+pub(super) fn answer(
+    py: Python<'_>,
+    found: Result<Identified, IdentificationError>,
+) -> PyResult<IdentificationAnswer<'_>> {
     let found = found.map_err(|error| match error {
         IdentificationError::Model(error) => errors::model(error),
         _ => value(error),

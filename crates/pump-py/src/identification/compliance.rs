@@ -4,7 +4,7 @@ use pump_bench::identification::identified_compliance;
 use pump_model::identification::InjectionPoint;
 use pyo3::prelude::*;
 
-use super::answer::{Answer, answer};
+use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
 use super::port::port_named;
 use crate::pump::Pump;
@@ -19,7 +19,7 @@ pub(crate) fn _identify_compliance<'py>(
     volume_ml: &Bound<'py, PyAny>,
     pressure_kpa: &Bound<'py, PyAny>,
     total_ml: Option<f64>,
-) -> PyResult<Answer<'py>> {
+) -> PyResult<IdentificationAnswer<'py>> {
     let port = port_named(port)?;
     if let Some(total_ml) = total_ml.filter(|ml| !(ml.is_finite() && *ml > 0.0)) {
         return Err(value(format_args!("total_ml is {total_ml}; allowed: a positive number")));
@@ -31,5 +31,5 @@ pub(crate) fn _identify_compliance<'py>(
         .zip(pressures)
         .map(|(volume_ml, pressure_kpa)| InjectionPoint { volume_ml, pressure_kpa })
         .collect();
-    answer(py, py.detach(|| identified_compliance(&points, total_ml, (port, pump.model.line(port)))))
+    answer(py, py.detach(|| identified_compliance(&points, total_ml, (port, pump.model().line(port)))))
 }

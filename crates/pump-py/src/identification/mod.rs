@@ -10,5 +10,6 @@ mod waveform;
 
 pub(crate) use compliance::_identify_compliance;
 pub(crate) use metrics::{nrmse, pearson, rmse};
+pub(crate) use port::PORTS;
 pub(crate) use resistance::_identify_resistance;
-pub(crate) use waveform::_identify_line;
+pub(crate) use waveform::{_identify_line, BEGINS, PARAMETERS};

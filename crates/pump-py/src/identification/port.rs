@@ -5,7 +5,10 @@ use pyo3::prelude::*;
 
 use crate::argument::choice;
 
+/// Ports by their names.
+pub(crate) const PORTS: [(&str, Port); 2] = [("inlet", Port::Inlet), ("outlet", Port::Outlet)];
+
 /// Reads the name of a port.
 pub(super) fn port_named(port: &str) -> PyResult<Port> {
-    choice("port", port, &[("inlet", Port::Inlet), ("outlet", Port::Outlet)])
+    choice("port", port, &PORTS)
 }

@@ -5,7 +5,7 @@ use pump_model::Port;
 use pump_model::identification::FlowPoint;
 use pyo3::prelude::*;
 
-use super::answer::{Answer, answer};
+use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
 use super::port::port_named;
 use crate::argument::Argument;
@@ -24,9 +24,9 @@ pub(crate) fn _identify_resistance<'py>(
     drop_kpa: Argument<'_, 'py>,
     standard_kpa: Argument<'_, 'py>,
     offset: bool,
-) -> PyResult<Answer<'py>> {
+) -> PyResult<IdentificationAnswer<'py>> {
     let port = port_named(port)?;
-    let line = pump.model.line(port);
+    let line = pump.model().line(port);
     let flows = column("flow_ml_s", flow_ml_s, None)?;
     let count = Some(flows.len());
     // A drop counts along the flow: to the pump at the inlet, from the pump at the outlet.

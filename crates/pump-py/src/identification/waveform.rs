@@ -4,13 +4,19 @@ use pump_bench::identification::{Begin, Turning, identified_line};
 use pump_model::identification::{PressureSample, Sought};
 use pyo3::prelude::*;
 
-use super::answer::{Answer, answer};
+use super::answer::{IdentificationAnswer, answer};
 use super::column::column;
 use super::port::port_named;
 use crate::argument::speed::speed_rad_s;
 use crate::argument::{Argument, choice};
 use crate::pump::Pump;
 use crate::python::errors::value;
+
+/// Motions at the start of a record.
+pub(crate) const BEGINS: [&str; 3] = ["ramp", "step", "steady"];
+
+/// Parameters that can be sought.
+pub(crate) const PARAMETERS: [&str; 5] = ["R", "C", "L", "reservoir", "start"];
 
 /// Finds R, C and L from a waveform.
 #[pyfunction]
@@ -27,10 +33,11 @@ pub(crate) fn _identify_line<'py>(
     begin: &str,
     start_s: Option<f64>,
     start_angle_rad: Option<f64>,
-) -> PyResult<Answer<'py>> {
+) -> PyResult<IdentificationAnswer<'py>> {
     let port = port_named(port)?;
     let ramp = Begin::Ramp { acceleration_rad_s2: pump.file.limits().motor.max_acceleration_rad_s2 };
-    let begin = choice("begin", begin, &[("ramp", ramp), ("step", Begin::Step), ("steady", Begin::Steady)])?;
+    let [by_ramp, by_step, steady] = BEGINS;
+    let begin = choice("begin", begin, &[(by_ramp, ramp), (by_step, Begin::Step), (steady, Begin::Steady)])?;
     if begin == Begin::Steady && start_s.is_some() {
         return Err(value("start_s is given, but a steady record has no start; leave it out"));
     }
@@ -40,17 +47,16 @@ pub(crate) fn _identify_line<'py>(
         }
     }
     for name in &fit {
-        choice("a name in fit", name, &["R", "C", "L", "reservoir", "start"].map(|allowed| (allowed, ())))?;
+        choice("a name in fit", name, &PARAMETERS.map(|allowed| (allowed, ())))?;
     }
     let has = |name: &str| fit.iter().any(|given| given == name);
-    let sought = Sought {
-        resistance: has("R"),
-        compliance: has("C"),
-        inertance: has("L"),
-        angle: start_angle_rad.is_none(),
-        start: has("start"),
-        pressure: has("reservoir"),
-    };
+    let sought = Sought::new()
+        .with_resistance(has("R"))
+        .with_compliance(has("C"))
+        .with_inertance(has("L"))
+        .with_angle(start_angle_rad.is_none())
+        .with_start(has("start"))
+        .with_pressure(has("reservoir"));
     let turning = Turning {
         begin,
         start_s: start_s.unwrap_or(0.0),
@@ -64,5 +70,5 @@ pub(crate) fn _identify_line<'py>(
         .zip(pressures)
         .map(|(time_s, pressure_kpa)| PressureSample { time_s, pressure_kpa })
         .collect();
-    answer(py, py.detach(|| identified_line(&pump.model, port, &samples, &turning, sought)))
+    answer(py, py.detach(|| identified_line(pump.model(), port, &samples, &turning, sought)))
 }

@@ -1,13 +1,12 @@
 //! Flows and volumes of a pump over angle and speed.
 
-use pump_bench::displacement::SpeedLawError;
-use pump_ctl::plan::speed_for_flow;
+use pump_bench::displacement::DisplacementError;
 use pump_model::FlowCurve;
 use pyo3::prelude::*;
 
 use super::pump::Pump;
 use crate::argument::{Argument, Floats, speed};
-use crate::python::{Interrupt, errors};
+use crate::python::{SignalCheck, errors};
 
 /// Largest angle, rad, either way: larger angles are no longer known to a motor step.
 const MAX_ANGLE_RAD: f64 = 1e9;
@@ -35,20 +34,17 @@ impl Pump {
     /// ValueError
     ///     If not exactly one speed is given, or a speed is not finite or beyond 1e4 rad/s.
     #[pyo3(signature = (*, speed_rpm=None, speed_rad_s=None))]
-    fn average_flow<'py>(
+    pub(super) fn average_flow_ml_s<'py>(
         &self,
         py: Python<'py>,
         speed_rpm: Argument<'_, 'py>,
         speed_rad_s: Argument<'_, 'py>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let speeds = speed::speeds_rad_s(speed_rpm, speed_rad_s)?;
-        let Some(law) = self.law else {
-            return speeds.map(|rad_s| self.model.average_flow_ml_s(rad_s)).into_object(py);
-        };
-        over(py, &speeds, |rad_s| law.average_flow_ml_s(&self.model, rad_s))
+        over(py, &speeds, |rad_s| self.by_speed.average_flow_ml_s(rad_s))
     }
 
-    /// Return the speed of the pump head for an average flow: the inverse of `average_flow(speed_rpm=...)`.
+    /// Return the speed of the pump head for an average flow: the inverse of `average_flow_ml_s(speed_rpm=...)`.
     ///
     /// Parameters
     /// ----------
@@ -65,13 +61,12 @@ impl Pump {
     /// ValueError
     ///     If the flow is not finite or beyond 1e6 mL/s.
     #[pyo3(signature = (*, flow_ml_s))]
-    fn speed_for_flow<'py>(&self, flow_ml_s: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    pub(super) fn speed_for_flow_rpm<'py>(
+        &self,
+        flow_ml_s: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         let flows = Floats::read("flow_ml_s", flow_ml_s, MAX_FLOW_ML_S)?;
-        let py = flow_ml_s.py();
-        let Some(law) = self.law else {
-            return flows.map(|flow| speed::rpm(speed_for_flow(&self.model, flow))).into_object(py);
-        };
-        over(py, &flows, |flow| Ok(speed::rpm(law.speed_for_flow(&self.model, flow)?)))
+        over(flow_ml_s.py(), &flows, |flow| Ok(speed::rpm(self.by_speed.speed_for_flow(flow)?)))
     }
 
     /// Return the volume that the outlet rollers deliver from angle 0 to `angle_rad`.
@@ -90,8 +85,8 @@ impl Pump {
     /// ------
     /// ValueError
     ///     If an angle is not finite or beyond 1e9 rad.
-    fn outlet_volume<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        over_angle(angle_rad, self.model.outlet_curve(), FlowCurve::volume_ml)
+    pub(super) fn outlet_volume_ml<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        over_angle(angle_rad, self.model().outlet_curve(), FlowCurve::volume_ml)
     }
 
     /// Return the flow at the outlet rollers per angle, mL/rad.
@@ -112,8 +107,11 @@ impl Pump {
     /// ------
     /// ValueError
     ///     If an angle is not finite or beyond 1e9 rad.
-    fn outlet_flow_per_rad<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        over_angle(angle_rad, self.model.outlet_curve(), FlowCurve::flow_ml_rad)
+    pub(super) fn outlet_flow_ml_rad<'py>(
+        &self,
+        angle_rad: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        over_angle(angle_rad, self.model().outlet_curve(), FlowCurve::flow_ml_rad)
     }
 
     /// Return the volume that the inlet rollers take in from angle 0 to `angle_rad`, mL.
@@ -132,8 +130,8 @@ impl Pump {
     /// ------
     /// ValueError
     ///     If an angle is not finite or beyond 1e9 rad.
-    fn inlet_volume<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        over_angle(angle_rad, self.model.inlet_curve(), FlowCurve::volume_ml)
+    pub(super) fn inlet_volume_ml<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        over_angle(angle_rad, self.model().inlet_curve(), FlowCurve::volume_ml)
     }
 
     /// Return the flow at the inlet rollers per angle, mL/rad.
@@ -152,26 +150,21 @@ impl Pump {
     /// ------
     /// ValueError
     ///     If an angle is not finite or beyond 1e9 rad.
-    fn inlet_flow_per_rad<'py>(&self, angle_rad: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        over_angle(angle_rad, self.model.inlet_curve(), FlowCurve::flow_ml_rad)
+    pub(super) fn inlet_flow_ml_rad<'py>(
+        &self,
+        angle_rad: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        over_angle(angle_rad, self.model().inlet_curve(), FlowCurve::flow_ml_rad)
     }
 }
 
-/// Applies a speed law to each number, while other Python threads run.
+/// Applies a property of the pump to each speed or flow, while other Python threads run.
 fn over<'py>(
     py: Python<'py>,
     of: &Floats,
-    law: impl Fn(f64) -> Result<f64, SpeedLawError> + Sync,
+    property: impl Fn(f64) -> Result<f64, DisplacementError> + Sync,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let numbers = py.detach(|| -> PyResult<Vec<f64>> {
-        let mut interrupt = Interrupt::new();
-        let mut numbers = Vec::new();
-        for number in of.values() {
-            interrupt.check()?;
-            numbers.push(law(*number).map_err(errors::speed_law)?);
-        }
-        Ok(numbers)
-    })?;
+    let numbers = SignalCheck::map(py, of.values(), |number| property(number).map_err(errors::displacement))?;
     of.with_values(numbers).into_object(py)
 }
 

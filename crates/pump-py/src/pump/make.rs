@@ -4,7 +4,7 @@ use pump_bench::catalogue::DrawnPump;
 use pump_bench::pump_file::{LineTable, PumpFile, RollerVolumeTable};
 use pump_bench::pump_named;
 use pump_model::Geometry;
-use pump_model::math::radians;
+use pump_model::units::radians;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
@@ -196,13 +196,13 @@ impl Pump {
     /// Volume that a roller displaces as it engages, V_r, mL.
     #[getter]
     fn roller_volume_ml(&self) -> f64 {
-        self.model.roller_volume().total_ml()
+        self.model().roller_volume().total_ml()
     }
 
     /// Angle over which a roller engages, phi, rad.
     #[getter]
     fn engagement_rad(&self) -> f64 {
-        self.model.roller_volume().engagement_rad()
+        self.model().roller_volume().engagement_rad()
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use pump_bench::built_in;
-use pump_bench::displacement::{RangedLaw, SpeedLawError};
+use pump_bench::displacement::SpeedDependentPump;
 use pump_bench::pump_file::PumpFile;
 use pump_model::Pump as Model;
 use pyo3::prelude::*;
@@ -11,6 +11,10 @@ use pyo3::prelude::*;
 use crate::argument::choice;
 use crate::line::Line;
 use crate::python::errors::{self, value};
+
+/// Variants of a built-in pump, and the ends of their names.
+pub(crate) const VARIANTS: [(&str, &str); 3] =
+    [("measured", ""), ("published", "-published"), ("as-built", "-as-built")];
 
 /// A roller pump with its two lines, its motor and its fluid, as a pump file describes them.
 ///
@@ -22,15 +26,14 @@ use crate::python::errors::{self, value};
 /// --------
 /// >>> import pumpmodel as pm
 /// >>> pump = pm.Pump.three_roller()
-/// >>> round(pump.average_flow(speed_rpm=100), 4)
+/// >>> round(pump.average_flow_ml_s(speed_rpm=100), 4)
 /// 35.5308
 #[pyclass(frozen, eq, module = "pumpmodel")]
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Pump {
     pub(crate) file: PumpFile,
-    pub(crate) model: Model,
-    /// Speed law of the pump file; none if it is off.
-    pub(crate) law: Option<RangedLaw>,
+    /// Model of the pump, with the dependence of its volumes on the speed if the file has one.
+    pub(crate) by_speed: SpeedDependentPump,
 }
 
 #[pymethods]
@@ -120,25 +123,25 @@ impl Pump {
     /// Angle between rollers, rad: the period of the flow.
     #[getter]
     fn pitch_rad(&self) -> f64 {
-        self.model.pitch_rad()
+        self.model().pitch_rad()
     }
 
     /// Volume of a revolution, mL.
     #[getter]
     fn volume_per_revolution_ml(&self) -> f64 {
-        self.model.revolution_ml()
+        self.model().revolution_ml()
     }
 
     /// Line from the inlet's reservoir to the pump.
     #[getter]
     fn inlet(&self) -> Line {
-        Line(*self.model.inlet())
+        Line(*self.model().inlet())
     }
 
     /// Line from the pump to the outlet's reservoir.
     #[getter]
     fn outlet(&self) -> Line {
-        Line(*self.model.outlet())
+        Line(*self.model().outlet())
     }
 
     /// Motor steps per revolution of the pump head, gear included.
@@ -170,7 +173,7 @@ impl Pump {
             "Pump(id='{}', rollers={}, volume_per_revolution_ml={:.4})",
             self.file.pump.id,
             self.file.rollers.count,
-            self.model.revolution_ml()
+            self.model().revolution_ml()
         )
     }
 
@@ -190,21 +193,19 @@ impl Pump {
 }
 
 impl Pump {
-    /// Builds the model and the speed law of a pump file.
+    /// Builds the model of a pump file.
     pub(crate) fn new(file: PumpFile) -> PyResult<Self> {
-        let model = file.model().map_err(errors::model)?;
-        let law = file.speed_law().map_err(errors::model)?;
-        Ok(Self { file, model, law })
+        let by_speed = file.speed_dependent_pump().map_err(errors::model)?;
+        Ok(Self { file, by_speed })
     }
 
-    /// Returns the model at a constant speed, with the speed law applied if it is on.
-    pub(crate) fn model_at(&self, speed_rad_s: f64) -> Result<Model, SpeedLawError> {
-        self.law.map_or(Ok(self.model), |law| law.pump_at(&self.model, speed_rad_s))
+    /// Returns the model as it is without a dependence on the speed.
+    pub(crate) fn model(&self) -> &Model {
+        self.by_speed.base()
     }
 
     fn built_in(name: &str, variant: &str) -> PyResult<Self> {
-        let suffixes = [("measured", ""), ("published", "-published"), ("as-built", "-as-built")];
-        let full = format!("{name}{}", choice("variant", variant, &suffixes)?);
+        let full = format!("{name}{}", choice("variant", variant, &VARIANTS)?);
         let file = built_in(&full).ok_or_else(|| value(format_args!("no built-in pump is `{full}`")))?;
         Self::new(file)
     }

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 use super::pump::Pump;
 use crate::argument::{Argument, speed};
-use crate::python::{Interrupt, errors};
+use crate::python::{SignalCheck, errors};
 
 /// Parameters of a speed law: s, D (1/kPa), theta_c (rad), P_atm (kPa).
 type LawNumbers = (f64, f64, f64, f64);
@@ -67,14 +67,7 @@ fn over<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let law = law_of(law)?;
     let speeds = speed::speeds_rad_s(speed_rpm, speed_rad_s)?;
-    let numbers = py.detach(|| -> PyResult<Vec<f64>> {
-        let mut interrupt = Interrupt::new();
-        let mut numbers = Vec::new();
-        for rad_s in speeds.values() {
-            interrupt.check()?;
-            numbers.push(of(&law, &pump.model, *rad_s).map_err(errors::model)?);
-        }
-        Ok(numbers)
-    })?;
+    let numbers =
+        SignalCheck::map(py, speeds.values(), |rad_s| of(&law, pump.model(), rad_s).map_err(errors::model))?;
     speeds.with_values(numbers).into_object(py)
 }

@@ -1,10 +1,10 @@
 //! Computations behind `pumpmodel.VolumeFit`: a roller volume from measured points.
 
-use std::fs;
 use std::path::PathBuf;
 
 use pump_bench::catalogue::RollerRuns;
-use pump_bench::pump_file::Fit;
+use pump_bench::files::{MOST_TABLE_BYTES, read_text};
+use pump_bench::pump_file::CurveFit;
 use pump_model::VolumePoint;
 use pyo3::prelude::*;
 
@@ -12,10 +12,10 @@ use crate::argument::{Floats, word};
 use crate::python::errors::{self, value};
 
 /// A fall of the volume: from and to angle, deg, and by how much, mL.
-type Fall = (f64, f64, f64);
+type FallNumbers = (f64, f64, f64);
 /// Numbers of a fit: phi (deg), V_r (mL), residuals and their RMS (mL), falls (None beyond 25 angles), stretches held
 /// (deg).
-type FitNumbers = (f64, f64, Vec<f64>, f64, Option<Vec<Fall>>, Vec<(f64, f64)>);
+type FitNumbers = (f64, f64, Vec<f64>, f64, Option<Vec<FallNumbers>>, Vec<(f64, f64)>);
 
 /// Fits points, and reports the residuals of the fit.
 #[pyfunction]
@@ -49,7 +49,7 @@ pub(crate) fn _volume_fit_at<'py>(
 /// Returns run, angle (deg) and volume (mL) of each row of a table that `dose pumps new` reads.
 #[pyfunction]
 pub(crate) fn _volume_runs(path: PathBuf) -> PyResult<Vec<(String, f64, f64)>> {
-    let text = fs::read_to_string(&path).map_err(|error| errors::file(&path, &error))?;
+    let text = read_text(&path, MOST_TABLE_BYTES).map_err(|error| errors::file(&path, &error))?;
     let runs =
         RollerRuns::of_csv(&text).map_err(|error| value(format_args!("{}: {error}", path.display())))?;
     Ok(runs.points().map(|(run, point)| (run.to_owned(), point.angle_deg, point.volume_ml)).collect())
@@ -68,6 +68,6 @@ pub(crate) fn points_of(points: Vec<(f64, f64)>) -> Vec<VolumePoint> {
 }
 
 /// Reads how points are fitted.
-pub(crate) fn fit_named(method: &str) -> PyResult<Fit> {
-    word("method", method, Fit::ALL)
+pub(crate) fn fit_named(method: &str) -> PyResult<CurveFit> {
+    word("method", method, CurveFit::ALL)
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use pump_bench::DoseError;
 use pump_bench::calibration::CalibrationError;
-use pump_bench::displacement::SpeedLawError;
+use pump_bench::displacement::DisplacementError;
 use pump_bench::pump_file::PumpFileError as DosePumpFileError;
 use pump_bench::record::FolderError;
 use pump_ctl::plan::PlanError as CtlPlanError;
@@ -93,10 +93,10 @@ pub(crate) fn calibration(error: CalibrationError) -> PyErr {
     }
 }
 
-/// Maps an error of a speed law: a speed or flow outside the law's range is a `ValueError`.
-pub(crate) fn speed_law(error: SpeedLawError) -> PyErr {
+/// Maps an error of a displacement against speed: a speed or flow outside its range is a `ValueError`.
+pub(crate) fn displacement(error: DisplacementError) -> PyErr {
     match error {
-        SpeedLawError::Model(error) => model(error),
+        DisplacementError::Model(error) => model(error),
         _ => value(error),
     }
 }
@@ -115,8 +115,16 @@ pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
         DoseError::PumpFile(error) => pump_file(error),
         DoseError::Plan(error) => plan(error),
         DoseError::Calibration(error) => calibration(error),
-        DoseError::SpeedLaw(SpeedLawError::Model(error)) => model(error),
-        DoseError::SpeedLaw(_) => PlanError::new_err(message),
+        DoseError::Displacement(DisplacementError::Model(error)) => model(error),
+        DoseError::Displacement(_) => PlanError::new_err(message),
+        DoseError::NoRest { requested_ml, least_ml, most_ml } => with(
+            UnfinishedError::new_err(message),
+            &[
+                ("requested_ml", requested_ml),
+                ("delivered_least_ml", least_ml),
+                ("delivered_most_ml", most_ml),
+            ],
+        ),
         DoseError::Unfinished { requested_ml, least_ml, most_ml } => with(
             UnfinishedError::new_err(format!(
                 "a dose of {requested_ml} mL is unfinished: between {least_ml:.4} and {most_ml:.4} mL were delivered; \
@@ -136,7 +144,10 @@ pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
         | DoseError::Connection(_)
         | DoseError::NoIndex { .. }
         | DoseError::Retraction { .. } => DriveError::new_err(message),
+        DoseError::SuckBack { source: CtlPlanError::OutOfRange { .. }, .. } => PyValueError::new_err(message),
+        DoseError::BeyondRequest { .. } | DoseError::AngleIsKnown => UnfinishedError::new_err(message),
         DoseError::TubeWorn { .. }
+        | DoseError::SuckBack { .. }
         | DoseError::RunsTheOtherWay { .. }
         | DoseError::TooSlow { .. }
         | DoseError::Stale { .. } => PlanError::new_err(message),

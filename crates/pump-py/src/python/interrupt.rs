@@ -8,14 +8,27 @@ use pyo3::prelude::*;
 const EVERY: Duration = Duration::from_millis(100);
 
 /// Lets signals interrupt a solve that has released Python's lock.
-pub(crate) struct Interrupt {
+pub(crate) struct SignalCheck {
     looked: Instant,
 }
 
-impl Interrupt {
+impl SignalCheck {
     /// Starts the clock; the first check comes a tenth of a second later.
     pub(crate) fn new() -> Self {
         Self { looked: Instant::now() }
+    }
+
+    /// Computes a result for each number, while other Python threads run and signals interrupt.
+    pub(crate) fn map<T: Send>(
+        py: Python<'_>,
+        numbers: &[f64],
+        result: impl Fn(f64) -> PyResult<T> + Sync,
+    ) -> PyResult<Vec<T>> {
+        py.detach(|| {
+            let mut interrupt = Self::new();
+            let result = |number: &f64| interrupt.check().and_then(|()| result(*number));
+            numbers.iter().map(result).collect()
+        })
     }
 
     /// Runs the handlers of pending signals now and then. An exception of a handler ends the solve.

@@ -1,8 +1,11 @@
-//! Python as every room needs it: exceptions, interrupts and arrays.
+//! Python as every room needs it: exceptions, warnings, interrupts and arrays.
 
 mod array;
 pub(crate) mod errors;
 mod interrupt;
+mod renamed;
+pub(crate) mod warnings;
 
 pub(crate) use array::{frozen, reserve};
-pub(crate) use interrupt::Interrupt;
+pub(crate) use interrupt::SignalCheck;
+pub(crate) use renamed::renamed;

@@ -6,5 +6,6 @@ mod steady_state;
 mod sweep;
 
 pub(crate) use run::Run;
+pub(crate) use simulate::INITIALS;
 pub(crate) use steady_state::SteadyState;
 pub(crate) use sweep::_steady_states;

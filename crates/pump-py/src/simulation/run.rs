@@ -8,7 +8,7 @@ use pyo3::types::{PyDict, PyTuple};
 
 use crate::argument::Floats;
 use crate::python::errors::{self, value};
-use crate::python::{Interrupt, frozen, reserve};
+use crate::python::{SignalCheck, frozen, renamed, reserve};
 
 /// Number of samples between two looks at the clock.
 const BLOCK: usize = 64;
@@ -18,11 +18,19 @@ const NAMES: [&str; COLUMNS] = [
     "time_s",
     "angle_rad",
     "speed_rad_s",
-    "q_in_ml_s",
-    "q_out_ml_s",
-    "p_in_kpa",
-    "p_out_kpa",
+    "inlet_flow_ml_s",
+    "outlet_flow_ml_s",
+    "inlet_kpa",
+    "outlet_kpa",
     "delivered_ml",
+];
+
+/// Names that the columns had before, which the command's `--trace` keeps, and their names.
+const FORMER: [(&str, &str); 4] = [
+    ("q_in_ml_s", "inlet_flow_ml_s"),
+    ("q_out_ml_s", "outlet_flow_ml_s"),
+    ("p_in_kpa", "inlet_kpa"),
+    ("p_out_kpa", "outlet_kpa"),
 ];
 
 /// Flows and pressures of a pump over time: columns of equal length, read-only arrays of float64.
@@ -37,13 +45,13 @@ pub(crate) struct Run {
     /// Speed of the pump head, rad/s; shape (n,).
     speed_rad_s: Py<PyArray1<f64>>,
     /// Flow at the inlet rollers, mL/s; shape (n,).
-    q_in_ml_s: Py<PyArray1<f64>>,
+    inlet_flow_ml_s: Py<PyArray1<f64>>,
     /// Flow at the outlet rollers, mL/s; shape (n,).
-    q_out_ml_s: Py<PyArray1<f64>>,
+    outlet_flow_ml_s: Py<PyArray1<f64>>,
     /// Pressure at the inlet, kPa absolute; shape (n,).
-    p_in_kpa: Py<PyArray1<f64>>,
+    inlet_kpa: Py<PyArray1<f64>>,
     /// Pressure at the outlet, kPa absolute; shape (n,).
-    p_out_kpa: Py<PyArray1<f64>>,
+    outlet_kpa: Py<PyArray1<f64>>,
     /// Volume that has passed the outlet line, mL; shape (n,).
     delivered_ml: Py<PyArray1<f64>>,
 }
@@ -87,8 +95,8 @@ impl Run {
     /// -------
     /// dict
     ///     Read-only arrays of shape (n,), without a copy.
-    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let dict = PyDict::new(py);
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let dict = py.import("pumpmodel._results.renamed")?.call_method0("Columns")?;
         for (name, column) in NAMES.into_iter().zip(self.columns()) {
             dict.set_item(name, column)?;
         }
@@ -100,17 +108,15 @@ impl Run {
     /// Parameters
     /// ----------
     /// data : dict
-    ///     Eight columns by their names, array_like of equal length.
+    ///     Eight columns by their names, or by those of the command's `--trace`; array_like of equal length.
     ///
     /// Raises
     /// ------
     /// ValueError
-    ///     If a column is missing or unknown, or its length differs.
+    ///     If a column is missing, unknown or given by both names, or its length differs.
     #[staticmethod]
     fn from_dict(data: &Bound<'_, PyDict>) -> PyResult<Self> {
-        if let Some(name) =
-            data.keys().iter().find(|name| !name.extract().is_ok_and(|name| NAMES.contains(&name)))
-        {
+        if let Some(name) = data.keys().iter().find(|name| !name.extract().is_ok_and(is_column)) {
             return Err(value(format_args!(
                 "{name} is not a column of a run; allowed: {}",
                 NAMES.join(", ")
@@ -118,8 +124,15 @@ impl Run {
         }
         let mut columns: [Vec<f64>; COLUMNS] = Default::default();
         for (name, column) in NAMES.into_iter().zip(&mut columns) {
-            let Some(numbers) = data.get_item(name)? else {
-                return Err(value(format_args!("the column {name} is missing")));
+            let former = former_name(name);
+            let by_former = former.map_or(Ok(None), |former| data.get_item(former))?;
+            let numbers = match (data.get_item(name)?, by_former) {
+                (Some(numbers), None) | (None, Some(numbers)) => numbers,
+                (None, None) => return Err(value(format_args!("the column {name} is missing"))),
+                (Some(_), Some(_)) => {
+                    let former = former.unwrap_or_default();
+                    return Err(value(format_args!("{name} and {former} are one column; give one of them")));
+                }
             };
             *column = Floats::extract(name, &numbers)?.values().to_vec();
         }
@@ -127,6 +140,30 @@ impl Run {
             return Err(value("the columns differ in length; a run needs columns of equal length"));
         }
         Self::new(data.py(), columns)
+    }
+
+    /// Deprecated name of `inlet_flow_ml_s`.
+    #[getter]
+    fn q_in_ml_s(slf: &Bound<'_, Self>) -> PyResult<Py<PyArray1<f64>>> {
+        Self::by_former_name(slf, "q_in_ml_s", &slf.get().inlet_flow_ml_s)
+    }
+
+    /// Deprecated name of `outlet_flow_ml_s`.
+    #[getter]
+    fn q_out_ml_s(slf: &Bound<'_, Self>) -> PyResult<Py<PyArray1<f64>>> {
+        Self::by_former_name(slf, "q_out_ml_s", &slf.get().outlet_flow_ml_s)
+    }
+
+    /// Deprecated name of `inlet_kpa`.
+    #[getter]
+    fn p_in_kpa(slf: &Bound<'_, Self>) -> PyResult<Py<PyArray1<f64>>> {
+        Self::by_former_name(slf, "p_in_kpa", &slf.get().inlet_kpa)
+    }
+
+    /// Deprecated name of `outlet_kpa`.
+    #[getter]
+    fn p_out_kpa(slf: &Bound<'_, Self>) -> PyResult<Py<PyArray1<f64>>> {
+        Self::by_former_name(slf, "p_out_kpa", &slf.get().outlet_kpa)
     }
 
     fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
@@ -152,11 +189,11 @@ impl Run {
             Ok(format!("{low:.4} to {high:.4}"))
         };
         Ok(format!(
-            "<Run of {} samples: time_s {}, p_in_kpa {}, p_out_kpa {}, delivered_ml {}>",
+            "<Run of {} samples: time_s {}, inlet_kpa {}, outlet_kpa {}, delivered_ml {}>",
             self.__len__(py)?,
             range(&self.time_s)?,
-            range(&self.p_in_kpa)?,
-            range(&self.p_out_kpa)?,
+            range(&self.inlet_kpa)?,
+            range(&self.outlet_kpa)?,
             range(&self.delivered_ml)?,
         ))
     }
@@ -180,17 +217,38 @@ impl Run {
     }
 }
 
+/// Returns true for the name of a column, also a former one.
+fn is_column(name: &str) -> bool {
+    NAMES.contains(&name) || FORMER.iter().any(|(former, _)| *former == name)
+}
+
+/// Returns the name that a column had before, if it had another one.
+fn former_name(name: &str) -> Option<&'static str> {
+    FORMER.iter().find(|(_, now)| *now == name).map(|(former, _)| *former)
+}
+
 impl Run {
+    /// Returns a column by its former name, with a warning.
+    fn by_former_name(
+        slf: &Bound<'_, Self>,
+        former: &str,
+        column: &Py<PyArray1<f64>>,
+    ) -> PyResult<Py<PyArray1<f64>>> {
+        let now = FORMER.iter().find(|(name, _)| *name == former).map_or(former, |(_, now)| *now);
+        renamed(slf.py(), &format!("Run.{former}"), &format!("Run.{now}"))?;
+        Ok(column.clone_ref(slf.py()))
+    }
+
     fn new(py: Python<'_>, columns: [Vec<f64>; COLUMNS]) -> PyResult<Self> {
         let [time, angle, speed, q_in, q_out, p_in, p_out, delivered] = columns;
         Ok(Self {
             time_s: frozen(py, time)?,
             angle_rad: frozen(py, angle)?,
             speed_rad_s: frozen(py, speed)?,
-            q_in_ml_s: frozen(py, q_in)?,
-            q_out_ml_s: frozen(py, q_out)?,
-            p_in_kpa: frozen(py, p_in)?,
-            p_out_kpa: frozen(py, p_out)?,
+            inlet_flow_ml_s: frozen(py, q_in)?,
+            outlet_flow_ml_s: frozen(py, q_out)?,
+            inlet_kpa: frozen(py, p_in)?,
+            outlet_kpa: frozen(py, p_out)?,
             delivered_ml: frozen(py, delivered)?,
         })
     }
@@ -210,7 +268,7 @@ impl Run {
             for column in &mut columns {
                 reserve(column, count)?;
             }
-            let mut interrupt = Interrupt::new();
+            let mut interrupt = SignalCheck::new();
             let mut block = [[0.0; BLOCK]; COLUMNS];
             loop {
                 interrupt.check()?;
@@ -233,10 +291,10 @@ impl Run {
             &self.time_s,
             &self.angle_rad,
             &self.speed_rad_s,
-            &self.q_in_ml_s,
-            &self.q_out_ml_s,
-            &self.p_in_kpa,
-            &self.p_out_kpa,
+            &self.inlet_flow_ml_s,
+            &self.outlet_flow_ml_s,
+            &self.inlet_kpa,
+            &self.outlet_kpa,
             &self.delivered_ml,
         ]
     }

@@ -9,6 +9,9 @@ use crate::argument::{Argument, choice, speed, word};
 use crate::pump::Pump;
 use crate::python::errors::{self, value};
 
+/// States at time 0.
+pub(crate) const INITIALS: [(&str, ()); 1] = [("rest", ())];
+
 #[pymethods]
 impl Pump {
     /// Run the model at constant speed from angle 0. Other Python threads run meanwhile.
@@ -83,7 +86,7 @@ impl Pump {
     ) -> PyResult<Run> {
         let is_roller_centric = word("model", model, ModelName::ALL)? == ModelName::RollerCentric;
         let asked = word("method", method, AskedMethod::ALL)?;
-        choice("initial", initial, &[("rest", ())])?;
+        choice("initial", initial, &INITIALS)?;
         let given = [
             ("segment_scale", segment_scale),
             ("distensibility_per_kpa", distensibility_per_kpa),
@@ -107,8 +110,8 @@ impl Pump {
         };
         // The roller-centric model has a volume against speed of its own.
         let model = match roller_centric {
-            Some(_) => self.model,
-            None => self.model_at(simulation.speed_rad_s).map_err(errors::speed_law)?,
+            Some(_) => *self.model(),
+            None => self.by_speed.at(simulation.speed_rad_s).map_err(errors::displacement)?,
         };
         let samples = simulation.samples(&model).map_err(errors::model)?;
         Run::collect(py, simulation.intervals() + 1, samples)
@@ -124,7 +127,7 @@ impl Pump {
         // A given closure needs no dimensions from which it could follow.
         let own = match closure_rad {
             Some(closure_rad) => RollerCentric { closure_rad, ambient_kpa, ..RollerCentric::PUBLISHED },
-            None => RollerCentric::of(&self.model, ambient_kpa).map_err(errors::model)?,
+            None => RollerCentric::of(self.model(), ambient_kpa).map_err(errors::model)?,
         };
         Ok(RollerCentric {
             scale: scale.unwrap_or(own.scale),

@@ -1,15 +1,20 @@
 //! The periodic steady state, at one speed or at many.
 
+use std::array;
+
+use pump_bench::displacement::{DisplacementError, SpeedDependentPump};
 use pump_bench::simulation::SteadyReport;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
 use crate::argument::{Argument, Floats, speed};
 use crate::pump::Pump;
-use crate::python::{Interrupt, errors};
+use crate::python::{SignalCheck, errors};
 
+/// Number of attributes of a steady state but the speed.
+pub(super) const NUMBERS: usize = 9;
 /// Number of attributes of a steady state.
-const FIELDS: usize = 10;
+const FIELDS: usize = NUMBERS + 1;
 
 /// Periodic steady state of a pump at constant speed, without any trace of the start.
 ///
@@ -161,47 +166,14 @@ impl SteadyState {
 impl SteadyState {
     /// Computes the steady state at every speed, while other Python threads run.
     fn at(py: Python<'_>, pump: &Pump, speeds_rad_s: &Floats) -> PyResult<Self> {
-        let reports = py.detach(|| -> PyResult<Vec<SteadyReport>> {
-            let mut reports = Vec::new();
-            let mut interrupt = Interrupt::new();
-            for speed_rad_s in speeds_rad_s.values() {
-                interrupt.check()?;
-                let model = pump.model_at(*speed_rad_s).map_err(errors::speed_law)?;
-                let steady = model.steady_state(*speed_rad_s);
-                reports.push(steady.map_err(errors::model)?.into());
-            }
-            Ok(reports)
+        let rows = SignalCheck::map(py, speeds_rad_s.values(), |rad_s| {
+            numbers_at(&pump.by_speed, rad_s).map_err(errors::displacement)
         })?;
-        let of: [fn(&SteadyReport) -> f64; FIELDS - 1] = [
-            |report| report.inlet_min_kpa,
-            |report| report.inlet_max_kpa,
-            |report| report.inlet_mean_kpa,
-            |report| report.outlet_min_kpa,
-            |report| report.outlet_max_kpa,
-            |report| report.outlet_mean_kpa,
-            |report| report.mean_flow_ml_s,
-            |report| report.ripple_peak_to_peak,
-            |report| report.ripple_rms,
-        ];
-        let columns = of.map(|field| speeds_rad_s.with_values(reports.iter().map(field).collect()));
-        let [inlet_min, inlet_max, inlet_mean, outlet_min, outlet_max, outlet_mean, flow, peak_to_peak, rms] =
-            columns;
-        let speed = speeds_rad_s.map(speed::rpm);
-        Self::new(
-            py,
-            [
-                speed,
-                inlet_min,
-                inlet_max,
-                inlet_mean,
-                outlet_min,
-                outlet_max,
-                outlet_mean,
-                flow,
-                peak_to_peak,
-                rms,
-            ],
-        )
+        let column = |n: usize| match n.checked_sub(1) {
+            None => speeds_rad_s.map(speed::rpm),
+            Some(n) => speeds_rad_s.with_values(rows.iter().map(|row| row[n]).collect()),
+        };
+        Self::new(py, array::from_fn(column))
     }
 
     fn new(py: Python<'_>, fields: [Floats; FIELDS]) -> PyResult<Self> {
@@ -246,4 +218,20 @@ impl SteadyState {
             ("ripple_rms", &self.ripple_rms),
         ]
     }
+}
+
+/// Computes the numbers of a steady state at a speed: its attributes but the speed, in their order.
+pub(super) fn numbers_at(pump: &SpeedDependentPump, rad_s: f64) -> Result<[f64; NUMBERS], DisplacementError> {
+    let report = SteadyReport::from(pump.at(rad_s)?.steady_state(rad_s)?);
+    Ok([
+        report.inlet_min_kpa,
+        report.inlet_max_kpa,
+        report.inlet_mean_kpa,
+        report.outlet_min_kpa,
+        report.outlet_max_kpa,
+        report.outlet_mean_kpa,
+        report.mean_flow_ml_s,
+        report.ripple_peak_to_peak,
+        report.ripple_rms,
+    ])
 }

@@ -7,19 +7,16 @@ use std::sync::mpsc::{self, RecvTimeoutError, Sender};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use pump_bench::displacement::{RangedLaw, SpeedLawError};
-use pump_bench::simulation::SteadyReport;
-use pump_model::{Pump as Model, SteadyState};
+use pump_bench::displacement::{DisplacementError, SpeedDependentPump};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 
+use super::steady_state::{NUMBERS, numbers_at};
 use crate::argument::{Argument, Floats, speed};
 use crate::pump::Pump;
-use crate::python::{Interrupt, errors, reserve};
+use crate::python::{SignalCheck, errors, reserve};
 
-/// Number of results of a point: one pump at one speed.
-const FIELDS: usize = 9;
-/// Longest wait for the next result before the next check for signals. With `Interrupt`'s own 0.1 s a Ctrl-C is
+/// Longest wait for the next result before the next check for signals. With `SignalCheck`'s own 0.1 s a Ctrl-C is
 /// answered within 0.2 s.
 const PATIENCE: Duration = Duration::from_millis(40);
 /// Time between two calls of `progress`.
@@ -44,7 +41,7 @@ pub(crate) fn _steady_states<'py>(
     first: usize,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Vec<Py<PyAny>>> {
-    let pumps: Vec<_> = pumps.iter().map(|pump| (pump.get().model, pump.get().law)).collect();
+    let pumps: Vec<_> = pumps.iter().map(|pump| pump.get().by_speed).collect();
     let speeds_rad_s = speed::speeds_rad_s(speed_rpm, speed_rad_s)?.values().to_vec();
     let shape = vec![pumps.len(), speeds_rad_s.len()];
     let sweep = Arc::new(Sweep::new(pumps, speeds_rad_s));
@@ -58,7 +55,7 @@ pub(crate) fn _steady_states<'py>(
 
 /// Work that the threads share.
 struct Sweep {
-    pumps: Vec<(Model, Option<RangedLaw>)>,
+    pumps: Vec<SpeedDependentPump>,
     speeds_rad_s: Vec<f64>,
     /// First point that no thread has taken.
     next: AtomicUsize,
@@ -67,10 +64,10 @@ struct Sweep {
 }
 
 /// Answer of a thread: a block of results from its first point on, or the first point that is refused.
-type Answer = Result<(usize, Vec<[f64; FIELDS]>), (usize, SpeedLawError)>;
+type BlockAnswer = Result<(usize, Vec<[f64; NUMBERS]>), (usize, DisplacementError)>;
 
 impl Sweep {
-    fn new(pumps: Vec<(Model, Option<RangedLaw>)>, speeds_rad_s: Vec<f64>) -> Self {
+    fn new(pumps: Vec<SpeedDependentPump>, speeds_rad_s: Vec<f64>) -> Self {
         Self { pumps, speeds_rad_s, next: AtomicUsize::new(0), abandoned: AtomicBool::new(false) }
     }
 
@@ -85,9 +82,9 @@ impl Sweep {
         threads: usize,
         first: usize,
         progress: Option<Py<PyAny>>,
-    ) -> PyResult<[Vec<f64>; FIELDS]> {
+    ) -> PyResult<[Vec<f64>; NUMBERS]> {
         let points = self.points();
-        let mut columns: [Vec<f64>; FIELDS] = Default::default();
+        let mut columns: [Vec<f64>; NUMBERS] = Default::default();
         for column in &mut columns {
             reserve(column, points as u64)?;
             column.resize(points, 0.0);
@@ -112,14 +109,14 @@ impl Sweep {
     /// take, so the refused point that is reported is the first of all.
     fn collect(
         &self,
-        columns: &mut [Vec<f64>; FIELDS],
-        answered: &mpsc::Receiver<Answer>,
+        columns: &mut [Vec<f64>; NUMBERS],
+        answered: &mpsc::Receiver<BlockAnswer>,
         first: usize,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<()> {
         let mut done = 0;
-        let mut refused: Option<(usize, SpeedLawError)> = None;
-        let mut interrupt = Interrupt::new();
+        let mut refused: Option<(usize, DisplacementError)> = None;
+        let mut interrupt = SignalCheck::new();
         let mut told = Instant::now();
         let tell = |done: usize| match &progress {
             Some(progress) => Python::attach(|py| progress.call1(py, (done, self.points())).map(drop)),
@@ -153,13 +150,13 @@ impl Sweep {
             None => tell(done),
             Some((point, error)) => {
                 let pump = first + point / self.speeds_rad_s.len();
-                Err(errors::within(format_args!("pumps[{pump}]"), errors::speed_law(error)))
+                Err(errors::within(format_args!("pumps[{pump}]"), errors::displacement(error)))
             }
         }
     }
 
     /// Computes blocks until none is left.
-    fn work(&self, block: usize, answers: &Sender<Answer>) {
+    fn work(&self, block: usize, answers: &Sender<BlockAnswer>) {
         let points = self.points();
         loop {
             let start = self.next.fetch_add(block, Ordering::Relaxed);
@@ -172,8 +169,8 @@ impl Sweep {
                     return;
                 }
                 let (pump, speed) = (point / self.speeds_rad_s.len(), point % self.speeds_rad_s.len());
-                match steady(&self.pumps[pump], self.speeds_rad_s[speed]) {
-                    Ok(steady) => results.push(numbers(&steady.into())),
+                match numbers_at(&self.pumps[pump], self.speeds_rad_s[speed]) {
+                    Ok(numbers) => results.push(numbers),
                     Err(error) => {
                         self.next.fetch_max(points, Ordering::Relaxed);
                         // A closed channel means that nobody waits.
@@ -187,24 +184,4 @@ impl Sweep {
             }
         }
     }
-}
-
-/// Computes the steady state at a speed, with the speed law applied if there is one.
-fn steady((model, law): &(Model, Option<RangedLaw>), rad_s: f64) -> Result<SteadyState, SpeedLawError> {
-    let model = law.map_or(Ok(*model), |law| law.pump_at(model, rad_s))?;
-    Ok(model.steady_state(rad_s)?)
-}
-
-fn numbers(report: &SteadyReport) -> [f64; FIELDS] {
-    [
-        report.inlet_min_kpa,
-        report.inlet_max_kpa,
-        report.inlet_mean_kpa,
-        report.outlet_min_kpa,
-        report.outlet_max_kpa,
-        report.outlet_mean_kpa,
-        report.mean_flow_ml_s,
-        report.ripple_peak_to_peak,
-        report.ripple_rms,
-    ]
 }

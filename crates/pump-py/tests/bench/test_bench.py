@@ -176,7 +176,7 @@ def test_angles_are_set_jogged_and_forgotten(bench: pm.Bench) -> None:
     status = bench.home_set(0.5, half_width_rad=0.01)
     assert status.angle_source == "home"
     assert status.half_width_deg == pytest.approx(0.573, abs=1e-3)
-    turned = bench.jog(-0.2)
+    turned = bench.jog_rad(-0.2)
     assert turned == pytest.approx(-0.2, abs=5e-4)
     assert bench.status().angle_deg == pytest.approx((0.5 + turned) * 57.29577951308232)
     assert not bench.home_set(None).angle_known
@@ -189,7 +189,7 @@ def test_angles_are_set_jogged_and_forgotten(bench: pm.Bench) -> None:
         with pytest.raises(ValueError, match="allowed: a finite angle"):
             bench.home_set(bad)
         with pytest.raises(ValueError, match="angle_rad is"):
-            bench.jog(bad)
+            bench.jog_rad(bad)
     with pytest.raises(ValueError, match="half_width_rad is -1"):
         bench.home_set(0.0, half_width_rad=-1.0)
 

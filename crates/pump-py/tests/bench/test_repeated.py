@@ -67,3 +67,15 @@ def test_weighed_doses_are_judged_as_the_standard_does(tmp_path: Path) -> None:
         bench.verify("-10mL", ["10mL", "10mL"])
     with pytest.raises(ValueError, match="random_percent is 0"):
         bench.verify("10mL", ["10mL", "10mL"], random_percent=0)
+
+
+def test_a_batch_ends_where_a_stop_lands_in_a_suck_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
+        whole = bench.dose("1mL", retract="0.1mL")
+        assert whole.retraction_completed
+        stopped = pm.Dose.from_dict({**whole.to_dict(), "retraction_completed": False})
+        doses = iter([whole, stopped, whole])
+        monkeypatch.setattr(pm.Bench, "dose", lambda *_, **__: next(doses))
+        assert list(bench.batch("1mL", 3, retract="0.1mL")) == [whole, stopped]

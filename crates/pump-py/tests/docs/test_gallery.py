@@ -71,8 +71,8 @@ def test_the_rollers_that_are_chosen_keep_to_the_target(tmp_path: Path) -> None:
     # Seen over a long run of the chosen head, contact angle and all, and of the next smaller one.
     swings = []
     for pump in (head, names["head"](3, 45)):
-        run_ = pump.simulate(speed_rpm=pump.speed_for_flow(flow_ml_s=45), duration_s=5)
-        swings.append(np.ptp(run_.p_out_kpa[run_.time_s > 4]))
+        run_ = pump.simulate(speed_rpm=pump.speed_for_flow_rpm(flow_ml_s=45), duration_s=5)
+        swings.append(np.ptp(run_.outlet_kpa[run_.time_s > 4]))
     assert swings[0] == pytest.approx(choice.swing_kpa[2], abs=0.01)
     assert swings[0] <= 25 < swings[1]
     with pytest.raises(ValueError, match="at some angles no roller seals"):

@@ -114,7 +114,7 @@ def test_a_bench_keeps_calibrations_and_uses_one(tmp_path: Path) -> None:
         assert dose.volume_basis == "calibrated"
         assert dose.calibration.displacement_factor == pytest.approx(1.01, abs=1e-3)
         with pytest.raises(ValueError, match="fit is 'cubic'; allowed: 'line', 'speed-law'"):
-            bench.calibrate(runs((60, 1.02)), fit="cubic")
+            bench.calibrate(runs((60, 1.02)), fit="cubic")  # type: ignore[arg-type]
         with pytest.raises(ValueError, match="3"):
             bench.calibrate(runs((60, 1.02)), fit="speed-law")
         second = bench.calibrate(runs((60, 1.02)))
@@ -132,7 +132,9 @@ def test_a_bench_keeps_calibrations_and_uses_one(tmp_path: Path) -> None:
 def test_short_doses_find_the_zero(tmp_path: Path) -> None:
     shifted = 0.1
     starts = np.radians(np.arange(0, 120, 6))
-    volumes = PUMP.outlet_volume(starts + shifted + np.radians(24)) - PUMP.outlet_volume(starts + shifted)
+    volumes = PUMP.outlet_volume_ml(starts + shifted + np.radians(24)) - PUMP.outlet_volume_ml(
+        starts + shifted
+    )
     doses = [
         pm.ShortDose(start_angle_deg=float(np.degrees(start)), turned_deg=24, volume_ml=float(volume))
         for start, volume in zip(starts, volumes, strict=True)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import pumpmodel as pm
+from pumpmodel import choices
 
 
 def test_25_ml_is_planned_to_the_nearest_step() -> None:
@@ -13,13 +14,13 @@ def test_25_ml_is_planned_to_the_nearest_step() -> None:
     plan = pm.Doser(pump).plan("25mL", rate="10 mL/s")
     assert plan.pump is pump
     assert (plan.requested_ml, plan.steps, plan.steps_per_rev) == (25, 15_480, 12_800)
-    assert plan.planned_ml == pytest.approx(pump.outlet_volume(plan.end_angle_rad), abs=1e-12)
-    assert abs(plan.planned_ml - 25) <= 0.5 * pump.outlet_flow_per_rad(plan.end_angle_rad) * math.tau / 12_800
+    assert plan.planned_ml == pytest.approx(pump.outlet_volume_ml(plan.end_angle_rad), abs=1e-12)
+    assert abs(plan.planned_ml - 25) <= 0.5 * pump.outlet_flow_ml_rad(plan.end_angle_rad) * math.tau / 12_800
     assert plan.carry_ml == 25 - plan.planned_ml
     assert plan.end_angle_rad == pytest.approx(15_480 * math.tau / 12_800)
     assert plan.cruise_flow_ml_s == pytest.approx(10)
     assert plan.limited_by == "none"
-    assert plan.cruise_speed_rpm == pytest.approx(pump.speed_for_flow(flow_ml_s=10))
+    assert plan.cruise_speed_rpm == pytest.approx(pump.speed_for_flow_rpm(flow_ml_s=10))
     assert plan.mean_flow_ml_s == pytest.approx(plan.planned_ml / plan.motion_s)
     assert plan.settle_s > 0
     assert plan.expanded_uncertainty_ml == pytest.approx(1.22, abs=0.01)
@@ -129,7 +130,7 @@ def test_start_angle_and_carry_are_counted() -> None:
     doser = pm.Doser(pump)
     for start in np.linspace(-3, 7, 11):
         plan = doser.plan("2mL", start_angle_rad=start, carry_in_ml=0.5)
-        moved = pump.outlet_volume(plan.end_angle_rad) - pump.outlet_volume(start)
+        moved = pump.outlet_volume_ml(plan.end_angle_rad) - pump.outlet_volume_ml(start)
         assert plan.start_angle_rad == start
         assert moved == pytest.approx(2.5, abs=2e-3)
         assert plan.planned_ml == pytest.approx(moved, abs=1e-12)
@@ -139,7 +140,7 @@ def test_start_angle_and_carry_are_counted() -> None:
     for _ in range(50):
         plan = doser.plan("0.1mL", start_angle_rad=angle, carry_in_ml=owed)
         angle, owed = plan.end_angle_rad, plan.carry_ml
-    assert pump.outlet_volume(angle) + owed == pytest.approx(5, abs=1e-9)
+    assert pump.outlet_volume_ml(angle) + owed == pytest.approx(5, abs=1e-9)
 
 
 def test_every_step_has_its_time() -> None:
@@ -168,8 +169,8 @@ def test_the_trace_covers_motion_and_settling() -> None:
     assert trace.delivered_ml[-1] == pytest.approx(plan.planned_ml, abs=1.1e-3)
     assert trace.speed_rad_s.max() == pytest.approx(plan.cruise_speed_rpm * math.tau / 60)
     fine = plan.trace(dt_s=1e-4)
-    assert fine.p_out_kpa.max() == pytest.approx(plan.outlet_max_kpa, abs=1e-3)
-    assert fine.p_in_kpa.min() == pytest.approx(plan.inlet_min_kpa, abs=1e-3)
+    assert fine.outlet_kpa.max() == pytest.approx(plan.outlet_max_kpa, abs=1e-3)
+    assert fine.inlet_kpa.min() == pytest.approx(plan.inlet_min_kpa, abs=1e-3)
     for bad in (0, -1, math.nan, math.inf, 1e-12):
         with pytest.raises(ValueError, match="dt_s is"):
             plan.trace(dt_s=bad)
@@ -199,7 +200,7 @@ def test_an_unknown_angle_gives_the_range_of_the_volume() -> None:
     plan = doser.plan("25mL", start_half_width_rad=math.pi)
     turn_rad = plan.end_angle_rad - plan.start_angle_rad
     start_rad = np.linspace(0, math.tau, 10_000)
-    volume_ml = pump.outlet_volume(start_rad + turn_rad) - pump.outlet_volume(start_rad)
+    volume_ml = pump.outlet_volume_ml(start_rad + turn_rad) - pump.outlet_volume_ml(start_rad)
     assert plan.volume_least_ml == pytest.approx(volume_ml.min(), abs=1e-3)
     assert plan.volume_most_ml == pytest.approx(volume_ml.max(), abs=1e-3)
     assert plan.planned_ml == pytest.approx((plan.volume_least_ml + plan.volume_most_ml) / 2)
@@ -214,13 +215,13 @@ def test_a_dose_that_ends_at_low_flow_carries_the_difference() -> None:
     doser = pm.Doser(pump)
     plan = doser.plan("25mL", finish="low-flow", start_angle_rad=0.3)
     end_rad = 0.3 + plan.steps * 2 * math.pi / 12800
-    assert pump.outlet_flow_per_rad(end_rad) <= 0.5 * pump.outlet_flow_per_rad(1.5)
+    assert pump.outlet_flow_ml_rad(end_rad) <= 0.5 * pump.outlet_flow_ml_rad(1.5)
     assert plan.planned_ml + plan.carry_ml == pytest.approx(25)
     assert pickle.loads(pickle.dumps(plan)) == plan
     with pytest.raises(pm.PlanError, match="needs the rollers' angle"):
         doser.plan("25mL", finish="low-flow", start_half_width_rad=math.pi)
     with pytest.raises(ValueError, match="finish is 'dry'"):
-        doser.plan("25mL", finish="dry")
+        doser.plan("25mL", finish="dry")  # type: ignore[call-overload]
 
 
 def test_a_smooth_flow_has_less_ripple_and_the_same_steps() -> None:
@@ -242,7 +243,31 @@ def test_the_fastest_dose_is_limited_by_what_binds() -> None:
     fastest = pm.Doser(pump).plan("60mL", rate="max")
     assert fastest.limited_by == "speed"
     held = pm.Doser(pump, pm.Limits(min_inlet_kpa=75)).plan("60mL", rate="max")
-    assert held.limited_by == "inlet_pressure"
+    assert held.limited_by == "inlet_suction"
     # A motor's step adds to what is predicted.
     assert 75 <= held.inlet_min_kpa < 75.1
     assert pickle.loads(pickle.dumps(held)) == held
+
+
+@pytest.mark.parametrize(
+    ("volume", "limits", "limited_by"),
+    [
+        ("60mL", pm.Limits(max_outlet_kpa=100), "outlet_pressure"),
+        ("60mL", pm.Limits(min_inlet_kpa=75), "inlet_suction"),
+        ("-60mL", pm.Limits(max_outlet_kpa=100), "inlet_pressure"),
+        ("-60mL", pm.Limits(min_inlet_kpa=75), "outlet_suction"),
+    ],
+)
+def test_the_pressure_that_binds_is_named_by_its_port_and_its_side(
+    volume: str, limits: pm.Limits, limited_by: choices.LimitedBy
+) -> None:
+    plan = pm.Doser(pm.Pump.three_roller(), limits).plan(volume, rate="max")
+    assert plan.limited_by == limited_by
+    at_limit = {
+        "outlet_pressure": plan.outlet_max_kpa,
+        "inlet_suction": plan.inlet_min_kpa,
+        "inlet_pressure": plan.inlet_max_kpa,
+        "outlet_suction": plan.outlet_min_kpa,
+    }
+    limit_kpa = limits.max_outlet_kpa or limits.min_inlet_kpa
+    assert at_limit[limited_by] == pytest.approx(limit_kpa, abs=0.1)

@@ -86,7 +86,7 @@ def test_a_fit_is_a_value() -> None:
     for same in (start(), copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
         assert same == found
         assert hash(same) == hash(found)
-        assert not same.x.flags.writeable
+        assert not same.time_s.flags.writeable
         with pytest.raises(ValueError, match="read-only"):
             same.fitted_kpa[0] = 0
     assert found != start(start_angle_rad=0.3)
@@ -160,7 +160,7 @@ def test_other_threads_run_during_a_fit() -> None:
     time_s = 2e-4 * np.arange(20_000)
     pump = pm.Pump.three_roller()
     run = pump.simulate(speed_rpm=100, duration_s=time_s[-1], dt_s=2e-4)
-    noisy = run.p_out_kpa + np.random.default_rng(1).normal(0, 0.3, len(run.p_out_kpa))
+    noisy = run.outlet_kpa + np.random.default_rng(1).normal(0, 0.3, len(run.outlet_kpa))
     running = threading.Event()
     fitted = threading.Event()
 

@@ -31,10 +31,10 @@ def test_a_run_is_drawn_as_it_is() -> None:
     run = pm.Pump.three_roller().simulate(speed_rpm=100, duration_s=0.5)
     flow, pressure, delivered = pm.plot(run)
     for axis, label, column in (
-        (flow, "inlet", run.q_in_ml_s),
-        (flow, "outlet", run.q_out_ml_s),
-        (pressure, "inlet", run.p_in_kpa),
-        (pressure, "outlet", run.p_out_kpa),
+        (flow, "inlet", run.inlet_flow_ml_s),
+        (flow, "outlet", run.outlet_flow_ml_s),
+        (pressure, "inlet", run.inlet_kpa),
+        (pressure, "outlet", run.outlet_kpa),
         (delivered, "vessel", run.delivered_ml),
     ):
         x, y = curve(axis, label)

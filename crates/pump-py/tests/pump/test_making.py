@@ -72,7 +72,7 @@ def test_measured_points_become_a_pump(method: Any) -> None:
     assert pump.roller_volume_ml == fit.total_ml
     assert pump.engagement_rad == pytest.approx(np.radians(50.53))
     assert pump != pm.Pump.three_roller().replace(id="mine")
-    volumes = fit.volume(np.radians([-1, 0, 50.53, 60]))
+    volumes = fit.displaced_ml(np.radians([-1, 0, 50.53, 60]))
     assert isinstance(volumes, np.ndarray)
     assert volumes.tolist() == [0, 0, fit.total_ml, fit.total_ml]
     assert dataclasses.replace(fit) == fit == pm.VolumeFit.from_dict(fit.to_dict())

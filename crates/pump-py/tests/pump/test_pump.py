@@ -33,18 +33,18 @@ def test_an_unknown_variant_is_refused_by_name() -> None:
 
 def test_average_flow_is_the_papers_and_its_inverse_gives_the_speed_in_rpm() -> None:
     pump = pm.Pump.three_roller()
-    assert pump.average_flow(speed_rpm=100) == pytest.approx(35.5308, abs=5e-5)
-    assert pump.average_flow(speed_rad_s=100 * math.tau / 60) == pytest.approx(35.5308, abs=5e-5)
-    assert pump.average_flow(speed_rpm=-100) == -pump.average_flow(speed_rpm=100)
+    assert pump.average_flow_ml_s(speed_rpm=100) == pytest.approx(35.5308, abs=5e-5)
+    assert pump.average_flow_ml_s(speed_rad_s=100 * math.tau / 60) == pytest.approx(35.5308, abs=5e-5)
+    assert pump.average_flow_ml_s(speed_rpm=-100) == -pump.average_flow_ml_s(speed_rpm=100)
     for flow in (0.001, 5, 35.5):
-        assert pump.average_flow(speed_rpm=pump.speed_for_flow(flow_ml_s=flow)) == pytest.approx(
+        assert pump.average_flow_ml_s(speed_rpm=pump.speed_for_flow_rpm(flow_ml_s=flow)) == pytest.approx(
             flow, rel=1e-14
         )
 
 
 def test_a_number_gives_a_float_and_an_array_an_array_of_its_shape() -> None:
     pump = pm.Pump.three_roller()
-    for of in (pump.outlet_volume, pump.outlet_flow_per_rad, pump.inlet_volume, pump.inlet_flow_per_rad):
+    for of in (pump.outlet_volume_ml, pump.outlet_flow_ml_rad, pump.inlet_volume_ml, pump.inlet_flow_ml_rad):
         assert type(of(1)) is float
         assert type(of(np.float64(1))) is float
         assert isinstance(of(np.array(1.0)), float)
@@ -58,9 +58,9 @@ def test_a_number_gives_a_float_and_an_array_an_array_of_its_shape() -> None:
         np.testing.assert_array_equal(of(angles.reshape(5, 6).T), np.reshape(expected, (5, 6)).T)
         assert of([]).shape == (0,)
         assert of(np.arange(3, dtype=np.int32)).tolist() == [of(0), of(1), of(2)]
-    flows = pump.average_flow(speed_rpm=[[50, 100], [150, -150]])
+    flows = pump.average_flow_ml_s(speed_rpm=[[50, 100], [150, -150]])
     assert flows.shape == (2, 2)
-    np.testing.assert_allclose(pump.speed_for_flow(flow_ml_s=flows), [[50, 100], [150, -150]], rtol=1e-14)
+    np.testing.assert_allclose(pump.speed_for_flow_rpm(flow_ml_s=flows), [[50, 100], [150, -150]], rtol=1e-14)
 
 
 def test_volume_is_the_integral_of_the_flow_over_angle() -> None:
@@ -68,8 +68,8 @@ def test_volume_is_the_integral_of_the_flow_over_angle() -> None:
     angle = np.linspace(0, pump.pitch_rad, 200_001)
     step = np.diff(angle)
     for volume, flow in (
-        (pump.outlet_volume, pump.outlet_flow_per_rad),
-        (pump.inlet_volume, pump.inlet_flow_per_rad),
+        (pump.outlet_volume_ml, pump.outlet_flow_ml_rad),
+        (pump.inlet_volume_ml, pump.inlet_flow_ml_rad),
     ):
         middle = angle[:-1] + 0.5 * step
         np.testing.assert_allclose(np.cumsum(flow(middle) * step), volume(angle)[1:], atol=1e-5)
@@ -80,7 +80,7 @@ def test_volume_is_the_integral_of_the_flow_over_angle() -> None:
 @pytest.mark.parametrize("speed", [{}, {"speed_rpm": 1, "speed_rad_s": 1}])
 def test_not_exactly_one_speed_is_refused(speed: dict[str, float]) -> None:
     pump = pm.Pump.three_roller()
-    for call in (pump.average_flow, pump.steady_state):
+    for call in (pump.average_flow_ml_s, pump.steady_state):
         with pytest.raises(ValueError, match="speed_rad_s"):
             call(**speed)  # type: ignore[call-overload]
     with pytest.raises(ValueError, match="speed_rad_s"):
@@ -91,19 +91,19 @@ def test_not_exactly_one_speed_is_refused(speed: dict[str, float]) -> None:
 def test_what_is_not_finite_or_beyond_the_range_is_refused_by_name(bad: float) -> None:
     pump = pm.Pump.three_roller()
     with pytest.raises(ValueError, match=r"angle_rad is .*; allowed: a finite number, up to 1e9 either way"):
-        pump.outlet_volume(bad)
+        pump.outlet_volume_ml(bad)
     with pytest.raises(ValueError, match="speed_rpm is"):
-        pump.average_flow(speed_rpm=bad)
+        pump.average_flow_ml_s(speed_rpm=bad)
     with pytest.raises(ValueError, match="speed_rad_s is"):
         pump.steady_state(speed_rad_s=bad)
     with pytest.raises(ValueError, match="flow_ml_s is"):
-        pump.speed_for_flow(flow_ml_s=bad)
+        pump.speed_for_flow_rpm(flow_ml_s=bad)
 
 
 @pytest.mark.parametrize("bad", ["100", b"100", None, True, 1j, ["1"], object(), 10**400])
 def test_what_is_no_number_is_a_type_error(bad: float) -> None:
     with pytest.raises(TypeError, match="angle_rad must be a number or an array of numbers, not "):
-        pm.Pump.three_roller().outlet_volume(bad)
+        pm.Pump.three_roller().outlet_volume_ml(bad)
 
 
 def test_replacing_rollers_and_lines_makes_another_pump() -> None:

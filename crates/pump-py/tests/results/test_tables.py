@@ -16,8 +16,8 @@ def test_a_table_has_the_columns_and_their_units() -> None:
     pytest.importorskip("pandas")
     table = RUN.to_dataframe()
     assert list(table.columns) == list(RUN.to_dict())
-    assert table.attrs["units"]["q_out_ml_s"] == "mL/s"
-    np.testing.assert_array_equal(table["p_out_kpa"].to_numpy(), RUN.p_out_kpa)
+    assert table.attrs["units"]["outlet_flow_ml_s"] == "mL/s"
+    np.testing.assert_array_equal(table["outlet_kpa"].to_numpy(), RUN.outlet_kpa)
     steps = PLAN.to_dataframe()
     assert list(steps.columns) == ["step", "time_s", "direction", "angle_rad"]
     assert len(steps) == abs(PLAN.steps)
@@ -32,8 +32,8 @@ def test_a_table_has_the_columns_and_their_units() -> None:
 def test_a_dataset_has_dimensions_and_attributes() -> None:
     pytest.importorskip("xarray")
     data = RUN.to_xarray()
-    assert data["p_in_kpa"].dims == ("time_s",)
-    assert data["p_in_kpa"].attrs == {"units": "kPa", "long_name": "pressure at the inlet, absolute"}
+    assert data["inlet_kpa"].dims == ("time_s",)
+    assert data["inlet_kpa"].attrs == {"units": "kPa", "long_name": "pressure at the inlet, absolute"}
     assert data["time_s"].attrs["units"] == "s"
     np.testing.assert_array_equal(data["delivered_ml"], RUN.delivered_ml)
     assert PLAN.to_xarray()["angle_rad"].sizes == {"time_s": abs(PLAN.steps)}
@@ -55,7 +55,7 @@ def test_without_them_the_extra_is_named(module: str, extra: str, monkeypatch: p
 
 def test_a_run_returns_from_its_dict_and_shares_its_arrays() -> None:
     data = RUN.to_dict()
-    assert data["p_in_kpa"] is RUN.p_in_kpa
+    assert data["inlet_kpa"] is RUN.inlet_kpa
     assert pm.Run.from_dict(data) == RUN
     wrong: list[tuple[dict[str, Any], str]] = [
         ({**data, "colour": [1]}, "colour is not a column"),

@@ -15,20 +15,20 @@ COLUMNS = (
     "time_s",
     "angle_rad",
     "speed_rad_s",
-    "q_in_ml_s",
-    "q_out_ml_s",
-    "p_in_kpa",
-    "p_out_kpa",
+    "inlet_flow_ml_s",
+    "outlet_flow_ml_s",
+    "inlet_kpa",
+    "outlet_kpa",
     "delivered_ml",
 )
 
 
 def test_start_up_at_100_rpm_reaches_the_reference_extremes() -> None:
     run = pm.Pump.three_roller().simulate(speed_rpm=100, duration_s=2, dt_s=2e-5)
-    assert run.p_in_kpa.min() == pytest.approx(71.725, abs=2e-3)
-    assert run.p_in_kpa.max() == pytest.approx(98.109, abs=2e-3)
-    assert run.p_out_kpa.min() == pytest.approx(78.519, abs=2e-3)
-    assert run.p_out_kpa.max() == pytest.approx(108.568, abs=2e-3)
+    assert run.inlet_kpa.min() == pytest.approx(71.725, abs=2e-3)
+    assert run.inlet_kpa.max() == pytest.approx(98.109, abs=2e-3)
+    assert run.outlet_kpa.min() == pytest.approx(78.519, abs=2e-3)
+    assert run.outlet_kpa.max() == pytest.approx(108.568, abs=2e-3)
 
 
 @pytest.mark.parametrize(
@@ -61,17 +61,21 @@ def test_flows_angle_and_delivered_volume_belong_to_one_motion() -> None:
     speed = 100 * (math.tau / 60)
     np.testing.assert_allclose(run.speed_rad_s, speed, rtol=1e-15)
     np.testing.assert_allclose(run.angle_rad, speed * run.time_s, rtol=1e-13)
-    np.testing.assert_array_equal(run.q_in_ml_s, pump.inlet_flow_per_rad(run.angle_rad) * run.speed_rad_s)
-    np.testing.assert_array_equal(run.q_out_ml_s, pump.outlet_flow_per_rad(run.angle_rad) * run.speed_rad_s)
+    np.testing.assert_array_equal(
+        run.inlet_flow_ml_s, pump.inlet_flow_ml_rad(run.angle_rad) * run.speed_rad_s
+    )
+    np.testing.assert_array_equal(
+        run.outlet_flow_ml_s, pump.outlet_flow_ml_rad(run.angle_rad) * run.speed_rad_s
+    )
     # The rollers' volume is delivered or swells the line.
-    swell_ml = pump.outlet.compliance_ml_kpa * (run.p_out_kpa - pump.outlet.reservoir_kpa)
-    np.testing.assert_allclose(run.delivered_ml + swell_ml, pump.outlet_volume(run.angle_rad), atol=1e-4)
+    swell_ml = pump.outlet.compliance_ml_kpa * (run.outlet_kpa - pump.outlet.reservoir_kpa)
+    np.testing.assert_allclose(run.delivered_ml + swell_ml, pump.outlet_volume_ml(run.angle_rad), atol=1e-4)
 
 
 def test_lines_start_at_rest() -> None:
     pump = pm.Pump.three_roller()
     run = pump.simulate(speed_rpm=100, duration_s=1)
-    assert (run.p_in_kpa[0], run.p_out_kpa[0]) == (pump.inlet.reservoir_kpa, pump.outlet.reservoir_kpa)
+    assert (run.inlet_kpa[0], run.outlet_kpa[0]) == (pump.inlet.reservoir_kpa, pump.outlet.reservoir_kpa)
     assert (run.time_s[0], run.angle_rad[0], run.delivered_ml[0]) == (0, 0, 0)
 
 
@@ -80,8 +84,8 @@ def test_units_methods_and_direction() -> None:
     run = pump.simulate(speed_rpm=100, duration_s=1)
     assert pump.simulate(speed_rpm=100, duration_s=1, method="exact") == run
     integrated = pump.simulate(speed_rpm=100, duration_s=1, method="rodas5p")
-    np.testing.assert_allclose(integrated.p_in_kpa, run.p_in_kpa, atol=1e-4)
-    np.testing.assert_allclose(integrated.p_out_kpa, run.p_out_kpa, atol=1e-4)
+    np.testing.assert_allclose(integrated.inlet_kpa, run.inlet_kpa, atol=1e-4)
+    np.testing.assert_allclose(integrated.outlet_kpa, run.outlet_kpa, atol=1e-4)
     np.testing.assert_allclose(integrated.delivered_ml, run.delivered_ml, atol=1e-5)
     assert pump.simulate(speed_rad_s=100 * (math.tau / 60), duration_s=1) == run
     reverse = pump.simulate(speed_rpm=-100, duration_s=1)
@@ -91,9 +95,9 @@ def test_units_methods_and_direction() -> None:
 
 def test_a_tighter_tolerance_comes_nearer() -> None:
     pump = pm.Pump.three_roller()
-    best = pump.simulate(speed_rpm=100, duration_s=2, method="exact").p_out_kpa
+    best = pump.simulate(speed_rpm=100, duration_s=2, method="exact").outlet_kpa
     tight, default, loose = (
-        pump.simulate(speed_rpm=100, duration_s=2, method="rodas5p", tolerance=tolerance).p_out_kpa
+        pump.simulate(speed_rpm=100, duration_s=2, method="rodas5p", tolerance=tolerance).outlet_kpa
         for tolerance in (1e-11, None, 1e-3)
     )
     assert np.abs(tight - best).max() < 1e-9
@@ -194,7 +198,7 @@ def test_the_roller_centric_model_becomes_flow_centric_as_swelling_and_leaks_van
         valve_resistance_kpa_s_ml=1e-6,
         closure_rad=math.radians(50.53),
     )
-    for name in ("p_in_kpa", "p_out_kpa"):
+    for name in ("inlet_kpa", "outlet_kpa"):
         off = getattr(limit, name) - getattr(exact, name)
         assert np.sqrt(np.mean(off**2)) <= 0.002
     np.testing.assert_allclose(limit.delivered_ml, exact.delivered_ml, atol=2e-3)
@@ -219,8 +223,8 @@ def test_the_friction_of_a_hose_is_integrated_and_has_no_exact_solution(tmp_path
     pump = pm.Pump.from_toml(path)
     assert pump.inlet.resistance_kpa_s_ml == pytest.approx(0.1108, abs=2e-4)
     run = pump.simulate(speed_rpm=100, duration_s=8, dt_s=2e-4)
-    pitch = run.p_in_kpa[-1000:]
+    pitch = run.inlet_kpa[-1000:]
     # At 35.5 mL/s the hose resists far less than at 210.
-    assert 0.01 < (pump.inlet.reservoir_kpa - pitch.mean()) / pump.average_flow(speed_rpm=100) < 0.05
+    assert 0.01 < (pump.inlet.reservoir_kpa - pitch.mean()) / pump.average_flow_ml_s(speed_rpm=100) < 0.05
     with pytest.raises(ValueError, match="the friction of a hose grows with the flow"):
         pump.simulate(speed_rpm=100, duration_s=1, method="exact")

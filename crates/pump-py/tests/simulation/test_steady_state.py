@@ -41,7 +41,7 @@ def test_flow_and_ripple_of_one_speed_are_floats() -> None:
     pump = pm.Pump.three_roller()
     steady = pump.steady_state(speed_rpm=100)
     assert all(type(getattr(steady, name)) is float for name in NAMES)
-    assert steady.mean_flow_ml_s == pump.average_flow(speed_rpm=100)
+    assert steady.mean_flow_ml_s == pump.average_flow_ml_s(speed_rpm=100)
     assert steady.ripple_peak_to_peak == pytest.approx(1.18, abs=5e-3)
     assert steady.ripple_rms == pytest.approx(0.427, abs=5e-4)
 
@@ -80,5 +80,5 @@ def test_the_end_of_a_long_run_is_the_steady_state() -> None:
     run = pump.simulate(speed_rpm=100, duration_s=10)
     steady = pump.steady_state(speed_rpm=100)
     late = run.time_s > 5
-    assert run.p_out_kpa[late].max() == pytest.approx(steady.outlet_max_kpa, abs=0.02)
-    assert run.p_in_kpa[late].min() == pytest.approx(steady.inlet_min_kpa, abs=0.02)
+    assert run.outlet_kpa[late].max() == pytest.approx(steady.outlet_max_kpa, abs=0.02)
+    assert run.inlet_kpa[late].min() == pytest.approx(steady.inlet_min_kpa, abs=0.02)

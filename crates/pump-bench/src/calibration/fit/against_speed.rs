@@ -1,68 +1,66 @@
-//! Displacement against speed, kappa(N): a line that was fitted, or a speed law, fitted or of the pump file.
+//! Displacement against speed, kappa(N): a line that was fitted, or a law, fitted or of the pump file.
 
-use pump_model::math::{rad_s, rpm};
+use pump_model::units::{rad_s, rpm};
 use pump_model::{ModelError, Pump};
 
 use super::Displacement;
-use crate::displacement::RangedLaw;
+use crate::displacement::{DisplacementLaw, SpeedDependentPump};
 
 /// Displacement factor of a pump against its cruise speed. Every flow and volume of the pump is multiplied by
 /// it.
 #[derive(Debug, Clone, Copy)]
-pub struct AgainstSpeed<'a> {
-    known: Known<'a>,
+pub(crate) struct AgainstSpeed<'a> {
+    known: DisplacementSource<'a>,
     base: &'a Pump,
 }
 
 /// Source of the displacement.
 #[derive(Debug, Clone, Copy)]
-enum Known<'a> {
+enum DisplacementSource<'a> {
     /// Line through weighed runs, or their mean at one speed.
     Line(&'a Displacement),
-    /// Speed law that was fitted to weighed runs.
-    Fitted(&'a Displacement, RangedLaw),
-    /// Speed law of the pump file.
-    Given(RangedLaw),
+    /// Law that was fitted to weighed runs.
+    Fitted(&'a Displacement, DisplacementLaw),
+    /// Law of the pump file.
+    Given(DisplacementLaw),
 }
 
 impl<'a> AgainstSpeed<'a> {
-    /// Returns the displacement that was weighed, or else that of the pump file's `law`. Returns `None`
-    /// without either. `base` is the pump as it is without both, counted from its own zero.
-    pub fn of(
-        displacement: Option<&'a Displacement>,
-        law: Option<RangedLaw>,
-        base: &'a Pump,
-    ) -> Option<Self> {
+    /// Returns the displacement that was weighed, or else that of the pump's own law. Returns `None` without
+    /// either. `pump` is counted from its own zero.
+    pub(crate) fn of(displacement: Option<&'a Displacement>, pump: &'a SpeedDependentPump) -> Option<Self> {
         let known = match displacement {
-            Some(found) => found.law().map_or(Known::Line(found), |law| Known::Fitted(found, law)),
-            None => Known::Given(law?),
+            Some(found) => found
+                .displacement_law()
+                .map_or(DisplacementSource::Line(found), |law| DisplacementSource::Fitted(found, law)),
+            None => DisplacementSource::Given(*pump.law()?),
         };
-        Some(Self { known, base })
+        Some(Self { known, base: pump.base() })
     }
 
     /// Limits the flows of a law to speeds up to `most_rpm`, in r/min, if the law holds for a slower one.
     pub(crate) fn up_to(self, most_rpm: f64) -> Self {
         let known = match self.known {
-            Known::Line(found) => Known::Line(found),
-            Known::Fitted(found, law) => Known::Fitted(found, law.up_to(most_rpm)),
-            Known::Given(law) => Known::Given(law.up_to(most_rpm)),
+            DisplacementSource::Line(found) => DisplacementSource::Line(found),
+            DisplacementSource::Fitted(found, law) => DisplacementSource::Fitted(found, law.up_to(most_rpm)),
+            DisplacementSource::Given(law) => DisplacementSource::Given(law.up_to(most_rpm)),
         };
         Self { known, ..self }
     }
 
     /// Returns the displacement that was weighed, or `None` of the pump file's law.
-    pub fn displacement(&self) -> Option<&'a Displacement> {
+    pub(crate) fn displacement(&self) -> Option<&'a Displacement> {
         match self.known {
-            Known::Line(found) | Known::Fitted(found, _) => Some(found),
-            Known::Given(_) => None,
+            DisplacementSource::Line(found) | DisplacementSource::Fitted(found, _) => Some(found),
+            DisplacementSource::Given(_) => None,
         }
     }
 
     /// Returns the pump file's law, or `None` of a displacement that was weighed.
-    pub fn given_law(&self) -> Option<&RangedLaw> {
+    pub(crate) fn given_law(&self) -> Option<&DisplacementLaw> {
         match &self.known {
-            Known::Line(_) | Known::Fitted(..) => None,
-            Known::Given(law) => Some(law),
+            DisplacementSource::Line(_) | DisplacementSource::Fitted(..) => None,
+            DisplacementSource::Given(law) => Some(law),
         }
     }
 
@@ -70,36 +68,45 @@ impl<'a> AgainstSpeed<'a> {
     ///
     /// # Errors
     ///
-    /// [`ModelError`] where the speed law cannot be computed for this pump and speed.
-    pub fn factor_at(&self, speed_rpm: f64) -> Result<f64, ModelError> {
+    /// [`ModelError`] where the law cannot be computed for this pump and speed.
+    pub(crate) fn factor_at(&self, speed_rpm: f64) -> Result<f64, ModelError> {
         match &self.known {
-            Known::Line(line) => Ok(line.line_at(speed_rpm.abs())),
-            Known::Fitted(_, law) | Known::Given(law) => law.law.factor(self.base, rad_s(speed_rpm)),
+            DisplacementSource::Line(line) => Ok(line.line_at(speed_rpm.abs())),
+            DisplacementSource::Fitted(_, law) | DisplacementSource::Given(law) => {
+                law.factor_at_any(self.base, rad_s(speed_rpm))
+            }
         }
     }
 
     /// Returns the slowest and the fastest speed that a dose may have, in r/min. Returns `None` if the
     /// displacement is used at every speed, as one that was weighed at one speed is.
-    pub fn range_rpm(&self) -> Option<(f64, f64)> {
+    pub(crate) fn range_rpm(&self) -> Option<(f64, f64)> {
         match &self.known {
-            Known::Line(found) | Known::Fitted(found, _) => found.is_line().then(|| found.range_rpm()),
-            Known::Given(law) => Some((law.least_rpm, law.most_rpm)),
+            DisplacementSource::Line(found) | DisplacementSource::Fitted(found, _) => {
+                found.is_line().then(|| found.range_rpm())
+            }
+            DisplacementSource::Given(law) => Some(law.range_rpm()),
         }
     }
 
     /// True if a dose may cruise at this speed, in r/min, either way.
-    pub fn covers(&self, speed_rpm: f64) -> bool {
+    pub(crate) fn covers(&self, speed_rpm: f64) -> bool {
         match &self.known {
-            Known::Line(found) | Known::Fitted(found, _) => found.covers(speed_rpm.abs()),
-            Known::Given(law) => law.covers(speed_rpm),
+            DisplacementSource::Line(found) | DisplacementSource::Fitted(found, _) => {
+                found.covers(speed_rpm.abs())
+            }
+            DisplacementSource::Given(law) => law.covers(speed_rpm),
         }
     }
 
     /// Returns a speed within the range, in r/min, where a search may begin.
-    pub fn typical_rpm(&self) -> f64 {
+    pub(crate) fn typical_rpm(&self) -> f64 {
         match &self.known {
-            Known::Line(found) | Known::Fitted(found, _) => found.reference_rpm,
-            Known::Given(law) => 0.5 * (law.least_rpm + law.most_rpm),
+            DisplacementSource::Line(found) | DisplacementSource::Fitted(found, _) => found.reference_rpm,
+            DisplacementSource::Given(law) => {
+                let (least_rpm, most_rpm) = law.range_rpm();
+                0.5 * (least_rpm + most_rpm)
+            }
         }
     }
 
@@ -108,12 +115,12 @@ impl<'a> AgainstSpeed<'a> {
     ///
     /// # Errors
     ///
-    /// [`ModelError`] where the speed law cannot be computed for this pump.
-    pub fn speed_for_flow(&self, flow_ml_s: f64, reverse: bool) -> Result<Option<f64>, ModelError> {
+    /// [`ModelError`] where the law cannot be computed for this pump.
+    pub(crate) fn speed_for_flow(&self, flow_ml_s: f64, reverse: bool) -> Result<Option<f64>, ModelError> {
         match &self.known {
-            Known::Line(line) => Ok(line.speed_for_flow(self.base.revolution_ml(), flow_ml_s)),
-            Known::Fitted(_, law) | Known::Given(law) => {
-                Ok(law.flow(self.base, reverse)?.speed_rad_s(flow_ml_s)?.map(rpm))
+            DisplacementSource::Line(line) => Ok(line.speed_for_flow(self.base.revolution_ml(), flow_ml_s)),
+            DisplacementSource::Fitted(_, law) | DisplacementSource::Given(law) => {
+                Ok(law.speed_for_flow(self.base, flow_ml_s, reverse)?.map(rpm))
             }
         }
     }
@@ -123,8 +130,8 @@ impl<'a> AgainstSpeed<'a> {
     ///
     /// # Errors
     ///
-    /// [`ModelError`] where the speed law cannot be computed for this pump.
-    pub fn flows_ml_s(&self, reverse: bool) -> Result<Option<(f64, f64)>, ModelError> {
+    /// [`ModelError`] where the law cannot be computed for this pump.
+    pub(crate) fn flows_ml_s(&self, reverse: bool) -> Result<Option<(f64, f64)>, ModelError> {
         let Some((least_rpm, most_rpm)) = self.range_rpm() else { return Ok(None) };
         let direction = if reverse { -1.0 } else { 1.0 };
         let flow_ml_s = |rpm: f64| -> Result<f64, ModelError> {
@@ -132,12 +139,14 @@ impl<'a> AgainstSpeed<'a> {
         };
         let largest_ml_s = match &self.known {
             // kappa(N) N is a parabola.
-            Known::Line(line) => {
+            DisplacementSource::Line(line) => {
                 let top_rpm = -line.line_at(0.0) / (2.0 * line.slope_per_rpm);
                 let inside = (least_rpm..=most_rpm).contains(&top_rpm);
                 flow_ml_s(most_rpm)?.max(flow_ml_s(if inside { top_rpm } else { least_rpm })?)
             }
-            Known::Fitted(_, law) | Known::Given(law) => law.flow(self.base, reverse)?.largest()?.0,
+            DisplacementSource::Fitted(_, law) | DisplacementSource::Given(law) => {
+                law.largest_flow_ml_s(self.base, reverse)?
+            }
         };
         Ok(Some((flow_ml_s(least_rpm)?, largest_ml_s)))
     }

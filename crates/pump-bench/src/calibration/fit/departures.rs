@@ -2,7 +2,7 @@
 
 use std::num::NonZeroU32;
 
-use pump_model::math::sqrt;
+use libm::sqrt;
 
 /// A run further than this many robust standard deviations from the line is an outlier (Iglewicz and Hoaglin,
 /// "How to Detect and Handle Outliers", ASQC 1993: modified z-score above 3.5).

@@ -1,25 +1,25 @@
-//! The displacement factor: measured over model volume, at one speed, as a line over several or by the speed
-//! law.
+//! The displacement factor: measured over model volume, at one speed, as a line over several or by a law.
 
 mod fitting;
 mod stored;
 #[cfg(test)]
 mod tests;
 
+use libm::sqrt;
 use pump_model::identification::widening;
-use pump_model::math::{rad_s, sqrt};
+use pump_model::units::rad_s;
 use pump_model::{ModelError, Pump};
 use serde::{Deserialize, Serialize};
 
 use super::law_fit::LawFit;
 use super::points::SAME_SPEED;
 use super::scatter::Scatter;
-use crate::displacement::RangedLaw;
+use crate::displacement::DisplacementLaw;
 
 /// Displacement factor of weighed runs: the line kappa(N) = factor + slope (N - reference), by weighted least
-/// squares, or the speed law with that line beside it.
+/// squares, or a law with that line beside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "stored::Stored", into = "stored::Stored")]
+#[serde(try_from = "stored::StoredDisplacement", into = "stored::StoredDisplacement")]
 pub struct Displacement {
     /// Weighted mean speed of the runs, in r/min. Factor and slope are independent there.
     pub reference_rpm: f64,
@@ -31,7 +31,7 @@ pub struct Displacement {
     pub slope_per_rpm: f64,
     /// Standard error of the slope, in min/r; 0 with one speed.
     pub slope_standard_per_rpm: f64,
-    /// Scatter of the runs, about the speed law if that was fitted.
+    /// Scatter of the runs, about the law if that was fitted.
     pub scatter: Scatter,
     /// Distance of the means at three speeds or more from the line or law beyond the scatter, RMS, as a part
     /// of the volume.
@@ -42,8 +42,8 @@ pub struct Displacement {
     pub speeds_rpm: Vec<f64>,
     /// Numbers of the runs, from 1, that lie far from the line or law. They are in the fit.
     pub outliers: Vec<usize>,
-    /// Speed law, if that was fitted.
-    pub speed_law: Option<LawFit>,
+    /// Law of volume against speed, if that was fitted.
+    pub law: Option<LawFit>,
 }
 
 impl Displacement {
@@ -57,10 +57,10 @@ impl Displacement {
     ///
     /// # Errors
     ///
-    /// [`ModelError`] where the speed law cannot be computed for this pump and speed.
+    /// [`ModelError`] where the law cannot be computed for this pump and speed.
     pub fn factor_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
-        match &self.speed_law {
-            Some(fit) => fit.law().factor(base, rad_s(rpm)),
+        match &self.law {
+            Some(fit) => fit.factor_at(base, rad_s(rpm)),
             None => Ok(self.line_at(rpm.abs())),
         }
     }
@@ -70,28 +70,26 @@ impl Displacement {
     ///
     /// # Errors
     ///
-    /// [`ModelError`] where the speed law cannot be computed for this pump and speed.
+    /// [`ModelError`] where the law cannot be computed for this pump and speed.
     pub fn standard_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
-        let (factor, slope) = match &self.speed_law {
-            Some(fit) => {
-                let away_kpa = fit.law().trapped_kpa(base, rad_s(rpm))? - fit.reference_kpa;
-                (fit.factor_standard, fit.slope_standard_per_kpa * away_kpa)
-            }
-            None => (self.factor_standard, self.slope_standard_per_rpm * (rpm.abs() - self.reference_rpm)),
+        let [factor, slope] = match &self.law {
+            Some(fit) => fit.standards_at(base, rad_s(rpm))?,
+            None => [self.factor_standard, self.slope_standard_per_rpm * (rpm.abs() - self.reference_rpm)],
         };
         let errors = widening(self.scatter.degrees_of_freedom()) * sqrt(factor * factor + slope * slope);
         Ok(sqrt(errors * errors + self.reading * self.reading))
     }
 
-    /// Returns the speed law that was fitted, over the speeds that it covers.
-    pub(super) fn law(&self) -> Option<RangedLaw> {
+    /// Returns the slowest and the fastest speed of a dose, in r/min: those of the runs, but for a difference
+    /// at which speeds are the same.
+    fn dose_range_rpm(&self) -> [f64; 2] {
         let (least_rpm, most_rpm) = self.range_rpm();
-        let law = self.speed_law.as_ref()?.law();
-        Some(RangedLaw {
-            law,
-            least_rpm: least_rpm * (1.0 - SAME_SPEED),
-            most_rpm: most_rpm * (1.0 + SAME_SPEED),
-        })
+        [least_rpm * (1.0 - SAME_SPEED), most_rpm * (1.0 + SAME_SPEED)]
+    }
+
+    /// Returns the law that was fitted, over the speeds that it covers.
+    pub(super) fn displacement_law(&self) -> Option<DisplacementLaw> {
+        Some(self.law.as_ref()?.between(self.dose_range_rpm()))
     }
 
     /// True if kappa was weighed at several speeds, and so holds between them.
@@ -106,7 +104,7 @@ impl Displacement {
     }
 
     /// Returns the distance of a speed to the nearest speed of the runs, in r/min; 0 at one of them.
-    pub fn distance_rpm(&self, rpm: f64) -> f64 {
+    pub(crate) fn distance_rpm(&self, rpm: f64) -> f64 {
         let nearest = self.speeds_rpm.iter().map(|speed| (speed - rpm).abs()).fold(f64::INFINITY, f64::min);
         if nearest <= SAME_SPEED * rpm { 0.0 } else { nearest }
     }
@@ -114,14 +112,14 @@ impl Displacement {
     /// True if a dose may cruise at this speed, in r/min. A line holds within its speeds; a calibration at
     /// one speed is used at every speed, with a warning.
     pub fn covers(&self, rpm: f64) -> bool {
-        let (least, most) = self.range_rpm();
-        !self.is_line() || (least * (1.0 - SAME_SPEED)..=most * (1.0 + SAME_SPEED)).contains(&rpm)
+        let [least_rpm, most_rpm] = self.dose_range_rpm();
+        !self.is_line() || (least_rpm..=most_rpm).contains(&rpm)
     }
 
     /// Returns the slowest speed of the line, in r/min, whose mean flow is `flow_ml_s` on a pump that
     /// delivers `revolution_ml` per revolution without this calibration: the smaller root of kappa(N) V_rot N
     /// / 60 = Q. Returns `None` beyond the largest flow of the line.
-    pub fn speed_for_flow(&self, revolution_ml: f64, flow_ml_s: f64) -> Option<f64> {
+    pub(crate) fn speed_for_flow(&self, revolution_ml: f64, flow_ml_s: f64) -> Option<f64> {
         let wanted_rpm = 60.0 * flow_ml_s / revolution_ml;
         let at_rest = self.line_at(0.0);
         let discriminant = at_rest * at_rest + 4.0 * self.slope_per_rpm * wanted_rpm;

@@ -11,11 +11,12 @@ mod revolution;
 mod scatter;
 mod short_dose;
 
-pub use against_speed::AgainstSpeed;
+pub(crate) use against_speed::AgainstSpeed;
 pub use displacement::Displacement;
 pub use expected::Expected;
 pub use law_fit::LawFit;
+pub(crate) use law_fit::LawToFit;
 pub use phase::PhaseFit;
-pub use revolution::Revolution;
+pub(crate) use revolution::Revolution;
 pub use scatter::Scatter;
 pub use short_dose::{ShortDose, short_doses_of_csv};

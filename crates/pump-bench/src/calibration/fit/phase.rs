@@ -4,9 +4,10 @@ mod pulse;
 #[cfg(test)]
 mod tests;
 
+use libm::sqrt;
 use pump_model::Pump;
 use pump_model::identification::{Estimate, widening};
-use pump_model::math::{degrees, sqrt, wrap};
+use pump_model::units::{degrees, wrap};
 use serde::Serialize;
 
 use self::pulse::{ENGAGEMENT, PARAMETERS, Pulse, ROLLER, ZERO};
@@ -45,7 +46,7 @@ impl PhaseFit {
     ///
     /// [`CalibrationError::TooFew`] with fewer than five doses. [`CalibrationError::Undetermined`] if the
     /// doses scatter too much, or sweep too little of a pulse, for the zero to be found.
-    pub fn of(
+    pub(crate) fn of(
         pump: &Pump,
         revolution: Revolution<'_>,
         doses: &[ShortDose],

@@ -1,12 +1,13 @@
 //! Weighed runs as points of a fit: measured over model volume against the speed.
 
+use libm::sqrt;
+use pump_model::Pump;
 use pump_model::identification::least_squares::{StraightLine, Terms};
-use pump_model::math::{rad_s, sqrt};
-use pump_model::{ModelError, Pump, SpeedLaw};
+use pump_model::units::rad_s;
 
 use super::departures::{Departure, Departures};
 use super::expected::Expected;
-use crate::calibration::{CalibrationError, Run, Weighing};
+use crate::calibration::{CalibrationError, CalibrationRun, Weighing};
 
 /// Speeds that differ by less than this part are one.
 pub(super) const SAME_SPEED: f64 = 0.01;
@@ -37,10 +38,10 @@ impl Points {
     ///
     /// # Errors
     ///
-    /// [`CalibrationError::TooFew`] without runs, and the errors of [`Run::volumes_ml`].
+    /// [`CalibrationError::TooFew`] without runs, and the errors of [`CalibrationRun::volumes_ml`].
     pub(super) fn of(
         pump: &Pump,
-        runs: &[Run],
+        runs: &[CalibrationRun],
         weighing: &Weighing<'_>,
         expected: &Expected,
     ) -> Result<Self, CalibrationError> {
@@ -85,28 +86,15 @@ impl Points {
         })
     }
 
-    /// Returns the line of the ratios over `x`, one for each run.
-    ///
-    /// # Errors
-    ///
-    /// [`CalibrationError::Undetermined`] if x is the same in all runs.
-    pub(super) fn over_pressure(&self, x: &[f64]) -> Result<StraightLine, CalibrationError> {
+    /// Returns the line of the ratios over `x`, one for each run, or `None` if x is the same in all runs.
+    pub(super) fn over(&self, x: &[f64]) -> Option<StraightLine> {
         let points = self.points.iter().zip(x).map(|(point, x)| (*x, point.ratio, point.sigma));
-        let terms = Terms { offset: true, slope: true, bend: false };
-        StraightLine::about_mean(points, terms).ok_or(CalibrationError::Undetermined {
-            what: "a speed law",
-            why: "the pressure at the inlet is the same at all speeds; take more speeds, or fit a line",
-        })
+        StraightLine::about_mean(points, Terms { offset: true, slope: true, bend: false })
     }
 
-    /// Returns the pressure, in kPa absolute, at which each run trapped its segments by `law` of `base`, the
-    /// pump counted from its own zero.
-    ///
-    /// # Errors
-    ///
-    /// [`ModelError`] where the pump or the law cannot be computed.
-    pub(super) fn trapped_kpa(&self, base: &Pump, law: &SpeedLaw) -> Result<Vec<f64>, ModelError> {
-        self.points.iter().map(|point| law.trapped_kpa(base, point.speed_rad_s)).collect()
+    /// Cruise speed of each run, in rad/s, negative in reverse.
+    pub(super) fn speeds_rad_s(&self) -> impl Iterator<Item = f64> {
+        self.points.iter().map(|point| point.speed_rad_s)
     }
 
     /// Returns the departures of the ratios from a line over the speed.

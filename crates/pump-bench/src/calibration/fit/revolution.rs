@@ -7,11 +7,11 @@ use super::short_dose::ShortDose;
 
 /// Volume of a revolution, as it is known without looking at short doses.
 #[derive(Debug, Clone, Copy)]
-pub struct Revolution<'a> {
-    /// Displacement that was weighed, or that of the pump file's speed law; `None` takes the model's volume.
-    pub against: Option<AgainstSpeed<'a>>,
+pub(crate) struct Revolution<'a> {
+    /// Displacement that was weighed, or that of the pump file's law; `None` takes the model's volume.
+    pub(crate) against: Option<AgainstSpeed<'a>>,
     /// Standard uncertainty of a volume that was not weighed, as a part of it.
-    pub model_standard: f64,
+    pub(crate) model_standard: f64,
 }
 
 impl Revolution<'_> {
@@ -19,7 +19,7 @@ impl Revolution<'_> {
     ///
     /// # Errors
     ///
-    /// [`ModelError`] where the speed law cannot be computed for this pump and speed.
+    /// [`ModelError`] where the law cannot be computed for this pump and speed.
     pub(super) fn factor(&self, dose: &ShortDose) -> Result<f64, ModelError> {
         let Some(against) = &self.against else { return Ok(1.0) };
         against.factor_at(dose.speed_rpm.unwrap_or(against.typical_rpm()).copysign(dose.turned_deg))
@@ -29,7 +29,7 @@ impl Revolution<'_> {
     ///
     /// # Errors
     ///
-    /// [`ModelError`] where the speed law cannot be computed for this pump.
+    /// [`ModelError`] where the law cannot be computed for this pump.
     pub(super) fn standard(&self, pump: &Pump) -> Result<f64, ModelError> {
         match self.against.and_then(|against| against.displacement()) {
             Some(known) => known.standard_at(pump, known.reference_rpm),

@@ -1,10 +1,10 @@
 //! Tests of doses of a pump whose file has a speed law.
 
-use pump_model::math::rad_s;
+use pump_model::units::rad_s;
 
 use super::*;
-use crate::displacement::SpeedLawError;
-use crate::dosing::Budget;
+use crate::displacement::DisplacementError;
+use crate::dosing::{Budget, Swept};
 use crate::dosing::{DoseRequest, Prepared};
 use crate::pump_file::SpeedLawTable;
 use crate::record::{PhaseSource, Purpose};
@@ -28,7 +28,7 @@ fn prepared(file: &PumpFile, volume_ml: f64, cruise: Cruise) -> Result<Prepared,
 }
 
 fn kappa(file: &PumpFile, speed_rpm: f64) -> f64 {
-    file.speed_law().unwrap().unwrap().factor_at(&file.model().unwrap(), rad_s(speed_rpm)).unwrap()
+    file.displacement_law().unwrap().unwrap().factor_at(&file.model().unwrap(), rad_s(speed_rpm)).unwrap()
 }
 
 #[test]
@@ -43,8 +43,10 @@ fn without_a_law_plans_are_those_of_the_model_to_the_last_bit() {
     ] {
         for volume_ml in [25.0, -3.0] {
             let found = prepared(&file, volume_ml, cruise).unwrap();
-            let expected =
-                plan(&model, Phase::known(0.7), &Request::new(volume_ml, cruise), &file.limits()).unwrap();
+            let expected = Doser::new(&model, file.limits())
+                .unwrap()
+                .plan(Phase::known(0.7), &Request::new(volume_ml, cruise))
+                .unwrap();
             assert_eq!((found.plan, found.model, found.applied), (expected, model, None));
         }
     }
@@ -62,14 +64,14 @@ fn a_dose_has_the_volume_of_its_own_cruise_speed_whatever_was_asked() {
     ] {
         for volume_ml in [40.0, -40.0] {
             let found = prepared(&file, volume_ml, cruise).unwrap();
-            let speed_rpm = rpm(found.plan.profile.cruise_rad_s());
+            let speed_rpm = rpm(found.plan.profile().cruise_rad_s());
             let factor = found.correction().factor;
             let expected = kappa(&file, speed_rpm * volume_ml.signum());
             assert!((factor / expected - 1.0).abs() < 2e-6, "{cruise:?}: {factor} {expected}");
             let curve = *file.model().unwrap().outlet_curve();
             let turned_ml = curve.volume_ml(found.plan.end_angle_rad()) - curve.volume_ml(0.7);
-            assert!((found.plan.planned_ml - factor * turned_ml).abs() < 1e-9);
-            assert!((found.plan.planned_ml - volume_ml).abs() < 3e-3, "{}", found.plan.planned_ml);
+            assert!((found.plan.planned_ml() - factor * turned_ml).abs() < 1e-9);
+            assert!((found.plan.planned_ml() - volume_ml).abs() < 3e-3, "{}", found.plan.planned_ml());
             if let Cruise::Flow { ml_s } = cruise {
                 assert!((found.plan.cruise_flow_ml_s(&found.model) - ml_s).abs() < 1e-8);
             }
@@ -89,7 +91,8 @@ fn speeds_and_flows_that_the_law_does_not_have_are_refused_with_those_that_it_ha
     }
     for ml_s in [1.0, 90.0] {
         let error = refused(Cruise::Flow { ml_s });
-        let DoseError::SpeedLaw(SpeedLawError::OutsideFlows { least_ml_s, most_ml_s, .. }) = error else {
+        let DoseError::Displacement(DisplacementError::OutsideFlows { least_ml_s, most_ml_s, .. }) = error
+        else {
             panic!("{error}")
         };
         for ml_s in [least_ml_s, most_ml_s] {
@@ -107,10 +110,15 @@ fn speeds_and_flows_that_the_law_does_not_have_are_refused_with_those_that_it_ha
 fn the_laws_own_uncertainty_takes_the_models_place_and_runs_to_weigh_are_of_the_model() {
     let file = file(PUBLISHED);
     let found = prepared(&file, 25.0, Cruise::Flow { ml_s: 20.0 }).unwrap();
-    let budget = Budget::new(&found.model, &found.plan, &file.uncertainty, found.applied.as_ref());
+    let budget = Budget::new(
+        &found.model,
+        &Swept::whole(&found.model, &found.plan),
+        &file.uncertainty,
+        found.applied.as_ref(),
+    );
     let share_ml =
         |source| budget.shares.iter().find(|share| share.source.as_str() == source).unwrap().standard_ml;
-    assert!((share_ml("speed_law") - 0.015 * found.plan.planned_ml).abs() < 1e-12);
+    assert!((share_ml("speed_law") - 0.015 * found.plan.planned_ml()).abs() < 1e-12);
     assert_eq!((share_ml("model"), share_ml("temperature")), (0.0, 0.0));
 
     let request = DoseRequest {

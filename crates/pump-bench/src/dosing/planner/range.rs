@@ -1,12 +1,12 @@
-//! The speeds that a calibration or speed law covers, and refusals of others.
+//! The speeds that a calibration or law covers, and refusals of others.
 
 use pump_ctl::plan::Request;
 use pump_model::ModelError;
-use pump_model::math::rad_s;
+use pump_model::units::rad_s;
 
 use super::{Planner, reverse};
 use crate::calibration::{AgainstSpeed, CalibrationError};
-use crate::displacement::SpeedLawError;
+use crate::displacement::DisplacementError;
 use crate::dosing::DoseError;
 
 impl Planner<'_> {
@@ -40,7 +40,7 @@ impl Planner<'_> {
         request: &Request,
     ) -> DoseError {
         let found = match against.given_law() {
-            Some(law) => law.outside_flows(self.base, ml_s, reverse(request)).map(DoseError::from),
+            Some(law) => law.outside_flows(self.pump.base(), ml_s, reverse(request)).map(DoseError::from),
             None => self.outside(against, format!("{ml_s} mL/s"), request),
         };
         found.unwrap_or_else(|error| CalibrationError::from(error).into())
@@ -55,7 +55,7 @@ impl Planner<'_> {
     ) -> Result<DoseError, ModelError> {
         let (least_rpm, most_rpm) = against.range_rpm().unwrap_or((0.0, f64::INFINITY));
         let Some(stored) = self.stored.filter(|_| against.displacement().is_some()) else {
-            return Ok(SpeedLawError::OutsideSpeeds { asked, least_rpm, most_rpm }.into());
+            return Ok(DisplacementError::OutsideSpeeds { asked, least_rpm, most_rpm }.into());
         };
         let (least_ml_s, most_ml_s) = against.flows_ml_s(reverse(request))?.unwrap_or((0.0, f64::INFINITY));
         let version = stored.version;

@@ -1,7 +1,7 @@
 //! Searches for the cruise speed of a dose within a time, and of the fastest dose.
 
 use pump_ctl::plan::{Cruise, Phase, PlanError, Request};
-use pump_model::math::{rad_s, rpm};
+use pump_model::units::{rad_s, rpm};
 
 use super::{Planner, SpeedPlan, signed};
 use crate::calibration::{AgainstSpeed, CalibrationError};
@@ -52,7 +52,7 @@ impl Planner<'_> {
         let mut speed_rpm = against.typical_rpm();
         for _ in 0..MOST_ROUNDS {
             let planned = self.at_speed(Some(against), inside(speed_rpm), start, request)?;
-            speed_rpm = rpm(planned.plan.profile.cruise_rad_s());
+            speed_rpm = rpm(planned.plan.profile().cruise_rad_s());
             let (with, found) = Self::factors(against, &planned, inside(speed_rpm), request)?;
             if (found - with).abs() <= SAME_FACTOR {
                 self.covers(against, speed_rpm, request, || slowest(speed_rpm, time_s))?;
@@ -77,9 +77,10 @@ impl Planner<'_> {
         let mut shortest_s = f64::INFINITY;
         for _ in 0..MOST_RAISES {
             self.covers(against, speed_rpm, request, || slowest(speed_rpm, time_s))?;
-            let request = Request { cruise: Cruise::Speed { rad_s: rad_s(speed_rpm) }, ..*request };
+            let request = request.with_cruise(Cruise::Speed { rad_s: rad_s(speed_rpm) });
             let planned = self.at_speed(Some(against), speed_rpm, start, &request)?;
-            let takes_s = planned.plan.profile.duration_s() + planned.plan.predict(&planned.model)?.settle_s;
+            let takes_s =
+                planned.plan.profile().duration_s() + planned.plan.predict(&planned.model)?.settle_s;
             if takes_s <= time_s {
                 return Ok(planned);
             }
@@ -112,7 +113,7 @@ impl Planner<'_> {
         let mut speed_rpm = against.typical_rpm();
         for _ in 0..MOST_ROUNDS {
             let planned = within.at_speed(Some(against), speed_rpm, start, request)?;
-            let found_rpm = rpm(planned.plan.profile.cruise_rad_s());
+            let found_rpm = rpm(planned.plan.profile().cruise_rad_s());
             let (with, found) = Self::factors(against, &planned, found_rpm, request)?;
             // A search finds the limiting speed to 1e-6 of it, so the displacement is not known better.
             if (found - with).abs() <= FASTER {

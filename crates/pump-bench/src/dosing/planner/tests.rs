@@ -1,9 +1,9 @@
 //! Tests of doses of a pump whose displacement depends on the speed.
 
-use pump_model::math::rad_s;
+use pump_model::units::rad_s;
 
 use super::*;
-use crate::calibration::{Calibration, Displacement, Expected, Reading, Run, Source, Weighing};
+use crate::calibration::{Calibration, CalibrationRun, Displacement, Expected, Reading, Source, Weighing};
 
 /// Returns a calibration that fits 1 + slope (N - 50) at these speeds exactly.
 fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) -> Stored {
@@ -11,7 +11,7 @@ fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) -> Stored {
     let mut runs = Vec::new();
     for speed_rpm in speeds_rpm {
         let factor = 1.0 + slope_per_rpm * (speed_rpm - 50.0);
-        runs.push(Run {
+        runs.push(CalibrationRun {
             speed_rpm: *speed_rpm,
             start_angle_deg: Some(13.0),
             turned_deg: 800.0,
@@ -37,10 +37,9 @@ fn planned(
     cruise: Cruise,
 ) -> Result<SpeedPlan, DoseError> {
     let file = crate::catalogue::built_in("three-roller").unwrap();
-    let base = file.model().unwrap();
+    let pump = SpeedDependentPump::constant(file.model().unwrap());
     let stored = stored(&file, slope_per_rpm, speeds_rpm);
-    let planner =
-        Planner { file: &file, base: &base, stored: Some(&stored), law: None, limits: &file.limits() };
+    let planner = Planner { file: &file, pump: &pump, stored: Some(&stored), limits: &file.limits() };
     planner.plan(Phase::known(0.7), &Request::new(volume_ml, cruise))
 }
 
@@ -56,8 +55,8 @@ fn a_dose_has_the_displacement_of_its_own_cruise_speed() {
             let base = Pump::three_roller();
             let turned = base.outlet_curve().volume_ml(found.plan.end_angle_rad())
                 - base.outlet_curve().volume_ml(0.7);
-            assert!((found.plan.planned_ml - factor * turned).abs() < 1e-9);
-            assert!((found.plan.planned_ml - 25.0).abs() < 2e-3, "{}", found.plan.planned_ml);
+            assert!((found.plan.planned_ml() - factor * turned).abs() < 1e-9);
+            assert!((found.plan.planned_ml() - 25.0).abs() < 2e-3, "{}", found.plan.planned_ml());
         }
     }
 }
@@ -66,7 +65,7 @@ fn a_dose_has_the_displacement_of_its_own_cruise_speed() {
 fn a_rate_is_had_at_the_root_of_speed_and_displacement() {
     for slope in [-1e-3, 1e-3] {
         let found = planned(slope, &SPEEDS_RPM, 100.0, Cruise::Flow { ml_s: 20.0 }).unwrap();
-        let speed_rad_s = found.plan.profile.peak_rad_s();
+        let speed_rad_s = found.plan.profile().peak_rad_s();
         assert!((found.model.average_flow_ml_s(speed_rad_s) - 20.0).abs() < 1e-9);
         let factor = 1.0 + slope * (rpm(speed_rad_s) - 50.0);
         assert!((found.applied.as_ref().unwrap().correction.factor - factor).abs() < 1e-12);
@@ -81,12 +80,12 @@ fn a_time_is_met_by_the_slowest_speed_with_its_own_displacement() {
         {
             let found = planned(slope, &SPEEDS_RPM, volume_ml, Cruise::Within { time_s }).unwrap();
             let settle_s = found.plan.predict(&found.model).unwrap().settle_s;
-            let takes_s = found.plan.profile.duration_s() + settle_s;
+            let takes_s = found.plan.profile().duration_s() + settle_s;
             assert!(
                 takes_s <= time_s && takes_s > 0.8 * time_s,
                 "{slope} {volume_ml}: {takes_s} of {time_s}"
             );
-            let found_rpm = rpm(found.plan.profile.peak_rad_s());
+            let found_rpm = rpm(found.plan.profile().peak_rad_s());
             let factor = 1.0 + slope * (found_rpm - 50.0);
             assert!(
                 (found.applied.as_ref().unwrap().correction.factor - factor).abs() < 1e-9,
@@ -125,9 +124,11 @@ fn one_speed_is_used_at_every_speed_with_a_warning_and_a_share_for_it() {
     let warning = far.warning.unwrap();
     // sqrt(12) * 2.4 % over half of the motor's speeds.
     assert!(warning.contains("made at 50 r/min alone") && warning.contains("4.16 %"), "{warning}");
-    assert!((far.applied.as_ref().unwrap().sureness().unwrap().speed_law - 0.0416).abs() < 1e-4);
+    assert!((far.applied.as_ref().unwrap().sureness().unwrap().speed_dependence - 0.0416).abs() < 1e-4);
     let found = planned(0.0, &[50.0], 25.0, Cruise::Within { time_s: 3.0 }).unwrap();
-    assert!(found.applied.as_ref().unwrap().sureness().unwrap().speed_law > 0.0 && found.warning.is_some());
+    assert!(
+        found.applied.as_ref().unwrap().sureness().unwrap().speed_dependence > 0.0 && found.warning.is_some()
+    );
 }
 
 #[test]
@@ -135,8 +136,8 @@ fn a_calibration_of_another_pump_is_refused() {
     let file = crate::catalogue::built_in("three-roller").unwrap();
     let stored = stored(&file, 0.0, &[50.0]);
     let other = crate::catalogue::built_in("two-roller").unwrap();
-    let (base, limits) = (other.model().unwrap(), other.limits());
-    let planner = Planner { file: &other, base: &base, stored: Some(&stored), law: None, limits: &limits };
+    let (pump, limits) = (SpeedDependentPump::constant(other.model().unwrap()), other.limits());
+    let planner = Planner { file: &other, pump: &pump, stored: Some(&stored), limits: &limits };
     let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 });
     let Err(error) = planner.plan(Phase::known(0.0), &request) else { panic!("not refused") };
     assert!(error.to_string().contains("a pump with 21.318"), "{error}");

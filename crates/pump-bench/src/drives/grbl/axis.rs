@@ -4,28 +4,35 @@
 //! it names. The board plans its own ramps, so jogs are sent ahead only as far as keeps it at speed. The
 //! board makes what was sent even if this process ends. Settings are written only on request.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use pump_ctl::plan::{Motor, Plan};
 
-use super::board::{Board, Heard};
+use super::board::{Board, Heard, POLL};
+use super::connect;
 use super::error::GrblError;
 use super::jogs::{Jogs, Task};
-use super::port::Port;
-use super::recovery::Known;
+use super::recovery::Made;
 use super::reply::Reply;
 use super::scale::Scale;
-use super::settings::{Flavour, Settings};
-use super::{configure, connect, settings};
-use crate::drives::{Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, Sought};
-use crate::pump_file::{DriveTable, MotorTable};
-
-/// Abilities of these boards.
-pub(crate) const ABILITIES: Abilities =
-    Abilities { step_times: false, angle_dependent_speed: false, index: true, readback: true };
+use super::settings::{self, Flavour, MOST_STEPS_S, Settings};
+use super::wire::{BoardPort, Wire};
+use crate::drives::{
+    Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Opening, Watch,
+};
+use crate::pump_file::{DriveTable, DriverName, MotorTable, PumpFile};
 
 /// Relative error of a number that is kept in single precision and told with three decimals.
 const TOLD: f64 = 1e-5;
+
+/// Opens the axis that `table` names, for the pump of `file`.
+pub(crate) fn open(
+    table: &DriveTable,
+    file: &PumpFile,
+    opening: &Opening,
+) -> Result<Box<dyn Drive>, DriveError> {
+    Ok(Box::new(Grbl::open(table, &file.motor, opening)?))
+}
 
 /// One axis of a board.
 #[derive(Debug)]
@@ -50,32 +57,36 @@ pub struct Grbl {
 impl Grbl {
     /// Opens the port that `table` names, waits until the board rests, and reads its settings. Moves nothing.
     ///
-    /// `configure` lets it write the settings that a pump needs, and no others.
-    ///
     /// # Errors
     ///
     /// [`DriveError`] if the port is missing or in use, no grbl board answers, or its settings do not fit the
-    /// pump.
-    pub fn open(table: &DriveTable, motor: &MotorTable, configure: bool) -> Result<Self, DriveError> {
-        let mut board = Board::new(Port::open(table)?, table.axis.number());
+    /// pump or differ from those on record.
+    pub fn open(table: &DriveTable, motor: &MotorTable, opening: &Opening) -> Result<Self, DriveError> {
+        Self::over(Box::new(BoardPort::open(table)?), table, motor, opening)
+    }
+
+    /// Opens the board at the other end of `wire`, as [`Self::open`] does.
+    #[doc(hidden)]
+    pub fn over(
+        wire: Box<dyn Wire>,
+        table: &DriveTable,
+        motor: &MotorTable,
+        opening: &Opening,
+    ) -> Result<Self, DriveError> {
+        let mut board = Board::new(wire, table.axis.number(), opening.stop.clone());
         let mut reset = connect::find(&mut board, table)?;
         connect::rest(&mut board, &mut reset)?;
-        Ok(Self::read(board, table, &motor.at_pump_head(), configure, reset)?)
+        Ok(Self::read(board, table, &motor.at_pump_head(), opening, reset)?)
     }
 
     fn read(
         mut board: Board,
         table: &DriveTable,
         motor: &Motor,
-        configure: bool,
+        opening: &Opening,
         mut reset: bool,
     ) -> Result<Self, GrblError> {
-        let flavour = settings::flavour(&mut board)?;
-        let mut settings = settings::settings(&mut board, flavour, table.axis)?;
-        let mut notes = Vec::new();
-        if configure {
-            (settings, notes) = configure::configure(&mut board, settings, motor)?;
-        }
+        let (settings, mut notes) = settings::agreed(&mut board, table.axis, motor, opening)?;
         if settings.soft_limits() {
             return Err(GrblError::SoftLimits);
         }
@@ -96,7 +107,7 @@ impl Grbl {
         notes.extend(remarks(&settings, &scale));
         Ok(Self {
             least_steps_s: settings.least_steps_s(&scale),
-            most_steps_s: settings.rate_units_min()? / 60.0 * scale.steps_per_unit,
+            most_steps_s: settings.most_steps_s(&scale)?,
             stands: Some(scale.count(scale.reported_mm(place))),
             disturbed: reset.then_some(Disturbance::Reset),
             board,
@@ -123,13 +134,17 @@ impl Grbl {
         }
         let task = Task {
             start: counted,
-            direction: i64::from(plan.direction()),
-            steps: plan.steps.unsigned_abs(),
-            steps_s: plan.profile.peak_rad_s() / self.step_rad,
+            direction: i64::from(plan.direction().sign()),
+            steps: plan.steps().unsigned_abs(),
+            steps_s: plan.profile().peak_rad_s() / self.step_rad,
             steps_s2: self.steps_s2,
+            most_steps_s: self.most_steps_s,
         };
         if task.steps_s < self.least_steps_s * (1.0 - TOLD) {
             return Err(GrblError::Slow { steps_s: task.steps_s, least_s: self.least_steps_s });
+        }
+        if self.settings.flavour == Flavour::Grbl && task.steps_s > MOST_STEPS_S * (1.0 + TOLD) {
+            return Err(GrblError::FasterThanGrbl { steps_s: task.steps_s, most_s: MOST_STEPS_S });
         }
         if task.steps_s > self.most_steps_s * (1.0 + TOLD) {
             return Err(GrblError::Fast {
@@ -150,53 +165,66 @@ impl Grbl {
         plan: &Plan,
         motion: impl FnOnce(&mut Jogs<'_>) -> Result<T, GrblError>,
     ) -> Result<(T, u64), DriveFault> {
-        let task = match self.task(plan) {
+        // From here on the gate hears the user.
+        let before = self.board.be_deaf(true);
+        let task = self.task(plan);
+        self.board.be_deaf(before);
+        let task = match task {
             Ok(task) => task,
-            Err(error) => return Err(self.fault(error, 0, 0)),
+            Err(error) => return Err(self.fault(error, Made::exactly(0))),
         };
-        let mut under_way = Jogs::new(&mut self.board, &self.scale, task);
-        let outcome = motion(&mut under_way).map_err(|error| under_way.recover(error));
-        let (made, sent) = (under_way.made, under_way.sent);
+        let scale = &self.scale;
+        let (outcome, sent) = self.board.undisturbed(|board| {
+            let mut under_way = Jogs::new(board, scale, task);
+            let outcome = match motion(&mut under_way) {
+                Ok(value) => Ok((value, under_way.made)),
+                Err(error) => Err(under_way.recover(error)),
+            };
+            (outcome, under_way.sent)
+        });
         let known = match &outcome {
-            Ok(_) => true,
-            Err((_, known)) => *known == Known::Exactly,
+            Ok((_, made)) => Some(*made as i64),
+            Err((_, made)) => made.known(),
         };
-        self.stands = known.then(|| task.count_after(made));
-        if sent > 0 && self.settings.holds() != Some(true) {
+        self.stands = known.map(|net| task.start + task.direction * net);
+        if sent > 0 && !self.holds_at_rest() {
             self.disturbed.get_or_insert(Disturbance::Disabled);
         }
-        outcome.map(|value| (value, made)).map_err(|(error, known)| {
-            let most = if known == Known::Exactly { made } else { sent };
-            let lost = known == Known::Nowhere;
-            let fault = self.fault(error, made, most);
-            DriveFault { lost: lost || fault.lost, ..fault }
-        })
+        outcome.map_err(|(error, made)| self.fault(error, made))
     }
 
-    fn fault(&mut self, error: GrblError, made_least: u64, made_most: u64) -> DriveFault {
+    fn fault(&mut self, error: GrblError, made: Made) -> DriveFault {
         match error {
             GrblError::Reset => self.disturbed = Some(Disturbance::Reset),
             GrblError::Gone(_) | GrblError::Quiet { .. } => self.disturbed = Some(Disturbance::LinkLost),
             _ => {}
         }
-        DriveFault { made_least, made_most, lost: error.loses(), error: error.into() }
+        let Made { least, most, lost } = made;
+        DriveFault { made_least: least, made_most: most, lost: lost || error.loses(), error: error.into() }
     }
 
-    /// Takes in what the board says unasked.
+    /// Takes in what the board says unasked for as long as `wait`.
     fn overhear(&mut self, wait: Duration) -> Result<(), GrblError> {
-        while let Some(heard) = self.board.hear(wait)? {
-            if let Heard::Reply(Reply::Banner(_)) = heard {
-                self.disturbed = Some(Disturbance::Reset);
-                self.stands = None;
-            }
+        let mut reset = false;
+        let heard = self.board.hear_all(wait, |heard| {
+            reset |= matches!(heard, Heard::Reply(Reply::Banner(_)));
+            Ok(())
+        });
+        if reset {
+            self.disturbed = Some(Disturbance::Reset);
+            self.stands = None;
         }
-        Ok(())
+        heard
     }
 }
 
 impl Drive for Grbl {
+    fn id(&self) -> &str {
+        DriverName::Grbl.as_str()
+    }
+
     fn abilities(&self) -> Abilities {
-        ABILITIES
+        Abilities::GRBL
     }
 
     fn limits(&self) -> Option<DriveLimits> {
@@ -213,14 +241,20 @@ impl Drive for Grbl {
 
     fn disturbed(&mut self) -> Option<Disturbance> {
         // A connection that broke at rest is the next motion's fault.
+        let before = self.board.be_deaf(true);
         let _ = self.overhear(Duration::ZERO);
+        self.board.be_deaf(before);
         self.disturbed.take()
+    }
+
+    fn holds_at_rest(&self) -> bool {
+        self.settings.holds() == Some(true)
     }
 
     fn check(&mut self, plan: &Plan) -> Result<(), DriveError> {
         if plan.is_smooth() {
             return Err(DriveError::Unable {
-                driver: "grbl",
+                driver: self.id().to_owned(),
                 ability: "speed that follows the rollers' angle",
                 instead: "leave out --smooth",
             });
@@ -236,20 +270,22 @@ impl Drive for Grbl {
         self.travel(plan, |motion| motion.run(gate)).map(|((), made)| made)
     }
 
-    fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<Sought, DriveFault> {
+    fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<IndexSearch, DriveFault> {
         self.travel(plan, |motion| motion.search(gate)).map(|(found, _)| found)
     }
 
-    fn settle(&mut self, settle_s: f64) -> Result<Option<f64>, DriveError> {
-        let until = Instant::now() + Duration::from_secs_f64(settle_s.max(0.0));
+    fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {
+        let until = self.board.now() + Duration::from_secs_f64(settle_s.max(0.0));
         loop {
-            let left = until.saturating_duration_since(Instant::now());
-            if left.is_zero() {
+            let left = until.saturating_sub(self.board.now());
+            // The steps are made and counted. A user who asks to stop need not wait for the line.
+            if left.is_zero() || watch().is_break() || self.board.heed().is_err() {
                 return Ok(None);
             }
+            let slice = left.min(POLL);
             // A connection that broke at rest is the next motion's fault: the steps made are known.
-            if self.overhear(left).is_err() {
-                std::thread::sleep(left);
+            if self.overhear(slice).is_err() {
+                self.board.sleep(slice);
             }
         }
     }

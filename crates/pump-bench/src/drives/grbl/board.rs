@@ -1,17 +1,21 @@
 //! A conversation with a board: one line at a time, and a question for its position now and then.
+//!
+//! A board may say anything at any time, without end. So every wait has a deadline that no reply moves, and
+//! every wait at rest hears the user's request to stop.
 
 use std::collections::VecDeque;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::error::GrblError;
-use super::port::Port;
-use super::reply::{Replies, Reply, State, Status};
+use super::reply::{BoardState, BoardStatus, Replies, Reply};
+use super::wire::Wire;
+use crate::drives::StopRequest;
 
 /// Time between two questions for the position. grbl's documentation asks for at most five to ten a second of
 /// a slow machine's user interface. A board answers hundreds.
 pub(super) const POLL: Duration = Duration::from_millis(50);
 
-/// Silence after a question from which on a board is out of reach.
+/// Time without a report after a question from which on a board is out of reach.
 const SILENCE: Duration = Duration::from_secs(2);
 
 /// Longest wait for a line to be acknowledged.
@@ -19,6 +23,12 @@ pub(super) const OK_LIMIT: Duration = Duration::from_secs(5);
 
 /// Longest wait for bytes before something else may be due.
 const SLICE: Duration = Duration::from_millis(5);
+
+/// Longest time for which replies are read that were there already.
+const BACKLOG: Duration = Duration::from_millis(50);
+
+/// Most replies to one line that are kept. A list of settings has about a hundred lines.
+const MOST_REPLIES: usize = 2000;
 
 /// Byte that asks for a status report. The board takes it from the stream at once, wherever it stands.
 const QUESTION: u8 = b'?';
@@ -29,83 +39,145 @@ pub(super) enum Heard {
     /// Any reply that is not a status report.
     Reply(Reply),
     /// A status report, with the axis's coordinate if it can be known, in mm or inches.
-    Status(State, Option<f64>),
+    Status(BoardState, Option<f64>),
 }
 
-/// Board at the other end of a port.
+/// Board at the other end of a wire.
 #[derive(Debug)]
 pub(super) struct Board {
-    port: Port,
+    wire: Box<dyn Wire>,
     replies: Replies,
     waiting: VecDeque<Reply>,
     /// Number of the axis in reports.
     axis: usize,
     /// Offset `WCO` of the axis, once it was reported.
     offset: Option<f64>,
-    asked: Option<Instant>,
-    unanswered: Option<Instant>,
+    asked: Option<Duration>,
+    unanswered: Option<Duration>,
+    stop: StopRequest,
+    /// True while waits go on although the user asked to stop: the motor turns, or its rest is looked at.
+    deaf: bool,
 }
 
 impl Board {
-    /// Talks through `port` to the axis of this number.
-    pub(super) fn new(port: Port, axis: usize) -> Self {
+    /// Talks through `wire` to the axis of this number. Waits at rest end once `stop` is made.
+    pub(super) fn new(wire: Box<dyn Wire>, axis: usize, stop: StopRequest) -> Self {
         Self {
-            port,
+            wire,
             replies: Replies::default(),
             waiting: VecDeque::new(),
             axis,
             offset: None,
             asked: None,
             unanswered: None,
+            stop,
+            deaf: false,
         }
+    }
+
+    /// Returns the time since the wire was opened.
+    pub(super) fn now(&mut self) -> Duration {
+        self.wire.now()
+    }
+
+    /// Lets waits go on, or not, although the user asked to stop. Returns what they did before.
+    pub(super) fn be_deaf(&mut self, deaf: bool) -> bool {
+        std::mem::replace(&mut self.deaf, deaf)
+    }
+
+    /// Makes `talk` with waits that go on although the user asked to stop.
+    pub(super) fn undisturbed<T>(&mut self, talk: impl FnOnce(&mut Self) -> T) -> T {
+        let before = self.be_deaf(true);
+        let result = talk(self);
+        self.be_deaf(before);
+        result
+    }
+
+    /// Refuses to wait at rest once the user asked to stop.
+    pub(super) fn heed(&self) -> Result<(), GrblError> {
+        if !self.deaf && self.stop.is_made() { Err(GrblError::Interrupted) } else { Ok(()) }
     }
 
     /// Sends a line.
     pub(super) fn send(&mut self, line: &str) -> Result<(), GrblError> {
-        self.port.write(format!("{line}\n").as_bytes())
+        self.wire.write(format!("{line}\n").as_bytes()).map_err(GrblError::Gone)
     }
 
     /// Sends a byte that takes effect at once.
     pub(super) fn send_byte(&mut self, byte: u8) -> Result<(), GrblError> {
-        self.port.write(&[byte])
+        self.wire.write(&[byte]).map_err(GrblError::Gone)
     }
 
     /// Asks for a status report.
     pub(super) fn ask(&mut self) -> Result<(), GrblError> {
-        let now = Instant::now();
+        self.note_question();
+        self.send_byte(QUESTION)
+    }
+
+    /// Sends a line with a question for the position before its end. The board takes the question from the
+    /// stream, and answers it before it obeys the line.
+    pub(super) fn send_with_question(&mut self, line: &str) -> Result<(), GrblError> {
+        self.note_question();
+        let question = char::from(QUESTION);
+        self.wire.write(format!("{line}{question}\n").as_bytes()).map_err(GrblError::Gone)
+    }
+
+    fn note_question(&mut self) {
+        let now = self.now();
         self.asked = Some(now);
         self.unanswered.get_or_insert(now);
-        self.send_byte(QUESTION)
     }
 
     /// Waits a moment for something to be said, and asks for the position whenever it is due.
     pub(super) fn listen(&mut self) -> Result<Option<Heard>, GrblError> {
-        if self.asked.is_none_or(|asked| asked.elapsed() >= POLL) {
+        let now = self.now();
+        if self.asked.is_none_or(|asked| now - asked >= POLL) {
             self.ask()?;
         }
         let heard = self.hear(SLICE)?;
-        if heard.is_none()
-            && let Some(since) = self.unanswered.filter(|since| since.elapsed() > SILENCE)
-        {
-            return Err(GrblError::Quiet { waited_s: since.elapsed().as_secs_f64() });
+        let waited = self.now() - self.unanswered.unwrap_or(now);
+        if self.unanswered.is_some() && waited > SILENCE {
+            return Err(GrblError::Quiet { waited_s: waited.as_secs_f64() });
         }
         Ok(heard)
     }
 
     /// Waits until something is said or `wait` has passed.
     pub(super) fn hear(&mut self, wait: Duration) -> Result<Option<Heard>, GrblError> {
-        let until = Instant::now() + wait;
+        let until = self.now() + wait;
         loop {
+            self.heed()?;
             if let Some(reply) = self.waiting.pop_front() {
                 return Ok(Some(self.understand(reply)));
             }
             let mut bytes = [0; 256];
-            let count = self.port.read(&mut bytes, until.saturating_duration_since(Instant::now()))?;
+            let left = until.saturating_sub(self.now()).min(SLICE);
+            let count = self.wire.read(&mut bytes, left).map_err(GrblError::Gone)?;
             let mut replies = Vec::new();
             self.replies.feed(bytes.get(..count).unwrap_or_default(), &mut replies);
             self.waiting.extend(replies);
-            if self.waiting.is_empty() && Instant::now() >= until {
+            if self.waiting.is_empty() && self.now() >= until {
                 return Ok(None);
+            }
+        }
+    }
+
+    /// Gives every reply of the next `wait` to `each`, and those that are there already.
+    pub(super) fn hear_all(
+        &mut self,
+        wait: Duration,
+        mut each: impl FnMut(Heard) -> Result<(), GrblError>,
+    ) -> Result<(), GrblError> {
+        let until = self.now() + wait;
+        loop {
+            let left = until.saturating_sub(self.now());
+            match self.hear(left)? {
+                Some(heard) => each(heard)?,
+                None if left.is_zero() => return Ok(()),
+                None => {}
+            }
+            if self.now() >= until + BACKLOG {
+                return Ok(());
             }
         }
     }
@@ -122,15 +194,11 @@ impl Board {
                 self.offset = None;
                 Heard::Reply(reply)
             }
-            Reply::Unknown(_) => Heard::Reply(reply),
-            _ => {
-                self.unanswered = None;
-                Heard::Reply(reply)
-            }
+            _ => Heard::Reply(reply),
         }
     }
 
-    fn place(&mut self, status: &Status) -> Option<f64> {
+    fn place(&mut self, status: &BoardStatus) -> Option<f64> {
         let of = |numbers: &Option<Vec<f64>>| numbers.as_ref()?.get(self.axis).copied();
         let (machine, work, offset) = (of(&status.machine), of(&status.work), of(&status.offset));
         self.offset = offset.or(self.offset);
@@ -142,55 +210,91 @@ impl Board {
     ///
     /// Asks nothing meanwhile: while a board stores a setting, it loses what it is sent.
     pub(super) fn command(&mut self, line: &str) -> Result<Vec<Reply>, GrblError> {
+        self.heed()?;
         self.send(line)?;
-        let started = Instant::now();
+        let started = self.now();
         let mut said = Vec::new();
         loop {
             if let Some(Heard::Reply(reply)) = self.hear(SLICE)? {
                 match reply {
-                    Reply::Ok => return Ok(said),
+                    Reply::Ok => {
+                        // A board that acknowledges a line is within reach.
+                        self.unanswered = None;
+                        return Ok(said);
+                    }
                     Reply::Error(code) => return Err(GrblError::Refused { line: line.to_owned(), code }),
                     Reply::Banner(_) => return Err(GrblError::Reset),
                     Reply::Alarm(code) => return Err(GrblError::Alarm { code }),
-                    other => said.push(other),
+                    other if said.len() < MOST_REPLIES => said.push(other),
+                    _ => {}
                 }
             }
-            if started.elapsed() > OK_LIMIT {
-                let waited_s = started.elapsed().as_secs_f64();
-                return Err(GrblError::NoOk { line: line.to_owned(), waited_s });
+            let waited = self.now() - started;
+            if waited > OK_LIMIT {
+                return Err(GrblError::NoOk { line: line.to_owned(), waited_s: waited.as_secs_f64() });
             }
         }
     }
 
     /// Asks for the state and waits for an answer that is newer than the question. Calls `at_banner` if the
     /// board was reset.
-    pub(super) fn state(&mut self, mut at_banner: impl FnMut()) -> Result<State, GrblError> {
-        while let Some(heard) = self.hear(Duration::ZERO)? {
-            if let Heard::Reply(Reply::Banner(_)) = heard {
+    pub(super) fn state(&mut self, mut at_banner: impl FnMut()) -> Result<BoardState, GrblError> {
+        let is_banner = |heard: &Heard| matches!(heard, Heard::Reply(Reply::Banner(_)));
+        self.hear_all(Duration::ZERO, |heard| {
+            if is_banner(&heard) {
                 at_banner();
             }
-        }
+            Ok(())
+        })?;
         self.ask()?;
+        // A board that does not answer is out of reach after a while: this loop ends.
         loop {
             match self.listen()? {
                 Some(Heard::Status(state, _)) => return Ok(state),
-                Some(Heard::Reply(Reply::Banner(_))) => at_banner(),
+                Some(heard) if is_banner(&heard) => at_banner(),
                 _ => {}
             }
         }
     }
 
-    /// Returns the reported position of the axis of a board at rest. A board at rest sends `WCO` only in
-    /// every tenth report.
+    /// Returns the reported position of the axis of a board at rest, once it was reported twice in a row. A
+    /// board at rest sends `WCO` only in every tenth report.
     pub(super) fn rests_at(&mut self) -> Result<f64, GrblError> {
-        let started = Instant::now();
-        while started.elapsed() < OK_LIMIT {
+        let started = self.now();
+        let mut before = None;
+        while self.now() - started < OK_LIMIT {
             match self.listen()? {
-                Some(Heard::Status(State::Idle, Some(place))) => return Ok(place),
+                Some(Heard::Status(BoardState::Idle, Some(place))) if before == Some(place) => {
+                    return Ok(place);
+                }
+                Some(Heard::Status(BoardState::Idle, Some(place))) => {
+                    before = Some(place);
+                    self.ask()?;
+                }
                 Some(Heard::Reply(Reply::Banner(_))) => return Err(GrblError::Reset),
                 _ => {}
             }
         }
-        Err(GrblError::NoPosition { waited_s: started.elapsed().as_secs_f64() })
+        Err(GrblError::NoPosition { waited_s: (self.now() - started).as_secs_f64() })
+    }
+
+    /// Lets `time` pass and discards what is heard.
+    pub(super) fn pass(&mut self, time: Duration) -> Result<(), GrblError> {
+        self.hear_all(time, |_| Ok(()))
+    }
+
+    /// Lets `time` pass without a look at the wire.
+    pub(super) fn sleep(&mut self, time: Duration) {
+        self.wire.sleep(time);
+    }
+
+    /// Sends `byte` five times to a board that does not answer, as far as the wire takes it.
+    pub(super) fn call_out(&mut self, byte: u8) {
+        for _ in 0..5 {
+            if self.send_byte(byte).is_err() {
+                return;
+            }
+            self.wire.sleep(POLL);
+        }
     }
 }

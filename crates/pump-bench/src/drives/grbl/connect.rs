@@ -1,10 +1,10 @@
 //! Finding a board, and bringing it to rest.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::board::{Board, Heard, POLL};
 use super::error::GrblError;
-use super::reply::{Reply, State};
+use super::reply::{BoardState, Reply};
 use crate::pump_file::DriveTable;
 
 /// Longest wait for a first answer. Bootloaders take two seconds, boards with a network some more.
@@ -15,6 +15,9 @@ const KNOCK: Duration = Duration::from_millis(200);
 
 /// Silence after a banner from which on a board is ready. More lines follow a banner.
 const QUIET: Duration = Duration::from_millis(150);
+
+/// Longest wait for that silence. Some boards never fall silent.
+const QUIET_LIMIT: Duration = Duration::from_secs(2);
 
 /// Longest wait for a motion that is under way at the start. The jogs that an earlier process sent take a
 /// second or two.
@@ -28,25 +31,29 @@ pub(super) const RESET: u8 = 0x18;
 
 /// Waits until a board answers. Returns true if the board was reset meanwhile.
 pub(super) fn find(board: &mut Board, table: &DriveTable) -> Result<bool, GrblError> {
-    let started = Instant::now();
+    let started = board.now();
     let mut reset = false;
     let mut noise = String::new();
-    while started.elapsed() < ANSWER_LIMIT {
+    while board.now() - started < ANSWER_LIMIT {
         board.ask()?;
-        let until = Instant::now() + KNOCK;
-        while let Some(heard) = board.hear(until.saturating_duration_since(Instant::now()))? {
-            match heard {
-                Heard::Reply(Reply::Banner(_)) => {
+        let until = board.now() + KNOCK;
+        loop {
+            let left = until.saturating_sub(board.now());
+            if left.is_zero() {
+                break;
+            }
+            match board.hear(left)? {
+                Some(Heard::Reply(Reply::Banner(_))) => {
                     reset = true;
                     reset |= quiet(board)?;
                     return Ok(reset);
                 }
-                Heard::Status(..) => {
+                Some(Heard::Status(..)) => {
                     reset |= quiet(board)?;
                     return Ok(reset);
                 }
-                Heard::Reply(Reply::Unknown(line)) if noise.is_empty() => noise = line,
-                Heard::Reply(_) => {}
+                Some(Heard::Reply(Reply::Unknown(line))) if noise.is_empty() => noise = line,
+                _ => {}
             }
         }
     }
@@ -56,68 +63,65 @@ pub(super) fn find(board: &mut Board, table: &DriveTable) -> Result<bool, GrblEr
     Err(GrblError::NoGrbl { port, baud: table.baud, waited_s: ANSWER_LIMIT.as_secs_f64(), heard })
 }
 
-/// Waits until the board falls silent. Returns true if a banner was among its lines.
+/// Waits until the board says nothing but status reports. Returns true if a banner was among its lines.
 fn quiet(board: &mut Board) -> Result<bool, GrblError> {
-    let until = Instant::now() + ANSWER_LIMIT;
+    let until = board.now() + QUIET_LIMIT;
+    let mut quiet_at = board.now() + QUIET;
     let mut reset = false;
-    while let Some(heard) = board.hear(QUIET)? {
-        reset |= matches!(heard, Heard::Reply(Reply::Banner(_)));
-        if Instant::now() >= until {
-            break;
+    loop {
+        let left = quiet_at.min(until).saturating_sub(board.now());
+        if left.is_zero() {
+            return Ok(reset);
+        }
+        if let Some(Heard::Reply(reply)) = board.hear(left)? {
+            reset |= matches!(reply, Reply::Banner(_));
+            quiet_at = board.now() + QUIET;
         }
     }
-    Ok(reset)
 }
 
 /// Brings the board to rest, ready for jogs. Unlocks a board that is locked because it was just reset.
 ///
 /// Sets `reset` to true if the board is reset meanwhile.
 pub(super) fn rest(board: &mut Board, reset: &mut bool) -> Result<(), GrblError> {
-    let started = Instant::now();
+    let started = board.now();
     let mut unlocked = false;
     loop {
         let state = board.state(|| *reset = true)?;
-        let waited = started.elapsed();
+        let waited = board.now() - started;
         match state {
-            State::Idle => return Ok(()),
-            State::Alarm if *reset && !unlocked => {
+            BoardState::Idle => return Ok(()),
+            BoardState::Alarm if *reset && !unlocked => {
                 board.command("$X")?;
                 unlocked = true;
             }
-            State::Sleep if !*reset => {
+            BoardState::Sleep if !*reset => {
                 board.send_byte(RESET)?;
                 quiet(board)?;
                 *reset = true;
             }
-            State::Run | State::Jog | State::Home if waited < REST_LIMIT => pause(board)?,
-            State::Run | State::Jog | State::Home => {
+            BoardState::Run | BoardState::Jog | BoardState::Home if waited < REST_LIMIT => {
+                board.pass(POLL)?;
+            }
+            BoardState::Run | BoardState::Jog | BoardState::Home => {
                 return Err(GrblError::Moving { waited_s: waited.as_secs_f64() });
             }
-            State::Hold { .. } if waited < HOLD_LIMIT => pause(board)?,
+            BoardState::Hold { .. } if waited < HOLD_LIMIT => board.pass(POLL)?,
             other => return Err(locked(other)),
         }
     }
 }
 
-/// Lets a moment pass and discards what is heard.
-fn pause(board: &mut Board) -> Result<(), GrblError> {
-    std::thread::sleep(POLL);
-    board.hear(Duration::ZERO).map(|_| ())
-}
-
 /// Returns the refusal of a board in this state, with advice.
-fn locked(state: State) -> GrblError {
-    let instead = match state {
-        State::Alarm => "find out why, make sure that it is safe, then send it `$X` or switch it off and on",
-        State::Hold { .. } => "resume it with its button or `~`, or switch it off and on",
-        State::Door => "close the safety door",
-        State::Check => "it only checks G-code; send it `$C`",
+fn locked(state: BoardState) -> GrblError {
+    let instead = match &state {
+        BoardState::Alarm => {
+            "find out why, make sure that it is safe, then send it `$X` or switch it off and on"
+        }
+        BoardState::Hold { .. } => "resume it with its button or `~`, or switch it off and on",
+        BoardState::Door => "close the safety door",
+        BoardState::Check => "it only checks G-code; send it `$C`",
         _ => "switch it off and on",
     };
-    let state = match state {
-        State::Hold { .. } => "Hold".to_owned(),
-        State::Other(word) => word,
-        state => format!("{state:?}"),
-    };
-    GrblError::Locked { state, instead }
+    GrblError::Locked { state: state.word(), instead }
 }

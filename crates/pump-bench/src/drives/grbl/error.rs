@@ -147,8 +147,56 @@ pub enum GrblError {
         /// Value of the setting, in units/min.
         setting: f64,
     },
+    /// The dose is faster than grbl 1.1 makes steps, whatever its settings say.
+    #[error(
+        "the dose needs {steps_s:.0} steps/s, grbl 1.1 makes no more than {most_s:.0}; dose slower, or with \
+         fewer microsteps"
+    )]
+    FasterThanGrbl {
+        /// Steps per second at the cruise.
+        steps_s: f64,
+        /// Most steps per second of grbl 1.1.
+        most_s: f64,
+    },
+    /// The board told two values of one setting.
+    #[error(
+        "the board told ${number}={one}, and ${number}={two} when it was asked again; check its cable, and \
+         try again"
+    )]
+    Unsteady {
+        /// Number of the setting.
+        number: u16,
+        /// First value. NaN if the board did not list the setting.
+        one: f64,
+        /// Second value. NaN if the board did not list the setting.
+        two: f64,
+    },
+    /// Settings that scale the motion differ from those on record.
+    #[error(
+        "the board's settings have changed since the last time: {changes}; if you changed them, say \
+         `--accept-settings` once, otherwise set them back (the record is {})", .record.display()
+    )]
+    SettingsChanged {
+        /// Numbers, old and new values of the settings.
+        changes: String,
+        /// Path of the record.
+        record: PathBuf,
+    },
+    /// The record of the board's settings cannot be used.
+    #[error(
+        "the record of the board's settings cannot be {action}: {reason} ({}); `--accept-settings` writes it \
+         anew", .record.display()
+    )]
+    SettingsRecord {
+        /// Operation that failed, as the message words it.
+        action: &'static str,
+        /// Path of the record.
+        record: PathBuf,
+        /// Cause of the failure.
+        reason: String,
+    },
     /// The board refused a line.
-    #[error("the board refused `{line}` with error:{code}: {}", error_text(*code))]
+    #[error("the board refused {} with error:{code}: {}", named(line), error_text(*code))]
     Refused {
         /// Line that was sent.
         line: String,
@@ -209,6 +257,28 @@ pub enum GrblError {
         /// Time without a step, in s.
         waited_s: f64,
     },
+    /// The board was stopped by somebody else.
+    #[error(
+        "the board was stopped by somebody else (its state is {state}): by a hold, a jog cancel, a door or \
+         another program; find out why before the rest is made"
+    )]
+    StoppedElsewhere {
+        /// State of the board.
+        state: String,
+    },
+    /// The motion takes much longer than it needs.
+    #[error(
+        "the motion has taken {taken_s:.0} s and needs {needs_s:.1} s; check the feed override of the board"
+    )]
+    Late {
+        /// Time taken, in s.
+        taken_s: f64,
+        /// Time that the motion needs, in s.
+        needs_s: f64,
+    },
+    /// The user asked to stop while the board was at rest.
+    #[error("stopped by the user before anything moved")]
+    Interrupted,
     /// The board does not stop.
     #[error("the board has not come to rest for {waited_s:.1} s after it was told to stop; switch it off")]
     Unstoppable {
@@ -226,6 +296,11 @@ pub enum GrblError {
         /// Count that was expected, in steps.
         expected: i64,
     },
+}
+
+/// Names a line that was sent. An empty line only wakes the board.
+fn named(line: &str) -> String {
+    if line.is_empty() { "an empty line".to_owned() } else { format!("`{line}`") }
 }
 
 impl GrblError {
@@ -246,6 +321,21 @@ impl GrblError {
 
 impl From<GrblError> for DriveError {
     fn from(error: GrblError) -> Self {
-        Self::Device(Box::new(error))
+        match error {
+            GrblError::Interrupted => Self::Interrupted,
+            error => Self::Device(Box::new(error)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_refused_line_is_named_even_if_it_is_empty() {
+        let said = |line: &str| GrblError::Refused { line: line.to_owned(), code: 8 }.to_string();
+        assert!(said("").starts_with("the board refused an empty line with error:8: "), "{}", said(""));
+        assert!(said("$$").starts_with("the board refused `$$` with error:8: "), "{}", said("$$"));
     }
 }

@@ -1,13 +1,12 @@
 //! A plan as a sequence of jogs: as many ahead as keep the board at speed, and no more than were announced.
 
-use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::board::{Board, Heard, OK_LIMIT, POLL};
 use super::error::GrblError;
-use super::reply::{Reply, State};
+use super::reply::{BoardState, Reply};
 use super::scale::Scale;
-use crate::drives::Gate;
+use crate::drives::{Gate, Leave};
 
 /// Time at the cruise that is sent ahead of the motor, beyond the way in which it stops, in s: ten polls.
 const AHEAD_S: f64 = 0.5;
@@ -15,22 +14,39 @@ const AHEAD_S: f64 = 0.5;
 /// Number of jogs that are sent ahead. grbl plans 15 ahead.
 const JOGS_AHEAD: f64 = 8.0;
 
+/// Factor by which a motor is faster than it should be at most.
+const SURELY: f64 = 1.2;
+
+/// Longest way of a report through the system.
+const LATENCY: Duration = Duration::from_millis(20);
+
+/// Time between two looks at the pace of a motor that keeps it.
+const PACE: Duration = Duration::from_millis(200);
+
 /// Time without a step after which a board is stopped, in s, beyond twice the time of its next step.
 const STALL_S: f64 = 2.0;
+
+/// Time after which a motion is stopped, in s, beyond [`LATE`] times the time that it needs.
+const LATE_S: f64 = 30.0;
+
+/// Factor by which a motion may take longer than it needs. The feed may be overridden at the board.
+const LATE: f64 = 4.0;
 
 /// Steps to make, with their speeds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Task {
     /// Count before the first step.
-    pub start: i64,
+    pub(super) start: i64,
     /// Direction of the count: 1 if it rises, -1 if it falls.
-    pub direction: i64,
+    pub(super) direction: i64,
     /// Steps in all.
-    pub steps: u64,
+    pub(super) steps: u64,
     /// Steps per second at the cruise.
-    pub steps_s: f64,
+    pub(super) steps_s: f64,
     /// Steps per second² of the board's ramps.
     pub steps_s2: f64,
+    /// Most steps per second of the board.
+    pub most_steps_s: f64,
 }
 
 impl Task {
@@ -76,6 +92,11 @@ impl Task {
         Ok(())
     }
 
+    /// Returns the time that the motion needs at the board's own ramps, in s.
+    fn needs_s(&self) -> f64 {
+        self.steps as f64 / self.steps_s + self.steps_s / self.steps_s2
+    }
+
     /// Returns the time that the watchdog waits for a step.
     fn patience(&self) -> Duration {
         let step_s = 1.0 / self.steps_s + (2.0 / self.steps_s2).sqrt();
@@ -94,126 +115,194 @@ pub(super) fn feed_text(units_min: f64) -> String {
 enum Ended {
     /// The last step was made.
     Done,
-    /// The gate broke. The motor may be under way.
+    /// The gate said stop. The motor may be under way.
     Asked,
 }
 
 /// Sequence of jogs under way.
 #[derive(Debug)]
 pub(super) struct Jogs<'a> {
-    pub board: &'a mut Board,
-    pub scale: &'a Scale,
-    pub task: Task,
+    pub(super) board: &'a mut Board,
+    pub(super) scale: &'a Scale,
+    pub(super) task: Task,
     /// Last step that was sent.
     pub sent: u64,
+    /// Last step of the lines that were acknowledged.
+    pub acknowledged: u64,
     /// Last step that was reported.
-    pub made: u64,
+    pub(super) made: u64,
     /// Line that is not acknowledged yet, and the time at which it was sent.
-    pub awaited: Option<(String, Instant)>,
+    pub awaited: Option<(String, Duration)>,
+    /// Time at which the first line was sent. Time that the gate takes does not count.
+    begun: Option<Duration>,
     /// Time at which a step was last reported, or at which none were left to make.
-    moved: Instant,
+    moved: Duration,
+    /// Time at which the gate was last asked.
+    watched: Duration,
     /// True for a probing move, false for jogs.
-    pub probing: bool,
+    pub(super) probing: bool,
     /// Impossible reports in a row.
-    pub odd: u32,
-    /// Reports in a row of a rest elsewhere than at the last step sent.
+    odd: u32,
+    /// Net steps of the last impossible report, and the time at which `made` was last confirmed.
+    pub strayed: Option<i64>,
+    pub confirmed: Duration,
+    /// Alarm that came while the motor was stopped.
+    pub alarm: Option<u16>,
+    /// Reports in a row of a rest before the last step that was acknowledged.
     short: u32,
+    /// Time and step of the last look at the pace of the motor, and the steps by which it is behind.
+    under_way: (Duration, u64),
+    behind: f64,
+    /// True if a rest that nobody asked for may be the end of the jogs, by a counter that jumped.
+    pub doubtful: bool,
 }
 
 impl<'a> Jogs<'a> {
     /// Prepares the jogs of `task`. Sends nothing yet.
     pub(super) fn new(board: &'a mut Board, scale: &'a Scale, task: Task) -> Self {
+        let now = board.now();
         Self {
             board,
             scale,
             task,
             sent: 0,
+            acknowledged: 0,
             made: 0,
             awaited: None,
-            moved: Instant::now(),
+            begun: None,
+            moved: now,
+            watched: now,
             probing: false,
             odd: 0,
+            strayed: None,
+            alarm: None,
+            confirmed: now,
             short: 0,
+            under_way: (now, 0),
+            behind: 0.0,
+            doubtful: false,
         }
     }
 
-    /// Makes the steps, or stops where the gate breaks.
+    /// Makes the steps, or stops where the gate says so.
     pub(super) fn run(&mut self, gate: &mut Gate<'_>) -> Result<(), GrblError> {
         let asked = self.travel(gate)? == Ended::Asked;
-        if asked && self.sent > 0 { self.stop() } else { Ok(()) }
+        if asked && self.sent > 0 { self.stop_here() } else { Ok(()) }
     }
 
     /// Sends the jogs as the motor comes along.
     fn travel(&mut self, gate: &mut Gate<'_>) -> Result<Ended, GrblError> {
-        let mut watched = Instant::now();
         loop {
-            if self.awaited.is_none() && self.has_room() {
-                if self.announce(gate)?.is_break() {
-                    return Ok(Ended::Asked);
-                }
-                continue;
+            if self.has_room() && self.announce(gate)? == Leave::Stop {
+                return Ok(Ended::Asked);
             }
-            if watched.elapsed() >= POLL {
-                watched = Instant::now();
-                if gate(self.made, self.sent).is_break() {
-                    return Ok(Ended::Asked);
-                }
+            if self.asks_to_stop(gate) {
+                return Ok(Ended::Asked);
             }
-            match self.board.listen()? {
-                Some(heard) => {
-                    if self.take(heard)? == Some(State::Idle) && self.arrived()? {
-                        return Ok(Ended::Done);
-                    }
-                }
-                None => self.watch()?,
+            if let Some(heard) = self.board.listen()?
+                && let Some(state) = self.take(heard)?
+                && self.arrived(&state)?
+            {
+                return Ok(Ended::Done);
             }
+            self.watch()?;
         }
     }
 
-    /// Returns true if another jog may be sent.
+    /// Returns true if another jog may be sent: none is while a rest that nobody asked for is looked into.
     fn has_room(&self) -> bool {
-        let left = self.sent < self.task.steps;
+        let left = self.awaited.is_none() && self.sent < self.task.steps && self.short == 0;
         left && (self.sent == self.made || self.sent - self.made + self.task.jog() <= self.task.ahead())
     }
 
-    /// Asks the gate for the next jog and sends it.
-    fn announce(&mut self, gate: &mut Gate<'_>) -> Result<ControlFlow<()>, GrblError> {
-        let last = self.task.next_end(self.sent);
-        if gate(self.made, last).is_break() {
-            return Ok(ControlFlow::Break(()));
+    /// Asks the gate for leave up to step `last`. The time that the gate takes is no delay of the board.
+    fn ask_gate(&mut self, gate: &mut Gate<'_>, last: u64) -> Leave {
+        let asked = self.board.now();
+        let leave = gate(self.made, last);
+        let answered = self.board.now();
+        self.watched = answered;
+        let taken = answered - asked;
+        self.moved += taken;
+        self.begun = self.begun.map(|begun| begun + taken);
+        leave
+    }
+
+    /// Asks the gate whenever it is due. Returns true if the motor is to stop.
+    pub(super) fn asks_to_stop(&mut self, gate: &mut Gate<'_>) -> bool {
+        self.board.now() - self.watched >= POLL && self.ask_gate(gate, self.sent) == Leave::Stop
+    }
+
+    /// Notes that lines up to step `last` are sent now. The board may have them, whatever becomes of the
+    /// write.
+    pub(super) fn note_sent(&mut self, last: u64) {
+        let now = self.board.now();
+        if self.sent == self.made {
+            // A motor that paused was not late.
+            self.begun = Some(self.begun.map_or(now, |begun| begun + now.saturating_sub(self.moved)));
+            self.moved = now;
+            self.under_way = (now, self.made);
+            self.behind = 0.0;
         }
-        // The gate may have taken its time. A board that was reset meanwhile counts from zero, and must not
-        // get this line.
-        while let Some(heard) = self.board.hear(Duration::ZERO)? {
-            self.take(heard)?;
+        self.sent = last;
+    }
+
+    /// Asks the gate for the next jog and sends it with its leave. Without leave the motor goes on with the
+    /// jogs that it has, and comes to rest at the end of the last.
+    fn announce(&mut self, gate: &mut Gate<'_>) -> Result<Leave, GrblError> {
+        let last = self.task.next_end(self.sent);
+        let leave = self.ask_gate(gate, last);
+        if leave != Leave::Go {
+            return Ok(leave);
+        }
+        self.catch_up()?;
+        if self.short > 0 {
+            return Ok(Leave::Wait);
         }
         let far = GrblError::Far { count: self.task.count_after(last), most: self.scale.most_count() };
         let line = self.task.line(self.scale, last).ok_or(far)?;
-        if self.sent == self.made {
-            self.moved = Instant::now();
+        self.note_sent(last);
+        // A motor that somebody else stopped rests before this line, and the line would start it again. The
+        // report tells that: it is made before the line is obeyed.
+        self.board.send_with_question(&line)?;
+        self.awaited = Some((line, self.board.now()));
+        Ok(Leave::Go)
+    }
+
+    /// Takes in what the board said while the gate took its time. A board that was reset meanwhile counts from
+    /// zero, and must not get the next line.
+    pub(super) fn catch_up(&mut self) -> Result<(), GrblError> {
+        let backlog_ends = self.board.now() + POLL;
+        while let Some(heard) = self.board.hear(Duration::ZERO)? {
+            if let Some(state) = self.take(heard)? {
+                self.arrived(&state)?;
+            }
+            if self.board.now() >= backlog_ends {
+                break;
+            }
         }
-        // From here on the board may have the line, whatever becomes of the write.
-        self.sent = last;
-        self.board.send(&line)?;
-        self.awaited = Some((line, Instant::now()));
-        Ok(ControlFlow::Continue(()))
+        Ok(())
     }
 
     /// Takes in a message of the board. Returns the state if the message told it.
-    pub(super) fn take(&mut self, heard: Heard) -> Result<Option<State>, GrblError> {
+    pub(super) fn take(&mut self, heard: Heard) -> Result<Option<BoardState>, GrblError> {
         match heard {
-            Heard::Status(state, Some(place)) => {
-                self.see(place)?;
+            Heard::Status(state, place) => {
+                if let Some(place) = place {
+                    self.see(place)?;
+                }
                 match state {
                     // The line that tells the alarm has been lost.
-                    State::Alarm => Err(GrblError::Alarm { code: 0 }),
-                    state => Ok(Some(state)),
+                    BoardState::Alarm => Err(GrblError::Alarm { code: 0 }),
+                    BoardState::Hold { .. } | BoardState::Door | BoardState::Sleep if self.sent > 0 => {
+                        Err(GrblError::StoppedElsewhere { state: state.word() })
+                    }
+                    state => Ok(Some(state).filter(|_| place.is_some())),
                 }
             }
-            Heard::Status(_, None) => Ok(None),
             Heard::Reply(Reply::Ok) => {
-                self.awaited = None;
-                self.short = 0;
+                if self.awaited.take().is_some() {
+                    self.acknowledged = self.sent;
+                }
                 Ok(None)
             }
             Heard::Reply(Reply::Error(code)) => {
@@ -226,52 +315,116 @@ impl<'a> Jogs<'a> {
         }
     }
 
+    /// Returns the net steps of the task at a reported position.
+    pub(super) fn net(&self, place: f64) -> i64 {
+        (self.scale.count(self.scale.reported_mm(place)) - self.task.start) * self.task.direction
+    }
+
+    /// Returns the number of steps made if the motor may stand after `net` steps. `None` if no line that was
+    /// sent leads there.
+    pub(super) fn possible(&self, net: i64) -> Option<u64> {
+        u64::try_from(net).ok().filter(|made| (self.made..=self.sent).contains(made))
+    }
+
     /// Follows a reported position. A single impossible one is noise; two in a row are an error.
-    pub(super) fn see(&mut self, place: f64) -> Result<(), GrblError> {
-        let counted = self.scale.count(self.scale.reported_mm(place));
-        let travelled = (counted - self.task.start) * self.task.direction;
-        match u64::try_from(travelled) {
-            Ok(travelled) if (self.made..=self.sent).contains(&travelled) => {
+    fn see(&mut self, place: f64) -> Result<(), GrblError> {
+        let net = self.net(place);
+        let now = self.board.now();
+        match self.possible(net) {
+            Some(made) => {
                 self.odd = 0;
-                if travelled > self.made {
-                    self.made = travelled;
-                    self.moved = Instant::now();
+                self.confirmed = now;
+                if made > self.made {
+                    self.made = made;
+                    self.moved = now;
                 }
                 Ok(())
             }
-            _ if self.odd == 0 => {
+            // The second look follows at once, before the motor can come where the first is possible.
+            None if self.odd == 0 => {
                 self.odd = 1;
-                Ok(())
+                self.board.ask()
             }
-            _ => {
-                let nearest = if travelled < self.made as i64 { self.made } else { self.sent };
-                Err(GrblError::Count { counted, expected: self.task.count_after(nearest) })
-            }
+            None => Err(self.astray(net)),
         }
     }
 
-    /// Returns true if a rest is the end. A rest elsewhere, told twice with nothing outstanding, is an error.
-    fn arrived(&mut self) -> Result<bool, GrblError> {
-        if self.awaited.is_some() || self.odd > 0 || self.made == self.sent {
-            return Ok(self.awaited.is_none() && self.odd == 0 && self.made == self.task.steps);
+    /// Returns the error of a motor that stands after `net` steps, where no line that was sent leads.
+    pub(super) fn astray(&mut self, net: i64) -> GrblError {
+        self.strayed = Some(net);
+        let nearest = if net < self.made as i64 { self.made } else { self.sent };
+        let counted = self.task.start + self.task.direction * net;
+        GrblError::Count { counted, expected: self.task.count_after(nearest) }
+    }
+
+    /// Returns true if `state` is the rest at the end of the task. A rest before the last step that was
+    /// acknowledged is a stop that nobody here asked for.
+    ///
+    /// A board acknowledges a jog after it has begun it. So no report after that tells a rest, unless the jog
+    /// was made or thrown away. A second report shows that the first was no noise: at rest still, or under way
+    /// by a jog that came too late.
+    ///
+    /// A motor that had the time to make all its steps may have made them: then its counter jumped.
+    fn arrived(&mut self, state: &BoardState) -> Result<bool, GrblError> {
+        let rests = *state == BoardState::Idle;
+        if self.odd > 0 {
+            return Ok(false);
+        }
+        let now = self.board.now();
+        if !rests && self.short == 0 {
+            self.keep_pace(now);
+            return Ok(false);
+        }
+        if rests && self.made >= self.acknowledged {
+            self.short = 0;
+            return Ok(self.awaited.is_none() && self.made == self.task.steps);
         }
         self.short += 1;
         if self.short < 2 {
+            let (since, made) = self.under_way;
+            let way = SURELY * self.task.steps_s * (now - since + LATENCY).as_secs_f64() + self.behind;
+            self.doubtful = self.acknowledged.saturating_sub(made) as f64 <= way;
+            self.board.ask()?;
             return Ok(false);
         }
-        let counted = self.task.count_after(self.made);
-        Err(GrblError::Count { counted, expected: self.task.count_after(self.sent) })
+        Err(GrblError::StoppedElsewhere { state: BoardState::Idle.word() })
     }
 
-    /// Checks that a silent board still does its work.
-    pub(super) fn watch(&self) -> Result<(), GrblError> {
-        if let Some((line, since)) = &self.awaited
-            && since.elapsed() > OK_LIMIT
-        {
-            return Err(GrblError::NoOk { line: line.clone(), waited_s: since.elapsed().as_secs_f64() });
+    /// Compares the steps since the last look with the time since. Steps that are missing may have been made
+    /// by a motor whose counter jumped back.
+    fn keep_pace(&mut self, now: Duration) {
+        let (since, made) = self.under_way;
+        let passed = now - since;
+        let missing = self.task.steps_s * passed.as_secs_f64() - (self.made - made) as f64;
+        let usual = self.task.steps_s * LATENCY.as_secs_f64() + 2.0;
+        if missing.abs() > usual {
+            self.behind = (self.behind + missing).max(0.0);
         }
-        if self.made < self.sent && self.moved.elapsed() > self.task.patience() {
-            return Err(GrblError::Stalled { waited_s: self.moved.elapsed().as_secs_f64() });
+        if missing.abs() > usual || passed > PACE {
+            self.under_way = (now, self.made);
+        }
+    }
+
+    /// Checks that the board still does its work, whatever it says.
+    pub(super) fn watch(&mut self) -> Result<(), GrblError> {
+        let now = self.board.now();
+        if let Some((line, since)) = &self.awaited
+            && now - *since > OK_LIMIT
+        {
+            return Err(GrblError::NoOk { line: line.clone(), waited_s: (now - *since).as_secs_f64() });
+        }
+        let still = now.saturating_sub(self.moved);
+        if self.made < self.sent && still > self.task.patience() {
+            return Err(GrblError::Stalled { waited_s: still.as_secs_f64() });
+        }
+        // A motor that pauses for the next jog is not late.
+        if self.made == self.sent && self.sent < self.task.steps {
+            return Ok(());
+        }
+        let taken_s = now.saturating_sub(self.begun.unwrap_or(now)).as_secs_f64();
+        let needs_s = self.task.needs_s();
+        if taken_s > LATE * needs_s + LATE_S {
+            return Err(GrblError::Late { taken_s, needs_s });
         }
         Ok(())
     }

@@ -1,21 +1,19 @@
 //! The drive for controllers that speak grbl 1.1's protocol over a serial port: grbl, grblHAL, FluidNC.
 
 mod axis;
+mod axis_name;
 mod board;
 mod code;
-mod configure;
 mod connect;
 mod error;
-mod holder;
 mod jogs;
-mod port;
 mod recovery;
-#[doc(hidden)]
 pub mod reply;
 mod scale;
 mod search;
 mod settings;
+pub mod wire;
 
-pub(super) use axis::ABILITIES;
 pub use axis::Grbl;
+pub(super) use axis::open;
 pub use error::GrblError;

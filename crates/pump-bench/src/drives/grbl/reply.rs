@@ -14,7 +14,7 @@ pub enum Reply {
     /// The board has stopped and locked itself, by grbl's code of the alarm.
     Alarm(u16),
     /// A status report: state and position.
-    Status(Status),
+    Status(BoardStatus),
     /// A setting, as in `$100=250.000`.
     Setting {
         /// Number of the setting, as in 100.
@@ -50,9 +50,9 @@ pub enum Reply {
 
 /// Status report of a board.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Status {
+pub struct BoardStatus {
     /// State of the board.
-    pub state: State,
+    pub state: BoardState,
     /// Machine position `MPos`, by axis.
     pub machine: Option<Vec<f64>>,
     /// Work position `WPos`, by axis: the machine position less `WCO`.
@@ -63,7 +63,7 @@ pub struct Status {
 
 /// State of a board.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum State {
+pub enum BoardState {
     /// The board waits.
     Idle,
     /// G-code moves an axis.
@@ -89,7 +89,7 @@ pub enum State {
     Other(String),
 }
 
-impl State {
+impl BoardState {
     /// Reads a state such as `Idle` or `Hold:1`.
     fn of(text: &str) -> Self {
         let (word, detail) = text.split_once(':').unwrap_or((text, ""));
@@ -104,6 +104,15 @@ impl State {
             "Check" => Self::Check,
             "Sleep" => Self::Sleep,
             other => Self::Other(other.to_owned()),
+        }
+    }
+
+    /// Returns the word of a board for the state, such as `Idle`.
+    pub(super) fn word(&self) -> String {
+        match self {
+            Self::Hold { .. } => "Hold".to_owned(),
+            Self::Other(word) => word.clone(),
+            state => format!("{state:?}"),
         }
     }
 }
@@ -223,14 +232,14 @@ pub(super) fn leading_version(text: &str) -> Option<(u32, u32)> {
     Some((major.trim().parse().ok()?, rest.get(..digits)?.parse().ok()?))
 }
 
-fn status(report: &str) -> Option<Status> {
+fn status(report: &str) -> Option<BoardStatus> {
     let mut fields = report.split('|');
     let text = fields.next()?;
     let word = text.split(':').next()?;
     if word.is_empty() || !word.chars().all(|c| c.is_ascii_alphabetic()) {
         return None;
     }
-    let mut status = Status { state: State::of(text), machine: None, work: None, offset: None };
+    let mut status = BoardStatus { state: BoardState::of(text), machine: None, work: None, offset: None };
     for field in fields {
         let Some((name, values)) = field.split_once(':') else { continue };
         let place = match name {

@@ -25,15 +25,15 @@ const INCH_MM: f64 = 25.4;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
     /// Axis of the board.
-    pub axis: Axis,
+    pub(super) axis: Axis,
     /// Steps per unit, which is a millimetre to the board.
-    pub steps_per_unit: f64,
+    pub(super) steps_per_unit: f64,
     /// True if the axis counts up in reverse.
-    pub inverted: bool,
+    pub(super) inverted: bool,
     /// True if reports are in inches, with four decimals instead of three.
-    pub inches: bool,
+    pub(super) inches: bool,
     /// True if the position is the sum of two rounded numbers, WPos and WCO.
-    pub summed: bool,
+    pub(super) summed: bool,
 }
 
 impl Scale {
@@ -59,7 +59,7 @@ impl Scale {
 
     /// Returns true if a report tells single steps apart.
     pub(super) fn tells_steps(&self) -> bool {
-        self.report_error() < REPORT
+        self.report_error() <= REPORT
     }
 
     /// Returns the most steps per unit at which reports in millimetres tell steps apart.
@@ -120,7 +120,7 @@ mod tests {
     proptest! {
         #[test]
         fn every_step_that_may_be_reached_has_a_text(
-            thousandths in 1_000_u32..790_000,
+            thousandths in 1_000_u32..=800_000,
             part in -1.0..1.0_f64,
             inverted: bool,
         ) {
@@ -132,7 +132,7 @@ mod tests {
 
         #[test]
         fn every_report_within_reach_is_read_as_its_step(
-            thousandths in 1_000_u32..790_000,
+            thousandths in 1_000_u32..=800_000,
             part in -1.0..1.0_f64,
         ) {
             let scale = scale(f64::from(thousandths) / 1e3);
@@ -142,6 +142,13 @@ mod tests {
             let reported = f64::from(single.signum()) * f64::from(thousand as u32) / 1e3;
             prop_assert_eq!(scale.count(reported), count);
         }
+    }
+
+    #[test]
+    fn the_most_steps_per_unit_that_are_documented_can_be_used() {
+        let most = scale(Scale::most_steps_per_unit());
+        assert_eq!(most.steps_per_unit, 800.0);
+        assert!(most.tells_steps() && !scale(801.0).tells_steps());
     }
 
     #[test]

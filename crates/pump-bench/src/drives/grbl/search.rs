@@ -1,17 +1,20 @@
 //! The search for the index mark: a probing move, `G38.2`.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::board::{Heard, POLL};
 use super::connect::{RESET, rest};
 use super::error::GrblError;
 use super::jogs::{Jogs, feed_text};
-use super::recovery::HOLD;
-use super::reply::{Reply, State};
-use crate::drives::{Gate, Sought};
+use super::recovery::{HOLD, STOP_LIMIT_S};
+use super::reply::{BoardState, Reply};
+use crate::drives::{Gate, IndexSearch, Leave};
 
-/// Longest wait for a held motion to stand, in s beyond the time that it needs.
-const HOLD_LIMIT_S: f64 = 8.0;
+/// Longest wait for the banner of a board that is reset at rest.
+const BANNER_LIMIT: Duration = Duration::from_secs(3);
+
+/// Longest wait for a line that was refused with an alarm to be acknowledged.
+const UNLOCK_LIMIT: Duration = Duration::from_secs(1);
 
 /// Alarm of a search whose sensor answers before it begins.
 const ANSWERS_ALREADY: u16 = 4;
@@ -25,30 +28,42 @@ enum Probed {
     Found(i64),
     /// The sensor did not answer.
     Nothing,
-    /// The gate broke. The motor rests.
+    /// The gate said stop. The motor rests.
     Asked,
 }
 
 impl Jogs<'_> {
-    /// Turns until the sensor answers, all steps are made or the gate breaks, and rests.
+    /// Turns until the sensor answers, all steps are made or the gate says stop, and rests.
     ///
     /// Probing moves have relative targets, which the board rounds itself. This move is a step shorter, and a
     /// jog makes the missing step.
-    pub(super) fn search(&mut self, gate: &mut Gate<'_>) -> Result<Sought, GrblError> {
+    pub(super) fn search(&mut self, gate: &mut Gate<'_>) -> Result<IndexSearch, GrblError> {
         let delta = self.task.direction * (self.task.steps as i64 - 1);
         let far =
             GrblError::Far { count: self.task.count_after(self.task.steps), most: self.scale.most_count() };
         let target = self.scale.text(delta).ok_or(far)?;
         let modes = self.modes()?;
-        if gate(0, self.task.steps).is_break() {
-            return Ok(Sought { made: 0, beyond: None });
+        loop {
+            match gate(0, self.task.steps) {
+                Leave::Go => break,
+                Leave::Wait => self.catch_up()?,
+                Leave::Stop => return Ok(IndexSearch { made: 0, beyond: None }),
+            }
         }
+        self.catch_up()?;
         let feed = feed_text(self.task.steps_s * 60.0 / self.scale.steps_per_unit);
-        self.sent = self.task.steps;
+        self.note_sent(self.task.steps);
         let line = format!("G91G21G94G38.2{}{target}F{feed}", self.scale.axis.letter());
         self.probing = true;
         let probed = self.probe(gate, &line);
-        if let Err(GrblError::Count { .. } | GrblError::Stalled { .. } | GrblError::NoOk { .. }) = probed {
+        if let Err(
+            GrblError::Count { .. }
+            | GrblError::Stalled { .. }
+            | GrblError::Late { .. }
+            | GrblError::NoOk { .. }
+            | GrblError::StoppedElsewhere { .. },
+        ) = probed
+        {
             // Whatever went wrong, the move must not go on.
             self.hold()?;
         }
@@ -59,14 +74,15 @@ impl Jogs<'_> {
         }
         self.board.command(&modes)?;
         let place = self.board.rests_at()?;
-        self.take(Heard::Status(State::Idle, Some(place)))?;
+        let net = self.net(place);
+        self.made = self.possible(net).ok_or_else(|| self.astray(net))?;
         let stands = self.task.count_after(self.made);
         match probed {
             Probed::Found(count) => {
                 let beyond = u64::try_from((stands - count) * self.task.direction).ok();
                 let beyond = beyond.filter(|beyond| *beyond <= self.made);
                 let beyond = beyond.ok_or(GrblError::Count { counted: count, expected: stands })?;
-                return Ok(Sought { made: self.made, beyond: Some(beyond) });
+                return Ok(IndexSearch { made: self.made, beyond: Some(beyond) });
             }
             Probed::Asked => {}
             Probed::Nothing => {
@@ -74,7 +90,7 @@ impl Jogs<'_> {
                 self.run(gate)?;
             }
         }
-        Ok(Sought { made: self.made, beyond: None })
+        Ok(IndexSearch { made: self.made, beyond: None })
     }
 
     /// Returns the line that restores the present modes of the G-code parser that a probing move changes. The
@@ -96,15 +112,12 @@ impl Jogs<'_> {
     fn probe(&mut self, gate: &mut Gate<'_>, line: &str) -> Result<Probed, GrblError> {
         self.board.send(line)?;
         let (mut found, mut nothing) = (None, false);
-        let mut watched = Instant::now();
         loop {
-            if watched.elapsed() >= POLL {
-                watched = Instant::now();
-                if gate(self.made, self.sent).is_break() {
-                    self.hold()?;
-                    return Ok(Probed::Asked);
-                }
+            if self.asks_to_stop(gate) {
+                self.hold()?;
+                return Ok(Probed::Asked);
             }
+            self.watch()?;
             match self.board.listen()? {
                 Some(Heard::Reply(Reply::Alarm(NOT_FOUND))) => nothing = true,
                 Some(Heard::Reply(Reply::Alarm(ANSWERS_ALREADY))) => {
@@ -124,51 +137,65 @@ impl Jogs<'_> {
                     return Err(GrblError::Refused { line: line.to_owned(), code });
                 }
                 // The report comes once the alarm is told.
-                Some(Heard::Status(State::Alarm, _)) => {}
+                Some(Heard::Status(BoardState::Alarm, _)) => {}
                 Some(heard) => {
                     self.take(heard)?;
                 }
-                None => self.watch()?,
+                None => {}
             }
         }
     }
 
     /// Waits until the line that was refused with an alarm is acknowledged, and clears the alarm.
     fn unlock(&mut self) -> Result<(), GrblError> {
-        let until = Instant::now() + Duration::from_secs(1);
-        while Instant::now() < until && !matches!(self.board.listen()?, Some(Heard::Reply(Reply::Ok))) {}
+        let until = self.board.now() + UNLOCK_LIMIT;
+        while self.board.now() < until && !matches!(self.board.listen()?, Some(Heard::Reply(Reply::Ok))) {}
         self.board.command("$X").map(|_| ())
     }
 
-    /// Decelerates a probing move to rest: holds it until it stands, then resets, which keeps the count of a
-    /// motor at rest.
-    pub(super) fn hold(&mut self) -> Result<(), GrblError> {
-        let started = Instant::now();
-        let limit_s = HOLD_LIMIT_S + 2.0 * self.task.steps_s / self.task.steps_s2;
-        let mut held: Option<Instant> = None;
+    /// Decelerates any motion to rest: holds it until it stands, then resets, which keeps the count of a motor
+    /// at rest. Returns the net steps where the motor stands.
+    pub(super) fn hold(&mut self) -> Result<i64, GrblError> {
+        let started = self.board.now();
+        let limit_s = STOP_LIMIT_S + 2.0 * self.task.steps_s / self.task.steps_s2;
+        let mut held: Option<Duration> = None;
+        let mut door: Option<i64> = None;
         loop {
-            if started.elapsed().as_secs_f64() > limit_s {
-                return Err(GrblError::Unstoppable { waited_s: started.elapsed().as_secs_f64() });
+            let now = self.board.now();
+            let waited_s = (now - started).as_secs_f64();
+            if waited_s > limit_s {
+                return Err(GrblError::Unstoppable { waited_s });
             }
-            if held.is_none_or(|at| at.elapsed() >= POLL) {
+            if held.is_none_or(|at| now - at >= POLL) {
                 self.board.send_byte(HOLD)?;
-                held = Some(Instant::now());
+                held = Some(now);
             }
             match self.board.listen()? {
-                Some(Heard::Status(State::Hold { still: true } | State::Idle | State::Alarm, _)) => break,
+                Some(Heard::Status(
+                    BoardState::Hold { still: true } | BoardState::Idle | BoardState::Alarm,
+                    _,
+                )) => break,
+                // An open door holds the motor too, and tells no end of the deceleration that all boards
+                // have in common.
+                Some(Heard::Status(BoardState::Door, Some(place))) => {
+                    let net = self.net(place);
+                    if door.replace(net) == Some(net) {
+                        break;
+                    }
+                }
                 Some(Heard::Reply(Reply::Banner(_))) => return Err(GrblError::Reset),
                 _ => {}
             }
         }
         self.board.send_byte(RESET)?;
-        let until = Instant::now() + Duration::from_secs(3);
-        while Instant::now() < until {
+        let until = self.board.now() + BANNER_LIMIT;
+        while self.board.now() < until {
             if matches!(self.board.listen()?, Some(Heard::Reply(Reply::Banner(_)))) {
                 break;
             }
         }
         rest(self.board, &mut true)?;
         let place = self.board.rests_at()?;
-        self.take(Heard::Status(State::Idle, Some(place))).map(|_| ())
+        Ok(self.net(place))
     }
 }

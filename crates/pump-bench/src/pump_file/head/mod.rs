@@ -6,6 +6,6 @@ mod rollers;
 mod tube;
 
 pub use backplate::BackplateTable;
-pub use roller_volume::{Fit, RollerVolumeTable};
+pub use roller_volume::{CurveFit, RollerVolumeTable};
 pub use rollers::RollersTable;
 pub use tube::TubeTable;

@@ -9,7 +9,7 @@ use crate::words::words;
 
 /// The table `[roller_volume]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Keys", into = "Keys")]
+#[serde(try_from = "RollerVolumeKeys", into = "RollerVolumeKeys")]
 pub enum RollerVolumeTable {
     /// Polynomial, as measured curves are published.
     Polynomial {
@@ -25,7 +25,7 @@ pub enum RollerVolumeTable {
     /// Measured points, with `source = "measured"`.
     Measured {
         /// Fit of the curve to the points.
-        fit: Fit,
+        fit: CurveFit,
         /// Points: the angle since first contact in deg and the volume displaced since then in mL.
         points: Vec<VolumePoint>,
     },
@@ -34,21 +34,21 @@ pub enum RollerVolumeTable {
 /// A fit of a curve to measured points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Fit {
+pub enum CurveFit {
     /// Rising cubic spline through the mean of each angle. Its flow has no jumps.
     Spline,
     /// Least squares of 5th order, as in McIntyre et al.
     Quintic,
 }
 
-words!(Fit { Quintic = "quintic", Spline = "spline" });
+words!(CurveFit { Quintic = "quintic", Spline = "spline" });
 
 impl RollerVolumeTable {
     /// Returns the volume curve of a pump with these dimensions.
     ///
     /// # Errors
     /// Returns the [`ModelError`] of coefficients, dimensions or points from which no curve follows.
-    pub fn curve(&self, geometry: &Geometry) -> Result<RollerVolume, ModelError> {
+    pub(crate) fn curve(&self, geometry: &Geometry) -> Result<RollerVolume, ModelError> {
         match self {
             Self::Polynomial { engagement_angle_deg, polynomial_ml_deg, total_ml } => {
                 let curve = RollerVolume::from_polynomial_deg(*polynomial_ml_deg, *engagement_angle_deg)?;
@@ -60,12 +60,12 @@ impl RollerVolumeTable {
     }
 
     /// Returns true if the volume is estimated from the drawing and not measured.
-    pub fn is_estimated(&self) -> bool {
+    pub(crate) fn is_estimated(&self) -> bool {
         *self == Self::Drawing
     }
 }
 
-impl Fit {
+impl CurveFit {
     /// Fits the curve to these points.
     ///
     /// # Errors
@@ -81,7 +81,7 @@ impl Fit {
 /// The source of a roller volume.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-enum Source {
+enum VolumeSource {
     #[default]
     Polynomial,
     Drawing,
@@ -91,9 +91,9 @@ enum Source {
 /// Keys of the table, of all sources together.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Keys {
+struct RollerVolumeKeys {
     #[serde(default, skip_serializing_if = "is_polynomial")]
-    source: Source,
+    source: VolumeSource,
     #[serde(skip_serializing_if = "Option::is_none")]
     engagement_angle_deg: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -101,27 +101,34 @@ struct Keys {
     #[serde(skip_serializing_if = "Option::is_none")]
     total_ml: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    fit: Option<Fit>,
+    fit: Option<CurveFit>,
     #[serde(skip_serializing_if = "Option::is_none")]
     points_deg_ml: Option<Vec<[f64; 2]>>,
 }
 
 /// Returns true for the default source, which a pump file leaves out.
-fn is_polynomial(source: &Source) -> bool {
-    *source == Source::Polynomial
+fn is_polynomial(source: &VolumeSource) -> bool {
+    *source == VolumeSource::Polynomial
 }
 
-impl TryFrom<Keys> for RollerVolumeTable {
+impl TryFrom<RollerVolumeKeys> for RollerVolumeTable {
     type Error = String;
 
-    fn try_from(keys: Keys) -> Result<Self, String> {
-        let Keys { source, engagement_angle_deg, polynomial_ml_deg, total_ml, fit, points_deg_ml } = keys;
+    fn try_from(keys: RollerVolumeKeys) -> Result<Self, String> {
+        let RollerVolumeKeys {
+            source,
+            engagement_angle_deg,
+            polynomial_ml_deg,
+            total_ml,
+            fit,
+            points_deg_ml,
+        } = keys;
         let given = [
-            ("engagement_angle_deg", engagement_angle_deg.is_some(), Source::Polynomial),
-            ("polynomial_ml_deg", polynomial_ml_deg.is_some(), Source::Polynomial),
-            ("total_ml", total_ml.is_some(), Source::Polynomial),
-            ("fit", fit.is_some(), Source::Measured),
-            ("points_deg_ml", points_deg_ml.is_some(), Source::Measured),
+            ("engagement_angle_deg", engagement_angle_deg.is_some(), VolumeSource::Polynomial),
+            ("polynomial_ml_deg", polynomial_ml_deg.is_some(), VolumeSource::Polynomial),
+            ("total_ml", total_ml.is_some(), VolumeSource::Polynomial),
+            ("fit", fit.is_some(), VolumeSource::Measured),
+            ("points_deg_ml", points_deg_ml.is_some(), VolumeSource::Measured),
         ];
         if let Some((key, ..)) = given.iter().find(|(_, given, owner)| *given && *owner != source) {
             let source = format!("{source:?}").to_lowercase();
@@ -129,13 +136,13 @@ impl TryFrom<Keys> for RollerVolumeTable {
         }
         let missing = |key: &str| format!("missing field `{key}`");
         Ok(match source {
-            Source::Polynomial => Self::Polynomial {
+            VolumeSource::Polynomial => Self::Polynomial {
                 engagement_angle_deg: engagement_angle_deg.ok_or_else(|| missing("engagement_angle_deg"))?,
                 polynomial_ml_deg: polynomial_ml_deg.ok_or_else(|| missing("polynomial_ml_deg"))?,
                 total_ml,
             },
-            Source::Drawing => Self::Drawing,
-            Source::Measured => {
+            VolumeSource::Drawing => Self::Drawing,
+            VolumeSource::Measured => {
                 let points = points_deg_ml.ok_or_else(|| missing("points_deg_ml"))?;
                 let point = |[angle_deg, volume_ml]: [f64; 2]| VolumePoint { angle_deg, volume_ml };
                 Self::Measured {
@@ -147,7 +154,7 @@ impl TryFrom<Keys> for RollerVolumeTable {
     }
 }
 
-impl From<RollerVolumeTable> for Keys {
+impl From<RollerVolumeTable> for RollerVolumeKeys {
     fn from(table: RollerVolumeTable) -> Self {
         match table {
             RollerVolumeTable::Polynomial { engagement_angle_deg, polynomial_ml_deg, total_ml } => Self {
@@ -156,9 +163,9 @@ impl From<RollerVolumeTable> for Keys {
                 total_ml,
                 ..Self::default()
             },
-            RollerVolumeTable::Drawing => Self { source: Source::Drawing, ..Self::default() },
+            RollerVolumeTable::Drawing => Self { source: VolumeSource::Drawing, ..Self::default() },
             RollerVolumeTable::Measured { fit, points } => Self {
-                source: Source::Measured,
+                source: VolumeSource::Measured,
                 fit: Some(fit),
                 points_deg_ml: Some(points.iter().map(|point| [point.angle_deg, point.volume_ml]).collect()),
                 ..Self::default()

@@ -43,7 +43,7 @@ impl TubeTable {
     /// The result is the critical pressure of a long thin-walled ring, E/(4 (1 - nu²)) (t/r_m)³ with wall t
     /// and mean radius r_m (Timoshenko and Gere, Theory of Elastic Stability, section 7.5). It is an
     /// estimate, since tubes for such pumps are not thin.
-    pub fn collapse_below_ambient_kpa(&self) -> Option<f64> {
+    pub(crate) fn collapse_below_ambient_kpa(&self) -> Option<f64> {
         const KPA_PER_MPA: f64 = 1e3;
         let (modulus_mpa, nu) = self.modulus_mpa.zip(self.poisson_ratio)?;
         let wall_mm = self.outer_radius_mm - self.bore_radius_mm;

@@ -1,21 +1,31 @@
 //! The brake of a motor, by which the executor stops.
 
-use pump_model::math::{ceil, floor, pow, sqrt};
+use libm::{ceil, floor, pow, sqrt};
 
 use super::motor::Motor;
-use crate::step::{BRAKE_ENTRIES, Brake, Segment};
+use crate::step::{BRAKE_ENTRIES, Brake, BrakeError, Segment, TickRate};
 
 /// Number of entries of one step each, from rest.
 const SINGLE: usize = 6;
 
 impl Motor {
-    /// Returns the way to rest from any speed up to this motor's largest, for a timer of `tick_rate` ticks a
-    /// second.
+    /// Returns the way to rest from any speed up to this motor's largest, for a timer of this
+    /// rate.
     ///
     /// The brake nowhere decelerates more than the motor may. Intervals grow evenly inside an entry, so it
     /// decelerates less in most places. It takes up to twice the angle of a stop at the limit. For the
     /// built-in pumps the angle is 1.17 to 1.24 times as large (measured).
-    pub fn brake(&self, tick_rate: u32) -> Brake {
+    ///
+    /// # Errors
+    ///
+    /// Fails with [`BrakeError::OutOfRange`] if a value of the motor is out of its range, and with
+    /// [`BrakeError::SlowTimer`] if the motor's first step takes less than a tick.
+    pub fn brake(&self, tick_rate: TickRate) -> Result<Brake, BrakeError> {
+        self.in_range().map_err(|(parameter, value, allowed)| BrakeError::OutOfRange {
+            parameter,
+            value,
+            allowed,
+        })?;
         // Twice the steps of a stop at the limit are enough for the weakest deceleration below.
         let stop = self.max_speed_rad_s * self.max_speed_rad_s / (2.0 * self.max_acceleration_rad_s2);
         let steps = ceil(2.0 * stop / self.step_rad()).clamp(BRAKE_ENTRIES as f64, 1e9);
@@ -23,10 +33,10 @@ impl Motor {
         let ratio = pow(steps / SINGLE as f64, 1.0 / geometric);
         let acceleration_rad_s2 = self.max_acceleration_rad_s2 / steepest(ratio);
 
-        let time = |n: f64| f64::from(tick_rate) * sqrt(2.0 * n * self.step_rad() / acceleration_rad_s2);
+        let time = |n: f64| f64::from(tick_rate.hz()) * sqrt(2.0 * n * self.step_rad() / acceleration_rad_s2);
         let interval = |n: f64| time(n + 1.0) - time(n);
         let mut start = 0.0;
-        Brake::climbing(|entry| {
+        Brake::climbing(tick_rate, |entry| {
             let end = if entry < SINGLE {
                 start + 1.0
             } else {

@@ -10,10 +10,10 @@ use crate::plan::words::{PlanError, SetBy};
 /// ```
 /// use pump_ctl::plan::{Limits, Lowest, Motor, PressureLimits, SetBy};
 ///
-/// let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+/// let motor = Motor::new(12_800.0, 17.8, 500.0);
 /// let pressures = PressureLimits { min_inlet_kpa: Some(60.0), ..PressureLimits::NONE };
 /// let collapse = Lowest { kpa: 43.05, set_by: SetBy::TubeCollapse };
-/// let limits = Limits { pressures, lowest: Some(collapse), ..Limits::of_motor(motor) };
+/// let limits = Limits::new(motor).with_pressures(pressures).with_lowest(collapse);
 /// limits.validate()?;
 /// assert_eq!(limits.lowest_where_it_sucks(), Some(Lowest { kpa: 60.0, set_by: SetBy::Given }));
 /// # Ok::<(), pump_ctl::plan::PlanError>(())
@@ -21,6 +21,7 @@ use crate::plan::words::{PlanError, SetBy};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Limits {
     /// Steps, speed and acceleration of the motor.
     pub motor: Motor,
@@ -35,8 +36,26 @@ pub struct Limits {
 
 impl Limits {
     /// Makes limits of the motor alone.
-    pub const fn of_motor(motor: Motor) -> Self {
+    pub const fn new(motor: Motor) -> Self {
         Self { motor, pressures: PressureLimits::NONE, lowest: None, torque: None }
+    }
+
+    /// Returns the limits with pressures that the user has set.
+    #[must_use]
+    pub const fn with_pressures(self, pressures: PressureLimits) -> Self {
+        Self { pressures, ..self }
+    }
+
+    /// Returns the limits with the smallest pressure that tube and fluid stand.
+    #[must_use]
+    pub const fn with_lowest(self, lowest: Lowest) -> Self {
+        Self { lowest: Some(lowest), ..self }
+    }
+
+    /// Returns the limits with the torque that turning takes, and that the motor has.
+    #[must_use]
+    pub const fn with_torque(self, torque: Torque) -> Self {
+        Self { torque: Some(torque), ..self }
     }
 
     /// Returns the smallest pressure that is allowed at the suction port. It is the larger of the given limit

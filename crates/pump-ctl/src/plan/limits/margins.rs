@@ -1,7 +1,9 @@
 //! The margins of a dose to its limits.
 
+use super::bound::Bound;
 use super::margin::Margin;
 use crate::plan::words::LimitedBy;
+use crate::step::Direction;
 
 /// The margins of a dose to each limit that is given, start-up, stop and settling included.
 ///
@@ -21,21 +23,27 @@ pub struct Margins {
 }
 
 impl Margins {
-    /// Returns the limit of which most is used, and its margin, or `None` if no limit is given.
-    pub fn nearest(&self) -> Option<(LimitedBy, Margin)> {
+    /// Returns the limit of which most is used in a motion in this direction, and its margin, or `None` if no
+    /// limit is given.
+    pub fn nearest(&self, direction: Direction) -> Option<(LimitedBy, Margin)> {
+        self.nearest_bound().map(|(bound, margin)| (bound.limited_by(direction), margin))
+    }
+
+    /// Returns the limit of which most is used by its port's role, and its margin.
+    fn nearest_bound(&self) -> Option<(Bound, Margin)> {
         let all = [
-            (LimitedBy::OutletPressure, self.outlet),
-            (LimitedBy::InletPressure, self.inlet),
-            (LimitedBy::OutletSuction, self.outlet_suction),
-            (LimitedBy::Torque, self.torque),
+            (Bound::DischargePressure, self.outlet),
+            (Bound::Suction, self.inlet),
+            (Bound::DischargeSuction, self.outlet_suction),
+            (Bound::Torque, self.torque),
         ];
         let given = all.into_iter().filter_map(|(limit, margin)| Some((limit, margin?)));
         given.max_by(|a, b| a.1.used.total_cmp(&b.1.used))
     }
 
     /// Returns the limit that is broken most, or `None` if every limit holds.
-    pub(in crate::plan) fn broken(&self) -> Option<(LimitedBy, Margin)> {
-        self.nearest().filter(|(_, margin)| margin.used > 1.0)
+    pub(in crate::plan) fn broken(&self) -> Option<(Bound, Margin)> {
+        self.nearest_bound().filter(|(_, margin)| margin.used > 1.0)
     }
 
     /// Returns the worse margin of each limit.

@@ -1,5 +1,6 @@
 //! The limits of a dose, and the margins of a plan to them.
 
+mod bound;
 mod brake;
 mod limits;
 mod margin;
@@ -11,6 +12,7 @@ mod torque;
 mod torque_curve;
 mod torque_reached;
 
+pub(in crate::plan) use bound::Bound;
 pub use limits::Limits;
 pub use margin::Margin;
 pub use margins::Margins;

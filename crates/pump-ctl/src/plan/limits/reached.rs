@@ -2,19 +2,23 @@
 
 use pump_model::{Extremes, Port, Pump};
 
+use super::bound::Bound;
 use super::limits::Limits;
 use super::margin::Margin;
 use super::margins::Margins;
 use super::pressure_limits::Lowest;
 use crate::plan::Plan;
 use crate::plan::prediction::ShortenedMotion;
-use crate::plan::words::LimitedBy;
+use crate::step::Direction;
 
 impl Limits {
     /// Returns the suction port and the discharge port, in this order. In reverse, inlet and outlet swap
     /// these roles.
-    pub(in crate::plan) fn ports(direction: i8) -> [Port; 2] {
-        if direction > 0 { [Port::Inlet, Port::Outlet] } else { [Port::Outlet, Port::Inlet] }
+    pub(in crate::plan) fn ports(direction: Direction) -> [Port; 2] {
+        match direction {
+            Direction::Forward => [Port::Inlet, Port::Outlet],
+            Direction::Reverse => [Port::Outlet, Port::Inlet],
+        }
     }
 
     /// Computes the margins of `plan` to these limits, the worst from any angle at which the rollers may
@@ -28,7 +32,7 @@ impl Limits {
 
     /// Returns a limit that `plan` breaks from some angle at which the rollers may stand, or `None` if it
     /// holds every limit.
-    pub(in crate::plan) fn broken(&self, pump: &Pump, plan: &Plan) -> Option<(LimitedBy, Margin)> {
+    pub(in crate::plan) fn broken(&self, pump: &Pump, plan: &Plan) -> Option<(Bound, Margin)> {
         let mut beside = plan.start.beside(pump.pitch_rad());
         beside.find_map(|off_rad| self.margins_beside(pump, plan, off_rad).broken())
     }

@@ -13,15 +13,15 @@ const N_M: f64 = 1e-3;
 /// All values are those at the pump head, gear included.
 ///
 /// ```
-/// use pump_ctl::plan::{Cruise, Limits, Motor, Phase, Request, Torque, TorqueCurve, plan};
+/// use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Request, Torque, TorqueCurve};
 ///
 /// let pump = pump_model::Pump::three_roller();
-/// let motor = Motor { steps_per_rev: 12_800.0, max_speed_rad_s: 17.8, max_acceleration_rad_s2: 500.0 };
+/// let motor = Motor::new(12_800.0, 17.8, 500.0);
 /// let curve = TorqueCurve::new(&[(0.0, 1.2), (17.8, 0.9)]).unwrap();
-/// let torque = Torque { occlusion_n_m: 0.4, inertia_kg_m2: 2e-4, ambient_kpa: 88.637, motor: curve };
-/// let limits = Limits { torque: Some(torque), ..Limits::of_motor(motor) };
+/// let torque = Torque::new(88.637, curve).with_occlusion_n_m(0.4).with_inertia_kg_m2(2e-4);
+/// let limits = Limits::new(motor).with_torque(torque);
 /// let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 });
-/// let plan = plan(&pump, Phase::known(0.0), &request, &limits)?;
+/// let plan = Doser::new(&pump, limits)?.plan(Phase::known(0.0), &request)?;
 /// let margin = limits.margins(&pump, &plan).torque.unwrap();
 /// assert!(margin.reached > 0.4 && margin.used < 1.0);
 /// # Ok::<(), pump_ctl::plan::PlanError>(())
@@ -29,6 +29,7 @@ const N_M: f64 = 1e-3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Torque {
     /// Torque that squeezing the tube takes at any speed, N m, 0 to 1e6.
     pub occlusion_n_m: f64,
@@ -41,6 +42,24 @@ pub struct Torque {
 }
 
 impl Torque {
+    /// Makes the torque of a rotor that turns without occlusion torque and inertia, at an ambient pressure in
+    /// kPa absolute.
+    pub const fn new(ambient_kpa: f64, motor: TorqueCurve) -> Self {
+        Self { occlusion_n_m: 0.0, inertia_kg_m2: 0.0, ambient_kpa, motor }
+    }
+
+    /// Returns the torque with that which squeezing the tube takes, N m.
+    #[must_use]
+    pub const fn with_occlusion_n_m(self, occlusion_n_m: f64) -> Self {
+        Self { occlusion_n_m, ..self }
+    }
+
+    /// Returns the torque with the moment of inertia of all turning parts, kg m².
+    #[must_use]
+    pub const fn with_inertia_kg_m2(self, inertia_kg_m2: f64) -> Self {
+        Self { inertia_kg_m2, ..self }
+    }
+
     pub(super) fn validate(&self) -> Result<(), PlanError> {
         let allowed = Allowed::Between { least: 0.0, most: 1e6 };
         within("occlusion torque in N m", self.occlusion_n_m, allowed)?;

@@ -16,10 +16,30 @@ pub const TORQUE_POINTS: usize = 8;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "StoredCurve"))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct TorqueCurve {
     /// Points (rad/s, N m), rising in speed. The last point fills the places left.
     points: [(f64, f64); TORQUE_POINTS],
+}
+
+/// A torque curve as serde reads it, unchecked.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredCurve {
+    points: [(f64, f64); TORQUE_POINTS],
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredCurve> for TorqueCurve {
+    type Error = &'static str;
+
+    fn try_from(StoredCurve { points }: StoredCurve) -> Result<Self, &'static str> {
+        Self::of_places(points).ok_or(
+            "the points of a torque curve begin at speed 0, rise in speed and have torques from 0 to 1e6 N m; \
+             the last point fills the places left",
+        )
+    }
 }
 
 impl TorqueCurve {
@@ -40,13 +60,25 @@ impl TorqueCurve {
         (counts && rising && starts && points.iter().all(allowed)).then_some(curve)
     }
 
-    /// Makes a curve from its [`Self::precomputed_points`], for constants. Nothing is checked.
-    pub const fn precomputed(points: [(f64, f64); TORQUE_POINTS]) -> Self {
-        Self { points }
+    /// Makes a curve from all its places. Returns none of points that [`Self::new`] refuses.
+    pub(crate) const fn of_places(points: [(f64, f64); TORQUE_POINTS]) -> Option<Self> {
+        let [(mut last_rad_s, mut last_n_m), rest @ ..] = points;
+        let mut is_valid = last_rad_s == 0.0 && last_n_m >= 0.0 && last_n_m <= 1e6;
+        let mut rest: &[(f64, f64)] = &rest;
+        let mut filling = false;
+        while let [(speed_rad_s, torque_n_m), others @ ..] = rest {
+            let repeats = *speed_rad_s == last_rad_s && *torque_n_m == last_n_m && last_rad_s > 0.0;
+            let rises = *speed_rad_s > last_rad_s && speed_rad_s.is_finite() && !filling;
+            is_valid = is_valid && (repeats || rises) && *torque_n_m >= 0.0 && *torque_n_m <= 1e6;
+            filling = filling || repeats;
+            (last_rad_s, last_n_m) = (*speed_rad_s, *torque_n_m);
+            rest = others;
+        }
+        if is_valid { Some(Self { points }) } else { None }
     }
 
-    /// Returns the curve's points (rad/s, N m), rising in speed. The last point fills the places left.
-    pub fn precomputed_points(&self) -> [(f64, f64); TORQUE_POINTS] {
+    /// Returns the points in all places (rad/s, N m), rising in speed. The last point fills the places left.
+    pub(crate) fn places(&self) -> [(f64, f64); TORQUE_POINTS] {
         self.points
     }
 

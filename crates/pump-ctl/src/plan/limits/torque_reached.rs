@@ -1,6 +1,6 @@
 //! The margin of a motion to the motor's torque.
 
-use pump_model::math::ceil;
+use libm::ceil;
 use pump_model::{Port, Pump, Stretches};
 
 use super::margin::Margin;

@@ -1,10 +1,10 @@
 //! The moves of the rotor that can be planned: a dose, a turn, a changed dose, a stop.
 
-mod dose;
+mod another_pump;
+mod doser;
 mod retarget;
 mod start;
 mod stop;
 mod turn;
 
-pub use dose::plan;
-pub use turn::turn;
+pub use doser::Doser;

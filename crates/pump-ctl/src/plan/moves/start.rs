@@ -8,7 +8,7 @@ use crate::plan::line_states::LineStates;
 use crate::plan::profile::{Course, Profile, SpeedLimit, flow_limit_ml_s};
 use crate::plan::speed::choose;
 use crate::plan::target::Target;
-use crate::plan::words::{LimitedBy, Phase, PlanError, Request};
+use crate::plan::words::{LimitedBy, Phase, PlanError, Request, Turned};
 
 /// The state of rotor and lines from which a move goes on.
 pub(super) struct Start {
@@ -79,6 +79,7 @@ impl Start {
             carry_ml: request.owed_ml() - target.planned_ml,
             finish: request.finish,
             start: self.phase,
+            turned: request.turned.unwrap_or(Turned::at(self.phase)),
             steps: target.steps,
             steps_per_rev: motor.steps_per_rev,
             step_rad: motor.step_rad(),

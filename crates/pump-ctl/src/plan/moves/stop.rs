@@ -1,13 +1,13 @@
 //! The way to rest in the midst of a plan.
 
+use libm::ceil;
 use pump_model::Pump;
-use pump_model::math::ceil;
 
 use crate::plan::Plan;
 use crate::plan::line_states::LineStates;
 use crate::plan::profile::{Course, Profile, SpeedLimit};
-use crate::plan::target::{delivered, middle};
-use crate::plan::words::{LimitedBy, Phase};
+use crate::plan::target::delivered;
+use crate::plan::words::{LimitedBy, Turned};
 
 impl Plan {
     /// Returns the states in which this plan leaves the lines when `made` steps are made. If the start angle
@@ -29,7 +29,7 @@ impl Plan {
     /// It makes no more steps than the plan. The result is `None` if the rotor stands at that moment.
     ///
     /// The returned plan has time 0, start angle, volumes and steps of its own, as that of
-    /// [`Self::retarget`].
+    /// [`crate::plan::Doser::retarget`].
     pub fn stop(&self, pump: &Pump, made: u64) -> Option<Self> {
         let left = self.steps.unsigned_abs().checked_sub(made).filter(|left| *left > 0)?;
         let speed_rad_s = self.speed_after(made);
@@ -38,14 +38,13 @@ impl Plan {
         if steps == 0 {
             return None;
         }
-        let start = Phase { angle_rad: self.angle_after(made), ..self.start };
+        let start = self.start.moved_to(self.angle_after(made));
+        let volume_ml = self.delivered_ml(pump, made + steps) - self.delivered_ml(pump, made);
         let range_ml = if start.half_width_rad == 0.0 {
-            let volume_ml = self.delivered_ml(pump, made + steps) - self.delivered_ml(pump, made);
             (volume_ml, volume_ml)
         } else {
-            delivered(pump, start, f64::from(self.direction()) * steps as f64, self.step_rad)
+            delivered(pump, start, f64::from(self.direction().sign()) * steps as f64, self.step_rad)
         };
-        let volume_ml = middle(range_ml);
         let course = Course {
             start_rad: start.angle_rad,
             start_rad_s: speed_rad_s,
@@ -61,7 +60,8 @@ impl Plan {
             most_ml: range_ml.1,
             carry_ml: 0.0,
             start,
-            steps: i64::from(self.direction()) * steps as i64,
+            turned: if self.turned.is_exact() { Turned::at(start) } else { self.turned_after(made) },
+            steps: i64::from(self.direction().sign()) * steps as i64,
             profile: Profile::new(course, pump.outlet_curve()),
             limited_by: LimitedBy::Nothing,
             before_ml: self.before_ml + self.delivered_ml(pump, made),

@@ -1,5 +1,6 @@
-//! The pressures that a plan makes, and the time in which its line settles.
+//! The pressures that a plan makes, the time in which its line settles, and what the line takes back.
 
+mod back_flow;
 mod prediction;
 mod shortened_motion;
 

@@ -1,6 +1,6 @@
 //! The predicted pressures of a dose, and the time in which its line settles.
 
-use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
+use pump_model::{ExactRun, Extremes, Leg, LineState, Port, Pump};
 
 use super::shortened_motion::ShortenedMotion;
 use crate::plan::Plan;
@@ -68,11 +68,13 @@ impl Plan {
     /// last step comes at once, so its volume is in the line at first.
     fn settle_beside_s(&self, pump: &Pump, off_rad: f64) -> Result<f64, PlanError> {
         let motion = ShortenedMotion::new(self, pump, off_rad);
-        let [pressure_kpa, flow_ml_s] = motion.run(pump, Port::Outlet).at(motion.duration_s());
+        let state = motion.run(pump, Port::Outlet).at(motion.duration_s());
         let end_rad = self.end_angle_rad() + off_rad;
-        let step_ml = pump.outlet_curve().flow_ml_rad(end_rad) * self.step_rad * f64::from(self.direction());
-        let stepped_kpa = pressure_kpa + step_ml / pump.outlet().compliance_ml_kpa;
+        let step_ml =
+            pump.outlet_curve().flow_ml_rad(end_rad) * self.step_rad * f64::from(self.direction().sign());
+        let stepped_kpa = state.above_reservoir_kpa + step_ml / pump.outlet().compliance_ml_kpa;
+        let stepped = LineState { above_reservoir_kpa: stepped_kpa, ..state };
         let rest = [Leg::rest(0.0, end_rad)];
-        Ok(ExactRun::new(pump, Port::Outlet, rest, [stepped_kpa, flow_ml_s]).settling_s()?)
+        Ok(ExactRun::new(pump, Port::Outlet, rest, stepped).settling_s()?)
     }
 }

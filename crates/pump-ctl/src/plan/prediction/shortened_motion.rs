@@ -1,10 +1,9 @@
 //! The motion of a plan without the pitches that only repeat.
 
-use pump_model::math::{ceil, floor};
-use pump_model::{ExactRun, Extremes, Leg, Port, Pump};
+use libm::{ceil, floor};
+use pump_model::{ExactRun, Extremes, Leg, LineState, Port, Pump};
 
 use crate::plan::Plan;
-use crate::plan::line_states::LineState;
 use crate::plan::profile::{Course, Profile};
 
 /// Power of 1/e to which a line's swing from the start falls before pitches are left out. It leaves 1e-11 of
@@ -22,6 +21,9 @@ pub(in crate::plan) struct ShortenedMotion {
     states: [LineState; 2],
     /// Offset of the rollers from the plan's start angle, rad.
     off_rad: f64,
+    /// Number of pitches that are left out, and the time of one, s.
+    surplus: f64,
+    pitch_s: f64,
 }
 
 impl ShortenedMotion {
@@ -36,17 +38,29 @@ impl ShortenedMotion {
         let kept = ceil(FORGOTTEN / (decay_per_s * pitch_s)) + 1.0;
         let surplus = floor((left_rad - reached_rad) / pitch_rad) - kept;
         if !(profile.reaches_limit() && surplus >= 1.0) {
-            return Self { profile, states, off_rad };
+            return Self { profile, states, off_rad, surplus: 0.0, pitch_s };
         }
         let turn_rad = profile.course.turn_rad - surplus * pitch_rad;
         let course = Course { turn_rad, ..profile.course };
-        Self { profile: Profile::new(course, pump.outlet_curve()), states, off_rad }
+        Self { profile: Profile::new(course, pump.outlet_curve()), states, off_rad, surplus, pitch_s }
     }
 
     /// Returns the legs of the motion, at the rollers' own angles.
     pub(in crate::plan) fn legs(&self) -> impl Iterator<Item = Leg> + Clone {
         let off_rad = self.off_rad;
         self.profile.legs().map(move |leg| leg.beside(off_rad))
+    }
+
+    /// Returns the number of pitches that are left out.
+    pub(super) fn surplus(&self) -> f64 {
+        self.surplus
+    }
+
+    /// Returns the start and the end of the last pitch before the motor slows down, s. `None` if no pitches
+    /// are left out.
+    pub(super) fn last_pitch_s(&self) -> Option<(f64, f64)> {
+        let end_s = self.profile.time_of(self.profile.corners_rad[1]);
+        (self.surplus > 0.0).then_some((end_s - self.pitch_s, end_s))
     }
 
     /// Returns the time from start to rest, s.

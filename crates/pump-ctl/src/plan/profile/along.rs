@@ -1,6 +1,6 @@
 //! A leg along an envelope of speeds.
 
-use pump_model::math::sqrt;
+use libm::sqrt;
 
 /// A leg along an envelope, from its first knot on. It gives the times of many angles in the leg.
 #[derive(Debug, Clone, Copy)]

@@ -2,7 +2,6 @@
 
 /// The speed limit at each angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(in crate::plan) enum SpeedLimit {
     /// The limit is one speed at every angle.
@@ -21,7 +20,6 @@ pub(in crate::plan) enum SpeedLimit {
 
 /// The quantities that determine a profile.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(in crate::plan) struct Course {
     /// Angle of the rollers at the start, rad.

@@ -1,11 +1,11 @@
 //! The envelope: a speed for every angle of a pitch.
 
-use pump_model::math::{ceil, floor, sqrt};
+use libm::{ceil, floor, sqrt};
 
 /// Number of parts into which the uneven part of a pitch is cut.
 pub(super) const PARTS: usize = 64;
 
-/// A number for each part, in rows of a length that serde supports.
+/// A number for each part, in rows of 16.
 pub(super) type PerPart = [[f64; 16]; PARTS / 16];
 
 /// A periodic speed over the angle.
@@ -17,7 +17,6 @@ pub(super) type PerPart = [[f64; 16]; PARTS / 16];
 /// Angles count in the direction of motion from the start of the uneven part. Part `PARTS` starts at the last
 /// knot and ends with the pitch.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub(super) struct Envelope {
     pitch_rad: f64,

@@ -1,6 +1,6 @@
 //! The profile of the speed: from the start speed to the speed limit, along it, and down to rest.
 
-use pump_model::math::{floor, sqrt};
+use libm::{floor, sqrt};
 use pump_model::{FlowCurve, Leg};
 
 use super::along::Along;
@@ -16,7 +16,6 @@ use super::smooth;
 /// rises above the last line once. The motion goes up, along and down, or up and down if the turn is too
 /// short. A constant limit makes a trapezoid.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Profile {
     pub(in crate::plan) course: Course,

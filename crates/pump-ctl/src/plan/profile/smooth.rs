@@ -1,13 +1,13 @@
 //! The speeds at which the flow at the outlet's rollers is as smooth as the motor allows.
 
 use pump_model::FlowCurve;
-use pump_model::math::wrap;
+use pump_model::units::wrap;
 
 use super::course::Course;
 use super::envelope::{Envelope, PARTS, PerPart};
 
 /// The flow per radian at the knots of the uneven part, and the bounds of the speed there.
-struct Knots {
+struct SmoothKnots {
     pitch_rad: f64,
     /// Start of the uneven part, as an angle in the direction of motion, rad.
     origin_rad: f64,
@@ -20,7 +20,7 @@ struct Knots {
     most: f64,
 }
 
-impl Knots {
+impl SmoothKnots {
     fn new(curve: &FlowCurve, direction: i8, max_rad_s: f64, acceleration_rad_s2: f64) -> Self {
         /// Distance of a look on the other side of a knot, rad. The flow jumps at full engagement, where a
         /// pulse begins, and the first knot holds for both sides of the jump.
@@ -81,7 +81,7 @@ pub(super) fn envelope(
     flow_ml_s: f64,
     max_rad_s: f64,
 ) -> (Envelope, f64) {
-    let knots = Knots::new(curve, course.direction, max_rad_s, course.acceleration_rad_s2);
+    let knots = SmoothKnots::new(curve, course.direction, max_rad_s, course.acceleration_rad_s2);
     let along_rad = f64::from(course.direction) * course.start_rad;
     let phase_rad = wrap(along_rad - knots.origin_rad, curve.pitch_rad());
     (knots.envelope(flow_ml_s), phase_rad)
@@ -98,7 +98,7 @@ pub(in crate::plan) fn flow_limit_ml_s(
     max_rad_s: f64,
     acceleration_rad_s2: f64,
 ) -> f64 {
-    let knots = Knots::new(curve, direction, max_rad_s, acceleration_rad_s2);
+    let knots = SmoothKnots::new(curve, direction, max_rad_s, acceleration_rad_s2);
     let missing = |flow_ml_s| knots.envelope(flow_ml_s).mean_rad_s() / mean_rad_s - 1.0;
     let flow_ml_s = mean_rad_s * curve.pitch_ml() / curve.pitch_rad();
     // A limit of half the mean flow is too low. With the largest flow of the fastest motor the speed is

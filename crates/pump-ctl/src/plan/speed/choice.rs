@@ -1,9 +1,9 @@
 //! The plan at the cruise speed that a request asks for.
 
 use pump_model::Pump;
-use pump_model::math::rpm;
+use pump_model::units::rpm;
 
-use super::fastest::{Fastest, fastest};
+use super::fastest::fastest;
 use super::for_flow::speed_for_flow;
 use super::nearest::nearest;
 use super::refusal::refusal;
@@ -50,22 +50,24 @@ pub(in crate::plan) fn choose(
             (found.map_err(|error| shortest_within_limits(pump, limits, error, &at_speed))?, limit_rad_s)
         }
         Cruise::Fastest => {
-            let Fastest { plan, limited_by, beyond } = fastest(pump, limits, limit_rad_s, &at_speed)?;
-            let Some((_, plan)) = plan else {
-                return Err(refusal(limits, limited_by, beyond, Nearest::Nothing));
+            return match fastest(pump, limits, limit_rad_s, &at_speed)? {
+                Ok((_, plan)) => short_enough(plan),
+                Err((bound, margin)) => {
+                    let direction = at_speed(limit_rad_s).direction();
+                    Err(refusal(limits, direction, bound, margin, Nearest::Nothing))
+                }
             };
-            return short_enough(plan);
         }
     };
     let plan = short_enough(plan)?;
-    let Some((limited_by, margin)) = limits.margins(pump, &plan).broken() else {
+    let Some((bound, margin)) = limits.margins(pump, &plan).broken() else {
         return Ok(plan);
     };
-    let instead = match fastest(pump, limits, top_rad_s, &at_speed)?.plan {
-        None => Nearest::Nothing,
-        Some((rad_s, plan)) => nearest(pump, limits, cruise, rad_s, &plan, &at_speed)?,
+    let instead = match fastest(pump, limits, top_rad_s, &at_speed)? {
+        Err(_) => Nearest::Nothing,
+        Ok((rad_s, plan)) => nearest(pump, limits, cruise, rad_s, &plan, &at_speed)?,
     };
-    Err(refusal(limits, limited_by, Some(margin), instead))
+    Err(refusal(limits, plan.direction(), bound, margin, instead))
 }
 
 /// Refuses a plan that takes longer than any controller keeps time.

@@ -3,19 +3,13 @@
 use pump_model::Pump;
 
 use crate::plan::Plan;
-use crate::plan::limits::{Limits, Margin};
+use crate::plan::limits::{Bound, Limits, Margin};
 use crate::plan::line_states::LineStates;
 use crate::plan::words::{LimitedBy, PlanError};
 
-/// The fastest plan among speeds that are connected to rest, and the limit that keeps it from being faster.
-pub(super) struct Fastest {
-    /// Speed, rad/s, and plan. `None` if even the slowest speed that is tried breaks a limit.
-    pub(super) plan: Option<(f64, Plan)>,
-    /// Limit that keeps the plan from being faster.
-    pub(super) limited_by: LimitedBy,
-    /// Margin of that limit at a slightly faster speed. `None` if speed or acceleration bind.
-    pub(super) beyond: Option<Margin>,
-}
+/// The speed, rad/s, and the plan that is fastest among speeds that are connected to rest. The error is the limit
+/// that even the slowest speed breaks, with its margin.
+pub(super) type Fastest = Result<(f64, Plan), (Bound, Margin)>;
 
 /// Slowest speed that is tried, as a part of the fastest speed.
 const SLOWEST: f64 = 1.0 / 4096.0;
@@ -42,7 +36,7 @@ pub(super) fn fastest(
     let topmost = at_speed(top_rad_s);
     let unbound = if topmost.profile.reaches_limit() { LimitedBy::Speed } else { LimitedBy::Acceleration };
     if !limits.are_predicted() {
-        return Ok(unbroken(top_rad_s, topmost, unbound));
+        return Ok(Ok((top_rad_s, Plan { limited_by: unbound, ..topmost })));
     }
     let damping = pump.inlet().damping_ratio().min(pump.outlet().damping_ratio());
     let ratio = 1.0 + (damping / 16.0).clamp(0.001, 0.01);
@@ -58,12 +52,12 @@ pub(super) fn fastest(
         slowest *= 0.5;
     }
     let (mut good, mut holds) = (slowest, at_speed(slowest));
-    if let Some((limited_by, margin)) = limits.broken(pump, &holds) {
-        return Ok(Fastest { plan: None, limited_by, beyond: Some(margin) });
+    if let Some(broken) = limits.broken(pump, &holds) {
+        return Ok(Err(broken));
     }
-    let (mut bad, mut broken) = loop {
+    let (mut bad, (mut bound, _)) = loop {
         if good >= top_rad_s {
-            return Ok(unbroken(good, holds, unbound));
+            return Ok(Ok((good, Plan { limited_by: unbound, ..holds })));
         }
         let next = (good * ratio).min(top_rad_s);
         let plan = at_speed(next);
@@ -76,17 +70,11 @@ pub(super) fn fastest(
         let middle = 0.5 * (good + bad);
         let plan = at_speed(middle);
         match limits.broken(pump, &plan) {
-            Some(by) => (bad, broken) = (middle, by),
+            Some(by) => (bad, (bound, _)) = (middle, by),
             None => (good, holds) = (middle, plan),
         }
     }
-    let (limited_by, margin) = broken;
-    Ok(Fastest { plan: Some((good, Plan { limited_by, ..holds })), limited_by, beyond: Some(margin) })
-}
-
-/// Makes the result where speed or acceleration bind.
-fn unbroken(speed_rad_s: f64, plan: Plan, limited_by: LimitedBy) -> Fastest {
-    Fastest { plan: Some((speed_rad_s, Plan { limited_by, ..plan })), limited_by, beyond: None }
+    Ok(Ok((good, Plan { limited_by: bound.limited_by(holds.direction()), ..holds })))
 }
 
 /// Returns true if no motion up to the fastest speed of `plan`, from lines at rest, could break a limit.

@@ -1,7 +1,7 @@
 //! The speed of a flow.
 
 use pump_model::Pump;
-use pump_model::math::TURN_RAD;
+use pump_model::units::TURN_RAD;
 
 /// Returns the speed, rad/s, whose mean flow over whole pitches is `flow_ml_s`. It is the inverse of
 /// [`Pump::average_flow_ml_s`].

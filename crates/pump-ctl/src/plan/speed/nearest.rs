@@ -1,7 +1,7 @@
 //! The dose that is possible in place of a refused one.
 
 use pump_model::Pump;
-use pump_model::math::{rad_s, rpm};
+use pump_model::units::{rad_s, rpm};
 
 use super::for_flow::speed_for_flow;
 use super::rounded::{down, scale, up};

@@ -1,6 +1,6 @@
 //! Numbers rounded for messages, to the side on which a request is accepted.
 
-use pump_model::math::{ceil, floor, log10, pow};
+use libm::{ceil, floor, log10, pow};
 
 /// Number of digits of a rounded number.
 const DIGITS: f64 = 5.0;

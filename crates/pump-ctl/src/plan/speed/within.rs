@@ -2,7 +2,7 @@
 
 use pump_model::Pump;
 
-use super::fastest::{Fastest, fastest};
+use super::fastest::fastest;
 use super::refusal::refusal;
 use super::rounded::up;
 use crate::plan::Plan;
@@ -24,12 +24,13 @@ pub(super) fn shortest_within_limits(
         return error;
     }
     match fastest(pump, limits, limits.motor.max_speed_rad_s, at_speed) {
-        Ok(Fastest { plan: Some((_, plan)), .. }) => match total_s(pump, &plan) {
+        Ok(Ok((_, plan))) => match total_s(pump, &plan) {
             Ok(total_s) => PlanError::TimeTooShort { asked_s, fastest_s: fastest_s.max(up(total_s)) },
             Err(error) => error,
         },
-        Ok(Fastest { plan: None, limited_by, beyond }) => {
-            refusal(limits, limited_by, beyond, Nearest::Nothing)
+        Ok(Err((bound, margin))) => {
+            let direction = at_speed(limits.motor.max_speed_rad_s).direction();
+            refusal(limits, direction, bound, margin, Nearest::Nothing)
         }
         Err(error) => error,
     }

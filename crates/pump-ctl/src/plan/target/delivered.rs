@@ -2,7 +2,7 @@
 
 use pump_model::Pump;
 
-use crate::plan::words::Phase;
+use crate::plan::words::{Phase, Turned};
 
 /// Returns the middle of a range. The middle of a single number is that number to the last bit.
 pub(in crate::plan) fn middle((least_ml, most_ml): (f64, f64)) -> f64 {
@@ -19,4 +19,10 @@ pub(in crate::plan) fn delivered(pump: &Pump, start: Phase, steps: f64, step_rad
     } else {
         start.range_ml(pump, steps * step_rad)
     }
+}
+
+/// Returns the volume that `steps` add to the middle of the volumes of `turned`, mL.
+pub(in crate::plan) fn booked(pump: &Pump, turned: Turned, steps: f64, step_rad: f64) -> f64 {
+    let turn_rad = steps * step_rad;
+    turned.by(turn_rad, turn_rad).middle_ml(pump) - turned.middle_ml(pump)
 }

@@ -1,15 +1,16 @@
 //! The ends of a dose at low flow.
 
+use libm::{ceil, floor};
 use pump_model::Pump;
-use pump_model::math::{ceil, degrees, floor};
+use pump_model::units::degrees;
 
-use super::delivered::{delivered, middle};
+use super::delivered::{booked, delivered};
 use super::low_flow::LowFlow;
 use super::target::Target;
-use crate::plan::words::{Phase, PlanError, Request};
+use crate::plan::words::{Phase, PlanError, Request, Turned};
 
 /// A number of steps, and the smallest and the largest volume that they deliver, mL.
-type End = (f64, (f64, f64));
+type LowFlowEnd = (f64, (f64, f64));
 
 /// Finds the two ends at low flow nearest to `nearest_steps`, the first with no more steps, the second with
 /// no fewer.
@@ -23,7 +24,7 @@ pub(in crate::plan) fn ends(
     owed_ml: f64,
     nearest_steps: f64,
     step_rad: f64,
-) -> Result<[Option<End>; 2], PlanError> {
+) -> Result<[Option<LowFlowEnd>; 2], PlanError> {
     let curve = pump.outlet_curve();
     if !start.is_known(curve.pitch_rad()) {
         let half_width_deg = degrees(start.half_width_rad);
@@ -68,13 +69,15 @@ pub(in crate::plan) fn ends(
 pub(super) fn at_low_flow(
     pump: &Pump,
     start: Phase,
+    turned: Turned,
     request: &Request,
     nearest_steps: f64,
     step_rad: f64,
 ) -> Result<Target, PlanError> {
     let owed_ml = request.owed_ml();
     let ends = ends(pump, start, owed_ml, nearest_steps, step_rad)?;
-    let off_ml = |(_, (least_ml, most_ml)): &End| (owed_ml - least_ml).abs().max((owed_ml - most_ml).abs());
+    let off_ml =
+        |(_, (least_ml, most_ml)): &LowFlowEnd| (owed_ml - least_ml).abs().max((owed_ml - most_ml).abs());
     let nearer = match ends.into() {
         (Some(below), Some(above)) => Some(if off_ml(&below) <= off_ml(&above) { below } else { above }),
         (below, above) => below.or(above),
@@ -82,9 +85,10 @@ pub(super) fn at_low_flow(
     let Some((steps, range_ml)) = nearer else {
         return Err(PlanError::LowFlowTooNarrow { step_deg: degrees(step_rad) });
     };
+    let planned_ml = booked(pump, turned, steps, step_rad);
     if off_ml(&(steps, range_ml)) > owed_ml.abs() {
-        let smallest_ml = middle(range_ml) - request.carry_in_ml;
+        let smallest_ml = planned_ml - request.carry_in_ml;
         return Err(PlanError::NoLowFlowEnd { requested_ml: request.volume_ml, smallest_ml });
     }
-    Ok(Target { steps: steps as i64, planned_ml: middle(range_ml), range_ml })
+    Ok(Target { steps: steps as i64, planned_ml, range_ml })
 }

@@ -1,6 +1,6 @@
 //! The stretches of a pitch in which the flow is low.
 
-use pump_model::math::degrees;
+use pump_model::units::degrees;
 use pump_model::{FlowCurve, Pump};
 
 use crate::plan::words::PlanError;

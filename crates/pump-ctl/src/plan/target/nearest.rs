@@ -1,12 +1,12 @@
 //! The whole number of steps whose volume is nearest to a volume asked for.
 
+use libm::{ceil, floor};
 use pump_model::Pump;
-use pump_model::math::{ceil, floor};
 
-use super::delivered::{delivered, middle};
+use super::delivered::{booked, delivered};
 use super::ends::at_low_flow;
 use super::target::Target;
-use crate::plan::words::{Finish, Phase, PlanError, Request};
+use crate::plan::words::{Finish, Phase, PlanError, Request, Turned};
 
 /// Largest number of steps of a dose. They take eight hours at 36,000 a second.
 const MAX_STEPS: f64 = 1e9;
@@ -14,18 +14,21 @@ const MAX_STEPS: f64 = 1e9;
 /// Finds the number of steps from `start` whose volume is nearest to the volume requested plus carried.
 ///
 /// If the angle is not known exactly, each number of steps has a largest deviation over all angles at which
-/// the rollers may stand. The result is the number for which it is smallest.
+/// the rollers may stand. The result is the number for which it is smallest. Earlier doses since such an
+/// angle count: the deviation is that of their sum with this dose.
 pub(in crate::plan) fn nearest_steps(
     pump: &Pump,
     start: Phase,
     request: &Request,
     step_rad: f64,
 ) -> Result<Target, PlanError> {
-    let known = start.half_width_rad == 0.0;
-    let (steps, range_ml) = if known {
-        nearest(pump, start, request, step_rad)
+    let turned = request.turned.unwrap_or(Turned::at(start));
+    let known = start.half_width_rad == 0.0 && request.turned.is_none_or(|turned| turned.is_exact());
+    let (steps, known_ml) = if known {
+        let (steps, volume_ml) = nearest(pump, start, request, step_rad);
+        (steps, Some(volume_ml))
     } else {
-        minimax(pump, start, request, step_rad)?
+        (minimax(pump, turned, request, step_rad)?, None)
     };
     if steps == 0.0 {
         let (direction, farther): (f64, fn(f64, f64) -> f64) =
@@ -41,34 +44,38 @@ pub(in crate::plan) fn nearest_steps(
         return Err(PlanError::TooManySteps { steps: steps.abs() });
     }
     match request.finish {
-        Finish::Any => Ok(Target { steps: steps as i64, planned_ml: middle(range_ml), range_ml }),
-        Finish::LowFlow => at_low_flow(pump, start, request, steps, step_rad),
+        Finish::Any => {
+            let (planned_ml, range_ml) = match known_ml {
+                Some(volume_ml) => (volume_ml, (volume_ml, volume_ml)),
+                None => (booked(pump, turned, steps, step_rad), delivered(pump, start, steps, step_rad)),
+            };
+            Ok(Target { steps: steps as i64, planned_ml, range_ml })
+        }
+        Finish::LowFlow => at_low_flow(pump, start, turned, request, steps, step_rad),
     }
 }
 
-/// Finds the number of steps from a known angle. It is one of the two numbers beside the ideal end angle.
-fn nearest(pump: &Pump, start: Phase, request: &Request, step_rad: f64) -> (f64, (f64, f64)) {
+/// Finds the number of steps from a known angle, and their volume, mL. It is one of the two numbers beside the
+/// ideal end angle.
+fn nearest(pump: &Pump, start: Phase, request: &Request, step_rad: f64) -> (f64, f64) {
     let curve = pump.outlet_curve();
     let owed_ml = request.owed_ml();
     let ideal_rad = curve.angle_rad(curve.volume_ml(start.angle_rad) + owed_ml) - start.angle_rad;
     let below = floor(ideal_rad / step_rad);
-    let [low, high] = [below, below + 1.0].map(|steps| delivered(pump, start, steps, step_rad));
-    if owed_ml - low.0 <= high.0 - owed_ml { (below, low) } else { (below + 1.0, high) }
+    let [(low_ml, _), (high_ml, _)] =
+        [below, below + 1.0].map(|steps| delivered(pump, start, steps, step_rad));
+    if owed_ml - low_ml <= high_ml - owed_ml { (below, low_ml) } else { (below + 1.0, high_ml) }
 }
 
-/// Finds the number of steps from an angle that is not known exactly.
+/// Finds the number of steps after a turn from an angle that is not known exactly.
 ///
-/// Smallest and largest volume both grow with the turn. So the largest deviation is smallest at the turn
-/// where both are equally far from the volume requested plus carried. The result is the number of steps on
+/// Smallest and largest volume of the whole turn both grow with the turn. So the largest deviation is smallest
+/// at the turn where both are equally far from the sum of the volumes. The result is the number of steps on
 /// one side of that turn or the other.
-fn minimax(
-    pump: &Pump,
-    start: Phase,
-    request: &Request,
-    step_rad: f64,
-) -> Result<(f64, (f64, f64)), PlanError> {
+fn minimax(pump: &Pump, turned: Turned, request: &Request, step_rad: f64) -> Result<f64, PlanError> {
     let curve = pump.outlet_curve();
     let owed_ml = request.owed_ml();
+    let sum_ml = turned.middle_ml(pump) + owed_ml;
     // Whole pitches deliver an equal volume from every angle, so the turn lies between two of them.
     let pitches = floor(owed_ml / curve.pitch_ml());
     let mut below = floor(pitches * curve.pitch_rad() / step_rad) - 1.0;
@@ -77,14 +84,15 @@ fn minimax(
     if fewest > MAX_STEPS {
         return Err(PlanError::TooManySteps { steps: fewest });
     }
+    let after = |steps: f64| turned.by(steps * step_rad, steps * step_rad);
     while above - below > 1.0 {
         let steps = floor(0.5 * (below + above));
-        if middle(delivered(pump, start, steps, step_rad)) <= owed_ml {
+        if after(steps).middle_ml(pump) <= sum_ml {
             below = steps;
         } else {
             above = steps;
         }
     }
-    let [low, high] = [below, above].map(|steps| delivered(pump, start, steps, step_rad));
-    Ok(if owed_ml - low.0 <= high.1 - owed_ml { (below, low) } else { (above, high) })
+    let [low, high] = [below, above].map(|steps| after(steps).range_ml(pump));
+    Ok(if sum_ml - low.0 <= high.1 - sum_ml { below } else { above })
 }

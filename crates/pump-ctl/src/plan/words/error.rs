@@ -2,10 +2,11 @@
 
 use core::fmt;
 
-use pump_model::{Allowed, ModelError};
+use pump_model::{Allowed, ModelError, Port, Shown};
 use thiserror::Error;
 
 use super::set_by::SetBy;
+use crate::step::Direction;
 
 /// The fastest dose that holds every limit, in the terms of the request.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +29,8 @@ pub enum Nearest {
     },
     /// No speed that was tried holds every limit.
     Nothing,
+    /// The line breaks a pressure limit of the user at rest, so no speed holds it.
+    RestBreaks,
 }
 
 impl fmt::Display for Nearest {
@@ -39,7 +42,34 @@ impl fmt::Display for Nearest {
                 write!(to, "{time_s} s is the shortest time that holds every limit")
             }
             Self::Nothing => write!(to, "no speed holds every limit"),
+            Self::RestBreaks => write!(
+                to,
+                "the line breaks it at rest: limits are absolute, so add the ambient pressure to a gauge one, or \
+                 write that with its unit, as 20kPag"
+            ),
         }
+    }
+}
+
+/// A volume for people: in µL where mL would need many zeros.
+struct Volume(f64);
+
+impl fmt::Display for Volume {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let microlitres = 1e3 * self.0;
+        if (0.001..100.0).contains(&microlitres.abs()) {
+            write!(to, "{microlitres:.3} µL")
+        } else {
+            write!(to, "{} mL", Shown(self.0))
+        }
+    }
+}
+
+/// Returns the port that discharges in this direction.
+fn discharge(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Forward => Port::Outlet.name(),
+        Direction::Reverse => Port::Inlet.name(),
     }
 }
 
@@ -49,7 +79,7 @@ impl fmt::Display for Nearest {
 #[non_exhaustive]
 pub enum PlanError {
     /// A parameter is outside its range.
-    #[error("{parameter} is {value}; allowed: {allowed}")]
+    #[error("{parameter} is {}; allowed: {allowed}", Shown(*value))]
     OutOfRange {
         /// Name of the parameter, with its unit.
         parameter: &'static str,
@@ -60,8 +90,9 @@ pub enum PlanError {
     },
     /// The volume is less than half a motor step.
     #[error(
-        "{requested_ml} mL with {carry_in_ml:.6} mL carried from earlier doses is less than half a motor step \
-         at this angle; the smallest dose here is {smallest_ml:.6} mL"
+        "{} with {} carried from earlier doses is less than half a motor step at this angle; the smallest \
+         dose here is {}",
+        Volume(*requested_ml), Volume(*carry_in_ml), Volume(*smallest_ml)
     )]
     LessThanHalfAStep {
         /// Volume asked for, mL.
@@ -82,8 +113,9 @@ pub enum PlanError {
     },
     /// The flow needs more speed than the motor may have.
     #[error(
-        "a rate of {flow_ml_s} mL/s needs {needed_rpm} r/min; the pump's limit of {limit_rpm:.2} r/min gives \
-         {limit_ml_s} mL/s at most"
+        "a rate of {} mL/s needs {} r/min; the pump's limit of {limit_rpm:.2} r/min gives \
+         {limit_ml_s} mL/s at most",
+        Shown(*flow_ml_s), Shown(*needed_rpm)
     )]
     RateTooHigh {
         /// Flow asked for, mL/s.
@@ -96,7 +128,7 @@ pub enum PlanError {
         limit_ml_s: f64,
     },
     /// The speed is above the motor's largest.
-    #[error("a speed of {speed_rpm:.3} r/min is above the pump's limit of {limit_rpm:.2} r/min")]
+    #[error("a speed of {:.3} r/min is above the pump's limit of {limit_rpm:.2} r/min", Shown(*speed_rpm))]
     SpeedTooHigh {
         /// Speed asked for, r/min.
         speed_rpm: f64,
@@ -114,8 +146,9 @@ pub enum PlanError {
     },
     /// The rotor is past the point at which it could still stop for the new volume.
     #[error(
-        "the dose can no longer end at {asked_ml} mL: the rotor has delivered {delivered_ml:.4} mL and can \
-         stop after {nearest_ml:.4} mL at the earliest; let it stop, and dose the rest"
+        "the dose can no longer end at {} mL: the rotor has delivered {delivered_ml:.4} mL and can \
+         stop after {nearest_ml:.4} mL at the earliest; let it stop, and dose the rest",
+        Shown(*asked_ml)
     )]
     CannotStopThere {
         /// New volume of the dose, mL.
@@ -173,8 +206,9 @@ pub enum PlanError {
     },
     /// Every end at low flow is farther from the volume than no dose at all.
     #[error(
-        "no end at low flow is nearer to {requested_ml} mL with the carry than no dose at all; ask for \
-         {smallest_ml:.4} mL, the smallest dose from this angle that ends there, or let the dose end anywhere"
+        "no end at low flow is nearer to {} mL with the carry than no dose at all; ask for \
+         {smallest_ml:.4} mL, the smallest dose from this angle that ends there, or let the dose end anywhere",
+        Shown(*requested_ml)
     )]
     NoLowFlowEnd {
         /// Volume asked for, mL.
@@ -190,8 +224,9 @@ pub enum PlanError {
     },
     /// No speed meets the time.
     #[error(
-        "the dose cannot be done within {asked_s} s; the fastest found takes {fastest_s} s, settling \
-         included"
+        "the dose cannot be done within {} s; the fastest found takes {fastest_s} s, settling \
+         included",
+        Shown(*asked_s)
     )]
     TimeTooShort {
         /// Time asked for, s.
@@ -201,10 +236,14 @@ pub enum PlanError {
     },
     /// The pressure at the discharge port would be too high.
     #[error(
-        "the outlet pressure would reach {predicted_kpa:.2} kPa absolute, above the limit of {limit_kpa:.2} \
-         kPa; {nearest}"
+        "the {} pressure would reach {predicted_kpa:.2} kPa absolute, above the limit of {:.2} \
+         kPa; {nearest}",
+        discharge(*direction),
+        Shown(*limit_kpa)
     )]
     OutletPressure {
+        /// Direction of the dose. The outlet discharges in forward motion, and the inlet in reverse.
+        direction: Direction,
         /// Largest predicted pressure, kPa absolute.
         predicted_kpa: f64,
         /// Limit of this pressure, kPa absolute.
@@ -214,10 +253,14 @@ pub enum PlanError {
     },
     /// The pressure at the suction port would be too low.
     #[error(
-        "the inlet pressure would fall to {predicted_kpa:.2} kPa absolute, below the limit of {limit_kpa:.2} \
-         kPa{set_by}; {nearest}"
+        "the {} pressure would fall to {predicted_kpa:.2} kPa absolute, below the limit of {:.2} \
+         kPa{set_by}; {nearest}",
+        discharge(direction.reversed()),
+        Shown(*limit_kpa)
     )]
     InletPressure {
+        /// Direction of the dose. The inlet sucks in forward motion, and the outlet in reverse.
+        direction: Direction,
         /// Smallest predicted pressure, kPa absolute.
         predicted_kpa: f64,
         /// Limit of this pressure, kPa absolute.
@@ -229,10 +272,13 @@ pub enum PlanError {
     },
     /// The pressure at the discharge port would be too low.
     #[error(
-        "the pressure at the discharge port would fall to {predicted_kpa:.2} kPa absolute where the flow \
-         falls and the line runs on, below the limit of {limit_kpa:.2} kPa{set_by}; {nearest}"
+        "the {} pressure would fall to {predicted_kpa:.2} kPa absolute where the flow falls and the line \
+         runs on, below the limit of {limit_kpa:.2} kPa{set_by}; {nearest}",
+        discharge(*direction)
     )]
     OutletSuction {
+        /// Direction of the dose. The outlet discharges in forward motion, and the inlet in reverse.
+        direction: Direction,
         /// Smallest predicted pressure, kPa absolute.
         predicted_kpa: f64,
         /// Limit of this pressure, kPa absolute.

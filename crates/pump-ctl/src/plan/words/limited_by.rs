@@ -7,10 +7,13 @@ use super::unknown_name::UnknownName;
 
 /// The limit that keeps a dose from being faster.
 ///
+/// A pressure that binds has the name of its port, and of its side: `pressure` is the largest pressure allowed
+/// there, `suction` the smallest. In reverse the outlet sucks and the inlet pushes.
+///
 /// ```
 /// use pump_ctl::plan::LimitedBy;
 ///
-/// assert_eq!("inlet_pressure".parse(), Ok(LimitedBy::InletPressure));
+/// assert_eq!("inlet_suction".parse(), Ok(LimitedBy::InletSuction));
 /// assert_eq!(LimitedBy::Nothing.to_string(), "none");
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,46 +27,54 @@ pub enum LimitedBy {
     Acceleration,
     /// The motor's largest speed binds.
     Speed,
-    /// The largest pressure at the discharge port binds.
-    OutletPressure,
-    /// The smallest pressure at the suction port binds.
+    /// The smallest pressure at the inlet binds: the inlet sucks, or its line runs on where the flow falls in
+    /// reverse.
+    InletSuction,
+    /// The largest pressure at the inlet binds, which pushes in reverse.
     InletPressure,
-    /// The smallest pressure at the discharge port binds. A long line makes it where the flow falls.
+    /// The smallest pressure at the outlet binds: a long line runs on where the flow falls, or the outlet sucks
+    /// in reverse.
     OutletSuction,
+    /// The largest pressure at the outlet binds.
+    OutletPressure,
     /// The motor's torque binds.
     Torque,
 }
 
 impl LimitedBy {
-    /// Every limit that has a name of its own. [`Self::OutletSuction`] shares the name of
-    /// [`Self::OutletPressure`].
-    pub const ALL: [Self; 6] = [
+    /// Every limit.
+    pub const ALL: [Self; 8] = [
         Self::Nothing,
         Self::Speed,
         Self::Acceleration,
-        Self::OutletPressure,
+        Self::InletSuction,
         Self::InletPressure,
+        Self::OutletSuction,
+        Self::OutletPressure,
         Self::Torque,
     ];
 
-    const NAMES: [&'static str; 6] = [
+    const NAMES: [&'static str; 8] = [
         Self::Nothing.name(),
         Self::Speed.name(),
         Self::Acceleration.name(),
-        Self::OutletPressure.name(),
+        Self::InletSuction.name(),
         Self::InletPressure.name(),
+        Self::OutletSuction.name(),
+        Self::OutletPressure.name(),
         Self::Torque.name(),
     ];
 
-    /// Returns the limit's name in reports. Both limits of the pressure at the discharge port are
-    /// `outlet_pressure`.
+    /// Returns the limit's name in reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Nothing => "none",
             Self::Acceleration => "acceleration",
             Self::Speed => "speed",
-            Self::OutletPressure | Self::OutletSuction => "outlet_pressure",
+            Self::InletSuction => "inlet_suction",
             Self::InletPressure => "inlet_pressure",
+            Self::OutletSuction => "outlet_suction",
+            Self::OutletPressure => "outlet_pressure",
             Self::Torque => "torque",
         }
     }
@@ -78,7 +89,7 @@ impl fmt::Display for LimitedBy {
 impl FromStr for LimitedBy {
     type Err = UnknownName;
 
-    /// Reads a name that [`Self::name`] gives. The name `outlet_pressure` is [`Self::OutletPressure`].
+    /// Reads a name that [`Self::name`] gives.
     fn from_str(name: &str) -> Result<Self, UnknownName> {
         let named = Self::ALL.into_iter().find(|limit| limit.name() == name);
         named.ok_or_else(|| UnknownName::new("limited_by", name, &Self::NAMES))

@@ -6,8 +6,10 @@ mod finish;
 mod limited_by;
 mod phase;
 mod request;
+mod retarget;
 mod set_by;
 mod start_angles;
+mod turned;
 mod unknown_name;
 
 pub use cruise::Cruise;
@@ -16,7 +18,9 @@ pub use finish::Finish;
 pub use limited_by::LimitedBy;
 pub use phase::Phase;
 pub use request::Request;
+pub use retarget::Retarget;
 pub use set_by::SetBy;
+pub use turned::Turned;
 pub use unknown_name::UnknownName;
 
 /// Range of a parameter, which the model and the plan word alike.

@@ -12,7 +12,7 @@ use super::error::{PlanError, within};
 /// use pump_ctl::plan::Phase;
 ///
 /// let pump = pump_model::Pump::three_roller();
-/// let within_a_step = Phase { angle_rad: 0.3, half_width_rad: 0.0005 };
+/// let within_a_step = Phase::within(0.3, 0.0005);
 /// let (least_ml, most_ml) = within_a_step.range_ml(&pump, 1.0);
 /// assert!(least_ml < most_ml && most_ml - least_ml < 0.01);
 /// assert!(within_a_step.is_known(pump.pitch_rad()));
@@ -22,21 +22,57 @@ use super::error::{PlanError, within};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Phase {
-    /// Angle, rad. Only the angle within a pitch matters.
-    pub angle_rad: f64,
-    /// Half width: the largest distance of the true angle from `angle_rad`, rad, not negative.
-    pub half_width_rad: f64,
+    pub(in crate::plan) angle_rad: f64,
+    pub(in crate::plan) half_width_rad: f64,
 }
 
 impl Phase {
     /// Makes a phase of an angle that is known exactly.
-    pub fn known(angle_rad: f64) -> Self {
+    pub const fn known(angle_rad: f64) -> Self {
         Self { angle_rad, half_width_rad: 0.0 }
+    }
+
+    /// Makes a phase whose true angle lies within `half_width_rad` of `angle_rad`, on either side. The half
+    /// width is not negative: [`Self::validate`] and every plan refuse another.
+    pub const fn within(angle_rad: f64, half_width_rad: f64) -> Self {
+        Self { angle_rad, half_width_rad }
     }
 
     /// Makes a phase that may be any angle, for a pump of this pitch. Its middle is 0.
     pub fn unknown(pitch_rad: f64) -> Self {
         Self { angle_rad: 0.0, half_width_rad: 0.5 * pitch_rad }
+    }
+
+    /// Makes the phase of a rotor that has made `steps` signed steps since its index sensor became active at
+    /// `index_rad`. A step is `step_rad`, and the angle is known to half a step.
+    ///
+    /// ```
+    /// use pump_ctl::plan::{Motor, Phase};
+    ///
+    /// let motor = Motor::new(360.0, 1.0, 1.0);
+    /// // The position is 110 now, and was 100 at the index, which stands at 40 degrees.
+    /// let phase = Phase::from_index(40_f64.to_radians(), 110 - 100, motor.step_rad());
+    /// assert!((phase.angle_rad() - 50_f64.to_radians()).abs() < 1e-12);
+    /// assert_eq!(phase.half_width_rad(), 0.5 * motor.step_rad());
+    /// ```
+    pub fn from_index(index_rad: f64, steps: i64, step_rad: f64) -> Self {
+        Self { angle_rad: index_rad + steps as f64 * step_rad, half_width_rad: 0.5 * step_rad }
+    }
+
+    /// Returns the angle, rad. Only the angle within a pitch matters.
+    pub const fn angle_rad(&self) -> f64 {
+        self.angle_rad
+    }
+
+    /// Returns the half width, rad: the largest distance of the true angle from [`Self::angle_rad`].
+    pub const fn half_width_rad(&self) -> f64 {
+        self.half_width_rad
+    }
+
+    /// Returns the phase at another angle, as well known as this one.
+    #[must_use]
+    pub const fn moved_to(self, angle_rad: f64) -> Self {
+        Self { angle_rad, ..self }
     }
 
     /// Returns true if the angle is known to less than a whole pitch, for a pump of this pitch.
@@ -50,7 +86,11 @@ impl Phase {
         pump.outlet_curve().turn_range_ml(self.angle_rad, self.half_width_rad, turn_rad)
     }
 
-    pub(in crate::plan) fn validate(&self) -> Result<(), PlanError> {
+    /// Refuses an angle or a half width that no rotor has.
+    ///
+    /// # Errors
+    /// [`PlanError::OutOfRange`] with the parameter, its value and the allowed range.
+    pub fn validate(&self) -> Result<(), PlanError> {
         within("start angle in rad", self.angle_rad, Allowed::EitherWay { most: 1e6 })?;
         within("half width of the start angle in rad", self.half_width_rad, Allowed::NotNegative)
     }

@@ -1,6 +1,6 @@
 //! The start angles at which a plan looks: pressures, ripple and limits depend on where the rollers stand.
 
-use pump_model::math::ceil;
+use libm::ceil;
 
 use super::phase::Phase;
 

@@ -1,9 +1,8 @@
 //! Equations of the chambers and the lines.
 
-use nalgebra::{SMatrix, SVector};
-
-use crate::circuit::ode::flow_scale_ml_s;
-use crate::circuit::{Loss, Resistance};
+use crate::circuit::Loss;
+use crate::circuit::lumped::flow_scale_ml_s;
+use crate::circuit::resistance::Deceleration;
 use crate::integrator::{Ode, Options};
 use crate::line::line::Line;
 use crate::motion::leg::Leg;
@@ -29,7 +28,7 @@ pub(super) const STATES: usize = SEGMENTS + MAX_SEGMENTS;
 /// Largest number of chambers: outlet, segments and inlet.
 const MAX_CHAMBERS: usize = MAX_CONTACTS + 1;
 
-pub(super) type State = SVector<f64, STATES>;
+pub(super) type StateVector = [f64; STATES];
 
 /// Returns the index of a chamber's pressure in the state. Chambers count from the outlet, and `contacts`
 /// rollers are in contact.
@@ -51,7 +50,7 @@ pub(super) struct PortLine {
     per_inertance: f64,
     /// Reservoir pressure P_res above ambient, kPa.
     pub(super) reservoir_kpa: f64,
-    loss: Loss,
+    deceleration: Deceleration<Loss>,
 }
 
 impl PortLine {
@@ -60,7 +59,7 @@ impl PortLine {
             compliance_ml_kpa: line.compliance_ml_kpa,
             per_inertance: 1.0 / line.inertance_kpa_s2_ml,
             reservoir_kpa: line.reservoir_kpa - ambient_kpa,
-            loss,
+            deceleration: Deceleration::new(loss, line),
         }
     }
 }
@@ -138,7 +137,7 @@ impl Chambers<'_> {
 
     /// Returns the flow that the rollers let into a chamber less the flow that they let out, mL/s. With
     /// `over` 1 it is the slope over the angle, mL/(s rad).
-    fn leaks(&self, moment: &Moment, y: &State, chamber: usize, over: usize) -> f64 {
+    fn leaks(&self, moment: &Moment, y: &StateVector, chamber: usize, over: usize) -> f64 {
         let kpa = |chamber| y[pressure_of(chamber, moment.contacts)];
         let past = |k: usize| moment.conductance[k][over] * (kpa(k + 1) - kpa(k));
         let behind = if chamber < moment.contacts { past(chamber) } else { 0.0 };
@@ -147,12 +146,12 @@ impl Chambers<'_> {
     }
 
     /// Returns the swelling of a chamber, 1 + D (P - P_atm).
-    fn swelling(&self, moment: &Moment, y: &State, chamber: usize) -> f64 {
+    fn swelling(&self, moment: &Moment, y: &StateVector, chamber: usize) -> f64 {
         1.0 + self.plant.model.distensibility_per_kpa * y[pressure_of(chamber, moment.contacts)]
     }
 
     /// Returns the flow into a chamber that its pressure must take up, mL/s.
-    fn net(&self, moment: &Moment, y: &State, chamber: usize) -> f64 {
+    fn net(&self, moment: &Moment, y: &StateVector, chamber: usize) -> f64 {
         let mut net = self.leaks(moment, y, chamber, 0)
             - moment.volume[chamber][1] * moment.speed * self.swelling(moment, y, chamber);
         if chamber == 0 {
@@ -165,7 +164,7 @@ impl Chambers<'_> {
     }
 
     /// Returns the volume that tube and lines hold at time `t`, mL, up to a constant.
-    pub(super) fn stored_ml(&self, t: f64, y: &State) -> f64 {
+    pub(super) fn stored_ml(&self, t: f64, y: &StateVector) -> f64 {
         let moment = self.at(t);
         let Plant { inlet, outlet, .. } = self.plant;
         let tube: f64 =
@@ -175,60 +174,60 @@ impl Chambers<'_> {
 }
 
 impl Ode<STATES> for Chambers<'_> {
-    fn derivative(&self, t: f64, y: &State) -> State {
+    fn derivative(&self, t: f64, y: &StateVector) -> StateVector {
         let moment = self.at(t);
         let Plant { inlet, outlet, .. } = self.plant;
-        let mut dy = State::zeros();
+        let mut dy = [0.0; STATES];
         for chamber in 0..=moment.contacts {
             dy[pressure_of(chamber, moment.contacts)] =
                 self.net(&moment, y, chamber) / moment.capacity[chamber];
         }
         dy[INLET_ML_S] = inlet.per_inertance * (inlet.reservoir_kpa - y[INLET_KPA])
-            - inlet.loss.deceleration_ml_s2(y[INLET_ML_S]);
+            - inlet.deceleration.at_ml_s2(y[INLET_ML_S]);
         dy[OUTLET_ML_S] = outlet.per_inertance * (y[OUTLET_KPA] - outlet.reservoir_kpa)
-            - outlet.loss.deceleration_ml_s2(y[OUTLET_ML_S]);
+            - outlet.deceleration.at_ml_s2(y[OUTLET_ML_S]);
         dy[TAKEN_ML] = y[INLET_ML_S];
         dy[DELIVERED_ML] = y[OUTLET_ML_S];
         dy
     }
 
-    fn jacobian(&self, t: f64, y: &State) -> SMatrix<f64, STATES, STATES> {
+    fn jacobian(&self, t: f64, y: &StateVector) -> [[f64; STATES]; STATES] {
         let moment = self.at(t);
         let Plant { model, inlet, outlet, .. } = self.plant;
-        let mut j = SMatrix::zeros();
+        let mut j = [[0.0; STATES]; STATES];
         for chamber in 0..=moment.contacts {
             let row = pressure_of(chamber, moment.contacts);
             let per_capacity = 1.0 / moment.capacity[chamber];
             let mut own = moment.volume[chamber][1] * moment.speed * model.distensibility_per_kpa;
             if chamber < moment.contacts {
                 let [behind, _] = moment.conductance[chamber];
-                j[(row, pressure_of(chamber + 1, moment.contacts))] = behind * per_capacity;
+                j[row][pressure_of(chamber + 1, moment.contacts)] = behind * per_capacity;
                 own += behind;
             } else {
-                j[(row, INLET_ML_S)] = per_capacity;
+                j[row][INLET_ML_S] = per_capacity;
             }
             if chamber > 0 {
                 let [ahead, _] = moment.conductance[chamber - 1];
-                j[(row, pressure_of(chamber - 1, moment.contacts))] = ahead * per_capacity;
+                j[row][pressure_of(chamber - 1, moment.contacts)] = ahead * per_capacity;
                 own += ahead;
             } else {
-                j[(row, OUTLET_ML_S)] = -per_capacity;
+                j[row][OUTLET_ML_S] = -per_capacity;
             }
-            j[(row, row)] = -own * per_capacity;
+            j[row][row] = -own * per_capacity;
         }
-        j[(INLET_ML_S, INLET_KPA)] = -inlet.per_inertance;
-        j[(INLET_ML_S, INLET_ML_S)] = -inlet.loss.damping_per_s(y[INLET_ML_S]);
-        j[(OUTLET_ML_S, OUTLET_KPA)] = outlet.per_inertance;
-        j[(OUTLET_ML_S, OUTLET_ML_S)] = -outlet.loss.damping_per_s(y[OUTLET_ML_S]);
-        j[(TAKEN_ML, INLET_ML_S)] = 1.0;
-        j[(DELIVERED_ML, OUTLET_ML_S)] = 1.0;
+        j[INLET_ML_S][INLET_KPA] = -inlet.per_inertance;
+        j[INLET_ML_S][INLET_ML_S] = -inlet.deceleration.damping_per_s(y[INLET_ML_S]);
+        j[OUTLET_ML_S][OUTLET_KPA] = outlet.per_inertance;
+        j[OUTLET_ML_S][OUTLET_ML_S] = -outlet.deceleration.damping_per_s(y[OUTLET_ML_S]);
+        j[TAKEN_ML][INLET_ML_S] = 1.0;
+        j[DELIVERED_ML][OUTLET_ML_S] = 1.0;
         j
     }
 
-    fn time_derivative(&self, t: f64, y: &State) -> State {
+    fn time_derivative(&self, t: f64, y: &StateVector) -> StateVector {
         let moment = self.at(t);
         let Moment { speed, acceleration, .. } = moment;
-        let mut ft = State::zeros();
+        let mut ft = [0.0; STATES];
         for chamber in 0..=moment.contacts {
             let [_, slope, curvature] = moment.volume[chamber];
             let capacity = moment.capacity[chamber];
@@ -245,7 +244,7 @@ impl Ode<STATES> for Chambers<'_> {
 /// Returns the errors allowed in a step: `tolerance` times 1 kPa + |P - P_atm|. Flow and volume may err by
 /// the amounts that carry the same energy, as in the flow-centric circuit.
 pub(super) fn options(inlet: &Line, outlet: &Line, tolerance: f64) -> Options<STATES> {
-    let mut options = Options::uniform(tolerance);
+    let mut options = Options::equal(tolerance);
     for (line, flow, volume) in [(inlet, INLET_ML_S, TAKEN_ML), (outlet, OUTLET_ML_S, DELIVERED_ML)] {
         options.absolute[flow] = tolerance * flow_scale_ml_s(line);
         options.absolute[volume] = tolerance * line.compliance_ml_kpa;
@@ -256,6 +255,8 @@ pub(super) fn options(inlet: &Line, outlet: &Line, tolerance: f64) -> Options<ST
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::SVector;
+
     use super::*;
     use crate::experimental::roller_centric::contacts::Edges;
     use crate::motion::walk::Walk;
@@ -273,26 +274,28 @@ mod tests {
             let tube_ml_rad = model.scale * pump.nominal_ml_rad();
             let plant = Plant { model, tube_ml_rad, pitch_ml: tube_ml_rad * pump.pitch_rad(), inlet, outlet };
             let leg = Leg { speed_rad_s: 3.0, acceleration_rad_s2: 7.0, ..Leg::rest(0.0, 0.1) };
-            let y = State::from_fn(|n, _| 10.0 * libm::sin(1.0 + 3.0 * n as f64));
+            let y: StateVector = core::array::from_fn(|n| 10.0 * libm::sin(1.0 + 3.0 * n as f64));
             for passage in Walk::new(edges, [leg]).take(12) {
                 let contacts =
                     Contacts::of(&pump, &model, &edges, edges.pitches_before(&passage), passage.piece);
                 let offset_rad = passage.offset_rad;
                 let chambers = Chambers { plant: &plant, contacts: &contacts, leg, offset_rad };
                 let t = 0.5 * (passage.start_s + passage.end_s);
-                let close = |found: State, expected: State, what: &str| {
+                let close = |found: SVector<f64, STATES>, expected: StateVector, what: &str| {
+                    let expected = SVector::from(expected);
                     let scale = expected.amax().max(1.0);
                     assert!((found - expected).amax() < 1e-6 * scale, "{rollers} {what}: {found} {expected}");
                 };
                 let h = 1e-6;
-                let difference =
-                    (chambers.derivative(t + h, &y) - chambers.derivative(t - h, &y)) / (2.0 * h);
+                let slope = |t: f64, y: &StateVector| SVector::from(chambers.derivative(t, y));
+                let difference = (slope(t + h, &y) - slope(t - h, &y)) / (2.0 * h);
                 close(difference, chambers.time_derivative(t, &y), "time");
                 for n in 0..STATES {
-                    let mut step = State::zeros();
-                    step[n] = 1e-3;
-                    let change = chambers.derivative(t, &(y + step)) - chambers.derivative(t, &(y - step));
-                    close(change / 2e-3, chambers.jacobian(t, &y).column(n).into_owned(), "state");
+                    let (mut more, mut less) = (y, y);
+                    more[n] += 1e-3;
+                    less[n] -= 1e-3;
+                    let column = chambers.jacobian(t, &y).map(|row| row[n]);
+                    close((slope(t, &more) - slope(t, &less)) / 2e-3, column, "state");
                 }
             }
         }

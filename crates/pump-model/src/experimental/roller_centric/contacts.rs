@@ -1,12 +1,14 @@
 //! Edges of a pitch for each roller, and the rollers in contact between them.
 
+use libm::{ceil, floor, round};
+
 use crate::error::{ModelError, refused};
 use crate::head::pulses::SAME_EDGE_RAD;
 use crate::head::roller_volume;
 use crate::math::polynomial::Polynomial;
-use crate::math::{ceil, floor, round, wrap};
 use crate::motion::walk::{Passage, Pitch};
 use crate::pump::pump::Pump;
+use crate::units::wrap;
 
 use super::parameters::RollerCentric;
 

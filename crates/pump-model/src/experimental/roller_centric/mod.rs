@@ -46,3 +46,4 @@ mod contacts;
 pub(crate) mod parameters;
 pub(crate) mod run;
 mod steady;
+mod tally;

@@ -1,7 +1,7 @@
 //! Integration of both ports and the segments between them over a motion.
 
 use crate::circuit::Loss;
-use crate::circuit::port_run::TOLERANCES;
+use crate::circuit::line_run::TOLERANCES;
 use crate::error::{IntegrationError, ModelError};
 use crate::integrator::{DenseStep, Rodas5p, Statistics};
 use crate::motion::leg::Leg;
@@ -10,7 +10,7 @@ use crate::pump::pump::Pump;
 
 use super::chambers::{
     Chambers, DELIVERED_ML, INLET_KPA, INLET_ML_S, OUTLET_KPA, OUTLET_ML_S, Plant, PortLine, SEGMENTS,
-    STATES, State, TAKEN_ML, options, pressure_of,
+    STATES, StateVector, TAKEN_ML, options, pressure_of,
 };
 use super::contacts::{Contacts, Edges, MAX_SEGMENTS};
 use super::parameters::RollerCentric;
@@ -112,7 +112,7 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         let first = passage.unwrap_or(rest(start_s));
         let contacts = Contacts::of(pump, &model, &edges, edges.pitches_before(&first), first.piece);
         let state = at_rest(&plant, &contacts);
-        let solver = Rodas5p::new(start_s, state, options(pump.inlet(), pump.outlet(), tolerance));
+        let solver = Rodas5p::new(start_s, state, options(pump.inlet(), pump.outlet(), tolerance))?;
         Ok(Self { pump, plant, edges, walk, passage, contacts, solver, last: None })
     }
 
@@ -159,7 +159,7 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
         Ok(self.sample(&state, rates))
     }
 
-    fn sample(&self, state: &State, [inlet_kpa_s, outlet_kpa_s]: [f64; 2]) -> RollerSample {
+    fn sample(&self, state: &StateVector, [inlet_kpa_s, outlet_kpa_s]: [f64; 2]) -> RollerSample {
         let Plant { model, inlet, outlet, .. } = &self.plant;
         RollerSample {
             inlet_kpa: state[INLET_KPA] + model.ambient_kpa,
@@ -218,7 +218,7 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
     }
 
     /// Returns the state reached.
-    pub(super) fn state(&self) -> State {
+    pub(super) fn state(&self) -> StateVector {
         self.solver.state()
     }
 
@@ -262,7 +262,7 @@ impl<'a, M: Iterator<Item = Leg>> RollerRun<'a, M> {
 
     /// Joins a segment with a port: (C + D V0) P is the sum of both contents. V0 is the volume of the
     /// segment, since the port's own ends at the roller that leaves.
-    fn join(&self, state: &mut State, port: usize, segment: usize) {
+    fn join(&self, state: &mut StateVector, port: usize, segment: usize) {
         let Plant { model, pitch_ml, inlet, outlet, .. } = &self.plant;
         let compliance = if port == INLET_KPA { inlet } else { outlet }.compliance_ml_kpa;
         // The roller that leaves displaces nothing more; the next one is a pitch away.
@@ -280,14 +280,14 @@ fn rest(start_s: f64) -> Passage {
 }
 
 /// Returns the pressures of the segments, absent ones included.
-fn slots(state: &mut State) -> &mut [f64] {
-    state.as_mut_slice().get_mut(SEGMENTS..).unwrap_or_default()
+fn slots(state: &mut StateVector) -> &mut [f64] {
+    state.get_mut(SEGMENTS..).unwrap_or_default()
 }
 
 /// Returns the state at rest. A segment has the pressure of the port that it is open to, and a closed one
 /// that of the inlet.
-fn at_rest(plant: &Plant, contacts: &Contacts) -> State {
-    let mut state = State::zeros();
+fn at_rest(plant: &Plant, contacts: &Contacts) -> StateVector {
+    let mut state = [0.0; STATES];
     let count = contacts.as_slice().len();
     let mut open_to_outlet = true;
     for (k, contact) in contacts.as_slice().iter().enumerate() {

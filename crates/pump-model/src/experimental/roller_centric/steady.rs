@@ -1,20 +1,18 @@
 //! Periodic steady state of the roller-centric model.
 
 use crate::circuit::Loss;
-use crate::circuit::ode::flow_scale_ml_s;
+use crate::circuit::lumped::flow_scale_ml_s;
 use crate::circuit::periodic::{TOLERANCE, repeated};
-use crate::circuit::tally::Tally;
 use crate::error::ModelError;
 use crate::head::port::Port;
-use crate::math::sqrt;
 use crate::motion::leg::Leg;
-use crate::motion::ripple::Ripple;
 use crate::pump::pump::Pump;
 use crate::pump::steady_state::{SteadyState, moving};
 
 use super::chambers::{DELIVERED_ML, INLET_KPA, INLET_ML_S, OUTLET_KPA, OUTLET_ML_S};
 use super::parameters::RollerCentric;
 use super::run::RollerRun;
+use super::tally::Tally;
 
 impl RollerCentric {
     /// Returns the periodic steady state at `speed_rad_s`, which must not be zero; negative in reverse.
@@ -70,37 +68,34 @@ impl RollerCentric {
         })?;
         let mean_flow_ml_s = volume_ml / period_s;
         Ok(SteadyState {
-            inlet: inlet.pressure().above(self.ambient_kpa),
-            inlet_mean_kpa: self.ambient_kpa + inlet.mean_kpa(),
-            outlet: outlet.pressure().above(self.ambient_kpa),
-            outlet_mean_kpa: self.ambient_kpa + outlet.mean_kpa(),
+            inlet: inlet.pressure.range().above(self.ambient_kpa),
+            inlet_mean_kpa: self.ambient_kpa + inlet.pressure.mean_kpa(),
+            outlet: outlet.pressure.range().above(self.ambient_kpa),
+            outlet_mean_kpa: self.ambient_kpa + outlet.pressure.mean_kpa(),
             mean_flow_ml_s,
             ripple: outlet.ripple(mean_flow_ml_s),
         })
     }
 }
 
-impl Tally {
-    /// Returns the ripple of the flow at the rollers, whose mean is that of the line, mL/s.
-    fn ripple(&self, mean_ml_s: f64) -> Ripple {
-        let mean = mean_ml_s.abs();
-        Ripple {
-            peak_to_peak: (self.most_ml_s - self.least_ml_s) / mean,
-            rms: sqrt((self.square_ml2_s / self.time_s - mean * mean).max(0.0)) / mean,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::rad_s;
+    use crate::circuit::port_run::PortRun;
+    use crate::units::rad_s;
 
     #[test]
     fn the_tally_has_the_ripple_of_the_curve() {
         let pump = Pump::three_roller();
         let speed_rad_s = rad_s(60.0);
-        let tally = pump.repeated_port(Port::Outlet, Loss::of(pump.outlet()), speed_rad_s).unwrap();
+        let (port, period_s) = (Port::Outlet, pump.pitch_rad() / speed_rad_s);
+        let legs = [Leg::constant_speed(0.0, speed_rad_s)];
+        let start = pump.periodic_state(port, speed_rad_s).unwrap();
+        let mut run = PortRun::<_, 2>::new(&pump, port, legs, start, TOLERANCE).unwrap();
+        let mut tally = Tally::new(pump.outlet(), port);
+        while let Some(step) = run.step(period_s).unwrap() {
+            tally.add(step.length_s, &step.polynomial(0), &step.polynomial(1));
+        }
         let mean_ml_s = pump.average_flow_ml_s(speed_rad_s);
         let (found, exact) = (tally.ripple(mean_ml_s), pump.outlet_curve().ripple());
         assert!((found.peak_to_peak / exact.peak_to_peak - 1.0).abs() < 1e-4, "{found:?} {exact:?}");

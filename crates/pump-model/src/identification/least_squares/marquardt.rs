@@ -1,7 +1,8 @@
 //! Nonlinear least squares after Levenberg and Marquardt, for residuals that come one by one.
 
+use libm::sqrt;
+
 use crate::error::ModelError;
-use crate::math::sqrt;
 
 use super::triangle::Triangle;
 

@@ -1,6 +1,6 @@
 //! A straight line through weighted points, perhaps with an offset or a bend.
 
-use crate::math::sqrt;
+use libm::sqrt;
 
 use super::super::estimate::Estimate;
 use super::triangle::Triangle;

@@ -1,6 +1,6 @@
 //! Linear least squares, row by row.
 
-use crate::math::sqrt;
+use libm::sqrt;
 
 /// A column this small beside what it was is a combination of the others.
 const SINGULAR: f64 = 1e-11;

@@ -5,6 +5,7 @@ from .bench import _Schedule as _Schedule
 from .doser import Calibration as Calibration
 from .doser import Doser as Doser
 from .doser import Limits as Limits
+from .functions import _choices as _choices
 from .functions import _fluid_check as _fluid_check
 from .functions import _fluid_water as _fluid_water
 from .functions import _hose_drop as _hose_drop
@@ -45,6 +46,7 @@ __all__ = [
     "_Bench",
     "_Schedule",
     "__version__",
+    "_choices",
     "_fluid_check",
     "_fluid_water",
     "_hose_drop",

@@ -2,6 +2,7 @@ import os
 from collections.abc import Callable, Sequence
 from typing import Any, TypeAlias, final
 
+from pumpmodel.choices import CalibrationFit, Driver, Missed
 from pumpmodel.weighed import WeighedRun
 
 from .doser import Calibration
@@ -18,10 +19,11 @@ class _Bench:
         cls,
         pump: Pump,
         *,
-        driver: str | None,
+        driver: Driver | None,
         port: str | os.PathLike[str] | None,
         state_dir: str | os.PathLike[str] | None,
         configure: bool,
+        accept_settings: bool,
         tube_limit: str | None,
         fluid: str | None,
         temperature: str | None,
@@ -29,7 +31,7 @@ class _Bench:
     @property
     def pump(self) -> Pump: ...
     @property
-    def driver(self) -> str: ...
+    def driver(self) -> Driver: ...
     @property
     def port(self) -> str | None: ...
     @property
@@ -42,6 +44,7 @@ class _Bench:
     def calibration(self) -> Calibration | None: ...
     def status(self) -> str: ...
     def prepare(self, purpose: str, asked: dict[str, Any]) -> str: ...
+    def connect(self) -> None: ...
     def dose(self, purpose: str, asked: dict[str, Any], progress: _Progress | None) -> str: ...
     def resume(self, asked: dict[str, Any], progress: _Progress | None) -> str: ...
     def stop(self) -> None: ...
@@ -57,7 +60,12 @@ class _Bench:
         self, speed_rpm: float | None, speed_rad_s: float | None, pitches: int, progress: _Progress | None
     ) -> tuple[float, float | None, float, str, bool]: ...
     def calibrate(
-        self, runs: Sequence[WeighedRun], fit: str, scale: str | None, tube: str | None, note: str | None
+        self,
+        runs: Sequence[WeighedRun],
+        fit: CalibrationFit,
+        scale: str | None,
+        tube: str | None,
+        note: str | None,
     ) -> Calibration: ...
     def calibrate_phase(
         self,
@@ -78,5 +86,5 @@ class _Bench:
 
 @final
 class _Schedule:
-    def __new__(cls, count: int, every_s: float | None, missed: str) -> _Schedule: ...
+    def __new__(cls, count: int, every_s: float | None, missed: Missed) -> _Schedule: ...
     def next(self, elapsed_s: float) -> tuple[str, float]: ...

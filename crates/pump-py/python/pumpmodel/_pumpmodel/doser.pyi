@@ -5,6 +5,7 @@ from typing import Any, TypeAlias, final, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from pumpmodel.choices import CalibrationFit, Finish
 from pumpmodel.weighed import WeighedRun
 
 from .pump import Pump
@@ -32,11 +33,11 @@ class Limits:
 class Calibration:
     @staticmethod
     def from_runs(
-        pump: Pump, runs: Sequence[WeighedRun], *, scale: str | None = None, fit: str = "line"
+        pump: Pump, runs: Sequence[WeighedRun], *, scale: str | None = None, fit: CalibrationFit = "line"
     ) -> Calibration: ...
     @staticmethod
     def from_csv(
-        pump: Pump, path: str | os.PathLike[str], *, scale: str | None = None, fit: str = "line"
+        pump: Pump, path: str | os.PathLike[str], *, scale: str | None = None, fit: CalibrationFit = "line"
     ) -> Calibration: ...
     @staticmethod
     def from_dict(data: dict[str, Any]) -> Calibration: ...
@@ -115,7 +116,7 @@ class Doser:
         speed: None = None,
         within: None = None,
         smooth: bool = False,
-        finish: str = "any",
+        finish: Finish = "any",
         retract: str | None = None,
         start_angle_rad: float = 0.0,
         start_half_width_rad: float = 0.0,
@@ -130,7 +131,7 @@ class Doser:
         speed: str,
         within: None = None,
         smooth: bool = False,
-        finish: str = "any",
+        finish: Finish = "any",
         retract: str | None = None,
         start_angle_rad: float = 0.0,
         start_half_width_rad: float = 0.0,
@@ -145,7 +146,7 @@ class Doser:
         speed: None = None,
         within: str,
         smooth: bool = False,
-        finish: str = "any",
+        finish: Finish = "any",
         retract: str | None = None,
         start_angle_rad: float = 0.0,
         start_half_width_rad: float = 0.0,

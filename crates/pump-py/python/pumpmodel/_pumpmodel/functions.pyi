@@ -5,6 +5,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from pumpmodel.choices import Begin, LineParameter, Port, VolumeMethod
+
 from .pump import Line, Pump
 
 _Array: TypeAlias = NDArray[np.float64]
@@ -18,6 +20,7 @@ _Points: TypeAlias = Sequence[tuple[float, float]]
 _Identified: TypeAlias = tuple[str, str, Line, _Array, _Array, _Array]
 _Falls: TypeAlias = list[tuple[float, float, float]]
 
+def _choices() -> list[tuple[str, list[str]]]: ...
 def _fluid_check(fluid: _Fluid) -> None: ...
 def _fluid_water(temperature_degc: float) -> _Fluid: ...
 def _hose_volume(hose: _Hose) -> float: ...
@@ -26,7 +29,7 @@ def _hose_drop(hose: _Hose, fluid: _Fluid, flow_ml_s: float | _Numbers) -> float
 def _hose_reynolds(hose: _Hose, fluid: _Fluid, flow_ml_s: float | _Numbers) -> float | _Array: ...
 def _identify_resistance(
     pump: Pump,
-    port: str,
+    port: Port,
     flow_ml_s: ArrayLike,
     pressure_kpa: ArrayLike | None,
     drop_kpa: ArrayLike | None,
@@ -34,17 +37,17 @@ def _identify_resistance(
     offset: bool,
 ) -> _Identified: ...
 def _identify_compliance(
-    pump: Pump, port: str, volume_ml: ArrayLike, pressure_kpa: ArrayLike, total_ml: float | None
+    pump: Pump, port: Port, volume_ml: ArrayLike, pressure_kpa: ArrayLike, total_ml: float | None
 ) -> _Identified: ...
 def _identify_line(
     pump: Pump,
-    port: str,
+    port: Port,
     time_s: ArrayLike,
     pressure_kpa: ArrayLike,
     speed_rpm: float | None,
     speed_rad: float | None,
-    fit: Sequence[str],
-    begin: str,
+    fit: Sequence[LineParameter],
+    begin: Begin,
     start_s: float | None,
     start_angle_rad: float | None,
 ) -> _Identified: ...
@@ -62,7 +65,7 @@ def _law_trapped(
 def _volume_fit(
     method: str, points: _Points
 ) -> tuple[float, float, list[float], float, _Falls | None, list[tuple[float, float]]]: ...
-def _volume_fit_at(method: str, points: _Points, angle_rad: float | _Numbers) -> float | _Array: ...
+def _volume_fit_at(method: VolumeMethod, points: _Points, angle_rad: float | _Numbers) -> float | _Array: ...
 def _volume_runs(path: str | PathLike[str]) -> list[tuple[str, float, float]]: ...
 def _volume_run_falls(runs: Sequence[str], points: _Points) -> list[tuple[str, float, float, float]]: ...
 def _reading(reading: str) -> tuple[float | None, float | None]: ...

@@ -4,12 +4,13 @@ from typing import Any, Literal, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import NDArray
+from typing_extensions import deprecated
 
+from pumpmodel.choices import Initial, Method, Model, Variant
 from pumpmodel.volume_fit import VolumeFit
 
 from .results import Run, SteadyState
 
-_Variant: TypeAlias = Literal["measured", "published", "as-built"]
 _Array: TypeAlias = NDArray[np.float64]
 # Arguments that become an array; a single number stays a number.
 _Numbers: TypeAlias = NDArray[np.floating[Any] | np.integer[Any]] | Sequence[Any]
@@ -48,9 +49,9 @@ class Line:
 @final
 class Pump:
     @staticmethod
-    def three_roller(variant: _Variant = "measured") -> Pump: ...
+    def three_roller(variant: Variant = "measured") -> Pump: ...
     @staticmethod
-    def two_roller(variant: _Variant = "measured") -> Pump: ...
+    def two_roller(variant: Variant = "measured") -> Pump: ...
     @staticmethod
     def from_toml(path: str | os.PathLike[str]) -> Pump: ...
     @staticmethod
@@ -125,32 +126,74 @@ class Pump:
     @property
     def default_rate_ml_s(self) -> float: ...
     @overload
+    def average_flow_ml_s(self, *, speed_rpm: float, speed_rad_s: None = None) -> float: ...
+    @overload
+    def average_flow_ml_s(self, *, speed_rpm: None = None, speed_rad_s: float) -> float: ...
+    @overload
+    def average_flow_ml_s(self, *, speed_rpm: _Numbers, speed_rad_s: None = None) -> _Array: ...
+    @overload
+    def average_flow_ml_s(self, *, speed_rpm: None = None, speed_rad_s: _Numbers) -> _Array: ...
+    @overload
+    def speed_for_flow_rpm(self, *, flow_ml_s: float) -> float: ...
+    @overload
+    def speed_for_flow_rpm(self, *, flow_ml_s: _Numbers) -> _Array: ...
+    @overload
+    def outlet_volume_ml(self, angle_rad: float) -> float: ...
+    @overload
+    def outlet_volume_ml(self, angle_rad: _Numbers) -> _Array: ...
+    @overload
+    def outlet_flow_ml_rad(self, angle_rad: float) -> float: ...
+    @overload
+    def outlet_flow_ml_rad(self, angle_rad: _Numbers) -> _Array: ...
+    @overload
+    def inlet_volume_ml(self, angle_rad: float) -> float: ...
+    @overload
+    def inlet_volume_ml(self, angle_rad: _Numbers) -> _Array: ...
+    @overload
+    def inlet_flow_ml_rad(self, angle_rad: float) -> float: ...
+    @overload
+    def inlet_flow_ml_rad(self, angle_rad: _Numbers) -> _Array: ...
+    @overload
+    @deprecated("use average_flow_ml_s")
     def average_flow(self, *, speed_rpm: float, speed_rad_s: None = None) -> float: ...
     @overload
+    @deprecated("use average_flow_ml_s")
     def average_flow(self, *, speed_rpm: None = None, speed_rad_s: float) -> float: ...
     @overload
+    @deprecated("use average_flow_ml_s")
     def average_flow(self, *, speed_rpm: _Numbers, speed_rad_s: None = None) -> _Array: ...
     @overload
+    @deprecated("use average_flow_ml_s")
     def average_flow(self, *, speed_rpm: None = None, speed_rad_s: _Numbers) -> _Array: ...
     @overload
+    @deprecated("use speed_for_flow_rpm")
     def speed_for_flow(self, *, flow_ml_s: float) -> float: ...
     @overload
+    @deprecated("use speed_for_flow_rpm")
     def speed_for_flow(self, *, flow_ml_s: _Numbers) -> _Array: ...
     @overload
+    @deprecated("use outlet_volume_ml")
     def outlet_volume(self, angle_rad: float) -> float: ...
     @overload
+    @deprecated("use outlet_volume_ml")
     def outlet_volume(self, angle_rad: _Numbers) -> _Array: ...
     @overload
+    @deprecated("use outlet_flow_ml_rad")
     def outlet_flow_per_rad(self, angle_rad: float) -> float: ...
     @overload
+    @deprecated("use outlet_flow_ml_rad")
     def outlet_flow_per_rad(self, angle_rad: _Numbers) -> _Array: ...
     @overload
+    @deprecated("use inlet_volume_ml")
     def inlet_volume(self, angle_rad: float) -> float: ...
     @overload
+    @deprecated("use inlet_volume_ml")
     def inlet_volume(self, angle_rad: _Numbers) -> _Array: ...
     @overload
+    @deprecated("use inlet_flow_ml_rad")
     def inlet_flow_per_rad(self, angle_rad: float) -> float: ...
     @overload
+    @deprecated("use inlet_flow_ml_rad")
     def inlet_flow_per_rad(self, angle_rad: _Numbers) -> _Array: ...
     @overload
     def simulate(
@@ -160,9 +203,9 @@ class Pump:
         speed_rad_s: None = None,
         duration_s: float,
         dt_s: float = 1e-3,
-        model: Literal["flow-centric", "roller-centric"] = "flow-centric",
-        method: Literal["auto", "exact", "rodas5p"] = "auto",
-        initial: Literal["rest"] = "rest",
+        model: Model = "flow-centric",
+        method: Method = "auto",
+        initial: Initial = "rest",
         tolerance: float | None = None,
         segment_scale: float | None = None,
         distensibility_per_kpa: float | None = None,
@@ -177,9 +220,9 @@ class Pump:
         speed_rad_s: float,
         duration_s: float,
         dt_s: float = 1e-3,
-        model: Literal["flow-centric", "roller-centric"] = "flow-centric",
-        method: Literal["auto", "exact", "rodas5p"] = "auto",
-        initial: Literal["rest"] = "rest",
+        model: Model = "flow-centric",
+        method: Method = "auto",
+        initial: Initial = "rest",
         tolerance: float | None = None,
         segment_scale: float | None = None,
         distensibility_per_kpa: float | None = None,

@@ -13,10 +13,10 @@ COLUMNS = {
     "time_s": ("s", "time"),
     "angle_rad": ("rad", "angle of the pump head"),
     "speed_rad_s": ("rad/s", "speed of the pump head"),
-    "q_in_ml_s": ("mL/s", "flow at the inlet rollers"),
-    "q_out_ml_s": ("mL/s", "flow at the outlet rollers"),
-    "p_in_kpa": ("kPa", "pressure at the inlet, absolute"),
-    "p_out_kpa": ("kPa", "pressure at the outlet, absolute"),
+    "inlet_flow_ml_s": ("mL/s", "flow at the inlet rollers"),
+    "outlet_flow_ml_s": ("mL/s", "flow at the outlet rollers"),
+    "inlet_kpa": ("kPa", "pressure at the inlet, absolute"),
+    "outlet_kpa": ("kPa", "pressure at the outlet, absolute"),
     "delivered_ml": ("mL", "volume that has passed the outlet line"),
     "step": ("1", "number of the motor step"),
     "direction": ("1", "direction of the step: 1 forward, -1 reverse"),
@@ -33,18 +33,20 @@ COLUMNS = {
 }
 
 
-def _dataframe(columns: dict[str, Any]) -> Any:
-    frame = optional("pandas", "dataframe").DataFrame(columns)
+def _dataframe(columns: dict[str, Any], make: Any = None) -> Any:
+    frame = (make or optional("pandas", "dataframe").DataFrame)(columns)
     frame.attrs["units"] = {name: COLUMNS[name][0] for name in columns}
     return frame
 
 
-def _dataset(dims: tuple[str, ...], coordinates: dict[str, Any], variables: dict[str, Any]) -> Any:
+def _dataset(
+    dims: tuple[str, ...], coordinates: dict[str, Any], variables: dict[str, Any], make: Any = None
+) -> Any:
     def described(name: str, numbers: Any) -> tuple[tuple[str, ...], Any, dict[str, str]]:
         units, long_name = COLUMNS[name]
         return dims, numbers, {"units": units, "long_name": long_name}
 
-    return optional("xarray", "xarray").Dataset(
+    return (make or optional("xarray", "xarray").Dataset)(
         {name: described(name, numbers) for name, numbers in variables.items()},
         coords={name: described(name, numbers) for name, numbers in coordinates.items()},
     )
@@ -52,13 +54,19 @@ def _dataset(dims: tuple[str, ...], coordinates: dict[str, Any], variables: dict
 
 def run_dataframe(run: Run) -> Any:
     """Return the columns of a run as a table."""
-    return _dataframe(run.to_dict())
+    optional("pandas", "dataframe")
+    from pumpmodel._results.frame import RunFrame
+
+    return _dataframe(run.to_dict(), RunFrame)
 
 
 def run_xarray(run: Run) -> Any:
     """Return the columns of a run over time."""
+    optional("xarray", "xarray")
+    from pumpmodel._results.dataset import RunDataset
+
     columns = run.to_dict()
-    return _dataset(("time_s",), {"time_s": columns.pop("time_s")}, columns)
+    return _dataset(("time_s",), {"time_s": columns.pop("time_s")}, columns, RunDataset)
 
 
 def _directions(plan: Plan) -> NDArray[np.int64]:

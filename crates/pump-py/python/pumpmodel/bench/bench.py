@@ -2,12 +2,13 @@
 
 import os
 from types import TracebackType
-from typing import Literal, Self
+from typing import Self
 
 from pumpmodel._pumpmodel import Pump, _Bench
 from pumpmodel.bench.calibration import BenchCalibration
 from pumpmodel.bench.doses import BenchDoses
 from pumpmodel.bench.record import BenchRecord
+from pumpmodel.choices import Driver
 
 
 class Bench(BenchDoses, BenchRecord, BenchCalibration):
@@ -40,10 +41,11 @@ class Bench(BenchDoses, BenchRecord, BenchCalibration):
         cls,
         pump: Pump | str | os.PathLike[str],
         *,
-        driver: Literal["sim", "grbl"] | None = None,
+        driver: Driver | None = None,
         port: str | os.PathLike[str] | None = None,
         state_dir: str | os.PathLike[str] | None = None,
         configure: bool = False,
+        accept_settings: bool = False,
         tube_limit: str | None = None,
         fluid: str | None = None,
         temperature: str | None = None,
@@ -62,6 +64,8 @@ class Bench(BenchDoses, BenchRecord, BenchCalibration):
             Folder of angle, journal and lock; by default `DOSE_STATE_DIR`, otherwise the command's folder.
         configure : bool
             Write the controller's settings that do not fit the pump.
+        accept_settings : bool
+            Accept controller settings that have changed since the last time.
         tube_limit : str, optional
             Volume that a tube lasts, as "100L"; by default the pump file's.
         fluid : str, optional
@@ -86,6 +90,7 @@ class Bench(BenchDoses, BenchRecord, BenchCalibration):
                 port=port,
                 state_dir=state_dir,
                 configure=configure,
+                accept_settings=accept_settings,
                 tube_limit=tube_limit,
                 fluid=fluid,
                 temperature=temperature,

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from pumpmodel._pumpmodel import Calibration, _Bench
+from pumpmodel.choices import CalibrationFit
 from pumpmodel.dose import Verification
 from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun
 
@@ -50,7 +51,7 @@ class BenchCalibration:
         self,
         runs: Sequence[WeighedRun],
         *,
-        fit: str = "line",
+        fit: CalibrationFit = "line",
         scale: str | None = None,
         tube: str | None = None,
         note: str | None = None,

@@ -1,11 +1,12 @@
 """Doses of a bench: planned, run, repeated, finished and stopped."""
 
 from collections.abc import Callable, Iterator
-from typing import Any, Literal
+from typing import Any
 
 from pumpmodel._pumpmodel import Calibration, Doser, Limits, Plan, Pump, _Bench
 from pumpmodel.bench.request import asked
 from pumpmodel.bench.schedule import due
+from pumpmodel.choices import Finish, Missed
 from pumpmodel.dose import Dose
 
 Progress = Callable[[int, int], object]
@@ -34,7 +35,7 @@ class BenchDoses:
         speed: str | None = None,
         within: str | None = None,
         smooth: bool = False,
-        finish: Literal["any", "low-flow"] = "any",
+        finish: Finish = "any",
         retract: str | None = None,
         start_angle_rad: float | None = None,
         limits: Limits | None = None,
@@ -217,7 +218,7 @@ class BenchDoses:
         speed: str | None = None,
         within: str | None = None,
         smooth: bool = False,
-        finish: Literal["any", "low-flow"] = "any",
+        finish: Finish = "any",
         retract: str | None = None,
         start_angle_rad: float | None = None,
         limits: Limits | None = None,
@@ -289,19 +290,20 @@ class BenchDoses:
         count: int,
         *,
         every_s: float | None = None,
-        missed: Literal["skip", "now"] = "skip",
+        missed: Missed = "skip",
         rate: str | None = None,
         speed: str | None = None,
         within: str | None = None,
         smooth: bool = False,
-        finish: Literal["any", "low-flow"] = "any",
+        finish: Finish = "any",
         retract: str | None = None,
         start_angle_rad: float | None = None,
         limits: Limits | None = None,
     ) -> Iterator[Dose]:
         """Dose again and again. Each step of `for dose in bench.batch(...)` makes one dose.
 
-        Each dose carries its remainder to the next. A batch that is left early makes no more doses.
+        Each dose carries its remainder to the next. A batch that is left early makes no more doses. A `stop`
+        that lands in a suck-back ends the batch.
 
         Parameters
         ----------
@@ -347,8 +349,10 @@ class BenchDoses:
         RuntimeWarning
             For each dose that was left out.
         """
+        # A board may take seconds to answer, and the time counts from the first dose.
+        self._core.connect()
         for _ in due(count, every_s, missed):
-            yield self.dose(
+            dose = self.dose(
                 volume,
                 rate=rate,
                 speed=speed,
@@ -359,6 +363,10 @@ class BenchDoses:
                 start_angle_rad=start_angle_rad,
                 limits=limits,
             )
+            yield dose
+            if dose.retraction_completed is False:
+                # The caller wanted the motor to stand. A dose that is cut off refuses the next one by itself.
+                return
             start_angle_rad = None
 
     def resume(
@@ -368,7 +376,7 @@ class BenchDoses:
         speed: str | None = None,
         within: str | None = None,
         smooth: bool = False,
-        finish: Literal["any", "low-flow"] = "any",
+        finish: Finish | None = None,
         limits: Limits | None = None,
         progress: Progress | None = None,
     ) -> Dose:
@@ -382,11 +390,12 @@ class BenchDoses:
             Speed of the pump head while cruising, as "100rpm".
         within : str, optional
             Total time with ramps and settling, as "10s". Give at most one of `rate`, `speed` and `within`.
-            The default is the pump's `default_rate_ml_s`.
+            The default is the speed of the whole dose. A speed of its own makes the rest of a smooth dose at
+            constant speed.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
-        finish : {"any", "low-flow"}
-            Places in a pitch where the dose may end.
+        finish : {"any", "low-flow"}, optional
+            Places in a pitch where the dose may end. The default is that of the whole dose.
         limits : Limits, optional
             Pressure limits that replace the pump file's.
         progress : callable, optional

@@ -3,6 +3,7 @@
 import warnings
 
 from pumpmodel._pumpmodel import _Bench
+from pumpmodel._results.renamed import renamed
 from pumpmodel.dose import Status
 
 
@@ -67,7 +68,7 @@ class BenchRecord:
         return _told(self._core.home_sensor())
 
     def home_mark(self, *, half_width_rad: float) -> Status:
-        """Record that the rotor's mark meets the housing's. `jog` turns the rotor there.
+        """Record that the rotor's mark meets the housing's. `jog_rad` turns the rotor there.
 
         Parameters
         ----------
@@ -81,7 +82,7 @@ class BenchRecord:
         """
         return _told(self._core.home_mark(half_width_rad))
 
-    def jog(self, angle_rad: float) -> float:
+    def jog_rad(self, angle_rad: float) -> float:
         """Turn the rotor at 10 r/min. The carry between doses stays as it is.
 
         Parameters
@@ -95,6 +96,11 @@ class BenchRecord:
             Angle of the steps made, rad: whole steps, one at least.
         """
         return self._core.jog(angle_rad)
+
+    def jog(self, angle_rad: float) -> float:
+        """Turn the rotor, by the deprecated name of `jog_rad`."""
+        renamed("Bench.jog", "Bench.jog_rad")
+        return self.jog_rad(angle_rad)
 
     def release(self) -> Status:
         """Release the rotor. Its angle is less well known afterwards."""

@@ -3,6 +3,7 @@
 from typing import Any
 
 from pumpmodel._pumpmodel import Limits
+from pumpmodel.choices import Finish
 
 
 def asked(
@@ -11,7 +12,7 @@ def asked(
     speed: str | None,
     within: str | None,
     smooth: bool,
-    finish: str,
+    finish: Finish | None,
     retract: str | None,
     start_angle_rad: float | None,
     limits: Limits | None,

@@ -3,12 +3,12 @@
 import time
 import warnings
 from collections.abc import Iterator
-from typing import Literal
 
 from pumpmodel._pumpmodel import _Schedule
+from pumpmodel.choices import Missed
 
 
-def due(count: int, every_s: float | None, missed: Literal["skip", "now"]) -> Iterator[None]:
+def due(count: int, every_s: float | None, missed: Missed) -> Iterator[None]:
     """Yield once for each dose of a batch, when the dose is due.
 
     Parameters

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from pumpmodel._pumpmodel import SteadyState
 from pumpmodel._results.tables import COLUMNS
+from pumpmodel.choices import SteadyQuantity
 from pumpmodel.plotting.axes import axes_for
 from pumpmodel.sweeps import RESULTS, Sweep
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 def plot_map(
     sweep: Sweep | SteadyState[Any],
-    quantity: str | ArrayLike = "outlet_max_kpa",
+    quantity: SteadyQuantity | ArrayLike = "outlet_max_kpa",
     *,
     label: str | None = None,
     y: ArrayLike | None = None,

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, overload
+from typing import TYPE_CHECKING, NamedTuple, overload
 
 from pumpmodel._pumpmodel import Plan, Run
+from pumpmodel.choices import Panel
 from pumpmodel.plotting.axes import BLUE, VERMILION, axes_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    _Panel: TypeAlias = Literal["flow", "pressure", "speed", "delivered"]
 
 # Number of samples of a plan: far more than a picture has pixels, far fewer than hours have milliseconds.
 _SAMPLES = 100_000
@@ -29,11 +28,11 @@ class _Curve(NamedTuple):
 _PANELS: dict[str, tuple[str, tuple[_Curve, ...]]] = {
     "flow": (
         "flow at the rollers\n(mL/s)",
-        (_Curve("inlet", "q_in_ml_s", BLUE), _Curve("outlet", "q_out_ml_s", VERMILION)),
+        (_Curve("inlet", "inlet_flow_ml_s", BLUE), _Curve("outlet", "outlet_flow_ml_s", VERMILION)),
     ),
     "pressure": (
         "pressure\n(kPa absolute)",
-        (_Curve("inlet", "p_in_kpa", BLUE), _Curve("outlet", "p_out_kpa", VERMILION)),
+        (_Curve("inlet", "inlet_kpa", BLUE), _Curve("outlet", "outlet_kpa", VERMILION)),
     ),
     "speed": ("speed\n(r/min)", (_Curve("pump head", "speed_rad_s", BLUE, _RPM_PER_RAD_S),)),
     "delivered": ("delivered\n(mL)", (_Curve("vessel", "delivered_ml", VERMILION),)),
@@ -41,18 +40,18 @@ _PANELS: dict[str, tuple[str, tuple[_Curve, ...]]] = {
 
 
 @overload
-def plot(result: Run | Plan, *, panels: _Panel, ax: Axes | None = None) -> Axes: ...
+def plot(result: Run | Plan, *, panels: Panel, ax: Axes | None = None) -> Axes: ...
 @overload
 def plot(
     result: Run | Plan,
     *,
-    panels: list[_Panel] | tuple[_Panel, ...] | None = None,
+    panels: list[Panel] | tuple[Panel, ...] | None = None,
     ax: Sequence[Axes] | None = None,
 ) -> list[Axes]: ...
 def plot(
     result: Run | Plan,
     *,
-    panels: _Panel | list[_Panel] | tuple[_Panel, ...] | None = None,
+    panels: Panel | list[Panel] | tuple[Panel, ...] | None = None,
     ax: Axes | Sequence[Axes] | None = None,
 ) -> Axes | list[Axes]:
     """Draw a run or a plan over time.

@@ -1,16 +1,16 @@
-//! The fit of a line or of the speed law to weighed runs.
+//! The fit of a line or of a law to weighed runs.
 
+use libm::sqrt;
+use pump_model::Pump;
 use pump_model::identification::least_squares::StraightLine;
-use pump_model::math::sqrt;
-use pump_model::{Pump, SpeedLaw};
 
 use super::Displacement;
 use crate::calibration::fit::departures::{Departures, VarianceRatio};
 use crate::calibration::fit::expected::Expected;
-use crate::calibration::fit::law_fit::LawFit;
+use crate::calibration::fit::law_fit::{LawFit, LawToFit};
 use crate::calibration::fit::points::{Points, distinct};
 use crate::calibration::fit::scatter::Scatter;
-use crate::calibration::{CalibrationError, Run, Weighing};
+use crate::calibration::{CalibrationError, CalibrationRun, Weighing};
 
 impl Displacement {
     /// Fits a line to `runs` of `pump`, the pump as it is without this calibration. The weight of a run is 1
@@ -22,7 +22,7 @@ impl Displacement {
     /// cannot be told.
     pub fn fit(
         pump: &Pump,
-        runs: &[Run],
+        runs: &[CalibrationRun],
         weighing: &Weighing<'_>,
         expected: &Expected,
     ) -> Result<Self, CalibrationError> {
@@ -33,18 +33,16 @@ impl Displacement {
         Ok(Self::of(&points, &line, &departures, &errors, None))
     }
 
-    /// Fits s and D of the speed law to `runs` of `pump`; theta_c and P_atm are those of `start`. `base` is
-    /// the pump counted from its own zero. The fit needs three speeds.
+    /// Fits `law` to `runs` of `pump`, the pump as it is without this calibration. The fit needs three speeds.
     ///
     /// # Errors
     ///
     /// [`CalibrationError::TooFew`] with fewer than three speeds. [`CalibrationError::NoLaw`] if the runs are
-    /// not those of a speed law. Errors that name a run if its volume is implausible, or cannot be told.
-    pub fn fit_law(
+    /// not those of the law. Errors that name a run if its volume is implausible, or cannot be told.
+    pub(crate) fn fit_law(
+        law: &LawToFit<'_>,
         pump: &Pump,
-        base: &Pump,
-        start: &SpeedLaw,
-        runs: &[Run],
+        runs: &[CalibrationRun],
         weighing: &Weighing<'_>,
         expected: &Expected,
     ) -> Result<Self, CalibrationError> {
@@ -55,13 +53,11 @@ impl Displacement {
         }
         let points = Points::of(pump, runs, weighing, expected)?;
         let line = points.over_speed()?;
-        let trapped_kpa = points.trapped_kpa(base, start)?;
-        let over = points.over_pressure(&trapped_kpa)?;
-        let departures = points.departures(trapped_kpa.iter().map(|kpa| over.at(*kpa)));
+        let over = law.line(&points)?;
+        let departures = points.departures(over.fitted());
         let errors = Errors::of(&points, &line, &departures, expected);
         let degrees_of_freedom = errors.scatter.degrees_of_freedom();
-        let law =
-            LawFit::of(base, start, &over, errors.standards(&over), points.reading, degrees_of_freedom)?;
+        let law = over.law(errors.standards(&over.line), points.reading, degrees_of_freedom)?;
         Ok(Self::of(&points, &line, &departures, &errors, Some(law)))
     }
 
@@ -70,7 +66,7 @@ impl Displacement {
         line: &StraightLine,
         departures: &Departures,
         errors: &Errors,
-        speed_law: Option<LawFit>,
+        law: Option<LawFit>,
     ) -> Self {
         let [factor_standard, slope_standard_per_rpm] = errors.standards(line);
         Self {
@@ -84,7 +80,7 @@ impl Displacement {
             reading: points.reading,
             outliers: departures.outliers(errors.mean_sigma),
             speeds_rpm: points.speeds_rpm.clone(),
-            speed_law,
+            law,
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::calibration::fit::scatter::Scatter;
 /// Fields of a displacement factor in JSON.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Displacement", deny_unknown_fields)]
-pub(super) struct Stored {
+pub(super) struct StoredDisplacement {
     reference_rpm: f64,
     factor: f64,
     factor_standard: f64,
@@ -28,15 +28,25 @@ pub(super) struct Stored {
     speed_law: Option<LawFit>,
 }
 
-impl TryFrom<Stored> for Displacement {
+impl TryFrom<StoredDisplacement> for Displacement {
     type Error = String;
 
-    fn try_from(stored: Stored) -> Result<Self, String> {
+    fn try_from(stored: StoredDisplacement) -> Result<Self, String> {
         let scatter = match (NonZeroU32::new(stored.degrees_of_freedom), stored.scatter) {
             (Some(degrees_of_freedom), Some(standard)) => Scatter::Seen { degrees_of_freedom, standard },
             (None, None) => Scatter::Expected,
-            (Some(count), None) => return Err(format!("degrees_of_freedom is {count} without a scatter")),
-            (None, Some(scatter)) => return Err(format!("scatter is {scatter} with 0 degrees_of_freedom")),
+            (Some(count), None) => {
+                return Err(format!(
+                    "scatter is null with degrees_of_freedom {count}; allowed: a number, or null with \
+                     degrees_of_freedom 0"
+                ));
+            }
+            (None, Some(scatter)) => {
+                return Err(format!(
+                    "scatter is {scatter} with degrees_of_freedom 0; allowed: null, or a number with \
+                     degrees_of_freedom of 1 or more"
+                ));
+            }
         };
         Ok(Self {
             reference_rpm: stored.reference_rpm,
@@ -49,12 +59,12 @@ impl TryFrom<Stored> for Displacement {
             reading: stored.reading,
             speeds_rpm: stored.speeds_rpm,
             outliers: stored.outliers,
-            speed_law: stored.speed_law,
+            law: stored.speed_law,
         })
     }
 }
 
-impl From<Displacement> for Stored {
+impl From<Displacement> for StoredDisplacement {
     fn from(found: Displacement) -> Self {
         Self {
             reference_rpm: found.reference_rpm,
@@ -68,7 +78,7 @@ impl From<Displacement> for Stored {
             reading: found.reading,
             speeds_rpm: found.speeds_rpm,
             outliers: found.outliers,
-            speed_law: found.speed_law,
+            speed_law: found.law,
         }
     }
 }

@@ -3,13 +3,13 @@
 use pump_model::SpeedLaw;
 
 use super::*;
-use crate::calibration::{CalibrationError, Expected, Run, Weighing};
+use crate::calibration::{CalibrationError, CalibrationRun, Expected, LawToFit, Weighing};
 use crate::sampling::Dice;
 
 const EXPECTED: Expected = Expected { repeatability: 0.0047, reading_ml: 0.0 };
 
-fn run(speed_rpm: f64, volume_ml: f64) -> Run {
-    Run {
+fn run(speed_rpm: f64, volume_ml: f64) -> CalibrationRun {
+    CalibrationRun {
         speed_rpm,
         start_angle_deg: None,
         turned_deg: 720.0,
@@ -23,7 +23,7 @@ fn run(speed_rpm: f64, volume_ml: f64) -> Run {
 fn fit(runs: &[(f64, f64)], expected: &Expected) -> Result<Displacement, CalibrationError> {
     let file = crate::catalogue::built_in("three-roller").unwrap();
     let pump = file.model().unwrap();
-    let runs: Vec<Run> =
+    let runs: Vec<CalibrationRun> =
         runs.iter().map(|(rpm, factor)| run(*rpm, 2.0 * pump.revolution_ml() * factor)).collect();
     Displacement::fit(&pump, &runs, &Weighing::of(&file), expected)
 }
@@ -168,20 +168,20 @@ fn by_law(
     let file = crate::catalogue::built_in("three-roller").unwrap();
     let pump = file.model().unwrap();
     let volume_ml = |rpm: f64| 2.0 * law.revolution_ml(&pump, rad_s(rpm)).unwrap();
-    let runs: Vec<Run> = speeds_rpm
+    let runs: Vec<CalibrationRun> = speeds_rpm
         .iter()
         .flat_map(|rpm| [*rpm; 3])
         .map(|rpm| run(rpm, volume_ml(rpm) * (1.0 + scatter * dice.normal())))
         .collect();
-    let start = file.speed_law_to_fit().unwrap();
-    Displacement::fit_law(&pump, &pump, &start, &runs, &Weighing::of(&file), &EXPECTED)
+    let to_fit = LawToFit::of(&file, &pump).unwrap();
+    Displacement::fit_law(&to_fit, &pump, &runs, &Weighing::of(&file), &EXPECTED)
 }
 
 #[test]
 fn a_speed_law_is_found_exactly_where_nothing_scatters() {
     let law = SpeedLaw { scale: 0.97, distensibility_per_kpa: 1.3e-3, ..SpeedLaw::PUBLISHED };
     let found = by_law(&law, &[20.0, 60.0, 110.0, 160.0], 0.0, &mut Dice::new(1)).unwrap();
-    let fit = found.speed_law.unwrap();
+    let fit = found.law.unwrap();
     assert!((fit.scale - 0.97).abs() < 1e-7 && (fit.distensibility_per_kpa / 1.3e-3 - 1.0).abs() < 1e-5);
     let pump = Pump::three_roller();
     for rpm in [20.0, 47.0, 133.0, 160.0] {
@@ -199,7 +199,7 @@ fn the_errors_of_a_speed_law_are_those_of_repeated_calibrations() {
     let mut inside = [0; 3];
     for _ in 0..n {
         let found = by_law(&law, &[20.0, 60.0, 110.0, 160.0], 0.003, &mut dice).unwrap();
-        let fit = found.speed_law.unwrap();
+        let fit = found.law.unwrap();
         let (s, d) = (fit.scale - law.scale, fit.distensibility_per_kpa - law.distensibility_per_kpa);
         let kappa = found.factor_at(&pump, 85.0).unwrap() - factor;
         let standards = [
@@ -224,15 +224,15 @@ fn a_law_that_the_runs_do_not_show_is_refused() {
     // More volume where less pressure trapped it.
     let pump = Pump::three_roller();
     let file = crate::catalogue::built_in("three-roller").unwrap();
-    let runs: Vec<Run> = [20.0, 60.0, 110.0, 160.0]
+    let runs: Vec<CalibrationRun> = [20.0, 60.0, 110.0, 160.0]
         .iter()
         .map(|rpm| {
             let kpa = SpeedLaw::PUBLISHED.trapped_kpa(&pump, rad_s(*rpm)).unwrap();
             run(*rpm, 42.6 * (1.0 - 1e-3 * (kpa - 85.7)))
         })
         .collect();
-    let start = file.speed_law_to_fit().unwrap();
-    let fit = Displacement::fit_law(&pump, &pump, &start, &runs, &Weighing::of(&file), &EXPECTED);
+    let to_fit = LawToFit::of(&file, &pump).unwrap();
+    let fit = Displacement::fit_law(&to_fit, &pump, &runs, &Weighing::of(&file), &EXPECTED);
     let error = fit.unwrap_err().to_string();
     assert!(error.contains("do not fit a speed law") && error.contains("fit a line"), "{error}");
 }

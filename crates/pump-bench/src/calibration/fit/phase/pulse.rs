@@ -1,7 +1,8 @@
 //! Short doses as a least-squares problem: residuals, their derivatives, and the search for the best zero.
 
+use libm::sqrt;
 use pump_model::identification::least_squares::{Found, Residuals, Triangle, search};
-use pump_model::math::{radians, sqrt};
+use pump_model::units::radians;
 use pump_model::{ModelError, Pump};
 
 use crate::calibration::CalibrationError;

@@ -2,10 +2,11 @@
 
 use std::num::NonZeroU32;
 
-use pump_model::math::radians;
+use pump_model::units::radians;
 
 use super::*;
 use crate::calibration::{AgainstSpeed, Displacement, Scatter};
+use crate::displacement::SpeedDependentPump;
 use crate::sampling::Dice;
 
 const EXPECTED: Expected = Expected { repeatability: 0.0047, reading_ml: 0.005 };
@@ -24,7 +25,7 @@ fn weighed(plant: &Pump) -> Displacement {
         reading: 0.0,
         speeds_rpm: vec![60.0],
         outliers: vec![],
-        speed_law: None,
+        law: None,
     }
 }
 
@@ -54,7 +55,8 @@ fn plant(roller_ml: f64, engagement_deg: f64, zero_deg: f64) -> Pump {
 
 fn fit_as(displacement: Option<&Displacement>, doses: &[ShortDose]) -> Result<PhaseFit, CalibrationError> {
     let base = Pump::three_roller();
-    let against = AgainstSpeed::of(displacement, None, &base);
+    let pump = SpeedDependentPump::constant(base);
+    let against = AgainstSpeed::of(displacement, &pump);
     PhaseFit::of(&base, Revolution { against, model_standard: 0.024 }, doses, &EXPECTED)
 }
 

@@ -1,0 +1,129 @@
+//! The end of a motion: its record, then the wait for the line.
+
+use std::time::Instant;
+
+use pump_model::units::degrees;
+
+use super::announced_steps::{Halt, Pace};
+use super::device::Device;
+use super::recorded_motion::{Moved, RecordedMotion};
+use super::session::Session;
+use crate::dosing::DoseError;
+use crate::drives::{Disturbance, Watch};
+use crate::numbers::significant;
+use crate::record::{Intent, PumpState, Why};
+
+/// Remainder of a wait that is too short to be told, in s.
+const NEARLY_S: f64 = 0.1;
+
+/// Motion that the drive has ended.
+pub(super) struct EndedMotion {
+    /// Steps made.
+    pub(super) made: u64,
+    /// Steps made after the index mark.
+    pub(super) beyond: Option<u64>,
+    /// Time that the motion took, in s.
+    pub(super) measured_s: f64,
+    pub(super) pace: Pace,
+    /// Reason of the journal to end the motion.
+    pub(super) halt: Option<Halt>,
+    /// State before the motion.
+    pub(super) before: PumpState,
+    pub(super) intent: Intent,
+}
+
+impl<'a> Session<'a> {
+    /// Records the state after a motion, then lets the line settle. `watch` ends the wait.
+    pub(super) fn conclude(
+        &mut self,
+        mut device: Device<'a>,
+        motion: &RecordedMotion<'_>,
+        ended: EndedMotion,
+        watch: &mut Watch<'_>,
+    ) -> Result<Moved, DoseError> {
+        let EndedMotion { made, beyond, measured_s, pace, halt, before, intent } = ended;
+        let plan = motion.plan;
+        let whole = made == plan.steps().unsigned_abs();
+        let after = before.after(&intent, made as i64, made as i64, self.bench.model());
+        let state = self.with_device(&mut device, after, Some(pace.pauses));
+        let why = match &halt {
+            Some(_) => Why::Fault,
+            None if whole || beyond.is_some() => Why::Done,
+            None => Why::Stopped,
+        };
+        let mut rested = self.rest(why, state);
+        let began = Instant::now();
+        let read_ml = device.drive.settle(motion.settle_s, watch);
+        let left_s = motion.settle_s - began.elapsed().as_secs_f64();
+        if whole && !device.drive.is_simulated() && left_s > NEARLY_S {
+            self.notes.push(format!(
+                "stopped by the user {} s before the line has settled: the last of the volume still flows",
+                significant(left_s, 2)
+            ));
+        }
+        // The device may have been reset while the line settled.
+        let settled = self.with_device(&mut device, state, None);
+        if settled != state {
+            rested = rested.and(self.rest(Why::Met, settled));
+        }
+        self.device = Some(device);
+        let counted_ml = plan.delivered_ml(motion.model, made);
+        let volume_ml = match read_ml {
+            Ok(read_ml) => read_ml.unwrap_or(counted_ml),
+            Err(error) => {
+                let unfinished = state.unfinished.is_some();
+                return Err(DoseError::Drive {
+                    error,
+                    least_ml: counted_ml,
+                    most_ml: counted_ml,
+                    unfinished,
+                });
+            }
+        };
+        match halt {
+            Some(Halt::Unwritten(source)) => {
+                return Err(DoseError::NotJournalled { delivered_ml: volume_ml, source });
+            }
+            Some(Halt::Late) => {
+                return Err(DoseError::SlowDisk {
+                    delivered_ml: volume_ml,
+                    took_s: pace.slowest.as_secs_f64(),
+                    journal: self.journal.path().to_owned(),
+                    must_not_pause: !motion.may_pause,
+                });
+            }
+            None => {}
+        }
+        rested.map_err(|source| DoseError::NotRecorded {
+            delivered_ml: volume_ml,
+            end_angle_deg: degrees(plan.angle_after(made)),
+            source,
+        })?;
+        Ok(Moved { made, beyond, volume_ml, measured_s, pace })
+    }
+
+    /// Returns the state with the device's count and disturbances. `pauses` is how often a motion just made has
+    /// paused, and `None` at rest.
+    ///
+    /// A motor that is let go after each motion is let go in each pause too, whatever ended the motion.
+    pub(super) fn with_device(
+        &mut self,
+        device: &mut Device<'_>,
+        state: PumpState,
+        pauses: Option<u8>,
+    ) -> PumpState {
+        // The drive reports disturbances first: it may hear of a reset that changes the count.
+        let lets_go = !device.drive.holds_at_rest();
+        let let_go = (lets_go && pauses.is_some()).then_some(Disturbance::Disabled);
+        let event = device.drive.disturbed().or(let_go);
+        let state = PumpState { count: device.drive.count(), ..state };
+        let Some(event) = event else { return state };
+        let (fall_rad, model) = (self.bench.fall_rad(), self.bench.model());
+        let is_let_go = event == Disturbance::Disabled;
+        if !is_let_go {
+            self.notes.push(format!("{event}: the rollers' angle is known less well"));
+        }
+        let rests = pauses.filter(|_| is_let_go || lets_go).unwrap_or(0);
+        (0..=rests).fold(state, |state, _| state.disturbed(fall_rad, model))
+    }
+}

@@ -1,0 +1,52 @@
+//! The lateness of a dose: its motion took longer than its plan.
+
+use std::path::Path;
+
+use pump_ctl::plan::{Cruise, PressureLimits};
+
+use super::announced_steps::Pace;
+use crate::dosing::{DoseRequest, Prepared};
+use crate::numbers::significant;
+
+/// Part of the planned time by which a motion may take longer.
+const PART: f64 = 0.02;
+
+/// Time to which a motion is measured, in s. Boards tell their position every 50 ms.
+const RESOLUTION_S: f64 = 0.1;
+
+/// Returns true if a dose must not pause: its time or its flow is asked for.
+pub(super) fn is_critical(request: &DoseRequest) -> bool {
+    request.smooth || matches!(request.cruise, Some(Cruise::Within { .. }))
+}
+
+/// Returns the warning of a whole dose that paused or took `measured_s`, more than its plan.
+pub(super) fn warning(prepared: &Prepared, measured_s: f64, pace: Pace, journal: &Path) -> Option<String> {
+    let planned_s = prepared.plan.profile().duration_s();
+    let is_late = measured_s - planned_s > RESOLUTION_S.max(PART * planned_s);
+    if !is_late && pace.pauses == 0 {
+        return None;
+    }
+    let [took, plan, slowest] =
+        [measured_s, planned_s, pace.slowest.as_secs_f64()].map(|time_s| significant(time_s, 3));
+    let mut text = format!("the motion took {took} s, and {plan} s by its plan: ");
+    if pace.pauses > 0 {
+        let times = if pace.pauses == 1 { "once".to_owned() } else { format!("{} times", pace.pauses) };
+        text += &format!(
+            "the disk took up to {slowest} s to record the next steps in {}, and the motor paused {times}; keep the \
+             record on a faster disk with --state-dir or DOSE_STATE_DIR",
+            journal.display()
+        );
+    } else {
+        text += "the device was slower than its settings say";
+    }
+    if let Some(Cruise::Within { time_s }) = prepared.request.cruise
+        && measured_s + prepared.prediction.settle_s > time_s
+    {
+        text +=
+            &format!("; the {} s that the dose was to be done within were not kept", significant(time_s, 4));
+    }
+    if pace.pauses > 0 && prepared.request.pressures != PressureLimits::NONE {
+        text += "; the pressure limits of this dose were checked for the plan, and not for its pauses";
+    }
+    Some(text)
+}

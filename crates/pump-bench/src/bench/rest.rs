@@ -1,0 +1,123 @@
+//! The rest of an unfinished dose.
+
+use pump_ctl::plan::Finish;
+
+use super::session::Session;
+use crate::dosing::{DoseError, DoseRequest, Prepared};
+use crate::numbers::{between, significant};
+use crate::record::{Account, PumpState, Purpose, Unfinished, Whole};
+
+impl Session<'_> {
+    /// Plans the rest of the unfinished dose on the terms of the whole dose, in what `request` leaves open:
+    /// cruise, finish and limits. A smooth flow stays smooth unless the request names a speed.
+    ///
+    /// The rest leads to the planned end if the delivered volume is known, and to the most probable one
+    /// otherwise. If the device has finished the dose since, the rest is the retraction after the dose.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::NothingUnfinished`] if no dose is unfinished. [`DoseError::WasFinished`] if the device
+    /// has finished the dose since, and nothing is to be sucked back. Other [`DoseError`]s if the device
+    /// cannot be used or the rest cannot be planned.
+    pub fn prepare_rest(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
+        if self.stands().unfinished.or(self.finished_by_device).is_none() {
+            return Err(DoseError::NothingUnfinished("resume"));
+        }
+        self.connect()?;
+        let state = self.stands();
+        match (state.unfinished, self.finished_by_device) {
+            (Some(dose), _) => self.prepare_rest_of(&dose, state, request),
+            (None, Some(dose)) => self.prepare_suck_back(&dose, state, request),
+            (None, None) => Err(DoseError::WasFinished),
+        }
+    }
+
+    fn prepare_rest_of(
+        &mut self,
+        dose: &Unfinished,
+        state: PumpState,
+        request: DoseRequest,
+    ) -> Result<Prepared, DoseError> {
+        let (intent, model) = (&dose.intent, self.bench.model());
+        let request = request.for_rest(&intent.terms);
+        let carry_ml = if intent.purpose == Purpose::Dose { intent.carry_in_ml } else { state.carry_ml };
+        let (requested_ml, booked_ml) = (intent.whole_requested_ml(), dose.booked_ml(model));
+        let rest = DoseRequest {
+            purpose: intent.purpose,
+            volume_ml: requested_ml - booked_ml,
+            whole_ml: Some(requested_ml),
+            retract_ml: intent.retract_ml,
+            ..request
+        };
+        // A dose that was to end at low flow may end elsewhere if the request says so.
+        let elsewhere = intent.terms.low_flow && request.finish == Some(Finish::Any);
+        let settled_ml = if intent.purpose == Purpose::Dose { carry_ml } else { 0.0 };
+        if elsewhere && (rest.volume_ml + settled_ml) * intent.steps as f64 <= 0.0 {
+            return Err(DoseError::BeyondRequest { requested_ml, delivered_ml: booked_ml });
+        }
+        let to_end_ml = (!elsewhere).then(|| intent.planned_ml - dose.motion_booked_ml(model));
+        if to_end_ml.is_some_and(|to_end_ml| to_end_ml * intent.steps as f64 <= 0.0) {
+            let (least_ml, most_ml) = dose.delivered_ml(model);
+            return Err(DoseError::NoRest { requested_ml, least_ml, most_ml });
+        }
+        let state = PumpState { unfinished: None, carry_ml, ..state };
+        let mut prepared = self.bench.plan_from(self.file(), Some(state), rest, to_end_ml)?;
+        prepared.warnings.extend(self.unsure_rest(dose, &prepared));
+        self.checked(prepared)
+    }
+
+    /// Plans the retraction after a dose that the device finished by itself.
+    fn prepare_suck_back(
+        &mut self,
+        dose: &Unfinished,
+        state: PumpState,
+        request: DoseRequest,
+    ) -> Result<Prepared, DoseError> {
+        let Some(retract_ml) = dose.intent.retract_ml else { return Err(DoseError::WasFinished) };
+        let request = DoseRequest {
+            purpose: Purpose::Retract,
+            volume_ml: -retract_ml,
+            smooth: false,
+            finish: None,
+            ..request.for_rest(&dose.intent.terms)
+        };
+        let mut prepared = self.bench.plan_from(self.file(), Some(state), request, None)?;
+        prepared.warnings.push(
+            "the device has finished the dose that was cut off: it is on record as done, and the volume to suck \
+             back is left to make"
+                .to_owned(),
+        );
+        self.checked(prepared)
+    }
+
+    /// Warns of a rest after a part whose volume is known within bounds only.
+    fn unsure_rest(&self, dose: &Unfinished, prepared: &Prepared) -> Option<String> {
+        let model = self.bench.model();
+        let (least_ml, most_ml) = dose.delivered_ml(model);
+        if most_ml - least_ml <= prepared.plan.end_step_ml(&prepared.model) {
+            return None;
+        }
+        let whole = self.whole_before(dose, prepared);
+        let turn_rad = prepared.plan.end_angle_rad() - prepared.plan.start().angle_rad();
+        let turned = whole.turned.by(turn_rad, turn_rad);
+        let range_ml = Account { turned, correction: prepared.correction() }.range_ml(model);
+        Some(format!(
+            "{} of the {} mL asked for were delivered before; this rest is for the middle of that range, so that \
+             {} will be delivered in all; `dose discard` accepts the dose as it is instead",
+            between(least_ml, most_ml),
+            significant(whole.requested_ml, 6),
+            between(whole.least_ml + range_ml.0, whole.most_ml + range_ml.1),
+        ))
+    }
+
+    /// Returns the unfinished dose as the whole of which `prepared` makes the rest.
+    fn whole_before(&self, dose: &Unfinished, prepared: &Prepared) -> Whole {
+        dose.whole_for_rest(self.bench.model(), prepared.plan.start(), prepared.correction())
+    }
+
+    /// Returns the whole dose of which `prepared` makes the rest. `None` if it makes no rest.
+    pub(super) fn whole_of_rest(&self, prepared: &Prepared) -> Option<Whole> {
+        let dose = self.stands().unfinished.filter(|_| prepared.request.whole_ml.is_some())?;
+        Some(self.whole_before(&dose, prepared))
+    }
+}

@@ -1,0 +1,72 @@
+//! The abilities of a drive.
+
+/// Abilities of a drive. Anything else is refused before the motor moves, never approximated in silence.
+///
+/// ```
+/// use pump_bench::drives::Abilities;
+///
+/// let abilities = Abilities::new().with_step_times(true).with_angle_dependent_speed(true);
+/// assert!(abilities.step_times && !abilities.index);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub struct Abilities {
+    /// True if the drive makes each step at the plan's time. Otherwise the device has ramps of its own and
+    /// keeps to the cruise speed.
+    pub step_times: bool,
+    /// True if the speed may follow the rollers' angle.
+    pub angle_dependent_speed: bool,
+    /// True if the drive finds an index mark by a sensor.
+    pub index: bool,
+    /// True if the drive reads the device's own step count.
+    pub readback: bool,
+    /// True if the drive can let go of the rotor ([`Drive::release`](super::Drive::release)).
+    pub release: bool,
+}
+
+impl Abilities {
+    /// Abilities of a board that speaks grbl's protocol.
+    pub(super) const GRBL: Self = Self::new().with_index(true).with_readback(true).with_release(true);
+
+    /// Returns the abilities of a drive that runs at constant speed on ramps of its own, and has neither a sensor
+    /// nor a count.
+    pub const fn new() -> Self {
+        Self {
+            step_times: false,
+            angle_dependent_speed: false,
+            index: false,
+            readback: false,
+            release: false,
+        }
+    }
+
+    /// Returns the abilities with or without steps at the plan's times.
+    #[must_use]
+    pub const fn with_step_times(self, step_times: bool) -> Self {
+        Self { step_times, ..self }
+    }
+
+    /// Returns the abilities with or without a speed that follows the rollers' angle.
+    #[must_use]
+    pub const fn with_angle_dependent_speed(self, angle_dependent_speed: bool) -> Self {
+        Self { angle_dependent_speed, ..self }
+    }
+
+    /// Returns the abilities with or without an index sensor.
+    #[must_use]
+    pub const fn with_index(self, index: bool) -> Self {
+        Self { index, ..self }
+    }
+
+    /// Returns the abilities with or without a step count of the device.
+    #[must_use]
+    pub const fn with_readback(self, readback: bool) -> Self {
+        Self { readback, ..self }
+    }
+
+    /// Returns the abilities with or without a way to let go of the rotor.
+    #[must_use]
+    pub const fn with_release(self, release: bool) -> Self {
+        Self { release, ..self }
+    }
+}

@@ -1,0 +1,89 @@
+//! A borrowed drive: whoever lends it to a session has it back afterwards.
+
+use pump_ctl::plan::Plan;
+
+use super::abilities::Abilities;
+use super::drive::{Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Watch};
+use crate::displacement::Correction;
+
+impl<T: Drive + ?Sized> Drive for &mut T {
+    fn id(&self) -> &str {
+        T::id(self)
+    }
+
+    fn is_simulated(&self) -> bool {
+        T::is_simulated(self)
+    }
+
+    fn abilities(&self) -> Abilities {
+        T::abilities(self)
+    }
+
+    fn limits(&self) -> Option<DriveLimits> {
+        T::limits(self)
+    }
+
+    fn count(&self) -> Option<i64> {
+        T::count(self)
+    }
+
+    fn disturbed(&mut self) -> Option<Disturbance> {
+        T::disturbed(self)
+    }
+
+    fn holds_at_rest(&self) -> bool {
+        T::holds_at_rest(self)
+    }
+
+    fn check(&mut self, plan: &Plan) -> Result<(), DriveError> {
+        T::check(self, plan)
+    }
+
+    fn displaces(&mut self, correction: Correction) {
+        T::displaces(self, correction);
+    }
+
+    fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+        T::run(self, plan, gate)
+    }
+
+    fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<IndexSearch, DriveFault> {
+        T::seek(self, plan, gate)
+    }
+
+    fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {
+        T::settle(self, settle_s, watch)
+    }
+
+    fn simulated_s(&self) -> Option<f64> {
+        T::simulated_s(self)
+    }
+
+    fn notes(&mut self) -> Vec<String> {
+        T::notes(self)
+    }
+
+    fn release(&mut self) -> Result<(), DriveError> {
+        T::release(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    /// Returns the names of the functions in a source.
+    fn names(source: &str) -> Vec<&str> {
+        let starts = source.lines().filter_map(|line| line.strip_prefix("    fn "));
+        starts.filter_map(|line| line.split('(').next()).collect()
+    }
+
+    #[test]
+    fn a_borrowed_drive_hands_on_every_function_that_has_a_default() {
+        let (_, of_trait) = include_str!("drive.rs").split_once("pub trait Drive").unwrap();
+        let (of_trait, _) = of_trait.split_once("\n}\n").unwrap();
+        let handed_on = names(include_str!("borrowed.rs").split("#[cfg(test)]").next().unwrap());
+        assert!(names(of_trait).len() > 10);
+        for name in names(of_trait) {
+            assert!(handed_on.contains(&name), "{name}");
+        }
+    }
+}

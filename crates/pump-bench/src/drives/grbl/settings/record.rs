@@ -1,0 +1,81 @@
+//! The settings on record: what a board told the last time about the way of its motor.
+
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::super::error::GrblError;
+use super::Settings;
+use crate::files::Staged;
+
+/// Form of the record.
+const SCHEMA: &str = "board-settings/1";
+
+/// Settings of a board as a file holds them.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Recorded {
+    schema: String,
+    /// Values of the settings by their numbers.
+    settings: BTreeMap<u16, f64>,
+}
+
+/// Compares the settings of a board with those on record at `path`, and records them where there are none.
+///
+/// Changed settings are refused, unless `accepted`. Returns notes of the changes that were accepted.
+pub(super) fn compare(found: &Settings, path: &Path, accepted: bool) -> Result<Vec<String>, GrblError> {
+    let before = match recorded(path) {
+        Err(_) if accepted => BTreeMap::new(),
+        before => before?,
+    };
+    let mut now = before.clone();
+    let mut changes = Vec::new();
+    for number in found.numbers() {
+        let (old, new) = (before.get(&number).copied(), found.values.get(&number).copied());
+        match new {
+            Some(value) => now.insert(number, value),
+            None => now.remove(&number),
+        };
+        if let Some(old) = old.filter(|old| !found.same(number, Some(*old), new)) {
+            let new = new.map_or_else(|| "is not listed now".to_owned(), |new| format!("is {new} now"));
+            changes.push(format!("${number} was {old} and {new}"));
+        }
+    }
+    if !changes.is_empty() && !accepted {
+        return Err(GrblError::SettingsChanged { changes: changes.join(", "), record: path.to_owned() });
+    }
+    if now != before {
+        write(path, now)?;
+    }
+    Ok(changes.into_iter().map(|change| format!("{change}: accepted")).collect())
+}
+
+/// Returns the settings on record. There are none before the board was first met.
+fn recorded(path: &Path) -> Result<BTreeMap<u16, f64>, GrblError> {
+    let unread = |reason| GrblError::SettingsRecord { action: "read", record: path.to_owned(), reason };
+    let bytes = match std::fs::read(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(BTreeMap::new()),
+        read => read.map_err(|error| unread(error.to_string()))?,
+    };
+    let recorded: Recorded = serde_json::from_slice(&bytes).map_err(|error| unread(error.to_string()))?;
+    if recorded.schema != SCHEMA {
+        return Err(unread(format!("its schema is {:?}; allowed: {SCHEMA:?}", recorded.schema)));
+    }
+    Ok(recorded.settings)
+}
+
+fn write(path: &Path, settings: BTreeMap<u16, f64>) -> Result<(), GrblError> {
+    let recorded = Recorded { schema: SCHEMA.to_owned(), settings };
+    Staged::new(path, |to| {
+        serde_json::to_writer(&mut *to, &recorded)?;
+        to.write_all(b"\n")
+    })
+    .and_then(Staged::put)
+    .map_err(|error| GrblError::SettingsRecord {
+        action: "written",
+        record: path.to_owned(),
+        reason: error.to_string(),
+    })
+}

@@ -1,0 +1,37 @@
+//! The wire to a board: its bytes, and the clock of every wait for them.
+
+mod holder;
+mod port;
+
+use std::fmt::Debug;
+use std::io;
+use std::time::Duration;
+
+pub(super) use port::BoardPort;
+
+/// Wire to a board.
+pub trait Wire: Debug + Send {
+    /// Reads the bytes that have come, and waits until `wait` has passed for the first. Returns 0 if none
+    /// came.
+    ///
+    /// # Errors
+    ///
+    /// [`io::Error`] if the board is out of reach.
+    fn read(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize>;
+
+    /// Writes all of `bytes`.
+    ///
+    /// # Errors
+    ///
+    /// [`io::Error`] if the board is out of reach.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()>;
+
+    /// Returns the time since the wire was opened.
+    ///
+    /// A pause of this program between two calls counts little: what the board said meanwhile is not read
+    /// yet, so the pause does not tell that the board is late.
+    fn now(&mut self) -> Duration;
+
+    /// Lets `time` pass.
+    fn sleep(&mut self, time: Duration);
+}

@@ -1,0 +1,18 @@
+//! The terms on which a device is opened.
+
+use std::path::PathBuf;
+
+use super::stop_request::StopRequest;
+
+/// Terms on which a device is opened.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Opening {
+    /// True if device settings that do not fit the pump may be written.
+    pub configure: bool,
+    /// True if device settings may differ from those on record. They are on record from then on.
+    pub accept_settings: bool,
+    /// File that holds the device settings of the last time. `None` keeps no record of them.
+    pub settings_record: Option<PathBuf>,
+    /// Request that ends every wait at rest.
+    pub stop: StopRequest,
+}

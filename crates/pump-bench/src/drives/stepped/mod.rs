@@ -1,0 +1,12 @@
+//! A motor that makes one step at a time: step and direction pins, or any other [`StepMotor`].
+//!
+//! [`StepMotor`]: pump_ctl::drive::StepMotor
+
+mod clock;
+mod lead;
+mod pace;
+mod stepped;
+mod watched_motor;
+
+pub use clock::MonotonicClock;
+pub use stepped::{Stepped, SteppedError};

@@ -1,0 +1,14 @@
+//! The drive of grbl boards, in a program that is built without it.
+
+use super::drive::{Drive, DriveError};
+use super::opening::Opening;
+use crate::pump_file::{DriveTable, PumpFile};
+
+/// Refuses the board.
+pub(super) fn open(
+    table: &DriveTable,
+    _file: &PumpFile,
+    _opening: &Opening,
+) -> Result<Box<dyn Drive>, DriveError> {
+    Err(DriveError::NotBuilt { driver: table.driver.as_str() })
+}

@@ -1,0 +1,211 @@
+//! Pictures as SVG: panels below one another, with curves or points over one horizontal axis.
+
+use std::error::Error;
+use std::ops::Range;
+
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+use crate::export::PlotError;
+
+/// Width of a picture, in px.
+const WIDTH: u32 = 900;
+/// Factor by which the drawing is finer than the picture, since its points are whole pixels.
+const FINE: u32 = 4;
+
+/// The colour of a curve: red, green and blue, 0 to 255.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Colour {
+    /// Red.
+    pub red: u8,
+    /// Green.
+    pub green: u8,
+    /// Blue.
+    pub blue: u8,
+}
+
+/// Blue that colour-blind readers tell from the other colours (Okabe and Ito, 2008).
+pub const BLUE: Colour = Colour { red: 0, green: 114, blue: 178 };
+/// Vermilion that colour-blind readers tell from the other colours (Okabe and Ito, 2008).
+pub const VERMILION: Colour = Colour { red: 213, green: 94, blue: 0 };
+/// Green that colour-blind readers tell from the other colours (Okabe and Ito, 2008).
+pub const GREEN: Colour = Colour { red: 0, green: 158, blue: 115 };
+/// Purple that colour-blind readers tell from the other colours (Okabe and Ito, 2008).
+pub const PURPLE: Colour = Colour { red: 204, green: 121, blue: 167 };
+
+/// A style in which a curve is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Style {
+    /// Line through the points of the curve.
+    Line,
+    /// Points of the curve alone.
+    Points,
+}
+
+/// A curve of one panel.
+#[derive(Debug, Clone)]
+pub struct Curve {
+    /// Name of the curve in the legend.
+    pub label: &'static str,
+    /// Colour of the curve, one of this module's.
+    pub colour: Colour,
+    /// Style of the curve.
+    pub style: Style,
+    /// Points of the curve as (horizontal, vertical), in order.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// Curves over one vertical axis. A legend names them if there are several.
+#[derive(Debug, Clone)]
+pub struct Panel {
+    /// Name of the vertical axis, with its unit.
+    pub label: &'static str,
+    /// Curves of the panel.
+    pub curves: Vec<Curve>,
+}
+
+/// A picture of panels below one another.
+#[derive(Debug, Clone)]
+pub struct Chart<'a> {
+    /// Title on top of the picture.
+    pub title: &'a str,
+    /// Name of the horizontal axis, with its unit.
+    pub label: &'a str,
+    /// Range of the horizontal axis.
+    pub range: Range<f64>,
+    /// Place on the horizontal axis to mark, and the name of the mark.
+    pub mark: Option<(f64, &'static str)>,
+    /// Height of a panel, in px.
+    pub panel_height: u32,
+    /// Panels from top to bottom.
+    pub panels: Vec<Panel>,
+}
+
+/// Area of the drawing in which one panel stands.
+type Area<'s> = DrawingArea<SVGBackend<'s>, Shift>;
+
+/// Coordinates of one panel, ready for its curves.
+type Plane<'a, 's> = ChartContext<'a, SVGBackend<'s>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+/// Returns a length of the picture in pixels of the drawing.
+fn px(length: u32) -> i32 {
+    (length * FINE) as i32
+}
+
+impl Chart<'_> {
+    /// Draws the picture as SVG.
+    ///
+    /// # Errors
+    /// Returns the [`PlotError`] of a picture that cannot be drawn.
+    pub fn svg(&self) -> Result<String, PlotError> {
+        let mut svg = String::new();
+        let size = (WIDTH, self.panel_height * self.panels.len() as u32);
+        self.draw(&mut svg, size).map_err(|error| PlotError { reason: error.to_string() })?;
+        let size = |scale| format!("width=\"{}\" height=\"{}\"", size.0 * scale, size.1 * scale);
+        // The view box keeps the fine size.
+        Ok(svg.replacen(&size(FINE), &size(1), 1))
+    }
+
+    /// Draws the panels into `svg`; `size` is the picture's width and height, in px.
+    fn draw(&self, svg: &mut String, size: (u32, u32)) -> Result<(), Box<dyn Error>> {
+        let root = SVGBackend::with_string(svg, (size.0 * FINE, size.1 * FINE)).into_drawing_area();
+        root.fill(&WHITE)?;
+        let root = root.margin(px(8), 0, 0, 0).titled(self.title, ("sans-serif", px(20)))?;
+        let areas = root.split_evenly((self.panels.len(), 1));
+        for (n, (panel, area)) in self.panels.iter().zip(&areas).enumerate() {
+            self.draw_panel(n, panel, area)?;
+        }
+        root.present()?;
+        Ok(())
+    }
+
+    /// Draws the panel with this number, from 0 at the top.
+    fn draw_panel(&self, n: usize, panel: &Panel, area: &Area<'_>) -> Result<(), Box<dyn Error>> {
+        let (low, high) = range(&panel.curves);
+        // Room for the legend above the curves.
+        let entries = panel.curves.len();
+        let room = if entries > 1 { (0.09 * entries as f64).max(0.25) } else { 0.0 };
+        let high = high + room * (high - low);
+        let is_last = n + 1 == self.panels.len();
+        let mut plane = ChartBuilder::on(area)
+            .margin_left(px(14))
+            .margin_right(px(20))
+            .margin_top(px(8))
+            .x_label_area_size(px(if is_last { 40 } else { 22 }))
+            .y_label_area_size(px(60))
+            .build_cartesian_2d(self.range.clone(), low..high)?;
+        plane
+            .configure_mesh()
+            .light_line_style(WHITE)
+            .bold_line_style(BLACK.mix(0.12))
+            .x_desc(if is_last { self.label } else { "" })
+            .y_desc(panel.label)
+            .y_labels(6)
+            .label_style(("sans-serif", px(13)))
+            .axis_desc_style(("sans-serif", px(14)))
+            .draw()?;
+        if let Some((place, name)) = self.mark {
+            let line = LineSeries::new([(place, low), (place, high)], BLACK.mix(0.4).stroke_width(FINE));
+            let drawn = plane.draw_series(line)?;
+            if n == 0 {
+                drawn.label(name).legend(|(x, y)| {
+                    PathElement::new([(x, y), (x + px(16), y)], BLACK.mix(0.4).stroke_width(FINE))
+                });
+            }
+        }
+        for curve in &panel.curves {
+            curve.draw(&mut plane)?;
+        }
+        if panel.curves.len() != 1 {
+            draw_legend(&mut plane)?;
+        }
+        Ok(())
+    }
+}
+
+impl Curve {
+    /// Draws the curve and names it for the legend.
+    fn draw(&self, plane: &mut Plane<'_, '_>) -> Result<(), Box<dyn Error>> {
+        let Colour { red, green, blue } = self.colour;
+        let colour = RGBColor(red, green, blue);
+        let points = self.points.iter().copied();
+        match self.style {
+            Style::Line => plane
+                .draw_series(LineSeries::new(points, colour.stroke_width(FINE * 5 / 4)))?
+                .label(self.label)
+                .legend(move |(x, y)| {
+                    PathElement::new([(x, y), (x + px(16), y)], colour.stroke_width(FINE * 2))
+                }),
+            Style::Points => plane
+                .draw_series(points.map(|point| Circle::new(point, px(3), colour.filled())))?
+                .label(self.label)
+                .legend(move |(x, y)| Circle::new((x + px(8), y), px(3), colour.filled())),
+        };
+        Ok(())
+    }
+}
+
+/// Draws the legend of a panel in its upper right corner.
+fn draw_legend<'a, 's: 'a>(plane: &mut Plane<'a, 's>) -> Result<(), Box<dyn Error>> {
+    plane
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
+        .legend_area_size(px(20))
+        .margin(px(4))
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.2))
+        .label_font(("sans-serif", px(13)))
+        .draw()?;
+    Ok(())
+}
+
+/// Returns the range of a panel's vertical axis: the range of its curves with a little room.
+fn range(curves: &[Curve]) -> (f64, f64) {
+    let values = curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1));
+    let (low, high) =
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| (low.min(y), high.max(y)));
+    // A flat curve gets room too, or else its axis would show rounding.
+    let room = (0.06 * (high - low)).max(1e-3 * high.abs()).max(1e-9);
+    (low - room, high + room)
+}

@@ -1,0 +1,9 @@
+//! Pictures as SVG.
+
+mod chart;
+mod fit_plot;
+mod plot;
+
+pub use chart::{BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, Style, VERMILION};
+pub use fit_plot::fit_svg;
+pub use plot::waveform_svg;

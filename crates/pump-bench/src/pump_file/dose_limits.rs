@@ -1,0 +1,76 @@
+//! The limits of a dose by its pump file, and those of them that nobody checks.
+
+use pump_ctl::plan::{Limits, Lowest, PressureLimits, SetBy};
+
+use super::file::PumpFile;
+use crate::words::words_of_reports;
+
+/// A limit that nobody checks where no value of it is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum UncheckedLimit {
+    /// The largest pressure at the port that pushes.
+    OutletPressure,
+    /// The smallest pressure at the port that sucks.
+    InletPressure,
+    /// The pressure at which the tube collapses.
+    TubeCollapse,
+    /// The pressure at which the fluid boils.
+    VapourPressure,
+    /// The torque that the motor has.
+    Torque,
+}
+
+words_of_reports!(UncheckedLimit {
+    OutletPressure = "outlet_pressure",
+    InletPressure = "inlet_pressure",
+    TubeCollapse = "tube_collapse",
+    VapourPressure = "vapour_pressure",
+    Torque = "torque",
+});
+
+impl PumpFile {
+    /// Returns the limits of motor, pressures and torque.
+    pub fn limits(&self) -> Limits {
+        self.limits_with(PressureLimits::NONE)
+    }
+
+    /// Returns the limits of motor, pressures and torque, with pressures in kPa absolute that replace those
+    /// in `[limits]`.
+    ///
+    /// The lowest pressure for tube and fluid is the larger of two pressures: the one at which the tube
+    /// collapses and the fluid's vapour pressure.
+    pub fn limits_with(&self, pressures: PressureLimits) -> Limits {
+        let bounds = [(self.fluid.vapour_kpa(), SetBy::Vapour), (self.collapse_kpa(), SetBy::TubeCollapse)];
+        let known = bounds.into_iter().filter_map(|(kpa, set_by)| Some(Lowest { kpa: kpa?, set_by }));
+        let of_file = PressureLimits {
+            max_outlet_kpa: self.limits.max_outlet_kpa,
+            min_inlet_kpa: self.limits.min_inlet_kpa,
+        };
+        let mut limits = Limits::new(self.motor.at_pump_head()).with_pressures(pressures.or(of_file));
+        limits.lowest = known.max_by(|a, b| a.kpa.total_cmp(&b.kpa));
+        limits.torque = self.motor.torque(self.ambient.pressure_kpa);
+        limits
+    }
+
+    /// Returns the limits that a dose within `limits` does not check, since no value is known.
+    pub(crate) fn not_checked(&self, limits: &Limits) -> Vec<UncheckedLimit> {
+        let no_collapse = self.tube.collapse_below_ambient_kpa().is_none();
+        let no_vapour = self.fluid.vapour_kpa().is_none();
+        let nothing = no_collapse && no_vapour && limits.pressures.min_inlet_kpa.is_none();
+        let all = [
+            (UncheckedLimit::OutletPressure, limits.pressures.max_outlet_kpa.is_none()),
+            (UncheckedLimit::InletPressure, nothing),
+            (UncheckedLimit::TubeCollapse, no_collapse && !nothing),
+            (UncheckedLimit::VapourPressure, no_vapour && !nothing),
+            (UncheckedLimit::Torque, limits.torque.is_none()),
+        ];
+        all.into_iter().filter_map(|(name, missing)| missing.then_some(name)).collect()
+    }
+
+    /// Returns the pressure in kPa absolute at which the tube collapses. Returns `None` if it is not known or
+    /// the tube withstands a vacuum.
+    fn collapse_kpa(&self) -> Option<f64> {
+        let kpa = self.ambient.pressure_kpa - self.tube.collapse_below_ambient_kpa()?;
+        Some(kpa).filter(|kpa| *kpa > 0.0)
+    }
+}

@@ -1,0 +1,43 @@
+//! The account of the doses from an angle that is not known exactly.
+
+use pump_ctl::plan::Turned;
+use pump_model::Pump;
+use serde::{Deserialize, Serialize};
+
+use crate::displacement::Correction;
+
+/// Account of the doses from an angle that is not known exactly.
+///
+/// The sum of these doses depends on the first start angle and on the whole turn alone. So each dose is
+/// planned for the sum.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Account {
+    /// Turn since the account began.
+    pub(crate) turned: Turned,
+    /// Correction of the displacement at the last dose.
+    #[serde(default, skip_serializing_if = "Correction::is_none")]
+    pub(crate) correction: Correction,
+}
+
+impl Account {
+    /// Returns the smallest and the largest volume of the turn, in mL. `pump` is the uncorrected pump.
+    pub(crate) fn range_ml(&self, pump: &Pump) -> (f64, f64) {
+        let Turned { start, .. } = self.turned;
+        let start = start.moved_to(start.angle_rad() + self.correction.zero_rad);
+        let (least_ml, most_ml) = Turned { start, ..self.turned }.range_ml(pump);
+        (self.correction.factor * least_ml, self.correction.factor * most_ml)
+    }
+
+    /// Returns the middle of the volumes of the turn, in mL. Doses are booked by it.
+    pub(crate) fn middle_ml(&self, pump: &Pump) -> f64 {
+        let (least_ml, most_ml) = self.range_ml(pump);
+        least_ml + 0.5 * (most_ml - least_ml)
+    }
+
+    /// Returns the largest distance of the volume of the turn from its middle, in mL.
+    pub(crate) fn half_width_ml(&self, pump: &Pump) -> f64 {
+        let (least_ml, most_ml) = self.range_ml(pump);
+        0.5 * (most_ml - least_ml)
+    }
+}

@@ -1,0 +1,62 @@
+//! The entries of a journal.
+
+use serde::{Deserialize, Serialize};
+
+use crate::record::{Intent, PumpState};
+
+/// Entry of a journal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum Entry {
+    /// A journal begins: its first line.
+    Begins {
+        /// Format of the journal's lines.
+        format: u32,
+    },
+    /// A motion is about to begin.
+    Intent(Intent),
+    /// The motion under way made `made` steps. Before the next entry it makes up to `may`.
+    Progress {
+        /// Steps known to be made.
+        made: u64,
+        /// Most steps that may be made before the next entry.
+        may: u64,
+    },
+    /// The rotor stands.
+    Rest {
+        /// Time of the entry by the system clock, in seconds since 1970. Only people read it.
+        unix_s: u64,
+        /// Reason for which the rotor stands.
+        why: Why,
+        /// State of the pump.
+        state: PumpState,
+    },
+}
+
+/// Reason for which the rotor stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Why {
+    /// The dose was delivered.
+    Done,
+    /// The user stopped the dose.
+    Stopped,
+    /// The drive failed, or the journal could not be written.
+    Fault,
+    /// The process that ran the dose ended before it could record the end.
+    CutOff,
+    /// The user accepted an unfinished dose.
+    Discarded,
+    /// The user set the rotor's angle.
+    Set,
+    /// The rotor's angle was found by the mark.
+    Mark,
+    /// The rotor's angle was found by the index sensor.
+    Sensor,
+    /// The device was met in another state than it was left in.
+    Met,
+    /// The motor was released.
+    Released,
+    /// The tube was replaced.
+    NewTube,
+}

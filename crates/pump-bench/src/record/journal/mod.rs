@@ -1,0 +1,16 @@
+//! The journal of a pump: an append-only file of entries, and the thread that announces the steps ahead.
+
+mod announcer;
+mod entry;
+mod journal;
+mod line;
+mod rotation;
+mod story;
+mod tail;
+
+pub(crate) use announcer::Announcer;
+pub(crate) use entry::{Entry, Why};
+pub(crate) use journal::Journal;
+pub use journal::Storage;
+pub(crate) use line::{decode, encode};
+pub use story::{JournalError, Story};

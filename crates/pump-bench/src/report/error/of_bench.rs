@@ -1,0 +1,102 @@
+//! The facts of errors of doses, of the record and of drives.
+
+use pump_model::Shown;
+
+use super::explain::{ErrorFacts, Explain};
+use super::kind::ErrorKind;
+use crate::dosing::{DoseError, ScheduleError};
+use crate::drives::DriveError;
+use crate::record::{FolderError, JournalError};
+use crate::report::ending::Ending;
+
+impl Explain for DoseError {
+    fn facts(&self) -> ErrorFacts {
+        let of = ErrorFacts::of;
+        match self {
+            Self::PumpFile(error) => error.facts(),
+            Self::Plan(error) => error.facts(),
+            Self::Folder(error) => error.facts(),
+            Self::Journal(error) => error.facts(),
+            Self::Calibration(error) => error.facts(),
+            Self::Displacement(error) => error.facts(),
+            Self::Connection(error) | Self::Drive { error, .. } => error.facts(),
+            Self::Retraction { source, .. } => source.facts(),
+            Self::Unfinished { requested_ml, .. }
+            | Self::NoRest { requested_ml, .. }
+            | Self::BeyondRequest { requested_ml, .. } => {
+                of(ErrorKind::Unfinished).value(format!("{} mL", Shown(*requested_ml)))
+            }
+            Self::RunsTheOtherWay { asked_ml, .. } => {
+                of(ErrorKind::Plan).value(format!("{} mL", Shown(*asked_ml)))
+            }
+            Self::TubeWorn { life_ml, pumped_ml, planned_ml } => of(ErrorKind::Limit)
+                .value(format!("{:.1} mL", pumped_ml + planned_ml))
+                .allowed(format!("{life_ml} mL at most")),
+            Self::Stale { planned_deg, stands_deg } => of(ErrorKind::Plan)
+                .value(format!("{planned_deg:.4} deg"))
+                .allowed(format!("{stands_deg:.4} deg")),
+            Self::TooSlow { speed_rpm, least_rpm, .. } => of(ErrorKind::Limit)
+                .value(format!("{speed_rpm:.4} r/min"))
+                .allowed(format!("{least_rpm:.4} r/min or more")),
+            Self::NoAngle { key, .. } => of(ErrorKind::PumpFile).value(key),
+            Self::NoIndex { .. } | Self::AngleIsKnown => of(ErrorKind::Angle),
+            Self::SuckBack { source, .. } => source.facts(),
+            Self::WasFinished
+            | Self::NothingUnfinished(_)
+            | Self::NotJournalled { .. }
+            | Self::SlowDisk { .. }
+            | Self::AngleNotRecorded { .. }
+            | Self::NotRecorded { .. } => of(ErrorKind::Record),
+        }
+    }
+
+    fn ending(&self) -> Ending {
+        Self::ending(self)
+    }
+}
+
+impl Explain for FolderError {
+    fn facts(&self) -> ErrorFacts {
+        match self {
+            Self::Busy { holder, .. } => ErrorFacts::of(ErrorKind::Busy).value(holder),
+            Self::File { path, source, .. } => ErrorFacts::of_file(ErrorKind::Record, path, source),
+            _ => ErrorFacts::of(ErrorKind::Record),
+        }
+    }
+
+    fn ending(&self) -> Ending {
+        Self::ending(self)
+    }
+}
+
+impl Explain for JournalError {
+    fn facts(&self) -> ErrorFacts {
+        ErrorFacts::of(ErrorKind::Record)
+    }
+}
+
+impl Explain for DriveError {
+    fn facts(&self) -> ErrorFacts {
+        match self {
+            Self::Busy { holder, .. } => ErrorFacts::of(ErrorKind::Busy).value(holder),
+            Self::Interrupted => ErrorFacts::of(ErrorKind::Stopped),
+            Self::Unable { .. }
+            | Self::Device(_)
+            | Self::Name { .. }
+            | Self::Other { .. }
+            | Self::NotGiven { .. }
+            | Self::NotBuilt { .. }
+            | Self::Sim(_) => ErrorFacts::of(ErrorKind::Drive),
+        }
+    }
+}
+
+impl Explain for ScheduleError {
+    fn facts(&self) -> ErrorFacts {
+        match self {
+            Self::OutOfRange { value, least, most, .. } => {
+                ErrorFacts::of(ErrorKind::Range).value(Shown(*value)).allowed(format!("{least} to {most}"))
+            }
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! Claims about sessions that are given their drive.
+
+use std::error::Error;
+use std::fmt::{self, Display, Formatter};
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use pump_bench::drives::{Abilities, Drive, DriveError, DriveFault, DriveLimits, Gate, Leave, Sim};
+use pump_bench::report::Status;
+use pump_bench::{Bench, DoseError, DoseReport, DoseRequest, Session, built_in};
+use pump_ctl::plan::{Phase, Plan};
+
+/// Error of the servo's own protocol.
+#[derive(Debug, PartialEq)]
+struct Overload {
+    amperes: f64,
+}
+
+impl Display for Overload {
+    fn fmt(&self, to: &mut Formatter<'_>) -> fmt::Result {
+        write!(to, "the servo draws {} A", self.amperes)
+    }
+}
+
+impl Error for Overload {}
+
+/// Servo of another program. It makes ten steps at a time.
+#[derive(Debug, Default)]
+struct Servo {
+    name: Option<&'static str>,
+    /// Step at which the servo fails.
+    fails_at: Option<u64>,
+    /// Net steps made so far.
+    turned: i64,
+    limits: Option<DriveLimits>,
+    /// True if the servo holds only while it moves.
+    lets_go: bool,
+}
+
+impl Drive for Servo {
+    fn id(&self) -> &str {
+        self.name.unwrap_or("servo")
+    }
+
+    fn abilities(&self) -> Abilities {
+        Abilities::new().with_step_times(true)
+    }
+
+    fn limits(&self) -> Option<DriveLimits> {
+        self.limits
+    }
+
+    fn holds_at_rest(&self) -> bool {
+        !self.lets_go
+    }
+
+    fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+        let (all, sign) = (plan.each_step().count() as u64, i64::from(plan.direction().sign()));
+        let mut made = 0;
+        while made < all {
+            if self.fails_at.is_some_and(|fails_at| made >= fails_at) {
+                let error = DriveError::device(Overload { amperes: 7.5 });
+                return Err(DriveFault::between(made as i64, made as i64 + 10, error));
+            }
+            let next = (made + 10).min(all);
+            match gate(made, next) {
+                Leave::Go => {
+                    self.turned += sign * (next - made) as i64;
+                    made = next;
+                }
+                Leave::Wait => {}
+                Leave::Stop => break,
+            }
+        }
+        Ok(made)
+    }
+}
+
+fn go(_: u64) -> ControlFlow<()> {
+    ControlFlow::Continue(())
+}
+
+fn bench(folder: &Path) -> Bench {
+    let bench = Bench::new(built_in("three-roller").unwrap(), None, folder).unwrap();
+    bench.driven_by(&Servo::default()).unwrap()
+}
+
+#[test]
+fn a_session_goes_to_another_thread() {
+    fn send<T: Send>() {}
+    fn sync<T: Sync>() {}
+    send::<Session<'_>>();
+    send::<Box<dyn Drive>>();
+    send::<Bench>();
+    sync::<Bench>();
+}
+
+#[test]
+fn a_given_drive_has_a_record_of_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path());
+    let mut servo = Servo::default();
+    let report = {
+        let mut session = Session::with_drive(&bench, Box::new(&mut servo)).unwrap();
+        session.set_angle(Some(Phase::known(0.3))).unwrap();
+        let prepared = session.prepare(DoseRequest::dose(0.2)).unwrap();
+        let delivered = session.run(&prepared, go).unwrap();
+        assert!(delivered.completed && session.bench() == &bench);
+        DoseReport::new(session.bench(), &prepared, Some(&delivered))
+    };
+    assert_eq!((report.driver.as_str(), report.simulated, report.completed), ("servo", false, true));
+    assert_eq!(servo.turned, report.steps);
+    assert_eq!((bench.drive_id(), bench.headline()), ("servo", "MOVING three-roller".to_owned()));
+    let journal = fs::read_to_string(folder.path().join("three-roller/servo/journal.jsonl")).unwrap();
+    assert!(journal.contains("\"intent\"") && journal.contains("\"progress\""), "{journal}");
+    assert!(!folder.path().join("three-roller/sim").exists(), "the record of the simulation stays untouched");
+}
+
+#[test]
+fn a_given_motor_stands_at_an_unknown_angle_until_its_angle_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path());
+    assert!(!Status::of(&bench).unwrap().angle_known);
+    let (session, set) =
+        bench.set_angle_with_drive(Box::new(Servo::default()), Some(Phase::known(0.1))).unwrap();
+    assert_eq!((session.state().unwrap().phase(), set.aside), (Phase::known(0.1), None));
+}
+
+#[test]
+fn a_fault_of_a_given_drive_leaves_its_bounds_its_source_and_a_rest_to_resume() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path());
+    let mut servo = Servo { fails_at: Some(200), ..Servo::default() };
+    let mut session = Session::with_drive(&bench, Box::new(&mut servo)).unwrap();
+    session.set_angle(Some(Phase::known(0.0))).unwrap();
+    let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
+    let error = session.run(&prepared, go).unwrap_err();
+    let device = error.source().and_then(|of_drive| of_drive.source());
+    let overload = device.and_then(|cause| cause.downcast_ref::<Overload>());
+    assert_eq!(overload, Some(&Overload { amperes: 7.5 }), "{error:?}");
+    let DoseError::Drive { unfinished: true, .. } = error else { panic!("{error}") };
+    let dose = session.state().unwrap().unfinished.unwrap();
+    assert_eq!((dose.made_least, dose.made_most), (200, 210));
+    drop(session);
+    // The servo that failed is met anew by the session that still has it, and by the next one.
+    servo.fails_at = None;
+    let mut session = Session::with_drive(&bench, Box::new(&mut servo)).unwrap();
+    assert!(matches!(session.prepare(DoseRequest::dose(0.5)), Err(DoseError::Unfinished { .. })));
+    let rest = session.prepare_rest(DoseRequest::dose(0.0)).unwrap();
+    assert!(session.run(&rest, go).unwrap().completed);
+    assert!(session.state().unwrap().unfinished.is_none());
+}
+
+#[test]
+fn a_given_drive_that_failed_is_met_anew_in_the_same_session() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path());
+    let servo = Servo { fails_at: Some(200), ..Servo::default() };
+    let mut session = Session::with_drive(&bench, Box::new(servo)).unwrap();
+    session.set_angle(Some(Phase::known(0.0))).unwrap();
+    let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
+    session.run(&prepared, go).unwrap_err();
+    session.discard().unwrap();
+    // So short a dose ends before the servo fails.
+    let prepared = session.prepare(DoseRequest::dose(0.02)).unwrap();
+    assert!(session.run(&prepared, go).unwrap().completed);
+}
+
+#[test]
+fn limits_and_abilities_of_a_given_drive_hold_for_its_plans() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path());
+    let limits = DriveLimits::new(2.0, 40.0).with_min_speed(0.5);
+    let servo = Servo { limits: Some(limits), ..Servo::default() };
+    let mut session = Session::with_drive(&bench, Box::new(servo)).unwrap();
+    session.set_angle(Some(Phase::known(0.0))).unwrap();
+    let smooth = session.prepare(DoseRequest { smooth: true, ..DoseRequest::dose(1.0) }).unwrap_err();
+    assert!(smooth.to_string().contains("the servo driver has no speed that follows"), "{smooth}");
+    let prepared = session.prepare(DoseRequest::dose(5.0)).unwrap();
+    assert_eq!(session.speed_range_rad_s(), (0.5, 2.0));
+    assert_eq!(prepared.plan.profile().acceleration_rad_s2(), 40.0);
+}
+
+#[test]
+fn a_bench_takes_its_own_drive_and_no_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = Bench::new(built_in("three-roller").unwrap(), None, folder.path()).unwrap();
+    let said = |bench: &Bench, drive: Servo| {
+        Session::with_drive(bench, Box::new(drive)).map(drop).unwrap_err().to_string()
+    };
+    let other = said(&plain, Servo::default());
+    assert!(other.contains("record of the drive `sim`") && other.contains("`servo`"), "{other}");
+    // A motor that calls itself a simulation would spoil the record of the simulation.
+    for name in ["sim", "grbl", "", "../sim", "Servo"] {
+        let refused = plain.clone().driven_by(&Servo { name: Some(name), ..Servo::default() }).unwrap_err();
+        assert!(refused.to_string().starts_with(&format!("the drive is named `{name}`")), "{refused}");
+    }
+    let given = bench(folder.path());
+    let not_given = given.session().unwrap().connect().unwrap_err().to_string();
+    assert!(not_given.contains("Session::with_drive"), "{not_given}");
+    // The drive of a pump file may be given too.
+    let model = built_in("three-roller").unwrap().model().unwrap();
+    let mut session = Session::with_drive(&plain, Box::new(Sim::new(&model).unwrap())).unwrap();
+    session.connect().unwrap();
+}
+
+#[test]
+fn a_drive_that_cannot_let_go_holds_on_and_keeps_the_angle() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path());
+    let mut session = Session::with_drive(&bench, Box::new(Servo::default())).unwrap();
+    session.set_angle(Some(Phase::known(0.3))).unwrap();
+    for _ in 0..3 {
+        let refused = session.release().unwrap_err().to_string();
+        assert!(refused.contains("way to let go"), "{refused}");
+    }
+    let state = *session.state().unwrap();
+    assert_eq!((state.phase(), state.disturbances, state.released), (Phase::known(0.3), 0, false));
+}
+
+#[test]
+fn a_drive_that_lets_go_after_each_motion_knows_its_angle_less_well() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path());
+    for (lets_go, disturbances) in [(false, 0), (true, 1)] {
+        let servo = Servo { lets_go, ..Servo::default() };
+        let mut session = Session::with_drive(&bench, Box::new(servo)).unwrap();
+        session.set_angle(Some(Phase::known(0.3))).unwrap();
+        let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
+        assert!(session.run(&prepared, go).unwrap().completed);
+        let state = session.state().unwrap();
+        assert_eq!(state.disturbances, disturbances);
+        assert_eq!(state.phase().half_width_rad() > 0.0, lets_go, "{state:?}");
+    }
+}

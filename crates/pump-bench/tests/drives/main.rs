@@ -1,0 +1,6 @@
+//! Drives that no pump file names: motors of other programs, and step and direction pins.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may panic")]
+
+mod given;
+mod stepped;

@@ -1,0 +1,158 @@
+//! Limits of motions that are booked by the model without calibration: runs to be weighed, and turns.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use pump_bench::calibration::{Calibration, CalibrationRun, Expected, Fit, Reading, Source};
+use pump_bench::pump_file::{PumpFile, SpeedLawTable};
+use pump_bench::record::Purpose;
+use pump_bench::{Bench, DoseError, DoseRequest, Prepared, built_in};
+use pump_ctl::plan::{Cruise, PlanError};
+use pump_model::units::rad_s;
+
+/// Eight pitches of the three-roller pump, in mL.
+const RUN_ML: f64 = 56.849_297_6;
+
+const SPEED_RPM: f64 = 100.0;
+
+fn file(max_outlet_kpa: f64) -> PumpFile {
+    let mut file = built_in("three-roller").unwrap();
+    file.limits.max_outlet_kpa = Some(max_outlet_kpa);
+    file
+}
+
+/// Has doses of `bench` use a calibration by runs of two revolutions at these speeds, `factor` times the model each.
+fn calibrate(bench: &Bench, speeds_rpm: &[f64], factor: f64) {
+    let runs = speeds_rpm.iter().map(|speed_rpm| CalibrationRun {
+        speed_rpm: *speed_rpm,
+        start_angle_deg: None,
+        turned_deg: 720.0,
+        reading: Reading::VolumeMl(2.0 * factor * bench.model().revolution_ml()),
+        temperature_degc: None,
+        time: None,
+    });
+    let expected = Expected::of(bench.file(), 0.0);
+    let calibration =
+        Calibration::of_runs(bench.file(), Source::File, runs.collect(), Fit::Line, &expected, None);
+    bench.keep_calibration(calibration.unwrap()).unwrap();
+}
+
+fn asked(purpose: Purpose) -> DoseRequest {
+    let cruise = Some(Cruise::Speed { rad_s: rad_s(SPEED_RPM) });
+    DoseRequest { purpose, cruise, ..DoseRequest::dose(RUN_ML) }
+}
+
+/// A bench with a calibration and this limit of the outlet pressure.
+fn bench(folder: &Path, limit_kpa: f64, speeds_rpm: &[f64], factor: f64) -> Bench {
+    let bench = Bench::new(file(limit_kpa), None, folder).unwrap();
+    calibrate(&bench, speeds_rpm, factor);
+    bench
+}
+
+/// Largest pressure at the outlet in a dose of eight pitches at 100 r/min, in kPa.
+fn highest_kpa(speeds_rpm: &[f64], factor: f64) -> f64 {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path(), 500.0, speeds_rpm, factor);
+    let prepared = bench.prepare(asked(Purpose::Dose)).unwrap();
+    prepared.prediction.outlet.max_kpa + prepared.prediction.step_kpa
+}
+
+/// A limit between the highest pressures of a dose with two calibrations, at the same speeds.
+fn between_kpa(speeds_rpm: &[f64], factors: [f64; 2]) -> f64 {
+    let [one, other] = factors.map(|factor| highest_kpa(speeds_rpm, factor));
+    assert!((one - other).abs() > 2.0, "{one} {other}");
+    0.5 * (one + other)
+}
+
+fn assert_breaks_limit<T: std::fmt::Debug>(found: Result<T, DoseError>, limit: f64) {
+    let Err(DoseError::Plan(PlanError::OutletPressure { limit_kpa, predicted_kpa, .. })) = found else {
+        panic!("{found:?}")
+    };
+    assert!(limit_kpa == limit && predicted_kpa > limit, "{predicted_kpa} of {limit_kpa}");
+}
+
+fn both(bench: &Bench) -> [Result<Prepared, DoseError>; 2] {
+    [Purpose::Dose, Purpose::Calibrate].map(|purpose| bench.prepare(asked(purpose)))
+}
+
+#[test]
+fn a_run_to_weigh_is_refused_where_the_calibrated_dose_is() {
+    let limit_kpa = between_kpa(&[60.0], [1.0, 1.3]);
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path(), limit_kpa, &[60.0], 1.3);
+    let [dose, run] = both(&bench);
+    assert_breaks_limit(dose, limit_kpa);
+    assert_breaks_limit(run, limit_kpa);
+}
+
+#[test]
+fn a_run_to_weigh_runs_where_the_calibrated_dose_does_and_tells_its_pressures() {
+    let limit_kpa = between_kpa(&[60.0], [0.75, 1.0]);
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path(), limit_kpa, &[60.0], 0.75);
+    let [dose, run] = both(&bench).map(Result::unwrap);
+    // Eight pitches by the model, as its reading is compared with them: the dose turns farther for its volume.
+    assert_eq!(run.plan.steps(), 34_133);
+    assert!(dose.plan.steps() > 40_000, "{}", dose.plan.steps());
+    let highest = |prepared: &Prepared| prepared.prediction.outlet.max_kpa;
+    assert!((highest(&run) - highest(&dose)).abs() < 0.2, "{} {}", highest(&run), highest(&dose));
+    assert!(run.margins.outlet.unwrap().used < 1.0, "{:?}", run.margins);
+}
+
+#[test]
+fn a_run_at_a_speed_beyond_the_calibrated_ones_holds_limits_by_the_nearest_and_by_the_model() {
+    // A calibration that ends at 60 r/min says what the pump displaces there, and nobody knows at 100.
+    for factors in [[1.0, 1.3], [0.75, 1.0]] {
+        let limit_kpa = between_kpa(&[60.0], factors);
+        let factor = factors[usize::from(factors[0] == 1.0)];
+        let folder = tempfile::tempdir().unwrap();
+        let bench = bench(folder.path(), limit_kpa, &[20.0, 60.0], factor);
+        let [dose, run] = both(&bench);
+        assert!(matches!(dose, Err(DoseError::Calibration(_))), "{dose:?}");
+        assert_breaks_limit(run, limit_kpa);
+    }
+    // Where both hold, the speed can be calibrated.
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path(), highest_kpa(&[60.0], 1.3) + 1.0, &[20.0, 60.0], 1.3);
+    assert!(both(&bench)[1].is_ok());
+}
+
+#[test]
+fn a_run_to_weigh_holds_limits_by_the_pump_files_law() {
+    let law = SpeedLawTable::InletPressure {
+        s: 0.7,
+        d_per_kpa: 2.05e-3,
+        closure_angle_deg: None,
+        least_rpm: 10.0,
+        most_rpm: 160.0,
+        residual_percent: 1.5,
+    };
+    let (folder, other) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let lawful = |limit_kpa, folder: &Path| {
+        Bench::new(PumpFile { speed_law: law, ..file(limit_kpa) }, None, folder).unwrap()
+    };
+    let dose = lawful(500.0, folder.path()).prepare(asked(Purpose::Dose)).unwrap();
+    let limit_kpa = 0.5 * (dose.prediction.outlet.max_kpa + highest_kpa(&[60.0], 1.0));
+    assert!(highest_kpa(&[60.0], 1.0) > limit_kpa + 2.0, "the model alone breaks it");
+    let [dose, run] = both(&lawful(limit_kpa, other.path()));
+    assert!(dose.is_ok() && run.is_ok(), "{dose:?} {run:?}");
+}
+
+#[test]
+fn a_turn_holds_limits_by_the_calibrated_pump() {
+    let limit_kpa = between_kpa(&[60.0], [1.0, 1.3]);
+    let goes = |_| ControlFlow::Continue(());
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path(), limit_kpa, &[60.0], 1.3);
+    {
+        let mut session = bench.session().unwrap();
+        assert_breaks_limit(session.jog(34_133, rad_s(SPEED_RPM), goes), limit_kpa);
+        assert!(!session.has_moved());
+        // A turn that the calibrated pump holds is booked by the steps that it makes.
+        assert_eq!(session.jog(1280, rad_s(10.0), goes).unwrap(), 1280);
+    }
+    bench.use_calibration(None).unwrap();
+    assert_eq!(bench.session().unwrap().jog(34_133, rad_s(SPEED_RPM), goes).unwrap(), 34_133);
+}

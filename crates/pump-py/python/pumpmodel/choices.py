@@ -1,0 +1,82 @@
+"""The types of arguments and fields that are one of a few words.
+
+Each type is a `Literal`. `typing.get_args(choices.Finish)` lists its words.
+"""
+
+from typing import Literal, TypeAlias
+
+#: Motion at the start of a record, for `identify_line`.
+Begin: TypeAlias = Literal["ramp", "step", "steady"]
+#: Curve that weighed runs are fitted with.
+CalibrationFit: TypeAlias = Literal["line", "speed-law"]
+#: Driver of a motor.
+Driver: TypeAlias = Literal["sim", "grbl"]
+#: Places in a pitch where a dose may end.
+Finish: TypeAlias = Literal["any", "low-flow"]
+#: Kind of an identification.
+Identification: TypeAlias = Literal["resistance", "compliance", "line"]
+#: State of the lines at time 0 of `Pump.simulate`.
+Initial: TypeAlias = Literal["rest"]
+#: Reason for the smallest pressure that is allowed, in `Dose.inlet_limit`.
+InletLimit: TypeAlias = Literal["given", "tube_collapse", "vapour_pressure"]
+#: Limit that keeps a dose from being faster. A pressure has the name of its port: "suction" is the smallest
+#: pressure allowed there, "pressure" the largest. In reverse the outlet sucks and the inlet pushes.
+LimitedBy: TypeAlias = Literal[
+    "none",
+    "speed",
+    "acceleration",
+    "inlet_suction",
+    "inlet_pressure",
+    "outlet_suction",
+    "outlet_pressure",
+    "torque",
+]
+#: Parameter of a line that `identify_line` seeks.
+LineParameter: TypeAlias = Literal["R", "C", "L", "reservoir", "start"]
+#: Solution of `Pump.simulate`.
+Method: TypeAlias = Literal["auto", "exact", "rodas5p"]
+#: Choice of what happens to a dose of a batch whose time has passed.
+Missed: TypeAlias = Literal["skip", "now"]
+#: Model of `Pump.simulate`.
+Model: TypeAlias = Literal["flow-centric", "roller-centric"]
+#: Panel of `plot`.
+Panel: TypeAlias = Literal["flow", "pressure", "speed", "delivered"]
+#: Port of a pump.
+Port: TypeAlias = Literal["inlet", "outlet"]
+#: Purpose of a motion.
+Purpose: TypeAlias = Literal["dose", "prime", "purge", "calibrate", "retract", "jog"]
+#: Result of `sweep` and `Pump.steady_state`, for `plot_map`.
+SteadyQuantity: TypeAlias = Literal[
+    "inlet_min_kpa",
+    "inlet_max_kpa",
+    "inlet_mean_kpa",
+    "outlet_min_kpa",
+    "outlet_max_kpa",
+    "outlet_mean_kpa",
+    "mean_flow_ml_s",
+    "ripple_peak_to_peak",
+    "ripple_rms",
+]
+#: Source of a dose's uncertainty.
+UncertaintySource: TypeAlias = Literal[
+    "model",
+    "repeatability",
+    "roller_volume",
+    "step",
+    "phase",
+    "calibration",
+    "speed_law",
+    "temperature",
+    "carry",
+]
+#: Limit for which no value is known. "outlet_pressure" is the largest pressure at the port that pushes,
+#: "inlet_pressure" the smallest at the port that sucks.
+UncheckedLimit: TypeAlias = Literal[
+    "outlet_pressure", "inlet_pressure", "tube_collapse", "vapour_pressure", "torque"
+]
+#: Variant of a built-in pump.
+Variant: TypeAlias = Literal["measured", "published", "as-built"]
+#: Basis of a dose's volume: the model, the model of a drawing, or the volumes that were weighed.
+VolumeBasis: TypeAlias = Literal["model", "estimated", "calibrated"]
+#: Curve through the measured points of a roller volume.
+VolumeMethod: TypeAlias = Literal["spline", "quintic"]

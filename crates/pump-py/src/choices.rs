@@ -1,0 +1,46 @@
+//! The words of every choice, by which a test checks the types of `pumpmodel.choices`.
+
+use std::fmt::Display;
+
+use pump_bench::calibration::Fit;
+use pump_bench::dosing::{Missed, ShareSource};
+use pump_bench::pump_file::{CurveFit, DriverName, UncheckedLimit};
+use pump_bench::record::Purpose;
+use pump_bench::report::VolumeBasis;
+use pump_bench::simulation::{AskedMethod, ModelName};
+use pump_ctl::plan::{Finish, LimitedBy, SetBy};
+use pyo3::prelude::*;
+
+use crate::identification::{BEGINS, PARAMETERS, PORTS};
+use crate::pump::VARIANTS;
+use crate::simulation::INITIALS;
+
+/// Returns the name of each type of `pumpmodel.choices`, with the words that the library takes or gives.
+#[pyfunction]
+pub(crate) fn _choices() -> Vec<(&'static str, Vec<String>)> {
+    vec![
+        ("Begin", words(&BEGINS)),
+        ("CalibrationFit", words(Fit::ALL)),
+        ("Driver", words(DriverName::ALL)),
+        ("Finish", words(&Finish::ALL)),
+        ("Initial", words(&INITIALS.map(|(word, ())| word))),
+        ("InletLimit", words(&[SetBy::Given, SetBy::TubeCollapse, SetBy::Vapour].map(SetBy::name))),
+        ("LimitedBy", words(&LimitedBy::ALL)),
+        ("LineParameter", words(&PARAMETERS)),
+        ("Method", words(AskedMethod::ALL)),
+        ("Missed", words(Missed::ALL)),
+        ("Model", words(ModelName::ALL)),
+        ("Port", words(&PORTS.map(|(word, _)| word))),
+        ("Purpose", words(Purpose::ALL)),
+        ("UncertaintySource", words(ShareSource::ALL)),
+        ("UncheckedLimit", words(UncheckedLimit::ALL)),
+        ("Variant", words(&VARIANTS.map(|(word, _)| word))),
+        ("VolumeBasis", words(VolumeBasis::ALL)),
+        ("VolumeMethod", words(CurveFit::ALL)),
+    ]
+}
+
+/// Returns the words of choices.
+fn words(choices: &[impl Display]) -> Vec<String> {
+    choices.iter().map(ToString::to_string).collect()
+}

@@ -1,0 +1,105 @@
+//! Claims about boards that never fall silent: they report or send messages by themselves, without end.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use pump_bench::drives::{Drive, DriveError, Grbl, Opening, StopRequest};
+
+use crate::rig::{dose, each, motor, open, run, run_until, start, table};
+use crate::simulated::options::{Defects, Firmware, Options};
+
+/// Longest time from a request to stop to the end of a wait at rest.
+const ANSWERS: Duration = Duration::from_millis(400);
+
+/// Returns the ways in which a board talks without end.
+fn talkative() -> [Options; 4] {
+    let every = |ms| Some(Duration::from_millis(ms));
+    let hal = Options { firmware: Firmware::GrblHal, ..Options::default() };
+    [
+        Options { auto_report: every(100), ..hal.clone() },
+        Options { auto_report: every(10), ..hal.clone() },
+        Options { chatters: true, ..hal.clone() },
+        Options { auto_report: every(10), chatters: true, ..hal },
+    ]
+}
+
+/// Requests a stop after `time`. Returns the request.
+fn stop_after(time: Duration) -> StopRequest {
+    let asked = Arc::new(AtomicBool::new(false));
+    let asks = Arc::clone(&asked);
+    std::thread::spawn(move || {
+        std::thread::sleep(time);
+        asks.store(true, Ordering::Relaxed);
+    });
+    StopRequest::new(move || asked.load(Ordering::Relaxed))
+}
+
+#[test]
+fn a_board_that_never_falls_silent_doses_exactly() {
+    each(talkative(), |options| {
+        let board = start(options);
+        let mut grbl = open(&board);
+        let plan = dose(&grbl, 1.5, 5.0);
+        assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64);
+        assert_eq!(grbl.disturbed(), None);
+        let started = Instant::now();
+        grbl.settle(0.3, &mut || ControlFlow::Continue(())).unwrap();
+        assert!((Duration::from_millis(290)..Duration::from_secs(1)).contains(&started.elapsed()));
+        let made = run_until(&mut grbl, &board, &plan, |made, _| made > 500).0.unwrap();
+        assert!(made > 500 && made < plan.steps() as u64);
+        assert_eq!(board.rest().steps, plan.steps() + made as i64);
+        assert_eq!(grbl.count(), Some(plan.steps() + made as i64));
+    });
+}
+
+#[test]
+fn a_board_that_sends_messages_and_no_report_is_out_of_reach_in_bounded_time() {
+    let board = start(Options {
+        chatters: true,
+        defects: Defects { deaf: Some(700), ..Defects::default() },
+        ..Options::default()
+    });
+    let mut grbl = open(&board);
+    let plan = dose(&grbl, 3.0, 5.0);
+    let started = Instant::now();
+    let fault = run(&mut grbl, &board, &plan).0.unwrap_err();
+    assert!(started.elapsed() < Duration::from_secs(15), "{fault}");
+    let made = board.rest().steps;
+    assert!((fault.made_least..=fault.made_most).contains(&made), "{made}: {fault:?}");
+}
+
+#[test]
+fn a_request_to_stop_ends_every_wait_at_rest() {
+    each(talkative(), |options| {
+        // The first answer is waited for.
+        let silent = Options { defects: Defects { deaf: Some(0), ..Defects::default() }, ..options.clone() };
+        // A motion that somebody else began is waited for.
+        let moves =
+            Options { defects: Defects { foreign: Some((0, 1000.0)), ..Defects::default() }, ..options };
+        for options in [silent, moves] {
+            let board = start(options);
+            let asked = Duration::from_millis(700);
+            let started = Instant::now();
+            let opening = Opening { stop: stop_after(asked), ..Opening::default() };
+            let refused = Grbl::open(&table(&board), &motor(), &opening).unwrap_err();
+            let waited = started.elapsed();
+            assert!(matches!(refused, DriveError::Interrupted), "{refused}");
+            assert!(waited < asked + ANSWERS, "{waited:?}");
+        }
+    });
+}
+
+#[test]
+fn a_request_to_stop_ends_the_settling_of_a_dose_that_is_made() {
+    let board = start(Options { auto_report: Some(Duration::from_millis(10)), ..Options::default() });
+    let opening = Opening { stop: stop_after(Duration::from_secs(2)), ..Opening::default() };
+    let mut grbl = Grbl::open(&table(&board), &motor(), &opening).unwrap();
+    let plan = dose(&grbl, 0.5, 5.0);
+    assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64);
+    let started = Instant::now();
+    grbl.settle(20.0, &mut || ControlFlow::Continue(())).unwrap();
+    assert!(started.elapsed() < Duration::from_secs(2) + ANSWERS);
+    assert_eq!((grbl.disturbed(), grbl.count()), (None, Some(plan.steps())));
+}

@@ -1,0 +1,100 @@
+//! A simulated board in memory, with a clock that goes on only where the drive waits.
+
+use std::collections::VecDeque;
+use std::io;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use pump_bench::drives::grbl_wire::Wire;
+use pump_bench::drives::{Grbl, Opening};
+use pump_bench::pump_file::{DriveTable, DriverName};
+
+use crate::rig::motor;
+use crate::simulated::machine::{Machine, Output};
+use crate::simulated::options::Options;
+
+/// Time between two looks of the board at its motor.
+const TICK: Duration = Duration::from_micros(500);
+
+/// Truth about a board in memory, and what a test does to it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Truth {
+    /// Steps that the motor has made, those in reverse taken off.
+    pub(super) steps: i64,
+    /// Time on the board's clock.
+    pub(super) now: Duration,
+    /// Factor by which the motor is slower than its settings say, less one.
+    pub(super) slower: f64,
+    /// Byte that somebody else sends now.
+    pub(super) pressed: Option<u8>,
+    /// True if the board says that it jogs, whatever it does.
+    pub(super) never_rests: bool,
+}
+
+/// Board in memory at the end of a wire.
+#[derive(Debug)]
+struct InMemory {
+    machine: Machine,
+    outgoing: VecDeque<u8>,
+    truth: Arc<Mutex<Truth>>,
+}
+
+impl InMemory {
+    fn tick(&mut self, time: Duration) {
+        let mut truth = self.truth.lock().unwrap();
+        if let Some(byte) = truth.pressed.take() {
+            self.machine.receive(byte);
+        }
+        self.machine.advance(time.as_secs_f64() / (1.0 + truth.slower));
+        self.machine.suffer();
+        self.machine.work();
+        truth.now += time;
+        truth.steps = self.machine.true_steps;
+        for output in std::mem::take(&mut self.machine.output) {
+            let (Output::Line(mut text) | Output::Answer(mut text)) = output;
+            if truth.never_rests {
+                text = text.replace("<Idle", "<Jog");
+            }
+            self.outgoing.extend(text.bytes().chain(*b"\r\n"));
+        }
+    }
+}
+
+impl Wire for InMemory {
+    fn read(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize> {
+        let mut left = wait.max(TICK);
+        while self.outgoing.is_empty() && !left.is_zero() {
+            let tick = left.min(TICK);
+            self.tick(tick);
+            left -= tick;
+        }
+        let count = buffer.len().min(self.outgoing.len());
+        for (byte, from) in buffer.iter_mut().zip(self.outgoing.drain(..count)) {
+            *byte = from;
+        }
+        Ok(count)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        bytes.iter().for_each(|byte| self.machine.receive(*byte));
+        Ok(())
+    }
+
+    fn now(&mut self) -> Duration {
+        self.truth.lock().unwrap().now
+    }
+
+    fn sleep(&mut self, time: Duration) {
+        self.tick(time);
+    }
+}
+
+/// Opens the driver with such a board. Returns it with the truth about the board.
+pub(super) fn open(options: &Options) -> (Grbl, Arc<Mutex<Truth>>) {
+    let truth = Arc::<Mutex<Truth>>::default();
+    let machine = Machine::new(options);
+    let board = InMemory { machine, outgoing: VecDeque::new(), truth: Arc::clone(&truth) };
+    let table = DriveTable::of(DriverName::Grbl);
+    let grbl = Grbl::over(Box::new(board), &table, &motor(), &Opening::default()).unwrap();
+    (grbl, truth)
+}
