@@ -8,6 +8,7 @@ use pump_bench::record::FolderError;
 use pump_bench::report::{Ending, ErrorFacts, ErrorKind, ErrorReport, Explain};
 use pump_bench::{DoseError, Session};
 
+use crate::advice;
 use crate::interrupt::{self, Unwatched};
 
 /// The reason why a command did not do what was asked: words for people, facts for programs.
@@ -41,7 +42,7 @@ impl Failure {
         Self::new(How::Refused, ErrorKind::Usage, message)
     }
 
-    /// An error of the library: it knows its facts, and whether anything moved.
+    /// An error of the library: it knows its facts, its remedies, and whether anything moved.
     pub(crate) fn of(error: impl Explain) -> Self {
         let how = match error.ending() {
             Ending::Refused => How::Refused,
@@ -50,7 +51,7 @@ impl Failure {
             Ending::Stopped => How::Stopped { signal: interrupt::signal().unwrap_or(0), moved: false },
             Ending::Moved => How::Fault,
         };
-        Self { how, facts: error.facts(), message: error.to_string() }
+        Self { how, facts: error.facts(), message: advice::told(&error) }
     }
 
     /// A file that cannot be read.

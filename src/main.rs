@@ -1,5 +1,6 @@
 //! `dose`: the command. Everything that is not about typing and printing is in `pump-bench`.
 
+mod advice;
 mod arguments;
 mod cli;
 mod commands;

@@ -103,7 +103,7 @@ proptest! {
         match story(&bytes) {
             Ok(told) if at + 1 == JOURNAL.len() => prop_assert!(told.torn),
             Ok(told) => prop_assert_eq!(told.state, expected.state),
-            Err(message) => prop_assert!(message.contains("is damaged") && message.contains("home --set")),
+            Err(message) => prop_assert!(message.contains("is damaged") && message.contains("angle")),
         }
     }
 

@@ -23,7 +23,7 @@ impl TubeArgs {
         let bench = self.bench.bench()?;
         let mut session = bench.session()?;
         let replaced = session.new_tube();
-        let NewTube { state, worn_ml, owed_ml, unused, readings } = noted(&mut session, replaced)?;
+        let NewTube { state, worn_ml, owed_ml, unused, readings, .. } = noted(&mut session, replaced)?;
         warn(&session.notes());
         let unused = unused.map_or(String::new(), |version| {
             format!(

@@ -5,6 +5,7 @@ use thiserror::Error;
 /// A text that is none of the words of a choice.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("`{text}` is none of: {allowed}")]
+#[non_exhaustive]
 pub struct WordError {
     /// The text that was read.
     pub text: String,

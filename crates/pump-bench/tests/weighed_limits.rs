@@ -131,7 +131,9 @@ fn a_run_to_weigh_holds_limits_by_the_pump_files_law() {
     };
     let (folder, other) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let lawful = |limit_kpa, folder: &Path| {
-        Bench::new(PumpFile { speed_law: law, ..file(limit_kpa) }, None, folder).unwrap()
+        let mut file = file(limit_kpa);
+        file.speed_law = law;
+        Bench::new(file, None, folder).unwrap()
     };
     let dose = lawful(500.0, folder.path()).prepare(asked(Purpose::Dose)).unwrap();
     let limit_kpa = 0.5 * (dose.prediction.outlet.max_kpa + highest_kpa(&[60.0], 1.0));

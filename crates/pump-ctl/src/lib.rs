@@ -21,8 +21,11 @@
 pub mod drive;
 #[doc(hidden)]
 pub mod generated;
+mod parameter;
 pub mod plan;
 pub mod step;
+
+pub use parameter::Parameter;
 
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/embedding.md")]

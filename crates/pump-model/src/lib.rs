@@ -60,7 +60,7 @@ pub use circuit::port_run::PortRun;
 pub use drawing::drawing::Drawing;
 #[cfg(feature = "construction")]
 pub use drawing::volume_fit::{self, VolumeFit, VolumePoint};
-pub use error::{Allowed, IntegrationError, ModelError, Shown};
+pub use error::{Allowed, IntegrationError, ModelError, Parameter, Shown};
 #[cfg(feature = "experimental")]
 pub use experimental::roller_centric::parameters::RollerCentric;
 #[cfg(feature = "experimental")]

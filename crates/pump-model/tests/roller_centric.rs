@@ -4,8 +4,8 @@
 
 use pump_model::units::{TURN_RAD, rad_s};
 use pump_model::{
-    DEFAULT_TOLERANCE, ExactRun, Leg, Line, ModelError, Port, Pump, RollerCentric, RollerRun, SpeedLaw,
-    Variant,
+    DEFAULT_TOLERANCE, ExactRun, Leg, Line, ModelError, Parameter, Port, Pump, RollerCentric, RollerRun,
+    SpeedLaw, Variant,
 };
 
 /// Returns the parameters with which the model becomes flow-centric as D and R_v vanish.
@@ -280,7 +280,7 @@ fn what_cannot_be_modelled_is_refused_with_its_value() {
     assert!(refusal(&shifted, RollerCentric::PUBLISHED, DEFAULT_TOLERANCE).contains("shift of the zero"));
     assert!(matches!(
         RollerCentric::PUBLISHED.steady_state(&pump, 0.0),
-        Err(ModelError::OutOfRange { parameter: "speed in rad/s", .. })
+        Err(ModelError::OutOfRange { parameter: Parameter::Speed, .. })
     ));
 }
 

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use pump_bench::calibration::Fit;
 use pump_bench::dosing::{Missed, ShareSource};
 use pump_bench::pump_file::{CurveFit, DriverName, UncheckedLimit};
-use pump_bench::record::Purpose;
+use pump_bench::record::{PhaseSource, Purpose};
 use pump_bench::report::VolumeBasis;
 use pump_bench::simulation::{AskedMethod, ModelName};
 use pump_ctl::plan::{Finish, LimitedBy, SetBy};
@@ -30,6 +30,7 @@ pub(crate) fn _choices() -> Vec<(&'static str, Vec<String>)> {
         ("Method", words(AskedMethod::ALL)),
         ("Missed", words(Missed::ALL)),
         ("Model", words(ModelName::ALL)),
+        ("PhaseSource", words(PhaseSource::ALL)),
         ("Port", words(&PORTS.map(|(word, _)| word))),
         ("Purpose", words(Purpose::ALL)),
         ("UncertaintySource", words(ShareSource::ALL)),

@@ -14,6 +14,7 @@ use pump_ctl::plan::Cruise;
 use pump_model::units::{degrees, rad_s, rpm};
 
 use super::answers::{Answer, Answers};
+use crate::advice;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -106,7 +107,7 @@ impl GuidedCourse {
         on_record: &UnfinishedRuns,
         range_rad_s: (f64, f64),
     ) -> Result<(), Failure> {
-        let UnfinishedRuns { planned, runs } = on_record;
+        let UnfinishedRuns { planned, runs, .. } = on_record;
         let (count, all) = (runs.len(), planned.speeds_rpm.len());
         let wanted = self.planned(bench, range_rad_s);
         let refused = |of: String, now: String| {
@@ -165,8 +166,8 @@ pub(super) fn runs(bench: &Bench, course: &GuidedCourse) -> Result<Option<Weighe
     let range_rad_s = session.speed_range_rad_s();
     let on_record = course.on_record(bench, &log, range_rad_s)?;
     let begins = on_record.is_none();
-    let UnfinishedRuns { planned, runs } = on_record
-        .unwrap_or_else(|| UnfinishedRuns { planned: course.planned(bench, range_rad_s), runs: Vec::new() });
+    let UnfinishedRuns { planned, runs, .. } =
+        on_record.unwrap_or_else(|| UnfinishedRuns::begun(course.planned(bench, range_rad_s)));
     let (answers, interrupt) = (Answers::new(), Interrupt::watch()?);
     let &GuidedCourse { temperature_degc, json, .. } = course;
     let pitches = planned.pitches;
@@ -196,7 +197,7 @@ pub(super) fn runs(bench: &Bench, course: &GuidedCourse) -> Result<Option<Weighe
 pub(super) fn kept(bench: &Bench) -> String {
     let found = match RunLog::of(bench.folder()).read() {
         Ok(found) => found,
-        Err(error) => return format!("nor can the readings on record be read: {error}"),
+        Err(error) => return format!("nor can the readings on record be read: {}", advice::told(&error)),
     };
     match found.map_or(0, |found| found.runs.len()) {
         0 => "no reading is on record".to_owned(),

@@ -10,7 +10,8 @@ use crate::terminal::{tell, warn};
 
 /// Records the angle, or that it is unknown. A journal that cannot be read is moved aside, once all else is well.
 pub(super) fn set(angle_rad: Option<f64>, bench: &Bench) -> Result<(), Failure> {
-    let (mut session, AngleSet { state, owed_ml, aside }) = bench.set_angle(angle_rad.map(Phase::known))?;
+    let (mut session, AngleSet { state, owed_ml, aside, .. }) =
+        bench.set_angle(angle_rad.map(Phase::known))?;
     warn(&session.notes());
     let aside = aside.map(|aside| format!("the damaged journal is now {}\n", aside.display()));
     let (rotor, dropped) = (rotor_text(bench, &state), carry_dropped_text(owed_ml));

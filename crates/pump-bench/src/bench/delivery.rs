@@ -12,6 +12,7 @@ use crate::record::{DoseTerms, Purpose};
 
 /// Result of a dose.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Delivered {
     /// Volume that the vessel received, in mL. If nobody can read it, the model volume of the steps made.
     pub volume_ml: f64,

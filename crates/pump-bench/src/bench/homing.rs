@@ -23,6 +23,7 @@ const SEEK_RPM: f64 = 10.0;
 
 /// Result of setting the angle.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct AngleSet {
     /// State of the pump now.
     pub state: PumpState,

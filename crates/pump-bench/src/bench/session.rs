@@ -40,6 +40,7 @@ pub struct Session<'a> {
 
 /// Result of replacing the tube.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct NewTube {
     /// State of the pump now.
     pub state: PumpState,

@@ -33,6 +33,7 @@ pub enum Source {
 /// belong to.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Calibration {
     /// Schema of the data: `calibration/1`.
     pub schema: String,

@@ -22,11 +22,7 @@ pub enum CalibrationError {
         source: std::io::Error,
     },
     /// A stored calibration cannot be read.
-    #[error(
-        "the calibration {} is damaged: {message}; to dose without a calibration, say \
-         `dose calibrate use none`",
-        .path.display()
-    )]
+    #[error("the calibration {} is damaged: {message}", .path.display())]
     Damaged {
         /// Path of its file.
         path: PathBuf,
@@ -35,8 +31,7 @@ pub enum CalibrationError {
     },
     /// The readings of a guided calibration that was begun cannot be read.
     #[error(
-        "the readings of the guided calibration in {} are damaged: {message}; correct the file, or begin \
-         anew with `dose calibrate run --anew`", .path.display()
+        "the readings of the guided calibration in {} are damaged: {message}", .path.display()
     )]
     DamagedLog {
         /// Path of the file of readings.
@@ -73,8 +68,7 @@ pub enum CalibrationError {
     /// A run that is to be weighed would turn a part of a pitch from an unknown angle.
     #[error(
         "a run from an unknown angle turns whole pitches of {pitch_deg:.4} deg, and this one turns \
-         {turned_deg:.4} deg in whole motor steps; make it more pitches long, or find the angle with \
-         `dose home`"
+         {turned_deg:.4} deg in whole motor steps"
     )]
     PartOfPitch {
         /// Angle that the run would turn, in deg.
@@ -120,8 +114,7 @@ pub enum CalibrationError {
     /// The dose cruises at a speed that was not calibrated.
     #[error(
         "calibration {version} holds from {least_rpm:.4} to {most_rpm:.4} r/min ({least_ml_s:.4} to \
-         {most_ml_s:.4} mL/s), and {asked} is beyond; dose within that, calibrate more speeds, or say \
-         `dose calibrate use none`"
+         {most_ml_s:.4} mL/s), and {asked} is beyond"
     )]
     OutsideSpeeds {
         /// Number of the calibration.
@@ -140,7 +133,7 @@ pub enum CalibrationError {
     /// The pump file is not the one that was calibrated.
     #[error(
         "calibration {version} was made of a pump with {then_ml:.6} mL per revolution, and the pump file now \
-         says {now_ml:.6}; calibrate again, or say `dose calibrate use none`"
+         says {now_ml:.6}"
     )]
     OtherPump {
         /// Number of the calibration.

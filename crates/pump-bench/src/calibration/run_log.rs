@@ -34,11 +34,19 @@ pub struct PlannedRuns {
 
 /// A guided calibration that was begun: its plan, and the runs that were weighed.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct UnfinishedRuns {
     /// Runs that were to be made.
     pub planned: PlannedRuns,
     /// Runs that were weighed, in the order of the plan.
     pub runs: Vec<CalibrationRun>,
+}
+
+impl UnfinishedRuns {
+    /// Begins a guided calibration. No run has been weighed yet.
+    pub fn begun(planned: PlannedRuns) -> Self {
+        Self { planned, runs: Vec::new() }
+    }
 }
 
 /// A line of the log.
@@ -262,10 +270,7 @@ mod tests {
         }
         fs::write(&log.path, text.replace("63.9", "69.3")).unwrap();
         let error = log.read().unwrap_err().to_string();
-        assert!(
-            error.contains("line 2") && error.contains("checksum") && error.contains("--anew"),
-            "{error}"
-        );
+        assert!(error.contains("line 2") && error.contains("checksum"), "{error}");
     }
 
     #[test]

@@ -28,6 +28,7 @@ pub struct Calibrations {
 
 /// A calibration with its number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Stored {
     /// Number of the calibration, from 1.
     pub version: u32,
@@ -37,6 +38,11 @@ pub struct Stored {
 }
 
 impl Stored {
+    /// Gives a calibration its number.
+    pub fn new(version: u32, calibration: Calibration) -> Self {
+        Self { version, calibration }
+    }
+
     /// Returns true if `base`, a pump without calibration, is the one that was calibrated.
     pub(crate) fn is_of(&self, base: &Pump) -> bool {
         let (then_ml, now_ml) = (self.calibration.revolution_ml, base.revolution_ml());

@@ -30,6 +30,7 @@ impl Tolerance {
 
 /// Result of repeated doses of one volume.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Verification {
     /// Schema of the report: `verification/1`.
     pub schema: &'static str,

@@ -9,6 +9,7 @@ use crate::pump_file::{CurveFit, RollerVolumeTable};
 
 /// Runs of a roller that was turned into the tube, with the displaced volume at several angles.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct RollerRuns {
     /// Points of all runs, in the order of the table.
     points: Vec<VolumePoint>,
@@ -18,6 +19,7 @@ pub struct RollerRuns {
 
 /// A fall of the volume within a run. No roller does that: it is scatter, or a slip of the pen.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Fall {
     /// Name of the run that falls.
     pub run: String,

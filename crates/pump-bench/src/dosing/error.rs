@@ -38,8 +38,7 @@ pub enum DoseError {
     Displacement(#[from] DisplacementError),
     /// An earlier dose is unfinished.
     #[error(
-        "a dose of {requested_ml} mL is unfinished: {} were delivered; see `dose status`, then finish it \
-         with `dose resume` or accept it as it is with `dose discard`",
+        "a dose of {requested_ml} mL is unfinished: {} were delivered",
         between(*least_ml, *most_ml)
     )]
     Unfinished {
@@ -53,7 +52,7 @@ pub enum DoseError {
     /// The carry from earlier doses would reverse the dose.
     #[error(
         "{} mL asked and {carry_ml:+.4} mL carried from earlier doses would have the pump run the \
-         other way, by {owed_ml:.4} mL; ask for more than the carry, or drop the carry with `dose home --set`",
+         other way, by {owed_ml:.4} mL",
         Shown(*asked_ml)
     )]
     RunsTheOtherWay {
@@ -75,8 +74,7 @@ pub enum DoseError {
     /// The unfinished dose has delivered its volume on the way to an end at low flow.
     #[error(
         "the dose of {requested_ml} mL has delivered {delivered_ml:.4} mL on its way to an end at low flow, \
-         so no rest is left that could end anywhere; `dose resume` without --finish any goes on to that end, \
-         `dose discard` accepts the dose as it is"
+         so no rest is left that could end anywhere"
     )]
     BeyondRequest {
         /// Volume asked for in all, in mL.
@@ -85,15 +83,12 @@ pub enum DoseError {
         delivered_ml: f64,
     },
     /// The angle of the unfinished dose is known, so nothing is left to find.
-    #[error(
-        "a dose is unfinished, and the rollers' angle is known exactly: finish the dose with `dose resume` or \
-         accept it as it is with `dose discard`, then find the angle anew"
-    )]
+    #[error("a dose is unfinished, and the rollers' angle is known exactly")]
     AngleIsKnown,
     /// The dose would use up the tube.
     #[error(
         "the tube has pumped {pumped_ml:.1} mL, and this dose of {planned_ml:.4} mL would use up the \
-         {life_ml} mL that it lasts; replace the tube and say `dose tube --new`"
+         {life_ml} mL that it lasts"
     )]
     TubeWorn {
         /// Life of the tube, in mL.
@@ -156,8 +151,7 @@ pub enum DoseError {
     },
     /// The unfinished dose has delivered more than was asked for.
     #[error(
-        "{} of the {requested_ml} mL asked for were delivered: there is no rest to make; accept the dose as \
-         it is with `dose discard`",
+        "{} of the {requested_ml} mL asked for were delivered: there is no rest to make",
         between(*least_ml, *most_ml)
     )]
     NoRest {
@@ -180,7 +174,7 @@ pub enum DoseError {
     /// The motor was stopped because its next steps could not be recorded.
     #[error(
         "the dose was stopped after {delivered_ml:.4} mL because its progress could not be recorded: \
-         {source}; then see `dose status`"
+         {source}"
     )]
     NotJournalled {
         /// Volume delivered, in mL.
@@ -191,10 +185,9 @@ pub enum DoseError {
     /// The motor was stopped because its next steps were not recorded in time.
     #[error(
         "the dose was stopped after {delivered_ml:.4} mL because the disk took more than {took_s:.2} s to record \
-         its next steps in {}, and {}; keep the record on a faster disk with --state-dir or DOSE_STATE_DIR, then \
-         see `dose status`",
+         its next steps in {}, and {}",
         .journal.display(),
-        if *must_not_pause { "a dose with --within or --smooth may not pause" } else { "30 s is the longest wait" }
+        if *must_not_pause { "a dose in a given time, or at a smooth flow, may not pause" } else { "30 s is the longest wait" }
     )]
     SlowDisk {
         /// Volume delivered, in mL.
@@ -208,11 +201,10 @@ pub enum DoseError {
     },
     /// The drive failed in motion.
     #[error(
-        "{error}; {} were delivered{}; see `dose status`{}",
+        "{error}; {} were delivered{}",
         between(*least_ml, *most_ml),
         // Two different bounds mean that nobody knows where the rotor stands.
-        if least_ml == most_ml { ", the motor holds" } else { "" },
-        if *unfinished { ", then `dose resume` or `dose discard`" } else { "" }
+        if least_ml == most_ml { ", the motor holds" } else { "" }
     )]
     Drive {
         /// Error of the drive.
@@ -248,7 +240,7 @@ pub enum DoseError {
     /// The dose is over, but its end could not be recorded.
     #[error(
         "{delivered_ml:.4} mL were delivered and the rotor stands at {end_angle_deg:.4} deg, but this could \
-         not be recorded: {source}; then see `dose status`"
+         not be recorded: {source}"
     )]
     NotRecorded {
         /// Volume delivered, in mL.

@@ -22,6 +22,7 @@ use crate::record::{DoseTerms, PhaseSource, Purpose};
 
 /// Dose that is planned and may run.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Prepared {
     /// Request that the dose was planned for.
     pub request: DoseRequest,

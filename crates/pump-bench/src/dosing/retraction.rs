@@ -1,6 +1,7 @@
 //! Retraction (suck-back): after a dose the pump turns back a little, so that nothing drips. The next dose
 //! repays it.
 
+use pump_ctl::Parameter;
 use pump_ctl::plan::{Allowed, Cruise, Doser, Limits, Plan, PlanError, Prediction, Request};
 use pump_model::Pump;
 
@@ -9,6 +10,7 @@ use super::warnings;
 
 /// Retraction that is planned and may run once its dose is delivered.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Retraction {
     /// Steps and profile of the way back.
     pub plan: Plan,
@@ -53,15 +55,15 @@ impl Retraction {
 fn check(volume_ml: f64, asked_ml: f64) -> Result<(), PlanError> {
     if volume_ml > asked_ml && asked_ml > 0.0 {
         let allowed = Allowed::Words("no more than the dose: `dose -5mL` runs back farther");
-        return Err(PlanError::OutOfRange { parameter: "retraction in mL", value: volume_ml, allowed });
+        return Err(PlanError::OutOfRange { parameter: Parameter::Retraction, value: volume_ml, allowed });
     }
     if volume_ml > 0.0 && asked_ml > 0.0 {
         return Ok(());
     }
     let (parameter, value, allowed) = if asked_ml > 0.0 {
-        ("retraction in mL", volume_ml, "more than 0")
+        (Parameter::Retraction, volume_ml, "more than 0")
     } else {
-        ("dose in mL before a retraction", asked_ml, "more than 0: a reverse dose leaves nothing to drip")
+        (Parameter::RetractedDose, asked_ml, "more than 0: a reverse dose leaves nothing to drip")
     };
     Err(PlanError::OutOfRange { parameter, value, allowed: Allowed::Words(allowed) })
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use pump_model::Shown;
+use pump_model::{Allowed, Shown};
 use thiserror::Error;
 
 use crate::words::words;
@@ -12,6 +12,12 @@ pub const MAX_DOSES: u64 = 1_000_000;
 
 /// Shortest and longest time from the start of a dose to the start of the next, in s.
 const EVERY_S: [f64; 2] = [1e-3, 366.0 * 86_400.0];
+
+/// Numbers of doses as a refusal words them, with all digits.
+const DOSES_ALLOWED: Allowed = Allowed::Words("1 to 1000000");
+
+/// Times between doses as a refusal words them, with all digits.
+const EVERY_ALLOWED: Allowed = Allowed::Words("0.001 to 31622400");
 
 /// Lateness from which on an awaited dose is missed, or the interval if that is shorter. The process must
 /// have been suspended.
@@ -42,21 +48,27 @@ pub enum ScheduleAction {
     Done,
 }
 
+pump_model::named_quantities! {
+    /// Quantity of a schedule that has an allowed range. `Display` writes its name, with its unit if it has one.
+    pub enum ScheduleParameter {
+        Doses = "number of doses",
+        Interval = "time between doses in s",
+    }
+}
+
 /// Schedule that cannot be kept.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ScheduleError {
     /// A value is outside its range.
-    #[error("{what} is {}; allowed: {least} to {most}", Shown(*value))]
+    #[error("{parameter} is {}; allowed: {allowed}", Shown(*value))]
     OutOfRange {
-        /// Name of the value, with its unit.
-        what: &'static str,
+        /// Quantity that was given.
+        parameter: ScheduleParameter,
         /// Value that was given.
         value: f64,
-        /// Smallest value allowed.
-        least: f64,
-        /// Largest value allowed.
-        most: f64,
+        /// Values that are accepted.
+        allowed: Allowed,
     },
 }
 
@@ -101,12 +113,13 @@ impl Schedule {
     /// [`ScheduleError::OutOfRange`] if the number of doses or the interval is outside its range.
     pub fn new(count: u64, every_s: Option<f64>, missed: Missed) -> Result<Self, ScheduleError> {
         if !(1..=MAX_DOSES).contains(&count) {
-            let (value, most) = (count as f64, MAX_DOSES as f64);
-            return Err(ScheduleError::OutOfRange { what: "number of doses", value, least: 1.0, most });
+            let (parameter, value) = (ScheduleParameter::Doses, count as f64);
+            return Err(ScheduleError::OutOfRange { parameter, value, allowed: DOSES_ALLOWED });
         }
         let [least, most] = EVERY_S;
         if let Some(value) = every_s.filter(|every_s| !(least..=most).contains(every_s)) {
-            return Err(ScheduleError::OutOfRange { what: "time between doses in s", value, least, most });
+            let parameter = ScheduleParameter::Interval;
+            return Err(ScheduleError::OutOfRange { parameter, value, allowed: EVERY_ALLOWED });
         }
         let every = every_s.map(Duration::from_secs_f64);
         Ok(Self { count, every, missed, past: 0, in_time: true })
@@ -216,6 +229,8 @@ mod tests {
 
     #[test]
     fn what_cannot_be_kept_is_refused_and_the_longest_batch_has_a_last_time() {
+        assert_eq!(DOSES_ALLOWED.to_string(), format!("1 to {MAX_DOSES}"));
+        assert_eq!(EVERY_ALLOWED.to_string(), format!("{} to {}", EVERY_S[0], EVERY_S[1]));
         for count in [0, MAX_DOSES + 1] {
             let error = Schedule::new(count, None, Missed::Skip).unwrap_err().to_string();
             assert!(error.contains("number of doses") && error.contains("1 to 1000000"), "{error}");

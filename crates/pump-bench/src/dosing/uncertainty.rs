@@ -21,6 +21,7 @@ const READ_DEGC: f64 = 0.8;
 
 /// One share of the uncertainty budget.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Share {
     /// Source of the share.
     pub source: ShareSource,

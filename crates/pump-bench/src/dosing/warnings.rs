@@ -215,7 +215,7 @@ fn cavitation(port: &str, min_kpa: f64) -> Option<String> {
 
 /// Warns of a quantity that comes close to its limit.
 fn close_to_limit(quantity: &str, unit: &str, margin: Margin) -> Option<String> {
-    let Margin { reached, limit, used } = margin;
+    let Margin { reached, limit, used, .. } = margin;
     (used > CLOSE).then(|| {
         format!(
             "the {quantity} comes close to its limit: {reached:.4} of {limit:.4} {unit}, {:.1} % of the \

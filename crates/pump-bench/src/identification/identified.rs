@@ -11,6 +11,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// A parameter of a line that was found or held.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Parameter {
     /// Key of the parameter with its unit, as in pump files and JSON.
     pub key: &'static str,
@@ -33,6 +34,7 @@ impl Parameter {
 
 /// A line that was identified, with its report.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Identified {
     /// Kind of identification: `resistance`, `compliance` or `line`.
     pub kind: &'static str,

@@ -65,6 +65,7 @@ pub fn injection_of_csv(text: &str, port: Port) -> Result<Vec<InjectionPoint>, T
 
 /// Waveforms of the pressure at inlet and outlet. Either may be missing.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Waveforms {
     /// Samples of the inlet. Empty if the table has no such column.
     pub inlet: Vec<PressureSample>,

@@ -7,6 +7,7 @@ use super::range::{WrongValue, within};
 /// The table `[ambient]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct AmbientTable {
     /// Atmospheric pressure, in kPa absolute. Gauge pressures are measured against it.
     pub pressure_kpa: f64,

@@ -39,6 +39,7 @@ pub(crate) const SCHEMA: &str = "pump/1";
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct PumpFile {
     /// Schema of the file, `pump/1`.
     pub schema: String,

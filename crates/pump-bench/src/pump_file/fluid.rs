@@ -32,6 +32,7 @@ fn known(name: &str, degc: f64) -> Option<Result<Fluid, ModelError>> {
 /// The table `[fluid]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct FluidTable {
     /// Name of the fluid. The model knows `water`, `ethanol`, `isopropanol` and names like `glycerol 50%`.
     pub name: String,

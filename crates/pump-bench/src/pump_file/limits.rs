@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 /// The table `[limits]`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct LimitsTable {
     /// Largest pressure at the discharge port, in kPa absolute.
     #[serde(default, skip_serializing_if = "Option::is_none")]

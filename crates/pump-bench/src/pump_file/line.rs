@@ -21,6 +21,7 @@ pub enum LineTable {
 /// The table `[inlet.hose]` or `[outlet.hose]`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct HoseTable {
     /// Radius of the bore a, in mm.
     pub bore_radius_mm: f64,

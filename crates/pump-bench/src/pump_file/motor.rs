@@ -9,6 +9,7 @@ use super::range::{WrongValue, allow, within, within_if_given};
 /// The table `[motor]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct MotorTable {
     /// Steps per revolution of the motor, microsteps included.
     pub steps_per_rev: u32,

@@ -7,6 +7,7 @@ use super::range::{WrongValue, allow, within_if_given};
 /// The table `[pump]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct PumpTable {
     /// Identifier of the pump: lower-case letters, digits, `-` and `_`. It names the folder of the pump's
     /// record.

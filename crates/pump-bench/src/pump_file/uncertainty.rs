@@ -7,6 +7,7 @@ use super::range::{WrongValue, within};
 /// The table `[uncertainty]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct UncertaintyTable {
     /// Standard uncertainty of the model's volume, in percent of the volume.
     pub model_percent: f64,

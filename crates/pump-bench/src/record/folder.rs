@@ -30,10 +30,7 @@ pub enum FolderError {
         path: PathBuf,
     },
     /// A file or folder cannot be used.
-    #[error(
-        "cannot {action} {}: {source}; choose another folder with --state-dir or DOSE_STATE_DIR",
-        .path.display()
-    )]
+    #[error("cannot {action} {}: {source}", .path.display())]
     File {
         /// Operation that failed.
         action: &'static str,
@@ -43,10 +40,7 @@ pub enum FolderError {
         source: std::io::Error,
     },
     /// No folder for journals is named or can be found.
-    #[error(
-        "no folder for journals: neither an absolute XDG_STATE_HOME nor HOME is set; name one with --state-dir or \
-         DOSE_STATE_DIR"
-    )]
+    #[error("no folder for journals: neither an absolute XDG_STATE_HOME nor HOME is set")]
     NoFolder,
 }
 

@@ -10,6 +10,7 @@ use crate::displacement::Correction;
 /// Plan of a motion, as the journal announces it before the rotor turns.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Intent {
     /// Time of the entry by the system clock, in seconds since 1970. Only people read it.
     pub(crate) unix_s: u64,

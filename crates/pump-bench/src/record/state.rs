@@ -23,6 +23,7 @@ const ROUNDING_ML: f64 = 1e-9;
 /// State of a pump between doses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct PumpState {
     /// Angle of the rotor from the model's zero, in rad, in [0, 2 pi).
     pub angle_rad: f64,

@@ -11,6 +11,7 @@ use crate::displacement::Correction;
 /// Dose that was begun and not finished.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct Unfinished {
     /// Plan of the whole dose.
     pub intent: Intent,

@@ -15,6 +15,7 @@ use crate::record::{PhaseSource, Purpose};
 
 /// The report of a dose that was planned or made (`schema` `dose/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct DoseReport {
     /// `dose/1`.
     pub schema: &'static str,
@@ -134,6 +135,7 @@ pub struct DoseReport {
 
 /// Ripple of a flow: its departure from its mean over time, over the mean.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct RippleReport {
     /// Peak to peak: (largest - smallest) / mean.
     pub peak_to_peak: f64,
@@ -149,6 +151,7 @@ impl From<Ripple> for RippleReport {
 
 /// The calibration that a dose used.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct CalibrationReport {
     /// Number of the calibration.
     pub version: u32,
@@ -162,6 +165,7 @@ pub struct CalibrationReport {
 
 /// Knowledge of the start angle.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct PhaseReport {
     /// True if the angle is known.
     pub known: bool,

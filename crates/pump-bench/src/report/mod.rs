@@ -20,7 +20,7 @@ pub use calibration::{calibration_json, calibration_text, calibrations_json, cal
 pub use choices::{Format, VolumeBasis};
 pub use dose::{CalibrationReport, DoseReport, PhaseReport, RippleReport};
 pub use ending::Ending;
-pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain};
+pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain, Remedy};
 pub use phase::{phase_json, phase_text};
 pub use pump_check::pump_check;
 pub use rotor::{carry_dropped_text, rotor_text};

@@ -9,6 +9,7 @@ use crate::simulation::{ModelName, Simulation, SteadyReport};
 
 /// The report of a run at constant speed (`schema` `simulation/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct SimulationReport {
     schema: &'static str,
     pump: String,

@@ -10,6 +10,7 @@ use crate::record::{PhaseSource, Wear};
 
 /// The record of a pump (`schema` `status/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct Status {
     /// `status/1`.
     pub schema: &'static str,
@@ -54,6 +55,7 @@ pub struct Status {
 
 /// The calibration that doses use.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct CalibrationStatus {
     /// Number of the calibration.
     pub version: u32,
@@ -63,6 +65,7 @@ pub struct CalibrationStatus {
 
 /// A dose that was begun and not finished.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct UnfinishedStatus {
     /// Volume that was asked for, mL.
     pub requested_ml: f64,
@@ -85,6 +88,7 @@ pub struct UnfinishedStatus {
 
 /// A guided calibration that was begun and not finished.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct UnfinishedCalibration {
     /// Number of readings on record; null if they cannot be read.
     pub readings: Option<usize>,

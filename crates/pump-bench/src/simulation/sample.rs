@@ -4,6 +4,7 @@ use std::slice::from_mut;
 
 /// The state of the pump at one instant.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Sample {
     /// Time, in s.
     pub time_s: f64,

@@ -2,7 +2,7 @@
 
 use std::array;
 
-use pump_model::{DEFAULT_TOLERANCE, Friction, Leg, ModelError, Pump, RollerCentric, SteadyState};
+use pump_model::{DEFAULT_TOLERANCE, Friction, Leg, ModelError, Parameter, Pump, RollerCentric, SteadyState};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -119,16 +119,16 @@ impl Simulation {
             Err(ModelError::OutOfRange { parameter, value, allowed: allowed.into() })
         };
         if !(1e-6..=1e4).contains(&self.speed_rad_s.abs()) {
-            return out("speed in rad/s", self.speed_rad_s, "1e-6 to 1e4 either way");
+            return out(Parameter::Speed, self.speed_rad_s, "1e-6 to 1e4 either way");
         }
         if !(self.duration_s > 0.0 && self.duration_s <= 1e7) {
-            return out("duration in s", self.duration_s, "more than 0, 1e7 at most");
+            return out(Parameter::Duration, self.duration_s, "more than 0, 1e7 at most");
         }
         if !(self.dt_s > 0.0 && self.dt_s <= self.duration_s) {
-            return out("dt in s", self.dt_s, "more than 0, no more than the duration");
+            return out(Parameter::SampleInterval, self.dt_s, "more than 0, no more than the duration");
         }
         if self.duration_s / self.dt_s > MAX_SAMPLES {
-            return out("number of samples", self.duration_s / self.dt_s, "1e9 at most; use a longer dt");
+            return out(Parameter::Samples, self.duration_s / self.dt_s, "1e9 at most; use a longer dt");
         }
         Ok(())
     }
@@ -167,6 +167,7 @@ impl Simulation {
 
 /// Statistics of the periodic steady state, named as in JSON and Python.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct SteadyReport {
     /// Smallest inlet pressure, in kPa absolute.
     pub inlet_min_kpa: f64,

@@ -9,6 +9,7 @@ use super::words::PlanError;
 
 /// Ripples over time of the flow at the outlet's rollers while cruising, without and with smoothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Ripples {
     /// Ripple at constant speed, with the same mean flow.
     pub before: Ripple,

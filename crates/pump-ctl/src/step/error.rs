@@ -3,6 +3,8 @@
 use pump_model::Allowed;
 use thiserror::Error;
 
+use crate::parameter::Parameter;
+
 use super::segment::Segment;
 use super::tick_rate::TickRate;
 
@@ -32,7 +34,7 @@ pub enum BrakeError {
     #[error("{parameter} is {value}; allowed: {allowed}")]
     OutOfRange {
         /// Name of the value.
-        parameter: &'static str,
+        parameter: Parameter,
         /// Value as it was given.
         value: f64,
         /// Range that is allowed.

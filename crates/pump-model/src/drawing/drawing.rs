@@ -9,7 +9,7 @@ use libm::{acos, asin, atan2, cos, sin, sqrt};
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use crate::error::{ModelError, refused};
+use crate::error::{ModelError, Parameter, refused};
 use crate::head::geometry::Geometry;
 
 use super::quadrature;
@@ -46,7 +46,7 @@ impl Drawing {
         geometry.validate()?;
         let Geometry { roller_radius_mm, roller_offset_mm, .. } = *geometry;
         let inner_mm = geometry.backplate_radius_mm - 2.0 * geometry.tube_outer_radius_mm;
-        let refused = |allowed| Err(refused("roller radius in mm", roller_radius_mm, allowed));
+        let refused = |allowed| Err(refused(Parameter::RollerRadius, roller_radius_mm, allowed));
         let least_square = roller_offset_mm * roller_offset_mm - inner_mm * inner_mm;
         if roller_radius_mm * roller_radius_mm <= least_square {
             return refused(

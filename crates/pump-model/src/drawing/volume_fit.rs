@@ -2,7 +2,7 @@
 
 use libm::sqrt;
 
-use crate::error::{Allowed, ModelError, refused, within};
+use crate::error::{Allowed, ModelError, Parameter, refused, within};
 use crate::head::geometry::Geometry;
 use crate::head::roller_volume::RollerVolume;
 use crate::math::polynomial::{DEGREE, Polynomial};
@@ -147,8 +147,8 @@ fn knots(points: &[VolumePoint]) -> Result<Knots, ModelError> {
 fn checked(points: &[VolumePoint], needed: usize) -> Result<f64, ModelError> {
     let (mut smallest, mut largest) = (f64::INFINITY, 0.0);
     for &VolumePoint { angle_deg, volume_ml } in points {
-        within("measured angle in deg", angle_deg, 0.0..360.0)?;
-        within("measured volume in mL", volume_ml, Allowed::FINITE)?;
+        within(Parameter::MeasuredAngle, angle_deg, 0.0..360.0)?;
+        within(Parameter::MeasuredVolume, volume_ml, Allowed::FINITE)?;
         smallest = angle_deg.min(smallest);
         largest = angle_deg.max(largest);
     }
@@ -158,7 +158,7 @@ fn checked(points: &[VolumePoint], needed: usize) -> Result<f64, ModelError> {
         return Err(ModelError::TooFewPoints { angles, needed });
     }
     if smallest > 0.0 {
-        return Err(refused("smallest measured angle in deg", smallest, "0, the first contact"));
+        return Err(refused(Parameter::SmallestMeasuredAngle, smallest, "0, the first contact"));
     }
     Ok(largest)
 }

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use super::allowed::Allowed;
+use super::parameter::Parameter;
 
 /// Reason why an integration stopped before its end.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -30,8 +31,8 @@ pub enum IntegrationError {
     /// An option of the integrator lies outside its range.
     #[error("{parameter} is {value:e}; allowed: {allowed}")]
     OutOfRange {
-        /// Name of the option.
-        parameter: &'static str,
+        /// Option of the integrator.
+        parameter: Parameter,
         /// Value that was given.
         value: f64,
         /// Values that are accepted.

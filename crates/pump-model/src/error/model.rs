@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use super::allowed::Allowed;
 use super::integration::IntegrationError;
+use super::parameter::Parameter;
 use super::shown::Shown;
 
 /// Reason why the model refuses a pump, line or motion. It names the value and the allowed range.
@@ -14,8 +15,8 @@ pub enum ModelError {
     /// One parameter lies outside its range.
     #[error("{parameter} is {}; allowed: {allowed}", Shown(*value))]
     OutOfRange {
-        /// Name of the parameter, with the parameter's unit.
-        parameter: &'static str,
+        /// Parameter that was given.
+        parameter: Parameter,
         /// Value that was given.
         value: f64,
         /// Values that are accepted.

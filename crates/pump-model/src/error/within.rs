@@ -2,10 +2,11 @@
 
 use super::allowed::Allowed;
 use super::model::ModelError;
+use super::parameter::Parameter;
 
-/// Refuses a value that is not allowed, with the parameter's name and unit.
+/// Refuses a value that is not allowed, with the parameter that it belongs to.
 pub(crate) fn within(
-    parameter: &'static str,
+    parameter: Parameter,
     value: f64,
     allowed: impl Into<Allowed>,
 ) -> Result<(), ModelError> {
@@ -14,7 +15,7 @@ pub(crate) fn within(
 }
 
 /// Returns the error for a value that is not allowed.
-pub(crate) fn refused(parameter: &'static str, value: f64, allowed: impl Into<Allowed>) -> ModelError {
+pub(crate) fn refused(parameter: Parameter, value: f64, allowed: impl Into<Allowed>) -> ModelError {
     ModelError::OutOfRange { parameter, value, allowed: allowed.into() }
 }
 
@@ -28,8 +29,8 @@ mod tests {
 
     #[test]
     fn a_refused_value_is_named_with_what_is_allowed() {
-        let error = within("line resistance in kPa s/mL", -1.0, 0.0..=1e6).unwrap_err();
+        let error = within(Parameter::LineResistance, -1.0, 0.0..=1e6).unwrap_err();
         assert_eq!(error.to_string(), "line resistance in kPa s/mL is -1; allowed: 0 to 1e6");
-        assert_eq!(within("line resistance in kPa s/mL", 1e6, 0.0..=1e6), Ok(()));
+        assert_eq!(within(Parameter::LineResistance, 1e6, 0.0..=1e6), Ok(()));
     }
 }

@@ -1,7 +1,7 @@
 //! Volume against speed: a revolution delivers the volume that was trapped at the inlet pressure of that
 //! moment. Experimental.
 
-use crate::error::{Allowed, ModelError, within};
+use crate::error::{Allowed, ModelError, Parameter, within};
 use crate::head::paper;
 use crate::head::port::Port;
 use crate::line::exact_run::ExactRun;
@@ -64,10 +64,10 @@ impl SpeedLaw {
     ///
     /// Refuses parameters that are not physical.
     pub fn validate(&self) -> Result<(), ModelError> {
-        within("scale of the speed law", self.scale, Allowed::POSITIVE)?;
-        within("closure angle in rad", self.closure_rad, Allowed::POSITIVE)?;
-        within("ambient pressure in kPa absolute", self.ambient_kpa, Allowed::POSITIVE)?;
-        within("distensibility in 1/kPa", self.distensibility_per_kpa, 0.0..=1.0)
+        within(Parameter::SpeedLawScale, self.scale, Allowed::POSITIVE)?;
+        within(Parameter::ClosureAngle, self.closure_rad, Allowed::POSITIVE)?;
+        within(Parameter::AmbientPressure, self.ambient_kpa, Allowed::POSITIVE)?;
+        within(Parameter::Distensibility, self.distensibility_per_kpa, 0.0..=1.0)
     }
 
     /// Returns the volume of a revolution V_rot(N), mL, at a constant speed other than 0. The speed is
@@ -83,7 +83,7 @@ impl SpeedLaw {
         let stretch = 1.0 + self.distensibility_per_kpa * (trapped_kpa - self.ambient_kpa);
         let revolution_ml = self.scale * TURN_RAD * pump.geometry().nominal_ml_rad() * stretch
             - self.pinched_ml(pump) * stretch;
-        within("volume per revolution of the speed law in mL", revolution_ml, Allowed::POSITIVE)?;
+        within(Parameter::SpeedLawRevolution, revolution_ml, Allowed::POSITIVE)?;
         Ok(revolution_ml)
     }
 

@@ -1,6 +1,6 @@
 //! Mean flow against speed by a speed law, and the speed for a given flow.
 
-use crate::error::{Allowed, ModelError, refused, within};
+use crate::error::{Allowed, ModelError, Parameter, refused, within};
 use crate::pump::pump::Pump;
 
 use super::speed_law::SpeedLaw;
@@ -38,10 +38,10 @@ impl<'a> SpeedLawFlow<'a> {
         reverse: bool,
     ) -> Result<Self, ModelError> {
         law.validate()?;
-        within("slowest speed in rad/s", least_rad_s, Allowed::POSITIVE)?;
-        within("fastest speed in rad/s", most_rad_s, Allowed::POSITIVE)?;
+        within(Parameter::SlowestSpeed, least_rad_s, Allowed::POSITIVE)?;
+        within(Parameter::FastestSpeed, most_rad_s, Allowed::POSITIVE)?;
         if least_rad_s > most_rad_s {
-            return Err(refused("slowest speed in rad/s", least_rad_s, "no more than the fastest"));
+            return Err(refused(Parameter::SlowestSpeed, least_rad_s, "no more than the fastest"));
         }
         let direction = if reverse { -1.0 } else { 1.0 };
         Ok(Self { law, pump, least_rad_s, most_rad_s, direction })

@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use crate::error::{Allowed, ModelError, refused, within};
+use crate::error::{Allowed, ModelError, Parameter, refused, within};
 use crate::units::{TURN_RAD, degrees};
 
 use super::roller_volume::RollerVolume;
@@ -47,21 +47,21 @@ impl Geometry {
     /// Refuses dimensions that are not finite and positive. Also refuses rollers that hit the backplate, do
     /// not close the tube, or leave it open at some angle.
     pub fn validate(&self) -> Result<(), ModelError> {
-        within("number of rollers", f64::from(self.rollers), 1.0..=1000.0)?;
-        within("bore radius in mm", self.bore_radius_mm, Allowed::POSITIVE)?;
-        within("tube outer radius in mm", self.tube_outer_radius_mm, Allowed::POSITIVE)?;
-        within("backplate radius in mm", self.backplate_radius_mm, Allowed::POSITIVE)?;
-        within("roller radius in mm", self.roller_radius_mm, Allowed::POSITIVE)?;
-        within("roller offset in mm", self.roller_offset_mm, Allowed::POSITIVE)?;
+        within(Parameter::Rollers, f64::from(self.rollers), 1.0..=1000.0)?;
+        within(Parameter::BoreRadius, self.bore_radius_mm, Allowed::POSITIVE)?;
+        within(Parameter::TubeOuterRadius, self.tube_outer_radius_mm, Allowed::POSITIVE)?;
+        within(Parameter::BackplateRadius, self.backplate_radius_mm, Allowed::POSITIVE)?;
+        within(Parameter::RollerRadius, self.roller_radius_mm, Allowed::POSITIVE)?;
+        within(Parameter::RollerOffset, self.roller_offset_mm, Allowed::POSITIVE)?;
         if self.tube_outer_radius_mm <= self.bore_radius_mm {
             let allowed = "more than the bore radius";
-            return Err(refused("tube outer radius in mm", self.tube_outer_radius_mm, allowed));
+            return Err(refused(Parameter::TubeOuterRadius, self.tube_outer_radius_mm, allowed));
         }
         if self.backplate_radius_mm <= 2.0 * self.tube_outer_radius_mm {
             let allowed = "more than the tube's outer diameter";
-            return Err(refused("backplate radius in mm", self.backplate_radius_mm, allowed));
+            return Err(refused(Parameter::BackplateRadius, self.backplate_radius_mm, allowed));
         }
-        within("contact angle in deg", degrees(self.contact_angle_rad), 0.0..90.0)?;
+        within(Parameter::ContactAngle, degrees(self.contact_angle_rad), 0.0..90.0)?;
         let reach_mm = self.roller_offset_mm + self.roller_radius_mm;
         let gap_mm = self.backplate_radius_mm - reach_mm;
         if gap_mm < 0.0 {

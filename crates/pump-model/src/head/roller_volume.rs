@@ -1,6 +1,6 @@
 //! The volume V(x) that a roller displaces while it engages, over its angle x.
 
-use crate::error::{Allowed, ModelError, within};
+use crate::error::{Allowed, ModelError, Parameter, within};
 use crate::math::polynomial::{DEGREE, Polynomial};
 use crate::units::{TURN_RAD, degrees, radians};
 
@@ -61,10 +61,10 @@ impl RollerVolume {
     /// # Ok::<(), pump_model::ModelError>(())
     /// ```
     pub fn from_polynomial_deg(highest_first: [f64; 6], engagement_deg: f64) -> Result<Self, ModelError> {
-        within("engagement angle in deg", engagement_deg, Allowed::POSITIVE)?;
-        within("engagement angle in deg", engagement_deg, 0.0..360.0)?;
+        within(Parameter::EngagementAngle, engagement_deg, Allowed::POSITIVE)?;
+        within(Parameter::EngagementAngle, engagement_deg, 0.0..360.0)?;
         for value in highest_first {
-            within("roller volume coefficient", value, Allowed::FINITE)?;
+            within(Parameter::RollerVolumeCoefficient, value, Allowed::FINITE)?;
         }
         let curve = Self::of_valid(highest_first, engagement_deg);
         if curve.total_ml > 0.0 { Ok(curve) } else { Err(ModelError::RollerVolumeFlat { engagement_deg }) }
@@ -151,7 +151,7 @@ impl RollerVolume {
     ///
     /// Refuses a total that is not finite and positive.
     pub fn scaled_to(&self, total_ml: f64) -> Result<Self, ModelError> {
-        within("roller volume in mL", total_ml, Allowed::POSITIVE)?;
+        within(Parameter::RollerVolume, total_ml, Allowed::POSITIVE)?;
         Ok(Self { total_ml, ..self.scaled(total_ml / self.total_ml) })
     }
 
@@ -171,7 +171,7 @@ impl RollerVolume {
     ///
     /// Refuses an angle that is not finite and positive.
     pub fn stretched_to(&self, engagement_deg: f64) -> Result<Self, ModelError> {
-        within("engagement angle in deg", engagement_deg, Allowed::POSITIVE)?;
+        within(Parameter::EngagementAngle, engagement_deg, Allowed::POSITIVE)?;
         let engagement_rad = radians(engagement_deg);
         let factor = engagement_rad / self.engagement_rad;
         let mut stretched = Self { engagement_rad, ..*self };

@@ -4,14 +4,14 @@ use libm::{exp, log, pow};
 
 use core::ops::RangeInclusive;
 
-use crate::error::{ModelError, within};
+use crate::error::{ModelError, Parameter, within};
 
 use super::fluid::{Fluid, kelvin, series};
 
 /// Published formulas of an alcohol's properties.
 struct Alcohol {
-    /// Name of its temperature in errors.
-    parameter: &'static str,
+    /// Temperature of the alcohol, as errors name it.
+    parameter: Parameter,
     /// Temperatures at which all of the alcohol's formulas hold, °C.
     range_degc: RangeInclusive<f64>,
     /// Density in kg/m³ over °C, lowest order first: International Critical Tables, vol. 3, 1928.
@@ -29,7 +29,7 @@ struct Alcohol {
 }
 
 const ETHANOL: Alcohol = Alcohol {
-    parameter: "temperature of ethanol in degC",
+    parameter: Parameter::EthanolTemperature,
     range_degc: 5.0..=40.0,
     density: [806.25, -0.8461, 0.160e-3, -8.5e-6],
     viscosity: [7.875, 781.98, -3.0418],
@@ -38,7 +38,7 @@ const ETHANOL: Alcohol = Alcohol {
 };
 
 const ISOPROPANOL: Alcohol = Alcohol {
-    parameter: "temperature of isopropanol in degC",
+    parameter: Parameter::IsopropanolTemperature,
     range_degc: 10.0..=40.0,
     density: [801.4, -0.809, -0.27e-3, 0.0],
     viscosity: [-8.8918, 2357.6, -0.913_76],

@@ -2,7 +2,7 @@
 
 use libm::{exp, pow};
 
-use crate::error::{Allowed, ModelError, within};
+use crate::error::{Allowed, ModelError, Parameter, within};
 
 /// Properties of a fluid at one temperature, at about atmospheric pressure.
 ///
@@ -48,7 +48,7 @@ impl Fluid {
     /// # Ok::<(), pump_model::ModelError>(())
     /// ```
     pub fn water(temperature_degc: f64) -> Result<Self, ModelError> {
-        within("temperature of water in degC", temperature_degc, 0.0..=100.0)?;
+        within(Parameter::WaterTemperature, temperature_degc, 0.0..=100.0)?;
         Ok(Self {
             density_kg_m3: water_density_kg_m3(temperature_degc),
             viscosity_mpa_s: water_viscosity_mpa_s(temperature_degc),
@@ -63,11 +63,10 @@ impl Fluid {
     ///
     /// Refuses properties that are not finite and positive.
     pub fn validate(&self) -> Result<(), ModelError> {
-        within("density in kg/m3", self.density_kg_m3, Allowed::POSITIVE)?;
-        within("viscosity in mPa s", self.viscosity_mpa_s, Allowed::POSITIVE)?;
-        within("bulk modulus in MPa", self.bulk_modulus_mpa, Allowed::POSITIVE)?;
-        self.vapour_kpa
-            .map_or(Ok(()), |kpa| within("vapour pressure in kPa absolute", kpa, Allowed::POSITIVE))
+        within(Parameter::Density, self.density_kg_m3, Allowed::POSITIVE)?;
+        within(Parameter::Viscosity, self.viscosity_mpa_s, Allowed::POSITIVE)?;
+        within(Parameter::BulkModulus, self.bulk_modulus_mpa, Allowed::POSITIVE)?;
+        self.vapour_kpa.map_or(Ok(()), |kpa| within(Parameter::VapourPressure, kpa, Allowed::POSITIVE))
     }
 }
 

@@ -4,7 +4,7 @@ use libm::{exp, pow, sin};
 
 use core::f64::consts::PI;
 
-use crate::error::{ModelError, within};
+use crate::error::{ModelError, Parameter, within};
 
 use super::fluid::Fluid;
 
@@ -30,8 +30,8 @@ impl Fluid {
     /// # Ok::<(), pump_model::ModelError>(())
     /// ```
     pub fn glycerol_water(glycerol_part: f64, temperature_degc: f64) -> Result<Self, ModelError> {
-        within("part of glycerol by mass", glycerol_part, 0.0..=1.0)?;
-        within("temperature of glycerol and water in degC", temperature_degc, 15.0..=30.0)?;
+        within(Parameter::GlycerolPart, glycerol_part, 0.0..=1.0)?;
+        within(Parameter::GlycerolTemperature, temperature_degc, 15.0..=30.0)?;
         let water = Self::water(temperature_degc)?;
         let (w, t) = (glycerol_part, temperature_degc);
         // Volk and Kähler: the volumes add except for a contraction.

@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use crate::error::{Allowed, ModelError, refused, within};
+use crate::error::{Allowed, ModelError, Parameter, refused, within};
 use crate::line::friction::Friction;
 use crate::line::line::Line;
 
@@ -46,16 +46,16 @@ impl Hose {
     ///
     /// Refuses dimensions and materials that are not physical, with the name of the parameter.
     pub fn validate(&self) -> Result<(), ModelError> {
-        within("bore radius of the hose in mm", self.bore_radius_mm, Allowed::POSITIVE)?;
-        within("outer radius of the hose in mm", self.outer_radius_mm, Allowed::POSITIVE)?;
-        within("length of the hose in mm", self.length_mm, Allowed::POSITIVE)?;
-        within("modulus of the hose in MPa", self.modulus_mpa, Allowed::POSITIVE)?;
+        within(Parameter::HoseBoreRadius, self.bore_radius_mm, Allowed::POSITIVE)?;
+        within(Parameter::HoseOuterRadius, self.outer_radius_mm, Allowed::POSITIVE)?;
+        within(Parameter::HoseLength, self.length_mm, Allowed::POSITIVE)?;
+        within(Parameter::HoseModulus, self.modulus_mpa, Allowed::POSITIVE)?;
         if self.outer_radius_mm <= self.bore_radius_mm {
             let allowed = "more than its bore radius";
-            return Err(refused("outer radius of the hose in mm", self.outer_radius_mm, allowed));
+            return Err(refused(Parameter::HoseOuterRadius, self.outer_radius_mm, allowed));
         }
-        within("Poisson ratio of the hose", self.poisson_ratio, 0.0..=0.5)?;
-        within("minor-loss coefficient of the hose", self.minor_loss, 0.0..=1e6)
+        within(Parameter::HosePoissonRatio, self.poisson_ratio, 0.0..=0.5)?;
+        within(Parameter::HoseMinorLoss, self.minor_loss, 0.0..=1e6)
     }
 
     /// Returns the volume of the bore, mL: V = pi a² l.
@@ -125,7 +125,7 @@ impl Hose {
     /// # Ok::<(), pump_model::ModelError>(())
     /// ```
     pub fn line(&self, fluid: &Fluid, reservoir_kpa: f64, flow_ml_s: f64) -> Result<Line, ModelError> {
-        within("flow in mL/s", flow_ml_s, Allowed::FINITE)?;
+        within(Parameter::Flow, flow_ml_s, Allowed::FINITE)?;
         let line = Line {
             resistance_kpa_s_ml: self.friction(fluid)?.resistance_kpa_s_ml(flow_ml_s),
             compliance_ml_kpa: self.compliance_ml_kpa(fluid),

@@ -1,10 +1,12 @@
 //! Compliance C from a syringe that injects into a closed line: C = dV/dP.
 
-use crate::error::Allowed;
+use crate::error::{Allowed, Parameter};
 
 use super::error::{IdentificationError, within};
 use super::estimate::Estimate;
 use super::least_squares::{StraightLine, Terms};
+use super::readings::Readings;
+use super::sought_parameter::SoughtParameter;
 
 /// Injected volume and the pressure that it made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +30,7 @@ pub struct InjectionPoint {
 /// # Ok::<(), pump_model::identification::IdentificationError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ComplianceFit {
     /// Compliance C, mL/kPa.
     pub compliance_ml_kpa: Estimate,
@@ -42,9 +45,6 @@ pub struct ComplianceFit {
     pub bend: Option<(Estimate, Estimate)>,
 }
 
-/// Name of the points in errors.
-const POINTS: &str = "points of volume and pressure";
-
 impl ComplianceFit {
     /// Fits P = P_start + V/C.
     ///
@@ -54,8 +54,8 @@ impl ComplianceFit {
     /// compliance.
     pub fn of(points: &[InjectionPoint]) -> Result<Self, IdentificationError> {
         for (n, point) in points.iter().enumerate() {
-            within(("volume in mL", "point", n), point.volume_ml, Allowed::FINITE)?;
-            within(("pressure in kPa", "point", n), point.pressure_kpa, Allowed::FINITE)?;
+            within((Parameter::Volume, Readings::VolumePoints, n), point.volume_ml, Allowed::FINITE)?;
+            within((Parameter::Pressure, Readings::VolumePoints, n), point.pressure_kpa, Allowed::FINITE)?;
         }
         let through = |bend| {
             let points = points.iter().map(|point| (point.volume_ml, point.pressure_kpa, 1.0));
@@ -63,10 +63,18 @@ impl ComplianceFit {
         };
         if points.len() < 3 {
             let given = points.len();
-            return Err(IdentificationError::TooFew { given, of: POINTS, needed: 3, parameters: 2 });
+            return Err(IdentificationError::TooFew {
+                given,
+                of: Readings::VolumePoints,
+                needed: 3,
+                parameters: 2,
+            });
         }
-        let undetermined =
-            |why| IdentificationError::Undetermined { of: POINTS, parameter: "compliance", why };
+        let undetermined = |why| IdentificationError::Undetermined {
+            of: Readings::VolumePoints,
+            parameter: SoughtParameter::Compliance,
+            why,
+        };
         let straight = through(false).ok_or(undetermined("they are all at one volume; inject in steps"))?;
         if !straight.is_rising() {
             return Err(undetermined("the pressure does not rise with the volume; check signs and columns"));

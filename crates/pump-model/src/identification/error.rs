@@ -2,7 +2,10 @@
 
 use thiserror::Error;
 
-use crate::error::{Allowed, ModelError, Shown};
+use crate::error::{Allowed, ModelError, Parameter, Shown};
+
+use super::readings::Readings;
+use super::sought_parameter::SoughtParameter;
 
 /// Reason why measurements are refused or say too little. It names the fault and the remedy.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -14,19 +17,19 @@ pub enum IdentificationError {
         /// Number of readings.
         given: usize,
         /// Kind of reading.
-        of: &'static str,
+        of: Readings,
         /// Number of readings that is needed.
         needed: usize,
         /// Number of parameters that are sought.
         parameters: usize,
     },
-    /// A measured value is not allowed.
-    #[error("{quantity} of {of} {number} is {}; allowed: {allowed}", Shown(*value))]
-    Value {
-        /// Name of the quantity, with its unit.
-        quantity: &'static str,
+    /// A measured value lies outside its range.
+    #[error("{parameter} of {} {number} is {}; allowed: {allowed}", of.single(), Shown(*value))]
+    OutOfRange {
+        /// Quantity that was measured.
+        parameter: Parameter,
         /// Kind of reading.
-        of: &'static str,
+        of: Readings,
         /// Number of the reading, from 1.
         number: usize,
         /// Value that was read.
@@ -38,9 +41,9 @@ pub enum IdentificationError {
     #[error("the {of} do not determine the {parameter}: {why}")]
     Undetermined {
         /// Kind of reading.
-        of: &'static str,
+        of: Readings,
         /// Parameter that was sought.
-        parameter: &'static str,
+        parameter: SoughtParameter,
         /// Reason why the parameter was not found, and a remedy.
         why: &'static str,
     },
@@ -61,10 +64,10 @@ pub enum IdentificationError {
     /// Two sought parameters are one and the same.
     #[error("{first} and {second} are the same in a steady state; seek one of them")]
     Same {
-        /// Name of one parameter.
-        first: &'static str,
-        /// Name of the other parameter.
-        second: &'static str,
+        /// One of the two parameters.
+        first: SoughtParameter,
+        /// The other parameter.
+        second: SoughtParameter,
     },
     /// The search for the least squares did not end.
     #[error(
@@ -91,9 +94,8 @@ pub enum IdentificationError {
     Model(#[from] ModelError),
 }
 
-/// Name of a measured value in errors: its quantity with the unit, the kind of reading, and the reading's
-/// index from 0.
-pub(super) type ReadingName = (&'static str, &'static str, usize);
+/// Place of a measured value: its quantity, the kind of reading, and the reading's index from 0.
+pub(super) type ReadingName = (Parameter, Readings, usize);
 
 /// Refuses a measured value that is not allowed.
 pub(super) fn within(reading: ReadingName, value: f64, allowed: Allowed) -> Result<(), IdentificationError> {
@@ -102,9 +104,9 @@ pub(super) fn within(reading: ReadingName, value: f64, allowed: Allowed) -> Resu
 
 /// Returns the error for a measured value that is not allowed.
 pub(super) fn refused(
-    (quantity, of, index): ReadingName,
+    (parameter, of, index): ReadingName,
     value: f64,
     allowed: impl Into<Allowed>,
 ) -> IdentificationError {
-    IdentificationError::Value { quantity, of, number: index + 1, value, allowed: allowed.into() }
+    IdentificationError::OutOfRange { parameter, of, number: index + 1, value, allowed: allowed.into() }
 }

@@ -11,8 +11,9 @@ use super::autocorrelation::{LAGS, correlated_samples};
 use super::error::IdentificationError;
 use super::estimate::Estimate;
 use super::least_squares::Found;
-use super::recording::{Recording, SAMPLES};
-use super::sought::{ANGLE, N, NAMES, PRESSURE, START, Sought, count};
+use super::readings::Readings;
+use super::recording::Recording;
+use super::sought::{ANGLE, N, PRESSURE, SEARCHED, START, Sought, count};
 use super::waveform::{WaveformResiduals, line_of};
 
 /// Smallest part of the samples' variance that a fit of their shape must explain. Less is a Pearson
@@ -29,6 +30,7 @@ const LEAST_EXPLAINED: f64 = 0.1;
 /// This holds for noise whose memory is short beside a swing of the line. A mismatch that returns with every
 /// pulse is no noise, and the uncertainties leave it out: RMSE and correlation show it.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct LineFit {
     /// Resistance R, kPa s/mL.
     pub resistance_kpa_s_ml: Estimate,
@@ -214,7 +216,7 @@ impl Uncertainty {
 
 /// Returns the error for a parameter that the samples do not determine.
 fn undetermined(n: usize, why: &'static str) -> IdentificationError {
-    IdentificationError::Undetermined { of: SAMPLES, parameter: NAMES[n], why }
+    IdentificationError::Undetermined { of: Readings::Samples, parameter: SEARCHED[n], why }
 }
 
 /// Returns the explained part of the variance, 1 - (rms/spread)². Equal samples have nothing to be explained.

@@ -2,7 +2,7 @@
 
 use libm::sqrt;
 
-use crate::error::{self, Allowed, ModelError};
+use crate::error::{self, Allowed, ModelError, Parameter};
 use crate::head::flow_curve::FlowCurve;
 use crate::head::port::Port;
 use crate::line::exact_run::ExactRun;
@@ -14,6 +14,7 @@ use crate::pump::pump::Pump;
 use crate::units::wrap;
 
 use super::error::{IdentificationError, refused, within};
+use super::readings::Readings;
 
 /// Pressure at an instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,30 +51,31 @@ pub struct Recording<'a> {
     pub motion: RotorMotion<'a>,
 }
 
-/// Name of the samples in errors.
-pub(super) const SAMPLES: &str = "samples of pressure";
-
 impl<'a> Recording<'a> {
     /// Refuses samples that are not finite or not in order of time, and motions without legs or speed.
     pub(super) fn validate(&self) -> Result<(), IdentificationError> {
         let mut last_s = f64::NEG_INFINITY;
         for (n, sample) in self.samples.iter().enumerate() {
-            within(("time in s", "sample", n), sample.time_s, Allowed::FINITE)?;
-            within(("pressure in kPa absolute", "sample", n), sample.pressure_kpa, Allowed::FINITE)?;
+            within((Parameter::Time, Readings::Samples, n), sample.time_s, Allowed::FINITE)?;
+            within(
+                (Parameter::AbsolutePressure, Readings::Samples, n),
+                sample.pressure_kpa,
+                Allowed::FINITE,
+            )?;
             if sample.time_s <= last_s {
                 let allowed = "more than that of the sample before";
-                return Err(refused(("time in s", "sample", n), sample.time_s, allowed));
+                return Err(refused((Parameter::Time, Readings::Samples, n), sample.time_s, allowed));
             }
             last_s = sample.time_s;
         }
         match self.motion {
             RotorMotion::FromRest(legs) => {
                 let legs = legs.len() as f64;
-                Ok(error::within("number of legs of the motion", legs, Allowed::POSITIVE)?)
+                Ok(error::within(Parameter::Legs, legs, Allowed::POSITIVE)?)
             }
             RotorMotion::Steady { speed_rad_s, .. } => {
                 let speed_rad_s = speed_rad_s.abs();
-                Ok(error::within("speed in rad/s, without sign", speed_rad_s, Allowed::POSITIVE)?)
+                Ok(error::within(Parameter::SpeedWithoutSign, speed_rad_s, Allowed::POSITIVE)?)
             }
         }
     }

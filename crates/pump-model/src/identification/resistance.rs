@@ -1,10 +1,12 @@
 //! Resistance R from flows and the pressures that they take: dP = R Q.
 
-use crate::error::Allowed;
+use crate::error::{Allowed, Parameter};
 
 use super::error::{IdentificationError, within};
 use super::estimate::Estimate;
 use super::least_squares::{StraightLine, Terms};
+use super::readings::Readings;
+use super::sought_parameter::SoughtParameter;
 
 /// Steady flow and the pressure that it takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +22,7 @@ pub struct FlowPoint {
 
 /// A resistance that grows with the flow: dP = R Q + K Q|Q|, as bends and turbulence make it.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Bend {
     /// Resistance R at no flow, kPa s/mL.
     pub at_no_flow_kpa_s_ml: Estimate,
@@ -48,6 +51,7 @@ impl Bend {
 /// # Ok::<(), pump_model::identification::IdentificationError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct ResistanceFit {
     /// Resistance R of the straight line, kPa s/mL.
     pub resistance_kpa_s_ml: Estimate,
@@ -64,9 +68,6 @@ pub struct ResistanceFit {
     pub bend: Option<Bend>,
 }
 
-/// Name of the points in errors.
-const POINTS: &str = "points of flow and pressure";
-
 impl ResistanceFit {
     /// Fits a line through the origin, or with an offset.
     ///
@@ -75,9 +76,9 @@ impl ResistanceFit {
     /// Refuses values that are not allowed, too few points, and points that do not determine the resistance.
     pub fn of(points: &[FlowPoint], with_offset: bool) -> Result<Self, IdentificationError> {
         for (n, point) in points.iter().enumerate() {
-            within(("flow in mL/s", "point", n), point.flow_ml_s, Allowed::FINITE)?;
-            within(("pressure drop in kPa", "point", n), point.drop_kpa, Allowed::FINITE)?;
-            let standard = ("standard uncertainty of the pressure in kPa", "point", n);
+            within((Parameter::Flow, Readings::FlowPoints, n), point.flow_ml_s, Allowed::FINITE)?;
+            within((Parameter::PressureDrop, Readings::FlowPoints, n), point.drop_kpa, Allowed::FINITE)?;
+            let standard = (Parameter::PressureUncertainty, Readings::FlowPoints, n);
             within(standard, point.standard_kpa, Allowed::POSITIVE)?;
         }
         let with = |offset, bend| {
@@ -90,13 +91,16 @@ impl ResistanceFit {
             let given = points.len();
             return Err(IdentificationError::TooFew {
                 given,
-                of: POINTS,
+                of: Readings::FlowPoints,
                 needed: parameters + 1,
                 parameters,
             });
         }
-        let undetermined =
-            |why| IdentificationError::Undetermined { of: POINTS, parameter: "resistance", why };
+        let undetermined = |why| IdentificationError::Undetermined {
+            of: Readings::FlowPoints,
+            parameter: SoughtParameter::Resistance,
+            why,
+        };
         let straight = through(false).ok_or(undetermined("they are all at one flow; measure at several"))?;
         let resistance = straight.slope;
         if !straight.is_rising() {

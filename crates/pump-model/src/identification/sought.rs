@@ -1,7 +1,9 @@
 //! Parameters of a waveform's fit, and the choice of those that it seeks.
 
 use super::error::IdentificationError;
-use super::recording::{Recording, RotorMotion, SAMPLES};
+use super::readings::Readings;
+use super::recording::{Recording, RotorMotion};
+use super::sought_parameter::SoughtParameter;
 
 /// Number of parameters: ln R, ln C, ln L, angle in rad, start in s, pressure in kPa. The logarithms keep a
 /// line physical.
@@ -9,8 +11,15 @@ pub(super) const N: usize = 6;
 pub(super) const ANGLE: usize = 3;
 pub(super) const START: usize = 4;
 pub(super) const PRESSURE: usize = 5;
-pub(super) const NAMES: [&str; N] =
-    ["resistance", "compliance", "inertance", "start angle", "start time", "reservoir pressure"];
+/// Parameters in the order of the search.
+pub(super) const SEARCHED: [SoughtParameter; N] = [
+    SoughtParameter::Resistance,
+    SoughtParameter::Compliance,
+    SoughtParameter::Inertance,
+    SoughtParameter::StartAngle,
+    SoughtParameter::StartTime,
+    SoughtParameter::ReservoirPressure,
+];
 
 /// Parameters that a fit seeks. It holds the others at the values of the pump and the recording.
 ///
@@ -104,13 +113,13 @@ impl Sought {
     /// with no more samples than parameters.
     pub(super) fn checked(self, recording: &Recording<'_>) -> Result<[bool; N], IdentificationError> {
         if self.angle && self.start && matches!(recording.motion, RotorMotion::Steady { .. }) {
-            return Err(IdentificationError::Same { first: NAMES[ANGLE], second: NAMES[START] });
+            return Err(IdentificationError::Same { first: SEARCHED[ANGLE], second: SEARCHED[START] });
         }
         let flags = self.flags();
         let (parameters, given) = (count(flags), recording.samples.len());
         if given <= parameters || parameters == 0 {
             let needed = parameters + 1;
-            return Err(IdentificationError::TooFew { given, of: SAMPLES, needed, parameters });
+            return Err(IdentificationError::TooFew { given, of: Readings::Samples, needed, parameters });
         }
         Ok(flags)
     }

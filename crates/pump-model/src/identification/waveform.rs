@@ -3,7 +3,7 @@
 
 use libm::{exp, log};
 
-use crate::error::{Allowed, ModelError, within};
+use crate::error::{Allowed, ModelError, Parameter, within};
 use crate::head::flow_curve::FlowCurve;
 use crate::line::line::Line;
 
@@ -110,7 +110,7 @@ impl WaveformResiduals<'_> {
     pub(super) fn best(&self, line: &Line) -> Result<Found<N>, IdentificationError> {
         if self.flags[0] {
             // The search seeks the logarithm of R.
-            let parameter = "line resistance to start from in kPa s/mL";
+            let parameter = Parameter::StartLineResistance;
             within(parameter, line.resistance_kpa_s_ml, Allowed::POSITIVE)?;
         }
         let starts = self.starts(line)?;

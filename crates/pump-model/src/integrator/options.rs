@@ -1,6 +1,6 @@
 //! Options and cost of an integration.
 
-use crate::error::{Allowed, IntegrationError};
+use crate::error::{Allowed, IntegrationError, Parameter};
 
 /// Tolerances and longest step of an integration. [`super::Rodas5p::new`] checks them.
 ///
@@ -61,7 +61,7 @@ impl<const N: usize> Options<N> {
     ///
     /// Fails with [`IntegrationError::OutOfRange`] if the tolerance is not finite and positive.
     pub fn uniform(tolerance: f64) -> Result<Self, IntegrationError> {
-        within("tolerance of a step", tolerance, Allowed::POSITIVE)?;
+        within(Parameter::Tolerance, tolerance, Allowed::POSITIVE)?;
         Ok(Self::equal(tolerance))
     }
 
@@ -73,26 +73,31 @@ impl<const N: usize> Options<N> {
     /// Refuses options by which an error estimate would mean nothing.
     pub(super) fn validate(&self) -> Result<(), IntegrationError> {
         for relative in self.relative {
-            within("relative tolerance of a state", relative, Allowed::NotNegative)?;
+            within(Parameter::RelativeTolerance, relative, Allowed::NotNegative)?;
         }
         for absolute in self.absolute {
-            within("absolute tolerance of a state", absolute, Allowed::POSITIVE)?;
+            within(Parameter::AbsoluteTolerance, absolute, Allowed::POSITIVE)?;
         }
         if self.max_step_s > 0.0 {
             return Ok(());
         }
         let allowed = Allowed::Words("a positive length, or infinity");
-        Err(IntegrationError::OutOfRange { parameter: "longest step in s", value: self.max_step_s, allowed })
+        Err(IntegrationError::OutOfRange {
+            parameter: Parameter::LongestStep,
+            value: self.max_step_s,
+            allowed,
+        })
     }
 }
 
-fn within(parameter: &'static str, value: f64, allowed: Allowed) -> Result<(), IntegrationError> {
+fn within(parameter: Parameter, value: f64, allowed: Allowed) -> Result<(), IntegrationError> {
     let refused = IntegrationError::OutOfRange { parameter, value, allowed };
     if allowed.admits(value) { Ok(()) } else { Err(refused) }
 }
 
 /// Cost of an integration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub struct Statistics {
     /// Number of accepted steps.
     pub steps: u64,

@@ -2,7 +2,7 @@
 
 use libm::{pow, sqrt};
 
-use crate::error::{ModelError, within};
+use crate::error::{ModelError, Parameter, within};
 use crate::head::paper;
 
 /// Lumped line of one port (McIntyre et al.): C at the pump, R and L in series to a reservoir.
@@ -44,10 +44,10 @@ impl Line {
     ///
     /// Refuses parameters outside their ranges.
     pub fn validate(&self) -> Result<(), ModelError> {
-        within("line resistance in kPa s/mL", self.resistance_kpa_s_ml, 0.0..=1e6)?;
-        within("line compliance in mL/kPa", self.compliance_ml_kpa, 1e-6..=1e6)?;
-        within("line inertance in kPa s2/mL", self.inertance_kpa_s2_ml, 1e-6..=1e6)?;
-        within("reservoir pressure in kPa absolute", self.reservoir_kpa, 1e-3..=1e6)
+        within(Parameter::LineResistance, self.resistance_kpa_s_ml, 0.0..=1e6)?;
+        within(Parameter::LineCompliance, self.compliance_ml_kpa, 1e-6..=1e6)?;
+        within(Parameter::LineInertance, self.inertance_kpa_s2_ml, 1e-6..=1e6)?;
+        within(Parameter::ReservoirPressure, self.reservoir_kpa, 1e-3..=1e6)
     }
 
     /// Returns the undamped natural frequency 1 / sqrt(L C), rad/s.

@@ -1,6 +1,6 @@
 //! A pump: dimensions, roller volume and lines, with the flow curves that follow from them.
 
-use crate::error::{Allowed, ModelError, refused, within};
+use crate::error::{Allowed, ModelError, Parameter, refused, within};
 use crate::head::flow_curve::FlowCurve;
 use crate::head::geometry::Geometry;
 use crate::head::port::Port;
@@ -94,7 +94,7 @@ impl Pump {
     /// # Ok::<(), pump_model::ModelError>(())
     /// ```
     pub fn scaled(&self, factor: f64) -> Result<Self, ModelError> {
-        within("displacement factor", factor, Allowed::POSITIVE)?;
+        within(Parameter::DisplacementFactor, factor, Allowed::POSITIVE)?;
         Ok(Self {
             roller_volume: self.roller_volume.scaled(factor),
             inlet_curve: self.inlet_curve.scaled(factor),
@@ -109,7 +109,7 @@ impl Pump {
     ///
     /// Refuses an angle that is not finite, and a second shift for which the curves have no room.
     pub fn shifted(&self, zero_rad: f64) -> Result<Self, ModelError> {
-        const SHIFT: &str = "shift of the zero in rad";
+        const SHIFT: Parameter = Parameter::ZeroShift;
         within(SHIFT, zero_rad, Allowed::FINITE)?;
         match [&self.inlet_curve, &self.outlet_curve].map(|curve| curve.shifted(zero_rad)) {
             [Some(inlet_curve), Some(outlet_curve)] => Ok(Self { inlet_curve, outlet_curve, ..*self }),

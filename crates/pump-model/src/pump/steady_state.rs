@@ -1,6 +1,6 @@
 //! The periodic steady state at constant speed, in closed form.
 
-use crate::error::{ModelError, refused};
+use crate::error::{ModelError, Parameter, refused};
 use crate::head::port::Port;
 use crate::line::exact_run::ExactRun;
 use crate::line::extremes::Extremes;
@@ -28,6 +28,7 @@ const MOST_STEPS: f64 = 1e6;
 /// # Ok::<(), pump_model::ModelError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct SteadyState {
     /// Range of the inlet pressure, kPa absolute.
     pub inlet: Extremes,
@@ -48,7 +49,7 @@ pub(crate) fn moving(speed_rad_s: f64) -> Result<(), ModelError> {
     if speed_rad_s.is_finite() && speed_rad_s != 0.0 {
         Ok(())
     } else {
-        Err(refused("speed in rad/s", speed_rad_s, "a finite speed other than zero"))
+        Err(refused(Parameter::Speed, speed_rad_s, "a finite speed other than zero"))
     }
 }
 

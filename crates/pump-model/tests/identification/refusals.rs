@@ -2,7 +2,7 @@
 
 use pump_model::identification::{
     ComplianceFit, FlowPoint, IdentificationError, InjectionPoint, LineFit, PressureSample, Recording,
-    ResistanceFit, RotorMotion, Sought,
+    ResistanceFit, RotorMotion, Sought, SoughtParameter,
 };
 use pump_model::{Leg, Line, Port, Pump};
 
@@ -80,7 +80,10 @@ fn records_that_determine_nothing_are_refused() {
     let late = [Leg { start_s: 10.0, ..legs[0] }];
     let mean = Sought::LINE.with_compliance(false).with_inertance(false);
     let error = LineFit::of(&pump, &recording(&flat, RotorMotion::FromRest(&late)), mean).unwrap_err();
-    assert!(matches!(error, IdentificationError::Undetermined { parameter: "resistance", .. }), "{error}");
+    assert!(
+        matches!(error, IdentificationError::Undetermined { parameter: SoughtParameter::Resistance, .. }),
+        "{error}"
+    );
 
     let frictionless = Line { resistance_kpa_s_ml: 0.0, ..Line::PUBLISHED };
     let pump = Pump::new(*pump.geometry(), *pump.roller_volume(), frictionless, frictionless).unwrap();

@@ -41,6 +41,9 @@ Missed: TypeAlias = Literal["skip", "now"]
 Model: TypeAlias = Literal["flow-centric", "roller-centric"]
 #: Panel of `plot`.
 Panel: TypeAlias = Literal["flow", "pressure", "speed", "delivered"]
+#: Source of the rotor's angle. "recorded" follows from the motions on record, and "assumed" is the middle of
+#: the angles that an unknown angle may be.
+PhaseSource: TypeAlias = Literal["home", "mark", "recorded", "given", "assumed"]
 #: Port of a pump.
 Port: TypeAlias = Literal["inlet", "outlet"]
 #: Purpose of a motion.

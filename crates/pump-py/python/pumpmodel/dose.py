@@ -8,6 +8,7 @@ from pumpmodel.choices import (
     Finish,
     InletLimit,
     LimitedBy,
+    PhaseSource,
     Purpose,
     UncertaintySource,
     UncheckedLimit,
@@ -30,7 +31,7 @@ class Phase(Record):
     """The source of a start angle and its half width."""
 
     known: bool
-    source: str
+    source: PhaseSource
     half_width_deg: float
 
 
@@ -192,7 +193,7 @@ class Status(Record):
     angle_deg: float
     half_width_deg: float
     angle_known: bool
-    angle_source: str
+    angle_source: PhaseSource
     disturbances: int
     device_count: int | None
     carry_ml: float

@@ -73,8 +73,10 @@ impl Bench {
         let (runs, fit) = (runs_of(runs)?, fit_named(fit)?);
         let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);
         self.kept(py, move |file, before| {
-            let calibration = DoseCalibration::of_runs(file, Source::Guided, runs, fit, &expected, before)?;
-            Ok((DoseCalibration { tube, note, ..calibration }, ()))
+            let mut calibration =
+                DoseCalibration::of_runs(file, Source::Guided, runs, fit, &expected, before)?;
+            (calibration.tube, calibration.note) = (tube, note);
+            Ok((calibration, ()))
         })
         .map(|(stored, ())| stored)
     }
@@ -103,9 +105,10 @@ impl Bench {
             .collect();
         let expected = Expected::of(self.bench.file(), reading_ml(scale, self.bench.file())?);
         self.kept(py, move |file, before| {
-            let (calibration, found) = DoseCalibration::of_short_doses(file, doses, &expected, before)?;
-            let tube = tube.or(calibration.tube);
-            Ok((DoseCalibration { tube, note, ..calibration }, numbers(&found)))
+            let (mut calibration, found) = DoseCalibration::of_short_doses(file, doses, &expected, before)?;
+            calibration.tube = tube.or(calibration.tube);
+            calibration.note = note;
+            Ok((calibration, numbers(&found)))
         })
     }
 

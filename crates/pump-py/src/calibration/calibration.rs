@@ -274,7 +274,7 @@ impl Calibration {
         let version = version.ok_or_else(|| none(&"`version` must be a whole number"))?;
         let calibration: DoseCalibration = serde_json::from_value(data).map_err(|error| none(&error))?;
         calibration.check_schema().map_err(|error| none(&error))?;
-        Ok(Self(Stored { version, calibration }))
+        Ok(Self(Stored::new(version, calibration)))
     }
 }
 
@@ -289,7 +289,7 @@ impl Calibration {
         let fit = fit_named(fit)?;
         let expected = Expected::of(file, reading_ml(scale, file)?);
         let calibration = DoseCalibration::of_runs(file, Source::File, runs, fit, &expected, None);
-        Ok(Self(Stored { version: 0, calibration: calibration.map_err(errors::calibration)? }))
+        Ok(Self(Stored::new(0, calibration.map_err(errors::calibration)?)))
     }
 
     fn json(&self) -> String {

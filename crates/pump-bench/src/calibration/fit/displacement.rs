@@ -20,6 +20,7 @@ use crate::displacement::DisplacementLaw;
 /// squares, or a law with that line beside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "stored::StoredDisplacement", into = "stored::StoredDisplacement")]
+#[non_exhaustive]
 pub struct Displacement {
     /// Weighted mean speed of the runs, in r/min. Factor and slope are independent there.
     pub reference_rpm: f64,

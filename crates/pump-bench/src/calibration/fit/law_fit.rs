@@ -22,6 +22,7 @@ use crate::pump_file::PumpFile;
 /// speed's place.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct LawFit {
     /// s: volume between two rollers over that of the round tube.
     pub scale: f64,

@@ -21,6 +21,7 @@ const NEEDED: usize = 5;
 
 /// Roller volume, engagement angle and zero of a pump by short doses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct PhaseFit {
     /// V_r, in mL.
     pub roller_volume_ml: Estimate,

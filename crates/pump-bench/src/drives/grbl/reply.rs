@@ -50,6 +50,7 @@ pub enum Reply {
 
 /// Status report of a board.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct BoardStatus {
     /// State of the board.
     pub state: BoardState,

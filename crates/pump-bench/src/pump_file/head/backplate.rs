@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 /// The table `[backplate]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct BackplateTable {
     /// Radius of the backplate r_b, in mm.
     pub radius_mm: f64,

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 /// The table `[rollers]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct RollersTable {
     /// Number of rollers, NU.
     pub count: u32,

@@ -7,6 +7,7 @@ use crate::pump_file::range::{WrongValue, positive, within_if_given};
 /// The table `[tube]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct TubeTable {
     /// Radius of the bore r_i, in mm.
     pub bore_radius_mm: f64,

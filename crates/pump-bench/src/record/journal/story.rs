@@ -26,10 +26,7 @@ const HEAD: u64 = 4096;
 #[non_exhaustive]
 pub enum JournalError {
     /// The file cannot be read or written.
-    #[error(
-        "cannot {action} {}: {source}; {}choose another folder with --state-dir or DOSE_STATE_DIR",
-        .path.display(), remedy(source)
-    )]
+    #[error("cannot {action} {}: {source}", .path.display())]
     File {
         /// Operation that failed.
         action: &'static str,
@@ -40,8 +37,7 @@ pub enum JournalError {
     },
     /// A line before the end of the file is damaged.
     #[error(
-        "{line} of the journal {} is damaged: {message}; neither the rotor's angle nor the carry is \
-         known: see where the rollers stand, move the file away, and say so with `dose home --set <ANGLE>`",
+        "{line} of the journal {} is damaged: {message}; neither the rotor's angle nor the carry is known",
         .path.display()
     )]
     Damaged {
@@ -54,8 +50,8 @@ pub enum JournalError {
     },
     /// A newer version wrote the journal.
     #[error(
-        "the journal {} has format {format}, and this version reads formats 1 to {FORMAT}: use the version of \
-         `dose` that wrote it, or a newer one",
+        "the journal {} has format {format}, and this version reads formats 1 to {FORMAT}: use the version \
+         that wrote it, or a newer one",
         .path.display()
     )]
     Newer {
@@ -64,15 +60,6 @@ pub enum JournalError {
         /// Format of the journal.
         format: u32,
     },
-}
-
-/// Words the first remedy of an error of the system, if one is known.
-fn remedy(error: &io::Error) -> &'static str {
-    match error.kind() {
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => "make room there, or ",
-        ErrorKind::PermissionDenied => "give this user access to it, or ",
-        _ => "",
-    }
 }
 
 /// Contents of a journal at its end.

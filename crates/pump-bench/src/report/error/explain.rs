@@ -3,10 +3,12 @@
 use std::fmt::Display;
 
 use super::kind::ErrorKind;
+use super::remedy::Remedy;
 use crate::report::ending::Ending;
 
 /// Facts of an error, as programs read them.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ErrorFacts {
     /// Kind of the error.
     pub kind: ErrorKind,
@@ -44,6 +46,12 @@ pub trait Explain: Display {
     fn ending(&self) -> Ending {
         Ending::Refused
     }
+
+    /// Returns the remedies of the error, in the order in which they are to be tried. The text of the error has
+    /// none of them: the command and Python word remedies in ways of their own.
+    fn remedies(&self) -> Vec<Remedy> {
+        Vec::new()
+    }
 }
 
 impl<E: Explain> Explain for &E {
@@ -53,5 +61,9 @@ impl<E: Explain> Explain for &E {
 
     fn ending(&self) -> Ending {
         (*self).ending()
+    }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        (*self).remedies()
     }
 }

@@ -4,6 +4,7 @@ use pump_model::Shown;
 
 use super::explain::{ErrorFacts, Explain};
 use super::kind::ErrorKind;
+use super::remedy::Remedy;
 use crate::dosing::{DoseError, ScheduleError};
 use crate::drives::DriveError;
 use crate::record::{FolderError, JournalError};
@@ -53,6 +54,10 @@ impl Explain for DoseError {
     fn ending(&self) -> Ending {
         Self::ending(self)
     }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        self.known_remedies()
+    }
 }
 
 impl Explain for FolderError {
@@ -67,11 +72,19 @@ impl Explain for FolderError {
     fn ending(&self) -> Ending {
         Self::ending(self)
     }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        self.known_remedies()
+    }
 }
 
 impl Explain for JournalError {
     fn facts(&self) -> ErrorFacts {
         ErrorFacts::of(ErrorKind::Record)
+    }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        self.known_remedies()
     }
 }
 
@@ -94,8 +107,8 @@ impl Explain for DriveError {
 impl Explain for ScheduleError {
     fn facts(&self) -> ErrorFacts {
         match self {
-            Self::OutOfRange { value, least, most, .. } => {
-                ErrorFacts::of(ErrorKind::Range).value(Shown(*value)).allowed(format!("{least} to {most}"))
+            Self::OutOfRange { value, allowed, .. } => {
+                ErrorFacts::of(ErrorKind::Range).value(Shown(*value)).allowed(allowed)
             }
         }
     }

@@ -7,6 +7,7 @@ use pump_model::Shown;
 
 use super::explain::{ErrorFacts, Explain};
 use super::kind::ErrorKind;
+use super::remedy::Remedy;
 use crate::calibration::CalibrationError;
 use crate::export::PlotError;
 use crate::files::{FileError, TableError};
@@ -120,5 +121,9 @@ impl Explain for CalibrationError {
             Self::NoSpeed { .. } | Self::NoLaw { .. } | Self::Undetermined { .. } => facts,
             Self::Model(error) => error.facts(),
         }
+    }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        self.known_remedies()
     }
 }

@@ -101,7 +101,7 @@ impl Explain for IdentificationError {
         let facts = ErrorFacts::of(ErrorKind::Identification);
         match self {
             Self::TooFew { given, needed, .. } => facts.value(given).allowed(format!("{needed} at least")),
-            Self::Value { value, allowed, .. } => facts.value(Shown(*value)).allowed(allowed),
+            Self::OutOfRange { value, allowed, .. } => facts.value(Shown(*value)).allowed(allowed),
             Self::Unexplained { explained_percent, least_percent } => facts
                 .value(format!("{explained_percent:.1} %"))
                 .allowed(format!("{least_percent} % at least")),

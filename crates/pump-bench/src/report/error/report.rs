@@ -17,6 +17,7 @@ use super::kind::ErrorKind;
 /// assert!(report.ends_with(r#""value":"10","allowed":"a time with its unit, as 1.5s","moved":false}"#));
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
 pub struct ErrorReport<'a> {
     /// Schema of the report, `error/1`.
     pub schema: &'static str,

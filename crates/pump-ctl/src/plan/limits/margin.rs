@@ -4,6 +4,7 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Margin {
     /// Worst predicted value, kPa absolute or N m. A pressure includes the change by a single motor step.
     pub reached: f64,

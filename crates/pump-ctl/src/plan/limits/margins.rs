@@ -11,6 +11,7 @@ use crate::step::Direction;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Margins {
     /// Margin of the largest pressure at the discharge port.
     pub outlet: Option<Margin>,

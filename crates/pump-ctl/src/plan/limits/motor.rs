@@ -4,6 +4,8 @@ use pump_model::units::TURN_RAD;
 
 use crate::plan::words::{Allowed, PlanError};
 
+use crate::parameter::Parameter;
+
 /// The stepper motor, as seen at the pump head.
 ///
 /// ```
@@ -62,12 +64,12 @@ impl Motor {
     }
 
     /// Fails with the name, the value and the range of a value that is out of its range.
-    pub(super) fn in_range(&self) -> Result<(), (&'static str, f64, Allowed)> {
+    pub(super) fn in_range(&self) -> Result<(), (Parameter, f64, Allowed)> {
         let ranges = [
-            ("steps per revolution", self.steps_per_rev, Allowed::Between { least: 4.0, most: 1e9 }),
-            ("largest speed in rad/s", self.max_speed_rad_s, Allowed::Between { least: 1e-9, most: 1e4 }),
+            (Parameter::StepsPerRev, self.steps_per_rev, Allowed::Between { least: 4.0, most: 1e9 }),
+            (Parameter::LargestSpeed, self.max_speed_rad_s, Allowed::Between { least: 1e-9, most: 1e4 }),
             (
-                "largest acceleration in rad/s2",
+                Parameter::LargestAcceleration,
                 self.max_acceleration_rad_s2,
                 Allowed::Between { least: 1e-6, most: 1e7 },
             ),

@@ -1,5 +1,6 @@
 //! The pressure limits of a dose.
 
+use crate::parameter::Parameter;
 use crate::plan::words::{Allowed, PlanError, SetBy, within};
 
 /// The pressures that the user has set as limits. A limit of `None` is not checked.
@@ -36,14 +37,10 @@ impl PressureLimits {
 
     pub(super) fn validate(&self) -> Result<(), PlanError> {
         if let Some(kpa) = self.max_outlet_kpa {
-            within(
-                "outlet pressure limit in kPa absolute",
-                kpa,
-                Allowed::Between { least: 1e-9, most: 1e6 },
-            )?;
+            within(Parameter::OutletLimit, kpa, Allowed::Between { least: 1e-9, most: 1e6 })?;
         }
         if let Some(kpa) = self.min_inlet_kpa {
-            within("inlet pressure limit in kPa absolute", kpa, Allowed::EitherWay { most: 1e6 })?;
+            within(Parameter::InletLimit, kpa, Allowed::EitherWay { most: 1e6 })?;
         }
         Ok(())
     }
@@ -62,6 +59,6 @@ pub struct Lowest {
 
 impl Lowest {
     pub(super) fn validate(&self) -> Result<(), PlanError> {
-        within("smallest pressure in kPa absolute", self.kpa, Allowed::EitherWay { most: 1e6 })
+        within(Parameter::SmallestPressure, self.kpa, Allowed::EitherWay { most: 1e6 })
     }
 }

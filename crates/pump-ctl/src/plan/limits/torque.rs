@@ -3,6 +3,7 @@
 use pump_model::Pump;
 
 use super::torque_curve::TorqueCurve;
+use crate::parameter::Parameter;
 use crate::plan::words::{Allowed, PlanError, within};
 
 /// Torque of 1 kPa mL/rad, N m.
@@ -62,9 +63,9 @@ impl Torque {
 
     pub(super) fn validate(&self) -> Result<(), PlanError> {
         let allowed = Allowed::Between { least: 0.0, most: 1e6 };
-        within("occlusion torque in N m", self.occlusion_n_m, allowed)?;
-        within("inertia in kg m2", self.inertia_kg_m2, allowed)?;
-        within("ambient pressure in kPa absolute", self.ambient_kpa, allowed)
+        within(Parameter::OcclusionTorque, self.occlusion_n_m, allowed)?;
+        within(Parameter::Inertia, self.inertia_kg_m2, allowed)?;
+        within(Parameter::AmbientPressure, self.ambient_kpa, allowed)
     }
 
     /// Returns the torque that the motor has to give in the direction of motion, N m, by power balance. It is

@@ -2,6 +2,7 @@
 
 use super::doser::Doser;
 use super::start::Start;
+use crate::parameter::Parameter;
 use crate::plan::Plan;
 use crate::plan::line_states::LineStates;
 use crate::plan::target::nearest_steps;
@@ -51,7 +52,7 @@ impl Doser<'_> {
         Request { volume_ml, carry_in_ml, cruise, smooth, finish, turned }.validate()?;
         if limits.motor.step_rad() != plan.step_rad {
             return Err(PlanError::OutOfRange {
-                parameter: "steps per revolution of a dose under way",
+                parameter: Parameter::StepsPerRevUnderWay,
                 value: limits.motor.steps_per_rev,
                 allowed: Allowed::Words("those that it was planned with"),
             });

@@ -14,6 +14,7 @@ use crate::plan::words::PlanError;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
 pub struct Prediction {
     /// Range of the pressure at the inlet, kPa absolute.
     pub inlet: Extremes,

@@ -5,6 +5,8 @@ use core::fmt;
 use pump_model::{Allowed, ModelError, Port, Shown};
 use thiserror::Error;
 
+use crate::parameter::Parameter;
+
 use super::set_by::SetBy;
 use crate::step::Direction;
 
@@ -81,8 +83,8 @@ pub enum PlanError {
     /// A parameter is outside its range.
     #[error("{parameter} is {}; allowed: {allowed}", Shown(*value))]
     OutOfRange {
-        /// Name of the parameter, with its unit.
-        parameter: &'static str,
+        /// Parameter that was given.
+        parameter: Parameter,
         /// Value that was given.
         value: f64,
         /// Values that are accepted.
@@ -306,10 +308,6 @@ pub enum PlanError {
 }
 
 /// Refuses a value of `parameter` that is not allowed.
-pub(in crate::plan) fn within(
-    parameter: &'static str,
-    value: f64,
-    allowed: Allowed,
-) -> Result<(), PlanError> {
+pub(in crate::plan) fn within(parameter: Parameter, value: f64, allowed: Allowed) -> Result<(), PlanError> {
     if allowed.admits(value) { Ok(()) } else { Err(PlanError::OutOfRange { parameter, value, allowed }) }
 }

@@ -2,6 +2,8 @@
 
 use pump_model::{Allowed, Pump};
 
+use crate::parameter::Parameter;
+
 use super::error::{PlanError, within};
 
 /// Angle of the rotor, and the uncertainty of that angle.
@@ -91,7 +93,7 @@ impl Phase {
     /// # Errors
     /// [`PlanError::OutOfRange`] with the parameter, its value and the allowed range.
     pub fn validate(&self) -> Result<(), PlanError> {
-        within("start angle in rad", self.angle_rad, Allowed::EitherWay { most: 1e6 })?;
-        within("half width of the start angle in rad", self.half_width_rad, Allowed::NotNegative)
+        within(Parameter::StartAngle, self.angle_rad, Allowed::EitherWay { most: 1e6 })?;
+        within(Parameter::StartHalfWidth, self.half_width_rad, Allowed::NotNegative)
     }
 }

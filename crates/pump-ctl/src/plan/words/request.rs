@@ -3,6 +3,8 @@
 use pump_model::Allowed;
 
 use super::cruise::Cruise;
+use crate::parameter::Parameter;
+
 use super::error::{PlanError, within};
 use super::finish::Finish;
 use super::turned::Turned;
@@ -86,13 +88,13 @@ impl Request {
     }
 
     pub(in crate::plan) fn validate(&self) -> Result<(), PlanError> {
-        within("volume in mL", self.volume_ml, Allowed::EitherWayNotZero { most: MAX_VOLUME_ML })?;
-        within("carry of earlier doses in mL", self.carry_in_ml, Allowed::EitherWay { most: MAX_VOLUME_ML })?;
+        within(Parameter::Volume, self.volume_ml, Allowed::EitherWayNotZero { most: MAX_VOLUME_ML })?;
+        within(Parameter::Carry, self.carry_in_ml, Allowed::EitherWay { most: MAX_VOLUME_ML })?;
         self.turned.map_or(Ok(()), |turned| turned.validate())?;
         let (parameter, value) = match self.cruise {
-            Cruise::Flow { ml_s } => ("rate in mL/s", ml_s),
-            Cruise::Speed { rad_s } => ("speed in rad/s", rad_s),
-            Cruise::Within { time_s } => ("time in s", time_s),
+            Cruise::Flow { ml_s } => (Parameter::Rate, ml_s),
+            Cruise::Speed { rad_s } => (Parameter::Speed, rad_s),
+            Cruise::Within { time_s } => (Parameter::Time, time_s),
             Cruise::Fastest => return Ok(()),
         };
         within(parameter, value, Allowed::Positive)

@@ -2,6 +2,8 @@
 
 use pump_model::{Allowed, Pump};
 
+use crate::parameter::Parameter;
+
 use super::error::{PlanError, within};
 use super::phase::Phase;
 
@@ -84,7 +86,7 @@ impl Turned {
         self.start.validate()?;
         // A thousand of the largest doses.
         let allowed = || Allowed::EitherWay { most: 1e9 };
-        within("least turn of earlier doses in rad", self.least_rad, allowed())?;
-        within("most turn of earlier doses in rad", self.most_rad, allowed())
+        within(Parameter::LeastTurn, self.least_rad, allowed())?;
+        within(Parameter::MostTurn, self.most_rad, allowed())
     }
 }

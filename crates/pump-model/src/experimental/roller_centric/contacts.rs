@@ -2,7 +2,7 @@
 
 use libm::{ceil, floor, round};
 
-use crate::error::{ModelError, refused};
+use crate::error::{ModelError, Parameter, refused};
 use crate::head::pulses::SAME_EDGE_RAD;
 use crate::head::roller_volume;
 use crate::math::polynomial::Polynomial;
@@ -65,7 +65,7 @@ impl Edges {
         let contacts = ceil((way.sealed_rad + 2.0 * way.engagement_rad) / way.pitch_rad);
         if contacts > MAX_CONTACTS as f64 {
             let allowed = "13 at most; the roller-centric model has room for 12 segments";
-            return Err(refused("number of rollers in contact at once", contacts, allowed));
+            return Err(refused(Parameter::RollersInContact, contacts, allowed));
         }
         let mut edges = Self { start_rad: [0.0; MAX_EDGES], count: 1, pitch_rad: way.pitch_rad };
         let pieces = pump.roller_volume().pieces().iter().map(|piece| piece.start_rad);
@@ -96,11 +96,7 @@ impl Edges {
             if off > SAME_FLOW * nominal {
                 let allowed = "0; the roller-centric model takes no shift of the zero, so give it the pump \
                                before the shift";
-                return Err(refused(
-                    "flow at the rollers less that of the flow curves in mL/rad",
-                    off,
-                    allowed,
-                ));
+                return Err(refused(Parameter::FlowMismatch, off, allowed));
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Parameters of the roller-centric model.
 
 use crate::drawing::drawing::Drawing;
-use crate::error::{Allowed, ModelError, refused, within};
+use crate::error::{Allowed, ModelError, Parameter, refused, within};
 use crate::head::paper;
 use crate::pump::pump::Pump;
 
@@ -65,22 +65,22 @@ impl RollerCentric {
     /// Refuses parameters outside their ranges, a closure angle beyond phi, and rollers that leave no volume
     /// between them.
     pub fn validate(&self, pump: &Pump) -> Result<(), ModelError> {
-        within("scale of the segments", self.scale, 0.5..=2.0)?;
-        within("distensibility in 1/kPa", self.distensibility_per_kpa, 1e-9..=1.0)?;
-        within("resistance of an open roller in kPa s/mL", self.valve_resistance_kpa_s_ml, 1e-9..=1e3)?;
-        within("closure angle in rad", self.closure_rad, Allowed::POSITIVE)?;
+        within(Parameter::SegmentScale, self.scale, 0.5..=2.0)?;
+        within(Parameter::Distensibility, self.distensibility_per_kpa, 1e-9..=1.0)?;
+        within(Parameter::OpenRollerResistance, self.valve_resistance_kpa_s_ml, 1e-9..=1e3)?;
+        within(Parameter::ClosureAngle, self.closure_rad, Allowed::POSITIVE)?;
         if self.closure_rad > pump.roller_volume().engagement_rad() {
             let allowed = "no more than the engagement angle phi; state a smaller one if the dimensions give \
                            more than a measured phi";
-            return Err(refused("closure angle in rad", self.closure_rad, allowed));
+            return Err(refused(Parameter::ClosureAngle, self.closure_rad, allowed));
         }
-        within("ambient pressure in kPa absolute", self.ambient_kpa, Allowed::POSITIVE)?;
+        within(Parameter::AmbientPressure, self.ambient_kpa, Allowed::POSITIVE)?;
         // The smallest segment is that between two engaged rollers.
         let segment_ml =
             self.scale * pump.nominal_ml_rad() * pump.pitch_rad() - pump.roller_volume().total_ml();
         if segment_ml <= 0.0 {
             let allowed = "a positive number: a larger scale or fewer rollers";
-            return Err(refused("volume between two rollers in mL", segment_ml, allowed));
+            return Err(refused(Parameter::SegmentVolume, segment_ml, allowed));
         }
         Ok(())
     }

@@ -17,6 +17,7 @@ use super::parameters::RollerCentric;
 
 /// Pressures, flows and volumes of the pump at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct RollerSample {
     /// Pressure at the inlet, kPa absolute.
     pub inlet_kpa: f64,

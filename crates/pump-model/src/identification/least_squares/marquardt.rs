@@ -35,6 +35,7 @@ pub trait Residuals<const N: usize> {
 
 /// End of a search.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Found<const N: usize> {
     /// Parameters where the search ended.
     pub at: [f64; N],
