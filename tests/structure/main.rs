@@ -2,6 +2,7 @@
 
 mod graph;
 mod names;
+mod signatures;
 mod sources;
 
 use std::collections::BTreeMap;
@@ -9,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 use graph::Graph;
 use names::Names;
+use signatures::Signatures;
 use sources::Sources;
 
 /// The folder of the workspace.
@@ -77,6 +79,19 @@ fn no_arrow_runs_from_a_crate_to_the_command() {
     for (file, others) in house().arrows() {
         let up = others.iter().find(|other| file.starts_with("crates") && other.starts_with("src"));
         assert_eq!(up, None, "{} names it", file.display());
+    }
+}
+
+#[test]
+fn no_public_signature_names_a_foreign_type() {
+    for (path, module) in Sources::of_workspace(root()).modules {
+        if !["pump_model", "pump_ctl", "pump_bench"].contains(&path[0].as_str()) {
+            continue;
+        }
+        let mut signatures = Signatures::default();
+        module.items.iter().for_each(|item| signatures.look_at(item));
+        let file = module.file.display();
+        assert!(signatures.found.is_empty(), "{file} promises {:?}", signatures.found);
     }
 }
 

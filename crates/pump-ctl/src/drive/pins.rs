@@ -1,5 +1,7 @@
 //! The pins of a stepper driver: step, direction, enable, and an index input.
 
+use core::fmt;
+
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{Error, ErrorKind, ErrorType, InputPin, OutputPin};
 
@@ -49,8 +51,20 @@ pub enum Pin {
     Index,
 }
 
+impl fmt::Display for Pin {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.write_str(match self {
+            Self::Step => "step pin",
+            Self::Direction => "direction pin",
+            Self::Enable => "enable pin",
+            Self::Index => "pin of the index sensor",
+        })
+    }
+}
+
 /// A pin that could not be set or read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the {pin} could not be set or read: {kind}")]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct PinFault {
     /// Pin that failed.
