@@ -9,7 +9,8 @@ pump_model::named_quantities! {
     /// use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, PlanError, Request};
     /// use pump_model::Pump;
     ///
-    /// let doser = Doser::new(&Pump::three_roller(), Limits::new(Motor::new(12_800.0, 17.8, 500.0)))?;
+    /// let pump = Pump::three_roller();
+    /// let doser = Doser::new(&pump, Limits::new(Motor::new(12_800.0, 17.8, 500.0)))?;
     /// let refused = doser.plan(Phase::known(0.0), &Request::new(25.0, Cruise::Flow { ml_s: -5.0 }));
     /// let Err(PlanError::OutOfRange { parameter, value, .. }) = refused else { panic!("it is refused") };
     /// assert_eq!((parameter, value), (Parameter::Rate, -5.0));
