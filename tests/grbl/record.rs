@@ -181,7 +181,7 @@ fn a_dose_within_a_time_ends_where_a_slow_disk_would_have_it_pause() {
     assert_eq!((starts, error.ending()), (1, Ending::Moved));
     assert!(matches!(error, DoseError::SlowDisk { must_not_pause: true, .. }), "{error}");
     let text = error.to_string();
-    assert!(text.contains("--within") && text.contains("journal.jsonl"), "{text}");
+    assert!(text.contains("a dose in a given time") && text.contains("journal.jsonl"), "{text}");
     // The disk is fast enough for the same dose.
     assert!(dose_slowly(Duration::from_millis(100), request).delivered.unwrap().completed);
 }
