@@ -16,6 +16,8 @@ pub trait Forcing {
 }
 
 impl Forcing for Stretch {
+    // Inlined, so that a derivative that does not need the flow does not compute it.
+    #[inline]
     fn flow_ml_s(&self, t_s: f64) -> f64 {
         Self::flow_ml_s(self, t_s)
     }

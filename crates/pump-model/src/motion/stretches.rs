@@ -33,6 +33,7 @@ impl Stretch {
 
     /// Returns the flow at the rollers at time `t_s`, mL/s. It holds a little outside the stretch too: the
     /// polynomial goes on.
+    #[inline]
     pub fn flow_ml_s(&self, t_s: f64) -> f64 {
         let elapsed = t_s - self.leg.start_s;
         let speed = self.leg.speed_rad_s + self.leg.acceleration_rad_s2 * elapsed;

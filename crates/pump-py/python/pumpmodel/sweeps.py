@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from pumpmodel._pumpmodel import Pump, _steady_states
 from pumpmodel._results.optional import optional
 from pumpmodel._results.tables import COLUMNS
+from pumpmodel.choices import SteadyQuantity
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,17 +27,7 @@ _Progress: TypeAlias = Callable[[int, int], object]
 # Number of points in a task for an executor: about a tenth of a second of work.
 _TASK = 2000
 
-RESULTS = (
-    "inlet_min_kpa",
-    "inlet_max_kpa",
-    "inlet_mean_kpa",
-    "outlet_min_kpa",
-    "outlet_max_kpa",
-    "outlet_mean_kpa",
-    "mean_flow_ml_s",
-    "ripple_peak_to_peak",
-    "ripple_rms",
-)
+RESULTS: tuple[SteadyQuantity, ...] = get_args(SteadyQuantity)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

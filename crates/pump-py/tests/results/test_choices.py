@@ -1,3 +1,4 @@
+import dataclasses
 import re
 import typing
 from pathlib import Path
@@ -8,7 +9,6 @@ import pumpmodel as pm
 from pumpmodel import choices
 from pumpmodel._pumpmodel import _choices
 from pumpmodel.plotting.waveform import _PANELS
-from pumpmodel.sweeps import RESULTS
 
 TYPES = {name: typing.get_args(of) for name, of in vars(choices).items() if typing.get_args(of)}
 # The words of these are in Python alone.
@@ -24,7 +24,8 @@ def test_every_type_has_the_words_of_the_library() -> None:
 
 def test_the_types_of_pictures_and_kinds_have_the_words_that_are_taken() -> None:
     assert TYPES["Panel"] == tuple(_PANELS)
-    assert TYPES["SteadyQuantity"] == RESULTS
+    # A sweep has its pumps and both speeds, then its results.
+    assert TYPES["SteadyQuantity"] == tuple(field.name for field in dataclasses.fields(pm.Sweep)[3:])
     found = (
         pm.identify_resistance([10, 20, 40, 60], drop_kpa=[1.11, 2.21, 4.44, 6.64]),
         pm.identify_compliance([0, 0.1, 0.2, 0.3, 0.4], [88.6, 91.4, 94.2, 96.9, 99.7]),

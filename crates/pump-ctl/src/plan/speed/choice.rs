@@ -51,7 +51,10 @@ pub(in crate::plan) fn choose(
         }
         Cruise::Fastest => {
             return match fastest(pump, limits, limit_rad_s, &at_speed)? {
-                Ok((_, plan)) => short_enough(plan),
+                Ok((_, plan)) => {
+                    short_enough(&plan)?;
+                    Ok(plan)
+                }
                 Err((bound, margin)) => {
                     let direction = at_speed(limit_rad_s).direction();
                     Err(refusal(limits, direction, bound, margin, Nearest::Nothing))
@@ -59,7 +62,7 @@ pub(in crate::plan) fn choose(
             };
         }
     };
-    let plan = short_enough(plan)?;
+    short_enough(&plan)?;
     let Some((bound, margin)) = limits.margins(pump, &plan).broken() else {
         return Ok(plan);
     };
@@ -71,7 +74,7 @@ pub(in crate::plan) fn choose(
 }
 
 /// Refuses a plan that takes longer than any controller keeps time.
-fn short_enough(plan: Plan) -> Result<Plan, PlanError> {
+fn short_enough(plan: &Plan) -> Result<(), PlanError> {
     let duration_s = plan.profile.duration_s();
-    if duration_s <= MAX_DURATION_S { Ok(plan) } else { Err(PlanError::TooSlow { duration_s }) }
+    if duration_s <= MAX_DURATION_S { Ok(()) } else { Err(PlanError::TooSlow { duration_s }) }
 }

@@ -6,6 +6,9 @@ use libm::{ceil, floor, log10, pow};
 const DIGITS: f64 = 5.0;
 
 /// Returns the power of ten that makes [`DIGITS`] digits of a positive number whole.
+///
+/// It is cold: refusals alone round, and its powers inlined wherever they do would take 4 kB of flash.
+#[cold]
 pub(super) fn scale(x: f64) -> f64 {
     pow(10.0, DIGITS - 1.0 - floor(log10(x)))
 }
