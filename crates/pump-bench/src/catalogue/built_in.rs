@@ -103,7 +103,7 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
         },
         speed_law: SpeedLawTable::default(),
         inlet: line.clone(),
-        outlet: line,
+        outlet: line.into(),
         motor: motor(rollers),
         fluid: water(),
         ambient: AmbientTable { pressure_kpa: 85.7 },
@@ -137,6 +137,7 @@ fn water() -> FluidTable {
         viscosity_mpa_s: None,
         bulk_modulus_mpa: None,
         vapour_kpa: None,
+        surface_tension_mn_m: None,
     }
 }
 

@@ -52,7 +52,7 @@ impl DrawnPump {
         file.roller_volume = self.roller_volume.clone();
         let line = self.line();
         file.inlet = line.clone();
-        file.outlet = line;
+        file.outlet = line.into();
         file.motor.max_speed_rpm = MAX_SPEED_RPM;
         file.pump.default_rate_ml_s =
             two_digits(0.25 * revolution_ml * rad_s(MAX_SPEED_RPM) / core::f64::consts::TAU);

@@ -12,7 +12,7 @@ use super::error::PumpFileError;
 use super::fluid::FluidTable;
 use super::head::{BackplateTable, RollerVolumeTable, RollersTable, TubeTable};
 use super::limits::LimitsTable;
-use super::line::LineTable;
+use super::line::{LineTable, OutletTable};
 use super::motor::MotorTable;
 use super::pump::PumpTable;
 use super::speed_law::SpeedLawTable;
@@ -57,8 +57,8 @@ pub struct PumpFile {
     pub speed_law: SpeedLawTable,
     /// Line from the inlet's reservoir to the pump.
     pub inlet: LineTable,
-    /// Line from the pump to the outlet's reservoir.
-    pub outlet: LineTable,
+    /// Line from the pump to the outlet's reservoir, with its nozzle.
+    pub outlet: OutletTable,
     /// Stepper motor of the pump head.
     pub motor: MotorTable,
     /// Fluid that is pumped.
@@ -126,7 +126,7 @@ impl PumpFile {
         let geometry = self.geometry();
         let volume = self.roller_volume.curve(&geometry)?;
         let line = |table: &LineTable| table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s);
-        Pump::new(geometry, volume, line(&self.inlet)?, line(&self.outlet)?)
+        Pump::new(geometry, volume, line(&self.inlet)?, line(&self.outlet.line)?)
     }
 
     /// Returns the law by which the volume of a revolution depends on the speed, or `None` if every speed has
@@ -172,7 +172,7 @@ impl PumpFile {
     /// Returns the [`ModelError`] of a hose or a fluid that is out of range.
     pub fn frictions(&self) -> Result<[Option<Friction>; 2], ModelError> {
         let friction = |table: &LineTable| table.friction(|| self.fluid.fluid());
-        Ok([friction(&self.inlet)?, friction(&self.outlet)?])
+        Ok([friction(&self.inlet)?, friction(&self.outlet.line)?])
     }
 
     /// Returns true if volumes follow from a drawing that nobody has compared with the pump.

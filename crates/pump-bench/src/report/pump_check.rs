@@ -24,7 +24,7 @@ pub fn pump_check(file: &PumpFile) -> Result<String, DisplacementError> {
         ("step", step_text(file, &pump)),
         ("fluid", fluid_text(file)),
         ("inlet", line_text(file, &file.inlet, pump.inlet())),
-        ("outlet", line_text(file, &file.outlet, pump.outlet())),
+        ("outlet", line_text(file, &file.outlet.line, pump.outlet())),
         ("unsure", uncertainty_text(file)),
     ];
     let lines = lines.into_iter().map(|(name, text)| format!("  {name:<9} {text}\n"));
