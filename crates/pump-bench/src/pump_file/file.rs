@@ -162,7 +162,7 @@ impl PumpFile {
 
     /// Returns the standard uncertainty of a volume that was not weighed, as a part of it.
     pub(crate) fn model_standard(&self) -> f64 {
-        self.law_standard().unwrap_or(self.uncertainty.model_percent / 100.0)
+        self.law_standard().unwrap_or(self.uncertainty.unweighed())
     }
 
     /// Returns the friction in the hoses of inlet and outlet. It is `None` where the file gives a line by its

@@ -26,8 +26,9 @@ pub struct UncertaintyTable {
 impl UncertaintyTable {
     /// Refuses the first uncertainty outside its range.
     pub(super) fn check(&self) -> Result<(), WrongValue> {
-        within("[uncertainty] model_percent", self.model_percent, 0.0..=100.0)
-            .map_err(|wrong| wrong.hint("the paper's pump reaches 2.4, a pump that nobody weighed 6 to 19"))?;
+        within("[uncertainty] model_percent", self.model_percent, 0.0..=100.0).map_err(|wrong| {
+            wrong.hint("the paper's pump reaches 2.4, a pump that nobody weighed 6 to 19")
+        })?;
         within_if_given("[uncertainty] speed_percent", self.speed_percent, 0.0..=100.0)
             .map_err(|wrong| wrong.hint("a pump that nobody weighed has 5.2"))?;
         within("[uncertainty] repeatability_percent", self.repeatability_percent, 0.0..=100.0)

@@ -3,7 +3,7 @@
 use libm::sqrt;
 use pump_model::{ModelError, falling_drop_ml};
 
-use super::{Budget, ShareSource};
+use super::{Budget, Share, ShareSource};
 use crate::pump_file::{OutletEnd, PumpFile};
 
 /// Returns the volume of a drop that falls from the nozzle of `file`, in mL. It is 0 for a nozzle that is immersed.
@@ -32,23 +32,37 @@ impl Budget {
     pub(crate) fn with_outlet(mut self, file: &PumpFile, drop_ml: f64, backflow_ml: f64) -> Self {
         let is_said = file.outlet.end == Some(OutletEnd::Air);
         let lost_ml = if is_said { backflow_ml } else { 0.0 };
-        self.add(
+        let mut share = |source, standard_ml, remedy| {
+            self.shares.push(Share { source, standard_ml, variance_percent: 0.0, remedy });
+        };
+        share(
             ShareSource::Drop,
             drop_ml / sqrt(6.0),
             "immerse the nozzle's end or use a narrower one, and say so: `end`, `nozzle_bore_mm` in [outlet]",
         );
-        self.add(
+        share(
             ShareSource::Backflow,
             lost_ml / sqrt(3.0),
             "dose slower, end with `--finish low-flow`, or immerse the nozzle's end",
         );
         self.with_percentages()
     }
+
+    /// Returns the budget without the share of the back flow.
+    #[must_use]
+    pub(crate) fn beside_back_flow(&self) -> Self {
+        let mut beside = self.clone();
+        beside.shares.retain(|share| share.source != ShareSource::Backflow);
+        beside.with_percentages()
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use pump_ctl::plan::{Cruise, Doser, Phase, Request};
+
     use super::*;
+    use crate::dosing::Swept;
     use crate::pump_file::{HoseTable, LineTable};
 
     fn file() -> PumpFile {
@@ -56,11 +70,16 @@ mod tests {
     }
 
     fn shares_ml(file: &PumpFile, backflow_ml: f64) -> [f64; 2] {
-        let drop_ml = drop_ml(file).unwrap();
-        let budget = Budget { shares: Vec::new() }.with_outlet(file, drop_ml, backflow_ml);
-        [ShareSource::Drop, ShareSource::Backflow].map(|source| {
-            budget.shares.iter().find(|share| share.source == source).unwrap().standard_ml
-        })
+        let pump = file.model().unwrap();
+        let request = Request::new(0.005, Cruise::Flow { ml_s: 0.1 });
+        let plan = Doser::new(&pump, file.limits()).unwrap().plan(Phase::known(0.3), &request).unwrap();
+        let budget = Budget::new(&pump, &Swept::whole(&pump, &plan), &file.uncertainty, None).with_outlet(
+            file,
+            drop_ml(file).unwrap(),
+            backflow_ml,
+        );
+        [ShareSource::Drop, ShareSource::Backflow]
+            .map(|source| budget.shares.iter().find(|share| share.source == source).unwrap().standard_ml)
     }
 
     #[test]

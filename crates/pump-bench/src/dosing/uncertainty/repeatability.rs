@@ -62,11 +62,8 @@ mod tests {
     #[test]
     fn a_scatter_that_was_measured_counts_from_its_own_volume_on() {
         let pump = Pump::three_roller();
-        let verified = UncertaintyTable {
-            repeatability_percent: 0.2,
-            repeatability_at_ml: Some(1.0),
-            ..table()
-        };
+        let verified =
+            UncertaintyTable { repeatability_percent: 0.2, repeatability_at_ml: Some(1.0), ..table() };
         for (volume_ml, standard_ml_) in [(0.25, 0.001), (1.0, 0.002), (25.0, 0.05)] {
             let found = standard_ml(&pump, &verified, None, volume_ml);
             assert!((found - standard_ml_).abs() < 1e-12, "{volume_ml}: {found}");
