@@ -48,7 +48,7 @@ pub(crate) struct Sureness {
     pub(crate) speed_dependence: f64,
     /// Standard deviation of the runs, widened as they are few; 0 if they do not show it.
     pub(crate) repeatability: f64,
-    /// Volume of a run, in mL: the largest of all.
+    /// Volume of a run, in mL: the largest of all; 0 if the runs do not show their scatter.
     pub(crate) run_ml: f64,
     /// Temperature of the fluid of the dose less that of the runs, in °C.
     pub(crate) warmer_degc: f64,

@@ -140,7 +140,7 @@ impl Calibration {
                 displacement.lack_of_fit
             },
             repeatability: displacement.repeatability(),
-            run_ml: self.run_ml(),
+            run_ml: displacement.scatter.standard().map_or(0.0, |_| self.run_ml()),
             warmer_degc: file.fluid.temperature_degc - self.temperature_degc,
         }))
     }

@@ -72,12 +72,15 @@ fn nozzle_text(file: &PumpFile) -> Result<String, DisplacementError> {
 }
 
 fn uncertainty_text(file: &PumpFile) -> String {
-    format!(
-        "{} % of the volume{} and {} mL of a roller (standard uncertainty)",
-        100.0 * file.model_standard(),
-        if file.law_standard().is_some() { " (the speed law's)" } else { "" },
-        file.uncertainty.roller_volume_ml,
-    )
+    let stated = &file.uncertainty;
+    let of_volume = match (file.law_standard(), stated.speed_percent) {
+        (Some(law), _) => format!("{} % of the volume (the speed law's)", 100.0 * law),
+        (None, Some(percent)) => {
+            format!("{} % of the volume, {percent} % of it at a speed,", stated.model_percent)
+        }
+        (None, None) => format!("{} % of the volume", stated.model_percent),
+    };
+    format!("{of_volume} and {} mL of a roller (standard uncertainty)", stated.roller_volume_ml)
 }
 
 /// Warns of rollers that overlap.

@@ -27,7 +27,7 @@ pub(super) fn standard_ml(
 ) -> f64 {
     let scaled = |part: f64, at_ml: f64| part * sqrt(volume_ml * volume_ml.max(at_ml));
     let of_file = table.repeatability_percent / 100.0;
-    let weighed = sureness.filter(|sureness| sureness.repeatability > 0.0);
+    let weighed = sureness.filter(|sureness| sureness.run_ml > 0.0);
     let at_ml = match (table.repeatability_at_ml, weighed) {
         (Some(at_ml), _) => at_ml,
         (None, Some(_)) => 0.0,
