@@ -144,9 +144,13 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
             "# Estimated from the dimensions. Points that you measured would take its place:\n\
              # source = \"measured\"."
         }
-        "[inlet]" | "[outlet]" => {
+        "[inlet]" => {
             "# Estimated: a hose of the pump's tube, with the modulus and the fittings of McIntyre et al.\n\
              # Change it to your hose, or replace it by measured R, C and L."
+        }
+        "[outlet]" => {
+            "# Estimated as the inlet. Say where its nozzle ends: end = \"air\" or \"immersed\", and nozzle_bore_mm.\n\
+             # Without them it is in air, and a drop hangs from the hose's bore."
         }
         "[motor]" => "# Assumed: a drawing does not tell. Change it to yours.",
         "[speed_law]" | "[fluid]" | "[ambient]" => "# Assumed.",

@@ -27,5 +27,5 @@ pub(crate) use swept::Swept;
 pub(crate) use tube_life::TubeLife;
 #[cfg(test)]
 pub(crate) use uncertainty::Budget;
-pub(crate) use uncertainty::drop_ml;
+pub(crate) use uncertainty::outlet::drop_ml;
 pub use uncertainty::{Share, ShareSource};

@@ -1,13 +1,12 @@
 //! The uncertainty budget of a dose.
 
-mod outlet;
+pub(super) mod outlet;
 mod repeatability;
 
 use libm::{hypot, sqrt};
 use pump_model::Pump;
 use serde::Serialize;
 
-pub(crate) use self::outlet::drop_ml;
 use super::swept::Swept;
 use crate::calibration::{Applied, Sureness};
 use crate::pump_file::UncertaintyTable;

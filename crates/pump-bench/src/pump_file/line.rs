@@ -1,11 +1,9 @@
 //! The line of `[inlet]` or `[outlet]`, given by its R, C and L or by its hose.
 
-mod outlet;
+pub(super) mod outlet;
 
 use pump_model::{Fluid, Friction, Hose, Line, ModelError};
 use serde::{Deserialize, Serialize};
-
-pub use outlet::{OutletEnd, OutletTable};
 
 /// The table `[inlet]`, and the line of `[outlet]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
