@@ -118,8 +118,8 @@ impl Calibration {
     /// One speed or two do not show how the volume depends on the speed. The share for that then takes all of
     /// the model's uncertainty over the motor's speeds as a straight line. It is
     /// sqrt(12) u |N - N_nearest|/N_max, with u the pump file's speed_percent or else model_percent, and N_nearest
-    /// the nearest speed of the runs. With three
-    /// speeds or more it is the distance of the runs from their line or law.
+    /// the nearest speed of the runs. With three speeds or more it is the distance of the runs from their line or
+    /// law.
     ///
     /// # Errors
     ///

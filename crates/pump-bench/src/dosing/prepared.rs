@@ -293,8 +293,8 @@ impl PlanningBasis<'_> {
             let swept = Swept::whole(model, plan);
             let budget = prepared.budget(self.file, &swept);
             warnings.extend(self.back_flow_warning(prepared, &budget));
+            warnings.extend(warnings::unweighed_pump(self.file, applied.as_ref()));
         }
-        warnings.extend(warnings::unweighed_pump(self.file, applied.as_ref()));
         warnings.extend(of_speed);
         warnings.extend(retraction.iter().flat_map(|retraction| retraction.warnings.clone()));
         Ok(warnings)
