@@ -35,8 +35,9 @@ fn a_drawing_becomes_a_pump_that_doses_and_says_that_it_is_estimated() {
     for text in [
         "roller    2.2267 mL over 66.81°, estimated from the drawing",
         "20.9547 mL per revolution",
+        "nozzle    in air unless [outlet] end says otherwise; from 10 mm falls a drop of 140 µL",
         "C 0.0455 mL/kPa, L 0.00420 kPa s²/mL, estimated from its hose, R at 8.7 mL/s",
-        "unsure    3.1 % of the volume and 0.13 mL of a roller",
+        "unsure    13.1 % of the volume, 5.2 % of it at a speed, and 0.13 mL of a roller",
     ] {
         assert!(check.contains(text), "{text}: {check}");
     }
@@ -44,7 +45,7 @@ fn a_drawing_becomes_a_pump_that_doses_and_says_that_it_is_estimated() {
     let drawn = user.json(&["25mL", "--rate", "5mL/s", "--pump", "drawn.toml"]);
     assert_eq!((&measured["volume_basis"], &drawn["volume_basis"]), (&"model".into(), &"estimated".into()));
     let unsure = |report| number(report, "expanded_uncertainty_ml");
-    assert!(unsure(&drawn) > 1.2 * unsure(&measured));
+    assert!(unsure(&drawn) > 4.0 * unsure(&measured));
     assert!(drawn["warnings"][0].as_str().unwrap().contains("estimated from the drawing"));
     assert!((number(&drawn, "delivered_ml") - number(&drawn, "planned_ml")).abs() < 2e-3);
 }

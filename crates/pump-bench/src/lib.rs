@@ -15,7 +15,7 @@
 //! let delivered = session.run(&prepared, |_steps| ControlFlow::Continue(()))?;
 //! let report = DoseReport::new(&bench, &prepared, Some(&delivered));
 //! assert!(delivered.completed && (delivered.volume_ml - 25.0).abs() < 0.002);
-//! assert!((report.expanded_uncertainty_ml - 1.22).abs() < 0.01);
+//! assert!((report.expanded_uncertainty_ml - 1.38).abs() < 0.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -75,6 +75,8 @@ pub use head::paper::{self, CONTACT_ANGLE_DEG as PUBLISHED_CONTACT_ANGLE_DEG};
 pub use head::port::Port;
 pub use head::roller_volume::{self, RollerVolume};
 #[cfg(feature = "construction")]
+pub use hose::falling_drop::falling_drop_ml;
+#[cfg(feature = "construction")]
 pub use hose::fluid::Fluid;
 #[cfg(feature = "construction")]
 pub use hose::hose::Hose;

@@ -6,6 +6,7 @@ mod files;
 mod finish;
 mod fluids;
 mod limits;
+mod nozzle;
 mod reports;
 mod retraction;
 mod speed_law;

@@ -9,7 +9,7 @@ fn a_dose_says_first_that_no_motor_moved() {
     let answer = User::new().types(&["25mL"]);
     assert_eq!(answer.code, 0, "{}", answer.err);
     assert_eq!(answer.out.lines().next(), Some("SIMULATED: no motor moved"));
-    assert!(answer.out.contains("25.0 mL ± 1.2 mL delivered, 25 mL asked"), "{}", answer.out);
+    assert!(answer.out.contains("25.0 mL ± 1.4 mL delivered, 25 mL asked"), "{}", answer.out);
     assert_eq!(answer.out.lines().count(), 3, "{}", answer.out);
 }
 
@@ -241,25 +241,4 @@ fn pressures_that_no_liquid_can_have_are_said_to_be_so() {
     let run = user.json(&run);
     assert!(run["warnings"][0].as_str().unwrap().contains("above the pump's limit of 170 r/min"), "{run}");
     assert!(run["warnings"][1].as_str().unwrap().contains("no liquid can"), "{run}");
-}
-
-#[test]
-fn the_back_flow_is_told_and_warned_of_where_it_exceeds_the_uncertainty() {
-    let user = User::new();
-    let small = ["0.8mL", "--start-angle", "110deg", "--dry-run"];
-    let report = user.json(&small);
-    let (back, reverse) = (number(&report, "backflow_ml"), number(&report, "reverse_flow_ml"));
-    assert!(back > number(&report, "expanded_uncertainty_ml") && back < 0.08, "{report}");
-    assert!(reverse > back && reverse < 0.2, "{report}");
-    let swings = "when the motor stops, the line gives 71.3 µL too much";
-    assert!(user.types(&small).out.contains(swings));
-    // A slower rate has less, a long dose has room for it.
-    assert!(
-        !user
-            .types(&["0.8mL", "--start-angle", "110deg", "--rate", "0.5mL/s", "--dry-run"])
-            .out
-            .contains(swings)
-    );
-    let long = user.types(&["25mL", "--dry-run", "-v"]).out;
-    assert!(!long.contains(swings) && long.contains("back flow    "), "{long}");
 }

@@ -129,13 +129,17 @@ fn a_pump_file_is_obeyed_and_its_mistakes_are_named() {
 }
 
 #[test]
-fn the_example_pump_file_is_the_built_in_pump_under_another_name() {
+fn the_example_pump_file_is_the_built_in_pump_under_another_name_weighed_by_nobody() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/pumps/my-pump.toml");
     let mut example = pump_bench::pump_file::PumpFile::read(&path).unwrap();
     let built_in = pump_bench::built_in("three-roller").unwrap();
     assert_eq!(example.pump.id, "my-pump");
     example.pump.id.clone_from(&built_in.pump.id);
     example.pump.name.clone_from(&built_in.pump.name);
+    // sqrt((20² + 10²)/3) and 9.02/sqrt(3).
+    let unsure = &mut example.uncertainty;
+    assert_eq!((unsure.model_percent, unsure.speed_percent), (13.0, Some(5.2)));
+    (unsure.model_percent, unsure.speed_percent) = (built_in.uncertainty.model_percent, None);
     assert_eq!(example, built_in);
 }
 

@@ -46,8 +46,10 @@ pub(crate) struct Sureness {
     pub(crate) factor: f64,
     /// Share of the volume's dependence on the speed beyond what the runs show.
     pub(crate) speed_dependence: f64,
-    /// Standard deviation of the runs; 0 if they do not show it.
+    /// Standard deviation of the runs, widened as they are few; 0 if they do not show it.
     pub(crate) repeatability: f64,
+    /// Volume of a run, in mL: the largest of all; 0 if the runs do not show their scatter.
+    pub(crate) run_ml: f64,
     /// Temperature of the fluid of the dose less that of the runs, in °C.
     pub(crate) warmer_degc: f64,
 }

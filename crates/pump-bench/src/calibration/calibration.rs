@@ -107,13 +107,20 @@ impl Calibration {
         radians(self.zero_deg)
     }
 
+    /// Returns the model volume of the largest run, in mL.
+    fn run_ml(&self) -> f64 {
+        let turned = self.runs.iter().map(|run| run.turned_deg.abs());
+        self.revolution_ml * turned.fold(0.0, f64::max) / 360.0
+    }
+
     /// Returns the uncertainty of the displacement for a dose of `base`, the pump of `file`, that cruises at
     /// `rpm`, negative in reverse. Returns `None` if no displacement was weighed.
     ///
     /// One speed or two do not show how the volume depends on the speed. The share for that then takes all of
     /// the model's uncertainty over the motor's speeds as a straight line. It is
-    /// sqrt(12) model_percent |N - N_nearest|/N_max, with N_nearest the nearest speed of the runs. With three
-    /// speeds or more it is the distance of the runs from their line or law.
+    /// sqrt(12) u |N - N_nearest|/N_max, with u the pump file's speed_percent or else model_percent, and N_nearest
+    /// the nearest speed of the runs. With three speeds or more it is the distance of the runs from their line or
+    /// law.
     ///
     /// # Errors
     ///
@@ -129,11 +136,12 @@ impl Calibration {
             factor: displacement.standard_at(base, rpm)?,
             speed_dependence: if displacement.speeds_rpm.len() < 3 {
                 let distance = displacement.distance_rpm(rpm.abs()) / file.motor.max_speed_rpm;
-                LINE_OVER_RMS * file.uncertainty.model_percent / 100.0 * distance
+                LINE_OVER_RMS * file.uncertainty.over_speeds() * distance
             } else {
                 displacement.lack_of_fit
             },
-            repeatability: displacement.scatter.standard().unwrap_or(0.0),
+            repeatability: displacement.repeatability(),
+            run_ml: displacement.scatter.standard().map_or(0.0, |_| self.run_ml()),
             warmer_degc: file.fluid.temperature_degc - self.temperature_degc,
         }))
     }

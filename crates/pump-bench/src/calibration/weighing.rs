@@ -136,6 +136,7 @@ mod tests {
             viscosity_mpa_s: None,
             bulk_modulus_mpa: None,
             vapour_kpa: None,
+            surface_tension_mn_m: None,
         }
     }
 }

@@ -4,6 +4,7 @@ use libm::{ceil, floor, pow, sqrt};
 use pump_model::units::{degrees, rad_s};
 use pump_model::{Fluid, Geometry, ModelError};
 
+use super::unweighed;
 use crate::catalogue::built_in;
 use crate::pump_file::{HoseTable, LineTable, PumpFile, RollerVolumeTable, UncertaintyTable};
 
@@ -52,7 +53,7 @@ impl DrawnPump {
         file.roller_volume = self.roller_volume.clone();
         let line = self.line();
         file.inlet = line.clone();
-        file.outlet = line;
+        file.outlet = line.into();
         file.motor.max_speed_rpm = MAX_SPEED_RPM;
         file.pump.default_rate_ml_s =
             two_digits(0.25 * revolution_ml * rad_s(MAX_SPEED_RPM) / core::f64::consts::TAU);
@@ -143,35 +144,44 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
             "# Estimated from the dimensions. Points that you measured would take its place:\n\
              # source = \"measured\"."
         }
-        "[inlet]" | "[outlet]" => {
+        "[inlet]" => {
             "# Estimated: a hose of the pump's tube, with the modulus and the fittings of McIntyre et al.\n\
              # Change it to your hose, or replace it by measured R, C and L."
+        }
+        "[outlet]" => {
+            "# Estimated as the inlet. Say where its nozzle ends: end = \"air\" or \"immersed\", and nozzle_bore_mm.\n\
+             # Without them it is in air, and a drop hangs from the hose's bore."
         }
         "[motor]" => "# Assumed: a drawing does not tell. Change it to yours.",
         "[speed_law]" | "[fluid]" | "[ambient]" => "# Assumed.",
         "[uncertainty]" if !is_estimated => {
-            "# Model: the linear model over all speeds (2.4 %) and a bore known to 0.1 mm.\n\
+            "# For a pump that nobody has weighed; `dose calibrate run` makes it surer.\n\
+             # Model: pumps and tubes of one kind differ by limits that a maker states by the bore (Omega FPU5MT,\n\
+             # table 9-3: pumps 10 to 25 %, tubes 5 to 20 %; rectangular), and a bore known to 0.1 mm.\n\
+             # Speed: McIntyre et al. found the model 9.02 % off at one speed; rectangular.\n\
              # Roller volume: 2.1 %, by which two figures of McIntyre et al. differ, and the residuals of\n\
              # the fit.\n\
-             # Repeatability: as McIntyre et al. measured."
+             # Repeatability: as McIntyre et al. measured over ten revolutions."
         }
         "[uncertainty]" => {
-            "# For a pump that nobody has measured.\n\
-             # Model: the linear model over all speeds (2.4 %), the drawing against measured\n\
-             # volumes (1.4 %) and a bore known to 0.1 mm.\n\
+            "# For a pump that nobody has measured; `dose calibrate run` makes it surer.\n\
+             # Model: pumps and tubes of one kind differ by limits that a maker states by the bore (Omega FPU5MT,\n\
+             # table 9-3: pumps 10 to 25 %, tubes 5 to 20 %; rectangular), the drawing against measured\n\
+             # volumes (1.4 %), and a bore known to 0.1 mm.\n\
+             # Speed: McIntyre et al. found the model 9.02 % off at one speed; rectangular.\n\
              # Roller volume: 5.8 %, by which the drawing differed from the measured volume.\n\
-             # Repeatability: as McIntyre et al. measured."
+             # Repeatability: as McIntyre et al. measured over ten revolutions."
         }
         _ => "",
     }
 }
 
-/// Returns the uncertainty of a pump that nobody has measured, from figures of the one pump of McIntyre et
-/// al.
+/// Returns the uncertainty of a pump that nobody has measured.
 ///
 /// The model's uncertainty combines three shares:
 ///
-/// - The first is that of a measured pump.
+/// - The first is that between pumps and tubes of one kind, see [`unweighed::model_percent`]. The 2.4 % of McIntyre
+///   et al. are those of one pump, measured by its makers.
 /// - The second is 1.4 %, the largest difference between volumes from the drawing and volumes measured over
 ///   ten revolutions. It counts as a standard uncertainty, since one pump alone was compared.
 /// - The third is the bore, whose diameter a caliper gives to 0.1 mm on soft tube, rectangular. So the volume
@@ -181,10 +191,11 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
 fn uncertainty(geometry: &Geometry, roller_ml: f64, measured: &UncertaintyTable) -> UncertaintyTable {
     const DRAWING_PERCENT: f64 = 1.4;
     const ROLLER: f64 = 0.058;
-    let shares = [measured.model_percent, DRAWING_PERCENT, bore_percent(geometry)];
+    let shares = [between_percent(geometry), DRAWING_PERCENT, bore_percent(geometry)];
     let model_percent = sqrt(shares.iter().map(|share| share * share).sum());
     UncertaintyTable {
         model_percent: ceil(10.0 * model_percent) / 10.0,
+        speed_percent: Some(two_digits(unweighed::speed_percent())),
         roller_volume_ml: two_digits(ROLLER * roller_ml),
         ..measured.clone()
     }
@@ -192,7 +203,7 @@ fn uncertainty(geometry: &Geometry, roller_ml: f64, measured: &UncertaintyTable)
 
 /// Returns the uncertainty of a pump whose roller volume was measured.
 ///
-/// The model's uncertainty combines the shares of a measured pump and of the bore, see [`bore_percent`]. A
+/// The model's uncertainty combines the shares between pumps and of the bore, see [`bore_percent`]. A
 /// roller's volume combines two shares: 2.1 %, by which two figures of McIntyre et al. for their rollers
 /// differ (2.06 and 2.1055 mL), and the root mean square of the residuals.
 fn measured_uncertainty(
@@ -202,14 +213,20 @@ fn measured_uncertainty(
     measured: &UncertaintyTable,
 ) -> UncertaintyTable {
     const ROLLER: f64 = 0.021;
-    let shares = [measured.model_percent, bore_percent(geometry)];
+    let shares = [between_percent(geometry), bore_percent(geometry)];
     let model_percent = sqrt(shares.iter().map(|share| share * share).sum());
     let figures_ml = ROLLER * roller_ml;
     UncertaintyTable {
         model_percent: ceil(10.0 * model_percent) / 10.0,
+        speed_percent: Some(two_digits(unweighed::speed_percent())),
         roller_volume_ml: two_digits(sqrt(figures_ml * figures_ml + rms_ml * rms_ml)),
         ..measured.clone()
     }
+}
+
+/// Returns the uncertainty of the volume in percent between pumps and tubes of one kind.
+fn between_percent(geometry: &Geometry) -> f64 {
+    unweighed::model_percent(2.0 * geometry.bore_radius_mm)
 }
 
 /// Returns the uncertainty of the volume in percent that comes from the bore. A caliper gives the bore of a
@@ -277,8 +294,9 @@ mod tests {
         };
         let file = measured.pump_file().unwrap();
         assert!((file.model().unwrap().revolution_ml() - 21.3185).abs() < 1e-4);
-        // sqrt(2.4² + 1.155²); sqrt((0.021 x 2.1055)² + 0.0074²)
-        assert_eq!((file.uncertainty.model_percent, file.uncertainty.roller_volume_ml), (2.7, 0.045));
+        // sqrt((20² + 10²)/3 + 1.155²); sqrt((0.021 x 2.1055)² + 0.0074²); 9.02/sqrt(3)
+        assert_eq!((file.uncertainty.model_percent, file.uncertainty.roller_volume_ml), (13.0, 0.045));
+        assert_eq!(file.uncertainty.speed_percent, Some(5.2));
         assert!(!file.is_estimated());
         let text = measured.toml().unwrap();
         assert_eq!(PumpFile::parse(&text, "text").unwrap(), file);
@@ -286,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn thin_tubes_are_less_sure() {
+    fn the_bore_of_a_thin_tube_is_less_sure() {
         let thin = Geometry {
             bore_radius_mm: 1.6,
             tube_outer_radius_mm: 3.2,
@@ -294,8 +312,8 @@ mod tests {
             ..Geometry::published(3, Variant::Measured)
         };
         let table = built_in("three-roller").unwrap().uncertainty;
-        // sqrt(2.4² + 1.4² + 3.608²)
-        assert_eq!(uncertainty(&thin, 0.3, &table).model_percent, 4.6);
+        // sqrt((10² + 5²)/3 + 1.4² + 3.608²)
+        assert_eq!(uncertainty(&thin, 0.3, &table).model_percent, 7.6);
         assert_eq!(uncertainty(&thin, 0.3, &table).roller_volume_ml, 0.017);
     }
 

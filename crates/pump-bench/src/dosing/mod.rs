@@ -25,5 +25,7 @@ pub use schedule::{MAX_DOSES, Missed, Schedule, ScheduleAction, ScheduleError};
 pub(crate) use stands::Stands;
 pub(crate) use swept::Swept;
 pub(crate) use tube_life::TubeLife;
+#[cfg(test)]
 pub(crate) use uncertainty::Budget;
+pub(crate) use uncertainty::outlet::drop_ml;
 pub use uncertainty::{Share, ShareSource};

@@ -1,5 +1,7 @@
 //! A prepared dose: the request, planned and predicted.
 
+mod less_back_flow;
+
 use pump_ctl::plan::{
     Cruise, Finish, Limits, Margins, Phase, Plan, PlanError, Prediction, PressureLimits, Request,
 };
@@ -14,6 +16,7 @@ use super::retraction::Retraction;
 use super::stands::Stands;
 use super::swept::Swept;
 use super::uncertainty::Budget;
+use super::uncertainty::outlet::drop_ml;
 use super::warnings;
 use crate::calibration::{Applied, CalibrationError, Stored, turned_ml};
 use crate::displacement::{Correction, SpeedDependentPump};
@@ -36,6 +39,8 @@ pub struct Prepared {
     pub prediction: Prediction,
     /// Volume that the line takes back from the vessel, before any retraction.
     pub back_flow: BackFlow,
+    /// Volume of a drop that falls from the outlet's nozzle, in mL; 0 if the nozzle is immersed.
+    pub drop_ml: f64,
     /// Limits that the dose was planned within.
     pub limits: Limits,
     /// Distances of the dose from its limits.
@@ -114,6 +119,14 @@ impl Prepared {
         PlanningBasis { file, model, stored, request, stands }.prepare()
     }
 
+    /// Returns the uncertainty budget of `part`, the part of the dose that was made or the whole. `file` is that of the
+    /// dose's pump.
+    pub(crate) fn budget(&self, file: &PumpFile, part: &Swept) -> Budget {
+        Budget::new(&self.model, part, &file.uncertainty, self.applied.as_ref())
+            .with_outlet(file, self.drop_ml, self.back_flow.backflow_ml)
+            .with_carry_within(self.plan.carry_in_ml(), self.carry_in_within_ml())
+    }
+
     /// Returns the correction of the displacement by the calibration or the law.
     pub(crate) fn correction(&self) -> Correction {
         self.applied.as_ref().map_or(Correction::NONE, |applied| applied.correction)
@@ -164,15 +177,21 @@ impl PlanningBasis<'_> {
     /// Plans the dose, then predicts it.
     fn prepare(&self) -> Result<Prepared, DoseError> {
         let (asked, limits) = self.asked();
-        let Self { file, model: base, stored, .. } = *self;
         if self.request.purpose == Purpose::Calibrate {
             return self.prepare_to_weigh(&asked, limits);
         }
-        let pump = SpeedDependentPump::new(*base, file.displacement_law().map_err(PlanError::from)?);
-        let planner = Planner { file, pump: &pump, stored, limits: &limits };
-        let found = planner.plan(self.stands.start, &asked)?;
+        let found = self.planned(&asked)?;
         let displaced = found.model;
         self.predicted(found, &displaced, limits)
+    }
+
+    /// Plans a dose, other than a run to be weighed.
+    fn planned(&self, asked: &Request) -> Result<SpeedPlan, DoseError> {
+        let Self { file, model: base, stored, .. } = *self;
+        let limits = self.file.limits_with(self.request.pressures);
+        let pump = SpeedDependentPump::new(*base, file.displacement_law().map_err(PlanError::from)?);
+        let planner = Planner { file, pump: &pump, stored, limits: &limits };
+        planner.plan(self.stands.start, asked)
     }
 
     /// Plans a run to be weighed: its steps are those of the model, and its limits hold by what the pump
@@ -228,7 +247,7 @@ impl PlanningBasis<'_> {
     fn predicted(&self, found: SpeedPlan, displaced: &Pump, limits: Limits) -> Result<Prepared, DoseError> {
         let SpeedPlan { model, plan, applied, warning } = found;
         let plan = self.as_asked(plan);
-        let request = self.request;
+        let (file, request) = (self.file, self.request);
         let prediction = plan.predict(displaced)?;
         let back_flow = plan.back_flow(displaced)?;
         let margins = limits.margins(displaced, &plan);
@@ -251,6 +270,7 @@ impl PlanningBasis<'_> {
             plan,
             prediction,
             back_flow,
+            drop_ml: drop_ml(file).map_err(PlanError::from)?,
             limits,
             margins,
             phase_source: self.stands.source,
@@ -272,11 +292,10 @@ impl PlanningBasis<'_> {
             let half_width_ml = prepared.carry_in_within_ml();
             warnings.extend(warnings::unsure_carry(plan.requested_ml(), plan.carry_in_ml(), half_width_ml));
             let swept = Swept::whole(model, plan);
-            let budget = Budget::new(model, &swept, &self.file.uncertainty, applied.as_ref())
-                .with_carry_within(plan.carry_in_ml(), half_width_ml);
-            warnings.extend(warnings::back_flow(plan, prepared.back_flow.backflow_ml, budget.expanded_ml()));
+            let budget = prepared.budget(self.file, &swept);
+            warnings.extend(self.back_flow_warning(prepared, &budget));
+            warnings.extend(warnings::unweighed_pump(self.file, applied.as_ref()));
         }
-        warnings.extend(warnings::estimated_pump(self.file, applied.as_ref()));
         warnings.extend(of_speed);
         warnings.extend(retraction.iter().flat_map(|retraction| retraction.warnings.clone()));
         Ok(warnings)

@@ -7,6 +7,7 @@ use pump_model::{Extremes, Pump};
 
 use super::unknown_angle;
 use crate::calibration::Applied;
+use crate::catalogue::built_in;
 use crate::numbers::significant;
 use crate::pump_file::PumpFile;
 
@@ -87,13 +88,29 @@ pub(super) fn unsure_carry(requested_ml: f64, carry_ml: f64, half_width_ml: f64)
     })
 }
 
-/// Warns of a back flow that exceeds the expanded uncertainty of the dose.
-pub(super) fn back_flow(plan: &Plan, backflow_ml: f64, expanded_ml: f64) -> Option<String> {
-    if backflow_ml <= expanded_ml {
-        return None;
-    }
+/// Ways to a back flow that is smaller.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LessBackFlow {
+    /// Slower rate, in mL/s, whose back flow is within the dose's uncertainty, and that back flow, in mL.
+    pub(super) slower: Option<(f64, f64)>,
+    /// Back flow with an end at low flow, in mL, if it is smaller.
+    pub(super) low_flow_ml: Option<f64>,
+}
+
+/// Warns of a back flow that exceeds the expanded uncertainty that the dose has beside it. `is_in_air` is true for a
+/// nozzle that is said to be in air.
+pub(super) fn back_flow(
+    plan: &Plan,
+    backflow_ml: f64,
+    expanded_ml: f64,
+    is_in_air: bool,
+    less: &LessBackFlow,
+) -> String {
     let (back, expanded) = (significant(1e3 * backflow_ml, 3), significant(1e3 * expanded_ml, 3));
     let swing = match plan.direction() {
+        Direction::Forward if is_in_air => {
+            format!("gives {back} µL too much and takes in as much air in their place")
+        }
         Direction::Forward => {
             format!(
                 "gives {back} µL too much and takes them back, unless the nozzle is in air and takes in air instead"
@@ -101,21 +118,52 @@ pub(super) fn back_flow(plan: &Plan, backflow_ml: f64, expanded_ml: f64) -> Opti
         }
         Direction::Reverse => format!("takes {back} µL too much from the vessel and gives them back"),
     };
-    Some(format!(
-        "when the motor stops, the line {swing}; the dose's \u{b1} {expanded} µL does not contain that; a much slower \
-         rate makes it less"
-    ))
+    let contained = match is_in_air {
+        true => format!("the dose's \u{b1} contains that; it is {expanded} µL without"),
+        false => format!("the dose's \u{b1} {expanded} µL does not contain that"),
+    };
+    format!("when the motor stops, the line {swing}; {contained}; {}", less.text())
 }
 
-/// Warns of a roller volume that is estimated from the drawing, unless the pump's displacement was
-/// calibrated.
-pub(super) fn estimated_pump(file: &PumpFile, applied: Option<&Applied>) -> Option<String> {
-    let is_weighed = applied.is_some_and(|applied| applied.sureness().is_some());
-    (file.is_estimated() && !is_weighed).then(|| {
-        "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on \
-         it"
-        .to_owned()
-    })
+impl LessBackFlow {
+    /// Says what makes the back flow smaller.
+    fn text(&self) -> String {
+        let slower = self.slower.map(|(ml_s, back_ml)| {
+            format!("at `--rate {ml_s}mL/s` it is {} µL", significant(1e3 * back_ml, 2))
+        });
+        let low_flow = self
+            .low_flow_ml
+            .map(|back_ml| format!("with `--finish low-flow` it is {} µL", significant(1e3 * back_ml, 2)));
+        let ways: Vec<String> = slower.into_iter().chain(low_flow).collect();
+        match ways.is_empty() {
+            true => "a much slower rate makes it less".to_owned(),
+            false => ways.join(", "),
+        }
+    }
+}
+
+/// Warns of a pump that nobody has weighed, unless its displacement was calibrated.
+///
+/// The pump file says so: its roller volume is estimated from the drawing, it states the uncertainty over the speeds
+/// that such pumps have, or it has the built-in pump's uncertainty under another name.
+pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Option<String> {
+    if applied.is_some_and(|applied| applied.sureness().is_some()) {
+        return None;
+    }
+    let stated = &file.uncertainty;
+    let is_copy = built_in(&file.pump.id).is_none()
+        && built_in("three-roller")
+            .is_some_and(|paper| paper.uncertainty.model_percent == stated.model_percent);
+    let fact = if file.is_estimated() {
+        "the roller volume is estimated from the drawing, and nobody has weighed what this pump delivers"
+    } else if stated.speed_percent.is_some() {
+        "nobody has weighed what this pump delivers"
+    } else if is_copy {
+        "the pump file states 2.4 %, which the makers of the built-in pump measured of theirs, not of this one"
+    } else {
+        return None;
+    };
+    Some(format!("{fact}: pumps of one kind differ by 10 to 25 %; measure it, `dose calibrate run`"))
 }
 
 /// Warns of a dose that is too short to reach its cruise speed.

@@ -39,10 +39,11 @@ impl PumpFile {
     fn check_tables(&self) -> Result<(), WrongValue> {
         self.pump.check()?;
         self.tube.check()?;
+        self.outlet.check()?;
         self.motor.check()?;
         self.speed_law.check()?;
         self.drive.as_ref().map_or(Ok(()), |drive| drive.check())?;
-        let has_hose = self.inlet.is_estimated() || self.outlet.is_estimated();
+        let has_hose = self.inlet.is_estimated() || self.outlet.line.is_estimated();
         self.fluid.check(has_hose)?;
         self.ambient.check()?;
         self.uncertainty.check()

@@ -13,6 +13,7 @@ use super::fluid::FluidTable;
 use super::head::{BackplateTable, RollerVolumeTable, RollersTable, TubeTable};
 use super::limits::LimitsTable;
 use super::line::LineTable;
+use super::line::outlet::OutletTable;
 use super::motor::MotorTable;
 use super::pump::PumpTable;
 use super::speed_law::SpeedLawTable;
@@ -58,8 +59,8 @@ pub struct PumpFile {
     pub speed_law: SpeedLawTable,
     /// Line from the inlet's reservoir to the pump.
     pub inlet: LineTable,
-    /// Line from the pump to the outlet's reservoir.
-    pub outlet: LineTable,
+    /// Line from the pump to the outlet's reservoir, with its nozzle.
+    pub outlet: OutletTable,
     /// Stepper motor of the pump head.
     pub motor: MotorTable,
     /// Fluid that is pumped.
@@ -127,7 +128,7 @@ impl PumpFile {
         let geometry = self.geometry();
         let volume = self.roller_volume.curve(&geometry)?;
         let line = |table: &LineTable| table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s);
-        Pump::new(geometry, volume, line(&self.inlet)?, line(&self.outlet)?)
+        Pump::new(geometry, volume, line(&self.inlet)?, line(&self.outlet.line)?)
     }
 
     /// Returns the law by which the volume of a revolution depends on the speed, or `None` if every speed has
@@ -163,7 +164,7 @@ impl PumpFile {
 
     /// Returns the standard uncertainty of a volume that was not weighed, as a part of it.
     pub(crate) fn model_standard(&self) -> f64 {
-        self.law_standard().unwrap_or(self.uncertainty.model_percent / 100.0)
+        self.law_standard().unwrap_or(self.uncertainty.unweighed())
     }
 
     /// Returns the friction in the hoses of inlet and outlet. It is `None` where the file gives a line by its
@@ -173,7 +174,7 @@ impl PumpFile {
     /// Returns the [`ModelError`] of a hose or a fluid that is out of range.
     pub fn frictions(&self) -> Result<[Option<Friction>; 2], ModelError> {
         let friction = |table: &LineTable| table.friction(|| self.fluid.fluid());
-        Ok([friction(&self.inlet)?, friction(&self.outlet)?])
+        Ok([friction(&self.inlet)?, friction(&self.outlet.line)?])
     }
 
     /// Returns true if volumes follow from a drawing that nobody has compared with the pump.

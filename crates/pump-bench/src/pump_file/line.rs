@@ -1,9 +1,11 @@
-//! `[inlet]`, `[outlet]`: a line, given by its R, C and L or by its hose.
+//! The line of `[inlet]` or `[outlet]`, given by its R, C and L or by its hose.
+
+pub(super) mod outlet;
 
 use pump_model::{Fluid, Friction, Hose, Line, ModelError};
 use serde::{Deserialize, Serialize};
 
-/// The table `[inlet]` or `[outlet]`.
+/// The table `[inlet]`, and the line of `[outlet]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "LineKeys", into = "LineKeys")]
 pub enum LineTable {

@@ -26,6 +26,7 @@ pub(crate) use fluid::SAME_TEMPERATURE_DEGC;
 pub use fluid::{FluidError, FluidTable};
 pub use head::{BackplateTable, CurveFit, RollerVolumeTable, RollersTable, TubeTable};
 pub use limits::LimitsTable;
+pub use line::outlet::{OutletEnd, OutletTable};
 pub use line::{HoseTable, LineTable};
 pub use motor::MotorTable;
 pub use pump::PumpTable;

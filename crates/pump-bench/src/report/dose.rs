@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 use crate::bench::{Bench, Delivered};
 use crate::calibration::{Applied, Made};
-use crate::dosing::{Budget, Prepared, Share, Swept};
+use crate::dosing::{Prepared, Share, Swept};
 use crate::drives::{Identity, registry};
 use crate::pump_file::{DriverName, PumpFile, UncheckedLimit};
 use crate::record::{PhaseSource, Purpose};
@@ -195,7 +195,7 @@ impl DoseReport {
     fn of(file: &PumpFile, drive: &Identity, prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
         let (model, plan, applied) = (&prepared.model, &prepared.plan, prepared.applied.as_ref());
         let (whole, part) = (WholeDose::of(prepared, delivered), part_made(prepared, delivered));
-        let budget = budget(file, prepared, &part);
+        let budget = prepared.budget(file, &part);
         let (ripples, motion_s) = (plan.ripples(model), plan.profile().duration_s());
         let lowest = prepared.limits.lowest_where_it_sucks();
         let (backflow_ml, reverse_flow_ml) = back_flow_ml(prepared, delivered).unzip();
@@ -309,12 +309,6 @@ fn basis(file: &PumpFile, applied: Option<&Applied>) -> VolumeBasis {
 fn retraction_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> Option<f64> {
     let back = prepared.retraction.as_ref()?;
     Some(delivered.map_or(-back.plan.planned_ml(), |delivered| delivered.retracted_ml))
-}
-
-/// The uncertainty budget of the part that was made.
-fn budget(file: &PumpFile, prepared: &Prepared, part: &Swept) -> Budget {
-    let budget = Budget::new(&prepared.model, part, &file.uncertainty, prepared.applied.as_ref());
-    budget.with_carry_within(prepared.plan.carry_in_ml(), prepared.carry_in_within_ml())
 }
 
 /// The back flow and the reverse flow of a dose that was made to its end or is planned, mL.

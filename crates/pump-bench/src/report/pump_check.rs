@@ -5,7 +5,9 @@ use pump_model::units::{degrees, rad_s};
 use pump_model::{Line, Pump, RollerVolume};
 
 use crate::displacement::{DisplacementError, SpeedDependentPump};
-use crate::pump_file::{LineTable, PumpFile, RollerVolumeTable};
+use crate::dosing::drop_ml;
+use crate::numbers::significant;
+use crate::pump_file::{LineTable, OutletEnd, PumpFile, RollerVolumeTable};
 
 /// Says what the pump of a file gives, a line each: volumes, flows, speeds, fluid, lines and uncertainty.
 ///
@@ -24,7 +26,8 @@ pub fn pump_check(file: &PumpFile) -> Result<String, DisplacementError> {
         ("step", step_text(file, &pump)),
         ("fluid", fluid_text(file)),
         ("inlet", line_text(file, &file.inlet, pump.inlet())),
-        ("outlet", line_text(file, &file.outlet, pump.outlet())),
+        ("outlet", line_text(file, &file.outlet.line, pump.outlet())),
+        ("nozzle", nozzle_text(file)?),
         ("unsure", uncertainty_text(file)),
     ];
     let lines = lines.into_iter().map(|(name, text)| format!("  {name:<9} {text}\n"));
@@ -53,13 +56,31 @@ fn fluid_text(file: &PumpFile) -> String {
     format!("{} at {} °C, {} kg/m³", fluid.name, fluid.temperature_degc, fluid.density_kg_m3)
 }
 
+/// The place of the nozzle's end, and the drop that falls from it.
+fn nozzle_text(file: &PumpFile) -> Result<String, DisplacementError> {
+    let place = match file.outlet.end {
+        Some(OutletEnd::Immersed) => return Ok("immersed".to_owned()),
+        Some(OutletEnd::Air) => "in air",
+        None => "in air unless [outlet] end says otherwise",
+    };
+    let (mm, drop_ml) = (file.outlet.nozzle_mm(), drop_ml(file)?);
+    Ok(format!(
+        "{place}; from {} mm falls a drop of {} µL",
+        significant(mm, 3),
+        significant(1e3 * drop_ml, 2)
+    ))
+}
+
 fn uncertainty_text(file: &PumpFile) -> String {
-    format!(
-        "{} % of the volume{} and {} mL of a roller (standard uncertainty)",
-        100.0 * file.model_standard(),
-        if file.law_standard().is_some() { " (the speed law's)" } else { "" },
-        file.uncertainty.roller_volume_ml,
-    )
+    let stated = &file.uncertainty;
+    let of_volume = match (file.law_standard(), stated.speed_percent) {
+        (Some(law), _) => format!("{} % of the volume (the speed law's)", 100.0 * law),
+        (None, Some(percent)) => {
+            format!("{} % of the volume, {percent} % of it at a speed,", stated.model_percent)
+        }
+        (None, None) => format!("{} % of the volume", stated.model_percent),
+    };
+    format!("{of_volume} and {} mL of a roller (standard uncertainty)", stated.roller_volume_ml)
 }
 
 /// Warns of rollers that overlap.

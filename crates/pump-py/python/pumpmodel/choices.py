@@ -69,7 +69,10 @@ UncertaintySource: TypeAlias = Literal[
     "phase",
     "calibration",
     "speed_law",
+    "speed",
     "temperature",
+    "drop",
+    "backflow",
     "carry",
 ]
 #: Limit for which no value is known. "outlet_pressure" is the largest pressure at the port that pushes,

@@ -147,7 +147,7 @@ impl Pump {
             file.inlet = LineTable::from(line.get().0);
         }
         if let Some(line) = outlet {
-            file.outlet = LineTable::from(line.get().0);
+            file.outlet.line = LineTable::from(line.get().0);
         }
         if let Some(volume) = roller_volume {
             file.roller_volume = roller_volume_of(volume)?;

@@ -64,6 +64,7 @@ def test_all_that_the_command_reports_are_attributes_and_return_from_a_dict(benc
     assert hash(pm.Dose.from_dict(data)) == hash(dose)
     assert set(data) == set(pm.Doser(bench.pump).plan("25mL").to_dict())
     assert sum(share.variance_percent for share in dose.uncertainty_budget) == pytest.approx(100)
+    assert {"drop", "backflow", "speed"} <= {share.source for share in dose.uncertainty_budget}
     status = bench.status()
     assert pm.Status.from_dict(status.to_dict()) == status
     assert repr(dose).startswith("<Dose of 25.0 mL on 'three-roller' (sim): delivered_ml 2")

@@ -81,6 +81,13 @@ impl Displacement {
         Ok(sqrt(errors * errors + self.reading * self.reading))
     }
 
+    /// Returns the standard deviation of repeated runs as a part of the volume, widened as the runs are few. It is 0
+    /// if they do not show it.
+    pub(crate) fn repeatability(&self) -> f64 {
+        let widened = |standard| widening(self.scatter.degrees_of_freedom()) * standard;
+        self.scatter.standard().map_or(0.0, widened)
+    }
+
     /// Returns the slowest and the fastest speed of a dose, in r/min: those of the runs, but for a difference
     /// at which speeds are the same.
     fn dose_range_rpm(&self) -> [f64; 2] {

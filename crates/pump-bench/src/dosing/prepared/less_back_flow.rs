@@ -1,0 +1,50 @@
+//! The warning of a back flow that exceeds the dose's own uncertainty, with what makes it smaller.
+
+use pump_ctl::plan::{Cruise, Finish, Request};
+
+use super::{PlanningBasis, Prepared};
+use crate::dosing::uncertainty::Budget;
+use crate::dosing::warnings::{self, LessBackFlow};
+use crate::numbers::significant;
+use crate::pump_file::OutletEnd;
+
+/// Ratio of a rate that is tried to the one before.
+const SLOWER: f64 = 0.75;
+
+/// Number of rates that are tried: down to a thirtieth.
+const TRIALS: u32 = 12;
+
+impl PlanningBasis<'_> {
+    /// Warns of a back flow that exceeds the uncertainty that the dose has beside it. Names a slower rate that has
+    /// less, and what an end at low flow has.
+    ///
+    /// The rates fall by a quarter each. A slower one may have more back flow, as the line's swing may meet the stop
+    /// otherwise, so each is planned and the first below the uncertainty counts.
+    pub(super) fn back_flow_warning(&self, prepared: &Prepared, budget: &Budget) -> Option<String> {
+        let own_ml = budget.beside_back_flow().expanded_ml();
+        let back_ml = prepared.back_flow.backflow_ml;
+        if back_ml <= own_ml {
+            return None;
+        }
+        let (asked, _) = self.asked();
+        let rate_ml_s = prepared.plan.cruise_flow_ml_s(&prepared.model);
+        let slower = (1..=TRIALS).find_map(|n| {
+            let slower_ml_s = significant(rate_ml_s * SLOWER.powi(n as i32), 2).parse().ok()?;
+            let back_ml = self.back_flow_ml(&asked.with_cruise(Cruise::Flow { ml_s: slower_ml_s }))?;
+            (back_ml <= own_ml).then_some((slower_ml_s, back_ml))
+        });
+        let low_flow_ml = match asked.finish {
+            Finish::Any => self.back_flow_ml(&asked.with_finish(Finish::LowFlow)),
+            Finish::LowFlow => None,
+        };
+        let less = LessBackFlow { slower, low_flow_ml: low_flow_ml.filter(|low_ml| *low_ml < back_ml) };
+        let is_in_air = self.file.outlet.end == Some(OutletEnd::Air);
+        Some(warnings::back_flow(&prepared.plan, back_ml, own_ml, is_in_air, &less))
+    }
+
+    /// Returns the back flow of the dose with another request, in mL, or `None` if there is no such dose.
+    fn back_flow_ml(&self, request: &Request) -> Option<f64> {
+        let found = self.planned(request).ok()?;
+        Some(found.plan.back_flow(&found.model).ok()?.backflow_ml)
+    }
+}

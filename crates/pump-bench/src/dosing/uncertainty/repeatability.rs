@@ -1,0 +1,84 @@
+//! Repeatability of doses of any volume.
+
+use libm::sqrt;
+use pump_model::Pump;
+
+use crate::calibration::Sureness;
+use crate::pump_file::UncertaintyTable;
+
+/// Revolutions of a dose whose scatter a pump file states, unless it names their volume: those of McIntyre et al.
+const REVOLUTIONS: f64 = 10.0;
+
+/// Returns the standard deviation of repeated doses of `volume_ml`, in mL.
+///
+/// A scatter s of doses of V_m bounds that of other doses in two ways. Errors that all pitches of a dose share grow
+/// with the volume: s V/V_m. Errors of independent pitches grow with its root: s sqrt(V/V_m), the larger of both
+/// below V_m. Above it the first is the larger one. The larger counts, as the scatter does not tell them apart.
+///
+/// - The pump file states s, and V_m if `verify` measured it. Ten revolutions of McIntyre et al. scatter by 1 mL at
+///   most, so V_m is ten revolutions where the file names none.
+/// - Runs that were weighed show their own s and V_m. They stand for the pump at volumes below V_m, and the file's
+///   part of the volume remains the floor.
+pub(super) fn standard_ml(
+    pump: &Pump,
+    table: &UncertaintyTable,
+    sureness: Option<&Sureness>,
+    volume_ml: f64,
+) -> f64 {
+    let scaled = |part: f64, at_ml: f64| part * sqrt(volume_ml * volume_ml.max(at_ml));
+    let of_file = table.repeatability_percent / 100.0;
+    let weighed = sureness.filter(|sureness| sureness.run_ml > 0.0);
+    let at_ml = match (table.repeatability_at_ml, weighed) {
+        (Some(at_ml), _) => at_ml,
+        (None, Some(_)) => 0.0,
+        (None, None) => REVOLUTIONS * pump.revolution_ml(),
+    };
+    let of_runs = weighed.map_or(0.0, |sureness| scaled(sureness.repeatability, sureness.run_ml));
+    scaled(of_file, at_ml).max(of_runs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> UncertaintyTable {
+        crate::catalogue::built_in("three-roller").unwrap().uncertainty
+    }
+
+    #[test]
+    fn independent_pitches_scatter_with_the_root_of_the_volume() {
+        let pump = Pump::three_roller();
+        // 1 mL sqrt(V/213 mL): the paper's bound for ten revolutions.
+        for (volume_ml, standard_ml_) in
+            [(0.005, 0.004_845), (0.05, 0.015_32), (1.0, 0.068_52), (25.0, 0.3426), (213.0, 1.0)]
+        {
+            let found = standard_ml(&pump, &table(), None, volume_ml);
+            assert!((found / standard_ml_ - 1.0).abs() < 0.005, "{volume_ml}: {found}");
+        }
+        // Beyond ten revolutions errors that all pitches share are the larger ones.
+        assert!((standard_ml(&pump, &table(), None, 1000.0) - 4.7).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_scatter_that_was_measured_counts_from_its_own_volume_on() {
+        let pump = Pump::three_roller();
+        let verified =
+            UncertaintyTable { repeatability_percent: 0.2, repeatability_at_ml: Some(1.0), ..table() };
+        for (volume_ml, standard_ml_) in [(0.25, 0.001), (1.0, 0.002), (25.0, 0.05)] {
+            let found = standard_ml(&pump, &verified, None, volume_ml);
+            assert!((found - standard_ml_).abs() < 1e-12, "{volume_ml}: {found}");
+        }
+        let runs = Sureness {
+            factor: 0.001,
+            speed_dependence: 0.0,
+            repeatability: 0.002,
+            run_ml: 64.0,
+            warmer_degc: 0.0,
+        };
+        // 0.2 % of 64 mL scaled by the root, with 0.47 % of the volume as the floor.
+        for (volume_ml, standard_ml_) in [(1.0, 0.016), (0.01, 0.0016), (25.0, 0.1175)] {
+            let found = standard_ml(&pump, &table(), Some(&runs), volume_ml);
+            assert!((found - standard_ml_).abs() < 1e-12, "{volume_ml}: {found}");
+        }
+    }
+}
