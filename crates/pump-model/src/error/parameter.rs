@@ -81,6 +81,8 @@ named_quantities! {
         GlycerolTemperature = "temperature of glycerol and water in degC",
         GlycerolPart = "part of glycerol by mass",
         Density = "density in kg/m3",
+        SurfaceTension = "surface tension in mN/m",
+        NozzleBore = "bore of the nozzle in mm",
         Viscosity = "viscosity in mPa s",
         BulkModulus = "bulk modulus in MPa",
         VapourPressure = "vapour pressure in kPa absolute",
@@ -143,7 +145,7 @@ mod tests {
             let name = parameter.name();
             assert!(Parameter::ALL.iter().skip(n + 1).all(|other| other.name() != name), "{name}");
             let unit = name.rsplit_once(" in ").map(|(_, unit)| unit.trim_end_matches(", without sign"));
-            let units = ["mm", "deg", "rad", "mL", "kPa", "MPa", "degC", "s", "1/kPa", "kg/m3", "mPa s"];
+            let units = ["mm", "deg", "rad", "mL", "kPa", "MPa", "degC", "s", "1/kPa", "kg/m3", "mPa s", "mN/m"];
             let is_unit = |unit: &str| units.iter().any(|first| unit.starts_with(first));
             assert_eq!(unit.is_some_and(is_unit), !NO_UNIT.contains(parameter), "{name}");
         }

@@ -2,7 +2,7 @@
 
 use core::f64::consts::PI;
 
-use crate::error::{Allowed, ModelError, within};
+use crate::error::{Allowed, ModelError, Parameter, within};
 
 use super::fluid::series;
 
@@ -36,9 +36,9 @@ pub fn falling_drop_ml(
     surface_tension_mn_m: f64,
     density_kg_m3: f64,
 ) -> Result<f64, ModelError> {
-    within("bore of the nozzle in mm", bore_mm, Allowed::POSITIVE)?;
-    within("surface tension in mN/m", surface_tension_mn_m, Allowed::POSITIVE)?;
-    within("density in kg/m3", density_kg_m3, Allowed::POSITIVE)?;
+    within(Parameter::NozzleBore, bore_mm, Allowed::POSITIVE)?;
+    within(Parameter::SurfaceTension, surface_tension_mn_m, Allowed::POSITIVE)?;
+    within(Parameter::Density, density_kg_m3, Allowed::POSITIVE)?;
     const MM2_PER_M2: f64 = 1e6;
     const N_PER_MN: f64 = 1e-3;
     const ML_PER_MM3: f64 = 1e-3;

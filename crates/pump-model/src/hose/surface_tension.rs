@@ -3,7 +3,7 @@
 use libm::pow;
 
 use super::fluid::{Fluid, kelvin};
-use crate::error::{ModelError, within};
+use crate::error::{ModelError, Parameter, within};
 
 impl Fluid {
     /// Returns the surface tension of water against its vapour or air at 0 to 100 °C, in mN/m.
@@ -25,7 +25,7 @@ impl Fluid {
         const B_MN_M: f64 = 235.8;
         const MU: f64 = 1.256;
         const B: f64 = -0.625;
-        within("temperature of water in degC", temperature_degc, 0.0..=100.0)?;
+        within(Parameter::WaterTemperature, temperature_degc, 0.0..=100.0)?;
         let tau = 1.0 - kelvin(temperature_degc) / CRITICAL_K;
         Ok(B_MN_M * pow(tau, MU) * (1.0 + B * tau))
     }
