@@ -21,6 +21,17 @@ pub(crate) fn between(least_ml: f64, most_ml: f64) -> String {
     }
 }
 
+/// Words a carry in mL: in µL, as every carry is.
+pub(crate) fn microlitres(carry_ml: f64) -> String {
+    format!("{:.2} µL", 1e3 * carry_ml)
+}
+
+/// Words a carry in mL that is known within a half width, in µL, with two digits of the half width.
+pub(crate) fn microlitres_within(carry_ml: f64, half_width_ml: f64) -> String {
+    let decimals = (1.0 - floor((1e3 * half_width_ml).log10())).clamp(0.0, 4.0) as usize;
+    format!("{:.decimals$} µL ± {:.decimals$} µL", 1e3 * carry_ml, 1e3 * half_width_ml)
+}
+
 /// A number with four decimals at most.
 pub(crate) fn short(value: f64) -> String {
     format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()

@@ -61,7 +61,7 @@ fn the_rest_of_a_dose_keeps_its_rate_its_limits_its_end_and_its_retraction() {
     assert!((number(&rest, "cruise_flow_ml_s") - 20.0).abs() < 1e-6, "{rest}");
     assert!((number(&rest, "retraction_ml") - 2990.0).abs() < 0.01, "{rest}");
     assert_eq!(rest["finish"], "low-flow");
-    assert!(!rest["limits_not_checked"].as_array().unwrap().contains(&"outlet_pressure".into()), "{rest}");
+    assert!(!rest["limits_not_checked"].as_array().unwrap().contains(&"discharge_pressure".into()), "{rest}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The reports of doses, benches, calibrations and runs: JSON for programs, words for people.
 
+mod accepted;
 mod calibration;
 mod choices;
 mod dose;
@@ -16,6 +17,7 @@ mod status;
 mod status_text;
 mod verification;
 
+pub use accepted::{AcceptedReport, accepted_text};
 pub use calibration::{calibration_json, calibration_text, calibrations_json, calibrations_text};
 pub use choices::{Format, VolumeBasis};
 pub use dose::{CalibrationReport, DoseReport, PhaseReport, RippleReport};
