@@ -36,3 +36,15 @@ pub(crate) fn microlitres_within(carry_ml: f64, half_width_ml: f64) -> String {
 pub(crate) fn short(value: f64) -> String {
     format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_carry_has_the_digits_of_its_half_width() {
+        assert_eq!(microlitres_within(-0.001_046, 1.1), "-1 µL ± 1100 µL");
+        assert_eq!(microlitres_within(0.012_346, 0.000_452), "12.35 µL ± 0.45 µL");
+        assert_eq!(microlitres(0.012_346), "12.35 µL");
+    }
+}
