@@ -108,19 +108,7 @@ fn every_kind_and_every_key_of_an_error_is_documented() {
 
 #[test]
 fn the_sentences_of_a_usage_error_stand_apart() {
-    let user = User::new();
-    for (words, message) in [
-        (
-            &["25mL", "--dryrun"][..],
-            "unexpected argument '--dryrun' found; tip: a similar argument exists: '--dry-run'",
-        ),
-        (
-            &["simulate", "--speed", "100rpm"],
-            "the following required arguments were not provided: --duration",
-        ),
-    ] {
-        let answer = user.types(&[words, &["--format", "json"]].concat());
-        let said = error(&answer)["message"].as_str().unwrap().to_owned();
-        assert!(said.starts_with(message), "{said}");
-    }
+    let answer = User::new().types(&["25mL", "--dryrun", "--format", "json"]);
+    let message = "unexpected argument '--dryrun' found; tip: a similar argument exists: '--dry-run'";
+    assert_eq!(error(&answer)["message"], message);
 }
