@@ -117,7 +117,7 @@ pub(crate) fn announce(bench: &Bench, json: bool) -> Result<(), Failure> {
     }
 }
 
-/// The progress of a motion, on standard error. Only a terminal shows it, and nothing does if a program reads the report.
+/// The progress of a motion, on standard error. Only a terminal shows it, and only if no program reads the report.
 pub(crate) fn progress_bar(steps: u64, json: bool) -> ProgressBar {
     if json {
         return ProgressBar::hidden();

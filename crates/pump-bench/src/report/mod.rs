@@ -1,6 +1,5 @@
 //! The reports of doses, benches, calibrations and runs: JSON for programs, words for people.
 
-mod accepted;
 mod calibration;
 mod choices;
 mod dose;
@@ -17,7 +16,6 @@ mod status;
 mod status_text;
 mod verification;
 
-pub use accepted::{AcceptedReport, accepted_text};
 pub use calibration::{calibration_json, calibration_text, calibrations_json, calibrations_text};
 pub use choices::{Format, VolumeBasis};
 pub use dose::{CalibrationReport, DoseReport, PhaseReport, RippleReport};
@@ -25,6 +23,6 @@ pub use ending::Ending;
 pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain};
 pub use phase::{phase_json, phase_text};
 pub use pump_check::pump_check;
-pub use rotor::{carry_dropped_text, rotor_text};
+pub use rotor::{AcceptedReport, accepted_text, carry_dropped_text, rotor_text};
 pub use simulation::SimulationReport;
 pub use status::{CalibrationStatus, Status, UnfinishedCalibration, UnfinishedStatus};

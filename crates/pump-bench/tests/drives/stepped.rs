@@ -216,8 +216,8 @@ fn a_step_that_is_too_late_ends_the_motion_at_rest_with_the_steps_counted() {
     assert!(motor.made() > 550, "the motor was decelerated: {} steps", motor.made());
 }
 
-/// Runs `plan` with leave for `granted` steps, on a motor whose step `hangs_at` takes 50 ms. Returns the fault, the steps
-/// made and the last step that had leave.
+/// Runs `plan` with leave for `granted` steps, on a motor whose step `hangs_at` takes 50 ms. Returns the fault, the
+/// steps made and the last step that had leave.
 fn late(plan: &Plan, granted: u64, hangs_at: usize) -> (DriveFault, u64, u64) {
     let motor = Recorder { hangs_at: Some(hangs_at), ..Recorder::default() };
     let mut grant = grant(&motor);
