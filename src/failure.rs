@@ -63,7 +63,16 @@ impl Failure {
     /// A file that cannot be written.
     pub(crate) fn unwritten(path: &Path, error: &io::Error) -> Self {
         let facts = ErrorFacts::of_file(ErrorKind::Output, path, error);
-        Self { how: How::Refused, facts, message: format!("cannot write {}: {error}", path.display()) }
+        let path_shown = path.display();
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists());
+        let message = match folder.filter(|_| error.kind() == io::ErrorKind::NotFound) {
+            Some(folder) => {
+                let folder = folder.display();
+                format!("cannot write {path_shown}: there is no folder {folder}; make it, or name another")
+            }
+            None => format!("cannot write {path_shown}: {error}"),
+        };
+        Self { how: How::Refused, facts, message }
     }
 
     /// A fault after motion began.

@@ -54,7 +54,7 @@ pub(crate) fn unparsed(error: &clap::Error) -> Failure {
     let about =
         lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
     let words: Vec<_> = about.filter(|line| !line.is_empty()).collect();
-    let message = words.join(" ").trim_start_matches("error: ").to_owned();
+    let message = sentences(&words).trim_start_matches("error: ").to_owned();
     if let Some(quantity) = error.source().and_then(|source| source.downcast_ref::<QuantityError>()) {
         return Failure::of(quantity).saying(message);
     }
@@ -64,6 +64,18 @@ pub(crate) fn unparsed(error: &clap::Error) -> Failure {
     let refused = Failure::refused(message);
     let refused = value.into_iter().find_map(of).into_iter().fold(refused, Failure::value);
     allowed.into_iter().find_map(of).into_iter().fold(refused, Failure::allowed)
+}
+
+/// Joins the lines of clap's message: those of a list by spaces, and sentences by semicolons.
+fn sentences(lines: &[&str]) -> String {
+    let mut text = String::new();
+    for line in lines {
+        if !text.is_empty() {
+            text.push_str(if text.ends_with(':') { " " } else { "; " });
+        }
+        text.push_str(line);
+    }
+    text
 }
 
 /// Lists a value of clap's.

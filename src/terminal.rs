@@ -117,8 +117,11 @@ pub(crate) fn announce(bench: &Bench, json: bool) -> Result<(), Failure> {
     }
 }
 
-/// The progress of a motion, on standard error.
-pub(crate) fn progress_bar(steps: u64) -> ProgressBar {
+/// The progress of a motion, on standard error. Only a terminal shows it, and only if no program reads the report.
+pub(crate) fn progress_bar(steps: u64, json: bool) -> ProgressBar {
+    if json {
+        return ProgressBar::hidden();
+    }
     let style = ProgressStyle::with_template("{bar:40} {percent:>3} % of {len} steps, {eta} left");
     ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

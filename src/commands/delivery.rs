@@ -76,7 +76,7 @@ pub(super) fn deliver(
     if warns_first(bench) {
         warn(&prepared.warnings);
     }
-    let bar = progress_bar(prepared.plan.steps().unsigned_abs());
+    let bar = progress_bar(prepared.plan.steps().unsigned_abs(), json);
     let delivered = session.run(prepared, |made| {
         bar.set_position(made);
         interrupt.flow()

@@ -30,6 +30,9 @@ pub(crate) struct ResumeArgs {
     limits: PressureOptions,
     #[command(flatten)]
     bench: BenchOptions,
+    /// Plan and predict the rest; move nothing, record nothing
+    #[arg(long, help_heading = "Motor")]
+    dry_run: bool,
     #[command(flatten)]
     format: FormatOption,
     #[command(flatten)]
@@ -49,6 +52,11 @@ impl ResumeArgs {
             ..DoseRequest::dose(0.0)
         };
         let json = self.format.json();
+        let said = Said { json, verbose: self.verbose.verbose, asked: None };
+        if self.dry_run {
+            let prepared = bench.prepare_rest(request)?;
+            return report(&bench, &prepared, None, &said);
+        }
         let interrupt = Interrupt::watch()?;
         let mut session = bench.session()?;
         let prepared = match session.prepare_rest(request) {
@@ -60,7 +68,6 @@ impl ResumeArgs {
             prepared => noted(&mut session, prepared)?,
         };
         let delivered = deliver(&bench, &mut session, &prepared, &interrupt, json)?;
-        let said = Said { json, verbose: self.verbose.verbose, asked: None };
         report(&bench, &prepared, Some(delivered), &said)
     }
 }

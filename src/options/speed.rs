@@ -50,7 +50,7 @@ pub(crate) struct StartAngleOption {
     /// Angle of the rollers at the start, as 30deg [default: as recorded]
     #[arg(long_help = "Angle of the rollers at the start, as 30deg. At 0deg a roller begins to leave the \
         outlet. The default is the angle on record.")]
-    #[arg(long, value_name = "ANGLE", value_parser = units::angle_rad)]
+    #[arg(long, value_name = "ANGLE", value_parser = units::rotor_angle_rad)]
     pub(crate) start_angle: Option<f64>,
 }
 

@@ -23,7 +23,7 @@ pub(crate) fn asked(words: &[String]) -> Result<AskedVolume, Failure> {
             return Err(Failure::refused(format!("`{words}`: one volume at a time, as in `dose 25mL`")));
         }
     };
-    let amount = units::amount(&text).map_err(Failure::of)?;
+    let amount = units::dose_amount(&text).map_err(Failure::of)?;
     Ok(AskedVolume { amount, typed: spaced(&text) })
 }
 

@@ -167,3 +167,12 @@ fn without_a_terminal_or_a_mark_nothing_turns() {
     let message = user.is_refused(&["home", "--mark", "--pump", &pump, "--mark-tolerance=-1deg"]);
     assert!(message.contains("--mark-tolerance is -1 deg"), "{message}");
 }
+
+#[test]
+fn an_unknown_angle_is_no_number() {
+    let user = User::new();
+    assert!(number(&user.json(&["status"]), "angle_deg").abs() < 1e-9);
+    assert_eq!(user.types(&["home", "--unknown"]).code, 0);
+    let status = user.json(&["status"]);
+    assert!(status["angle_deg"].is_null() && status["angle_known"] == false, "{status}");
+}

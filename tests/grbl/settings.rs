@@ -177,3 +177,16 @@ fn grbl_makes_thirty_thousand_steps_a_second_at_most_whatever_its_settings_say()
     let hal = start(Options { firmware: Firmware::GrblHal, ..with(fast) });
     assert!((open(&hal).limits().unwrap().max_speed_rad_s / step_rad - 50_000.0).abs() < 1e-6);
 }
+
+#[test]
+fn a_setting_that_is_written_is_told_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = Some(folder.path().join("board-settings.json"));
+    let usual = Opening { settings_record: record, ..Opening::default() };
+    let configuring = Opening { configure: true, ..usual.clone() };
+    let board = start(with(&[(1, 25.0)]));
+    drop(Grbl::open(&table(&board), &motor(), &usual).unwrap());
+    let notes = Grbl::open(&table(&board), &motor(), &configuring).unwrap().notes();
+    let of_first = notes.iter().filter(|note| note.starts_with("$1 was"));
+    assert_eq!(of_first.collect::<Vec<_>>(), ["$1 was 25 and is 255 now"], "{notes:?}");
+}

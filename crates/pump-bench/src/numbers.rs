@@ -21,7 +21,30 @@ pub(crate) fn between(least_ml: f64, most_ml: f64) -> String {
     }
 }
 
+/// Words a carry in mL: in µL, as every carry is.
+pub(crate) fn microlitres(carry_ml: f64) -> String {
+    format!("{:.2} µL", 1e3 * carry_ml)
+}
+
+/// Words a carry in mL that is known within a half width, in µL, with two digits of the half width.
+pub(crate) fn microlitres_within(carry_ml: f64, half_width_ml: f64) -> String {
+    let decimals = (1.0 - floor((1e3 * half_width_ml).log10())).clamp(0.0, 4.0) as usize;
+    format!("{:.decimals$} µL ± {:.decimals$} µL", 1e3 * carry_ml, 1e3 * half_width_ml)
+}
+
 /// A number with four decimals at most.
 pub(crate) fn short(value: f64) -> String {
     format!("{value:.4}").trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_carry_has_the_digits_of_its_half_width() {
+        assert_eq!(microlitres_within(-0.001_046, 1.1), "-1 µL ± 1100 µL");
+        assert_eq!(microlitres_within(0.012_346, 0.000_452), "12.35 µL ± 0.45 µL");
+        assert_eq!(microlitres(0.012_346), "12.35 µL");
+    }
 }

@@ -9,7 +9,7 @@ use pump_bench::calibration::{Calibration, CalibrationRun, Expected, Fit, Readin
 use pump_bench::pump_file::{PumpFile, SpeedLawTable};
 use pump_bench::record::Purpose;
 use pump_bench::{Bench, DoseError, DoseRequest, Prepared, built_in};
-use pump_ctl::plan::{Cruise, PlanError};
+use pump_ctl::plan::{Cruise, LimitedBy, PlanError};
 use pump_model::units::rad_s;
 
 /// Eight pitches of the three-roller pump, in mL.
@@ -117,6 +117,40 @@ fn a_run_at_a_speed_beyond_the_calibrated_ones_holds_limits_by_the_nearest_and_b
     let folder = tempfile::tempdir().unwrap();
     let bench = bench(folder.path(), highest_kpa(&[60.0], 1.3) + 1.0, &[20.0, 60.0], 1.3);
     assert!(both(&bench)[1].is_ok());
+}
+
+#[test]
+fn a_run_at_a_speed_beyond_the_calibrated_ones_tells_the_pressures_of_the_nearest_and_of_the_model() {
+    for factor in [0.75, 1.3] {
+        let folder = tempfile::tempdir().unwrap();
+        let run =
+            both(&bench(folder.path(), 500.0, &[20.0, 60.0], factor)).into_iter().nth(1).unwrap().unwrap();
+        let [model_kpa, nearest_kpa] = [1.0, factor].map(|factor| highest_kpa(&[60.0], factor));
+        let (found_kpa, worst_kpa) = (run.margins.outlet.unwrap().reached, f64::max(model_kpa, nearest_kpa));
+        // The dose turns farther or less far than the run, by the factor.
+        assert!((found_kpa - worst_kpa).abs() < 0.2, "{factor}: {found_kpa} of {worst_kpa}");
+        let predicted_kpa = run.prediction.outlet.max_kpa + run.prediction.step_kpa;
+        assert!((found_kpa - predicted_kpa).abs() < 1e-6, "{found_kpa} {predicted_kpa}");
+    }
+}
+
+#[test]
+fn a_run_that_is_to_be_as_fast_as_possible_is_slowed_until_its_limits_hold() {
+    for (speeds_rpm, factor) in
+        [(&[60.0][..], 1.3), (&[20.0, 60.0], 1.3), (&[20.0, 60.0], 0.75), (&[60.0], 1.0)]
+    {
+        let limit_kpa = between_kpa(&[60.0], [0.75, 1.3]);
+        let folder = tempfile::tempdir().unwrap();
+        let bench = bench(folder.path(), limit_kpa, speeds_rpm, factor);
+        let request = DoseRequest { cruise: Some(Cruise::Fastest), ..asked(Purpose::Calibrate) };
+        let run = bench.prepare(request).unwrap();
+        let reached_kpa = run.margins.outlet.unwrap().reached;
+        assert!(
+            (limit_kpa - 0.5..=limit_kpa).contains(&reached_kpa),
+            "{factor}: {reached_kpa} of {limit_kpa}"
+        );
+        assert_eq!((run.plan.limited_by(), run.plan.steps()), (LimitedBy::OutletPressure, 34_133));
+    }
 }
 
 #[test]

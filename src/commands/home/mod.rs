@@ -26,7 +26,7 @@ pub(crate) struct HomeArgs {
     #[arg(long, requires = "sensor")]
     yes: bool,
     /// Say the angle, as 30deg; 0deg: a roller begins to leave the outlet
-    #[arg(long, value_name = "ANGLE", value_parser = units::angle_rad)]
+    #[arg(long, value_name = "ANGLE", value_parser = units::rotor_angle_rad)]
     set: Option<f64>,
     /// Say that nobody knows the angle: the rotor was turned by hand
     #[arg(long)]

@@ -61,7 +61,7 @@ fn the_rest_of_a_dose_keeps_its_rate_its_limits_its_end_and_its_retraction() {
     assert!((number(&rest, "cruise_flow_ml_s") - 20.0).abs() < 1e-6, "{rest}");
     assert!((number(&rest, "retraction_ml") - 2990.0).abs() < 0.01, "{rest}");
     assert_eq!(rest["finish"], "low-flow");
-    assert!(!rest["limits_not_checked"].as_array().unwrap().contains(&"outlet_pressure".into()), "{rest}");
+    assert!(!rest["limits_not_checked"].as_array().unwrap().contains(&"discharge_pressure".into()), "{rest}");
 }
 
 #[test]
@@ -223,4 +223,66 @@ fn of_two_starts_in_the_same_moment_one_is_told_who_has_the_pump() {
     first.wait().unwrap();
     // The lock went with its holder.
     assert_eq!(user.types(&["1mL"]).code, 4);
+}
+
+/// Makes a dose that is stopped on its way. Returns its report.
+fn stopped(user: &User, volume: &str) -> String {
+    let mut child = user.command(&[volume]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let deadline = Instant::now() + Duration::from_secs(20);
+    while !fs::read_to_string(user.path(JOURNAL)).is_ok_and(|text| text.contains("progress")) {
+        assert!(Instant::now() < deadline && child.try_wait().unwrap().is_none(), "no progress on record");
+        sleep(Duration::from_millis(2));
+    }
+    signal(&child, "INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn a_dose_that_was_stopped_tells_the_time_that_it_moved() {
+    let user = User::new();
+    let said = stopped(&user, LONG);
+    // 3 L at 5 mL/s take 600 s and the ramps.
+    let line = said.lines().find(|line| line.contains(" s at 5 mL/s")).unwrap_or_else(|| panic!("{said}"));
+    let told_s: f64 = line.split(' ').next().unwrap().parse().unwrap();
+    let status = user.json(&["status"]);
+    let moved_s = number(&status["unfinished"], "delivered_least_ml") / 5.0;
+    assert!((told_s - moved_s).abs() < 0.5, "{told_s} told and {moved_s} moved");
+}
+
+#[test]
+fn a_rest_can_be_planned_without_moving() {
+    let user = User::new();
+    assert!(user.is_refused(&["resume", "--dry-run"]).contains("nothing to resume"));
+    stopped(&user, "3009g");
+    let before = user.record();
+    let planned = user.json(&["resume", "--dry-run"]);
+    assert!(planned["delivered_ml"].is_null() && user.record() == before);
+    // The volume is 3009/0.997 mL, and nobody reads twelve decimals.
+    let refused = user.types(&["1mL"]);
+    assert!(
+        refused.code == 4 && refused.err.contains("a dose of 3018.05 mL is unfinished"),
+        "{}",
+        refused.err
+    );
+    assert!(user.types(&["status"]).out.contains("a dose of 3018.05 mL, of which"));
+    let made = user.json(&["resume"]);
+    assert_eq!((&made["steps"], &made["planned_ml"]), (&planned["steps"], &planned["planned_ml"]));
+}
+
+#[test]
+fn a_dose_that_is_accepted_is_reported_to_programs() {
+    let user = User::new();
+    stopped(&user, LONG);
+    let unfinished = user.json(&["status"])["unfinished"].clone();
+    let accepted = user.json(&["discard"]);
+    assert_eq!((&accepted["schema"], &accepted["requested_ml"]), (&"accepted/1".into(), &3000.0.into()));
+    for key in ["delivered_least_ml", "delivered_most_ml"] {
+        assert_eq!(accepted[key], unfinished[key]);
+    }
+    assert_eq!(accepted["angle_deg"], user.json(&["status"])["angle_deg"]);
+    let refused = user.types(&["discard", "--format", "json"]);
+    let error: Value = serde_json::from_str(&refused.err).unwrap();
+    assert_eq!((refused.code, &error["schema"]), (2, &"error/1".into()));
 }

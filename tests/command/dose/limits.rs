@@ -58,13 +58,16 @@ fn the_largest_of_collapse_vapour_and_what_is_given_binds_and_is_named() {
     };
     // PHYSICS: E/(4 (1 - nu²)) (t/r_m)³ below ambient with 3.5 MPa, 0.49, 2 mm and 6 mm is 42.647 kPa of 85.7.
     let (name, kpa, not_checked) = limit(&[]);
-    assert_eq!((name.as_str(), not_checked.as_str()), ("tube_collapse", r#"["outlet_pressure","torque"]"#));
+    assert_eq!(
+        (name.as_str(), not_checked.as_str()),
+        ("tube_collapse", r#"["discharge_pressure","torque"]"#)
+    );
     assert!((kpa - (85.7 - 42.647)).abs() < 1e-3, "{kpa}");
     // IAPWS SR1-86: 3.1699 kPa at 25 °C.
     let own = own_pump(&user, &NO_COLLAPSE);
     let (name, kpa, not_checked) = limit(&["--pump", &own]);
     assert_eq!(name, "vapour_pressure");
-    assert_eq!(not_checked, r#"["outlet_pressure","tube_collapse","torque"]"#);
+    assert_eq!(not_checked, r#"["discharge_pressure","tube_collapse","torque"]"#);
     assert!((kpa - 3.1699).abs() < 3e-3, "{kpa}");
     let boiling = own_pump(&user, &[("# vapour_kpa = 3.17", "vapour_kpa = 60.0")]);
     assert_eq!(limit(&["--pump", &boiling]).0, "vapour_pressure");
@@ -76,7 +79,10 @@ fn the_largest_of_collapse_vapour_and_what_is_given_binds_and_is_named() {
     let oil = own_pump(&user, &[NO_COLLAPSE[0], NO_COLLAPSE[1], ("\"water\"", "\"oil\"")]);
     let report = user.json(&["25mL", "--dry-run", "--pump", &oil]);
     assert!(report["inlet_limit"].is_null());
-    assert_eq!(report["limits_not_checked"].to_string(), r#"["outlet_pressure","inlet_pressure","torque"]"#);
+    assert_eq!(
+        report["limits_not_checked"].to_string(),
+        r#"["discharge_pressure","suction_pressure","torque"]"#
+    );
 }
 
 #[test]

@@ -21,7 +21,7 @@ fn details_and_the_uncertainty_budget_are_told_when_they_are_asked_for() {
         let long = user.types(&["25mL", "--dry-run", option]).out;
         assert!(long.starts_with(&brief), "{long}");
         for part in [
-            "not checked  outlet pressure, torque",
+            "not checked  discharge pressure, torque",
             "rollers      from 0.00° (home) to 435.38°",
             "uncertainty  k = 2, not calibrated; standard, % of volume: model 2.4",
         ] {

@@ -105,3 +105,10 @@ fn every_kind_and_every_key_of_an_error_is_documented() {
         assert!(text.contains(&format!("| `{word}` |")), "{word}");
     }
 }
+
+#[test]
+fn the_sentences_of_a_usage_error_stand_apart() {
+    let answer = User::new().types(&["25mL", "--dryrun", "--format", "json"]);
+    let message = "unexpected argument '--dryrun' found; tip: a similar argument exists: '--dry-run'";
+    assert_eq!(error(&answer)["message"], message);
+}

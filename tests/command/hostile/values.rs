@@ -27,13 +27,31 @@ fn values_that_cannot_be_right_are_refused_before_anything_moves() {
         (vec!["25mL", "--rate", "1e300mL/s"], "a rate of 1e300 mL/s"),
         (vec!["25mL", "--speed", "1e300rpm"], "a speed of 1e300 r/min"),
         (vec!["25mL", "--within", "1e-300s"], "within 1e-300 s"),
-        (vec!["25mL", "--start-angle", "1e300rad"], "start angle in rad is 1e300"),
+        (
+            vec!["25mL", "--start-angle", "1e300rad"],
+            "`1e300rad` is out of range; allowed: an angle within one turn",
+        ),
+        (
+            vec!["25mL", "--start-angle", "400deg"],
+            "`400deg` is out of range; allowed: an angle within one turn",
+        ),
+        (
+            vec!["25kg"],
+            "`25kg` is out of range; allowed: a mass of 10 kg at most; if more is meant, give the volume",
+        ),
+        (
+            vec!["25mL", "--plot", "/nonexistent/x.svg"],
+            "cannot write /nonexistent/x.svg: there is no folder /nonexistent",
+        ),
         (vec!["25mL", "--every", "1e300s", "--repeat", "2"], "1e300"),
         (vec!["25mL", "--retract", "1e300mL"], "1e300"),
         (vec!["25mL", "--max-outlet-pressure", "1e300kPaa"], "1e300"),
         (vec!["25mL", "--trace", "t.csv", "--dt", "1e-300s"], "rows"),
         (vec!["home", "--set", "x"], "`x` is not an angle"),
-        (vec!["home", "--set", "1e300deg"], "e298"),
+        (
+            vec!["home", "--set", "1e300deg"],
+            "`1e300deg` is out of range; allowed: an angle within one turn, -360deg to 360deg",
+        ),
         (vec!["simulate", "--speed", "60rpm", "--duration", "1e300s"], "1e300"),
     ] {
         let message = user.is_refused(&words);

@@ -65,7 +65,7 @@ fn bad_quantities_are_refused_by_name() {
         (vec!["25mL", "--max-outlet-pressure", "89kPaa"], "above the limit of 89.00 kPa"),
         (vec!["25mL", "--min-inlet-pressure", "88kPaa"], "below the limit of 88.00 kPa"),
         (vec!["25mL", "--start-angle", "30"], "has no unit"),
-        (vec!["25mL", "--start-angle", "1e9rad"], "start angle in rad is 1000000000"),
+        (vec!["25mL", "--start-angle", "1e9rad"], "allowed: an angle within one turn, -360deg to 360deg"),
         (vec!["25mL", "--driver", "teleport"], "teleport"),
         (vec!["simulate", "--speed", "100rpm"], "how long?"),
         (vec!["simulate", "--duration", "1s"], "how fast?"),

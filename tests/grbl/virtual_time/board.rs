@@ -29,6 +29,8 @@ pub(super) struct Truth {
     pub(super) pressed: Option<u8>,
     /// True if the board says that it jogs, whatever it does.
     pub(super) never_rests: bool,
+    /// Distance by which every report is off from now on, in mm.
+    pub(super) astray_mm: f64,
 }
 
 /// Board in memory at the end of a wire.
@@ -55,9 +57,19 @@ impl InMemory {
             if truth.never_rests {
                 text = text.replace("<Idle", "<Jog");
             }
+            if truth.astray_mm != 0.0 {
+                text = astray(&text, truth.astray_mm);
+            }
             self.outgoing.extend(text.bytes().chain(*b"\r\n"));
         }
     }
+}
+
+/// Returns a status report whose first coordinate is off. Other lines stay as they are.
+fn astray(text: &str, by_mm: f64) -> String {
+    let Some((head, rest)) = text.split_once("MPos:") else { return text.to_owned() };
+    let (first, others) = rest.split_once(',').unwrap();
+    format!("{head}MPos:{:.3},{others}", first.parse::<f64>().unwrap() + by_mm)
 }
 
 impl Wire for InMemory {

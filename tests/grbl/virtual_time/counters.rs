@@ -1,10 +1,10 @@
 //! Claims about counters that jump.
 
-use pump_bench::drives::{Drive, DriveFault, Leave};
+use pump_bench::drives::{Drive, DriveFault, GrblError, Leave};
 
 use super::board::open;
-use crate::rig::dose;
-use crate::simulated::options::{Defects, Options};
+use crate::rig::{dose, grbl_error};
+use crate::simulated::options::{Defects, Options, Sensor};
 
 /// Runs a dose on a board whose counter jumps by so many steps at a place. Returns the result, the steps of the
 /// dose and the steps made.
@@ -56,5 +56,32 @@ fn a_small_jump_before_the_next_jogs_cannot_be_told_from_a_motion() {
     for by in [40, -40] {
         let (result, steps, made) = dose_with_jump(6.0, 1_000, by);
         assert_eq!((result.unwrap() as i64, made), (steps, steps - by), "by {by}");
+    }
+}
+
+/// Has the counter jump while the gate is first asked, and the board report it at once. The second look comes before
+/// the motor moves.
+#[test]
+fn a_jump_before_the_first_line_is_looked_into_before_anything_moves() {
+    for seeks in [false, true] {
+        let sensor = Some(Sensor { at: 4_000, width: 60, every: 12_800 });
+        let (mut grbl, truth) = open(&Options { sensor, ..Options::default() });
+        let plan = dose(&grbl, 6.0, 4.0);
+        let mut asked = 0;
+        let mut gate = |_: u64, _: u64| {
+            asked += 1;
+            if asked == 1 {
+                let mut truth = truth.lock().unwrap();
+                (truth.astray_mm, truth.pressed) = (40.0, Some(b'?'));
+            }
+            Leave::Go
+        };
+        let fault = if seeks {
+            grbl.seek(&plan, &mut gate).map(drop).unwrap_err()
+        } else {
+            grbl.run(&plan, &mut gate).map(drop).unwrap_err()
+        };
+        assert!(matches!(grbl_error(fault.error), GrblError::Count { .. }));
+        assert_eq!(truth.lock().unwrap().steps, 0, "seeks: {seeks}");
     }
 }

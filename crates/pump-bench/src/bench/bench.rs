@@ -241,12 +241,15 @@ impl Bench {
         request: DoseRequest,
     ) -> Result<Prepared, DoseError> {
         let mut prepared = self.prepare_from(&self.file, state, request)?;
-        if !self.is_simulated() {
-            let unread =
-                "a dry run does not ask the device: its own speeds, acceleration and count are not known";
-            prepared.warnings.push(unread.to_owned());
-        }
+        prepared.warnings.extend(self.device_not_asked());
         Ok(prepared)
+    }
+
+    /// Returns the warning of a dry run on a real motor.
+    pub(super) fn device_not_asked(&self) -> Option<String> {
+        let unread =
+            "a dry run does not ask the device: its own speeds, acceleration and count are not known";
+        (!self.is_simulated()).then(|| unread.to_owned())
     }
 
     /// Plans a dose as if `state` were on record. Refuses a dose that the tube will not last for.

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use pump_ctl::plan::Plan;
-use pump_model::units::rpm;
+use pump_model::units::{degrees, rpm};
 
 use super::device::Device;
 use super::session::Session;
@@ -52,11 +52,8 @@ impl<'a> Session<'a> {
             return Ok(());
         }
         let bench = self.bench;
-        let drive = match self.given.take() {
+        let drive = match self.given().map_err(DoseError::Connection)? {
             Some(drive) => Ok(drive),
-            None if bench.is_given_its_drive() => {
-                Err(DriveError::NotGiven { id: bench.drive_id().to_owned() })
-            }
             None => registry::open(bench.drive(), bench.file(), bench.model(), bench.opening()),
         };
         self.take(drive.map_err(DoseError::Connection)?)
@@ -65,6 +62,10 @@ impl<'a> Session<'a> {
     /// Takes `drive` into use and compares its count with the record.
     fn take(&mut self, mut drive: Box<dyn Drive + 'a>) -> Result<(), DoseError> {
         let bench = self.bench;
+        if let Err(error) = drive.connect() {
+            self.put_away(drive);
+            return Err(DoseError::Connection(error));
+        }
         let limits = drive.limits();
         let mut notes = drive.notes();
         let begun = self.stands().unfinished;
@@ -76,11 +77,6 @@ impl<'a> Session<'a> {
         let recorded = if changed { self.rest(Why::Met, met) } else { Ok(()) };
         self.finished_by_device = begun.filter(|_| met.unfinished.is_none());
         Ok(recorded?)
-    }
-
-    /// Lets go of a device, which is met anew before it moves again. A drive that the session was given is kept.
-    pub(super) fn put_away(&mut self, device: Device<'a>) {
-        self.given = Some(device.drive).filter(|_| self.bench.is_given_its_drive());
     }
 
     /// Returns the pump file as the device allows it, or as it is while no device is connected.
@@ -163,21 +159,27 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Refuses a plan that the device cannot run. The state in which the device was met is on record.
+    /// Refuses a plan that the device cannot run, and one for a rotor that has moved since. The state in which the
+    /// device was met is on record.
     pub(super) fn check(&mut self, plan: &Plan) -> Result<(), DoseError> {
         let Some(mut device) = self.device.take() else { return Ok(()) };
-        let Err(error) = device.drive.check(plan) else {
+        let checked = device.drive.check(plan);
+        let has_moved =
+            self.stands().count.zip(device.drive.count()).is_some_and(|(before, now)| before != now);
+        if checked.is_ok() && !has_moved {
             self.device = Some(device);
             return Ok(());
-        };
+        }
         let mut notes = Vec::new();
         let met = self.meet(device.drive.as_mut(), &mut notes);
-        self.put_away(device);
+        self.put_away(device.drive);
         self.notes.append(&mut notes);
         if met != self.stands() {
             self.rest(Why::Met, met)?;
         }
-        Err(DoseError::Connection(error))
+        checked.map_err(DoseError::Connection)?;
+        let [planned_deg, stands_deg] = [plan.start().angle_rad(), met.angle_rad].map(degrees);
+        Err(DoseError::Stale { planned_deg, stands_deg })
     }
 
     /// Releases the rotor. Its angle is known less well afterwards.
@@ -206,12 +208,13 @@ impl<'a> Session<'a> {
         // The device is met anew before it moves again.
         let Some(mut device) = self.device.take() else { return Ok(state) };
         let released = device.drive.release();
-        self.put_away(device);
+        self.put_away(device.drive);
         released.map_err(DoseError::Connection).map(|()| state)
     }
 
     /// Releases a rotor that has held for the pump file's `hold_timeout_s`. A caller that waits in a session
-    /// calls this now and then. A drive that cannot let go of its motor holds on.
+    /// calls this now and then. A drive that cannot let go of its motor holds on. So does a drive that has failed,
+    /// until it is met anew: the record then says that its motor holds.
     ///
     /// # Errors
     ///

@@ -74,7 +74,7 @@ impl Bench {
             }
             session => {
                 let mut session = session?;
-                session.given = drive;
+                session.give(drive);
                 let owed_ml = session.owed_ml();
                 let state = session.set_angle(phase)?;
                 // The carry of an unfinished dose stays.
@@ -83,7 +83,7 @@ impl Bench {
             }
         };
         let set = self.session().and_then(|mut session| {
-            session.given = drive.take();
+            session.give(drive.take());
             let state = session.set_angle(phase)?;
             Ok((session, state))
         });

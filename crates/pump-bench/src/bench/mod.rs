@@ -19,4 +19,4 @@ pub(crate) use bench::headline;
 pub use delivery::Delivered;
 pub use homing::AngleSet;
 pub use rehearsal::Rehearsal;
-pub use session::{NewTube, Session};
+pub use session::{Accepted, NewTube, Session};

@@ -144,7 +144,7 @@ impl<'a> Session<'a> {
         if let (None, false, true, Some(part)) = (state.count, lost, is_delivery, &mut state.unfinished) {
             part.count_before = before.count;
         }
-        self.put_away(device);
+        self.put_away(device.drive);
         // If this fails, the journal's last stretch tells as much with wider bounds.
         let _ = self.rest(Why::Fault, state);
         let (least_ml, most_ml) =

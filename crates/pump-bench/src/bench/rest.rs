@@ -2,9 +2,11 @@
 
 use pump_ctl::plan::Finish;
 
+use super::bench::Bench;
 use super::session::Session;
 use crate::dosing::{DoseError, DoseRequest, Prepared};
 use crate::numbers::{between, significant};
+use crate::pump_file::PumpFile;
 use crate::record::{Account, PumpState, Purpose, Unfinished, Whole};
 
 impl Session<'_> {
@@ -26,44 +28,13 @@ impl Session<'_> {
         self.connect()?;
         let state = self.stands();
         match (state.unfinished, self.finished_by_device) {
-            (Some(dose), _) => self.prepare_rest_of(&dose, state, request),
+            (Some(dose), _) => {
+                let prepared = self.bench.plan_rest(self.file(), &dose, state, request)?;
+                self.checked(prepared)
+            }
             (None, Some(dose)) => self.prepare_suck_back(&dose, state, request),
             (None, None) => Err(DoseError::WasFinished),
         }
-    }
-
-    fn prepare_rest_of(
-        &mut self,
-        dose: &Unfinished,
-        state: PumpState,
-        request: DoseRequest,
-    ) -> Result<Prepared, DoseError> {
-        let (intent, model) = (&dose.intent, self.bench.model());
-        let request = request.for_rest(&intent.terms);
-        let carry_ml = if intent.purpose == Purpose::Dose { intent.carry_in_ml } else { state.carry_ml };
-        let (requested_ml, booked_ml) = (intent.whole_requested_ml(), dose.booked_ml(model));
-        let rest = DoseRequest {
-            purpose: intent.purpose,
-            volume_ml: requested_ml - booked_ml,
-            whole_ml: Some(requested_ml),
-            retract_ml: intent.retract_ml,
-            ..request
-        };
-        // A dose that was to end at low flow may end elsewhere if the request says so.
-        let elsewhere = intent.terms.low_flow && request.finish == Some(Finish::Any);
-        let settled_ml = if intent.purpose == Purpose::Dose { carry_ml } else { 0.0 };
-        if elsewhere && (rest.volume_ml + settled_ml) * intent.steps as f64 <= 0.0 {
-            return Err(DoseError::BeyondRequest { requested_ml, delivered_ml: booked_ml });
-        }
-        let to_end_ml = (!elsewhere).then(|| intent.planned_ml - dose.motion_booked_ml(model));
-        if to_end_ml.is_some_and(|to_end_ml| to_end_ml * intent.steps as f64 <= 0.0) {
-            let (least_ml, most_ml) = dose.delivered_ml(model);
-            return Err(DoseError::NoRest { requested_ml, least_ml, most_ml });
-        }
-        let state = PumpState { unfinished: None, carry_ml, ..state };
-        let mut prepared = self.bench.plan_from(self.file(), Some(state), rest, to_end_ml)?;
-        prepared.warnings.extend(self.unsure_rest(dose, &prepared));
-        self.checked(prepared)
     }
 
     /// Plans the retraction after a dose that the device finished by itself.
@@ -90,9 +61,68 @@ impl Session<'_> {
         self.checked(prepared)
     }
 
+    /// Returns the whole dose of which `prepared` makes the rest. `None` if it makes no rest.
+    pub(super) fn whole_of_rest(&self, prepared: &Prepared) -> Option<Whole> {
+        let dose = self.stands().unfinished.filter(|_| prepared.request.whole_ml.is_some())?;
+        Some(self.bench.whole_before(&dose, prepared))
+    }
+}
+
+impl Bench {
+    /// Plans the rest of the unfinished dose from the record, as [`Session::prepare_rest`] does. Moves and writes
+    /// nothing, and does not ask the device.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::NothingUnfinished`] if no dose is unfinished. [`DoseError::Folder`] if another process moves the
+    /// pump. Other [`DoseError`]s if the rest cannot be planned.
+    pub fn prepare_rest(&self, request: DoseRequest) -> Result<Prepared, DoseError> {
+        let unfinished = self.state_to_plan_from()?.and_then(|state| Some((state, state.unfinished?)));
+        let (state, dose) = unfinished.ok_or(DoseError::NothingUnfinished("resume"))?;
+        let mut prepared = self.plan_rest(self.file(), &dose, state, request)?;
+        prepared.warnings.extend(self.device_not_asked());
+        Ok(prepared)
+    }
+
+    /// Plans the rest of `dose` with the pump file as the device allows it.
+    fn plan_rest(
+        &self,
+        file: &PumpFile,
+        dose: &Unfinished,
+        state: PumpState,
+        request: DoseRequest,
+    ) -> Result<Prepared, DoseError> {
+        let (intent, model) = (&dose.intent, self.model());
+        let request = request.for_rest(&intent.terms);
+        let carry_ml = if intent.purpose == Purpose::Dose { intent.carry_in_ml } else { state.carry_ml };
+        let (requested_ml, booked_ml) = (intent.whole_requested_ml(), dose.booked_ml(model));
+        let rest = DoseRequest {
+            purpose: intent.purpose,
+            volume_ml: requested_ml - booked_ml,
+            whole_ml: Some(requested_ml),
+            retract_ml: intent.retract_ml,
+            ..request
+        };
+        // A dose that was to end at low flow may end elsewhere if the request says so.
+        let elsewhere = intent.terms.low_flow && request.finish == Some(Finish::Any);
+        let settled_ml = if intent.purpose == Purpose::Dose { carry_ml } else { 0.0 };
+        if elsewhere && (rest.volume_ml + settled_ml) * intent.steps as f64 <= 0.0 {
+            return Err(DoseError::BeyondRequest { requested_ml, delivered_ml: booked_ml });
+        }
+        let to_end_ml = (!elsewhere).then(|| intent.planned_ml - dose.motion_booked_ml(model));
+        if to_end_ml.is_some_and(|to_end_ml| to_end_ml * intent.steps as f64 <= 0.0) {
+            let (least_ml, most_ml) = dose.delivered_ml(model);
+            return Err(DoseError::NoRest { requested_ml, least_ml, most_ml });
+        }
+        let state = PumpState { unfinished: None, carry_ml, ..state };
+        let mut prepared = self.plan_from(file, Some(state), rest, to_end_ml)?;
+        prepared.warnings.extend(self.unsure_rest(dose, &prepared));
+        Ok(prepared)
+    }
+
     /// Warns of a rest after a part whose volume is known within bounds only.
     fn unsure_rest(&self, dose: &Unfinished, prepared: &Prepared) -> Option<String> {
-        let model = self.bench.model();
+        let model = self.model();
         let (least_ml, most_ml) = dose.delivered_ml(model);
         if most_ml - least_ml <= prepared.plan.end_step_ml(&prepared.model) {
             return None;
@@ -112,12 +142,6 @@ impl Session<'_> {
 
     /// Returns the unfinished dose as the whole of which `prepared` makes the rest.
     fn whole_before(&self, dose: &Unfinished, prepared: &Prepared) -> Whole {
-        dose.whole_for_rest(self.bench.model(), prepared.plan.start(), prepared.correction())
-    }
-
-    /// Returns the whole dose of which `prepared` makes the rest. `None` if it makes no rest.
-    pub(super) fn whole_of_rest(&self, prepared: &Prepared) -> Option<Whole> {
-        let dose = self.stands().unfinished.filter(|_| prepared.request.whole_ml.is_some())?;
-        Some(self.whole_before(&dose, prepared))
+        dose.whole_for_rest(self.model(), prepared.plan.start(), prepared.correction())
     }
 }

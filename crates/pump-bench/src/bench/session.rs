@@ -8,7 +8,7 @@ use pump_model::units::rpm;
 
 use crate::calibration::RunLog;
 use crate::dosing::{DoseError, DoseRequest, Prepared};
-use crate::drives::Drive;
+use crate::drives::{Drive, DriveError};
 use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfinished, Wear, Why};
 
 use super::bench::Bench;
@@ -30,7 +30,9 @@ pub struct Session<'a> {
     /// Device that turns the motor. It is opened once it is needed.
     pub(super) device: Option<Device<'a>>,
     /// Drive that the session was given and that is not connected.
-    pub(super) given: Option<Box<dyn Drive + 'a>>,
+    given: Option<Box<dyn Drive + 'a>>,
+    /// True if the session was given its drive, so that it opens no other.
+    is_given: bool,
     /// Notes for the user that were not shown yet.
     pub(super) notes: Vec<String>,
     /// True if this session has turned the motor.
@@ -52,6 +54,19 @@ pub struct NewTube {
     pub unused: Option<u32>,
     /// Readings of a guided calibration of the old tube, which are given up.
     pub readings: usize,
+}
+
+/// Unfinished dose that was accepted as it is.
+#[derive(Debug)]
+pub struct Accepted {
+    /// Dose, with the steps that were made.
+    pub dose: Unfinished,
+    /// Carry that was dropped, in mL.
+    pub dropped_ml: f64,
+    /// State of the pump now.
+    pub state: PumpState,
+    /// Error of a device that could not tell its count. `None` if it was asked.
+    pub unasked: Option<DoseError>,
 }
 
 impl Bench {
@@ -79,6 +94,7 @@ impl<'a> Session<'a> {
             finished_by_device: None,
             device: None,
             given: None,
+            is_given: bench.is_given_its_drive(),
             notes: Vec::new(),
             moved: false,
             _lock: lock,
@@ -89,15 +105,40 @@ impl<'a> Session<'a> {
     /// once it is needed.
     ///
     /// [`Bench::driven_by`] makes the bench of a drive, whose record is its own. A drive that fails is kept: the next
-    /// motion meets it anew, so [`Drive::check`] is the place to connect it again.
+    /// motion connects it again by [`Drive::connect`] and compares its count with the record.
     ///
     /// # Errors
     ///
-    /// [`DoseError::Connection`] with [`DriveError::Other`](crate::drives::DriveError::Other) if the bench keeps
+    /// [`DoseError::Connection`] with [`DriveError::Other`] if the bench keeps
     /// the record of another drive. Otherwise as for [`Bench::session`].
     pub fn with_drive(bench: &'a Bench, drive: Box<dyn Drive + 'a>) -> Result<Self, DoseError> {
         bench.check_drive(drive.as_ref())?;
-        Ok(Self { given: Some(drive), ..Self::open(bench)? })
+        let mut session = Self::open(bench)?;
+        session.give(Some(drive));
+        Ok(session)
+    }
+
+    /// Gives the session its drive, if there is one. It opens no other from then on.
+    pub(super) fn give(&mut self, drive: Option<Box<dyn Drive + 'a>>) {
+        self.is_given |= drive.is_some();
+        self.given = drive;
+    }
+
+    /// Returns the drive that the session was given and that is not connected. `None` if the session opens its own.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError::NotGiven`] if the session was to be given a drive.
+    pub(super) fn given(&mut self) -> Result<Option<Box<dyn Drive + 'a>>, DriveError> {
+        match self.given.take() {
+            None if self.is_given => Err(DriveError::NotGiven { id: self.bench.drive_id().to_owned() }),
+            given => Ok(given),
+        }
+    }
+
+    /// Keeps a drive that is to be met anew before it moves again, if the session was given it.
+    pub(super) fn put_away(&mut self, drive: Box<dyn Drive + 'a>) {
+        self.given = Some(drive).filter(|_| self.is_given);
     }
 
     /// Returns the bench of this session.
@@ -176,9 +217,17 @@ impl<'a> Session<'a> {
     /// [`DoseError::NothingUnfinished`] if no dose is unfinished. [`DoseError::Connection`] if the user asked
     /// to stop meanwhile. [`DoseError::Journal`] if the state cannot be recorded.
     pub fn discard(&mut self) -> Result<(PumpState, Option<DoseError>), DoseError> {
-        if self.stands().unfinished.is_none() {
-            return Err(DoseError::NothingUnfinished("discard"));
-        }
+        self.accept().map(|accepted| (accepted.state, accepted.unasked))
+    }
+
+    /// Accepts the unfinished dose, as [`Self::discard`] does, and tells what it was.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as for [`Self::discard`].
+    pub fn accept(&mut self) -> Result<Accepted, DoseError> {
+        let before = self.stands();
+        let begun = before.unfinished.ok_or(DoseError::NothingUnfinished("discard"))?;
         // A device that still knows its count tells the steps made. Otherwise the recorded bounds stay, and
         // the count starts anew when the device is met again.
         let unasked = match self.connect() {
@@ -187,9 +236,12 @@ impl<'a> Session<'a> {
         };
         let state = self.stands();
         let count = state.count.filter(|_| unasked.is_none());
+        // A dose that the device has finished since is unfinished no more.
+        let all = begun.intent.steps.abs();
+        let dose = state.unfinished.unwrap_or(Unfinished { made_least: all, made_most: all, ..begun });
         let state = PumpState { unfinished: None, count, ..state.without_carry() };
         self.rest(Why::Discarded, state)?;
-        Ok((state, unasked))
+        Ok(Accepted { dose, dropped_ml: before.carry_ml, state, unasked })
     }
 
     /// Records that the tube is new. The carry is zero afterwards, and no calibration is used.

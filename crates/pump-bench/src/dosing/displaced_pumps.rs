@@ -1,8 +1,8 @@
 //! The pumps by whose displacement a motion holds its limits, where the model alone gives its steps.
 
-use pump_ctl::plan::{Limits, Plan, PlanError};
-use pump_model::Pump;
+use pump_ctl::plan::{Limits, Margin, Margins, Plan, PlanError, Prediction};
 use pump_model::units::rpm;
+use pump_model::{BackFlow, Pump};
 
 use super::error::DoseError;
 use crate::calibration::{AgainstSpeed, CalibrationError, Stored};
@@ -56,9 +56,70 @@ impl DisplacedPumps {
         Ok(Self { known: corrected(factor)?, model })
     }
 
-    /// Returns the pump with the best known displacement.
-    pub(crate) fn known(&self) -> &Pump {
-        &self.known
+    /// Returns a pump whose displacement is known.
+    pub(crate) fn only(pump: Pump) -> Self {
+        Self { known: pump, model: None }
+    }
+
+    /// Predicts a plan on each of the pumps. The prediction has the widest pressures and the longest settling.
+    ///
+    /// # Errors
+    ///
+    /// [`PlanError`] as for [`Plan::predict`].
+    pub(crate) fn predict(&self, plan: &Plan) -> Result<Prediction, PlanError> {
+        let mut widest = plan.predict(&self.known)?;
+        if let Some(pump) = &self.model {
+            let Prediction { inlet, outlet, step_kpa, settle_s, .. } = plan.predict(pump)?;
+            widest.inlet = widest.inlet.and(inlet);
+            widest.outlet = widest.outlet.and(outlet);
+            widest.step_kpa = widest.step_kpa.max(step_kpa);
+            widest.settle_s = widest.settle_s.max(settle_s);
+        }
+        Ok(widest)
+    }
+
+    /// Predicts the back flow of a plan on each of the pumps, and returns the larger one.
+    ///
+    /// # Errors
+    ///
+    /// [`PlanError`] as for [`Plan::back_flow`].
+    pub(crate) fn back_flow(&self, plan: &Plan) -> Result<BackFlow, PlanError> {
+        let mut larger = plan.back_flow(&self.known)?;
+        if let Some(pump) = &self.model {
+            let BackFlow { backflow_ml, reverse_flow_ml } = plan.back_flow(pump)?;
+            larger.backflow_ml = larger.backflow_ml.max(backflow_ml);
+            larger.reverse_flow_ml = larger.reverse_flow_ml.max(reverse_flow_ml);
+        }
+        Ok(larger)
+    }
+
+    /// Returns the margins of a plan. Each is that of the pump that uses more of the limit.
+    pub(crate) fn margins(&self, plan: &Plan, limits: &Limits) -> Margins {
+        let nearer = |one: Option<Margin>, other: Option<Margin>| {
+            one.into_iter().chain(other).max_by(|one, other| one.used.total_cmp(&other.used))
+        };
+        let mut margins = limits.margins(&self.known, plan);
+        if let Some(pump) = &self.model {
+            let Margins { outlet, inlet, outlet_suction, torque, .. } = limits.margins(pump, plan);
+            margins.outlet = nearer(margins.outlet, outlet);
+            margins.inlet = nearer(margins.inlet, inlet);
+            margins.outlet_suction = nearer(margins.outlet_suction, outlet_suction);
+            margins.torque = nearer(margins.torque, torque);
+        }
+        margins
+    }
+
+    /// Returns `plan` at the fastest cruise that holds its limits on each of the pumps.
+    ///
+    /// # Errors
+    ///
+    /// [`PlanError`] of a limit that no cruise holds.
+    pub(crate) fn fastest(&self, plan: &Plan, limits: &Limits) -> Result<Plan, PlanError> {
+        let known = plan.fastest_on(&self.known, limits)?;
+        let Some(model) = &self.model else { return Ok(known) };
+        let model = plan.fastest_on(model, limits)?;
+        let is_slower = model.profile().cruise_rad_s() < known.profile().cruise_rad_s();
+        Ok(if is_slower { model } else { known })
     }
 
     /// Refuses a plan that breaks a limit on any of the pumps.

@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use pump_ctl::plan::PlanError;
+use pump_ctl::plan::{Nearest, PlanError};
 use pump_model::Shown;
 use thiserror::Error;
 
 use crate::calibration::CalibrationError;
 use crate::displacement::DisplacementError;
 use crate::drives::DriveError;
-use crate::numbers::between;
+use crate::numbers::{between, significant};
 use crate::pump_file::PumpFileError;
 use crate::record::FolderError;
 use crate::record::JournalError;
@@ -38,8 +38,8 @@ pub enum DoseError {
     Displacement(#[from] DisplacementError),
     /// An earlier dose is unfinished.
     #[error(
-        "a dose of {requested_ml} mL is unfinished: {} were delivered",
-        between(*least_ml, *most_ml)
+        "a dose of {} mL is unfinished: {} were delivered",
+        significant(*requested_ml, 6), between(*least_ml, *most_ml)
     )]
     Unfinished {
         /// Volume asked for, in mL.
@@ -51,9 +51,9 @@ pub enum DoseError {
     },
     /// The carry from earlier doses would reverse the dose.
     #[error(
-        "{} mL asked and {carry_ml:+.4} mL carried from earlier doses would have the pump run the \
+        "{} mL asked and {:+.2} µL carried from earlier doses would have the pump run the \
          other way, by {owed_ml:.4} mL",
-        Shown(*asked_ml)
+        Shown(*asked_ml), 1e3 * carry_ml
     )]
     RunsTheOtherWay {
         /// Volume asked for, in mL.
@@ -259,24 +259,17 @@ impl DoseError {
     }
 }
 
-/// Words the refusal of a suck-back. In reverse the inlet discharges and the outlet sucks.
+/// Words the refusal of a suck-back. No speed helps where the line breaks a limit at rest, as the refusal says.
 fn suck_back_text(volume_ml: f64, source: &PlanError) -> String {
-    let text = match source {
-        PlanError::OutletPressure { predicted_kpa, limit_kpa, .. } => format!(
-            "the pressure at the inlet, which then discharges, would reach {predicted_kpa:.2} kPa absolute, above \
-             the limit of {limit_kpa:.2} kPa"
-        ),
-        PlanError::InletPressure { predicted_kpa, limit_kpa, set_by, .. } => format!(
-            "the pressure at the outlet, which then sucks, would fall to {predicted_kpa:.2} kPa absolute, below \
-             the limit of {limit_kpa:.2} kPa{set_by}"
-        ),
-        PlanError::OutletSuction { predicted_kpa, limit_kpa, set_by, .. } => format!(
-            "the pressure at the inlet would fall to {predicted_kpa:.2} kPa absolute where the flow falls, below \
-             the limit of {limit_kpa:.2} kPa{set_by}"
-        ),
-        other => other.to_string(),
+    use PlanError::{InletPressure, OutletPressure, OutletSuction};
+    let at_rest = Nearest::RestBreaks;
+    let advice = match source {
+        OutletPressure { nearest, .. } | InletPressure { nearest, .. } | OutletSuction { nearest, .. }
+            if *nearest == at_rest =>
+        {
+            ""
+        }
+        _ => "; suck back less, or dose at a lower rate",
     };
-    format!(
-        "{volume_ml} mL cannot be sucked back after the dose: {text}; suck back less, or dose at a lower rate"
-    )
+    format!("{volume_ml} mL cannot be sucked back after the dose: {source}{advice}")
 }

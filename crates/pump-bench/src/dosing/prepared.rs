@@ -23,6 +23,9 @@ use crate::displacement::{Correction, SpeedDependentPump};
 use crate::pump_file::PumpFile;
 use crate::record::{DoseTerms, PhaseSource, Purpose};
 
+/// Most rounds in which a run to be weighed is slowed. Two are usual.
+const MOST_ROUNDS: u32 = 20;
+
 /// Dose that is planned and may run.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -181,7 +184,7 @@ impl PlanningBasis<'_> {
             return self.prepare_to_weigh(&asked, limits);
         }
         let found = self.planned(&asked)?;
-        let displaced = found.model;
+        let displaced = DisplacedPumps::only(found.model);
         self.predicted(found, &displaced, limits)
     }
 
@@ -195,22 +198,30 @@ impl PlanningBasis<'_> {
     }
 
     /// Plans a run to be weighed: its steps are those of the model, and its limits hold by what the pump
-    /// displaces.
+    /// displaces. A run that is to be as fast as possible is slowed until they do.
     fn prepare_to_weigh(&self, asked: &Request, limits: Limits) -> Result<Prepared, DoseError> {
         let Self { file, model: base, stored, .. } = *self;
         let pump = SpeedDependentPump::constant(*base);
-        // The fastest run is sought by the model.
-        let sought = match asked.cruise {
-            Cruise::Fastest => limits,
-            _ => Limits::new(limits.motor),
+        let motor = Limits::new(limits.motor);
+        let planner = Planner { file, pump: &pump, stored: None, limits: &motor };
+        let mut found = planner.plan(self.stands.start, asked)?;
+        let displaced = |plan: &Plan| {
+            let speed_rad_s = plan.profile().cruise_rad_s() * f64::from(plan.direction().sign());
+            DisplacedPumps::at(file, base, stored, speed_rad_s)
         };
-        let planner = Planner { file, pump: &pump, stored: None, limits: &sought };
-        let found = planner.plan(self.stands.start, asked)?;
-        let speed_rad_s = found.plan.profile().cruise_rad_s() * f64::from(found.plan.direction().sign());
-        let displaced = DisplacedPumps::at(file, base, stored, speed_rad_s)?;
-        displaced.check(&found.plan, &limits)?;
+        // At another speed the pump displaces another volume, so a slower run is checked anew.
+        let mut rounds = if asked.cruise == Cruise::Fastest { MOST_ROUNDS } else { 0 };
+        let pumps = loop {
+            let pumps = displaced(&found.plan)?;
+            match pumps.check(&found.plan, &limits) {
+                Ok(()) => break pumps,
+                Err(refused) if rounds == 0 => return Err(refused.into()),
+                Err(_) => found.plan = pumps.fastest(&found.plan, &limits)?,
+            }
+            rounds -= 1;
+        };
         check_weighable(base, &found.plan)?;
-        self.predicted(found, displaced.known(), limits)
+        self.predicted(found, &pumps, limits)
     }
 
     /// Returns the carry that the dose settles, in mL.
@@ -242,15 +253,20 @@ impl PlanningBasis<'_> {
         }
     }
 
-    /// Adds the prediction, the margins, the warnings and the retraction to a plan. `displaced` is the pump
-    /// with its best known displacement, by which the pressures are predicted.
-    fn predicted(&self, found: SpeedPlan, displaced: &Pump, limits: Limits) -> Result<Prepared, DoseError> {
+    /// Adds the prediction, the margins, the warnings and the retraction to a plan. The pressures are predicted by
+    /// the pumps `displaced`.
+    fn predicted(
+        &self,
+        found: SpeedPlan,
+        displaced: &DisplacedPumps,
+        limits: Limits,
+    ) -> Result<Prepared, DoseError> {
         let SpeedPlan { model, plan, applied, warning } = found;
         let plan = self.as_asked(plan);
         let (file, request) = (self.file, self.request);
-        let prediction = plan.predict(displaced)?;
-        let back_flow = plan.back_flow(displaced)?;
-        let margins = limits.margins(displaced, &plan);
+        let prediction = displaced.predict(&plan)?;
+        let back_flow = displaced.back_flow(&plan)?;
+        let margins = displaced.margins(&plan, &limits);
         let carry_out_ml = match request.purpose {
             Purpose::Dose => plan.carry_ml(),
             Purpose::Retract => self.stands.carry_ml - plan.planned_ml(),

@@ -8,7 +8,7 @@ use pump_model::{Extremes, Pump};
 use super::unknown_angle;
 use crate::calibration::Applied;
 use crate::catalogue::built_in;
-use crate::numbers::significant;
+use crate::numbers::{microlitres_within, significant};
 use crate::pump_file::PumpFile;
 
 /// Part of the room to a limit from which on a dose is warned of.
@@ -80,10 +80,8 @@ fn of_pressures(is_reverse: bool, prediction: &Prediction, margins: &Margins) ->
 pub(super) fn unsure_carry(requested_ml: f64, carry_ml: f64, half_width_ml: f64) -> Option<String> {
     (half_width_ml.min(carry_ml.abs()) > UNSURE * requested_ml.abs()).then(|| {
         format!(
-            "earlier motions leave the carry unsure: it is {} mL \u{b1} {} mL; `dose home` finds the angle and \
-             drops the carry",
-            significant(carry_ml, 4),
-            significant(half_width_ml, 2)
+            "earlier motions leave the carry unsure: it is {}; `dose home` finds the angle and drops the carry",
+            microlitres_within(carry_ml, half_width_ml)
         )
     })
 }
@@ -230,11 +228,11 @@ fn low_flow_carry(model: &Pump, plan: &Plan) -> Result<Option<String>, PlanError
     let nearest: Vec<String> =
         volumes.map(|volume_ml| format!("{:.4} mL", volume_ml - plan.carry_in_ml())).collect();
     Ok(Some(format!(
-        "to end at low flow the dose gives {:.4} mL for {} mL asked and carries {:+.4} mL to the next; \
+        "to end at low flow the dose gives {:.4} mL for {} mL asked and carries {:+.2} µL to the next; \
          nearest volumes that end there and carry nothing: {}",
         plan.planned_ml(),
         plan.requested_ml(),
-        plan.carry_ml(),
+        1e3 * plan.carry_ml(),
         nearest.join(" and ")
     )))
 }

@@ -35,6 +35,10 @@ impl<T: Drive + ?Sized> Drive for &mut T {
         T::holds_at_rest(self)
     }
 
+    fn connect(&mut self) -> Result<(), DriveError> {
+        T::connect(self)
+    }
+
     fn check(&mut self, plan: &Plan) -> Result<(), DriveError> {
         T::check(self, plan)
     }

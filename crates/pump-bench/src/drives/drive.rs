@@ -180,8 +180,19 @@ pub trait Drive: Debug + Send {
         true
     }
 
+    /// Connects the device anew, if it has to be. A session calls this before it asks for limits, disturbances and
+    /// count: once at the beginning, and again after a fault, a refused plan or a release. The count that the drive
+    /// tells then is compared with the record.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError`] if the device cannot be used. Nothing moves, and the drive is kept.
+    fn connect(&mut self) -> Result<(), DriveError> {
+        Ok(())
+    }
+
     /// Checks that the device can run a plan, and that the rotor is where it was left. Nothing has moved or
-    /// been announced yet.
+    /// been announced yet. [`Self::connect`] is the place to connect a device anew, and not this one.
     ///
     /// # Errors
     ///

@@ -8,10 +8,10 @@ use crate::words::words_of_reports;
 /// A limit that nobody checks where no value of it is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UncheckedLimit {
-    /// The largest pressure at the port that pushes.
-    OutletPressure,
-    /// The smallest pressure at the port that sucks.
-    InletPressure,
+    /// The largest pressure at the discharge port: the outlet, and the inlet in reverse.
+    DischargePressure,
+    /// The smallest pressure at the suction port: the inlet, and the outlet in reverse.
+    SuctionPressure,
     /// The pressure at which the tube collapses.
     TubeCollapse,
     /// The pressure at which the fluid boils.
@@ -21,8 +21,8 @@ pub enum UncheckedLimit {
 }
 
 words_of_reports!(UncheckedLimit {
-    OutletPressure = "outlet_pressure",
-    InletPressure = "inlet_pressure",
+    DischargePressure = "discharge_pressure",
+    SuctionPressure = "suction_pressure",
     TubeCollapse = "tube_collapse",
     VapourPressure = "vapour_pressure",
     Torque = "torque",
@@ -58,8 +58,8 @@ impl PumpFile {
         let no_vapour = self.fluid.vapour_kpa().is_none();
         let nothing = no_collapse && no_vapour && limits.pressures.min_inlet_kpa.is_none();
         let all = [
-            (UncheckedLimit::OutletPressure, limits.pressures.max_outlet_kpa.is_none()),
-            (UncheckedLimit::InletPressure, nothing),
+            (UncheckedLimit::DischargePressure, limits.pressures.max_outlet_kpa.is_none()),
+            (UncheckedLimit::SuctionPressure, nothing),
             (UncheckedLimit::TubeCollapse, no_collapse && !nothing),
             (UncheckedLimit::VapourPressure, no_vapour && !nothing),
             (UncheckedLimit::Torque, limits.torque.is_none()),

@@ -120,12 +120,16 @@ pub struct DoseReport {
     /// `outlet_suction` the smallest.
     #[serde(serialize_with = "limit_word")]
     pub limited_by: LimitedBy,
-    /// Smallest pressure that is allowed at the port that sucks, kPa absolute; null if none is known.
+    /// Smallest pressure that is allowed at the suction port, kPa absolute; null if none is known. The suction port is
+    /// the inlet, and the outlet in reverse.
     pub inlet_limit_kpa: Option<f64>,
-    /// Reason for that limit: the largest of those that are known.
+    /// Origin of the smallest pressure at the suction port: `given`, or the larger of `tube_collapse` and
+    /// `vapour_pressure`.
     #[serde(serialize_with = "set_by_word")]
     pub inlet_limit: Option<SetBy>,
-    /// Limits for which no value is known, so that nobody checked them.
+    /// Limits for which no value is known, so that nobody checked them. Pressures have the names of the roles:
+    /// `discharge_pressure` is the largest at the port that pushes, `suction_pressure` the smallest at the port that
+    /// sucks.
     pub limits_not_checked: Vec<UncheckedLimit>,
     /// Warnings for the user.
     pub warnings: Vec<String>,

@@ -4,8 +4,7 @@ use pump_model::units::wrap;
 
 use super::choices::VolumeBasis;
 use super::dose::DoseReport;
-use super::dose_text::microlitres;
-use crate::numbers::significant;
+use crate::numbers::{microlitres, significant};
 use crate::record::PhaseSource;
 
 /// Share of the variance below which a source of uncertainty is left out, percent.
@@ -104,7 +103,7 @@ impl DoseReport {
     }
 
     fn time(&self) -> String {
-        format!("{:.3} s in motion, {:.3} s to settle within 1 µL", self.motion_s, self.settle_s)
+        format!("{:.3} s in motion, {:.3} s to settle within 1 µL", self.moved_s(), self.settle_s)
     }
 
     fn back_flow(&self) -> Option<String> {

@@ -5,7 +5,7 @@ use pump_ctl::plan::LimitedBy;
 
 use super::dose::DoseReport;
 use crate::bench::headline;
-use crate::numbers::significant;
+use crate::numbers::{microlitres, significant};
 use crate::record::Purpose;
 
 impl DoseReport {
@@ -51,6 +51,11 @@ impl DoseReport {
         format!("{volume_ml:.decimals$} mL ± {unsure_ml:.decimals$} mL {verb}, {asked} asked{carry_in}")
     }
 
+    /// Time of the motion, s: that of the plan, or of the part that was made of a dose that was stopped.
+    pub(super) fn moved_s(&self) -> f64 {
+        self.measured_motion_s.filter(|_| !self.completed).unwrap_or(self.motion_s)
+    }
+
     fn motion_line(&self) -> String {
         let limited = match self.limited_by {
             LimitedBy::Nothing => String::new(),
@@ -68,15 +73,10 @@ impl DoseReport {
         };
         format!(
             "{:.3} s at {} mL/s{limited}; pressure {least_kpa:.2} to {most_kpa:.2} kPa{retracted}; {end}",
-            self.motion_s,
+            self.moved_s(),
             significant(self.cruise_flow_ml_s, 4),
         )
     }
-}
-
-/// A carry, mL, in words.
-pub(super) fn microlitres(carry_ml: f64) -> String {
-    format!("{:.2} µL", 1e3 * carry_ml)
 }
 
 /// Decimals that show an uncertainty with two significant digits.

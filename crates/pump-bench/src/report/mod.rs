@@ -23,6 +23,6 @@ pub use ending::Ending;
 pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain, Remedy};
 pub use phase::{phase_json, phase_text};
 pub use pump_check::pump_check;
-pub use rotor::{carry_dropped_text, rotor_text};
+pub use rotor::{AcceptedReport, accepted_text, carry_dropped_text, rotor_text};
 pub use simulation::SimulationReport;
 pub use status::{CalibrationStatus, Status, UnfinishedCalibration, UnfinishedStatus};

@@ -20,8 +20,8 @@ pub struct Status {
     pub driver: String,
     /// True if anything was ever recorded.
     pub recorded: bool,
-    /// Angle of the rotor, deg.
-    pub angle_deg: f64,
+    /// Angle of the rotor, deg; null if the angle is unknown.
+    pub angle_deg: Option<f64>,
     /// Largest error of the angle either way, deg.
     pub half_width_deg: f64,
     /// True if the angle is known.
@@ -132,19 +132,16 @@ impl Status {
                 began_unix_s: dose.intent.unix_s,
             }
         });
+        let angle_known = state.phase().is_known(bench.model().pitch_rad());
         Ok(Self {
             schema: "status/1",
             pump: bench.file().pump.id.clone(),
             driver: bench.drive_id().to_owned(),
             recorded: recorded.is_some(),
-            angle_deg: degrees(state.angle_rad),
+            angle_deg: angle_known.then_some(degrees(state.angle_rad)),
             half_width_deg: degrees(state.half_width_rad.min(0.5 * bench.model().pitch_rad())),
-            angle_known: state.phase().is_known(bench.model().pitch_rad()),
-            angle_source: if state.phase().is_known(bench.model().pitch_rad()) {
-                state.source
-            } else {
-                PhaseSource::Assumed
-            },
+            angle_known,
+            angle_source: if angle_known { state.source } else { PhaseSource::Assumed },
             disturbances: state.disturbances,
             device_count: state.count,
             carry_ml: state.carry_ml,

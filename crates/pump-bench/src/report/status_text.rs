@@ -1,7 +1,7 @@
 //! The record of a pump in words.
 
 use super::status::{CalibrationStatus, Status, UnfinishedCalibration, UnfinishedStatus};
-use crate::numbers::between;
+use crate::numbers::{between, significant};
 use crate::record::Wear;
 
 impl Status {
@@ -30,10 +30,10 @@ impl Status {
     }
 
     fn rotor(&self) -> String {
-        let angle = match self.half_width_deg {
-            _ if !self.angle_known => "an unknown angle".to_owned(),
-            0.0 => format!("{:.4}°", self.angle_deg),
-            width_deg => format!("{:.4}° ± {width_deg:.2}°", self.angle_deg),
+        let angle = match (self.angle_deg, self.half_width_deg) {
+            (None, _) => "an unknown angle".to_owned(),
+            (Some(angle_deg), 0.0) => format!("{angle_deg:.4}°"),
+            (Some(angle_deg), width_deg) => format!("{angle_deg:.4}° ± {width_deg:.2}°"),
         };
         let (pump, driver, carry) = (&self.pump, &self.driver, 1e3 * self.carry_ml);
         format!("{pump} ({driver}): rotor at {angle}, {carry:.2} µL carried to the next dose")
@@ -58,7 +58,8 @@ impl Status {
     }
 
     fn unfinished_dose(&self, dose: &UnfinishedStatus) -> String {
-        let (asked_ml, made) = (dose.requested_ml, between(dose.delivered_least_ml, dose.delivered_most_ml));
+        let (asked_ml, made) =
+            (significant(dose.requested_ml, 6), between(dose.delivered_least_ml, dose.delivered_most_ml));
         match &self.in_use_by {
             Some(holder) => format!(
                 "in motion, by {holder}: a dose of {asked_ml} mL, of which {made} are delivered by the end of this \

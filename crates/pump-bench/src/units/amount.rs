@@ -4,6 +4,10 @@ use super::error::QuantityError;
 use super::kind::Kind;
 use super::reading::{QuantityText, shown};
 
+/// Largest mass that is read as a dose, in g. Grams are what a scale under a vessel shows, and `kg` is easily typed in
+/// their place.
+const MOST_G: f64 = 10_000.0;
+
 /// The amount of a dose, as a volume or as a mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Amount {
@@ -43,4 +47,24 @@ pub fn amount(text: &str) -> Result<Amount, QuantityError> {
         return Err(QuantityError::Zero { text: shown(text), kind });
     }
     Ok(if mass.is_some() { Amount::Mass(value) } else { Amount::Volume(value) })
+}
+
+/// Reads the amount of a dose: an [`amount`] whose mass is 10 kg at most, either way.
+///
+/// ```
+/// use pump_bench::units::dose_amount;
+/// assert!(dose_amount("10kg").is_ok() && dose_amount("25L").is_ok());
+/// assert!(dose_amount("25kg").unwrap_err().to_string().contains("10 kg at most"));
+/// ```
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no [`amount`], or a larger mass.
+pub fn dose_amount(text: &str) -> Result<Amount, QuantityError> {
+    match amount(text)? {
+        Amount::Mass(grams) if grams.abs() > MOST_G => {
+            let allowed = "a mass of 10 kg at most; if more is meant, give the volume, as 25L";
+            Err(QuantityError::OutOfRange { text: shown(text), allowed })
+        }
+        amount => Ok(amount),
+    }
 }

@@ -89,6 +89,14 @@ pub enum QuantityError {
         /// Kind of quantity that was expected.
         kind: Kind,
     },
+    /// The quantity is beyond the range in which it is likely to be meant.
+    #[error("`{text}` is out of range; allowed: {allowed}")]
+    OutOfRange {
+        /// Text that was read.
+        text: String,
+        /// Range that is allowed, and what to write instead.
+        allowed: &'static str,
+    },
     /// The quantity is negative, where a negative one means nothing.
     #[error(
         "`{text}` is negative; {} must be positive (a dose runs in reverse by --reverse or a negative \

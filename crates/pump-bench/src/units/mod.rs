@@ -13,10 +13,12 @@ mod reading;
 mod tests;
 mod tube_size;
 
-pub use amount::{Amount, amount};
+pub use amount::{Amount, amount, dose_amount};
 pub use error::QuantityError;
 pub use kind::Kind;
 pub use pressure::{Pressure, pressure};
-pub use quantity::{angle_rad, flow_ml_s, length_mm, speed_rad_s, temperature_degc, time_s, volume_ml};
+pub use quantity::{
+    angle_rad, flow_ml_s, length_mm, rotor_angle_rad, speed_rad_s, temperature_degc, time_s, volume_ml,
+};
 pub use rate::rate;
 pub use tube_size::{TubeSize, tube_size};

@@ -1,5 +1,7 @@
 //! Quantities that are one number: volume, flow, speed, time, angle, temperature and length.
 
+use pump_model::units::TURN_RAD;
+
 use super::error::QuantityError;
 use super::kind::Kind;
 use super::reading::{QuantityText, shown};
@@ -42,6 +44,21 @@ pub fn time_s(text: &str) -> Result<f64, QuantityError> {
 /// Returns the [`QuantityError`] of a text that is no angle.
 pub fn angle_rad(text: &str) -> Result<f64, QuantityError> {
     QuantityText::new(text, Kind::Angle)?.value()
+}
+
+/// Reads the angle of a rotor, from one turn back to one turn forward, and returns it in rad.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no angle, or an angle beyond one turn.
+pub fn rotor_angle_rad(text: &str) -> Result<f64, QuantityError> {
+    let angle_rad = angle_rad(text)?;
+    if angle_rad.abs() <= TURN_RAD {
+        return Ok(angle_rad);
+    }
+    Err(QuantityError::OutOfRange {
+        text: shown(text),
+        allowed: "an angle within one turn, -360deg to 360deg",
+    })
 }
 
 /// Reads a temperature, which may be zero or negative, and returns it in °C.

@@ -5,8 +5,10 @@ use std::fmt::{self, Display, Formatter};
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::Mutex;
 
 use pump_bench::drives::{Abilities, Drive, DriveError, DriveFault, DriveLimits, Gate, Leave, Sim};
+use pump_bench::pump_file::{DriveTable, DriverName};
 use pump_bench::report::Status;
 use pump_bench::{Bench, DoseError, DoseReport, DoseRequest, Session, built_in};
 use pump_ctl::plan::{Phase, Plan};
@@ -36,6 +38,14 @@ struct Servo {
     limits: Option<DriveLimits>,
     /// True if the servo holds only while it moves.
     lets_go: bool,
+    /// True if the servo tells its count.
+    counts: bool,
+    /// Steps by which the servo is found elsewhere once it is connected again.
+    strays: i64,
+    /// True once the servo was connected.
+    is_connected: bool,
+    /// Times that the servo was let go, if it can be.
+    released: Option<u32>,
 }
 
 impl Drive for Servo {
@@ -44,7 +54,26 @@ impl Drive for Servo {
     }
 
     fn abilities(&self) -> Abilities {
-        Abilities::new().with_step_times(true)
+        Abilities::new()
+            .with_step_times(true)
+            .with_readback(self.counts)
+            .with_release(self.released.is_some())
+    }
+
+    fn connect(&mut self) -> Result<(), DriveError> {
+        if std::mem::replace(&mut self.is_connected, true) {
+            self.turned += self.strays;
+        }
+        Ok(())
+    }
+
+    fn count(&self) -> Option<i64> {
+        self.counts.then_some(self.turned)
+    }
+
+    fn release(&mut self) -> Result<(), DriveError> {
+        self.released = self.released.map(|times| times + 1);
+        Ok(())
     }
 
     fn limits(&self) -> Option<DriveLimits> {
@@ -233,4 +262,180 @@ fn a_drive_that_lets_go_after_each_motion_knows_its_angle_less_well() {
         assert_eq!(state.disturbances, disturbances);
         assert_eq!(state.phase().half_width_rad() > 0.0, lets_go, "{state:?}");
     }
+}
+
+/// Bench of a servo that tells its count.
+fn counting(folder: &Path) -> (Bench, Servo) {
+    let servo = Servo { counts: true, turned: 7, ..Servo::default() };
+    let bench = Bench::new(built_in("three-roller").unwrap(), None, folder).unwrap();
+    (bench.driven_by(&servo).unwrap(), servo)
+}
+
+#[test]
+fn a_count_that_changed_until_the_drive_was_connected_again_loses_the_angle() {
+    for (strays, is_known) in [(0, true), (300, false)] {
+        let folder = tempfile::tempdir().unwrap();
+        let (bench, servo) = counting(folder.path());
+        let servo = Servo { strays, fails_at: Some(200), ..servo };
+        let mut session = Session::with_drive(&bench, Box::new(servo)).unwrap();
+        session.set_angle(Some(Phase::known(0.3))).unwrap();
+        let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
+        session.run(&prepared, go).unwrap_err();
+        session.discard().unwrap();
+        let pitch_rad = bench.model().pitch_rad();
+        assert_eq!(session.state().unwrap().phase().is_known(pitch_rad), is_known);
+        assert_eq!(
+            session.notes().iter().any(|note| note.contains("something else has moved it")),
+            !is_known
+        );
+    }
+}
+
+#[test]
+fn a_drive_that_cannot_be_connected_is_kept() {
+    /// Servo whose bus answers at the second time.
+    #[derive(Debug)]
+    struct Sleepy {
+        servo: Servo,
+        asked: u32,
+    }
+
+    impl Drive for Sleepy {
+        fn id(&self) -> &str {
+            self.servo.id()
+        }
+
+        fn abilities(&self) -> Abilities {
+            self.servo.abilities()
+        }
+
+        fn connect(&mut self) -> Result<(), DriveError> {
+            self.asked += 1;
+            if self.asked < 2 { Err(DriveError::device(Overload { amperes: 0.1 })) } else { Ok(()) }
+        }
+
+        fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+            self.servo.run(plan, gate)
+        }
+    }
+
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path());
+    let sleepy = Sleepy { servo: Servo::default(), asked: 0 };
+    let mut session = Session::with_drive(&bench, Box::new(sleepy)).unwrap();
+    assert!(matches!(session.connect(), Err(DoseError::Connection(DriveError::Device(_)))));
+    session.set_angle(Some(Phase::known(0.3))).unwrap();
+    let prepared = session.prepare(DoseRequest::dose(0.1)).unwrap();
+    assert!(session.run(&prepared, go).unwrap().completed);
+}
+
+#[test]
+fn a_rotor_that_was_moved_while_it_rested_is_not_dosed_with() {
+    use std::sync::Arc;
+
+    /// Servo that another program has a hand on.
+    #[derive(Debug)]
+    struct Shared(Arc<Mutex<Servo>>);
+
+    impl Drive for Shared {
+        fn id(&self) -> &str {
+            "servo"
+        }
+
+        fn abilities(&self) -> Abilities {
+            self.0.lock().unwrap().abilities()
+        }
+
+        fn count(&self) -> Option<i64> {
+            self.0.lock().unwrap().count()
+        }
+
+        fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+            self.0.lock().unwrap().run(plan, gate)
+        }
+    }
+
+    let folder = tempfile::tempdir().unwrap();
+    let (bench, servo) = counting(folder.path());
+    let shared = Arc::new(Mutex::new(servo));
+    let mut session = Session::with_drive(&bench, Box::new(Shared(Arc::clone(&shared)))).unwrap();
+    session.set_angle(Some(Phase::known(0.3))).unwrap();
+    let prepared = session.prepare(DoseRequest::dose(0.1)).unwrap();
+    shared.lock().unwrap().turned += 40;
+    let stands = shared.lock().unwrap().turned;
+    assert!(matches!(session.run(&prepared, go), Err(DoseError::Stale { .. })));
+    assert_eq!(shared.lock().unwrap().turned, stands, "nothing moved");
+    assert!(!session.state().unwrap().phase().is_known(bench.model().pitch_rad()));
+    let again = session.prepare(DoseRequest::dose(0.1)).unwrap();
+    assert!(session.run(&again, go).unwrap().completed);
+}
+
+/// The drive `sim`, which fails in its first motion.
+#[derive(Debug)]
+struct FailsOnce<'a> {
+    sim: Sim<'a>,
+    /// Motions that were begun.
+    motions: &'a Mutex<u32>,
+}
+
+impl Drive for FailsOnce<'_> {
+    fn id(&self) -> &str {
+        self.sim.id()
+    }
+
+    fn is_simulated(&self) -> bool {
+        self.sim.is_simulated()
+    }
+
+    fn abilities(&self) -> Abilities {
+        self.sim.abilities()
+    }
+
+    fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+        *self.motions.lock().unwrap() += 1;
+        if *self.motions.lock().unwrap() == 1 {
+            return Err(DriveFault::at(0, DriveError::device(Overload { amperes: 7.5 })));
+        }
+        self.sim.run(plan, gate)
+    }
+}
+
+#[test]
+fn a_session_that_was_given_the_drive_of_a_pump_file_goes_on_with_it_after_a_fault() {
+    let folder = tempfile::tempdir().unwrap();
+    let plain = Bench::new(built_in("three-roller").unwrap(), None, folder.path()).unwrap();
+    let model = built_in("three-roller").unwrap().model().unwrap();
+    let motions = Mutex::new(0);
+    let drive = FailsOnce { sim: Sim::new(&model).unwrap(), motions: &motions };
+    let mut session = Session::with_drive(&plain, Box::new(drive)).unwrap();
+    let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
+    session.run(&prepared, go).unwrap_err();
+    session.discard().unwrap();
+    let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
+    assert!(session.run(&prepared, go).unwrap().completed);
+    assert_eq!(*motions.lock().unwrap(), 2, "the drive that was given has moved");
+}
+
+#[test]
+fn a_motor_whose_drive_failed_is_not_let_go_of_until_it_was_met_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut file = built_in("three-roller").unwrap();
+    file.drive = Some(DriveTable { hold_timeout_s: Some(0.0), ..DriveTable::of(DriverName::Sim) });
+    let mut servo = Servo { released: Some(0), fails_at: Some(200), ..Servo::default() };
+    let bench = Bench::new(file, None, folder.path()).unwrap().driven_by(&servo).unwrap();
+    {
+        let mut session = Session::with_drive(&bench, Box::new(&mut servo)).unwrap();
+        session.set_angle(Some(Phase::known(0.3))).unwrap();
+        let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
+        session.run(&prepared, go).unwrap_err();
+        let failed = *session.state().unwrap();
+        session.release_when_due().unwrap();
+        assert_eq!(*session.state().unwrap(), failed, "the record still says that the motor holds");
+        // Once it was met anew, the release is on record before the motor is let go of.
+        session.connect().unwrap();
+        session.release_when_due().unwrap();
+        let state = session.state().unwrap();
+        assert!(state.released && state.unfinished.is_some() && state.half_width_rad > failed.half_width_rad);
+    }
+    assert_eq!(servo.released, Some(1));
 }

@@ -216,6 +216,42 @@ fn a_step_that_is_too_late_ends_the_motion_at_rest_with_the_steps_counted() {
     assert!(motor.made() > 550, "the motor was decelerated: {} steps", motor.made());
 }
 
+/// Runs `plan` with leave for `granted` steps, on a motor whose step `hangs_at` takes 50 ms. Returns the fault, the
+/// steps made and the last step that had leave.
+fn late(plan: &Plan, granted: u64, hangs_at: usize) -> (DriveFault, u64, u64) {
+    let motor = Recorder { hangs_at: Some(hangs_at), ..Recorder::default() };
+    let mut grant = grant(&motor);
+    let (mut left, mut waits) = (0, 0);
+    let ended = drive(&motor).run(plan, &mut |made, about_to| {
+        let go = grant(made, about_to);
+        if about_to <= granted {
+            left = left.max(about_to);
+            return go;
+        }
+        waits += 1;
+        if waits > 1000 { Leave::Stop } else { Leave::Wait }
+    });
+    let fault = ended.expect_err(&format!("step {hangs_at} is late"));
+    (fault, motor.made() as u64, left)
+}
+
+#[test]
+fn a_late_step_leads_beyond_the_leave_nowhere() {
+    let plan = dose(3.0, false);
+    let all = plan.each_step().count() as u64;
+    // The motor slows down before the end of its leave in the first case, and to the end of the plan in the second.
+    for (granted, places) in
+        [(700, (10..650).step_by(16)), (all, (all as usize - 600..all as usize - 20).step_by(16))]
+    {
+        for hangs_at in places {
+            let (fault, made, left) = late(&plan, granted, hangs_at);
+            assert!(matches!(cause(&fault), Fault::Late { .. }), "{fault}");
+            assert!(made <= left, "step {hangs_at} is late: {made} steps made and {left} have leave");
+            assert_eq!((fault.made_least, fault.made_most), (made as i64, made as i64));
+        }
+    }
+}
+
 #[test]
 fn a_search_ends_after_the_index() {
     let motor = Recorder { index_at: Some(250), ..Recorder::default() };

@@ -145,7 +145,8 @@ mod tests {
             let name = parameter.name();
             assert!(Parameter::ALL.iter().skip(n + 1).all(|other| other.name() != name), "{name}");
             let unit = name.rsplit_once(" in ").map(|(_, unit)| unit.trim_end_matches(", without sign"));
-            let units = ["mm", "deg", "rad", "mL", "kPa", "MPa", "degC", "s", "1/kPa", "kg/m3", "mPa s", "mN/m"];
+            let units =
+                ["mm", "deg", "rad", "mL", "kPa", "MPa", "degC", "s", "1/kPa", "kg/m3", "mPa s", "mN/m"];
             let is_unit = |unit: &str| units.iter().any(|first| unit.starts_with(first));
             assert_eq!(unit.is_some_and(is_unit), !NO_UNIT.contains(parameter), "{name}");
         }

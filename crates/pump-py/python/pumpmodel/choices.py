@@ -75,10 +75,10 @@ UncertaintySource: TypeAlias = Literal[
     "backflow",
     "carry",
 ]
-#: Limit for which no value is known. "outlet_pressure" is the largest pressure at the port that pushes,
-#: "inlet_pressure" the smallest at the port that sucks.
+#: Limit for which no value is known. "discharge_pressure" is the largest pressure at the port that pushes,
+#: "suction_pressure" the smallest at the port that sucks.
 UncheckedLimit: TypeAlias = Literal[
-    "outlet_pressure", "inlet_pressure", "tube_collapse", "vapour_pressure", "torque"
+    "discharge_pressure", "suction_pressure", "tube_collapse", "vapour_pressure", "torque"
 ]
 #: Variant of a built-in pump.
 Variant: TypeAlias = Literal["measured", "published", "as-built"]

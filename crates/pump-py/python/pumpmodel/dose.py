@@ -190,7 +190,7 @@ class Status(Record):
     pump: str
     driver: str
     recorded: bool
-    angle_deg: float
+    angle_deg: float | None
     half_width_deg: float
     angle_known: bool
     angle_source: PhaseSource

@@ -30,6 +30,8 @@ class WeighedRun(Record):
         Temperature of the fluid, degC; by default the pump file's.
     time : str, optional
         Time of the run, as it was written down.
+    warnings : tuple of str, optional
+        Warnings of the run that `Bench.calibration_run` made.
 
     Raises
     ------
@@ -44,6 +46,7 @@ class WeighedRun(Record):
     start_angle_deg: float | None = None
     temperature_degc: float | None = None
     time: str | None = None
+    warnings: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse an impossible run."""
@@ -80,11 +83,17 @@ class WeighedRun(Record):
         return replace(self, mass_g=mass_g, volume_ml=volume_ml, temperature_degc=temperature)
 
     @classmethod
-    def _made(cls, made: tuple[float, float | None, float, str, bool]) -> Self:
-        speed_rpm, start_angle_deg, turned_deg, time, whole = made
+    def _made(cls, made: tuple[float, float | None, float, str, bool, list[str]]) -> Self:
+        speed_rpm, start_angle_deg, turned_deg, time, whole, warnings = made
         if not whole:
             raise DriveError("the run was stopped and is on record; do not weigh a part of a run")
-        return cls(speed_rpm=speed_rpm, turned_deg=turned_deg, start_angle_deg=start_angle_deg, time=time)
+        return cls(
+            speed_rpm=speed_rpm,
+            turned_deg=turned_deg,
+            start_angle_deg=start_angle_deg,
+            time=time,
+            warnings=tuple(warnings),
+        )
 
     def _json(self) -> str:
         if self.mass_g is None and self.volume_ml is None:
@@ -93,7 +102,7 @@ class WeighedRun(Record):
             {"volume_ml": self.volume_ml} if self.mass_g is None else {"mass_g": self.mass_g}
         )
         data = self.to_dict()
-        del data["mass_g"], data["volume_ml"]
+        del data["mass_g"], data["volume_ml"], data["warnings"]
         return json.dumps({**data, "reading": reading})
 
 

@@ -14,8 +14,8 @@ use crate::argument::{Argument, speed};
 use crate::calibration::{Calibration, fit_named, reading_ml, runs_of};
 use crate::python::errors::{self, value};
 
-/// A run: speed (r/min), start angle (deg, or None), turned angle (deg), time, and true if it was completed.
-type TurnedRun = (f64, Option<f64>, f64, String, bool);
+/// A run: speed (r/min), start angle (deg, or None), turned angle (deg), time, true if it was completed, and warnings.
+type TurnedRun = (f64, Option<f64>, f64, String, bool, Vec<String>);
 
 #[pymethods]
 impl Bench {
@@ -54,7 +54,8 @@ impl Bench {
                 let plan = &prepared.plan;
                 let start = plan.start().is_known(pitch_rad).then_some(degrees(plan.start().angle_rad()));
                 let turned_deg = degrees(plan.steps() as f64 * plan.step_rad());
-                Ok((rpm(rad_s), start, turned_deg, now_utc(), delivered.completed))
+                let warnings = [prepared.warnings, delivered.warnings].concat();
+                Ok((rpm(rad_s), start, turned_deg, now_utc(), delivered.completed, warnings))
             },
         )
     }

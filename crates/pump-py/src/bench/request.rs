@@ -28,7 +28,7 @@ impl AskedDose<'_> {
     pub(super) fn request(&self, purpose: Purpose, density_kg_m3: f64) -> PyResult<DoseRequest> {
         let volume_ml = match &self.volume {
             Some(volume) => {
-                units::amount(text("volume", "25mL", volume)?).map_err(value)?.volume_ml(density_kg_m3)
+                units::dose_amount(text("volume", "25mL", volume)?).map_err(value)?.volume_ml(density_kg_m3)
             }
             // The rest of an unfinished dose: the record has its volume.
             None => 0.0,

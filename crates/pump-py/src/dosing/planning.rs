@@ -75,7 +75,7 @@ impl Doser {
         carry_in_ml: f64,
     ) -> PyResult<Plan> {
         let doser = slf.get();
-        let amount = units::amount(text("volume", "25mL", volume)?).map_err(value)?;
+        let amount = units::dose_amount(text("volume", "25mL", volume)?).map_err(value)?;
         let request = DoseRequest {
             purpose: Purpose::Dose,
             volume_ml: amount.volume_ml(doser.pump.get().file.fluid.density_kg_m3),

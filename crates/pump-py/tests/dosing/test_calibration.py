@@ -146,3 +146,24 @@ def test_short_doses_find_the_zero(tmp_path: Path) -> None:
         assert found.engagement_rad == pytest.approx(PUMP.engagement_rad, rel=1e-6)
         assert bench.calibration == found.calibration
         assert found.calibration.zero_rad == pytest.approx(shifted, abs=1e-6)
+
+
+def test_a_run_to_be_weighed_tells_its_warnings(tmp_path: Path) -> None:
+    drawn = pm.Pump.from_drawing(
+        "drawn",
+        rollers=3,
+        bore_radius_mm=5.0,
+        tube_outer_radius_mm=7.0,
+        backplate_radius_mm=63.0,
+        contact_angle_deg=30.0,
+        roller_radius_mm=20.0,
+        roller_offset_mm=40.0,
+        hose_length_mm=331.0,
+    )
+    with pm.Bench.open(drawn, state_dir=tmp_path) as bench:
+        run = bench.calibration_run(speed_rpm=60, pitches=3)
+        assert any("estimated from the drawing" in warning for warning in run.warnings)
+        assert pm.WeighedRun.from_dict(run.to_dict()) == run
+        assert bench.calibrate([run.weighed("21.3mL")]).version == 1
+    with pm.Bench.open(PUMP, state_dir=tmp_path) as bench:
+        assert bench.calibration_run(speed_rpm=60, pitches=3).warnings == ()

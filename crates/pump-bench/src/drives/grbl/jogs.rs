@@ -209,9 +209,15 @@ impl<'a> Jogs<'a> {
         }
     }
 
-    /// Returns true if another jog may be sent: none is while a rest that nobody asked for is looked into.
+    /// Returns true while a report is looked into: an impossible position, or a rest that nobody asked for. No line
+    /// that moves is sent meanwhile.
+    pub(super) fn is_looking(&self) -> bool {
+        self.odd > 0 || self.short > 0
+    }
+
+    /// Returns true if another jog may be sent.
     fn has_room(&self) -> bool {
-        let left = self.awaited.is_none() && self.sent < self.task.steps && self.short == 0;
+        let left = self.awaited.is_none() && self.sent < self.task.steps && !self.is_looking();
         left && (self.sent == self.made || self.sent - self.made + self.task.jog() <= self.task.ahead())
     }
 
@@ -255,7 +261,7 @@ impl<'a> Jogs<'a> {
             return Ok(leave);
         }
         self.catch_up()?;
-        if self.short > 0 {
+        if self.is_looking() {
             return Ok(Leave::Wait);
         }
         let far = GrblError::Far { count: self.task.count_after(last), most: self.scale.most_count() };

@@ -44,13 +44,14 @@ impl Jogs<'_> {
         let target = self.scale.text(delta).ok_or(far)?;
         let modes = self.modes()?;
         loop {
-            match gate(0, self.task.steps) {
-                Leave::Go => break,
-                Leave::Wait => self.catch_up()?,
+            let leave = gate(0, self.task.steps);
+            self.catch_up()?;
+            match leave {
                 Leave::Stop => return Ok(IndexSearch { made: 0, beyond: None }),
+                Leave::Go if !self.is_looking() => break,
+                Leave::Go | Leave::Wait => self.look_again()?,
             }
         }
-        self.catch_up()?;
         let feed = feed_text(self.task.steps_s * 60.0 / self.scale.steps_per_unit);
         self.note_sent(self.task.steps);
         let line = format!("G91G21G94G38.2{}{target}F{feed}", self.scale.axis.letter());
@@ -91,6 +92,16 @@ impl Jogs<'_> {
             }
         }
         Ok(IndexSearch { made: self.made, beyond: None })
+    }
+
+    /// Waits for the second look at an impossible position, if the first was one.
+    fn look_again(&mut self) -> Result<(), GrblError> {
+        while self.is_looking() {
+            if let Some(heard) = self.board.listen()? {
+                self.take(heard)?;
+            }
+        }
+        Ok(())
     }
 
     /// Returns the line that restores the present modes of the G-code parser that a probing move changes. The

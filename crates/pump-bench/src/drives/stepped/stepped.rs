@@ -5,9 +5,9 @@ use std::panic::resume_unwind;
 use std::thread;
 use std::time::Duration;
 
-use pump_ctl::drive::{Actuator, Clock, Fault, OnFault, StepMotor};
+use pump_ctl::drive::{Actuator, Clock, Fault, OnFault, StepMotor, Timer};
 use pump_ctl::plan::{Motor, Plan};
-use pump_ctl::step::{Brake, BrakeError, Feed, Stepper, TickRate};
+use pump_ctl::step::{Brake, BrakeError, Feed, Segment, Stepper, TickRate};
 use thiserror::Error;
 
 use super::lead::{Ends, Lead};
@@ -196,17 +196,57 @@ impl Motion<'_> {
         clock: &mut impl Clock,
     ) -> Result<(), Fault<M::Error>> {
         actuator.enable()?;
+        let tick_rate = self.brake.tick_rate();
         loop {
             let made = actuator.stepper().position().unsigned_abs();
             if made >= self.all() || self.lead.stops() {
                 return Ok(());
             }
             if self.lead.left() > made && actuator.stepper().clear() {
-                let steps = steps_from(self.plan, self.brake.tick_rate(), self.lead, made);
-                actuator.run(clock, &mut Feed::new(self.brake.tick_rate(), steps), || false)?;
+                let mut steps = Feed::new(tick_rate, steps_from(self.plan, tick_rate, self.lead, made));
+                if let Some(late_ticks) = self.step(actuator, clock, &mut steps)? {
+                    return Err(Fault::Late { late_ticks, position: actuator.stepper().position() });
+                }
             } else {
                 thread::sleep(LOOK);
             }
+        }
+    }
+
+    /// Makes `steps` from rest to rest. Returns the delay of a step that came so late that the next one was due.
+    ///
+    /// The steps after such a step come as much later. They are those that have leave, and slow down to rest within
+    /// it: the brake of the actuator is weaker than the plan, so its way to rest may lead beyond.
+    fn step<M: StepMotor>(
+        &self,
+        actuator: &mut Actuator<M, QUEUE>,
+        clock: &mut impl Clock,
+        steps: &mut Feed<impl Iterator<Item = Segment>>,
+    ) -> Result<Option<u64>, Fault<M::Error>> {
+        // The motion may have been ended meanwhile.
+        if steps.peek().is_none() {
+            return Ok(None);
+        }
+        actuator.stepper().fill(steps)?;
+        let mut due = actuator.start(clock.now())?;
+        let (mut lost, mut late) = (0, None);
+        loop {
+            let now = clock.now().saturating_sub(lost);
+            if now < due {
+                continue;
+            }
+            match actuator.on_timer(due)? {
+                Timer::Done => return Ok(late),
+                Timer::At(next) => {
+                    if next < now && actuator.stepper().is_moving() {
+                        late.get_or_insert(now - due);
+                        lost += now - due;
+                        self.lead.stop();
+                    }
+                    due = next;
+                }
+            }
+            actuator.stepper().fill(steps)?;
         }
     }
 }

@@ -42,6 +42,7 @@ impl Explain for QuantityError {
                 facts.value(text).allowed(format!("{number}{unit}a, {number}{unit}g"))
             }
             Self::NoTube { text } => facts.value(text).allowed("bore x outer diameter, as 10x14mm"),
+            Self::OutOfRange { text, allowed } => facts.value(text).allowed(*allowed),
             Self::Zero { text, .. } | Self::Negative { text, .. } => facts.value(text).allowed("more than 0"),
         }
     }

@@ -31,11 +31,39 @@ impl Plan {
     /// Fails with the [`PlanError`] of the limit that is broken. It names the nearest speed that holds every
     /// limit.
     pub fn check_on(&self, pump: &Pump, limits: &Limits) -> Result<(), PlanError> {
+        self.planned_on(pump, limits, Cruise::Speed { rad_s: self.profile.cruise_rad_s() }).map(drop)
+    }
+
+    /// Returns this plan, which starts from rest, at the fastest cruise that holds the limits on `pump`. The steps and
+    /// their volumes stay.
+    ///
+    /// ```
+    /// use pump_ctl::plan::{Doser, LimitedBy, Limits, Motor, Phase, PressureLimits};
+    ///
+    /// let pump = pump_model::Pump::three_roller();
+    /// let pressures = PressureLimits { max_outlet_kpa: Some(110.0), ..PressureLimits::NONE };
+    /// let limits = Limits::new(Motor::new(12_800.0, 17.8, 500.0)).with_pressures(pressures);
+    /// let plan = Doser::new(&pump, limits)?.turn(Phase::known(0.0), 12_800, 10.0)?;
+    /// let slower = plan.fastest_on(&pump.scaled(1.3)?, &limits)?;
+    /// assert!(slower.profile().cruise_rad_s() < 10.0 && slower.steps() == plan.steps());
+    /// assert_eq!(slower.limited_by(), LimitedBy::OutletPressure);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Fails with the [`PlanError`] of a limit that no cruise holds.
+    pub fn fastest_on(&self, pump: &Pump, limits: &Limits) -> Result<Self, PlanError> {
+        let Self { profile, limited_by, .. } = self.planned_on(pump, limits, Cruise::Fastest)?;
+        Ok(Self { profile, limited_by, ..self.clone() })
+    }
+
+    /// Plans the steps of this plan on `pump`.
+    fn planned_on(&self, pump: &Pump, limits: &Limits, cruise: Cruise) -> Result<Self, PlanError> {
         limits.validate()?;
         let range_ml = (self.least_ml, self.most_ml);
         let target = Target { steps: self.steps, planned_ml: self.planned_ml, range_ml };
-        let cruise = Cruise::Speed { rad_s: self.profile.cruise_rad_s() };
         let request = Request { smooth: self.is_smooth(), ..Request::new(self.requested_ml, cruise) };
-        Start::at_rest(self.start).plan(pump, &target, &request, limits).map(drop)
+        Start::at_rest(self.start).plan(pump, &target, &request, limits)
     }
 }

@@ -6,12 +6,13 @@ use super::super::board::Board;
 use super::super::error::GrblError;
 use super::{Flavour, MOST_STEPS_S, NEVER_LET_GO, Settings, read, same};
 
-/// Writes the settings that differ, line by line, and returns notes of what changed.
+/// Writes the settings that differ, line by line. Returns the settings, notes of what changed, and the numbers of the
+/// settings that were written.
 pub(super) fn configure(
     board: &mut Board,
     found: Settings,
     motor: &Motor,
-) -> Result<(Settings, Vec<String>), GrblError> {
+) -> Result<(Settings, Vec<String>, Vec<u16>), GrblError> {
     let mut notes = Vec::new();
     let wanted = wanted(&found, motor, &mut notes)?;
     let mut written = Vec::new();
@@ -28,13 +29,13 @@ pub(super) fn configure(
         written.push((number, value));
     }
     let now = read(board, found.flavour, found.axis)?;
-    for (number, value) in written {
+    for (number, value) in written.iter().copied() {
         let reads = now.values.get(&number).copied().unwrap_or(f64::NAN);
         if !same(reads, value) {
             return Err(GrblError::NotTaken { number, value, reads });
         }
     }
-    Ok((now, notes))
+    Ok((now, notes, written.into_iter().map(|(number, _)| number).collect()))
 }
 
 /// Returns the settings that a pump needs, by their numbers.

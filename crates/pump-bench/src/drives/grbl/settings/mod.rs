@@ -87,14 +87,17 @@ pub(super) fn agreed(
 ) -> Result<(Settings, Vec<String>), GrblError> {
     let flavour = flavour(board)?;
     let mut settings = read(board, flavour, axis)?;
-    let mut notes = Vec::new();
+    let (mut notes, mut written) = (Vec::new(), Vec::new());
     if opening.configure {
-        (settings, notes) = configure::configure(board, settings, motor)?;
+        (settings, notes, written) = configure::configure(board, settings, motor)?;
     }
     let again = read(board, flavour, axis)?;
     settings.agree(&again)?;
     if let Some(path) = &opening.settings_record {
-        notes.extend(record::compare(&settings, path, opening.configure || opening.accept_settings)?);
+        let accepted = record::compare(&settings, path, opening.configure || opening.accept_settings)?;
+        // A setting that was written just now has its note.
+        let others = accepted.into_iter().filter(|(number, _)| !written.contains(number));
+        notes.extend(others.map(|(_, note)| note));
     }
     Ok((settings, notes))
 }

@@ -24,8 +24,13 @@ struct Recorded {
 
 /// Compares the settings of a board with those on record at `path`, and records them where there are none.
 ///
-/// Changed settings are refused, unless `accepted`. Returns notes of the changes that were accepted.
-pub(super) fn compare(found: &Settings, path: &Path, accepted: bool) -> Result<Vec<String>, GrblError> {
+/// Changed settings are refused, unless `accepted`. Returns the numbers of the settings whose changes were accepted,
+/// each with its note.
+pub(super) fn compare(
+    found: &Settings,
+    path: &Path,
+    accepted: bool,
+) -> Result<Vec<(u16, String)>, GrblError> {
     let before = match recorded(path) {
         Err(_) if accepted => BTreeMap::new(),
         before => before?,
@@ -40,16 +45,17 @@ pub(super) fn compare(found: &Settings, path: &Path, accepted: bool) -> Result<V
         };
         if let Some(old) = old.filter(|old| !found.same(number, Some(*old), new)) {
             let new = new.map_or_else(|| "is not listed now".to_owned(), |new| format!("is {new} now"));
-            changes.push(format!("${number} was {old} and {new}"));
+            changes.push((number, format!("${number} was {old} and {new}")));
         }
     }
     if !changes.is_empty() && !accepted {
+        let changes: Vec<String> = changes.into_iter().map(|(_, change)| change).collect();
         return Err(GrblError::SettingsChanged { changes: changes.join(", "), record: path.to_owned() });
     }
     if now != before {
         write(path, now)?;
     }
-    Ok(changes.into_iter().map(|change| format!("{change}: accepted")).collect())
+    Ok(changes.into_iter().map(|(number, change)| (number, format!("{change}: accepted"))).collect())
 }
 
 /// Returns the settings on record. There are none before the board was first met.
