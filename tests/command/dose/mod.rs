@@ -9,4 +9,5 @@ mod limits;
 mod reports;
 mod retraction;
 mod speed_law;
+mod stated_angle;
 mod unknown_angle;

@@ -160,6 +160,39 @@ fn the_interval_covers_93_percent_at_least_of_other_volumes_and_angles() {
     }
 }
 
+/// Asserts the coverage of doses from angles that are stated to within `tolerance_deg`. Above 3 mL the interval is
+/// no wider than it must be.
+fn assert_covered_within(tolerance_deg: f64, volume_ml: f64, start_deg: f64, calibrated_rpm: &'static [f64]) {
+    let start = Phase::within(radians(start_deg), radians(tolerance_deg));
+    let part = covered(&Case { start, calibrated_rpm, ..Case::of(volume_ml, start_deg) });
+    let most = if volume_ml > 3.0 { 0.97 } else { 1.0 };
+    let case = format!("{volume_ml} mL from {start_deg} ± {tolerance_deg}, {calibrated_rpm:?}: {part}");
+    println!("{case}");
+    assert!((0.93..=most).contains(&part), "{case}");
+}
+
+#[test]
+fn the_interval_covers_93_to_97_percent_of_doses_from_an_angle_within_its_tolerance() {
+    for volume_ml in [0.1, 1.0, 3.0, 10.0, 25.0] {
+        for tolerance_deg in [0.2, 1.0, 1.9] {
+            for start_deg in [0.0, 20.0, 40.0, 50.0, 65.0, 95.0] {
+                assert_covered_within(tolerance_deg, volume_ml, start_deg, &[]);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_interval_covers_93_to_97_percent_of_calibrated_doses_from_an_angle_within_its_tolerance() {
+    for volume_ml in [1.0, 3.0, 10.0, 25.0] {
+        for tolerance_deg in [1.0, 1.9] {
+            for start_deg in [0.0, 20.0, 40.0, 65.0, 95.0] {
+                assert_covered_within(tolerance_deg, volume_ml, start_deg, &[20.0]);
+            }
+        }
+    }
+}
+
 #[test]
 fn the_interval_covers_93_percent_at_least_where_the_angle_is_not_known() {
     for volume_ml in [0.1, 1.0, 5.0, 25.0, 100.0] {

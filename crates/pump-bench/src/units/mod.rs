@@ -9,6 +9,7 @@ mod pressure;
 mod quantity;
 mod rate;
 mod reading;
+mod stated_angle;
 #[cfg(test)]
 mod tests;
 mod tube_size;
@@ -19,4 +20,5 @@ pub use kind::Kind;
 pub use pressure::{Pressure, pressure};
 pub use quantity::{angle_rad, flow_ml_s, length_mm, speed_rad_s, temperature_degc, time_s, volume_ml};
 pub use rate::rate;
+pub use stated_angle::{StatedAngle, stated_angle, tolerance_rad};
 pub use tube_size::{TubeSize, tube_size};

@@ -68,6 +68,7 @@ UncertaintySource: TypeAlias = Literal[
     "speed_law",
     "temperature",
     "carry",
+    "angle",
 ]
 #: Limit for which no value is known. "outlet_pressure" is the largest pressure at the port that pushes,
 #: "inlet_pressure" the smallest at the port that sucks.
