@@ -12,8 +12,10 @@ const ASSUMED_DEG: f64 = 1.0;
 #[command(next_help_heading = "Amount and speed")]
 pub(crate) struct StatedStartOption {
     /// Angle of the rollers at the start, as 30deg+-1deg [default: as recorded]
-    #[arg(long_help = "Angle of the rollers at the start and its tolerance, as 30deg+-1deg. At 0deg a roller \
-        begins to leave the outlet. Without a tolerance 1deg is assumed. The default is the angle on record.")]
+    #[arg(
+        long_help = "Angle of the rollers at the start and its tolerance, as 30deg+-1deg. At 0deg a roller \
+        begins to leave the outlet. Without a tolerance 1deg is assumed. The default is the angle on record."
+    )]
     #[arg(long, value_name = "ANGLE", value_parser = units::stated_angle)]
     start_angle: Option<StatedAngle>,
 }

@@ -135,7 +135,8 @@ proptest! {
             let off = known.steps().abs_diff(stated.steps());
             prop_assert!(off <= margin_steps + 1 || off > pitch_steps / 2, "{off} steps");
         }
-        prop_assert!(stated.least_ml() <= stated.planned_ml() && stated.planned_ml() <= stated.most_ml());
+        let (least_ml, most_ml) = (stated.least_ml() - 1e-12, stated.most_ml() + 1e-12);
+        prop_assert!((least_ml..=most_ml).contains(&stated.planned_ml()), "{stated:?}");
         let width = worst_on_a_grid_ml(&pump, start, stated.steps(), stated.planned_ml());
         let farthest = (stated.planned_ml() - stated.least_ml()).max(stated.most_ml() - stated.planned_ml());
         prop_assert!(width <= farthest + 1e-12 && width > farthest - 5e-4, "{width} {farthest}");

@@ -246,7 +246,7 @@ fn pressures_that_no_liquid_can_have_are_said_to_be_so() {
 #[test]
 fn the_back_flow_is_told_and_warned_of_where_it_exceeds_the_uncertainty() {
     let user = User::new();
-    let small = ["0.8mL", "--start-angle", "110deg", "--dry-run"];
+    let small = ["0.8mL", "--start-angle", "110deg+-0deg", "--dry-run"];
     let report = user.json(&small);
     let (back, reverse) = (number(&report, "backflow_ml"), number(&report, "reverse_flow_ml"));
     assert!(back > number(&report, "expanded_uncertainty_ml") && back < 0.08, "{report}");
@@ -256,7 +256,7 @@ fn the_back_flow_is_told_and_warned_of_where_it_exceeds_the_uncertainty() {
     // A slower rate has less, a long dose has room for it.
     assert!(
         !user
-            .types(&["0.8mL", "--start-angle", "110deg", "--rate", "0.5mL/s", "--dry-run"])
+            .types(&["0.8mL", "--start-angle", "110deg+-0deg", "--rate", "0.5mL/s", "--dry-run"])
             .out
             .contains(swings)
     );

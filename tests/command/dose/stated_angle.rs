@@ -73,13 +73,22 @@ fn the_tolerance_of_a_set_angle_stays_on_record_until_the_rotor_is_homed_anew() 
     }
     let out = home(&["--set", "30deg"]);
     assert!(out.contains("the rollers stand at 30.00\u{b0} \u{b1} 1.00\u{b0}\n"), "{out}");
-    assert!(out.contains("no tolerance was stated: 1 deg either way is assumed; --tolerance 0deg is exact\n"), "{out}");
+    assert!(
+        out.contains("no tolerance was stated: 1 deg either way is assumed; --tolerance 0deg is exact\n"),
+        "{out}"
+    );
     // Steps are counted exactly, so the width stays, and each dose has its share.
-    for volume in ["1mL", "2.5mL", "-1mL"] {
+    for volume in ["1mL", "2.5mL", "-1mL", "0.5mL"] {
         let report = user.json(&[volume]);
         assert!((number(&report["phase"], "half_width_deg") - 1.0).abs() < 1e-9, "{report}");
-        assert!(share_ml(&report, "angle") > 0.0 && share_ml(&report, "carry") < 1e-4, "{report}");
-        assert_eq!(report["warnings"].as_array().unwrap().len(), 0, "{report}");
+        let width_ml = number(&report, "volume_most_ml") - number(&report, "volume_least_ml");
+        assert_eq!(share_ml(&report, "angle") > 1e-9, width_ml > 1e-8, "{report}");
+        // The tolerance is in each dose's own volume, so it makes no carry unsure.
+        assert!(
+            share_ml(&report, "carry") < 1e-4 && number(&report, "carry_half_width_ml") > 0.0,
+            "{report}"
+        );
+        assert!(!report["warnings"].to_string().contains("carry unsure"), "{report}");
         assert!((half_width_deg() - 1.0).abs() < 1e-9);
     }
     // A dose from a given angle replaces it.

@@ -12,6 +12,9 @@ use crate::calibration::{Applied, Sureness};
 use crate::pump_file::UncertaintyTable;
 use crate::words::words_of_reports;
 
+/// Coverage factor of the expanded uncertainty where all errors are normal (about 95 % of doses).
+const COVERAGE_FACTOR: f64 = 2.0;
+
 /// Growth of the cross section of a tube's bore, in 1/°C: twice the linear expansion of silicone rubber,
 /// 3e-4. Natural rubber has 2.2e-4, a third of its expansion in volume, 6.6e-4 (Polymer Handbook).
 const BORE_PER_DEGC: f64 = 6e-4;
@@ -75,8 +78,8 @@ words_of_reports!(ShareSource {
 pub(crate) struct Budget {
     /// Shares of the budget.
     pub(crate) shares: Vec<Share>,
-    /// Errors over the angles at which the rollers may stand: the share of the angle or of the phase.
-    errors: AngleErrors,
+    /// Errors over the tolerance of a stated angle. `None` if the angle is known less well.
+    stated: Option<AngleErrors>,
 }
 
 impl Budget {
@@ -115,9 +118,10 @@ impl Budget {
         let common = sureness.map_or(law.unwrap_or(model), |sureness| sureness.common());
         let zero_rad = calibration.map_or(0.0, |applied| applied.zero_standard_rad);
         let errors = AngleErrors::of(pump, swept);
-        let of_angle = |stated| if swept.start.is_stated() == stated { errors.standard_ml() } else { 0.0 };
-        let (angle_ml, wide_ml) = (of_angle(true), of_angle(false));
-        let mut budget = Self { shares: Vec::new(), errors };
+        let stated = swept.start.is_stated();
+        let (angle_ml, wide_ml) =
+            if stated { (errors.standard_ml(), 0.0) } else { (0.0, errors.standard_ml()) };
+        let mut budget = Self { shares: Vec::new(), stated: stated.then_some(errors) };
         let mut share = |source, standard_ml, remedy| {
             budget.shares.push(Share { source, standard_ml, variance_percent: 0.0, remedy });
         };
@@ -194,10 +198,15 @@ impl Budget {
     }
 
     /// Returns the expanded uncertainty, in mL: 95.45 % of doses lie within it. That is k = 2, as all errors but that
-    /// of the angle are taken as normal. The angle's error has its own distribution.
+    /// of a stated angle are taken as normal. The stated angle's error has its own distribution.
+    ///
+    /// An angle that is known less well keeps k = 2, which covers more than that. The roller volume then matters by
+    /// the angle too, and is no independent error.
     pub(crate) fn expanded_ml(&self) -> f64 {
-        let (all_ml, of_angle_ml) = (self.standard_ml(), self.errors.standard_ml());
-        self.errors.expanded_ml(sqrt((all_ml * all_ml - of_angle_ml * of_angle_ml).max(0.0)))
+        let all_ml = self.standard_ml();
+        let Some(errors) = &self.stated else { return COVERAGE_FACTOR * all_ml };
+        let of_angle_ml = errors.standard_ml();
+        errors.expanded_ml(sqrt((all_ml * all_ml - of_angle_ml * of_angle_ml).max(0.0)))
     }
 }
 
@@ -299,7 +308,7 @@ mod tests {
                 let of_source = |share: &&Share| share.source == source;
                 let share_ml = budget.shares.iter().find(of_source).unwrap().standard_ml;
                 let half_ml = 0.5 * (plan.most_ml() - plan.least_ml());
-                assert!(share_ml < half_ml && 2.0 * share_ml > half_ml, "{share_ml} {half_ml}");
+                assert!(share_ml < half_ml && COVERAGE_FACTOR * share_ml > half_ml, "{share_ml} {half_ml}");
             }
         }
     }

@@ -158,7 +158,8 @@ impl DoseReport {
                 format!("{} {}", spoken(share.source.as_str()), significant(percent, 2))
             })
             .collect();
-        let variance: f64 = self.uncertainty_budget.iter().map(|share| share.standard_ml * share.standard_ml).sum();
+        let variance: f64 =
+            self.uncertainty_budget.iter().map(|share| share.standard_ml * share.standard_ml).sum();
         let factor = significant(self.expanded_uncertainty_ml / sqrt(variance), 3);
         format!("k = {factor}, {}; standard, % of volume: {}", self.basis(), shares.join(", "))
     }

@@ -73,7 +73,8 @@ impl DoseReport {
         let unsure_ml = self.expanded_uncertainty_ml;
         let decimals = 1 + decimals_of(unsure_ml).min(decimals_of(0.5 * (most_ml - least_ml)));
         let [least, most] = [least_ml, most_ml].map(|ml| format!("{ml:.decimals$}"));
-        let range = if least == most { format!("{least} mL") } else { format!("between {least} and {most} mL") };
+        let range =
+            if least == most { format!("{least} mL") } else { format!("between {least} and {most} mL") };
         // The uncertainty of a part is not that of the plan.
         let unsure = match was_stopped {
             true => String::new(),

@@ -109,7 +109,10 @@ mod tests {
             "`200deg` is no tolerance of an angle: it is 200 deg; allowed: 0 to 180 deg, as in 30deg+-1deg; if nobody \
              knows the angle, say `dose home --unknown`"
         );
-        assert!(refused("30deg+--1deg").starts_with("`-1deg` is no tolerance of an angle: it is -1 deg; allowed: 0"));
+        assert!(
+            refused("30deg+--1deg")
+                .starts_with("`-1deg` is no tolerance of an angle: it is -1 deg; allowed: 0")
+        );
         assert_eq!(refused("30deg+-"), "`30deg+-` has no tolerance; write for example 30deg+-1deg");
         assert!(refused("30deg+-1").contains("`1` has no unit"));
         assert!(refused("30+-1mL").contains("unknown angle unit `mL`"));

@@ -54,7 +54,7 @@ impl AngleErrors {
     /// uncertainty is `others_ml`.
     ///
     /// The distributions are propagated (JCGM 101:2008) instead of their variances: k = 2 would cover every dose where
-    /// a bounded error dominates, and too few where the errors crowd at one end.
+    /// the bounded errors dominate.
     pub(super) fn expanded_ml(&self, others_ml: f64) -> f64 {
         let farthest_ml = self.errors_ml.iter().fold(0.0_f64, |most, error_ml| most.max(error_ml.abs()));
         // The farthest error and two standard deviations cover enough from every angle.
@@ -64,7 +64,11 @@ impl AngleErrors {
         }
         while most_ml - least_ml > PRECISION * most_ml {
             let middle_ml = 0.5 * (least_ml + most_ml);
-            if self.covered(middle_ml, others_ml) < COVERAGE { least_ml = middle_ml } else { most_ml = middle_ml }
+            if self.covered(middle_ml, others_ml) < COVERAGE {
+                least_ml = middle_ml
+            } else {
+                most_ml = middle_ml
+            }
         }
         most_ml
     }
@@ -110,7 +114,9 @@ mod tests {
     #[test]
     fn an_exact_angle_or_whole_pitches_leave_k_at_two() {
         let pump = Pump::three_roller();
-        for (half_width_rad, turn_rad) in [(0.0, 0.3), (0.02, pump.pitch_rad()), (1.0, -2.0 * pump.pitch_rad())] {
+        for (half_width_rad, turn_rad) in
+            [(0.0, 0.3), (0.02, pump.pitch_rad()), (1.0, -2.0 * pump.pitch_rad())]
+        {
             let errors = AngleErrors::of(&pump, &swept(&pump, Phase::within(0.4, half_width_rad), turn_rad));
             assert!(errors.standard_ml() < 1e-12 && (errors.expanded_ml(0.1) - 0.2).abs() < 1e-6);
         }
