@@ -78,8 +78,8 @@ words_of_reports!(ShareSource {
 pub(crate) struct Budget {
     /// Shares of the budget.
     pub(crate) shares: Vec<Share>,
-    /// Errors over the tolerance of a stated angle. `None` if the angle is known less well.
-    stated: Option<AngleErrors>,
+    /// Errors over the angles at which the rollers may stand.
+    errors: AngleErrors,
 }
 
 impl Budget {
@@ -118,10 +118,8 @@ impl Budget {
         let common = sureness.map_or(law.unwrap_or(model), |sureness| sureness.common());
         let zero_rad = calibration.map_or(0.0, |applied| applied.zero_standard_rad);
         let errors = AngleErrors::of(pump, swept);
-        let stated = swept.start.is_stated();
-        let (angle_ml, wide_ml) =
-            if stated { (errors.standard_ml(), 0.0) } else { (0.0, errors.standard_ml()) };
-        let mut budget = Self { shares: Vec::new(), stated: stated.then_some(errors) };
+        let [angle_ml, wide_ml] = errors.shares_ml();
+        let mut budget = Self { shares: Vec::new(), errors };
         let mut share = |source, standard_ml, remedy| {
             budget.shares.push(Share { source, standard_ml, variance_percent: 0.0, remedy });
         };
@@ -162,11 +160,7 @@ impl Budget {
             common * swept.carry_in_ml.abs(),
             "calibrate, so that the carry from earlier doses is surer",
         );
-        share(
-            ShareSource::Angle,
-            angle_ml,
-            "home by a sensor or a mark, `dose home`, or state the angle with a smaller tolerance",
-        );
+        share(ShareSource::Angle, angle_ml, angle::REMEDY);
         budget.with_percentages()
     }
 
@@ -203,10 +197,11 @@ impl Budget {
     /// An angle that is known less well keeps k = 2, which covers more than that. The roller volume then matters by
     /// the angle too, and is no independent error.
     pub(crate) fn expanded_ml(&self) -> f64 {
-        let all_ml = self.standard_ml();
-        let Some(errors) = &self.stated else { return COVERAGE_FACTOR * all_ml };
-        let of_angle_ml = errors.standard_ml();
-        errors.expanded_ml(sqrt((all_ml * all_ml - of_angle_ml * of_angle_ml).max(0.0)))
+        let (all_ml, [angle_ml, _]) = (self.standard_ml(), self.errors.shares_ml());
+        if angle_ml == 0.0 {
+            return COVERAGE_FACTOR * all_ml;
+        }
+        self.errors.expanded_ml(sqrt((all_ml * all_ml - angle_ml * angle_ml).max(0.0)))
     }
 }
 

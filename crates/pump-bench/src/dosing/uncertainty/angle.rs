@@ -9,6 +9,10 @@ use pump_model::Pump;
 
 use crate::dosing::swept::Swept;
 
+/// Cheapest way to make the share of a stated angle smaller.
+pub(super) const REMEDY: &str =
+    "home by a sensor or a mark, `dose home`, or state the angle with a smaller tolerance";
+
 /// Number of angles over the width at which the error is computed.
 const ANGLES: i32 = 256;
 
@@ -24,6 +28,8 @@ const PRECISION: f64 = 1e-6;
 pub(super) struct AngleErrors {
     /// Volume from each angle less the planned volume, in mL. There are none if the angle is exact.
     errors_ml: Vec<f64>,
+    /// True if the dose was planned from the angle itself, and not for the worst case over the angles.
+    is_stated: bool,
 }
 
 impl AngleErrors {
@@ -31,7 +37,7 @@ impl AngleErrors {
     pub(super) fn of(pump: &Pump, swept: &Swept) -> Self {
         let (angle_rad, half_width_rad) = (swept.start.angle_rad(), swept.start.half_width_rad());
         if half_width_rad == 0.0 {
-            return Self { errors_ml: Vec::new() };
+            return Self { errors_ml: Vec::new(), is_stated: true };
         }
         // Beyond half a pitch every angle within the pitch is equally likely.
         let half_width_rad = half_width_rad.min(0.5 * pump.pitch_rad());
@@ -41,11 +47,17 @@ impl AngleErrors {
             let start_rad = angle_rad + half_width_rad * part;
             curve.volume_ml(start_rad + turn_rad) - curve.volume_ml(start_rad) - swept.volume_ml
         };
-        Self { errors_ml: (0..ANGLES).map(error_ml).collect() }
+        Self { errors_ml: (0..ANGLES).map(error_ml).collect(), is_stated: swept.start.is_stated() }
+    }
+
+    /// Returns the shares of a stated angle and of an angle that is known less well, in mL. One of them is 0.
+    pub(super) fn shares_ml(&self) -> [f64; 2] {
+        let standard_ml = self.standard_ml();
+        if self.is_stated { [standard_ml, 0.0] } else { [0.0, standard_ml] }
     }
 
     /// Returns the root of the mean square error, in mL.
-    pub(super) fn standard_ml(&self) -> f64 {
+    fn standard_ml(&self) -> f64 {
         let count = self.errors_ml.len().max(1) as f64;
         sqrt(self.errors_ml.iter().map(|error_ml| error_ml * error_ml).sum::<f64>() / count)
     }
@@ -65,9 +77,9 @@ impl AngleErrors {
         while most_ml - least_ml > PRECISION * most_ml {
             let middle_ml = 0.5 * (least_ml + most_ml);
             if self.covered(middle_ml, others_ml) < COVERAGE {
-                least_ml = middle_ml
+                least_ml = middle_ml;
             } else {
-                most_ml = middle_ml
+                most_ml = middle_ml;
             }
         }
         most_ml
@@ -102,7 +114,7 @@ mod tests {
     #[test]
     fn errors_that_are_uniform_expand_to_the_interval_of_a_uniform_distribution() {
         let errors_ml = (0..256).map(|n| (2.0 * f64::from(n) + 1.0) / 256.0 - 1.0).collect();
-        let errors = AngleErrors { errors_ml };
+        let errors = AngleErrors { errors_ml, is_stated: true };
         assert!((errors.standard_ml() - 1.0 / 3_f64.sqrt()).abs() < 1e-5);
         // Alone 95.45 % of them lie within 0.9545 of the bound.
         assert!((errors.expanded_ml(0.0) - COVERAGE).abs() < 5e-3, "{}", errors.expanded_ml(0.0));
