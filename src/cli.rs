@@ -22,7 +22,7 @@ use crate::refusals::unknown;
 
 const EXAMPLES: &str = "Examples:
   dose 25mL
-  dose 0.5mL --start-angle 30deg --dry-run
+  dose 0.5mL --start-angle 30deg+-1deg --dry-run
   dose 100mL --rate 600mL/min --plot dose.svg
   dose simulate --speed 100rpm --duration 10s --trace run.csv";
 

@@ -11,6 +11,8 @@ fuzz_target!(|text: &str| {
         units::speed_rad_s(text),
         units::time_s(text),
         units::angle_rad(text),
+        units::stated_angle(text).map(|stated| stated.angle_rad),
+        units::tolerance_rad(text),
     ];
     for read in plain {
         match read {

@@ -41,8 +41,8 @@ pub(super) fn run(
 ) -> Result<(), Failure> {
     let (json, verbose) = (options.format.json(), options.verbose.verbose);
     let said = Said { json, verbose, asked: Some(typed) };
-    let mut batch =
-        Batch { bench, said, request, count: schedule.count(), done: 0, skipped: 0, untold: Vec::new() };
+    let (count, assumed) = (schedule.count(), options.start_angle.assumed());
+    let mut batch = Batch { bench, said, request, assumed, count, done: 0, skipped: 0, untold: Vec::new() };
     let (ended, verb) = if options.dry_run {
         (batch.rehearse(), "planned")
     } else {
@@ -77,6 +77,8 @@ struct Batch<'a> {
     said: Said<'a>,
     /// The next dose.
     request: DoseRequest,
+    /// Message about the start angle that the first report repeats.
+    assumed: Option<String>,
     count: u64,
     done: u64,
     skipped: u64,
@@ -88,7 +90,8 @@ impl Batch<'_> {
     fn rehearse(&mut self) -> Result<(), Failure> {
         let mut rehearsal = Rehearsal::new(self.bench)?;
         for number in 1..=self.count {
-            let prepared = rehearsal.prepare(self.next_request())?;
+            let mut prepared = rehearsal.prepare(self.next_request())?;
+            prepared.warnings.extend(self.assumed.take());
             self.done = number;
             self.report(number, &prepared, None)?;
             self.still_read()?;
@@ -144,7 +147,8 @@ impl Batch<'_> {
                 ScheduleAction::Dose(number) => {
                     self.still_wanted(interrupt)?;
                     let prepared = session.prepare(self.next_request());
-                    let prepared = noted(session, prepared)?;
+                    let mut prepared = noted(session, prepared)?;
+                    prepared.warnings.extend(self.assumed.take());
                     started.get_or_insert_with(Instant::now);
                     let delivered = deliver(self.bench, session, &prepared, interrupt, self.said.json)?;
                     self.done += u64::from(delivered.0.completed);

@@ -50,7 +50,8 @@ pub(super) fn run_one(
     let json = options.format.json();
     let said = Said { json, verbose: options.verbose.verbose, asked: Some(typed) };
     if options.dry_run {
-        let prepared = bench.prepare(request)?;
+        let mut prepared = bench.prepare(request)?;
+        prepared.warnings.extend(options.start_angle.assumed());
         write_outputs(bench, &prepared, options)?;
         return report(bench, &prepared, None, &said);
     }
@@ -58,7 +59,8 @@ pub(super) fn run_one(
     // The pump is taken before its journal is read, so that nobody moves it in between.
     let mut session = bench.session()?;
     let prepared = session.prepare(request);
-    let prepared = noted(&mut session, prepared)?;
+    let mut prepared = noted(&mut session, prepared)?;
+    prepared.warnings.extend(options.start_angle.assumed());
     write_outputs(bench, &prepared, options)?;
     let delivered = deliver(bench, &mut session, &prepared, &interrupt, json)?;
     report(bench, &prepared, Some(delivered), &said)

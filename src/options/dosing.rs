@@ -9,7 +9,8 @@ use super::files::{Files, PlotOption, StepsOption, TraceOptions};
 use super::fluid::FluidOptions;
 use super::limits::{PressureOptions, TubeLimit};
 use super::report::{FormatOption, VerboseOption};
-use super::speed::{CruiseOptions, ReverseOption, StartAngleOption};
+use super::speed::{CruiseOptions, ReverseOption};
+use super::start_angle::StatedStartOption;
 use super::volume::AskedVolume;
 use crate::failure::Failure;
 
@@ -25,7 +26,7 @@ pub(crate) struct DosingOptions {
     #[command(flatten)]
     reverse: ReverseOption,
     #[command(flatten)]
-    start_angle: StartAngleOption,
+    pub(crate) start_angle: StatedStartOption,
     #[command(flatten)]
     fluid: FluidOptions,
     #[command(flatten)]
@@ -103,7 +104,8 @@ impl DosingOptions {
             purpose,
             cruise: self.cruise.cruise()?,
             smooth: self.smooth,
-            start_angle_rad: self.start_angle.start_angle,
+            start_angle_rad: self.start_angle.angle_rad(),
+            start_half_width_rad: self.start_angle.tolerance_rad(),
             pressures: self.limits.pressures(file),
             ..DoseRequest::dose(volume_ml)
         })

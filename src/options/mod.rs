@@ -12,4 +12,5 @@ pub(crate) mod motor;
 pub(crate) mod pump;
 pub(crate) mod report;
 pub(crate) mod speed;
+pub(crate) mod start_angle;
 pub(crate) mod volume;

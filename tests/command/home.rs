@@ -165,7 +165,7 @@ fn without_a_terminal_or_a_mark_nothing_turns() {
     let message = user.is_refused(&["home", "--mark", "--pump", &pump]);
     assert!(message.contains("run this in a terminal"), "{message}");
     let message = user.is_refused(&["home", "--mark", "--pump", &pump, "--mark-tolerance=-1deg"]);
-    assert!(message.contains("--mark-tolerance is -1 deg"), "{message}");
+    assert!(message.contains("is -1 deg; allowed: 0 to 180 deg"), "{message}");
 }
 
 #[test]

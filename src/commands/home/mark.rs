@@ -3,7 +3,7 @@
 use std::io::{self, IsTerminal, Write};
 
 use console::{Key, Term};
-use pump_bench::report::{ErrorKind, carry_dropped_text, rotor_text};
+use pump_bench::report::{carry_dropped_text, rotor_text};
 use pump_bench::{Bench, Session};
 use pump_model::units::{degrees, rad_s, radians};
 use signal_hook::consts::SIGINT;
@@ -49,11 +49,6 @@ pub(super) fn mark(
     bench: impl FnOnce() -> Result<Bench, Failure>,
 ) -> Result<(), Failure> {
     let tolerance_rad = tolerance_rad.unwrap_or(radians(TOLERANCE_DEG));
-    if tolerance_rad < 0.0 {
-        let degrees = degrees(tolerance_rad);
-        let refused = Failure::refused(format!("--mark-tolerance is {degrees} deg; allowed: 0deg or more"));
-        return Err(refused.kind(ErrorKind::Range).value(format!("{degrees} deg")).allowed("0deg or more"));
-    }
     let bench = bench()?;
     let mut session = bench.session()?;
     let mark_deg = degrees(session.mark_rad()?);

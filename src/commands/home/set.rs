@@ -3,17 +3,34 @@
 use pump_bench::AngleSet;
 use pump_bench::Bench;
 use pump_bench::report::{carry_dropped_text, rotor_text};
+use pump_bench::units::StatedAngle;
 use pump_ctl::plan::Phase;
 
 use crate::failure::Failure;
+use crate::options::start_angle::{assumed_of_set, or_assumed_rad};
 use crate::terminal::{tell, warn};
 
 /// Records the angle, or that it is unknown. A journal that cannot be read is moved aside, once all else is well.
-pub(super) fn set(angle_rad: Option<f64>, bench: &Bench) -> Result<(), Failure> {
-    let (mut session, AngleSet { state, owed_ml, aside, .. }) =
-        bench.set_angle(angle_rad.map(Phase::known))?;
+///
+/// `tolerance_rad` is that of `--tolerance`; the angle may have its own.
+pub(super) fn set(
+    stated: Option<StatedAngle>,
+    tolerance_rad: Option<f64>,
+    bench: impl FnOnce() -> Result<Bench, Failure>,
+) -> Result<(), Failure> {
+    let within_rad = stated.and_then(|stated| stated.tolerance_rad);
+    if tolerance_rad.is_some() && within_rad.is_some() {
+        return Err(Failure::refused(
+            "--tolerance and the tolerance in --set both say how well the angle is known; give one of them",
+        ));
+    }
+    let within_rad = tolerance_rad.or(within_rad);
+    let phase = stated.map(|stated| Phase::within(stated.angle_rad, or_assumed_rad(within_rad)));
+    let bench = bench()?;
+    let (mut session, AngleSet { state, owed_ml, aside, .. }) = bench.set_angle(phase)?;
     warn(&session.notes());
     let aside = aside.map(|aside| format!("the damaged journal is now {}\n", aside.display()));
-    let (rotor, dropped) = (rotor_text(bench, &state), carry_dropped_text(owed_ml));
-    tell(&format!("{}{rotor}{dropped}", aside.unwrap_or_default()))
+    let assumed = (stated.is_some() && within_rad.is_none()).then(assumed_of_set);
+    let (rotor, dropped) = (rotor_text(&bench, &state), carry_dropped_text(owed_ml));
+    tell(&format!("{}{rotor}{}{dropped}", aside.unwrap_or_default(), assumed.unwrap_or_default()))
 }

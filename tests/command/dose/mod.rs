@@ -10,4 +10,5 @@ mod nozzle;
 mod reports;
 mod retraction;
 mod speed_law;
+mod stated_angle;
 mod unknown_angle;

@@ -35,6 +35,12 @@ fn a_dose_from_an_unknown_angle_says_between_which_volumes_it_lies_and_what_woul
     assert!((number(&report, "planned_ml") + number(&report, "carry_ml") - 25.0).abs() < 1e-12);
     assert!((least - 1e-3..most + 1e-3).contains(&number(&report, "delivered_ml")), "{report}");
     assert!(number(&report, "expanded_uncertainty_ml") > 0.5 * (most - least), "{report}");
+    // The vessel of the simulation knows the angle, and the report's words do not.
+    let text = turned_by_hand().types(&["25mL"]).out;
+    assert!(text.contains(": delivered between 23.95 and 26.05 mL; 25.00 planned \u{b1} "), "{text}");
+    assert!(dry.contains(": between 23.95 and 26.05 mL; 25.00 planned \u{b1} "), "{dry}");
+    let whole = user.types(&["7.1062mL", "--dry-run"]).out;
+    assert!(whole.contains(": between 7.106 and 7.107 mL; 7.107 planned \u{b1} 0.35 mL (dry run"), "{whole}");
     assert!(report["warnings"].to_string().contains("exact at any angle"), "{report}");
 }
 
@@ -43,7 +49,7 @@ fn the_angle_stays_unknown_until_somebody_says_it() {
     let user = turned_by_hand();
     user.json(&["5mL"]);
     assert_eq!(user.json(&["status"])["angle_known"], false);
-    let given = user.json(&["5mL", "--start-angle", "30deg"]);
+    let given = user.json(&["5mL", "--start-angle", "30deg+-0deg"]);
     assert_eq!(given["phase"]["known"], true);
     assert_eq!(given["warnings"].as_array().unwrap().len(), 0, "{given}");
     assert_eq!(given["volume_least_ml"], given["planned_ml"]);

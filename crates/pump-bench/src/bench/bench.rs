@@ -301,7 +301,7 @@ impl Bench {
     fn stands_for(&self, state: Option<PumpState>, request: &DoseRequest, stored: Option<&Stored>) -> Stands {
         let state = state.unwrap_or(self.fresh());
         let (start, source) = match request.start_angle_rad {
-            Some(angle_rad) => (Phase::known(angle_rad), PhaseSource::Given),
+            Some(angle_rad) => (Phase::within(angle_rad, request.start_half_width_rad), PhaseSource::Given),
             None if !state.phase().is_known(self.model.pitch_rad()) => (state.phase(), PhaseSource::Assumed),
             None => (state.phase(), state.source),
         };

@@ -163,11 +163,15 @@ impl Prepared {
 
     /// Returns the half width of the range around the carry before this dose that holds the true carry, in
     /// mL.
+    ///
+    /// From a stated angle earlier doses and this one are booked by that angle. The tolerance is then in this
+    /// dose's own volume and not in its carry.
     pub(crate) fn carry_in_within_ml(&self) -> f64 {
-        if !self.request.purpose.changes_carry() {
+        let turned = self.plan.turned();
+        if !self.request.purpose.changes_carry() || turned.start.is_stated() {
             return self.carry_half_width_ml;
         }
-        self.carry_half_width_ml + self.plan.turned().half_width_ml(&self.model)
+        self.carry_half_width_ml + turned.half_width_ml(&self.model)
     }
 
     /// Returns the carry once this dose and its retraction are made, in mL.

@@ -20,6 +20,9 @@ pub struct DoseRequest {
     pub finish: Option<Finish>,
     /// Angle at the start, in rad. `None` takes the recorded angle.
     pub start_angle_rad: Option<f64>,
+    /// Half width of the angle at the start, in rad: the true angle lies within it on either side. It counts where
+    /// `start_angle_rad` gives the angle. 0 is an exact angle.
+    pub start_half_width_rad: f64,
     /// Volume of the whole dose if this is the rest of one that was cut off, in mL. `None` if this is the
     /// whole.
     pub whole_ml: Option<f64>,
@@ -39,6 +42,7 @@ impl DoseRequest {
             smooth: false,
             finish: None,
             start_angle_rad: None,
+            start_half_width_rad: 0.0,
             whole_ml: None,
             retract_ml: None,
             pressures: PressureLimits::NONE,

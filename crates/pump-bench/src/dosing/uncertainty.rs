@@ -1,5 +1,6 @@
 //! The uncertainty budget of a dose.
 
+mod angle;
 pub(super) mod outlet;
 mod repeatability;
 
@@ -7,12 +8,13 @@ use libm::{hypot, sqrt};
 use pump_model::Pump;
 use serde::Serialize;
 
+use self::angle::AngleErrors;
 use super::swept::Swept;
 use crate::calibration::{Applied, Sureness};
 use crate::pump_file::UncertaintyTable;
 use crate::words::words_of_reports;
 
-/// Coverage factor of the expanded uncertainty (about 95 % of doses).
+/// Coverage factor of the expanded uncertainty where all errors are normal (about 95 % of doses).
 const COVERAGE_FACTOR: f64 = 2.0;
 
 /// Growth of the cross section of a tube's bore, in 1/°C: twice the linear expansion of silicone rubber,
@@ -47,7 +49,7 @@ pub enum ShareSource {
     RollerVolume,
     /// Resolution of a whole motor step.
     Step,
-    /// Start angle that is known between bounds only.
+    /// Start angle that is known between wide bounds only, and its zero.
     Phase,
     /// Calibration of the displacement.
     Calibration,
@@ -63,6 +65,8 @@ pub enum ShareSource {
     Backflow,
     /// Carry of earlier doses.
     Carry,
+    /// Tolerance of a start angle that is known to less than 2 deg.
+    Angle,
 }
 
 words_of_reports!(ShareSource {
@@ -78,6 +82,7 @@ words_of_reports!(ShareSource {
     Drop = "drop",
     Backflow = "backflow",
     Carry = "carry",
+    Angle = "angle",
 });
 
 /// Uncertainty budget of a dose. Its shares are independent.
@@ -85,6 +90,8 @@ words_of_reports!(ShareSource {
 pub(crate) struct Budget {
     /// Shares of the budget.
     pub(crate) shares: Vec<Share>,
+    /// Errors over the angles at which the rollers may stand.
+    errors: AngleErrors,
 }
 
 impl Budget {
@@ -98,9 +105,10 @@ impl Budget {
     ///   calibrated pump that share vanishes over whole pitches.
     /// - The step's share is that of a rotor that stands anywhere within a step, rectangular: dV/sqrt(12)
     ///   (GUM, JCGM 100:2008, 4.3.7).
-    /// - The phase's share is the root of the mean square deviation from the plan, the middle of the range.
-    ///   Every start angle that the record allows is equally likely. The volumes crowd at the ends of their
-    ///   range, so a rectangle over it would give too little. An identified zero adds its own uncertainty.
+    /// - The angle's share is the root of the mean square deviation from the plan. Every start angle within the
+    ///   tolerance is equally likely. An angle that is known to 2 deg or worse makes the phase's share instead,
+    ///   about the middle of the range. The volumes crowd at the ends of their range, so a rectangle over it would
+    ///   give too little. An identified zero adds its own uncertainty to the phase's share.
     /// - Temperature widens the bore.
     /// - The carry from earlier doses is as unsure as those doses were.
     pub(crate) fn new(
@@ -123,7 +131,9 @@ impl Budget {
         });
         let common = sureness.map_or(law.unwrap_or(hypot(model, speed)), |sureness| sureness.common());
         let zero_rad = calibration.map_or(0.0, |applied| applied.zero_standard_rad);
-        let mut budget = Self { shares: Vec::new() };
+        let errors = AngleErrors::of(pump, swept);
+        let [angle_ml, wide_ml] = errors.shares_ml();
+        let mut budget = Self { shares: Vec::new(), errors };
         let mut share = |source, standard_ml, remedy| {
             budget.shares.push(Share { source, standard_ml, variance_percent: 0.0, remedy });
         };
@@ -141,7 +151,7 @@ impl Budget {
         share(ShareSource::Step, swept.end_step_ml / sqrt(12.0), "use more microsteps");
         share(
             ShareSource::Phase,
-            phase_share_ml(pump, swept, zero_rad),
+            hypot(wide_ml, zero_ml(pump, swept, zero_rad)),
             "say where the rollers stand, `dose home --set`, or dose whole pitches",
         );
         share(
@@ -169,6 +179,7 @@ impl Budget {
             common * swept.carry_in_ml.abs(),
             "calibrate, so that the carry from earlier doses is surer",
         );
+        share(ShareSource::Angle, angle_ml, angle::REMEDY);
         budget.with_percentages()
     }
 
@@ -199,9 +210,17 @@ impl Budget {
         sqrt(self.shares.iter().map(|share| share.standard_ml * share.standard_ml).sum())
     }
 
-    /// Returns the expanded uncertainty (k = 2), in mL.
+    /// Returns the expanded uncertainty, in mL: 95.45 % of doses lie within it. That is k = 2, as all errors but that
+    /// of a stated angle are taken as normal. The stated angle's error has its own distribution.
+    ///
+    /// An angle that is known less well keeps k = 2, which covers more than that. The roller volume then matters by
+    /// the angle too, and is no independent error.
     pub(crate) fn expanded_ml(&self) -> f64 {
-        COVERAGE_FACTOR * self.standard_ml()
+        let (all_ml, [angle_ml, _]) = (self.standard_ml(), self.errors.shares_ml());
+        if angle_ml == 0.0 {
+            return COVERAGE_FACTOR * all_ml;
+        }
+        self.errors.expanded_ml(sqrt((all_ml * all_ml - angle_ml * angle_ml).max(0.0)))
     }
 }
 
@@ -217,26 +236,11 @@ fn pulses_unsure(pump: &Pump, swept: &Swept, revolution_is_known: bool) -> f64 {
     if revolution_is_known { (pulses - turn_rad / pump.pitch_rad()).abs() } else { pulses.clamp(0.0, 1.0) }
 }
 
-/// Returns the root of the mean square deviation from the planned volume, in mL. Start and end angle shift
-/// together within the half width, and by a zero of this standard uncertainty.
-fn phase_share_ml(pump: &Pump, swept: &Swept, zero_standard_rad: f64) -> f64 {
-    const POINTS: i32 = 256;
-    let (angle_rad, half_width_rad) = (swept.start.angle_rad(), swept.start.half_width_rad());
+/// Returns the error of the volume, in mL, that an error of `zero_standard_rad` in the zero of the angle makes.
+fn zero_ml(pump: &Pump, swept: &Swept, zero_standard_rad: f64) -> f64 {
     let curve = pump.outlet_curve();
-    let slope_ml_rad = curve.flow_ml_rad(swept.end_rad) - curve.flow_ml_rad(angle_rad);
-    let zero_ml = slope_ml_rad * zero_standard_rad;
-    if half_width_rad == 0.0 {
-        return zero_ml.abs();
-    }
-    // Beyond half a pitch every angle within the pitch is equally likely.
-    let half_width_rad = half_width_rad.min(0.5 * pump.pitch_rad());
-    let turn_rad = swept.end_rad - angle_rad;
-    let error_ml = |n| {
-        let start = angle_rad + half_width_rad * ((2.0 * f64::from(n) + 1.0) / f64::from(POINTS) - 1.0);
-        curve.volume_ml(start + turn_rad) - curve.volume_ml(start) - swept.volume_ml
-    };
-    let square = (0..POINTS).map(|n| error_ml(n) * error_ml(n)).sum::<f64>() / f64::from(POINTS);
-    sqrt(square + zero_ml * zero_ml)
+    let slope_ml_rad = curve.flow_ml_rad(swept.end_rad) - curve.flow_ml_rad(swept.start.angle_rad());
+    (slope_ml_rad * zero_standard_rad).abs()
 }
 
 #[cfg(test)]
@@ -314,9 +318,10 @@ mod tests {
                 let start = Phase::within(0.7, half_width_rad);
                 let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 });
                 let plan = Doser::new(&pump, file.limits()).unwrap().plan(start, &request).unwrap();
-                let share_ml = Budget::new(&pump, &Swept::whole(&pump, &plan), &file.uncertainty, None)
-                    .shares[4]
-                    .standard_ml;
+                let source = if start.is_stated() { ShareSource::Angle } else { ShareSource::Phase };
+                let budget = Budget::new(&pump, &Swept::whole(&pump, &plan), &file.uncertainty, None);
+                let of_source = |share: &&Share| share.source == source;
+                let share_ml = budget.shares.iter().find(of_source).unwrap().standard_ml;
                 let half_ml = 0.5 * (plan.most_ml() - plan.least_ml());
                 assert!(share_ml < half_ml && COVERAGE_FACTOR * share_ml > half_ml, "{share_ml} {half_ml}");
             }

@@ -23,21 +23,24 @@ pub(crate) struct Account {
 impl Account {
     /// Returns the smallest and the largest volume of the turn, in mL. `pump` is the uncorrected pump.
     pub(crate) fn range_ml(&self, pump: &Pump) -> (f64, f64) {
-        let Turned { start, .. } = self.turned;
-        let start = start.moved_to(start.angle_rad() + self.correction.zero_rad);
-        let (least_ml, most_ml) = Turned { start, ..self.turned }.range_ml(pump);
+        let (least_ml, most_ml) = self.corrected().range_ml(pump);
         (self.correction.factor * least_ml, self.correction.factor * most_ml)
     }
 
-    /// Returns the middle of the volumes of the turn, in mL. Doses are booked by it.
+    /// Returns the middle of the volumes of the turn, in mL, or from a stated angle the volume from that angle.
+    /// Doses are booked by it.
     pub(crate) fn middle_ml(&self, pump: &Pump) -> f64 {
-        let (least_ml, most_ml) = self.range_ml(pump);
-        least_ml + 0.5 * (most_ml - least_ml)
+        self.correction.factor * self.corrected().middle_ml(pump)
     }
 
-    /// Returns the largest distance of the volume of the turn from its middle, in mL.
+    /// Returns the largest distance of the volume of the turn from [`Self::middle_ml`], in mL.
     pub(crate) fn half_width_ml(&self, pump: &Pump) -> f64 {
-        let (least_ml, most_ml) = self.range_ml(pump);
-        0.5 * (most_ml - least_ml)
+        self.correction.factor * self.corrected().half_width_ml(pump)
+    }
+
+    /// Returns the turn with its start from the zero of the corrected pump.
+    fn corrected(&self) -> Turned {
+        let Turned { start, .. } = self.turned;
+        Turned { start: start.moved_to(start.angle_rad() + self.correction.zero_rad), ..self.turned }
     }
 }

@@ -1,7 +1,7 @@
 //! The report of a dose, and its JSON for programs. `dose_text.rs` and `dose_details.rs` have its words for people.
 
-use pump_ctl::plan::{Finish, LimitedBy, SetBy};
-use pump_model::units::{degrees, rpm};
+use pump_ctl::plan::{Finish, LimitedBy, Phase, SetBy};
+use pump_model::units::{degrees, radians, rpm};
 use pump_model::{BackFlow, Extremes, Ripple};
 use serde::Serialize;
 
@@ -33,8 +33,8 @@ pub struct DoseReport {
     pub requested_ml: f64,
     /// Carry of earlier doses, mL, positive toward the outlet.
     pub carry_in_ml: f64,
-    /// Model volume of the planned steps after the line has settled, mL. From an angle that is not known exactly it is
-    /// the part of this dose in the middle of all sums with the earlier doses.
+    /// Model volume of the planned steps after the line has settled, mL. From an angle that is known to 2 deg or worse
+    /// it is the part of this dose in the middle of all sums with the earlier doses.
     pub planned_ml: f64,
     /// Smallest model volume of the planned steps from an angle at which the rollers may stand, mL.
     pub volume_least_ml: f64,
@@ -49,7 +49,7 @@ pub struct DoseReport {
     /// Factor of the pump file's speed law on the model's volumes at the dose's cruise speed; null if the law is off or
     /// a calibration takes its place.
     pub speed_law_factor: Option<f64>,
-    /// Expanded uncertainty (k = 2), mL.
+    /// Expanded uncertainty, mL: 95.45 % of doses lie within it, k = 2 from an exact angle.
     pub expanded_uncertainty_ml: f64,
     /// Shares of the uncertainty.
     pub uncertainty_budget: Vec<Share>,
@@ -336,6 +336,11 @@ impl CalibrationReport {
 }
 
 impl PhaseReport {
+    /// True if the dose was planned from the angle itself, and not for the worst case over many angles.
+    pub(super) fn is_stated(&self) -> bool {
+        Phase::within(0.0, radians(self.half_width_deg)).is_stated()
+    }
+
     fn of(prepared: &Prepared) -> Self {
         // Only the angle within a pitch matters.
         let half_width_rad = prepared.plan.start().half_width_rad().min(0.5 * prepared.model.pitch_rad());

@@ -32,6 +32,18 @@ impl DoseReport {
     }
 
     fn volume_line(&self, asked: Option<&str>) -> String {
+        let requested = || format!("{} mL", significant(self.requested_ml, 6));
+        let asked = asked.map_or_else(requested, str::to_owned);
+        let carry_in = match self.carry_in_ml {
+            0.0 => String::new(),
+            carry_ml => format!(", carry in {}", microlitres(carry_ml)),
+        };
+        let volume = if self.phase.is_stated() { self.volume() } else { self.volume_from_anywhere() };
+        format!("{volume}, {asked} asked{carry_in}")
+    }
+
+    /// The volume that was delivered or planned, and its uncertainty.
+    fn volume(&self) -> String {
         let (volume_ml, verb) = match (self.delivered_ml, self.purpose) {
             (None, _) => (self.planned_ml, "planned (dry run, nothing recorded)"),
             (Some(delivered_ml), _) if !self.completed => (delivered_ml, "delivered, then stopped"),
@@ -42,13 +54,34 @@ impl DoseReport {
         };
         let decimals = decimals_of(self.expanded_uncertainty_ml);
         let unsure_ml = self.expanded_uncertainty_ml;
-        let requested = || format!("{} mL", significant(self.requested_ml, 6));
-        let asked = asked.map_or_else(requested, str::to_owned);
-        let carry_in = match self.carry_in_ml {
-            0.0 => String::new(),
-            carry_ml => format!(", carry in {}", microlitres(carry_ml)),
+        format!("{volume_ml:.decimals$} mL ± {unsure_ml:.decimals$} mL {verb}")
+    }
+
+    /// The range of the volume over the angles at which the rollers may have stood, and the plan. A simulated vessel
+    /// knows more than the plan, so its volume is not mixed with either.
+    fn volume_from_anywhere(&self) -> String {
+        let was_stopped = self.delivered_ml.is_some() && !self.completed;
+        let verb = match (self.delivered_ml, self.purpose) {
+            (None, _) => "",
+            (Some(_), Purpose::Prime) => "primed ",
+            (Some(_), Purpose::Purge) => "purged ",
+            (Some(_), _) => "delivered ",
         };
-        format!("{volume_ml:.decimals$} mL ± {unsure_ml:.decimals$} mL {verb}, {asked} asked{carry_in}")
+        let stopped = if was_stopped { ", then stopped" } else { "" };
+        let (least_ml, most_ml, planned_ml) = (self.volume_least_ml, self.volume_most_ml, self.planned_ml);
+        // A digit more than the uncertainty has: the range is exact.
+        let unsure_ml = self.expanded_uncertainty_ml;
+        let decimals = 1 + decimals_of(unsure_ml).min(decimals_of(0.5 * (most_ml - least_ml)));
+        let [least, most] = [least_ml, most_ml].map(|ml| format!("{ml:.decimals$}"));
+        let range =
+            if least == most { format!("{least} mL") } else { format!("between {least} and {most} mL") };
+        // The uncertainty of a part is not that of the plan.
+        let unsure = match was_stopped {
+            true => String::new(),
+            false => format!(" ± {:.*} mL", decimals_of(unsure_ml), unsure_ml),
+        };
+        let dry = if self.delivered_ml.is_none() { " (dry run, nothing recorded)" } else { "" };
+        format!("{verb}{range}{stopped}; {planned_ml:.decimals$} planned{unsure}{dry}")
     }
 
     /// Time of the motion, s: that of the plan, or of the part that was made of a dose that was stopped.

@@ -81,6 +81,25 @@ pub enum QuantityError {
         /// Text that was read.
         text: String,
     },
+    /// The sign of a tolerance follows an angle, and no tolerance follows the sign.
+    #[error("`{text}` has no tolerance; write for example 30deg+-1deg")]
+    NoTolerance {
+        /// Text that was read.
+        text: String,
+    },
+    /// The tolerance of an angle is outside its range.
+    #[error(
+        "`{text}` is no tolerance of an angle: it is {tolerance_deg} deg; allowed: 0 to {most_deg} deg, as in \
+         30deg+-1deg; if nobody knows the angle, say `dose home --unknown`"
+    )]
+    Tolerance {
+        /// Text that was read.
+        text: String,
+        /// Tolerance that was read, in deg.
+        tolerance_deg: String,
+        /// Largest tolerance that is allowed, in deg.
+        most_deg: String,
+    },
     /// The quantity is zero, where zero means nothing.
     #[error("`{text}` is zero; {} must be more than that", .kind.with_article())]
     Zero {

@@ -9,6 +9,7 @@ mod pressure;
 mod quantity;
 mod rate;
 mod reading;
+mod stated_angle;
 #[cfg(test)]
 mod tests;
 mod tube_size;
@@ -21,4 +22,5 @@ pub use quantity::{
     angle_rad, flow_ml_s, length_mm, rotor_angle_rad, speed_rad_s, temperature_degc, time_s, volume_ml,
 };
 pub use rate::rate;
+pub use stated_angle::{StatedAngle, stated_angle, tolerance_rad};
 pub use tube_size::{TubeSize, tube_size};

@@ -60,8 +60,8 @@ impl Plan {
 
     /// Returns the volume of the planned steps once the line has settled, mL.
     ///
-    /// If the start angle is not known exactly, it is the growth of the middle of [`Self::turned`]: for a dose
-    /// alone, the middle of the range.
+    /// It is the volume from a stated start angle ([`Phase::is_stated`]). From an angle that is known less well it
+    /// is the growth of the middle of [`Self::turned`]: for a dose alone, the middle of the range.
     pub fn planned_ml(&self) -> f64 {
         self.planned_ml
     }

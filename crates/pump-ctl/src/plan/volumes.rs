@@ -9,7 +9,7 @@ use super::words::PlanError;
 
 impl Plan {
     /// Returns the volume of the first `count` steps once the line has settled, mL, negative in reverse. It
-    /// lies within [`Self::range_ml`], in the middle for a dose alone.
+    /// lies within [`Self::range_ml`]. From an angle that is not stated it is the middle for a dose alone.
     pub fn delivered_ml(&self, pump: &Pump, count: u64) -> f64 {
         self.turned_after(count).middle_ml(pump) - self.turned.middle_ml(pump)
     }

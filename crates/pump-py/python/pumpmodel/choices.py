@@ -74,6 +74,7 @@ UncertaintySource: TypeAlias = Literal[
     "drop",
     "backflow",
     "carry",
+    "angle",
 ]
 #: Limit for which no value is known. "discharge_pressure" is the largest pressure at the port that pushes,
 #: "suction_pressure" the smallest at the port that sucks.

@@ -28,7 +28,11 @@ class Share(Record):
 
 @dataclass(frozen=True)
 class Phase(Record):
-    """The source of a start angle and its half width."""
+    """The source of a start angle and its half width.
+
+    Below 2 deg of half width the dose is planned from the angle as if it were exact. The half width then is
+    in the range of the volume and in the share "angle" of the uncertainty.
+    """
 
     known: bool
     source: PhaseSource
@@ -125,8 +129,11 @@ class Dose(Record):
     completed: bool
 
     def __repr__(self) -> str:
-        """Tell the requested and the delivered volume."""
+        """Tell the requested and the delivered volume, from an unknown angle the range of it."""
         made = "planned" if self.delivered_ml is None else f"delivered_ml {self.delivered_ml:.6f}"
+        if not self.phase.known:
+            range_ml = f"between {self.volume_least_ml:.4f} and {self.volume_most_ml:.4f} mL"
+            made = f"{range_ml}, planned_ml {self.planned_ml:.4f}"
         return (
             f"<Dose of {self.requested_ml!r} mL on '{self.pump}' ({self.driver}): {made}, "
             f"expanded_uncertainty_ml {self.expanded_uncertainty_ml:.4f}, completed {self.completed}>"

@@ -20,6 +20,7 @@ pub(super) struct AskedDose<'py> {
     finish: Option<String>,
     retract: Option<Bound<'py, PyAny>>,
     start_angle_rad: Option<f64>,
+    start_half_width_rad: f64,
     limits: Option<Py<Limits>>,
 }
 
@@ -36,6 +37,18 @@ impl AskedDose<'_> {
         if let Some(angle) = self.start_angle_rad.filter(|angle| !angle.is_finite()) {
             return Err(value(format_args!("start_angle_rad is {angle}; allowed: a finite angle")));
         }
+        let half_width_rad = self.start_half_width_rad;
+        if !(half_width_rad >= 0.0 && half_width_rad.is_finite()) {
+            return Err(value(format_args!(
+                "start_half_width_rad is {half_width_rad}; allowed: a finite angle, 0 or more"
+            )));
+        }
+        if half_width_rad > 0.0 && self.start_angle_rad.is_none() {
+            return Err(value(format_args!(
+                "start_half_width_rad is {half_width_rad} without a start_angle_rad; give both, or neither for the \
+                 angle on record"
+            )));
+        }
         let limits = self.limits.as_ref().map_or(Limits::default(), |limits| *limits.get());
         Ok(DoseRequest {
             purpose,
@@ -44,6 +57,7 @@ impl AskedDose<'_> {
             smooth: self.smooth,
             finish: self.finish.as_deref().map(finish_named).transpose()?,
             start_angle_rad: self.start_angle_rad,
+            start_half_width_rad: half_width_rad,
             whole_ml: None,
             retract_ml: retracted_ml(self.retract.as_ref())?,
             pressures: limits.pressures(),

@@ -74,7 +74,7 @@ impl Plan {
         self.report.carry_ml
     }
 
-    /// Expanded uncertainty of the volume (k = 2), mL.
+    /// Expanded uncertainty of the volume, mL: 95.45 % of doses lie within it.
     #[getter]
     fn expanded_uncertainty_ml(&self) -> f64 {
         self.report.expanded_uncertainty_ml
@@ -302,6 +302,7 @@ impl Plan {
             smooth,
             finish: Some(finish_named(finish)?),
             start_angle_rad: Some(start_angle_rad),
+            start_half_width_rad,
             whole_ml: None,
             retract_ml,
             pressures: limits.pressures(),

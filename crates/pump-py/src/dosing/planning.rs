@@ -83,6 +83,7 @@ impl Doser {
             smooth,
             finish: Some(finish_named(finish)?),
             start_angle_rad: Some(start_angle_rad),
+            start_half_width_rad,
             whole_ml: None,
             retract_ml: retracted_ml(retract)?,
             pressures: doser.limits.pressures(),

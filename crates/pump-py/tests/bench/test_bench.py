@@ -56,6 +56,35 @@ def test_a_plan_of_a_bench_is_the_dose_that_it_will_make(bench: pm.Bench) -> Non
     assert plan.carry_in_ml == dose.carry_in_ml
 
 
+def test_an_angle_is_as_well_known_as_it_is_stated(bench: pm.Bench) -> None:
+    def angle_share_ml(dose: pm.Dose) -> float:
+        return next(share.standard_ml for share in dose.uncertainty_budget if share.source == "angle")
+
+    exact = bench.dose("1mL", start_angle_rad=0.5, dry_run=True)
+    assert exact.phase.half_width_deg == 0 and angle_share_ml(exact) == 0
+    stated = bench.dose("1mL", start_angle_rad=0.5, start_half_width_rad=0.02, dry_run=True)
+    assert (stated.steps, stated.planned_ml, stated.warnings) == (exact.steps, exact.planned_ml, ())
+    assert stated.volume_least_ml < stated.planned_ml < stated.volume_most_ml
+    assert stated.expanded_uncertainty_ml > exact.expanded_uncertainty_ml
+    assert angle_share_ml(stated) > 0
+    plan = bench.plan("1mL", start_angle_rad=0.5, start_half_width_rad=0.02)
+    assert (plan.steps, plan.start_half_width_rad) == (stated.steps, 0.02)
+    # The width is on record until the rotor is homed anew.
+    bench.dose("1mL", start_angle_rad=0.5, start_half_width_rad=0.02)
+    assert bench.status().half_width_deg == pytest.approx(1.1459, abs=1e-4)
+    assert angle_share_ml(bench.dose("2.5mL")) > 0
+    with pytest.raises(ValueError, match="start_half_width_rad is -1"):
+        bench.dose("1mL", start_angle_rad=0.5, start_half_width_rad=-1.0)
+    with pytest.raises(ValueError, match="without a start_angle_rad"):
+        bench.dose("1mL", start_half_width_rad=0.1)
+
+
+def test_a_dose_from_an_unknown_angle_tells_its_range(bench: pm.Bench) -> None:
+    bench.home_set(None)
+    dose = bench.dose("25mL")
+    assert "between 23.9477 and 26.0531 mL, planned_ml 25.0004" in repr(dose)
+
+
 def test_all_that_the_command_reports_are_attributes_and_return_from_a_dict(bench: pm.Bench) -> None:
     dose = bench.dose("25mL", retract="0.1mL", finish="low-flow")
     data = dose.to_dict()

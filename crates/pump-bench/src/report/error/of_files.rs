@@ -43,6 +43,10 @@ impl Explain for QuantityError {
             }
             Self::NoTube { text } => facts.value(text).allowed("bore x outer diameter, as 10x14mm"),
             Self::OutOfRange { text, allowed } => facts.value(text).allowed(*allowed),
+            Self::NoTolerance { text } => facts.value(text).allowed("a tolerance, as in 30deg+-1deg"),
+            Self::Tolerance { text, most_deg, .. } => {
+                facts.value(text).allowed(format!("0 to {most_deg} deg"))
+            }
             Self::Zero { text, .. } | Self::Negative { text, .. } => facts.value(text).allowed("more than 0"),
         }
     }

@@ -58,10 +58,11 @@ impl<'a> Doser<'a> {
     /// the speed.
     ///
     /// The angle solves V_out(theta_1) = V_out(theta_0) + V for the outlet's exact volume curve, so the dose
-    /// is right from any start angle. If the start angle is not known exactly, the steps minimise the worst
-    /// deviation over all angles at which the rollers may stand (minimax). [`Plan::least_ml`] and
-    /// [`Plan::most_ml`] then bound the volume that the steps deliver. Whole pitches deliver an equal volume
-    /// from every angle.
+    /// is right from any start angle. An angle that is known to less than 2 deg counts as stated
+    /// ([`Phase::is_stated`]), and the steps are those from that very angle. From an angle that is known less well
+    /// the steps minimise the worst deviation over all angles at which the rollers may stand (minimax).
+    /// [`Plan::least_ml`] and [`Plan::most_ml`] bound the volume that the steps deliver. Whole pitches deliver an
+    /// equal volume from every angle.
     ///
     /// A dose may have to end at low flow ([`crate::plan::Finish::LowFlow`]). The plan then takes the allowed
     /// end whose volume is nearest, and carries the difference. An end farther from the volume than no dose at

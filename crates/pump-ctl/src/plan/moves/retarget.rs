@@ -16,8 +16,8 @@ impl Doser<'_> {
     ///
     /// The returned plan has time 0, start angle, volumes and steps of the rest alone. Its requested volume was
     /// still to be delivered, its [`Plan::before_ml`] was delivered before, and its carry is that of the whole
-    /// dose. If the start angle is not known exactly, the delivered volume counts by its middle, and the range
-    /// is that of the rest.
+    /// dose. If the start angle is not stated ([`crate::plan::Phase::is_stated`]), the delivered volume counts by its
+    /// middle. The range is that of the rest.
     ///
     /// The returned plan starts at speed, with the lines as the old plan leaves them. Feed its segments after
     /// the [`crate::step::Junction`] at the position of the change.

@@ -3,8 +3,8 @@
 use super::doser::Doser;
 use super::start::Start;
 use crate::plan::Plan;
-use crate::plan::target::{Target, delivered, middle};
-use crate::plan::words::{Cruise, Phase, PlanError, Request};
+use crate::plan::target::{Target, booked, delivered};
+use crate::plan::words::{Cruise, Phase, PlanError, Request, Turned};
 
 impl Doser<'_> {
     /// Plans a turn by `steps` (negative in reverse, not zero) at `speed_rad_s`, from rollers at `start`.
@@ -28,8 +28,9 @@ impl Doser<'_> {
     pub fn turn(&self, start: Phase, steps: i64, speed_rad_s: f64) -> Result<Plan, PlanError> {
         let Self { pump, limits } = self;
         start.validate()?;
-        let range_ml = delivered(pump, start, steps as f64, limits.motor.step_rad());
-        let planned_ml = middle(range_ml);
+        let (steps_signed, step_rad) = (steps as f64, limits.motor.step_rad());
+        let range_ml = delivered(pump, start, steps_signed, step_rad);
+        let planned_ml = booked(pump, Turned::at(start), steps_signed, step_rad);
         let request = Request::new(planned_ml, Cruise::Speed { rad_s: speed_rad_s });
         request.validate()?;
         Start::at_rest(start).plan(pump, &Target { steps, planned_ml, range_ml }, &request, limits)

@@ -4,11 +4,6 @@ use pump_model::Pump;
 
 use crate::plan::words::{Phase, Turned};
 
-/// Returns the middle of a range. The middle of a single number is that number to the last bit.
-pub(in crate::plan) fn middle((least_ml, most_ml): (f64, f64)) -> f64 {
-    least_ml + 0.5 * (most_ml - least_ml)
-}
-
 /// Returns the smallest and the largest volume of `steps` from `start`, mL.
 pub(in crate::plan) fn delivered(pump: &Pump, start: Phase, steps: f64, step_rad: f64) -> (f64, f64) {
     if start.half_width_rad == 0.0 {

@@ -65,7 +65,7 @@ pub(in crate::plan) fn ends(
 }
 
 /// Returns the better of the two ends at low flow around `nearest_steps`. Its worst deviation from the volume
-/// requested plus carried is the smaller one.
+/// requested plus carried is the smaller one. From a stated angle it is the deviation from this very angle.
 pub(super) fn at_low_flow(
     pump: &Pump,
     start: Phase,
@@ -76,8 +76,10 @@ pub(super) fn at_low_flow(
 ) -> Result<Target, PlanError> {
     let owed_ml = request.owed_ml();
     let ends = ends(pump, start, owed_ml, nearest_steps, step_rad)?;
-    let off_ml =
-        |(_, (least_ml, most_ml)): &LowFlowEnd| (owed_ml - least_ml).abs().max((owed_ml - most_ml).abs());
+    let off_ml = |(steps, _): &LowFlowEnd| {
+        let (least_ml, most_ml) = delivered(pump, start.aimed(), *steps, step_rad);
+        (owed_ml - least_ml).abs().max((owed_ml - most_ml).abs())
+    };
     let nearer = match ends.into() {
         (Some(below), Some(above)) => Some(if off_ml(&below) <= off_ml(&above) { below } else { above }),
         (below, above) => below.or(above),

@@ -6,7 +6,7 @@ mod low_flow;
 mod nearest;
 mod target;
 
-pub(in crate::plan) use delivered::{booked, delivered, middle};
+pub(in crate::plan) use delivered::{booked, delivered};
 pub(in crate::plan) use ends::ends;
 pub(in crate::plan) use nearest::nearest_steps;
 pub(in crate::plan) use target::Target;

@@ -13,9 +13,10 @@ const MAX_STEPS: f64 = 1e9;
 
 /// Finds the number of steps from `start` whose volume is nearest to the volume requested plus carried.
 ///
-/// If the angle is not known exactly, each number of steps has a largest deviation over all angles at which
-/// the rollers may stand. The result is the number for which it is smallest. Earlier doses since such an
-/// angle count: the deviation is that of their sum with this dose.
+/// From a stated angle ([`Phase::is_stated`]) the volume is that from this very angle. From an angle that is known
+/// less well, each number of steps has a largest deviation over all angles at which the rollers may stand. The
+/// result is the number for which it is smallest. Earlier doses since such an angle count: the deviation is that of
+/// their sum with this dose.
 pub(in crate::plan) fn nearest_steps(
     pump: &Pump,
     start: Phase,
@@ -23,17 +24,18 @@ pub(in crate::plan) fn nearest_steps(
     step_rad: f64,
 ) -> Result<Target, PlanError> {
     let turned = request.turned.unwrap_or(Turned::at(start));
-    let known = start.half_width_rad == 0.0 && request.turned.is_none_or(|turned| turned.is_exact());
-    let (steps, known_ml) = if known {
-        let (steps, volume_ml) = nearest(pump, start, request, step_rad);
-        (steps, Some(volume_ml))
+    let aimed = start.aimed();
+    let (steps, known_ml) = if aimed.half_width_rad == 0.0 && turned.aimed().is_exact() {
+        let (steps, volume_ml) = nearest(pump, aimed, request, step_rad);
+        // Volumes after earlier doses are booked by the whole turn.
+        (steps, (start == aimed && turned.is_exact()).then_some(volume_ml))
     } else {
-        (minimax(pump, turned, request, step_rad)?, None)
+        (minimax(pump, turned.aimed(), request, step_rad)?, None)
     };
     if steps == 0.0 {
         let (direction, farther): (f64, fn(f64, f64) -> f64) =
             if request.owed_ml() < 0.0 { (-1.0, f64::min) } else { (1.0, f64::max) };
-        let (least_ml, most_ml) = delivered(pump, start, direction, step_rad);
+        let (least_ml, most_ml) = delivered(pump, aimed, direction, step_rad);
         return Err(PlanError::LessThanHalfAStep {
             requested_ml: request.volume_ml,
             carry_in_ml: request.carry_in_ml,

@@ -1,14 +1,26 @@
 //! The angle at which the rollers stand.
 
+use pump_model::units::TURN_RAD;
 use pump_model::{Allowed, Pump};
 
 use crate::parameter::Parameter;
 
 use super::error::{PlanError, within};
 
+/// Half width below which an angle counts as stated, rad: 2 deg.
+///
+/// A person reads an angle off a head to about 1 deg. Within 2 deg the flow of a pulse hardly bends, so the
+/// stated angle is the most probable one and its volume lies near the middle of all volumes. Beyond, as after a
+/// rotor was let go, the worst case counts.
+const STATED_RAD: f64 = TURN_RAD / 180.0;
+
 /// Angle of the rotor, and the uncertainty of that angle.
 ///
 /// The angle counts from the model's zero, at which a roller begins to leave the outlet.
+///
+/// A dose from an angle that is known to less than 2 deg is planned from that angle, as if it were exact
+/// ([`Self::is_stated`]). The half width then widens the range of its volume, its ripple and the angles at which
+/// its limits are checked. A dose from an angle that is known less well is planned for the worst case.
 ///
 /// ```
 /// use pump_ctl::plan::Phase;
@@ -80,6 +92,25 @@ impl Phase {
     /// Returns true if the angle is known to less than a whole pitch, for a pump of this pitch.
     pub fn is_known(&self, pitch_rad: f64) -> bool {
         self.half_width_rad < 0.5 * pitch_rad
+    }
+
+    /// Returns true if the angle is known to less than 2 deg, so that doses are planned from it as if it were
+    /// exact.
+    ///
+    /// ```
+    /// use pump_ctl::plan::Phase;
+    ///
+    /// assert!(Phase::within(0.5, 1_f64.to_radians()).is_stated());
+    /// assert!(!Phase::within(0.5, 2_f64.to_radians()).is_stated());
+    /// ```
+    pub fn is_stated(&self) -> bool {
+        self.half_width_rad < STATED_RAD
+    }
+
+    /// Returns the angles that the steps of a dose are chosen for: a stated angle alone, or every angle at which
+    /// the rollers may stand.
+    pub(in crate::plan) fn aimed(self) -> Self {
+        if self.is_stated() { Self::known(self.angle_rad) } else { self }
     }
 
     /// Returns the smallest and the largest volume, mL, that a turn by `turn_rad` delivers, over the angles

@@ -11,7 +11,8 @@ use super::phase::Phase;
 ///
 /// Each dose from such an angle may be wrong by as much as the first one. The sum of the doses need not be: it
 /// depends on the first start angle and on the whole turn alone. So each dose is planned for the sum, and
-/// books the growth of the middle of all possible sums.
+/// books the growth of the middle of all possible sums. From a stated angle ([`Phase::is_stated`]) it books the
+/// growth of the volume from that angle.
 ///
 /// ```
 /// use pump_ctl::plan::{Phase, Turned};
@@ -70,16 +71,22 @@ impl Turned {
         (least_ml, if least_rad == most_rad { least_ml } else { volume_ml(most_rad) })
     }
 
-    /// Returns the middle of the volumes of the turn, mL. Doses are booked by it.
+    /// Returns the middle of the volumes of the turn, mL: the volume from a stated angle, or the middle over all
+    /// angles at which the rollers may have stood. Doses are booked by it.
     pub fn middle_ml(&self, pump: &Pump) -> f64 {
-        let (least_ml, most_ml) = self.range_ml(pump);
+        let (least_ml, most_ml) = self.aimed().range_ml(pump);
         least_ml + 0.5 * (most_ml - least_ml)
     }
 
-    /// Returns the largest distance of the volume of the turn from its middle, mL.
+    /// Returns the largest distance of the volume of the turn from [`Self::middle_ml`], mL.
     pub fn half_width_ml(&self, pump: &Pump) -> f64 {
-        let (least_ml, most_ml) = self.range_ml(pump);
-        0.5 * (most_ml - least_ml)
+        let ((least_ml, most_ml), middle_ml) = (self.range_ml(pump), self.middle_ml(pump));
+        (middle_ml - least_ml).max(most_ml - middle_ml)
+    }
+
+    /// Returns the turn from the angles that the steps of a dose are chosen for.
+    pub(in crate::plan) fn aimed(self) -> Self {
+        Self { start: self.start.aimed(), ..self }
     }
 
     pub(in crate::plan) fn validate(&self) -> Result<(), PlanError> {

@@ -38,6 +38,7 @@ class BenchDoses:
         finish: Finish = "any",
         retract: str | None = None,
         start_angle_rad: float | None = None,
+        start_half_width_rad: float = 0.0,
         limits: Limits | None = None,
         dry_run: bool = False,
         progress: Progress | None = None,
@@ -63,6 +64,8 @@ class BenchDoses:
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
         start_angle_rad : float, optional
             Angle of the rollers at the start, rad; overrides the record.
+        start_half_width_rad : float
+            Half width of that angle, rad: the true angle lies within it on either side. 0 is an exact angle.
         limits : Limits, optional
             Pressure limits that replace the pump file's.
         dry_run : bool
@@ -89,7 +92,9 @@ class BenchDoses:
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        request = asked(volume, rate, speed, within, smooth, finish, retract, start_angle_rad, limits)
+        request = asked(
+            volume, rate, speed, within, smooth, finish, retract, start_angle_rad, start_half_width_rad, limits
+        )
         return self._run("dose", request, dry_run, progress)
 
     def prime(
@@ -101,6 +106,7 @@ class BenchDoses:
         within: str | None = None,
         smooth: bool = False,
         start_angle_rad: float | None = None,
+        start_half_width_rad: float = 0.0,
         limits: Limits | None = None,
         dry_run: bool = False,
         progress: Progress | None = None,
@@ -122,6 +128,8 @@ class BenchDoses:
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         start_angle_rad : float, optional
             Angle of the rollers at the start, rad; overrides the record.
+        start_half_width_rad : float
+            Half width of that angle, rad: the true angle lies within it on either side. 0 is an exact angle.
         limits : Limits, optional
             Pressure limits that replace the pump file's.
         dry_run : bool
@@ -148,7 +156,9 @@ class BenchDoses:
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        request = asked(volume, rate, speed, within, smooth, "any", None, start_angle_rad, limits)
+        request = asked(
+            volume, rate, speed, within, smooth, "any", None, start_angle_rad, start_half_width_rad, limits
+        )
         return self._run("prime", request, dry_run, progress)
 
     def purge(
@@ -160,6 +170,7 @@ class BenchDoses:
         within: str | None = None,
         smooth: bool = False,
         start_angle_rad: float | None = None,
+        start_half_width_rad: float = 0.0,
         limits: Limits | None = None,
         dry_run: bool = False,
         progress: Progress | None = None,
@@ -181,6 +192,8 @@ class BenchDoses:
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         start_angle_rad : float, optional
             Angle of the rollers at the start, rad; overrides the record.
+        start_half_width_rad : float
+            Half width of that angle, rad: the true angle lies within it on either side. 0 is an exact angle.
         limits : Limits, optional
             Pressure limits that replace the pump file's.
         dry_run : bool
@@ -207,7 +220,9 @@ class BenchDoses:
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        request = asked(volume, rate, speed, within, smooth, "any", None, start_angle_rad, limits)
+        request = asked(
+            volume, rate, speed, within, smooth, "any", None, start_angle_rad, start_half_width_rad, limits
+        )
         return self._run("purge", request, dry_run, progress)
 
     def plan(
@@ -221,6 +236,7 @@ class BenchDoses:
         finish: Finish = "any",
         retract: str | None = None,
         start_angle_rad: float | None = None,
+        start_half_width_rad: float = 0.0,
         limits: Limits | None = None,
     ) -> Plan:
         """Plan a dose from the record, with the calibration in use, for its steps and waveform.
@@ -246,6 +262,8 @@ class BenchDoses:
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
         start_angle_rad : float, optional
             Angle of the rollers at the start, rad; overrides the record.
+        start_half_width_rad : float
+            Half width of that angle, rad: the true angle lies within it on either side. 0 is an exact angle.
         limits : Limits, optional
             Pressure limits that replace the pump file's.
 
@@ -267,11 +285,13 @@ class BenchDoses:
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        request = asked(volume, rate, speed, within, smooth, finish, retract, start_angle_rad, limits)
+        request = asked(
+            volume, rate, speed, within, smooth, finish, retract, start_angle_rad, start_half_width_rad, limits
+        )
         self._core.prepare("dose", request)
         angle_rad, half_width_rad, carry_ml = self._core.stands
         if start_angle_rad is not None:
-            angle_rad, half_width_rad = start_angle_rad, 0.0
+            angle_rad, half_width_rad = start_angle_rad, start_half_width_rad
         keywords: dict[str, Any] = {"rate": rate, "speed": speed, "within": within}
         return Doser(self.pump, limits, self.calibration).plan(
             volume,
@@ -298,6 +318,7 @@ class BenchDoses:
         finish: Finish = "any",
         retract: str | None = None,
         start_angle_rad: float | None = None,
+        start_half_width_rad: float = 0.0,
         limits: Limits | None = None,
     ) -> Iterator[Dose]:
         """Dose again and again. Each step of `for dose in bench.batch(...)` makes one dose.
@@ -331,6 +352,8 @@ class BenchDoses:
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
         start_angle_rad : float, optional
             Angle of the rollers at the start of the first dose, rad; overrides the record.
+        start_half_width_rad : float
+            Half width of that angle, rad: the true angle lies within it on either side. 0 is an exact angle.
         limits : Limits, optional
             Pressure limits that replace the pump file's.
 
@@ -361,13 +384,14 @@ class BenchDoses:
                 finish=finish,
                 retract=retract,
                 start_angle_rad=start_angle_rad,
+                start_half_width_rad=start_half_width_rad,
                 limits=limits,
             )
             yield dose
             if dose.retraction_completed is False:
                 # The caller wanted the motor to stand. A dose that is cut off refuses the next one by itself.
                 return
-            start_angle_rad = None
+            start_angle_rad, start_half_width_rad = None, 0.0
 
     def resume(
         self,
@@ -420,7 +444,7 @@ class BenchDoses:
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        request = asked(None, rate, speed, within, smooth, finish, None, None, limits)
+        request = asked(None, rate, speed, within, smooth, finish, None, None, 0.0, limits)
         return Dose._from_json(self._core.resume(request, progress))
 
     def stop(self) -> None:

@@ -15,6 +15,7 @@ def asked(
     finish: Finish | None,
     retract: str | None,
     start_angle_rad: float | None,
+    start_half_width_rad: float,
     limits: Limits | None,
 ) -> dict[str, Any]:
     """Return the keywords as a dict. No volume asks for the rest of an unfinished dose."""
@@ -27,5 +28,6 @@ def asked(
         "finish": finish,
         "retract": retract,
         "start_angle_rad": start_angle_rad,
+        "start_half_width_rad": start_half_width_rad,
         "limits": limits,
     }
