@@ -25,5 +25,5 @@ pub use schedule::{MAX_DOSES, Missed, Schedule, ScheduleAction, ScheduleError};
 pub(crate) use stands::Stands;
 pub(crate) use swept::Swept;
 pub(crate) use tube_life::TubeLife;
-pub(crate) use uncertainty::Budget;
+pub(crate) use uncertainty::{Budget, pressure_uncertainty_kpa};
 pub use uncertainty::{Share, ShareSource};

@@ -25,7 +25,7 @@ impl Account {
     pub(crate) fn range_ml(&self, pump: &Pump) -> (f64, f64) {
         let Turned { start, .. } = self.turned;
         let start = start.moved_to(start.angle_rad() + self.correction.zero_rad);
-        let (least_ml, most_ml) = Turned { start, ..self.turned }.range_ml(pump);
+        let (least_ml, most_ml) = Turned { start, ..self.turned }.range_ml(&self.correction.pulsed(pump));
         (self.correction.factor * least_ml, self.correction.factor * most_ml)
     }
 

@@ -7,6 +7,7 @@ use super::dose::DoseReport;
 use crate::bench::headline;
 use crate::numbers::significant;
 use crate::record::Purpose;
+use crate::units::{Amount, amount};
 
 impl DoseReport {
     /// The first line: whether a motor moves.
@@ -43,12 +44,16 @@ impl DoseReport {
         let decimals = decimals_of(self.expanded_uncertainty_ml);
         let unsure_ml = self.expanded_uncertainty_ml;
         let requested = || format!("{} mL", significant(self.requested_ml, 6));
-        let asked = asked.map_or_else(requested, str::to_owned);
+        let asked = match asked {
+            Some(typed) if is_mass(typed) => format!("{typed} asked by a balance in air: {}", requested()),
+            Some(typed) => format!("{typed} asked"),
+            None => format!("{} asked", requested()),
+        };
         let carry_in = match self.carry_in_ml {
             0.0 => String::new(),
             carry_ml => format!(", carry in {}", microlitres(carry_ml)),
         };
-        format!("{volume_ml:.decimals$} mL ± {unsure_ml:.decimals$} mL {verb}, {asked} asked{carry_in}")
+        format!("{volume_ml:.decimals$} mL ± {unsure_ml:.decimals$} mL {verb}, {asked}{carry_in}")
     }
 
     fn motion_line(&self) -> String {
@@ -72,6 +77,11 @@ impl DoseReport {
             significant(self.cruise_flow_ml_s, 4),
         )
     }
+}
+
+/// True for an amount that was typed as a mass.
+fn is_mass(typed: &str) -> bool {
+    matches!(amount(typed), Ok(Amount::Mass(_)))
 }
 
 /// A carry, mL, in words.
