@@ -121,10 +121,10 @@ pub(super) fn back_flow(plan: &Plan, backflow_ml: f64, expanded_ml: f64) -> Opti
     ))
 }
 
-/// Warns of a roller volume that is estimated from the drawing, unless the pump's displacement was
-/// calibrated.
+/// Warns of a roller volume that is estimated from the drawing, unless the pump's displacement or its pulse
+/// was calibrated.
 pub(super) fn estimated_pump(file: &PumpFile, applied: Option<&Applied>) -> Option<String> {
-    let is_weighed = applied.is_some_and(|applied| applied.sureness().is_some());
+    let is_weighed = applied.is_some_and(|applied| applied.sureness().is_some() || applied.pulse.is_some());
     (file.is_estimated() && !is_weighed).then(|| {
         "the roller volume is estimated from the drawing, not measured; weigh a dose before you rely on \
          it"

@@ -14,7 +14,8 @@ impl Status {
             } else {
                 "where the rollers stand is unknown"
             };
-            return format!("{pump} ({driver}): nothing on record; {stands}\n");
+            let calibration = self.calibration.as_ref().map_or(String::new(), |used| used.text() + "\n");
+            return format!("{pump} ({driver}): nothing on record; {stands}\n{calibration}");
         }
         let lines = [
             Some(self.rotor()),

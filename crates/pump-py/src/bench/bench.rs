@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use pump_bench::calibration::Weighing;
 use pump_bench::pump_file::DriverName;
 use pump_bench::record::{Purpose, default_state_dir};
 use pump_bench::report::Status;

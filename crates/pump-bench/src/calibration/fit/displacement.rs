@@ -1,5 +1,7 @@
 //! The displacement factor: measured over model volume, at one speed, as a line over several or by a law.
 
+#[cfg(test)]
+mod bend_tests;
 mod fitting;
 mod flow;
 mod stored;

@@ -62,7 +62,7 @@ mod tests {
                     (rms_of_outlet_kpa(&pump, speed_rpm), pressure_uncertainty_kpa(steady.outlet));
                 let twice_kpa = 2.0 * rms_kpa * sqrt(2.0 * (1.0 - CORRELATION));
                 let part = twice_kpa / expanded_kpa;
-                assert!((0.7..=1.1).contains(&part), "{speed_rpm}: {twice_kpa} of {expanded_kpa}");
+                assert!((0.6..=1.1).contains(&part), "{speed_rpm}: {twice_kpa} of {expanded_kpa}");
             }
         }
     }
