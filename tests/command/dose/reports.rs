@@ -189,7 +189,7 @@ fn a_mass_is_the_reading_of_a_balance_in_the_ambient_air() {
     let own = user.types(&["pumps", "show", "three-roller"]).out;
     let low = own.replace("pressure_kpa = 85.7", "pressure_kpa = 101.3");
     assert_ne!(own, low);
-    std::fs::write(user.path("low.toml"), low).unwrap();
+    fs::write(user.path("low.toml"), low).unwrap();
     let low = user.json(&["25g", "--dry-run", "--pump", "low.toml"]);
     assert!((number(&low, "requested_ml") / 25.0 - 1.0040).abs() < 0.6e-4, "{low}");
     let volume = user.json(&["25mL", "--dry-run"]);

@@ -41,8 +41,8 @@ pub struct DoseReport {
     pub volume_most_ml: f64,
     /// Volume that the vessel received, mL; null on a dry run.
     pub delivered_ml: Option<f64>,
-    /// Reading of a balance in air of `ambient_kpa` for the volume that the vessel received, or that is planned on a dry
-    /// run, g, at the pump file's temperature of the fluid; null if the density is not known there.
+    /// Reading of a balance in air of `ambient_kpa` for the volume that the vessel received, or that is planned on a
+    /// dry run, g, at the pump file's temperature of the fluid; null if the density is not known there.
     pub balance_g: Option<f64>,
     /// Basis of the volume: the model, the model of a drawing, or the volumes that were weighed.
     pub volume_basis: VolumeBasis,
@@ -106,8 +106,8 @@ pub struct DoseReport {
     pub outlet_min_kpa: f64,
     /// Largest predicted outlet pressure, kPa absolute.
     pub outlet_max_kpa: f64,
-    /// Expanded uncertainty (k = 2) of the predicted inlet pressures, kPa, by the correlation with measured pressures that
-    /// McIntyre et al. state: 0.51 of the predicted swing.
+    /// Expanded uncertainty (k = 2) of the predicted inlet pressures, kPa, by the correlation with measured pressures
+    /// that McIntyre et al. state: 0.51 of the predicted swing.
     pub inlet_pressure_uncertainty_kpa: f64,
     /// Expanded uncertainty (k = 2) of the predicted outlet pressures, kPa, as that of the inlet's.
     pub outlet_pressure_uncertainty_kpa: f64,

@@ -92,7 +92,7 @@ class BenchCalibration:
         tube: str | None = None,
         note: str | None = None,
     ) -> PhaseFit:
-        """Find the pulse and the zero of the angle from short doses, keep them under the next number, and use it from now on.
+        """Find the pulse and the zero of the angle from short doses, and use them from now on.
 
         Parameters
         ----------
