@@ -62,7 +62,6 @@ mod tests {
                     (rms_of_outlet_kpa(&pump, speed_rpm), pressure_uncertainty_kpa(steady.outlet));
                 let twice_kpa = 2.0 * rms_kpa * sqrt(2.0 * (1.0 - CORRELATION));
                 let part = twice_kpa / expanded_kpa;
-                println!("{speed_rpm} r/min: {part:.2}");
                 // These waveforms have sharper peaks than a sine, so their RMS is less.
                 assert!((0.5..=1.05).contains(&part), "{speed_rpm}: {twice_kpa} of {expanded_kpa}");
             }

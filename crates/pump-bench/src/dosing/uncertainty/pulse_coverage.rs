@@ -150,7 +150,6 @@ fn small_doses_are_covered_once_short_doses_have_found_a_roller_volume_that_is_5
     for roller_part in [0.95, 1.0, 1.05] {
         let parts = covered(roller_part, |_, calibration| calibration);
         for (part, volume_ml) in parts.into_iter().zip(VOLUMES_ML) {
-            println!("V_r times {roller_part}: {volume_ml} mL: {part:.3}");
             assert!((0.93..=0.985).contains(&part), "V_r times {roller_part}: {volume_ml} mL: {part}");
         }
     }
@@ -159,7 +158,6 @@ fn small_doses_are_covered_once_short_doses_have_found_a_roller_volume_that_is_5
 #[test]
 fn the_zero_alone_leaves_the_roller_volume_in_small_doses() {
     let parts = covered(1.05, |_, calibration| Calibration { pulse: None, ..calibration });
-    println!("{parts:?}");
     assert!(parts.iter().all(|part| *part < 0.85), "{parts:?}");
 }
 

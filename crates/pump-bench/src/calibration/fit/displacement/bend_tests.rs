@@ -115,7 +115,6 @@ fn the_uncertainty_of_a_volume_covers_parabolas_that_are_found_and_those_that_ar
         }
         let part = f64::from(inside) / f64::from(SETS);
         let without = f64::from(line_inside) / f64::from(SETS);
-        println!("bend {bend}: {part:.3}, {without:.3} without the lack of fit, {bent} of {SETS} bent");
-        assert!(part >= 0.93, "{bend}: {part}");
+        assert!(part >= 0.93, "{bend}: {part}, {without} without the lack of fit, {bent} of {SETS} bent");
     }
 }

@@ -58,7 +58,7 @@ impl Displacement {
     fn turning_rpm(&self, most_rpm: f64) -> [Option<f64>; 2] {
         let [k0, k1, k2] = self.powers();
         let discriminant = k1 * k1 - 3.0 * k2 * k0;
-        if !(discriminant >= 0.0) {
+        if discriminant.is_nan() || discriminant < 0.0 {
             return [None, None];
         }
         // The form without cancellation; at k2 = 0 the other root is infinite.
