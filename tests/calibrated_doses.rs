@@ -7,9 +7,18 @@ use std::ops::ControlFlow;
 use pump_bench::calibration::{
     Calibration, CalibrationRun, Displacement, Expected, Reading, Source, Weighing,
 };
+use pump_bench::report::DoseReport;
 use pump_bench::{Bench, Delivered, DoseRequest, Prepared, built_in};
 
-/// A bench whose calibration says that a revolution delivers `factor` times the model's volume, at a zero of 20 deg.
+/// A pulse as a stored calibration has it: 5 % more roller volume than the model, over 0.53 deg less.
+const PULSE: &str = r#"{
+    "roller_volume_ml": 2.2107, "roller_volume_standard_ml": 0.007,
+    "engagement_deg": 50.0, "engagement_standard_deg": 0.2,
+    "correlations": [0.89, 0.86, 0.97], "repeatability": 0.0047, "reading_ml": 0.002
+}"#;
+
+/// A bench whose calibration says that a revolution delivers `factor` times the model's volume, with another pulse, at
+/// a zero of 20 deg.
 fn bench(folder: &std::path::Path, factor: f64) -> Bench {
     let bench = Bench::new(built_in("three-roller").unwrap(), None, folder).unwrap();
     let run = CalibrationRun {
@@ -26,6 +35,8 @@ fn bench(folder: &std::path::Path, factor: f64) -> Bench {
     let mut calibration = Calibration::empty(bench.file(), Source::File).unwrap();
     calibration.displacement = Some(displacement);
     calibration.zero_deg = 20.0;
+    calibration.zero_standard_deg = 0.2;
+    calibration.pulse = serde_json::from_str(PULSE).unwrap();
     let calibrations = bench.calibrations();
     let version = calibrations.add(&calibration).unwrap();
     calibrations.activate(Some(version)).unwrap();
@@ -74,4 +85,27 @@ fn a_retraction_of_a_calibrated_dose_is_as_large_as_was_asked() {
     let delivered = session.run(&prepared, |_| ControlFlow::Continue(())).unwrap();
     assert!((delivered.volume_ml - 10.0).abs() < 2e-3 && (delivered.retracted_ml - 0.5).abs() < 2e-3);
     assert!((session.state().unwrap().carry_ml - 0.5).abs() < 2e-3);
+}
+
+#[test]
+fn a_fitted_pulse_is_the_pulse_of_the_pump_that_later_doses_are_planned_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let bench = bench(folder.path(), 1.02);
+    let mut session = bench.session().unwrap();
+    let prepared = session.prepare(DoseRequest::dose(1.0)).unwrap();
+    // V_nom - NU V_r = 27.63489 - 3 * 2.2107 mL, scaled to a revolution of 1.02 * 21.31849 mL.
+    let scale = 1.02 * 21.318_49 / (27.634_89 - 3.0 * 2.2107);
+    let roller = prepared.model.roller_volume();
+    assert!((roller.total_ml() - 2.2107 * scale).abs() < 1e-4, "{}", roller.total_ml());
+    assert!((roller.engagement_deg() - 50.0).abs() < 1e-9);
+    let report = DoseReport::new(&bench, &prepared, None);
+    let share_ml = |name: &str| {
+        let share = report.uncertainty_budget.iter().find(|share| share.source.as_str() == name);
+        share.map_or(0.0, |share| share.standard_ml)
+    };
+    assert!(share_ml("pulse") > 0.0 && share_ml("roller_volume") == 0.0, "{:?}", report.uncertainty_budget);
+    let used = report.calibration.unwrap();
+    assert_eq!((used.roller_volume_ml, used.engagement_deg), (Some(2.2107), Some(50.0)));
+    let delivered = session.run(&prepared, |_| ControlFlow::Continue(())).unwrap();
+    assert!(delivered.completed && (delivered.volume_ml - 1.0).abs() < 2e-3, "{}", delivered.volume_ml);
 }

@@ -1,6 +1,7 @@
 //! The options of every command that plans a motion of a given volume: dose, prime and purge.
 
 use clap::Args;
+use pump_bench::calibration::Weighing;
 use pump_bench::record::Purpose;
 use pump_bench::{Bench, DoseRequest, PumpFile};
 
@@ -91,7 +92,7 @@ impl DosingOptions {
         asked: &AskedVolume,
         file: &PumpFile,
     ) -> Result<DoseRequest, Failure> {
-        let mut volume_ml = asked.amount.volume_ml(file.fluid.density_kg_m3);
+        let mut volume_ml = Weighing::of(file).amount_ml(asked.amount)?;
         if self.reverse.reverse {
             if volume_ml < 0.0 {
                 return Err(Failure::refused(

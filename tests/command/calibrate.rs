@@ -345,7 +345,11 @@ fn the_zero_that_short_doses_show_corrects_the_doses() {
     let found = user.json(&["calibrate", "phase", "--from", "short.csv", "--use"]);
     assert!((number(&found["found"]["zero_deg"], "value") - 25.0).abs() < 0.1, "{found}");
     assert!((number(&found["found"]["roller_volume_ml"], "value") - 2.1055).abs() < 0.01, "{found}");
+    assert!(user.types(&["status"]).out.contains("doses use calibration 1 of"));
+    let status = user.json(&["status"]);
+    assert!((number(&status["calibration"], "roller_volume_ml") - 2.1055).abs() < 0.01, "{status}");
     let corrected = user.json(&["1mL", "--start-angle", "10deg"]);
+    assert!((number(&corrected["calibration"], "roller_volume_ml") - 2.1055).abs() < 0.01, "{corrected}");
     assert_eq!(
         (corrected["volume_basis"].as_str(), corrected["calibration"]["version"].as_u64()),
         (Some("model"), Some(1))

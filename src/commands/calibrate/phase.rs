@@ -20,7 +20,7 @@ pub(super) struct PhaseArgs {
     from: PathBuf,
     #[command(flatten)]
     reading: ReadingOptions,
-    /// Correct the zero of the angle by what was found, from now on
+    /// Dose with the roller volume, the engagement angle and the zero that were found, from now on
     #[arg(long = "use")]
     uses: bool,
     #[command(flatten)]

@@ -51,6 +51,7 @@ impl ReadingOptions {
     /// The scatter that is expected of the readings of a bench.
     pub(super) fn expected(&self, bench: &Bench) -> Expected {
         let file = bench.file();
+        // The buoyancy of a difference between readings is nothing beside its uncertainty.
         let reading_ml = self.scale.map_or(0.0, |scale| scale.volume_ml(file.fluid.density_kg_m3));
         Expected::of(file, reading_ml)
     }

@@ -55,7 +55,7 @@ impl VerifyArgs {
         let mut file = self.bench.pump.file()?;
         self.fluid.change(&mut file)?;
         let bench = self.bench.bench_of(file)?;
-        let nominal_ml = self.nominal.volume_ml(bench.file().fluid.density_kg_m3);
+        let nominal_ml = Weighing::of(bench.file()).amount_ml(self.nominal)?;
         if nominal_ml < 0.0 {
             return Err(Failure::refused("--volume is negative; verify forward doses"));
         }

@@ -34,8 +34,8 @@ fn details_and_the_uncertainty_budget_are_told_when_they_are_asked_for() {
 fn an_amount_is_echoed_as_it_was_typed() {
     let user = User::new();
     for (typed, shown) in [
-        (&["25 g", "--dry-run"][..], " 25 g asked"),
-        (&["25g", "--dry-run"], " 25 g asked"),
+        (&["25 g", "--dry-run"][..], " 25 g asked by a balance in air: 25.096 mL"),
+        (&["25g", "--dry-run"], " 25 g asked by a balance in air: 25.096 mL"),
         (&["0.025 L", "--dry-run"], " 0.025 L asked"),
         (&["-5mL", "--dry-run"], " -5 mL asked"),
         (&["5mL", "--reverse", "--dry-run"], " -5 mL asked"),
@@ -178,9 +178,45 @@ fn every_way_to_say_how_fast_is_obeyed() {
 }
 
 #[test]
-fn a_mass_is_dosed_by_the_fluids_density() {
-    let report = User::new().json(&["25g", "--dry-run"]);
-    assert!((number(&report, "requested_ml") - 25.0 / 0.997).abs() < 1e-9);
+fn a_mass_is_the_reading_of_a_balance_in_the_ambient_air() {
+    let user = User::new();
+    let report = user.json(&["25g", "--dry-run"]);
+    // ISO 8655-6:2002, table of Z at 25 °C: 1.0038 mL/g at 80.0 and 85.0 kPa.
+    assert!((number(&report, "requested_ml") / 25.0 - 1.0038).abs() < 0.6e-4, "{report}");
+    let balance_g = number(&report, "balance_g");
+    assert!((number(&report, "planned_ml") / balance_g - 1.0038).abs() < 0.6e-4, "{report}");
+    // The air of the sea's level carries more: 1.0040 at 101.3 kPa.
+    let own = user.types(&["pumps", "show", "three-roller"]).out;
+    let low = own.replace("pressure_kpa = 85.7", "pressure_kpa = 101.3");
+    assert_ne!(own, low);
+    fs::write(user.path("low.toml"), low).unwrap();
+    let low = user.json(&["25g", "--dry-run", "--pump", "low.toml"]);
+    assert!((number(&low, "requested_ml") / 25.0 - 1.0040).abs() < 0.6e-4, "{low}");
+    let volume = user.json(&["25mL", "--dry-run"]);
+    assert_eq!(number(&volume, "requested_ml"), 25.0);
+    assert!((number(&volume, "balance_g") - 25.0 / 1.0038).abs() < 3e-3, "{volume}");
+    let long = user.types(&["25mL", "--dry-run", "-v"]).out;
+    assert!(long.contains("balance      shows 24.90") && long.contains("in air of 85.7 kPa"), "{long}");
+}
+
+#[test]
+fn predicted_pressures_say_how_unsure_they_are() {
+    let user = User::new();
+    let report = user.json(&["25mL", "--rate", "35mL/s", "--dry-run"]);
+    for port in ["inlet", "outlet"] {
+        let of = |key: &str| number(&report, &format!("{port}_{key}"));
+        // Twice sqrt(2 (1 - 0.74)) of the RMS of a sine of that swing.
+        let swing_kpa = of("max_kpa") - of("min_kpa");
+        let expected_kpa = 2.0 * (2.0 * 0.26_f64).sqrt() * swing_kpa / 8.0_f64.sqrt();
+        assert!((of("pressure_uncertainty_kpa") - expected_kpa).abs() < 1e-9, "{report}");
+    }
+    // 8 % of the room are left, and less than the prediction is sure of.
+    let rest_kpa = 88.637;
+    let limit_kpa = rest_kpa + (number(&report, "outlet_max_kpa") - rest_kpa) / 0.92;
+    let limit = format!("{limit_kpa}kPaa");
+    let near = user.json(&["25mL", "--rate", "35mL/s", "--dry-run", "--max-outlet-pressure", &limit]);
+    assert!(near["warnings"].to_string().contains("the prediction is unsure by"), "{near}");
+    assert!(!report["warnings"].to_string().contains("the prediction is unsure by"), "{report}");
 }
 
 #[test]

@@ -7,6 +7,7 @@ use pump_model::Pump;
 use pump_model::units::TURN_RAD;
 
 use crate::calibration::{Calibration, Calibrations, Stored};
+use crate::displacement::Correction;
 use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
 use crate::dosing::{DoseRequest, Prepared, Stands};
@@ -305,10 +306,10 @@ impl Bench {
             None if !state.phase().is_known(self.model.pitch_rad()) => (state.phase(), PhaseSource::Assumed),
             None => (state.phase(), state.source),
         };
-        let zero_rad = stored.map_or(0.0, |stored| stored.calibration.zero_rad());
-        // The sum of the doses since an angle counts as long as the angle's zero is the one of before.
+        let shape = stored.map_or(Correction::NONE, |stored| stored.calibration.shape());
+        // The sum of the doses since an angle counts as long as the angle's zero and the pulse are those of before.
         let goes_on = request.purpose.changes_carry() && request.start_angle_rad.is_none();
-        let account = state.account.filter(|account| goes_on && account.correction.zero_rad == zero_rad);
+        let account = state.account.filter(|account| goes_on && account.correction.shapes_like(&shape));
         let carry_half_width_ml = match account {
             Some(_) => state.carry_half_width_ml,
             None => state.closed(&self.model).carry_half_width_ml,

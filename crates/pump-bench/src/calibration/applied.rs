@@ -2,7 +2,7 @@
 
 use libm::sqrt;
 
-use super::fit::Displacement;
+use super::fit::{Displacement, PulseSureness};
 use crate::displacement::Correction;
 use crate::numbers::significant;
 
@@ -17,6 +17,8 @@ pub(crate) struct Applied {
     pub(crate) basis: Basis,
     /// Standard uncertainty of the zero, in rad.
     pub(crate) zero_standard_rad: f64,
+    /// Uncertainty of a pulse that short doses found, the zero's among it.
+    pub(crate) pulse: Option<PulseSureness>,
 }
 
 /// Number and date of a calibration.

@@ -7,8 +7,9 @@ use serde::{Deserialize, Serialize};
 use super::applied::Sureness;
 use super::date;
 use super::error::CalibrationError;
-use super::fit::{Displacement, ShortDose};
+use super::fit::{Displacement, Expected, FittedPulse, PhaseFit, PulseSureness, ShortDose};
 use super::run::CalibrationRun;
+use crate::displacement::Correction;
 use crate::pump_file::PumpFile;
 
 /// Schema of stored calibrations.
@@ -61,7 +62,11 @@ pub struct Calibration {
     pub zero_deg: f64,
     /// Standard uncertainty of the zero, in deg.
     pub zero_standard_deg: f64,
-    /// Short doses that the zero was fitted to.
+    /// Roller volume and engagement angle that the short doses found; `None` if they corrected the zero alone,
+    /// as in calibrations of earlier versions.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pulse: Option<FittedPulse>,
+    /// Short doses that pulse and zero were fitted to.
     pub short_doses: Vec<ShortDose>,
 }
 
@@ -86,6 +91,7 @@ impl Calibration {
             runs: Vec::new(),
             zero_deg: 0.0,
             zero_standard_deg: 0.0,
+            pulse: None,
             short_doses: Vec::new(),
         })
     }
@@ -111,6 +117,28 @@ impl Calibration {
     fn run_ml(&self) -> f64 {
         let turned = self.runs.iter().map(|run| run.turned_deg.abs());
         self.revolution_ml * turned.fold(0.0, f64::max) / 360.0
+    }
+
+    /// Returns the correction of the zero and of the pulse, with a factor of 1.
+    pub(crate) fn shape(&self) -> Correction {
+        let pulse = self.pulse.map(|pulse| pulse.correction());
+        Correction { zero_rad: self.zero_rad(), pulse, ..Correction::NONE }
+    }
+
+    /// Returns the joint uncertainty of the pulse and the zero, or `None` if no pulse was fitted.
+    pub(crate) fn pulse_sureness(&self) -> Option<PulseSureness> {
+        self.pulse.map(|pulse| pulse.sureness(self.zero_standard_deg))
+    }
+
+    /// Returns this calibration with the pulse and the zero that were found of its short doses.
+    #[must_use]
+    pub(super) fn with_pulse(self, found: &PhaseFit, expected: &Expected) -> Self {
+        Self {
+            zero_deg: found.zero_deg.value,
+            zero_standard_deg: found.zero_deg.standard,
+            pulse: Some(FittedPulse::of(found, expected)),
+            ..self
+        }
     }
 
     /// Returns the uncertainty of the displacement for a dose of `base`, the pump of `file`, that cruises at

@@ -4,21 +4,22 @@ use super::{
     AgainstSpeed, Calibration, CalibrationError, CalibrationRun, Displacement, Expected, LawToFit, PhaseFit,
     Revolution, ShortDose, Source, Weighing,
 };
-use crate::displacement::Correction;
 use crate::pump_file::PumpFile;
 use crate::words::words;
 
 /// Shape that is fitted to runs at several speeds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Fit {
-    /// A straight line over the speed.
+    /// A straight line over the speed, or a parabola if four speeds or more ask for it.
     #[default]
+    Best,
+    /// A straight line over the speed.
     Line,
     /// Law of volume against speed: the speed law, whose s and D are fitted.
     Law,
 }
 
-words!(Fit { Line = "line", Law = "speed-law" });
+words!(Fit { Best = "best", Line = "line", Law = "speed-law" });
 
 impl Expected {
     /// Returns the repeatability of the pump file, with the standard uncertainty of a reading, in mL.
@@ -29,7 +30,8 @@ impl Expected {
 
 impl Calibration {
     /// Returns a calibration of the displacement of the pump of `file` by weighed runs. The zero of `before`
-    /// stays, since other doses found it.
+    /// stays, since other doses found it. A pulse of `before` is fitted again to its short doses, with the
+    /// volume of a revolution that the runs show.
     ///
     /// ```
     /// use pump_bench::calibration::{Calibration, Expected, Fit, Source, runs_of_csv};
@@ -44,7 +46,8 @@ impl Calibration {
     /// # Errors
     ///
     /// Errors of [`Displacement::fit`]. [`CalibrationError::NoLaw`] if a law is asked for that the runs do not
-    /// show. [`CalibrationError::Model`] if the pump of `file` cannot be modelled.
+    /// show. [`CalibrationError::Undetermined`] if the short doses of `before` show no pulse any more.
+    /// [`CalibrationError::Model`] if the pump of `file` cannot be modelled.
     pub fn of_runs(
         file: &PumpFile,
         source: Source,
@@ -58,11 +61,13 @@ impl Calibration {
         if let Some(before) = before {
             calibration.zero_deg = before.zero_deg;
             calibration.zero_standard_deg = before.zero_standard_deg;
+            calibration.pulse = before.pulse;
             calibration.short_doses.clone_from(&before.short_doses);
         }
         let base = file.model()?;
-        let pump = Correction { factor: 1.0, zero_rad: calibration.zero_rad() }.of(&base)?;
+        let pump = calibration.shape().of(&base)?;
         calibration.displacement = Some(match fit {
+            Fit::Best => Displacement::fit_best(&pump, &runs, &weighing, expected)?,
             Fit::Line => Displacement::fit(&pump, &runs, &weighing, expected)?,
             Fit::Law => {
                 let law = LawToFit::of(file, &base)?;
@@ -72,11 +77,14 @@ impl Calibration {
         calibration.temperature_degc =
             runs.iter().map(|run| run.temperature_degc(&weighing)).sum::<f64>() / runs.len() as f64;
         calibration.runs = runs;
-        Ok(calibration)
+        let Some(pulse) = calibration.pulse else { return Ok(calibration) };
+        let expected = pulse.expected();
+        let found = calibration.pulse_found(file, &calibration.short_doses, &expected)?;
+        Ok(calibration.with_pulse(&found, &expected))
     }
 
-    /// Returns a calibration of the zero of the pump of `file` by short doses, and the fit of these doses.
-    /// The displacement of `before` stays.
+    /// Returns a calibration of the pulse and the zero of the pump of `file` by short doses, and the fit of these
+    /// doses. The displacement of `before` stays.
     ///
     /// # Errors
     ///
@@ -90,20 +98,23 @@ impl Calibration {
         before: Option<&Self>,
     ) -> Result<(Self, PhaseFit), CalibrationError> {
         let empty = Self::empty(file, Source::Phase)?;
-        let displacement = before.and_then(|before| before.displacement.as_ref());
+        let date = empty.date.clone();
+        let before = before.cloned().unwrap_or(empty);
+        let found = before.pulse_found(file, &doses, expected)?;
+        let calibration = Self { date, source: Source::Phase, note: None, short_doses: doses, ..before };
+        Ok((calibration.with_pulse(&found, expected), found))
+    }
+
+    /// Fits the pulse and the zero to short doses, with the volume of a revolution of this calibration.
+    fn pulse_found(
+        &self,
+        file: &PumpFile,
+        doses: &[ShortDose],
+        expected: &Expected,
+    ) -> Result<PhaseFit, CalibrationError> {
         let pump = file.speed_dependent_pump()?;
-        let against = AgainstSpeed::of(displacement, &pump);
+        let against = AgainstSpeed::of(self.displacement.as_ref(), &pump);
         let revolution = Revolution { against, model_standard: file.model_standard() };
-        let found = PhaseFit::of(pump.base(), revolution, &doses, expected)?;
-        let calibration = Self {
-            date: empty.date.clone(),
-            source: Source::Phase,
-            note: None,
-            zero_deg: found.zero_deg.value,
-            zero_standard_deg: found.zero_deg.standard,
-            short_doses: doses,
-            ..before.cloned().unwrap_or(empty)
-        };
-        Ok((calibration, found))
+        PhaseFit::of(pump.base(), revolution, doses, expected)
     }
 }

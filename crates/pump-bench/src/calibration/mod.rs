@@ -19,8 +19,10 @@ pub use date::now as now_utc;
 pub use default_rate::default_rate_left_out;
 pub(crate) use default_rate::default_rate_uncovered;
 pub use error::CalibrationError;
-pub(crate) use fit::{AgainstSpeed, LawToFit, Revolution};
-pub use fit::{Displacement, Expected, LawFit, PhaseFit, Scatter, ShortDose, short_doses_of_csv};
+pub(crate) use fit::{AgainstSpeed, LawToFit, PulseSureness, Revolution};
+pub use fit::{
+    Displacement, Expected, FittedPulse, LawFit, PhaseFit, Scatter, ShortDose, SpeedBend, short_doses_of_csv,
+};
 pub use making::Fit;
 pub(crate) use run::turned_ml;
 pub use run::{CalibrationRun, Reading, runs_of_csv};

@@ -4,6 +4,7 @@ use libm::exp;
 
 use super::CalibrationError;
 use crate::pump_file::{FluidTable, PumpFile, SAME_TEMPERATURE_DEGC};
+use crate::units::Amount;
 
 /// Density of the weights that scales are adjusted with, kg/m³ (OIML R 111-1:2004; ISO 8655-6:2002 uses it
 /// too).
@@ -26,6 +27,34 @@ impl<'a> Weighing<'a> {
     /// Returns the fluid and the air of a pump file.
     pub fn of(file: &'a PumpFile) -> Self {
         Self { fluid: &file.fluid, ambient_kpa: file.ambient.pressure_kpa }
+    }
+
+    /// Returns the volume, in mL, of an amount of fluid at the pump file's temperature. A mass is what a balance
+    /// shows in this air, as in a calibration.
+    ///
+    /// ```
+    /// use pump_bench::calibration::Weighing;
+    /// use pump_bench::units::amount;
+    /// let file = pump_bench::built_in("three-roller").unwrap();
+    /// // Water of 25 °C at 85.7 kPa: Z is 1.0038 mL/g by the table of ISO 8655-6.
+    /// assert!((Weighing::of(&file).amount_ml(amount("25g")?)? - 25.0 * 1.0038).abs() < 25.0 * 1e-4);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`Self::volume_ml`].
+    pub fn amount_ml(&self, amount: Amount) -> Result<f64, CalibrationError> {
+        match amount {
+            Amount::Volume(volume_ml) => Ok(volume_ml),
+            Amount::Mass(mass_g) => self.volume_ml(mass_g, self.fluid.temperature_degc),
+        }
+    }
+
+    /// Returns the reading, in g, of a balance in this air for a volume in mL of fluid at the pump file's
+    /// temperature. Returns `None` if the density of the fluid is not known.
+    pub(crate) fn reading_g(&self, volume_ml: f64) -> Option<f64> {
+        Some(volume_ml / self.volume_ml(1.0, self.fluid.temperature_degc).ok()?)
     }
 
     /// Returns the volume, in mL, of a mass in g that a scale shows for fluid at `temperature_degc`.

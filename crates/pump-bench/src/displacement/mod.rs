@@ -3,6 +3,7 @@
 mod correction;
 mod error;
 mod law;
+mod pulse;
 mod speed_dependent_pump;
 #[cfg(test)]
 mod tests;
@@ -10,4 +11,5 @@ mod tests;
 pub use correction::Correction;
 pub use error::DisplacementError;
 pub use law::DisplacementLaw;
+pub use pulse::PulseCorrection;
 pub use speed_dependent_pump::SpeedDependentPump;

@@ -39,8 +39,8 @@ impl DisplacedPumps {
         let law = file.displacement_law().map_err(PlanError::from)?;
         let pump = SpeedDependentPump::new(*base, law);
         let calibration = stored.filter(|stored| stored.is_of(base)).map(|stored| &stored.calibration);
-        let zero_rad = calibration.map_or(0.0, |calibration| calibration.zero_rad());
-        let corrected = |factor| Correction { factor, zero_rad }.of(base).map_err(CalibrationError::from);
+        let shape = calibration.map_or(Correction::NONE, |calibration| calibration.shape());
+        let corrected = |factor| Correction { factor, ..shape }.of(base).map_err(CalibrationError::from);
         let displacement = calibration.and_then(|calibration| calibration.displacement.as_ref());
         let Some(against) = AgainstSpeed::of(displacement, &pump) else {
             return Ok(Self { known: corrected(1.0)?, model: None });

@@ -28,4 +28,5 @@ pub(crate) use tube_life::TubeLife;
 #[cfg(test)]
 pub(crate) use uncertainty::Budget;
 pub(crate) use uncertainty::outlet::drop_ml;
+pub(crate) use uncertainty::pressure_uncertainty_kpa;
 pub use uncertainty::{Share, ShareSource};

@@ -126,13 +126,14 @@ impl Planner<'_> {
             }),
             correction: Correction {
                 factor: against.map_or(Ok(1.0), |against| against.factor_at(signed_rpm))?,
-                zero_rad: calibration.map_or(0.0, |calibration| calibration.zero_rad()),
+                ..calibration.map_or(Correction::NONE, |calibration| calibration.shape())
             },
             basis: match displacement {
                 Some(sureness) => Basis::Weighed(sureness),
                 None => against.and(self.file.law_standard()).map_or(Basis::Model, Basis::Law),
             },
             zero_standard_rad: calibration.map_or(0.0, |calibration| radians(calibration.zero_standard_deg)),
+            pulse: calibration.and_then(|calibration| calibration.pulse_sureness()),
         };
         Ok((Some(applied), warning))
     }

@@ -2,6 +2,10 @@
 
 mod angle;
 pub(super) mod outlet;
+mod pressure;
+#[cfg(test)]
+mod pulse_coverage;
+mod pulse_share;
 mod repeatability;
 
 use libm::{hypot, sqrt};
@@ -9,6 +13,8 @@ use pump_model::Pump;
 use serde::Serialize;
 
 use self::angle::AngleErrors;
+pub(crate) use self::pressure::pressure_uncertainty_kpa;
+use self::pulse_share::pulse_share_ml;
 use super::swept::Swept;
 use crate::calibration::{Applied, Sureness};
 use crate::pump_file::UncertaintyTable;
@@ -49,6 +55,8 @@ pub enum ShareSource {
     RollerVolume,
     /// Resolution of a whole motor step.
     Step,
+    /// Roller volume, engagement angle and zero that short doses found.
+    Pulse,
     /// Start angle that is known between wide bounds only, and its zero.
     Phase,
     /// Calibration of the displacement.
@@ -73,6 +81,7 @@ words_of_reports!(ShareSource {
     Model = "model",
     Repeatability = "repeatability",
     RollerVolume = "roller_volume",
+    Pulse = "pulse",
     Step = "step",
     Phase = "phase",
     Calibration = "calibration",
@@ -103,6 +112,7 @@ impl Budget {
     /// - Repeatability depends on the volume (see `repeatability`).
     /// - A short dose is as unsure as the part of a pulse that it sweeps (see `pulses_unsure`). For a
     ///   calibrated pump that share vanishes over whole pitches.
+    /// - Short doses that found the pulse take the place of that share, and of the zero's (see `pulse_share_ml`).
     /// - The step's share is that of a rotor that stands anywhere within a step, rectangular: dV/sqrt(12)
     ///   (GUM, JCGM 100:2008, 4.3.7).
     /// - The angle's share is the root of the mean square deviation from the plan. Every start angle within the
@@ -130,7 +140,11 @@ impl Budget {
             BORE_PER_DEGC * sqrt(sure.warmer_degc * sure.warmer_degc + READ_DEGC * READ_DEGC)
         });
         let common = sureness.map_or(law.unwrap_or(hypot(model, speed)), |sureness| sureness.common());
-        let zero_rad = calibration.map_or(0.0, |applied| applied.zero_standard_rad);
+        let pulse = calibration.and_then(|applied| Some((applied.pulse?, applied.correction.zero_rad)));
+        // A fitted pulse has the zero's uncertainty in its own.
+        let zero_rad =
+            calibration.filter(|_| pulse.is_none()).map_or(0.0, |applied| applied.zero_standard_rad);
+        let roller_ml = if pulse.is_none() { table.roller_volume_ml } else { 0.0 };
         let errors = AngleErrors::of(pump, swept);
         let [angle_ml, wide_ml] = errors.shares_ml();
         let mut budget = Self { shares: Vec::new(), errors };
@@ -145,7 +159,7 @@ impl Budget {
         );
         share(
             ShareSource::RollerVolume,
-            table.roller_volume_ml * pulses_unsure(pump, swept, sureness.is_some()),
+            roller_ml * pulses_unsure(pump, swept, sureness.is_some()),
             "dose whole pitches, or find the roller volume: `dose calibrate phase`",
         );
         share(ShareSource::Step, swept.end_step_ml / sqrt(12.0), "use more microsteps");
@@ -180,6 +194,13 @@ impl Budget {
             "calibrate, so that the carry from earlier doses is surer",
         );
         share(ShareSource::Angle, angle_ml, angle::REMEDY);
+        if let Some((pulse, zero_rad)) = pulse {
+            share(
+                ShareSource::Pulse,
+                pulse_share_ml(pump, swept, &pulse, zero_rad),
+                "weigh more short doses: `dose calibrate phase --use`",
+            );
+        }
         budget.with_percentages()
     }
 

@@ -5,6 +5,7 @@ use pump_ctl::step::Direction;
 use pump_model::units::rpm;
 use pump_model::{Extremes, Pump};
 
+use super::uncertainty::pressure_uncertainty_kpa;
 use super::unknown_angle;
 use crate::calibration::Applied;
 use crate::catalogue::built_in;
@@ -71,6 +72,19 @@ fn of_pressures(is_reverse: bool, prediction: &Prediction, margins: &Margins) ->
         ]
         .into_iter()
         .filter_map(|(quantity, unit, margin)| close_to_limit(&quantity, unit, margin?)),
+    );
+    let (pushing, sucking) = if is_reverse {
+        (prediction.inlet, prediction.outlet)
+    } else {
+        (prediction.outlet, prediction.inlet)
+    };
+    warnings.extend(
+        [
+            (format!("{discharge} pressure"), margins.outlet, pushing),
+            (format!("{suction} pressure"), margins.inlet, sucking),
+        ]
+        .into_iter()
+        .filter_map(|(quantity, margin, extremes)| unsure_limit(&quantity, margin?, extremes)),
     );
     warnings.extend(rough_steps(prediction));
     warnings
@@ -267,6 +281,20 @@ fn close_to_limit(quantity: &str, unit: &str, margin: Margin) -> Option<String> 
             "the {quantity} comes close to its limit: {reached:.4} of {limit:.4} {unit}, {:.1} % of the \
              room from rest",
             100.0 * used
+        )
+    })
+}
+
+/// Warns of a pressure that is less far from its limit than its prediction is unsure. A pressure that comes close
+/// to its limit has a warning of its own.
+fn unsure_limit(quantity: &str, margin: Margin, extremes: Extremes) -> Option<String> {
+    let Margin { reached, limit, used, .. } = margin;
+    let unsure_kpa = pressure_uncertainty_kpa(extremes);
+    (used <= CLOSE && (limit - reached).abs() < unsure_kpa).then(|| {
+        format!(
+            "the {quantity} is predicted at {reached:.2} kPa, {:.2} kPa from its limit of {limit:.2} kPa, and \
+             the prediction is unsure by {unsure_kpa:.2} kPa (k = 2); a slower rate leaves more room",
+            (limit - reached).abs()
         )
     })
 }

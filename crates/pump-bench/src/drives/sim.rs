@@ -40,6 +40,8 @@ pub struct Sim<'a> {
     solver: Rodas5p<3>,
     /// Correction of the displacement. The simulated pump displaces as its calibration says.
     correction: Correction,
+    /// Pump with the pulse of the correction.
+    pulsed: Pump,
     /// Volume in the vessel when the last plan was begun, in mL.
     begun_ml: f64,
     /// Time from the start of the last plan to its last step, in s.
@@ -65,7 +67,15 @@ impl<'a> Sim<'a> {
         let line = pump.outlet();
         let model = Lumped::new(line, Linear::of(line), Port::Outlet);
         let solver = Rodas5p::new(0.0, [0.0; 3], options(&model, tolerance, 1.0))?;
-        Ok(Self { pump, model, solver, correction: Correction::NONE, begun_ml: 0.0, moved_s: 0.0 })
+        Ok(Self {
+            pump,
+            model,
+            solver,
+            correction: Correction::NONE,
+            pulsed: *pump,
+            begun_ml: 0.0,
+            moved_s: 0.0,
+        })
     }
 
     /// Makes every step of `plan`.
@@ -85,7 +95,7 @@ impl<'a> Sim<'a> {
     fn step(&mut self, plan: &Plan, step: &Step, started_s: f64) -> Result<(), IntegrationError> {
         self.wait_until(started_s + step.time_s)?;
         let before_rad = plan.angle_after(step.number - 1);
-        self.push(self.pump.outlet(), self.correction.volume_ml(self.pump, before_rad, step.angle_rad));
+        self.push(self.pump.outlet(), self.correction.volume_ml(&self.pulsed, before_rad, step.angle_rad));
         Ok(())
     }
 
@@ -174,6 +184,7 @@ impl Drive for Sim<'_> {
 
     fn displaces(&mut self, correction: Correction) {
         self.correction = correction;
+        self.pulsed = correction.pulsed(self.pump);
     }
 
     fn abilities(&self) -> Abilities {

@@ -23,19 +23,19 @@ pub(crate) struct Account {
 impl Account {
     /// Returns the smallest and the largest volume of the turn, in mL. `pump` is the uncorrected pump.
     pub(crate) fn range_ml(&self, pump: &Pump) -> (f64, f64) {
-        let (least_ml, most_ml) = self.corrected().range_ml(pump);
+        let (least_ml, most_ml) = self.corrected().range_ml(&self.correction.pulsed(pump));
         (self.correction.factor * least_ml, self.correction.factor * most_ml)
     }
 
     /// Returns the middle of the volumes of the turn, in mL, or from a stated angle the volume from that angle.
     /// Doses are booked by it.
     pub(crate) fn middle_ml(&self, pump: &Pump) -> f64 {
-        self.correction.factor * self.corrected().middle_ml(pump)
+        self.correction.factor * self.corrected().middle_ml(&self.correction.pulsed(pump))
     }
 
     /// Returns the largest distance of the volume of the turn from [`Self::middle_ml`], in mL.
     pub(crate) fn half_width_ml(&self, pump: &Pump) -> f64 {
-        self.correction.factor * self.corrected().half_width_ml(pump)
+        self.correction.factor * self.corrected().half_width_ml(&self.correction.pulsed(pump))
     }
 
     /// Returns the turn with its start from the zero of the corrected pump.

@@ -223,7 +223,7 @@ impl PumpState {
             return self.closed(pump);
         }
         let goes_on = intent.turned == before.map(|account| account.turned)
-            && before.is_none_or(|account| account.correction.zero_rad == intent.correction.zero_rad);
+            && before.is_none_or(|account| account.correction.shapes_like(&intent.correction));
         let closed = match before {
             // A sum of parts with two displacements is as unsure as the change between them makes it.
             Some(account) if goes_on => {

@@ -73,7 +73,8 @@ fn finished_text(bench: &Bench, all: &[Stored], active: Option<u32>) -> String {
 fn listed(stored: &Stored, active: Option<u32>) -> String {
     let Stored { version, calibration } = stored;
     let mark = if active == Some(*version) { '*' } else { ' ' };
-    let what = calibration.displacement.as_ref().map_or("zero only".to_owned(), |found| {
+    let none = if calibration.pulse.is_some() { "pulse only" } else { "zero only" };
+    let what = calibration.displacement.as_ref().map_or(none.to_owned(), |found| {
         let factor = match &found.law {
             None => format!("times {:.4}", found.factor),
             Some(law) => law.to_string(),
@@ -84,6 +85,10 @@ fn listed(stored: &Stored, active: Option<u32>) -> String {
     // Writing to a String cannot fail.
     if calibration.zero_deg != 0.0 {
         let _ = write!(text, ", zero at {:.2}°", calibration.zero_deg);
+    }
+    if let Some(pulse) = &calibration.pulse {
+        let (volume_ml, deg) = (pulse.roller_volume_ml, pulse.engagement_deg);
+        let _ = write!(text, ", roller volume {volume_ml:.4} mL over {deg:.2}°");
     }
     for (name, said) in [("tube", &calibration.tube), ("note", &calibration.note)] {
         if let Some(said) = said {
@@ -116,7 +121,7 @@ fn heading(bench: &Bench, stored: &Stored, found: &Displacement) -> String {
 fn factors(base: &Pump, stored: &Stored, found: &Displacement) -> Result<String, CalibrationError> {
     let mut text = String::new();
     for rpm in &found.speeds_rpm {
-        let (factor, standard) = (found.factor_at(base, *rpm)?, found.standard_at(base, *rpm)?);
+        let (factor, standard) = (found.factor_at(base, *rpm)?, found.whole_standard_at(base, *rpm)?);
         text += &format!(
             "  at {:>7} r/min  model volume times {factor:.4} ± {:.4} (k = 2), {:.3} mL per revolution\n",
             short(*rpm),
@@ -126,6 +131,21 @@ fn factors(base: &Pump, stored: &Stored, found: &Displacement) -> Result<String,
     }
     if let Some(law) = &found.law {
         text += &format!("  speed law  {}\n", law.text_with_uncertainty());
+    }
+    if let Some(bend) = &found.bend {
+        text += &format!(
+            "  parabola   bend {:.2e} ± {:.1e} min²/r² (k = 2): an F test at 4.55 % rejects a straight line\n",
+            bend.per_rpm2,
+            2.0 * found.bend_standard_per_rpm2()
+        );
+    }
+    if let Some(pulse) = &stored.calibration.pulse {
+        text += &format!(
+            "  pulse      the short doses again, with this volume: roller volume {:.4} ± {:.4} mL over {:.2}°\n",
+            pulse.roller_volume_ml,
+            2.0 * pulse.roller_volume_standard_ml,
+            pulse.engagement_deg
+        );
     }
     Ok(text)
 }
@@ -137,7 +157,11 @@ fn scatter(file: &PumpFile, found: &Displacement) -> Option<String> {
     let departure = match found.speeds_rpm.len() {
         0..3 => String::new(),
         _ => {
-            let of = if found.law.is_some() { "speed law" } else { "line" };
+            let of = match (&found.law, &found.bend) {
+                (Some(_), _) => "speed law",
+                (None, Some(_)) => "parabola",
+                (None, None) => "line",
+            };
             format!(", speeds depart from the {of} by {:.3} %", 100.0 * found.lack_of_fit)
         }
     };
@@ -151,10 +175,13 @@ fn warnings(file: &PumpFile, base: &Pump, found: &Displacement) -> Result<Vec<St
         .map(|run| format!("run {run} lies far from the others; it is in the fit: weigh it again"))
         .collect();
     if found.scatter.standard().is_some_and(|scatter| found.lack_of_fit > 2.0 * scatter) {
-        warnings.push(
-            "the speeds depart from the fit by far more than the runs scatter; it is not their shape"
-                .to_owned(),
-        );
+        let instead = match found.speeds_rpm.len() {
+            3 if found.law.is_none() => "; a fourth speed may show a parabola",
+            _ => "",
+        };
+        warnings.push(format!(
+            "the speeds depart from the fit by far more than the runs scatter; it is not their shape{instead}"
+        ));
     }
     let (limit_rpm, fastest_rpm) = (file.motor.max_speed_rpm, found.range_rpm().1);
     if fastest_rpm > 1.01 * limit_rpm {

@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 use crate::bench::{Bench, Delivered};
-use crate::calibration::{Applied, Made};
-use crate::dosing::{Prepared, Share, Swept};
+use crate::calibration::{Applied, Made, Weighing};
+use crate::dosing::{Prepared, Share, Swept, pressure_uncertainty_kpa};
 use crate::drives::{Identity, registry};
 use crate::pump_file::{DriverName, PumpFile, UncheckedLimit};
 use crate::record::{PhaseSource, Purpose};
@@ -42,6 +42,9 @@ pub struct DoseReport {
     pub volume_most_ml: f64,
     /// Volume that the vessel received, mL; null on a dry run.
     pub delivered_ml: Option<f64>,
+    /// Reading of a balance in air of `ambient_kpa` for the volume that the vessel received, or that is planned on a
+    /// dry run, g, at the pump file's temperature of the fluid; null if the density is not known there.
+    pub balance_g: Option<f64>,
     /// Basis of the volume: the model, the model of a drawing, or the volumes that were weighed.
     pub volume_basis: VolumeBasis,
     /// Calibration that was used; null if there was none.
@@ -104,6 +107,11 @@ pub struct DoseReport {
     pub outlet_min_kpa: f64,
     /// Largest predicted outlet pressure, kPa absolute.
     pub outlet_max_kpa: f64,
+    /// Expanded uncertainty (k = 2) of the predicted inlet pressures, kPa, by the correlation with measured pressures
+    /// that McIntyre et al. state: 0.51 of the predicted swing.
+    pub inlet_pressure_uncertainty_kpa: f64,
+    /// Expanded uncertainty (k = 2) of the predicted outlet pressures, kPa, as that of the inlet's.
+    pub outlet_pressure_uncertainty_kpa: f64,
     /// Ambient pressure, kPa absolute.
     pub ambient_kpa: f64,
     /// Torque that the motor needs where it comes closest to the torque that it has, N m at the pump head; null if
@@ -165,6 +173,10 @@ pub struct CalibrationReport {
     pub displacement_factor: f64,
     /// Model angle of the rollers where the record says 0, deg.
     pub zero_deg: f64,
+    /// Roller volume V_r that short doses found, mL; null if the pump file's holds.
+    pub roller_volume_ml: Option<f64>,
+    /// Engagement angle phi that short doses found, deg; null if the pump file's holds.
+    pub engagement_deg: Option<f64>,
 }
 
 /// Knowledge of the start angle.
@@ -216,6 +228,8 @@ impl DoseReport {
             volume_least_ml: part.range_ml.0,
             volume_most_ml: part.range_ml.1,
             delivered_ml: delivered.map(|delivered| delivered.volume_ml),
+            balance_g: Weighing::of(file)
+                .reading_g(delivered.map_or(plan.planned_ml(), |delivered| delivered.volume_ml)),
             volume_basis: basis(file, applied),
             calibration: applied.and_then(CalibrationReport::of),
             speed_law_factor: applied.and_then(|by| by.law_standard().map(|_| by.correction.factor)),
@@ -245,6 +259,8 @@ impl DoseReport {
             inlet_max_kpa: whole.inlet.max_kpa,
             outlet_min_kpa: whole.outlet.min_kpa,
             outlet_max_kpa: whole.outlet.max_kpa,
+            inlet_pressure_uncertainty_kpa: pressure_uncertainty_kpa(whole.inlet),
+            outlet_pressure_uncertainty_kpa: pressure_uncertainty_kpa(whole.outlet),
             ambient_kpa: file.ambient.pressure_kpa,
             torque_needed_n_m: prepared.margins.torque.map(|torque| torque.reached),
             torque_available_n_m: prepared.margins.torque.map(|torque| torque.limit),
@@ -331,7 +347,15 @@ impl CalibrationReport {
     fn of(applied: &Applied) -> Option<Self> {
         let Made { version, date } = applied.calibration.clone()?;
         let (displacement_factor, zero_rad) = (applied.correction.factor, applied.correction.zero_rad);
-        Some(Self { version, date, displacement_factor, zero_deg: degrees(zero_rad) })
+        let pulse = applied.correction.pulse;
+        Some(Self {
+            version,
+            date,
+            displacement_factor,
+            zero_deg: degrees(zero_rad),
+            roller_volume_ml: pulse.map(|pulse| pulse.roller_volume_ml),
+            engagement_deg: pulse.map(|pulse| pulse.engagement_deg),
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use libm::sqrt;
 use pump_model::units::wrap;
 
 use super::choices::VolumeBasis;
-use super::dose::DoseReport;
+use super::dose::{CalibrationReport, DoseReport};
 use crate::numbers::{microlitres, significant};
 use crate::record::PhaseSource;
 
@@ -22,6 +22,7 @@ impl DoseReport {
             ("flow", self.ripple()),
             ("time", Some(self.time())),
             ("back flow", self.back_flow()),
+            ("balance", self.balance()),
             ("pressures", Some(self.pressures())),
             ("suction", self.suction()),
             ("torque", self.torque()),
@@ -114,13 +115,21 @@ impl DoseReport {
 
     fn pressures(&self) -> String {
         format!(
-            "inlet {:.2} to {:.2} kPa, outlet {:.2} to {:.2} kPa absolute (ambient {} kPa)",
+            "inlet {:.2} to {:.2} ± {} kPa, outlet {:.2} to {:.2} ± {} kPa absolute (k = 2; ambient {} kPa)",
             self.inlet_min_kpa,
             self.inlet_max_kpa,
+            significant(self.inlet_pressure_uncertainty_kpa, 2),
             self.outlet_min_kpa,
             self.outlet_max_kpa,
+            significant(self.outlet_pressure_uncertainty_kpa, 2),
             self.ambient_kpa
         )
+    }
+
+    /// The reading of a balance for the volume, with the pressure of its air.
+    fn balance(&self) -> Option<String> {
+        let (grams, kpa) = (significant(self.balance_g?, 6), self.ambient_kpa);
+        Some(format!("shows {grams} g in air of {kpa} kPa (Z of ISO 8655-6)"))
     }
 
     fn suction(&self) -> Option<String> {
@@ -177,10 +186,14 @@ impl DoseReport {
         match (&self.calibration, self.speed_law_factor) {
             (Some(calibration), _) if self.volume_basis == VolumeBasis::Calibrated => {
                 let factor = significant(calibration.displacement_factor, 6);
-                format!("calibration {} (model volume times {factor})", calibration.version)
+                let pulse = pulse(calibration);
+                format!("calibration {} (model volume times {factor}{pulse})", calibration.version)
             }
             (_, Some(factor)) => {
                 format!("not calibrated, speed law (model volume times {})", significant(factor, 6))
+            }
+            (Some(calibration), None) if calibration.roller_volume_ml.is_some() => {
+                format!("calibration {} (of the pulse alone{})", calibration.version, pulse(calibration))
             }
             (_, None) => "not calibrated".to_owned(),
         }
@@ -193,6 +206,14 @@ impl DoseReport {
         let (source, percent) = (spoken(largest.source.as_str()), largest.variance_percent);
         (percent > 0.0).then(|| format!("{source} makes {percent:.0} % of the variance: {}", largest.remedy))
     }
+}
+
+/// The pulse of a calibration that found one.
+fn pulse(calibration: &CalibrationReport) -> String {
+    let found = calibration.roller_volume_ml.zip(calibration.engagement_deg);
+    found.map_or(String::new(), |(volume_ml, engagement_deg)| {
+        format!(", roller volume {} mL over {engagement_deg:.2}°", significant(volume_ml, 5))
+    })
 }
 
 /// The word of a choice without underscores.

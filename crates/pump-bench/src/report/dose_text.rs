@@ -7,6 +7,7 @@ use super::dose::DoseReport;
 use crate::bench::headline;
 use crate::numbers::{microlitres, significant};
 use crate::record::Purpose;
+use crate::units::{Amount, amount};
 
 impl DoseReport {
     /// The first line: whether a motor moves.
@@ -33,13 +34,17 @@ impl DoseReport {
 
     fn volume_line(&self, asked: Option<&str>) -> String {
         let requested = || format!("{} mL", significant(self.requested_ml, 6));
-        let asked = asked.map_or_else(requested, str::to_owned);
+        let asked = match asked {
+            Some(typed) if is_mass(typed) => format!("{typed} asked by a balance in air: {}", requested()),
+            Some(typed) => format!("{typed} asked"),
+            None => format!("{} asked", requested()),
+        };
         let carry_in = match self.carry_in_ml {
             0.0 => String::new(),
             carry_ml => format!(", carry in {}", microlitres(carry_ml)),
         };
         let volume = if self.phase.is_stated() { self.volume() } else { self.volume_from_anywhere() };
-        format!("{volume}, {asked} asked{carry_in}")
+        format!("{volume}, {asked}{carry_in}")
     }
 
     /// The volume that was delivered or planned, and its uncertainty.
@@ -110,6 +115,11 @@ impl DoseReport {
             significant(self.cruise_flow_ml_s, 4),
         )
     }
+}
+
+/// True for an amount that was typed as a mass.
+fn is_mass(typed: &str) -> bool {
+    matches!(amount(typed), Ok(Amount::Mass(_)))
 }
 
 /// Decimals that show an uncertainty with two significant digits.

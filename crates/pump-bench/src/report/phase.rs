@@ -14,9 +14,9 @@ pub fn phase_json(found: &PhaseFit, version: Option<u32>) -> String {
 /// Says what short doses show, and what to change in the pump file. `version` is the calibration that doses use from
 /// now on; none if nothing was kept.
 pub fn phase_text(bench: &Bench, found: &PhaseFit, version: Option<u32>) -> String {
-    let PhaseFit { roller_volume_ml, engagement_deg, zero_deg, scatter_ml, degrees_of_freedom } = found;
-    let used = version.map_or("`--use` has doses correct the zero by this\n".to_owned(), |version| {
-        format!("doses correct the zero by this from now on: calibration {version}\n")
+    let PhaseFit { roller_volume_ml, engagement_deg, zero_deg, scatter_ml, degrees_of_freedom, .. } = found;
+    let used = version.map_or("`--use` has doses use all three\n".to_owned(), |version| {
+        format!("doses use all three from now on: calibration {version}\n")
     });
     format!(
         "{} degrees of freedom, doses scatter by {scatter_ml:.4} mL; ± is k = 2\n  \
@@ -31,7 +31,8 @@ pub fn phase_text(bench: &Bench, found: &PhaseFit, version: Option<u32>) -> Stri
         2.0 * engagement_deg.standard,
         zero_deg.value,
         2.0 * zero_deg.standard,
-        for_the_pump_file(bench, found),
+        // A pump file that says the same has another volume of a revolution, and no use for this calibration.
+        if version.is_none() { for_the_pump_file(bench, found) } else { String::new() },
     )
 }
 
@@ -64,5 +65,5 @@ fn for_the_pump_file(bench: &Bench, found: &PhaseFit) -> String {
             )
         }
     };
-    format!("for the pump file, after which the displacement is to be calibrated again:\n{change}")
+    format!("or for the pump file, after which the displacement is to be calibrated again:\n{change}")
 }

@@ -4,7 +4,7 @@ use pump_model::units::degrees;
 use serde::Serialize;
 
 use crate::bench::Bench;
-use crate::calibration::RunLog;
+use crate::calibration::{RunLog, Stored};
 use crate::dosing::DoseError;
 use crate::record::{PhaseSource, Wear};
 
@@ -61,6 +61,32 @@ pub struct CalibrationStatus {
     pub version: u32,
     /// Date on which the calibration was made, UTC.
     pub date: String,
+    /// Model angle of the rollers where the record says 0, deg.
+    pub zero_deg: f64,
+    /// Roller volume V_r that short doses found, mL; null if the pump file's holds.
+    pub roller_volume_ml: Option<f64>,
+    /// Standard uncertainty of that roller volume, mL.
+    pub roller_volume_standard_ml: Option<f64>,
+    /// Engagement angle phi that short doses found, deg; null if the pump file's holds.
+    pub engagement_deg: Option<f64>,
+    /// Standard uncertainty of that engagement angle, deg.
+    pub engagement_standard_deg: Option<f64>,
+}
+
+impl CalibrationStatus {
+    fn of(stored: Stored) -> Self {
+        let Stored { version, calibration } = stored;
+        let pulse = calibration.pulse;
+        Self {
+            version,
+            date: calibration.date,
+            zero_deg: calibration.zero_deg,
+            roller_volume_ml: pulse.map(|pulse| pulse.roller_volume_ml),
+            roller_volume_standard_ml: pulse.map(|pulse| pulse.roller_volume_standard_ml),
+            engagement_deg: pulse.map(|pulse| pulse.engagement_deg),
+            engagement_standard_deg: pulse.map(|pulse| pulse.engagement_standard_deg),
+        }
+    }
 }
 
 /// A dose that was begun and not finished.
@@ -148,10 +174,7 @@ impl Status {
             carry_half_width_ml: state.carry_within_ml(bench.model()),
             wear: state.wear,
             tube_life_ml: bench.file().tube.life_ml,
-            calibration: bench
-                .calibrations()
-                .active()?
-                .map(|stored| CalibrationStatus { version: stored.version, date: stored.calibration.date }),
+            calibration: bench.calibrations().active()?.map(CalibrationStatus::of),
             unfinished,
             unfinished_calibration: UnfinishedCalibration::of(bench),
             in_use_by: bench.folder().holder(),

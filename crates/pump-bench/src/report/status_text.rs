@@ -14,15 +14,14 @@ impl Status {
             } else {
                 "where the rollers stand is unknown"
             };
-            return format!("{pump} ({driver}): nothing on record; {stands}\n");
+            let calibration = self.calibration.as_ref().map_or(String::new(), |used| used.text() + "\n");
+            return format!("{pump} ({driver}): nothing on record; {stands}\n{calibration}");
         }
         let lines = [
             Some(self.rotor()),
             self.disturbed(),
             Some(self.tube()),
-            self.calibration.as_ref().map(|CalibrationStatus { version, date }| {
-                format!("doses use calibration {version} of {date}")
-            }),
+            self.calibration.as_ref().map(CalibrationStatus::text),
             self.unfinished.as_ref().map(|dose| self.unfinished_dose(dose)),
             self.unfinished_calibration.map(|calibration| calibration.text()),
         ];
@@ -70,6 +69,21 @@ impl Status {
                  `dose discard` leaves it"
             ),
         }
+    }
+}
+
+impl CalibrationStatus {
+    /// The calibration in words, with the pulse that its short doses found.
+    fn text(&self) -> String {
+        let Self { version, date, .. } = self;
+        let in_use = format!("doses use calibration {version} of {date}");
+        let volume_ml = self.roller_volume_ml.zip(self.roller_volume_standard_ml);
+        let engagement_deg = self.engagement_deg.zip(self.engagement_standard_deg);
+        let Some(((volume_ml, volume), (deg, angle))) = volume_ml.zip(engagement_deg) else { return in_use };
+        let (volume, angle) = (2.0 * volume, 2.0 * angle);
+        format!(
+            "{in_use}: roller volume {volume_ml:.4} ± {volume:.4} mL over {deg:.2}° ± {angle:.2}° (k = 2)"
+        )
     }
 }
 

@@ -18,7 +18,10 @@ pub enum Amount {
 }
 
 impl Amount {
-    /// Returns the volume in mL of a fluid with this density in kg/m³.
+    /// Returns the volume in mL of a fluid with this density in kg/m³. A mass is taken as the true mass.
+    ///
+    /// The reading of a balance in air is about a part in a thousand less than the true mass.
+    /// `Weighing::amount_ml` of the calibrations converts it.
     ///
     /// ```
     /// use pump_bench::units::{Amount, amount};

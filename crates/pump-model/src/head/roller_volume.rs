@@ -217,6 +217,24 @@ impl RollerVolume {
         }
     }
 
+    /// Returns the pulse g(x) = dV/dx, mL/rad; 0 outside 0 to phi.
+    ///
+    /// ```
+    /// let roller = pump_model::RollerVolume::measured()?;
+    /// let (x, h) = (0.5, 1e-6);
+    /// let rise_ml_rad = (roller.at(x + h) - roller.at(x - h)) / (2.0 * h);
+    /// assert!((roller.slope_ml_rad(x) - rise_ml_rad).abs() < 1e-8);
+    /// assert_eq!(roller.slope_ml_rad(-0.1), 0.0);
+    /// # Ok::<(), pump_model::ModelError>(())
+    /// ```
+    pub fn slope_ml_rad(&self, x_rad: f64) -> f64 {
+        if !(0.0..=self.engagement_rad).contains(&x_rad) {
+            return 0.0;
+        }
+        let piece = self.piece_at(x_rad);
+        piece.volume.derivative().at(x_rad - piece.start_rad)
+    }
+
     /// Returns the stretches over which the volume is held, rad: from, to.
     pub fn held_rad(&self) -> impl Iterator<Item = (f64, f64)> {
         let ends = self.pieces().iter().skip(1).map(|next| next.start_rad).chain([self.engagement_rad]);

@@ -55,6 +55,8 @@ class CalibrationUsed(Record):
     date: str
     displacement_factor: float
     zero_deg: float
+    roller_volume_ml: float | None
+    engagement_deg: float | None
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,7 @@ class Dose(Record):
     volume_least_ml: float
     volume_most_ml: float
     delivered_ml: float | None
+    balance_g: float | None
     volume_basis: VolumeBasis
     calibration: CalibrationUsed | None
     speed_law_factor: float | None
@@ -116,6 +119,8 @@ class Dose(Record):
     inlet_max_kpa: float
     outlet_min_kpa: float
     outlet_max_kpa: float
+    inlet_pressure_uncertainty_kpa: float
+    outlet_pressure_uncertainty_kpa: float
     ambient_kpa: float
     torque_needed_n_m: float | None
     torque_available_n_m: float | None
@@ -165,10 +170,15 @@ class Unfinished(Record):
 
 @dataclass(frozen=True)
 class CalibrationInUse(Record):
-    """The number and the date of the calibration that doses use."""
+    """The calibration that doses use, and the pulse that its short doses found; None without one."""
 
     version: int
     date: str
+    zero_deg: float
+    roller_volume_ml: float | None
+    roller_volume_standard_ml: float | None
+    engagement_deg: float | None
+    engagement_standard_deg: float | None
 
 
 @dataclass(frozen=True)

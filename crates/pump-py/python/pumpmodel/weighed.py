@@ -146,7 +146,7 @@ class ShortDose(Record):
 
 @dataclass(frozen=True)
 class PhaseFit:
-    """Fit to short doses with its standard uncertainties, and the calibration that keeps the zero.
+    """Fit to short doses with its standard uncertainties, and the calibration that keeps all three.
 
     `zero_rad` is the model angle of the rollers at the record's angle 0.
     """

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use pump_bench::calibration::Weighing;
 use pump_bench::pump_file::DriverName;
 use pump_bench::record::{Purpose, default_state_dir};
 use pump_bench::report::Status;
@@ -125,7 +126,7 @@ impl Bench {
 
     /// Plans a dose from the record without moving. Returns the JSON of a dry run.
     fn prepare(&self, py: Python<'_>, purpose: &str, asked: AskedDose<'_>) -> PyResult<String> {
-        let request = asked.request(purpose_named(purpose)?, self.density_kg_m3())?;
+        let request = asked.request(purpose_named(purpose)?, &self.weighing())?;
         let bench = &self.bench;
         let prepared = py.detach(|| bench.prepare(request)).map_err(|error| errors::dose(py, error))?;
         Ok(DoseReport::new(bench, &prepared, None).json())
@@ -154,7 +155,7 @@ impl Bench {
         asked: AskedDose<'_>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
-        let request = asked.request(purpose_named(purpose)?, self.density_kg_m3())?;
+        let request = asked.request(purpose_named(purpose)?, &self.weighing())?;
         self.run(py, progress, move |session| session.prepare(request))
     }
 
@@ -166,7 +167,7 @@ impl Bench {
         asked: AskedDose<'_>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
-        let request = asked.request(Purpose::Dose, self.density_kg_m3())?;
+        let request = asked.request(Purpose::Dose, &self.weighing())?;
         self.run(py, progress, move |session| session.prepare_rest(request))
     }
 
@@ -182,8 +183,8 @@ impl Bench {
 }
 
 impl Bench {
-    fn density_kg_m3(&self) -> f64 {
-        self.bench.file().fluid.density_kg_m3
+    fn weighing(&self) -> Weighing<'_> {
+        Weighing::of(self.bench.file())
     }
 
     /// Runs the dose that `prepare` returns.

@@ -1,5 +1,6 @@
 //! The request of a dose, from Python's keywords.
 
+use pump_bench::calibration::Weighing;
 use pump_bench::record::Purpose;
 use pump_bench::{DoseRequest, units};
 use pyo3::prelude::*;
@@ -25,11 +26,12 @@ pub(super) struct AskedDose<'py> {
 }
 
 impl AskedDose<'_> {
-    /// Returns the request for a fluid of this density.
-    pub(super) fn request(&self, purpose: Purpose, density_kg_m3: f64) -> PyResult<DoseRequest> {
+    /// Returns the request for the fluid and the air of `weighing`.
+    pub(super) fn request(&self, purpose: Purpose, weighing: &Weighing<'_>) -> PyResult<DoseRequest> {
         let volume_ml = match &self.volume {
             Some(volume) => {
-                units::dose_amount(text("volume", "25mL", volume)?).map_err(value)?.volume_ml(density_kg_m3)
+                let amount = units::dose_amount(text("volume", "25mL", volume)?).map_err(value)?;
+                weighing.amount_ml(amount).map_err(value)?
             }
             // The rest of an unfinished dose: the record has its volume.
             None => 0.0,

@@ -2,7 +2,6 @@
 
 use pump_bench::calibration::{Tolerance, Verification, Weighing};
 use pump_bench::units;
-use pump_bench::units::Amount;
 use pyo3::prelude::*;
 
 use super::bench::Bench;
@@ -21,19 +20,15 @@ impl Bench {
         random_percent: Option<f64>,
     ) -> PyResult<String> {
         let weighing = Weighing::of(self.bench.file());
-        let degc = weighing.fluid.temperature_degc;
         let nominal = units::amount(text("nominal", "10mL", nominal)?).map_err(value)?;
-        let nominal_ml = nominal.volume_ml(self.bench.file().fluid.density_kg_m3);
+        let nominal_ml = weighing.amount_ml(nominal).map_err(value)?;
         if !(nominal_ml > 0.0 && nominal_ml.is_finite()) {
             return Err(value(format_args!("nominal is {nominal_ml} mL; allowed: more than 0")));
         }
         let mut volumes_ml = Vec::new();
         for reading in readings.try_iter()? {
             let amount = units::amount(text("a reading", "9.98g", &reading?)?).map_err(value)?;
-            volumes_ml.push(match amount {
-                Amount::Mass(mass_g) => weighing.volume_ml(mass_g, degc).map_err(value)?,
-                Amount::Volume(volume_ml) => volume_ml,
-            });
+            volumes_ml.push(weighing.amount_ml(amount).map_err(value)?);
         }
         let standard = Tolerance::of_standard(nominal_ml);
         let either = |name, given: Option<f64>, of: fn(Tolerance) -> f64| {

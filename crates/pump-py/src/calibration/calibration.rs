@@ -7,6 +7,7 @@ use pump_bench::calibration::{
 };
 use pump_bench::files::{MOST_TABLE_BYTES, read_text};
 use pump_bench::pump_file::PumpFile;
+use pump_model::units::radians;
 use pump_model::{ModelError, Pump as Model};
 use pyo3::prelude::*;
 
@@ -47,8 +48,9 @@ impl Calibration {
     ///     Runs with their readings.
     /// scale : str, optional
     ///     Standard uncertainty of a reading, as "0.01g" or "0.1mL".
-    /// fit : {"line", "speed-law"}
-    ///     "line" fits a straight line over the speed. "speed-law" fits s and D of the speed law to three speeds or
+    /// fit : {"best", "line", "speed-law"}
+    ///     "best" fits a straight line over the speed, or a parabola where an F test at four speeds or more asks for
+    ///     it. "line" fits a straight line alone. "speed-law" fits s and D of the speed law to three speeds or
     ///     more.
     ///
     /// Raises
@@ -56,7 +58,7 @@ impl Calibration {
     /// ValueError
     ///     If there are no runs, or a run is impossible.
     #[staticmethod]
-    #[pyo3(signature = (pump, runs, *, scale=None, fit="line"))]
+    #[pyo3(signature = (pump, runs, *, scale=None, fit="best"))]
     fn from_runs(
         pump: &Pump,
         runs: &Bound<'_, PyAny>,
@@ -77,8 +79,9 @@ impl Calibration {
     ///     `mass_g` and `volume_ml`; optional are `start_angle_deg`, `direction`, `temperature_degc` and `time`.
     /// scale : str, optional
     ///     Standard uncertainty of a reading, as "0.01g" or "0.1mL".
-    /// fit : {"line", "speed-law"}
-    ///     "line" fits a straight line over the speed. "speed-law" fits s and D of the speed law to three speeds or
+    /// fit : {"best", "line", "speed-law"}
+    ///     "best" fits a straight line over the speed, or a parabola where an F test at four speeds or more asks for
+    ///     it. "line" fits a straight line alone. "speed-law" fits s and D of the speed law to three speeds or
     ///     more.
     ///
     /// Raises
@@ -88,7 +91,7 @@ impl Calibration {
     /// ValueError
     ///     If the file is no such table, or a run is impossible.
     #[staticmethod]
-    #[pyo3(signature = (pump, path, *, scale=None, fit="line"))]
+    #[pyo3(signature = (pump, path, *, scale=None, fit="best"))]
     fn from_csv(pump: &Pump, path: PathBuf, scale: Option<&Bound<'_, PyAny>>, fit: &str) -> PyResult<Self> {
         let text = read_text(&path, MOST_TABLE_BYTES).map_err(|error| errors::file(&path, &error))?;
         let runs = runs_of_csv(&text, pump.file.limits().motor.steps_per_rev);
@@ -130,7 +133,7 @@ impl Calibration {
 
     /// Return the standard uncertainty of `displacement_factor`.
     ///
-    /// It is widened so that twice its value covers 95 % for any number of runs.
+    /// It is widened so that twice its value covers 95 % for any number of runs, and includes the lack of fit.
     ///
     /// Parameters
     /// ----------
@@ -159,7 +162,7 @@ impl Calibration {
         pump: Option<&Pump>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let speeds = speed::speeds_rad_s(speed_rpm, speed_rad_s)?;
-        self.over(&speeds, pump, 0.0, Displacement::standard_at)?.into_object(py)
+        self.over(&speeds, pump, 0.0, Displacement::whole_standard_at)?.into_object(py)
     }
 
     /// Number of the calibration on its bench; 0 without a bench.
@@ -214,6 +217,19 @@ impl Calibration {
     #[getter]
     fn zero_rad(&self) -> f64 {
         self.0.calibration.zero_rad()
+    }
+
+    /// Roller volume V_r that short doses found and its standard uncertainty, mL; None if the pump's own holds.
+    #[getter]
+    fn roller_volume_ml(&self) -> Option<(f64, f64)> {
+        self.0.calibration.pulse.map(|pulse| (pulse.roller_volume_ml, pulse.roller_volume_standard_ml))
+    }
+
+    /// Engagement angle phi that short doses found and its standard uncertainty, rad; None if the pump's own holds.
+    #[getter]
+    fn engagement_rad(&self) -> Option<(f64, f64)> {
+        let pulse = self.0.calibration.pulse?;
+        Some((radians(pulse.engagement_deg), radians(pulse.engagement_standard_deg)))
     }
 
     /// Return the calibration as plain data, as `dose calibrate list --format json` prints it.

@@ -1,5 +1,6 @@
 //! The planning of a dose: Python's keywords become a request, and the request a plan.
 
+use pump_bench::calibration::Weighing;
 use pump_bench::record::Purpose;
 use pump_bench::{DoseRequest, units};
 use pump_ctl::plan::Phase;
@@ -78,7 +79,7 @@ impl Doser {
         let amount = units::dose_amount(text("volume", "25mL", volume)?).map_err(value)?;
         let request = DoseRequest {
             purpose: Purpose::Dose,
-            volume_ml: amount.volume_ml(doser.pump.get().file.fluid.density_kg_m3),
+            volume_ml: Weighing::of(&doser.pump.get().file).amount_ml(amount).map_err(value)?,
             cruise: cruise(rate, speed, within)?,
             smooth,
             finish: Some(finish_named(finish)?),

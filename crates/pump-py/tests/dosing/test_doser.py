@@ -29,7 +29,7 @@ def test_25_ml_is_planned_to_the_nearest_step() -> None:
 
 @pytest.mark.parametrize(
     ("text", "volume_ml"),
-    [("0.025 L", 25), ("250uL", 0.25), ("250 µL", 0.25), ("25 g", 25 / 0.997), ("-5mL", -5), ("1e3uL", 1)],
+    [("0.025 L", 25), ("250uL", 0.25), ("250 µL", 0.25), ("25 g", 25 * 1.003839), ("-5mL", -5), ("1e3uL", 1)],
 )
 def test_a_volume_is_text_with_its_unit(text: str, volume_ml: float) -> None:
     plan = pm.Doser(pm.Pump.three_roller()).plan(text)

@@ -71,7 +71,7 @@ impl<'a> AgainstSpeed<'a> {
     /// [`ModelError`] where the law cannot be computed for this pump and speed.
     pub(crate) fn factor_at(&self, speed_rpm: f64) -> Result<f64, ModelError> {
         match &self.known {
-            DisplacementSource::Line(line) => Ok(line.line_at(speed_rpm.abs())),
+            DisplacementSource::Line(line) => Ok(line.kappa_at(speed_rpm.abs())),
             DisplacementSource::Fitted(_, law) | DisplacementSource::Given(law) => {
                 law.factor_at_any(self.base, rad_s(speed_rpm))
             }
@@ -138,12 +138,7 @@ impl<'a> AgainstSpeed<'a> {
             Ok(self.factor_at(direction * rpm)? * self.base.revolution_ml() * rpm / 60.0)
         };
         let largest_ml_s = match &self.known {
-            // kappa(N) N is a parabola.
-            DisplacementSource::Line(line) => {
-                let top_rpm = -line.line_at(0.0) / (2.0 * line.slope_per_rpm);
-                let inside = (least_rpm..=most_rpm).contains(&top_rpm);
-                flow_ml_s(most_rpm)?.max(flow_ml_s(if inside { top_rpm } else { least_rpm })?)
-            }
+            DisplacementSource::Line(line) => flow_ml_s(line.largest_flow_rpm(least_rpm, most_rpm))?,
             DisplacementSource::Fitted(_, law) | DisplacementSource::Given(law) => {
                 law.largest_flow_ml_s(self.base, reverse)?
             }

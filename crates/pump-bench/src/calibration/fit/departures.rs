@@ -73,10 +73,11 @@ impl Departures {
     }
 
     /// Returns the standard deviation of the speeds' means about the fit beyond the scatter within the
-    /// speeds, as a part of the volume. It is 0 with two speeds or fewer, or where no speed was repeated.
-    pub(super) fn lack_of_fit(&self) -> f64 {
+    /// speeds, as a part of the volume. The fit has so many `parameters`. It is 0 with no more speeds than
+    /// parameters, or where no speed was repeated.
+    pub(super) fn lack_of_fit(&self, parameters: usize) -> f64 {
         let (speeds, runs) = (self.by_speed.len(), self.runs);
-        if speeds < 3 || !self.repeated() {
+        if speeds <= parameters || !self.repeated() {
             return 0.0;
         }
         let (mut between, mut within) = (0.0, 0.0);
@@ -85,7 +86,7 @@ impl Departures {
             between += group.len() as f64 * mean * mean;
             within += group.iter().map(|one| (one.residual - mean) * (one.residual - mean)).sum::<f64>();
         }
-        let excess = between / (speeds - 2) as f64 - within / (runs - speeds) as f64;
+        let excess = between / (speeds - parameters) as f64 - within / (runs - speeds) as f64;
         sqrt(excess.max(0.0) * speeds as f64 / runs as f64)
     }
 

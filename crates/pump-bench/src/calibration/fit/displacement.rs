@@ -1,6 +1,9 @@
 //! The displacement factor: measured over model volume, at one speed, as a line over several or by a law.
 
+#[cfg(test)]
+mod bend_tests;
 mod fitting;
+mod flow;
 mod stored;
 #[cfg(test)]
 mod tests;
@@ -14,10 +17,11 @@ use serde::{Deserialize, Serialize};
 use super::law_fit::LawFit;
 use super::points::SAME_SPEED;
 use super::scatter::Scatter;
+use super::speed_bend::SpeedBend;
 use crate::displacement::DisplacementLaw;
 
 /// Displacement factor of weighed runs: the line kappa(N) = factor + slope (N - reference), by weighted least
-/// squares, or a law with that line beside it.
+/// squares, that line with a bend, or a law with that line beside it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "stored::StoredDisplacement", into = "stored::StoredDisplacement")]
 #[non_exhaustive]
@@ -32,10 +36,12 @@ pub struct Displacement {
     pub slope_per_rpm: f64,
     /// Standard error of the slope, in min/r; 0 with one speed.
     pub slope_standard_per_rpm: f64,
+    /// Bend over the speed, if the runs ask for one.
+    pub bend: Option<SpeedBend>,
     /// Scatter of the runs, about the law if that was fitted.
     pub scatter: Scatter,
-    /// Distance of the means at three speeds or more from the line or law beyond the scatter, RMS, as a part
-    /// of the volume.
+    /// Distance of the means at three speeds or more, four if kappa is bent, from the fit beyond the scatter,
+    /// RMS, as a part of the volume.
     pub lack_of_fit: f64,
     /// Standard uncertainty of the readings that no mean reduces, as a part of the volume.
     pub reading: f64,
@@ -48,9 +54,11 @@ pub struct Displacement {
 }
 
 impl Displacement {
-    /// Returns kappa of the line at a speed in r/min.
-    pub(super) fn line_at(&self, rpm: f64) -> f64 {
-        self.factor + self.slope_per_rpm * (rpm - self.reference_rpm)
+    /// Returns kappa of the line, with its bend, at a speed in r/min.
+    pub(super) fn kappa_at(&self, rpm: f64) -> f64 {
+        let x_rpm = rpm - self.reference_rpm;
+        let line = self.factor + self.slope_per_rpm * x_rpm;
+        self.bend.map_or(line, |bend| line + bend.at(x_rpm))
     }
 
     /// Returns kappa of `base`, the pump as it is without this calibration, at a speed in r/min, negative in
@@ -62,7 +70,7 @@ impl Displacement {
     pub fn factor_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
         match &self.law {
             Some(fit) => fit.factor_at(base, rad_s(rpm)),
-            None => Ok(self.line_at(rpm.abs())),
+            None => Ok(self.kappa_at(rpm.abs())),
         }
     }
 
@@ -73,11 +81,14 @@ impl Displacement {
     ///
     /// [`ModelError`] where the law cannot be computed for this pump and speed.
     pub fn standard_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
+        let x_rpm = rpm.abs() - self.reference_rpm;
         let [factor, slope] = match &self.law {
             Some(fit) => fit.standards_at(base, rad_s(rpm))?,
-            None => [self.factor_standard, self.slope_standard_per_rpm * (rpm.abs() - self.reference_rpm)],
+            None => [self.factor_standard, self.slope_standard_per_rpm * x_rpm],
         };
-        let errors = widening(self.scatter.degrees_of_freedom()) * sqrt(factor * factor + slope * slope);
+        let bend = self.bend.map_or(0.0, |bend| bend.standard_at(x_rpm));
+        let scattered = sqrt(factor * factor + slope * slope + bend * bend);
+        let errors = widening(self.scatter.degrees_of_freedom()) * scattered;
         Ok(sqrt(errors * errors + self.reading * self.reading))
     }
 
@@ -86,6 +97,22 @@ impl Displacement {
     pub(crate) fn repeatability(&self) -> f64 {
         let widened = |standard| widening(self.scatter.degrees_of_freedom()) * standard;
         self.scatter.standard().map_or(0.0, widened)
+    }
+
+    /// Returns the standard uncertainty of kappa at a speed of the runs in r/min: [`Self::standard_at`] with the
+    /// lack of fit.
+    ///
+    /// # Errors
+    ///
+    /// [`ModelError`] where the law cannot be computed for this pump and speed.
+    pub fn whole_standard_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
+        let standard = self.standard_at(base, rpm)?;
+        Ok(sqrt(standard * standard + self.lack_of_fit * self.lack_of_fit))
+    }
+
+    /// Returns the standard uncertainty of the bend, in min²/r², widened as that of kappa; 0 without a bend.
+    pub(crate) fn bend_standard_per_rpm2(&self) -> f64 {
+        widening(self.scatter.degrees_of_freedom()) * self.bend.map_or(0.0, |bend| bend.standard_per_rpm2)
     }
 
     /// Returns the slowest and the fastest speed of a dose, in r/min: those of the runs, but for a difference
@@ -122,17 +149,5 @@ impl Displacement {
     pub fn covers(&self, rpm: f64) -> bool {
         let [least_rpm, most_rpm] = self.dose_range_rpm();
         !self.is_line() || (least_rpm..=most_rpm).contains(&rpm)
-    }
-
-    /// Returns the slowest speed of the line, in r/min, whose mean flow is `flow_ml_s` on a pump that
-    /// delivers `revolution_ml` per revolution without this calibration: the smaller root of kappa(N) V_rot N
-    /// / 60 = Q. Returns `None` beyond the largest flow of the line.
-    pub(crate) fn speed_for_flow(&self, revolution_ml: f64, flow_ml_s: f64) -> Option<f64> {
-        let wanted_rpm = 60.0 * flow_ml_s / revolution_ml;
-        let at_rest = self.line_at(0.0);
-        let discriminant = at_rest * at_rest + 4.0 * self.slope_per_rpm * wanted_rpm;
-        // The form without cancellation; at slope 0 it is the quotient.
-        let rpm = 2.0 * wanted_rpm / (at_rest + sqrt(discriminant));
-        (discriminant >= 0.0 && rpm > 0.0 && rpm.is_finite()).then_some(rpm)
     }
 }

@@ -10,13 +10,16 @@ mod points;
 mod revolution;
 mod scatter;
 mod short_dose;
+mod speed_bend;
 
 pub(crate) use against_speed::AgainstSpeed;
 pub use displacement::Displacement;
 pub use expected::Expected;
 pub use law_fit::LawFit;
 pub(crate) use law_fit::LawToFit;
-pub use phase::PhaseFit;
+pub(crate) use phase::PulseSureness;
+pub use phase::{FittedPulse, PhaseFit};
 pub(crate) use revolution::Revolution;
 pub use scatter::Scatter;
 pub use short_dose::{ShortDose, short_doses_of_csv};
+pub use speed_bend::SpeedBend;

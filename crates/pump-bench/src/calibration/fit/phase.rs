@@ -1,5 +1,6 @@
 //! The zero of the angle and the shape of a pulse, from short doses at known start angles.
 
+mod fitted_pulse;
 mod pulse;
 #[cfg(test)]
 mod tests;
@@ -10,6 +11,8 @@ use pump_model::identification::{Estimate, widening};
 use pump_model::units::{degrees, wrap};
 use serde::Serialize;
 
+pub use self::fitted_pulse::FittedPulse;
+pub(crate) use self::fitted_pulse::PulseSureness;
 use self::pulse::{ENGAGEMENT, PARAMETERS, Pulse, ROLLER, ZERO};
 use super::expected::Expected;
 use super::revolution::Revolution;
@@ -29,6 +32,8 @@ pub struct PhaseFit {
     pub engagement_deg: Estimate,
     /// Model angle of the rollers where the record says 0, in deg, within half a pitch either way.
     pub zero_deg: Estimate,
+    /// Correlation coefficients of the estimates: V_r with phi, V_r with the zero, phi with the zero.
+    pub correlations: [f64; 3],
     /// Standard deviation of the doses about the fit, in mL.
     pub scatter_ml: f64,
     /// Number of doses less number of parameters.
@@ -62,20 +67,29 @@ impl PhaseFit {
         let best = found.at;
         let degrees_of_freedom = (doses.len() - PARAMETERS) as u32;
         let variance_ratio = found.sum / f64::from(degrees_of_freedom);
-        let variances = found.rows.variances().ok_or(undetermined(
+        let covariances = found.rows.covariances().ok_or(undetermined(
             "they do not sweep a pulse; turn a fifth of a pitch from angles all over a pitch",
         ))?;
         // Readings that happen to agree do not make up for doses that say nothing of a pulse.
-        if sqrt(variances[ZERO]) > pump.pitch_rad() / 12.0 {
+        if sqrt(covariances[ZERO][ZERO]) > pump.pitch_rad() / 12.0 {
             return Err(undetermined(
                 "they sweep too little of a pulse; turn a fifth of a pitch from angles all over a pitch",
             ));
         }
         let tilted = Pulse { tilt: 1.0 + revolution.standard(pump)?, ..pulse }.search_from(best)?.at;
-        let estimate = |n: usize, value: f64, unit: f64| {
-            let scattered = widening(degrees_of_freedom) * sqrt(variances[n] * variance_ratio);
-            let moved = tilted[n] - best[n];
-            Estimate { value, standard: sqrt(scattered * scattered + moved * moved) }.times(unit)
+        // The scatter of the doses and the revolution's uncertainty move all three together, each its own way.
+        let wide = widening(degrees_of_freedom);
+        let covariance = |n: usize, m: usize| {
+            let moved = (tilted[n] - best[n]) * (tilted[m] - best[m]);
+            wide * wide * variance_ratio * covariances[n][m] + moved
+        };
+        let standard = |n: usize| sqrt(covariance(n, n));
+        let estimate =
+            |n: usize, value: f64, unit: f64| Estimate { value, standard: standard(n) }.times(unit);
+        let correlation = |n: usize, m: usize| match standard(n) * standard(m) {
+            // Doses without any scatter leave nothing to be correlated.
+            0.0 => 0.0,
+            product => covariance(n, m) / product,
         };
         let pitch_rad = pump.pitch_rad();
         let zero_rad = wrap(best[ZERO] + 0.5 * pitch_rad, pitch_rad) - 0.5 * pitch_rad;
@@ -84,6 +98,11 @@ impl PhaseFit {
             roller_volume_ml: estimate(ROLLER, best[ROLLER], roller.total_ml()),
             engagement_deg: estimate(ENGAGEMENT, best[ENGAGEMENT], roller.engagement_deg()),
             zero_deg: estimate(ZERO, zero_rad, degrees(1.0)),
+            correlations: [
+                correlation(ROLLER, ENGAGEMENT),
+                correlation(ROLLER, ZERO),
+                correlation(ENGAGEMENT, ZERO),
+            ],
             scatter_ml: pulse.scatter_ml(&best)?,
             degrees_of_freedom,
         };

@@ -92,6 +92,11 @@ impl Points {
         StraightLine::about_mean(points, Terms { offset: true, slope: true, bend: false })
     }
 
+    /// Cruise speed of each run, in r/min, measured over model volume, and weight.
+    pub(super) fn weighted(&self) -> impl Iterator<Item = (f64, f64, f64)> {
+        self.points.iter().map(|point| (point.rpm, point.ratio, 1.0 / (point.sigma * point.sigma)))
+    }
+
     /// Cruise speed of each run, in rad/s, negative in reverse.
     pub(super) fn speeds_rad_s(&self) -> impl Iterator<Item = f64> {
         self.points.iter().map(|point| point.speed_rad_s)

@@ -97,6 +97,24 @@ impl<const N: usize> Triangle<N> {
         Some(variances)
     }
 
+    /// Returns the covariances of the x whose right sides have variance 1, or `None` if the x is not unique:
+    /// (R^T R)^-1, as R^-1 R^-T.
+    pub fn covariances(&self) -> Option<[[f64; N]; N]> {
+        if self.singular().is_some() {
+            return None;
+        }
+        let mut covariances = [[0.0; N]; N];
+        for n in 0..N {
+            let column = self.back(core::array::from_fn(|row| if row == n { 1.0 } else { 0.0 }));
+            for (row, one) in covariances.iter_mut().zip(column) {
+                for (covariance, other) in row.iter_mut().zip(column) {
+                    *covariance += one * other;
+                }
+            }
+        }
+        Some(covariances)
+    }
+
     /// Returns x of R x = `right`.
     fn back(&self, right: [f64; N]) -> [f64; N] {
         let mut x = right;
@@ -128,6 +146,11 @@ mod tests {
         assert!((offset - 3.0001).abs() < 5e-5 && (slope - 0.5001).abs() < 5e-5, "{offset} {slope}");
         let errors = triangle.variances().unwrap().map(|variance| sqrt(variance * triangle.left() / 9.0));
         assert!((errors[0] - 1.1247).abs() < 5e-5 && (errors[1] - 0.1179).abs() < 5e-5, "{errors:?}");
+        // Offset and slope have the mean of x in common: cov = -mean var(slope).
+        let covariances = triangle.covariances().unwrap();
+        let variances = triangle.variances().unwrap();
+        assert!((covariances[0][1] + 9.0 * variances[1]).abs() < 1e-14, "{covariances:?}");
+        assert_eq!([covariances[0][0], covariances[1][1]], variances);
         let total: f64 = y.iter().map(|y| y * y).sum();
         assert!((triangle.gained() + triangle.left() - total).abs() < 1e-12);
     }

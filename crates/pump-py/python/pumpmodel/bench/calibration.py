@@ -51,7 +51,7 @@ class BenchCalibration:
         self,
         runs: Sequence[WeighedRun],
         *,
-        fit: CalibrationFit = "line",
+        fit: CalibrationFit = "best",
         scale: str | None = None,
         tube: str | None = None,
         note: str | None = None,
@@ -62,8 +62,9 @@ class BenchCalibration:
         ----------
         runs : sequence of WeighedRun
             Runs with their readings, at three speeds or more if doses have several speeds.
-        fit : {"line", "speed-law"}, optional
-            Curve that is fitted over several speeds: a straight line, or the experimental law of `SpeedLaw`.
+        fit : {"best", "line", "speed-law"}, optional
+            Curve that is fitted over several speeds: a straight line or, where four speeds or more ask for it, a
+            parabola; a straight line alone; or the experimental law of `SpeedLaw`.
         scale : str, optional
             Standard uncertainty of a reading, as "0.01g" or "0.1mL".
         tube, note : str, optional
@@ -91,7 +92,7 @@ class BenchCalibration:
         tube: str | None = None,
         note: str | None = None,
     ) -> PhaseFit:
-        """Find the zero of the angle from short doses, keep it under the next number, and use it from now on.
+        """Find the pulse and the zero of the angle from short doses, and use them from now on.
 
         Parameters
         ----------
@@ -105,7 +106,7 @@ class BenchCalibration:
         Returns
         -------
         PhaseFit
-            Fitted roller volume, engagement angle and zero, and the calibration that keeps the zero.
+            Fitted roller volume, engagement angle and zero, and the calibration that keeps them.
 
         Raises
         ------

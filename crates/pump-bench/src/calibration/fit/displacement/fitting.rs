@@ -10,6 +10,7 @@ use crate::calibration::fit::expected::Expected;
 use crate::calibration::fit::law_fit::{LawFit, LawToFit};
 use crate::calibration::fit::points::{Points, distinct};
 use crate::calibration::fit::scatter::Scatter;
+use crate::calibration::fit::speed_bend::SpeedBend;
 use crate::calibration::{CalibrationError, CalibrationRun, Weighing};
 
 impl Displacement {
@@ -29,8 +30,30 @@ impl Displacement {
         let points = Points::of(pump, runs, weighing, expected)?;
         let line = points.over_speed()?;
         let departures = points.departures_from_line(&line);
-        let errors = Errors::of(&points, &line, &departures, expected);
-        Ok(Self::of(&points, &line, &departures, &errors, None))
+        let errors = Errors::of(points.parameters(), &line, &departures, expected);
+        Ok(Self::of(&points, &line, &departures, &errors, Shape::Line))
+    }
+
+    /// Fits a line to `runs` of `pump`, with a bend if the runs ask for one at four speeds or more.
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`Self::fit`].
+    pub(crate) fn fit_best(
+        pump: &Pump,
+        runs: &[CalibrationRun],
+        weighing: &Weighing<'_>,
+        expected: &Expected,
+    ) -> Result<Self, CalibrationError> {
+        let points = Points::of(pump, runs, weighing, expected)?;
+        let line = points.over_speed()?;
+        let Some(bend) = SpeedBend::asked_for(&points, &line) else {
+            return Self::fit(pump, runs, weighing, expected);
+        };
+        let bent = points.weighted().map(|(rpm, ..)| line.at(rpm) + bend.at(rpm - line.reference));
+        let departures = points.departures(bent);
+        let errors = Errors::of(points.parameters() + 1, &line, &departures, expected);
+        Ok(Self::of(&points, &line, &departures, &errors, Shape::Bent(bend)))
     }
 
     /// Fits `law` to `runs` of `pump`, the pump as it is without this calibration. The fit needs three speeds.
@@ -55,10 +78,10 @@ impl Displacement {
         let line = points.over_speed()?;
         let over = law.line(&points)?;
         let departures = points.departures(over.fitted());
-        let errors = Errors::of(&points, &line, &departures, expected);
+        let errors = Errors::of(points.parameters(), &line, &departures, expected);
         let degrees_of_freedom = errors.scatter.degrees_of_freedom();
         let law = over.law(errors.standards(&over.line), points.reading, degrees_of_freedom)?;
-        Ok(Self::of(&points, &line, &departures, &errors, Some(law)))
+        Ok(Self::of(&points, &line, &departures, &errors, Shape::Law(law)))
     }
 
     fn of(
@@ -66,9 +89,14 @@ impl Displacement {
         line: &StraightLine,
         departures: &Departures,
         errors: &Errors,
-        law: Option<LawFit>,
+        shape: Shape,
     ) -> Self {
         let [factor_standard, slope_standard_per_rpm] = errors.standards(line);
+        let (bend, law) = match shape {
+            Shape::Line => (None, None),
+            Shape::Bent(bend) => (Some(bend), None),
+            Shape::Law(law) => (None, Some(law)),
+        };
         Self {
             reference_rpm: line.reference,
             factor: line.offset.value,
@@ -76,13 +104,21 @@ impl Displacement {
             slope_per_rpm: line.slope.value,
             slope_standard_per_rpm,
             scatter: errors.scatter,
-            lack_of_fit: departures.lack_of_fit(),
+            bend,
+            lack_of_fit: departures.lack_of_fit(if bend.is_some() { 3 } else { 2 }),
             reading: points.reading,
             outliers: departures.outliers(errors.mean_sigma),
             speeds_rpm: points.speeds_rpm.clone(),
             law,
         }
     }
+}
+
+/// Shape over the speed that was fitted beside the line.
+enum Shape {
+    Line,
+    Bent(SpeedBend),
+    Law(LawFit),
 }
 
 /// Errors of the runs beside those that were expected.
@@ -97,9 +133,10 @@ struct Errors {
 }
 
 impl Errors {
-    fn of(points: &Points, line: &StraightLine, departures: &Departures, expected: &Expected) -> Self {
+    /// Returns the errors of the runs about a fit with so many parameters.
+    fn of(parameters: usize, line: &StraightLine, departures: &Departures, expected: &Expected) -> Self {
         let mean_sigma = sqrt(departures.runs() as f64 * line.offset.variance);
-        match departures.variance_ratio(points.parameters()) {
+        match departures.variance_ratio(parameters) {
             Some(VarianceRatio { degrees_of_freedom, ratio }) => {
                 let error = sqrt(ratio);
                 let scatter = Scatter::Seen { degrees_of_freedom, standard: error * mean_sigma };

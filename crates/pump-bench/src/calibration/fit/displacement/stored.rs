@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::Displacement;
 use crate::calibration::fit::law_fit::LawFit;
 use crate::calibration::fit::scatter::Scatter;
+use crate::calibration::fit::speed_bend::SpeedBend;
 
 /// Fields of a displacement factor in JSON.
 #[derive(Serialize, Deserialize)]
@@ -17,6 +18,8 @@ pub(super) struct StoredDisplacement {
     factor_standard: f64,
     slope_per_rpm: f64,
     slope_standard_per_rpm: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    bend: Option<SpeedBend>,
     /// Degrees of freedom; 0 exactly where there is no scatter.
     degrees_of_freedom: u32,
     scatter: Option<f64>,
@@ -54,6 +57,7 @@ impl TryFrom<StoredDisplacement> for Displacement {
             factor_standard: stored.factor_standard,
             slope_per_rpm: stored.slope_per_rpm,
             slope_standard_per_rpm: stored.slope_standard_per_rpm,
+            bend: stored.bend,
             scatter,
             lack_of_fit: stored.lack_of_fit,
             reading: stored.reading,
@@ -72,6 +76,7 @@ impl From<Displacement> for StoredDisplacement {
             factor_standard: found.factor_standard,
             slope_per_rpm: found.slope_per_rpm,
             slope_standard_per_rpm: found.slope_standard_per_rpm,
+            bend: found.bend,
             degrees_of_freedom: found.scatter.degrees_of_freedom(),
             scatter: found.scatter.standard(),
             lack_of_fit: found.lack_of_fit,

@@ -37,7 +37,7 @@ fn a_line_through_several_speeds_is_found_exactly() {
     assert_eq!(fit.speeds_rpm, [20.0, 60.0, 100.0]);
     assert!((fit.slope_per_rpm + 2e-4).abs() < 1e-12);
     for rpm in [20.0, 33.0, 100.0] {
-        assert!((fit.line_at(rpm) - truth(rpm)).abs() < 1e-12);
+        assert!((fit.kappa_at(rpm) - truth(rpm)).abs() < 1e-12);
     }
     assert!(
         fit.standard_at(&Pump::three_roller(), 60.0).unwrap() < 1e-9
@@ -77,7 +77,7 @@ fn standard_errors_are_those_of_repeated_calibrations() {
             .collect();
         let fit = fit(&runs, &EXPECTED).unwrap();
         inside += i32::from(
-            (fit.line_at(80.0) - 1.008).abs() < 2.0 * fit.standard_at(&Pump::three_roller(), 80.0).unwrap(),
+            (fit.kappa_at(80.0) - 1.008).abs() < 2.0 * fit.standard_at(&Pump::three_roller(), 80.0).unwrap(),
         );
         squares += fit.scatter.standard().unwrap() * fit.scatter.standard().unwrap();
         slopes += (fit.slope_per_rpm - 1e-4) * (fit.slope_per_rpm - 1e-4);
@@ -141,7 +141,7 @@ fn a_speed_gives_its_flow_and_no_speed_gives_more_than_the_line_has() {
             [20.0, 60.0, 100.0].iter().map(|rpm| (*rpm, 1.0 + slope * (rpm - 60.0))).collect();
         let fit = fit(&runs, &EXPECTED).unwrap();
         for rpm in [25.0, 77.0, 100.0] {
-            let flow_ml_s = fit.line_at(rpm) * 21.318_5 * rpm / 60.0;
+            let flow_ml_s = fit.kappa_at(rpm) * 21.318_5 * rpm / 60.0;
             assert!((fit.speed_for_flow(21.318_5, flow_ml_s).unwrap() - rpm).abs() < 1e-9, "{slope} {rpm}");
         }
     }

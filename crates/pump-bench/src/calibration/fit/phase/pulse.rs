@@ -8,6 +8,7 @@ use pump_model::{ModelError, Pump};
 use crate::calibration::CalibrationError;
 use crate::calibration::fit::expected::Expected;
 use crate::calibration::fit::short_dose::ShortDose;
+use crate::displacement::PulseCorrection;
 
 /// Number of parameters: V_r over the model's, phi over the model's, and the zero, in rad.
 pub(super) const PARAMETERS: usize = 3;
@@ -35,11 +36,11 @@ pub(super) struct Pulse<'a> {
 impl<'a> Pulse<'a> {
     fn model(&self, at: &[f64; PARAMETERS]) -> Result<Pump, ModelError> {
         let roller = self.pump.roller_volume();
-        let roller = roller
-            .scaled_to(at[ROLLER] * roller.total_ml())?
-            .stretched_to(at[ENGAGEMENT] * roller.engagement_deg())?;
-        let pump = Pump::new(*self.pump.geometry(), roller, *self.pump.inlet(), *self.pump.outlet())?;
-        pump.shifted(at[ZERO])?.scaled(self.tilt * self.pump.revolution_ml() / pump.revolution_ml())
+        let pulse = PulseCorrection {
+            roller_volume_ml: at[ROLLER] * roller.total_ml(),
+            engagement_deg: at[ENGAGEMENT] * roller.engagement_deg(),
+        };
+        pulse.of(self.pump)?.shifted(at[ZERO])?.scaled(self.tilt)
     }
 
     /// Measured volumes less those of the model, in mL.

@@ -20,6 +20,7 @@ fn weighed(plant: &Pump) -> Displacement {
         factor_standard: 0.0,
         slope_per_rpm: 0.0,
         slope_standard_per_rpm: 0.0,
+        bend: None,
         scatter: Scatter::Seen { degrees_of_freedom: NonZeroU32::new(100).unwrap(), standard: 0.0 },
         lack_of_fit: 0.0,
         reading: 0.0,
