@@ -19,7 +19,10 @@ pub(crate) struct DosingOptions {
     #[command(flatten)]
     cruise: CruiseOptions,
     /// Let the speed follow the rollers for a smooth flow
-    #[arg(long_help = "Let the speed follow the rollers' angle, for a flow as smooth as the limits allow.")]
+    #[arg(
+        long_help = "Let the speed follow the rollers' angle, for a flow at the end of the outlet line that is as smooth as the \
+                       limits allow. --verbose tells the ripple there and at the rollers."
+    )]
     #[arg(long, help_heading = "Amount and speed")]
     smooth: bool,
     #[command(flatten)]
