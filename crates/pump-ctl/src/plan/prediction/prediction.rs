@@ -52,8 +52,8 @@ impl Plan {
     /// kPa. See [`pump_model::Line::worst_step_kpa_ml`].
     pub(in crate::plan) fn step_kpa(&self, pump: &Pump, port: Port) -> f64 {
         let largest_ml = pump.curve(port).flow_range_ml_rad().1 * self.step_rad;
-        let duration_s = self.profile.duration_s();
-        largest_ml * pump.line(port).worst_step_kpa_ml(self.longest_interval_s(), duration_s)
+        let (shortest_s, longest_s) = (self.step_rad / self.profile.peak_rad_s(), self.longest_interval_s());
+        largest_ml * pump.line(port).worst_step_kpa_ml(shortest_s, longest_s, self.profile.duration_s())
     }
 
     /// Returns a bound of the time between two steps, s. The rotor is slowest at the first step, at the last,
