@@ -13,11 +13,11 @@ use super::speed::{CruiseOptions, ReverseOption, StartAngleOption};
 use super::volume::AskedVolume;
 use crate::failure::Failure;
 
-/// Delivery of a volume.
 /// Help of `--smooth`.
 const SMOOTH_HELP: &str = "Let the speed follow the rollers' angle, for a flow at the end of the outlet line \
                            that is as smooth as the limits allow. --verbose tells the ripple there and at the rollers.";
 
+/// Delivery of a volume.
 #[derive(Debug, Args)]
 pub(crate) struct DosingOptions {
     #[command(flatten)]
