@@ -156,17 +156,18 @@ pub(super) fn ended(printed: Result<(), Failure>, delivered: Option<DeliveryEnd>
 
 /// Writes the files that were asked for. They hold predictions, so they are there, all of them, before anything moves.
 fn write_outputs(bench: &Bench, prepared: &Prepared, options: &DosingOptions) -> Result<(), Failure> {
-    let plan = &prepared.plan;
-    let motion_s = plan.profile().duration_s();
-    let end_s = motion_s + prepared.prediction.settle_s;
+    let (plan, back) = (&prepared.plan, prepared.retraction.as_ref().map(|back| &back.plan));
+    let (motion_s, end_s) = (prepared.motion_s(), prepared.settled_s());
     let samples = |dt_s| {
-        Waveform::new(&prepared.model, plan.legs(), Method::Exact, times(dt_s, motion_s, end_s))
+        Waveform::new(&prepared.model, prepared.legs(), Method::Exact, times(dt_s, motion_s, end_s))
             .map_err(Failure::of)
     };
     let mut outputs = Outputs::default();
     if let Some(path) = &options.steps.steps {
-        refuse_rows(plan.steps().unsigned_abs() as f64, "list of steps", "dose less at a time")?;
-        outputs.write(path, |to| write_steps(to, plan))?;
+        let steps = plan.steps().unsigned_abs() + back.map_or(0, |back| back.steps().unsigned_abs());
+        refuse_rows(steps as f64, "list of steps", "dose less at a time")?;
+        let back = back.map(|back| (prepared.prediction.settle_s, back));
+        outputs.write(path, |to| write_steps(to, plan, back))?;
     }
     if let Some(path) = &options.trace.trace {
         let dt_s = options.trace.dt.unwrap_or(DEFAULT_DT_S);

@@ -81,7 +81,7 @@ impl SimulateArgs {
         let dt_s = self.trace.dt.unwrap_or(DEFAULT_DT_S.min(duration_s));
         let run = Simulation { method, ..Simulation::new(speed_rad_s, duration_s, dt_s) };
         let steady = run.steady_state(&pump).map_err(Failure::of)?;
-        let report = SimulationReport::new(&file, &run, roller_centric, frictions, &steady);
+        let report = SimulationReport::new(&file, &pump, &run, roller_centric, frictions, &steady);
         self.write_outputs(&run, &pump, &report)?;
         if self.format.json() { print(&(report.json() + "\n")) } else { tell(&report.text()) }
     }

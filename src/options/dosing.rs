@@ -15,13 +15,17 @@ use super::start_angle::StatedStartOption;
 use super::volume::AskedVolume;
 use crate::failure::Failure;
 
+/// Help of `--smooth`.
+const SMOOTH_HELP: &str = "Let the speed follow the rollers' angle, for a flow at the end of the outlet line \
+                           that is as smooth as the limits allow. --verbose tells the ripple there and at the rollers.";
+
 /// Delivery of a volume.
 #[derive(Debug, Args)]
 pub(crate) struct DosingOptions {
     #[command(flatten)]
     cruise: CruiseOptions,
     /// Let the speed follow the rollers for a smooth flow
-    #[arg(long_help = "Let the speed follow the rollers' angle, for a flow as smooth as the limits allow.")]
+    #[arg(long_help = SMOOTH_HELP)]
     #[arg(long, help_heading = "Amount and speed")]
     smooth: bool,
     #[command(flatten)]

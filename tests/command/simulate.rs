@@ -135,3 +135,19 @@ fn a_pressure_below_that_at_which_the_tube_collapses_is_warned_of() {
     assert!(!fast.contains("the outlet pressure falls"), "{fast}");
     assert_eq!(warnings("100rpm"), "[]");
 }
+
+#[test]
+fn a_start_up_below_the_pressure_at_which_the_tube_collapses_is_warned_of() {
+    let user = User::new();
+    let report = user.json(&["simulate", "--speed", "165rpm", "--duration", "2s"]);
+    // The periodic state keeps above the limit, which it breaks from 222 r/min on. The start-up reaches further.
+    assert!(number(&report["steady"], "inlet_min_kpa") > 43.05, "{report}");
+    let report = user.json(&["simulate", "--speed", "215rpm", "--duration", "2s"]);
+    let (least, limit) = (number(&report, "run_inlet_min_kpa"), number(&report, "inlet_limit_kpa"));
+    assert!(number(&report["steady"], "inlet_min_kpa") > limit && least < limit, "{report}");
+    assert!((limit - 43.05).abs() < 0.01 && report["inlet_limit"] == "tube_collapse", "{report}");
+    assert!(report["warnings"].to_string().contains("at start-up, below the limit of 43.05 kPa"), "{report}");
+    // At 100 r/min from rest the inlet falls to 71.725 kPa, computed independently.
+    let report = user.json(&["simulate", "--speed", "100rpm", "--duration", "2s"]);
+    assert!((number(&report, "run_inlet_min_kpa") - 71.725).abs() < 1e-3, "{report}");
+}

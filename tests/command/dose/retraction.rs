@@ -3,7 +3,7 @@
 use pump_bench::Rehearsal;
 use pump_bench::{Bench, DoseRequest, built_in};
 
-use crate::user::{User, number};
+use crate::user::{User, number, rows};
 
 /// A step of the built-in pump delivers this at most, mL.
 const STEP_ML: f64 = 4.3982297 * std::f64::consts::TAU / 12_800.0;
@@ -78,4 +78,36 @@ fn ten_thousand_small_doses_add_up_to_a_litre_within_a_step_whatever_lies_betwee
     let last_retraction_ml = 0.05;
     assert!((owes_ml - last_retraction_ml).abs() < STEP_ML, "{owes_ml}");
     assert!((planned_ml + owes_ml - 1000.0).abs() < 1e-6, "{planned_ml} {owes_ml}");
+}
+
+#[test]
+fn the_files_of_a_dose_hold_its_retraction() {
+    let user = User::new();
+    // A row of steps has number, time, direction and angle; a row of the trace ends with the volume delivered.
+    let files = ["--steps", "steps.csv", "--trace", "trace.csv", "--dt", "10ms"];
+    let report = user.json(&[&["5mL", "--retract", "200uL", "--dry-run"][..], &files].concat());
+    let (steps, back) = (number(&report, "steps"), number(&report, "retract_steps"));
+    assert!(steps > 0.0 && back < 0.0, "{report}");
+
+    let made = rows(&user.path("steps.csv")).1;
+    assert_eq!(made.len() as f64, steps - back);
+    let (forward, reverse) = made.split_at(steps as usize);
+    assert!(forward.iter().all(|row| row[2] == 1.0) && reverse.iter().all(|row| row[2] == -1.0));
+    assert!(made.windows(2).all(|rows| rows[1][0] == rows[0][0] + 1.0 && rows[1][1] > rows[0][1]));
+    let end_rad = number(&report, "end_angle_deg").to_radians();
+    assert!((made.last().unwrap()[3] - end_rad).abs() < 1e-9);
+    // The retraction waits until the line has settled.
+    let waited_s = reverse[0][1] - forward.last().unwrap()[1];
+    assert!(waited_s > number(&report, "settle_s"), "{waited_s}");
+
+    // Once the line has settled again, the vessel has the dose less what was sucked back.
+    let trace = rows(&user.path("trace.csv")).1;
+    let last = trace.last().unwrap();
+    let left_ml = number(&report, "planned_ml") - number(&report, "retraction_ml");
+    assert!((last[7] - left_ml).abs() < 0.002, "{} and {left_ml}", last[7]);
+    assert!((last[1] - end_rad).abs() < 1e-9);
+    // A dose that was made tells the same count, and a dose without a retraction tells none.
+    let run = user.json(&["5mL", "--retract", "200uL"]);
+    assert_eq!(number(&run, "retract_steps"), back);
+    assert!(user.json(&["5mL"])["retract_steps"].is_null());
 }

@@ -3,9 +3,10 @@
 
 use pump_ctl::Parameter;
 use pump_ctl::plan::{Allowed, Cruise, Doser, Limits, Plan, PlanError, Prediction, Request};
-use pump_model::Pump;
+use pump_model::{Leg, Pump};
 
 use super::error::DoseError;
+use super::prepared::Prepared;
 use super::warnings;
 
 /// Retraction that is planned and may run once its dose is delivered.
@@ -48,6 +49,35 @@ impl Retraction {
         let margins = limits.margins(model, &plan);
         let warnings = warnings::of_retraction(&prediction, &margins);
         Ok(Self { carry_out_ml: carry_ml - plan.planned_ml(), plan, prediction, warnings })
+    }
+}
+
+impl Prepared {
+    /// Returns the legs of the dose and of its retraction, from the start of the dose on. The retraction
+    /// starts once the line has settled. After the last leg the rotor stands.
+    pub fn legs(&self) -> impl Iterator<Item = Leg> + Clone {
+        let end_s = self.plan.profile().duration_s();
+        let start_s = end_s + self.prediction.settle_s;
+        let back = self.retraction.iter().flat_map(move |back| {
+            let stands = Leg { duration_s: start_s - end_s, ..Leg::rest(end_s, self.plan.end_angle_rad()) };
+            let later = move |leg: Leg| Leg { start_s: start_s + leg.start_s, ..leg };
+            [stands].into_iter().chain(back.plan.legs().map(later))
+        });
+        self.plan.legs().chain(back)
+    }
+
+    /// Returns the time from the start of the dose to the last step, that of the retraction included, s.
+    pub fn motion_s(&self) -> f64 {
+        let dose_s = self.plan.profile().duration_s();
+        let back_s = |back: &Retraction| self.prediction.settle_s + back.plan.profile().duration_s();
+        dose_s + self.retraction.as_ref().map_or(0.0, back_s)
+    }
+
+    /// Returns the time from the start of the dose until the line has settled after the last step, that of
+    /// the retraction included, s.
+    pub fn settled_s(&self) -> f64 {
+        let last = self.retraction.as_ref().map_or(&self.prediction, |back| &back.prediction);
+        self.motion_s() + last.settle_s
     }
 }
 

@@ -191,13 +191,18 @@ fn short_dose(plan: &Plan) -> Option<String> {
 
 /// Warns of a smooth flow that keeps most of its ripple.
 fn hardly_smooth(model: &Pump, plan: &Plan) -> Option<String> {
+    if !plan.is_smooth() {
+        return None;
+    }
     let ripples = plan.ripples(model);
-    (plan.is_smooth() && ripples.after.rms > HARDLY * ripples.before.rms).then(|| {
+    let at_rollers = (ripples.before, ripples.after);
+    let (before, after) = ripples.outflow_before.zip(ripples.outflow_after).unwrap_or(at_rollers);
+    (after.rms > HARDLY * before.rms).then(|| {
         format!(
-            "the motor has no room for a smooth flow at this rate: {:.1} % of ripple (RMS) stay of {:.1} %; \
-             a slower rate is smoother",
-            100.0 * ripples.after.rms,
-            100.0 * ripples.before.rms
+            "the motor has no room for a smooth flow at this rate: {:.1} % of ripple (RMS) stay of {:.1} % at the \
+             line's end; a slower rate is smoother",
+            100.0 * after.rms,
+            100.0 * before.rms
         )
     })
 }
@@ -299,11 +304,11 @@ fn unsure_limit(quantity: &str, margin: Margin, extremes: Extremes) -> Option<St
     })
 }
 
-/// Warns of single steps that move the pressure noticeably beyond the prediction.
+/// Warns of steps that move the pressure noticeably beyond the prediction.
 fn rough_steps(prediction: &Prediction) -> Option<String> {
     (prediction.step_kpa > SWING_KPA).then(|| {
         format!(
-            "a single motor step moves the pressure by up to {:.1} kPa on top of the prediction; use more \
+            "the motor's steps move the pressure by up to {:.1} kPa on top of the prediction; use more \
              microsteps",
             prediction.step_kpa
         )

@@ -12,14 +12,21 @@ const STEPS_HEADER: &str = "step,time_s,direction,angle_rad";
 pub(crate) const TRACE_HEADER: &str =
     "time_s,angle_rad,speed_rad_s,q_in_ml_s,q_out_ml_s,p_in_kpa,p_out_kpa,delivered_ml";
 
-/// Writes every step of `plan`, with numbers in full precision.
+/// Writes every step of `plan`, then every step of the retraction after it, with numbers in full precision.
+///
+/// The numbers of the steps go on over the retraction. It starts `rest_s` after the last step of the dose.
 ///
 /// # Errors
 /// Returns the [`io::Error`] of the writer.
-pub fn write_steps(to: &mut dyn Write, plan: &Plan) -> io::Result<()> {
+pub fn write_steps(to: &mut dyn Write, plan: &Plan, retraction: Option<(f64, &Plan)>) -> io::Result<()> {
     writeln!(to, "{STEPS_HEADER}")?;
-    for step in plan.each_step() {
-        writeln!(to, "{},{},{},{}", step.number, step.time_s, step.direction.sign(), step.angle_rad)?;
+    let (made, end_s) = (plan.steps().unsigned_abs(), plan.profile().duration_s());
+    let back = retraction.into_iter().map(|(rest_s, back)| (made, end_s + rest_s, back));
+    for (before, start_s, plan) in [(0, 0.0, plan)].into_iter().chain(back) {
+        for step in plan.each_step() {
+            let (number, time_s) = (before + step.number, start_s + step.time_s);
+            writeln!(to, "{number},{time_s},{},{}", step.direction.sign(), step.angle_rad)?;
+        }
     }
     Ok(())
 }

@@ -2,13 +2,16 @@
 
 use pump_ctl::plan::{Finish, LimitedBy, Phase, SetBy};
 use pump_model::units::{degrees, radians, rpm};
-use pump_model::{BackFlow, Extremes, Ripple};
+use pump_model::{BackFlow, Extremes};
 use serde::Serialize;
 
 use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 use crate::bench::{Bench, Delivered};
 use crate::calibration::{Applied, Made, Weighing};
-use crate::dosing::{Prepared, Share, Swept, pressure_uncertainty_kpa};
+use crate::dosing::{
+    Prepared, PulseStandards, RippleAt, RippleReport, Share, SureRipples, Swept, pressure_uncertainty_kpa,
+    sure_ripples,
+};
 use crate::drives::{Identity, registry};
 use crate::pump_file::{DriverName, PumpFile, UncheckedLimit};
 use crate::record::{PhaseSource, Purpose};
@@ -66,6 +69,8 @@ pub struct DoseReport {
     pub steps: i64,
     /// Motor steps that were made; null on a dry run.
     pub steps_made: Option<i64>,
+    /// Motor steps of the retraction, planned or made, negative; null if no retraction was asked for.
+    pub retract_steps: Option<i64>,
     /// Steps per revolution of the pump head.
     pub steps_per_rev: f64,
     /// Volume that is sucked back after the dose, or was, mL; null if no retraction was asked for.
@@ -123,6 +128,11 @@ pub struct DoseReport {
     pub ripple_before: RippleReport,
     /// Ripple of the planned flow at the outlet's rollers: less than before if the flow is smooth.
     pub ripple_after: RippleReport,
+    /// Ripple of the flow at the outlet's rollers while cruising, with its uncertainty.
+    pub ripple_at_rollers: RippleAt,
+    /// Ripple of the flow at the end of the outlet line, which the vessel sees, with its uncertainty; null at a
+    /// resonance that nothing damps.
+    pub ripple_at_line_end: Option<RippleAt>,
     /// Limit that keeps the dose from being faster: `none`, `speed`, `acceleration`, `torque`, or a pressure by its
     /// port. `inlet_pressure` and `outlet_pressure` are the largest pressures allowed there, `inlet_suction` and
     /// `outlet_suction` the smallest.
@@ -143,22 +153,6 @@ pub struct DoseReport {
     pub warnings: Vec<String>,
     /// True if the dose was delivered in full.
     pub completed: bool,
-}
-
-/// Ripple of a flow: its departure from its mean over time, over the mean.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[non_exhaustive]
-pub struct RippleReport {
-    /// Peak to peak: (largest - smallest) / mean.
-    pub peak_to_peak: f64,
-    /// Root of the mean square deviation from the mean, over the mean.
-    pub rms: f64,
-}
-
-impl From<Ripple> for RippleReport {
-    fn from(ripple: Ripple) -> Self {
-        Self { peak_to_peak: ripple.peak_to_peak, rms: ripple.rms }
-    }
 }
 
 /// The calibration that a dose used.
@@ -212,7 +206,9 @@ impl DoseReport {
         let (model, plan, applied) = (&prepared.model, &prepared.plan, prepared.applied.as_ref());
         let (whole, part) = (WholeDose::of(prepared, delivered), part_made(prepared, delivered));
         let budget = prepared.budget(file, &part);
-        let (ripples, motion_s) = (plan.ripples(model), plan.profile().duration_s());
+        let motion_s = plan.profile().duration_s();
+        let ripples = sure_ripples(plan, model, &PulseStandards::of(file, model, applied));
+        let SureRipples { rollers, line_end } = ripples;
         let lowest = prepared.limits.lowest_where_it_sucks();
         let (backflow_ml, reverse_flow_ml) = back_flow_ml(prepared, delivered).unzip();
         Self {
@@ -240,6 +236,7 @@ impl DoseReport {
             end_angle_deg: degrees(whole.end_rad),
             steps: plan.steps(),
             steps_made: delivered.map(|end| end.made as i64 * plan.steps().signum()),
+            retract_steps: retract_steps(prepared, delivered),
             steps_per_rev: plan.steps_per_rev(),
             retraction_ml: retraction_ml(prepared, delivered),
             retraction_completed: prepared.retraction.as_ref().and(delivered).map(|end| end.sucked_back),
@@ -264,8 +261,10 @@ impl DoseReport {
             ambient_kpa: file.ambient.pressure_kpa,
             torque_needed_n_m: prepared.margins.torque.map(|torque| torque.reached),
             torque_available_n_m: prepared.margins.torque.map(|torque| torque.limit),
-            ripple_before: ripples.before.into(),
-            ripple_after: ripples.after.into(),
+            ripple_before: rollers.constant_speed,
+            ripple_after: rollers.planned,
+            ripple_at_rollers: rollers,
+            ripple_at_line_end: line_end,
             limited_by: plan.limited_by(),
             inlet_limit_kpa: lowest.map(|lowest| lowest.kpa),
             inlet_limit: lowest.map(|lowest| lowest.set_by),
@@ -329,6 +328,15 @@ fn basis(file: &PumpFile, applied: Option<&Applied>) -> VolumeBasis {
 fn retraction_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> Option<f64> {
     let back = prepared.retraction.as_ref()?;
     Some(delivered.map_or(-back.plan.planned_ml(), |delivered| delivered.retracted_ml))
+}
+
+/// The steps of the retraction, planned or made.
+fn retract_steps(prepared: &Prepared, delivered: Option<&Delivered>) -> Option<i64> {
+    let back = &prepared.retraction.as_ref()?.plan;
+    let Some(delivered) = delivered else { return Some(back.steps()) };
+    let turned_rad = delivered.end_angle_rad - back.start().angle_rad();
+    let steps = (turned_rad / back.step_rad()).round() as i64;
+    Some(if delivered.completed { steps.clamp(back.steps(), 0) } else { 0 })
 }
 
 /// The back flow and the reverse flow of a dose that was made to its end or is planned, mL.

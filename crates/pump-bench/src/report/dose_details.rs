@@ -5,6 +5,7 @@ use pump_model::units::wrap;
 
 use super::choices::VolumeBasis;
 use super::dose::{CalibrationReport, DoseReport};
+use crate::dosing::RippleAt;
 use crate::numbers::{microlitres, significant};
 use crate::record::PhaseSource;
 
@@ -91,16 +92,20 @@ impl DoseReport {
     }
 
     fn ripple(&self) -> Option<String> {
-        let percent = |ripple: f64| significant(100.0 * ripple, 3);
-        let (after, before) = (self.ripple_after, self.ripple_before);
-        (after != before).then(|| {
+        let percent = |ripple: f64| significant(100.0 * ripple, 2);
+        let said = |at: &RippleAt| {
             format!(
-                "ripple {} % peak to peak, {} % RMS; at constant speed {} and {} %",
-                percent(after.peak_to_peak),
-                percent(after.rms),
-                percent(before.peak_to_peak),
-                percent(before.rms)
+                "{} % ({} % at constant speed), {} to {} % as far as the pump and its angle are known",
+                percent(at.planned.peak_to_peak),
+                percent(at.constant_speed.peak_to_peak),
+                percent(at.peak_to_peak_median),
+                percent(at.peak_to_peak_95)
             )
+        };
+        (self.ripple_after != self.ripple_before).then(|| {
+            let end = self.ripple_at_line_end.as_ref();
+            let end = end.map_or(String::new(), |at| format!("at the line's end {}; ", said(at)));
+            format!("ripple peak to peak {end}at the rollers {}", said(&self.ripple_at_rollers))
         })
     }
 

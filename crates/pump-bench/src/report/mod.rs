@@ -16,9 +16,10 @@ mod status;
 mod status_text;
 mod verification;
 
+pub use crate::dosing::{RippleAt, RippleReport};
 pub use calibration::{calibration_json, calibration_text, calibrations_json, calibrations_text};
 pub use choices::{Format, VolumeBasis};
-pub use dose::{CalibrationReport, DoseReport, PhaseReport, RippleReport};
+pub use dose::{CalibrationReport, DoseReport, PhaseReport};
 pub use ending::Ending;
 pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain, Remedy};
 pub use phase::{phase_json, phase_text};

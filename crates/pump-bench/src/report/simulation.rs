@@ -1,9 +1,11 @@
 //! The report of a run at constant speed, in words and as JSON.
 
+use pump_ctl::plan::{Lowest, SetBy};
 use pump_model::units::{degrees, rpm};
-use pump_model::{Friction, Port, RollerCentric, SteadyState};
+use pump_model::{ExactRun, Extremes, Friction, Leg, Port, Pump, RollerCentric, SteadyState};
 use serde::Serialize;
 
+use super::choices::set_by_word;
 use crate::pump_file::PumpFile;
 use crate::simulation::{ModelName, Simulation, SteadyReport};
 
@@ -24,6 +26,14 @@ pub struct SimulationReport {
     duration_s: f64,
     dt_s: f64,
     steady: SteadyReport,
+    /// Smallest inlet and outlet pressure of the run from lines at rest, start-up included, kPa absolute; null for the
+    /// roller-centric model.
+    run_inlet_min_kpa: Option<f64>,
+    run_outlet_min_kpa: Option<f64>,
+    /// Smallest pressure that is allowed at the port that sucks, kPa absolute, as for a dose, and the reason for it.
+    inlet_limit_kpa: Option<f64>,
+    #[serde(serialize_with = "set_by_word")]
+    inlet_limit: Option<SetBy>,
     warnings: Vec<String>,
 }
 
@@ -52,15 +62,18 @@ impl From<RollerCentric> for Parameters {
 }
 
 impl SimulationReport {
-    /// Reports a run of the pump of `file` and the steady state that it tends to.
+    /// Reports a run of `pump`, that of `file` at the run's speed, and the steady state that it tends to.
     pub fn new(
         file: &PumpFile,
+        pump: &Pump,
         run: &Simulation,
         roller_centric: Option<RollerCentric>,
         frictions: [Option<Friction>; 2],
         steady: &SteadyState,
     ) -> Self {
         let ports = [Port::Inlet, Port::Outlet].into_iter().zip(frictions);
+        let reached = roller_centric.is_none().then(|| Reached::of(pump, run));
+        let lowest = file.limits().lowest_where_it_sucks();
         Self {
             schema: "simulation/1",
             pump: file.pump.id.clone(),
@@ -72,7 +85,11 @@ impl SimulationReport {
             duration_s: run.duration_s,
             dt_s: run.dt_s,
             steady: (*steady).into(),
-            warnings: warnings_of(file, run.speed_rad_s, steady),
+            run_inlet_min_kpa: reached.map(|reached| reached.inlet.min_kpa),
+            run_outlet_min_kpa: reached.map(|reached| reached.outlet.min_kpa),
+            inlet_limit_kpa: lowest.map(|lowest| lowest.kpa),
+            inlet_limit: lowest.map(|lowest| lowest.set_by),
+            warnings: warnings_of(file, run.speed_rad_s, steady, reached),
         }
     }
 
@@ -134,25 +151,77 @@ impl SimulationReport {
     }
 }
 
-/// The reasons for which the figures are doubtful.
-fn warnings_of(file: &PumpFile, speed_rad_s: f64, steady: &SteadyState) -> Vec<String> {
+/// The pressures that a run from lines at rest reaches, by the exact solution that a dose is planned with.
+#[derive(Debug, Clone, Copy)]
+struct Reached {
+    inlet: Extremes,
+    outlet: Extremes,
+}
+
+impl Reached {
+    fn of(pump: &Pump, run: &Simulation) -> Self {
+        /// Decays of the slowest mode after which nothing is left of start-up: e^-40.
+        const DECAYS: f64 = 40.0;
+        /// Longest time that is followed where next to nothing damps, s.
+        const MOST_S: f64 = 600.0;
+        let period_s = pump.pitch_rad() / run.speed_rad_s.abs();
+        let range = |port| {
+            let started_s = DECAYS / pump.line(port).slowest_decay_per_s() + period_s;
+            let legs = [Leg::constant_speed(0.0, run.speed_rad_s)];
+            let end_s = run.duration_s.min(started_s).min(MOST_S.max(period_s));
+            ExactRun::from_rest(pump, port, legs).extremes(end_s)
+        };
+        Self { inlet: range(Port::Inlet), outlet: range(Port::Outlet) }
+    }
+}
+
+/// The reasons for which the figures are doubtful. A pressure limit is checked where a dose checks it: the lowest
+/// pressure of tube and fluid at both ports, those of the pump file by the ports' roles.
+fn warnings_of(
+    file: &PumpFile,
+    speed_rad_s: f64,
+    steady: &SteadyState,
+    reached: Option<Reached>,
+) -> Vec<String> {
     let mut warnings = Vec::new();
     let limit_rpm = file.motor.max_speed_rpm;
     if rpm(speed_rad_s).abs() > limit_rpm * (1.0 + 1e-12) {
         warnings.push(format!("this is above the pump's limit of {limit_rpm} r/min"));
     }
-    let lowest = file.limits().lowest;
-    for (port, range) in [("inlet", steady.inlet), ("outlet", steady.outlet)] {
-        if range.min_kpa < 0.0 {
+    let limits = file.limits();
+    let of_run =
+        |of: fn(Reached) -> Extremes, steady: Extremes| reached.map_or(steady, |run| of(run).and(steady));
+    let inlet = ("inlet", steady.inlet, of_run(|run| run.inlet, steady.inlet));
+    let outlet = ("outlet", steady.outlet, of_run(|run| run.outlet, steady.outlet));
+    let (sucking, pushing) = if speed_rad_s < 0.0 { ("outlet", "inlet") } else { ("inlet", "outlet") };
+    for (port, steady, run) in [inlet, outlet] {
+        let lowest = if port == sucking { limits.lowest_where_it_sucks() } else { limits.lowest };
+        // The steady state goes on, so it is told where it breaks the limit itself.
+        let broken = |lowest: &Lowest| run.min_kpa < lowest.kpa;
+        let starting = |limit_kpa: f64| if steady.min_kpa < limit_kpa { "" } else { " at start-up" };
+        let told = |limit_kpa: f64| if steady.min_kpa < limit_kpa { steady } else { run }.min_kpa;
+        if run.min_kpa < 0.0 {
             warnings.push(format!(
-                "no liquid can be at {:.1} kPa absolute ({port}): it would cavitate",
-                range.min_kpa
+                "no liquid can be at {:.1} kPa absolute ({port}{}): it would cavitate",
+                told(0.0),
+                starting(0.0)
             ));
-        } else if let Some(lowest) = lowest.filter(|lowest| range.min_kpa < lowest.kpa) {
+        } else if let Some(lowest) = lowest.filter(broken) {
             warnings.push(format!(
-                "the {port} pressure falls to {:.2} kPa absolute, below the limit of {:.2} kPa{}; a dose that \
+                "the {port} pressure falls to {:.2} kPa absolute{}, below the limit of {:.2} kPa{}; a dose that \
                  reaches this is refused",
-                range.min_kpa, lowest.kpa, lowest.set_by
+                told(lowest.kpa),
+                starting(lowest.kpa),
+                lowest.kpa,
+                lowest.set_by
+            ));
+        }
+        let most = limits.pressures.max_outlet_kpa.filter(|most| port == pushing && run.max_kpa > *most);
+        if let Some(most_kpa) = most {
+            warnings.push(format!(
+                "the {port} pressure rises to {:.2} kPa absolute, above the limit of {most_kpa:.2} kPa; a dose that \
+                 reaches this is refused",
+                run.max_kpa
             ));
         }
     }

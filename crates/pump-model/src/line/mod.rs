@@ -7,6 +7,7 @@ pub(crate) mod friction;
 pub(crate) mod line;
 pub(crate) mod line_state;
 pub(crate) mod oscillator;
+pub(crate) mod outflow_ripple;
 pub(crate) mod periodic_state;
 pub(crate) mod propagator;
 mod ringing;

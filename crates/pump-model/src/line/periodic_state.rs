@@ -26,15 +26,22 @@ pub(crate) fn periodic_state(
     let period_s = curve.pitch_rad() / speed_rad_s.abs();
     let motion = [Leg::constant_speed(0.0, speed_rad_s)];
     let after = ExactRun::on(line, curve, port, motion, LineState::AT_REST).at(period_s);
+    repeated_state(&oscillator, period_s, after)
+        .ok_or(ModelError::UndampedResonance { port: port.name(), speed_rad_s })
+}
+
+/// Returns the state that repeats itself every `period_s` under a flow that takes the line from rest to
+/// `after` in that time. It is none at an undamped resonance.
+pub(super) fn repeated_state(oscillator: &Oscillator, period_s: f64, after: LineState) -> Option<LineState> {
     let [bx, by] = oscillator.balanced(after.numbers());
-    let [[a, c], [b, d]] = Propagator::new(&oscillator, period_s, 0).change();
+    let [[a, c], [b, d]] = Propagator::new(oscillator, period_s, 0).change();
     let determinant = a * d - b * c;
     // An eigenvalue of e^(A T) is known to rounding times the phase turned, as far as it has not died out. A
     // line that does not swing has no resonance.
     let rounding = oscillator.swing_left(period_s) * 1e-12 * (1.0 + oscillator.norm() * period_s);
     if determinant == 0.0 || determinant.abs() < rounding * rounding {
-        return Err(ModelError::UndampedResonance { port: port.name(), speed_rad_s });
+        return None;
     }
     let state = [(b * by - d * bx) / determinant, (c * bx - a * by) / determinant];
-    Ok(LineState::of(oscillator.physical(state)))
+    Some(LineState::of(oscillator.physical(state)))
 }

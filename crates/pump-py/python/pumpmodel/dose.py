@@ -48,6 +48,22 @@ class Ripple(Record):
 
 
 @dataclass(frozen=True)
+class RippleAt(Record):
+    """Ripple at one place: at constant speed, as planned, and as far as the pump and its angle are known.
+
+    `peak_to_peak_median` and `peak_to_peak_95` are the median and the 95th percentile over the errors of
+    roller volume, engagement angle and start angle.
+    """
+
+    _records: ClassVar[dict[str, type[Record]]] = {"constant_speed": Ripple, "planned": Ripple}
+
+    constant_speed: Ripple
+    planned: Ripple
+    peak_to_peak_median: float
+    peak_to_peak_95: float
+
+
+@dataclass(frozen=True)
 class CalibrationUsed(Record):
     """The calibration of a dose at its cruise speed."""
 
@@ -75,6 +91,8 @@ class Dose(Record):
         "phase": Phase,
         "ripple_before": Ripple,
         "ripple_after": Ripple,
+        "ripple_at_rollers": RippleAt,
+        "ripple_at_line_end": RippleAt,
     }
 
     schema: str
@@ -100,6 +118,7 @@ class Dose(Record):
     end_angle_deg: float
     steps: int
     steps_made: int | None
+    retract_steps: int | None
     steps_per_rev: float
     retraction_ml: float | None
     retraction_completed: bool | None
@@ -126,6 +145,8 @@ class Dose(Record):
     torque_available_n_m: float | None
     ripple_before: Ripple
     ripple_after: Ripple
+    ripple_at_rollers: RippleAt
+    ripple_at_line_end: RippleAt | None
     limited_by: LimitedBy
     inlet_limit_kpa: float | None
     inlet_limit: InletLimit | None

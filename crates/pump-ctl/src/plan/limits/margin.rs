@@ -6,7 +6,7 @@
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub struct Margin {
-    /// Worst predicted value, kPa absolute or N m. A pressure includes the change by a single motor step.
+    /// Worst predicted value, kPa absolute or N m. A pressure includes the change by the motor's steps.
     pub reached: f64,
     /// Limit, in the unit of `reached`. The limit of a torque is the motor's torque at that speed.
     pub limit: f64,

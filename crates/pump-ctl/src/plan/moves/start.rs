@@ -5,7 +5,7 @@ use pump_model::Pump;
 use crate::plan::Plan;
 use crate::plan::limits::{Limits, Motor};
 use crate::plan::line_states::LineStates;
-use crate::plan::profile::{Course, Profile, SpeedLimit, flow_limit_ml_s};
+use crate::plan::profile::{Course, Profile, SmoothLimit, SpeedLimit};
 use crate::plan::speed::choose;
 use crate::plan::target::Target;
 use crate::plan::words::{LimitedBy, Phase, PlanError, Request, Turned};
@@ -59,8 +59,8 @@ impl Start {
         let direction = if target.steps < 0 { -1 } else { 1 };
         let (max_rad_s, acceleration_rad_s2) = (motor.max_speed_rad_s, motor.max_acceleration_rad_s2);
         let limit = if request.smooth {
-            let flow_ml_s = flow_limit_ml_s(curve, direction, cruise_rad_s, max_rad_s, acceleration_rad_s2);
-            SpeedLimit::Smooth { flow_ml_s, max_rad_s }
+            let limit = SmoothLimit::new(pump, direction, cruise_rad_s, max_rad_s, acceleration_rad_s2);
+            SpeedLimit::Smooth(limit)
         } else {
             SpeedLimit::Constant { rad_s: cruise_rad_s }
         };

@@ -20,7 +20,8 @@ pub struct Prediction {
     pub inlet: Extremes,
     /// Range of the pressure at the outlet, kPa absolute.
     pub outlet: Extremes,
-    /// Largest change of a pressure by a single motor step, kPa. It is the step's volume over the compliance.
+    /// Largest distance of a pressure from this prediction by the motor's steps, kPa. Steps near the line's
+    /// swing add up.
     pub step_kpa: f64,
     /// Time from the last step until the undelivered volume stays below 1 uL, s. It is the longest from any
     /// angle at which the rollers may stand.
@@ -48,11 +49,22 @@ impl Plan {
         })
     }
 
-    /// Returns the largest change of a port's pressure by a single motor step, kPa. It is the step's volume
-    /// over the compliance.
+    /// Returns the largest distance of a port's pressure from that of the smooth motion by the motor's steps,
+    /// kPa. See [`pump_model::Line::worst_step_kpa_ml`].
     pub(in crate::plan) fn step_kpa(&self, pump: &Pump, port: Port) -> f64 {
         let largest_ml = pump.curve(port).flow_range_ml_rad().1 * self.step_rad;
-        largest_ml / pump.line(port).compliance_ml_kpa
+        let (shortest_s, longest_s) = (self.step_rad / self.profile.peak_rad_s(), self.longest_interval_s());
+        largest_ml * pump.line(port).worst_step_kpa_ml(shortest_s, longest_s, self.profile.duration_s())
+    }
+
+    /// Returns a bound of the time between two steps, s. The rotor is slowest at the first step, at the last,
+    /// or along the speed limit.
+    fn longest_interval_s(&self) -> f64 {
+        let (profile, turn_rad) = (&self.profile, self.steps.unsigned_abs() as f64 * self.step_rad);
+        let first_s = profile.time_of(self.step_rad);
+        let last_s = profile.duration_s() - profile.time_of(turn_rad - self.step_rad);
+        let along_s = if profile.reaches_limit() { self.step_rad / profile.slowest_rad_s() } else { 0.0 };
+        first_s.max(last_s).max(along_s)
     }
 
     /// Returns the time from the last step until the undelivered volume stays below 1 uL, s. It is the

@@ -1,5 +1,7 @@
 //! The turn that a profile covers, and the speed limit along it.
 
+use super::smooth::SmoothLimit;
+
 /// The speed limit at each angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -9,13 +11,8 @@ pub(in crate::plan) enum SpeedLimit {
         /// Speed limit, rad/s.
         rad_s: f64,
     },
-    /// The limit keeps the flow at the outlet's rollers below `flow_ml_s`, within the acceleration.
-    Smooth {
-        /// Flow limit, mL/s.
-        flow_ml_s: f64,
-        /// The motor's largest speed, rad/s.
-        max_rad_s: f64,
-    },
+    /// The limit keeps the flow at the outlet's rollers or at the line's end even, within the acceleration.
+    Smooth(SmoothLimit),
 }
 
 /// The quantities that determine a profile.

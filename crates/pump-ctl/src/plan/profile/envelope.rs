@@ -79,6 +79,11 @@ impl Envelope {
         self.pitch_rad / self.period_s
     }
 
+    /// Returns the slowest speed, rad/s. It is the speed at a knot.
+    pub(super) fn slowest_rad_s(&self) -> f64 {
+        self.speed_rad_s.as_flattened().iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
     fn part_rad(&self) -> f64 {
         self.uneven_rad / PARTS as f64
     }

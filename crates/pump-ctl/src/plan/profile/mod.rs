@@ -4,12 +4,15 @@ mod along;
 mod course;
 mod envelope;
 mod legs;
+mod lift;
+mod lift_choice;
 mod profile;
 mod smooth;
+mod swing;
 
 pub use legs::Legs;
 pub use profile::Profile;
 
 pub(in crate::plan) use along::Along;
 pub(in crate::plan) use course::{Course, SpeedLimit};
-pub(in crate::plan) use smooth::flow_limit_ml_s;
+pub(in crate::plan) use smooth::SmoothLimit;

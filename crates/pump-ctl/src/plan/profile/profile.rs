@@ -40,8 +40,8 @@ impl Profile {
     pub(in crate::plan) fn new(course: Course, curve: &FlowCurve) -> Self {
         match course.limit {
             SpeedLimit::Constant { rad_s } => Self::constant(course, rad_s),
-            SpeedLimit::Smooth { flow_ml_s, max_rad_s } => {
-                let (envelope, phase_rad) = smooth::envelope(curve, &course, flow_ml_s, max_rad_s);
+            SpeedLimit::Smooth(limit) => {
+                let (envelope, phase_rad) = smooth::envelope(curve, &course, &limit);
                 Self::along(course, envelope, phase_rad)
             }
         }
@@ -121,6 +121,11 @@ impl Profile {
             None => self.corner_rad_s[0],
         };
         along.max(self.course.start_rad_s)
+    }
+
+    /// Returns the slowest speed along the speed limit, rad/s.
+    pub(in crate::plan) fn slowest_rad_s(&self) -> f64 {
+        self.along_envelope().map_or(self.corner_rad_s[0], Envelope::slowest_rad_s)
     }
 
     /// Returns the cruise speed, rad/s. It is the fastest speed that is reached, or the mean over time of a
@@ -303,7 +308,7 @@ impl Profile {
 
     /// Returns the legs of a pitch of the envelope, from time 0, wherever the motion starts and ends. A
     /// constant limit has no legs.
-    pub(in crate::plan) fn pitch_along(&self) -> impl Iterator<Item = Leg> {
+    pub(in crate::plan) fn pitch_along(&self) -> impl Iterator<Item = Leg> + Clone {
         self.envelope.iter().flat_map(|envelope| {
             (0..=PARTS).map(|part| {
                 let place = Place { pitches: 0.0, part };

@@ -77,6 +77,11 @@ pub(crate) struct PulseSureness {
 }
 
 impl PulseSureness {
+    /// Returns the standard uncertainties of V_r, as a part of it, of phi, in rad, and of the zero, in rad.
+    pub(crate) fn standards(&self) -> [f64; 3] {
+        core::array::from_fn(|n: usize| self.covariances[n][n].max(0.0).sqrt())
+    }
+
     /// Returns the variance of a quantity whose derivatives by V_r (over V_r), phi and zero are `slopes`
     /// (GUM, JCGM 100:2008, equation 13).
     pub(crate) fn variance(&self, slopes: [f64; 3]) -> f64 {
