@@ -1,5 +1,7 @@
 //! The ripple at the end of the outlet line, and the lift that makes it less.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, Request};
 use pump_model::{Leg, Line, Pump};
 

@@ -1,5 +1,7 @@
 //! The bound on what the motor's steps add to the predicted pressures, against runs that make every step.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, Request};
 use pump_model::units::rad_s;
 use pump_model::{ExactRun, Leg, Line, Port, Pump};

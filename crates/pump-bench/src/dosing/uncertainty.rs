@@ -7,18 +7,18 @@ mod pressure;
 mod pulse_coverage;
 mod pulse_share;
 mod repeatability;
+mod share;
 
 use libm::{hypot, sqrt};
 use pump_model::Pump;
-use serde::Serialize;
 
 use self::angle::AngleErrors;
 pub(crate) use self::pressure::pressure_uncertainty_kpa;
 use self::pulse_share::pulse_share_ml;
+pub use self::share::{Share, ShareSource};
 use super::swept::Swept;
 use crate::calibration::{Applied, Sureness};
 use crate::pump_file::UncertaintyTable;
-use crate::words::words_of_reports;
 
 /// Coverage factor of the expanded uncertainty where all errors are normal (about 95 % of doses).
 const COVERAGE_FACTOR: f64 = 2.0;
@@ -29,70 +29,6 @@ const BORE_PER_DEGC: f64 = 6e-4;
 
 /// Standard uncertainty of the difference between two temperatures, in °C, each read to a degree.
 const READ_DEGC: f64 = 0.8;
-
-/// One share of the uncertainty budget.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[non_exhaustive]
-pub struct Share {
-    /// Source of the share.
-    pub source: ShareSource,
-    /// Standard uncertainty, in mL.
-    pub standard_ml: f64,
-    /// Part of the budget's variance, in percent.
-    pub variance_percent: f64,
-    /// Cheapest way to reduce the share.
-    pub remedy: &'static str,
-}
-
-/// Source of a share of the uncertainty.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ShareSource {
-    /// Model of a pump that is not calibrated.
-    Model,
-    /// Scatter of doses of one volume.
-    Repeatability,
-    /// Volume that a roller displaces.
-    RollerVolume,
-    /// Resolution of a whole motor step.
-    Step,
-    /// Roller volume, engagement angle and zero that short doses found.
-    Pulse,
-    /// Start angle that is known between wide bounds only, and its zero.
-    Phase,
-    /// Calibration of the displacement.
-    Calibration,
-    /// Dependence of the displacement on the speed, as a calibration or a speed law leaves it open.
-    SpeedDependence,
-    /// Dependence of the displacement on the speed of a pump that nobody weighed.
-    Speed,
-    /// Temperature of the tube that differs from that of its calibration.
-    Temperature,
-    /// Drop that hangs at the nozzle before the dose and after it.
-    Drop,
-    /// Back flow that a nozzle in air loses.
-    Backflow,
-    /// Carry of earlier doses.
-    Carry,
-    /// Tolerance of a start angle that is known to less than 2 deg.
-    Angle,
-}
-
-words_of_reports!(ShareSource {
-    Model = "model",
-    Repeatability = "repeatability",
-    RollerVolume = "roller_volume",
-    Pulse = "pulse",
-    Step = "step",
-    Phase = "phase",
-    Calibration = "calibration",
-    SpeedDependence = "speed_law",
-    Speed = "speed",
-    Temperature = "temperature",
-    Drop = "drop",
-    Backflow = "backflow",
-    Carry = "carry",
-    Angle = "angle",
-});
 
 /// Uncertainty budget of a dose. Its shares are independent.
 #[derive(Debug, Clone, PartialEq)]
@@ -148,58 +84,22 @@ impl Budget {
         let errors = AngleErrors::of(pump, swept);
         let [angle_ml, wide_ml] = errors.shares_ml();
         let mut budget = Self { shares: Vec::new(), errors };
-        let mut share = |source, standard_ml, remedy| {
-            budget.shares.push(Share { source, standard_ml, variance_percent: 0.0, remedy });
-        };
-        share(ShareSource::Model, model * volume_ml, "weigh what it delivers: `dose calibrate run`");
-        share(
-            ShareSource::Repeatability,
-            repeatability::standard_ml(pump, table, sureness.as_ref(), volume_ml),
-            "measure it, `dose calibrate verify`, and put CV and volume into the pump file",
-        );
-        share(
-            ShareSource::RollerVolume,
-            roller_ml * pulses_unsure(pump, swept, sureness.is_some()),
-            "dose whole pitches, or find the roller volume: `dose calibrate phase`",
-        );
-        share(ShareSource::Step, swept.end_step_ml / sqrt(12.0), "use more microsteps");
-        share(
-            ShareSource::Phase,
-            hypot(wide_ml, zero_ml(pump, swept, zero_rad)),
-            "say where the rollers stand, `dose home --set`, or dose whole pitches",
-        );
-        share(
-            ShareSource::Calibration,
-            of_calibration(|sure| sure.factor) * volume_ml,
-            "weigh more runs, or longer ones, on a better scale",
-        );
-        share(
-            ShareSource::SpeedDependence,
-            law.unwrap_or(of_calibration(|sure| sure.speed_dependence)) * volume_ml,
-            "calibrate at three speeds or more, this one among them",
-        );
-        share(
-            ShareSource::Speed,
-            speed * volume_ml,
-            "weigh what it delivers at this speed: `dose calibrate run`",
-        );
-        share(
-            ShareSource::Temperature,
-            temperature * volume_ml,
-            "calibrate at the temperature at which you dose",
-        );
-        share(
-            ShareSource::Carry,
-            common * swept.carry_in_ml.abs(),
-            "calibrate, so that the carry from earlier doses is surer",
-        );
-        share(ShareSource::Angle, angle_ml, angle::REMEDY);
+        let mut share = |source, standard_ml| budget.shares.push(Share::new(source, standard_ml));
+        share(ShareSource::Model, model * volume_ml);
+        let repeatability_ml = repeatability::standard_ml(pump, table, sureness.as_ref(), volume_ml);
+        share(ShareSource::Repeatability, repeatability_ml);
+        share(ShareSource::RollerVolume, roller_ml * pulses_unsure(pump, swept, sureness.is_some()));
+        share(ShareSource::Step, swept.end_step_ml / sqrt(12.0));
+        share(ShareSource::Phase, hypot(wide_ml, zero_ml(pump, swept, zero_rad)));
+        share(ShareSource::Calibration, of_calibration(|sure| sure.factor) * volume_ml);
+        let law = law.unwrap_or(of_calibration(|sure| sure.speed_dependence));
+        share(ShareSource::SpeedDependence, law * volume_ml);
+        share(ShareSource::Speed, speed * volume_ml);
+        share(ShareSource::Temperature, temperature * volume_ml);
+        share(ShareSource::Carry, common * swept.carry_in_ml.abs());
+        share(ShareSource::Angle, angle_ml);
         if let Some((pulse, zero_rad)) = pulse {
-            share(
-                ShareSource::Pulse,
-                pulse_share_ml(pump, swept, &pulse, zero_rad),
-                "weigh more short doses: `dose calibrate phase --use`",
-            );
+            share(ShareSource::Pulse, pulse_share_ml(pump, swept, &pulse, zero_rad));
         }
         budget.with_percentages()
     }

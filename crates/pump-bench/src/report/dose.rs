@@ -202,6 +202,7 @@ impl DoseReport {
         Self::of(file, &registry::identity(driver), prepared, delivered)
     }
 
+    #[allow(clippy::too_many_lines, reason = "a line for each field of the report")]
     fn of(file: &PumpFile, drive: &Identity, prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
         let (model, plan, applied) = (&prepared.model, &prepared.plan, prepared.applied.as_ref());
         let (whole, part) = (WholeDose::of(prepared, delivered), part_made(prepared, delivered));

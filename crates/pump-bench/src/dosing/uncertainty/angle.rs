@@ -9,10 +9,6 @@ use pump_model::Pump;
 
 use crate::dosing::swept::Swept;
 
-/// Cheapest way to make the share of a stated angle smaller.
-pub(super) const REMEDY: &str =
-    "home by a sensor or a mark, `dose home`, or state the angle with a smaller tolerance";
-
 /// Number of angles over the width at which the error is computed.
 const ANGLES: i32 = 256;
 

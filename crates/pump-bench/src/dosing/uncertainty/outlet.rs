@@ -3,7 +3,8 @@
 use libm::sqrt;
 use pump_model::{ModelError, falling_drop_ml};
 
-use super::{Budget, Share, ShareSource};
+use super::Budget;
+use super::share::{Share, ShareSource};
 use crate::pump_file::{OutletEnd, PumpFile};
 
 /// Returns the volume of a drop that falls from the nozzle of `file`, in mL. It is 0 for a nozzle that is immersed.
@@ -32,19 +33,8 @@ impl Budget {
     pub(crate) fn with_outlet(mut self, file: &PumpFile, drop_ml: f64, backflow_ml: f64) -> Self {
         let is_said = file.outlet.end == Some(OutletEnd::Air);
         let lost_ml = if is_said { backflow_ml } else { 0.0 };
-        let mut share = |source, standard_ml, remedy| {
-            self.shares.push(Share { source, standard_ml, variance_percent: 0.0, remedy });
-        };
-        share(
-            ShareSource::Drop,
-            drop_ml / sqrt(6.0),
-            "immerse the nozzle's end or use a narrower one, and say so: `end`, `nozzle_bore_mm` in [outlet]",
-        );
-        share(
-            ShareSource::Backflow,
-            lost_ml / sqrt(3.0),
-            "dose slower, end with `--finish low-flow`, or immerse the nozzle's end",
-        );
+        self.shares.push(Share::new(ShareSource::Drop, drop_ml / sqrt(6.0)));
+        self.shares.push(Share::new(ShareSource::Backflow, lost_ml / sqrt(3.0)));
         self.with_percentages()
     }
 

@@ -1,0 +1,104 @@
+//! One share of the uncertainty budget: its source, its size and what makes it smaller.
+
+use serde::Serialize;
+
+use crate::words::words_of_reports;
+
+/// One share of the uncertainty budget.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct Share {
+    /// Source of the share.
+    pub source: ShareSource,
+    /// Standard uncertainty, in mL.
+    pub standard_ml: f64,
+    /// Part of the budget's variance, in percent.
+    pub variance_percent: f64,
+    /// Cheapest way to reduce the share.
+    pub remedy: &'static str,
+}
+
+/// Source of a share of the uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ShareSource {
+    /// Model of a pump that is not calibrated.
+    Model,
+    /// Scatter of doses of one volume.
+    Repeatability,
+    /// Volume that a roller displaces.
+    RollerVolume,
+    /// Resolution of a whole motor step.
+    Step,
+    /// Roller volume, engagement angle and zero that short doses found.
+    Pulse,
+    /// Start angle that is known between wide bounds only, and its zero.
+    Phase,
+    /// Calibration of the displacement.
+    Calibration,
+    /// Dependence of the displacement on the speed, as a calibration or a speed law leaves it open.
+    SpeedDependence,
+    /// Dependence of the displacement on the speed of a pump that nobody weighed.
+    Speed,
+    /// Temperature of the tube that differs from that of its calibration.
+    Temperature,
+    /// Drop that hangs at the nozzle before the dose and after it.
+    Drop,
+    /// Back flow that a nozzle in air loses.
+    Backflow,
+    /// Carry of earlier doses.
+    Carry,
+    /// Tolerance of a start angle that is known to less than 2 deg.
+    Angle,
+}
+
+words_of_reports!(ShareSource {
+    Model = "model",
+    Repeatability = "repeatability",
+    RollerVolume = "roller_volume",
+    Pulse = "pulse",
+    Step = "step",
+    Phase = "phase",
+    Calibration = "calibration",
+    SpeedDependence = "speed_law",
+    Speed = "speed",
+    Temperature = "temperature",
+    Drop = "drop",
+    Backflow = "backflow",
+    Carry = "carry",
+    Angle = "angle",
+});
+
+impl Share {
+    /// Makes the share of a source, in mL, before the others of its budget are known.
+    pub(super) fn new(source: ShareSource, standard_ml: f64) -> Self {
+        Self { source, standard_ml, variance_percent: 0.0, remedy: source.remedy() }
+    }
+}
+
+impl ShareSource {
+    /// Returns the cheapest way to reduce a share of this source.
+    fn remedy(self) -> &'static str {
+        match self {
+            Self::Model => "weigh what it delivers: `dose calibrate run`",
+            Self::Repeatability => {
+                "measure it, `dose calibrate verify`, and put CV and volume into the pump file"
+            }
+            Self::RollerVolume => "dose whole pitches, or find the roller volume: `dose calibrate phase`",
+            Self::Step => "use more microsteps",
+            Self::Pulse => "weigh more short doses: `dose calibrate phase --use`",
+            Self::Phase => "say where the rollers stand, `dose home --set`, or dose whole pitches",
+            Self::Calibration => "weigh more runs, or longer ones, on a better scale",
+            Self::SpeedDependence => "calibrate at three speeds or more, this one among them",
+            Self::Speed => "weigh what it delivers at this speed: `dose calibrate run`",
+            Self::Temperature => "calibrate at the temperature at which you dose",
+            Self::Drop => {
+                "immerse the nozzle's end or use a narrower one, and say so: `end`, `nozzle_bore_mm` in [outlet]"
+            }
+            Self::Backflow => "dose slower, end with `--finish low-flow`, or immerse the nozzle's end",
+            Self::Carry => "calibrate, so that the carry from earlier doses is surer",
+            Self::Angle => {
+                "home by a sensor or a mark, `dose home`, or state the angle with a smaller tolerance"
+            }
+        }
+    }
+}
