@@ -5,6 +5,8 @@ pub(crate) mod exact_samples;
 pub(crate) mod extremes;
 pub(crate) mod friction;
 pub(crate) mod line;
+pub(crate) mod line_step;
+pub(crate) mod ring_down;
 pub(crate) mod line_state;
 pub(crate) mod oscillator;
 pub(crate) mod periodic_state;

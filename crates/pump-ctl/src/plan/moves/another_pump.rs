@@ -36,6 +36,7 @@ impl Plan {
         let target = Target { steps: self.steps, planned_ml: self.planned_ml, range_ml };
         let cruise = Cruise::Speed { rad_s: self.profile.cruise_rad_s() };
         let request = Request { smooth: self.is_smooth(), ..Request::new(self.requested_ml, cruise) };
-        Start::at_rest(self.start).plan(pump, &target, &request, limits).map(drop)
+        let shape = self.profile.course.shape;
+        Start::at_rest(self.start).plan_with_shape(pump, &target, &request, limits, shape).map(drop)
     }
 }

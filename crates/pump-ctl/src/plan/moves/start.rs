@@ -5,10 +5,15 @@ use pump_model::Pump;
 use crate::plan::Plan;
 use crate::plan::limits::{Limits, Motor};
 use crate::plan::line_states::LineStates;
-use crate::plan::profile::{Course, Profile, SpeedLimit, flow_limit_ml_s};
+use crate::plan::profile::{Course, Profile, Shape, SpeedLimit, flow_limit_ml_s};
+use crate::plan::ramps::{Grid, line_aware};
 use crate::plan::speed::choose;
 use crate::plan::target::Target;
-use crate::plan::words::{LimitedBy, Phase, PlanError, Request, Turned};
+use crate::plan::words::{Cruise, LimitedBy, Phase, PlanError, Ramps, Request, Turned};
+
+/// Half width below which an angle counts as known for the ramps, rad: 2 degrees. A wider angle gets the usual
+/// ramps, which suit most doses from any angle.
+const KNOWN_RAD: f64 = 0.034_906_585_039_886_59;
 
 /// The state of rotor and lines from which a move goes on.
 pub(super) struct Start {
@@ -28,7 +33,11 @@ impl Start {
         Self { phase, speed_rad_s: 0.0, before_ml: 0.0, lines: LineStates::AT_REST }
     }
 
-    /// Makes the fastest plan of the steps of `target` that the request and the limits allow.
+    /// Makes the plan of the steps of `target` that the request and the limits allow, with the ramps that it
+    /// asks for.
+    ///
+    /// The speed is chosen with usual ramps. The ramps of the dose itself are sought at that speed, and kept if
+    /// they hold every limit, and the time that is asked for.
     pub(super) fn plan(
         &self,
         pump: &Pump,
@@ -36,11 +45,41 @@ impl Start {
         request: &Request,
         limits: &Limits,
     ) -> Result<Plan, PlanError> {
-        let at_speed =
-            |cruise_rad_s: f64| self.plan_at_speed(pump, target, request, &limits.motor, cruise_rad_s);
+        let usual = |course: &Course, cruise_rad_s: f64| match request.ramps {
+            Ramps::LineAware => Grid::new(pump.outlet(), course, cruise_rad_s).usual(),
+            Ramps::Fastest => None,
+        };
+        let at_speed = |cruise_rad_s: f64| {
+            self.plan_at_speed(pump, target, request, &limits.motor, cruise_rad_s, &usual)
+        };
         let planned = choose(pump, request.cruise, limits, at_speed)?;
         planned.check_ripples(pump)?;
-        Ok(planned)
+        if request.ramps == Ramps::Fastest || self.phase.half_width_rad > KNOWN_RAD {
+            return Ok(planned);
+        }
+        let Some(shape) = line_aware(pump, &planned) else { return Ok(planned) };
+        let profile = planned.profile.with_shape(Some(shape));
+        let shaped = Plan { profile, ..planned.clone() };
+        let in_time = match request.cruise {
+            Cruise::Within { time_s } => profile.duration_s() + shaped.settle_s(pump)? <= time_s,
+            _ => true,
+        };
+        Ok(if in_time && limits.broken(pump, &shaped).is_none() { shaped } else { planned })
+    }
+
+    /// Makes the plan of the steps of `target` with ramps of this shape.
+    pub(super) fn plan_with_shape(
+        &self,
+        pump: &Pump,
+        target: &Target,
+        request: &Request,
+        limits: &Limits,
+        shape: Option<Shape>,
+    ) -> Result<Plan, PlanError> {
+        let at_speed = |cruise_rad_s: f64| {
+            self.plan_at_speed(pump, target, request, &limits.motor, cruise_rad_s, &|_, _| shape)
+        };
+        choose(pump, request.cruise, limits, at_speed)
     }
 
     /// Makes the plan at a cruise speed, without regard to pressures and torque.
@@ -51,6 +90,7 @@ impl Start {
         request: &Request,
         motor: &Motor,
         cruise_rad_s: f64,
+        shape: &impl Fn(&Course, f64) -> Option<Shape>,
     ) -> Plan {
         let curve = pump.outlet_curve();
         let direction = if target.steps < 0 { -1 } else { 1 };
@@ -68,7 +108,9 @@ impl Start {
             turn_rad: target.steps.unsigned_abs() as f64 * motor.step_rad(),
             acceleration_rad_s2,
             limit,
+            shape: None,
         };
+        let course = Course { shape: shape(&course, cruise_rad_s), ..course };
         let profile = Profile::new(course, curve);
         Plan {
             requested_ml: request.volume_ml,
@@ -84,6 +126,7 @@ impl Start {
             steps_per_rev: motor.steps_per_rev,
             step_rad: motor.step_rad(),
             profile,
+            ramps: request.ramps,
             limited_by: if profile.reaches_limit() { LimitedBy::Nothing } else { LimitedBy::Acceleration },
             before_ml: self.before_ml,
             lines: self.lines,

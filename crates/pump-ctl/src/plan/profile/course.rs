@@ -1,5 +1,7 @@
 //! The turn that a profile covers, and the speed limit along it.
 
+use super::shape::Shape;
+
 /// The speed limit at each angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -35,4 +37,6 @@ pub(in crate::plan) struct Course {
     pub(in crate::plan) acceleration_rad_s2: f64,
     /// Speed limit along the turn.
     pub(in crate::plan) limit: SpeedLimit,
+    /// Shape of the ramps. `None` is the largest acceleration, up and down.
+    pub(in crate::plan) shape: Option<Shape>,
 }

@@ -5,6 +5,7 @@ mod course;
 mod envelope;
 mod legs;
 mod profile;
+mod shape;
 mod smooth;
 
 pub use legs::Legs;
@@ -12,4 +13,5 @@ pub use profile::Profile;
 
 pub(in crate::plan) use along::Along;
 pub(in crate::plan) use course::{Course, SpeedLimit};
+pub(in crate::plan) use shape::Shape;
 pub(in crate::plan) use smooth::flow_limit_ml_s;

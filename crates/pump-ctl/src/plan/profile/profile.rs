@@ -6,9 +6,12 @@ use pump_model::{FlowCurve, Leg};
 use super::along::Along;
 use super::course::{Course, SpeedLimit};
 use super::envelope::{Envelope, PARTS, Place};
+use super::shape::Shape;
 use super::smooth;
 
-/// The fastest motion over a turn that ends at rest, below a speed limit and within an acceleration.
+/// The motion over a turn that ends at rest, below a speed limit and within an acceleration.
+///
+/// Its ramps have the shape of its course. Without a shape it is the fastest motion.
 ///
 /// The speed limit may depend on the angle. With u = omega²/2 over the angle, an acceleration is a slope. So
 /// the profile is the smallest of three: the line up (or down) from the start with that slope, the limit, and
@@ -31,8 +34,42 @@ pub struct Profile {
     corner_rad_s: [f64; 2],
     ramp_s: f64,
     along_s: f64,
-    down_s: f64,
+    /// Acceleration of the first ramp, rad/s². It is negative if the rotor is faster than the limit at first.
+    ramp_rad_s2: f64,
+    pub(super) down: Down,
     reaches_limit: bool,
+}
+
+/// The way down to rest in two legs. The first takes no time if the motor brakes as fast as it can.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub(super) struct Down {
+    /// Times of both legs, s.
+    pub(super) legs_s: [f64; 2],
+    /// Decelerations of both legs, rad/s².
+    pub(super) legs_rad_s2: [f64; 2],
+    /// Angle turned between both legs, rad.
+    pub(super) between_rad: f64,
+    /// Speed between both legs, rad/s.
+    pub(super) between_rad_s: f64,
+}
+
+impl Down {
+    /// Makes the way down from a speed in one leg of `time_s` that starts at `left_rad`.
+    fn plain(left_rad: f64, speed_rad_s: f64, time_s: f64, deceleration_rad_s2: f64) -> Self {
+        Self {
+            legs_s: [0.0, time_s],
+            legs_rad_s2: [deceleration_rad_s2; 2],
+            between_rad: left_rad,
+            between_rad_s: speed_rad_s,
+        }
+    }
+
+    /// Returns the time from the start of the way down to rest, s.
+    fn duration_s(&self) -> f64 {
+        let [first_s, last_s] = self.legs_s;
+        first_s + last_s
+    }
 }
 
 impl Profile {
@@ -47,8 +84,22 @@ impl Profile {
         }
     }
 
+    /// Returns this profile with ramps of another shape. Its envelope stays.
+    pub(in crate::plan) fn with_shape(&self, shape: Option<Shape>) -> Self {
+        let course = Course { shape, ..self.course };
+        match (self.envelope, course.limit) {
+            (Some(envelope), _) => Self::along(course, envelope, self.phase_rad),
+            (None, SpeedLimit::Constant { rad_s }) => Self::constant(course, rad_s),
+            // A smooth profile has an envelope.
+            (None, SpeedLimit::Smooth { .. }) => *self,
+        }
+    }
+
     /// Makes the profile below a constant limit.
     fn constant(course: Course, cruise_rad_s: f64) -> Self {
+        if let Some(shape) = course.shape {
+            return Self::shaped(course, shape, cruise_rad_s);
+        }
         let Course { start_rad_s, turn_rad, acceleration_rad_s2, .. } = course;
         // Up to the peak and down from it turns (2 peak² - start²) / (2 acceleration).
         let peak_rad_s = sqrt(acceleration_rad_s2 * turn_rad + 0.5 * start_rad_s * start_rad_s);
@@ -68,13 +119,47 @@ impl Profile {
             corner_rad_s: [plateau_rad_s; 2],
             ramp_s,
             along_s,
-            down_s,
+            ramp_rad_s2: towards(start_rad_s, plateau_rad_s, acceleration_rad_s2),
+            down: Down::plain(turn_rad - down_rad, plateau_rad_s, down_s, acceleration_rad_s2),
+            reaches_limit: plateau_rad_s >= cruise_rad_s,
+        }
+    }
+
+    /// Makes the profile below a constant limit whose ramps have a shape.
+    fn shaped(course: Course, shape: Shape, cruise_rad_s: f64) -> Self {
+        let Course { start_rad_s, turn_rad, .. } = course;
+        let Shape { up_s, down_s: [first_s, last_s], between } = shape;
+        let plateau_rad_s = shape.plateau_rad_s(&course, cruise_rad_s).max(0.0);
+        let between_rad_s = between * plateau_rad_s;
+        let ramp_rad = 0.5 * (start_rad_s + plateau_rad_s) * up_s;
+        let between_rad = turn_rad - 0.5 * between_rad_s * last_s;
+        let left_rad = between_rad - 0.5 * (plateau_rad_s + between_rad_s) * first_s;
+        let along_s = if plateau_rad_s > 0.0 { ((left_rad - ramp_rad) / plateau_rad_s).max(0.0) } else { 0.0 };
+        Self {
+            course,
+            envelope: None,
+            phase_rad: 0.0,
+            reached_s: 0.0,
+            corners_rad: [ramp_rad, left_rad],
+            corner_rad_s: [plateau_rad_s; 2],
+            ramp_s: up_s,
+            along_s,
+            ramp_rad_s2: (plateau_rad_s - start_rad_s) / up_s,
+            down: Down {
+                legs_s: [first_s, last_s],
+                legs_rad_s2: [(plateau_rad_s - between_rad_s) / first_s, between_rad_s / last_s],
+                between_rad,
+                between_rad_s,
+            },
             reaches_limit: plateau_rad_s >= cruise_rad_s,
         }
     }
 
     /// Makes the profile below an envelope, at whose angle `phase_rad` the motion starts.
     fn along(course: Course, envelope: Envelope, phase_rad: f64) -> Self {
+        if let Some(shape) = course.shape {
+            return Self::shaped_along(course, shape, envelope, phase_rad);
+        }
         let Course { start_rad_s, turn_rad, acceleration_rad_s2, .. } = course;
         // Squares of speeds are 2 u. They change by `slope` a radian at most, and by `a_pitch` a pitch.
         let slope = 2.0 * acceleration_rad_s2;
@@ -97,6 +182,8 @@ impl Profile {
         }
         let corner_rad_s = [reached_rad, left_rad].map(|angle_rad| envelope.speed_at(angle_rad));
         let reached_s = envelope.time_at(reached_rad);
+        let ramp_s = (corner_rad_s[0] - start_rad_s).abs() / acceleration_rad_s2;
+        let down_s = corner_rad_s[1] / acceleration_rad_s2;
         Self {
             course,
             envelope: Some(envelope),
@@ -104,11 +191,83 @@ impl Profile {
             reached_s,
             corners_rad: [reached_rad - phase_rad, left_rad - phase_rad],
             corner_rad_s,
-            ramp_s: (corner_rad_s[0] - start_rad_s).abs() / acceleration_rad_s2,
+            ramp_s,
             along_s: envelope.time_at(left_rad) - reached_s,
-            down_s: corner_rad_s[1] / acceleration_rad_s2,
+            ramp_rad_s2: towards(start_rad_s, corner_rad_s[0], acceleration_rad_s2),
+            down: Down::plain(left_rad - phase_rad, corner_rad_s[1], down_s, acceleration_rad_s2),
             reaches_limit: true,
         }
+    }
+
+    /// Makes the profile below an envelope whose ramps have a shape, as for a plateau of the envelope's mean.
+    ///
+    /// A gentle ramp may be less steep than the envelope. So the motion leaves the envelope for good where the
+    /// way down, followed back from the end, first meets it. The way up ends where it first meets it. A rotor
+    /// that turns already goes to the envelope as fast as it can.
+    fn shaped_along(course: Course, shape: Shape, envelope: Envelope, phase_rad: f64) -> Self {
+        let Course { start_rad_s, turn_rad, .. } = course;
+        let Shape { up_s, down_s: [first_s, last_s], between } = shape;
+        let mean_rad_s = envelope.mean_rad_s();
+        let short = || {
+            // The dose is over before it flows smoothly.
+            Self { envelope: Some(envelope), phase_rad, ..Self::shaped(course, shape, mean_rad_s).unreached() }
+        };
+        let end_rad = phase_rad + turn_rad;
+        let (reached_rad, ramp_rad_s2) = if start_rad_s > 0.0 {
+            let fastest = Self::along(Course { shape: None, ..course }, envelope, phase_rad);
+            if !fastest.reaches_limit {
+                return fastest;
+            }
+            (phase_rad + fastest.corners_rad[0], fastest.ramp_rad_s2)
+        } else {
+            let ramp_rad_s2 = mean_rad_s / up_s;
+            let line = |angle_rad: f64| 2.0 * ramp_rad_s2 * (angle_rad - phase_rad);
+            match envelope.meeting(phase_rad, end_rad, line) {
+                Some(reached_rad) => (reached_rad, ramp_rad_s2),
+                None => return short(),
+            }
+        };
+        let between_rad_s = between * mean_rad_s;
+        let legs_rad_s2 = [(mean_rad_s - between_rad_s) / first_s, between_rad_s / last_s];
+        let between_rad = end_rad - 0.5 * between_rad_s * last_s;
+        let last = |angle_rad: f64| 2.0 * legs_rad_s2[1] * (end_rad - angle_rad);
+        let first = |angle_rad: f64| {
+            between_rad_s * between_rad_s + 2.0 * legs_rad_s2[0] * (between_rad - angle_rad)
+        };
+        let in_last = envelope.meeting(end_rad, between_rad.max(reached_rad), last);
+        let in_first = || envelope.meeting(between_rad, reached_rad, first);
+        let Some(left_rad) = in_last.or_else(|| if between_rad > reached_rad { in_first() } else { None })
+        else {
+            return short();
+        };
+        let corner_rad_s = [reached_rad, left_rad].map(|angle_rad| envelope.speed_at(angle_rad));
+        let down = if in_last.is_some() {
+            let time_s = corner_rad_s[1] / legs_rad_s2[1];
+            Down::plain(left_rad - phase_rad, corner_rad_s[1], time_s, legs_rad_s2[1])
+        } else {
+            let first_s = (corner_rad_s[1] - between_rad_s) / legs_rad_s2[0];
+            let between_rad = between_rad - phase_rad;
+            Down { legs_s: [first_s, last_s], legs_rad_s2, between_rad, between_rad_s }
+        };
+        let reached_s = envelope.time_at(reached_rad);
+        Self {
+            course,
+            envelope: Some(envelope),
+            phase_rad,
+            reached_s,
+            corners_rad: [reached_rad - phase_rad, left_rad - phase_rad],
+            corner_rad_s,
+            ramp_s: (corner_rad_s[0] - start_rad_s) / ramp_rad_s2,
+            along_s: envelope.time_at(left_rad) - reached_s,
+            ramp_rad_s2,
+            down,
+            reaches_limit: true,
+        }
+    }
+
+    /// Returns the profile as one that does not reach its limit.
+    fn unreached(self) -> Self {
+        Self { reaches_limit: false, ..self }
     }
 
     /// Returns the fastest speed that is reached, rad/s.
@@ -134,30 +293,44 @@ impl Profile {
         self.reaches_limit
     }
 
-    /// Returns the largest acceleration, rad/s², which is that of the ramps.
+    /// Returns the largest acceleration that the motor allows, rad/s². A stop brakes with it. The ramps are no
+    /// steeper.
     pub fn acceleration_rad_s2(&self) -> f64 {
         self.course.acceleration_rad_s2
     }
 
+    /// Returns the speed limit, or its mean over time if it depends on the angle, rad/s.
+    pub(in crate::plan) fn limit_rad_s(&self) -> f64 {
+        match (&self.envelope, self.course.limit) {
+            (Some(envelope), _) => envelope.mean_rad_s(),
+            (None, SpeedLimit::Constant { rad_s }) => rad_s,
+            (None, SpeedLimit::Smooth { max_rad_s, .. }) => max_rad_s,
+        }
+    }
+
+    /// Returns the time at which the first ramp ends, s.
+    pub(in crate::plan) fn reached_limit_s(&self) -> f64 {
+        self.ramp_s
+    }
+
+    /// Returns the time at which the way down begins, s.
+    pub(in crate::plan) fn left_s(&self) -> f64 {
+        self.ramp_s + self.along_s
+    }
+
+    /// Returns the time of the first leg down, s.
+    pub(in crate::plan) fn first_down_s(&self) -> f64 {
+        self.down.legs_s[0]
+    }
+
     /// Returns the time from start to rest, s.
     pub fn duration_s(&self) -> f64 {
-        self.ramp_s + self.down_s + self.along_s
+        self.ramp_s + self.down.duration_s() + self.along_s
     }
 
     /// Returns the envelope, if there is one and the motion reaches it.
     fn along_envelope(&self) -> Option<&Envelope> {
         self.envelope.as_ref().filter(|_| self.reaches_limit)
-    }
-
-    /// Returns the acceleration of the first ramp, rad/s². It is negative if the rotor is faster than the
-    /// limit at first.
-    fn ramp_rad_s2(&self) -> f64 {
-        let acceleration_rad_s2 = self.course.acceleration_rad_s2;
-        if self.course.start_rad_s > self.corner_rad_s[0] {
-            -acceleration_rad_s2
-        } else {
-            acceleration_rad_s2
-        }
     }
 
     /// Returns the time at which the rotor has turned `turned_rad`, s since the start. An angle outside [0,
@@ -168,9 +341,13 @@ impl Profile {
             let turned_rad = turned_rad.max(0.0);
             let mean_rad_s = 0.5 * (self.course.start_rad_s + self.speed_at(turned_rad));
             if mean_rad_s > 0.0 { turned_rad / mean_rad_s } else { 0.0 }
-        } else if turned_rad > left_rad {
+        } else if turned_rad > self.down.between_rad {
             let left_rad = (self.course.turn_rad - turned_rad).max(0.0);
-            self.duration_s() - sqrt(2.0 * left_rad / self.course.acceleration_rad_s2)
+            self.duration_s() - sqrt(2.0 * left_rad / self.down.legs_rad_s2[1])
+        } else if turned_rad > left_rad {
+            let left_rad = self.down.between_rad - turned_rad;
+            let sum_rad_s = self.down.between_rad_s + self.speed_at(turned_rad);
+            self.duration_s() - self.down.legs_s[1] - 2.0 * left_rad / sum_rad_s
         } else if let Some(envelope) = self.along_envelope() {
             self.ramp_s + (envelope.time_at(self.phase_rad + turned_rad) - self.reached_s)
         } else {
@@ -183,9 +360,12 @@ impl Profile {
         let [reached_rad, left_rad] = self.corners_rad;
         let start_rad_s = self.course.start_rad_s;
         let square = if turned_rad <= reached_rad {
-            start_rad_s * start_rad_s + 2.0 * self.ramp_rad_s2() * turned_rad
+            start_rad_s * start_rad_s + 2.0 * self.ramp_rad_s2 * turned_rad
+        } else if turned_rad > self.down.between_rad {
+            2.0 * self.down.legs_rad_s2[1] * (self.course.turn_rad - turned_rad)
         } else if turned_rad > left_rad {
-            2.0 * self.course.acceleration_rad_s2 * (self.course.turn_rad - turned_rad)
+            let square = self.down.between_rad_s * self.down.between_rad_s;
+            square + 2.0 * self.down.legs_rad_s2[0] * (self.down.between_rad - turned_rad)
         } else {
             return self
                 .along_envelope()
@@ -199,8 +379,10 @@ impl Profile {
         let [reached_rad, left_rad] = self.corners_rad;
         if turned_rad <= reached_rad {
             reached_rad
-        } else if turned_rad > left_rad {
+        } else if turned_rad > self.down.between_rad {
             self.course.turn_rad
+        } else if turned_rad > left_rad {
+            self.down.between_rad
         } else {
             self.along_envelope().map_or(left_rad, |envelope| {
                 (envelope.knot_from(self.phase_rad + turned_rad) - self.phase_rad).min(left_rad)
@@ -234,8 +416,10 @@ impl Profile {
                     self.leg_along(envelope, envelope.place_at_time(self.reached_s + (t_s - self.ramp_s)))
                 },
             )
+        } else if t_s < self.ramp_s + self.along_s + self.down.legs_s[0] {
+            self.first_down_leg()
         } else {
-            self.down_leg()
+            self.last_down_leg()
         }
     }
 
@@ -259,7 +443,7 @@ impl Profile {
 
     /// Returns the leg from the start to the limit.
     pub(super) fn ramp_leg(&self) -> Leg {
-        self.leg(0.0, self.ramp_s, 0.0, self.course.start_rad_s, self.ramp_rad_s2())
+        self.leg(0.0, self.ramp_s, 0.0, self.course.start_rad_s, self.ramp_rad_s2)
     }
 
     /// Returns the leg along a constant limit.
@@ -267,11 +451,19 @@ impl Profile {
         self.leg(self.ramp_s, self.along_s, self.corners_rad[0], self.corner_rad_s[0], 0.0)
     }
 
-    /// Returns the leg from the limit to rest.
-    pub(super) fn down_leg(&self) -> Leg {
+    /// Returns the first leg down from the limit. It takes no time if the way down is one leg.
+    pub(super) fn first_down_leg(&self) -> Leg {
         let start_s = self.ramp_s + self.along_s;
-        let down = -self.course.acceleration_rad_s2;
-        self.leg(start_s, self.down_s, self.corners_rad[1], self.corner_rad_s[1], down)
+        let Down { legs_s: [first_s, _], legs_rad_s2: [down_rad_s2, _], .. } = self.down;
+        self.leg(start_s, first_s, self.corners_rad[1], self.corner_rad_s[1], -down_rad_s2)
+    }
+
+    /// Returns the last leg, down to rest.
+    pub(super) fn last_down_leg(&self) -> Leg {
+        let Down { legs_s: [first_s, last_s], legs_rad_s2: [_, down_rad_s2], between_rad, between_rad_s } =
+            self.down;
+        let start_s = self.ramp_s + self.along_s + first_s;
+        self.leg(start_s, last_s, between_rad, between_rad_s, -down_rad_s2)
     }
 
     /// Returns the leg along one part of an envelope. Its duration is 0 if the motion does not follow the
@@ -317,4 +509,9 @@ impl Profile {
             })
         })
     }
+}
+
+/// Returns the acceleration from one speed to another, rad/s².
+fn towards(from_rad_s: f64, to_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
+    if from_rad_s > to_rad_s { -acceleration_rad_s2 } else { acceleration_rad_s2 }
 }

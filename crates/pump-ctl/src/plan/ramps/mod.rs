@@ -1,0 +1,10 @@
+//! The ramps of a dose: those after which the outlet's line is nearly at rest.
+
+mod cruise;
+mod grid;
+mod left_over;
+mod lines;
+mod search;
+
+pub(in crate::plan) use grid::Grid;
+pub(in crate::plan) use search::line_aware;

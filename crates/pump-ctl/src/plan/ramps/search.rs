@@ -1,0 +1,158 @@
+//! The search for the ramps of a plan.
+
+use pump_model::{LineState, Pump};
+
+use super::cruise::{Cruise, has_forgotten};
+use super::grid::{Grid, Place};
+use super::left_over::{LeftOver, Outcome};
+use super::lines::{Lines, States};
+use crate::plan::Plan;
+use crate::plan::profile::{Profile, Shape};
+
+/// Units of the way up that are tried where the dose ends before the line has forgotten its start.
+const UPS: [f64; 3] = [1.0, 8.0, 16.0];
+
+/// Units of each leg of the way down that are tried first, a quarter to one and a quarter of the period.
+const DOWNS: [f64; 4] = [4.0, 8.0, 13.0, 20.0];
+
+/// Parts of the plateau between both legs of the way down that are tried first.
+const BETWEENS: [f64; 3] = [0.3, 0.5, 0.7];
+
+/// Steps of the refinement: units, and parts of the plateau.
+const FINER: [(f64, f64); 3] = [(2.0, 0.1), (1.0, 0.05), (1.0, 0.025)];
+
+/// Finds the ramps of `plan`, which has usual ramps, from the angle and the lines that it starts with.
+pub(in crate::plan) fn line_aware(pump: &Pump, plan: &Plan) -> Option<Shape> {
+    Search::new(pump, plan).run()
+}
+
+/// A plan whose ramps are sought.
+struct Search<'a> {
+    pump: &'a Pump,
+    profile: &'a Profile,
+    grid: Grid,
+    lines: Lines,
+    start: States,
+    direction: f64,
+    end_ml: f64,
+    /// Volume of the last motor step, mL.
+    step_ml: f64,
+}
+
+/// The best ramps so far.
+struct Best {
+    place: Place,
+    shape: Shape,
+    outcome: Outcome,
+}
+
+impl<'a> Search<'a> {
+    fn new(pump: &'a Pump, plan: &'a Plan) -> Self {
+        let profile = &plan.profile;
+        let grid = Grid::new(pump.outlet(), &profile.course, profile.limit_rad_s());
+        let [_, outlet] = plan.lines.states(pump, 0.0);
+        let direction = f64::from(profile.course.direction);
+        Self {
+            pump,
+            profile,
+            grid,
+            lines: Lines::new(pump.outlet(), grid.unit_s),
+            start: [outlet; 3],
+            direction,
+            end_ml: pump.outlet_curve().volume_ml(plan.end_angle_rad()),
+            step_ml: plan.end_step_ml(pump) * direction,
+        }
+    }
+
+    fn run(&self) -> Option<Shape> {
+        let mut best: Option<Best> = None;
+        let mut tried = 0.0;
+        for up in UPS {
+            // The motor's own ramp may be longer than a try.
+            let up = up.max(self.grid.least);
+            if up <= tried {
+                continue;
+            }
+            tried = up;
+            let cruise = self.cruise(up);
+            for between in BETWEENS {
+                for first in DOWNS {
+                    for last in DOWNS {
+                        let place = Place { up, down: [first, last], between };
+                        self.try_place(place, cruise.as_ref(), &mut best);
+                    }
+                }
+            }
+            if self.starts_do_not_count() {
+                break;
+            }
+        }
+        let up = best.as_ref()?.place.up;
+        let cruise = self.cruise(up);
+        for (units, part) in FINER {
+            let Place { down: [first, last], between, .. } = best.as_ref()?.place;
+            for (first, last, between) in [
+                (first + units, last, between),
+                (first - units, last, between),
+                (first, last + units, between),
+                (first, last - units, between),
+                (first, last, between + part),
+                (first, last, between - part),
+                (first + units, last - units, between),
+                (first - units, last + units, between),
+            ] {
+                if first >= 1.0 && last >= 1.0 && between > 0.05 && between < 0.95 {
+                    let place = Place { up, down: [first, last], between };
+                    self.try_place(place, cruise.as_ref(), &mut best);
+                }
+            }
+        }
+        best.map(|best| best.shape)
+    }
+
+    /// Returns true if the line has forgotten the start by the time at which the way down begins.
+    fn starts_do_not_count(&self) -> bool {
+        self.profile.reaches_limit() && has_forgotten(self.pump, self.profile.left_s())
+    }
+
+    /// Follows the lines through the part of the cruise in which ways down begin. `None` if the motion has no
+    /// cruise.
+    fn cruise(&self, up: f64) -> Option<Cruise> {
+        let profile = |down: f64, between: f64| {
+            let shape = self.grid.shape(&Place { up, down: [down; 2], between });
+            shape.map(|shape| self.profile.with_shape(Some(shape))).filter(Profile::reaches_limit)
+        };
+        let latest = profile(1.0, 0.05)?;
+        let earliest_s = profile(24.0, 0.95).map_or(latest.reached_limit_s(), |early| early.left_s());
+        Some(Cruise::new(self.pump, &self.lines, &latest, earliest_s, &self.start))
+    }
+
+    /// Tries the ramps at a place, and keeps them if they are better.
+    fn try_place(&self, place: Place, cruise: Option<&Cruise>, best: &mut Option<Best>) {
+        let Some(shape) = self.grid.shape(&place) else { return };
+        let outcome = self.outcome(&self.profile.with_shape(Some(shape)), cruise);
+        if best.as_ref().is_none_or(|best| outcome.is_better_than(&best.outcome)) {
+            *best = Some(Best { place, shape, outcome });
+        }
+    }
+
+    /// Follows the lines to the end of a motion.
+    fn outcome(&self, profile: &Profile, cruise: Option<&Cruise>) -> Outcome {
+        let curve = self.pump.outlet_curve();
+        let mut left_over = LeftOver::new(self.direction, self.end_ml);
+        let mut states: [LineState; 3] = self.start;
+        let (left_s, end_s) = (profile.left_s(), profile.duration_s());
+        match cruise.filter(|_| profile.reaches_limit()) {
+            Some(cruise) => states = cruise.at(left_s),
+            None => {
+                let up_s = profile.reached_limit_s();
+                self.lines.run(curve, profile, (0.0, up_s), &mut states, &mut left_over);
+                self.lines.run(curve, profile, (up_s, left_s), &mut states, &mut left_over);
+            }
+        }
+        let between_s = left_s + profile.first_down_s();
+        self.lines.run(curve, profile, (left_s, between_s), &mut states, &mut left_over);
+        self.lines.run(curve, profile, (between_s, end_s), &mut states, &mut left_over);
+        left_over.outcome(&self.lines, &states, end_s, self.step_ml)
+    }
+}
