@@ -35,6 +35,27 @@ pub(super) struct Place {
     pub(super) between: f64,
 }
 
+impl Place {
+    /// Returns the places beside this one, with legs down that differ by `units` and a speed between them that
+    /// differs by `part` of the plateau.
+    pub(super) fn neighbours(self, units: f64, part: f64) -> impl Iterator<Item = Self> {
+        let [first, last] = self.down;
+        let beside = |first: f64, last: f64, between: f64| Self { down: [first, last], between, ..self };
+        [
+            beside(first + units, last, self.between),
+            beside(first - units, last, self.between),
+            beside(first, last + units, self.between),
+            beside(first, last - units, self.between),
+            beside(first, last, self.between + part),
+            beside(first, last, self.between - part),
+            beside(first + units, last - units, self.between),
+            beside(first - units, last + units, self.between),
+        ]
+        .into_iter()
+        .filter(|place| place.down.iter().all(|units| *units >= 1.0) && (0.05..=0.95).contains(&place.between))
+    }
+}
+
 impl Grid {
     /// Makes the grid of a motion over `course` up to `fastest_rad_s`.
     pub(in crate::plan) fn new(outlet: &Line, course: &Course, fastest_rad_s: f64) -> Self {

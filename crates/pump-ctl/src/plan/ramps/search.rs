@@ -13,13 +13,16 @@ use crate::plan::profile::{Profile, Shape};
 const UPS: [f64; 3] = [1.0, 8.0, 16.0];
 
 /// Units of each leg of the way down that are tried first, a quarter to one and a quarter of the period.
-const DOWNS: [f64; 4] = [4.0, 8.0, 13.0, 20.0];
+const DOWNS: [f64; 4] = [4.0, 8.0, 14.0, 22.0];
 
 /// Parts of the plateau between both legs of the way down that are tried first.
-const BETWEENS: [f64; 3] = [0.3, 0.5, 0.7];
+const BETWEENS: [f64; 3] = [0.2, 0.4, 0.65];
 
 /// Steps of the refinement: units, and parts of the plateau.
-const FINER: [(f64, f64); 3] = [(2.0, 0.1), (1.0, 0.05), (1.0, 0.025)];
+const FINER: [(f64, f64); 3] = [(2.0, 0.1), (1.0, 0.05), (0.5, 0.02)];
+
+/// Rounds of each step of the refinement.
+const ROUNDS: u32 = 3;
 
 /// Finds the ramps of `plan`, which has usual ramps, from the angle and the lines that it starts with.
 pub(in crate::plan) fn line_aware(pump: &Pump, plan: &Plan) -> Option<Shape> {
@@ -90,20 +93,13 @@ impl<'a> Search<'a> {
         let up = best.as_ref()?.place.up;
         let cruise = self.cruise(up);
         for (units, part) in FINER {
-            let Place { down: [first, last], between, .. } = best.as_ref()?.place;
-            for (first, last, between) in [
-                (first + units, last, between),
-                (first - units, last, between),
-                (first, last + units, between),
-                (first, last - units, between),
-                (first, last, between + part),
-                (first, last, between - part),
-                (first + units, last - units, between),
-                (first - units, last + units, between),
-            ] {
-                if first >= 1.0 && last >= 1.0 && between > 0.05 && between < 0.95 {
-                    let place = Place { up, down: [first, last], between };
-                    self.try_place(place, cruise.as_ref(), &mut best);
+            for _ in 0..ROUNDS {
+                let before = best.as_ref()?.place;
+                for neighbour in before.neighbours(units, part) {
+                    self.try_place(neighbour, cruise.as_ref(), &mut best);
+                }
+                if best.as_ref()?.place == before {
+                    break;
                 }
             }
         }
