@@ -8,6 +8,7 @@ use super::bench::BenchOptions;
 use super::files::{Files, PlotOption, StepsOption, TraceOptions};
 use super::fluid::FluidOptions;
 use super::limits::{PressureOptions, TubeLimit};
+use super::ramps::RampsOption;
 use super::report::{FormatOption, VerboseOption};
 use super::speed::{CruiseOptions, ReverseOption, StartAngleOption};
 use super::volume::AskedVolume;
@@ -22,6 +23,8 @@ pub(crate) struct DosingOptions {
     #[arg(long_help = "Let the speed follow the rollers' angle, for a flow as smooth as the limits allow.")]
     #[arg(long, help_heading = "Amount and speed")]
     smooth: bool,
+    #[command(flatten)]
+    ramps: RampsOption,
     #[command(flatten)]
     reverse: ReverseOption,
     #[command(flatten)]
@@ -103,6 +106,7 @@ impl DosingOptions {
             purpose,
             cruise: self.cruise.cruise()?,
             smooth: self.smooth,
+            ramps: self.ramps.ramps(),
             start_angle_rad: self.start_angle.start_angle,
             pressures: self.limits.pressures(file),
             ..DoseRequest::dose(volume_ml)

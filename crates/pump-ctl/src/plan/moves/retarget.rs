@@ -58,7 +58,8 @@ impl Doser<'_> {
         }
         let delivered_ml = plan.before_ml + plan.delivered_ml(pump, made);
         let volume_left_ml = volume_ml - delivered_ml;
-        let request = Request { volume_ml: volume_left_ml, carry_in_ml, cruise, smooth, finish, turned, ramps };
+        let request =
+            Request { volume_ml: volume_left_ml, carry_in_ml, cruise, smooth, finish, turned, ramps };
 
         let phase = plan.start.moved_to(plan.angle_after(made));
         let speed_rad_s = plan.speed_after(made);

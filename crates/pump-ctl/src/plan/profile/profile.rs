@@ -134,7 +134,8 @@ impl Profile {
         let ramp_rad = 0.5 * (start_rad_s + plateau_rad_s) * up_s;
         let between_rad = turn_rad - 0.5 * between_rad_s * last_s;
         let left_rad = between_rad - 0.5 * (plateau_rad_s + between_rad_s) * first_s;
-        let along_s = if plateau_rad_s > 0.0 { ((left_rad - ramp_rad) / plateau_rad_s).max(0.0) } else { 0.0 };
+        let along_s =
+            if plateau_rad_s > 0.0 { ((left_rad - ramp_rad) / plateau_rad_s).max(0.0) } else { 0.0 };
         Self {
             course,
             envelope: None,
@@ -210,7 +211,11 @@ impl Profile {
         let mean_rad_s = envelope.mean_rad_s();
         let short = || {
             // The dose is over before it flows smoothly.
-            Self { envelope: Some(envelope), phase_rad, ..Self::shaped(course, shape, mean_rad_s).unreached() }
+            Self {
+                envelope: Some(envelope),
+                phase_rad,
+                ..Self::shaped(course, shape, mean_rad_s).unreached()
+            }
         };
         let end_rad = phase_rad + turn_rad;
         let (reached_rad, ramp_rad_s2) = if start_rad_s > 0.0 {
@@ -231,9 +236,8 @@ impl Profile {
         let legs_rad_s2 = [(mean_rad_s - between_rad_s) / first_s, between_rad_s / last_s];
         let between_rad = end_rad - 0.5 * between_rad_s * last_s;
         let last = |angle_rad: f64| 2.0 * legs_rad_s2[1] * (end_rad - angle_rad);
-        let first = |angle_rad: f64| {
-            between_rad_s * between_rad_s + 2.0 * legs_rad_s2[0] * (between_rad - angle_rad)
-        };
+        let first =
+            |angle_rad: f64| between_rad_s * between_rad_s + 2.0 * legs_rad_s2[0] * (between_rad - angle_rad);
         let in_last = envelope.meeting(end_rad, between_rad.max(reached_rad), last);
         let in_first = || envelope.meeting(between_rad, reached_rad, first);
         let Some(left_rad) = in_last.or_else(|| if between_rad > reached_rad { in_first() } else { None })

@@ -61,7 +61,8 @@ impl Cruise {
             Some([before, after, ..]) => {
                 let mut states = *before;
                 for (state, after) in states.iter_mut().zip(after) {
-                    state.above_reservoir_kpa += part * (after.above_reservoir_kpa - state.above_reservoir_kpa);
+                    state.above_reservoir_kpa +=
+                        part * (after.above_reservoir_kpa - state.above_reservoir_kpa);
                     state.flow_ml_s += part * (after.flow_ml_s - state.flow_ml_s);
                 }
                 states

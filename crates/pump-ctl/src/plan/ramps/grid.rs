@@ -52,7 +52,9 @@ impl Place {
             beside(first - units, last + units, self.between),
         ]
         .into_iter()
-        .filter(|place| place.down.iter().all(|units| *units >= 1.0) && (0.05..=0.95).contains(&place.between))
+        .filter(|place| {
+            place.down.iter().all(|units| *units >= 1.0) && (0.05..=0.95).contains(&place.between)
+        })
     }
 }
 

@@ -28,7 +28,8 @@ impl Outcome {
         }
     }
 
-    fn is_within(&self) -> bool {
+    /// Returns true if the back flow is no fault.
+    pub(super) fn is_within(&self) -> bool {
         self.taken_back_ml <= Self::LIMIT_ML
     }
 }
@@ -66,6 +67,9 @@ impl LeftOver {
             settled_s += down.settled_after_s();
             count += 1.0;
         }
-        Outcome { taken_back_ml: taken.fold(self.taken_back_ml, f64::max), time_s: motion_s + settled_s / count }
+        Outcome {
+            taken_back_ml: taken.fold(self.taken_back_ml, f64::max),
+            time_s: motion_s + settled_s / count,
+        }
     }
 }

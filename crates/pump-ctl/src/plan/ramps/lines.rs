@@ -37,10 +37,8 @@ impl Lines {
 
     /// Returns the states of lines that have carried this flow for long.
     pub(super) fn steady(&self, flow_ml_s: f64) -> States {
-        self.lines.map(|line| LineState {
-            above_reservoir_kpa: line.resistance_kpa_s_ml * flow_ml_s,
-            flow_ml_s,
-        })
+        self.lines
+            .map(|line| LineState { above_reservoir_kpa: line.resistance_kpa_s_ml * flow_ml_s, flow_ml_s })
     }
 
     /// Follows the lines through a motion from `from_s` to `to_s`, in equal steps no longer than these, 128 at

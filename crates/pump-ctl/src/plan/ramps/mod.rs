@@ -4,7 +4,9 @@ mod cruise;
 mod grid;
 mod left_over;
 mod lines;
+mod plain;
 mod search;
 
 pub(in crate::plan) use grid::Grid;
+pub(in crate::plan) use plain::best_plain;
 pub(in crate::plan) use search::line_aware;

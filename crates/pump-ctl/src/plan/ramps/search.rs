@@ -29,6 +29,11 @@ pub(in crate::plan) fn line_aware(pump: &Pump, plan: &Plan) -> Option<Shape> {
     Search::new(pump, plan).run()
 }
 
+/// Returns what comes of a plan with the ramps that it has.
+pub(super) fn outcome_from_rest(pump: &Pump, plan: &Plan) -> Outcome {
+    Search::new(pump, plan).outcome(&plan.profile, None)
+}
+
 /// A plan whose ramps are sought.
 struct Search<'a> {
     pump: &'a Pump,
@@ -43,10 +48,18 @@ struct Search<'a> {
 }
 
 /// The best ramps so far.
+#[derive(Debug, Clone, Copy)]
 struct Best {
     place: Place,
     shape: Shape,
     outcome: Outcome,
+}
+
+/// Keeps the better of the best so far and another.
+fn keep_better(best: &mut Option<Best>, other: Best) {
+    if best.is_none_or(|best| other.outcome.is_better_than(&best.outcome)) {
+        *best = Some(other);
+    }
 }
 
 impl<'a> Search<'a> {
@@ -67,8 +80,11 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Tries the whole grid, and refines the best. Where even that takes back too much, the best of each way up
+    /// and of each speed between both legs down is refined too.
     fn run(&self) -> Option<Shape> {
-        let mut best: Option<Best> = None;
+        let mut firsts: [Option<Best>; UPS.len() * BETWEENS.len()] = [None; UPS.len() * BETWEENS.len()];
+        let mut slots = firsts.iter_mut();
         let mut tried = 0.0;
         for up in UPS {
             // The motor's own ramp may be longer than a try.
@@ -78,11 +94,10 @@ impl<'a> Search<'a> {
             }
             tried = up;
             let cruise = self.cruise(up);
-            for between in BETWEENS {
+            for (between, slot) in BETWEENS.into_iter().zip(&mut slots) {
                 for first in DOWNS {
                     for last in DOWNS {
-                        let place = Place { up, down: [first, last], between };
-                        self.try_place(place, cruise.as_ref(), &mut best);
+                        self.try_place(Place { up, down: [first, last], between }, cruise.as_ref(), slot);
                     }
                 }
             }
@@ -90,20 +105,35 @@ impl<'a> Search<'a> {
                 break;
             }
         }
-        let up = best.as_ref()?.place.up;
-        let cruise = self.cruise(up);
-        for (units, part) in FINER {
-            for _ in 0..ROUNDS {
-                let before = best.as_ref()?.place;
-                for neighbour in before.neighbours(units, part) {
-                    self.try_place(neighbour, cruise.as_ref(), &mut best);
-                }
-                if best.as_ref()?.place == before {
-                    break;
-                }
+        let mut best: Option<Best> = None;
+        for first in firsts.iter().flatten() {
+            keep_better(&mut best, *first);
+        }
+        let best = self.refined(best?);
+        let mut found = Some(best);
+        if !best.outcome.is_within() {
+            for first in firsts.iter().flatten() {
+                keep_better(&mut found, self.refined(*first));
             }
         }
-        best.map(|best| best.shape)
+        found.map(|best| best.shape)
+    }
+
+    /// Goes from a place to better ones beside it until none is better.
+    fn refined(&self, first: Best) -> Best {
+        let cruise = self.cruise(first.place.up);
+        let mut best = Some(first);
+        let mut here = first;
+        for (units, part) in FINER {
+            for _ in 0..ROUNDS {
+                for neighbour in here.place.neighbours(units, part) {
+                    self.try_place(neighbour, cruise.as_ref(), &mut best);
+                }
+                let Some(found) = best.filter(|best| best.place != here.place) else { break };
+                here = found;
+            }
+        }
+        here
     }
 
     /// Returns true if the line has forgotten the start by the time at which the way down begins.
@@ -127,9 +157,7 @@ impl<'a> Search<'a> {
     fn try_place(&self, place: Place, cruise: Option<&Cruise>, best: &mut Option<Best>) {
         let Some(shape) = self.grid.shape(&place) else { return };
         let outcome = self.outcome(&self.profile.with_shape(Some(shape)), cruise);
-        if best.as_ref().is_none_or(|best| outcome.is_better_than(&best.outcome)) {
-            *best = Some(Best { place, shape, outcome });
-        }
+        keep_better(best, Best { place, shape, outcome });
     }
 
     /// Follows the lines to the end of a motion.

@@ -17,6 +17,7 @@ use super::unknown_name::UnknownName;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Ramps {
     /// The ramps leave the outlet's line nearly at rest. Motion and settling end soonest among the ramps whose

@@ -6,7 +6,7 @@ from typing import Any
 from pumpmodel._pumpmodel import Calibration, Doser, Limits, Plan, Pump, _Bench
 from pumpmodel.bench.request import asked
 from pumpmodel.bench.schedule import due
-from pumpmodel.choices import Finish, Missed
+from pumpmodel.choices import Finish, Missed, Ramps
 from pumpmodel.dose import Dose
 
 Progress = Callable[[int, int], object]
@@ -36,6 +36,7 @@ class BenchDoses:
         within: str | None = None,
         smooth: bool = False,
         finish: Finish = "any",
+        ramps: Ramps | None = None,
         retract: str | None = None,
         start_angle_rad: float | None = None,
         limits: Limits | None = None,
@@ -59,6 +60,9 @@ class BenchDoses:
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
             Places in a pitch where the dose may end.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest; a board
+            that plans its own ramps has "fastest".
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
         start_angle_rad : float, optional
@@ -89,7 +93,7 @@ class BenchDoses:
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        request = asked(volume, rate, speed, within, smooth, finish, retract, start_angle_rad, limits)
+        request = asked(volume, rate, speed, within, smooth, finish, ramps, retract, start_angle_rad, limits)
         return self._run("dose", request, dry_run, progress)
 
     def prime(
@@ -100,6 +104,7 @@ class BenchDoses:
         speed: str | None = None,
         within: str | None = None,
         smooth: bool = False,
+        ramps: Ramps | None = None,
         start_angle_rad: float | None = None,
         limits: Limits | None = None,
         dry_run: bool = False,
@@ -120,6 +125,9 @@ class BenchDoses:
             The default is the pump's `default_rate_ml_s`.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the motion starts and stops. The default leaves the outlet's line nearly at rest; a board
+            that plans its own ramps has "fastest".
         start_angle_rad : float, optional
             Angle of the rollers at the start, rad; overrides the record.
         limits : Limits, optional
@@ -148,7 +156,7 @@ class BenchDoses:
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        request = asked(volume, rate, speed, within, smooth, "any", None, start_angle_rad, limits)
+        request = asked(volume, rate, speed, within, smooth, "any", ramps, None, start_angle_rad, limits)
         return self._run("prime", request, dry_run, progress)
 
     def purge(
@@ -159,6 +167,7 @@ class BenchDoses:
         speed: str | None = None,
         within: str | None = None,
         smooth: bool = False,
+        ramps: Ramps | None = None,
         start_angle_rad: float | None = None,
         limits: Limits | None = None,
         dry_run: bool = False,
@@ -179,6 +188,9 @@ class BenchDoses:
             The default is the pump's `default_rate_ml_s`.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the motion starts and stops. The default leaves the outlet's line nearly at rest; a board
+            that plans its own ramps has "fastest".
         start_angle_rad : float, optional
             Angle of the rollers at the start, rad; overrides the record.
         limits : Limits, optional
@@ -207,7 +219,7 @@ class BenchDoses:
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        request = asked(volume, rate, speed, within, smooth, "any", None, start_angle_rad, limits)
+        request = asked(volume, rate, speed, within, smooth, "any", ramps, None, start_angle_rad, limits)
         return self._run("purge", request, dry_run, progress)
 
     def plan(
@@ -219,6 +231,7 @@ class BenchDoses:
         within: str | None = None,
         smooth: bool = False,
         finish: Finish = "any",
+        ramps: Ramps | None = None,
         retract: str | None = None,
         start_angle_rad: float | None = None,
         limits: Limits | None = None,
@@ -242,6 +255,9 @@ class BenchDoses:
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
             Places in a pitch where the dose may end.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest; a board
+            that plans its own ramps has "fastest".
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
         start_angle_rad : float, optional
@@ -267,7 +283,7 @@ class BenchDoses:
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        request = asked(volume, rate, speed, within, smooth, finish, retract, start_angle_rad, limits)
+        request = asked(volume, rate, speed, within, smooth, finish, ramps, retract, start_angle_rad, limits)
         self._core.prepare("dose", request)
         angle_rad, half_width_rad, carry_ml = self._core.stands
         if start_angle_rad is not None:
@@ -277,6 +293,7 @@ class BenchDoses:
             volume,
             smooth=smooth,
             finish=finish,
+            ramps=ramps or "line-aware",
             retract=retract,
             start_angle_rad=angle_rad,
             start_half_width_rad=half_width_rad,
@@ -296,6 +313,7 @@ class BenchDoses:
         within: str | None = None,
         smooth: bool = False,
         finish: Finish = "any",
+        ramps: Ramps | None = None,
         retract: str | None = None,
         start_angle_rad: float | None = None,
         limits: Limits | None = None,
@@ -327,6 +345,9 @@ class BenchDoses:
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
             Places in a pitch where the dose may end.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest; a board
+            that plans its own ramps has "fastest".
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
         start_angle_rad : float, optional
@@ -359,6 +380,7 @@ class BenchDoses:
                 within=within,
                 smooth=smooth,
                 finish=finish,
+                ramps=ramps,
                 retract=retract,
                 start_angle_rad=start_angle_rad,
                 limits=limits,
@@ -377,6 +399,7 @@ class BenchDoses:
         within: str | None = None,
         smooth: bool = False,
         finish: Finish | None = None,
+        ramps: Ramps | None = None,
         limits: Limits | None = None,
         progress: Progress | None = None,
     ) -> Dose:
@@ -396,6 +419,8 @@ class BenchDoses:
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}, optional
             Places in a pitch where the dose may end. The default is that of the whole dose.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the rest starts and stops. The default is that of the whole dose.
         limits : Limits, optional
             Pressure limits that replace the pump file's.
         progress : callable, optional
@@ -420,7 +445,7 @@ class BenchDoses:
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        request = asked(None, rate, speed, within, smooth, finish, None, None, limits)
+        request = asked(None, rate, speed, within, smooth, finish, ramps, None, None, limits)
         return Dose._from_json(self._core.resume(request, progress))
 
     def stop(self) -> None:
