@@ -85,7 +85,6 @@ pub use line::friction::Friction;
 pub use line::line::Line;
 pub use line::line_state::LineState;
 pub use line::line_step::LineStep;
-pub use line::ring_down::RingDown;
 pub use line::settling::SETTLED_ML;
 pub use line::vessel_run::{BackFlow, VesselRun};
 pub use math::{metrics, polynomial};

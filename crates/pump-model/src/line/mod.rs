@@ -10,7 +10,6 @@ pub(crate) mod line_step;
 pub(crate) mod oscillator;
 pub(crate) mod periodic_state;
 pub(crate) mod propagator;
-pub(crate) mod ring_down;
 mod ringing;
 pub(crate) mod settling;
 mod turns;

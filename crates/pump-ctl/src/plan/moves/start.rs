@@ -59,7 +59,15 @@ impl Start {
         }
         let Some(shape) = line_aware(pump, &planned) else { return Ok(planned) };
         let profile = planned.profile.with_shape(Some(shape));
-        let shaped = Plan { profile, ..planned.clone() };
+        let limited_by = match planned.limited_by {
+            LimitedBy::Nothing | LimitedBy::Speed if !profile.reaches_limit() => LimitedBy::Acceleration,
+            LimitedBy::Acceleration if profile.reaches_limit() => match request.cruise {
+                Cruise::Fastest => LimitedBy::Speed,
+                _ => LimitedBy::Nothing,
+            },
+            other => other,
+        };
+        let shaped = Plan { profile, limited_by, ..planned.clone() };
         let in_time = match request.cruise {
             Cruise::Within { time_s } => profile.duration_s() + shaped.settle_s(pump)? <= time_s,
             _ => true,

@@ -2,10 +2,12 @@
 
 mod along;
 mod course;
+mod down;
 mod envelope;
 mod legs;
 mod profile;
 mod shape;
+mod shaped;
 mod smooth;
 
 pub use legs::Legs;

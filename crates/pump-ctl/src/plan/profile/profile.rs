@@ -5,6 +5,7 @@ use pump_model::{FlowCurve, Leg};
 
 use super::along::Along;
 use super::course::{Course, SpeedLimit};
+use super::down::Down;
 use super::envelope::{Envelope, PARTS, Place};
 use super::shape::Shape;
 use super::smooth;
@@ -23,53 +24,21 @@ use super::smooth;
 pub struct Profile {
     pub(in crate::plan) course: Course,
     /// Envelope of the speed limit, if the limit is not constant.
-    envelope: Option<Envelope>,
+    pub(super) envelope: Option<Envelope>,
     /// Angle in the envelope at the start, rad.
-    phase_rad: f64,
+    pub(super) phase_rad: f64,
     /// Time from angle 0 of the envelope to where the limit is reached, s.
-    reached_s: f64,
+    pub(super) reached_s: f64,
     /// Angles turned where the limit is reached and left, rad.
     pub(in crate::plan) corners_rad: [f64; 2],
     /// Speeds where the limit is reached and left, rad/s.
-    corner_rad_s: [f64; 2],
-    ramp_s: f64,
-    along_s: f64,
+    pub(super) corner_rad_s: [f64; 2],
+    pub(super) ramp_s: f64,
+    pub(super) along_s: f64,
     /// Acceleration of the first ramp, rad/s². It is negative if the rotor is faster than the limit at first.
-    ramp_rad_s2: f64,
+    pub(super) ramp_rad_s2: f64,
     pub(super) down: Down,
-    reaches_limit: bool,
-}
-
-/// The way down to rest in two legs. The first takes no time if the motor brakes as fast as it can.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub(super) struct Down {
-    /// Times of both legs, s.
-    pub(super) legs_s: [f64; 2],
-    /// Decelerations of both legs, rad/s².
-    pub(super) legs_rad_s2: [f64; 2],
-    /// Angle turned between both legs, rad.
-    pub(super) between_rad: f64,
-    /// Speed between both legs, rad/s.
-    pub(super) between_rad_s: f64,
-}
-
-impl Down {
-    /// Makes the way down from a speed in one leg of `time_s` that starts at `left_rad`.
-    fn plain(left_rad: f64, speed_rad_s: f64, time_s: f64, deceleration_rad_s2: f64) -> Self {
-        Self {
-            legs_s: [0.0, time_s],
-            legs_rad_s2: [deceleration_rad_s2; 2],
-            between_rad: left_rad,
-            between_rad_s: speed_rad_s,
-        }
-    }
-
-    /// Returns the time from the start of the way down to rest, s.
-    fn duration_s(&self) -> f64 {
-        let [first_s, last_s] = self.legs_s;
-        first_s + last_s
-    }
+    pub(super) reaches_limit: bool,
 }
 
 impl Profile {
@@ -125,39 +94,8 @@ impl Profile {
         }
     }
 
-    /// Makes the profile below a constant limit whose ramps have a shape.
-    fn shaped(course: Course, shape: Shape, cruise_rad_s: f64) -> Self {
-        let Course { start_rad_s, turn_rad, .. } = course;
-        let Shape { up_s, down_s: [first_s, last_s], between } = shape;
-        let plateau_rad_s = shape.plateau_rad_s(&course, cruise_rad_s).max(0.0);
-        let between_rad_s = between * plateau_rad_s;
-        let ramp_rad = 0.5 * (start_rad_s + plateau_rad_s) * up_s;
-        let between_rad = turn_rad - 0.5 * between_rad_s * last_s;
-        let left_rad = between_rad - 0.5 * (plateau_rad_s + between_rad_s) * first_s;
-        let along_s =
-            if plateau_rad_s > 0.0 { ((left_rad - ramp_rad) / plateau_rad_s).max(0.0) } else { 0.0 };
-        Self {
-            course,
-            envelope: None,
-            phase_rad: 0.0,
-            reached_s: 0.0,
-            corners_rad: [ramp_rad, left_rad],
-            corner_rad_s: [plateau_rad_s; 2],
-            ramp_s: up_s,
-            along_s,
-            ramp_rad_s2: (plateau_rad_s - start_rad_s) / up_s,
-            down: Down {
-                legs_s: [first_s, last_s],
-                legs_rad_s2: [(plateau_rad_s - between_rad_s) / first_s, between_rad_s / last_s],
-                between_rad,
-                between_rad_s,
-            },
-            reaches_limit: plateau_rad_s >= cruise_rad_s,
-        }
-    }
-
     /// Makes the profile below an envelope, at whose angle `phase_rad` the motion starts.
-    fn along(course: Course, envelope: Envelope, phase_rad: f64) -> Self {
+    pub(super) fn along(course: Course, envelope: Envelope, phase_rad: f64) -> Self {
         if let Some(shape) = course.shape {
             return Self::shaped_along(course, shape, envelope, phase_rad);
         }
@@ -198,80 +136,6 @@ impl Profile {
             down: Down::plain(left_rad - phase_rad, corner_rad_s[1], down_s, acceleration_rad_s2),
             reaches_limit: true,
         }
-    }
-
-    /// Makes the profile below an envelope whose ramps have a shape, as for a plateau of the envelope's mean.
-    ///
-    /// A gentle ramp may be less steep than the envelope. So the motion leaves the envelope for good where the
-    /// way down, followed back from the end, first meets it. The way up ends where it first meets it. A rotor
-    /// that turns already goes to the envelope as fast as it can.
-    fn shaped_along(course: Course, shape: Shape, envelope: Envelope, phase_rad: f64) -> Self {
-        let Course { start_rad_s, turn_rad, .. } = course;
-        let Shape { up_s, down_s: [first_s, last_s], between } = shape;
-        let mean_rad_s = envelope.mean_rad_s();
-        let short = || {
-            // The dose is over before it flows smoothly.
-            Self {
-                envelope: Some(envelope),
-                phase_rad,
-                ..Self::shaped(course, shape, mean_rad_s).unreached()
-            }
-        };
-        let end_rad = phase_rad + turn_rad;
-        let (reached_rad, ramp_rad_s2) = if start_rad_s > 0.0 {
-            let fastest = Self::along(Course { shape: None, ..course }, envelope, phase_rad);
-            if !fastest.reaches_limit {
-                return fastest;
-            }
-            (phase_rad + fastest.corners_rad[0], fastest.ramp_rad_s2)
-        } else {
-            let ramp_rad_s2 = mean_rad_s / up_s;
-            let line = |angle_rad: f64| 2.0 * ramp_rad_s2 * (angle_rad - phase_rad);
-            match envelope.meeting(phase_rad, end_rad, line) {
-                Some(reached_rad) => (reached_rad, ramp_rad_s2),
-                None => return short(),
-            }
-        };
-        let between_rad_s = between * mean_rad_s;
-        let legs_rad_s2 = [(mean_rad_s - between_rad_s) / first_s, between_rad_s / last_s];
-        let between_rad = end_rad - 0.5 * between_rad_s * last_s;
-        let last = |angle_rad: f64| 2.0 * legs_rad_s2[1] * (end_rad - angle_rad);
-        let first =
-            |angle_rad: f64| between_rad_s * between_rad_s + 2.0 * legs_rad_s2[0] * (between_rad - angle_rad);
-        let in_last = envelope.meeting(end_rad, between_rad.max(reached_rad), last);
-        let in_first = || envelope.meeting(between_rad, reached_rad, first);
-        let Some(left_rad) = in_last.or_else(|| if between_rad > reached_rad { in_first() } else { None })
-        else {
-            return short();
-        };
-        let corner_rad_s = [reached_rad, left_rad].map(|angle_rad| envelope.speed_at(angle_rad));
-        let down = if in_last.is_some() {
-            let time_s = corner_rad_s[1] / legs_rad_s2[1];
-            Down::plain(left_rad - phase_rad, corner_rad_s[1], time_s, legs_rad_s2[1])
-        } else {
-            let first_s = (corner_rad_s[1] - between_rad_s) / legs_rad_s2[0];
-            let between_rad = between_rad - phase_rad;
-            Down { legs_s: [first_s, last_s], legs_rad_s2, between_rad, between_rad_s }
-        };
-        let reached_s = envelope.time_at(reached_rad);
-        Self {
-            course,
-            envelope: Some(envelope),
-            phase_rad,
-            reached_s,
-            corners_rad: [reached_rad - phase_rad, left_rad - phase_rad],
-            corner_rad_s,
-            ramp_s: (corner_rad_s[0] - start_rad_s) / ramp_rad_s2,
-            along_s: envelope.time_at(left_rad) - reached_s,
-            ramp_rad_s2,
-            down,
-            reaches_limit: true,
-        }
-    }
-
-    /// Returns the profile as one that does not reach its limit.
-    fn unreached(self) -> Self {
-        Self { reaches_limit: false, ..self }
     }
 
     /// Returns the fastest speed that is reached, rad/s.

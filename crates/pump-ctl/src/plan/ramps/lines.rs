@@ -1,9 +1,10 @@
 //! The outlet's line as it may be: with the compliance that is known, and with less and more.
 
 use libm::ceil;
-use pump_model::{FlowCurve, Line, LineState, LineStep, RingDown};
+use pump_model::{FlowCurve, Line, LineState, LineStep};
 
 use super::left_over::LeftOver;
+use super::ring_down::RingDown;
 use crate::plan::profile::Profile;
 
 /// Compliances for which the ramps are made, over the one that is known. Lamé's formula misses the paper's

@@ -5,6 +5,7 @@ mod grid;
 mod left_over;
 mod lines;
 mod plain;
+mod ring_down;
 mod search;
 
 pub(in crate::plan) use grid::Grid;
