@@ -52,27 +52,25 @@ impl Start {
         let at_speed = |cruise_rad_s: f64| {
             self.plan_at_speed(pump, target, request, &limits.motor, cruise_rad_s, &usual)
         };
-        let planned = choose(pump, request.cruise, limits, at_speed)?;
+        let is_sought = request.ramps == Ramps::LineAware && self.phase.half_width_rad <= KNOWN_RAD;
+        let planned = match choose(pump, request.cruise, limits, &at_speed) {
+            Ok(planned) => planned,
+            Err(refused) => {
+                // A dose whose usual ramps break a limit may hold it with its own.
+                let is_given = matches!(request.cruise, Cruise::Flow { .. } | Cruise::Speed { .. });
+                if !(is_sought && is_given && limits.are_predicted()) {
+                    return Err(refused);
+                }
+                let free = choose(pump, request.cruise, &Limits::new(limits.motor), &at_speed)?;
+                return own_ramps(pump, free, request, limits)?.ok_or(refused);
+            }
+        };
         planned.check_ripples(pump)?;
-        if request.ramps == Ramps::Fastest || self.phase.half_width_rad > KNOWN_RAD {
+        if !is_sought {
             return Ok(planned);
         }
-        let Some(shape) = line_aware(pump, &planned) else { return Ok(planned) };
-        let profile = planned.profile.with_shape(Some(shape));
-        let limited_by = match planned.limited_by {
-            LimitedBy::Nothing | LimitedBy::Speed if !profile.reaches_limit() => LimitedBy::Acceleration,
-            LimitedBy::Acceleration if profile.reaches_limit() => match request.cruise {
-                Cruise::Fastest => LimitedBy::Speed,
-                _ => LimitedBy::Nothing,
-            },
-            other => other,
-        };
-        let shaped = Plan { profile, limited_by, ..planned.clone() };
-        let in_time = match request.cruise {
-            Cruise::Within { time_s } => profile.duration_s() + shaped.settle_s(pump)? <= time_s,
-            _ => true,
-        };
-        Ok(if in_time && limits.broken(pump, &shaped).is_none() { shaped } else { planned })
+        let own = own_ramps(pump, planned.clone(), request, limits)?;
+        Ok(own.unwrap_or(planned))
     }
 
     /// Makes the plan of the steps of `target` with ramps of this shape.
@@ -140,4 +138,30 @@ impl Start {
             lines: self.lines,
         }
     }
+}
+
+/// Returns `usual` with the ramps that are best for itself. `None` if they break a limit, or miss the time that is
+/// asked for.
+fn own_ramps(
+    pump: &Pump,
+    usual: Plan,
+    request: &Request,
+    limits: &Limits,
+) -> Result<Option<Plan>, PlanError> {
+    let Some(shape) = line_aware(pump, &usual) else { return Ok(None) };
+    let profile = usual.profile.with_shape(Some(shape));
+    let limited_by = match usual.limited_by {
+        LimitedBy::Nothing | LimitedBy::Speed if !profile.reaches_limit() => LimitedBy::Acceleration,
+        LimitedBy::Acceleration if profile.reaches_limit() => match request.cruise {
+            Cruise::Fastest => LimitedBy::Speed,
+            _ => LimitedBy::Nothing,
+        },
+        other => other,
+    };
+    let own = Plan { profile, limited_by, ..usual };
+    let in_time = match request.cruise {
+        Cruise::Within { time_s } => profile.duration_s() + own.settle_s(pump)? <= time_s,
+        _ => true,
+    };
+    Ok((in_time && limits.broken(pump, &own).is_none()).then_some(own))
 }
