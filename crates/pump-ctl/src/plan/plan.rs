@@ -21,7 +21,7 @@ use crate::step::Direction;
 /// let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 });
 /// let plan = Doser::new(&pump, Limits::new(motor))?.plan(Phase::known(0.0), &request)?;
 /// assert_eq!((plan.steps(), plan.direction()), (15_480, Direction::Forward));
-/// assert!((plan.profile().duration_s() - 5.16).abs() < 0.01);
+/// assert!((plan.profile().duration_s() - 5.22).abs() < 0.01);
 /// assert!(plan.predict(&pump)?.outlet.max_kpa > pump.outlet().reservoir_kpa);
 /// # Ok::<(), pump_ctl::plan::PlanError>(())
 /// ```
