@@ -12,8 +12,8 @@ pub(crate) struct RampsOption {
     /// Ramps in which the dose starts and stops [default: line-aware]
     #[arg(long, value_name = "line-aware|fastest")]
     #[arg(value_parser = choice(&[
-        (Ramps::LineAware, "Ramps after which the outlet's line is nearly at rest: least back flow, and soonest settled"),
-        (Ramps::Fastest, "The motor's largest acceleration; the default on a board that plans its own ramps"),
+        (Ramps::LineAware, "Ramps that leave the outlet's line nearly at rest: little back flow, and soon settled"),
+        (Ramps::Fastest, "The largest acceleration; the default on a board that plans its own ramps"),
     ]))]
     ramps: Option<Ramps>,
 }
