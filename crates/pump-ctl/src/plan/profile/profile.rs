@@ -186,6 +186,11 @@ impl Profile {
         self.ramp_s + self.along_s
     }
 
+    /// Returns both legs down to rest.
+    pub(in crate::plan) fn down_legs(&self) -> [Leg; 2] {
+        [self.first_down_leg(), self.last_down_leg()]
+    }
+
     /// Returns the time of the first leg down, s.
     pub(in crate::plan) fn first_down_s(&self) -> f64 {
         self.down.legs_s[0]

@@ -3,8 +3,7 @@
 use libm::floor;
 use pump_model::Pump;
 
-use super::left_over::LeftOver;
-use super::lines::{Lines, States};
+use super::lines::{Lines, States, of_motion};
 use crate::plan::profile::Profile;
 
 /// Number of moments at which the lines are known.
@@ -29,9 +28,8 @@ pub(super) fn has_forgotten(pump: &Pump, t_s: f64) -> bool {
 impl Cruise {
     /// Follows the lines from `start` through the cruise of `profile` from `from_s` to its end.
     pub(super) fn new(pump: &Pump, lines: &Lines, profile: &Profile, from_s: f64, start: &States) -> Self {
-        let curve = pump.outlet_curve();
+        let volume_ml = of_motion(pump.outlet_curve(), profile);
         let to_s = profile.left_s();
-        let mut unused = LeftOver::new(1.0, f64::INFINITY);
         let mut states = *start;
         let mut begin_s = 0.0;
         if has_forgotten(pump, from_s) {
@@ -39,13 +37,13 @@ impl Cruise {
             let direction = f64::from(profile.course.direction);
             states = lines.steady(direction * pump.average_flow_ml_s(profile.cruise_rad_s()));
         }
-        lines.run(curve, profile, (begin_s, from_s), &mut states, &mut unused);
+        lines.run(&volume_ml, (begin_s, from_s), &mut states, None);
         let each_s = (to_s - from_s).max(0.0) / (MOMENTS - 1) as f64;
         let mut cruise = Self { from_s, each_s, states: [states; MOMENTS] };
         let fine = lines.with_steps_of(each_s.max(f64::MIN_POSITIVE));
         let mut time_s = from_s;
         for moment in cruise.states.iter_mut().skip(1) {
-            fine.run(curve, profile, (time_s, time_s + each_s), &mut states, &mut unused);
+            fine.run(&volume_ml, (time_s, time_s + each_s), &mut states, None);
             time_s += each_s;
             *moment = states;
         }

@@ -9,7 +9,8 @@ use super::lines::{Lines, States};
 pub(super) struct Outcome {
     /// Largest back flow of the lines that may be, mL.
     pub(super) taken_back_ml: f64,
-    /// Motion, and settling as the mean over the lines that may be, s.
+    /// Motion, and settling as the mean over the lines that may be, s. Beyond the limit of the back flow it is the
+    /// motion alone.
     pub(super) time_s: f64,
 }
 
@@ -57,19 +58,37 @@ impl LeftOver {
         }
     }
 
-    /// Returns the outcome of a motion of `motion_s` that ends with the lines in `states`. Its last step comes
-    /// at once, so the step's volume is in the line at first, as where a plan predicts its settling.
-    pub(super) fn outcome(self, lines: &Lines, states: &States, motion_s: f64, step_ml: f64) -> Outcome {
-        let taken = lines.ring_down(states).map(|down| down.taken_back_ml(self.direction));
+    /// Returns the outcome of a motion of `motion_s` that ends with the lines in `states`. `None` if it takes back
+    /// more than the limit and more than `most_ml`.
+    ///
+    /// Its last step comes at once, so the step's volume is in the line at first, as where a plan predicts its
+    /// settling.
+    pub(super) fn outcome(
+        self,
+        lines: &Lines,
+        states: &States,
+        motion_s: f64,
+        step_ml: f64,
+        most_ml: f64,
+    ) -> Option<Outcome> {
+        let most_ml = most_ml.max(Outcome::LIMIT_ML);
+        let mut taken_back_ml = self.taken_back_ml;
+        for down in lines.ring_down(states) {
+            if taken_back_ml > most_ml {
+                return None;
+            }
+            taken_back_ml = taken_back_ml.max(down.taken_back_ml(self.direction));
+        }
+        if taken_back_ml > Outcome::LIMIT_ML {
+            // The time does not count beyond the limit.
+            return (taken_back_ml <= most_ml).then_some(Outcome { taken_back_ml, time_s: motion_s });
+        }
         let stepped = lines.with_volume(states, step_ml);
         let (mut settled_s, mut count) = (0.0, 0.0);
         for down in lines.ring_down(&stepped) {
             settled_s += down.settled_after_s();
             count += 1.0;
         }
-        Outcome {
-            taken_back_ml: taken.fold(self.taken_back_ml, f64::max),
-            time_s: motion_s + settled_s / count,
-        }
+        Some(Outcome { taken_back_ml, time_s: motion_s + settled_s / count })
     }
 }

@@ -1,7 +1,7 @@
 //! The outlet's line as it may be: with the compliance that is known, and with less and more.
 
 use libm::ceil;
-use pump_model::{FlowCurve, Line, LineState, LineStep};
+use pump_model::{FlowCurve, Leg, Line, LineState, LineStep};
 
 use super::left_over::LeftOver;
 use super::ring_down::RingDown;
@@ -43,14 +43,13 @@ impl Lines {
     }
 
     /// Follows the lines through a motion from `from_s` to `to_s`, in equal steps no longer than these, 128 at
-    /// most. `left_over` takes note of each step.
+    /// most. `left_over`, if there is one, takes note of each step.
     pub(super) fn run(
         &self,
-        curve: &FlowCurve,
-        profile: &Profile,
+        volume_ml: impl Fn(f64) -> f64,
         (from_s, to_s): (f64, f64),
         states: &mut States,
-        left_over: &mut LeftOver,
+        mut left_over: Option<&mut LeftOver>,
     ) {
         let span_s = to_s - from_s;
         if span_s <= 0.0 {
@@ -59,14 +58,16 @@ impl Lines {
         let count = ceil(span_s / self.step_s - 1e-6).clamp(1.0, 128.0);
         let each_s = span_s / count;
         let lines = self.with_steps_of(each_s);
-        let mut before_ml = volume_ml(curve, profile, from_s);
+        let mut before_ml = volume_ml(from_s);
         for number in 1..=count as u32 {
-            let after_ml = volume_ml(curve, profile, from_s + f64::from(number) * each_s);
+            let after_ml = volume_ml(from_s + f64::from(number) * each_s);
             let flow_ml_s = (after_ml - before_ml) / each_s;
             for (state, step) in states.iter_mut().zip(&lines.steps) {
                 *state = step.after(*state, flow_ml_s);
             }
-            left_over.note(after_ml, states, &self.lines);
+            if let Some(left_over) = left_over.as_deref_mut() {
+                left_over.note(after_ml, states, &self.lines);
+            }
             before_ml = after_ml;
         }
     }
@@ -86,7 +87,12 @@ impl Lines {
     }
 }
 
-/// Returns the volume at the rollers since angle 0, mL, at a time of the motion.
-fn volume_ml(curve: &FlowCurve, profile: &Profile, t_s: f64) -> f64 {
-    curve.volume_ml(profile.leg_at(t_s).angle_at(t_s))
+/// Returns the volume at the rollers since angle 0, mL, at each time of a motion.
+pub(super) fn of_motion<'a>(curve: &'a FlowCurve, profile: &'a Profile) -> impl Fn(f64) -> f64 + 'a {
+    |t_s| curve.volume_ml(profile.leg_at(t_s).angle_at(t_s))
+}
+
+/// Returns the volume at the rollers since angle 0, mL, at each time of a leg.
+pub(super) fn of_leg(curve: &FlowCurve, leg: Leg) -> impl Fn(f64) -> f64 + '_ {
+    move |t_s| curve.volume_ml(leg.angle_at(t_s))
 }

@@ -5,7 +5,7 @@ use pump_model::{LineState, Pump};
 use super::cruise::{Cruise, has_forgotten};
 use super::grid::{Grid, Place};
 use super::left_over::{LeftOver, Outcome};
-use super::lines::{Lines, States};
+use super::lines::{Lines, States, of_leg, of_motion};
 use crate::plan::Plan;
 use crate::plan::profile::{Profile, Shape};
 
@@ -31,7 +31,8 @@ pub(in crate::plan) fn line_aware(pump: &Pump, plan: &Plan) -> Option<Shape> {
 
 /// Returns what comes of a plan with the ramps that it has.
 pub(super) fn outcome_from_rest(pump: &Pump, plan: &Plan) -> Outcome {
-    Search::new(pump, plan).outcome(&plan.profile, None)
+    let far = Outcome { taken_back_ml: f64::INFINITY, time_s: f64::INFINITY };
+    Search::new(pump, plan).outcome(&plan.profile, None, f64::INFINITY).unwrap_or(far)
 }
 
 /// A plan whose ramps are sought.
@@ -156,12 +157,15 @@ impl<'a> Search<'a> {
     /// Tries the ramps at a place, and keeps them if they are better.
     fn try_place(&self, place: Place, cruise: Option<&Cruise>, best: &mut Option<Best>) {
         let Some(shape) = self.grid.shape(&place) else { return };
-        let outcome = self.outcome(&self.profile.with_shape(Some(shape)), cruise);
-        keep_better(best, Best { place, shape, outcome });
+        let most_ml = best.map_or(f64::INFINITY, |best| best.outcome.taken_back_ml);
+        if let Some(outcome) = self.outcome(&self.profile.with_shape(Some(shape)), cruise, most_ml) {
+            keep_better(best, Best { place, shape, outcome });
+        }
     }
 
-    /// Follows the lines to the end of a motion.
-    fn outcome(&self, profile: &Profile, cruise: Option<&Cruise>) -> Outcome {
+    /// Follows the lines to the end of a motion. `None` if it takes back more than the limit and more than
+    /// `most_ml`.
+    fn outcome(&self, profile: &Profile, cruise: Option<&Cruise>, most_ml: f64) -> Option<Outcome> {
         let curve = self.pump.outlet_curve();
         let mut left_over = LeftOver::new(self.direction, self.end_ml);
         let mut states: [LineState; 3] = self.start;
@@ -170,13 +174,15 @@ impl<'a> Search<'a> {
             Some(cruise) => states = cruise.at(left_s),
             None => {
                 let up_s = profile.reached_limit_s();
-                self.lines.run(curve, profile, (0.0, up_s), &mut states, &mut left_over);
-                self.lines.run(curve, profile, (up_s, left_s), &mut states, &mut left_over);
+                let volume_ml = of_motion(curve, profile);
+                self.lines.run(&volume_ml, (0.0, up_s), &mut states, None);
+                self.lines.run(&volume_ml, (up_s, left_s), &mut states, None);
             }
         }
         let between_s = left_s + profile.first_down_s();
-        self.lines.run(curve, profile, (left_s, between_s), &mut states, &mut left_over);
-        self.lines.run(curve, profile, (between_s, end_s), &mut states, &mut left_over);
-        left_over.outcome(&self.lines, &states, end_s, self.step_ml)
+        let [first, last] = profile.down_legs();
+        self.lines.run(of_leg(curve, first), (left_s, between_s), &mut states, None);
+        self.lines.run(of_leg(curve, last), (between_s, end_s), &mut states, Some(&mut left_over));
+        left_over.outcome(&self.lines, &states, end_s, self.step_ml, most_ml)
     }
 }
