@@ -22,7 +22,7 @@ const BETWEENS: [f64; 3] = [0.2, 0.4, 0.65];
 const FINER: [(f64, f64); 3] = [(2.0, 0.1), (1.0, 0.05), (0.5, 0.02)];
 
 /// Rounds of each step of the refinement.
-const ROUNDS: u32 = 3;
+const ROUNDS: u32 = 2;
 
 /// Finds the ramps of `plan`, which has usual ramps, from the angle and the lines that it starts with.
 pub(in crate::plan) fn line_aware(pump: &Pump, plan: &Plan) -> Option<Shape> {
@@ -87,6 +87,7 @@ impl<'a> Search<'a> {
         let mut firsts: [Option<Best>; UPS.len() * BETWEENS.len()] = [None; UPS.len() * BETWEENS.len()];
         let mut slots = firsts.iter_mut();
         let mut tried = 0.0;
+        let mut known = None;
         for up in UPS {
             // The motor's own ramp may be longer than a try.
             let up = up.max(self.grid.least);
@@ -102,6 +103,7 @@ impl<'a> Search<'a> {
                     }
                 }
             }
+            known = Some((up, cruise));
             if self.starts_do_not_count() {
                 break;
             }
@@ -110,25 +112,32 @@ impl<'a> Search<'a> {
         for first in firsts.iter().flatten() {
             keep_better(&mut best, *first);
         }
-        let best = self.refined(best?);
+        let best = self.refined(best?, known.as_ref());
         let mut found = Some(best);
         if !best.outcome.is_within() {
             for first in firsts.iter().flatten() {
-                keep_better(&mut found, self.refined(*first));
+                keep_better(&mut found, self.refined(*first, known.as_ref()));
             }
         }
         found.map(|best| best.shape)
     }
 
-    /// Goes from a place to better ones beside it until none is better.
-    fn refined(&self, first: Best) -> Best {
-        let cruise = self.cruise(first.place.up);
+    /// Goes from a place to better ones beside it until none is better. `known` is the cruise after a way up.
+    fn refined(&self, first: Best, known: Option<&(f64, Option<Cruise>)>) -> Best {
+        let own;
+        let cruise = match known {
+            Some((up, cruise)) if *up == first.place.up => cruise.as_ref(),
+            _ => {
+                own = self.cruise(first.place.up);
+                own.as_ref()
+            }
+        };
         let mut best = Some(first);
         let mut here = first;
         for (units, part) in FINER {
             for _ in 0..ROUNDS {
                 for neighbour in here.place.neighbours(units, part) {
-                    self.try_place(neighbour, cruise.as_ref(), &mut best);
+                    self.try_place(neighbour, cruise, &mut best);
                 }
                 let Some(found) = best.filter(|best| best.place != here.place) else { break };
                 here = found;
