@@ -255,10 +255,7 @@ fn the_back_flow_is_told_and_warned_of_where_it_exceeds_the_uncertainty() {
     assert!(user.types(&small).out.contains(swings));
     // Line-aware ramps take next to nothing back, a long dose has room for it.
     assert!(
-        !user
-            .types(&["0.8mL", "--start-angle", "110deg", "--dry-run"])
-            .out
-            .contains("when the motor stops")
+        !user.types(&["0.8mL", "--start-angle", "110deg", "--dry-run"]).out.contains("when the motor stops")
     );
     assert!(number(&user.json(&["0.8mL", "--start-angle", "110deg", "--dry-run"]), "backflow_ml") < 0.003);
     let long = user.types(&["25mL", "--dry-run", "-v"]).out;
