@@ -31,7 +31,8 @@ const DIRECTION_COUNTS: i64 = 34;
 const CHANGE_TICKS: i64 = 10_000;
 
 /// Largest values of the lines of cost.
-const MOST: [(&str, f64); 2] = [("for a plan", 20e6), ("a step in on_deadline", 70.0)];
+const MOST: [(&str, f64); 3] =
+    [("for a plan", 20e6), ("to plan with line-aware ramps", 20e6), ("a step in on_deadline", 70.0)];
 
 type Checked = Result<(), String>;
 
@@ -59,6 +60,8 @@ fn check(text: &str) -> Checked {
     let prediction = plan.predict(&PUMP).map_err(|error| error.to_string())?;
     let mut expected = String::new();
     dose::write_plan(&mut expected, &plan, &prediction).map_err(|error| error.to_string())?;
+    let aware = dose::plan_line_aware(&dose::doser(), DOSE_ML).map_err(|error| error.to_string())?;
+    dose::write_line_aware(&mut expected, &aware).map_err(|error| error.to_string())?;
     for line in expected.lines() {
         same(done.next(), line)?;
     }

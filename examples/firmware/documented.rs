@@ -6,9 +6,10 @@ const DOCS: &str = include_str!("../../docs/embedding.md");
 const TOLERANCE: f64 = 0.1;
 
 /// Rows of the table of costs: the words of the row, words of the firmware's line, and which of its numbers.
-const COSTS: [(&str, &str, usize); 14] = [
+const COSTS: [(&str, &str, usize); 15] = [
     ("a plan: angle and profile", "for a plan: ", 1),
     ("its 18 segments", "for a plan: ", 2),
+    ("a plan with line-aware ramps", "to plan with line-aware ramps", 0),
     ("a plan with a smooth flow: angle and profile", "with a smooth flow: ", 1),
     ("its 497 segments", "with a smooth flow: ", 2),
     ("pressures and settling time of the dose, exactly (`Plan::predict`)", "for a prediction", 0),

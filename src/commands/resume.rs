@@ -10,6 +10,7 @@ use crate::options::bench::BenchOptions;
 use crate::options::finish::FinishOption;
 use crate::options::fluid::FluidOptions;
 use crate::options::limits::PressureOptions;
+use crate::options::ramps::RampsOption;
 use crate::options::report::{FormatOption, VerboseOption};
 use crate::options::speed::CruiseOptions;
 use crate::terminal::{noted, say, tell, warn};
@@ -24,6 +25,8 @@ pub(crate) struct ResumeArgs {
     smooth: bool,
     #[command(flatten)]
     finish: FinishOption,
+    #[command(flatten)]
+    ramps: RampsOption,
     #[command(flatten)]
     fluid: FluidOptions,
     #[command(flatten)]
@@ -47,6 +50,7 @@ impl ResumeArgs {
         let request = DoseRequest {
             cruise: self.cruise.cruise()?,
             smooth: self.smooth,
+            ramps: self.ramps.ramps(),
             finish: self.finish.finish(),
             pressures: self.limits.pressures(bench.file()),
             ..DoseRequest::dose(0.0)

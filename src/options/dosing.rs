@@ -9,6 +9,7 @@ use super::bench::BenchOptions;
 use super::files::{Files, PlotOption, StepsOption, TraceOptions};
 use super::fluid::FluidOptions;
 use super::limits::{PressureOptions, TubeLimit};
+use super::ramps::RampsOption;
 use super::report::{FormatOption, VerboseOption};
 use super::speed::{CruiseOptions, ReverseOption};
 use super::start_angle::StatedStartOption;
@@ -28,6 +29,8 @@ pub(crate) struct DosingOptions {
     #[arg(long_help = SMOOTH_HELP)]
     #[arg(long, help_heading = "Amount and speed")]
     smooth: bool,
+    #[command(flatten)]
+    ramps: RampsOption,
     #[command(flatten)]
     reverse: ReverseOption,
     #[command(flatten)]
@@ -109,6 +112,7 @@ impl DosingOptions {
             purpose,
             cruise: self.cruise.cruise()?,
             smooth: self.smooth,
+            ramps: self.ramps.ramps(),
             start_angle_rad: self.start_angle.angle_rad(),
             start_half_width_rad: self.start_angle.tolerance_rad(),
             pressures: self.limits.pressures(file),

@@ -2,14 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, Request};
+use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, Ramps, Request};
 use pump_ctl::step::Direction;
 use pump_model::{ExactRun, Port, Pump, VesselRun};
 
 const MOTOR: Motor = Motor::new(12_800.0, 17.8, 500.0);
 
 fn dose(pump: &Pump, start: Phase, volume_ml: f64, rate_ml_s: f64) -> Plan {
-    let request = Request::new(volume_ml, Cruise::Flow { ml_s: rate_ml_s });
+    let request = Request::new(volume_ml, Cruise::Flow { ml_s: rate_ml_s }).with_ramps(Ramps::Fastest);
     Doser::new(pump, Limits::new(MOTOR)).unwrap().plan(start, &request).unwrap()
 }
 

@@ -4,7 +4,8 @@
 
 use proptest::prelude::*;
 use pump_ctl::plan::{
-    Cruise, Doser, LimitedBy, Limits, Motor, Phase, Plan, PlanError, PressureLimits, Request, speed_for_flow,
+    Cruise, Doser, LimitedBy, Limits, Motor, Phase, Plan, PlanError, PressureLimits, Ramps, Request,
+    speed_for_flow,
 };
 use pump_model::Pump;
 
@@ -34,7 +35,7 @@ fn any_dose() -> impl Strategy<Value = (u32, f64, f64)> {
 fn planned(rollers: u32, volume_ml: f64, start_rad: f64, cruise: Cruise) -> Plan {
     Doser::new(&pump(rollers), limits(rollers))
         .unwrap()
-        .plan(Phase::known(start_rad), &Request::new(volume_ml, cruise))
+        .plan(Phase::known(start_rad), &Request::new(volume_ml, cruise).with_ramps(Ramps::Fastest))
         .unwrap()
 }
 
@@ -168,7 +169,7 @@ fn within_is_met_by_the_slowest_cruise() {
         assert!(total_s(Cruise::Speed { rad_s: slower }).1 > time_s, "not the slowest for {time_s}");
     }
     // A request for the fastest dose that the refusal names is accepted.
-    let refused = Request::new(25.0, Cruise::Within { time_s: 0.5 });
+    let refused = Request::new(25.0, Cruise::Within { time_s: 0.5 }).with_ramps(Ramps::Fastest);
     let error = Doser::new(&pump(3), limits(3))
         .and_then(|doser| doser.plan(Phase::known(0.4), &refused))
         .unwrap_err();
@@ -193,8 +194,10 @@ fn pressure_limits_refuse_what_would_break_them_in_either_direction() {
             if volume_ml > 0.0 { (free.inlet, free.outlet) } else { (free.outlet, free.inlet) };
         let with = |max_outlet_kpa, min_inlet_kpa| {
             let limits = limits(3).with_pressures(PressureLimits { max_outlet_kpa, min_inlet_kpa });
-            Doser::new(&pump(3), limits)
-                .and_then(|doser| doser.plan(Phase::known(0.0), &Request::new(volume_ml, cruise)))
+            Doser::new(&pump(3), limits).and_then(|doser| {
+                let request = Request::new(volume_ml, cruise).with_ramps(Ramps::Fastest);
+                doser.plan(Phase::known(0.0), &request)
+            })
         };
         // A motor step moves the pressure by so much beyond the prediction.
         let room_kpa = free.step_kpa + 0.01;

@@ -5,7 +5,7 @@
 use proptest::prelude::*;
 use pump_ctl::generated::{torque_curve, torque_points};
 use pump_ctl::plan::{
-    Cruise, Doser, LimitedBy, Limits, Lowest, Motor, Nearest, Phase, Plan, PlanError, PressureLimits,
+    Cruise, Doser, LimitedBy, Limits, Lowest, Motor, Nearest, Phase, Plan, PlanError, PressureLimits, Ramps,
     Request, SetBy, Torque, TorqueCurve,
 };
 use pump_ctl::step::Direction;
@@ -39,8 +39,9 @@ fn dose(
     cruise: Cruise,
     limits: &Limits,
 ) -> Result<Plan, PlanError> {
-    Doser::new(pump, *limits)
-        .and_then(|doser| doser.plan(Phase::known(start_rad), &Request::new(volume_ml, cruise)))
+    Doser::new(pump, *limits).and_then(|doser| {
+        doser.plan(Phase::known(start_rad), &Request::new(volume_ml, cruise).with_ramps(Ramps::Fastest))
+    })
 }
 
 fn speed(rpm: f64) -> Cruise {

@@ -142,7 +142,7 @@ fn a_dose_changed_twice_has_the_volume_that_was_said_last() {
     // The lines are those of the whole motion.
     let changed_s = once.profile().time_of(2000.0 * once.step_rad());
     let mut legs = joined(&whole, 6000, &once);
-    let begins_s = legs[legs.len() - 3].start_s;
+    let begins_s = legs[legs.len() - once.legs().count()].start_s;
     legs.retain(|leg| leg.start_s < begins_s + changed_s);
     let last = legs.last_mut().unwrap();
     last.duration_s = begins_s + changed_s - last.start_s;

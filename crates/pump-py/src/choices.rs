@@ -8,7 +8,7 @@ use pump_bench::pump_file::{CurveFit, DriverName, UncheckedLimit};
 use pump_bench::record::{PhaseSource, Purpose};
 use pump_bench::report::VolumeBasis;
 use pump_bench::simulation::{AskedMethod, ModelName};
-use pump_ctl::plan::{Finish, LimitedBy, SetBy};
+use pump_ctl::plan::{Finish, LimitedBy, Ramps, SetBy};
 use pyo3::prelude::*;
 
 use crate::identification::{BEGINS, PARAMETERS, PORTS};
@@ -33,6 +33,7 @@ pub(crate) fn _choices() -> Vec<(&'static str, Vec<String>)> {
         ("PhaseSource", words(PhaseSource::ALL)),
         ("Port", words(&PORTS.map(|(word, _)| word))),
         ("Purpose", words(Purpose::ALL)),
+        ("Ramps", words(&Ramps::ALL)),
         ("UncertaintySource", words(ShareSource::ALL)),
         ("UncheckedLimit", words(UncheckedLimit::ALL)),
         ("Variant", words(&VARIANTS.map(|(word, _)| word))),

@@ -3,7 +3,7 @@
 
 use core::fmt;
 
-use pump_ctl::plan::{Cruise, Doser, Limits, Phase, Plan, PlanError, Prediction, Request, Retarget};
+use pump_ctl::plan::{Cruise, Doser, Limits, Phase, Plan, PlanError, Prediction, Ramps, Request, Retarget};
 use pump_ctl::step::{Stepper, TickRate};
 
 use crate::pump::{self, PUMP};
@@ -38,9 +38,25 @@ pub(crate) fn doser() -> Doser<'static> {
     Doser::new(&PUMP, LIMITS).expect("the limits are in their ranges")
 }
 
-/// Plans a dose from 0.3 rad at 5 mL/s.
+/// Plans a dose from 0.3 rad at 5 mL/s. It has the fastest ramps, so that a change can be planned beside the steps.
 pub(crate) fn plan_dose(doser: &Doser<'_>, volume_ml: f64) -> Result<Plan, PlanError> {
+    let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 });
+    doser.plan(Phase::known(0.3), &request.with_ramps(Ramps::Fastest))
+}
+
+/// Plans the dose with line-aware ramps.
+pub(crate) fn plan_line_aware(doser: &Doser<'_>, volume_ml: f64) -> Result<Plan, PlanError> {
     doser.plan(Phase::known(0.3), &Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }))
+}
+
+/// Writes the legs of the plan with line-aware ramps, to the last bit.
+pub(crate) fn write_line_aware(out: &mut impl fmt::Write, plan: &Plan) -> fmt::Result {
+    for leg in plan.legs() {
+        let numbers = [leg.start_s, leg.duration_s, leg.angle_rad, leg.speed_rad_s, leg.acceleration_rad_s2];
+        let [start, duration, angle, speed, acceleration] = numbers.map(f64::to_bits);
+        writeln!(out, "line-aware leg: {start:#x} {duration:#x} {angle:#x} {speed:#x} {acceleration:#x}")?;
+    }
+    Ok(())
 }
 
 /// Plans the rest of the dose after `made` steps of `plan`, with the changed volume and rate.

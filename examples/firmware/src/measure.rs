@@ -3,7 +3,7 @@
 use core::fmt::{Result, Write};
 use core::hint::black_box;
 
-use pump_ctl::plan::{Cruise, Doser, Phase, Plan, PlanError, Request, Segments};
+use pump_ctl::plan::{Cruise, Doser, Phase, Plan, PlanError, Ramps, Request, Segments};
 use pump_ctl::step::{Action, Brake, Stepper};
 use pump_model::{FlowCurve, Pump};
 
@@ -37,7 +37,8 @@ pub fn tenths(out: &mut impl Write, total: u32, number: u32, what: &str) -> Resu
 
 /// Plans the dose with a smooth flow.
 fn plan_smooth(doser: &Doser<'_>, volume_ml: f64) -> core::result::Result<Plan, PlanError> {
-    let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }).with_smooth(true);
+    let request =
+        Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }).with_smooth(true).with_ramps(Ramps::Fastest);
     doser.plan(Phase::known(0.3), &request)
 }
 
@@ -51,6 +52,9 @@ pub fn plan(out: &mut impl Write) -> core::result::Result<Plan, core::fmt::Error
     let (segments, fitting) = counting(|| black_box(&plan).segments(TICK_RATE).map(black_box).count());
     let (prediction, predicting) = counting(|| black_box(&plan).predict(&PUMP));
     dose::write_plan(out, &plan, &prediction.expect("the lines settle"))?;
+    let (aware, choosing) = counting(|| dose::plan_line_aware(black_box(&doser), black_box(DOSE_ML)));
+    dose::write_line_aware(out, &aware.expect("the dose can be planned with line-aware ramps"))?;
+    writeln!(out, "cost: {choosing} instructions to plan with line-aware ramps")?;
     let (smooth, smoothing) = counting(|| plan_smooth(&doser, black_box(DOSE_ML)));
     let smooth = smooth.expect("the dose can be planned with a smooth flow");
     let (pieces, cutting) = counting(|| black_box(&smooth).segments(TICK_RATE).map(black_box).count());

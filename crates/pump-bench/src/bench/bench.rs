@@ -81,10 +81,12 @@ impl Bench {
         self
     }
 
-    /// Returns the bench with or without leave to write device settings that do not fit the pump.
+    /// Returns the bench with or without leave to write device settings that do not fit the pump. A board's one
+    /// acceleration becomes the best for doses at the pump's default rate.
     #[must_use]
     pub fn configuring(mut self, configure: bool) -> Self {
         self.opening.configure = configure;
+        self.opening.acceleration_rad_s2 = if configure { self.plain_acceleration_rad_s2() } else { None };
         self
     }
 
@@ -291,6 +293,7 @@ impl Bench {
                 instead: "leave --smooth out, or resume with --rate or --speed",
             }));
         }
+        let request = DoseRequest { ramps: self.ramps_of_drive(request.ramps)?, ..request };
         let stored = self.calibrations().active()?;
         let stands = Stands { to_end_ml, ..self.stands_for(state, &request, stored.as_ref()) };
         let mut prepared = Prepared::standing(file, &self.model, stored.as_ref(), request, stands)?;

@@ -8,6 +8,7 @@ mod device;
 mod ended_motion;
 mod homing;
 mod lateness;
+mod ramps;
 mod recorded_motion;
 mod rehearsal;
 mod rest;

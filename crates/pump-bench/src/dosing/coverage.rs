@@ -3,7 +3,7 @@
 //! The tests show that the budget adds up correctly. They show nothing of a real pump: the pumps here vary as
 //! the budget states, by construction.
 
-use pump_ctl::plan::{Cruise, Doser, Phase, Request};
+use pump_ctl::plan::{Cruise, Doser, Phase, Ramps, Request};
 use pump_model::units::{rad_s, radians};
 use pump_model::{Pump, RollerVolume, SpeedLaw};
 
@@ -154,7 +154,8 @@ fn covered(case: &Case) -> f64 {
     let pump = SpeedDependentPump::constant(base);
     let mut dice = Dice::new(2026);
     let limits = file.limits();
-    let request = Request::new(case.volume_ml, Cruise::Speed { rad_s: rad_s(case.speed_rpm) });
+    let request = Request::new(case.volume_ml, Cruise::Speed { rad_s: rad_s(case.speed_rpm) })
+        .with_ramps(Ramps::Fastest);
     let uncalibrated = Doser::new(&base, limits).unwrap().plan(case.start, &request).unwrap();
     let back_ml = uncalibrated.back_flow(&base).unwrap().backflow_ml;
     let drop_ml = drop_ml(&file).unwrap();
@@ -338,7 +339,8 @@ fn the_interval_covers_93_percent_at_least_of_doses_by_a_speed_law_that_was_fitt
         calibration.runs = runs;
         let stored = Stored { version: 1, calibration };
         let speed_rpm = [20.0, 45.0, 80.0, 127.0, 150.0][n as usize % 5];
-        let request = Request::new(25.0, Cruise::Speed { rad_s: rad_s(speed_rpm) });
+        let request =
+            Request::new(25.0, Cruise::Speed { rad_s: rad_s(speed_rpm) }).with_ramps(Ramps::Fastest);
         let planner = Planner { file: &file, pump: &pump, stored: Some(&stored), limits: &limits };
         let found = planner.plan(Phase::known(0.0), &request).unwrap();
         let budget = Budget::new(

@@ -137,13 +137,14 @@ impl Prepared {
 
     /// Returns the terms that the journal keeps for the rest of this dose, in case the dose is cut off.
     pub(crate) fn terms(&self, file: &PumpFile) -> DoseTerms {
-        let DoseRequest { smooth, finish, pressures, .. } = self.request;
+        let DoseRequest { smooth, finish, ramps, pressures, .. } = self.request;
         let PressureLimits { max_outlet_kpa, min_inlet_kpa } = pressures;
         let low_flow = finish == Some(Finish::LowFlow);
         let cruise = cruise(&self.request, file);
         DoseTerms {
             smooth,
             low_flow,
+            ramps,
             max_outlet_kpa,
             min_inlet_kpa,
             ..DoseTerms::cruising(cruise, self.plan.profile().cruise_rad_s())
@@ -244,7 +245,8 @@ impl PlanningBasis<'_> {
             .with_carry_in_ml(carry_in_ml)
             .with_smooth(request.smooth)
             .with_finish(request.finish.unwrap_or_default())
-            .with_turned(self.stands.turned);
+            .with_turned(self.stands.turned)
+            .with_ramps(request.ramps.unwrap_or_default());
         (asked, self.file.limits_with(request.pressures))
     }
 

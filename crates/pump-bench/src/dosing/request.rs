@@ -1,6 +1,6 @@
 //! The request for a dose.
 
-use pump_ctl::plan::{Cruise, Finish, PressureLimits};
+use pump_ctl::plan::{Cruise, Finish, PressureLimits, Ramps};
 
 use crate::record::{DoseTerms, Purpose};
 
@@ -28,6 +28,9 @@ pub struct DoseRequest {
     pub whole_ml: Option<f64>,
     /// Volume to suck back after the dose, in mL, positive. `None` sucks nothing back.
     pub retract_ml: Option<f64>,
+    /// Ramps in which the dose starts and stops. `None` takes line-aware ramps, or those of a drive that makes
+    /// its own. The rest of a dose takes those of the whole dose.
+    pub ramps: Option<Ramps>,
     /// Pressure limits of the dose. The pump file's limits take the place of those left out.
     pub pressures: PressureLimits,
 }
@@ -45,6 +48,7 @@ impl DoseRequest {
             start_half_width_rad: 0.0,
             whole_ml: None,
             retract_ml: None,
+            ramps: None,
             pressures: PressureLimits::NONE,
         }
     }
@@ -57,6 +61,7 @@ impl DoseRequest {
             cruise: self.cruise.or(whole.cruise()),
             smooth: self.smooth || (whole.smooth && self.cruise.is_none()),
             finish: self.finish.or(Some(finish)),
+            ramps: self.ramps.or(whole.ramps),
             pressures: self.pressures.or(whole.pressures()),
             ..self
         }

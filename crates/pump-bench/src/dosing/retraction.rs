@@ -41,7 +41,7 @@ impl Retraction {
         let cruise = Cruise::Speed { rad_s: dose.profile().cruise_rad_s() };
         let turned = Some(dose.turned_after(dose.steps().unsigned_abs()));
         let turned = turned.filter(|turned| !turned.is_exact());
-        let request = Request::new(-volume_ml, cruise).with_turned(turned);
+        let request = Request::new(-volume_ml, cruise).with_turned(turned).with_ramps(dose.ramps());
         let refused = |source| DoseError::SuckBack { volume_ml, source };
         let plan =
             Doser::new(model, *limits).and_then(|doser| doser.plan(stands, &request)).map_err(refused)?;

@@ -1,6 +1,8 @@
 //! Warnings of a plan, for the user to read before the dose runs. One function makes one warning.
 
-use pump_ctl::plan::{Doser, Finish, LimitedBy, Limits, Margin, Margins, Motor, Plan, PlanError, Prediction};
+use pump_ctl::plan::{
+    Doser, Finish, LimitedBy, Limits, Margin, Margins, Motor, Plan, PlanError, Prediction, Ramps,
+};
 use pump_ctl::step::Direction;
 use pump_model::units::rpm;
 use pump_model::{Extremes, Pump};
@@ -181,9 +183,12 @@ pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Opti
 /// Warns of a dose that is too short to reach its cruise speed.
 fn short_dose(plan: &Plan) -> Option<String> {
     (plan.limited_by() == LimitedBy::Acceleration).then(|| {
+        let ramps = match plan.ramps() {
+            Ramps::LineAware => "in ramps that leave the line at rest".to_owned(),
+            Ramps::Fastest => format!("at {} rad/s2", plan.profile().acceleration_rad_s2()),
+        };
         format!(
-            "the dose is too short to reach its cruise speed at {} rad/s2; it peaks at {:.4} r/min",
-            plan.profile().acceleration_rad_s2(),
+            "the dose is too short to reach its cruise speed {ramps}; it peaks at {:.4} r/min",
             rpm(plan.profile().peak_rad_s()),
         )
     })

@@ -9,6 +9,9 @@ use super::stop_request::StopRequest;
 pub struct Opening {
     /// True if device settings that do not fit the pump may be written.
     pub configure: bool,
+    /// Acceleration at the pump head that a device is configured with, if it has one for every dose, rad/s².
+    /// `None` takes the motor's largest.
+    pub acceleration_rad_s2: Option<f64>,
     /// True if device settings may differ from those on record. They are on record from then on.
     pub accept_settings: bool,
     /// File that holds the device settings of the last time. `None` keeps no record of them.

@@ -277,6 +277,7 @@ mod tests {
             fastest: false,
             smooth: false,
             low_flow: false,
+            ramps: None,
             max_outlet_kpa: None,
             min_inlet_kpa: None,
         },

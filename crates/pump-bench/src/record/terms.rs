@@ -1,6 +1,6 @@
 //! The terms of a dose besides its volume.
 
-use pump_ctl::plan::{Cruise, PressureLimits};
+use pump_ctl::plan::{Cruise, PressureLimits, Ramps};
 use serde::{Deserialize, Serialize};
 
 /// Terms of a dose besides its volume, in the form of the journal. The rest of a dose that was cut off keeps
@@ -24,6 +24,9 @@ pub(crate) struct DoseTerms {
     /// True if the dose was to end at low flow.
     #[serde(default)]
     pub(crate) low_flow: bool,
+    /// Ramps that were asked for. `None` took those of the drive.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) ramps: Option<Ramps>,
     /// Pressure limit at the discharge port, in kPa absolute. `None` takes the pump file's limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) max_outlet_kpa: Option<f64>,

@@ -9,6 +9,7 @@
 //! - `prediction`: pressures, settling and back flow;
 //! - `limits`: motor, pressures, torque, margins;
 //! - `speed`: the cruise speed that is asked for or allowed;
+//! - `ramps`: the ramps that leave the line nearly at rest;
 //! - `moves`: dose, turn, retarget, stop.
 
 mod handover;
@@ -18,6 +19,7 @@ mod moves;
 mod plan;
 mod prediction;
 mod profile;
+mod ramps;
 mod ripple;
 mod segments;
 mod speed;
@@ -39,6 +41,6 @@ pub use segments::Segments;
 pub use speed::speed_for_flow;
 pub use steps::{Step, Steps};
 pub use words::{
-    Allowed, Cruise, Finish, LimitedBy, Nearest, Phase, PlanError, Request, Retarget, SetBy, Turned,
+    Allowed, Cruise, Finish, LimitedBy, Nearest, Phase, PlanError, Ramps, Request, Retarget, SetBy, Turned,
     UnknownName,
 };

@@ -4,7 +4,7 @@ use pump_model::Leg;
 
 use super::line_states::LineStates;
 use super::profile::{Legs, Profile};
-use super::words::{Finish, LimitedBy, Phase, Turned};
+use super::words::{Finish, LimitedBy, Phase, Ramps, Turned};
 use crate::step::Direction;
 
 /// A dose, ready to run. [`crate::plan::Doser`] makes it.
@@ -21,7 +21,7 @@ use crate::step::Direction;
 /// let request = Request::new(25.0, Cruise::Flow { ml_s: 5.0 });
 /// let plan = Doser::new(&pump, Limits::new(motor))?.plan(Phase::known(0.0), &request)?;
 /// assert_eq!((plan.steps(), plan.direction()), (15_480, Direction::Forward));
-/// assert!((plan.profile().duration_s() - 5.16).abs() < 0.01);
+/// assert!((plan.profile().duration_s() - 5.22).abs() < 0.01);
 /// assert!(plan.predict(&pump)?.outlet.max_kpa > pump.outlet().reservoir_kpa);
 /// # Ok::<(), pump_ctl::plan::PlanError>(())
 /// ```
@@ -41,6 +41,7 @@ pub struct Plan {
     pub(super) steps_per_rev: f64,
     pub(super) step_rad: f64,
     pub(super) profile: Profile,
+    pub(super) ramps: Ramps,
     pub(super) limited_by: LimitedBy,
     pub(super) before_ml: f64,
     /// States of inlet and outlet line at the start.
@@ -121,6 +122,11 @@ impl Plan {
         &self.profile
     }
 
+    /// Returns the choice of the ramps in which the dose starts and stops.
+    pub fn ramps(&self) -> Ramps {
+        self.ramps
+    }
+
     /// Returns the limit that keeps the cruise speed down.
     pub fn limited_by(&self) -> LimitedBy {
         self.limited_by
@@ -196,8 +202,10 @@ impl Plan {
         self.profile.leg_at(t_s).angle_at(t_s)
     }
 
-    /// Returns the way to rest from `t_s` after the start of motion on, at the plan's own deceleration. It
-    /// never leads beyond the plan's end.
+    /// Returns the fastest way to rest from `t_s` after the start of motion on, at the motor's largest
+    /// acceleration. It never leads beyond the plan's end.
+    ///
+    /// A stop that somebody asks for is a matter of safety, so it takes no regard of the line's back flow.
     ///
     /// Use it for drives that take set-points. [`Self::stop`] plans a stop in steps.
     ///

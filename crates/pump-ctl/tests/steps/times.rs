@@ -69,6 +69,7 @@ fn a_dose_at_the_default_rate_needs_few_segments() {
     let count = |tick_hz| {
         Case::new(motor, tick_hz, 25.0, 0.3, 7.4).plan.segments(TickRate::from_hz(tick_hz).unwrap()).count()
     };
-    assert!(count(1_000_000) <= 50, "{}", count(1_000_000));
-    assert!(count(168_000_000) <= 130, "{}", count(168_000_000));
+    // The slow steps at the end of line-aware ramps take a segment each.
+    assert!(count(1_000_000) <= 110, "{}", count(1_000_000));
+    assert!(count(168_000_000) <= 400, "{}", count(168_000_000));
 }

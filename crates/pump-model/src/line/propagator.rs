@@ -165,6 +165,13 @@ impl Propagator {
         sum
     }
 
+    /// Returns the state a step after `state`, with a constant flow of `flow_ml_s`.
+    pub(super) fn constant(&self, state: Balanced, flow_ml_s: f64) -> Balanced {
+        let [[x, y], ..] = self.response;
+        let [moved_x, moved_y] = self.moved(state);
+        [moved_x + flow_ml_s * x, moved_y + flow_ml_s * y]
+    }
+
     /// Returns the matrix e^(A h) - I by columns.
     pub(crate) fn change(&self) -> [Balanced; 2] {
         self.change

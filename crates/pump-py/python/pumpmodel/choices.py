@@ -48,6 +48,8 @@ PhaseSource: TypeAlias = Literal["home", "mark", "recorded", "given", "assumed"]
 Port: TypeAlias = Literal["inlet", "outlet"]
 #: Purpose of a motion.
 Purpose: TypeAlias = Literal["dose", "prime", "purge", "calibrate", "retract", "jog"]
+#: Ramps in which a dose starts and stops.
+Ramps: TypeAlias = Literal["line-aware", "fastest"]
 #: Result of `sweep` and `Pump.steady_state`, for `plot_map`.
 SteadyQuantity: TypeAlias = Literal[
     "inlet_min_kpa",

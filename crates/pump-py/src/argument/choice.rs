@@ -2,7 +2,7 @@
 
 use std::fmt::Display;
 
-use pump_ctl::plan::Finish;
+use pump_ctl::plan::{Finish, Ramps};
 use pyo3::prelude::*;
 
 use crate::python::errors::value;
@@ -25,5 +25,10 @@ pub(crate) fn word<T: Copy + Display>(name: &str, given: &str, all: &[T]) -> PyR
 
 /// Reads where in a pitch a dose may end.
 pub(crate) fn finish_named(name: &str) -> PyResult<Finish> {
+    name.parse().map_err(value)
+}
+
+/// Reads the ramps in which a dose starts and stops.
+pub(crate) fn ramps_named(name: &str) -> PyResult<Ramps> {
     name.parse().map_err(value)
 }

@@ -6,7 +6,7 @@ mod floats;
 mod quantity;
 pub(crate) mod speed;
 
-pub(crate) use choice::{choice, finish_named, word};
+pub(crate) use choice::{choice, finish_named, ramps_named, word};
 pub(crate) use cruise::cruise;
 pub(crate) use floats::Floats;
 pub(crate) use quantity::{retracted_ml, text};

@@ -5,7 +5,7 @@ use pump_bench::record::Purpose;
 use pump_bench::{DoseRequest, units};
 use pyo3::prelude::*;
 
-use crate::argument::{cruise, finish_named, retracted_ml, text};
+use crate::argument::{cruise, finish_named, ramps_named, retracted_ml, text};
 use crate::dosing::Limits;
 use crate::python::errors::value;
 
@@ -19,6 +19,7 @@ pub(super) struct AskedDose<'py> {
     within: Option<Bound<'py, PyAny>>,
     smooth: bool,
     finish: Option<String>,
+    ramps: Option<String>,
     retract: Option<Bound<'py, PyAny>>,
     start_angle_rad: Option<f64>,
     start_half_width_rad: f64,
@@ -58,6 +59,7 @@ impl AskedDose<'_> {
             cruise: cruise(self.rate.as_ref(), self.speed.as_ref(), self.within.as_ref())?,
             smooth: self.smooth,
             finish: self.finish.as_deref().map(finish_named).transpose()?,
+            ramps: self.ramps.as_deref().map(ramps_named).transpose()?,
             start_angle_rad: self.start_angle_rad,
             start_half_width_rad: half_width_rad,
             whole_ml: None,

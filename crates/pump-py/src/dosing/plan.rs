@@ -8,14 +8,14 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 use super::doser::Doser;
-use crate::argument::finish_named;
+use crate::argument::{finish_named, ramps_named};
 use crate::pump::Pump;
 use crate::python::errors::{self, value};
 
 /// A cruise as plain data: which of rate (mL/s), speed (rad/s) and within (s), and its value.
 type PlainCruise = Option<(String, f64)>;
 /// Arguments from which a pickled plan is planned again.
-type Plain = (Py<Doser>, f64, PlainCruise, f64, f64, f64, bool, String, Option<f64>);
+type Plain = (Py<Doser>, f64, PlainCruise, f64, f64, f64, bool, String, String, Option<f64>);
 
 /// A planned dose, made by `Doser.plan`.
 ///
@@ -260,6 +260,7 @@ impl Plan {
             self.report.carry_in_ml,
             request.smooth,
             request.finish.unwrap_or_default().to_string(),
+            request.ramps.unwrap_or_default().to_string(),
             request.retract_ml,
         );
         Ok((py.get_type::<Self>().getattr("_rebuild")?, plain))
@@ -269,7 +270,7 @@ impl Plan {
     #[staticmethod]
     #[allow(clippy::too_many_arguments, reason = "all arguments of a plan, for pickle")]
     #[pyo3(signature = (
-        doser, volume_ml, cruise, start_angle_rad, start_half_width_rad, carry_in_ml, smooth, finish, retract_ml
+        doser, volume_ml, cruise, start_angle_rad, start_half_width_rad, carry_in_ml, smooth, finish, ramps, retract_ml
     ))]
     fn _rebuild(
         doser: &Bound<'_, Doser>,
@@ -280,6 +281,7 @@ impl Plan {
         carry_in_ml: f64,
         smooth: bool,
         finish: &str,
+        ramps: &str,
         retract_ml: Option<f64>,
     ) -> PyResult<Self> {
         let cruise = match cruise {
@@ -301,6 +303,7 @@ impl Plan {
             cruise,
             smooth,
             finish: Some(finish_named(finish)?),
+            ramps: Some(ramps_named(ramps)?),
             start_angle_rad: Some(start_angle_rad),
             start_half_width_rad,
             whole_ml: None,

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 
 use super::doser::Doser;
 use super::plan::Plan;
-use crate::argument::{cruise, finish_named, retracted_ml, text};
+use crate::argument::{cruise, finish_named, ramps_named, retracted_ml, text};
 use crate::python::errors::value;
 
 #[pymethods]
@@ -32,6 +32,9 @@ impl Doser {
     /// finish : {"any", "low-flow"}
     ///     Places in a pitch where the dose may end. At "low-flow" the outlet's flow is at most half of the flow
     ///     between pulses. The plan takes the nearest such end and carries the difference.
+    /// ramps : {"line-aware", "fastest"}
+    ///     Ramps in which the dose starts and stops. Line-aware ramps leave the outlet's line nearly at rest, so that
+    ///     it settles soonest and takes little back. "fastest" is the motor's largest acceleration.
     /// retract : str, optional
     ///     Volume that is sucked back after the dose, as "0.1mL", so that nothing drips. `carry_ml` includes it, so the
     ///     next dose repays it.
@@ -59,8 +62,8 @@ impl Doser {
     ///     If the pump cannot make the dose, for example because its rate or pressure is beyond a limit.
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
     #[pyo3(signature = (
-        volume, *, rate=None, speed=None, within=None, smooth=false, finish="any", retract=None, start_angle_rad=0.0,
-        start_half_width_rad=0.0, carry_in_ml=0.0
+        volume, *, rate=None, speed=None, within=None, smooth=false, finish="any", ramps="line-aware", retract=None,
+        start_angle_rad=0.0, start_half_width_rad=0.0, carry_in_ml=0.0
     ))]
     fn plan(
         slf: &Bound<'_, Self>,
@@ -70,6 +73,7 @@ impl Doser {
         within: Option<&Bound<'_, PyAny>>,
         smooth: bool,
         finish: &str,
+        ramps: &str,
         retract: Option<&Bound<'_, PyAny>>,
         start_angle_rad: f64,
         start_half_width_rad: f64,
@@ -83,6 +87,7 @@ impl Doser {
             cruise: cruise(rate, speed, within)?,
             smooth,
             finish: Some(finish_named(finish)?),
+            ramps: Some(ramps_named(ramps)?),
             start_angle_rad: Some(start_angle_rad),
             start_half_width_rad,
             whole_ml: None,

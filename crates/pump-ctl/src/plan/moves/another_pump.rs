@@ -31,7 +31,10 @@ impl Plan {
     /// Fails with the [`PlanError`] of the limit that is broken. It names the nearest speed that holds every
     /// limit.
     pub fn check_on(&self, pump: &Pump, limits: &Limits) -> Result<(), PlanError> {
-        self.planned_on(pump, limits, Cruise::Speed { rad_s: self.profile.cruise_rad_s() }).map(drop)
+        let cruise = Cruise::Speed { rad_s: self.profile.cruise_rad_s() };
+        let (target, request) = self.asked_again(cruise, limits)?;
+        let shape = self.profile.course.shape;
+        Start::at_rest(self.start).plan_with_shape(pump, &target, &request, limits, shape).map(drop)
     }
 
     /// Returns this plan, which starts from rest, at the fastest cruise that holds the limits on `pump`. The steps and
@@ -54,16 +57,18 @@ impl Plan {
     ///
     /// Fails with the [`PlanError`] of a limit that no cruise holds.
     pub fn fastest_on(&self, pump: &Pump, limits: &Limits) -> Result<Self, PlanError> {
-        let Self { profile, limited_by, .. } = self.planned_on(pump, limits, Cruise::Fastest)?;
+        let (target, request) = self.asked_again(Cruise::Fastest, limits)?;
+        let fastest = Start::at_rest(self.start).plan(pump, &target, &request, limits)?;
+        let Self { profile, limited_by, .. } = fastest;
         Ok(Self { profile, limited_by, ..self.clone() })
     }
 
-    /// Plans the steps of this plan on `pump`.
-    fn planned_on(&self, pump: &Pump, limits: &Limits, cruise: Cruise) -> Result<Self, PlanError> {
+    /// Returns the steps of this plan as a target, and a request for them at another speed.
+    fn asked_again(&self, cruise: Cruise, limits: &Limits) -> Result<(Target, Request), PlanError> {
         limits.validate()?;
         let range_ml = (self.least_ml, self.most_ml);
         let target = Target { steps: self.steps, planned_ml: self.planned_ml, range_ml };
-        let request = Request { smooth: self.is_smooth(), ..Request::new(self.requested_ml, cruise) };
-        Start::at_rest(self.start).plan(pump, &target, &request, limits)
+        let request = Request::new(self.requested_ml, cruise).with_ramps(self.ramps);
+        Ok((target, request.with_smooth(self.is_smooth())))
     }
 }

@@ -47,9 +47,9 @@ impl Doser<'_> {
             return Err(PlanError::NoSuchStep { made, steps });
         }
         let carry_in_ml = plan.carry_in_ml;
-        let finish = plan.finish;
+        let (finish, ramps) = (plan.finish, plan.ramps);
         let turned = Some(plan.turned_after(made)).filter(|turned| !turned.is_exact());
-        Request { volume_ml, carry_in_ml, cruise, smooth, finish, turned }.validate()?;
+        Request { volume_ml, carry_in_ml, cruise, smooth, finish, turned, ramps }.validate()?;
         if limits.motor.step_rad() != plan.step_rad {
             return Err(PlanError::OutOfRange {
                 parameter: Parameter::StepsPerRevUnderWay,
@@ -59,7 +59,8 @@ impl Doser<'_> {
         }
         let delivered_ml = plan.before_ml + plan.delivered_ml(pump, made);
         let volume_left_ml = volume_ml - delivered_ml;
-        let request = Request { volume_ml: volume_left_ml, carry_in_ml, cruise, smooth, finish, turned };
+        let request =
+            Request { volume_ml: volume_left_ml, carry_in_ml, cruise, smooth, finish, turned, ramps };
 
         let phase = plan.start.moved_to(plan.angle_after(made));
         let speed_rad_s = plan.speed_after(made);

@@ -5,10 +5,11 @@ use pump_model::Pump;
 use crate::plan::Plan;
 use crate::plan::limits::{Limits, Motor};
 use crate::plan::line_states::LineStates;
-use crate::plan::profile::{Course, Profile, SmoothLimit, SpeedLimit};
+use crate::plan::profile::{Course, Profile, Shape, SmoothLimit, SpeedLimit};
+use crate::plan::ramps::{Grid, line_aware};
 use crate::plan::speed::choose;
 use crate::plan::target::Target;
-use crate::plan::words::{LimitedBy, Phase, PlanError, Request, Turned};
+use crate::plan::words::{Cruise, LimitedBy, Phase, PlanError, Ramps, Request, Turned};
 
 /// The state of rotor and lines from which a move goes on.
 pub(super) struct Start {
@@ -28,7 +29,11 @@ impl Start {
         Self { phase, speed_rad_s: 0.0, before_ml: 0.0, lines: LineStates::AT_REST }
     }
 
-    /// Makes the fastest plan of the steps of `target` that the request and the limits allow.
+    /// Makes the plan of the steps of `target` that the request and the limits allow, with the ramps that it
+    /// asks for.
+    ///
+    /// The speed is chosen with usual ramps. The ramps of the dose itself are sought at that speed, and kept if
+    /// they hold every limit, and the time that is asked for.
     pub(super) fn plan(
         &self,
         pump: &Pump,
@@ -36,14 +41,48 @@ impl Start {
         request: &Request,
         limits: &Limits,
     ) -> Result<Plan, PlanError> {
-        let at_speed =
-            |cruise_rad_s: f64| self.plan_at_speed(pump, target, request, &limits.motor, cruise_rad_s);
-        let planned = choose(pump, request.cruise, limits, at_speed);
-        // A plan takes 1.4 kB. It is checked where it lies, as each move of it costs 1,200 instructions.
-        if let Ok(plan) = &planned {
-            plan.check_ripples(pump)?;
+        let usual = |course: &Course, cruise_rad_s: f64| match request.ramps {
+            Ramps::LineAware => Grid::new(pump.outlet(), course, cruise_rad_s).usual(),
+            Ramps::Fastest => None,
+        };
+        let at_speed = |cruise_rad_s: f64| {
+            self.plan_at_speed(pump, target, request, &limits.motor, cruise_rad_s, &usual)
+        };
+        // A wider angle gets the usual ramps, which suit most doses from any angle.
+        let is_sought = request.ramps == Ramps::LineAware && self.phase.is_stated();
+        let planned = match choose(pump, request.cruise, limits, &at_speed) {
+            Ok(planned) => planned,
+            Err(refused) => {
+                // A dose whose usual ramps break a limit may hold it with its own.
+                let is_given = matches!(request.cruise, Cruise::Flow { .. } | Cruise::Speed { .. });
+                if !(is_sought && is_given && limits.are_predicted()) {
+                    return Err(refused);
+                }
+                let free = choose(pump, request.cruise, &Limits::new(limits.motor), &at_speed)?;
+                return own_ramps(pump, free, request, limits)?.ok_or(refused);
+            }
+        };
+        planned.check_ripples(pump)?;
+        if !is_sought {
+            return Ok(planned);
         }
-        planned
+        let own = own_ramps(pump, planned.clone(), request, limits)?;
+        Ok(own.unwrap_or(planned))
+    }
+
+    /// Makes the plan of the steps of `target` with ramps of this shape.
+    pub(super) fn plan_with_shape(
+        &self,
+        pump: &Pump,
+        target: &Target,
+        request: &Request,
+        limits: &Limits,
+        shape: Option<Shape>,
+    ) -> Result<Plan, PlanError> {
+        let at_speed = |cruise_rad_s: f64| {
+            self.plan_at_speed(pump, target, request, &limits.motor, cruise_rad_s, &|_, _| shape)
+        };
+        choose(pump, request.cruise, limits, at_speed)
     }
 
     /// Makes the plan at a cruise speed, without regard to pressures and torque.
@@ -54,6 +93,7 @@ impl Start {
         request: &Request,
         motor: &Motor,
         cruise_rad_s: f64,
+        shape: &impl Fn(&Course, f64) -> Option<Shape>,
     ) -> Plan {
         let curve = pump.outlet_curve();
         let direction = if target.steps < 0 { -1 } else { 1 };
@@ -71,7 +111,9 @@ impl Start {
             turn_rad: target.steps.unsigned_abs() as f64 * motor.step_rad(),
             acceleration_rad_s2,
             limit,
+            shape: None,
         };
+        let course = Course { shape: shape(&course, cruise_rad_s), ..course };
         let profile = Profile::new(course, curve);
         Plan {
             requested_ml: request.volume_ml,
@@ -87,9 +129,36 @@ impl Start {
             steps_per_rev: motor.steps_per_rev,
             step_rad: motor.step_rad(),
             profile,
+            ramps: request.ramps,
             limited_by: if profile.reaches_limit() { LimitedBy::Nothing } else { LimitedBy::Acceleration },
             before_ml: self.before_ml,
             lines: self.lines,
         }
     }
+}
+
+/// Returns `usual` with the ramps that are best for itself. `None` if they break a limit, or miss the time that is
+/// asked for.
+fn own_ramps(
+    pump: &Pump,
+    usual: Plan,
+    request: &Request,
+    limits: &Limits,
+) -> Result<Option<Plan>, PlanError> {
+    let Some(shape) = line_aware(pump, &usual) else { return Ok(None) };
+    let profile = usual.profile.with_shape(Some(shape));
+    let limited_by = match usual.limited_by {
+        LimitedBy::Nothing | LimitedBy::Speed if !profile.reaches_limit() => LimitedBy::Acceleration,
+        LimitedBy::Acceleration if profile.reaches_limit() => match request.cruise {
+            Cruise::Fastest => LimitedBy::Speed,
+            _ => LimitedBy::Nothing,
+        },
+        other => other,
+    };
+    let own = Plan { profile, limited_by, ..usual };
+    let in_time = match request.cruise {
+        Cruise::Within { time_s } => profile.duration_s() + own.settle_s(pump)? <= time_s,
+        _ => true,
+    };
+    Ok((in_time && limits.broken(pump, &own).is_none()).then_some(own))
 }

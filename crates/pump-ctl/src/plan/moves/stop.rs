@@ -25,7 +25,7 @@ impl Plan {
         ceil(stopping_rad / self.step_rad - 1e-6) as i64
     }
 
-    /// Plans the way to rest from the moment at which `made` steps are made, at the plan's own acceleration.
+    /// Plans the way to rest from the moment at which `made` steps are made, at the motor's largest acceleration.
     /// It makes no more steps than the plan. The result is `None` if the rotor stands at that moment.
     ///
     /// The returned plan has time 0, start angle, volumes and steps of its own, as that of
@@ -50,6 +50,7 @@ impl Plan {
             start_rad_s: speed_rad_s,
             turn_rad: steps as f64 * self.step_rad,
             limit: SpeedLimit::Constant { rad_s: speed_rad_s },
+            shape: None,
             ..self.profile.course
         };
         Some(Self {

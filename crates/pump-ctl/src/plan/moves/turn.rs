@@ -4,12 +4,12 @@ use super::doser::Doser;
 use super::start::Start;
 use crate::plan::Plan;
 use crate::plan::target::{Target, booked, delivered};
-use crate::plan::words::{Cruise, Phase, PlanError, Request, Turned};
+use crate::plan::words::{Cruise, Phase, PlanError, Ramps, Request, Turned};
 
 impl Doser<'_> {
     /// Plans a turn by `steps` (negative in reverse, not zero) at `speed_rad_s`, from rollers at `start`.
     ///
-    /// A turn takes and leaves no carry. Its requested volume is the volume that the steps deliver.
+    /// A turn starts and stops at the motor's largest acceleration. It takes and leaves no carry. Its requested volume is the volume that the steps deliver.
     ///
     /// ```
     /// # use pump_ctl::plan::{Doser, Limits, Motor, Phase};
@@ -31,7 +31,8 @@ impl Doser<'_> {
         let (steps_signed, step_rad) = (steps as f64, limits.motor.step_rad());
         let range_ml = delivered(pump, start, steps_signed, step_rad);
         let planned_ml = booked(pump, Turned::at(start), steps_signed, step_rad);
-        let request = Request::new(planned_ml, Cruise::Speed { rad_s: speed_rad_s });
+        let cruise = Cruise::Speed { rad_s: speed_rad_s };
+        let request = Request::new(planned_ml, cruise).with_ramps(Ramps::Fastest);
         request.validate()?;
         Start::at_rest(start).plan(pump, &Target { steps, planned_ml, range_ml }, &request, limits)
     }

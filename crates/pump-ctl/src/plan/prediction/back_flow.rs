@@ -15,14 +15,17 @@ impl Plan {
     /// may stand, looked at a sixteenth of a pitch apart.
     ///
     /// ```
-    /// use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Request};
+    /// use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Ramps, Request};
     ///
     /// let pump = pump_model::Pump::three_roller();
     /// let doser = Doser::new(&pump, Limits::new(Motor::new(12_800.0, 17.8, 500.0)))?;
-    /// let plan = doser.plan(Phase::known(1.9), &Request::new(1.0, Cruise::Flow { ml_s: 5.0 }))?;
+    /// let request = Request::new(1.0, Cruise::Flow { ml_s: 5.0 });
+    /// let fastest = doser.plan(Phase::known(1.9), &request.with_ramps(Ramps::Fastest))?;
     /// // The rollers stop in 3 ms, and the line swings on.
-    /// let back_flow = plan.back_flow(&pump)?;
+    /// let back_flow = fastest.back_flow(&pump)?;
     /// assert!(back_flow.backflow_ml > 0.02 && back_flow.reverse_flow_ml > back_flow.backflow_ml);
+    /// // Line-aware ramps leave the line nearly at rest.
+    /// assert!(doser.plan(Phase::known(1.9), &request)?.back_flow(&pump)?.backflow_ml < 0.003);
     /// # Ok::<(), pump_ctl::plan::PlanError>(())
     /// ```
     ///

@@ -1,5 +1,6 @@
 //! The turn that a profile covers, and the speed limit along it.
 
+use super::shape::Shape;
 use super::smooth::SmoothLimit;
 
 /// The speed limit at each angle.
@@ -32,4 +33,6 @@ pub(in crate::plan) struct Course {
     pub(in crate::plan) acceleration_rad_s2: f64,
     /// Speed limit along the turn.
     pub(in crate::plan) limit: SpeedLimit,
+    /// Shape of the ramps. `None` is the largest acceleration, up and down.
+    pub(in crate::plan) shape: Option<Shape>,
 }

@@ -49,6 +49,16 @@ impl Place {
     }
 }
 
+impl Place {
+    /// Returns the part that comes before.
+    fn before(self) -> Self {
+        match self.part.checked_sub(1) {
+            Some(part) => Self { part, ..self },
+            None => Self { pitches: self.pitches - 1.0, part: PARTS },
+        }
+    }
+}
+
 impl Envelope {
     /// Makes an envelope from the squares of the speeds at the knots, all positive.
     pub(super) fn new(pitch_rad: f64, uneven_rad: f64, squares: &PerPart) -> Self {
@@ -196,6 +206,32 @@ impl Envelope {
             place = place.next();
         }
         largest
+    }
+
+    /// Finds the first angle on the way from `from_rad` to `to_rad` at which a straight line is no longer below
+    /// the square of the speed. The way may go either way. `None` if the line stays below.
+    pub(super) fn meeting(&self, from_rad: f64, to_rad: f64, line: impl Fn(f64) -> f64) -> Option<f64> {
+        let onward = to_rad > from_rad;
+        let gap = |place: Place, angle_rad: f64| line(angle_rad) - self.square_in(place, angle_rad);
+        let mut place = self.place_at(from_rad);
+        let (mut here_rad, mut here) = (from_rad, gap(place, from_rad));
+        loop {
+            if here >= 0.0 {
+                return Some(here_rad);
+            }
+            let (start_rad, end_rad) = self.ends_rad(place);
+            let next_rad = if onward { end_rad.min(to_rad) } else { start_rad.max(to_rad) };
+            let next = gap(place, next_rad);
+            if next >= 0.0 {
+                return Some(here_rad + (next_rad - here_rad) * here / (here - next));
+            }
+            let is_there = if onward { next_rad >= to_rad } else { next_rad <= to_rad };
+            if is_there {
+                return None;
+            }
+            place = if onward { place.next() } else { place.before() };
+            (here_rad, here) = (next_rad, gap(place, next_rad));
+        }
     }
 
     /// Finds the first angle in the pitch from `from_rad` at which a straight line is no longer below the

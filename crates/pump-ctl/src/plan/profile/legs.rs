@@ -6,7 +6,7 @@ use super::envelope::Place;
 use super::profile::Profile;
 
 /// The legs of a motion in order: to the speed limit, along it, down to rest. A constant limit makes three
-/// legs.
+/// legs, or four if the way down has two.
 #[derive(Debug, Clone)]
 pub struct Legs<'a> {
     profile: &'a Profile,
@@ -20,6 +20,7 @@ enum Next {
     Even,
     Along(Place),
     Down,
+    Last,
     End,
 }
 
@@ -53,8 +54,15 @@ impl Iterator for Legs<'_> {
                     }
                 }
                 Next::Down => {
+                    self.next = Next::Last;
+                    let leg = self.profile.first_down_leg();
+                    if leg.duration_s > 0.0 {
+                        return Some(leg);
+                    }
+                }
+                Next::Last => {
                     self.next = Next::End;
-                    return Some(self.profile.down_leg());
+                    return Some(self.profile.last_down_leg());
                 }
                 Next::End => return None,
             }

@@ -2,11 +2,14 @@
 
 mod along;
 mod course;
+mod down;
 mod envelope;
 mod legs;
 mod lift;
 mod lift_choice;
 mod profile;
+mod shape;
+mod shaped;
 mod smooth;
 mod swing;
 
@@ -15,4 +18,5 @@ pub use profile::Profile;
 
 pub(in crate::plan) use along::Along;
 pub(in crate::plan) use course::{Course, SpeedLimit};
+pub(in crate::plan) use shape::Shape;
 pub(in crate::plan) use smooth::SmoothLimit;

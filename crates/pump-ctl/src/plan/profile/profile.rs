@@ -5,10 +5,14 @@ use pump_model::{FlowCurve, Leg};
 
 use super::along::Along;
 use super::course::{Course, SpeedLimit};
+use super::down::Down;
 use super::envelope::{Envelope, PARTS, Place};
+use super::shape::Shape;
 use super::smooth;
 
-/// The fastest motion over a turn that ends at rest, below a speed limit and within an acceleration.
+/// The motion over a turn that ends at rest, below a speed limit and within an acceleration.
+///
+/// Its ramps have the shape of its course. Without a shape it is the fastest motion.
 ///
 /// The speed limit may depend on the angle. With u = omega²/2 over the angle, an acceleration is a slope. So
 /// the profile is the smallest of three: the line up (or down) from the start with that slope, the limit, and
@@ -20,19 +24,21 @@ use super::smooth;
 pub struct Profile {
     pub(in crate::plan) course: Course,
     /// Envelope of the speed limit, if the limit is not constant.
-    envelope: Option<Envelope>,
+    pub(super) envelope: Option<Envelope>,
     /// Angle in the envelope at the start, rad.
-    phase_rad: f64,
+    pub(super) phase_rad: f64,
     /// Time from angle 0 of the envelope to where the limit is reached, s.
-    reached_s: f64,
+    pub(super) reached_s: f64,
     /// Angles turned where the limit is reached and left, rad.
     pub(in crate::plan) corners_rad: [f64; 2],
     /// Speeds where the limit is reached and left, rad/s.
-    corner_rad_s: [f64; 2],
-    ramp_s: f64,
-    along_s: f64,
-    down_s: f64,
-    reaches_limit: bool,
+    pub(super) corner_rad_s: [f64; 2],
+    pub(super) ramp_s: f64,
+    pub(super) along_s: f64,
+    /// Acceleration of the first ramp, rad/s². It is negative if the rotor is faster than the limit at first.
+    pub(super) ramp_rad_s2: f64,
+    pub(super) down: Down,
+    pub(super) reaches_limit: bool,
 }
 
 impl Profile {
@@ -47,8 +53,22 @@ impl Profile {
         }
     }
 
+    /// Returns this profile with ramps of another shape. Its envelope stays.
+    pub(in crate::plan) fn with_shape(&self, shape: Option<Shape>) -> Self {
+        let course = Course { shape, ..self.course };
+        match (self.envelope, course.limit) {
+            (Some(envelope), _) => Self::along(course, envelope, self.phase_rad),
+            (None, SpeedLimit::Constant { rad_s }) => Self::constant(course, rad_s),
+            // A smooth profile has an envelope.
+            (None, SpeedLimit::Smooth { .. }) => *self,
+        }
+    }
+
     /// Makes the profile below a constant limit.
     fn constant(course: Course, cruise_rad_s: f64) -> Self {
+        if let Some(shape) = course.shape {
+            return Self::shaped(course, shape, cruise_rad_s);
+        }
         let Course { start_rad_s, turn_rad, acceleration_rad_s2, .. } = course;
         // Up to the peak and down from it turns (2 peak² - start²) / (2 acceleration).
         let peak_rad_s = sqrt(acceleration_rad_s2 * turn_rad + 0.5 * start_rad_s * start_rad_s);
@@ -68,13 +88,17 @@ impl Profile {
             corner_rad_s: [plateau_rad_s; 2],
             ramp_s,
             along_s,
-            down_s,
+            ramp_rad_s2: towards(start_rad_s, plateau_rad_s, acceleration_rad_s2),
+            down: Down::plain(turn_rad - down_rad, plateau_rad_s, down_s, acceleration_rad_s2),
             reaches_limit: plateau_rad_s >= cruise_rad_s,
         }
     }
 
     /// Makes the profile below an envelope, at whose angle `phase_rad` the motion starts.
-    fn along(course: Course, envelope: Envelope, phase_rad: f64) -> Self {
+    pub(super) fn along(course: Course, envelope: Envelope, phase_rad: f64) -> Self {
+        if let Some(shape) = course.shape {
+            return Self::shaped_along(course, shape, envelope, phase_rad);
+        }
         let Course { start_rad_s, turn_rad, acceleration_rad_s2, .. } = course;
         // Squares of speeds are 2 u. They change by `slope` a radian at most, and by `a_pitch` a pitch.
         let slope = 2.0 * acceleration_rad_s2;
@@ -97,6 +121,8 @@ impl Profile {
         }
         let corner_rad_s = [reached_rad, left_rad].map(|angle_rad| envelope.speed_at(angle_rad));
         let reached_s = envelope.time_at(reached_rad);
+        let ramp_s = (corner_rad_s[0] - start_rad_s).abs() / acceleration_rad_s2;
+        let down_s = corner_rad_s[1] / acceleration_rad_s2;
         Self {
             course,
             envelope: Some(envelope),
@@ -104,9 +130,10 @@ impl Profile {
             reached_s,
             corners_rad: [reached_rad - phase_rad, left_rad - phase_rad],
             corner_rad_s,
-            ramp_s: (corner_rad_s[0] - start_rad_s).abs() / acceleration_rad_s2,
+            ramp_s,
             along_s: envelope.time_at(left_rad) - reached_s,
-            down_s: corner_rad_s[1] / acceleration_rad_s2,
+            ramp_rad_s2: towards(start_rad_s, corner_rad_s[0], acceleration_rad_s2),
+            down: Down::plain(left_rad - phase_rad, corner_rad_s[1], down_s, acceleration_rad_s2),
             reaches_limit: true,
         }
     }
@@ -139,30 +166,49 @@ impl Profile {
         self.reaches_limit
     }
 
-    /// Returns the largest acceleration, rad/s², which is that of the ramps.
+    /// Returns the largest acceleration that the motor allows, rad/s². A stop brakes with it. The ramps are no
+    /// steeper.
     pub fn acceleration_rad_s2(&self) -> f64 {
         self.course.acceleration_rad_s2
     }
 
+    /// Returns the speed limit, or its mean over time if it depends on the angle, rad/s.
+    pub(in crate::plan) fn limit_rad_s(&self) -> f64 {
+        match (&self.envelope, self.course.limit) {
+            (Some(envelope), _) => envelope.mean_rad_s(),
+            (None, SpeedLimit::Constant { rad_s }) => rad_s,
+            (None, SpeedLimit::Smooth(limit)) => limit.max_rad_s,
+        }
+    }
+
+    /// Returns the time at which the first ramp ends, s.
+    pub(in crate::plan) fn reached_limit_s(&self) -> f64 {
+        self.ramp_s
+    }
+
+    /// Returns the time at which the way down begins, s.
+    pub(in crate::plan) fn left_s(&self) -> f64 {
+        self.ramp_s + self.along_s
+    }
+
+    /// Returns both legs down to rest.
+    pub(in crate::plan) fn down_legs(&self) -> [Leg; 2] {
+        [self.first_down_leg(), self.last_down_leg()]
+    }
+
+    /// Returns the time of the first leg down, s.
+    pub(in crate::plan) fn first_down_s(&self) -> f64 {
+        self.down.legs_s[0]
+    }
+
     /// Returns the time from start to rest, s.
     pub fn duration_s(&self) -> f64 {
-        self.ramp_s + self.down_s + self.along_s
+        self.ramp_s + self.down.duration_s() + self.along_s
     }
 
     /// Returns the envelope, if there is one and the motion reaches it.
     fn along_envelope(&self) -> Option<&Envelope> {
         self.envelope.as_ref().filter(|_| self.reaches_limit)
-    }
-
-    /// Returns the acceleration of the first ramp, rad/s². It is negative if the rotor is faster than the
-    /// limit at first.
-    fn ramp_rad_s2(&self) -> f64 {
-        let acceleration_rad_s2 = self.course.acceleration_rad_s2;
-        if self.course.start_rad_s > self.corner_rad_s[0] {
-            -acceleration_rad_s2
-        } else {
-            acceleration_rad_s2
-        }
     }
 
     /// Returns the time at which the rotor has turned `turned_rad`, s since the start. An angle outside [0,
@@ -173,9 +219,13 @@ impl Profile {
             let turned_rad = turned_rad.max(0.0);
             let mean_rad_s = 0.5 * (self.course.start_rad_s + self.speed_at(turned_rad));
             if mean_rad_s > 0.0 { turned_rad / mean_rad_s } else { 0.0 }
-        } else if turned_rad > left_rad {
+        } else if turned_rad > self.down.between_rad {
             let left_rad = (self.course.turn_rad - turned_rad).max(0.0);
-            self.duration_s() - sqrt(2.0 * left_rad / self.course.acceleration_rad_s2)
+            self.duration_s() - sqrt(2.0 * left_rad / self.down.legs_rad_s2[1])
+        } else if turned_rad > left_rad {
+            let left_rad = self.down.between_rad - turned_rad;
+            let sum_rad_s = self.down.between_rad_s + self.speed_at(turned_rad);
+            self.duration_s() - self.down.legs_s[1] - 2.0 * left_rad / sum_rad_s
         } else if let Some(envelope) = self.along_envelope() {
             self.ramp_s + (envelope.time_at(self.phase_rad + turned_rad) - self.reached_s)
         } else {
@@ -188,9 +238,12 @@ impl Profile {
         let [reached_rad, left_rad] = self.corners_rad;
         let start_rad_s = self.course.start_rad_s;
         let square = if turned_rad <= reached_rad {
-            start_rad_s * start_rad_s + 2.0 * self.ramp_rad_s2() * turned_rad
+            start_rad_s * start_rad_s + 2.0 * self.ramp_rad_s2 * turned_rad
+        } else if turned_rad > self.down.between_rad {
+            2.0 * self.down.legs_rad_s2[1] * (self.course.turn_rad - turned_rad)
         } else if turned_rad > left_rad {
-            2.0 * self.course.acceleration_rad_s2 * (self.course.turn_rad - turned_rad)
+            let square = self.down.between_rad_s * self.down.between_rad_s;
+            square + 2.0 * self.down.legs_rad_s2[0] * (self.down.between_rad - turned_rad)
         } else {
             return self
                 .along_envelope()
@@ -204,8 +257,10 @@ impl Profile {
         let [reached_rad, left_rad] = self.corners_rad;
         if turned_rad <= reached_rad {
             reached_rad
-        } else if turned_rad > left_rad {
+        } else if turned_rad > self.down.between_rad {
             self.course.turn_rad
+        } else if turned_rad > left_rad {
+            self.down.between_rad
         } else {
             self.along_envelope().map_or(left_rad, |envelope| {
                 (envelope.knot_from(self.phase_rad + turned_rad) - self.phase_rad).min(left_rad)
@@ -239,8 +294,10 @@ impl Profile {
                     self.leg_along(envelope, envelope.place_at_time(self.reached_s + (t_s - self.ramp_s)))
                 },
             )
+        } else if t_s < self.ramp_s + self.along_s + self.down.legs_s[0] {
+            self.first_down_leg()
         } else {
-            self.down_leg()
+            self.last_down_leg()
         }
     }
 
@@ -264,7 +321,7 @@ impl Profile {
 
     /// Returns the leg from the start to the limit.
     pub(super) fn ramp_leg(&self) -> Leg {
-        self.leg(0.0, self.ramp_s, 0.0, self.course.start_rad_s, self.ramp_rad_s2())
+        self.leg(0.0, self.ramp_s, 0.0, self.course.start_rad_s, self.ramp_rad_s2)
     }
 
     /// Returns the leg along a constant limit.
@@ -272,11 +329,19 @@ impl Profile {
         self.leg(self.ramp_s, self.along_s, self.corners_rad[0], self.corner_rad_s[0], 0.0)
     }
 
-    /// Returns the leg from the limit to rest.
-    pub(super) fn down_leg(&self) -> Leg {
+    /// Returns the first leg down from the limit. It takes no time if the way down is one leg.
+    pub(super) fn first_down_leg(&self) -> Leg {
         let start_s = self.ramp_s + self.along_s;
-        let down = -self.course.acceleration_rad_s2;
-        self.leg(start_s, self.down_s, self.corners_rad[1], self.corner_rad_s[1], down)
+        let Down { legs_s: [first_s, _], legs_rad_s2: [down_rad_s2, _], .. } = self.down;
+        self.leg(start_s, first_s, self.corners_rad[1], self.corner_rad_s[1], -down_rad_s2)
+    }
+
+    /// Returns the last leg, down to rest.
+    pub(super) fn last_down_leg(&self) -> Leg {
+        let Down { legs_s: [first_s, last_s], legs_rad_s2: [_, down_rad_s2], between_rad, between_rad_s } =
+            self.down;
+        let start_s = self.ramp_s + self.along_s + first_s;
+        self.leg(start_s, last_s, between_rad, between_rad_s, -down_rad_s2)
     }
 
     /// Returns the leg along one part of an envelope. Its duration is 0 if the motion does not follow the
@@ -322,4 +387,9 @@ impl Profile {
             })
         })
     }
+}
+
+/// Returns the acceleration from one speed to another, rad/s².
+fn towards(from_rad_s: f64, to_rad_s: f64, acceleration_rad_s2: f64) -> f64 {
+    if from_rad_s > to_rad_s { -acceleration_rad_s2 } else { acceleration_rad_s2 }
 }

@@ -18,7 +18,7 @@ pub(in crate::plan) struct SmoothLimit {
     /// Flow limit, mL/s.
     flow_ml_s: f64,
     /// The motor's largest speed, rad/s.
-    max_rad_s: f64,
+    pub(super) max_rad_s: f64,
     /// Part of the pulse in which the flow limit does not hold, if there is one.
     lift: Option<Lift>,
 }

@@ -16,11 +16,12 @@ pub enum Cruise {
         rad_s: f64,
     },
     /// The total time with ramps and settling, s, positive. The slowest cruise that meets the time is
-    /// planned.
+    /// planned. With line-aware ramps it is the slowest with the usual ramps, so the dose may end sooner.
     Within {
         /// Total time, s.
         time_s: f64,
     },
-    /// The fastest speed that holds every limit, provided that every slower speed holds them too.
+    /// The fastest speed that holds every limit, provided that every slower speed holds them too. With
+    /// line-aware ramps the speed is sought with the usual ramps.
     Fastest,
 }

@@ -7,6 +7,7 @@ use crate::parameter::Parameter;
 
 use super::error::{PlanError, within};
 use super::finish::Finish;
+use super::ramps::Ramps;
 use super::turned::Turned;
 
 /// Largest dose, mL. Its 100 L take five hours at the default rate of the published pump.
@@ -43,12 +44,23 @@ pub struct Request {
     pub finish: Finish,
     /// Turn of the earlier doses whose sum with this dose is to be right. `None` plans this dose alone.
     pub turned: Option<Turned>,
+    /// Ramps in which the dose starts and stops. A request that was stored without them has the default.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub ramps: Ramps,
 }
 
 impl Request {
-    /// Makes a request for a dose at constant speed, with no carry and an end anywhere.
+    /// Makes a request for a dose at constant speed, with no carry, an end anywhere and line-aware ramps.
     pub const fn new(volume_ml: f64, cruise: Cruise) -> Self {
-        Self { volume_ml, carry_in_ml: 0.0, cruise, smooth: false, finish: Finish::Any, turned: None }
+        Self {
+            volume_ml,
+            carry_in_ml: 0.0,
+            cruise,
+            smooth: false,
+            finish: Finish::Any,
+            turned: None,
+            ramps: Ramps::LineAware,
+        }
     }
 
     /// Returns the request with a carry of earlier doses, mL, positive toward the outlet.
@@ -80,6 +92,12 @@ impl Request {
     #[must_use]
     pub const fn with_turned(self, turned: Option<Turned>) -> Self {
         Self { turned, ..self }
+    }
+
+    /// Returns the request with other ramps.
+    #[must_use]
+    pub const fn with_ramps(self, ramps: Ramps) -> Self {
+        Self { ramps, ..self }
     }
 
     /// Returns the volume to bring to the vessel, requested plus carried, mL.

@@ -5,7 +5,7 @@ from typing import Any, TypeAlias, final, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from pumpmodel.choices import CalibrationFit, Finish
+from pumpmodel.choices import CalibrationFit, Finish, Ramps
 from pumpmodel.weighed import WeighedRun
 
 from .pump import Pump
@@ -121,6 +121,7 @@ class Doser:
         within: None = None,
         smooth: bool = False,
         finish: Finish = "any",
+        ramps: Ramps = "line-aware",
         retract: str | None = None,
         start_angle_rad: float = 0.0,
         start_half_width_rad: float = 0.0,
@@ -136,6 +137,7 @@ class Doser:
         within: None = None,
         smooth: bool = False,
         finish: Finish = "any",
+        ramps: Ramps = "line-aware",
         retract: str | None = None,
         start_angle_rad: float = 0.0,
         start_half_width_rad: float = 0.0,
@@ -151,6 +153,7 @@ class Doser:
         within: str,
         smooth: bool = False,
         finish: Finish = "any",
+        ramps: Ramps = "line-aware",
         retract: str | None = None,
         start_angle_rad: float = 0.0,
         start_half_width_rad: float = 0.0,

@@ -6,7 +6,7 @@ from typing import Any
 from pumpmodel._pumpmodel import Calibration, Doser, Limits, Plan, Pump, _Bench
 from pumpmodel.bench.request import asked
 from pumpmodel.bench.schedule import due
-from pumpmodel.choices import Finish, Missed
+from pumpmodel.choices import Finish, Missed, Ramps
 from pumpmodel.dose import Dose
 
 Progress = Callable[[int, int], object]
@@ -36,6 +36,7 @@ class BenchDoses:
         within: str | None = None,
         smooth: bool = False,
         finish: Finish = "any",
+        ramps: Ramps | None = None,
         retract: str | None = None,
         start_angle_rad: float | None = None,
         start_half_width_rad: float = 0.0,
@@ -60,6 +61,9 @@ class BenchDoses:
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
             Places in a pitch where the dose may end.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest; a board
+            that plans its own ramps has "fastest".
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
         start_angle_rad : float, optional
@@ -93,7 +97,7 @@ class BenchDoses:
             If another process holds the pump, or the motor cannot be used or fails.
         """
         request = asked(
-            volume, rate, speed, within, smooth, finish, retract, start_angle_rad, start_half_width_rad, limits
+            volume, rate, speed, within, smooth, finish, ramps, retract, start_angle_rad, start_half_width_rad, limits
         )
         return self._run("dose", request, dry_run, progress)
 
@@ -105,6 +109,7 @@ class BenchDoses:
         speed: str | None = None,
         within: str | None = None,
         smooth: bool = False,
+        ramps: Ramps | None = None,
         start_angle_rad: float | None = None,
         start_half_width_rad: float = 0.0,
         limits: Limits | None = None,
@@ -126,6 +131,9 @@ class BenchDoses:
             The default is the pump's `default_rate_ml_s`.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the motion starts and stops. The default leaves the outlet's line nearly at rest; a board
+            that plans its own ramps has "fastest".
         start_angle_rad : float, optional
             Angle of the rollers at the start, rad; overrides the record.
         start_half_width_rad : float
@@ -157,7 +165,7 @@ class BenchDoses:
             If another process holds the pump, or the motor cannot be used or fails.
         """
         request = asked(
-            volume, rate, speed, within, smooth, "any", None, start_angle_rad, start_half_width_rad, limits
+            volume, rate, speed, within, smooth, "any", ramps, None, start_angle_rad, start_half_width_rad, limits
         )
         return self._run("prime", request, dry_run, progress)
 
@@ -169,6 +177,7 @@ class BenchDoses:
         speed: str | None = None,
         within: str | None = None,
         smooth: bool = False,
+        ramps: Ramps | None = None,
         start_angle_rad: float | None = None,
         start_half_width_rad: float = 0.0,
         limits: Limits | None = None,
@@ -190,6 +199,9 @@ class BenchDoses:
             The default is the pump's `default_rate_ml_s`.
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the motion starts and stops. The default leaves the outlet's line nearly at rest; a board
+            that plans its own ramps has "fastest".
         start_angle_rad : float, optional
             Angle of the rollers at the start, rad; overrides the record.
         start_half_width_rad : float
@@ -221,7 +233,7 @@ class BenchDoses:
             If another process holds the pump, or the motor cannot be used or fails.
         """
         request = asked(
-            volume, rate, speed, within, smooth, "any", None, start_angle_rad, start_half_width_rad, limits
+            volume, rate, speed, within, smooth, "any", ramps, None, start_angle_rad, start_half_width_rad, limits
         )
         return self._run("purge", request, dry_run, progress)
 
@@ -234,6 +246,7 @@ class BenchDoses:
         within: str | None = None,
         smooth: bool = False,
         finish: Finish = "any",
+        ramps: Ramps | None = None,
         retract: str | None = None,
         start_angle_rad: float | None = None,
         start_half_width_rad: float = 0.0,
@@ -258,6 +271,9 @@ class BenchDoses:
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
             Places in a pitch where the dose may end.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest; a board
+            that plans its own ramps has "fastest".
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
         start_angle_rad : float, optional
@@ -286,7 +302,7 @@ class BenchDoses:
             If another process holds the pump, or the motor cannot be used or fails.
         """
         request = asked(
-            volume, rate, speed, within, smooth, finish, retract, start_angle_rad, start_half_width_rad, limits
+            volume, rate, speed, within, smooth, finish, ramps, retract, start_angle_rad, start_half_width_rad, limits
         )
         self._core.prepare("dose", request)
         angle_rad, half_width_rad, carry_ml = self._core.stands
@@ -297,6 +313,7 @@ class BenchDoses:
             volume,
             smooth=smooth,
             finish=finish,
+            ramps=ramps or "line-aware",
             retract=retract,
             start_angle_rad=angle_rad,
             start_half_width_rad=half_width_rad,
@@ -316,6 +333,7 @@ class BenchDoses:
         within: str | None = None,
         smooth: bool = False,
         finish: Finish = "any",
+        ramps: Ramps | None = None,
         retract: str | None = None,
         start_angle_rad: float | None = None,
         start_half_width_rad: float = 0.0,
@@ -348,6 +366,9 @@ class BenchDoses:
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}
             Places in a pitch where the dose may end.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest; a board
+            that plans its own ramps has "fastest".
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
         start_angle_rad : float, optional
@@ -382,6 +403,7 @@ class BenchDoses:
                 within=within,
                 smooth=smooth,
                 finish=finish,
+                ramps=ramps,
                 retract=retract,
                 start_angle_rad=start_angle_rad,
                 start_half_width_rad=start_half_width_rad,
@@ -401,6 +423,7 @@ class BenchDoses:
         within: str | None = None,
         smooth: bool = False,
         finish: Finish | None = None,
+        ramps: Ramps | None = None,
         limits: Limits | None = None,
         progress: Progress | None = None,
     ) -> Dose:
@@ -420,6 +443,8 @@ class BenchDoses:
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         finish : {"any", "low-flow"}, optional
             Places in a pitch where the dose may end. The default is that of the whole dose.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the rest starts and stops. The default is that of the whole dose.
         limits : Limits, optional
             Pressure limits that replace the pump file's.
         progress : callable, optional
@@ -444,7 +469,7 @@ class BenchDoses:
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         """
-        request = asked(None, rate, speed, within, smooth, finish, None, None, 0.0, limits)
+        request = asked(None, rate, speed, within, smooth, finish, ramps, None, None, 0.0, limits)
         return Dose._from_json(self._core.resume(request, progress))
 
     def stop(self) -> None:

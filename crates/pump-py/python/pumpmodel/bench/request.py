@@ -3,7 +3,7 @@
 from typing import Any
 
 from pumpmodel._pumpmodel import Limits
-from pumpmodel.choices import Finish
+from pumpmodel.choices import Finish, Ramps
 
 
 def asked(
@@ -13,6 +13,7 @@ def asked(
     within: str | None,
     smooth: bool,
     finish: Finish | None,
+    ramps: Ramps | None,
     retract: str | None,
     start_angle_rad: float | None,
     start_half_width_rad: float,
@@ -26,6 +27,7 @@ def asked(
         "within": within,
         "smooth": smooth,
         "finish": finish,
+        "ramps": ramps,
         "retract": retract,
         "start_angle_rad": start_angle_rad,
         "start_half_width_rad": start_half_width_rad,

@@ -89,7 +89,16 @@ pub(super) fn agreed(
     let mut settings = read(board, flavour, axis)?;
     let (mut notes, mut written) = (Vec::new(), Vec::new());
     if opening.configure {
-        (settings, notes, written) = configure::configure(board, settings, motor)?;
+        let most_rad_s2 = motor.max_acceleration_rad_s2;
+        let gentle_rad_s2 = opening.acceleration_rad_s2.map_or(most_rad_s2, |rad_s2| rad_s2.min(most_rad_s2));
+        let gentle = motor.with_max_acceleration_rad_s2(gentle_rad_s2);
+        (settings, notes, written) = configure::configure(board, settings, &gentle)?;
+        if opening.acceleration_rad_s2.is_some() {
+            notes.push(format!(
+                "the board starts and stops every dose with {gentle_rad_s2:.1} rad/s2, the best plain ramp for \
+                 the pump's default rate"
+            ));
+        }
     }
     let again = read(board, flavour, axis)?;
     settings.agree(&again)?;

@@ -61,6 +61,7 @@ const INTENT: Entry = Entry::Intent(Intent {
         fastest: false,
         smooth: false,
         low_flow: false,
+        ramps: None,
         max_outlet_kpa: None,
         min_inlet_kpa: None,
     },
