@@ -32,7 +32,7 @@ const CHANGE_TICKS: i64 = 10_000;
 
 /// Largest values of the lines of cost.
 const MOST: [(&str, f64); 3] =
-    [("for a plan", 20e6), ("to plan with line-aware ramps", 20e6), ("a step in on_deadline", 70.0)];
+    [("for a plan", 20e6), ("to plan with line-aware ramps", 22e6), ("a step in on_deadline", 70.0)];
 
 type Checked = Result<(), String>;
 

@@ -99,7 +99,9 @@ fn dose(volume_ml: f64, smooth: bool) -> Plan {
     let file = built_in("three-roller").unwrap();
     let mut limits = file.limits();
     limits.motor.max_acceleration_rad_s2 = if smooth { 500.0 } else { 10.0 };
-    let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }).with_smooth(smooth);
+    let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 })
+        .with_smooth(smooth)
+        .with_ramps(pump_ctl::plan::Ramps::Fastest);
     let pump = file.model().unwrap();
     Doser::new(&pump, limits).unwrap().plan(Phase::known(0.3), &request).unwrap()
 }

@@ -48,8 +48,6 @@ impl Place {
             beside(first, last - units, self.between),
             beside(first, last, self.between + part),
             beside(first, last, self.between - part),
-            beside(first + units, last - units, self.between),
-            beside(first - units, last + units, self.between),
         ]
         .into_iter()
         .filter(|place| {
