@@ -82,9 +82,10 @@ fn errors_table(trial: &Trial) -> Result<String, Box<dyn Error>> {
 
 /// Returns the table of back flows.
 fn back_flow_table(flows: &[((f64, f64), BackFlows, BackFlows)]) -> String {
-    let mut table = "| dose | ramps | back flow, uL | C 20 % less, uL | C 20 % more, uL | taken back on the way, \
+    let mut table =
+        "| dose | ramps | back flow, uL | C 20 % less, uL | C 20 % more, uL | taken back on the way, \
                      uL | motion and settling, s |\n| --- | --- | --- | --- | --- | --- | --- |\n"
-        .to_owned();
+            .to_owned();
     for ((volume_ml, rate_ml_s), fastest, aware) in flows {
         for (ramps, all) in [(Ramps::Fastest, fastest), (Ramps::LineAware, aware)] {
             table += &format!(

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use pump_bench::export::{BLUE, Chart, Colour, Curve, GREEN, Panel, PURPLE, Style, VERMILION};
+use pump_bench::export::{BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, Style, VERMILION};
 
 use crate::back_flow::BackFlows;
 use crate::dose_error::DoseError;
@@ -35,8 +35,10 @@ pub(crate) fn error_over_angle(small: &DoseError, large: &DoseError) -> Result<S
 
 /// Draws the largest errors over the volume of the dose.
 pub(crate) fn error_over_volume(naive: &Points, departing: &Points) -> Result<String, Box<dyn Error>> {
-    let curves =
-        vec![line("one constant", VERMILION, naive), line("planned, pump and angle depart", GREEN, departing)];
+    let curves = vec![
+        line("one constant", VERMILION, naive),
+        line("planned, pump and angle depart", GREEN, departing),
+    ];
     let panels = vec![Panel { label: "largest error, % of the dose", curves }];
     let end = naive.last().map_or(1.0, |point| point.0);
     let title = "Largest error over all start angles";

@@ -50,7 +50,7 @@ impl Start {
         };
         // A wider angle gets the usual ramps, which suit most doses from any angle.
         let is_sought = request.ramps == Ramps::LineAware && self.phase.is_stated();
-        let planned = match choose(pump, request.cruise, limits, &at_speed) {
+        let planned = match choose(pump, request.cruise, limits, at_speed) {
             Ok(planned) => planned,
             Err(refused) => {
                 // A dose whose usual ramps break a limit may hold it with its own.
@@ -58,7 +58,7 @@ impl Start {
                 if !(is_sought && is_given && limits.are_predicted()) {
                     return Err(refused);
                 }
-                let free = choose(pump, request.cruise, &Limits::new(limits.motor), &at_speed)?;
+                let free = choose(pump, request.cruise, &Limits::new(limits.motor), at_speed)?;
                 return own_ramps(pump, free, request, limits)?.ok_or(refused);
             }
         };
