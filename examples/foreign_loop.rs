@@ -78,6 +78,6 @@ fn main() -> Result<(), PlanError> {
 fn it_prints_what_was_delivered() {
     assert_eq!(
         report().as_deref(),
-        Ok("stopped at 2.500 s, stood at 2.544 s: 12.42 mL; with the rest 25.00 mL")
+        Ok("stopped at 2.500 s, stood at 2.544 s: 12.40 mL; with the rest 25.00 mL")
     );
 }

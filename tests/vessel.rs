@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, TestRunner};
 use pump_bench::built_in;
 use pump_bench::drives::Sim;
-use pump_ctl::plan::{Cruise, Doser, Limits, Phase, Plan, Request};
+use pump_ctl::plan::{Cruise, Doser, Limits, Phase, Plan, Ramps, Request};
 use pump_model::{Port, PortRun, Pump};
 
 /// After the last step, s: 1e-6 of the swing is left in the published line.
@@ -68,7 +68,7 @@ fn the_vessel_receives_the_planned_volume_from_the_staircase_of_steps() {
 fn the_staircases_pressure_is_the_sum_of_the_responses_to_its_steps() {
     let file = built_in("three-roller").unwrap();
     let (pump, limits) = (file.model().unwrap(), Limits::new(file.limits().motor));
-    let request = Request::new(0.5, Cruise::Flow { ml_s: 5.0 });
+    let request = Request::new(0.5, Cruise::Flow { ml_s: 5.0 }).with_ramps(Ramps::Fastest);
     let plan = Doser::new(&pump, limits).unwrap().plan(Phase::known(1.0), &request).unwrap();
     let mut sim = Sim::with_tolerance(&pump, TOLERANCE).unwrap();
     sim.make(&plan).unwrap();

@@ -159,14 +159,14 @@ const AT_THE_ROLLERS: &str = "\
 
 ![Largest error over the volume of the dose](accuracy/error-over-volume.svg)
 
-The error of one constant is the same number of millilitres for small and large doses. It vanishes for whole pitches,
-which are the dips of the second picture.
+The error of one constant is up to 1.25 mL, however large the dose is. It vanishes for whole pitches, which are the
+dips of the second picture. An angle that is one degree off costs 0.07 mL at most.
 ";
 
 const BACK_FLOW: &str = "\
 ## In the vessel
 
-The rollers stop in milliseconds, but the liquid in the line does not. The published outlet line swings at 12.7 Hz.
+The rollers stop in milliseconds, but the liquid in the line does not. The published outlet line swings at 12.75 Hz.
 It first pushes too much into the vessel and then takes it back. A nozzle in air loses what is taken back, and air
 enters. *Back flow* is the largest delivered volume less the final one.
 
@@ -180,18 +180,18 @@ const HOW_RAMPS: &str = "\
 
 ![Largest back flow over the volume of the dose](accuracy/back-flow-over-volume.svg)
 
-Line-aware ramps are the default. They are chosen for each dose from the exact solution of the line.
-[DESIGN.md](../DESIGN.md) says how. `dose 3mL --ramps fastest` starts and stops as fast as the motor allows. A stop that a
-person, a limit or a fault asks for always does. Its back flow is in the report.
+Line-aware ramps are the default. They are chosen for each dose from the exact solution of the line, as
+[DESIGN.md](../DESIGN.md) tells. `dose 3mL --ramps fastest` starts and stops as fast as the motor allows. A stop that a
+person, a limit or a fault asks for always does.
 ";
 
 const LIMITS: &str = "\
 ## How sure a stated volume is
 
-The report of each dose states an uncertainty, \"25.00 mL +- 1.4 mL\", that covers about 95 % of such doses. Its shares
-are in the report with `-v` and in JSON (`budget`), each with the cheapest remedy. Tests draw 2,000 random pumps for each
-of several cases, for which the budget's statements are true, and count how often the interval covers the dose. They
-show that the budget adds up. They do not show that a real pump departs by no more than its file states.
+The report of each dose states an uncertainty, as in \"25.0 mL ± 1.4 mL\", that covers about 95 % of such doses. `-v` and
+the JSON (`uncertainty_budget`) list its shares, each with the cheapest remedy. Tests draw 2,000 random pumps for each of
+several cases. The budget's statements are true of these pumps, and the tests count how often the interval covers the
+dose. So the budget adds up. It is no evidence that a real pump departs by no more than its file states.
 
 This page cannot tell you how near your pump is to its file. Weigh some doses with `dose calibrate verify`:
 [calibration.md](calibration.md).

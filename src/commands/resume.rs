@@ -10,9 +10,8 @@ use crate::options::bench::BenchOptions;
 use crate::options::finish::FinishOption;
 use crate::options::fluid::FluidOptions;
 use crate::options::limits::PressureOptions;
-use crate::options::ramps::RampsOption;
 use crate::options::report::{FormatOption, VerboseOption};
-use crate::options::speed::CruiseOptions;
+use crate::options::speed::{CruiseOptions, RampsOption};
 use crate::terminal::{noted, say, tell, warn};
 
 #[derive(Debug, Args)]

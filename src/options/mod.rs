@@ -10,7 +10,6 @@ pub(crate) mod fluid;
 pub(crate) mod limits;
 pub(crate) mod motor;
 pub(crate) mod pump;
-pub(crate) mod ramps;
 pub(crate) mod report;
 pub(crate) mod speed;
 pub(crate) mod start_angle;

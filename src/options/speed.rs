@@ -1,9 +1,10 @@
-//! The speed of a dose: a rate, a speed or a time, one at most.
+//! The speed of a dose: a rate, a speed or a time, one at most, and the ramps to it.
 
 use clap::Args;
 use pump_bench::units;
-use pump_ctl::plan::Cruise;
+use pump_ctl::plan::{Cruise, Ramps};
 
+use super::choice::choice;
 use crate::failure::Failure;
 
 /// A rate or a speed.
@@ -74,5 +75,25 @@ fn one_of(cruises: [Option<Cruise>; 2]) -> Result<Option<Cruise>, Failure> {
             Err(Failure::refused("--rate, --speed and --within exclude each other; give one at most"))
         }
         [first, second] => Ok(first.or(second)),
+    }
+}
+
+/// The ramps of a dose.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Amount and speed")]
+pub(crate) struct RampsOption {
+    /// Ramps in which the dose starts and stops [default: line-aware]
+    #[arg(long, value_name = "line-aware|fastest")]
+    #[arg(value_parser = choice(&[
+        (Ramps::LineAware, "Ramps that leave the outlet's line nearly at rest: little back flow, and soon settled"),
+        (Ramps::Fastest, "The largest acceleration; the default on a board that plans its own ramps"),
+    ]))]
+    ramps: Option<Ramps>,
+}
+
+impl RampsOption {
+    /// The ramps that are asked for; none without the option.
+    pub(crate) fn ramps(&self) -> Option<Ramps> {
+        self.ramps
     }
 }

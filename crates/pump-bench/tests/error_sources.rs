@@ -53,7 +53,10 @@ fn an_error_that_wraps_another_has_it_as_its_source() {
     assert!(has::<DriveError>(&DriveFault::at(3, stalled())));
     let unrecorded = DoseError::NotJournalled { delivered_ml: 1.0, source: unwritten() };
     assert!(has::<JournalError>(&unrecorded));
-    assert!(has::<DoseError>(&DoseError::Retraction { delivered_ml: 1.0, source: Box::new(unrecorded) }));
+    assert!(has::<Box<DoseError>>(&DoseError::Retraction {
+        delivered_ml: 1.0,
+        source: Box::new(unrecorded)
+    }));
     let ended = DoseError::Drive { error: stalled(), least_ml: 0.0, most_ml: 1.0, unfinished: true };
     assert!(has::<DriveError>(&ended));
 }

@@ -34,7 +34,11 @@ fn journals_of_the_first_version_give_the_status_that_it_printed() {
         let added = ["carry_half_width_ml", "unfinished_calibration"]
             .map(|key| found.as_object_mut().unwrap().remove(key));
         assert_eq!(added, [Some(Value::from(0.0)), Some(Value::Null)]);
-        let expected: Value = serde_json::from_str(&sample(&format!("{name}.status.json"))).unwrap();
+        let mut expected: Value = serde_json::from_str(&sample(&format!("{name}.status.json"))).unwrap();
+        // An angle that nobody knows was the middle of its range, and is null now.
+        if expected["angle_known"] == false {
+            expected["angle_deg"] = Value::Null;
+        }
         assert_eq!(found, expected, "{name}");
     }
 }

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, Request};
+use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, Ramps, Request};
 use pump_model::{Leg, Line, Pump};
 
 /// Returns the pump with another outlet line.
@@ -12,7 +12,9 @@ fn with_outlet(pump: &Pump, line: Line) -> Pump {
 
 fn smooth(pump: &Pump, volume_ml: f64, flow_ml_s: f64) -> Plan {
     let motor = Motor::new(12_800.0, 17.8, 500.0);
-    let request = Request::new(volume_ml, Cruise::Flow { ml_s: flow_ml_s }).with_smooth(true);
+    let request = Request::new(volume_ml, Cruise::Flow { ml_s: flow_ml_s })
+        .with_smooth(true)
+        .with_ramps(Ramps::Fastest);
     Doser::new(pump, Limits::new(motor)).unwrap().plan(Phase::known(0.3), &request).unwrap()
 }
 

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, Request};
+use pump_ctl::plan::{Cruise, Doser, Limits, Motor, Phase, Plan, Ramps, Request};
 use pump_model::units::rad_s;
 use pump_model::{ExactRun, Leg, Line, Port, Pump};
 
@@ -48,7 +48,9 @@ fn with_outlet(pump: &Pump, line: Line) -> Pump {
 
 fn plan(pump: &Pump, steps_per_rev: f64, rpm: f64, smooth: bool) -> Plan {
     let motor = Motor::new(steps_per_rev, 17.8, 500.0);
-    let request = Request::new(21.0, Cruise::Speed { rad_s: rad_s(rpm) }).with_smooth(smooth);
+    let request = Request::new(21.0, Cruise::Speed { rad_s: rad_s(rpm) })
+        .with_smooth(smooth)
+        .with_ramps(Ramps::Fastest);
     Doser::new(pump, Limits::new(motor)).unwrap().plan(Phase::known(0.9), &request).unwrap()
 }
 

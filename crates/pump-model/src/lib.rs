@@ -86,7 +86,7 @@ pub use line::extremes::Extremes;
 pub use line::friction::Friction;
 pub use line::line::Line;
 pub use line::line_state::LineState;
-pub use line::line_step::LineStep;
+pub use line::propagator::LineStep;
 pub use line::settling::SETTLED_ML;
 pub use line::vessel_run::{BackFlow, VesselRun};
 pub use math::{metrics, polynomial};

@@ -49,7 +49,8 @@ fn a_dose_of_5_ul_states_the_drop_at_its_nozzle() {
 fn a_back_flow_beyond_the_uncertainty_names_a_rate_that_has_less() {
     let user = User::new();
     let immersed = pump(&user, "immersed.toml", "end = \"immersed\"");
-    let dose = ["0.8mL", "--start-angle", "110deg+-0deg", "--dry-run", "--pump", &immersed];
+    let dose =
+        ["0.8mL", "--start-angle", "110deg+-0deg", "--ramps", "fastest", "--dry-run", "--pump", &immersed];
     let report = user.json(&dose);
     let (back, reverse) = (number(&report, "backflow_ml"), number(&report, "reverse_flow_ml"));
     let expanded = number(&report, "expanded_uncertainty_ml");
@@ -74,7 +75,8 @@ fn a_back_flow_beyond_the_uncertainty_names_a_rate_that_has_less() {
 fn a_nozzle_in_air_has_its_back_flow_in_the_budget() {
     let user = User::new();
     let air = pump(&user, "air.toml", "end = \"air\"\nnozzle_bore_mm = 1.0");
-    let report = user.json(&["0.8mL", "--start-angle", "110deg+-0deg", "--dry-run", "--pump", &air]);
+    let dose = ["0.8mL", "--start-angle", "110deg+-0deg", "--ramps", "fastest", "--dry-run", "--pump", &air];
+    let report = user.json(&dose);
     let back = number(&report, "backflow_ml");
     assert!((share_ml(&report, "backflow") - back / 3_f64.sqrt()).abs() < 1e-12, "{report}");
     assert!(number(&report, "expanded_uncertainty_ml") > back, "{report}");

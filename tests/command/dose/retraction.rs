@@ -36,7 +36,7 @@ fn a_planned_retraction_counts_in_angle_pressures_and_limits() {
     assert!(number(&back, "outlet_min_kpa") < number(&plain, "outlet_min_kpa") - 0.5);
     // From 90 deg a millilitre sucks at the inlet down to 88.33 kPa. A millilitre back sucks at the outlet down to
     // 86.26, and a motor step takes another 0.06.
-    let limited = ["1mL", "--start-angle", "90deg", "--min-inlet-pressure", "87kPaa"];
+    let limited = ["1mL", "--start-angle", "90deg", "--min-inlet-pressure", "87kPaa", "--ramps", "fastest"];
     assert_eq!(user.types(&[&limited[..], &["--dry-run"]].concat()).code, 0);
     let refused = user.is_refused(&[&limited[..], &["--retract", "1mL"]].concat());
     assert!(refused.contains("86.20 kPa"), "{refused}");

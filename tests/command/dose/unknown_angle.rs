@@ -40,7 +40,7 @@ fn a_dose_from_an_unknown_angle_says_between_which_volumes_it_lies_and_what_woul
     assert!(text.contains(": delivered between 23.95 and 26.05 mL; 25.00 planned \u{b1} "), "{text}");
     assert!(dry.contains(": between 23.95 and 26.05 mL; 25.00 planned \u{b1} "), "{dry}");
     let whole = user.types(&["7.1062mL", "--dry-run"]).out;
-    assert!(whole.contains(": between 7.106 and 7.107 mL; 7.107 planned \u{b1} 0.35 mL (dry run"), "{whole}");
+    assert!(whole.contains(": between 7.106 and 7.107 mL; 7.107 planned \u{b1} 0.51 mL (dry run"), "{whole}");
     assert!(report["warnings"].to_string().contains("exact at any angle"), "{report}");
 }
 

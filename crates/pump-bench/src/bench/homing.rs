@@ -313,9 +313,8 @@ mod tests {
             unknown.starts_with("the rotor was turned and nobody knows its angle, but this"),
             "{unknown}"
         );
-        assert!(unknown.contains("make room there"), "{unknown}");
         let known = said(Phase::known(radians(30.0)), ErrorKind::PermissionDenied);
-        assert!(!known.contains("make room") && known.contains("give this user access to it"), "{known}");
         assert!(known.starts_with("the rotor was turned and stands at 30.0000 deg, but this"), "{known}");
+        assert!(known.contains("permission denied"), "{known}");
     }
 }

@@ -235,7 +235,7 @@ mod tests {
         store.activate(Some(1)).unwrap();
         fs::write(store.path_of(1), "{").unwrap();
         let error = store.active().unwrap_err().to_string();
-        assert!(error.contains("1.json is damaged") && error.contains("dose calibrate use none"), "{error}");
+        assert!(error.contains("1.json is damaged"), "{error}");
         store.activate(None).unwrap();
         assert_eq!(store.active().unwrap(), None);
         fs::write(store.path.join(ACTIVE), "first").unwrap();

@@ -187,7 +187,11 @@ pub enum DoseError {
         "the dose was stopped after {delivered_ml:.4} mL because the disk took more than {took_s:.2} s to record \
          its next steps in {}, and {}",
         .journal.display(),
-        if *must_not_pause { "a dose in a given time, or at a smooth flow, may not pause" } else { "30 s is the longest wait" }
+        if *must_not_pause {
+            "a dose in a given time, or at a smooth flow, may not pause"
+        } else {
+            "30 s is the longest wait"
+        }
     )]
     SlowDisk {
         /// Volume delivered, in mL.

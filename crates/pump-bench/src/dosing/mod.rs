@@ -22,7 +22,7 @@ pub use error::DoseError;
 pub use prepared::Prepared;
 pub use request::DoseRequest;
 pub use retraction::Retraction;
-pub(crate) use ripple::{PulseStandards, SureRipples, sure_ripples};
+pub(crate) use ripple::{PulseErrors, SureRipples, sure_ripples};
 pub use ripple::{RippleAt, RippleReport};
 pub use schedule::{MAX_DOSES, Missed, Schedule, ScheduleAction, ScheduleError};
 pub(crate) use stands::Stands;

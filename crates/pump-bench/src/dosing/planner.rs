@@ -36,6 +36,20 @@ pub(crate) struct Planner<'a> {
 }
 
 impl Planner<'_> {
+    /// Refuses a calibration of another pump. A zero alone suits any pump.
+    fn check_stored(&self) -> Result<(), CalibrationError> {
+        let is_of_pump = |stored: &&Stored| {
+            stored.calibration.displacement.is_some() || stored.calibration.pulse.is_some()
+        };
+        match self.stored.filter(is_of_pump) {
+            Some(stored) if !stored.is_of(self.pump.base()) => {
+                let (then_ml, now_ml) = (stored.calibration.revolution_ml, self.pump.base().revolution_ml());
+                Err(CalibrationError::OtherPump { version: stored.version, then_ml, now_ml })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Plans with kappa(N), N the cruise speed, ramps included. At a rate N is the root of kappa(N) V_rot
     /// N/60 = Q. Within a time a search finds N: it plans again with the displacement at the speed found
     /// before, until both agree.
@@ -45,16 +59,11 @@ impl Planner<'_> {
     /// [`CalibrationError::OtherPump`] if another pump was calibrated. A refusal that names the calibrated
     /// speeds if the dose cruises outside of them. The errors of [`Doser::plan`].
     pub(crate) fn plan(&self, start: Phase, request: &Request) -> Result<SpeedPlan, DoseError> {
+        self.check_stored()?;
         let Some(against) = self.against() else {
             return self.at_speed(None, 0.0, start, request);
         };
         let against = &against;
-        if let Some(stored) = self.stored.filter(|_| against.displacement().is_some())
-            && !stored.is_of(self.pump.base())
-        {
-            let (then_ml, now_ml) = (stored.calibration.revolution_ml, self.pump.base().revolution_ml());
-            return Err(CalibrationError::OtherPump { version: stored.version, then_ml, now_ml }.into());
-        }
         match request.cruise {
             Cruise::Speed { rad_s } => {
                 let speed_rpm = rpm(rad_s);

@@ -1,7 +1,8 @@
 //! Warnings of a plan, for the user to read before the dose runs. One function makes one warning.
 
 use pump_ctl::plan::{
-    Doser, Finish, LimitedBy, Limits, Margin, Margins, Motor, Plan, PlanError, Prediction, Ramps,
+    Cruise, Doser, Finish, LimitedBy, Limits, Margin, Margins, Motor, Plan, PlanError, Prediction, Ramps,
+    Request,
 };
 use pump_ctl::step::Direction;
 use pump_model::units::rpm;
@@ -204,10 +205,10 @@ fn hardly_smooth(model: &Pump, plan: &Plan) -> Option<String> {
     let (before, after) = ripples.outflow_before.zip(ripples.outflow_after).unwrap_or(at_rollers);
     (after.rms > HARDLY * before.rms).then(|| {
         format!(
-            "the motor has no room for a smooth flow at this rate: {:.1} % of ripple (RMS) stay of {:.1} % at the \
-             line's end; a slower rate is smoother",
-            100.0 * after.rms,
-            100.0 * before.rms
+            "the motor has no room for a smooth flow at this rate: the ripple at the line's end only falls from \
+             {:.1} to {:.1} % (RMS); a slower rate is smoother",
+            100.0 * before.rms,
+            100.0 * after.rms
         )
     })
 }
@@ -225,7 +226,9 @@ pub(super) fn wider_inlet_swing(
     }
     let cruise_rad_s = plan.profile().cruise_rad_s();
     let doser = Doser::new(model, Limits::new(motor))?;
-    let even = doser.turn(plan.start(), plan.steps(), cruise_rad_s)?.predict(model)?;
+    let request =
+        Request::new(plan.planned_ml(), Cruise::Speed { rad_s: cruise_rad_s }).with_ramps(plan.ramps());
+    let even = doser.plan(plan.start(), &request)?.predict(model)?;
     let swing_kpa = |range: Extremes| range.max_kpa - range.min_kpa;
     let said = |range: Extremes| format!("{:.2} to {:.2} kPa", range.min_kpa, range.max_kpa);
     let is_wider = swing_kpa(prediction.inlet) > WIDER * swing_kpa(even.inlet);

@@ -9,7 +9,7 @@ use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 use crate::bench::{Bench, Delivered};
 use crate::calibration::{Applied, Made, Weighing};
 use crate::dosing::{
-    Prepared, PulseStandards, RippleAt, RippleReport, Share, SureRipples, Swept, pressure_uncertainty_kpa,
+    Prepared, PulseErrors, RippleAt, RippleReport, Share, SureRipples, Swept, pressure_uncertainty_kpa,
     sure_ripples,
 };
 use crate::drives::{Identity, registry};
@@ -208,7 +208,7 @@ impl DoseReport {
         let (whole, part) = (WholeDose::of(prepared, delivered), part_made(prepared, delivered));
         let budget = prepared.budget(file, &part);
         let motion_s = plan.profile().duration_s();
-        let ripples = sure_ripples(plan, model, &PulseStandards::of(file, model, applied));
+        let ripples = sure_ripples(plan, model, &PulseErrors::of(file, applied));
         let SureRipples { rollers, line_end } = ripples;
         let lowest = prepared.limits.lowest_where_it_sucks();
         let (backflow_ml, reverse_flow_ml) = back_flow_ml(prepared, delivered).unzip();

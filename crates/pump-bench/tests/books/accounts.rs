@@ -2,7 +2,7 @@
 
 use pump_bench::DoseRequest;
 use pump_bench::Rehearsal;
-use pump_ctl::plan::Phase;
+use pump_ctl::plan::{Phase, Ramps};
 use pump_model::units::{TURN_RAD, radians};
 
 use crate::bench::{Lab, file, numbers, warning};
@@ -87,7 +87,8 @@ fn an_unknown_angle_stays_unknown_when_the_number_of_rollers_is_corrected() {
 #[test]
 fn a_suck_back_that_was_killed_leaves_a_carry_with_a_width_a_share_and_a_warning() {
     let lab = Lab::new();
-    lab.killed(DoseRequest { retract_ml: Some(1.5), ..DoseRequest::dose(5.0) }, 1);
+    let ramps = Some(Ramps::Fastest);
+    lab.killed(DoseRequest { retract_ml: Some(1.5), ramps, ..DoseRequest::dose(5.0) }, 1);
     let carry = lab.status();
     let (carry_ml, within_ml) =
         (carry["carry_ml"].as_f64().unwrap(), carry["carry_half_width_ml"].as_f64().unwrap_or(0.0));
@@ -112,7 +113,10 @@ fn a_suck_back_is_warned_of_and_refused_with_the_names_of_its_own_ports() {
     assert!(back.outlet.min_kpa < dose.inlet.min_kpa);
     request.pressures.min_inlet_kpa = Some(0.5 * (back.outlet.min_kpa + dose.inlet.min_kpa));
     let refused = lab.bench.prepare(request).unwrap_err().to_string();
-    assert!(refused.contains("sucked back") && refused.contains("pressure at the outlet"), "{refused}");
+    assert!(
+        refused.contains("sucked back") && refused.contains("the outlet pressure would fall"),
+        "{refused}"
+    );
     request.pressures.min_inlet_kpa = Some(back.outlet.min_kpa - 0.1);
     let prepared = lab.bench.prepare(request).unwrap();
     let warned = warning(&prepared, "while it sucks back");

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use pump_bench::drives::{Drive, DriveError, DriveFault, IndexSearch, Leave, Stepped};
 use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
 use pump_ctl::drive::{Clock, Fault, StepMotor};
-use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
+use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Ramps, Request};
 use pump_ctl::step::{Direction, TickRate};
 
 const TICK_HZ: u32 = 1_000_000;
@@ -99,9 +99,8 @@ fn dose(volume_ml: f64, smooth: bool) -> Plan {
     let file = built_in("three-roller").unwrap();
     let mut limits = file.limits();
     limits.motor.max_acceleration_rad_s2 = if smooth { 500.0 } else { 10.0 };
-    let request = Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 })
-        .with_smooth(smooth)
-        .with_ramps(pump_ctl::plan::Ramps::Fastest);
+    let request =
+        Request::new(volume_ml, Cruise::Flow { ml_s: 5.0 }).with_smooth(smooth).with_ramps(Ramps::Fastest);
     let pump = file.model().unwrap();
     Doser::new(&pump, limits).unwrap().plan(Phase::known(0.3), &request).unwrap()
 }
@@ -303,7 +302,9 @@ fn a_dose_on_pins_is_recorded_stopped_and_resumed() {
     let bench = bench.driven_by(&pins).unwrap();
     let mut session = Session::with_drive(&bench, Box::new(&mut pins)).unwrap();
     session.set_angle(Some(Phase::known(0.3))).unwrap();
-    let request = DoseRequest { cruise: Some(Cruise::Flow { ml_s: 5.0 }), ..DoseRequest::dose(0.5) };
+    // The first step comes within the first lease.
+    let (cruise, ramps) = (Some(Cruise::Flow { ml_s: 5.0 }), Some(Ramps::Fastest));
+    let request = DoseRequest { cruise, ramps, ..DoseRequest::dose(0.5) };
     let prepared = session.prepare(request).unwrap();
     let all = prepared.plan.each_step().count();
     // The clock stands while the motor waits for its first leave.

@@ -6,7 +6,6 @@ pub(crate) mod extremes;
 pub(crate) mod friction;
 pub(crate) mod line;
 pub(crate) mod line_state;
-pub(crate) mod line_step;
 pub(crate) mod oscillator;
 pub(crate) mod outflow_ripple;
 pub(crate) mod periodic_state;

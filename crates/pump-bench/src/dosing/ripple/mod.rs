@@ -1,9 +1,9 @@
 //! The ripple of a dose's flow, and how sure it is.
 
 mod errors;
-mod pulse_standards;
+mod pulse_errors;
 mod ripple;
 
-pub(crate) use pulse_standards::PulseStandards;
+pub(crate) use pulse_errors::PulseErrors;
 pub use ripple::{RippleAt, RippleReport};
 pub(crate) use ripple::{SureRipples, sure_ripples};

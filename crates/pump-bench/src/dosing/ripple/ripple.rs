@@ -1,12 +1,11 @@
 //! The ripple of a dose's flow at the rollers and at the line's end, with its uncertainty.
 
 use pump_ctl::plan::{Plan, Ripples};
-use pump_model::units::degrees;
-use pump_model::{ModelError, Pump, Ripple};
+use pump_model::{Pump, Ripple};
 use serde::Serialize;
 
-use super::errors::{Draw, draws};
-use super::pulse_standards::PulseStandards;
+use super::errors::draws;
+use super::pulse_errors::PulseErrors;
 
 /// Part of the draws whose ripple is at most the one that is reported.
 const COVERED: f64 = 0.95;
@@ -50,17 +49,17 @@ pub(crate) struct SureRipples {
     pub(crate) line_end: Option<RippleAt>,
 }
 
-/// Returns the ripples of a plan on `pump`, whose pulse is known to `standards`.
+/// Returns the ripples of a plan on `pump`, whose pulse is known to `errors`.
 ///
 /// The motion is fixed and the errors are drawn. A linear law would not do: without errors the ripple is near its
 /// minimum, so it rises with an error of either sign. Draws that no head can have are left out.
-pub(crate) fn sure_ripples(plan: &Plan, pump: &Pump, standards: &PulseStandards) -> SureRipples {
+pub(crate) fn sure_ripples(plan: &Plan, pump: &Pump, errors: &PulseErrors) -> SureRipples {
     let planned = plan.ripples(pump);
     let half_width_rad = plan.start().half_width_rad().min(0.5 * pump.pitch_rad());
     let (mut rollers, mut line_end) = (Vec::new(), Vec::new());
     for draw in draws() {
-        let Ok(other) = drawn(pump, &draw, standards) else { continue };
-        let there = plan.ripples_beside(&other, half_width_rad * draw.start + standards.zero_rad * draw.zero);
+        let Ok((other, zero_rad)) = errors.drawn(pump, &draw) else { continue };
+        let there = plan.ripples_beside(&other, half_width_rad * draw.start + zero_rad);
         rollers.push(there.after.peak_to_peak);
         line_end.extend(there.outflow_after.map(|ripple| ripple.peak_to_peak));
     }
@@ -89,15 +88,6 @@ impl RippleAt {
     }
 }
 
-/// Returns the pump with the errors of a draw.
-fn drawn(pump: &Pump, draw: &Draw, standards: &PulseStandards) -> Result<Pump, ModelError> {
-    let roller = pump.roller_volume();
-    let engagement_deg = degrees(roller.engagement_rad()) + standards.engagement_deg * draw.engagement;
-    let total_ml = roller.total_ml() + standards.roller_volume_ml * draw.roller_volume;
-    let roller = roller.stretched_to(engagement_deg)?.scaled_to(total_ml)?;
-    Pump::new(*pump.geometry(), roller, *pump.inlet(), *pump.outlet())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,8 +100,7 @@ mod tests {
         let request = Request::new(30.0, Cruise::Flow { ml_s: flow_ml_s }).with_smooth(true);
         let start = Phase::within(0.3, radians(half_width_deg));
         let plan = Doser::new(&pump, file.limits()).unwrap().plan(start, &request).unwrap();
-        let standards = PulseStandards { roller_volume_ml, ..PulseStandards::of(&file, &pump, None) };
-        sure_ripples(&plan, &pump, &standards)
+        sure_ripples(&plan, &pump, &PulseErrors { roller_volume_ml, ..PulseErrors::of(&file, None) })
     }
 
     #[test]
@@ -138,5 +127,23 @@ mod tests {
         );
         assert!(line_end.peak_to_peak_95 > line_end.peak_to_peak_median, "{line_end:?}");
         assert!(line_end.constant_speed.peak_to_peak > rollers.constant_speed.peak_to_peak);
+    }
+
+    #[test]
+    fn a_calibrated_pump_has_the_ripple_of_its_model() {
+        let file = crate::catalogue::built_in("three-roller").unwrap();
+        let model = file.model().unwrap();
+        let zero_rad = radians(20.0);
+        let pump = model.scaled(1.05).unwrap().shifted(zero_rad).unwrap();
+        let request = Request::new(30.0, Cruise::Flow { ml_s: 3.0 }).with_smooth(true);
+        let plan = Doser::new(&pump, file.limits()).unwrap().plan(Phase::known(0.3), &request).unwrap();
+        let errors = PulseErrors { zero_rad, ..PulseErrors::of(&file, None) };
+        let at = sure_ripples(&plan, &pump, &errors).rollers;
+        let of_model = ripples(3.0, 0.0, 0.026).rollers;
+        assert!(
+            (at.peak_to_peak_median / of_model.peak_to_peak_median - 1.0).abs() < 0.1,
+            "{at:?} {of_model:?}"
+        );
+        assert!((at.peak_to_peak_95 / of_model.peak_to_peak_95 - 1.0).abs() < 0.1, "{at:?} {of_model:?}");
     }
 }

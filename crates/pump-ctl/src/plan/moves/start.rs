@@ -59,6 +59,7 @@ impl Start {
                     return Err(refused);
                 }
                 let free = choose(pump, request.cruise, &Limits::new(limits.motor), at_speed)?;
+                free.check_ripples(pump)?;
                 return own_ramps(pump, free, request, limits)?.ok_or(refused);
             }
         };

@@ -9,7 +9,8 @@ use crate::plan::words::{Cruise, Phase, PlanError, Ramps, Request, Turned};
 impl Doser<'_> {
     /// Plans a turn by `steps` (negative in reverse, not zero) at `speed_rad_s`, from rollers at `start`.
     ///
-    /// A turn starts and stops at the motor's largest acceleration. It takes and leaves no carry. Its requested volume is the volume that the steps deliver.
+    /// A turn starts and stops at the motor's largest acceleration. It takes and leaves no carry. Its
+    /// requested volume is the volume that the steps deliver.
     ///
     /// ```
     /// # use pump_ctl::plan::{Doser, Limits, Motor, Phase};

@@ -1,6 +1,6 @@
 //! The ramps that are tried, in units of the line's period.
 
-use libm::ceil;
+use libm::{ceil, sqrt};
 use pump_model::Line;
 use pump_model::units::TURN_RAD;
 
@@ -57,8 +57,12 @@ impl Place {
 }
 
 impl Grid {
-    /// Makes the grid of a motion over `course` up to `fastest_rad_s`.
-    pub(in crate::plan) fn new(outlet: &Line, course: &Course, fastest_rad_s: f64) -> Self {
+    /// Makes the grid of a motion over `course` up to `cruise_rad_s`, or up to the speed that the motor can reach
+    /// within the turn.
+    pub(in crate::plan) fn new(outlet: &Line, course: &Course, cruise_rad_s: f64) -> Self {
+        let Course { start_rad_s, turn_rad, acceleration_rad_s2, .. } = *course;
+        let reached_rad_s = sqrt(acceleration_rad_s2 * turn_rad + 0.5 * start_rad_s * start_rad_s);
+        let fastest_rad_s = cruise_rad_s.min(reached_rad_s);
         let period_s = TURN_RAD / outlet.natural_rad_s();
         let motor_s = fastest_rad_s.max(course.start_rad_s) / course.acceleration_rad_s2;
         let unit_s = (period_s / UNITS).max(motor_s / MOTOR_UNITS);

@@ -77,9 +77,22 @@ pub(crate) struct PulseSureness {
 }
 
 impl PulseSureness {
-    /// Returns the standard uncertainties of V_r, as a part of it, of phi, in rad, and of the zero, in rad.
-    pub(crate) fn standards(&self) -> [f64; 3] {
-        core::array::from_fn(|n: usize| self.covariances[n][n].max(0.0).sqrt())
+    /// Returns the errors of V_r, as a part of it, of phi, in rad, and of the zero, in rad, that three independent
+    /// normal numbers make: the product of Cholesky's factor of the covariances with the numbers.
+    pub(crate) fn errors(&self, normal: [f64; 3]) -> [f64; 3] {
+        let mut factor = [[0.0; 3]; 3];
+        for row in 0..3 {
+            for column in 0..=row {
+                let sum: f64 = (0..column).map(|n| factor[row][n] * factor[column][n]).sum();
+                let left = self.covariances[row][column] - sum;
+                factor[row][column] = match (row == column, factor[column][column]) {
+                    (true, _) => left.max(0.0).sqrt(),
+                    (false, 0.0) => 0.0,
+                    (false, diagonal) => left / diagonal,
+                };
+            }
+        }
+        factor.map(|row| row.iter().zip(normal).map(|(entry, number)| entry * number).sum())
     }
 
     /// Returns the variance of a quantity whose derivatives by V_r (over V_r), phi and zero are `slopes`
@@ -89,5 +102,24 @@ impl PulseSureness {
         let variance: f64 =
             self.covariances.iter().map(sum).zip(slopes).map(|(sum, slope): (f64, f64)| sum * slope).sum();
         variance.max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_have_the_covariances_of_the_fit() {
+        let covariances = [[4.0, 1.0, -2.0], [1.0, 3.0, 0.5], [-2.0, 0.5, 5.0]];
+        let sureness = PulseSureness { covariances };
+        let columns =
+            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|normal| sureness.errors(normal));
+        for row in 0..3 {
+            for other in 0..3 {
+                let sum: f64 = columns.iter().map(|column| column[row] * column[other]).sum();
+                assert!((sum - covariances[row][other]).abs() < 1e-12, "{row} {other}: {sum}");
+            }
+        }
     }
 }
