@@ -188,10 +188,10 @@ person, a limit or a fault asks for always does.
 const LIMITS: &str = "\
 ## How sure a stated volume is
 
-The report of each dose states an uncertainty, as in \"25.0 mL ± 1.4 mL\", that covers about 95 % of such doses. `-v` and
-the JSON (`uncertainty_budget`) list its shares, each with the cheapest remedy. Tests draw 2,000 random pumps for each of
-several cases. The budget's statements are true of these pumps, and the tests count how often the interval covers the
-dose. So the budget adds up. It is no evidence that a real pump departs by no more than its file states.
+The report of each dose states an uncertainty, as in \"25.0 mL ± 1.4 mL\", that covers about 95 % of such doses.
+`-v` and the JSON (`uncertainty_budget`) list its shares, each with the cheapest remedy. Tests draw 2,000 random pumps
+for each of several cases. The budget's statements are true of these pumps, and the tests count how often the interval
+covers the dose. So the budget adds up. It is no evidence that a real pump departs by no more than its file states.
 
 This page cannot tell you how near your pump is to its file. Weigh some doses with `dose calibrate verify`:
 [calibration.md](calibration.md).

@@ -41,7 +41,7 @@ fn a_dose_of_5_ul_states_the_drop_at_its_nozzle() {
     assert_eq!((share_ml(&report, "drop"), share_ml(&report, "backflow")), (0.0, 0.0));
     assert!(number(&report, "expanded_uncertainty_ml") < 0.01, "{report}");
     let check = user.types(&["pumps", "check", &wide]).out;
-    assert!(check.contains("nozzle    in air; from 10 mm falls a drop of 140 µL"), "{check}");
+    assert!(check.contains("nozzle    in air; a drop from 10 mm has 140 µL"), "{check}");
     assert!(user.types(&["pumps", "check", &immersed]).out.contains("nozzle    immersed"));
 }
 

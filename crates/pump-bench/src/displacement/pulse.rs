@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PulseCorrection {
-    /// Roller volume V_r, in mL, at the pump file's volume of a revolution.
+    /// Roller volume V_r, in mL, before all volumes are scaled to keep that of a revolution.
     pub roller_volume_ml: f64,
     /// Engagement angle phi, in deg.
     pub engagement_deg: f64,

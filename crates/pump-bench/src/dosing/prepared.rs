@@ -166,13 +166,12 @@ impl Prepared {
     /// mL.
     ///
     /// From a stated angle earlier doses and this one are booked by that angle. The tolerance is then in this
-    /// dose's own volume and not in its carry.
+    /// dose's own volume and not in its carry. A turn that was cut off is in the carry all the same.
     pub(crate) fn carry_in_within_ml(&self) -> f64 {
-        let turned = self.plan.turned();
-        if !self.request.purpose.changes_carry() || turned.start.is_stated() {
+        if !self.request.purpose.changes_carry() {
             return self.carry_half_width_ml;
         }
-        self.carry_half_width_ml + turned.half_width_ml(&self.model)
+        self.carry_half_width_ml + self.plan.turned().aimed().half_width_ml(&self.model)
     }
 
     /// Returns the carry once this dose and its retraction are made, in mL.

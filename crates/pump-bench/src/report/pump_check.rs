@@ -64,11 +64,7 @@ fn nozzle_text(file: &PumpFile) -> Result<String, DisplacementError> {
         None => "in air unless [outlet] end says otherwise",
     };
     let (mm, drop_ml) = (file.outlet.nozzle_mm(), drop_ml(file)?);
-    Ok(format!(
-        "{place}; from {} mm falls a drop of {} µL",
-        significant(mm, 3),
-        significant(1e3 * drop_ml, 2)
-    ))
+    Ok(format!("{place}; a drop from {} mm has {} µL", significant(mm, 3), significant(1e3 * drop_ml, 2)))
 }
 
 fn uncertainty_text(file: &PumpFile) -> String {

@@ -77,6 +77,7 @@ UncertaintySource: TypeAlias = Literal[
     "backflow",
     "carry",
     "angle",
+    "pulse",
 ]
 #: Limit for which no value is known. "discharge_pressure" is the largest pressure at the port that pushes,
 #: "suction_pressure" the smallest at the port that sucks.

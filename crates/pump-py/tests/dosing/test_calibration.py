@@ -113,7 +113,7 @@ def test_a_bench_keeps_calibrations_and_uses_one(tmp_path: Path) -> None:
         assert dose.calibration.version == 1
         assert dose.volume_basis == "calibrated"
         assert dose.calibration.displacement_factor == pytest.approx(1.01, abs=1e-3)
-        with pytest.raises(ValueError, match="fit is 'cubic'; allowed: 'line', 'speed-law'"):
+        with pytest.raises(ValueError, match="fit is 'cubic'; allowed: 'best', 'line', 'speed-law'"):
             bench.calibrate(runs((60, 1.02)), fit="cubic")  # type: ignore[arg-type]
         with pytest.raises(ValueError, match="3"):
             bench.calibrate(runs((60, 1.02)), fit="speed-law")
@@ -149,21 +149,10 @@ def test_short_doses_find_the_zero(tmp_path: Path) -> None:
 
 
 def test_a_run_to_be_weighed_tells_its_warnings(tmp_path: Path) -> None:
-    drawn = pm.Pump.from_drawing(
-        "drawn",
-        rollers=3,
-        bore_radius_mm=5.0,
-        tube_outer_radius_mm=7.0,
-        backplate_radius_mm=63.0,
-        contact_angle_deg=30.0,
-        roller_radius_mm=20.0,
-        roller_offset_mm=40.0,
-        hose_length_mm=331.0,
-    )
-    with pm.Bench.open(drawn, state_dir=tmp_path) as bench:
-        run = bench.calibration_run(speed_rpm=60, pitches=3)
-        assert any("estimated from the drawing" in warning for warning in run.warnings)
+    with pm.Bench.open(PUMP, state_dir=tmp_path) as bench:
+        run = bench.calibration_run(speed_rpm=150, pitches=3)
+        assert any("the prediction is unsure by" in warning for warning in run.warnings)
         assert pm.WeighedRun.from_dict(run.to_dict()) == run
         assert bench.calibrate([run.weighed("21.3mL")]).version == 1
-    with pm.Bench.open(PUMP, state_dir=tmp_path) as bench:
+    with pm.Bench.open(pm.Pump.two_roller(), state_dir=tmp_path) as bench:
         assert bench.calibration_run(speed_rpm=60, pitches=3).warnings == ()

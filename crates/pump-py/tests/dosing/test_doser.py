@@ -33,7 +33,8 @@ def test_25_ml_is_planned_to_the_nearest_step() -> None:
 )
 def test_a_volume_is_text_with_its_unit(text: str, volume_ml: float) -> None:
     plan = pm.Doser(pm.Pump.three_roller()).plan(text)
-    assert plan.requested_ml == pytest.approx(volume_ml)
+    # The factor of a balance in air, Z of ISO 8655-6, is tabled to 1e-4.
+    assert plan.requested_ml == pytest.approx(volume_ml, rel=1e-5)
     assert plan.planned_ml == pytest.approx(volume_ml, abs=2e-3)
     assert np.sign(plan.steps) == np.sign(volume_ml)
 

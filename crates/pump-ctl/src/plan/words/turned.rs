@@ -84,8 +84,10 @@ impl Turned {
         (middle_ml - least_ml).max(most_ml - middle_ml)
     }
 
-    /// Returns the turn from the angles that the steps of a dose are chosen for.
-    pub(in crate::plan) fn aimed(self) -> Self {
+    /// Returns the turn from the angles that the steps of a dose are chosen for: from a stated angle as if it were
+    /// exact.
+    #[must_use]
+    pub fn aimed(self) -> Self {
         Self { start: self.start.aimed(), ..self }
     }
 
