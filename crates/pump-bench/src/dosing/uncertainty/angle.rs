@@ -55,7 +55,7 @@ impl AngleErrors {
     /// Returns the root of the mean square error, in mL.
     fn standard_ml(&self) -> f64 {
         let count = self.errors_ml.len().max(1) as f64;
-        sqrt(self.errors_ml.iter().map(|error_ml| error_ml * error_ml).sum::<f64>() / count)
+        sqrt(self.errors_ml.iter().fold(0.0, |sum, error_ml| sum + error_ml * error_ml) / count)
     }
 
     /// Returns the expanded uncertainty, in mL, of these errors together with independent normal ones whose standard
