@@ -1,6 +1,7 @@
 //! A prepared dose: the request, planned and predicted.
 
 mod less_back_flow;
+mod stopped;
 
 use pump_ctl::plan::{
     Cruise, Finish, Limits, Margins, Phase, Plan, PlanError, Prediction, PressureLimits, Request,
@@ -123,10 +124,10 @@ impl Prepared {
     }
 
     /// Returns the uncertainty budget of `part`, the part of the dose that was made or the whole. `file` is that of the
-    /// dose's pump.
-    pub(crate) fn budget(&self, file: &PumpFile, part: &Swept) -> Budget {
+    /// dose's pump, and `backflow_ml` flows back at the end of the part.
+    pub(crate) fn budget(&self, file: &PumpFile, part: &Swept, backflow_ml: f64) -> Budget {
         Budget::new(&self.model, part, &file.uncertainty, self.applied.as_ref())
-            .with_outlet(file, self.drop_ml, self.back_flow.backflow_ml)
+            .with_outlet(file, self.drop_ml, backflow_ml)
             .with_carry_within(self.plan.carry_in_ml(), self.carry_in_within_ml())
     }
 
@@ -313,7 +314,7 @@ impl PlanningBasis<'_> {
             let half_width_ml = prepared.carry_in_within_ml();
             warnings.extend(warnings::unsure_carry(plan.requested_ml(), plan.carry_in_ml(), half_width_ml));
             let swept = Swept::whole(model, plan);
-            let budget = prepared.budget(self.file, &swept);
+            let budget = prepared.budget(self.file, &swept, prepared.back_flow.backflow_ml);
             warnings.extend(self.back_flow_warning(prepared, &budget));
             warnings.extend(warnings::unweighed_pump(self.file, applied.as_ref()));
         }

@@ -1,8 +1,8 @@
 //! The report of a dose, and its JSON for programs. `dose_text.rs` and `dose_details.rs` have its words for people.
 
 use pump_ctl::plan::{Finish, LimitedBy, Phase, SetBy};
+use pump_model::Extremes;
 use pump_model::units::{degrees, radians, rpm};
-use pump_model::{BackFlow, Extremes};
 use serde::Serialize;
 
 use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
@@ -100,9 +100,10 @@ pub struct DoseReport {
     /// Time from the last step until less than 1 µL is undelivered, s.
     pub settle_s: f64,
     /// Largest volume delivered less the final one, before any retraction, mL: the line swings at the stop. It is
-    /// predicted; null if the dose was stopped early.
+    /// predicted, for a dose that was stopped early by its stop.
     pub backflow_ml: Option<f64>,
-    /// All that the line takes back from the vessel on the way, before any retraction, mL; null as `backflow_ml`.
+    /// All that the line takes back from the vessel on the way, before any retraction, mL; null if the dose was stopped
+    /// early.
     pub reverse_flow_ml: Option<f64>,
     /// Smallest predicted inlet pressure, kPa absolute.
     pub inlet_min_kpa: f64,
@@ -206,12 +207,12 @@ impl DoseReport {
     fn of(file: &PumpFile, drive: &Identity, prepared: &Prepared, delivered: Option<&Delivered>) -> Self {
         let (model, plan, applied) = (&prepared.model, &prepared.plan, prepared.applied.as_ref());
         let (whole, part) = (WholeDose::of(prepared, delivered), part_made(prepared, delivered));
-        let budget = prepared.budget(file, &part);
+        let (backflow_ml, reverse_flow_ml) = back_flow_ml(prepared, delivered);
+        let budget = prepared.budget(file, &part, backflow_ml.unwrap_or(prepared.back_flow.backflow_ml));
         let motion_s = plan.profile().duration_s();
         let ripples = sure_ripples(plan, model, &PulseErrors::of(file, applied));
         let SureRipples { rollers, line_end } = ripples;
         let lowest = prepared.limits.lowest_where_it_sucks();
-        let (backflow_ml, reverse_flow_ml) = back_flow_ml(prepared, delivered).unzip();
         Self {
             schema: "dose/1",
             pump: file.pump.id.clone(),
@@ -340,11 +341,11 @@ fn retract_steps(prepared: &Prepared, delivered: Option<&Delivered>) -> Option<i
     Some(if delivered.completed { steps.clamp(back.steps(), 0) } else { 0 })
 }
 
-/// The back flow and the reverse flow of a dose that was made to its end or is planned, mL.
-fn back_flow_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> Option<(f64, f64)> {
-    let is_whole = delivered.is_none_or(|delivered| delivered.made == prepared.plan.steps().unsigned_abs());
-    let BackFlow { backflow_ml, reverse_flow_ml } = prepared.back_flow;
-    is_whole.then_some((backflow_ml, reverse_flow_ml))
+/// The back flow of a dose, mL, and the reverse flow unless the dose was stopped on its way, mL.
+fn back_flow_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> (Option<f64>, Option<f64>) {
+    let all = prepared.plan.steps().unsigned_abs();
+    let made = delivered.map_or(all, |delivered| delivered.made);
+    (prepared.backflow_of_ml(made), (made == all).then_some(prepared.back_flow.reverse_flow_ml))
 }
 
 /// The carry to the next dose, mL.

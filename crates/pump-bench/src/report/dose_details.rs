@@ -114,8 +114,10 @@ impl DoseReport {
     }
 
     fn back_flow(&self) -> Option<String> {
-        let [back, reverse] = [self.backflow_ml?, self.reverse_flow_ml?].map(|ml| significant(1e3 * ml, 2));
-        Some(format!("{back} µL after the line's swing at the stop; {reverse} µL flow back in all"))
+        let back = significant(1e3 * self.backflow_ml?, 2);
+        let all =
+            self.reverse_flow_ml.map(|ml| format!("; {} µL flow back in all", significant(1e3 * ml, 2)));
+        Some(format!("{back} µL after the line's swing at the stop{}", all.unwrap_or_default()))
     }
 
     fn pressures(&self) -> String {

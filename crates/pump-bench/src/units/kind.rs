@@ -167,7 +167,11 @@ impl Kind {
             Self::Length,
         ];
         let other = all.into_iter().find(|other| *other != self && other.factor(unit).is_some());
-        other.map_or(String::new(), |other| format!(", which is a {other} unit"))
+        other.map_or(String::new(), |other| {
+            // Of the kinds an angle alone begins with a vowel.
+            let article = if other == Self::Angle { "an" } else { "a" };
+            format!(", which is {article} {other} unit")
+        })
     }
 
     /// Returns the factor from `unit` to the unit of this kind, or `None` for an unknown unit.
