@@ -61,7 +61,8 @@ def test_an_angle_is_as_well_known_as_it_is_stated(bench: pm.Bench) -> None:
         return next(share.standard_ml for share in dose.uncertainty_budget if share.source == "angle")
 
     exact = bench.dose("1mL", start_angle_rad=0.5, dry_run=True)
-    assert exact.phase.half_width_deg == 0 and angle_share_ml(exact) == 0
+    assert exact.phase.half_width_deg == 0
+    assert angle_share_ml(exact) == 0
     stated = bench.dose("1mL", start_angle_rad=0.5, start_half_width_rad=0.02, dry_run=True)
     assert (stated.steps, stated.planned_ml, stated.warnings) == (exact.steps, exact.planned_ml, ())
     assert stated.volume_least_ml < stated.planned_ml < stated.volume_most_ml

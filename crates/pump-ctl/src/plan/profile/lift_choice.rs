@@ -136,7 +136,8 @@ impl Search {
                 _ => off * flow_ml_s,
             };
             last = Some((flow_ml_s, off));
-            flow_ml_s += rise.clamp(-0.3 * flow_ml_s, 0.5 * flow_ml_s);
+            // `clamp` would panic if the flow were not a number.
+            flow_ml_s += rise.max(-0.3 * flow_ml_s).min(0.5 * flow_ml_s);
         }
         None
     }

@@ -63,7 +63,8 @@ class BenchCalibration:
         runs : sequence of WeighedRun
             Runs with their readings, at three speeds or more if doses have several speeds.
         fit : {"best", "line", "speed-law"}, optional
-            Curve that is fitted over several speeds: a straight line or, where four speeds or more ask for it, a
+            Curve that is fitted over several speeds: a straight line or, where four speeds or more ask for
+            it, a
             parabola; a straight line alone; or the experimental law of `SpeedLaw`.
         scale : str, optional
             Standard uncertainty of a reading, as "0.01g" or "0.1mL".

@@ -62,7 +62,8 @@ class BenchDoses:
         finish : {"any", "low-flow"}
             Places in a pitch where the dose may end.
         ramps : {"line-aware", "fastest"}, optional
-            Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest; a board
+            Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest;
+            a board
             that plans its own ramps has "fastest".
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
@@ -97,7 +98,17 @@ class BenchDoses:
             If another process holds the pump, or the motor cannot be used or fails.
         """
         request = asked(
-            volume, rate, speed, within, smooth, finish, ramps, retract, start_angle_rad, start_half_width_rad, limits
+            volume,
+            rate,
+            speed,
+            within,
+            smooth,
+            finish,
+            ramps,
+            retract,
+            start_angle_rad,
+            start_half_width_rad,
+            limits,
         )
         return self._run("dose", request, dry_run, progress)
 
@@ -132,7 +143,8 @@ class BenchDoses:
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         ramps : {"line-aware", "fastest"}, optional
-            Ramps in which the motion starts and stops. The default leaves the outlet's line nearly at rest; a board
+            Ramps in which the motion starts and stops. The default leaves the outlet's line nearly at
+            rest; a board
             that plans its own ramps has "fastest".
         start_angle_rad : float, optional
             Angle of the rollers at the start, rad; overrides the record.
@@ -165,7 +177,17 @@ class BenchDoses:
             If another process holds the pump, or the motor cannot be used or fails.
         """
         request = asked(
-            volume, rate, speed, within, smooth, "any", ramps, None, start_angle_rad, start_half_width_rad, limits
+            volume,
+            rate,
+            speed,
+            within,
+            smooth,
+            "any",
+            ramps,
+            None,
+            start_angle_rad,
+            start_half_width_rad,
+            limits,
         )
         return self._run("prime", request, dry_run, progress)
 
@@ -200,7 +222,8 @@ class BenchDoses:
         smooth : bool
             Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
         ramps : {"line-aware", "fastest"}, optional
-            Ramps in which the motion starts and stops. The default leaves the outlet's line nearly at rest; a board
+            Ramps in which the motion starts and stops. The default leaves the outlet's line nearly at
+            rest; a board
             that plans its own ramps has "fastest".
         start_angle_rad : float, optional
             Angle of the rollers at the start, rad; overrides the record.
@@ -233,7 +256,17 @@ class BenchDoses:
             If another process holds the pump, or the motor cannot be used or fails.
         """
         request = asked(
-            volume, rate, speed, within, smooth, "any", ramps, None, start_angle_rad, start_half_width_rad, limits
+            volume,
+            rate,
+            speed,
+            within,
+            smooth,
+            "any",
+            ramps,
+            None,
+            start_angle_rad,
+            start_half_width_rad,
+            limits,
         )
         return self._run("purge", request, dry_run, progress)
 
@@ -272,7 +305,8 @@ class BenchDoses:
         finish : {"any", "low-flow"}
             Places in a pitch where the dose may end.
         ramps : {"line-aware", "fastest"}, optional
-            Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest; a board
+            Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest;
+            a board
             that plans its own ramps has "fastest".
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
@@ -302,7 +336,17 @@ class BenchDoses:
             If another process holds the pump, or the motor cannot be used or fails.
         """
         request = asked(
-            volume, rate, speed, within, smooth, finish, ramps, retract, start_angle_rad, start_half_width_rad, limits
+            volume,
+            rate,
+            speed,
+            within,
+            smooth,
+            finish,
+            ramps,
+            retract,
+            start_angle_rad,
+            start_half_width_rad,
+            limits,
         )
         self._core.prepare("dose", request)
         angle_rad, half_width_rad, carry_ml = self._core.stands
@@ -367,7 +411,8 @@ class BenchDoses:
         finish : {"any", "low-flow"}
             Places in a pitch where the dose may end.
         ramps : {"line-aware", "fastest"}, optional
-            Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest; a board
+            Ramps in which the dose starts and stops. The default leaves the outlet's line nearly at rest;
+            a board
             that plans its own ramps has "fastest".
         retract : str, optional
             Volume that is sucked back after the dose, as "0.1mL". The next dose repays it.
