@@ -37,7 +37,7 @@ struct OutletLine {
     compliance: f64,
 }
 
-/// What a vessel sees of a dose.
+/// A dose as the vessel sees it.
 #[derive(Debug)]
 struct Seen {
     backflow_ml: f64,

@@ -1,4 +1,4 @@
-//! What a nozzle in air does to small doses, and pumps that nobody has weighed.
+//! Small doses from a nozzle in air, and pumps that nobody has weighed.
 
 use std::fs;
 

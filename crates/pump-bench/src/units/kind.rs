@@ -168,7 +168,7 @@ impl Kind {
         ];
         let other = all.into_iter().find(|other| *other != self && other.factor(unit).is_some());
         other.map_or(String::new(), |other| {
-            // Of the kinds an angle alone begins with a vowel.
+            // An angle alone begins with a vowel.
             let article = if other == Self::Angle { "an" } else { "a" };
             format!(", which is {article} {other} unit")
         })
