@@ -100,11 +100,11 @@ mod tests {
     #[test]
     fn a_foreign_type_is_seen_where_it_is_promised_and_only_there() {
         assert_eq!(found("impl From<toml::de::Error> for Wrong {}"), 1);
-        assert_eq!(found("impl Line { pub fn state(&self) -> [SVector<f64, 2>; 3] { todo!() } }"), 1);
+        assert_eq!(found("impl Line { pub fn state(&self) -> [SVector<f64, 2>; 3] { loop {} } }"), 1);
         assert_eq!(found("pub enum Wrong { Port(serialport::Error) }"), 1);
         assert_eq!(found("pub struct Plan { pub state: Option<SVector<f64, 2>> }"), 1);
         assert_eq!(found("pub struct Plan { state: SVector<f64, 2> }"), 0);
         assert_eq!(found("pub fn volume_ml() -> f64 { toml::from_str(TEXT) }"), 0);
-        assert_eq!(found("pub(crate) fn state() -> SVector<f64, 2> { todo!() }"), 0);
+        assert_eq!(found("pub(crate) fn state() -> SVector<f64, 2> { loop {} }"), 0);
     }
 }

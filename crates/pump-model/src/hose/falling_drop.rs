@@ -17,7 +17,7 @@ const MOST_RATIO: f64 = 1.2;
 /// Tate's law with the correction of Harkins and Brown: V = 2 pi r gamma psi(r/V^(1/3))/(rho g), r half the
 /// bore, gamma the surface tension, rho the density. psi is the part of the ideal drop that falls; a residue
 /// stays at the nozzle and is the start of the next drop (Harkins and Brown, J. Am. Chem. Soc. 41:499, 1919).
-/// Its polynomial is that of Lee, Chan and Pogaku (Lee, Ravindra and Chan, Chem. Eng. Commun. 195:889, 2008),
+/// The polynomial is that of Lee, Chan and Pogaku (Lee, Ravindra and Chan, Chem. Eng. Commun. 195:889, 2008),
 /// for r/V^(1/3) up to 1.2: a bore of 14 mm with water. Beyond, psi stays what it is there, which gives up to
 /// a fifth more than Harkins and Brown measured.
 ///

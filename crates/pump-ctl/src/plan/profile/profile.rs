@@ -12,7 +12,7 @@ use super::smooth;
 
 /// The motion over a turn that ends at rest, below a speed limit and within an acceleration.
 ///
-/// Its ramps have the shape of its course. Without a shape it is the fastest motion.
+/// The ramps have the shape of the course. Without a shape the motion is the fastest motion.
 ///
 /// The speed limit may depend on the angle. With u = omega²/2 over the angle, an acceleration is a slope. So
 /// the profile is the smallest of three: the line up (or down) from the start with that slope, the limit, and

@@ -61,7 +61,7 @@ impl LeftOver {
     /// Returns the outcome of a motion of `motion_s` that ends with the lines in `states`. `None` if it takes back
     /// more than the limit and more than `most_ml`.
     ///
-    /// Its last step comes at once, so the step's volume is in the line at first, as where a plan predicts its
+    /// The last step comes at once, so the step's volume is in the line at first, as where a plan predicts its
     /// settling.
     pub(super) fn outcome(
         self,
