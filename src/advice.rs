@@ -44,6 +44,15 @@ fn words(remedy: Remedy) -> &'static str {
         }
         Remedy::CalibrateAgain => "calibrate again, or say `dose calibrate use none`",
         Remedy::BeginCalibrationAnew => "correct the file, or begin anew with `dose calibrate run --anew`",
+        Remedy::DoseThenWeigh => {
+            "make a dose into a tared vessel, then say `dose calibrate last` and its weight"
+        }
+        Remedy::DoseFromKnownAngle => {
+            "find the angle with `dose home`, or make a dose of whole pitches, and weigh that dose"
+        }
+        Remedy::JoinOrBeginAnew => {
+            "join the reading to these runs with --add, or calibrate by the reading alone with --anew"
+        }
         Remedy::MorePitchesOrFindAngle => "make it more pitches long, or find the angle with `dose home`",
     }
 }

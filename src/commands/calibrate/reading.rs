@@ -48,6 +48,11 @@ impl ReadingOptions {
         Err(Failure::refused(message).kind(ErrorKind::Range).value(value).allowed(allowed))
     }
 
+    /// True if the uncertainty of a reading is given.
+    pub(super) fn has_scale(&self) -> bool {
+        self.scale.is_some()
+    }
+
     /// The scatter that is expected of the readings of a bench.
     pub(super) fn expected(&self, bench: &Bench) -> Expected {
         let file = bench.file();

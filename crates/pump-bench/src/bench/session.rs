@@ -263,7 +263,7 @@ impl<'a> Session<'a> {
         let calibrations = self.bench.calibrations();
         let unused = calibrations.active_version()?;
         calibrations.activate(None)?;
-        let state = PumpState { wear: Wear::default(), count, ..before.without_carry() };
+        let state = PumpState { wear: Wear::default(), last: None, count, ..before.without_carry() };
         self.rest(Why::NewTube, state)?;
         // Readings of the old tube tell nothing about the new one.
         let log = RunLog::of(self.bench.folder());

@@ -6,6 +6,7 @@ mod date;
 mod default_rate;
 mod error;
 mod fit;
+mod last_dose;
 mod making;
 mod run;
 mod run_log;
@@ -23,6 +24,7 @@ pub(crate) use fit::{AgainstSpeed, LawToFit, PulseSureness, Revolution};
 pub use fit::{
     Displacement, Expected, FittedPulse, LawFit, PhaseFit, Scatter, ShortDose, SpeedBend, short_doses_of_csv,
 };
+pub use last_dose::{Earlier, fit_of_doses};
 pub use making::Fit;
 pub(crate) use run::turned_ml;
 pub use run::{CalibrationRun, Reading, runs_of_csv};

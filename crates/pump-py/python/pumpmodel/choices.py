@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 #: Motion at the start of a record, for `identify_line`.
 Begin: TypeAlias = Literal["ramp", "step", "steady"]
 #: Curve that weighed runs are fitted with.
-CalibrationFit: TypeAlias = Literal["best", "line", "speed-law"]
+CalibrationFit: TypeAlias = Literal["best", "line", "factor", "speed-law"]
 #: Driver of a motor.
 Driver: TypeAlias = Literal["sim", "grbl"]
 #: Places in a pitch where a dose may end.

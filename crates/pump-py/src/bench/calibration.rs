@@ -2,9 +2,10 @@
 
 use pump_bench::DoseRequest;
 use pump_bench::calibration::{
-    Calibration as DoseCalibration, Expected, PhaseFit, ShortDose, Source, Stored, now_utc,
+    Calibration as DoseCalibration, Earlier, Expected, PhaseFit, ShortDose, Source, Stored, now_utc,
 };
 use pump_bench::record::Purpose;
+use pump_bench::units::stated_reading;
 use pump_ctl::plan::Cruise;
 use pump_model::units::{degrees, rpm};
 use pyo3::prelude::*;
@@ -80,6 +81,46 @@ impl Bench {
             Ok((calibration, ()))
         })
         .map(|(stored, ())| stored)
+    }
+
+    /// Calibrates by the reading of the last dose, and uses that from now on.
+    #[pyo3(signature = (reading, add, anew, scale, tube, note))]
+    #[expect(clippy::too_many_arguments, reason = "the arguments of the Python method")]
+    fn calibrate_last(
+        &self,
+        py: Python<'_>,
+        reading: &str,
+        add: bool,
+        anew: bool,
+        scale: Option<&Bound<'_, PyAny>>,
+        tube: Option<String>,
+        note: Option<String>,
+    ) -> PyResult<Calibration> {
+        let earlier = match (add, anew) {
+            (true, true) => return Err(value("add and anew exclude each other; give one of them")),
+            (true, false) => Earlier::Added,
+            (false, true) => Earlier::Left,
+            (false, false) => Earlier::Joined,
+        };
+        let reading = stated_reading(reading).map_err(value)?;
+        let file = self.bench.file();
+        let expected = match scale {
+            Some(_) => Expected::of(file, reading_ml(scale, file)?),
+            None => Expected::of_digits(file, &reading),
+        };
+        let stored = self.worker.call(
+            py,
+            None,
+            |stored: &Stored| format!("calibration {} is kept and used", stored.version),
+            move |held, _| {
+                held.session()?;
+                let mut weighed = held.bench.weigh_last_dose(&reading, None, earlier, &expected)?.calibration;
+                weighed.tube = tube.or(weighed.tube);
+                weighed.note = note;
+                held.bench.keep_calibration(weighed)
+            },
+        )?;
+        Ok(Calibration(stored))
     }
 
     /// Fits short doses, keeps the zero angle that they show and uses it from now on.

@@ -62,6 +62,13 @@ fn in_python(remedy: Remedy) -> &'static str {
         }
         Remedy::CalibrateAgain => "calibrate again, or call bench.use_calibration(None)",
         Remedy::BeginCalibrationAnew => "correct the file, or begin anew",
+        Remedy::DoseThenWeigh => "make a dose into a tared vessel, then call bench.calibrate_last()",
+        Remedy::DoseFromKnownAngle => {
+            "find the angle with bench.home_set(), or make a dose of whole pitches, and weigh that dose"
+        }
+        Remedy::JoinOrBeginAnew => {
+            "join the reading to these runs with add=True, or calibrate by the reading alone with anew=True"
+        }
         Remedy::MorePitchesOrFindAngle => {
             "make it more pitches long, or find the angle with bench.home_sensor()"
         }

@@ -110,6 +110,14 @@ impl Explain for CalibrationError {
             | Self::PartOfPitch { turned_deg, pitch_deg } => {
                 facts.value(format!("{turned_deg} deg")).allowed(format!("whole pitches of {pitch_deg} deg"))
             }
+            Self::NoLastDose => facts,
+            Self::UnsureLastDose { turned_deg, half_width_deg } => facts
+                .value(format!("± {half_width_deg:.3} deg"))
+                .allowed(format!("± {:.3} deg at most", 1e-3 * turned_deg.abs())),
+            Self::LastDoseFromUnknownAngle { turned_deg, pitch_deg } => {
+                facts.value(format!("{turned_deg} deg")).allowed(format!("whole pitches of {pitch_deg} deg"))
+            }
+            Self::WeighedOtherwise { version, .. } => facts.value(format!("calibration {version}")),
             Self::Implausible { measured_ml, model_ml, .. } => facts
                 .value(format!("{measured_ml:.4} mL"))
                 .allowed(format!("{:.4} to {:.4} mL", 0.5 * model_ml, 2.0 * model_ml)),

@@ -88,6 +88,9 @@ impl CalibrationError {
             Self::PartOfPitch { .. } => vec![Remedy::MorePitchesOrFindAngle],
             Self::OutsideSpeeds { .. } => vec![Remedy::CalibrateMoreSpeeds],
             Self::OtherPump { .. } => vec![Remedy::CalibrateAgain],
+            Self::NoLastDose | Self::UnsureLastDose { .. } => vec![Remedy::DoseThenWeigh],
+            Self::LastDoseFromUnknownAngle { .. } => vec![Remedy::DoseFromKnownAngle],
+            Self::WeighedOtherwise { .. } => vec![Remedy::JoinOrBeginAnew],
             Self::File { .. }
             | Self::Table(_)
             | Self::TooFew { .. }

@@ -45,6 +45,12 @@ pub enum Remedy {
     BeginCalibrationAnew,
     /// Turn more pitches, or find the angle.
     MorePitchesOrFindAngle,
+    /// Make a dose, then weigh it before the pump turns again.
+    DoseThenWeigh,
+    /// Find the angle or dose whole pitches, then weigh that dose.
+    DoseFromKnownAngle,
+    /// Join the reading to the runs of the calibration in use, or calibrate by the reading alone.
+    JoinOrBeginAnew,
 }
 
 impl Remedy {
@@ -70,5 +76,8 @@ impl Remedy {
         Self::CalibrateAgain,
         Self::BeginCalibrationAnew,
         Self::MorePitchesOrFindAngle,
+        Self::DoseThenWeigh,
+        Self::DoseFromKnownAngle,
+        Self::JoinOrBeginAnew,
     ];
 }
