@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod calibrate;
+mod calibrate_last;
 mod calibration_limits;
 mod dose;
 #[cfg(unix)]

@@ -8,7 +8,7 @@ use pump_bench::report::{calibration_json, calibration_text};
 use pump_bench::units::{StatedReading, stated_reading};
 use pump_bench::{Bench, WeighedDose};
 
-use super::reading::ReadingOptions;
+use super::reading::{NOTHING_KEPT, ReadingOptions, next_number};
 use crate::failure::Failure;
 use crate::options::bench::RecordOptions;
 use crate::options::fluid::FluidOptions;
@@ -58,8 +58,7 @@ impl LastArgs {
         calibration.tube = self.options.tube.clone().or(calibration.tube);
         calibration.note = self.options.note.clone();
         let stored = if self.dry_run {
-            let kept = bench.calibrations().list()?;
-            Stored::new(kept.last().map_or(1, |last| last.version + 1), calibration)
+            next_number(&bench, calibration)?
         } else {
             bench.keep_calibration(calibration)?
         };
@@ -86,7 +85,7 @@ impl LastArgs {
         }
         let text = calibration_text(bench, stored)?;
         let next = next_weighing(bench, stored, run, expected)?;
-        let kept = if self.dry_run { "nothing is kept: this was a dry run\n" } else { "" };
+        let kept = if self.dry_run { NOTHING_KEPT } else { "" };
         tell(&format!("{text}{next}{kept}"))
     }
 }

@@ -9,7 +9,7 @@ use pump_bench::report::{ErrorKind, calibration_json, calibration_text};
 use pump_bench::units;
 
 use super::guided::{self, GuidedCourse, Weighed, kept};
-use super::reading::{ReadingOptions, in_table, read};
+use super::reading::{NOTHING_KEPT, ReadingOptions, in_table, next_number, read};
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
 use crate::options::choice::choice;
@@ -39,9 +39,15 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100), conflicts_with = "from")]
     runs: Option<u32>,
     /// Whole pitches of each guided run [default: 50 mL or more]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(guided::MOST_PITCHES)))]
     #[arg(conflicts_with = "from")]
     pitches: Option<u32>,
+    /// Volume of each guided run, as 20mL: the nearest whole pitches
+    #[arg(long, value_name = "VOLUME", value_parser = units::volume_ml, conflicts_with_all = ["from", "pitches"])]
+    volume: Option<f64>,
+    /// Say which runs would be made and how long they take; move nothing and keep nothing
+    #[arg(long)]
+    dry_run: bool,
     /// Go on with a guided calibration that was begun: its readings are on record
     #[arg(long = "continue", conflicts_with_all = ["from", "anew"])]
     goes_on: bool,
@@ -69,6 +75,8 @@ impl RunArgs {
                 speeds_rad_s: self.speeds.clone(),
                 each: self.runs,
                 pitches: self.pitches,
+                volume_ml: self.volume,
+                dry_run: self.dry_run,
                 goes_on: self.goes_on,
                 anew: self.anew,
                 temperature_degc: self.fluid.temperature,
@@ -76,6 +84,7 @@ impl RunArgs {
             };
             return match guided::runs(&bench, &course)? {
                 Some(weighed) => self.guided(&bench, weighed),
+                None if self.dry_run => Ok(()),
                 None => tell(&format!("doses go on as before; {}\n", kept(&bench))),
             };
         };
@@ -114,14 +123,18 @@ impl RunArgs {
             Calibration::of_runs(bench.file(), source, runs, self.fit, &expected, before.as_ref())?;
         calibration.tube = self.reading.tube.clone();
         calibration.note = self.reading.note.clone();
-        Ok(bench.keep_calibration(calibration)?)
+        if self.dry_run {
+            Ok(next_number(bench, calibration)?)
+        } else {
+            Ok(bench.keep_calibration(calibration)?)
+        }
     }
 
     fn report(&self, bench: &Bench, stored: &Stored) -> Result<(), Failure> {
         if self.format.json() {
-            print(&calibration_json(bench, stored)?)
-        } else {
-            tell(&calibration_text(bench, stored)?)
+            return print(&calibration_json(bench, stored)?);
         }
+        let kept = if self.dry_run { NOTHING_KEPT } else { "" };
+        tell(&format!("{}{kept}", calibration_text(bench, stored)?))
     }
 }
