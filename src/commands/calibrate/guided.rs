@@ -13,7 +13,8 @@ use pump_bench::{Bench, DoseRequest, Prepared, Session};
 use pump_ctl::plan::Cruise;
 use pump_model::units::{degrees, rad_s, rpm};
 
-use super::answers::{Answer, Answers};
+use super::answers::Answer;
+use super::scale::Scale;
 use crate::advice;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
@@ -161,7 +162,7 @@ struct Guide<'a, 'b> {
     bench: &'a Bench,
     session: Session<'b>,
     log: RunLog,
-    answers: Answers,
+    scale: Scale,
     interrupt: Interrupt,
     pitches: u32,
     temperature_degc: Option<f64>,
@@ -170,7 +171,7 @@ struct Guide<'a, 'b> {
 
 /// Makes the runs and asks for the readings. Each reading is on record once it is typed. Runs that are on
 /// record are not made again. Returns `None` if the person left.
-pub(super) fn runs(bench: &Bench, course: &GuidedCourse) -> Result<Option<Weighed>, Failure> {
+pub(super) fn runs(bench: &Bench, course: &GuidedCourse, scale: Scale) -> Result<Option<Weighed>, Failure> {
     let mut session = bench.session()?;
     let connected = session.connect();
     noted(&mut session, connected)?;
@@ -181,10 +182,10 @@ pub(super) fn runs(bench: &Bench, course: &GuidedCourse) -> Result<Option<Weighe
     let begins = on_record.is_none();
     let UnfinishedRuns { planned, runs, .. } =
         on_record.unwrap_or_else(|| UnfinishedRuns::begun(course.planned(bench, range_rad_s)));
-    let (answers, interrupt) = (Answers::new(), Interrupt::watch()?);
+    let interrupt = Interrupt::watch()?;
     let &GuidedCourse { temperature_degc, json, .. } = course;
     let pitches = planned.pitches;
-    let mut guide = Guide { bench, session, log, answers, interrupt, pitches, temperature_degc, json };
+    let mut guide = Guide { bench, session, log, scale, interrupt, pitches, temperature_degc, json };
     // Every speed is planned before anything moves.
     let mut speeds_rpm = planned.speeds_rpm.clone();
     speeds_rpm.dedup();
@@ -311,7 +312,7 @@ impl Guide<'_, '_> {
         let all = runs.len();
         while let Some(last) = runs.last() {
             say("enter keeps the calibration; redo repeats the last run; quit keeps the readings alone: ");
-            match self.answers.line(&mut self.session, &self.interrupt)?.trim() {
+            match self.scale.line(&mut self.session, &self.interrupt, "keep")?.trim() {
                 "" | "yes" | "keep" => break,
                 "quit" => return Ok(None),
                 "redo" => {
@@ -366,6 +367,7 @@ impl Guide<'_, '_> {
     ) -> Result<Option<CalibrationRun>, Failure> {
         loop {
             say(&format!("{title}: moving\n"));
+            self.scale.before()?;
             let prepared = self.prepare(speed_rpm)?;
             let (delivered, signal) =
                 deliver(self.bench, &mut self.session, &prepared, &self.interrupt, self.json)?;
@@ -375,7 +377,7 @@ impl Guide<'_, '_> {
             let plan = &prepared.plan;
             let known = plan.start().is_known(self.bench.model().pitch_rad());
             loop {
-                let answer = self.answers.reading(title, &mut self.session, &self.interrupt)?;
+                let answer = self.scale.reading(title, &mut self.session, &self.interrupt)?;
                 let reading = match answer {
                     Answer::Read(reading) => reading,
                     Answer::Redo => break,
@@ -392,7 +394,8 @@ impl Guide<'_, '_> {
                 // The reading is refused, not the run.
                 match run.volumes_ml(self.bench.model(), &Weighing::of(self.bench.file()), number) {
                     Ok(_) => return Ok(Some(run)),
-                    Err(error) => say(&format!("{error}\n")),
+                    Err(error) if self.scale.can_repeat() => say(&format!("{error}\n")),
+                    Err(error) => return Err(Failure::of(error)),
                 }
             }
         }

@@ -7,6 +7,7 @@ mod list;
 mod phase;
 mod reading;
 mod run;
+mod scale;
 mod use_version;
 mod verify;
 

@@ -10,7 +10,9 @@ use pump_bench::units;
 
 use super::guided::{self, GuidedCourse, Weighed, kept};
 use super::reading::{NOTHING_KEPT, ReadingOptions, in_table, next_number, read};
+use super::scale::Scale;
 use crate::failure::Failure;
+use crate::options::balance::BalanceOptions;
 use crate::options::bench::BenchOptions;
 use crate::options::choice::choice;
 use crate::options::fluid::FluidOptions;
@@ -57,6 +59,8 @@ pub(super) struct RunArgs {
     #[command(flatten)]
     reading: ReadingOptions,
     #[command(flatten)]
+    balance: BalanceOptions,
+    #[command(flatten)]
     fluid: FluidOptions,
     #[command(flatten)]
     bench: BenchOptions,
@@ -70,6 +74,9 @@ impl RunArgs {
         let mut file = self.bench.pump.file()?;
         self.fluid.change(&mut file)?;
         let bench = self.bench.bench_of(file)?;
+        if self.from.is_some() && self.balance.is_given() {
+            return Err(Failure::refused("--from has the readings of a table; leave out the balance"));
+        }
         let Some(path) = &self.from else {
             let course = GuidedCourse {
                 speeds_rad_s: self.speeds.clone(),
@@ -82,7 +89,7 @@ impl RunArgs {
                 temperature_degc: self.fluid.temperature,
                 json: self.format.json(),
             };
-            return match guided::runs(&bench, &course)? {
+            return match guided::runs(&bench, &course, Scale::of(&self.balance)?)? {
                 Some(weighed) => self.guided(&bench, weighed),
                 None if self.dry_run => Ok(()),
                 None => tell(&format!("doses go on as before; {}\n", kept(&bench))),

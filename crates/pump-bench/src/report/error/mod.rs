@@ -2,6 +2,7 @@
 
 mod explain;
 mod kind;
+mod of_balance;
 mod of_bench;
 mod of_files;
 mod of_model;
