@@ -161,7 +161,7 @@ impl Batch<'_> {
 
     /// The request of the next dose: only the first one's start angle is given, the others go on from there.
     fn next_request(&mut self) -> DoseRequest {
-        let after = DoseRequest { start_angle_rad: None, ..self.request };
+        let after = self.request.with_start_angle(None, 0.0);
         mem::replace(&mut self.request, after)
     }
 

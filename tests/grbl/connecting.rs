@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use pump_bench::drives::GrblError;
 use pump_bench::drives::{Disturbance, Drive, DriveError, Grbl, Opening};
-use pump_bench::pump_file::{Axis, DriveTable};
+use pump_bench::pump_file::{Axis, DriveTable, DriverName};
 
 use crate::rig::{defective, dose, grbl_error, motor, open, refusal, run, start, table};
 use crate::simulated::options::{Defects, Firmware, Options};
@@ -47,11 +47,10 @@ fn a_second_driver_is_told_who_has_the_port() {
 
 #[test]
 fn a_port_that_is_not_named_or_not_there_is_an_error_that_says_so() {
-    let board = start(Options::default());
-    let nowhere = DriveTable { port: None, ..table(&board) };
+    let nowhere = DriveTable::of(DriverName::Grbl);
     let error = Grbl::open(&nowhere, &motor(), &Opening::default()).unwrap_err().to_string();
     assert!(error.contains("--port"), "{error}");
-    let missing = DriveTable { port: Some("/dev/ttyNOTHERE".into()), ..table(&board) };
+    let missing = DriveTable::of(DriverName::Grbl).with_port("/dev/ttyNOTHERE");
     let error = Grbl::open(&missing, &motor(), &Opening::default()).unwrap_err().to_string();
     assert!(error.contains("ttyNOTHERE"), "{error}");
 }
@@ -72,7 +71,7 @@ fn firmwares_of_the_family_are_driven_and_older_ones_refused() {
 #[test]
 fn an_axis_that_the_board_does_not_have_is_named() {
     let board = start(Options::default());
-    let table = DriveTable { axis: Axis::A, ..table(&board) };
+    let table = table(&board).with_axis(Axis::A);
     let error = Grbl::open(&table, &motor(), &Opening::default()).unwrap_err().to_string();
     assert!(error.contains("axis") && error.contains('A'), "{error}");
 }

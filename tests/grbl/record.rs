@@ -160,7 +160,7 @@ fn a_disk_that_takes_up_to_300_ms_costs_a_dose_no_pause() {
 #[test]
 fn a_disk_that_takes_a_second_makes_the_motor_pause_and_the_report_names_it() {
     let pressures = PressureLimits { max_outlet_kpa: Some(150.0), min_inlet_kpa: None };
-    let request = DoseRequest { pressures, ..DoseRequest::dose(11.0) };
+    let request = DoseRequest::dose(11.0).with_pressures(pressures);
     let Slowly { report, starts, .. } = dose_slowly(Duration::from_secs(1), request);
     let report = report.unwrap();
     assert!(starts > 1 && report.completed, "{starts} starts");
@@ -175,7 +175,7 @@ fn a_disk_that_takes_a_second_makes_the_motor_pause_and_the_report_names_it() {
 
 #[test]
 fn a_dose_within_a_time_ends_where_a_slow_disk_would_have_it_pause() {
-    let request = DoseRequest { cruise: Some(Cruise::Within { time_s: 3.0 }), ..DoseRequest::dose(11.0) };
+    let request = DoseRequest::dose(11.0).with_cruise(Cruise::Within { time_s: 3.0 });
     let Slowly { delivered, starts, .. } = dose_slowly(Duration::from_secs(1), request);
     let error = delivered.unwrap_err();
     assert_eq!((starts, error.ending()), (1, Ending::Moved));

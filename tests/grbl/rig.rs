@@ -24,7 +24,7 @@ pub(crate) fn defective(defects: Defects) -> Simulated {
 }
 
 pub(crate) fn table(board: &Simulated) -> DriveTable {
-    DriveTable { port: Some(board.path().to_owned()), ..DriveTable::of(DriverName::Grbl) }
+    DriveTable::of(DriverName::Grbl).with_port(board.path())
 }
 
 pub(crate) fn open(board: &Simulated) -> Grbl {

@@ -315,11 +315,10 @@ impl Guide<'_, '_> {
 
     fn prepare(&mut self, speed_rpm: f64) -> Result<Prepared, Failure> {
         let volume_ml = f64::from(self.pitches) * self.bench.model().outlet_curve().pitch_ml();
-        let prepared = self.session.prepare(DoseRequest {
-            purpose: Purpose::Calibrate,
-            cruise: Some(Cruise::Speed { rad_s: rad_s(speed_rpm) }),
-            ..DoseRequest::dose(volume_ml)
-        });
+        let prepared = self.session.prepare(
+            DoseRequest::new(Purpose::Calibrate, volume_ml)
+                .with_cruise(Cruise::Speed { rad_s: rad_s(speed_rpm) }),
+        );
         Ok(noted(&mut self.session, prepared)?)
     }
 

@@ -42,11 +42,11 @@ impl Bench {
             |_| "the run was stopped and is on record; do not weigh a part of a run".to_owned(),
             move |held, signal| {
                 let model = held.bench.model();
-                let request = DoseRequest {
-                    purpose: Purpose::Calibrate,
-                    cruise: Some(Cruise::Speed { rad_s }),
-                    ..DoseRequest::dose(f64::from(pitches) * model.outlet_curve().pitch_ml())
-                };
+                let request = DoseRequest::new(
+                    Purpose::Calibrate,
+                    f64::from(pitches) * model.outlet_curve().pitch_ml(),
+                )
+                .with_cruise(Cruise::Speed { rad_s });
                 let pitch_rad = model.pitch_rad();
                 let session = held.session()?;
                 let prepared = session.prepare(request)?;

@@ -297,19 +297,14 @@ impl Plan {
             }
         };
         let limits = doser.get().limits;
-        let request = DoseRequest {
-            purpose: Purpose::Dose,
-            volume_ml,
-            cruise,
-            smooth,
-            finish: Some(finish_named(finish)?),
-            ramps: Some(ramps_named(ramps)?),
-            start_angle_rad: Some(start_angle_rad),
-            start_half_width_rad,
-            whole_ml: None,
-            retract_ml,
-            pressures: limits.pressures(),
-        };
+        let request = DoseRequest::new(Purpose::Dose, volume_ml)
+            .with_cruise(cruise)
+            .with_smooth(smooth)
+            .with_finish(finish_named(finish)?)
+            .with_ramps(ramps_named(ramps)?)
+            .with_retraction(retract_ml)
+            .with_pressures(limits.pressures())
+            .with_start_angle(start_angle_rad, start_half_width_rad);
         let start = Phase::within(start_angle_rad, start_half_width_rad);
         Self::new(doser, request, start, carry_in_ml)
     }
