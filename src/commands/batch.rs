@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use pump_bench::Rehearsal;
 use pump_bench::dosing::{Schedule, ScheduleAction};
+use pump_bench::notice::Notice;
 use pump_bench::report::ErrorKind;
 use pump_bench::{Bench, DoseReport, DoseRequest, Prepared, Session};
 use pump_ctl::plan::Finish;
@@ -91,7 +92,7 @@ impl Batch<'_> {
         let mut rehearsal = Rehearsal::new(self.bench)?;
         for number in 1..=self.count {
             let mut prepared = rehearsal.prepare(self.next_request())?;
-            prepared.warnings.extend(self.assumed.take());
+            prepared.warnings.extend(self.assumed.take().map(Notice::from));
             self.done = number;
             self.report(number, &prepared, None)?;
             self.still_read()?;
@@ -148,7 +149,7 @@ impl Batch<'_> {
                     self.still_wanted(interrupt)?;
                     let prepared = session.prepare(self.next_request());
                     let mut prepared = noted(session, prepared)?;
-                    prepared.warnings.extend(self.assumed.take());
+                    prepared.warnings.extend(self.assumed.take().map(Notice::from));
                     started.get_or_insert_with(Instant::now);
                     let delivered = deliver(self.bench, session, &prepared, interrupt, self.said.json)?;
                     self.done += u64::from(delivered.0.completed);

@@ -4,7 +4,9 @@ use std::time::{Duration, Instant};
 
 use pump_bench::drives::GrblError;
 use pump_bench::drives::{Disturbance, Drive, DriveError, Grbl, Opening};
+use pump_bench::notice::Remedy;
 use pump_bench::pump_file::{Axis, DriveTable, DriverName};
+use pump_bench::report::Explain;
 
 use crate::rig::{defective, dose, grbl_error, motor, open, refusal, run, start, table};
 use crate::simulated::options::{Defects, Firmware, Options};
@@ -48,8 +50,8 @@ fn a_second_driver_is_told_who_has_the_port() {
 #[test]
 fn a_port_that_is_not_named_or_not_there_is_an_error_that_says_so() {
     let nowhere = DriveTable::of(DriverName::Grbl);
-    let error = Grbl::open(&nowhere, &motor(), &Opening::default()).unwrap_err().to_string();
-    assert!(error.contains("--port"), "{error}");
+    let error = Grbl::open(&nowhere, &motor(), &Opening::default()).unwrap_err();
+    assert_eq!(error.remedies(), [Remedy::NamePort], "{error}");
     let missing = DriveTable::of(DriverName::Grbl).with_port("/dev/ttyNOTHERE");
     let error = Grbl::open(&missing, &motor(), &Opening::default()).unwrap_err().to_string();
     assert!(error.contains("ttyNOTHERE"), "{error}");

@@ -57,7 +57,7 @@ fn a_board_that_was_switched_off_and_on_unseen_makes_the_angle_wider_and_its_cou
     session.connect().unwrap();
     let met = *session.state().unwrap();
     assert!(close(met.half_width_rad, FALL_RAD) && met.disturbances == 1, "{met:?}");
-    assert!(session.notes().iter().any(|note| note.contains("the device was reset")));
+    assert!(session.notes().iter().any(|note| note.text().contains("the device was reset")));
 }
 
 #[test]
@@ -194,8 +194,8 @@ fn a_smooth_dose_is_refused_before_the_board_is_asked_for() {
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let smooth = DoseRequest::dose(1.0).with_smooth(true);
     for refused in [session.prepare(smooth), bench.prepare(smooth)] {
-        let error = refused.unwrap_err().to_string();
-        assert!(error.contains("leave --smooth out"), "{error}");
+        let error = refused.unwrap_err();
+        assert_eq!(error.remedies(), [Remedy::LeaveSmoothOut], "{error}");
     }
 }
 
@@ -235,7 +235,7 @@ fn a_released_rotor_that_another_program_turned_is_unknown() {
     let mut session = bench.session().unwrap();
     session.connect().unwrap();
     assert!(!session.state().unwrap().phase().is_known(bench.model().pitch_rad()));
-    assert!(session.notes().iter().any(|note| note.contains("something else has moved it")));
+    assert!(session.notes().iter().any(|note| note.text().contains("something else has moved it")));
 }
 
 #[test]

@@ -1,5 +1,5 @@
 // McIntyre et al., 3 rollers (three-roller), for the crates pump-model and pump-ctl 0.1.0.
-// `dose pumps show` wrote this file. Change the pump file, not this source.
+// This source was written from a pump file. Change the pump file, not this source.
 // Units: mm, rad, mL, kPa, s.
 
 const _: () = assert!(

@@ -370,6 +370,7 @@ fn unrecorded(error: CalibrationError, run: &CalibrationRun) -> Failure {
         Reading::MassG(mass_g) => format!("{mass_g}g"),
         Reading::VolumeMl(volume_ml) => format!("{volume_ml}mL"),
     };
+    let error = advice::told(&error);
     let message = format!("{error}; the reading {reading} of this run is not on record: note it down");
     Failure::fault(ErrorKind::Record, message)
 }

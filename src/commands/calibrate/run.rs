@@ -10,6 +10,7 @@ use pump_bench::units;
 
 use super::guided::{self, GuidedCourse, Weighed, kept};
 use super::reading::{ReadingOptions, in_table, read};
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
 use crate::options::choice::choice;
@@ -97,7 +98,7 @@ impl RunArgs {
         RunLog::of(bench.folder()).end().map_err(|error| {
             let failure = Failure::failed(
                 ErrorKind::Record,
-                format!("calibration {} is kept and in use, but {error}", stored.version),
+                format!("calibration {} is kept and in use, but {}", stored.version, advice::told(&error)),
             );
             if has_moved { failure.after_motion() } else { failure }
         })?;
@@ -120,7 +121,7 @@ impl RunArgs {
         if self.format.json() {
             print(&calibration_json(bench, stored)?)
         } else {
-            tell(&calibration_text(bench, stored)?)
+            tell(&calibration_text(bench, stored, advice::words)?)
         }
     }
 }

@@ -144,7 +144,7 @@ impl DriveTable {
             DriverName::Grbl => true,
         };
         if needs_port && self.port.is_none() {
-            let allowed = "a serial port, as \"/dev/ttyUSB0\"; without it every command needs --port";
+            let allowed = "a serial port, as \"/dev/ttyUSB0\"";
             return Err(WrongValue::missing("[drive] port", allowed));
         }
         Ok(())

@@ -285,7 +285,7 @@ fn a_count_that_changed_until_the_drive_was_connected_again_loses_the_angle() {
         let pitch_rad = bench.model().pitch_rad();
         assert_eq!(session.state().unwrap().phase().is_known(pitch_rad), is_known);
         assert_eq!(
-            session.notes().iter().any(|note| note.contains("something else has moved it")),
+            session.notes().iter().any(|note| note.text().contains("something else has moved it")),
             !is_known
         );
     }

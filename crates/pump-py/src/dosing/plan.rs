@@ -10,6 +10,7 @@ use pyo3::sync::PyOnceLock;
 use super::doser::Doser;
 use crate::argument::{finish_named, ramps_named};
 use crate::pump::Pump;
+use crate::python::advice;
 use crate::python::errors::{self, value};
 
 /// A cruise as plain data: which of rate (mL/s), speed (rad/s) and within (s), and its value.
@@ -216,7 +217,7 @@ impl Plan {
     /// Warnings to read before the plan is run.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.report.warnings.clone()
+        self.report.warnings.iter().map(ToString::to_string).collect()
     }
 
     fn __eq__(&self, other: &Self) -> bool {
@@ -330,7 +331,8 @@ impl Plan {
                 }
                 None => Prepared::new(file, model, request, start, source, carry_in_ml)?,
             };
-            let report = DoseReport::without_bench(file, file.driver(), &prepared, None);
+            let report =
+                DoseReport::without_bench(file, file.driver(), &prepared, None).worded(advice::words);
             Ok::<_, DoseError>((prepared, report))
         });
         let (prepared, report) = planned.map_err(|error| errors::dose(py, error))?;
