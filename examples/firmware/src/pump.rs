@@ -4,8 +4,8 @@
 
 const _: () = assert!(
     pump_model::generated::FORMAT == 1 && pump_ctl::generated::FORMAT == 2,
-    "other versions of pump-model and pump-ctl wrote this source: print it anew with \
-     `dose pumps show NAME --format rust`"
+    "other versions of pump-model and pump-ctl wrote this source: \
+     print it anew with `dose pumps show NAME --format rust`"
 );
 
 use pump_ctl::plan::{Limits, Lowest, Motor, PressureLimits, SetBy};
