@@ -323,9 +323,9 @@ pub enum DriveError {
     /// The user asked to stop while the device was at rest.
     #[error("stopped by the user before anything moved")]
     Interrupted,
-    /// The device failed with an error of its own, whose text and source are those of this one.
-    #[error(transparent)]
-    Device(Box<dyn StdError + Send + Sync>),
+    /// The device refused or failed with an error of its own, which is the source of this one.
+    #[error("the device refused or failed")]
+    Device(#[source] Box<dyn StdError + Send + Sync>),
     /// The drive has a name that no folder can have, or that of a drive that a pump file names.
     #[error("the drive is named `{id}`, and a name is {allowed}; name the drive so")]
     Name {
@@ -365,18 +365,17 @@ pub enum DriveError {
 }
 
 impl DriveError {
-    /// Makes the error of a device from the device's own error, which it carries.
+    /// Makes the error of a device from the device's own error, which becomes its source.
     ///
     /// ```
+    /// use std::error::Error;
     /// use std::io;
     ///
     /// use pump_bench::drives::DriveError;
     ///
     /// let error = DriveError::device(io::Error::from(io::ErrorKind::BrokenPipe));
-    /// let DriveError::Device(own) = &error else { unreachable!() };
-    /// let own = own.downcast_ref::<io::Error>();
-    /// assert_eq!(own.map(io::Error::kind), Some(io::ErrorKind::BrokenPipe));
-    /// assert_eq!(error.to_string(), "broken pipe");
+    /// let source = error.source().and_then(|source| source.downcast_ref::<io::Error>());
+    /// assert_eq!(source.map(io::Error::kind), Some(io::ErrorKind::BrokenPipe));
     /// ```
     pub fn device(error: impl Into<Box<dyn StdError + Send + Sync>>) -> Self {
         Self::Device(error.into())

@@ -112,7 +112,7 @@ fn a_suck_back_is_warned_of_and_refused_with_the_names_of_its_own_ports() {
     let dose = lab.bench.prepare(request.with_retraction(None)).unwrap().prediction;
     assert!(back.outlet.min_kpa < dose.inlet.min_kpa);
     request.pressures.min_inlet_kpa = Some(0.5 * (back.outlet.min_kpa + dose.inlet.min_kpa));
-    let refused = lab.bench.prepare(request).unwrap_err().to_string();
+    let refused = pump_bench::report::with_sources(&lab.bench.prepare(request).unwrap_err());
     assert!(
         refused.contains("sucked back") && refused.contains("the outlet pressure would fall"),
         "{refused}"

@@ -271,7 +271,7 @@ fn a_timer_slower_than_the_steps_is_refused_before_anything_moves() {
     let motor = Recorder::default();
     let slow = TickRate::from_hz(1000).unwrap();
     let mut pins = Stepped::new("pins", motor.clone(), motor.clock.clone(), slow).unwrap();
-    let refused = pins.check(&dose(1.0, false)).unwrap_err().to_string();
+    let refused = pump_bench::report::with_sources(&pins.check(&dose(1.0, false)).unwrap_err());
     assert!(refused.contains("1000 ticks a second"), "{refused}");
 }
 
