@@ -13,6 +13,7 @@ pub(crate) fn told(error: &impl Explain) -> String {
 }
 
 /// The words of a remedy: the command or the option that does it.
+#[allow(clippy::too_many_lines, reason = "a table: one line for a remedy")]
 pub(crate) fn words(remedy: Remedy) -> &'static str {
     match remedy {
         Remedy::FinishOrAccept => {

@@ -14,6 +14,7 @@ pub(crate) fn worded(notices: &[Notice]) -> Vec<String> {
 }
 
 /// Words a remedy as a program does it: by a method, an argument, or by hand.
+#[allow(clippy::too_many_lines, reason = "a table: one line for a remedy")]
 pub(crate) fn words(remedy: Remedy) -> &'static str {
     match remedy {
         Remedy::FinishOrAccept => "finish it with bench.resume(), or accept it as it is with bench.discard()",
