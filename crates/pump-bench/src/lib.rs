@@ -29,6 +29,7 @@ pub mod drives;
 pub mod export;
 pub mod files;
 pub mod identification;
+pub mod notice;
 mod numbers;
 pub mod pump_file;
 pub mod record;

@@ -350,11 +350,10 @@ impl Guide<'_, '_> {
 
     fn prepare(&mut self, speed_rpm: f64) -> Result<Prepared, Failure> {
         let volume_ml = f64::from(self.pitches) * self.bench.model().outlet_curve().pitch_ml();
-        let prepared = self.session.prepare(DoseRequest {
-            purpose: Purpose::Calibrate,
-            cruise: Some(Cruise::Speed { rad_s: rad_s(speed_rpm) }),
-            ..DoseRequest::dose(volume_ml)
-        });
+        let prepared = self.session.prepare(
+            DoseRequest::new(Purpose::Calibrate, volume_ml)
+                .with_cruise(Cruise::Speed { rad_s: rad_s(speed_rpm) }),
+        );
         Ok(noted(&mut self.session, prepared)?)
     }
 
@@ -408,6 +407,7 @@ fn unrecorded(error: CalibrationError, run: &CalibrationRun) -> Failure {
         Reading::MassG(mass_g) => format!("{mass_g}g"),
         Reading::VolumeMl(volume_ml) => format!("{volume_ml}mL"),
     };
+    let error = advice::told(&error);
     let message = format!("{error}; the reading {reading} of this run is not on record: note it down");
     Failure::fault(ErrorKind::Record, message)
 }

@@ -9,6 +9,7 @@ use pump_bench::units::{StatedReading, stated_reading};
 use pump_bench::{Bench, WeighedDose};
 
 use super::reading::{NOTHING_KEPT, ReadingOptions, next_number};
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::RecordOptions;
 use crate::options::fluid::FluidOptions;
@@ -83,7 +84,7 @@ impl LastArgs {
         if self.format.json() {
             return print(&calibration_json(bench, stored)?);
         }
-        let text = calibration_text(bench, stored)?;
+        let text = calibration_text(bench, stored, advice::words)?;
         let next = next_weighing(bench, stored, run, expected)?;
         let kept = if self.dry_run { NOTHING_KEPT } else { "" };
         tell(&format!("{text}{next}{kept}"))

@@ -11,6 +11,7 @@ use pump_bench::units;
 use super::guided::{self, GuidedCourse, Weighed, kept};
 use super::reading::{NOTHING_KEPT, ReadingOptions, in_table, next_number, read};
 use super::scale::Scale;
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::balance::BalanceOptions;
 use crate::options::bench::BenchOptions;
@@ -114,7 +115,7 @@ impl RunArgs {
         RunLog::of(bench.folder()).end().map_err(|error| {
             let failure = Failure::failed(
                 ErrorKind::Record,
-                format!("calibration {} is kept and in use, but {error}", stored.version),
+                format!("calibration {} is kept and in use, but {}", stored.version, advice::told(&error)),
             );
             if has_moved { failure.after_motion() } else { failure }
         })?;
@@ -142,6 +143,6 @@ impl RunArgs {
             return print(&calibration_json(bench, stored)?);
         }
         let kept = if self.dry_run { NOTHING_KEPT } else { "" };
-        tell(&format!("{}{kept}", calibration_text(bench, stored)?))
+        tell(&format!("{}{kept}", calibration_text(bench, stored, advice::words)?))
     }
 }

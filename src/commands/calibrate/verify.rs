@@ -123,7 +123,7 @@ impl VerifyArgs {
     ) -> Result<Option<Vec<f64>>, Failure> {
         let (mut scale, interrupt) = (Scale::of(&self.balance)?, Interrupt::watch()?);
         let all = self.runs.unwrap_or(DOSES);
-        let request = DoseRequest { cruise: self.cruise.cruise()?, ..DoseRequest::dose(nominal_ml) };
+        let request = DoseRequest::dose(nominal_ml).with_cruise(self.cruise.cruise()?);
         let weighing = Weighing::of(bench.file());
         let degc = weighing.fluid.temperature_degc;
         let mut volumes_ml = Vec::new();

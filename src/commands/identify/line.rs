@@ -11,6 +11,7 @@ use pump_model::Port;
 use pump_model::identification::Sought;
 
 use super::data::{DataArgs, plot};
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::speed::{ReverseOption, SpeedOptions, StartAngleOption};
 use crate::outputs::Outputs;
@@ -97,6 +98,7 @@ impl LineArgs {
             let found = found.map_err(|error| self.data.in_table(error))?;
             let axes = Axes { x: "time, s", y: "pressure, kPa absolute", left: "measured less fitted, kPa" };
             plot(&mut outputs, &self.data, &found.headline, axes, &found.points)?;
+            let found = found.worded(advice::words);
             texts.push(if json { found.json() } else { found.text() });
         }
         outputs.put()?;

@@ -12,6 +12,7 @@ use pump_bench::units;
 use pump_bench::units::TubeSize;
 use pump_model::{Geometry, ModelError};
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::choice::choice;
 use crate::options::files::{Files, PlotOption};
@@ -95,7 +96,7 @@ impl NewArgs {
             roller_volume: runs.as_ref().map_or(RollerVolumeTable::Drawing, |runs| runs.table(self.fit)),
         };
         let remarks: String = report.iter().map(|line| format!("# {line}\n")).collect();
-        let text = drawn.toml().map_err(Failure::of)?.replacen(
+        let text = drawn.toml(advice::words).map_err(Failure::of)?.replacen(
             "# Measured.\n",
             &format!("# Measured.\n{remarks}"),
             1,

@@ -4,6 +4,7 @@ use clap::Args;
 use pump_bench::export::rust_source;
 use pump_bench::pump_named;
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::terminal::print;
 
@@ -29,7 +30,7 @@ impl ShowArgs {
         let file = pump_named(&self.name).map_err(Failure::of)?;
         match self.format {
             None => print(&file.to_toml()),
-            Some(()) => print(&rust_source(&file).map_err(Failure::of)?),
+            Some(()) => print(&rust_source(&file, advice::words).map_err(Failure::of)?),
         }
     }
 }

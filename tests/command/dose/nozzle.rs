@@ -61,8 +61,9 @@ fn a_back_flow_beyond_the_uncertainty_names_a_rate_that_has_less() {
         warning.contains("gives 71.3 µL too much") && warning.contains("does not contain that"),
         "{warning}"
     );
-    let (_, rate) = warning.split_once("`--rate ").unwrap();
-    let (rate, _) = rate.split_once('`').unwrap();
+    assert!(warning.contains("; `--rate` sets the rate"), "{warning}");
+    let (_, rate) = warning.split_once("; at ").unwrap();
+    let (rate, _) = rate.split_once(" it is").unwrap();
     let slower = user.json(&[&dose[..], &["--rate", rate]].concat());
     assert!(number(&slower, "backflow_ml") <= expanded, "{slower}");
     assert!(!slower["warnings"].to_string().contains("too much"), "{slower}");

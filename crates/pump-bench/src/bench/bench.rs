@@ -12,6 +12,7 @@ use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
 use crate::dosing::{DoseRequest, Prepared, Stands};
 use crate::drives::{Drive, DriveError, Identity, Opening, StopRequest, registry};
+use crate::notice::{Notice, Remedy};
 use crate::pump_file::{DriveTable, DriverName, PumpFile};
 use crate::record::Folder;
 use crate::record::{PhaseSource, Purpose};
@@ -249,10 +250,10 @@ impl Bench {
     }
 
     /// Returns the warning of a dry run on a real motor.
-    pub(super) fn device_not_asked(&self) -> Option<String> {
+    pub(super) fn device_not_asked(&self) -> Option<Notice> {
         let unread =
             "a dry run does not ask the device: its own speeds, acceleration and count are not known";
-        (!self.is_simulated()).then(|| unread.to_owned())
+        (!self.is_simulated()).then(|| unread.into())
     }
 
     /// Plans a dose as if `state` were on record. Refuses a dose that the tube will not last for.
@@ -290,7 +291,7 @@ impl Bench {
             return Err(DoseError::Connection(DriveError::Unable {
                 driver: self.drive_id().to_owned(),
                 ability: "speed that follows the rollers' angle: the board plans its own ramps",
-                instead: "leave --smooth out, or resume with --rate or --speed",
+                instead: Remedy::LeaveSmoothOut,
             }));
         }
         let request = DoseRequest { ramps: self.ramps_of_drive(request.ramps)?, ..request };

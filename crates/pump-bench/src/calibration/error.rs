@@ -12,7 +12,7 @@ use crate::files::TableError;
 #[non_exhaustive]
 pub enum CalibrationError {
     /// A file cannot be read or written.
-    #[error("cannot {action} {}: {source}", .path.display())]
+    #[error("cannot {action} {}", .path.display())]
     File {
         /// Action that was tried.
         action: &'static str,

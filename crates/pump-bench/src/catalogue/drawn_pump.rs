@@ -6,6 +6,7 @@ use pump_model::{Fluid, Geometry, ModelError};
 
 use super::unweighed;
 use crate::catalogue::built_in;
+use crate::notice::{Remedy, Wording};
 use crate::pump_file::{HoseTable, LineTable, PumpFile, RollerVolumeTable, UncertaintyTable};
 
 /// Standard atmosphere, in kPa (ISO 2533).
@@ -103,28 +104,29 @@ impl DrawnPump {
         }
     }
 
-    /// Returns the file as TOML. A remark on each table says if it is given, measured, estimated or assumed.
+    /// Returns the file as TOML. A remark on each table says if it is given, measured, estimated or assumed. A front
+    /// end words what checks the file and what makes it surer.
     ///
     /// # Errors
     /// Returns the [`ModelError`] of a pump that cannot work.
-    pub fn toml(&self) -> Result<String, ModelError> {
+    pub fn toml(&self, words: Wording) -> Result<String, ModelError> {
         let file = self.pump_file()?;
         let is_estimated = self.roller_volume.is_estimated();
+        let check = words(Remedy::CheckPump);
         let mut text = match is_estimated {
-            true => {
-                "# Written by `dose pumps new` from a drawing: nobody has measured this pump.\n\
-                 # The model follows from the dimensions alone; `dose pumps check` says what they give.\n\n"
-            }
-            false => {
-                "# Written by `dose pumps new` from a drawing and measured roller volumes.\n\
-                 # `dose pumps check` says what they give.\n\n"
-            }
-        }
-        .to_owned();
+            true => format!(
+                "# Written from a drawing: nobody has measured this pump.\n\
+                 # The model follows from the dimensions alone; {check}.\n\n"
+            ),
+            false => format!(
+                "# Written from a drawing and measured roller volumes.\n\
+                 # {check}.\n\n"
+            ),
+        };
         for line in file.to_toml().lines() {
             let remark = remark(line, is_estimated);
             if !remark.is_empty() {
-                text.push_str(remark);
+                text.push_str(&remark.replace(SURER, words(Remedy::WeighToBeSurer)));
                 text.push('\n');
             }
             text.push_str(line);
@@ -133,6 +135,9 @@ impl DrawnPump {
         Ok(text)
     }
 }
+
+/// Place in a remark of the words that say how an uncertainty is made smaller.
+const SURER: &str = "{surer}";
 
 /// Returns the remark above a line of a pump file, or nothing. `is_estimated` is true for a roller volume
 /// from the drawing.
@@ -155,7 +160,7 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
         "[motor]" => "# Assumed: a drawing does not tell. Change it to yours.",
         "[speed_law]" | "[fluid]" | "[ambient]" => "# Assumed.",
         "[uncertainty]" if !is_estimated => {
-            "# For a pump that nobody has weighed; `dose calibrate run` makes it surer.\n\
+            "# For a pump that nobody has weighed; {surer}.\n\
              # Model: pumps and tubes of one kind differ by limits that a maker states by the bore (Omega FPU5MT,\n\
              # table 9-3: pumps 10 to 25 %, tubes 5 to 20 %; rectangular), and a bore known to 0.1 mm.\n\
              # Speed: McIntyre et al. found the model 9.02 % off at one speed; rectangular.\n\
@@ -164,7 +169,7 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
              # Repeatability: as McIntyre et al. measured over ten revolutions."
         }
         "[uncertainty]" => {
-            "# For a pump that nobody has measured; `dose calibrate run` makes it surer.\n\
+            "# For a pump that nobody has measured; {surer}.\n\
              # Model: pumps and tubes of one kind differ by limits that a maker states by the bore (Omega FPU5MT,\n\
              # table 9-3: pumps 10 to 25 %, tubes 5 to 20 %; rectangular), the drawing against measured\n\
              # volumes (1.4 %), and a bore known to 0.1 mm.\n\
@@ -298,7 +303,7 @@ mod tests {
         assert_eq!((file.uncertainty.model_percent, file.uncertainty.roller_volume_ml), (13.0, 0.045));
         assert_eq!(file.uncertainty.speed_percent, Some(5.2));
         assert!(!file.is_estimated());
-        let text = measured.toml().unwrap();
+        let text = measured.toml(|_| "weigh it").unwrap();
         assert_eq!(PumpFile::parse(&text, "text").unwrap(), file);
         assert!(text.contains("# Measured.\n[roller_volume]") && !text.contains("nobody has measured"));
     }
@@ -333,7 +338,7 @@ mod tests {
             hose_length_mm: 331.0,
             roller_volume: RollerVolumeTable::Drawing,
         };
-        let text = drawn.toml().unwrap();
+        let text = drawn.toml(|_| "weigh it").unwrap();
         assert_eq!(PumpFile::parse(&text, "text").unwrap(), drawn.pump_file().unwrap());
         assert!(text.contains("# Estimated from the dimensions") && text.contains("source = \"drawing\""));
         assert!(drawn.pump_file().unwrap().is_estimated());

@@ -21,6 +21,7 @@ use super::uncertainty::outlet::drop_ml;
 use super::warnings;
 use crate::calibration::{Applied, CalibrationError, Stored, turned_ml};
 use crate::displacement::{Correction, SpeedDependentPump};
+use crate::notice::Notice;
 use crate::pump_file::PumpFile;
 use crate::record::{DoseTerms, PhaseSource, Purpose};
 
@@ -59,7 +60,7 @@ pub struct Prepared {
     /// Retraction after the dose.
     pub retraction: Option<Retraction>,
     /// Warnings for the user.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Notice>,
 }
 
 /// Everything that a dose is planned from.
@@ -306,10 +307,11 @@ impl PlanningBasis<'_> {
     }
 
     /// Returns the warnings of a prepared dose. `of_speed` is that of its speed.
-    fn warnings(&self, prepared: &Prepared, of_speed: Option<String>) -> Result<Vec<String>, PlanError> {
+    fn warnings(&self, prepared: &Prepared, of_speed: Option<String>) -> Result<Vec<Notice>, PlanError> {
         let Prepared { model, applied, plan, prediction, margins, retraction, .. } = prepared;
         let mut warnings = warnings::of_plan(model, plan, prediction, margins)?;
-        warnings.extend(warnings::wider_inlet_swing(model, plan, prediction, prepared.limits.motor)?);
+        let wider = warnings::wider_inlet_swing(model, plan, prediction, prepared.limits.motor)?;
+        warnings.extend(wider.map(Notice::from));
         if prepared.request.purpose == Purpose::Dose {
             let half_width_ml = prepared.carry_in_within_ml();
             warnings.extend(warnings::unsure_carry(plan.requested_ml(), plan.carry_in_ml(), half_width_ml));
@@ -318,8 +320,8 @@ impl PlanningBasis<'_> {
             warnings.extend(self.back_flow_warning(prepared, &budget));
             warnings.extend(warnings::unweighed_pump(self.file, applied.as_ref()));
         }
-        warnings.extend(of_speed);
-        warnings.extend(retraction.iter().flat_map(|retraction| retraction.warnings.clone()));
+        let of_retraction = retraction.iter().flat_map(|retraction| retraction.warnings.clone());
+        warnings.extend(of_speed.into_iter().chain(of_retraction).map(Notice::from));
         Ok(warnings)
     }
 }

@@ -12,6 +12,7 @@ use super::uncertainty::pressure_uncertainty_kpa;
 use super::unknown_angle;
 use crate::calibration::Applied;
 use crate::catalogue::built_in;
+use crate::notice::{Notice, Remedy};
 use crate::numbers::{microlitres_within, significant};
 use crate::pump_file::PumpFile;
 
@@ -39,15 +40,15 @@ pub(super) fn of_plan(
     plan: &Plan,
     prediction: &Prediction,
     margins: &Margins,
-) -> Result<Vec<String>, PlanError> {
+) -> Result<Vec<Notice>, PlanError> {
     let mut warnings = Vec::new();
     if !plan.start().is_known(model.pitch_rad()) {
         warnings.extend(unknown_angle::warnings(model, plan));
     }
-    warnings.extend(short_dose(plan));
-    warnings.extend(hardly_smooth(model, plan));
-    warnings.extend(low_flow_carry(model, plan)?.or_else(|| coarse_step(plan)));
-    warnings.extend(of_pressures(plan.direction() == Direction::Reverse, prediction, margins));
+    let carry = low_flow_carry(model, plan)?.or_else(|| coarse_step(plan));
+    let facts = [short_dose(plan), hardly_smooth(model, plan), carry].into_iter().flatten();
+    let of_pressures = of_pressures(plan.direction() == Direction::Reverse, prediction, margins);
+    warnings.extend(facts.chain(of_pressures).map(Notice::from));
     Ok(warnings)
 }
 
@@ -94,12 +95,11 @@ fn of_pressures(is_reverse: bool, prediction: &Prediction, margins: &Margins) ->
 }
 
 /// Warns of a carry that is known within bounds only.
-pub(super) fn unsure_carry(requested_ml: f64, carry_ml: f64, half_width_ml: f64) -> Option<String> {
+pub(super) fn unsure_carry(requested_ml: f64, carry_ml: f64, half_width_ml: f64) -> Option<Notice> {
     (half_width_ml.min(carry_ml.abs()) > UNSURE * requested_ml.abs()).then(|| {
-        format!(
-            "earlier motions leave the carry unsure: it is {}; `dose home` finds the angle and drops the carry",
-            microlitres_within(carry_ml, half_width_ml)
-        )
+        let carry = microlitres_within(carry_ml, half_width_ml);
+        Notice::from(format!("earlier motions leave the carry unsure: it is {carry}"))
+            .with_remedy(Remedy::FindAngleDropCarry)
     })
 }
 
@@ -120,7 +120,7 @@ pub(super) fn back_flow(
     expanded_ml: f64,
     is_in_air: bool,
     less: &LessBackFlow,
-) -> String {
+) -> Notice {
     let (back, expanded) = (significant(1e3 * backflow_ml, 3), significant(1e3 * expanded_ml, 3));
     let swing = match plan.direction() {
         Direction::Forward if is_in_air => {
@@ -137,23 +137,30 @@ pub(super) fn back_flow(
         true => format!("the dose's \u{b1} contains that; it is {expanded} µL without"),
         false => format!("the dose's \u{b1} {expanded} µL does not contain that"),
     };
-    format!("when the motor stops, the line {swing}; {contained}; {}", less.text())
+    let text = format!("when the motor stops, the line {swing}; {contained}; {}", less.text());
+    less.remedies().fold(text.into(), Notice::with_remedy)
 }
 
 impl LessBackFlow {
     /// Says what makes the back flow smaller.
     fn text(&self) -> String {
-        let slower = self.slower.map(|(ml_s, back_ml)| {
-            format!("at `--rate {ml_s}mL/s` it is {} µL", significant(1e3 * back_ml, 2))
-        });
+        let slower = self
+            .slower
+            .map(|(ml_s, back_ml)| format!("at {ml_s} mL/s it is {} µL", significant(1e3 * back_ml, 2)));
         let low_flow = self
             .low_flow_ml
-            .map(|back_ml| format!("with `--finish low-flow` it is {} µL", significant(1e3 * back_ml, 2)));
+            .map(|back_ml| format!("with an end at low flow it is {} µL", significant(1e3 * back_ml, 2)));
         let ways: Vec<String> = slower.into_iter().chain(low_flow).collect();
         match ways.is_empty() {
             true => "a much slower rate makes it less".to_owned(),
             false => ways.join(", "),
         }
+    }
+
+    /// Returns what a person chooses for less.
+    fn remedies(&self) -> impl Iterator<Item = Remedy> {
+        let slower = self.slower.map(|_| Remedy::SlowDown);
+        slower.into_iter().chain(self.low_flow_ml.map(|_| Remedy::EndAtLowFlow))
     }
 }
 
@@ -161,7 +168,7 @@ impl LessBackFlow {
 ///
 /// The pump file says so: its roller volume is estimated from the drawing, it states the uncertainty over the speeds
 /// that such pumps have, or it has the built-in pump's uncertainty under another name.
-pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Option<String> {
+pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
     if applied.is_some_and(|applied| applied.sureness().is_some()) {
         return None;
     }
@@ -178,7 +185,8 @@ pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Opti
     } else {
         return None;
     };
-    Some(format!("{fact}: pumps of one kind differ by 10 to 25 %; measure it, `dose calibrate run`"))
+    let text = format!("{fact}: pumps of one kind differ by 10 to 25 %");
+    Some(Notice::from(text).with_remedy(Remedy::Weigh))
 }
 
 /// Warns of a dose that is too short to reach its cruise speed.

@@ -5,6 +5,7 @@ use pump_model::{Line, Port, metrics};
 
 use super::WEAK_PEARSON;
 use crate::export::Fitted;
+use crate::notice::Notice;
 
 /// Part of the measured values within which a fit agrees with them but for rounding.
 const ROUNDING: f64 = 1e-12;
@@ -51,7 +52,7 @@ pub struct Identified {
     /// Number of independent points that the points are worth.
     pub independent: f64,
     /// Warnings for the user.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Notice>,
     /// Line with the parameters that were found.
     pub line: Line,
 }
@@ -65,10 +66,13 @@ impl Identified {
         let pearson = metrics::pearson(self.pairs());
         if is_expected && pearson.is_none_or(|pearson| pearson < WEAK_PEARSON) {
             let pearson = pearson.map_or("none".to_owned(), |pearson| format!("{pearson:.2}"));
-            self.warnings.push(format!(
-                "the model explains less than half of what was measured: Pearson {pearson}, below \
+            self.warnings.push(
+                format!(
+                    "the model explains less than half of what was measured: Pearson {pearson}, below \
                  {WEAK_PEARSON}; check the data and the other warnings before you use these values"
-            ));
+                )
+                .into(),
+            );
         }
         self
     }

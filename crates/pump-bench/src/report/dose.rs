@@ -13,6 +13,7 @@ use crate::dosing::{
     sure_ripples,
 };
 use crate::drives::{Identity, registry};
+use crate::notice::{Notice, Wording};
 use crate::pump_file::{DriverName, PumpFile, UncheckedLimit};
 use crate::record::{PhaseSource, Purpose};
 
@@ -151,7 +152,7 @@ pub struct DoseReport {
     /// sucks.
     pub limits_not_checked: Vec<UncheckedLimit>,
     /// Warnings for the user.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Notice>,
     /// True if the dose was delivered in full.
     pub completed: bool,
 }
@@ -276,6 +277,18 @@ impl DoseReport {
         }
     }
 
+    /// The report whose warnings and shares of the uncertainty have their remedies in a front end's words.
+    #[must_use]
+    pub fn worded(mut self, words: Wording) -> Self {
+        for notice in &mut self.warnings {
+            *notice = notice.told(words);
+        }
+        for share in &mut self.uncertainty_budget {
+            share.remedy = share.remedy.told(words);
+        }
+        self
+    }
+
     /// One line of JSON.
     pub fn json(&self) -> String {
         serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a report is plain data: {error}"))
@@ -312,7 +325,7 @@ fn part_made(prepared: &Prepared, delivered: Option<&Delivered>) -> Swept {
 }
 
 /// The warnings of the plan, then those of the motion.
-fn warnings(prepared: &Prepared, delivered: Option<&Delivered>) -> Vec<String> {
+fn warnings(prepared: &Prepared, delivered: Option<&Delivered>) -> Vec<Notice> {
     let after = delivered.map_or(&[][..], |delivered| &delivered.warnings);
     [&prepared.warnings, after].concat()
 }

@@ -6,6 +6,7 @@ use pump_model::metrics;
 use serde_json::{Map, json};
 
 use crate::identification::Identified;
+use crate::notice::Wording;
 use crate::numbers::significant;
 
 /// Significant digits of a value whose points tell no error.
@@ -33,6 +34,15 @@ impl Identified {
             };
         }
         text
+    }
+
+    /// The identified line whose warnings have their remedies in a front end's words.
+    #[must_use]
+    pub fn worded(mut self, words: Wording) -> Self {
+        for notice in &mut self.warnings {
+            *notice = notice.told(words);
+        }
+        self
     }
 
     /// One line of JSON, `identification/1`.

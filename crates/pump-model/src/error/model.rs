@@ -6,6 +6,7 @@ use super::allowed::Allowed;
 use super::integration::IntegrationError;
 use super::parameter::Parameter;
 use super::shown::Shown;
+use crate::port::Port;
 
 /// Reason why the model refuses a pump, line or motion. It names the value and the allowed range.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -80,8 +81,8 @@ pub enum ModelError {
     FlowNotPositive {
         /// Number of rollers.
         rollers: u32,
-        /// Name of the port: `inlet` or `outlet`.
-        port: &'static str,
+        /// Port of the pump.
+        port: Port,
         /// Smallest flow per radian, mL/rad.
         flow_ml_rad: f64,
         /// Angle of the smallest flow per radian, degrees within a pitch.
@@ -119,8 +120,8 @@ pub enum ModelError {
          is no steady state; give the line a resistance or change the speed"
     )]
     UndampedResonance {
-        /// Name of the port: `inlet` or `outlet`.
-        port: &'static str,
+        /// Port of the pump.
+        port: Port,
         /// Speed, rad/s.
         speed_rad_s: f64,
     },
@@ -130,8 +131,8 @@ pub enum ModelError {
          {steps:.1e} steps; allowed: {allowed:.0e}; give the line more resistance, or choose a faster speed"
     )]
     RingsTooLong {
-        /// Name of the port: `inlet` or `outlet`.
-        port: &'static str,
+        /// Port of the pump.
+        port: Port,
         /// Speed, rad/s.
         speed_rad_s: f64,
         /// Largest number of steps that the search for the extremes takes.

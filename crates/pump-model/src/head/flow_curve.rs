@@ -9,9 +9,9 @@ use crate::math::polynomial::{DEGREE, Polynomial};
 use crate::units::{TURN_RAD, degrees};
 
 use super::geometry::Geometry;
-use super::port::Port;
 use super::pulses::{Pulses, SAME_EDGE_RAD};
 use super::roller_volume::{self, RollerVolume};
+use crate::port::Port;
 
 /// Largest number of pieces. Every edge of the roller volume appears once in a pitch; the pitch's start and
 /// the end of the last piece add to them.
@@ -125,12 +125,7 @@ impl FlowCurve {
             let ((u, flow_ml_rad), _) = piece.flow.range_in(0.0, piece.length_rad);
             if flow_ml_rad <= 0.0 {
                 let angle_deg = degrees(piece.start_rad + u);
-                return Err(ModelError::FlowNotPositive {
-                    rollers,
-                    port: port.name(),
-                    flow_ml_rad,
-                    angle_deg,
-                });
+                return Err(ModelError::FlowNotPositive { rollers, port, flow_ml_rad, angle_deg });
             }
         }
         Ok(())

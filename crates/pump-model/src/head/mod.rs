@@ -3,7 +3,6 @@
 pub mod flow_curve;
 pub(crate) mod geometry;
 pub mod paper;
-pub(crate) mod port;
 pub(crate) mod pulses;
 pub mod roller_volume;
 pub(crate) mod turn_range;

@@ -3,10 +3,10 @@
 use crate::error::{Allowed, ModelError, Parameter, refused, within};
 use crate::head::flow_curve::FlowCurve;
 use crate::head::geometry::Geometry;
-use crate::head::port::Port;
 use crate::head::roller_volume::RollerVolume;
 use crate::line::line::Line;
 use crate::math::polynomial::Polynomial;
+use crate::port::Port;
 use crate::units::TURN_RAD;
 
 /// A validated pump with its two lines. A pump is immutable; build another to change it.

@@ -13,6 +13,7 @@ use pyo3::prelude::*;
 use super::bench::{Bench, deliver};
 use crate::argument::{Argument, speed};
 use crate::calibration::{Calibration, fit_named, reading_ml, runs_of};
+use crate::python::advice;
 use crate::python::errors::{self, value};
 
 /// A run: speed (r/min), start angle (deg, or None), turned angle (deg), time, true if it was completed, and warnings.
@@ -43,11 +44,11 @@ impl Bench {
             |_| "the run was stopped and is on record; do not weigh a part of a run".to_owned(),
             move |held, signal| {
                 let model = held.bench.model();
-                let request = DoseRequest {
-                    purpose: Purpose::Calibrate,
-                    cruise: Some(Cruise::Speed { rad_s }),
-                    ..DoseRequest::dose(f64::from(pitches) * model.outlet_curve().pitch_ml())
-                };
+                let request = DoseRequest::new(
+                    Purpose::Calibrate,
+                    f64::from(pitches) * model.outlet_curve().pitch_ml(),
+                )
+                .with_cruise(Cruise::Speed { rad_s });
                 let pitch_rad = model.pitch_rad();
                 let session = held.session()?;
                 let prepared = session.prepare(request)?;
@@ -55,7 +56,7 @@ impl Bench {
                 let plan = &prepared.plan;
                 let start = plan.start().is_known(pitch_rad).then_some(degrees(plan.start().angle_rad()));
                 let turned_deg = degrees(plan.steps() as f64 * plan.step_rad());
-                let warnings = [prepared.warnings, delivered.warnings].concat();
+                let warnings = advice::worded(&[prepared.warnings, delivered.warnings].concat());
                 Ok((rpm(rad_s), start, turned_deg, now_utc(), delivered.completed, warnings))
             },
         )

@@ -10,6 +10,7 @@ use pyo3::sync::PyOnceLock;
 use super::doser::Doser;
 use crate::argument::{finish_named, ramps_named};
 use crate::pump::Pump;
+use crate::python::advice;
 use crate::python::errors::{self, value};
 
 /// A cruise as plain data: which of rate (mL/s), speed (rad/s) and within (s), and its value.
@@ -216,7 +217,7 @@ impl Plan {
     /// Warnings to read before the plan is run.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.report.warnings.clone()
+        self.report.warnings.iter().map(ToString::to_string).collect()
     }
 
     fn __eq__(&self, other: &Self) -> bool {
@@ -297,19 +298,14 @@ impl Plan {
             }
         };
         let limits = doser.get().limits;
-        let request = DoseRequest {
-            purpose: Purpose::Dose,
-            volume_ml,
-            cruise,
-            smooth,
-            finish: Some(finish_named(finish)?),
-            ramps: Some(ramps_named(ramps)?),
-            start_angle_rad: Some(start_angle_rad),
-            start_half_width_rad,
-            whole_ml: None,
-            retract_ml,
-            pressures: limits.pressures(),
-        };
+        let request = DoseRequest::new(Purpose::Dose, volume_ml)
+            .with_cruise(cruise)
+            .with_smooth(smooth)
+            .with_finish(finish_named(finish)?)
+            .with_ramps(ramps_named(ramps)?)
+            .with_retraction(retract_ml)
+            .with_pressures(limits.pressures())
+            .with_start_angle(start_angle_rad, start_half_width_rad);
         let start = Phase::within(start_angle_rad, start_half_width_rad);
         Self::new(doser, request, start, carry_in_ml)
     }
@@ -335,7 +331,8 @@ impl Plan {
                 }
                 None => Prepared::new(file, model, request, start, source, carry_in_ml)?,
             };
-            let report = DoseReport::without_bench(file, file.driver(), &prepared, None);
+            let report =
+                DoseReport::without_bench(file, file.driver(), &prepared, None).worded(advice::words);
             Ok::<_, DoseError>((prepared, report))
         });
         let (prepared, report) = planned.map_err(|error| errors::dose(py, error))?;

@@ -5,6 +5,7 @@ use pump_ctl::plan::{Cruise, Finish, Request};
 use super::{PlanningBasis, Prepared};
 use crate::dosing::uncertainty::Budget;
 use crate::dosing::warnings::{self, LessBackFlow};
+use crate::notice::Notice;
 use crate::numbers::significant;
 use crate::pump_file::OutletEnd;
 
@@ -20,7 +21,7 @@ impl PlanningBasis<'_> {
     ///
     /// The rates fall by a quarter each. A slower one may have more back flow, as the line's swing may meet the stop
     /// otherwise, so each is planned and the first below the uncertainty counts.
-    pub(super) fn back_flow_warning(&self, prepared: &Prepared, budget: &Budget) -> Option<String> {
+    pub(super) fn back_flow_warning(&self, prepared: &Prepared, budget: &Budget) -> Option<Notice> {
         let own_ml = budget.beside_back_flow().expanded_ml();
         let back_ml = prepared.back_flow.backflow_ml;
         if back_ml <= own_ml {

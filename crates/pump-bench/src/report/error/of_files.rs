@@ -7,10 +7,10 @@ use pump_model::Shown;
 
 use super::explain::{ErrorFacts, Explain};
 use super::kind::ErrorKind;
-use super::remedy::Remedy;
 use crate::calibration::CalibrationError;
 use crate::export::PlotError;
 use crate::files::{FileError, TableError};
+use crate::notice::Remedy;
 use crate::pump_file::{FluidError, PumpFileError};
 use crate::units::QuantityError;
 
@@ -50,6 +50,13 @@ impl Explain for QuantityError {
             Self::Zero { text, .. } | Self::Negative { text, .. } => facts.value(text).allowed("more than 0"),
         }
     }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        match self {
+            Self::Tolerance { .. } => vec![Remedy::SayUnknownAngle],
+            _ => Vec::new(),
+        }
+    }
 }
 
 impl Explain for PumpFileError {
@@ -66,6 +73,10 @@ impl Explain for PumpFileError {
             Self::Displacement { source, .. } => of_pump_file(source.facts()),
             Self::Limits { source, .. } => of_pump_file(source.facts()),
         }
+    }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        self.known_remedies()
     }
 }
 
