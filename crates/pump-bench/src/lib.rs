@@ -40,7 +40,7 @@ pub mod simulation;
 pub mod units;
 pub mod words;
 
-pub use bench::{Accepted, AngleSet, Bench, Delivered, NewTube, Rehearsal, Session, WeighedDose};
+pub use bench::{Accepted, AngleSet, Bench, Delivered, NewTube, Rehearsal, Session};
 pub use catalogue::{built_in, pump_named};
 pub use dosing::{DoseError, DoseRequest, Prepared};
 pub use pump_file::PumpFile;

@@ -1,12 +1,12 @@
 //! `dose calibrate last`: the weight of the dose just made calibrates the next one.
 
 use clap::Args;
+use pump_bench::Bench;
 use pump_bench::calibration::{
-    Calibration, CalibrationRun, Displacement, Earlier, Expected, Source, Stored, fit_of_doses,
+    Calibration, CalibrationRun, Displacement, Earlier, Expected, Source, Stored, WeighedDose, fit_of_doses,
 };
 use pump_bench::report::{calibration_json, calibration_text};
 use pump_bench::units::{StatedReading, stated_reading};
-use pump_bench::{Bench, WeighedDose};
 
 use super::reading::{NOTHING_KEPT, ReadingOptions, next_number};
 use crate::advice;

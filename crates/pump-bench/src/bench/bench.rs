@@ -6,7 +6,7 @@ use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
 use pump_model::units::TURN_RAD;
 
-use crate::calibration::{Calibration, Calibrations, Stored};
+use crate::calibration::{Calibration, Calibrations, Earlier, Expected, LastWeighing, Stored, WeighedDose};
 use crate::displacement::Correction;
 use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
@@ -17,6 +17,7 @@ use crate::pump_file::{DriveTable, DriverName, PumpFile};
 use crate::record::Folder;
 use crate::record::{PhaseSource, Purpose};
 use crate::record::{PumpState, Story};
+use crate::units::StatedReading;
 
 /// File in the journal's folder that holds the device settings of the last time.
 const SETTINGS_RECORD: &str = "board-settings.json";
@@ -356,6 +357,30 @@ impl Bench {
         let version = self.calibrations().add(&calibration)?;
         self.use_calibration(Some(version))?;
         Ok(Stored { version, calibration })
+    }
+
+    /// Returns the calibration that the weight of the last dose gives. [`Self::keep_calibration`] keeps it.
+    ///
+    /// `None` in place of the temperature takes the pump file's.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Journal`] where the record cannot be read. [`DoseError::Calibration`] with the errors of
+    /// [`CalibrationRun::of_last_dose`], [`CalibrationRun::beside`] and [`Calibration::of_runs`].
+    ///
+    /// [`CalibrationRun::of_last_dose`]: crate::calibration::CalibrationRun::of_last_dose
+    /// [`CalibrationRun::beside`]: crate::calibration::CalibrationRun::beside
+    pub fn weigh_last_dose(
+        &self,
+        reading: &StatedReading,
+        temperature_degc: Option<f64>,
+        earlier: Earlier,
+        expected: &Expected,
+    ) -> Result<WeighedDose, DoseError> {
+        let active = self.calibrations().active()?;
+        let last = self.story()?.state.and_then(|state| state.last);
+        let weighing = LastWeighing { reading, temperature_degc, earlier, expected };
+        Ok(WeighedDose::of(self.file(), last, active.as_ref(), &weighing)?)
     }
 
     /// Returns the life of the tube with the planned dose. `None` if the pump file gives no life.

@@ -14,7 +14,6 @@ mod rehearsal;
 mod rest;
 mod session;
 mod stretches;
-mod weighed_dose;
 
 pub use bench::Bench;
 pub(crate) use bench::headline;
@@ -22,4 +21,3 @@ pub use delivery::Delivered;
 pub use homing::AngleSet;
 pub use rehearsal::Rehearsal;
 pub use session::{Accepted, NewTube, Session};
-pub use weighed_dose::WeighedDose;

@@ -5,8 +5,10 @@ use pump_model::Pump;
 use pump_model::units::{degrees, rpm};
 
 use super::date::of_unix;
-use super::{CalibrationError, CalibrationRun, Fit, Reading, Source, Stored};
+use super::{Calibration, CalibrationError, CalibrationRun, Expected, Fit, Reading, Source, Stored};
+use crate::pump_file::PumpFile;
 use crate::record::LastDose;
+use crate::units::{Amount, StatedReading};
 
 /// Largest part of the turn by which the turn of a weighed dose may be unsure.
 const UNSURE: f64 = 1e-3;
@@ -98,4 +100,50 @@ impl CalibrationRun {
 /// Returns true for turns that are equal to a millionth of a degree.
 fn same_turn(one_deg: f64, other_deg: f64) -> bool {
     round(1e6 * one_deg) == round(1e6 * other_deg)
+}
+
+/// Calibration by the dose just made. Nothing is kept of it yet.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct WeighedDose {
+    /// Dose that was weighed, as a run.
+    pub run: CalibrationRun,
+    /// Calibration by this dose and the doses joined to it.
+    pub calibration: Calibration,
+}
+
+impl WeighedDose {
+    /// Fits a factor to the last dose of the pump of `file`, and to the runs of `active` that are joined.
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`CalibrationRun::of_last_dose`], [`CalibrationRun::beside`] and [`Calibration::of_runs`].
+    pub(crate) fn of(
+        file: &PumpFile,
+        last: Option<LastDose>,
+        active: Option<&Stored>,
+        weighing: &LastWeighing<'_>,
+    ) -> Result<Self, CalibrationError> {
+        let reading = match weighing.reading.amount {
+            Amount::Mass(grams) => Reading::MassG(grams),
+            Amount::Volume(volume_ml) => Reading::VolumeMl(volume_ml),
+        };
+        let run = CalibrationRun::of_last_dose(last, &file.model()?, reading, weighing.temperature_degc)?;
+        let runs = run.clone().beside(active, weighing.earlier)?;
+        let before = active.map(|active| &active.calibration);
+        let fit = fit_of_doses(&runs);
+        let mut calibration = Calibration::of_runs(file, Source::Last, runs, fit, weighing.expected, before)?;
+        calibration.tube = before.and_then(|before| before.tube.clone());
+        Ok(Self { run, calibration })
+    }
+}
+
+/// Weighing of the last dose.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LastWeighing<'a> {
+    pub(crate) reading: &'a StatedReading,
+    /// Temperature of the fluid, in °C. `None` takes the pump file's.
+    pub(crate) temperature_degc: Option<f64>,
+    pub(crate) earlier: Earlier,
+    pub(crate) expected: &'a Expected,
 }

@@ -24,7 +24,8 @@ pub(crate) use fit::{AgainstSpeed, LawToFit, PulseSureness, Revolution};
 pub use fit::{
     Displacement, Expected, FittedPulse, LawFit, PhaseFit, Scatter, ShortDose, SpeedBend, short_doses_of_csv,
 };
-pub use last_dose::{Earlier, fit_of_doses};
+pub(crate) use last_dose::LastWeighing;
+pub use last_dose::{Earlier, WeighedDose, fit_of_doses};
 pub use making::Fit;
 pub(crate) use run::turned_ml;
 pub use run::{CalibrationRun, Reading, runs_of_csv};

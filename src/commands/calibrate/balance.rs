@@ -8,8 +8,8 @@ use pump_bench::balance::{Balance, Framing, ProgramBalance, Protocol, SerialBala
 
 use pump_bench::units;
 
-use super::choice::choice;
 use crate::failure::Failure;
+use crate::options::choice::choice;
 
 /// Usual longest wait for a balance to stand still, s.
 const STILL_S: f64 = 60.0;
@@ -20,7 +20,7 @@ const MOST_WAIT_S: f64 = 86_400.0;
 /// The balance that is read in place of a person's answers.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Balance")]
-pub(crate) struct BalanceOptions {
+pub(super) struct BalanceOptions {
     /// Serial port of a balance that is read in place of typed answers, as /dev/ttyUSB1
     #[arg(long, value_name = "DEVICE", conflicts_with = "scale_command")]
     scale_port: Option<PathBuf>,
@@ -43,17 +43,17 @@ pub(crate) struct BalanceOptions {
 
 impl BalanceOptions {
     /// True if a balance is named.
-    pub(crate) fn is_given(&self) -> bool {
+    pub(super) fn is_given(&self) -> bool {
         self.scale_port.is_some() || self.scale_command.is_some()
     }
 
     /// The longest wait for the balance to stand still.
-    pub(crate) fn longest_wait(&self) -> Duration {
+    pub(super) fn longest_wait(&self) -> Duration {
         Duration::from_secs_f64(self.scale_wait.unwrap_or(STILL_S).min(MOST_WAIT_S))
     }
 
     /// Opens the balance that is named, or returns `None` if a person answers.
-    pub(crate) fn open(&self) -> Result<Option<Box<dyn Balance>>, Failure> {
+    pub(super) fn open(&self) -> Result<Option<Box<dyn Balance>>, Failure> {
         if let Some(command) = &self.scale_command {
             return Ok(Some(Box::new(ProgramBalance::new(command.clone()))));
         }
