@@ -11,6 +11,9 @@ use crate::plan::profile::Profile;
 /// measured compliance by as much (0.0455 against 0.0361 mL/kPa), and from what side is not known.
 const COMPLIANCES: [f64; 3] = [0.75, 1.0, 1.25];
 
+/// Place of the line that is known among those that may be.
+pub(super) const KNOWN: usize = 1;
+
 /// States of the lines that may be.
 pub(super) type States = [LineState; 3];
 
