@@ -61,11 +61,10 @@ impl InTime<'_> {
 
     /// Plans from a stated angle, where `usual` is the dose with usual ramps.
     fn stated(&self, usual: Result<Plan, PlanError>) -> Result<Plan, PlanError> {
-        // A dose whose usual ramps break a limit or miss the time may do with its own.
-        let from_rad_s =
-            usual.as_ref().map_or_else(|_| self.fastest_rad_s(), |usual| usual.profile.cruise_rad_s());
-        for speed_rad_s in speeds_from(from_rad_s) {
-            if self.at(speed_rad_s, None).profile.duration_s() > self.time_s {
+        // The dose's own ramps are mostly sooner than the usual ones, so that speed is in time with them.
+        let of_usual = usual.as_ref().ok().map(cruise_rad_s);
+        for speed_rad_s in of_usual.into_iter().chain(speeds_from(self.fastest_rad_s())) {
+            if self.least_s(speed_rad_s) > self.time_s {
                 break;
             }
             let own = self.own(speed_rad_s);
@@ -152,6 +151,13 @@ impl InTime<'_> {
         }
     }
 
+    /// Returns the shorter time of the motion at a cruise speed with usual ramps and with the motor's own, s. A rotor
+    /// that is too fast at first is sooner at its end where it slows down gently.
+    fn least_s(&self, speed_rad_s: f64) -> f64 {
+        let usual = self.usual(speed_rad_s);
+        usual.profile.duration_s().min(usual.with_shape(None).profile.duration_s())
+    }
+
     /// Returns the fastest speed, rad/s, that the motor reaches within the turn.
     fn fastest_rad_s(&self) -> f64 {
         let limit_rad_s = self.limits.motor.max_speed_rad_s;
@@ -180,8 +186,7 @@ impl InTime<'_> {
         let mut good = good;
         let mut missed_rad_s = 0.0_f64;
         for _ in 0..MOST_TRIES {
-            let good_rad_s = good.profile.cruise_rad_s();
-            let slower_rad_s = SLOWER * good_rad_s;
+            let slower_rad_s = SLOWER * cruise_rad_s(&good);
             let is_last = slower_rad_s <= missed_rad_s;
             let like = if is_last || missed_rad_s == 0.0 {
                 Some(self.slowest_like(&good, missed_rad_s)?)
@@ -189,12 +194,11 @@ impl InTime<'_> {
                 None
             };
             let next_rad_s = match &like {
-                None => sqrt(missed_rad_s * good_rad_s).min(slower_rad_s),
-                Some(like) if is_last => SLOWER * like.profile.cruise_rad_s(),
-                Some(like) => like.profile.cruise_rad_s().min(slower_rad_s),
+                None => sqrt(missed_rad_s * cruise_rad_s(&good)).min(slower_rad_s),
+                Some(like) if is_last => SLOWER * cruise_rad_s(like),
+                Some(like) => cruise_rad_s(like).min(slower_rad_s),
             };
-            let next = self.own(next_rad_s);
-            if self.is_good(&next)? {
+            if let Some(next) = self.slower(&good, next_rad_s)? {
                 good = next;
                 missed_rad_s = if is_last { 0.0 } else { missed_rad_s };
             } else if is_last {
@@ -208,9 +212,25 @@ impl InTime<'_> {
         Ok(good)
     }
 
+    /// Plans at a slower cruise than `good` with ramps that are in time and hold the limits: its own, or those of
+    /// `good` if they take back no more than they may.
+    fn slower(&self, good: &Plan, speed_rad_s: f64) -> Result<Option<Plan>, PlanError> {
+        let own = self.own(speed_rad_s);
+        if self.is_good(&own)? {
+            return Ok(Some(own));
+        }
+        let like = self.at(speed_rad_s, good.profile.course.shape);
+        if !self.is_good(&like)? {
+            return Ok(None);
+        }
+        let back_ml = taken_back_ml(self.pump, &like);
+        let may = is_no_fault(back_ml) || back_ml <= taken_back_ml(self.pump, good);
+        Ok(may.then_some(like))
+    }
+
     /// Finds the slowest cruise above `missed_rad_s` that is in time with the ramps of `good`, which is in time.
     fn slowest_like(&self, good: &Plan, missed_rad_s: f64) -> Result<Plan, PlanError> {
-        let (mut slow, mut fast) = (missed_rad_s, good.profile.cruise_rad_s());
+        let (mut slow, mut fast) = (missed_rad_s, cruise_rad_s(good));
         let mut found = good.clone();
         while fast - slow > NEAR * fast {
             let middle = 0.5 * (slow + fast);
@@ -244,13 +264,12 @@ impl InTime<'_> {
     /// the motor's own count too.
     fn hurry(&self, hurried: &mut Hurried) -> Result<(), PlanError> {
         for speed_rad_s in speeds_from(self.fastest_rad_s()) {
-            let plain = self.at(speed_rad_s, None);
-            let least_s = plain.profile.duration_s();
+            let least_s = self.least_s(speed_rad_s);
             if least_s > self.time_s && least_s >= hurried.shortest_s {
                 break;
             }
             let usual = self.usual(speed_rad_s);
-            self.keep_gentler(hurried, plain)?;
+            self.keep_gentler(hurried, usual.with_shape(None))?;
             for most_s in [self.time_s, 0.0] {
                 if let Some(shape) = in_time(self.pump, &usual, most_s) {
                     self.keep_gentler(hurried, usual.with_shape(Some(shape)))?;
@@ -268,6 +287,13 @@ impl InTime<'_> {
         }
         Ok(())
     }
+}
+
+/// Returns the cruise speed of a plan, rad/s, or the fastest speed of one too short to reach it. A rotor that turns
+/// already may be faster.
+fn cruise_rad_s(plan: &Plan) -> f64 {
+    let profile = &plan.profile;
+    if profile.reaches_limit() { profile.limit_rad_s() } else { profile.peak_rad_s() }
 }
 
 /// Returns the speeds at which a search tries ramps, from the fastest down.
