@@ -21,11 +21,9 @@ const HURRIED_DOWNS: [f64; 4] = [1.0, 3.0, 6.0, 11.0];
 /// Parts of the plateau between both legs of the way down that are tried first.
 const BETWEENS: [f64; 3] = [0.2, 0.4, 0.65];
 
-/// Steps of the refinement: units, and parts of the plateau.
-const FINER: [(f64, f64); 3] = [(2.0, 0.1), (1.0, 0.05), (0.5, 0.02)];
-
-/// Rounds of each step of the refinement.
-const ROUNDS: u32 = 2;
+/// Steps of the refinement: units, parts of the plateau, and rounds. The last step has one round, so that a Cortex-M4
+/// plans with less than 20 million instructions.
+const FINER: [(f64, f64, u32); 3] = [(2.0, 0.1, 2), (1.0, 0.05, 2), (0.5, 0.02, 1)];
 
 /// Finds the ramps of `plan`, which has usual ramps, from the angle and the lines that it starts with.
 pub(in crate::plan) fn line_aware(pump: &Pump, plan: &Plan) -> Option<Shape> {
@@ -103,6 +101,13 @@ struct Best {
     outcome: Outcome,
 }
 
+impl Best {
+    /// Returns the time to rest of ramps whose back flow is no fault, s, and infinity for others.
+    fn soonest_s(&self) -> f64 {
+        if self.outcome.is_within() { self.outcome.time_s } else { f64::INFINITY }
+    }
+}
+
 impl<'a> Search<'a> {
     fn new(pump: &'a Pump, plan: &'a Plan, aim: Aim) -> Self {
         let profile = &plan.profile;
@@ -136,6 +141,7 @@ impl<'a> Search<'a> {
         let mut slots = firsts.iter_mut();
         let mut tried = 0.0;
         let mut known = None;
+        let mut soonest_s = f64::INFINITY;
         for up in UPS {
             // The motor's own ramp may be longer than a try.
             let up = up.max(self.grid.least);
@@ -147,9 +153,11 @@ impl<'a> Search<'a> {
             for (between, slot) in BETWEENS.into_iter().zip(&mut slots) {
                 for first in self.aim.downs() {
                     for last in self.aim.downs() {
-                        self.try_place(Place { up, down: [first, last], between }, cruise.as_ref(), slot);
+                        let place = Place { up, down: [first, last], between };
+                        self.try_place(place, cruise.as_ref(), soonest_s, slot);
                     }
                 }
+                soonest_s = soonest_s.min(slot.map_or(f64::INFINITY, |best| best.soonest_s()));
             }
             known = Some((up, cruise));
             if self.starts_do_not_count() {
@@ -182,10 +190,10 @@ impl<'a> Search<'a> {
         };
         let mut best = Some(first);
         let mut here = first;
-        for (units, part) in FINER {
-            for _ in 0..ROUNDS {
+        for (units, part, rounds) in FINER {
+            for _ in 0..rounds {
                 for neighbour in here.place.neighbours(units, part) {
-                    self.try_place(neighbour, cruise, &mut best);
+                    self.try_place(neighbour, cruise, f64::INFINITY, &mut best);
                 }
                 let Some(found) = best.filter(|best| best.place != here.place) else { break };
                 here = found;
@@ -211,11 +219,18 @@ impl<'a> Search<'a> {
         Some(Cruise::new(self.pump, &self.lines, &latest, earliest_s, &self.start))
     }
 
-    /// Tries the ramps at a place, and keeps them if they are better.
-    fn try_place(&self, place: Place, cruise: Option<&Cruise>, best: &mut Option<Best>) {
+    /// Tries the ramps at a place, and keeps them if they are better. A motion that is longer than the way to rest of
+    /// others, with a back flow that is no fault, is no better. `soonest_s` is that way of ramps that were kept
+    /// elsewhere.
+    fn try_place(&self, place: Place, cruise: Option<&Cruise>, soonest_s: f64, best: &mut Option<Best>) {
         let Some(shape) = self.grid.shape(&place) else { return };
+        let profile = self.profile.with_shape(Some(shape));
+        let soonest_s = soonest_s.min(best.map_or(f64::INFINITY, |best| best.soonest_s()));
+        if self.aim == Aim::Rest && profile.duration_s() >= soonest_s {
+            return;
+        }
         let most_ml = best.map_or(f64::INFINITY, |best| best.outcome.taken_back_ml);
-        if let Some(outcome) = self.outcome(&self.profile.with_shape(Some(shape)), cruise, most_ml) {
+        if let Some(outcome) = self.outcome(&profile, cruise, most_ml) {
             self.keep_better(best, Best { place, shape, outcome });
         }
     }
