@@ -1,11 +1,13 @@
 //! Tests of short doses of a pump whose displacement depends on the speed: the speed that they reach depends on
 //! their steps and ramps, and these on the displacement.
 
-use pump_ctl::plan::Ramps;
+use pump_ctl::plan::{PlanError, Ramps};
 use pump_model::units::rpm;
 
 use super::tests::stored;
 use super::*;
+use crate::dosing::{DoseRequest, Prepared};
+use crate::record::PhaseSource;
 
 /// Slowest and fastest speed of the calibration, in r/min.
 const SPEEDS_RPM: [f64; 3] = [10.0, 60.0, 120.0];
@@ -59,4 +61,24 @@ fn every_short_dose_has_a_fastest_speed_with_its_own_displacement() {
             check_fastest(name, Some(slope_per_rpm));
         }
     }
+}
+
+#[test]
+fn a_time_without_room_for_gentle_ramps_is_met_with_a_warning() {
+    let file = crate::catalogue::built_in("three-roller").unwrap();
+    let model = file.model().unwrap();
+    let within = |time_s: f64| {
+        let request = DoseRequest { cruise: Some(Cruise::Within { time_s }), ..DoseRequest::dose(3.0) };
+        Prepared::new(&file, &model, request, Phase::known(0.4), PhaseSource::Given, 0.0)
+    };
+    let Err(DoseError::Plan(PlanError::TimeTooShort { fastest_s, .. })) = within(1e-3) else {
+        panic!("no dose takes a millisecond")
+    };
+    let warnings = |time_s: f64| {
+        let prepared = within(time_s).unwrap();
+        let takes_s = prepared.plan.profile().duration_s() + prepared.prediction.settle_s;
+        assert!(takes_s <= time_s, "{takes_s} of {time_s}");
+        prepared.warnings.into_iter().filter(|warning| warning.contains("leaves no room for ramps")).count()
+    };
+    assert_eq!((warnings(1.01 * fastest_s), warnings(3.0 * fastest_s)), (1, 0));
 }
