@@ -46,9 +46,9 @@ pub(super) fn of_plan(
         warnings.extend(unknown_angle::warnings(model, plan));
     }
     let carry = low_flow_carry(model, plan)?.or_else(|| coarse_step(plan));
-    let facts = [short_dose(plan), hardly_smooth(model, plan), carry].into_iter().flatten();
+    let facts = [short_dose(plan), hurried(model, plan)?, hardly_smooth(model, plan), carry];
     let of_pressures = of_pressures(plan.direction() == Direction::Reverse, prediction, margins);
-    warnings.extend(facts.chain(of_pressures).map(Notice::from));
+    warnings.extend(facts.into_iter().flatten().chain(of_pressures).map(Notice::from));
     Ok(warnings)
 }
 
@@ -201,6 +201,19 @@ fn short_dose(plan: &Plan) -> Option<String> {
             rpm(plan.profile().peak_rad_s()),
         )
     })
+}
+
+/// Warns of a time that leaves no room for ramps that leave the line nearly at rest.
+fn hurried(model: &Pump, plan: &Plan) -> Result<Option<String>, PlanError> {
+    if !plan.is_hurried() {
+        return Ok(None);
+    }
+    let back_ml = plan.back_flow(model)?.backflow_ml;
+    Ok(Some(format!(
+        "the time leaves no room for ramps that leave the line at rest: the line gives up to {} µL too much and takes \
+         them back; a longer time makes it less",
+        significant(1e3 * back_ml, 2)
+    )))
 }
 
 /// Warns of a smooth flow that keeps most of its ripple.

@@ -94,8 +94,16 @@ impl DoseReport {
     fn ripple(&self) -> Option<String> {
         let percent = |ripple: f64| significant(100.0 * ripple, 2);
         let said = |at: &RippleAt| {
+            let off = match self.phase.half_width_deg {
+                half_width_deg if half_width_deg > 0.0 => format!(
+                    "; up to {} % if the angle is {} deg off",
+                    percent(at.peak_to_peak_worst_angle),
+                    significant(half_width_deg, 2)
+                ),
+                _ => String::new(),
+            };
             format!(
-                "{} % ({} % at constant speed), {} to {} % as far as the pump and its angle are known",
+                "{} % ({} % at constant speed{off}), {} to {} % as far as the pump and its angle are known",
                 percent(at.planned.peak_to_peak),
                 percent(at.constant_speed.peak_to_peak),
                 percent(at.peak_to_peak_median),

@@ -51,7 +51,8 @@ class Ripple(Record):
 class RippleAt(Record):
     """Ripple at one place: at constant speed, as planned, and as far as the pump and its angle are known.
 
-    `peak_to_peak_median` and `peak_to_peak_95` are the median and the 95th percentile over the errors of
+    `planned` is the ripple at the stated start angle. `peak_to_peak_worst_angle` is the largest over the half
+    width of that angle. `peak_to_peak_median` and `peak_to_peak_95` are the median and the 95th percentile over the errors of
     roller volume, engagement angle and start angle.
     """
 
@@ -59,6 +60,7 @@ class RippleAt(Record):
 
     constant_speed: Ripple
     planned: Ripple
+    peak_to_peak_worst_angle: float
     peak_to_peak_median: float
     peak_to_peak_95: float
 

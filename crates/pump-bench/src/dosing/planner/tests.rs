@@ -6,7 +6,7 @@ use super::*;
 use crate::calibration::{Calibration, CalibrationRun, Displacement, Expected, Reading, Source, Weighing};
 
 /// Returns a calibration that fits 1 + slope (N - 50) at these speeds exactly.
-fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) -> Stored {
+pub(super) fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) -> Stored {
     let pump = file.model().unwrap();
     let mut runs = Vec::new();
     for speed_rpm in speeds_rpm {

@@ -1,7 +1,7 @@
 //! The speeds at which the flow is as smooth as the motor allows: at the outlet's rollers, or at the end of
 //! the outlet line where that amplifies what is left of the ripple.
 
-use libm::sqrt;
+use libm::{sqrt, sqrtf};
 use pump_model::units::wrap;
 use pump_model::{FlowCurve, Pump};
 
@@ -139,9 +139,11 @@ impl SmoothKnots {
 
     /// Returns the search for the lift at a mean speed.
     fn search(&self, swing: Swing, mean_rad_s: f64) -> Search {
+        let per_square = self.per_square();
         Search {
             swing,
-            per_square: self.per_square(),
+            per_square,
+            per_flow: per_square.map(|row| row.map(sqrtf)),
             part_rad: (self.uneven_rad / PARTS as f64) as f32,
             even_rad: (self.pitch_rad - self.uneven_rad) as f32,
             rise: self.rise as f32,

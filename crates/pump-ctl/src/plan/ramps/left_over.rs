@@ -41,7 +41,7 @@ pub(super) struct LeftOver {
     direction: f64,
     /// Volume at the rollers at the end, since angle 0, mL.
     end_ml: f64,
-    taken_back_ml: f64,
+    pub(super) taken_back_ml: f64,
 }
 
 impl LeftOver {
