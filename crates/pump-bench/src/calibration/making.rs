@@ -22,9 +22,12 @@ pub enum Fit {
 words!(Fit { Best = "best", Line = "line", Law = "speed-law" });
 
 impl Expected {
-    /// Returns the repeatability of the pump file, with the standard uncertainty of a reading, in mL.
+    /// Returns the repeatability of the pump file, which smaller runs exceed, with the standard uncertainty of a
+    /// reading, in mL.
     pub fn of(file: &PumpFile, reading_ml: f64) -> Self {
-        Self { repeatability: file.uncertainty.repeatability_percent / 100.0, reading_ml }
+        let table = &file.uncertainty;
+        let repeatability_at_ml = table.repeatability_at_ml;
+        Self { repeatability_at_ml, ..Self::new(table.repeatability_percent / 100.0, reading_ml) }
     }
 }
 

@@ -110,6 +110,10 @@ pub(super) struct LessBackFlow {
     pub(super) slower: Option<(f64, f64)>,
     /// Back flow with an end at low flow, in mL, if it is smaller.
     pub(super) low_flow_ml: Option<f64>,
+    /// Back flow with line-aware ramps, in mL, if it is smaller.
+    pub(super) line_aware_ml: Option<f64>,
+    /// True if a retraction would draw in what still hangs at the nozzle.
+    pub(super) by_retraction: bool,
 }
 
 /// Warns of a back flow that exceeds the expanded uncertainty that the dose has beside it. `is_in_air` is true for a
@@ -146,13 +150,19 @@ impl LessBackFlow {
         let slower = self.slower.map(|(ml_s, back_ml)| {
             format!("at `--rate {ml_s}mL/s` it is {} µL", significant(1e3 * back_ml, 2))
         });
-        let low_flow = self
-            .low_flow_ml
-            .map(|back_ml| format!("with `--finish low-flow` it is {} µL", significant(1e3 * back_ml, 2)));
-        let ways: Vec<String> = slower.into_iter().chain(low_flow).collect();
-        match ways.is_empty() {
+        let with = |words: &str, back_ml: Option<f64>| {
+            back_ml.map(|back_ml| format!("with `{words}` it is {} µL", significant(1e3 * back_ml, 2)))
+        };
+        let line_aware = with("--ramps line-aware", self.line_aware_ml);
+        let low_flow = with("--finish low-flow", self.low_flow_ml);
+        let ways: Vec<String> = line_aware.into_iter().chain(slower).chain(low_flow).collect();
+        let ways = match ways.is_empty() {
             true => "a much slower rate makes it less".to_owned(),
             false => ways.join(", "),
+        };
+        match self.by_retraction {
+            true => format!("{ways}; `--retract` draws in what then still hangs at the nozzle"),
+            false => ways,
         }
     }
 }

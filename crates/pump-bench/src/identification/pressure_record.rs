@@ -126,6 +126,7 @@ pub fn identified_line(
         points,
         warnings: doubts(&fit, samples),
         line,
+        nozzle: None,
     }
     .with_weak_correlation(true))
 }

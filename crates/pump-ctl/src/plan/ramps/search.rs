@@ -1,10 +1,11 @@
 //! The search for the ramps of a plan.
 
+use pump_model::units::TURN_RAD;
 use pump_model::{LineState, Pump};
 
 use super::cruise::{Cruise, has_forgotten};
 use super::grid::{Grid, Place};
-use super::left_over::{LeftOver, Outcome};
+use super::left_over::{LeftOver, Outcome, limit_ml};
 use super::lines::{Lines, States, of_leg, of_motion};
 use crate::plan::Plan;
 use crate::plan::profile::{Profile, Shape};
@@ -31,7 +32,7 @@ pub(in crate::plan) fn line_aware(pump: &Pump, plan: &Plan) -> Option<Shape> {
 
 /// Returns what comes of a plan with the ramps that it has.
 pub(super) fn outcome_from_rest(pump: &Pump, plan: &Plan) -> Outcome {
-    let far = Outcome { taken_back_ml: f64::INFINITY, time_s: f64::INFINITY };
+    let far = Outcome { taken_back_ml: f64::INFINITY, time_s: f64::INFINITY, limit_ml: 0.0 };
     Search::new(pump, plan).outcome(&plan.profile, None, f64::INFINITY).unwrap_or(far)
 }
 
@@ -46,6 +47,8 @@ struct Search<'a> {
     end_ml: f64,
     /// Volume of the last motor step, mL.
     step_ml: f64,
+    /// Largest back flow that is no fault, mL.
+    limit_ml: f64,
 }
 
 /// The best ramps so far.
@@ -78,6 +81,7 @@ impl<'a> Search<'a> {
             direction,
             end_ml: pump.outlet_curve().volume_ml(plan.end_angle_rad()),
             step_ml: plan.end_step_ml(pump) * direction,
+            limit_ml: limit_ml(plan.planned_ml(), pump.revolution_ml() * plan.step_rad() / TURN_RAD),
         }
     }
 
@@ -176,7 +180,7 @@ impl<'a> Search<'a> {
     /// `most_ml`.
     fn outcome(&self, profile: &Profile, cruise: Option<&Cruise>, most_ml: f64) -> Option<Outcome> {
         let curve = self.pump.outlet_curve();
-        let mut left_over = LeftOver::new(self.direction, self.end_ml);
+        let mut left_over = LeftOver::new(self.direction, self.end_ml, self.limit_ml);
         let mut states: [LineState; 3] = self.start;
         let (left_s, end_s) = (profile.left_s(), profile.duration_s());
         match cruise.filter(|_| profile.reaches_limit()) {
