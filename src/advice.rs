@@ -49,6 +49,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         }
         Remedy::CalibrateAgain => "calibrate again, or say `dose calibrate use none`",
         Remedy::BeginCalibrationAnew => "correct the file, or begin anew with `dose calibrate run --anew`",
+        Remedy::TakeLineAwareRamps => "`--ramps line-aware` takes such ramps",
+        Remedy::SuckBack => "`--retract` sucks back",
         Remedy::DoseThenWeigh => {
             "make a dose into a tared vessel, then say `dose calibrate last` and its weight"
         }

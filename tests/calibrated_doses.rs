@@ -29,7 +29,7 @@ fn bench(folder: &std::path::Path, factor: f64) -> Bench {
         temperature_degc: None,
         time: None,
     };
-    let expected = Expected { repeatability: 0.0047, reading_ml: 0.0 };
+    let expected = Expected::new(0.0047, 0.0);
     let displacement =
         Displacement::fit(bench.model(), &[run], &Weighing::of(bench.file()), &expected).unwrap();
     let mut calibration = Calibration::empty(bench.file(), Source::File).unwrap();

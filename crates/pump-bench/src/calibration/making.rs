@@ -33,9 +33,12 @@ fn at_mean_speed(runs: &[CalibrationRun]) -> Vec<CalibrationRun> {
 }
 
 impl Expected {
-    /// Returns the repeatability of the pump file, with the standard uncertainty of a reading, in mL.
+    /// Returns the repeatability of the pump file, which smaller runs exceed, with the standard uncertainty of a
+    /// reading, in mL.
     pub fn of(file: &PumpFile, reading_ml: f64) -> Self {
-        Self { repeatability: file.uncertainty.repeatability_percent / 100.0, reading_ml }
+        let table = &file.uncertainty;
+        let repeatability_at_ml = table.repeatability_at_ml;
+        Self { repeatability_at_ml, ..Self::new(table.repeatability_percent / 100.0, reading_ml) }
     }
 
     /// Returns the repeatability of the pump file, with the standard uncertainty of two readings, empty and full, that

@@ -20,7 +20,7 @@ pub use date::now as now_utc;
 pub use default_rate::default_rate_left_out;
 pub(crate) use default_rate::default_rate_uncovered;
 pub use error::CalibrationError;
-pub(crate) use fit::{AgainstSpeed, LawToFit, PulseSureness, Revolution};
+pub(crate) use fit::{AgainstSpeed, LawToFit, PulseSureness, Revolution, scatter_ml};
 pub use fit::{
     Displacement, Expected, FittedPulse, LawFit, PhaseFit, Scatter, ShortDose, SpeedBend, short_doses_of_csv,
 };

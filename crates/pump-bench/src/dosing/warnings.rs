@@ -110,6 +110,10 @@ pub(super) struct LessBackFlow {
     pub(super) slower: Option<(f64, f64)>,
     /// Back flow with an end at low flow, in mL, if it is smaller.
     pub(super) low_flow_ml: Option<f64>,
+    /// Back flow with line-aware ramps, in mL, if it is smaller.
+    pub(super) line_aware_ml: Option<f64>,
+    /// True if a retraction would draw in what still hangs at the nozzle.
+    pub(super) by_retraction: bool,
 }
 
 /// Warns of a back flow that exceeds the expanded uncertainty that the dose has beside it. `is_in_air` is true for a
@@ -147,20 +151,31 @@ impl LessBackFlow {
         let slower = self
             .slower
             .map(|(ml_s, back_ml)| format!("at {ml_s} mL/s it is {} µL", significant(1e3 * back_ml, 2)));
-        let low_flow = self
-            .low_flow_ml
-            .map(|back_ml| format!("with an end at low flow it is {} µL", significant(1e3 * back_ml, 2)));
-        let ways: Vec<String> = slower.into_iter().chain(low_flow).collect();
-        match ways.is_empty() {
+        let with = |what: &str, back_ml: Option<f64>| {
+            back_ml.map(|back_ml| format!("with {what} it is {} µL", significant(1e3 * back_ml, 2)))
+        };
+        let line_aware = with("line-aware ramps", self.line_aware_ml);
+        let low_flow = with("an end at low flow", self.low_flow_ml);
+        let ways: Vec<String> = line_aware.into_iter().chain(slower).chain(low_flow).collect();
+        let ways = match ways.is_empty() {
             true => "a much slower rate makes it less".to_owned(),
             false => ways.join(", "),
+        };
+        match self.by_retraction {
+            true => format!("{ways}; a retraction draws in what then still hangs at the nozzle"),
+            false => ways,
         }
     }
 
     /// Returns what a person chooses for less.
     fn remedies(&self) -> impl Iterator<Item = Remedy> {
-        let slower = self.slower.map(|_| Remedy::SlowDown);
-        slower.into_iter().chain(self.low_flow_ml.map(|_| Remedy::EndAtLowFlow))
+        let ways = [
+            self.line_aware_ml.map(|_| Remedy::TakeLineAwareRamps),
+            self.slower.map(|_| Remedy::SlowDown),
+            self.low_flow_ml.map(|_| Remedy::EndAtLowFlow),
+            self.by_retraction.then_some(Remedy::SuckBack),
+        ];
+        ways.into_iter().flatten()
     }
 }
 

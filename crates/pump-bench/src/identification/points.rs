@@ -63,6 +63,7 @@ pub fn identified_resistance(
         points: fitted,
         warnings,
         line: Line { resistance_kpa_s_ml: fit.resistance_kpa_s_ml.value, ..*line },
+        nozzle: None,
     }
     .with_weak_correlation(with_offset))
 }
@@ -130,6 +131,7 @@ pub fn identified_compliance(
         points: fitted,
         warnings: warnings.map(Notice::from).collect(),
         line: Line { compliance_ml_kpa: fit.compliance_ml_kpa.value, ..*line },
+        nozzle: None,
     }
     .with_weak_correlation(true))
 }

@@ -127,6 +127,7 @@ pub fn identified_line(
         points,
         warnings: doubts(&fit, samples).into_iter().map(Notice::from).collect(),
         line,
+        nozzle: None,
     }
     .with_weak_correlation(true))
 }

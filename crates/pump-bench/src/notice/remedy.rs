@@ -48,6 +48,10 @@ pub enum Remedy {
     BeginCalibrationAnew,
     /// Turn more pitches, or find the angle.
     MorePitchesOrFindAngle,
+    /// Take the ramps that leave the line at rest.
+    TakeLineAwareRamps,
+    /// Suck back after the dose.
+    SuckBack,
     /// Make a dose, then weigh it before the pump turns again.
     DoseThenWeigh,
     /// Find the angle or dose whole pitches, then weigh that dose.
@@ -157,6 +161,8 @@ impl Remedy {
         Self::CalibrateAgain,
         Self::BeginCalibrationAnew,
         Self::MorePitchesOrFindAngle,
+        Self::TakeLineAwareRamps,
+        Self::SuckBack,
         Self::DoseThenWeigh,
         Self::DoseFromKnownAngle,
         Self::JoinOrBeginAnew,

@@ -98,7 +98,8 @@ pub struct DoseReport {
     /// Time from the start to the last step that was made, s, by the clock; null on a dry run. A simulated motor takes
     /// the time of its plan.
     pub measured_motion_s: Option<f64>,
-    /// Time from the last step until less than 1 µL is undelivered, s.
+    /// Time from the last step until less than 1 µL is undelivered, s. It is predicted, for a dose that was stopped
+    /// early by its stop.
     pub settle_s: f64,
     /// Largest volume delivered less the final one, before any retraction, mL: the line swings at the stop. It is
     /// predicted, for a dose that was stopped early by its stop.
@@ -252,7 +253,7 @@ impl DoseReport {
             mean_flow_ml_s: plan.planned_ml().abs() / motion_s,
             motion_s,
             measured_motion_s: delivered.map(|delivered| delivered.measured_s),
-            settle_s: prepared.prediction.settle_s,
+            settle_s: prepared.settle_of_s(made(prepared, delivered)),
             backflow_ml,
             reverse_flow_ml,
             inlet_min_kpa: whole.inlet.min_kpa,
@@ -356,9 +357,13 @@ fn retract_steps(prepared: &Prepared, delivered: Option<&Delivered>) -> Option<i
 
 /// The back flow of a dose, mL, and the reverse flow unless the dose was stopped on its way, mL.
 fn back_flow_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> (Option<f64>, Option<f64>) {
-    let all = prepared.plan.steps().unsigned_abs();
-    let made = delivered.map_or(all, |delivered| delivered.made);
+    let (all, made) = (prepared.plan.steps().unsigned_abs(), made(prepared, delivered));
     (prepared.backflow_of_ml(made), (made == all).then_some(prepared.back_flow.reverse_flow_ml))
+}
+
+/// The number of the steps that were made, or of all of a dry run.
+fn made(prepared: &Prepared, delivered: Option<&Delivered>) -> u64 {
+    delivered.map_or(prepared.plan.steps().unsigned_abs(), |delivered| delivered.made)
 }
 
 /// The carry to the next dose, mL.

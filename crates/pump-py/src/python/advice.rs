@@ -70,6 +70,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::Verify => "see bench.verify()",
         Remedy::FindPhase => "see bench.calibrate_phase()",
         Remedy::UseShortDoses => "see bench.calibrate_phase()",
+        Remedy::TakeLineAwareRamps => "ramps=\"line-aware\" takes such ramps",
+        Remedy::SuckBack => "retract sucks back",
         Remedy::DoseThenWeigh => "make a dose into a tared vessel, then call bench.calibrate_last()",
         Remedy::DoseFromKnownAngle => {
             "find the angle with bench.home_set(), or make a dose of whole pitches, and weigh that dose"

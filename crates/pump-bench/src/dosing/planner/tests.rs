@@ -22,7 +22,7 @@ pub(super) fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) ->
         let last = runs.last_mut().unwrap();
         last.reading = Reading::VolumeMl(factor * last.model_ml(&pump, 1).unwrap());
     }
-    let expected = Expected { repeatability: 0.0047, reading_ml: 0.0 };
+    let expected = Expected::new(0.0047, 0.0);
     let displacement = Displacement::fit(&pump, &runs, &Weighing::of(file), &expected).unwrap();
     let mut calibration = Calibration::empty(file, Source::File).unwrap();
     calibration.displacement = Some(displacement);

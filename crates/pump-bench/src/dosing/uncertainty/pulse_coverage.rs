@@ -106,7 +106,7 @@ fn calibrated(file: &PumpFile, plant: &Plant<'_>, dice: &mut Dice) -> Calibratio
         temperature_degc: None,
         time: None,
     }];
-    let expected = Expected { repeatability: REPEATABILITY, reading_ml: READING_ML };
+    let expected = Expected::new(REPEATABILITY, READING_ML);
     let weighed = Calibration::of_runs(file, Source::File, runs, Fit::Line, &expected, None).unwrap();
     let doses = (0..24)
         .map(|n| {

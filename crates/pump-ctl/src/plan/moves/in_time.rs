@@ -78,7 +78,7 @@ impl InTime<'_> {
         }
         self.hurry(&mut hurried)?;
         match hurried.best {
-            Some((back_ml, plan)) if is_no_fault(back_ml) => self.slowest(plan),
+            Some((back_ml, plan)) if is_no_fault(self.pump, &plan, back_ml) => self.slowest(plan),
             Some((_, plan)) => Ok(Plan { is_hurried: true, ..plan }),
             None => Err(self.refusal(usual.err(), hurried.shortest_s)),
         }
@@ -224,7 +224,7 @@ impl InTime<'_> {
             return Ok(None);
         }
         let back_ml = taken_back_ml(self.pump, &like);
-        let may = is_no_fault(back_ml) || back_ml <= taken_back_ml(self.pump, good);
+        let may = is_no_fault(self.pump, &like, back_ml) || back_ml <= taken_back_ml(self.pump, good);
         Ok(may.then_some(like))
     }
 

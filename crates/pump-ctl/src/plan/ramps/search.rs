@@ -1,10 +1,11 @@
 //! The search for the ramps of a plan.
 
+use pump_model::units::TURN_RAD;
 use pump_model::{LineState, Pump};
 
 use super::cruise::{Cruise, has_forgotten};
 use super::grid::{Grid, Place};
-use super::left_over::{LeftOver, Outcome};
+use super::left_over::{LeftOver, Outcome, limit_ml};
 use super::lines::{KNOWN, Lines, States, of_leg, of_motion};
 use crate::plan::Plan;
 use crate::plan::profile::{Profile, Shape};
@@ -42,14 +43,19 @@ pub(in crate::plan) fn taken_back_ml(pump: &Pump, plan: &Plan) -> f64 {
     search.outcome(&plan.profile, None, f64::INFINITY).map_or(f64::INFINITY, |outcome| outcome.taken_back_ml)
 }
 
-/// Returns true if a back flow, mL, is no fault of the ramps.
-pub(in crate::plan) fn is_no_fault(taken_back_ml: f64) -> bool {
-    Outcome { taken_back_ml, time_s: 0.0 }.is_within()
+/// Returns true if a back flow, mL, is no fault of the ramps of `plan`.
+pub(in crate::plan) fn is_no_fault(pump: &Pump, plan: &Plan, taken_back_ml: f64) -> bool {
+    taken_back_ml <= limit_of(pump, plan)
+}
+
+/// Returns the largest back flow of a plan that is no fault, mL.
+fn limit_of(pump: &Pump, plan: &Plan) -> f64 {
+    limit_ml(plan.planned_ml(), pump.revolution_ml() * plan.step_rad() / TURN_RAD)
 }
 
 /// Returns what comes of a plan with the ramps that it has.
 pub(super) fn outcome_from_rest(pump: &Pump, plan: &Plan) -> Outcome {
-    let far = Outcome { taken_back_ml: f64::INFINITY, time_s: f64::INFINITY };
+    let far = Outcome { taken_back_ml: f64::INFINITY, time_s: f64::INFINITY, limit_ml: 0.0 };
     Search::new(pump, plan, Aim::Rest).outcome(&plan.profile, None, f64::INFINITY).unwrap_or(far)
 }
 
@@ -91,6 +97,8 @@ struct Search<'a> {
     end_ml: f64,
     /// Volume of the last motor step, mL.
     step_ml: f64,
+    /// Largest back flow that is no fault, mL.
+    limit_ml: f64,
 }
 
 /// The best ramps so far.
@@ -124,6 +132,7 @@ impl<'a> Search<'a> {
             direction,
             end_ml: pump.outlet_curve().volume_ml(plan.end_angle_rad()),
             step_ml: plan.end_step_ml(pump) * direction,
+            limit_ml: limit_of(pump, plan),
         }
     }
 
@@ -239,7 +248,7 @@ impl<'a> Search<'a> {
     /// `most_ml`.
     fn outcome(&self, profile: &Profile, cruise: Option<&Cruise>, most_ml: f64) -> Option<Outcome> {
         let curve = self.pump.outlet_curve();
-        let mut left_over = LeftOver::new(self.direction, self.end_ml);
+        let mut left_over = LeftOver::new(self.direction, self.end_ml, self.limit_ml);
         let mut states: [LineState; 3] = self.start;
         let (left_s, end_s) = (profile.left_s(), profile.duration_s());
         match cruise.filter(|_| profile.reaches_limit()) {
@@ -271,6 +280,6 @@ impl<'a> Search<'a> {
             .fold(left_over.taken_back_ml, f64::max);
         let stepped = self.lines.with_volume(states, self.step_ml);
         let settled_s = self.lines.ring_down(&stepped).nth(KNOWN).map_or(0.0, |down| down.settled_after_s());
-        Outcome { taken_back_ml, time_s: motion_s + settled_s }
+        Outcome { taken_back_ml, time_s: motion_s + settled_s, limit_ml: self.limit_ml }
     }
 }

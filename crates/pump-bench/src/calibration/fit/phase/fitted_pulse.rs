@@ -49,7 +49,7 @@ impl FittedPulse {
 
     /// Returns the uncertainty that the short doses were expected to have.
     pub(crate) fn expected(&self) -> Expected {
-        Expected { repeatability: self.repeatability, reading_ml: self.reading_ml }
+        Expected::new(self.repeatability, self.reading_ml)
     }
 
     /// Returns the uncertainty of the pulse beside a zero of this standard uncertainty, in deg.
