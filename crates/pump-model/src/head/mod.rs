@@ -5,5 +5,8 @@ pub(crate) mod geometry;
 pub mod paper;
 pub(crate) mod port;
 pub(crate) mod pulses;
+pub(crate) mod reaches;
 pub mod roller_volume;
+mod runs;
 pub(crate) mod turn_range;
+mod turns_range;

@@ -127,7 +127,7 @@ def test_replacing_rollers_and_lines_makes_another_pump() -> None:
         (0, "number of rollers is 0; allowed: 1 to 1000"),
         (2**40, "allowed: 1 to 1000"),
         (1, "no roller seals"),
-        (13, "13 rollers the inlet flow per radian falls"),
+        (14, "14 rollers take 2.1055 mL each"),
     ],
 )
 def test_a_number_of_rollers_that_cannot_work_is_refused(rollers: int, message: str) -> None:

@@ -2,6 +2,7 @@
 
 mod another_pump;
 mod doser;
+mod offer;
 mod plain_ramp;
 mod retarget;
 mod start;
