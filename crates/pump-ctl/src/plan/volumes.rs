@@ -21,9 +21,9 @@ impl Plan {
         delivered(pump, self.start, steps, self.step_rad)
     }
 
-    /// Returns the volume of the last step, mL, which is the resolution of the dose at its end.
+    /// Returns the volume of the last step, mL, not negative, which is the resolution of the dose at its end.
     pub fn end_step_ml(&self, pump: &Pump) -> f64 {
-        pump.outlet_curve().flow_ml_rad(self.end_angle_rad()) * self.step_rad
+        pump.outlet_curve().flow_ml_rad(self.end_angle_rad()).abs() * self.step_rad
     }
 
     /// Returns the volumes, mL, of the two ends at low flow next to the volume requested plus carried. They

@@ -75,6 +75,13 @@ impl Head {
         Pump::new(geometry, roller, Line::PUBLISHED, Line::PUBLISHED).unwrap()
     }
 
+    /// Makes the model of the paper's head with another roller volume.
+    pub(crate) fn with_roller_ml(roller_ml: f64) -> Pump {
+        let roller = RollerVolume::measured().unwrap().scaled_to(roller_ml).unwrap();
+        let geometry = Geometry::published(3, Variant::Measured);
+        Pump::new(geometry, roller, Line::PUBLISHED, Line::PUBLISHED).unwrap()
+    }
+
     pub(crate) fn pitch_rad(&self) -> f64 {
         TAU / f64::from(self.rollers)
     }

@@ -98,3 +98,19 @@ fn the_flow_at_the_end_of_a_dose_is_positive() {
         assert!(head.flow_ml_rad(before_rad) > 0.0, "{owed_ml}: {plan:?}");
     }
 }
+
+#[test]
+fn a_head_that_delivers_next_to_nothing_is_planned_or_refused_soon() {
+    let begun = std::time::Instant::now();
+    for left in [1e-2, 1e-4, 1e-7] {
+        // Three rollers of V_nom/3 would take all.
+        let pump = Head::with_roller_ml(27.634_892 / 3.0 * (1.0 - left));
+        for start in [Phase::known(0.3), Phase::within(0.3, 0.1), Phase::unknown(pump.pitch_rad())] {
+            for volume_ml in [1e-5, 1e-3, 1.0, -30.0, 1e5] {
+                // The motor is too slow for a plan, or the steps are too many.
+                let _ = planned(&pump, start, &request(volume_ml), 12_800.0);
+            }
+        }
+    }
+    assert!(begun.elapsed().as_secs() < 60, "{:?}", begun.elapsed());
+}

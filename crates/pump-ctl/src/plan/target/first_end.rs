@@ -18,7 +18,7 @@ const PITCHES: f64 = 8.0;
 const PARTS: usize = 40;
 
 /// Returns half of the mean volume of a step, mL.
-pub(in crate::plan) fn half_step_ml(pump: &Pump, step_rad: f64) -> f64 {
+fn half_step_ml(pump: &Pump, step_rad: f64) -> f64 {
     0.5 * pump.revolution_ml() * step_rad / TURN_RAD
 }
 

@@ -10,6 +10,6 @@ mod target;
 
 pub(in crate::plan) use delivered::{booked, delivered};
 pub(in crate::plan) use ends::ends;
-pub(in crate::plan) use first_end::{first, half_step_ml};
+pub(in crate::plan) use first_end::first;
 pub(in crate::plan) use nearest::nearest_steps;
 pub(in crate::plan) use target::Target;
