@@ -50,6 +50,8 @@ impl FlowCurve {
     /// assert!((curve.volume_ml(reach.angle_rad) - curve.volume_ml(0.3) + 5.0).abs() < 1e-12);
     /// assert_eq!(curve.reaches(0.3, -5.0, 0.0).count(), 1);
     /// ```
+    #[cold]
+    #[inline(never)]
     pub fn reaches(&self, start_rad: f64, volume_ml: f64, short_ml: f64) -> Reaches<'_> {
         Reaches {
             curve: self,
@@ -63,6 +65,8 @@ impl FlowCurve {
     }
 
     /// Returns the smallest and the largest volume since the start of a pitch, within the pitch, mL.
+    #[cold]
+    #[inline(never)]
     pub(super) fn pitch_range_ml(&self) -> (f64, f64) {
         self.pieces().iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), piece| {
             let ((_, smallest), (_, largest)) = piece.volume.range_in(0.0, piece.length_rad);
@@ -112,6 +116,8 @@ impl Reaches<'_> {
 impl Iterator for Reaches<'_> {
     type Item = Reach;
 
+    #[cold]
+    #[inline(never)]
     fn next(&mut self) -> Option<Reach> {
         let mut looked = f64::NAN;
         loop {

@@ -72,6 +72,8 @@ impl<'a> Runs<'a> {
     }
 
     /// Returns the next run, and goes to its end.
+    #[cold]
+    #[inline(never)]
     pub(super) fn next(&mut self) -> Run {
         self.enter_piece();
         let piece = self.curve.piece(self.number);

@@ -15,12 +15,14 @@ impl FlowCurve {
     /// // Where the flow is positive everywhere, the ends have the extremes.
     /// assert_eq!(curve.volume_range_ml(0.2, 5.0), (curve.volume_ml(0.2), curve.volume_ml(5.0)));
     /// ```
+    #[cold]
+    #[inline(never)]
     pub fn volume_range_ml(&self, from_rad: f64, to_rad: f64) -> (f64, f64) {
         // A pitch adds to the volume, so the least lies within the first pitch and the most within the last.
         let pitch_rad = self.pitch_rad();
         let (mut least_ml, mut most_ml) = (self.volume_ml(from_rad), self.volume_ml(to_rad));
-        self.each_turn(from_rad, to_rad.min(from_rad + pitch_rad), |_, ml| least_ml = least_ml.min(ml));
-        self.each_turn(from_rad.max(to_rad - pitch_rad), to_rad, |_, ml| most_ml = most_ml.max(ml));
+        self.each_turn(from_rad, to_rad.min(from_rad + pitch_rad), &mut |_, ml| least_ml = least_ml.min(ml));
+        self.each_turn(from_rad.max(to_rad - pitch_rad), to_rad, &mut |_, ml| most_ml = most_ml.max(ml));
         (least_ml.min(self.volume_ml(to_rad)), most_ml.max(self.volume_ml(from_rad)))
     }
 
@@ -37,6 +39,8 @@ impl FlowCurve {
     /// assert_eq!(least_ml, curve.turn_range_ml(0.3, 0.1, -1.0).0);
     /// assert_eq!(most_ml, curve.turn_range_ml(0.3, 0.1, 2.0).1);
     /// ```
+    #[cold]
+    #[inline(never)]
     pub fn turns_range_ml(
         &self,
         start_rad: f64,
@@ -52,24 +56,28 @@ impl FlowCurve {
         let (mut least_ml, mut most_ml) = (low.0.min(high.0), low.1.max(high.1));
         // A turn that is longer by a pitch delivers more, from every angle.
         let turns = (least_rad, most_rad.min(least_rad + self.pitch_rad()));
-        self.each_turn(starts.0 + turns.0, starts.1 + turns.1, |end_rad, end_ml| {
+        self.each_turn(starts.0 + turns.0, starts.1 + turns.1, &mut |end_rad, end_ml| {
             least_ml = least_ml.min(end_ml - self.starts_range_ml(starts, turns, end_rad).1);
         });
         let turns = (least_rad.max(most_rad - self.pitch_rad()), most_rad);
-        self.each_turn(starts.0 + turns.0, starts.1 + turns.1, |end_rad, end_ml| {
+        self.each_turn(starts.0 + turns.0, starts.1 + turns.1, &mut |end_rad, end_ml| {
             most_ml = most_ml.max(end_ml - self.starts_range_ml(starts, turns, end_rad).0);
         });
         (least_ml, most_ml)
     }
 
     /// Returns the smallest and largest volume at the starts from which turns end at `end_rad`, mL.
+    #[cold]
+    #[inline(never)]
     fn starts_range_ml(&self, starts: (f64, f64), turns: (f64, f64), end_rad: f64) -> (f64, f64) {
         let (first_rad, last_rad) = (starts.0.max(end_rad - turns.1), starts.1.min(end_rad - turns.0));
         self.volume_range_ml(first_rad.min(last_rad), last_rad)
     }
 
     /// Shows the angles between two at which the flow may reverse, with the volumes since angle 0, mL.
-    fn each_turn(&self, from_rad: f64, to_rad: f64, mut show: impl FnMut(f64, f64)) {
+    #[cold]
+    #[inline(never)]
+    fn each_turn(&self, from_rad: f64, to_rad: f64, show: &mut dyn FnMut(f64, f64)) {
         /// Largest number of runs for each piece. The way has four pitches at most, and a piece has five runs.
         const RUNS: usize = 20;
         let mut runs = Runs::new(self, from_rad, true);

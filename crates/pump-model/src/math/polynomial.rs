@@ -158,6 +158,7 @@ impl Polynomial {
     ///
     /// The control points of halves of the interval come as near to the polynomial as is needed (de Casteljau's
     /// algorithm; Farouki 2012).
+    #[inline(never)]
     pub(crate) const fn is_positive_to(&self, length: f64) -> bool {
         const BINOMIALS: [f64; DEGREE + 1] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
         let mut points = self.c;
@@ -258,6 +259,7 @@ impl Polynomial {
 
 /// Returns true if the polynomial with these control points is positive throughout, which halving `depth` times
 /// must show.
+#[inline(never)]
 const fn are_positive(points: [f64; DEGREE + 1], depth: u32) -> bool {
     // A comparison with what is not a number is false.
     let are_ends = points[0] > 0.0 && points[DEGREE] > 0.0;

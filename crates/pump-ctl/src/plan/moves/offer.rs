@@ -16,6 +16,8 @@ const PART: f64 = 1.0 / 16.0;
 ///
 /// Where the flow reverses, the volume at which the rotor can stop may have been reached before. A dose of it would
 /// end there.
+#[cold]
+#[inline(never)]
 pub(super) fn offered_ml(
     pump: &Pump,
     start: Phase,

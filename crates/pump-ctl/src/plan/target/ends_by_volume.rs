@@ -23,6 +23,8 @@ impl<F: Fn(f64) -> f64> EndsByVolume<F> {
     }
 
     /// Looks at the ends of a stretch of low flow, from `first` to `last` steps. The volume grows there.
+    #[cold]
+    #[inline(never)]
     pub(super) fn look(&mut self, first: f64, last: f64) {
         let (mut low, mut high) = (first, last);
         let [mut low_ml, mut high_ml] = [low, high].map(&self.volume_ml);

@@ -1,4 +1,6 @@
 //! The end of a dose on a head whose flow reverses.
+//!
+//! The functions are cold and stay out of line: most heads never need them, and copies would take flash.
 
 use libm::{ceil, floor};
 use pump_model::Pump;
@@ -27,6 +29,8 @@ fn half_step_ml(pump: &Pump, step_rad: f64) -> f64 {
 ///
 /// The dose ends at the first angle at which it has delivered the volume. The flow is positive there, so nothing that
 /// was delivered is taken back. It also ends at a local maximum that falls short by less than half of the mean step.
+#[cold]
+#[inline(never)]
 pub(in crate::plan) fn first(pump: &Pump, start: Phase, owed_ml: f64, step_rad: f64) -> (f64, f64) {
     let (half_ml, start_rad) = (half_step_ml(pump, step_rad), start.angle_rad);
     if owed_ml.abs() <= half_ml {
@@ -60,6 +64,8 @@ pub(in crate::plan) fn first(pump: &Pump, start: Phase, owed_ml: f64, step_rad: 
 /// Smallest and largest volume need not grow with the turn. So the search halves a stretch of turns, and leaves out
 /// the parts in which no turn can be better: a step more changes both by no more than the largest flow times the step
 /// (Piyavskii, USSR Comput. Math. Math. Phys. 12, 1972).
+#[cold]
+#[inline(never)]
 pub(super) fn minimax(pump: &Pump, turned: Turned, owed_ml: f64, step_rad: f64) -> Result<f64, PlanError> {
     let curve = pump.outlet_curve();
     let sum_ml = turned.middle_ml(pump) + owed_ml;
@@ -75,10 +81,7 @@ pub(super) fn minimax(pump: &Pump, turned: Turned, owed_ml: f64, step_rad: f64) 
     if fewest > MAX_STEPS || high - low > MAX_STEPS {
         return Err(PlanError::TooManySteps { steps: fewest.max(high - low) });
     }
-    let off_ml = |steps: f64| {
-        let (least_ml, most_ml) = turned.by(steps * step_rad, steps * step_rad).range_ml(pump);
-        (sum_ml - least_ml).max(most_ml - sum_ml)
-    };
+    let off_ml = |steps: f64| off_ml(pump, turned.by(steps * step_rad, steps * step_rad), sum_ml);
     let steepest_ml = curve.largest_flow_ml_rad() * step_rad;
     // Whole pitches are a good start.
     let near = floor(floor(owed_ml / curve.pitch_ml() + 0.5) * curve.pitch_rad() / step_rad + 0.5);
@@ -112,7 +115,17 @@ pub(super) fn minimax(pump: &Pump, turned: Turned, owed_ml: f64, step_rad: f64) 
     Ok(best.0)
 }
 
+/// Returns the largest deviation of a turn's volumes from `sum_ml`, mL.
+#[cold]
+#[inline(never)]
+fn off_ml(pump: &Pump, turned: Turned, sum_ml: f64) -> f64 {
+    let (least_ml, most_ml) = turned.range_ml(pump);
+    (sum_ml - least_ml).max(most_ml - sum_ml)
+}
+
 /// Returns the smallest volume that is more than no steps, mL. It has the sign of `direction`.
+#[cold]
+#[inline(never)]
 pub(super) fn smallest_ml(pump: &Pump, turned: Turned, start: Phase, direction: f64, step_rad: f64) -> f64 {
     let aimed = turned.aimed();
     if aimed.is_exact() {
