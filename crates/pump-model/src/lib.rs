@@ -73,6 +73,7 @@ pub use experimental::speed_law_flow::SpeedLawFlow;
 pub use head::flow_curve::{self, FlowCurve};
 pub use head::geometry::Geometry;
 pub use head::paper::{self, CONTACT_ANGLE_DEG as PUBLISHED_CONTACT_ANGLE_DEG};
+pub use head::reaches::{Reach, Reaches};
 pub use head::roller_volume::{self, RollerVolume};
 #[cfg(feature = "construction")]
 pub use hose::falling_drop::falling_drop_ml;

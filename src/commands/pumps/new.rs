@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use pump_bench::catalogue::{DrawnPump, RollerRuns};
+use pump_bench::catalogue::{DrawnPump, RollerRuns, overlap_warning};
 use pump_bench::export::{Axes, fit_svg};
 use pump_bench::files::{MOST_TABLE_BYTES, Staged, read_text};
 use pump_bench::pump_file::{CurveFit, PumpFile, RollerVolumeTable};
@@ -35,8 +35,8 @@ pub(crate) struct NewArgs {
     /// From the shaft to a roller's axis, as 40mm
     #[arg(long, value_name = "LENGTH", value_parser = units::length_mm)]
     offset: f64,
-    /// Contact angle: the backplate spans 180deg and twice this, as 30deg
-    #[arg(long, value_name = "ANGLE", value_parser = units::angle_rad)]
+    /// Contact angle: the backplate spans 180deg and twice this, as 30deg, or as -20deg for a shorter bed
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true, value_parser = units::angle_rad)]
     contact: f64,
     /// Number of rollers
     #[arg(long, value_name = "N")]
@@ -111,6 +111,9 @@ impl NewArgs {
                 write_new(path, &text)?;
                 tell(&report.iter().map(|line| format!("  {line}\n")).collect::<String>())?;
             }
+        }
+        if let Some(warning) = overlap_warning(&drawn.geometry) {
+            tell(&format!("  warning   {warning}\n"))?;
         }
         outputs.put()
     }

@@ -154,6 +154,11 @@ fn curve(curve: &FlowCurve) {
     black_box((curve.pitch_rad(), curve.pitch_ml(), curve.flow_range_ml_rad(), curve.ripple()));
     black_box((curve.turn_range_ml(any(), any(), any()), curve.uneven_part()));
     black_box(curve.speed_for_flow(any(), any()));
+    black_box((curve.reverses(), curve.largest_flow_ml_rad(), curve.volume_range_ml(any(), any())));
+    black_box(curve.turns_range_ml(any(), any(), any(), any()));
+    for reach in curve.reaches(any(), any(), any()).take(black_box(1000)) {
+        black_box(reach);
+    }
 }
 
 fn pressures(pump: &Pump) -> Result<(), ModelError> {

@@ -2,9 +2,11 @@
 
 mod built_in;
 mod drawn_pump;
+mod overlap;
 mod roller_runs;
 mod unweighed;
 
 pub use built_in::{BUILT_IN, built_in, pump_named};
 pub use drawn_pump::DrawnPump;
+pub use overlap::overlap_warning;
 pub use roller_runs::{Fall, RollerRuns};

@@ -11,7 +11,7 @@ use pump_model::{Extremes, Pump};
 use super::uncertainty::pressure_uncertainty_kpa;
 use super::unknown_angle;
 use crate::calibration::Applied;
-use crate::catalogue::built_in;
+use crate::catalogue::{built_in, overlap_warning};
 use crate::notice::{Notice, Remedy};
 use crate::numbers::{microlitres_within, significant};
 use crate::pump_file::PumpFile;
@@ -45,6 +45,7 @@ pub(super) fn of_plan(
     if !plan.start().is_known(model.pitch_rad()) {
         warnings.extend(unknown_angle::warnings(model, plan));
     }
+    warnings.extend(overlap_warning(model.geometry()).map(Notice::from));
     let carry = low_flow_carry(model, plan)?.or_else(|| coarse_step(plan));
     let facts = [short_dose(plan), hurried(model, plan)?, hardly_smooth(model, plan), carry];
     let of_pressures = of_pressures(plan.direction() == Direction::Reverse, prediction, margins);

@@ -1,9 +1,9 @@
 //! The check of a pump file in words: what the pump gives.
 
-use libm::sin;
 use pump_model::units::{degrees, rad_s};
 use pump_model::{Line, Pump, RollerVolume};
 
+use crate::catalogue::overlap_warning;
 use crate::displacement::{DisplacementError, SpeedDependentPump};
 use crate::dosing::drop_ml;
 use crate::numbers::significant;
@@ -81,11 +81,8 @@ fn uncertainty_text(file: &PumpFile) -> String {
 
 /// Warns of rollers that overlap.
 fn overlap(pump: &Pump) -> Option<String> {
-    let geometry = pump.geometry();
-    let apart_mm = 2.0 * geometry.roller_offset_mm * sin(0.5 * pump.pitch_rad());
-    (apart_mm < 2.0 * geometry.roller_radius_mm).then(|| {
-        format!("  warning   the rollers' axes stand {apart_mm:.2} mm apart: less than their diameter\n")
-    })
+    let warning = overlap_warning(pump.geometry())?;
+    Some(format!("  warning   {warning}\n"))
 }
 
 /// The dependence of the volume on the speed.

@@ -4,5 +4,8 @@ pub mod flow_curve;
 pub(crate) mod geometry;
 pub mod paper;
 pub(crate) mod pulses;
+pub(crate) mod reaches;
 pub mod roller_volume;
+mod runs;
 pub(crate) mod turn_range;
+mod turns_range;

@@ -9,6 +9,9 @@ use crate::math::polynomial::Polynomial;
 use crate::port::Port;
 use crate::units::TURN_RAD;
 
+/// Part of the volume between rollers that a pitch delivers at least. Less is not told from rounding.
+const LEAST_PART: f64 = 1e-9;
+
 /// A validated pump with its two lines. A pump is immutable; build another to change it.
 ///
 /// ```
@@ -35,7 +38,7 @@ impl Pump {
     /// # Errors
     ///
     /// Refuses dimensions and lines that are not allowed, and rollers that do not seal at some angle or
-    /// engage for too long. Also refuses a pump whose flow per radian is not positive at some angle.
+    /// engage for too long. Also refuses a pump that delivers nothing over a revolution.
     pub fn new(
         geometry: Geometry,
         roller_volume: RollerVolume,
@@ -48,9 +51,18 @@ impl Pump {
         geometry.validate_seal(roller_volume.inset_rad())?;
         geometry.inlet_phase_rad(&roller_volume)?;
         let pump = Self::of_valid(geometry, roller_volume, inlet, outlet);
-        pump.inlet_curve.validate(geometry.rollers, Port::Inlet)?;
-        pump.outlet_curve.validate(geometry.rollers, Port::Outlet)?;
-        Ok(pump)
+        // Both curves have the same volume of a pitch, up to rounding.
+        let least_ml = LEAST_PART * geometry.nominal_ml_rad() * geometry.pitch_rad();
+        let pitches_ml = [&pump.inlet_curve, &pump.outlet_curve].map(FlowCurve::pitch_ml);
+        if pitches_ml.iter().all(|pitch_ml| *pitch_ml > least_ml) {
+            return Ok(pump);
+        }
+        Err(ModelError::NotPumping {
+            rollers: geometry.rollers,
+            nominal_ml: TURN_RAD * geometry.nominal_ml_rad(),
+            roller_ml: pump.roller_volume.total_ml(),
+            revolution_ml: pump.revolution_ml(),
+        })
     }
 
     /// Derives the flow curves of parts that are known to make a valid pump.

@@ -43,6 +43,14 @@ impl Pump {
         self.model().geometry().roller_offset_mm
     }
 
+    /// Depth by which neighbouring rollers overlap in space, mm. None if they do not.
+    ///
+    /// The model computes a head whose rollers overlap, but nobody can build it.
+    #[getter]
+    fn rollers_overlap_mm(&self) -> Option<f64> {
+        self.model().geometry().rollers_overlap_mm()
+    }
+
     /// Inlet phase psi, rad: the inlet's pulse begins this far behind the outlet's.
     ///
     /// Between the two a roller stays fully engaged for `2*pi - engagement_rad - inlet_phase_rad`.

@@ -1,6 +1,6 @@
 //! Pumps from names, drawings and plain data, and variations of a pump.
 
-use pump_bench::catalogue::DrawnPump;
+use pump_bench::catalogue::{DrawnPump, overlap_warning};
 use pump_bench::pump_file::{LineTable, PumpFile, RollerVolumeTable};
 use pump_bench::pump_named;
 use pump_model::Geometry;
@@ -13,6 +13,7 @@ use super::pump::Pump;
 use super::volume_fit::{fit_named, points_of};
 use crate::line::Line;
 use crate::python::errors::{self, value};
+use crate::python::warnings::warn;
 
 #[pymethods]
 impl Pump {
@@ -81,6 +82,7 @@ impl Pump {
         roller_offset_mm, hose_length_mm
     ))]
     fn from_drawing(
+        py: Python<'_>,
         id: &str,
         rollers: i64,
         bore_radius_mm: f64,
@@ -100,9 +102,12 @@ impl Pump {
             roller_radius_mm,
             roller_offset_mm,
         };
+        let warning = overlap_warning(&geometry);
         let roller_volume = RollerVolumeTable::Drawing;
         let drawn = DrawnPump { id: id.to_owned(), geometry, hose_length_mm, roller_volume };
-        Self::checked(drawn.pump_file().map_err(errors::model)?)
+        let pump = Self::checked(drawn.pump_file().map_err(errors::model)?)?;
+        warn(py, warning.as_slice())?;
+        Ok(pump)
     }
 
     /// Return this pump with some parts replaced. A part that is left out stays.

@@ -50,7 +50,8 @@ impl SmoothKnots {
         for (knot, slot) in per_square.as_flattened_mut().iter_mut().enumerate() {
             let angle_rad = sign * (origin_rad + knot as f64 * part_rad);
             let flow = curve.flow_ml_rad(angle_rad).max(curve.flow_ml_rad(angle_rad - BESIDE_RAD));
-            *slot = 1.0 / (flow * flow);
+            // No speed makes a forward flow where the flow reverses: the rotor passes as fast as it may.
+            *slot = if flow > 0.0 { 1.0 / (flow * flow) } else { f64::INFINITY };
         }
         Self {
             pitch_rad: curve.pitch_rad(),
@@ -119,8 +120,10 @@ impl SmoothLimit {
         let curve = pump.outlet_curve();
         let knots = SmoothKnots::new(curve, direction, max_rad_s, acceleration_rad_s2);
         let plain_ml_s = knots.flow_limit_ml_s(curve, mean_rad_s, None);
-        let lift = Swing::new(pump.outlet(), curve.pitch_rad() / mean_rad_s)
-            .and_then(|swing| knots.search(swing, mean_rad_s).best(plain_ml_s as f32));
+        // The search for a lift compares flows of one direction.
+        let swing =
+            if curve.reverses() { None } else { Swing::new(pump.outlet(), curve.pitch_rad() / mean_rad_s) };
+        let lift = swing.and_then(|swing| knots.search(swing, mean_rad_s).best(plain_ml_s as f32));
         let flow_ml_s = lift.map_or(plain_ml_s, |_| knots.flow_limit_ml_s(curve, mean_rad_s, lift));
         Self { flow_ml_s, max_rad_s, lift }
     }
