@@ -10,13 +10,13 @@ use crate::pump_file::{
 };
 
 /// Standard atmosphere, in kPa (ISO 2533).
-const ATMOSPHERE_KPA: f64 = 101.325;
+pub(super) const ATMOSPHERE_KPA: f64 = 101.325;
 
 /// Temperature of the fluid, in °C. A drawing does not tell it.
 const TEMPERATURE_DEGC: f64 = 25.0;
 
 /// Largest speed of the pump head, in r/min. A drawing does not tell it.
-const MAX_SPEED_RPM: f64 = 100.0;
+pub(super) const MAX_SPEED_RPM: f64 = 100.0;
 
 /// A pump as its drawing gives it.
 #[derive(Debug, Clone, PartialEq)]
@@ -240,7 +240,7 @@ fn bore_percent(geometry: &Geometry) -> f64 {
 }
 
 /// Rounds a positive number to two significant digits.
-fn two_digits(value: f64) -> f64 {
+pub(super) fn two_digits(value: f64) -> f64 {
     let place = pow(10.0, floor(libm::log(value) / core::f64::consts::LN_10) - 1.0);
     // Passing through text makes 0.13 exactly the number that is written 0.13.
     let rounded = floor(value / place + 0.5) * place;

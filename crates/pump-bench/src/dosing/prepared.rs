@@ -127,6 +127,7 @@ impl Prepared {
     /// dose's pump, and `backflow_ml` flows back at the end of the part.
     pub(crate) fn budget(&self, file: &PumpFile, part: &Swept, backflow_ml: f64) -> Budget {
         Budget::new(&self.model, part, &file.uncertainty, self.applied.as_ref())
+            .with_default_pulse(file, &self.model, part, self.applied.as_ref())
             .with_outlet(file, self.drop_ml, backflow_ml)
             .with_carry_within(self.plan.carry_in_ml(), self.carry_in_within_ml())
     }

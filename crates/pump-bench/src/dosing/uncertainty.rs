@@ -1,6 +1,9 @@
 //! The uncertainty budget of a dose.
 
 mod angle;
+mod default_pulse;
+#[cfg(test)]
+mod default_pulse_coverage;
 pub(super) mod outlet;
 mod pressure;
 #[cfg(test)]

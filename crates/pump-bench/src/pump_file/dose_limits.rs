@@ -18,6 +18,8 @@ pub enum UncheckedLimit {
     VapourPressure,
     /// The torque that the motor has.
     Torque,
+    /// The settling of an outlet whose line is not known, and the volume that it holds back.
+    Settling,
 }
 
 words_of_reports!(UncheckedLimit {
@@ -26,6 +28,7 @@ words_of_reports!(UncheckedLimit {
     TubeCollapse = "tube_collapse",
     VapourPressure = "vapour_pressure",
     Torque = "torque",
+    Settling = "settling",
 });
 
 impl PumpFile {
@@ -63,6 +66,7 @@ impl PumpFile {
             (UncheckedLimit::TubeCollapse, no_collapse && !nothing),
             (UncheckedLimit::VapourPressure, no_vapour && !nothing),
             (UncheckedLimit::Torque, limits.torque.is_none()),
+            (UncheckedLimit::Settling, self.outlet.line.is_unknown()),
         ];
         all.into_iter().filter_map(|(name, missing)| missing.then_some(name)).collect()
     }

@@ -103,15 +103,23 @@ impl PumpFile {
     /// [`PumpFileError::Syntax`] if the text is not the TOML of a pump file. Otherwise as
     /// [`PumpFile::check`].
     pub fn parse(text: &str, origin: &str) -> Result<Self, PumpFileError> {
-        let mut file: Self = toml::from_str(text).map_err(|error| PumpFileError::Syntax {
+        let file: Self = toml::from_str(text).map_err(|error| PumpFileError::Syntax {
             origin: origin.to_owned(),
             message: error.to_string().trim_end().to_owned(),
         })?;
-        if let Some(head) = file.head.as_ref().filter(|_| file.uncertainty.is_assumed()) {
-            file.uncertainty = UncertaintyTable::of_bought(head.tube_bore_mm);
-        }
+        let file = file.with_assumptions();
         file.check(origin)?;
         Ok(file)
+    }
+
+    /// Returns the file with the uncertainty of a bought head that nobody weighed, if it states none: that of the bore
+    /// that it names. [`PumpFile::parse`] has done so.
+    #[must_use]
+    pub fn with_assumptions(mut self) -> Self {
+        if let Some(head) = self.head.as_ref().filter(|_| self.uncertainty.is_assumed()) {
+            self.uncertainty = UncertaintyTable::of_bought(head.tube_bore_mm);
+        }
+        self
     }
 
     /// Returns the file as TOML.
@@ -157,6 +165,11 @@ impl PumpFile {
         let (rollers, geometry) = (self.rollers.count, self.geometry());
         let table = self.roller_volume.as_ref().ok_or(ModelError::DimensionsUnknown { rollers })?;
         Pump::new(geometry, table.curve(&geometry)?, inlet, outlet)
+    }
+
+    /// Returns the default pulse of a head that is known by its volume alone, or `None` for a head that is drawn.
+    pub(crate) fn pulse_prior(&self) -> Option<PulsePrior> {
+        self.head.as_ref().map(|_| PulsePrior::of(self.rollers.count))
     }
 
     /// Returns the law by which the volume of a revolution depends on the speed, or `None` if every speed has

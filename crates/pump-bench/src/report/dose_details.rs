@@ -110,7 +110,11 @@ impl DoseReport {
     }
 
     fn time(&self) -> String {
-        format!("{:.3} s in motion, {:.3} s to settle within 1 µL", self.moved_s(), self.settle_s)
+        let settles = match self.settle_s {
+            Some(settle_s) => format!("{settle_s:.3} s to settle within 1 µL"),
+            None => "settling not known, as the outlet's line is not".to_owned(),
+        };
+        format!("{:.3} s in motion, {settles}", self.moved_s())
     }
 
     fn back_flow(&self) -> Option<String> {
@@ -121,14 +125,21 @@ impl DoseReport {
     }
 
     fn pressures(&self) -> String {
+        let said =
+            |port: &str, range: Option<(f64, f64)>, unsure_kpa: Option<f64>| match range.zip(unsure_kpa) {
+                Some(((least_kpa, most_kpa), unsure_kpa)) => {
+                    format!("{port} {least_kpa:.2} to {most_kpa:.2} ± {} kPa", significant(unsure_kpa, 2))
+                }
+                None => format!("{port} not known, as its line is not"),
+            };
         format!(
-            "inlet {:.2} to {:.2} ± {} kPa, outlet {:.2} to {:.2} ± {} kPa absolute (k = 2; ambient {} kPa)",
-            self.inlet_min_kpa,
-            self.inlet_max_kpa,
-            significant(self.inlet_pressure_uncertainty_kpa, 2),
-            self.outlet_min_kpa,
-            self.outlet_max_kpa,
-            significant(self.outlet_pressure_uncertainty_kpa, 2),
+            "{}, {} absolute (k = 2; ambient {} kPa)",
+            said("inlet", self.inlet_min_kpa.zip(self.inlet_max_kpa), self.inlet_pressure_uncertainty_kpa),
+            said(
+                "outlet",
+                self.outlet_min_kpa.zip(self.outlet_max_kpa),
+                self.outlet_pressure_uncertainty_kpa
+            ),
             self.ambient_kpa
         )
     }

@@ -134,13 +134,14 @@ fn roller_text(file: &PumpFile, curve: &RollerVolume) -> Result<String, Displace
 /// The default pulse of a head that is known by its volume alone, with its uncertainty.
 fn default_pulse_text(file: &PumpFile, curve: &RollerVolume) -> String {
     let prior = PulsePrior::of(file.rollers.count);
+    let factor = libm::exp(2.0 * prior.engagement_spread);
     format!(
-        "{} mL over {:.0}° by default: {:.0} ± {:.0} % of the bore's pitch, ± {:.0}° (k = 2); no dimension is known",
+        "{} mL over {:.0}° by default, {:.0} % of the bore's pitch; as drawings of heads vary: {:.0} to {:.0}° (k = 2)",
         significant(curve.total_ml(), 2),
         curve.engagement_deg(),
-        100.0 * prior.share,
-        200.0 * prior.share_standard,
-        2.0 * prior.engagement_standard_deg,
+        100.0 * prior.share(),
+        prior.engagement_deg / factor,
+        (prior.engagement_deg * factor).min(360.0),
     )
 }
 

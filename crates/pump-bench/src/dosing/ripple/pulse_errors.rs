@@ -29,10 +29,13 @@ impl PulseErrors {
     /// Returns what short doses found of the pulse, or else what the pump file states. `applied` is the correction of
     /// the pump.
     pub(crate) fn of(file: &PumpFile, applied: Option<&Applied>) -> Self {
+        let zero_standard_rad = applied.map_or(0.0, |applied| applied.zero_standard_rad);
+        let by_default =
+            file.pulse_prior().map(|prior| PulseSureness::of_default(prior.covariances(), zero_standard_rad));
         Self {
             roller_volume_ml: file.uncertainty.roller_standard_ml(),
-            zero_standard_rad: applied.map_or(0.0, |applied| applied.zero_standard_rad),
-            fitted: applied.and_then(|applied| applied.pulse),
+            zero_standard_rad,
+            fitted: applied.and_then(|applied| applied.pulse).or(by_default),
             zero_rad: applied.map_or(0.0, |applied| applied.correction.zero_rad),
         }
     }

@@ -68,6 +68,16 @@ impl PumpFile {
         }
         let law = "none: the law needs the dimensions of the head, and [head] has none";
         allow(self.speed_law == SpeedLawTable::default(), "[speed_law]", "given", law)?;
+        let lines = "nothing, unless [inlet] and [outlet] say what the lines are: pressures follow from them";
+        let given = [
+            ("[limits] max_outlet_kpa", self.limits.max_outlet_kpa),
+            ("[limits] min_inlet_kpa", self.limits.min_inlet_kpa),
+        ];
+        if self.inlet.is_unknown() || self.outlet.line.is_unknown() {
+            for (key, kpa) in given {
+                allow(kpa.is_none(), key, kpa.unwrap_or_default(), lines)?;
+            }
+        }
         let roller_ml = self.uncertainty.roller_volume_ml;
         let pulse = "nothing: the default pulse of a [head] has its own uncertainty";
         allow(roller_ml.is_none(), "[uncertainty] roller_volume_ml", roller_ml.unwrap_or_default(), pulse)
