@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+mod bought_head;
 mod calibrate;
 mod calibration_limits;
 mod dose;

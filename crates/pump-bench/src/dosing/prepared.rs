@@ -185,6 +185,7 @@ impl Prepared {
 impl PlanningBasis<'_> {
     /// Plans the dose, then predicts it.
     fn prepare(&self) -> Result<Prepared, DoseError> {
+        self.file.check_pressure_limits(self.request.pressures)?;
         let (asked, limits) = self.asked();
         if self.request.purpose == Purpose::Calibrate {
             return self.prepare_to_weigh(&asked, limits);
@@ -247,7 +248,7 @@ impl PlanningBasis<'_> {
             .with_smooth(request.smooth)
             .with_finish(request.finish.unwrap_or_default())
             .with_turned(self.stands.turned)
-            .with_ramps(request.ramps.unwrap_or_default());
+            .with_ramps(request.ramps.unwrap_or(self.file.usual_ramps()));
         (asked, self.file.limits_with(request.pressures))
     }
 

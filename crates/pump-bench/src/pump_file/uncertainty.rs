@@ -38,9 +38,11 @@ impl UncertaintyTable {
     /// Repeated doses are taken to scatter as McIntyre et al. measured: 1 mL of 212.5 mL, the largest standard deviation
     /// of ten revolutions under 160 r/min. The 2.4 % of their model is of their pump, and no share of this.
     pub(crate) fn of_bought(bore_mm: Option<f64>) -> Self {
+        let model_percent = bore_mm.map_or(unweighed::widest_percent(), unweighed::model_percent);
+        let tenths = |percent: f64| libm::floor(10.0 * percent + 0.5) / 10.0;
         Self {
-            model_percent: bore_mm.map_or(unweighed::widest_percent(), unweighed::model_percent),
-            speed_percent: Some(unweighed::speed_percent()),
+            model_percent: tenths(model_percent),
+            speed_percent: Some(tenths(unweighed::speed_percent())),
             repeatability_percent: 0.47,
             repeatability_at_ml: None,
             roller_volume_ml: None,

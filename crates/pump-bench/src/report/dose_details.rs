@@ -125,23 +125,21 @@ impl DoseReport {
     }
 
     fn pressures(&self) -> String {
-        let said =
-            |port: &str, range: Option<(f64, f64)>, unsure_kpa: Option<f64>| match range.zip(unsure_kpa) {
-                Some(((least_kpa, most_kpa), unsure_kpa)) => {
-                    format!("{port} {least_kpa:.2} to {most_kpa:.2} ± {} kPa", significant(unsure_kpa, 2))
-                }
-                None => format!("{port} not known, as its line is not"),
-            };
-        format!(
-            "{}, {} absolute (k = 2; ambient {} kPa)",
-            said("inlet", self.inlet_min_kpa.zip(self.inlet_max_kpa), self.inlet_pressure_uncertainty_kpa),
-            said(
-                "outlet",
-                self.outlet_min_kpa.zip(self.outlet_max_kpa),
-                self.outlet_pressure_uncertainty_kpa
-            ),
-            self.ambient_kpa
-        )
+        let said = |port: &str, range: Option<(f64, f64)>, unsure_kpa: Option<f64>| {
+            let ((least_kpa, most_kpa), unsure_kpa) = range.zip(unsure_kpa)?;
+            Some(format!("{port} {least_kpa:.2} to {most_kpa:.2} ± {} kPa", significant(unsure_kpa, 2)))
+        };
+        let inlet = self.inlet_min_kpa.zip(self.inlet_max_kpa);
+        let outlet = self.outlet_min_kpa.zip(self.outlet_max_kpa);
+        let known: Vec<String> = said("inlet", inlet, self.inlet_pressure_uncertainty_kpa)
+            .into_iter()
+            .chain(said("outlet", outlet, self.outlet_pressure_uncertainty_kpa))
+            .collect();
+        let ambient = format!("ambient {} kPa", self.ambient_kpa);
+        match known.as_slice() {
+            [] => format!("not known: the pump file names no lines ({ambient})"),
+            known => format!("{} absolute (k = 2; {ambient})", known.join(", ")),
+        }
     }
 
     /// The reading of a balance for the volume, with the pressure of its air.

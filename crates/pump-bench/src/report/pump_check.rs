@@ -77,7 +77,7 @@ fn uncertainty_text(file: &PumpFile) -> String {
         (None, None) => format!("{} % of the volume", stated.model_percent),
     };
     match &file.head {
-        Some(_) => format!("{of_volume} (standard uncertainty)"),
+        Some(_) => format!("{} (standard uncertainty)", of_volume.trim_end_matches(',')),
         None => {
             format!("{of_volume} and {} mL of a roller (standard uncertainty)", stated.roller_standard_ml())
         }

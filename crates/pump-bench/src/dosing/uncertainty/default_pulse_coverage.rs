@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use pump_ctl::plan::{Cruise, Phase, Request};
+use pump_ctl::plan::{Cruise, Phase, Ramps, Request};
 use pump_model::units::{rad_s, radians};
 
 use super::pulse_coverage::Shape;
@@ -110,7 +110,8 @@ fn covered(rollers: u32, wider: f64) -> [f64; 2] {
         let planner = Planner { file: &file, pump: &pump, stored: Some(&stored), limits: &limits };
         let volume_ml = 0.1 * 100_f64.powf(dice.uniform());
         let start_rad = TAU * dice.uniform();
-        let request = Request::new(volume_ml, Cruise::Speed { rad_s: rad_s(20.0) });
+        let request =
+            Request::new(volume_ml, Cruise::Speed { rad_s: rad_s(20.0) }).with_ramps(Ramps::Fastest);
         let found = planner.plan(Phase::known(start_rad), &request).unwrap();
         let swept = Swept::whole(&found.model, &found.plan);
         let budget = Budget::new(&found.model, &swept, &file.uncertainty, found.applied.as_ref())
@@ -148,10 +149,10 @@ fn heads_that_nobody_weighed_state_more_than_the_papers_2_4_percent() {
     let budget = Budget::new(&pump, &Swept::whole(&pump, &plan), &file.uncertainty, None);
     let of = |source| budget.shares.iter().find(|share| share.source == source).unwrap().standard_ml;
     // sqrt(25² + 20²)/sqrt(3) % between pumps and tubes of the bore with the widest limits, 9.02/sqrt(3) % at a speed.
-    assert!((of(ShareSource::Model) - 0.184_842 * plan.planned_ml()).abs() < 1e-4);
-    assert!((of(ShareSource::Speed) - 0.052_077 * plan.planned_ml()).abs() < 1e-4);
+    assert!((of(ShareSource::Model) - 0.185 * plan.planned_ml()).abs() < 1e-4);
+    assert!((of(ShareSource::Speed) - 0.052 * plan.planned_ml()).abs() < 1e-4);
     // A bore of 1/8 in: sqrt(10² + 5²)/sqrt(3) %.
     let mut known = BoughtPump { id: "b".to_owned(), head: HeadTable::new(0.5), rollers: 4 };
     known.head.tube_bore_mm = Some(3.175);
-    assert!((known.pump_file().uncertainty.model_percent - 6.455).abs() < 1e-3);
+    assert!((known.pump_file().uncertainty.model_percent - 6.5).abs() < 1e-9);
 }
