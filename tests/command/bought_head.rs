@@ -47,7 +47,8 @@ fn a_dose_of_a_bought_head_is_made_and_says_what_is_not_known() {
     // The record goes on, and a part of a pitch is as unsure as the default pulse.
     let part = user.json(&["60uL", "--pump", bought]);
     assert!(share_ml(&part, "pulse") > 2e-3, "{part}");
-    assert!((number(&part, "start_angle_deg") - number(&report, "end_angle_deg")).abs() < 1e-6);
+    // The dose ended after 50 turns, so the angle of the record is 0 again.
+    assert!(number(&part, "start_angle_deg").abs() < 1e-6, "{part}");
     let text = user.types(&["60uL", "--pump", bought, "--dry-run", "-v"]).out;
     for said in ["pressure not known", "settling not known", "names no lines", "settling"] {
         assert!(text.contains(said), "{said}: {text}");
@@ -85,7 +86,7 @@ fn lines_make_pressures_known_and_limits_possible() {
     let lines = format!("[inlet]\n{line}[outlet]\n{line}[motor]");
     let known = pump(&user, ["[motor]", &lines]);
     let report = user.json(&["5mL", "--pump", known, "--max-outlet-pressure", "200kPaa"]);
-    assert!(number(&report, "outlet_max_kpa") > 101.3 && number(&report, "settle_s") > 0.0, "{report}");
+    assert!(number(&report, "outlet_max_kpa") > 101.5 && report["settle_s"].is_number(), "{report}");
     assert!(!report["limits_not_checked"].as_array().unwrap().contains(&"settling".into()));
 
     let unknown = pump(&user, ["count = 4", "count = 4"]);
@@ -138,7 +139,7 @@ fn short_doses_find_the_pulse_in_the_place_of_the_default() {
     assert!(error_ml(&before).abs() > 1e-3, "{before}");
     assert!(error_ml(&before).abs() < number(&before, "expanded_uncertainty_ml"), "{before}");
 
-    let found = user.types(&["calibrate", "phase", "--pump", bought, "--use", "short.csv"]);
+    let found = user.types(&["calibrate", "phase", "--pump", bought, "--use", "--from", "short.csv"]);
     assert_eq!(found.code, 0, "{} {}", found.out, found.err);
     let after = user.json(&dose);
     assert!(error_ml(&after).abs() < 1e-4, "{after}");

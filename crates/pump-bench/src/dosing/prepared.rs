@@ -311,7 +311,9 @@ impl PlanningBasis<'_> {
     fn warnings(&self, prepared: &Prepared, of_speed: Option<String>) -> Result<Vec<String>, PlanError> {
         let Prepared { model, applied, plan, prediction, margins, retraction, .. } = prepared;
         let mut warnings = warnings::of_plan(model, plan, prediction, margins)?;
-        warnings.extend(warnings::wider_inlet_swing(model, plan, prediction, prepared.limits.motor)?);
+        if self.file.has_lines() {
+            warnings.extend(warnings::wider_inlet_swing(model, plan, prediction, prepared.limits.motor)?);
+        }
         if prepared.request.purpose == Purpose::Dose {
             let half_width_ml = prepared.carry_in_within_ml();
             warnings.extend(warnings::unsure_carry(plan.requested_ml(), plan.carry_in_ml(), half_width_ml));

@@ -73,7 +73,7 @@ impl PumpFile {
     }
 
     /// Returns true if both lines are known, so that pressures follow from them.
-    fn has_lines(&self) -> bool {
+    pub(crate) fn has_lines(&self) -> bool {
         !self.inlet.is_unknown() && !self.outlet.line.is_unknown()
     }
 
