@@ -25,8 +25,8 @@ pub(crate) fn designs() -> Vec<Design> {
         Design {
             name: "MLAB PERISTALTIC01",
             source: "github.com/mlab-modules/PERISTALTIC01, hw/cad/configuration.scad and hw/cad/src/pump-v3.scad",
-            // r_hose 22, d_hose 9, hose_wall 1.5, d_bearing 14, arm_num 3, all mm. The file's hose_clearance of 0.2 leaves
-            // the tube open, and the file says to reduce it where suction lacks: here it is 0.
+            // r_hose 22, d_hose 9, hose_wall 1.5, d_bearing 14, arm_num 3, all mm. The file's hose_clearance of 0.2
+            // leaves the tube open, and the file says to reduce it where suction lacks: here it is 0.
             geometry: bearings(3, 22.0, 0.0, 9.0, 1.5, 14.0),
         },
         Design {
@@ -53,8 +53,8 @@ pub(crate) fn angle_of_an_unknown_wall_deg() -> f64 {
     (contact + half.acos()).to_degrees()
 }
 
-/// Returns a head of ball bearings that press the tube against a half circle. The tube goes straight on at both ends, so
-/// beta is 0. `r_bearing = r_hose + d_hose/2 - 2 hose_wall - d_bearing/2` in both files, with the groove added.
+/// Returns a head of ball bearings that press the tube against a half circle. The tube goes straight on at both ends,
+/// so beta is 0. `r_bearing = r_hose + d_hose/2 - 2 hose_wall - d_bearing/2` in both files, with the groove added.
 fn bearings(rollers: u32, r_hose: f64, groove: f64, d_hose: f64, wall: f64, d_bearing: f64) -> Geometry {
     let backplate_radius_mm = r_hose + groove + 0.5 * d_hose;
     let roller_radius_mm = 0.5 * d_bearing;
@@ -70,9 +70,9 @@ fn bearings(rollers: u32, r_hose: f64, groove: f64, d_hose: f64, wall: f64, d_be
     }
 }
 
-/// Returns the planetary pump: `tubing_od` 4.7625, `tubing_wall_thickness` 0.79375, `tubing_squish_ratio` 0.5, `D` 51.7,
-/// 3 planets of 7 teeth, a sun of about 9 teeth, `P` 45 deg, `DR` 0.5. The planets are the rollers. The tube enters and
-/// leaves on parallel lines, so beta is 0.
+/// Returns the planetary pump: `tubing_od` 4.7625, `tubing_wall_thickness` 0.79375, `tubing_squish_ratio` 0.5, `D`
+/// 51.7, 3 planets of 7 teeth, a sun of about 9 teeth, `P` 45 deg, `DR` 0.5. The planets are the rollers. The tube
+/// enters and leaves on parallel lines, so beta is 0.
 fn planetary() -> Geometry {
     use core::f64::consts::PI;
     let (od, wall, squish, ring_mm) = (4.7625, 0.79375, 0.5, 51.7);
@@ -96,8 +96,8 @@ fn planetary() -> Geometry {
 }
 
 /// Returns the gear pump: Tygon of 1/16 by 3/16 in, 3 conical rollers of 15 to 18 mm (here 16.5) at `gear_d` 20 +
-/// `gear_clearance` 0.4, `gear_spacing` 0 in the assembly, in a ring of radius `gear_d` + roller radius + od - id. A quarter
-/// of the ring is cut away, so it spans 270 deg.
+/// `gear_clearance` 0.4, `gear_spacing` 0 in the assembly, in a ring of radius `gear_d` + roller radius + od - id. A
+/// quarter of the ring is cut away, so it spans 270 deg.
 fn gear_pump() -> Geometry {
     let (bore_mm, outer_mm) = (25.4 / 16.0, 25.4 * 3.0 / 16.0);
     let roller_radius_mm = 0.5 * 16.5;

@@ -1,6 +1,7 @@
 //! Derives the default pulse of a head that is known by its volume per revolution alone from published drawings.
 //!
-//! `make pulse-prior` writes docs/pulse_prior.md. The test holds the page and the figures of the library to the drawings.
+//! `make pulse-prior` writes docs/pulse_prior.md. The test holds the page and the figures of the library to the
+//! drawings.
 
 mod designs;
 
@@ -113,8 +114,10 @@ fn page() -> Result<String, Box<dyn Error>> {
     let mut page = String::from(
         "# The default pulse of a bought head\n\n\
          A head that is known by its volume per revolution alone ([A bought head](bought_head.md)) delivers that\n\
-         volume exactly over whole pitches. Within a pitch its flow is the bore's flow a less the pulse of a roller. Makers\n\
-         publish no dimensions, so the pulse's angle phi and its fullness V_r/(a phi) follow from heads whose drawings are\n\
+         volume exactly over whole pitches. Within a pitch its flow is the bore's flow a less the pulse of \
+         a roller. Makers\n\
+         publish no dimensions, so the pulse's angle phi and its fullness V_r/(a phi) follow from heads \
+         whose drawings are\n\
          published. `make pulse-prior` writes this page, and a test holds the library's figures to it.\n\n\
          | head | rollers | mL/rev | phi | phi/pitch | fullness | share of the pitch | source |\n\
          | --- | --- | --- | --- | --- | --- | --- | --- |\n",
@@ -135,11 +138,14 @@ fn page() -> Result<String, Box<dyn Error>> {
     }
     writeln!(
         page,
-        "\nPhi is {:.1}° (geometric mean), or {:.3} of the pitch where that is less: more rollers leave less room for each.\n\
-         The standard uncertainty is twice the scatter of the drawings: a factor of {:.3} either way (ln phi ± {:.3}). The\n\
+        "\nPhi is {:.1}° (geometric mean), or {:.3} of the pitch where that is less: more rollers leave \
+         less room for each.\n\
+         The standard uncertainty is twice the scatter of the drawings: a factor of {:.3} either way (ln \
+         phi ± {:.3}). The\n\
          fullness is {:.3} ± {:.3}, twice its scatter too.\n\
          The intervals of doses take both half as wide again, because six drawings show the scatter only roughly.\n\n\
-         A seventh head, github.com/bgamari/peristaltic-pump, names no wall, so that its fullness is not known. Its phi is\n\
+         A seventh head, github.com/bgamari/peristaltic-pump, names no wall, so that its fullness is not \
+         known. Its phi is\n\
          {:.1}°, within two standard uncertainties of the mean.\n\n\
          | x/phi | V/V_r | slope |\n| --- | --- | --- |",
         figures.engagement_deg,

@@ -31,8 +31,8 @@ pub struct BoughtPump {
 impl BoughtPump {
     /// Returns the pump file. [`PumpFile::check`] checks it.
     ///
-    /// Nothing is known of the lines. The motor is as in the built-in pumps, with 100 r/min at most, and the default rate
-    /// is the flow at a quarter of that. The ambient pressure is the standard atmosphere.
+    /// Nothing is known of the lines. The motor is as in the built-in pumps, with 100 r/min at most, and the default
+    /// rate is the flow at a quarter of that. The ambient pressure is the standard atmosphere.
     pub fn pump_file(&self) -> PumpFile {
         let Some(mut file) = built_in("three-roller") else { unreachable!("it is built in") };
         file.pump.id.clone_from(&self.id);

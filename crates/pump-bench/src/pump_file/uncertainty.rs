@@ -35,8 +35,8 @@ impl UncertaintyTable {
     /// Returns the uncertainty of a bought head that nobody weighed. Its tube has a bore of this diameter, in mm, if it
     /// is known.
     ///
-    /// Repeated doses are taken to scatter as McIntyre et al. measured: 1 mL of 212.5 mL, the largest standard deviation
-    /// of ten revolutions under 160 r/min. The 2.4 % of their model is of their pump, and no share of this.
+    /// Repeated doses are taken to scatter as McIntyre et al. measured: 1 mL of 212.5 mL, the largest standard
+    /// deviation of ten revolutions under 160 r/min. The 2.4 % of their model is of their pump, and no share of this.
     pub(crate) fn of_bought(bore_mm: Option<f64>) -> Self {
         let model_percent = bore_mm.map_or(unweighed::widest_percent(), unweighed::model_percent);
         let tenths = |percent: f64| libm::floor(10.0 * percent + 0.5) / 10.0;
@@ -70,8 +70,8 @@ impl UncertaintyTable {
             .map_err(|wrong| wrong.hint("the paper's two figures differ by 0.045"))
     }
 
-    /// Returns the standard uncertainty of a roller's volume, in mL. It is 0 where the default pulse of `[head]` has its
-    /// own.
+    /// Returns the standard uncertainty of a roller's volume, in mL. It is 0 where the default pulse of `[head]` has
+    /// its own.
     pub(crate) fn roller_standard_ml(&self) -> f64 {
         self.roller_volume_ml.unwrap_or(0.0)
     }

@@ -30,8 +30,8 @@ const NODES: [(f64, f64); 5] = [
 const POINTS: u32 = 16;
 
 impl Budget {
-    /// Returns the budget with the share of the default pulse, if the pump of `file` is known by its volume alone and no
-    /// short doses have found its pulse.
+    /// Returns the budget with the share of the default pulse, if the pump of `file` is known by its volume alone and
+    /// no short doses have found its pulse.
     ///
     /// The share is the root of the mean square difference of the turn's volume over the pulses that heads may have. A
     /// revolution keeps its volume. The differences are far from linear in the pulse, so they are integrated.

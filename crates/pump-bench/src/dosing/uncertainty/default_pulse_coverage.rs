@@ -1,7 +1,7 @@
 //! Coverage of doses of bought heads, of which only the volume per revolution is known, after one weighed run.
 //!
-//! The heads here are computed apart from the model: a volume is the bore's less what the rollers give back, and V(x) is
-//! the measured shape of McIntyre et al., which is not the shape of the default pulse.
+//! The heads here are computed apart from the model: a volume is the bore's less what the rollers give back, and V(x)
+//! is the measured shape of McIntyre et al., which is not the shape of the default pulse.
 
 use std::f64::consts::TAU;
 
