@@ -8,7 +8,7 @@ NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --tar
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 MODEL_FEATURES := integrator construction identification experimental serde defmt
 
-.PHONY: test test-rust test-python faults long fuzz lint features oldest packages bench validate accuracy embedded docs
+.PHONY: test test-rust test-python faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded docs
 
 test: test-rust test-python
 
@@ -101,6 +101,10 @@ validate:
 # Writes docs/accuracy.md and its pictures.
 accuracy:
 	cargo run --locked --example accuracy
+
+# Writes docs/pulse_prior.md, the default pulse of bought heads from published drawings.
+pulse-prior:
+	cargo run --locked --example pulse_prior
 
 # The integrator too must do without std; what firmware needs must link without a panic, for size and for speed. The last
 # line is the test of that test: an index that may be out of range must not link.

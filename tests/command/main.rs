@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod balance;
+mod bought_head;
 mod calibrate;
 mod calibrate_last;
 mod calibration_limits;

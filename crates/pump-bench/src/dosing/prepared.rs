@@ -128,6 +128,7 @@ impl Prepared {
     /// dose's pump, and `backflow_ml` flows back at the end of the part.
     pub(crate) fn budget(&self, file: &PumpFile, part: &Swept, backflow_ml: f64) -> Budget {
         Budget::new(&self.model, part, &file.uncertainty, self.applied.as_ref())
+            .with_default_pulse(file, &self.model, part, self.applied.as_ref())
             .with_outlet(file, self.drop_ml, backflow_ml)
             .with_carry_within(self.plan.carry_in_ml(), self.carry_in_within_ml())
     }
@@ -185,6 +186,7 @@ impl Prepared {
 impl PlanningBasis<'_> {
     /// Plans the dose, then predicts it.
     fn prepare(&self) -> Result<Prepared, DoseError> {
+        self.file.check_pressure_limits(self.request.pressures)?;
         let (asked, limits) = self.asked();
         if self.request.purpose == Purpose::Calibrate {
             return self.prepare_to_weigh(&asked, limits);
@@ -247,7 +249,7 @@ impl PlanningBasis<'_> {
             .with_smooth(request.smooth)
             .with_finish(request.finish.unwrap_or_default())
             .with_turned(self.stands.turned)
-            .with_ramps(request.ramps.unwrap_or_default());
+            .with_ramps(request.ramps.unwrap_or(self.file.usual_ramps()));
         (asked, self.file.limits_with(request.pressures))
     }
 
@@ -310,8 +312,10 @@ impl PlanningBasis<'_> {
     fn warnings(&self, prepared: &Prepared, of_speed: Option<String>) -> Result<Vec<Notice>, PlanError> {
         let Prepared { model, applied, plan, prediction, margins, retraction, .. } = prepared;
         let mut warnings = warnings::of_plan(model, plan, prediction, margins)?;
-        let wider = warnings::wider_inlet_swing(model, plan, prediction, prepared.limits.motor)?;
-        warnings.extend(wider.map(Notice::from));
+        if self.file.has_lines() {
+            let wider = warnings::wider_inlet_swing(model, plan, prediction, prepared.limits.motor)?;
+            warnings.extend(wider.map(Notice::from));
+        }
         if prepared.request.purpose == Purpose::Dose {
             let half_width_ml = prepared.carry_in_within_ml();
             warnings.extend(warnings::unsure_carry(plan.requested_ml(), plan.carry_in_ml(), half_width_ml));

@@ -192,7 +192,9 @@ pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Opti
     let is_copy = built_in(&file.pump.id).is_none()
         && built_in("three-roller")
             .is_some_and(|paper| paper.uncertainty.model_percent == stated.model_percent);
-    let fact = if file.is_estimated() {
+    let fact = if file.head.is_some() {
+        "only the volume per revolution is known, and nobody has weighed what this pump delivers"
+    } else if file.is_estimated() {
         "the roller volume is estimated from the drawing, and nobody has weighed what this pump delivers"
     } else if stated.speed_percent.is_some() {
         "nobody has weighed what this pump delivers"

@@ -98,28 +98,28 @@ pub struct DoseReport {
     /// Time from the start to the last step that was made, s, by the clock; null on a dry run. A simulated motor takes
     /// the time of its plan.
     pub measured_motion_s: Option<f64>,
-    /// Time from the last step until less than 1 µL is undelivered, s. It is predicted, for a dose that was stopped
-    /// early by its stop.
-    pub settle_s: f64,
+    /// Time from the last step until less than 1 µL is undelivered, s; null if the outlet's line is not known. It is
+    /// predicted, for a dose that was stopped early by its stop.
+    pub settle_s: Option<f64>,
     /// Largest volume delivered less the final one, before any retraction, mL: the line swings at the stop. It is
     /// predicted, for a dose that was stopped early by its stop.
     pub backflow_ml: Option<f64>,
     /// All that the line takes back from the vessel on the way, before any retraction, mL; null if the dose was stopped
     /// early.
     pub reverse_flow_ml: Option<f64>,
-    /// Smallest predicted inlet pressure, kPa absolute.
-    pub inlet_min_kpa: f64,
-    /// Largest predicted inlet pressure, kPa absolute.
-    pub inlet_max_kpa: f64,
-    /// Smallest predicted outlet pressure, kPa absolute.
-    pub outlet_min_kpa: f64,
-    /// Largest predicted outlet pressure, kPa absolute.
-    pub outlet_max_kpa: f64,
+    /// Smallest predicted inlet pressure, kPa absolute; null if the inlet's line is not known.
+    pub inlet_min_kpa: Option<f64>,
+    /// Largest predicted inlet pressure, kPa absolute; null if the inlet's line is not known.
+    pub inlet_max_kpa: Option<f64>,
+    /// Smallest predicted outlet pressure, kPa absolute; null if the outlet's line is not known.
+    pub outlet_min_kpa: Option<f64>,
+    /// Largest predicted outlet pressure, kPa absolute; null if the outlet's line is not known.
+    pub outlet_max_kpa: Option<f64>,
     /// Expanded uncertainty (k = 2) of the predicted inlet pressures, kPa, by the correlation with measured pressures
     /// that McIntyre et al. state: 0.51 of the predicted swing.
-    pub inlet_pressure_uncertainty_kpa: f64,
+    pub inlet_pressure_uncertainty_kpa: Option<f64>,
     /// Expanded uncertainty (k = 2) of the predicted outlet pressures, kPa, as that of the inlet's.
-    pub outlet_pressure_uncertainty_kpa: f64,
+    pub outlet_pressure_uncertainty_kpa: Option<f64>,
     /// Ambient pressure, kPa absolute.
     pub ambient_kpa: f64,
     /// Torque that the motor needs where it comes closest to the torque that it has, N m at the pump head; null if
@@ -215,6 +215,8 @@ impl DoseReport {
         let ripples = sure_ripples(plan, model, &PulseErrors::of(file, applied));
         let SureRipples { rollers, line_end } = ripples;
         let lowest = prepared.limits.lowest_where_it_sucks();
+        let is_known = [!file.inlet.is_unknown(), !file.outlet.line.is_unknown()];
+        let [of_inlet, of_outlet] = is_known.map(|is_known| move |value: f64| is_known.then_some(value));
         Self {
             schema: "dose/1",
             pump: file.pump.id.clone(),
@@ -253,22 +255,22 @@ impl DoseReport {
             mean_flow_ml_s: plan.planned_ml().abs() / motion_s,
             motion_s,
             measured_motion_s: delivered.map(|delivered| delivered.measured_s),
-            settle_s: prepared.settle_of_s(made(prepared, delivered)),
-            backflow_ml,
-            reverse_flow_ml,
-            inlet_min_kpa: whole.inlet.min_kpa,
-            inlet_max_kpa: whole.inlet.max_kpa,
-            outlet_min_kpa: whole.outlet.min_kpa,
-            outlet_max_kpa: whole.outlet.max_kpa,
-            inlet_pressure_uncertainty_kpa: pressure_uncertainty_kpa(whole.inlet),
-            outlet_pressure_uncertainty_kpa: pressure_uncertainty_kpa(whole.outlet),
+            settle_s: of_outlet(prepared.settle_of_s(made(prepared, delivered))),
+            backflow_ml: backflow_ml.and_then(of_outlet),
+            reverse_flow_ml: reverse_flow_ml.and_then(of_outlet),
+            inlet_min_kpa: of_inlet(whole.inlet.min_kpa),
+            inlet_max_kpa: of_inlet(whole.inlet.max_kpa),
+            outlet_min_kpa: of_outlet(whole.outlet.min_kpa),
+            outlet_max_kpa: of_outlet(whole.outlet.max_kpa),
+            inlet_pressure_uncertainty_kpa: of_inlet(pressure_uncertainty_kpa(whole.inlet)),
+            outlet_pressure_uncertainty_kpa: of_outlet(pressure_uncertainty_kpa(whole.outlet)),
             ambient_kpa: file.ambient.pressure_kpa,
             torque_needed_n_m: prepared.margins.torque.map(|torque| torque.reached),
             torque_available_n_m: prepared.margins.torque.map(|torque| torque.limit),
             ripple_before: rollers.constant_speed,
             ripple_after: rollers.planned,
             ripple_at_rollers: rollers,
-            ripple_at_line_end: line_end,
+            ripple_at_line_end: line_end.filter(|_| is_known[1]),
             limited_by: plan.limited_by(),
             inlet_limit_kpa: lowest.map(|lowest| lowest.kpa),
             inlet_limit: lowest.map(|lowest| lowest.set_by),

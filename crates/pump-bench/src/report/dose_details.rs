@@ -118,7 +118,11 @@ impl DoseReport {
     }
 
     fn time(&self) -> String {
-        format!("{:.3} s in motion, {:.3} s to settle within 1 µL", self.moved_s(), self.settle_s)
+        let settles = match self.settle_s {
+            Some(settle_s) => format!("{settle_s:.3} s to settle within 1 µL"),
+            None => "settling not known, as the outlet's line is not".to_owned(),
+        };
+        format!("{:.3} s in motion, {settles}", self.moved_s())
     }
 
     fn back_flow(&self) -> Option<String> {
@@ -129,16 +133,21 @@ impl DoseReport {
     }
 
     fn pressures(&self) -> String {
-        format!(
-            "inlet {:.2} to {:.2} ± {} kPa, outlet {:.2} to {:.2} ± {} kPa absolute (k = 2; ambient {} kPa)",
-            self.inlet_min_kpa,
-            self.inlet_max_kpa,
-            significant(self.inlet_pressure_uncertainty_kpa, 2),
-            self.outlet_min_kpa,
-            self.outlet_max_kpa,
-            significant(self.outlet_pressure_uncertainty_kpa, 2),
-            self.ambient_kpa
-        )
+        let said = |port: &str, range: Option<(f64, f64)>, unsure_kpa: Option<f64>| {
+            let ((least_kpa, most_kpa), unsure_kpa) = range.zip(unsure_kpa)?;
+            Some(format!("{port} {least_kpa:.2} to {most_kpa:.2} ± {} kPa", significant(unsure_kpa, 2)))
+        };
+        let inlet = self.inlet_min_kpa.zip(self.inlet_max_kpa);
+        let outlet = self.outlet_min_kpa.zip(self.outlet_max_kpa);
+        let known: Vec<String> = said("inlet", inlet, self.inlet_pressure_uncertainty_kpa)
+            .into_iter()
+            .chain(said("outlet", outlet, self.outlet_pressure_uncertainty_kpa))
+            .collect();
+        let ambient = format!("ambient {} kPa", self.ambient_kpa);
+        match known.as_slice() {
+            [] => format!("not known: the pump file names no lines ({ambient})"),
+            known => format!("{} absolute (k = 2; {ambient})", known.join(", ")),
+        }
     }
 
     /// The reading of a balance for the volume, with the pressure of its air.

@@ -50,18 +50,22 @@ impl Pump {
         outlet.validate()?;
         geometry.validate_seal(roller_volume.inset_rad())?;
         geometry.inlet_phase_rad(&roller_volume)?;
-        let pump = Self::of_valid(geometry, roller_volume, inlet, outlet);
+        Self::of_valid(geometry, roller_volume, inlet, outlet).pumping(geometry.nominal_ml_rad())
+    }
+
+    /// Returns this pump if its rollers take less than the bore delivers, `nominal_ml_rad` per radian.
+    pub(super) fn pumping(self, nominal_ml_rad: f64) -> Result<Self, ModelError> {
         // Both curves have the same volume of a pitch, up to rounding.
-        let least_ml = LEAST_PART * geometry.nominal_ml_rad() * geometry.pitch_rad();
-        let pitches_ml = [&pump.inlet_curve, &pump.outlet_curve].map(FlowCurve::pitch_ml);
+        let least_ml = LEAST_PART * nominal_ml_rad * self.geometry.pitch_rad();
+        let pitches_ml = [&self.inlet_curve, &self.outlet_curve].map(FlowCurve::pitch_ml);
         if pitches_ml.iter().all(|pitch_ml| *pitch_ml > least_ml) {
-            return Ok(pump);
+            return Ok(self);
         }
         Err(ModelError::NotPumping {
-            rollers: geometry.rollers,
-            nominal_ml: TURN_RAD * geometry.nominal_ml_rad(),
-            roller_ml: pump.roller_volume.total_ml(),
-            revolution_ml: pump.revolution_ml(),
+            rollers: self.geometry.rollers,
+            nominal_ml: TURN_RAD * nominal_ml_rad,
+            roller_ml: self.roller_volume.total_ml(),
+            revolution_ml: self.revolution_ml(),
         })
     }
 

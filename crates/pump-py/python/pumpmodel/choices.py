@@ -82,7 +82,7 @@ UncertaintySource: TypeAlias = Literal[
 #: Limit for which no value is known. "discharge_pressure" is the largest pressure at the port that pushes,
 #: "suction_pressure" the smallest at the port that sucks.
 UncheckedLimit: TypeAlias = Literal[
-    "discharge_pressure", "suction_pressure", "tube_collapse", "vapour_pressure", "torque"
+    "discharge_pressure", "suction_pressure", "tube_collapse", "vapour_pressure", "torque", "settling"
 ]
 #: Variant of a built-in pump.
 Variant: TypeAlias = Literal["measured", "published", "as-built"]

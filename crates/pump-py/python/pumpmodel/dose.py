@@ -133,15 +133,15 @@ class Dose(Record):
     mean_flow_ml_s: float
     motion_s: float
     measured_motion_s: float | None
-    settle_s: float
+    settle_s: float | None
     backflow_ml: float | None
     reverse_flow_ml: float | None
-    inlet_min_kpa: float
-    inlet_max_kpa: float
-    outlet_min_kpa: float
-    outlet_max_kpa: float
-    inlet_pressure_uncertainty_kpa: float
-    outlet_pressure_uncertainty_kpa: float
+    inlet_min_kpa: float | None
+    inlet_max_kpa: float | None
+    outlet_min_kpa: float | None
+    outlet_max_kpa: float | None
+    inlet_pressure_uncertainty_kpa: float | None
+    outlet_pressure_uncertainty_kpa: float | None
     ambient_kpa: float
     torque_needed_n_m: float | None
     torque_available_n_m: float | None

@@ -148,9 +148,10 @@ impl Plan {
         self.report.motion_s
     }
 
-    /// Time from the last step until the undelivered volume stays below 1 µL, s.
+    /// Time from the last step until the undelivered volume stays below 1 µL, s. None if the outlet's line is not
+    /// known.
     #[getter]
-    fn settle_s(&self) -> f64 {
+    fn settle_s(&self) -> Option<f64> {
         self.report.settle_s
     }
 
@@ -166,27 +167,27 @@ impl Plan {
         self.report.reverse_flow_ml
     }
 
-    /// Smallest predicted inlet pressure, kPa absolute.
+    /// Smallest predicted inlet pressure, kPa absolute. None if the line is not known.
     #[getter]
-    fn inlet_min_kpa(&self) -> f64 {
+    fn inlet_min_kpa(&self) -> Option<f64> {
         self.report.inlet_min_kpa
     }
 
-    /// Largest predicted inlet pressure, kPa absolute.
+    /// Largest predicted inlet pressure, kPa absolute. None if the line is not known.
     #[getter]
-    fn inlet_max_kpa(&self) -> f64 {
+    fn inlet_max_kpa(&self) -> Option<f64> {
         self.report.inlet_max_kpa
     }
 
-    /// Smallest predicted outlet pressure, kPa absolute.
+    /// Smallest predicted outlet pressure, kPa absolute. None if the line is not known.
     #[getter]
-    fn outlet_min_kpa(&self) -> f64 {
+    fn outlet_min_kpa(&self) -> Option<f64> {
         self.report.outlet_min_kpa
     }
 
-    /// Largest predicted outlet pressure, kPa absolute.
+    /// Largest predicted outlet pressure, kPa absolute. None if the line is not known.
     #[getter]
-    fn outlet_max_kpa(&self) -> f64 {
+    fn outlet_max_kpa(&self) -> Option<f64> {
         self.report.outlet_max_kpa
     }
 
@@ -233,14 +234,14 @@ impl Plan {
         let report = &self.report;
         format!(
             "<Plan of {:?} mL on '{}': planned_ml {:.6}, steps {}, cruise_speed_rpm {:.4}, motion_s {:.4}, \
-             settle_s {:.4}>",
+             settle_s {}>",
             report.requested_ml,
             report.pump,
             report.planned_ml,
             report.steps,
             report.cruise_speed_rpm,
             report.motion_s,
-            report.settle_s,
+            report.settle_s.map_or("None".to_owned(), |settle_s| format!("{settle_s:.4}")),
         )
     }
 

@@ -1,7 +1,7 @@
 //! Pumps from names, drawings and plain data, and variations of a pump.
 
-use pump_bench::catalogue::{DrawnPump, overlap_warning};
-use pump_bench::pump_file::{LineTable, PumpFile, RollerVolumeTable};
+use pump_bench::catalogue::{BoughtPump, DrawnPump, overlap_warning};
+use pump_bench::pump_file::{HeadTable, LineTable, PumpFile, RollerVolumeTable};
 use pump_bench::pump_named;
 use pump_model::Geometry;
 use pump_model::units::radians;
@@ -110,6 +110,55 @@ impl Pump {
         Ok(pump)
     }
 
+    /// Return a bought head of which the volume per revolution and the number of rollers are known, and no dimension.
+    ///
+    /// Whole pitches are exact. Within a pitch a default pulse stands, with a spread that drawings of heads leave. Its
+    /// motor, fluid and ambient are assumed as in the built-in pumps, with water at 25 °C and standard pressure.
+    ///
+    /// Parameters
+    /// ----------
+    /// id : str
+    ///     Name in records: 1 to 64 of a-z, 0-9, - and _.
+    /// ml_per_rev : float
+    ///     Volume of a revolution, mL.
+    /// rollers : int
+    ///     Number of rollers.
+    /// tube_bore_mm : float, optional
+    ///     Diameter of the tube's bore, mm. It tells how far heads of a kind differ.
+    /// inlet : Line, optional
+    ///     Line from the inlet's reservoir to the pump. Without it pressures are not known.
+    /// outlet : Line, optional
+    ///     Line from the pump to the outlet's reservoir. Without it pressures and settling are not known.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the pump cannot work, for example because its volume is not positive.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import pumpmodel as pm
+    /// >>> pump = pm.Pump.from_ml_per_rev("acid", ml_per_rev=0.5, rollers=4)
+    /// >>> round(pump.volume_per_revolution_ml, 6), pump.is_estimated
+    /// (0.5, True)
+    #[staticmethod]
+    #[pyo3(signature = (id, *, ml_per_rev, rollers, tube_bore_mm=None, inlet=None, outlet=None))]
+    fn from_ml_per_rev(
+        id: &str,
+        ml_per_rev: f64,
+        rollers: i64,
+        tube_bore_mm: Option<f64>,
+        inlet: Option<Py<Line>>,
+        outlet: Option<Py<Line>>,
+    ) -> PyResult<Self> {
+        let mut head = HeadTable::new(ml_per_rev);
+        head.tube_bore_mm = tube_bore_mm;
+        let mut file = BoughtPump { id: id.to_owned(), head, rollers: count(rollers)? }.pump_file();
+        file.inlet = inlet.map_or(LineTable::Unknown, |line| LineTable::from(line.get().0));
+        file.outlet.line = outlet.map_or(LineTable::Unknown, |line| LineTable::from(line.get().0));
+        Self::checked(file)
+    }
+
     /// Return this pump with some parts replaced. A part that is left out stays.
     ///
     /// Parameters
@@ -155,7 +204,7 @@ impl Pump {
             file.outlet.line = LineTable::from(line.get().0);
         }
         if let Some(volume) = roller_volume {
-            file.roller_volume = roller_volume_of(volume)?;
+            file.roller_volume = Some(roller_volume_of(volume)?);
         }
         Self::checked(file)
     }
@@ -189,10 +238,11 @@ impl Pump {
         let file = serde_json::from_str::<PumpFile>(&json).map_err(|error| {
             errors::PumpFileError::new_err(format!("these are not the data of a pump: {error}"))
         })?;
-        Self::checked(file)
+        Self::checked(file.with_assumptions())
     }
 
-    /// True if the pump's volumes follow from a drawing that no measurement has confirmed.
+    /// True if the pump's volumes follow from a drawing, or from a volume per revolution, that no measurement has
+    /// confirmed.
     #[getter]
     fn is_estimated(&self) -> bool {
         self.file.is_estimated()

@@ -70,6 +70,16 @@ class Pump:
         hose_length_mm: float,
     ) -> Pump: ...
     @staticmethod
+    def from_ml_per_rev(
+        id: str,
+        *,
+        ml_per_rev: float,
+        rollers: int,
+        tube_bore_mm: float | None = None,
+        inlet: Line | None = None,
+        outlet: Line | None = None,
+    ) -> Pump: ...
+    @staticmethod
     def from_dict(data: dict[str, Any]) -> Pump: ...
     def to_toml(self) -> str: ...
     def to_dict(self) -> dict[str, Any]: ...
