@@ -27,6 +27,7 @@ pub mod dosing;
 pub mod drives;
 pub mod export;
 pub mod files;
+pub mod heads;
 pub mod identification;
 mod numbers;
 pub mod pump_file;
