@@ -3,6 +3,7 @@
 //! The rows stand in `heads.toml`. Each names the document that it is from.
 
 mod bought_head;
+mod list;
 mod nearest;
 mod rows;
 mod table;
@@ -10,5 +11,6 @@ mod table;
 mod tests;
 
 pub use bought_head::{BoughtHead, HeadSource, Provenance};
+pub use list::{heads_json, heads_text};
 pub use nearest::nearest_heads;
 pub use rows::{bought_head, bought_heads, heads_matching};
