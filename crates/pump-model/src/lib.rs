@@ -69,6 +69,7 @@ pub use experimental::roller_centric::run::{RollerRun, RollerSample};
 pub use experimental::speed_law::SpeedLaw;
 #[cfg(feature = "experimental")]
 pub use experimental::speed_law_flow::SpeedLawFlow;
+pub use head::default_pulse::DefaultPulse;
 pub use head::flow_curve::{self, FlowCurve};
 pub use head::geometry::Geometry;
 pub use head::paper::{self, CONTACT_ANGLE_DEG as PUBLISHED_CONTACT_ANGLE_DEG};

@@ -4,9 +4,10 @@ use libm::{ceil, floor, pow, sqrt};
 use pump_model::units::{degrees, rad_s};
 use pump_model::{Fluid, Geometry, ModelError};
 
-use super::unweighed;
 use crate::catalogue::built_in;
-use crate::pump_file::{HoseTable, LineTable, PumpFile, RollerVolumeTable, UncertaintyTable};
+use crate::pump_file::{
+    BackplateTable, HoseTable, LineTable, PumpFile, RollerVolumeTable, UncertaintyTable, unweighed,
+};
 
 /// Standard atmosphere, in kPa (ISO 2533).
 const ATMOSPHERE_KPA: f64 = 101.325;
@@ -50,7 +51,7 @@ impl DrawnPump {
             false => format!("{} rollers, from a drawing and a measured roller volume", geometry.rollers),
         };
         self.set_dimensions(&mut file);
-        file.roller_volume = self.roller_volume.clone();
+        file.roller_volume = Some(self.roller_volume.clone());
         let line = self.line();
         file.inlet = line.clone();
         file.outlet = line.into();
@@ -73,16 +74,18 @@ impl DrawnPump {
     /// Writes the dimensions of the pump head into a pump file.
     fn set_dimensions(&self, file: &mut PumpFile) {
         let geometry = &self.geometry;
-        file.tube.bore_radius_mm = geometry.bore_radius_mm;
-        file.tube.outer_radius_mm = geometry.tube_outer_radius_mm;
+        file.tube.bore_radius_mm = Some(geometry.bore_radius_mm);
+        file.tube.outer_radius_mm = Some(geometry.tube_outer_radius_mm);
         // A drawing does not tell the material of the tube.
         (file.tube.modulus_mpa, file.tube.poisson_ratio) = (None, None);
         file.rollers.count = geometry.rollers;
-        file.rollers.radius_mm = geometry.roller_radius_mm;
-        file.rollers.offset_mm = geometry.roller_offset_mm;
-        file.backplate.radius_mm = geometry.backplate_radius_mm;
-        // Rounding turns 30 degrees into 30 again and not into a neighbouring number.
-        file.backplate.contact_angle_deg = floor(1e9 * degrees(geometry.contact_angle_rad) + 0.5) / 1e9;
+        file.rollers.radius_mm = Some(geometry.roller_radius_mm);
+        file.rollers.offset_mm = Some(geometry.roller_offset_mm);
+        file.backplate = Some(BackplateTable {
+            radius_mm: geometry.backplate_radius_mm,
+            // Rounding turns 30 degrees into 30 again and not into a neighbouring number.
+            contact_angle_deg: floor(1e9 * degrees(geometry.contact_angle_rad) + 0.5) / 1e9,
+        });
     }
 
     /// Returns a line that is a hose of the pump's own tube.
@@ -196,7 +199,7 @@ fn uncertainty(geometry: &Geometry, roller_ml: f64, measured: &UncertaintyTable)
     UncertaintyTable {
         model_percent: ceil(10.0 * model_percent) / 10.0,
         speed_percent: Some(two_digits(unweighed::speed_percent())),
-        roller_volume_ml: two_digits(ROLLER * roller_ml),
+        roller_volume_ml: Some(two_digits(ROLLER * roller_ml)),
         ..measured.clone()
     }
 }
@@ -219,7 +222,7 @@ fn measured_uncertainty(
     UncertaintyTable {
         model_percent: ceil(10.0 * model_percent) / 10.0,
         speed_percent: Some(two_digits(unweighed::speed_percent())),
-        roller_volume_ml: two_digits(sqrt(figures_ml * figures_ml + rms_ml * rms_ml)),
+        roller_volume_ml: Some(two_digits(sqrt(figures_ml * figures_ml + rms_ml * rms_ml))),
         ..measured.clone()
     }
 }
@@ -275,7 +278,7 @@ mod tests {
         let measured = built_in("three-roller").unwrap();
         let difference = file.model().unwrap().roller_volume().total_ml()
             - measured.model().unwrap().roller_volume().total_ml();
-        assert!(difference.abs() < file.uncertainty.roller_volume_ml);
+        assert!(difference.abs() < file.uncertainty.roller_standard_ml());
         assert!(file.uncertainty.model_percent > measured.uncertainty.model_percent);
     }
 
@@ -295,7 +298,7 @@ mod tests {
         let file = measured.pump_file().unwrap();
         assert!((file.model().unwrap().revolution_ml() - 21.3185).abs() < 1e-4);
         // sqrt((20² + 10²)/3 + 1.155²); sqrt((0.021 x 2.1055)² + 0.0074²); 9.02/sqrt(3)
-        assert_eq!((file.uncertainty.model_percent, file.uncertainty.roller_volume_ml), (13.0, 0.045));
+        assert_eq!((file.uncertainty.model_percent, file.uncertainty.roller_volume_ml), (13.0, Some(0.045)));
         assert_eq!(file.uncertainty.speed_percent, Some(5.2));
         assert!(!file.is_estimated());
         let text = measured.toml().unwrap();
@@ -314,7 +317,7 @@ mod tests {
         let table = built_in("three-roller").unwrap().uncertainty;
         // sqrt((10² + 5²)/3 + 1.4² + 3.608²)
         assert_eq!(uncertainty(&thin, 0.3, &table).model_percent, 7.6);
-        assert_eq!(uncertainty(&thin, 0.3, &table).roller_volume_ml, 0.017);
+        assert_eq!(uncertainty(&thin, 0.3, &table).roller_volume_ml, Some(0.017));
     }
 
     #[test]

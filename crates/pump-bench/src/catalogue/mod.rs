@@ -3,7 +3,6 @@
 mod built_in;
 mod drawn_pump;
 mod roller_runs;
-mod unweighed;
 
 pub use built_in::{BUILT_IN, built_in, pump_named};
 pub use drawn_pump::DrawnPump;

@@ -90,7 +90,7 @@ impl Plant {
         let table = &file.uncertainty;
         let model = table.model_percent / 100.0;
         let roller = base.roller_volume();
-        let roller_ml = roller.total_ml() + table.roller_volume_ml * dice.normal();
+        let roller_ml = roller.total_ml() + table.roller_standard_ml() * dice.normal();
         // Another roller volume with the volume of a revolution unchanged.
         let pump = with_roller(&base, &roller.scaled_to(roller_ml).unwrap());
         let slope_per_rpm = 12_f64.sqrt() * model / file.motor.max_speed_rpm * dice.normal();

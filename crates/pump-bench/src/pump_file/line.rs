@@ -5,10 +5,23 @@ pub(super) mod outlet;
 use pump_model::{Fluid, Friction, Hose, Line, ModelError};
 use serde::{Deserialize, Serialize};
 
+/// Line that stands in for one of which nothing is known. It follows the rollers within milliseconds and its pressure
+/// stays that of its end, so that it adds nothing to what the rollers deliver: critically damped at 1000 rad/s,
+/// R = 2 sqrt(L/C). No report states its pressures or its settling.
+const STIFF: Line = Line {
+    resistance_kpa_s_ml: 0.02,
+    compliance_ml_kpa: 0.1,
+    inertance_kpa_s2_ml: 1e-5,
+    reservoir_kpa: 101.325,
+};
+
 /// The table `[inlet]`, and the line of `[outlet]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "LineKeys", into = "LineKeys")]
 pub enum LineTable {
+    /// Line of which nothing is known, as it may be of a bought head. Its pressures and its settling are not known.
+    #[default]
+    Unknown,
     /// Line with its R, C, L and reservoir.
     Given(Line),
     /// Hose, from which R, C and L are estimated.
@@ -58,7 +71,8 @@ impl HoseTable {
 }
 
 impl LineTable {
-    /// Returns the line for a pump whose default rate is `rate_ml_s`. A hose also needs the fluid.
+    /// Returns the line for a pump whose default rate is `rate_ml_s`. A hose also needs the fluid. A line of which
+    /// nothing is known stands in ambient pressure and follows the rollers ([`STIFF`]).
     ///
     /// # Errors
     /// Returns the [`ModelError`] of a fluid or a hose that is out of range.
@@ -66,8 +80,10 @@ impl LineTable {
         &self,
         fluid: impl FnOnce() -> Result<Fluid, ModelError>,
         rate_ml_s: f64,
+        ambient_kpa: f64,
     ) -> Result<Line, ModelError> {
         match self {
+            Self::Unknown => Ok(Line { reservoir_kpa: ambient_kpa, ..STIFF }),
             Self::Given(line) => Ok(*line),
             Self::Hose { reservoir_kpa, hose } => {
                 hose.hose().line(&fluid()?, *reservoir_kpa, hose.resistance_at_ml_s.unwrap_or(rate_ml_s))
@@ -84,9 +100,14 @@ impl LineTable {
         fluid: impl FnOnce() -> Result<Fluid, ModelError>,
     ) -> Result<Option<Friction>, ModelError> {
         match self {
-            Self::Given(_) => Ok(None),
+            Self::Unknown | Self::Given(_) => Ok(None),
             Self::Hose { hose, .. } => hose.hose().friction(&fluid()?).map(Some),
         }
+    }
+
+    /// Returns true if nothing is known of the line.
+    pub fn is_unknown(&self) -> bool {
+        *self == Self::Unknown
     }
 
     /// Returns true if the line is estimated from a hose and not measured.
@@ -111,7 +132,8 @@ struct LineKeys {
     compliance_ml_kpa: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     inertance_kpa_s2_ml: Option<f64>,
-    reservoir_kpa: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reservoir_kpa: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     hose: Option<HoseTable>,
 }
@@ -127,6 +149,10 @@ impl TryFrom<LineKeys> for LineTable {
             ("compliance_ml_kpa", compliance_ml_kpa),
             ("inertance_kpa_s2_ml", inertance_kpa_s2_ml),
         ];
+        if reservoir_kpa.is_none() && hose.is_none() && given.iter().all(|(_, value)| value.is_none()) {
+            return Ok(Self::Unknown);
+        }
+        let reservoir_kpa = reservoir_kpa.ok_or("missing field `reservoir_kpa`")?;
         let Some(hose) = hose else {
             let [resistance, compliance, inertance] =
                 given.map(|(key, value)| value.ok_or_else(|| format!("missing field `{key}` (or a `hose`)")));
@@ -147,18 +173,25 @@ impl TryFrom<LineKeys> for LineTable {
 impl From<LineTable> for LineKeys {
     fn from(table: LineTable) -> Self {
         match table {
+            LineTable::Unknown => Self {
+                resistance_kpa_s_ml: None,
+                compliance_ml_kpa: None,
+                inertance_kpa_s2_ml: None,
+                reservoir_kpa: None,
+                hose: None,
+            },
             LineTable::Given(line) => Self {
                 resistance_kpa_s_ml: Some(line.resistance_kpa_s_ml),
                 compliance_ml_kpa: Some(line.compliance_ml_kpa),
                 inertance_kpa_s2_ml: Some(line.inertance_kpa_s2_ml),
-                reservoir_kpa: line.reservoir_kpa,
+                reservoir_kpa: Some(line.reservoir_kpa),
                 hose: None,
             },
             LineTable::Hose { reservoir_kpa, hose } => Self {
                 resistance_kpa_s_ml: None,
                 compliance_ml_kpa: None,
                 inertance_kpa_s2_ml: None,
-                reservoir_kpa,
+                reservoir_kpa: Some(reservoir_kpa),
                 hose: Some(hose),
             },
         }

@@ -41,7 +41,11 @@ fn for_the_pump_file(bench: &Bench, found: &PhaseFit) -> String {
     let roller = bench.model().roller_volume();
     let angles = found.engagement_deg.value / roller.engagement_deg();
     let volumes = found.roller_volume_ml.value / roller.total_ml();
-    let change = match &bench.file().roller_volume {
+    let Some(table) = &bench.file().roller_volume else {
+        // A head that is known by its volume alone has no table for them.
+        return String::new();
+    };
+    let change = match table {
         RollerVolumeTable::Polynomial { engagement_angle_deg, polynomial_ml_deg, .. } => {
             // V(x) is the polynomial of x over the ratio of the angles.
             let mut order = polynomial_ml_deg.len() as i32;

@@ -4,7 +4,7 @@ use libm::sin;
 use pump_model::units::{degrees, rad_s};
 use pump_model::{Line, Pump, RollerVolume};
 
-use crate::displacement::{DisplacementError, SpeedDependentPump};
+use crate::displacement::{DisplacementError, PulsePrior, SpeedDependentPump};
 use crate::dosing::drop_ml;
 use crate::numbers::significant;
 use crate::pump_file::{LineTable, OutletEnd, PumpFile, RollerVolumeTable};
@@ -76,7 +76,12 @@ fn uncertainty_text(file: &PumpFile) -> String {
         }
         (None, None) => format!("{} % of the volume", stated.model_percent),
     };
-    format!("{of_volume} and {} mL of a roller (standard uncertainty)", stated.roller_volume_ml)
+    match &file.head {
+        Some(_) => format!("{of_volume} (standard uncertainty)"),
+        None => {
+            format!("{of_volume} and {} mL of a roller (standard uncertainty)", stated.roller_standard_ml())
+        }
+    }
 }
 
 /// Warns of rollers that overlap.
@@ -111,9 +116,10 @@ fn fastest_text(file: &PumpFile, pump: &SpeedDependentPump) -> Result<String, Di
 /// The volume of a roller, and its source.
 fn roller_text(file: &PumpFile, curve: &RollerVolume) -> Result<String, DisplacementError> {
     let source = match &file.roller_volume {
-        RollerVolumeTable::Polynomial { .. } => "from its polynomial".to_owned(),
-        RollerVolumeTable::Drawing => "estimated from the drawing".to_owned(),
-        RollerVolumeTable::Measured { fit, points } => {
+        None => return Ok(default_pulse_text(file, curve)),
+        Some(RollerVolumeTable::Polynomial { .. }) => "from its polynomial".to_owned(),
+        Some(RollerVolumeTable::Drawing) => "estimated from the drawing".to_owned(),
+        Some(RollerVolumeTable::Measured { fit, points }) => {
             let fit = fit.of(points)?;
             let mut source = format!("from {} measured points, {:.4} mL RMS off", points.len(), fit.rms_ml());
             for (from_deg, to_deg, fall_ml) in fit.falls().into_iter().flatten() {
@@ -125,9 +131,23 @@ fn roller_text(file: &PumpFile, curve: &RollerVolume) -> Result<String, Displace
     Ok(format!("{:.4} mL over {:.2}°, {source}", curve.total_ml(), curve.engagement_deg()))
 }
 
+/// The default pulse of a head that is known by its volume alone, with its uncertainty.
+fn default_pulse_text(file: &PumpFile, curve: &RollerVolume) -> String {
+    let prior = PulsePrior::of(file.rollers.count);
+    format!(
+        "{} mL over {:.0}° by default: {:.0} ± {:.0} % of the bore's pitch, ± {:.0}° (k = 2); no dimension is known",
+        significant(curve.total_ml(), 2),
+        curve.engagement_deg(),
+        100.0 * prior.share,
+        200.0 * prior.share_standard,
+        2.0 * prior.engagement_standard_deg,
+    )
+}
+
 /// The constants of a line, and their source.
 fn line_text(file: &PumpFile, table: &LineTable, line: &Line) -> String {
     let source = match table {
+        LineTable::Unknown => return "not given: its pressures and its settling are not known".to_owned(),
         LineTable::Given(_) => "as given".to_owned(),
         LineTable::Hose { hose, .. } => {
             let at_ml_s = hose.resistance_at_ml_s.unwrap_or(file.pump.default_rate_ml_s);

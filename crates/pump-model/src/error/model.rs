@@ -22,6 +22,15 @@ pub enum ModelError {
         /// Values that are accepted.
         allowed: Allowed,
     },
+    /// The head is known by its volume alone, and the request needs its dimensions.
+    #[error(
+        "this head of {rollers} rollers is known by its volume per revolution alone, and this needs its \
+         dimensions: give tube, rollers and backplate"
+    )]
+    DimensionsUnknown {
+        /// Number of rollers.
+        rollers: u32,
+    },
     /// At some angle no roller closes the tube.
     #[error(
         "{rollers} rollers stand {pitch_deg:.1} deg apart but each seals over {span_deg:.1} deg of the \

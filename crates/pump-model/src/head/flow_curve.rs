@@ -57,10 +57,25 @@ pub struct FlowCurve {
 impl FlowCurve {
     /// Builds the curve of a validated geometry. The caller still has to call [`Self::validate`].
     pub(crate) fn new(geometry: &Geometry, roller: &RollerVolume, port: Port) -> Self {
+        Self::of_pulses(
+            geometry.pitch_rad(),
+            geometry.nominal_ml_rad(),
+            geometry.psi_rad(roller),
+            roller,
+            port,
+        )
+    }
+
+    /// Builds the curve of rollers `pitch_rad` apart, between whose pulses `nominal` mL/rad flow. The inlet's pulse
+    /// begins `psi` behind that of the outlet.
+    pub(crate) fn of_pulses(
+        pitch_rad: f64,
+        nominal: f64,
+        psi: f64,
+        roller: &RollerVolume,
+        port: Port,
+    ) -> Self {
         let phi = roller.engagement_rad();
-        let psi = geometry.psi_rad(roller);
-        let pitch_rad = geometry.pitch_rad();
-        let nominal = geometry.nominal_ml_rad();
         let pulses = Pulses { roller, port, phi, psi, pitch_rad };
 
         let mut curve = Self {

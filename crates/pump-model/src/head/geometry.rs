@@ -40,14 +40,44 @@ pub struct Geometry {
 }
 
 impl Geometry {
+    /// Returns the geometry of a head of which only the number of rollers is known. Every length and the contact
+    /// angle are 0, and [`Self::is_known`] is false.
+    pub const fn of_rollers(rollers: u32) -> Self {
+        Self {
+            rollers,
+            bore_radius_mm: 0.0,
+            tube_outer_radius_mm: 0.0,
+            backplate_radius_mm: 0.0,
+            contact_angle_rad: 0.0,
+            roller_radius_mm: 0.0,
+            roller_offset_mm: 0.0,
+        }
+    }
+
+    /// Returns true if the dimensions are known. They are not for a head that is known by its volume alone
+    /// ([`Self::of_rollers`]).
+    ///
+    /// ```
+    /// use pump_model::{Geometry, Pump};
+    /// assert!(Pump::three_roller().geometry().is_known());
+    /// assert!(!Geometry::of_rollers(4).is_known());
+    /// ```
+    pub fn is_known(&self) -> bool {
+        *self != Self::of_rollers(self.rollers)
+    }
+
     /// Checks the dimensions of the pump.
     ///
     /// # Errors
     ///
+    /// Returns [`ModelError::DimensionsUnknown`] for a head that is known by its volume alone.
     /// Refuses dimensions that are not finite and positive. Also refuses rollers that hit the backplate, do
     /// not close the tube, or leave it open at some angle.
     pub fn validate(&self) -> Result<(), ModelError> {
-        within(Parameter::Rollers, f64::from(self.rollers), 1.0..=1000.0)?;
+        self.validate_rollers()?;
+        if !self.is_known() {
+            return Err(ModelError::DimensionsUnknown { rollers: self.rollers });
+        }
         within(Parameter::BoreRadius, self.bore_radius_mm, Allowed::POSITIVE)?;
         within(Parameter::TubeOuterRadius, self.tube_outer_radius_mm, Allowed::POSITIVE)?;
         within(Parameter::BackplateRadius, self.backplate_radius_mm, Allowed::POSITIVE)?;
@@ -73,6 +103,11 @@ impl Geometry {
             return Err(ModelError::NotOccluding { gap_mm, closed_mm });
         }
         self.validate_seal(0.0)
+    }
+
+    /// Refuses a number of rollers that no pump has.
+    pub(crate) fn validate_rollers(&self) -> Result<(), ModelError> {
+        within(Parameter::Rollers, f64::from(self.rollers), 1.0..=1000.0)
     }
 
     /// Refuses rollers if at some angle none of them is fully engaged. Rollers engage fully `inset_rad`

@@ -1,5 +1,6 @@
 //! The pump head: dimensions, roller volume and flow curves, and the published numbers.
 
+pub(crate) mod default_pulse;
 pub mod flow_curve;
 pub(crate) mod geometry;
 pub mod paper;

@@ -150,7 +150,7 @@ impl Pump {
             file.outlet.line = LineTable::from(line.get().0);
         }
         if let Some(volume) = roller_volume {
-            file.roller_volume = roller_volume_of(volume)?;
+            file.roller_volume = Some(roller_volume_of(volume)?);
         }
         Self::checked(file)
     }

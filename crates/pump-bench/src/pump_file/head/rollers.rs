@@ -9,8 +9,10 @@ use serde::{Deserialize, Serialize};
 pub struct RollersTable {
     /// Number of rollers, NU.
     pub count: u32,
-    /// Radius of a roller r_roller, in mm.
-    pub radius_mm: f64,
-    /// Distance from the rotor's axis to a roller's axis r_offset, in mm.
-    pub offset_mm: f64,
+    /// Radius of a roller r_roller, in mm. `None` beside `[head]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius_mm: Option<f64>,
+    /// Distance from the rotor's axis to a roller's axis r_offset, in mm. `None` beside `[head]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_mm: Option<f64>,
 }

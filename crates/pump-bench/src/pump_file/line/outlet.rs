@@ -20,7 +20,7 @@ const UNKNOWN_BORE_MM: f64 = 4.0;
 /// outlet.end = Some(OutletEnd::Immersed);
 /// assert!(!outlet.is_in_air());
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "OutletKeys", into = "OutletKeys")]
 #[non_exhaustive]
 pub struct OutletTable {
@@ -46,6 +46,11 @@ pub enum OutletEnd {
 words!(OutletEnd { Air = "air", Immersed = "immersed" });
 
 impl OutletTable {
+    /// Returns true if nothing is known of line and nozzle.
+    pub(in crate::pump_file) fn is_unknown(&self) -> bool {
+        *self == Self::default()
+    }
+
     /// Returns true if the nozzle's end is in air, or may be.
     pub fn is_in_air(&self) -> bool {
         self.end != Some(OutletEnd::Immersed)
@@ -55,7 +60,7 @@ impl OutletTable {
     /// hose, or else 4 mm.
     pub fn nozzle_mm(&self) -> f64 {
         let hose_mm = match &self.line {
-            LineTable::Given(_) => UNKNOWN_BORE_MM,
+            LineTable::Unknown | LineTable::Given(_) => UNKNOWN_BORE_MM,
             LineTable::Hose { hose, .. } => 2.0 * hose.bore_radius_mm,
         };
         self.nozzle_bore_mm.unwrap_or(hose_mm)
@@ -90,7 +95,8 @@ struct OutletKeys {
     compliance_ml_kpa: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     inertance_kpa_s2_ml: Option<f64>,
-    reservoir_kpa: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reservoir_kpa: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     end: Option<OutletEnd>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,0 +1,192 @@
+//! `[head]`: a bought head, of which the volume of a revolution stands in the place of its dimensions.
+
+use serde::{Deserialize, Serialize};
+
+#[cfg(test)]
+use crate::pump_file::LineTable;
+use crate::pump_file::range::{WrongValue, allow, within, within_if_given};
+use crate::pump_file::{PumpFile, SpeedLawTable};
+
+/// The table `[head]`, in the place of `[tube]`, `[backplate]`, `[roller_volume]` and the rollers' dimensions.
+///
+/// ```
+/// let head = pump_bench::pump_file::HeadTable::new(0.5);
+/// assert_eq!((head.ml_per_rev, head.tube_bore_mm), (0.5, None));
+/// ```
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[non_exhaustive]
+pub struct HeadTable {
+    /// Volume of a revolution of the pump head, in mL.
+    pub ml_per_rev: f64,
+    /// Diameter of the tube's bore, in mm. It tells how far heads of a kind differ. `None` if it is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tube_bore_mm: Option<f64>,
+}
+
+impl HeadTable {
+    /// Returns a head that delivers `ml_per_rev` a revolution, in mL.
+    pub fn new(ml_per_rev: f64) -> Self {
+        Self { ml_per_rev, tube_bore_mm: None }
+    }
+
+    fn check(&self) -> Result<(), WrongValue> {
+        within("[head] ml_per_rev", self.ml_per_rev, 1e-6..=1e5)?;
+        within_if_given("[head] tube_bore_mm", self.tube_bore_mm, 0.01..=200.0)
+    }
+}
+
+/// Keys of the dimensions, as messages say them.
+const DIMENSIONS: &str = "[tube], [backplate], [roller_volume], and [rollers] radius_mm and offset_mm";
+
+impl PumpFile {
+    /// Refuses a head that is given twice, by its volume of a revolution and by its dimensions, and one of which
+    /// something is missing.
+    pub(in crate::pump_file) fn check_head(&self) -> Result<(), WrongValue> {
+        let dimensions = [
+            ("[tube] bore_radius_mm", self.tube.bore_radius_mm.is_some()),
+            ("[tube] outer_radius_mm", self.tube.outer_radius_mm.is_some()),
+            ("[backplate]", self.backplate.is_some()),
+            ("[roller_volume]", self.roller_volume.is_some()),
+            ("[rollers] radius_mm", self.rollers.radius_mm.is_some()),
+            ("[rollers] offset_mm", self.rollers.offset_mm.is_some()),
+        ];
+        match &self.head {
+            Some(head) => self.check_bought(head, dimensions),
+            None => self.check_drawn(dimensions),
+        }
+    }
+
+    /// Refuses dimensions beside the volume of a revolution, and whatever needs them.
+    fn check_bought(&self, head: &HeadTable, dimensions: [(&str, bool); 6]) -> Result<(), WrongValue> {
+        head.check()?;
+        let material = ("[tube] modulus_mpa", self.tube.modulus_mpa.or(self.tube.poisson_ratio).is_some());
+        if let Some((key, _)) = dimensions.into_iter().chain([material]).find(|(_, is_given)| *is_given) {
+            let value = format!("{} beside {key}", head.ml_per_rev);
+            let allowed = format!("either [head] ml_per_rev with [rollers] count, or {DIMENSIONS}");
+            allow(false, "[head] ml_per_rev", value, &allowed)?;
+        }
+        let law = "none: the law needs the dimensions of the head, and [head] has none";
+        allow(self.speed_law == SpeedLawTable::default(), "[speed_law]", "given", law)?;
+        let roller_ml = self.uncertainty.roller_volume_ml;
+        let pulse = "nothing: the default pulse of a [head] has its own uncertainty";
+        allow(roller_ml.is_none(), "[uncertainty] roller_volume_ml", roller_ml.unwrap_or_default(), pulse)
+    }
+
+    /// Refuses a head without one of its dimensions, its lines or its uncertainty.
+    fn check_drawn(&self, dimensions: [(&'static str, bool); 6]) -> Result<(), WrongValue> {
+        if let Some((key, _)) = dimensions.into_iter().find(|(_, is_given)| !is_given) {
+            let allowed = format!("a head as its drawing gives it: {DIMENSIONS}; or [head] ml_per_rev");
+            return Err(WrongValue::missing(key, &allowed));
+        }
+        let lines = [("[inlet]", &self.inlet), ("[outlet]", &self.outlet.line)];
+        if let Some((key, _)) = lines.into_iter().find(|(_, line)| line.is_unknown()) {
+            return Err(WrongValue::missing(key, "R, C, L and reservoir_kpa, or reservoir_kpa and a hose"));
+        }
+        if self.uncertainty.is_assumed() {
+            return Err(WrongValue::missing("[uncertainty]", "model_percent and the rest of the table"));
+        }
+        if self.uncertainty.roller_volume_ml.is_none() {
+            return Err(WrongValue::missing("[uncertainty] roller_volume_ml", "0 to 10000"));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A pump file of which nothing is known but what a data sheet says.
+    const BOUGHT: &str = r#"
+        schema = "pump/1"
+        [pump]
+        id = "bought"
+        name = "A bought head"
+        default_rate_ml_s = 0.2
+        [head]
+        ml_per_rev = 0.5
+        [rollers]
+        count = 4
+        [motor]
+        steps_per_rev = 3200
+        max_speed_rpm = 100.0
+        max_acceleration_rad_s2 = 100.0
+        [fluid]
+        name = "water"
+        temperature_degc = 25.0
+        density_kg_m3 = 997.0
+        [ambient]
+        pressure_kpa = 101.325
+    "#;
+
+    fn refusal(text: &str) -> String {
+        PumpFile::parse(text, "a file").unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_head_known_by_its_volume_alone_is_read_written_and_modelled() {
+        let file = PumpFile::parse(BOUGHT, "a file").unwrap();
+        assert_eq!(PumpFile::parse(&file.to_toml(), "the same").unwrap(), file);
+        let pump = file.model().unwrap();
+        assert!((pump.revolution_ml() - 0.5).abs() < 1e-14 && pump.geometry().rollers == 4);
+        assert!(!pump.geometry().is_known());
+        let with_life = BOUGHT.replace("[motor]", "[tube]\nlife_ml = 5000.0\n[motor]");
+        assert_eq!(PumpFile::parse(&with_life, "a file").unwrap().tube.life_ml, Some(5000.0));
+    }
+
+    #[test]
+    fn a_head_that_is_given_twice_is_refused_in_one_message() {
+        for (added, key) in [
+            ("[tube]\nbore_radius_mm = 1.0\nouter_radius_mm = 2.0\n", "[tube] bore_radius_mm"),
+            ("[tube]\nmodulus_mpa = 3.5\npoisson_ratio = 0.49\n", "[tube] modulus_mpa"),
+            ("[backplate]\nradius_mm = 20.0\ncontact_angle_deg = 30.0\n", "[backplate]"),
+            ("[roller_volume]\nsource = \"drawing\"\n", "[roller_volume]"),
+        ] {
+            let said = refusal(&BOUGHT.replace("[motor]", &format!("{added}[motor]")));
+            assert_eq!(
+                said,
+                format!(
+                    "pump file a file: [head] ml_per_rev is 0.5 beside {key}; allowed: either [head] ml_per_rev \
+                     with [rollers] count, or [tube], [backplate], [roller_volume], and [rollers] radius_mm and \
+                     offset_mm"
+                )
+            );
+        }
+        let said = refusal(&BOUGHT.replace("count = 4", "count = 4\nradius_mm = 5.0"));
+        assert!(said.contains("0.5 beside [rollers] radius_mm"), "{said}");
+    }
+
+    #[test]
+    fn a_head_that_is_not_given_is_refused_with_both_ways() {
+        let said = refusal(&BOUGHT.replace("[head]\n        ml_per_rev = 0.5", ""));
+        assert!(
+            said.contains("[tube] bore_radius_mm is missing") && said.ends_with("or [head] ml_per_rev"),
+            "{said}"
+        );
+        for ml in ["0.0", "-1.0", "nan", "inf", "1e9"] {
+            let said = refusal(&BOUGHT.replace("ml_per_rev = 0.5", &format!("ml_per_rev = {ml}")));
+            assert!(said.contains("[head] ml_per_rev is"), "{said}");
+        }
+        let said = refusal(&BOUGHT.replace("count = 4", "count = 0"));
+        assert!(said.contains("number of rollers is 0"), "{said}");
+    }
+
+    #[test]
+    fn built_in_pumps_still_need_all_of_their_tables() {
+        let whole = crate::catalogue::built_in("three-roller").unwrap();
+        let without = |change: fn(&mut PumpFile)| {
+            let mut file = whole.clone();
+            change(&mut file);
+            refusal(&file.to_toml())
+        };
+        assert!(without(|file| file.backplate = None).contains("[backplate] is missing"));
+        assert!(
+            without(|file| file.tube.outer_radius_mm = None).contains("[tube] outer_radius_mm is missing")
+        );
+        assert!(without(|file| file.inlet = LineTable::Unknown).contains("[inlet] is missing"));
+        assert!(
+            without(|file| file.uncertainty.roller_volume_ml = None).contains("roller_volume_ml is missing")
+        );
+    }
+}
