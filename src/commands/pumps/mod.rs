@@ -3,6 +3,7 @@
 mod check;
 mod list;
 mod new;
+mod new_bought;
 mod show;
 
 use clap::{Args, Subcommand};
@@ -21,7 +22,7 @@ enum PumpsCommand {
     List(list::ListArgs),
     /// Print a pump as a pump file, or with --format rust as constants for firmware
     Show(show::ShowArgs),
-    /// Write a pump file from a drawing
+    /// Write a pump file from a drawing or from the catalogue
     New(new::NewArgs),
     /// Check a pump file and say what it gives
     Check(check::CheckArgs),

@@ -240,7 +240,7 @@ fn bore_percent(geometry: &Geometry) -> f64 {
 }
 
 /// Rounds a positive number to two significant digits.
-fn two_digits(value: f64) -> f64 {
+pub(super) fn two_digits(value: f64) -> f64 {
     let place = pow(10.0, floor(libm::log(value) / core::f64::consts::LN_10) - 1.0);
     // Passing through text makes 0.13 exactly the number that is written 0.13.
     let rounded = floor(value / place + 0.5) * place;

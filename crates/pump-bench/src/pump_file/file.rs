@@ -52,7 +52,8 @@ pub struct PumpFile {
     /// Tube that the rollers squeeze.
     #[serde(default, skip_serializing_if = "TubeTable::is_empty")]
     pub tube: TubeTable,
-    /// Rollers of the pump head.
+    /// Rollers of the pump head. A head of the catalogue may give their number.
+    #[serde(default = "RollersTable::not_given")]
     pub rollers: RollersTable,
     /// Backplate (raceway) of the pump head. `None` beside `[head]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -107,6 +108,7 @@ impl PumpFile {
             origin: origin.to_owned(),
             message: error.to_string().trim_end().to_owned(),
         })?;
+        file.fill_from_catalogue();
         if let Some(head) = file.head.as_ref().filter(|_| file.uncertainty.is_assumed()) {
             file.uncertainty = UncertaintyTable::of_bought(head.tube_bore_mm);
         }

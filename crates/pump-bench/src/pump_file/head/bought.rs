@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::heads::BoughtHead;
 #[cfg(test)]
 use crate::pump_file::LineTable;
 use crate::pump_file::range::{WrongValue, allow, within, within_if_given};
@@ -17,7 +18,12 @@ use crate::pump_file::{PumpFile, SpeedLawTable};
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct HeadTable {
-    /// Volume of a revolution of the pump head, in mL.
+    /// Name of the head in the catalogue of [`crate::heads`]. It gives the volume of a revolution, and what else the
+    /// file does not state.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub catalogue: Option<String>,
+    /// Volume of a revolution of the pump head, in mL. NaN until the catalogue has given it.
+    #[serde(default = "not_given")]
     pub ml_per_rev: f64,
     /// Diameter of the tube's bore, in mm. It tells how far heads of a kind differ. `None` if it is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -27,13 +33,30 @@ pub struct HeadTable {
 impl HeadTable {
     /// Returns a head that delivers `ml_per_rev` a revolution, in mL.
     pub fn new(ml_per_rev: f64) -> Self {
-        Self { ml_per_rev, tube_bore_mm: None }
+        Self { catalogue: None, ml_per_rev, tube_bore_mm: None }
+    }
+
+    /// Returns the head of a name in the catalogue.
+    ///
+    /// ```
+    /// use pump_bench::pump_file::HeadTable;
+    ///
+    /// let head = HeadTable::catalogued(pump_bench::heads::bought_head("masterflex-ls-16").unwrap());
+    /// assert_eq!((head.ml_per_rev, head.tube_bore_mm), (0.8, Some(3.1)));
+    /// ```
+    pub fn catalogued(head: &BoughtHead) -> Self {
+        Self { catalogue: Some(head.name.clone()), ml_per_rev: head.ml_per_rev, tube_bore_mm: head.bore_mm }
     }
 
     fn check(&self) -> Result<(), WrongValue> {
         within("[head] ml_per_rev", self.ml_per_rev, 1e-6..=1e5)?;
         within_if_given("[head] tube_bore_mm", self.tube_bore_mm, 0.01..=200.0)
     }
+}
+
+/// Returns the volume of a revolution that stands for none.
+fn not_given() -> f64 {
+    f64::NAN
 }
 
 /// Keys of the dimensions, as messages say them.
