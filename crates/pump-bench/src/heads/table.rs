@@ -34,7 +34,7 @@ struct HeadTable {
     head: String,
     source: String,
     rollers: Option<u32>,
-    tubings: Vec<TubingRow>,
+    tubing: Vec<TubingRow>,
 }
 
 #[derive(Deserialize)]
@@ -85,7 +85,7 @@ pub(super) fn rows_of(text: &str) -> Result<Vec<BoughtHead>, String> {
     let mut rows = Vec::new();
     for head in file.head {
         let source = sources.get(&head.source).ok_or_else(|| format!("no source `{}`", head.source))?;
-        for row in head.tubings {
+        for row in head.tubing {
             let (ml_per_rev, published) = row
                 .figures()
                 .ok_or_else(|| format!("{} needs ml_per_rev, or flow_ml_min with at_rpm", row.name))?;

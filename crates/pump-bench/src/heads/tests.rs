@@ -50,8 +50,8 @@ fn the_volume_of_a_revolution_fills_the_bore_along_a_path_of_a_bench_heads_lengt
     }
 }
 
-/// The volume of a revolution is the bore's area times the length of its path, less the length that the rollers flatten.
-/// That length grows with the bore, so the volume grows with the bore and its ratio to the bore squared falls.
+/// The volume of a revolution is the bore's area times the length of its path, less what the rollers flatten.
+/// The flattened length grows with the bore, so the volume grows with the bore and its ratio to the bore squared falls.
 ///
 /// The fall stays within a factor of 2.5. Of Ismatec's table for six rollers the program aguaclara makes the law
 /// q = pi/4 d² (P - 13 d), with a path P for all bores d (aguaclara.research.peristaltic_pump). For the widest span
