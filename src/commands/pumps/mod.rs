@@ -3,7 +3,7 @@
 mod check;
 mod list;
 mod new;
-mod new_bought;
+mod new_catalogued;
 mod show;
 
 use clap::{Args, Subcommand};

@@ -1,4 +1,4 @@
-//! `dose pumps new`: a pump file from a drawing. `new_bought.rs` writes one from the catalogue.
+//! `dose pumps new`: a pump file from a drawing. `new_catalogued.rs` writes one from the catalogue.
 
 use std::path::{Path, PathBuf};
 
@@ -95,7 +95,7 @@ impl NewArgs {
         let outputs = [("FILE", self.file.as_deref()), ("--plot", self.plot.plot.as_deref())];
         let inputs = [self.roller_volume_points.as_deref()];
         Files { outputs: &outputs, inputs: &inputs, state_dir: self.record.folder() }.check()?;
-        let Some(geometry) = self.geometry() else { return self.write_bought() };
+        let Some(geometry) = self.geometry() else { return self.write_catalogued() };
         let runs = self.roller_volume_points.as_deref().map(read_runs).transpose()?;
         let report = match &runs {
             Some(runs) => runs.report(self.fit, &geometry).map_err(|error| self.in_points(error))?,

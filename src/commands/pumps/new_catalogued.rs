@@ -1,6 +1,6 @@
 //! `dose pumps new --head`: a pump file from the catalogue of bought heads.
 
-use pump_bench::catalogue::BoughtPump;
+use pump_bench::catalogue::CataloguedPump;
 use pump_bench::heads::{BoughtHead, bought_head, nearest_heads};
 use pump_bench::pump_file::PumpFile;
 use pump_bench::report::ErrorKind;
@@ -11,7 +11,7 @@ use crate::terminal::print;
 
 impl NewArgs {
     /// Writes the file of a pump with a head of the catalogue.
-    pub(super) fn write_bought(&self) -> Result<(), Failure> {
+    pub(super) fn write_catalogued(&self) -> Result<(), Failure> {
         let Some(name) = &self.head else {
             return Err(Failure::refused("a new pump needs --head NAME, or the dimensions of its drawing"));
         };
@@ -22,7 +22,7 @@ impl NewArgs {
             ));
             return Err(refused.kind(ErrorKind::Usage).value("no --rollers").allowed("--rollers N"));
         };
-        let pump = BoughtPump::new(self.id(), head, rollers);
+        let pump = CataloguedPump::new(self.id(), head, rollers);
         let text = pump.toml_of(&pump.pump_file().map_err(Failure::of)?);
         // The file must be readable again, its id too.
         PumpFile::parse(&text, "from the catalogue").map_err(Failure::of)?;

@@ -1,4 +1,4 @@
-//! A pump file from the catalogue of bought heads.
+//! A pump file with a head of the catalogue.
 
 use pump_model::units::rad_s;
 use pump_model::{Fluid, ModelError};
@@ -20,21 +20,21 @@ const MAX_SPEED_RPM: f64 = 100.0;
 /// A pump with a head of the catalogue.
 ///
 /// ```
-/// use pump_bench::catalogue::BoughtPump;
+/// use pump_bench::catalogue::CataloguedPump;
 ///
-/// let pump = BoughtPump::new("ph-down", pump_bench::heads::bought_head("kamoer-kphm400-25").unwrap(), 3);
+/// let pump = CataloguedPump::new("ph-down", pump_bench::heads::bought_head("kamoer-kphm400-25").unwrap(), 3);
 /// let file = pump.pump_file()?;
 /// assert!((file.model()?.revolution_ml() - 1.0).abs() < 1e-12);
 /// # Ok::<(), pump_model::ModelError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct BoughtPump {
+pub struct CataloguedPump {
     id: String,
     head: BoughtHead,
     rollers: u32,
 }
 
-impl BoughtPump {
+impl CataloguedPump {
     /// Returns the pump of an id, with a head of the catalogue that has so many rollers.
     pub fn new(id: impl Into<String>, head: &BoughtHead, rollers: u32) -> Self {
         Self { id: id.into(), head: head.clone(), rollers }
@@ -114,7 +114,7 @@ mod tests {
     #[test]
     fn every_head_of_the_catalogue_makes_a_pump_file_that_is_read_again() {
         for head in bought_heads() {
-            let pump = BoughtPump::new("bought", head, head.rollers.unwrap_or(3));
+            let pump = CataloguedPump::new("bought", head, head.rollers.unwrap_or(3));
             let file = pump.pump_file().unwrap();
             let text = pump.toml_of(&file);
             assert_eq!(PumpFile::parse(&text, &head.name).unwrap(), file, "{text}");
