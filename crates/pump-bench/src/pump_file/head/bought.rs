@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::heads::BoughtHead;
 #[cfg(test)]
 use crate::pump_file::LineTable;
 use crate::pump_file::range::{WrongValue, allow, within, within_if_given};
@@ -23,7 +22,7 @@ pub struct HeadTable {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub catalogue: Option<String>,
     /// Volume of a revolution of the pump head, in mL. NaN until the catalogue has given it.
-    #[serde(default = "not_given")]
+    #[serde(default = "HeadTable::not_given")]
     pub ml_per_rev: f64,
     /// Diameter of the tube's bore, in mm. It tells how far heads of a kind differ. `None` if it is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -44,19 +43,19 @@ impl HeadTable {
     /// let head = HeadTable::catalogued(pump_bench::heads::bought_head("masterflex-ls-16").unwrap());
     /// assert_eq!((head.ml_per_rev, head.tube_bore_mm), (0.8, Some(3.1)));
     /// ```
-    pub fn catalogued(head: &BoughtHead) -> Self {
+    pub fn catalogued(head: &crate::heads::BoughtHead) -> Self {
         Self { catalogue: Some(head.name.clone()), ml_per_rev: head.ml_per_rev, tube_bore_mm: head.bore_mm }
+    }
+
+    /// Returns the volume of a revolution that stands for none.
+    fn not_given() -> f64 {
+        f64::NAN
     }
 
     fn check(&self) -> Result<(), WrongValue> {
         within("[head] ml_per_rev", self.ml_per_rev, 1e-6..=1e5)?;
         within_if_given("[head] tube_bore_mm", self.tube_bore_mm, 0.01..=200.0)
     }
-}
-
-/// Returns the volume of a revolution that stands for none.
-fn not_given() -> f64 {
-    f64::NAN
 }
 
 /// Keys of the dimensions, as messages say them.
