@@ -28,6 +28,7 @@ pub mod dosing;
 pub mod drives;
 pub mod export;
 pub mod files;
+pub mod heads;
 pub mod identification;
 pub mod notice;
 mod numbers;

@@ -1,14 +1,14 @@
 //! `dose pumps`: built-in pumps and pump files.
 
 mod check;
+mod list;
 mod new;
+mod new_catalogued;
 mod show;
 
 use clap::{Args, Subcommand};
-use pump_bench::catalogue::BUILT_IN;
 
 use crate::failure::Failure;
-use crate::terminal::print;
 
 #[derive(Debug, Args)]
 pub(crate) struct PumpsArgs {
@@ -18,11 +18,11 @@ pub(crate) struct PumpsArgs {
 
 #[derive(Debug, Subcommand)]
 enum PumpsCommand {
-    /// List the built-in pumps
-    List,
+    /// List the built-in pumps, or with --catalogue bought heads
+    List(list::ListArgs),
     /// Print a pump as a pump file, or with --format rust as constants for firmware
     Show(show::ShowArgs),
-    /// Write a pump file from a drawing
+    /// Write a pump file from a drawing or from the catalogue
     New(new::NewArgs),
     /// Check a pump file and say what it gives
     Check(check::CheckArgs),
@@ -31,9 +31,8 @@ enum PumpsCommand {
 impl PumpsArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         match &self.command {
-            None | Some(PumpsCommand::List) => {
-                print(&BUILT_IN.map(|(name, what)| format!("{name:<24}{what}\n")).concat())
-            }
+            None => list::ListArgs::default().run(),
+            Some(PumpsCommand::List(args)) => args.run(),
             Some(PumpsCommand::Show(args)) => args.run(),
             Some(PumpsCommand::New(args)) => args.run(),
             Some(PumpsCommand::Check(args)) => args.run(),

@@ -1,4 +1,4 @@
-//! `dose pumps new`: a pump file from a drawing.
+//! `dose pumps new`: a pump file from a drawing. `new_catalogued.rs` writes one from the catalogue.
 
 use std::path::{Path, PathBuf};
 
@@ -25,22 +25,30 @@ use crate::terminal::{print, tell};
 pub(crate) struct NewArgs {
     /// Bore x outer diameter of the tube, as 10x14mm
     #[arg(long, value_name = "SIZE", value_parser = units::tube_size)]
-    tube: TubeSize,
+    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    tube: Option<TubeSize>,
     /// Radius of the backplate (raceway), as 63mm
     #[arg(long, value_name = "RADIUS", value_parser = units::length_mm)]
-    backplate: f64,
+    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    backplate: Option<f64>,
     /// Radius of a roller, as 20mm
     #[arg(long, value_name = "RADIUS", value_parser = units::length_mm)]
-    roller: f64,
+    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    roller: Option<f64>,
     /// From the shaft to a roller's axis, as 40mm
     #[arg(long, value_name = "LENGTH", value_parser = units::length_mm)]
-    offset: f64,
+    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    offset: Option<f64>,
     /// Contact angle: the backplate spans 180deg and twice this, as 30deg, or as -20deg for a shorter bed
     #[arg(long, value_name = "ANGLE", allow_hyphen_values = true, value_parser = units::angle_rad)]
-    contact: f64,
+    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    contact: Option<f64>,
     /// Number of rollers
-    #[arg(long, value_name = "N")]
-    rollers: u32,
+    #[arg(long, value_name = "N", required_unless_present = "head")]
+    pub(super) rollers: Option<u32>,
+    /// Bought head of the catalogue in place of a drawing, as masterflex-ls-16 (`dose pumps list --catalogue`)
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["hose", "roller_volume_points", "plot"])]
+    pub(super) head: Option<String>,
     /// Name of the pump in records [default: FILE's name without its ending, or my-pump]
     #[arg(long)]
     id: Option<String>,
@@ -59,7 +67,7 @@ pub(crate) struct NewArgs {
     fit: CurveFit,
     /// File to write; it must not exist yet [default: standard output]
     #[arg(value_name = "FILE")]
-    file: Option<PathBuf>,
+    pub(super) file: Option<PathBuf>,
     #[command(flatten)]
     plot: PlotOption,
     #[command(flatten)]
@@ -67,6 +75,11 @@ pub(crate) struct NewArgs {
 }
 
 impl NewArgs {
+    /// The id of the pump.
+    pub(super) fn id(&self) -> String {
+        self.id.clone().unwrap_or_else(|| self.usual_id())
+    }
+
     /// The id if none is given: two files mostly are two pumps, and the id names the record.
     fn usual_id(&self) -> String {
         let stem = self
@@ -83,14 +96,14 @@ impl NewArgs {
         let outputs = [("FILE", self.file.as_deref()), ("--plot", self.plot.plot.as_deref())];
         let inputs = [self.roller_volume_points.as_deref()];
         Files { outputs: &outputs, inputs: &inputs, state_dir: self.record.folder() }.check()?;
-        let geometry = self.geometry();
+        let Some(geometry) = self.geometry() else { return self.write_catalogued() };
         let runs = self.roller_volume_points.as_deref().map(read_runs).transpose()?;
         let report = match &runs {
             Some(runs) => runs.report(self.fit, &geometry).map_err(|error| self.in_points(error))?,
             None => Vec::new(),
         };
         let drawn = DrawnPump {
-            id: self.id.clone().unwrap_or_else(|| self.usual_id()),
+            id: self.id(),
             geometry,
             hose_length_mm: self.hose,
             roller_volume: runs.as_ref().map_or(RollerVolumeTable::Drawing, |runs| runs.table(self.fit)),
@@ -118,16 +131,18 @@ impl NewArgs {
         outputs.put()
     }
 
-    fn geometry(&self) -> Geometry {
-        Geometry {
-            rollers: self.rollers,
-            bore_radius_mm: 0.5 * self.tube.bore_mm,
-            tube_outer_radius_mm: 0.5 * self.tube.outer_mm,
-            backplate_radius_mm: self.backplate,
-            contact_angle_rad: self.contact,
-            roller_radius_mm: self.roller,
-            roller_offset_mm: self.offset,
-        }
+    /// The dimensions of the drawing. `None` where a head of the catalogue stands in their place.
+    fn geometry(&self) -> Option<Geometry> {
+        let tube = self.tube.as_ref()?;
+        Some(Geometry {
+            rollers: self.rollers?,
+            bore_radius_mm: 0.5 * tube.bore_mm,
+            tube_outer_radius_mm: 0.5 * tube.outer_mm,
+            backplate_radius_mm: self.backplate?,
+            contact_angle_rad: self.contact?,
+            roller_radius_mm: self.roller?,
+            roller_offset_mm: self.offset?,
+        })
     }
 
     /// Draws the measured points and the fit, if a picture is asked for.
@@ -164,7 +179,7 @@ fn may_be_in_id(letter: char) -> bool {
     letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '-' || letter == '_'
 }
 
-fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
+pub(super) fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
     let shown = path.display();
     if path.symlink_metadata().is_ok() {
         let refused =

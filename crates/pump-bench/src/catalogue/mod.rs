@@ -2,12 +2,14 @@
 
 mod bought_pump;
 mod built_in;
+mod catalogued_pump;
 mod drawn_pump;
 mod overlap;
 mod roller_runs;
 
 pub use bought_pump::BoughtPump;
 pub use built_in::{BUILT_IN, built_in, pump_named};
+pub use catalogued_pump::CataloguedPump;
 pub use drawn_pump::DrawnPump;
 pub use overlap::overlap_warning;
 pub use roller_runs::{Fall, RollerRuns};

@@ -43,6 +43,7 @@ impl PumpFile {
     /// Refuses the first value that is wrong by itself or beside others.
     fn check_tables(&self) -> Result<(), WrongValue> {
         self.pump.check()?;
+        self.check_catalogued()?;
         self.check_head()?;
         self.tube.check()?;
         self.outlet.check()?;

@@ -52,7 +52,8 @@ pub struct PumpFile {
     /// Tube that the rollers squeeze.
     #[serde(default, skip_serializing_if = "TubeTable::is_empty")]
     pub tube: TubeTable,
-    /// Rollers of the pump head.
+    /// Rollers of the pump head. A head of the catalogue may give their number.
+    #[serde(default = "RollersTable::not_given")]
     pub rollers: RollersTable,
     /// Backplate (raceway) of the pump head. `None` beside `[head]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -103,10 +104,11 @@ impl PumpFile {
     /// [`PumpFileError::Syntax`] if the text is not the TOML of a pump file. Otherwise as
     /// [`PumpFile::check`].
     pub fn parse(text: &str, origin: &str) -> Result<Self, PumpFileError> {
-        let file: Self = toml::from_str(text).map_err(|error| PumpFileError::Syntax {
+        let mut file: Self = toml::from_str(text).map_err(|error| PumpFileError::Syntax {
             origin: origin.to_owned(),
             message: error.to_string().trim_end().to_owned(),
         })?;
+        file.fill_from_catalogue();
         let file = file.with_assumptions();
         file.check(origin)?;
         Ok(file)

@@ -6,6 +6,7 @@ use pump_model::{Line, Pump, RollerVolume};
 use crate::catalogue::overlap_warning;
 use crate::displacement::{DisplacementError, PulsePrior, SpeedDependentPump};
 use crate::dosing::drop_ml;
+use crate::heads::bought_head;
 use crate::numbers::significant;
 use crate::pump_file::{LineTable, OutletEnd, PumpFile, RollerVolumeTable};
 
@@ -31,8 +32,15 @@ pub fn pump_check(file: &PumpFile) -> Result<String, DisplacementError> {
         ("unsure", uncertainty_text(file)),
     ];
     let lines = lines.into_iter().map(|(name, text)| format!("  {name:<9} {text}\n"));
-    let text: String = lines.chain(overlap(&pump)).collect();
+    let text: String = catalogue_line(file).into_iter().chain(lines).chain(overlap(&pump)).collect();
     Ok(format!("{} ({}): ok\n\n{text}", file.pump.id, file.pump.name))
+}
+
+/// The head's row of the catalogue, and how far its figures are from the maker's own words.
+fn catalogue_line(file: &PumpFile) -> Option<String> {
+    let row = bought_head(file.head.as_ref()?.catalogue.as_deref()?)?;
+    let (maker, head, tubing, published) = (&row.maker, &row.head, &row.tubing, &row.published);
+    Some(format!("  {:<9} {maker} {head}, {tubing}: {published} ({})\n", "catalogue", row.source.kind))
 }
 
 fn volume_text(pump: &Pump) -> String {

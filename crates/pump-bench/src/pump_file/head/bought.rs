@@ -14,7 +14,12 @@ use crate::pump_file::range::{WrongValue, within, within_if_given};
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct HeadTable {
-    /// Volume of a revolution of the pump head, in mL.
+    /// Name of the head in the catalogue of [`crate::heads`]. It gives the volume of a revolution, and what else the
+    /// file does not state.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub catalogue: Option<String>,
+    /// Volume of a revolution of the pump head, in mL. NaN until the catalogue has given it.
+    #[serde(default = "HeadTable::not_given")]
     pub ml_per_rev: f64,
     /// Diameter of the tube's bore, in mm. It tells how far heads of a kind differ. `None` if it is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -24,7 +29,24 @@ pub struct HeadTable {
 impl HeadTable {
     /// Returns a head that delivers `ml_per_rev` a revolution, in mL.
     pub fn new(ml_per_rev: f64) -> Self {
-        Self { ml_per_rev, tube_bore_mm: None }
+        Self { catalogue: None, ml_per_rev, tube_bore_mm: None }
+    }
+
+    /// Returns the head of a name in the catalogue.
+    ///
+    /// ```
+    /// use pump_bench::pump_file::HeadTable;
+    ///
+    /// let head = HeadTable::catalogued(pump_bench::heads::bought_head("masterflex-ls-16").unwrap());
+    /// assert_eq!((head.ml_per_rev, head.tube_bore_mm), (0.8, Some(3.1)));
+    /// ```
+    pub fn catalogued(head: &crate::heads::BoughtHead) -> Self {
+        Self { catalogue: Some(head.name.clone()), ml_per_rev: head.ml_per_rev, tube_bore_mm: head.bore_mm }
+    }
+
+    /// Returns the volume of a revolution that stands for none.
+    fn not_given() -> f64 {
+        f64::NAN
     }
 
     /// Refuses a volume or a bore outside its range.

@@ -2,6 +2,7 @@
 
 mod backplate;
 mod bought;
+mod catalogued;
 mod roller_volume;
 mod rollers;
 mod tube;

@@ -16,3 +16,18 @@ pub struct RollersTable {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset_mm: Option<f64>,
 }
+
+impl RollersTable {
+    /// Number that stands for a number that the file does not give. No head has as many rollers.
+    const NOT_GIVEN: u32 = u32::MAX;
+
+    /// Returns the table of a file without `[rollers]`.
+    pub(in crate::pump_file) fn not_given() -> Self {
+        Self { count: Self::NOT_GIVEN, radius_mm: None, offset_mm: None }
+    }
+
+    /// Returns true if the number of rollers is known.
+    pub(in crate::pump_file) fn is_given(&self) -> bool {
+        self.count != Self::NOT_GIVEN
+    }
+}
