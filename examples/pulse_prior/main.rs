@@ -143,8 +143,7 @@ fn page() -> Result<String, Box<dyn Error>> {
          The standard uncertainty is twice the scatter of the drawings: a factor of {:.3} either way (ln \
          phi ± {:.3}). The\n\
          fullness is {:.3} ± {:.3}, twice its scatter too.\n\
-         The intervals of doses take both half as wide again, because six drawings show the scatter only roughly.\n\
-         No pulse is taken longer than its pitch, and no share larger than a half.\n\n\
+         The intervals of doses take both half as wide again, because six drawings show the scatter only roughly.\n\n\
          A seventh head, github.com/bgamari/peristaltic-pump, names no wall, so that its fullness is not \
          known. Its phi is\n\
          {:.1}°, within two standard uncertainties of the mean.\n\n\

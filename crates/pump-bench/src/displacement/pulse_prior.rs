@@ -65,16 +65,14 @@ impl PulsePrior {
         self.pulse_at([0.0, 0.0])
     }
 
-    /// Returns the pulse that lies `sigmas` standard uncertainties from the default, in ln phi and in fullness.
-    ///
-    /// Rollers stand side by side, so a pulse is taken no longer than its pitch, and a share no larger than a half: the
-    /// drawings have 0.62 of the pitch and a share of 0.25 at most. A fullness is 0.05 at least.
+    /// Returns the pulse that lies `sigmas` standard uncertainties from the default, in ln phi and in fullness. No head
+    /// has a pulse longer than a turn, or one that takes nothing or all of the pitch: such a pulse is brought within 5
+    /// % of the bore's flow and 95 % of its volume.
     fn pulse_at(&self, [angle, fullness]: [f64; 2]) -> DefaultPulse {
-        let pitch_deg = 360.0 / f64::from(self.rollers.max(1));
-        let engagement_deg =
-            (self.engagement_deg * exp(self.engagement_spread * angle)).min(pitch_deg).min(330.0);
+        let engagement_deg = (self.engagement_deg * exp(self.engagement_spread * angle)).min(330.0);
         let fullness = (self.fullness + self.fullness_standard * fullness).max(0.05);
-        DefaultPulse::new((fullness * engagement_deg / pitch_deg).min(0.5), engagement_deg)
+        let share = fullness * engagement_deg * f64::from(self.rollers) / 360.0;
+        DefaultPulse::new(share.min(0.95), engagement_deg)
     }
 
     /// Returns the roller's volume of [`Self::pulse_at`] in a head that delivers `pitch_ml` a pitch.
