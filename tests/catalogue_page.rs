@@ -34,7 +34,8 @@ fn page() -> String {
     for (number, source) in documents.iter().enumerate() {
         let HeadSource { kind, document, address, remark, .. } = source;
         let remark = remark.as_deref().unwrap_or("");
-        writeln!(text, "| {} | {kind} | {document} | <{address}> | {remark} |", number + 1).unwrap();
+        writeln!(text, "| {} | {kind} | {document} | <{address}> | {remark} |", number + 1)
+            .expect("a text takes any words");
     }
     text += "\n| name | head | tubing | rollers | bore mm | wall mm | mL per revolution | as published | from |\n\
              | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
@@ -43,10 +44,12 @@ fn page() -> String {
         let (rollers, ml) = (known(row.rollers.map(f64::from)), shown(row.ml_per_rev));
         let (bore, wall) = (known(row.bore_mm), known(row.wall_mm));
         let note = row.note.as_ref().map_or(String::new(), |note| format!(" ({note})"));
-        let from = 1 + documents.iter().position(|source| **source == row.source).unwrap();
+        let from =
+            1 + documents.iter().position(|source| **source == row.source).expect("a row has a document");
         let BoughtHead { name, maker, head, tubing, published, .. } = row;
-        write!(text, "| `{name}` | {maker} {head} | {tubing} | {rollers} | {bore} | {wall} | {ml} ").unwrap();
-        writeln!(text, "| {published}{note} | {from} |").unwrap();
+        write!(text, "| `{name}` | {maker} {head} | {tubing} | {rollers} | {bore} | {wall} | {ml} ")
+            .expect("a text takes any words");
+        writeln!(text, "| {published}{note} | {from} |").expect("a text takes any words");
     }
     text + "\n"
 }
