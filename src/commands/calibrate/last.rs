@@ -1,12 +1,12 @@
 //! `dose calibrate last`: the weight of the dose just made calibrates the next one.
 
 use clap::Args;
+use libm::sqrt;
 use pump_bench::Bench;
-use pump_bench::calibration::{
-    Calibration, CalibrationRun, Displacement, Earlier, Expected, Source, Stored, WeighedDose, fit_of_doses,
-};
+use pump_bench::calibration::{CalibrationRun, Displacement, Earlier, Expected, Stored, WeighedDose};
 use pump_bench::report::{calibration_json, calibration_text};
 use pump_bench::units::{StatedReading, stated_reading};
+use pump_model::identification::widening;
 
 use super::reading::{NOTHING_KEPT, ReadingOptions, next_number};
 use crate::advice;
@@ -15,6 +15,12 @@ use crate::options::bench::RecordOptions;
 use crate::options::fluid::FluidOptions;
 use crate::options::report::FormatOption;
 use crate::terminal::{print, tell};
+
+/// Part of the uncertainty that more doses must leave at most, so that they are worth their time.
+const SURER: f64 = 0.9;
+
+/// Most doses that the command asks for.
+const MOST_MORE: usize = 9;
 
 #[derive(Debug, Args)]
 pub(super) struct LastArgs {
@@ -63,7 +69,7 @@ impl LastArgs {
         } else {
             bench.keep_calibration(calibration)?
         };
-        self.report(&bench, &stored, &run, &expected)
+        self.report(&bench, &stored, &run)
     }
 
     fn earlier(&self) -> Earlier {
@@ -74,47 +80,47 @@ impl LastArgs {
         }
     }
 
-    fn report(
-        &self,
-        bench: &Bench,
-        stored: &Stored,
-        run: &CalibrationRun,
-        expected: &Expected,
-    ) -> Result<(), Failure> {
+    fn report(&self, bench: &Bench, stored: &Stored, run: &CalibrationRun) -> Result<(), Failure> {
         if self.format.json() {
             return print(&calibration_json(bench, stored)?);
         }
         let text = calibration_text(bench, stored, advice::words)?;
-        let next = next_weighing(bench, stored, run, expected)?;
+        let next = next_weighing(bench, stored, run)?;
         let kept = if self.dry_run { NOTHING_KEPT } else { "" };
         tell(&format!("{text}{next}{kept}"))
     }
 }
 
-/// Says what one more dose like this one would bring, weighed as closely.
-fn next_weighing(
-    bench: &Bench,
-    stored: &Stored,
-    run: &CalibrationRun,
-    expected: &Expected,
-) -> Result<String, Failure> {
-    let Some(now) = &stored.calibration.displacement else { return Ok(String::new()) };
-    let mut runs = stored.calibration.runs.clone();
-    runs.push(run.clone());
-    let before = Some(&stored.calibration);
-    let fit = fit_of_doses(&runs);
-    let then = Calibration::of_runs(bench.file(), Source::Last, runs, fit, expected, before)?;
-    let Some(then) = &then.displacement else { return Ok(String::new()) };
-    let percent = |found: &Displacement| -> Result<f64, Failure> {
-        let standard = found.whole_standard_at(bench.model(), run.speed_rpm).map_err(Failure::of)?;
-        Ok(200.0 * standard / found.factor)
-    };
-    let (now_percent, then_percent) = (percent(now)?, percent(then)?);
-    if then_percent >= now_percent {
-        return Ok(String::new());
+/// Says how sure the volumes are now, and how many more doses like this one make them surer.
+fn next_weighing(bench: &Bench, stored: &Stored, run: &CalibrationRun) -> Result<String, Failure> {
+    let Some(found) = &stored.calibration.displacement else { return Ok(String::new()) };
+    let standard = found.whole_standard_at(bench.model(), run.speed_rpm).map_err(Failure::of)?;
+    let percent = |standard: f64| format!("{:.2} %", 200.0 * standard / found.factor);
+    let mut text = format!(
+        "volumes at this speed are now sure to ± {} (k = 2), before the scatter of a single dose",
+        percent(standard)
+    );
+    let weighed = stored.calibration.runs.len();
+    let expected = standards_of_more(found, standard, weighed);
+    if let Some((more, standard)) = expected.into_iter().find(|(_, then)| *then < SURER * standard) {
+        let doses = if more == 1 { "one more dose".to_owned() } else { format!("{more} more doses") };
+        text += &format!("; {doses}, weighed as this one, will bring about ± {}", percent(standard));
     }
-    Ok(format!(
-        "volumes at this speed are now sure to ± {now_percent:.2} % (k = 2), before the scatter of a single dose; \
-         one more dose, weighed as this one, brings ± {then_percent:.2} %\n"
-    ))
+    Ok(text + "\n")
+}
+
+/// The standard uncertainties of the factor that more weighed doses are expected to bring, each with its number of
+/// doses. So few doses show their scatter badly, and Student's t widens it (GUM, table G.2): a second one alone brings
+/// nothing.
+fn standards_of_more(found: &Displacement, standard: f64, weighed: usize) -> Vec<(usize, f64)> {
+    let reading = found.reading;
+    let of_mean = sqrt((standard * standard - reading * reading).max(0.0));
+    let of_one = found.scatter.standard().unwrap_or(of_mean * sqrt(weighed as f64));
+    (1..=MOST_MORE)
+        .map(|more| {
+            let doses = weighed + more;
+            let scattered = widening((doses - 1) as u32) * of_one / sqrt(doses as f64);
+            (more, sqrt(scattered * scattered + reading * reading))
+        })
+        .collect()
 }

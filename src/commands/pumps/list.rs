@@ -53,6 +53,10 @@ impl ListArgs {
             ));
             return Err(refused.kind(ErrorKind::Usage).value(&words).allowed(&nearest));
         }
-        if self.format.json() { print(&(heads_json(&heads) + "\n")) } else { tell(&heads_text(&heads)) }
+        if self.format.json() {
+            print(&(heads_json(&heads) + "\n"))
+        } else {
+            tell(&(heads_text(&heads) + "`dose calibrate run` weighs what yours delivers.\n"))
+        }
     }
 }

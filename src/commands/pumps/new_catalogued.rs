@@ -23,7 +23,8 @@ impl NewArgs {
             return Err(refused.kind(ErrorKind::Usage).value("no --rollers").allowed("--rollers N"));
         };
         let pump = CataloguedPump::new(self.id(), head, rollers);
-        let text = pump.toml_of(&pump.pump_file().map_err(Failure::of)?);
+        let file = pump.pump_file().map_err(Failure::of)?;
+        let text = pump.toml_of(&file, crate::advice::words);
         // The file must be readable again, its id too.
         PumpFile::parse(&text, "from the catalogue").map_err(Failure::of)?;
         match &self.file {

@@ -2,14 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
+use libm::sqrt;
 use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
 use pump_model::units::TURN_RAD;
 
-use crate::calibration::{Calibration, Calibrations, Earlier, Expected, LastWeighing, Stored, WeighedDose};
+use crate::calibration::{
+    Calibration, CalibrationError, Calibrations, Earlier, Expected, LastWeighing, Stored, WeighedDose,
+};
 use crate::displacement::Correction;
 use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
+use crate::dosing::drop_ml;
 use crate::dosing::{DoseRequest, Prepared, Stands};
 use crate::drives::{Drive, DriveError, Identity, Opening, StopRequest, registry};
 use crate::notice::{Notice, Remedy};
@@ -379,8 +383,19 @@ impl Bench {
     ) -> Result<WeighedDose, DoseError> {
         let active = self.calibrations().active()?;
         let last = self.story()?.state.and_then(|state| state.last);
-        let weighing = LastWeighing { reading, temperature_degc, earlier, expected };
+        let expected = self.with_drop(expected)?;
+        let weighing = LastWeighing { reading, temperature_degc, earlier, expected: &expected };
         Ok(WeighedDose::of(self.file(), last, active.as_ref(), &weighing)?)
+    }
+
+    /// Returns what is expected of a weighed dose with the drop at the nozzle: a dose has the same share.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Calibration`] if the drop cannot be computed.
+    pub fn with_drop(&self, expected: &Expected) -> Result<Expected, DoseError> {
+        let drop_ml = drop_ml(&self.file).map_err(CalibrationError::Model)?;
+        Ok(expected.with_drop_ml(drop_ml / sqrt(6.0)))
     }
 
     /// Returns the life of the tube with the planned dose. `None` if the pump file gives no life.

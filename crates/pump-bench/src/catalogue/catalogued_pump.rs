@@ -6,6 +6,7 @@ use pump_model::{Fluid, ModelError};
 use super::built_in;
 use super::drawn_pump::two_digits;
 use crate::heads::BoughtHead;
+use crate::notice::{Remedy, Wording};
 use crate::pump_file::{HeadTable, LineTable, PumpFile, RollersTable, TubeTable, UncertaintyTable};
 
 /// Temperature of the fluid, in °C. A catalogue does not tell it.
@@ -70,10 +71,10 @@ impl CataloguedPump {
     /// published, given or assumed.
     ///
     /// The head stands in it by its name. The catalogue gives its figures, and a remark repeats them.
-    pub fn toml_of(&self, file: &PumpFile) -> String {
-        let mut text = String::from(
-            "# Written by `dose pumps new` from the catalogue: nobody has measured this pump.\n\
-             # `dose pumps check` says what it gives. `dose calibrate run` makes it surer.\n\n",
+    pub fn toml_of(&self, file: &PumpFile, words: Wording) -> String {
+        let (check, surer) = (words(Remedy::CheckPump), words(Remedy::WeighToBeSurer));
+        let mut text = format!(
+            "# Written from the catalogue: nobody has measured this pump.\n# {check}.\n# {surer}.\n\n"
         );
         for line in file.to_toml().lines() {
             if line.starts_with("ml_per_rev =") || line.starts_with("tube_bore_mm =") {
@@ -116,7 +117,7 @@ mod tests {
         for head in bought_heads() {
             let pump = CataloguedPump::new("bought", head, head.rollers.unwrap_or(3));
             let file = pump.pump_file().unwrap();
-            let text = pump.toml_of(&file);
+            let text = pump.toml_of(&file, |_| "weigh it");
             assert_eq!(PumpFile::parse(&text, &head.name).unwrap(), file, "{text}");
             assert!(
                 (file.model().unwrap().revolution_ml() / head.ml_per_rev - 1.0).abs() < 1e-12,

@@ -48,8 +48,6 @@ pub fn heads_text(heads: &[&BoughtHead]) -> String {
             let _ = writeln!(text, "\n{}: {}\n  {}", source.kind, source.document, source.address);
         }
     }
-    text.push_str(
-        "\nA head that nobody has weighed may differ by 10 to 25 %; `dose calibrate run` measures yours.\n",
-    );
+    text.push_str("\nA head that nobody has weighed may differ by 10 to 25 %.\n");
     text
 }

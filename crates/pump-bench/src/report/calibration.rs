@@ -78,7 +78,7 @@ fn listed(stored: &Stored, active: Option<u32>) -> String {
             None => format!("times {:.4}", found.factor),
             Some(law) => law.to_string(),
         };
-        format!("{} runs at {}, {factor}", calibration.runs.len(), speeds(found))
+        format!("{} at {}, {factor}", counted(calibration.runs.len()), speeds(found))
     });
     let mut text = format!("{mark} {version:>3}  {}  {what}", calibration.date);
     // Writing to a String cannot fail.
@@ -97,6 +97,11 @@ fn listed(stored: &Stored, active: Option<u32>) -> String {
     text + "\n"
 }
 
+/// A number of runs.
+fn counted(runs: usize) -> String {
+    if runs == 1 { "1 run".to_owned() } else { format!("{runs} runs") }
+}
+
 /// The speeds of the runs.
 fn speeds(displacement: &Displacement) -> String {
     let speeds: Vec<String> = displacement.speeds_rpm.iter().map(|rpm| short(*rpm)).collect();
@@ -106,10 +111,10 @@ fn speeds(displacement: &Displacement) -> String {
 fn heading(bench: &Bench, stored: &Stored, found: &Displacement) -> String {
     let Stored { version, calibration } = stored;
     format!(
-        "calibration {version} of {} ({}): {} runs at {}, {} at {} °C\n",
+        "calibration {version} of {} ({}): {} at {}, {} at {} °C\n",
         bench.file().pump.id,
         bench.drive_id(),
-        calibration.runs.len(),
+        counted(calibration.runs.len()),
         speeds(found),
         calibration.fluid,
         calibration.temperature_degc,

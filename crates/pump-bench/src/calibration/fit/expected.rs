@@ -18,17 +18,27 @@ pub struct Expected {
     /// Standard uncertainty of a reading of the scale or the vessel, in mL. It may be the same in every run,
     /// so no mean reduces it.
     pub reading_ml: f64,
+    /// Standard deviation of the drop at the nozzle, in mL: it hangs there before and after a run, each time as large
+    /// as it may be.
+    pub drop_ml: f64,
 }
 
 impl Expected {
     /// Makes the uncertainty of runs that scatter by the part `repeatability` of any volume.
     pub const fn new(repeatability: f64, reading_ml: f64) -> Self {
-        Self { repeatability, repeatability_at_ml: Some(0.0), reading_ml }
+        Self { repeatability, repeatability_at_ml: Some(0.0), reading_ml, drop_ml: 0.0 }
+    }
+
+    /// Returns this with the standard deviation of the drop at the nozzle, in mL.
+    #[must_use]
+    pub const fn with_drop_ml(self, drop_ml: f64) -> Self {
+        Self { drop_ml, ..self }
     }
 
     /// Returns the standard deviation of repeated runs of `volume_ml` of `pump`, as a part of the volume.
     pub(super) fn repeatability_of(&self, pump: &Pump, volume_ml: f64) -> f64 {
-        scatter_ml(pump, self.repeatability, self.repeatability_at_ml, volume_ml) / volume_ml
+        let scatter_ml = scatter_ml(pump, self.repeatability, self.repeatability_at_ml, volume_ml);
+        sqrt(scatter_ml * scatter_ml + self.drop_ml * self.drop_ml) / volume_ml
     }
 }
 

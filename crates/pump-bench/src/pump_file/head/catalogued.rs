@@ -30,7 +30,7 @@ impl PumpFile {
             return rollers("the number of rollers of the head");
         };
         let Some(name) = name else {
-            let or = "1e-6 to 100000, or [head] catalogue = \"NAME\" (`dose pumps list --catalogue`)";
+            let or = "1e-6 to 100000, or [head] catalogue = \"NAME\"";
             if head.ml_per_rev.is_nan() {
                 return Err(WrongValue::missing("[head] ml_per_rev", or));
             }
@@ -38,7 +38,7 @@ impl PumpFile {
         };
         let Some(row) = bought_head(name) else {
             let nearest = nearest_heads(name).join(", ");
-            let allowed = format!("a name of `dose pumps list --catalogue`; the nearest are {nearest}");
+            let allowed = format!("a name of the catalogue; the nearest are {nearest}");
             return allow(false, "[head] catalogue", format_args!("`{name}`"), &allowed);
         };
         let allowed = format!("{} as {name} has in the catalogue; leave one of the two out", row.ml_per_rev);
@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(
             refusal("[head]\ncatalogue = \"masterflex-ls-61\"\n[rollers]\ncount = 3"),
             "pump file a file: [head] catalogue is `masterflex-ls-61`; allowed: a name of \
-             `dose pumps list --catalogue`; the nearest are masterflex-ls-16, masterflex-ls-13, masterflex-ls-14"
+             the catalogue; the nearest are masterflex-ls-16, masterflex-ls-13, masterflex-ls-14"
         );
     }
 

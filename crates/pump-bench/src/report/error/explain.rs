@@ -69,7 +69,7 @@ pub trait Explain: Error {
 /// use pump_bench::PumpFile;
 /// use pump_bench::report::with_sources;
 ///
-/// let error = PumpFile::load("/no/such/pump.toml".as_ref()).unwrap_err();
+/// let error = PumpFile::read("/no/such/pump.toml".as_ref()).unwrap_err();
 /// assert_eq!(error.to_string(), "cannot read pump file /no/such/pump.toml");
 /// assert!(with_sources(&error).starts_with("cannot read pump file /no/such/pump.toml: No such file"));
 /// ```
