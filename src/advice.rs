@@ -44,6 +44,10 @@ fn words(remedy: Remedy) -> &'static str {
         }
         Remedy::CalibrateAgain => "calibrate again, or say `dose calibrate use none`",
         Remedy::BeginCalibrationAnew => "correct the file, or begin anew with `dose calibrate run --anew`",
+        Remedy::WriteOrConfirmPump => {
+            "write your pump's values into a pump file, without confirmed = false, and name it with --pump; or say \
+             --confirm-pump once if these are the values of your pump"
+        }
         Remedy::MorePitchesOrFindAngle => "make it more pitches long, or find the angle with `dose home`",
     }
 }

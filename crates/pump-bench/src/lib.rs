@@ -22,6 +22,7 @@
 mod bench;
 pub mod calibration;
 pub mod catalogue;
+pub mod config;
 pub mod displacement;
 pub mod dosing;
 pub mod drives;

@@ -2,24 +2,36 @@
 
 mod check;
 mod new;
+mod own_motor;
 mod show;
+mod site;
 
 use clap::{Args, Subcommand};
 use pump_bench::catalogue::BUILT_IN;
+use pump_bench::report::ShownPump;
 
 use crate::failure::Failure;
-use crate::terminal::print;
+use crate::options::pump::ConfigOption;
+use crate::terminal::tell;
 
 #[derive(Debug, Args)]
 pub(crate) struct PumpsArgs {
     #[command(subcommand)]
     command: Option<PumpsCommand>,
+    #[command(flatten)]
+    config: ConfigOption,
+}
+
+#[derive(Debug, Args)]
+struct ListArgs {
+    #[command(flatten)]
+    config: ConfigOption,
 }
 
 #[derive(Debug, Subcommand)]
 enum PumpsCommand {
-    /// List the built-in pumps
-    List,
+    /// List the pumps of the configuration and the built-in pumps
+    List(ListArgs),
     /// Print a pump as a pump file, or with --format rust as constants for firmware
     Show(show::ShowArgs),
     /// Write a pump file from a drawing
@@ -31,12 +43,17 @@ enum PumpsCommand {
 impl PumpsArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         match &self.command {
-            None | Some(PumpsCommand::List) => {
-                print(&BUILT_IN.map(|(name, what)| format!("{name:<24}{what}\n")).concat())
-            }
+            None => list(&self.config),
+            Some(PumpsCommand::List(args)) => list(&args.config),
             Some(PumpsCommand::Show(args)) => args.run(),
             Some(PumpsCommand::New(args)) => args.run(),
             Some(PumpsCommand::Check(args)) => args.run(),
         }
     }
+}
+
+/// Lists the pumps of the configuration with their files, then the built-in ones.
+fn list(config: &ConfigOption) -> Result<(), Failure> {
+    let configured: String = ShownPump::all(&config.config()?).iter().map(ShownPump::line).collect();
+    tell(&(configured + &BUILT_IN.map(|(name, what)| format!("{name:<24}{what}\n")).concat()))
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use pump_bench::catalogue::{DrawnPump, RollerRuns};
+use pump_bench::catalogue::{DrawnPump, RollerRuns, StatedMotor};
 use pump_bench::export::{Axes, fit_svg};
 use pump_bench::files::{MOST_TABLE_BYTES, Staged, read_text};
 use pump_bench::pump_file::{CurveFit, PumpFile, RollerVolumeTable};
@@ -12,10 +12,12 @@ use pump_bench::units;
 use pump_bench::units::TubeSize;
 use pump_model::{Geometry, ModelError};
 
+use super::own_motor::OwnMotorOptions;
+use super::site::SiteOptions;
 use crate::failure::Failure;
 use crate::options::choice::choice;
 use crate::options::files::{Files, PlotOption};
-use crate::options::pump::ForeignRecord;
+use crate::options::pump::{ConfigOption, ForeignRecord};
 use crate::outputs::Outputs;
 use crate::terminal::{print, tell};
 
@@ -56,11 +58,17 @@ pub(crate) struct NewArgs {
         (CurveFit::Spline, "A rising spline through the mean of each angle: a flow without jumps"),
     ]))]
     fit: CurveFit,
+    #[command(flatten)]
+    motor: OwnMotorOptions,
+    #[command(flatten)]
+    site: SiteOptions,
     /// File to write; it must not exist yet [default: standard output]
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     #[command(flatten)]
     plot: PlotOption,
+    #[command(flatten)]
+    config: ConfigOption,
     #[command(flatten)]
     record: ForeignRecord,
 }
@@ -81,7 +89,8 @@ impl NewArgs {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let outputs = [("FILE", self.file.as_deref()), ("--plot", self.plot.plot.as_deref())];
         let inputs = [self.roller_volume_points.as_deref()];
-        Files { outputs: &outputs, inputs: &inputs, state_dir: self.record.folder() }.check()?;
+        let state_dir = self.record.folder(&self.config.config()?);
+        Files { outputs: &outputs, inputs: &inputs, state_dir }.check()?;
         let geometry = self.geometry();
         let runs = self.roller_volume_points.as_deref().map(read_runs).transpose()?;
         let report = match &runs {
@@ -94,12 +103,14 @@ impl NewArgs {
             hose_length_mm: self.hose,
             roller_volume: runs.as_ref().map_or(RollerVolumeTable::Drawing, |runs| runs.table(self.fit)),
         };
+        let mut file = drawn.pump_file().map_err(Failure::of)?;
+        self.site.write_to(&mut file)?;
+        let motor = self.motor.stated()?;
+        if let Some(motor) = motor {
+            motor.write_to(&mut file);
+        }
         let remarks: String = report.iter().map(|line| format!("# {line}\n")).collect();
-        let text = drawn.toml().map_err(Failure::of)?.replacen(
-            "# Measured.\n",
-            &format!("# Measured.\n{remarks}"),
-            1,
-        );
+        let text = drawn.toml_of(&file).replacen("# Measured.\n", &format!("# Measured.\n{remarks}"), 1);
         // The file must be readable again, its id too.
         PumpFile::parse(&text, "from this drawing").map_err(Failure::of)?;
         let mut outputs = Outputs::default();
@@ -109,6 +120,7 @@ impl NewArgs {
             Some(path) => {
                 write_new(path, &text)?;
                 tell(&report.iter().map(|line| format!("  {line}\n")).collect::<String>())?;
+                tell(&format!("  {}\n", motor_text(motor)))?;
             }
         }
         outputs.put()
@@ -147,6 +159,15 @@ impl NewArgs {
             Some(path) => Failure::of(error).after(&format!("{}: ", path.display())),
             None => Failure::of(error),
         }
+    }
+}
+
+/// The motor's steps in words, or that nobody has said them.
+fn motor_text(motor: Option<StatedMotor>) -> String {
+    match motor {
+        Some(motor) => motor.to_string(),
+        None => "the motor's steps are not known: a real motor does not move until they stand in the file"
+            .to_owned(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod announced_steps;
 mod bench;
+mod confirmation;
 mod connection;
 mod delivery;
 mod device;

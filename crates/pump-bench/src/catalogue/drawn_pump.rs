@@ -6,10 +6,9 @@ use pump_model::{Fluid, Geometry, ModelError};
 
 use super::unweighed;
 use crate::catalogue::built_in;
-use crate::pump_file::{HoseTable, LineTable, PumpFile, RollerVolumeTable, UncertaintyTable};
-
-/// Standard atmosphere, in kPa (ISO 2533).
-const ATMOSPHERE_KPA: f64 = 101.325;
+use crate::pump_file::{
+    AmbientSource, AmbientTable, HoseTable, LineTable, PumpFile, RollerVolumeTable, UncertaintyTable,
+};
 
 /// Temperature of the fluid, in °C. A drawing does not tell it.
 const TEMPERATURE_DEGC: f64 = 25.0;
@@ -59,7 +58,7 @@ impl DrawnPump {
             two_digits(0.25 * revolution_ml * rad_s(MAX_SPEED_RPM) / core::f64::consts::TAU);
         file.fluid.temperature_degc = TEMPERATURE_DEGC;
         file.fluid.density_kg_m3 = floor(10.0 * Fluid::water(TEMPERATURE_DEGC)?.density_kg_m3 + 0.5) / 10.0;
-        file.ambient.pressure_kpa = ATMOSPHERE_KPA;
+        file.ambient = AmbientTable::default();
         file.uncertainty = match &self.roller_volume {
             RollerVolumeTable::Measured { fit, points } => {
                 measured_uncertainty(geometry, curve.total_ml(), fit.of(points)?.rms_ml(), &file.uncertainty)
@@ -87,20 +86,19 @@ impl DrawnPump {
 
     /// Returns a line that is a hose of the pump's own tube.
     fn line(&self) -> LineTable {
-        LineTable::Hose {
-            reservoir_kpa: ATMOSPHERE_KPA,
-            hose: HoseTable {
-                bore_radius_mm: self.geometry.bore_radius_mm,
-                outer_radius_mm: self.geometry.tube_outer_radius_mm,
-                length_mm: self.hose_length_mm,
-                // Modulus of a peristaltic tube, as assumed for the hose of McIntyre et al.
-                modulus_mpa: 3.5,
-                poisson_ratio: 0.5,
-                // This loss gives the resistance that McIntyre et al. measured.
-                minor_loss: 5.75,
-                resistance_at_ml_s: None,
-            },
-        }
+        let hose = HoseTable {
+            bore_radius_mm: self.geometry.bore_radius_mm,
+            outer_radius_mm: self.geometry.tube_outer_radius_mm,
+            length_mm: self.hose_length_mm,
+            // Modulus of a peristaltic tube, as assumed for the hose of McIntyre et al.
+            modulus_mpa: 3.5,
+            poisson_ratio: 0.5,
+            // This loss gives the resistance that McIntyre et al. measured.
+            minor_loss: 5.75,
+            resistance_at_ml_s: None,
+        };
+        // Supply and vessel stand as high as the pump unless their heights are stated.
+        LineTable::of_hose_with_lift(0.0, hose)
     }
 
     /// Returns the file as TOML. A remark on each table says if it is given, measured, estimated or assumed.
@@ -108,7 +106,11 @@ impl DrawnPump {
     /// # Errors
     /// Returns the [`ModelError`] of a pump that cannot work.
     pub fn toml(&self) -> Result<String, ModelError> {
-        let file = self.pump_file()?;
+        Ok(self.toml_of(&self.pump_file()?))
+    }
+
+    /// Returns [`Self::pump_file`] as TOML after its owner has stated more of it, with the remarks of [`Self::toml`].
+    pub fn toml_of(&self, file: &PumpFile) -> String {
         let is_estimated = self.roller_volume.is_estimated();
         let mut text = match is_estimated {
             true => {
@@ -122,7 +124,11 @@ impl DrawnPump {
         }
         .to_owned();
         for line in file.to_toml().lines() {
-            let remark = remark(line, is_estimated);
+            let remark = match line {
+                "[motor]" => motor_remark(file),
+                "[ambient]" => ambient_remark(file),
+                _ => remark(line, is_estimated),
+            };
             if !remark.is_empty() {
                 text.push_str(remark);
                 text.push('\n');
@@ -130,7 +136,27 @@ impl DrawnPump {
             text.push_str(line);
             text.push('\n');
         }
-        Ok(text)
+        text
+    }
+}
+
+/// Returns the remark above `[motor]`.
+fn motor_remark(file: &PumpFile) -> &'static str {
+    if file.motor.confirmed == Some(false) {
+        return "# Assumed: a drawing does not tell. Change it to yours. The steps are a stand-in for simulations: a real motor\n\
+             # does not move until you write yours (full steps x microsteps, as 200 x 16 = 3200) and take out\n\
+             # `confirmed = false`.";
+    }
+    "# Steps and gear as given. Assumed: speed and acceleration. Change them to yours."
+}
+
+/// Returns the remark above `[ambient]`.
+fn ambient_remark(file: &PumpFile) -> &'static str {
+    match file.ambient.source() {
+        AmbientSource::SeaLevel => {
+            "# Assumed: sea level, 101.325 kPa (ISO 2533). Give your place: altitude_m, or pressure_kpa."
+        }
+        AmbientSource::Altitude(_) | AmbientSource::Pressure => "# As given.",
     }
 }
 
@@ -146,14 +172,15 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
         }
         "[inlet]" => {
             "# Estimated: a hose of the pump's tube, with the modulus and the fittings of McIntyre et al.\n\
-             # Change it to your hose, or replace it by measured R, C and L."
+             # Change it to your hose, or replace it by measured R, C and L.\n\
+             # lift_mm: height of the pump above the supply's surface; negative where the supply stands above."
         }
         "[outlet]" => {
             "# Estimated as the inlet. Say where its nozzle ends: end = \"air\" or \"immersed\", and nozzle_bore_mm.\n\
-             # Without them it is in air, and a drop hangs from the hose's bore."
+             # Without them it is in air, and a drop hangs from the hose's bore.\n\
+             # lift_mm: height of the vessel's end above the pump; negative where it lies below."
         }
-        "[motor]" => "# Assumed: a drawing does not tell. Change it to yours.",
-        "[speed_law]" | "[fluid]" | "[ambient]" => "# Assumed.",
+        "[speed_law]" | "[fluid]" => "# Assumed.",
         "[uncertainty]" if !is_estimated => {
             "# For a pump that nobody has weighed; `dose calibrate run` makes it surer.\n\
              # Model: pumps and tubes of one kind differ by limits that a maker states by the bore (Omega FPU5MT,\n\

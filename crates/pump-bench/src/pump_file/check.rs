@@ -4,6 +4,7 @@ use crate::displacement::DisplacementError;
 
 use super::error::PumpFileError;
 use super::file::{PumpFile, SCHEMA};
+use super::line::reservoir::Side;
 use super::range::{WrongValue, allow};
 
 /// Smallest default rate, mL/s: the longest dose, 5e6 s, delivers 5 mL at this rate.
@@ -46,7 +47,16 @@ impl PumpFile {
         let has_hose = self.inlet.is_estimated() || self.outlet.line.is_estimated();
         self.fluid.check(has_hose)?;
         self.ambient.check()?;
+        self.check_lifts()?;
         self.uncertainty.check()
+    }
+
+    /// Refuses lifts at which the fluid would boil.
+    fn check_lifts(&self) -> Result<(), WrongValue> {
+        let (density, ambient) = (self.fluid.density_kg_m3, self.ambient.pressure_kpa);
+        let vapour_kpa = self.fluid.vapour_kpa();
+        self.inlet.reservoir.check(Side::Inlet, density, ambient, vapour_kpa)?;
+        self.outlet.line.reservoir.check(Side::Outlet, density, ambient, vapour_kpa)
     }
 
     /// Refuses limits, a model, a law of the displacement or a default rate that cannot work.

@@ -14,6 +14,7 @@ use super::head::{BackplateTable, RollerVolumeTable, RollersTable, TubeTable};
 use super::limits::LimitsTable;
 use super::line::LineTable;
 use super::line::outlet::OutletTable;
+use super::line::reservoir::Side;
 use super::motor::MotorTable;
 use super::pump::PumpTable;
 use super::speed_law::SpeedLawTable;
@@ -66,6 +67,7 @@ pub struct PumpFile {
     /// Fluid that is pumped.
     pub fluid: FluidTable,
     /// Surroundings of the pump.
+    #[serde(default)]
     pub ambient: AmbientTable,
     /// Pressures that a dose must keep.
     #[serde(default, skip_serializing_if = "LimitsTable::is_empty")]
@@ -127,8 +129,12 @@ impl PumpFile {
     pub fn model(&self) -> Result<Pump, ModelError> {
         let geometry = self.geometry();
         let volume = self.roller_volume.curve(&geometry)?;
-        let line = |table: &LineTable| table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s);
-        Pump::new(geometry, volume, line(&self.inlet)?, line(&self.outlet.line)?)
+        let line = |table: &LineTable, side| {
+            let reservoir_kpa =
+                table.reservoir.pressure_kpa(side, self.fluid.density_kg_m3, self.ambient.pressure_kpa);
+            table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s, reservoir_kpa)
+        };
+        Pump::new(geometry, volume, line(&self.inlet, Side::Inlet)?, line(&self.outlet.line, Side::Outlet)?)
     }
 
     /// Returns the law by which the volume of a revolution depends on the speed, or `None` if every speed has

@@ -127,9 +127,9 @@ fn roller_text(file: &PumpFile, curve: &RollerVolume) -> Result<String, Displace
 
 /// The constants of a line, and their source.
 fn line_text(file: &PumpFile, table: &LineTable, line: &Line) -> String {
-    let source = match table {
-        LineTable::Given(_) => "as given".to_owned(),
-        LineTable::Hose { hose, .. } => {
+    let source = match table.hose() {
+        None => "as given".to_owned(),
+        Some(hose) => {
             let at_ml_s = hose.resistance_at_ml_s.unwrap_or(file.pump.default_rate_ml_s);
             format!("estimated from its hose, R at {at_ml_s} mL/s")
         }

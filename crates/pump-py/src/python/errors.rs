@@ -62,6 +62,10 @@ fn in_python(remedy: Remedy) -> &'static str {
         }
         Remedy::CalibrateAgain => "calibrate again, or call bench.use_calibration(None)",
         Remedy::BeginCalibrationAnew => "correct the file, or begin anew",
+        Remedy::WriteOrConfirmPump => {
+            "write your pump's values into a pump file without confirmed = false; or, if these are your pump's, open \
+             the bench once with confirm_pump=True"
+        }
         Remedy::MorePitchesOrFindAngle => {
             "make it more pitches long, or find the angle with bench.home_sensor()"
         }

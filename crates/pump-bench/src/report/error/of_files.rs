@@ -9,6 +9,7 @@ use super::explain::{ErrorFacts, Explain};
 use super::kind::ErrorKind;
 use super::remedy::Remedy;
 use crate::calibration::CalibrationError;
+use crate::config::ConfigError;
 use crate::export::PlotError;
 use crate::files::{FileError, TableError};
 use crate::pump_file::{FluidError, PumpFileError};
@@ -48,6 +49,22 @@ impl Explain for QuantityError {
                 facts.value(text).allowed(format!("0 to {most_deg} deg"))
             }
             Self::Zero { text, .. } | Self::Negative { text, .. } => facts.value(text).allowed("more than 0"),
+        }
+    }
+}
+
+impl Explain for ConfigError {
+    fn facts(&self) -> ErrorFacts {
+        let facts = ErrorFacts::of(ErrorKind::Config);
+        match self {
+            Self::Read { path, source } => ErrorFacts::of_file(ErrorKind::Input, path, source),
+            Self::Syntax { .. } => facts,
+            Self::Value { value, allowed, .. } => facts.value(value).allowed(allowed),
+            Self::UnknownPump { name, configured, built_in, .. } => {
+                ErrorFacts::of(ErrorKind::PumpFile).value(name).allowed(format!("{configured}, {built_in}"))
+            }
+            Self::SameId { id, .. } => facts.value(id).allowed("an id of its own for each name"),
+            Self::Pump(error) => error.facts(),
         }
     }
 }

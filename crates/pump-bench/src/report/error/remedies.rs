@@ -19,6 +19,7 @@ impl DoseError {
             Self::Journal(error) => error.known_remedies(),
             Self::Calibration(error) => error.known_remedies(),
             Self::Unfinished { .. } => vec![Remedy::FinishOrAccept],
+            Self::Unconfirmed { .. } => vec![Remedy::WriteOrConfirmPump],
             Self::RunsTheOtherWay { .. } => vec![Remedy::DropCarry],
             Self::BeyondRequest { .. } => vec![Remedy::FinishAtLowFlowOrAccept],
             Self::AngleIsKnown => vec![Remedy::FinishOrAcceptThenFindAngle],

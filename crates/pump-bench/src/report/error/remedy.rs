@@ -45,6 +45,8 @@ pub enum Remedy {
     BeginCalibrationAnew,
     /// Turn more pitches, or find the angle.
     MorePitchesOrFindAngle,
+    /// Write the values of the own pump into a pump file, or confirm that the values are right.
+    WriteOrConfirmPump,
 }
 
 impl Remedy {
@@ -70,5 +72,6 @@ impl Remedy {
         Self::CalibrateAgain,
         Self::BeginCalibrationAnew,
         Self::MorePitchesOrFindAngle,
+        Self::WriteOrConfirmPump,
     ];
 }
