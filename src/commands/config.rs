@@ -47,7 +47,7 @@ impl ShowArgs {
         if self.format.json() {
             return self.show();
         }
-        match self.config.path()? {
+        match self.config.path() {
             Some(path) => print(&format!("{}\n", path.display())),
             None => Err(Failure::refused(
                 "the configuration has no place: neither HOME nor XDG_CONFIG_HOME is set; name a file with --config",

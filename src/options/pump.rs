@@ -59,19 +59,12 @@ pub(crate) struct ForeignRecord {
 impl ConfigOption {
     /// Reads the configuration.
     pub(crate) fn config(&self) -> Result<Config, Failure> {
-        self.path()?;
         Config::of_user(self.config.as_deref()).map_err(Failure::of)
     }
 
-    /// The path of the configuration file, whether it is there or not.
-    pub(crate) fn path(&self) -> Result<Option<PathBuf>, Failure> {
-        match &self.config {
-            Some(path) if path.as_os_str().is_empty() => {
-                Err(Failure::refused("--config is empty; name a file"))
-            }
-            Some(path) => Ok(Some(path.clone())),
-            None => Ok(config_path()),
-        }
+    /// The path of the configuration file, whether it is there or not. None where the environment has no place for it.
+    pub(crate) fn path(&self) -> Option<PathBuf> {
+        self.config.clone().or_else(config_path)
     }
 }
 

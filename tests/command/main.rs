@@ -4,6 +4,7 @@
 
 mod calibrate;
 mod calibration_limits;
+mod configuration;
 mod dose;
 #[cfg(unix)]
 mod home;

@@ -19,6 +19,7 @@ fn pump_file(folder: &Path, board: &Simulated) -> PathBuf {
     let mut file = built_in("three-roller").unwrap();
     let table = DriveTable { index_angle_deg: Some(40.0), ..DriveTable::of(DriverName::Grbl) };
     file.drive = Some(DriveTable { port: Some(board.path().to_owned()), ..table });
+    file.motor.confirmed = None;
     let pump = folder.join("pump.toml");
     fs::write(&pump, file.to_toml()).unwrap();
     pump

@@ -299,7 +299,7 @@ fn a_dose_on_pins_is_recorded_stopped_and_resumed() {
     let motor = Recorder::default();
     let mut pins = drive(&motor);
     let bench = Bench::new(built_in("three-roller").unwrap(), None, folder.path()).unwrap();
-    let bench = bench.driven_by(&pins).unwrap();
+    let bench = bench.driven_by(&pins).unwrap().confirming_pump(true);
     let mut session = Session::with_drive(&bench, Box::new(&mut pins)).unwrap();
     session.set_angle(Some(Phase::known(0.3))).unwrap();
     // The first step comes within the first lease.

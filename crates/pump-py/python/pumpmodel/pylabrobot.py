@@ -52,7 +52,7 @@ class BenchBackend(_PumpBackend):
     Parameters
     ----------
     pump : str or os.PathLike
-        Name of a built-in pump, or path of a pump file.
+        Path of a pump file, name in `[pumps]` of the configuration, or name of a built-in pump.
     driver : {"sim", "grbl"}, optional
         Driver of the motor; by default the pump file's `[drive]`, otherwise "sim". A motor moves only if the
         pump file or `driver` names one.

@@ -70,7 +70,7 @@ def board() -> Iterator[Board]:
 
 
 def open_bench(board: Board, folder: Path) -> pm.Bench:
-    return pm.Bench.open("three-roller", driver="grbl", port=board.port, state_dir=folder)
+    return pm.Bench.open("three-roller", driver="grbl", port=board.port, state_dir=folder, confirm_pump=True)
 
 
 def test_what_befell_the_rotor_is_a_warning_where_its_dose_is_refused(board: Board, tmp_path: Path) -> None:
