@@ -1,5 +1,7 @@
 //! The check of a pump file in words: what the pump gives.
 
+mod sources;
+
 use libm::sin;
 use pump_model::units::{degrees, rad_s};
 use pump_model::{Line, Pump, RollerVolume};
@@ -24,13 +26,18 @@ pub fn pump_check(file: &PumpFile) -> Result<String, DisplacementError> {
         ("speed law", law_text(&by_speed)?),
         ("fastest", fastest_text(file, &by_speed)?),
         ("step", step_text(file, &pump)),
+        ("motor", sources::motor_text(file)),
         ("fluid", fluid_text(file)),
+        ("ambient", sources::ambient_text(file)),
         ("inlet", line_text(file, &file.inlet, pump.inlet())),
         ("outlet", line_text(file, &file.outlet.line, pump.outlet())),
         ("nozzle", nozzle_text(file)?),
         ("unsure", uncertainty_text(file)),
     ];
-    let lines = lines.into_iter().map(|(name, text)| format!("  {name:<9} {text}\n"));
+    let lines = lines
+        .into_iter()
+        .chain(sources::source_lines(file))
+        .map(|(name, text)| format!("  {name:<9} {text}\n"));
     let text: String = lines.chain(overlap(&pump)).collect();
     Ok(format!("{} ({}): ok\n\n{text}", file.pump.id, file.pump.name))
 }
@@ -135,7 +142,10 @@ fn line_text(file: &PumpFile, table: &LineTable, line: &Line) -> String {
         }
     };
     format!(
-        "R {:.4} kPa s/mL, C {:.4} mL/kPa, L {:.5} kPa s²/mL, {source}",
-        line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml
+        "R {:.4} kPa s/mL, C {:.4} mL/kPa, L {:.5} kPa s²/mL, {source}; {}",
+        line.resistance_kpa_s_ml,
+        line.compliance_ml_kpa,
+        line.inertance_kpa_s2_ml,
+        sources::reservoir_text(table.reservoir, line.reservoir_kpa)
     )
 }

@@ -1,0 +1,92 @@
+//! The sources of a pump's values: measured, given, estimated or assumed.
+
+use crate::pump_file::{AmbientSource, LineTable, PumpFile, Reservoir, RollerVolumeTable};
+
+/// Source of a value in a pump file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Source {
+    /// Somebody measured it.
+    Measured,
+    /// The file gives it.
+    Given,
+    /// It is computed from other values.
+    Estimated,
+    /// The program assumes it.
+    Assumed,
+}
+
+/// Returns a line for each source, with the values that it has.
+pub(super) fn source_lines(file: &PumpFile) -> Vec<(&'static str, String)> {
+    let values = values(file);
+    let line = |(source, name): (Source, &'static str)| {
+        let of: Vec<&str> = values.iter().filter(|(_, of)| *of == source).map(|(value, _)| *value).collect();
+        (!of.is_empty()).then(|| (name, of.join(", ")))
+    };
+    let sources = [
+        (Source::Measured, "measured"),
+        (Source::Given, "given"),
+        (Source::Estimated, "estimated"),
+        (Source::Assumed, "assumed"),
+    ];
+    sources.into_iter().filter_map(line).collect()
+}
+
+/// Returns the values of a pump file, each with its source.
+fn values(file: &PumpFile) -> [(&'static str, Source); 11] {
+    let given_or = |is_given: bool, otherwise| if is_given { Source::Given } else { otherwise };
+    let line = |table: &LineTable| given_or(!table.is_estimated(), Source::Estimated);
+    let is_confirmed = file.motor.confirmed != Some(false);
+    let reservoirs = [file.inlet.reservoir, file.outlet.line.reservoir];
+    let has_pressures = reservoirs.iter().all(|reservoir| matches!(reservoir, Reservoir::Pressure(_)));
+    let roller = match &file.roller_volume {
+        RollerVolumeTable::Measured { .. } => Source::Measured,
+        RollerVolumeTable::Polynomial { .. } => Source::Given,
+        RollerVolumeTable::Drawing => Source::Estimated,
+    };
+    [
+        ("head's dimensions", Source::Given),
+        ("volume of a roller", roller),
+        ("R, C and L of the inlet", line(&file.inlet)),
+        ("R, C and L of the outlet", line(&file.outlet.line)),
+        ("pressures of the reservoirs", given_or(has_pressures, Source::Estimated)),
+        ("steps of the motor", given_or(is_confirmed, Source::Assumed)),
+        ("direction of the motor", given_or(is_confirmed && file.drive.is_some(), Source::Assumed)),
+        ("density of the fluid", Source::Given),
+        ("ambient pressure", given_or(file.ambient.source() != AmbientSource::SeaLevel, Source::Assumed)),
+        ("nozzle's end", given_or(file.outlet.end.is_some(), Source::Assumed)),
+        ("nozzle's bore", given_or(file.outlet.nozzle_bore_mm.is_some(), Source::Assumed)),
+    ]
+}
+
+/// Returns the ambient pressure and its source.
+pub(super) fn ambient_text(file: &PumpFile) -> String {
+    let kpa = crate::numbers::significant(file.ambient.pressure_kpa, 6);
+    match file.ambient.source() {
+        AmbientSource::Pressure => format!("{kpa} kPa, as given"),
+        AmbientSource::Altitude(altitude_m) => format!("{kpa} kPa at {altitude_m} m (ISO 2533)"),
+        AmbientSource::SeaLevel => {
+            format!(
+                "{kpa} kPa, assumed: sea level (ISO 2533); [ambient] altitude_m or pressure_kpa says otherwise"
+            )
+        }
+    }
+}
+
+/// Returns the steps of the motor, and whether anybody has said them.
+pub(super) fn motor_text(file: &PumpFile) -> String {
+    let motor = &file.motor;
+    let said = match motor.confirmed {
+        Some(false) => "assumed: a real motor does not move until they are said ([motor] confirmed is false)",
+        Some(true) => "confirmed",
+        None => "as given",
+    };
+    format!("{} steps per revolution, gear {}, {said}", motor.steps_per_rev, motor.gear)
+}
+
+/// Returns the pressure of a reservoir and its source.
+pub(super) fn reservoir_text(reservoir: Reservoir, reservoir_kpa: f64) -> String {
+    match reservoir {
+        Reservoir::Pressure(kpa) => format!("reservoir {kpa} kPa"),
+        Reservoir::Lift(lift_mm) => format!("reservoir {reservoir_kpa:.3} kPa by a lift of {lift_mm} mm"),
+    }
+}
