@@ -54,7 +54,8 @@ fn a_built_in_pump_moves_no_motor_until_somebody_has_confirmed_it_once() {
     assert_eq!(board.rest().steps, 0);
     let rehearsed = types(folder.path(), &board, &["0.2mL", "--dry-run"]);
     assert_eq!(rehearsed.status.code(), Some(0), "{rehearsed:?}");
-    assert!(said(&rehearsed).contains("nobody has confirmed these values"), "{rehearsed:?}");
+    let printed = String::from_utf8(rehearsed.stdout.clone()).unwrap();
+    assert!(printed.contains("nobody has confirmed these values"), "{rehearsed:?}");
     let confirmed = types(folder.path(), &board, &["0.2mL", "--confirm-pump"]);
     assert_eq!(confirmed.status.code(), Some(0), "{confirmed:?}");
     let steps = board.rest().steps;

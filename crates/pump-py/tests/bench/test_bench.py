@@ -284,7 +284,9 @@ def test_errors_of_doses_are_as_those_of_plans(bench: pm.Bench, tmp_path: Path) 
         ).dose("1mL")
 
 
-def test_a_configured_name_finds_its_pump_and_its_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_configured_name_finds_its_pump_and_its_record(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "acid.toml").write_text(pm.Pump.two_roller().replace(id="acid").to_toml())
     (tmp_path / "config.toml").write_text(
         'schema = "config/1"\nstate_dir = "records"\n[pumps]\nph-down = "acid.toml"\n'

@@ -60,7 +60,8 @@ fn values(file: &PumpFile) -> [(&'static str, Source); 11] {
 
 /// Returns the ambient pressure and its source.
 pub(super) fn ambient_text(file: &PumpFile) -> String {
-    let kpa = crate::numbers::significant(file.ambient.pressure_kpa, 6);
+    let kpa = format!("{:.3}", file.ambient.pressure_kpa);
+    let kpa = kpa.trim_end_matches('0').trim_end_matches('.');
     match file.ambient.source() {
         AmbientSource::Pressure => format!("{kpa} kPa, as given"),
         AmbientSource::Altitude(altitude_m) => format!("{kpa} kPa at {altitude_m} m (ISO 2533)"),

@@ -62,16 +62,16 @@ class Bench(BenchDoses, BenchRecord, BenchCalibration):
         port : str or os.PathLike, optional
             Serial port of the controller, as "/dev/ttyUSB0"; by default the pump file's.
         state_dir : str or os.PathLike, optional
-            Folder of angle, journal and lock; by default `DOSE_STATE_DIR`, otherwise the configuration's `state_dir`,
-            otherwise the command's folder.
+            Folder of angle, journal and lock; by default `DOSE_STATE_DIR`, otherwise the configuration's
+            `state_dir`, otherwise the command's folder.
         configure : bool
             Write the controller's settings that do not fit the pump.
         accept_settings : bool
             Accept controller settings that have changed since the last time.
         confirm_pump : bool
-            Say that the pump's values are those of the pump at the motor. A real motor does not move while its steps
-            per revolution, its direction or its head are filled in, as those of a built-in pump. The record keeps the
-            word until such a value changes.
+            Say that the pump's values are those of the pump at the motor. A real motor does not move while its
+            steps per revolution, its direction or its head are filled in, as those of a built-in pump. The record
+            keeps the word until such a value changes.
         tube_limit : str, optional
             Volume that a tube lasts, as "100L"; by default the pump file's.
         fluid : str, optional
