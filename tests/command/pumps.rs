@@ -189,7 +189,7 @@ fn the_steps_of_the_motor_are_said_or_the_file_says_that_nobody_did() {
     assert!(untold.out.contains("the motor's steps are not known"), "{}", untold.out);
     let text = fs::read_to_string(user.path("untold.toml")).unwrap();
     assert!(
-        text.contains("confirmed = false\n") && text.contains("take out\n# `confirmed = false`"),
+        text.contains("confirmed = false\n") && text.contains("and take out `confirmed = false`"),
         "{text}"
     );
     let check = user.types(&["pumps", "check", "untold.toml"]).out;

@@ -2,7 +2,6 @@
 
 mod announced_steps;
 mod bench;
-mod confirmation;
 mod connection;
 mod delivery;
 mod device;

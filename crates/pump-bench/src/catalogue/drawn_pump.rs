@@ -143,9 +143,9 @@ impl DrawnPump {
 /// Returns the remark above `[motor]`.
 fn motor_remark(file: &PumpFile) -> &'static str {
     if file.motor.confirmed == Some(false) {
-        return "# Assumed: a drawing does not tell. Change it to yours. The steps are a stand-in for simulations: a real motor\n\
-             # does not move until you write yours (full steps x microsteps, as 200 x 16 = 3200) and take out\n\
-             # `confirmed = false`.";
+        return "# Assumed: a drawing does not tell. Change it to yours. The steps are a stand-in for simulations:\n\
+             # a real motor does not move until you write yours (full steps x microsteps, as 200 x 16 = 3200)\n\
+             # and take out `confirmed = false`.";
     }
     "# Steps and gear as given. Assumed: speed and acceleration. Change them to yours."
 }

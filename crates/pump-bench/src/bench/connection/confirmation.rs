@@ -1,7 +1,7 @@
 //! The confirmation of a pump: a real motor does not move by values that the program filled in.
 
-use super::bench::Bench;
-use super::session::Session;
+use crate::bench::bench::Bench;
+use crate::bench::session::Session;
 use crate::catalogue::built_in;
 use crate::dosing::DoseError;
 use crate::numbers::significant;
@@ -60,7 +60,7 @@ impl Bench {
     /// # Errors
     ///
     /// [`DoseError::Unconfirmed`] with the values.
-    pub(super) fn check_confirmed(&self, state: Option<&PumpState>) -> Result<(), DoseError> {
+    pub(in crate::bench) fn check_confirmed(&self, state: Option<&PumpState>) -> Result<(), DoseError> {
         let recorded = state.and_then(|state| state.confirmed_pump);
         if !self.needs_confirmation() || self.confirms_pump() || recorded == Some(self.print()) {
             return Ok(());
@@ -70,7 +70,7 @@ impl Bench {
     }
 
     /// Returns the warning of a dry run whose dose would be refused on the real motor. `state` is the state on record.
-    pub(super) fn confirmation_missing(&self, state: Option<&PumpState>) -> Option<String> {
+    pub(in crate::bench) fn confirmation_missing(&self, state: Option<&PumpState>) -> Option<String> {
         self.check_confirmed(state).err().map(|error| error.to_string())
     }
 }
@@ -81,12 +81,12 @@ impl Session<'_> {
     /// # Errors
     ///
     /// [`DoseError::Unconfirmed`] with the values.
-    pub(super) fn check_confirmed(&self) -> Result<(), DoseError> {
+    pub(in crate::bench) fn check_confirmed(&self) -> Result<(), DoseError> {
         self.bench.check_confirmed(self.state.as_ref())
     }
 
     /// Returns `state` with the user's confirmation of the pump, if the user gives one now.
-    pub(super) fn confirmed(&self, state: PumpState) -> PumpState {
+    pub(in crate::bench) fn confirmed(&self, state: PumpState) -> PumpState {
         if !(self.bench.needs_confirmation() && self.bench.confirms_pump()) {
             return state;
         }
@@ -98,7 +98,7 @@ impl Session<'_> {
     /// # Errors
     ///
     /// [`DoseError::Journal`] if it cannot be recorded.
-    pub(super) fn record_confirmation(&mut self) -> Result<(), DoseError> {
+    pub(in crate::bench) fn record_confirmation(&mut self) -> Result<(), DoseError> {
         let stands = self.stands();
         let confirmed = self.confirmed(stands);
         if confirmed.confirmed_pump == stands.confirmed_pump {
