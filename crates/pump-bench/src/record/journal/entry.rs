@@ -7,7 +7,10 @@ use crate::record::{Intent, PumpState};
 /// Entry of a journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[allow(clippy::large_enum_variant, reason = "entries are written and read one at a time, never kept in numbers")]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "entries are written and read one at a time, never kept in numbers"
+)]
 pub(crate) enum Entry {
     /// A journal begins: its first line.
     Begins {
