@@ -35,7 +35,7 @@ enum PumpsCommand {
     /// Print a pump as a pump file, or with --format rust as constants for firmware
     Show(show::ShowArgs),
     /// Write a pump file from a drawing
-    New(new::NewArgs),
+    New(Box<new::NewArgs>),
     /// Check a pump file and say what it gives
     Check(check::CheckArgs),
 }
