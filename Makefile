@@ -8,7 +8,7 @@ NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --tar
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 MODEL_FEATURES := integrator construction identification experimental serde defmt
 
-.PHONY: test test-rust test-python faults fuzz lint features oldest packages bench validate accuracy embedded docs
+.PHONY: test test-rust test-python faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded docs
 
 test: test-rust test-python
 
@@ -28,6 +28,10 @@ $(VENV)/installed: $(shell git ls-files -- Cargo.lock Cargo.toml ':(glob)crates/
 faults:
 	FAULTS_RUNS=500 cargo test --locked --test faults
 	BOOKS_RUNS=10000 cargo test --locked -p pump-bench --test books
+
+# All 10,000 random doses on heads whose flow reverses; `make test` draws 1000.
+long:
+	REVERSING_DOSES=10000 cargo test --locked -p pump-ctl --test reversing random_doses
 
 # Each target for FUZZ_SECONDS, from the seeds in fuzz/corpus. What else it finds worth keeping is in target/fuzz; a crash is
 # kept in fuzz/artifacts and belongs into a test.
@@ -97,6 +101,10 @@ validate:
 # Writes docs/accuracy.md and its pictures.
 accuracy:
 	cargo run --locked --example accuracy
+
+# Writes docs/pulse_prior.md, the default pulse of bought heads from published drawings.
+pulse-prior:
+	cargo run --locked --example pulse_prior
 
 # The integrator too must do without std; what firmware needs must link without a panic, for size and for speed. The last
 # line is the test of that test: an index that may be out of range must not link.

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn numbers(name: &str) -> Result<Value, Box<dyn Error>> {
     let file = built_in(name).ok_or("it is built in")?;
     let model = file.model()?;
-    let request = DoseRequest { cruise: Some(Cruise::Flow { ml_s: 10.0 }), ..DoseRequest::dose(25.0) };
+    let request = DoseRequest::dose(25.0).with_cruise(Cruise::Flow { ml_s: 10.0 });
     let Prepared { plan, prediction, .. } =
         Prepared::new(&file, &model, request, Phase::known(0.0), PhaseSource::Given, 0.0)?;
     let speed_rad_s = rad_s(100.0);
@@ -35,7 +35,7 @@ fn numbers(name: &str) -> Result<Value, Box<dyn Error>> {
     let state = tempfile::tempdir()?;
     let bench = Bench::new(file, None, state.path())?;
     let mut session = bench.session()?;
-    let request = DoseRequest { cruise: Some(Cruise::Within { time_s: 4.0 }), ..DoseRequest::dose(7.0) };
+    let request = DoseRequest::dose(7.0).with_cruise(Cruise::Within { time_s: 4.0 });
     let prepared = session.prepare(request)?;
     let delivered = session.run(&prepared, |_steps| ControlFlow::Continue(()))?;
     Ok(json!({

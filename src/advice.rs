@@ -1,15 +1,20 @@
-//! Advice to a person: the remedies of errors in the words of the command.
+//! Advice to a person: the remedies of errors and warnings in the words of the command.
 
-use pump_bench::report::{Explain, Remedy};
+use std::error::Error;
+use std::fmt;
 
-/// The text of an error, and its remedies after that.
+use pump_bench::notice::Remedy;
+use pump_bench::report::Explain;
+use pump_bench::units::QuantityError;
+
+/// The text of an error and its sources, and its remedies after that.
 pub(crate) fn told(error: &impl Explain) -> String {
-    let remedies = error.remedies().into_iter().map(|remedy| format!("; {}", words(remedy)));
-    error.to_string() + &remedies.collect::<String>()
+    error.told(words)
 }
 
 /// The words of a remedy: the command or the option that does it.
-fn words(remedy: Remedy) -> &'static str {
+#[allow(clippy::too_many_lines, reason = "a table: one line for a remedy")]
+pub(crate) fn words(remedy: Remedy) -> &'static str {
     match remedy {
         Remedy::FinishOrAccept => {
             "see `dose status`, then finish it with `dose resume` or accept it as it is with `dose discard`"
@@ -44,18 +49,103 @@ fn words(remedy: Remedy) -> &'static str {
         }
         Remedy::CalibrateAgain => "calibrate again, or say `dose calibrate use none`",
         Remedy::BeginCalibrationAnew => "correct the file, or begin anew with `dose calibrate run --anew`",
+        Remedy::TakeLineAwareRamps => "`--ramps line-aware` takes such ramps",
+        Remedy::SuckBack => "`--retract` sucks back",
+        Remedy::DoseThenWeigh => {
+            "make a dose into a tared vessel, then say `dose calibrate last` and its weight"
+        }
+        Remedy::DoseFromKnownAngle => {
+            "find the angle with `dose home`, or make a dose of whole pitches, and weigh that dose"
+        }
+        Remedy::JoinOrBeginAnew => {
+            "join the reading to these runs with --add, or calibrate by the reading alone with --anew"
+        }
+        Remedy::MorePitchesOrFindAngle => "make it more pitches long, or find the angle with `dose home`",
+        Remedy::FindAngle => "`dose home` finds it",
+        Remedy::FindOrSayAngle => "`dose home` finds it, or `dose home --set <ANGLE>` says it",
+        Remedy::ThenFindAngle => "find the angle again once the journal can be written",
+        Remedy::FindAngleDropCarry => "`dose home` finds the angle and drops the carry",
+        Remedy::TurnAndSayAngle => {
+            "to dose other volumes, turn a roller to where it begins to leave the outlet and say `dose home \
+             --set 0deg`, or give --start-angle"
+        }
+        Remedy::SayAngleOrMark => {
+            "say where the rollers stand with `dose home --set <ANGLE>`, or turn them to a mark with `dose \
+             home --mark`"
+        }
+        Remedy::SetAngle => "say where they stand with `dose home --set <ANGLE>`",
+        Remedy::HomeBySensorOrMark => "say `dose home`",
+        Remedy::SayUnknownAngle => "if nobody knows the angle, say `dose home --unknown`",
+        Remedy::FinishOrLeave => "`dose resume` makes the rest, `dose discard` leaves it",
+        Remedy::AcceptInstead => "`dose discard` accepts the dose as it is instead",
+        Remedy::NoteNewTube => "have a new one ready and say `dose tube --new` once it is in",
+        Remedy::Weigh => "`dose calibrate run` weighs what it delivers",
+        Remedy::CalibrateRuns => "say `dose calibrate run`",
+        Remedy::WeighToBeSurer => "`dose calibrate run` makes it surer",
+        Remedy::Verify => "say `dose calibrate verify`",
+        Remedy::FindPhase => "say `dose calibrate phase`",
+        Remedy::UseShortDoses => "say `dose calibrate phase --use`",
+        Remedy::UsePhase => "`--use` has doses use all three",
+        Remedy::UseCalibration => "`dose calibrate use <N>` uses one",
+        Remedy::UseModel => "`dose calibrate use none` goes back to the model",
+        Remedy::ContinueCalibration => "`dose calibrate run --continue` goes on with it",
+        Remedy::SeeWhyUnreadable => "`dose calibrate run --continue` says why",
+        Remedy::SlowDown => "`--rate` sets the rate",
+        Remedy::EndAtLowFlow => "`--finish low-flow` ends it there",
+        Remedy::SuckBackLess => "suck back less, or dose at a lower rate",
+        Remedy::LeaveSmoothOut => "leave --smooth out, or resume with --rate or --speed",
+        Remedy::LeaveRampsOut => {
+            "leave --ramps out; `dose home --configure` sets the board's acceleration to the best for the \
+             pump's default rate"
+        }
+        Remedy::SwitchOff => "switch its power off",
+        Remedy::CheckCable => "check its cable and power",
+        Remedy::NamePort => "give `--port /dev/ttyUSB0`, or port = \"...\" in [drive]",
+        Remedy::PortEachTime => "without it every command needs --port",
+        Remedy::Configure => "`--configure` sets it",
+        Remedy::ConfigureOrRaise => "`--configure` sets it, or raise [motor] max_acceleration_rad_s2",
+        Remedy::AcceptSettings => {
+            "if you changed them, say `--accept-settings` once, otherwise set them back"
+        }
+        Remedy::WriteSettingsAnew => "`--accept-settings` writes it anew",
+        Remedy::SeekOffset => "seek it with --offset",
+        Remedy::CheckPump => "`dose pumps check` says what they give",
+        Remedy::PrintSource => "print it anew with `dose pumps show NAME --format rust`",
+        Remedy::ListHeads => "`dose pumps list --catalogue` lists the heads",
         Remedy::WriteOrConfirmPump => {
             "write your pump's values into a pump file, without confirmed = false, and name it with --pump; or say \
              --confirm-pump once if these are the values of your pump"
         }
-        Remedy::MorePitchesOrFindAngle => "make it more pitches long, or find the angle with `dose home`",
     }
 }
 
+/// A quantity that was refused. Its text has the remedies in the words of the command.
+#[derive(Debug)]
+pub(crate) struct Advised(pub(crate) QuantityError);
+
+impl fmt::Display for Advised {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.write_str(&told(&self.0))
+    }
+}
+
+impl Error for Advised {}
+
 #[cfg(test)]
 mod tests {
+    use clap::Command;
+
     use super::*;
     use crate::cli;
+
+    /// Words of an advice that stand for a value.
+    const VALUES: [&str; 8] = ["none", "<ANGLE>", "<N>", "0deg", "NAME", "rust", "low-flow", "/dev/ttyUSB0"];
+
+    /// True if the command or one below it has the option.
+    fn has(command: &Command, option: &str) -> bool {
+        command.get_arguments().any(|arg| arg.get_long() == Some(option))
+            || command.get_subcommands().any(|below| has(below, option))
+    }
 
     #[test]
     fn advice_names_commands_and_options_that_there_are() {
@@ -64,17 +154,25 @@ mod tests {
             let advice = words(*remedy);
             for quoted in advice.split('`').skip(1).step_by(2) {
                 let mut at = &root;
-                for word in quoted.split(' ').skip(1) {
+                let mut named = quoted.split(' ').peekable();
+                let is_command = named.next_if_eq(&"dose").is_some();
+                for word in named {
                     match word.strip_prefix("--") {
-                        Some(option) => assert!(
+                        Some(option) if is_command => assert!(
                             at.get_arguments().any(|arg| arg.get_long() == Some(option)),
                             "{word} in {advice}"
                         ),
-                        None if ["none", "<ANGLE>"].contains(&word) => {}
+                        Some(option) => assert!(has(&root, option), "{word} in {advice}"),
+                        None if VALUES.contains(&word) => {}
                         None => at = at.find_subcommand(word).unwrap_or_else(|| panic!("{word} in {advice}")),
                     }
                 }
-                assert!(quoted.starts_with("dose "), "{advice}");
+                assert!(is_command || quoted.starts_with("--"), "{advice}");
+            }
+            for word in advice.split([' ', ',', ';', '`']) {
+                if let Some(option) = word.strip_prefix("--") {
+                    assert!(has(&root, option), "{word} in {advice}");
+                }
             }
         }
     }

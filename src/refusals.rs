@@ -7,6 +7,7 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{Arg, Command};
 use pump_bench::units::QuantityError;
 
+use crate::advice::Advised;
 use crate::failure::Failure;
 
 /// True for a word in place of a volume that looks like a command rather than a number.
@@ -55,7 +56,10 @@ pub(crate) fn unparsed(error: &clap::Error) -> Failure {
         lines.take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
     let words: Vec<_> = about.filter(|line| !line.is_empty()).collect();
     let message = sentences(&words).trim_start_matches("error: ").to_owned();
-    if let Some(quantity) = error.source().and_then(|source| source.downcast_ref::<QuantityError>()) {
+    let source = error.source();
+    let advised = source.and_then(|source| source.downcast_ref::<Advised>()).map(|advised| &advised.0);
+    let quantity = advised.or(source.and_then(|source| source.downcast_ref::<QuantityError>()));
+    if let Some(quantity) = quantity {
         return Failure::of(quantity).saying(message);
     }
     let of = |kind| error.get(kind).map(listed);

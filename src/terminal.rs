@@ -7,8 +7,10 @@ use std::time::Duration;
 
 use console::Term;
 use indicatif::{ProgressBar, ProgressStyle};
+use pump_bench::notice::Notice;
 use pump_bench::{Bench, DoseError, Session};
 
+use crate::advice;
 use crate::failure::Failure;
 
 /// True once nobody reads standard output any more.
@@ -89,9 +91,10 @@ pub(crate) fn say_error(failure: &Failure, json: bool) {
 }
 
 /// Warns a person beside the results.
-pub(crate) fn warn(warnings: &[String]) {
+pub(crate) fn warn<N: Clone + Into<Notice>>(warnings: &[N]) {
     for warning in warnings {
-        say_line(&format!("warning: {warning}\n"));
+        let notice: Notice = warning.clone().into();
+        say_line(&format!("warning: {}\n", notice.worded(advice::words)));
     }
 }
 

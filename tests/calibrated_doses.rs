@@ -29,7 +29,7 @@ fn bench(folder: &std::path::Path, factor: f64) -> Bench {
         temperature_degc: None,
         time: None,
     };
-    let expected = Expected { repeatability: 0.0047, reading_ml: 0.0 };
+    let expected = Expected::new(0.0047, 0.0);
     let displacement =
         Displacement::fit(bench.model(), &[run], &Weighing::of(bench.file()), &expected).unwrap();
     let mut calibration = Calibration::empty(bench.file(), Source::File).unwrap();
@@ -81,7 +81,7 @@ fn a_retraction_of_a_calibrated_dose_is_as_large_as_was_asked() {
     let folder = tempfile::tempdir().unwrap();
     let bench = bench(folder.path(), 0.96);
     let mut session = bench.session().unwrap();
-    let prepared = session.prepare(DoseRequest { retract_ml: Some(0.5), ..DoseRequest::dose(10.0) }).unwrap();
+    let prepared = session.prepare(DoseRequest::dose(10.0).with_retraction(0.5)).unwrap();
     let delivered = session.run(&prepared, |_| ControlFlow::Continue(())).unwrap();
     assert!((delivered.volume_ml - 10.0).abs() < 2e-3 && (delivered.retracted_ml - 0.5).abs() < 2e-3);
     assert!((session.state().unwrap().carry_ml - 0.5).abs() < 2e-3);

@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use pump_bench::export::rust_source;
+use pump_bench::displacement::DisplacementError;
+use pump_bench::export;
+use pump_bench::notice::Remedy;
 use pump_bench::{PumpFile, built_in};
 use pump_ctl::generated::torque_points;
 use pump_model::generated::{flow_curve, flow_pieces, pump as generated_pump, roller_volume, volume_pieces};
@@ -11,6 +13,14 @@ use pump_model::{FlowCurve, Pump, RollerVolume};
 #[path = "../examples/firmware/src/pump.rs"]
 #[allow(unreachable_pub, reason = "written by the command, for a module or a crate")]
 mod pump;
+
+/// The source of a pump, with the words of the command.
+fn rust_source(file: &PumpFile) -> Result<String, DisplacementError> {
+    export::rust_source(file, |remedy| match remedy {
+        Remedy::PrintSource => "print it anew with `dose pumps show NAME --format rust`",
+        other => panic!("{other:?}"),
+    })
+}
 
 #[test]
 fn the_firmwares_statics_are_the_pump_to_the_last_bit() {

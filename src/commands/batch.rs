@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use pump_bench::Rehearsal;
 use pump_bench::dosing::{Schedule, ScheduleAction};
+use pump_bench::notice::Notice;
 use pump_bench::report::ErrorKind;
 use pump_bench::{Bench, DoseReport, DoseRequest, Prepared, Session};
 use pump_ctl::plan::Finish;
@@ -91,7 +92,7 @@ impl Batch<'_> {
         let mut rehearsal = Rehearsal::new(self.bench)?;
         for number in 1..=self.count {
             let mut prepared = rehearsal.prepare(self.next_request())?;
-            prepared.warnings.extend(self.assumed.take());
+            prepared.warnings.extend(self.assumed.take().map(Notice::from));
             self.done = number;
             self.report(number, &prepared, None)?;
             self.still_read()?;
@@ -148,7 +149,7 @@ impl Batch<'_> {
                     self.still_wanted(interrupt)?;
                     let prepared = session.prepare(self.next_request());
                     let mut prepared = noted(session, prepared)?;
-                    prepared.warnings.extend(self.assumed.take());
+                    prepared.warnings.extend(self.assumed.take().map(Notice::from));
                     started.get_or_insert_with(Instant::now);
                     let delivered = deliver(self.bench, session, &prepared, interrupt, self.said.json)?;
                     self.done += u64::from(delivered.0.completed);
@@ -161,7 +162,7 @@ impl Batch<'_> {
 
     /// The request of the next dose: only the first one's start angle is given, the others go on from there.
     fn next_request(&mut self) -> DoseRequest {
-        let after = DoseRequest { start_angle_rad: None, ..self.request };
+        let after = self.request.with_start_angle(None, 0.0);
         mem::replace(&mut self.request, after)
     }
 

@@ -1,11 +1,13 @@
 //! One delivery from the plan to the report: what doses, primes, purges and weighed runs have in common.
 
 use pump_bench::export::write_steps;
+use pump_bench::notice::Notice;
 use pump_bench::record::Purpose;
 use pump_bench::report::ErrorKind;
 use pump_bench::simulation::{Method, Waveform, times};
 use pump_bench::{Bench, Delivered, DoseReport, DoseRequest, Prepared, Session};
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
@@ -51,7 +53,7 @@ pub(super) fn run_one(
     let said = Said { json, verbose: options.verbose.verbose, asked: Some(typed) };
     if options.dry_run {
         let mut prepared = bench.prepare(request)?;
-        prepared.warnings.extend(options.start_angle.assumed());
+        prepared.warnings.extend(options.start_angle.assumed().map(Notice::from));
         write_outputs(bench, &prepared, options)?;
         return report(bench, &prepared, None, &said);
     }
@@ -60,7 +62,7 @@ pub(super) fn run_one(
     let mut session = bench.session()?;
     let prepared = session.prepare(request);
     let mut prepared = noted(&mut session, prepared)?;
-    prepared.warnings.extend(options.start_angle.assumed());
+    prepared.warnings.extend(options.start_angle.assumed().map(Notice::from));
     write_outputs(bench, &prepared, options)?;
     let delivered = deliver(bench, &mut session, &prepared, &interrupt, json)?;
     report(bench, &prepared, Some(delivered), &said)
@@ -111,18 +113,19 @@ pub(super) fn report(
 /// the report what a person was `told` before.
 pub(super) fn report_once(
     bench: &Bench,
-    mut report: DoseReport,
+    report: DoseReport,
     said: &Said<'_>,
     of_batch: Option<(u64, u64)>,
     told: Vec<String>,
 ) -> Result<(), Failure> {
+    let mut report = report.worded(advice::words);
     let was_run = report.delivered_ml.is_some();
     let has_warned = was_run && warns_first(bench);
     if said.json {
         if !has_warned {
             warn(&report.warnings);
         }
-        report.warnings.extend(told);
+        report.warnings.extend(told.into_iter().map(Notice::from));
         return print(&(report.json() + "\n"));
     }
     // The headline was printed before a real motor moved.

@@ -3,6 +3,7 @@
 use clap::Args;
 use pump_bench::report::{AcceptedReport, accepted_text};
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
 use crate::options::report::FormatOption;
@@ -23,13 +24,15 @@ impl DiscardArgs {
         let accepted = session.accept();
         let accepted = noted(&mut session, accepted)?;
         let unasked = accepted.unasked.as_ref();
-        let unasked =
-            unasked.map(|error| format!("the device could not be asked what it has counted: {error}"));
-        let warnings: Vec<String> = unasked.into_iter().chain(session.notes()).collect();
+        let unasked = unasked.map(|error| {
+            format!("the device could not be asked what it has counted: {}", advice::told(error))
+        });
+        let notes = session.notes().into_iter().map(|note| note.worded(advice::words));
+        let warnings: Vec<String> = unasked.into_iter().chain(notes).collect();
         warn(&warnings);
         if self.format.json() {
             return print(&(AcceptedReport::new(&bench, &accepted, warnings).json() + "\n"));
         }
-        tell(&accepted_text(&bench, &accepted))
+        tell(&accepted_text(&bench, &accepted, advice::words))
     }
 }

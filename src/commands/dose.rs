@@ -1,7 +1,6 @@
 //! `dose <VOLUME>`: one dose, or a batch of them.
 
 use clap::Args;
-use pump_bench::DoseRequest;
 use pump_bench::record::Purpose;
 use pump_bench::units;
 
@@ -44,11 +43,10 @@ impl DoseArgs {
             batch::refuse_files(options, schedule.count())?;
         }
         let bench = options.bench()?;
-        let request = DoseRequest {
-            finish: self.finish.finish(),
-            retract_ml: self.retract,
-            ..options.request(Purpose::Dose, &asked, bench.file())?
-        };
+        let request = options
+            .request(Purpose::Dose, &asked, bench.file())?
+            .with_finish(self.finish.finish())
+            .with_retraction(self.retract);
         match schedule {
             Some(schedule) => {
                 batch::run(&bench, request, &options.typed(&asked), schedule, self.batch.every, options)

@@ -3,6 +3,7 @@
 use clap::Args;
 use pump_bench::report::rotor_text;
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
 use crate::terminal::{noted, tell, warn};
@@ -21,6 +22,6 @@ impl ReleaseArgs {
         noted(&mut session, connected)?;
         warn(&session.notes());
         let state = session.release()?;
-        tell(&format!("the motor is without current\n{}", rotor_text(&bench, &state)))
+        tell(&format!("the motor is without current\n{}", rotor_text(&bench, &state, advice::words)))
     }
 }

@@ -46,14 +46,12 @@ impl ResumeArgs {
         let mut file = self.bench.pump.file()?;
         self.fluid.change(&mut file)?;
         let bench = self.bench.bench_of(file)?;
-        let request = DoseRequest {
-            cruise: self.cruise.cruise()?,
-            smooth: self.smooth,
-            ramps: self.ramps.ramps(),
-            finish: self.finish.finish(),
-            pressures: self.limits.pressures(bench.file()),
-            ..DoseRequest::dose(0.0)
-        };
+        let request = DoseRequest::dose(0.0)
+            .with_cruise(self.cruise.cruise()?)
+            .with_smooth(self.smooth)
+            .with_ramps(self.ramps.ramps())
+            .with_finish(self.finish.finish())
+            .with_pressures(self.limits.pressures(bench.file()));
         let json = self.format.json();
         let said = Said { json, verbose: self.verbose.verbose, asked: None };
         if self.dry_run {

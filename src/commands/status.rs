@@ -3,6 +3,7 @@
 use clap::Args;
 use pump_bench::report::Status;
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::RecordOptions;
 use crate::options::limits::TubeLimit;
@@ -27,6 +28,6 @@ impl StatusArgs {
         let mut file = self.record.pump.file()?;
         self.tube_limit.change(&mut file);
         let status = Status::of(&self.record.bench_of(file, Some(&self.port))?)?;
-        if self.format.json() { print(&(status.json() + "\n")) } else { tell(&status.text()) }
+        if self.format.json() { print(&(status.json() + "\n")) } else { tell(&status.text(advice::words)) }
     }
 }

@@ -4,6 +4,7 @@ use clap::Args;
 use pump_bench::NewTube;
 use pump_bench::report::{carry_dropped_text, rotor_text};
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
 use crate::terminal::{noted, tell, warn};
@@ -38,7 +39,7 @@ impl TubeArgs {
             "a new tube is on record; the one before pumped {worn_ml:.1} mL\n{}{}{unused}{given_up}warning: \
              a new tube gives another volume per revolution: calibrate it\nif the rotor was turned by hand, \
              say where it stands with `dose home --set <ANGLE>`\n",
-            rotor_text(&bench, &state),
+            rotor_text(&bench, &state, advice::words),
             carry_dropped_text(owed_ml)
         ))
     }

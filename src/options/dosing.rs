@@ -107,15 +107,11 @@ impl DosingOptions {
             }
             volume_ml = -volume_ml;
         }
-        Ok(DoseRequest {
-            purpose,
-            cruise: self.cruise.cruise()?,
-            smooth: self.smooth,
-            ramps: self.ramps.ramps(),
-            start_angle_rad: self.start_angle.angle_rad(),
-            start_half_width_rad: self.start_angle.tolerance_rad(),
-            pressures: self.limits.pressures(file),
-            ..DoseRequest::dose(volume_ml)
-        })
+        Ok(DoseRequest::new(purpose, volume_ml)
+            .with_cruise(self.cruise.cruise()?)
+            .with_smooth(self.smooth)
+            .with_ramps(self.ramps.ramps())
+            .with_pressures(self.limits.pressures(file))
+            .with_start_angle(self.start_angle.angle_rad(), self.start_angle.tolerance_rad()))
     }
 }

@@ -6,7 +6,7 @@ use pump_bench::report::Format;
 use pump_bench::words::WordError;
 
 /// The format of the report.
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct FormatOption {
     /// Report for people or programs [default: text]

@@ -4,8 +4,15 @@ use clap::Args;
 use pump_bench::units::{self, StatedAngle};
 use pump_model::units::{degrees, radians};
 
+use crate::advice::Advised;
+
 /// Tolerance of an angle that is stated without one, deg: an eye reads an angle off a pump head to a degree.
 const ASSUMED_DEG: f64 = 1.0;
+
+/// Reads an angle with its tolerance, as 30deg+-1deg. Its refusal has the command's advice.
+pub(crate) fn stated_angle(text: &str) -> Result<StatedAngle, Advised> {
+    units::stated_angle(text).map_err(Advised)
+}
 
 /// The angle of the rollers at the start of a dose.
 #[derive(Debug, Args)]
@@ -16,7 +23,7 @@ pub(crate) struct StatedStartOption {
         long_help = "Angle of the rollers at the start and its tolerance, as 30deg+-1deg. At 0deg a roller \
         begins to leave the outlet. Without a tolerance 1deg is assumed. The default is the angle on record."
     )]
-    #[arg(long, value_name = "ANGLE", value_parser = units::stated_angle)]
+    #[arg(long, value_name = "ANGLE", value_parser = stated_angle)]
     start_angle: Option<StatedAngle>,
 }
 

@@ -59,8 +59,8 @@ fn what_is_refused_as_a_dose_is_refused_as_a_weighed_run() {
 #[test]
 fn runs_that_leave_out_the_default_rate_say_so_before_they_start_and_in_the_result() {
     let user = User::new();
-    let warning = "the default rate of 5 mL/s takes 14.072 r/min, and the runs cover 20 to 60 r/min: doses without \
-                   --rate or --speed will be refused";
+    let warning = "the default rate of 5 mL/s takes 14.072 r/min, and the runs cover 20 to 60 r/min: doses that \
+                   name no other rate will be refused";
     let guided = ["calibrate", "run", "--speeds", "20rpm,60rpm", "--runs", "1", "--pitches", "1"];
     let begun = user.types(&guided);
     let said = begun.err.find(warning).unwrap_or_else(|| panic!("{}", begun.err));

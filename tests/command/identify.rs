@@ -100,6 +100,23 @@ fn what_is_printed_for_the_pump_file_is_read_by_it() {
 }
 
 #[test]
+fn the_table_for_the_pump_file_keeps_the_nozzle_of_the_outlet() {
+    let user = user_with_examples();
+    let three = user.types(&["pumps", "show", "three-roller"]).out;
+    let nozzle = "end = \"immersed\"\nnozzle_bore_mm = 1.5\n";
+    fs::write(user.path("mine.toml"), three.replace("[outlet]\n", &format!("[outlet]\n{nozzle}"))).unwrap();
+    let words = ["identify", "line", "--data", "start.csv", "--speed", "100rpm", "--pump", "mine.toml"];
+    let line = user.json(&words);
+    let table = line["pump_file"].as_str().unwrap();
+    assert!(table.starts_with("[outlet]\n") && table.ends_with(nozzle), "{table}");
+    assert!(user.types(&words).out.ends_with(nozzle));
+    // A nozzle that the pump file does not name is not named.
+    let line = user.json(&["identify", "line", "--data", "start.csv", "--speed", "100rpm"]);
+    let table = line["pump_file"].as_str().unwrap();
+    assert!(!table.contains("nozzle_bore_mm") && !table.contains("end ="), "{table}");
+}
+
+#[test]
 fn a_trace_of_the_model_gives_both_lines_back() {
     let user = User::new();
     let simulate = ["simulate", "--speed", "100rpm", "--duration", "1s", "--dt", "2ms", "--trace", "t.csv"];

@@ -2,7 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
+mod balance;
+mod bought_head;
 mod calibrate;
+mod calibrate_last;
 mod calibration_limits;
 mod configuration;
 mod dose;

@@ -268,3 +268,58 @@ fn a_new_pump_stands_where_it_is_told() {
     );
     assert_eq!(user.types(&[&DRAWING[..], &["--altitude", "-430m", "low.toml"]].concat()).code, 0);
 }
+
+#[test]
+fn the_catalogue_is_listed_for_people_and_for_programs() {
+    let user = User::new();
+    let text = user.types(&["pumps", "list", "--catalogue", "masterflex", "16"]).out;
+    assert!(text.contains("masterflex-ls-16") && !text.contains("masterflex-ls-13"), "{text}");
+    assert!(text.contains("aguaclara") && text.contains("`dose calibrate run`"), "{text}");
+    let all = user.json(&["pumps", "list", "--catalogue"]);
+    assert_eq!(all["schema"], "head-list/1");
+    assert!(all["heads"].as_array().unwrap().len() >= 40);
+    let yz = user.json(&["pumps", "list", "--catalogue", "runze-yz1515x-3-14"]);
+    let row = &yz["heads"][0];
+    assert!((number(row, "ml_per_rev") - 116.5 / 400.0).abs() < 1e-12, "{row}");
+    assert_eq!((&row["rollers"], &row["source"]["kind"]), (&3.into(), &"quoted".into()));
+    let built_in = user.json(&["pumps", "list"]);
+    assert_eq!(built_in["pumps"][0]["name"], "three-roller");
+    let message = user.is_refused(&["pumps", "list", "--catalogue", "mastreflex-ls-16"]);
+    assert!(message.contains("the nearest are masterflex-ls-16,"), "{message}");
+}
+
+#[test]
+fn a_bought_head_becomes_a_pump_that_doses_by_its_name_alone() {
+    let user = User::new();
+    let new = ["pumps", "new", "--head", "masterflex-ls-16", "--rollers", "3", "bench.toml"];
+    assert_eq!(user.types(&new).code, 0);
+    let text = fs::read_to_string(user.path("bench.toml")).unwrap();
+    assert!(text.contains("catalogue = \"masterflex-ls-16\"\n") && !text.contains("ml_per_rev ="), "{text}");
+    assert!(text.contains("# As published: 0.8 mL per revolution, bore 3.1 mm\n"), "{text}");
+    let check = user.types(&["pumps", "check", "bench.toml"]).out;
+    for line in [
+        "catalogue Masterflex L/S, L/S 16: 0.8 mL per revolution (program)",
+        "0.8000 mL per revolution, 0.2667 mL per pitch of 120.00°",
+    ] {
+        assert!(check.contains(line), "{line}: {check}");
+    }
+    let dose = user.json(&["8mL", "--pump", "bench.toml"]);
+    assert!((number(&dose, "delivered_ml") - 8.0).abs() < 2e-3, "{dose}");
+    // Between pumps 15 % and between tubings 15 % at this bore (Omega FPU5MT, table 9-3), both rectangular, are
+    // 12.2 % standard: a dose of 8 mL is no surer than 1.96 mL.
+    assert!(number(&dose, "expanded_uncertainty_ml") > 1.96, "{dose}");
+}
+
+#[test]
+fn a_head_that_the_catalogue_cannot_give_is_refused_with_what_to_do() {
+    let user = User::new();
+    let new = |more: &[&str]| user.is_refused(&[&["pumps", "new"], more].concat());
+    let message = new(&["--head", "masterflex-ls-61", "--rollers", "3"]);
+    assert!(message.contains("is `masterflex-ls-61`; the nearest are masterflex-ls-16,"), "{message}");
+    assert!(new(&["--head", "masterflex-ls-16"]).contains("count yours and add --rollers 3"));
+    assert!(new(&["--head", "kamoer-kphm400-25", "--tube", "10x14mm"]).contains("--tube"));
+    assert!(new(&["--head", "kamoer-kphm400-25", "--hose", "1m"]).contains("--hose"));
+    // Its document states three rollers.
+    assert_eq!(user.types(&["pumps", "new", "--head", "kamoer-kphm400-25"]).code, 0);
+    assert_eq!(user.types(&["pumps", "new", "--head", "kamoer-kphm400-25", "--id", "Not An Id"]).code, 2);
+}

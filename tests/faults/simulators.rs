@@ -90,7 +90,7 @@ fn copy(mut from: impl Read + Send + 'static, mut to: impl Write + Send + 'stati
 fn doses(program: &Path, runs: u32) {
     let simulator = Simulator::start(program);
     let file = built_in("three-roller").unwrap();
-    let table = DriveTable { port: Some(simulator.path.clone()), ..DriveTable::of(DriverName::Grbl) };
+    let table = DriveTable::of(DriverName::Grbl).with_port(&simulator.path);
     let opening = Opening { configure: true, ..Opening::default() };
     let mut grbl = Grbl::open(&table, &file.motor, &opening).unwrap();
     let mut limits = file.limits();

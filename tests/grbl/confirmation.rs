@@ -90,7 +90,7 @@ fn the_word_is_asked_for_again_when_a_value_changes_and_not_for_any_other_change
     let changes: [fn(&mut PumpFile); 4] = [
         |file| file.motor.steps_per_rev = 3200,
         |file| file.motor.gear = 2.0,
-        |file| file.drive = Some(DriveTable { invert: true, ..DriveTable::of(DriverName::Grbl) }),
+        |file| file.drive = Some(DriveTable::of(DriverName::Grbl).with_invert(true)),
         |file| {
             let two = built_in("two-roller").unwrap();
             (file.rollers, file.tube, file.backplate) = (two.rollers, two.tube, two.backplate);

@@ -4,7 +4,9 @@ use std::time::{Duration, Instant};
 
 use pump_bench::drives::GrblError;
 use pump_bench::drives::{Disturbance, Drive, DriveError, Grbl, Opening};
-use pump_bench::pump_file::{Axis, DriveTable};
+use pump_bench::notice::Remedy;
+use pump_bench::pump_file::{Axis, DriveTable, DriverName};
+use pump_bench::report::Explain;
 
 use crate::rig::{defective, dose, grbl_error, motor, open, refusal, run, start, table};
 use crate::simulated::options::{Defects, Firmware, Options};
@@ -47,12 +49,12 @@ fn a_second_driver_is_told_who_has_the_port() {
 
 #[test]
 fn a_port_that_is_not_named_or_not_there_is_an_error_that_says_so() {
-    let board = start(Options::default());
-    let nowhere = DriveTable { port: None, ..table(&board) };
-    let error = Grbl::open(&nowhere, &motor(), &Opening::default()).unwrap_err().to_string();
-    assert!(error.contains("--port"), "{error}");
-    let missing = DriveTable { port: Some("/dev/ttyNOTHERE".into()), ..table(&board) };
-    let error = Grbl::open(&missing, &motor(), &Opening::default()).unwrap_err().to_string();
+    let nowhere = DriveTable::of(DriverName::Grbl);
+    let error = Grbl::open(&nowhere, &motor(), &Opening::default()).unwrap_err();
+    assert_eq!(error.remedies(), [Remedy::NamePort], "{error}");
+    let missing = DriveTable::of(DriverName::Grbl).with_port("/dev/ttyNOTHERE");
+    let error =
+        pump_bench::report::with_sources(&Grbl::open(&missing, &motor(), &Opening::default()).unwrap_err());
     assert!(error.contains("ttyNOTHERE"), "{error}");
 }
 
@@ -72,8 +74,9 @@ fn firmwares_of_the_family_are_driven_and_older_ones_refused() {
 #[test]
 fn an_axis_that_the_board_does_not_have_is_named() {
     let board = start(Options::default());
-    let table = DriveTable { axis: Axis::A, ..table(&board) };
-    let error = Grbl::open(&table, &motor(), &Opening::default()).unwrap_err().to_string();
+    let table = table(&board).with_axis(Axis::A);
+    let error =
+        pump_bench::report::with_sources(&Grbl::open(&table, &motor(), &Opening::default()).unwrap_err());
     assert!(error.contains("axis") && error.contains('A'), "{error}");
 }
 
@@ -110,7 +113,7 @@ fn a_locked_board_is_refused_with_what_to_do() {
     assert!(run(&mut grbl, &board, &plan).0.is_err());
     let again = run(&mut grbl, &board, &plan).0.unwrap_err();
     assert_eq!((again.made_least, again.made_most), (0, 0));
-    assert!(again.to_string().contains("$X"), "{again}");
+    assert!(pump_bench::report::with_sources(&again).contains("$X"), "{again}");
     drop(grbl);
     let error = Grbl::open(&table(&board), &motor(), &Opening::default()).unwrap_err();
     assert!(matches!(grbl_error(error), GrblError::Locked { .. }));

@@ -26,7 +26,7 @@ fn every_step_of_a_dose_is_made_and_none_before_it_is_announced() {
 #[test]
 fn an_inverted_axis_turns_the_other_way_and_counts_the_same() {
     let board = start(Options::default());
-    let table = pump_bench::pump_file::DriveTable { invert: true, ..crate::rig::table(&board) };
+    let table = crate::rig::table(&board).with_invert(true);
     let mut grbl =
         pump_bench::drives::Grbl::open(&table, &crate::rig::motor(), &pump_bench::drives::Opening::default())
             .unwrap();

@@ -17,8 +17,8 @@ use crate::simulated::options::{Defects, Options, Sensor};
 /// Writes the file of a pump with this board.
 fn pump_file(folder: &Path, board: &Simulated) -> PathBuf {
     let mut file = built_in("three-roller").unwrap();
-    let table = DriveTable { index_angle_deg: Some(40.0), ..DriveTable::of(DriverName::Grbl) };
-    file.drive = Some(DriveTable { port: Some(board.path().to_owned()), ..table });
+    let table = DriveTable::of(DriverName::Grbl).with_index_angle_deg(40.0);
+    file.drive = Some(table.with_port(board.path()));
     file.motor.confirmed = None;
     let pump = folder.join("pump.toml");
     fs::write(&pump, file.to_toml()).unwrap();

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use pump_bench::notice::Remedy;
 use pump_bench::pump_file::{DriveTable, DriverName};
 use pump_bench::record::Storage;
 use pump_bench::report::Ending;
@@ -84,7 +85,10 @@ fn a_reset_after_the_last_step_is_in_the_report_of_that_dose() {
     });
     let report = DoseReport::new(&bench, &prepared, Some(&delivered.unwrap()));
     assert!(reset, "the wait never asked whether to go on");
-    assert!(report.warnings.iter().any(|warning| warning.contains("the device was reset")), "{report:?}");
+    assert!(
+        report.warnings.iter().any(|warning| warning.text().contains("the device was reset")),
+        "{report:?}"
+    );
     assert_eq!(session.state().unwrap().disturbances, 1);
 }
 
@@ -149,7 +153,7 @@ fn a_disk_that_takes_up_to_300_ms_costs_a_dose_no_pause() {
         assert_eq!((starts, report.completed), (1, true), "{ms} ms");
         // A busy machine may simulate a board that is late itself.
         assert!(
-            !report.warnings.iter().any(|warning| warning.contains("disk")),
+            !report.warnings.iter().any(|warning| warning.text().contains("disk")),
             "{ms} ms: {:?}",
             report.warnings
         );
@@ -161,22 +165,21 @@ fn a_disk_that_takes_up_to_300_ms_costs_a_dose_no_pause() {
 #[test]
 fn a_disk_that_takes_a_second_makes_the_motor_pause_and_the_report_names_it() {
     let pressures = PressureLimits { max_outlet_kpa: Some(150.0), min_inlet_kpa: None };
-    let request = DoseRequest { pressures, ..DoseRequest::dose(11.0) };
+    let request = DoseRequest::dose(11.0).with_pressures(pressures);
     let Slowly { report, starts, .. } = dose_slowly(Duration::from_secs(1), request);
     let report = report.unwrap();
     assert!(starts > 1 && report.completed, "{starts} starts");
     assert!(report.measured_motion_s.unwrap() > 1.02 * report.motion_s);
     let warning = report.warnings.last().unwrap();
-    for word in
-        ["the disk took up to 1", "paused", "journal.jsonl", "--state-dir", "pressure limits of this dose"]
-    {
-        assert!(warning.contains(word), "{word}: {warning}");
+    for word in ["the disk took up to 1", "paused", "journal.jsonl", "pressure limits of this dose"] {
+        assert!(warning.text().contains(word), "{word}: {warning}");
     }
+    assert_eq!(warning.remedies(), [Remedy::FasterDisk]);
 }
 
 #[test]
 fn a_dose_within_a_time_ends_where_a_slow_disk_would_have_it_pause() {
-    let request = DoseRequest { cruise: Some(Cruise::Within { time_s: 3.0 }), ..DoseRequest::dose(11.0) };
+    let request = DoseRequest::dose(11.0).with_cruise(Cruise::Within { time_s: 3.0 });
     let Slowly { delivered, starts, .. } = dose_slowly(Duration::from_secs(1), request);
     let error = delivered.unwrap_err();
     assert_eq!((starts, error.ending()), (1, Ending::Moved));
@@ -231,6 +234,6 @@ fn a_board_that_turns_slower_than_its_settings_say_is_reported() {
     let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
     let delivered = session.run(&prepared, |_| ControlFlow::Continue(())).unwrap();
     let warning = delivered.warnings.last().unwrap();
-    assert!(warning.contains("the device was slower"), "{warning}");
+    assert!(warning.text().contains("the device was slower"), "{warning}");
     assert!((delivered.measured_s / prepared.plan.profile().duration_s() - 2.0).abs() < 0.4, "{warning}");
 }

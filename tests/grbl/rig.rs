@@ -24,7 +24,7 @@ pub(crate) fn defective(defects: Defects) -> Simulated {
 }
 
 pub(crate) fn table(board: &Simulated) -> DriveTable {
-    DriveTable { port: Some(board.path().to_owned()), ..DriveTable::of(DriverName::Grbl) }
+    DriveTable::of(DriverName::Grbl).with_port(board.path())
 }
 
 pub(crate) fn open(board: &Simulated) -> Grbl {
@@ -98,7 +98,7 @@ pub(crate) fn fault(defects: Defects) -> DriveFault {
     let (result, announced) = run(&mut grbl, &board, &plan);
     let fault = result.unwrap_err();
     let made = board.rest().steps;
-    let is_count = fault.error.to_string().contains("steps where");
+    let is_count = pump_bench::report::with_sources(&fault.error).contains("steps where");
     assert!(is_count || fault.made_most <= announced as i64, "{fault:?}: {announced} announced");
     assert!((fault.made_least..=fault.made_most).contains(&made), "{made} made: {fault:?}");
     fault

@@ -30,7 +30,7 @@ fn bench(folder: &Path, board: &Simulated, slow: bool) -> Bench {
     if slow {
         file.outlet = pump_model::Line { inertance_kpa_s2_ml: 0.1, ..pump_model::Line::PUBLISHED }.into();
     }
-    file.drive = Some(DriveTable { index_angle_deg: Some(40.0), ..DriveTable::of(DriverName::Grbl) });
+    file.drive = Some(DriveTable::of(DriverName::Grbl).with_index_angle_deg(40.0));
     file.motor.confirmed = None;
     Bench::new(file, None, folder).unwrap().at_port(Some(board.path().to_owned()))
 }
@@ -58,7 +58,7 @@ fn a_board_that_was_switched_off_and_on_unseen_makes_the_angle_wider_and_its_cou
     session.connect().unwrap();
     let met = *session.state().unwrap();
     assert!(close(met.half_width_rad, FALL_RAD) && met.disturbances == 1, "{met:?}");
-    assert!(session.notes().iter().any(|note| note.contains("the device was reset")));
+    assert!(session.notes().iter().any(|note| note.text().contains("the device was reset")));
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn a_retraction_goes_on_from_an_angle_that_a_reset_has_widened() {
     let bench = bench(folder.path(), &board, true);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
-    let request = DoseRequest { retract_ml: Some(0.3), ..DoseRequest::dose(1.0) };
+    let request = DoseRequest::dose(1.0).with_retraction(0.3);
     let prepared = session.prepare(request).unwrap();
     assert!(
         prepared.prediction.settle_s > 0.8,
@@ -170,7 +170,7 @@ fn a_fault_on_the_way_back_or_in_a_turn_says_what_was_made_of_it_and_nothing_to_
     let bench = bench(folder.path(), &board, false);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
-    let request = DoseRequest { retract_ml: Some(1.0), ..DoseRequest::dose(1.0) };
+    let request = DoseRequest::dose(1.0).with_retraction(1.0);
     let prepared = session.prepare(request).unwrap();
     assert!(prepared.plan.steps() < 1300, "the alarm comes on the way back");
     let error = session.run(&prepared, go).unwrap_err();
@@ -193,10 +193,10 @@ fn a_smooth_dose_is_refused_before_the_board_is_asked_for() {
     let bench = bench(folder.path(), &board, false);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
-    let smooth = DoseRequest { smooth: true, ..DoseRequest::dose(1.0) };
+    let smooth = DoseRequest::dose(1.0).with_smooth(true);
     for refused in [session.prepare(smooth), bench.prepare(smooth)] {
-        let error = refused.unwrap_err().to_string();
-        assert!(error.contains("leave --smooth out"), "{error}");
+        let error = refused.unwrap_err();
+        assert_eq!(error.remedies(), [Remedy::LeaveSmoothOut], "{error}");
     }
 }
 
@@ -236,7 +236,7 @@ fn a_released_rotor_that_another_program_turned_is_unknown() {
     let mut session = bench.session().unwrap();
     session.connect().unwrap();
     assert!(!session.state().unwrap().phase().is_known(bench.model().pitch_rad()));
-    assert!(session.notes().iter().any(|note| note.contains("something else has moved it")));
+    assert!(session.notes().iter().any(|note| note.text().contains("something else has moved it")));
 }
 
 #[test]
@@ -317,7 +317,7 @@ fn a_release_that_cannot_be_recorded_leaves_what_is_to_be_sucked_back() {
     let folder = tempfile::tempdir().unwrap();
     let board = start(Options::default());
     let bench = bench(folder.path(), &board, false);
-    let steps = killed_late(&bench, DoseRequest { retract_ml: Some(0.3), ..DoseRequest::dose(1.0) });
+    let steps = killed_late(&bench, DoseRequest::dose(1.0).with_retraction(0.3));
     assert_eq!(board.rest().steps, steps, "nothing was sucked back");
     let mut session = bench.session().unwrap();
     session.connect().unwrap();
@@ -333,7 +333,7 @@ fn a_stop_while_the_board_is_asked_leaves_the_old_tube() {
     let folder = tempfile::tempdir().unwrap();
     let board = start(Options::default());
     let bench = bench(folder.path(), &board, false);
-    let request = DoseRequest { purpose: Purpose::Calibrate, ..DoseRequest::dose(1.0) };
+    let request = DoseRequest::new(Purpose::Calibrate, 1.0);
     killed_late(&bench, request);
     let worn_ml = bench.stands().unwrap().wear.volume_ml;
     assert!(worn_ml > 0.0);

@@ -4,6 +4,7 @@ mod graph;
 mod names;
 mod signatures;
 mod sources;
+mod texts;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -12,6 +13,7 @@ use graph::Graph;
 use names::Names;
 use signatures::Signatures;
 use sources::Sources;
+use texts::{Texts, names_the_command};
 
 /// The folder of the workspace.
 fn root() -> &'static Path {
@@ -93,6 +95,47 @@ fn no_public_signature_names_a_foreign_type() {
         let file = module.file.display();
         assert!(signatures.found.is_empty(), "{file} promises {:?}", signatures.found);
     }
+}
+
+/// The subcommands of `dose`, each a file or a folder of `src/commands`. Two files hold what they share.
+fn subcommands() -> Vec<String> {
+    let commands = std::fs::read_dir(root().join("src/commands")).unwrap();
+    let names =
+        commands.map(|entry| entry.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned());
+    names.filter(|name| !["mod", "dose", "delivery"].contains(&name.as_str())).collect()
+}
+
+#[test]
+fn no_text_of_a_library_names_the_command_or_its_options() {
+    let subcommands = subcommands();
+    let mut named = Vec::new();
+    for (path, module) in Sources::of_workspace(root()).modules {
+        if !["pump_model", "pump_ctl", "pump_bench"].contains(&path[0].as_str()) {
+            continue;
+        }
+        let texts = Texts::of(&module.items).into_iter();
+        named.extend(
+            texts
+                .filter(|text| names_the_command(text, &subcommands))
+                .map(|text| (module.file.clone(), text)),
+        );
+    }
+    assert!(named.is_empty(), "{} texts name the command: {named:#?}", named.len());
+}
+
+#[test]
+fn texts_that_name_the_command_are_found() {
+    let subcommands = subcommands();
+    let names = |text: &str| names_the_command(text, &subcommands);
+    for text in ["say `dose resume`", "then dose resume, or", "see `dose`", "give --port", "(`--smooth`)"] {
+        assert!(names(text), "{text}");
+    }
+    for text in ["the dose in mL", "a smooth dose -- or none", "--", "whole doses resume"] {
+        assert!(!names(text), "{text}");
+    }
+    let file = "#[error(\"a {}\", \"b\")] struct A; /// c\n fn f() { g!(\"d\", (\"e\",)); \"f\" }";
+    let texts = Texts::of(&syn::parse_file(file).unwrap().items);
+    assert_eq!(texts, ["a {}", "b", "d", "e", "f"]);
 }
 
 #[test]

@@ -19,6 +19,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod balance;
 mod bench;
 pub mod calibration;
 pub mod catalogue;
@@ -28,7 +29,9 @@ pub mod dosing;
 pub mod drives;
 pub mod export;
 pub mod files;
+pub mod heads;
 pub mod identification;
+pub mod notice;
 mod numbers;
 pub mod pump_file;
 pub mod record;

@@ -41,7 +41,7 @@ fn calibrate(bench: &Bench, speeds_rpm: &[f64], factor: f64) {
 
 fn asked(purpose: Purpose) -> DoseRequest {
     let cruise = Some(Cruise::Speed { rad_s: rad_s(SPEED_RPM) });
-    DoseRequest { purpose, cruise, ..DoseRequest::dose(RUN_ML) }
+    DoseRequest::new(purpose, RUN_ML).with_cruise(cruise)
 }
 
 /// A bench with a calibration and this limit of the outlet pressure.
@@ -142,7 +142,7 @@ fn a_run_that_is_to_be_as_fast_as_possible_is_slowed_until_its_limits_hold() {
         let limit_kpa = between_kpa(&[60.0], [0.75, 1.3]);
         let folder = tempfile::tempdir().unwrap();
         let bench = bench(folder.path(), limit_kpa, speeds_rpm, factor);
-        let request = DoseRequest { cruise: Some(Cruise::Fastest), ..asked(Purpose::Calibrate) };
+        let request = asked(Purpose::Calibrate).with_cruise(Cruise::Fastest);
         let run = bench.prepare(request).unwrap();
         let reached_kpa = run.margins.outlet.unwrap().reached;
         assert!(

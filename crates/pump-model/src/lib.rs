@@ -49,6 +49,7 @@ pub mod integrator;
 mod line;
 mod math;
 mod motion;
+mod port;
 mod pump;
 pub mod units;
 
@@ -69,10 +70,11 @@ pub use experimental::roller_centric::run::{RollerRun, RollerSample};
 pub use experimental::speed_law::SpeedLaw;
 #[cfg(feature = "experimental")]
 pub use experimental::speed_law_flow::SpeedLawFlow;
+pub use head::default_pulse::DefaultPulse;
 pub use head::flow_curve::{self, FlowCurve};
 pub use head::geometry::Geometry;
 pub use head::paper::{self, CONTACT_ANGLE_DEG as PUBLISHED_CONTACT_ANGLE_DEG};
-pub use head::port::Port;
+pub use head::reaches::{Reach, Reaches};
 pub use head::roller_volume::{self, RollerVolume};
 #[cfg(feature = "construction")]
 pub use hose::falling_drop::falling_drop_ml;
@@ -93,6 +95,7 @@ pub use math::{metrics, polynomial};
 pub use motion::leg::Leg;
 pub use motion::ripple::Ripple;
 pub use motion::stretches::{Stretch, Stretches};
+pub use port::Port;
 pub use pump::presets::Variant;
 pub use pump::pump::Pump;
 pub use pump::steady_state::SteadyState;

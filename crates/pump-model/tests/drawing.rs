@@ -129,10 +129,13 @@ fn rollers_that_seal_nowhere_near_the_arcs_end_are_refused() {
 #[test]
 fn rollers_that_do_not_come_from_inside_the_tubes_bend_are_refused() {
     let base = Geometry::published(3, Variant::Measured);
-    for (offset, radius) in [(56.0, 5.0), (30.0, 31.0)] {
-        let geometry = Geometry { roller_offset_mm: offset, roller_radius_mm: radius, ..base };
-        assert!(matches!(Drawing::new(&geometry), Err(ModelError::OutOfRange { .. })), "{offset} {radius}");
-    }
+    let drawn = |offset: f64, radius: f64| {
+        Drawing::new(&Geometry { roller_offset_mm: offset, roller_radius_mm: radius, ..base })
+    };
+    assert!(matches!(drawn(30.0, 31.0), Err(ModelError::OutOfRange { .. })));
+    let error = drawn(56.0, 5.0).unwrap_err();
+    // The smallest radius is sqrt(56² - 49²) = 27.111 mm.
+    assert!(error.to_string().contains("22.111 mm too small"), "{error}");
 }
 
 fn drawn(geometry: Geometry) -> Result<Pump, ModelError> {

@@ -124,7 +124,7 @@ fn a_line_without_resistance_never_settles_and_may_resonate_for_ever() {
 
     let resonant_rad_s = line.natural_rad_s() / 3.0;
     let error = pump.steady_state(resonant_rad_s).unwrap_err();
-    assert!(matches!(error, ModelError::UndampedResonance { port: "outlet", .. }), "{error}");
+    assert!(matches!(error, ModelError::UndampedResonance { port: Port::Outlet, .. }), "{error}");
     assert!(pump.steady_state(0.9 * resonant_rad_s).is_ok(), "off resonance there is a periodic state");
     assert!(matches!(pump.steady_state(0.0), Err(ModelError::OutOfRange { .. })));
 }
@@ -156,7 +156,7 @@ fn a_line_that_rings_all_through_a_pitch_of_days_is_refused_and_not_computed_for
     let line = Line { resistance_kpa_s_ml: 1e-6, ..Line::PUBLISHED };
     let pump = with_outlet(line);
     let error = pump.steady_state(1e-4).unwrap_err();
-    assert!(matches!(error, ModelError::RingsTooLong { port: "outlet", .. }), "{error}");
+    assert!(matches!(error, ModelError::RingsTooLong { port: Port::Outlet, .. }), "{error}");
     assert!(error.to_string().contains("more resistance"), "{error}");
     assert!(pump.steady_state(1.0).is_ok());
     let some = with_outlet(Line { resistance_kpa_s_ml: 1e-2, ..line });

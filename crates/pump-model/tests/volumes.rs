@@ -86,7 +86,11 @@ fn overlapping_pulses_add_up_to_the_limits_that_are_known() {
     assert!((lowest(3) - 0.405).abs() < 5e-4);
     assert!((lowest(11) - 0.405).abs() < 5e-4);
     assert!((lowest(12) - 0.055).abs() < 5e-4);
-    assert!(matches!(Pump::preset(13, Variant::Measured), Err(ModelError::FlowNotPositive { .. })));
+    assert!(lowest(13) < 0.0);
+    assert!((pump(13).revolution_ml() - (27.634_892 - 13.0 * 2.105_466)).abs() < 2e-5);
+    // From 14 rollers on they take more than the tube holds.
+    let refused = Pump::preset(14, Variant::Measured).unwrap_err();
+    assert!(matches!(refused, ModelError::NotPumping { rollers: 14, .. }), "{refused}");
 }
 
 #[test]
@@ -120,6 +124,10 @@ fn pumps_that_cannot_work_are_refused_by_name() {
         }
     }
     assert!(build(Geometry { contact_angle_rad: 0.0, ..good }).is_ok(), "beta = 0 is allowed");
+    // A bed of 124 deg is enough for three rollers 120 deg apart, one of 118 deg is not.
+    assert!(build(Geometry { contact_angle_rad: -28.0 * degree, ..good }).is_ok());
+    let short = refused(Geometry { contact_angle_rad: -31.0 * degree, ..good });
+    assert!(short.to_string().ends_with("a contact angle larger by 1.0 deg"), "{short}");
     let line = Line { compliance_ml_kpa: 0.0, ..Line::PUBLISHED };
     let error = Pump::new(good, RollerVolume::measured().unwrap(), line, Line::PUBLISHED).unwrap_err();
     assert_eq!(error.to_string(), "line compliance in mL/kPa is 0; allowed: 1e-6 to 1e6");

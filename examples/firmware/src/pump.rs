@@ -1,11 +1,11 @@
 // McIntyre et al., 3 rollers (three-roller), for the crates pump-model and pump-ctl 0.1.0.
-// `dose pumps show` wrote this file. Change the pump file, not this source.
+// This source was written from a pump file. Change the pump file, not this source.
 // Units: mm, rad, mL, kPa, s.
 
 const _: () = assert!(
     pump_model::generated::FORMAT == 1 && pump_ctl::generated::FORMAT == 2,
-    "other versions of pump-model and pump-ctl wrote this source: print it anew with \
-     `dose pumps show NAME --format rust`"
+    "other versions of pump-model and pump-ctl wrote this source: \
+     print it anew with `dose pumps show NAME --format rust`"
 );
 
 use pump_ctl::plan::{Limits, Lowest, Motor, PressureLimits, SetBy};

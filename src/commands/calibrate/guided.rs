@@ -2,7 +2,7 @@
 
 use std::iter;
 
-use libm::{ceil, pow, round};
+use libm::{ceil, round};
 use pump_bench::calibration::{
     CalibrationError, CalibrationRun, PlannedRuns, Reading, RunLog, UnfinishedRuns, Weighing,
     default_rate_left_out, now_utc,
@@ -13,7 +13,8 @@ use pump_bench::{Bench, DoseRequest, Prepared, Session};
 use pump_ctl::plan::Cruise;
 use pump_model::units::{degrees, rad_s, rpm};
 
-use super::answers::{Answer, Answers};
+use super::answers::Answer;
+use super::scale::Scale;
 use crate::advice;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
@@ -22,6 +23,9 @@ use crate::terminal::{noted, say, warn};
 
 /// Volume of a run, mL: on a scale that shows 0.01 g a reading is then good to 2e-4.
 const LEAST_ML: f64 = 50.0;
+
+/// Most pitches of a run.
+pub(super) const MOST_PITCHES: u32 = 100_000;
 
 /// Runs at each speed.
 const RUNS: u32 = 3;
@@ -40,6 +44,10 @@ pub(super) struct GuidedCourse {
     pub(super) each: Option<u32>,
     /// Whole pitches of each run.
     pub(super) pitches: Option<u32>,
+    /// Volume of each run, mL, in place of its pitches: the nearest whole pitches.
+    pub(super) volume_ml: Option<f64>,
+    /// True if the runs are planned and told, and none is made.
+    pub(super) dry_run: bool,
     /// True if the course goes on with the readings on record.
     pub(super) goes_on: bool,
     /// True if readings on record are given up.
@@ -53,7 +61,10 @@ pub(super) struct GuidedCourse {
 impl GuidedCourse {
     /// True if the course says nothing of the runs, so that it fits whatever is on record.
     fn is_open(&self) -> bool {
-        self.speeds_rad_s.is_empty() && self.each.is_none() && self.pitches.is_none()
+        self.speeds_rad_s.is_empty()
+            && self.each.is_none()
+            && self.pitches.is_none()
+            && self.volume_ml.is_none()
     }
 
     /// The runs in their order. `range_rad_s` are the slowest and the fastest speed that the device allows.
@@ -67,7 +78,10 @@ impl GuidedCourse {
         let model = bench.model();
         PlannedRuns {
             speeds_rpm: speeds_rad_s.into_iter().flat_map(|rad_s| iter::repeat_n(rpm(rad_s), each)).collect(),
-            pitches: self.pitches.unwrap_or_else(|| default_pitches(bench)),
+            pitches: self.pitches.unwrap_or_else(|| match self.volume_ml {
+                Some(volume_ml) => nearest_pitches(bench, volume_ml),
+                None => default_pitches(bench),
+            }),
             revolution_ml: model.revolution_ml(),
             fluid: bench.file().fluid.name.clone(),
             temperature_degc: bench.file().fluid.temperature_degc,
@@ -128,7 +142,7 @@ impl GuidedCourse {
         if !self.is_open() && wanted != *planned {
             return Err(Failure::refused(format!(
                 "the guided calibration with {count} of {all} readings on record has other runs than these; go on \
-                 with it without --speeds, --runs and --pitches, or give its readings up with --anew"
+                 with it without --speeds, --runs, --pitches and --volume, or give its readings up with --anew"
             )));
         }
         Ok(())
@@ -148,7 +162,7 @@ struct Guide<'a, 'b> {
     bench: &'a Bench,
     session: Session<'b>,
     log: RunLog,
-    answers: Answers,
+    scale: Scale,
     interrupt: Interrupt,
     pitches: u32,
     temperature_degc: Option<f64>,
@@ -157,7 +171,7 @@ struct Guide<'a, 'b> {
 
 /// Makes the runs and asks for the readings. Each reading is on record once it is typed. Runs that are on
 /// record are not made again. Returns `None` if the person left.
-pub(super) fn runs(bench: &Bench, course: &GuidedCourse) -> Result<Option<Weighed>, Failure> {
+pub(super) fn runs(bench: &Bench, course: &GuidedCourse, scale: Scale) -> Result<Option<Weighed>, Failure> {
     let mut session = bench.session()?;
     let connected = session.connect();
     noted(&mut session, connected)?;
@@ -168,21 +182,26 @@ pub(super) fn runs(bench: &Bench, course: &GuidedCourse) -> Result<Option<Weighe
     let begins = on_record.is_none();
     let UnfinishedRuns { planned, runs, .. } =
         on_record.unwrap_or_else(|| UnfinishedRuns::begun(course.planned(bench, range_rad_s)));
-    let (answers, interrupt) = (Answers::new(), Interrupt::watch()?);
+    let interrupt = Interrupt::watch()?;
     let &GuidedCourse { temperature_degc, json, .. } = course;
     let pitches = planned.pitches;
-    let mut guide = Guide { bench, session, log, answers, interrupt, pitches, temperature_degc, json };
+    let mut guide = Guide { bench, session, log, scale, interrupt, pitches, temperature_degc, json };
     // Every speed is planned before anything moves.
     let mut speeds_rpm = planned.speeds_rpm.clone();
     speeds_rpm.dedup();
+    let mut run_s = Vec::new();
     for speed_rpm in &speeds_rpm {
-        guide.prepare(*speed_rpm)?;
+        run_s.push((*speed_rpm, guide.prepare(*speed_rpm)?.plan.profile().duration_s()));
+    }
+    say(&introduction(bench, &planned, runs.len(), &run_s));
+    warn(default_rate_left_out(bench.file(), bench.model(), &planned.speeds_rpm).as_slice());
+    if course.dry_run {
+        say("dry run: nothing moves, and nothing is recorded\n");
+        return Ok(None);
     }
     if begins {
         guide.log.begin(&planned)?;
     }
-    say(&introduction(bench, &planned, runs.len()));
-    warn(default_rate_left_out(bench.file(), bench.model(), &planned.speeds_rpm).as_slice());
     let weighed = guide.weigh_all(&planned, runs, begins);
     let has_moved = guide.session.has_moved();
     match weighed {
@@ -206,25 +225,41 @@ pub(super) fn kept(bench: &Bench) -> String {
     }
 }
 
-/// The words that come first: which runs are to be made.
-fn introduction(bench: &Bench, planned: &PlannedRuns, made: usize) -> String {
+/// The words that come first: which runs are to be made, and how long the motor turns for them. `run_s` has the time
+/// of a run at each speed.
+fn introduction(bench: &Bench, planned: &PlannedRuns, made: usize, run_s: &[(f64, f64)]) -> String {
     let (all, pitches) = (planned.speeds_rpm.len(), planned.pitches);
     let volume_ml = f64::from(pitches) * bench.model().outlet_curve().pitch_ml();
     let each = format!("{pitches} pitches, {volume_ml:.1} mL by the model");
     let vessel = "fill the line, and empty or tare the vessel before each";
+    let time_of = |speed_rpm: &f64| run_s.iter().find(|(rpm, _)| rpm == speed_rpm).map_or(0.0, |(_, s)| *s);
+    let trial_s = if made == 0 { planned.speeds_rpm.get(all / 2).map_or(0.0, time_of) } else { 0.0 };
+    let motion_s = trial_s + planned.speeds_rpm.iter().skip(made).map(time_of).sum::<f64>();
+    let time = format!("the motor turns for {} in all, besides the weighing", lasting(motion_s));
     if made == 0 {
-        format!("{all} runs of {each}, after one to try; {vessel}\n")
+        format!("{all} runs of {each}, after one to try; {vessel}\n{time}\n")
     } else {
-        format!("{made} of {all} runs of {each}, are on record; {vessel} of the others\n")
+        format!("{made} of {all} runs of {each}, are on record; {vessel} of the others\n{time}\n")
     }
 }
 
-/// Three speeds, each as many times the one before: from half the default rate's to the fastest of the range.
+/// A time for a person: seconds up to two minutes, then minutes.
+fn lasting(time_s: f64) -> String {
+    if time_s < 120.0 { format!("{time_s:.0} s") } else { format!("{:.0} min", time_s / 60.0) }
+}
+
+/// Three speeds: half of the default rate's, that of the default rate, and the fastest of the range.
 fn default_speeds_rad_s(bench: &Bench, (least_rad_s, fastest_rad_s): (f64, f64)) -> Vec<f64> {
     let usual_rad_s = pump_ctl::plan::speed_for_flow(bench.model(), bench.file().pump.default_rate_ml_s);
-    let slowest_rad_s = (SLOWEST * usual_rad_s).max(least_rad_s).min(fastest_rad_s);
-    let step = pow(fastest_rad_s / slowest_rad_s, 0.5);
-    vec![slowest_rad_s, slowest_rad_s * step, fastest_rad_s]
+    let in_range = |rad_s: f64| rad_s.max(least_rad_s).min(fastest_rad_s);
+    let mut speeds_rad_s = vec![in_range(SLOWEST * usual_rad_s), in_range(usual_rad_s), fastest_rad_s];
+    speeds_rad_s.dedup();
+    speeds_rad_s
+}
+
+/// The whole pitches whose volume is nearest to `volume_ml`, one at least.
+fn nearest_pitches(bench: &Bench, volume_ml: f64) -> u32 {
+    round(volume_ml / bench.model().outlet_curve().pitch_ml()).clamp(1.0, f64::from(MOST_PITCHES)) as u32
 }
 
 /// The fewest pitches of [`LEAST_ML`] or more that are whole motor steps, or nearly so. Such a run has the same
@@ -277,7 +312,7 @@ impl Guide<'_, '_> {
         let all = runs.len();
         while let Some(last) = runs.last() {
             say("enter keeps the calibration; redo repeats the last run; quit keeps the readings alone: ");
-            match self.answers.line(&mut self.session, &self.interrupt)?.trim() {
+            match self.scale.line(&mut self.session, &self.interrupt, "keep")?.trim() {
                 "" | "yes" | "keep" => break,
                 "quit" => return Ok(None),
                 "redo" => {
@@ -315,11 +350,10 @@ impl Guide<'_, '_> {
 
     fn prepare(&mut self, speed_rpm: f64) -> Result<Prepared, Failure> {
         let volume_ml = f64::from(self.pitches) * self.bench.model().outlet_curve().pitch_ml();
-        let prepared = self.session.prepare(DoseRequest {
-            purpose: Purpose::Calibrate,
-            cruise: Some(Cruise::Speed { rad_s: rad_s(speed_rpm) }),
-            ..DoseRequest::dose(volume_ml)
-        });
+        let prepared = self.session.prepare(
+            DoseRequest::new(Purpose::Calibrate, volume_ml)
+                .with_cruise(Cruise::Speed { rad_s: rad_s(speed_rpm) }),
+        );
         Ok(noted(&mut self.session, prepared)?)
     }
 
@@ -332,6 +366,7 @@ impl Guide<'_, '_> {
     ) -> Result<Option<CalibrationRun>, Failure> {
         loop {
             say(&format!("{title}: moving\n"));
+            self.scale.before()?;
             let prepared = self.prepare(speed_rpm)?;
             let (delivered, signal) =
                 deliver(self.bench, &mut self.session, &prepared, &self.interrupt, self.json)?;
@@ -341,7 +376,7 @@ impl Guide<'_, '_> {
             let plan = &prepared.plan;
             let known = plan.start().is_known(self.bench.model().pitch_rad());
             loop {
-                let answer = self.answers.reading(title, &mut self.session, &self.interrupt)?;
+                let answer = self.scale.reading(title, &mut self.session, &self.interrupt)?;
                 let reading = match answer {
                     Answer::Read(reading) => reading,
                     Answer::Redo => break,
@@ -358,7 +393,8 @@ impl Guide<'_, '_> {
                 // The reading is refused, not the run.
                 match run.volumes_ml(self.bench.model(), &Weighing::of(self.bench.file()), number) {
                     Ok(_) => return Ok(Some(run)),
-                    Err(error) => say(&format!("{error}\n")),
+                    Err(error) if self.scale.can_repeat() => say(&format!("{error}\n")),
+                    Err(error) => return Err(Failure::of(error)),
                 }
             }
         }
@@ -371,6 +407,7 @@ fn unrecorded(error: CalibrationError, run: &CalibrationRun) -> Failure {
         Reading::MassG(mass_g) => format!("{mass_g}g"),
         Reading::VolumeMl(volume_ml) => format!("{volume_ml}mL"),
     };
+    let error = advice::told(&error);
     let message = format!("{error}; the reading {reading} of this run is not on record: note it down");
     Failure::fault(ErrorKind::Record, message)
 }

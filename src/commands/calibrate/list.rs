@@ -3,6 +3,7 @@
 use clap::Args;
 use pump_bench::report::{calibrations_json, calibrations_text};
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::RecordOptions;
 use crate::options::report::FormatOption;
@@ -24,7 +25,7 @@ impl ListArgs {
         if self.format.json() {
             print(&calibrations_json(&all, active))
         } else {
-            tell(&calibrations_text(&bench, &all, active))
+            tell(&calibrations_text(&bench, &all, active, advice::words))
         }
     }
 }

@@ -1,11 +1,14 @@
 //! `dose calibrate`: what the pump really delivers.
 
 mod answers;
+mod balance;
 mod guided;
+mod last;
 mod list;
 mod phase;
 mod reading;
 mod run;
+mod scale;
 mod use_version;
 mod verify;
 
@@ -25,6 +28,8 @@ pub(crate) struct CalibrateArgs {
 enum CalibrateCommand {
     /// Weigh runs, or read them from a table, and use what they show from now on
     Run(run::RunArgs),
+    /// Calibrate by the dose just made: `dose calibrate last 23.8g`
+    Last(last::LastArgs),
     /// Repeat a dose and report its errors as ISO 8655-6 does
     ///
     /// The report gives the systematic and the random error. The exit code is 1 if they are too large.
@@ -41,6 +46,7 @@ impl CalibrateArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         match &self.command {
             Some(CalibrateCommand::Run(args)) => args.run(),
+            Some(CalibrateCommand::Last(args)) => args.run(),
             Some(CalibrateCommand::Verify(args)) => args.run(),
             Some(CalibrateCommand::Phase(args)) => args.run(),
             Some(CalibrateCommand::List(args)) => args.run(),

@@ -7,6 +7,7 @@ use pump_bench::calibration::{Calibration, Weighing, short_doses_of_csv};
 use pump_bench::report::{phase_json, phase_text};
 
 use super::reading::{ReadingOptions, in_table, read};
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::RecordOptions;
 use crate::options::fluid::FluidOptions;
@@ -50,7 +51,7 @@ impl PhaseArgs {
         if self.format.json() {
             print(&phase_json(&found, version))
         } else {
-            tell(&phase_text(&bench, &found, version))
+            tell(&phase_text(&bench, &found, version, advice::words))
         }
     }
 }

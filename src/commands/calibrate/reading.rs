@@ -4,7 +4,7 @@ use std::path::Path;
 
 use clap::Args;
 use pump_bench::Bench;
-use pump_bench::calibration::{CalibrationError, Expected};
+use pump_bench::calibration::{Calibration, CalibrationError, Expected, Stored};
 use pump_bench::files::{MOST_TABLE_BYTES, read_text};
 use pump_bench::report::ErrorKind;
 use pump_bench::units::{self, Amount};
@@ -48,6 +48,11 @@ impl ReadingOptions {
         Err(Failure::refused(message).kind(ErrorKind::Range).value(value).allowed(allowed))
     }
 
+    /// True if the uncertainty of a reading is given.
+    pub(super) fn has_scale(&self) -> bool {
+        self.scale.is_some()
+    }
+
     /// The scatter that is expected of the readings of a bench.
     pub(super) fn expected(&self, bench: &Bench) -> Expected {
         let file = bench.file();
@@ -55,6 +60,15 @@ impl ReadingOptions {
         let reading_ml = self.scale.map_or(0.0, |scale| scale.volume_ml(file.fluid.density_kg_m3));
         Expected::of(file, reading_ml)
     }
+}
+
+/// The words that follow a calibration of a dry run.
+pub(super) const NOTHING_KEPT: &str = "nothing is kept: this was a dry run\n";
+
+/// Gives a calibration the number that it would be kept under.
+pub(super) fn next_number(bench: &Bench, calibration: Calibration) -> Result<Stored, CalibrationError> {
+    let kept = bench.calibrations().list()?;
+    Ok(Stored::new(kept.last().map_or(1, |last| last.version + 1), calibration))
 }
 
 /// Reads a table that a person wrote.

@@ -8,8 +8,11 @@ use pump_bench::calibration::{Calibration, CalibrationRun, Fit, RunLog, Source, 
 use pump_bench::report::{ErrorKind, calibration_json, calibration_text};
 use pump_bench::units;
 
+use super::balance::BalanceOptions;
 use super::guided::{self, GuidedCourse, Weighed, kept};
-use super::reading::{ReadingOptions, in_table, read};
+use super::reading::{NOTHING_KEPT, ReadingOptions, in_table, next_number, read};
+use super::scale::Scale;
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
 use crate::options::choice::choice;
@@ -22,11 +25,12 @@ pub(super) struct RunArgs {
     /// Table of runs, CSV: speed_rpm, turned_deg (or revolutions, steps), mass_g (or volume_ml), start_angle_deg, ...
     #[arg(long, value_name = "FILE", conflicts_with_all = ["port", "configure"])]
     from: Option<PathBuf>,
-    /// Fit a line or parabola over the speed, a line alone, or s and D of the speed law (three speeds at least)
-    #[arg(long, value_name = "best|line|speed-law", default_value_t = Fit::Best, hide_default_value = true)]
+    /// Fit a line or parabola over the speed, a line alone, one factor, or s and D of the speed law (three speeds at least)
+    #[arg(long, value_name = "best|line|factor|speed-law", default_value_t = Fit::Best, hide_default_value = true)]
     #[arg(value_parser = choice(&[
         (Fit::Best, "A straight line over the speed, or a parabola where an F test at four speeds or more asks for it"),
         (Fit::Line, "A straight line over the speed"),
+        (Fit::Factor, "One factor for every speed"),
         (Fit::Law, "s and D of the speed law"),
     ]))]
     fit: Fit,
@@ -38,9 +42,15 @@ pub(super) struct RunArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100), conflicts_with = "from")]
     runs: Option<u32>,
     /// Whole pitches of each guided run [default: 50 mL or more]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(guided::MOST_PITCHES)))]
     #[arg(conflicts_with = "from")]
     pitches: Option<u32>,
+    /// Volume of each guided run, as 20mL: the nearest whole pitches
+    #[arg(long, value_name = "VOLUME", value_parser = units::volume_ml, conflicts_with_all = ["from", "pitches"])]
+    volume: Option<f64>,
+    /// Say which runs would be made and how long they take; move nothing and keep nothing
+    #[arg(long)]
+    dry_run: bool,
     /// Go on with a guided calibration that was begun: its readings are on record
     #[arg(long = "continue", conflicts_with_all = ["from", "anew"])]
     goes_on: bool,
@@ -49,6 +59,8 @@ pub(super) struct RunArgs {
     anew: bool,
     #[command(flatten)]
     reading: ReadingOptions,
+    #[command(flatten)]
+    balance: BalanceOptions,
     #[command(flatten)]
     fluid: FluidOptions,
     #[command(flatten)]
@@ -63,18 +75,24 @@ impl RunArgs {
         let mut file = self.bench.pump.file()?;
         self.fluid.change(&mut file)?;
         let bench = self.bench.bench_of(file)?;
+        if self.from.is_some() && self.balance.is_given() {
+            return Err(Failure::refused("--from has the readings of a table; leave out the balance"));
+        }
         let Some(path) = &self.from else {
             let course = GuidedCourse {
                 speeds_rad_s: self.speeds.clone(),
                 each: self.runs,
                 pitches: self.pitches,
+                volume_ml: self.volume,
+                dry_run: self.dry_run,
                 goes_on: self.goes_on,
                 anew: self.anew,
                 temperature_degc: self.fluid.temperature,
                 json: self.format.json(),
             };
-            return match guided::runs(&bench, &course)? {
+            return match guided::runs(&bench, &course, Scale::of(&self.balance)?)? {
                 Some(weighed) => self.guided(&bench, weighed),
+                None if self.dry_run => Ok(()),
                 None => tell(&format!("doses go on as before; {}\n", kept(&bench))),
             };
         };
@@ -97,7 +115,7 @@ impl RunArgs {
         RunLog::of(bench.folder()).end().map_err(|error| {
             let failure = Failure::failed(
                 ErrorKind::Record,
-                format!("calibration {} is kept and in use, but {error}", stored.version),
+                format!("calibration {} is kept and in use, but {}", stored.version, advice::told(&error)),
             );
             if has_moved { failure.after_motion() } else { failure }
         })?;
@@ -113,14 +131,18 @@ impl RunArgs {
             Calibration::of_runs(bench.file(), source, runs, self.fit, &expected, before.as_ref())?;
         calibration.tube = self.reading.tube.clone();
         calibration.note = self.reading.note.clone();
-        Ok(bench.keep_calibration(calibration)?)
+        if self.dry_run {
+            Ok(next_number(bench, calibration)?)
+        } else {
+            Ok(bench.keep_calibration(calibration)?)
+        }
     }
 
     fn report(&self, bench: &Bench, stored: &Stored) -> Result<(), Failure> {
         if self.format.json() {
-            print(&calibration_json(bench, stored)?)
-        } else {
-            tell(&calibration_text(bench, stored)?)
+            return print(&calibration_json(bench, stored)?);
         }
+        let kept = if self.dry_run { NOTHING_KEPT } else { "" };
+        tell(&format!("{}{kept}", calibration_text(bench, stored, advice::words)?))
     }
 }

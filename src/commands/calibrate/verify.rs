@@ -8,8 +8,10 @@ use pump_bench::report::ErrorKind;
 use pump_bench::units::{self, Amount};
 use pump_bench::{Bench, DoseRequest, Session};
 
-use super::answers::{Answer, Answers, volume_ml};
+use super::answers::{Answer, volume_ml};
+use super::balance::BalanceOptions;
 use super::reading::{in_table, read};
+use super::scale::Scale;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -43,6 +45,8 @@ pub(super) struct VerifyArgs {
     #[command(flatten)]
     cruise: CruiseOptions,
     #[command(flatten)]
+    balance: BalanceOptions,
+    #[command(flatten)]
     fluid: FluidOptions,
     #[command(flatten)]
     bench: BenchOptions,
@@ -60,6 +64,9 @@ impl VerifyArgs {
             return Err(Failure::refused("--volume is negative; verify forward doses"));
         }
         let tolerance = self.tolerance(nominal_ml)?;
+        if self.from.is_some() && self.balance.is_given() {
+            return Err(Failure::refused("--from has the readings of a table; leave out the balance"));
+        }
         if let Some(path) = &self.from {
             let volumes_ml = in_table(path, readings_of_csv(&read(path)?, &Weighing::of(bench.file())))?;
             return self.judge(Verification::of(nominal_ml, volumes_ml, tolerance)?);
@@ -114,15 +121,16 @@ impl VerifyArgs {
         session: &mut Session<'_>,
         nominal_ml: f64,
     ) -> Result<Option<Vec<f64>>, Failure> {
-        let (answers, interrupt) = (Answers::new(), Interrupt::watch()?);
+        let (mut scale, interrupt) = (Scale::of(&self.balance)?, Interrupt::watch()?);
         let all = self.runs.unwrap_or(DOSES);
-        let request = DoseRequest { cruise: self.cruise.cruise()?, ..DoseRequest::dose(nominal_ml) };
+        let request = DoseRequest::dose(nominal_ml).with_cruise(self.cruise.cruise()?);
         let weighing = Weighing::of(bench.file());
         let degc = weighing.fluid.temperature_degc;
         let mut volumes_ml = Vec::new();
         while volumes_ml.len() < all as usize {
             let title = format!("dose {} of {all}", volumes_ml.len() + 1);
             say(&format!("{title}: moving\n"));
+            scale.before()?;
             let prepared = session.prepare(request);
             let prepared = noted(session, prepared)?;
             let json = self.format.json();
@@ -134,7 +142,7 @@ impl VerifyArgs {
                     "stopped by the user in a dose; `dose resume` makes the rest, `dose discard` leaves it",
                 ));
             }
-            match answers.reading(&title, session, &interrupt)? {
+            match scale.reading(&title, session, &interrupt)? {
                 Answer::Read(reading) => {
                     // The carry that a dose repays or leaves is no error of the pump.
                     let carried_ml = prepared.plan.planned_ml() - nominal_ml;

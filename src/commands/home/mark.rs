@@ -8,6 +8,7 @@ use pump_bench::{Bench, Session};
 use pump_model::units::{degrees, rad_s, radians};
 use signal_hook::consts::SIGINT;
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::{announce, noted, print, tell, warn};
@@ -86,7 +87,11 @@ fn set_at(
     };
     let set = session.set_at_mark(radians(0.5 * step_deg) + tolerance_rad);
     let state = noted(session, set)?;
-    tell(&format!("{}{}", rotor_text(bench, &state), carry_dropped_text(carry_ml - state.carry_ml)))
+    tell(&format!(
+        "{}{}",
+        rotor_text(bench, &state, advice::words),
+        carry_dropped_text(carry_ml - state.carry_ml)
+    ))
 }
 
 /// Obeys keys until the marks meet. Returns the step at that moment, deg; none if the person left.

@@ -9,6 +9,7 @@ use pump_bench::units::{self, StatedAngle};
 
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
+use crate::options::start_angle::stated_angle;
 
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("angle").required(true).args(["mark", "sensor", "set", "unknown"]))]
@@ -27,7 +28,7 @@ pub(crate) struct HomeArgs {
     #[arg(long, requires = "sensor")]
     yes: bool,
     /// Say the angle, as 30deg+-1deg; 0deg: a roller begins to leave the outlet
-    #[arg(long, value_name = "ANGLE", value_parser = units::stated_angle)]
+    #[arg(long, value_name = "ANGLE", value_parser = stated_angle)]
     set: Option<StatedAngle>,
     /// Say that nobody knows the angle: the rotor was turned by hand
     #[arg(long)]

@@ -5,6 +5,7 @@ use std::io::{self, BufRead, IsTerminal, Write};
 use pump_bench::Bench;
 use pump_bench::report::{carry_dropped_text, rotor_text};
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::terminal::{announce, noted, tell, warn};
@@ -27,7 +28,7 @@ pub(super) fn sensor(yes: bool, bench: &Bench) -> Result<(), Failure> {
     match sought.map_err(|error| Failure::from(error).of_session(&session))? {
         Some(state) => {
             let dropped = carry_dropped_text(carry_ml - state.carry_ml);
-            let told = tell(&format!("{}{dropped}", rotor_text(bench, &state)));
+            let told = tell(&format!("{}{dropped}", rotor_text(bench, &state, advice::words)));
             told.map_err(|failure| failure.of_session(&session))
         }
         None => Err(Failure::stopped(

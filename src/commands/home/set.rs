@@ -6,6 +6,7 @@ use pump_bench::report::{carry_dropped_text, rotor_text};
 use pump_bench::units::StatedAngle;
 use pump_ctl::plan::Phase;
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::start_angle::{assumed_of_set, or_assumed_rad};
 use crate::terminal::{tell, warn};
@@ -31,6 +32,6 @@ pub(super) fn set(
     warn(&session.notes());
     let aside = aside.map(|aside| format!("the damaged journal is now {}\n", aside.display()));
     let assumed = (stated.is_some() && within_rad.is_none()).then(assumed_of_set);
-    let (rotor, dropped) = (rotor_text(&bench, &state), carry_dropped_text(owed_ml));
+    let (rotor, dropped) = (rotor_text(&bench, &state, advice::words), carry_dropped_text(owed_ml));
     tell(&format!("{}{rotor}{}{dropped}", aside.unwrap_or_default(), assumed.unwrap_or_default()))
 }

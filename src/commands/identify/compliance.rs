@@ -21,11 +21,12 @@ pub(super) struct ComplianceArgs {
 
 impl ComplianceArgs {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let (_, pump) = self.data.pump()?;
+        let (file, pump) = self.data.pump()?;
         let port = self.line.line;
         let points = self.data.read(|text| injection_of_csv(text, port))?;
         let found = identified_compliance(&points, self.total_volume, (port, pump.line(port)))
-            .map_err(|error| self.data.in_table(error))?;
+            .map_err(|error| self.data.in_table(error))?
+            .with_nozzle_of(&file);
         let axes = Axes { x: "injected, mL", y: "pressure, kPa", left: "measured less fitted, kPa" };
         report(&found, axes, &self.data)
     }

@@ -11,6 +11,7 @@ use pump_bench::identification::Identified;
 use pump_bench::report::Explain;
 use pump_model::{Port, Pump};
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::files::{Files, PlotOption};
 use crate::options::pump::{ForeignRecord, PumpOption};
@@ -82,6 +83,7 @@ pub(super) fn report(found: &Identified, axes: Axes, data: &DataArgs) -> Result<
     let mut outputs = Outputs::default();
     plot(&mut outputs, data, &found.headline, axes, &found.points)?;
     outputs.put()?;
+    let found = found.clone().worded(advice::words);
     if data.format.json() { print(&found.json()) } else { tell(&found.text()) }
 }
 

@@ -26,7 +26,8 @@ impl ResistanceArgs {
         let points = self.data.read(|text| flow_points_of_csv(text, port, line.reservoir_kpa))?;
         let rate_ml_s = file.pump.default_rate_ml_s;
         let found = identified_resistance(&points, self.offset, (port, line), rate_ml_s)
-            .map_err(|error| self.data.in_table(error))?;
+            .map_err(|error| self.data.in_table(error))?
+            .with_nozzle_of(&file);
         let axes = Axes { x: "flow, mL/s", y: "pressure drop, kPa", left: "measured less fitted, kPa" };
         report(&found, axes, &self.data)
     }

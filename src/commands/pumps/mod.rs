@@ -1,18 +1,17 @@
 //! `dose pumps`: built-in pumps and pump files.
 
 mod check;
+mod list;
 mod new;
+mod new_catalogued;
 mod own_motor;
 mod show;
 mod site;
 
 use clap::{Args, Subcommand};
-use pump_bench::catalogue::BUILT_IN;
-use pump_bench::report::ShownPump;
 
 use crate::failure::Failure;
 use crate::options::pump::ConfigOption;
-use crate::terminal::tell;
 
 #[derive(Debug, Args)]
 pub(crate) struct PumpsArgs {
@@ -22,19 +21,13 @@ pub(crate) struct PumpsArgs {
     config: ConfigOption,
 }
 
-#[derive(Debug, Args)]
-struct ListArgs {
-    #[command(flatten)]
-    config: ConfigOption,
-}
-
 #[derive(Debug, Subcommand)]
 enum PumpsCommand {
-    /// List the pumps of the configuration and the built-in pumps
-    List(ListArgs),
+    /// List the pumps of the configuration and the built-in pumps, or with --catalogue bought heads
+    List(list::ListArgs),
     /// Print a pump as a pump file, or with --format rust as constants for firmware
     Show(show::ShowArgs),
-    /// Write a pump file from a drawing
+    /// Write a pump file from a drawing or from the catalogue
     New(Box<new::NewArgs>),
     /// Check a pump file and say what it gives
     Check(check::CheckArgs),
@@ -43,17 +36,11 @@ enum PumpsCommand {
 impl PumpsArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         match &self.command {
-            None => list(&self.config),
-            Some(PumpsCommand::List(args)) => list(&args.config),
+            None => list::list_pumps(&self.config),
+            Some(PumpsCommand::List(args)) => args.run(),
             Some(PumpsCommand::Show(args)) => args.run(),
             Some(PumpsCommand::New(args)) => args.run(),
             Some(PumpsCommand::Check(args)) => args.run(),
         }
     }
-}
-
-/// Lists the pumps of the configuration with their files, then the built-in ones.
-fn list(config: &ConfigOption) -> Result<(), Failure> {
-    let configured: String = ShownPump::all(&config.config()?).iter().map(ShownPump::line).collect();
-    tell(&(configured + &BUILT_IN.map(|(name, what)| format!("{name:<24}{what}\n")).concat()))
 }

@@ -1,9 +1,9 @@
-//! `dose pumps new`: a pump file from a drawing.
+//! `dose pumps new`: a pump file from a drawing. `new_catalogued.rs` writes one from the catalogue.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use pump_bench::catalogue::{DrawnPump, RollerRuns, StatedMotor};
+use pump_bench::catalogue::{DrawnPump, RollerRuns, overlap_warning};
 use pump_bench::export::{Axes, fit_svg};
 use pump_bench::files::{MOST_TABLE_BYTES, Staged, read_text};
 use pump_bench::pump_file::{CurveFit, PumpFile, RollerVolumeTable};
@@ -14,6 +14,7 @@ use pump_model::{Geometry, ModelError};
 
 use super::own_motor::OwnMotorOptions;
 use super::site::SiteOptions;
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::choice::choice;
 use crate::options::files::{Files, PlotOption};
@@ -26,22 +27,30 @@ use crate::terminal::{print, tell};
 pub(crate) struct NewArgs {
     /// Bore x outer diameter of the tube, as 10x14mm
     #[arg(long, value_name = "SIZE", value_parser = units::tube_size)]
-    tube: TubeSize,
+    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    tube: Option<TubeSize>,
     /// Radius of the backplate (raceway), as 63mm
     #[arg(long, value_name = "RADIUS", value_parser = units::length_mm)]
-    backplate: f64,
+    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    backplate: Option<f64>,
     /// Radius of a roller, as 20mm
     #[arg(long, value_name = "RADIUS", value_parser = units::length_mm)]
-    roller: f64,
+    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    roller: Option<f64>,
     /// From the shaft to a roller's axis, as 40mm
     #[arg(long, value_name = "LENGTH", value_parser = units::length_mm)]
-    offset: f64,
-    /// Contact angle: the backplate spans 180deg and twice this, as 30deg
-    #[arg(long, value_name = "ANGLE", value_parser = units::angle_rad)]
-    contact: f64,
+    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    offset: Option<f64>,
+    /// Contact angle: the backplate spans 180deg and twice this, as 30deg, or as -20deg for a shorter bed
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true, value_parser = units::angle_rad)]
+    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    contact: Option<f64>,
     /// Number of rollers
-    #[arg(long, value_name = "N")]
-    rollers: u32,
+    #[arg(long, value_name = "N", required_unless_present = "head")]
+    pub(super) rollers: Option<u32>,
+    /// Bought head of the catalogue in place of a drawing, as masterflex-ls-16 (`dose pumps list --catalogue`)
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["hose", "roller_volume_points", "plot"])]
+    pub(super) head: Option<String>,
     /// Name of the pump in records [default: FILE's name without its ending, or my-pump]
     #[arg(long)]
     id: Option<String>,
@@ -64,7 +73,7 @@ pub(crate) struct NewArgs {
     site: SiteOptions,
     /// File to write; it must not exist yet [default: standard output]
     #[arg(value_name = "FILE")]
-    file: Option<PathBuf>,
+    pub(super) file: Option<PathBuf>,
     #[command(flatten)]
     plot: PlotOption,
     #[command(flatten)]
@@ -74,6 +83,11 @@ pub(crate) struct NewArgs {
 }
 
 impl NewArgs {
+    /// The id of the pump.
+    pub(super) fn id(&self) -> String {
+        self.id.clone().unwrap_or_else(|| self.usual_id())
+    }
+
     /// The id if none is given: two files mostly are two pumps, and the id names the record.
     fn usual_id(&self) -> String {
         let stem = self
@@ -91,26 +105,26 @@ impl NewArgs {
         let inputs = [self.roller_volume_points.as_deref()];
         let state_dir = self.record.folder(&self.config.config()?);
         Files { outputs: &outputs, inputs: &inputs, state_dir }.check()?;
-        let geometry = self.geometry();
+        let Some(geometry) = self.geometry() else { return self.write_catalogued() };
         let runs = self.roller_volume_points.as_deref().map(read_runs).transpose()?;
         let report = match &runs {
             Some(runs) => runs.report(self.fit, &geometry).map_err(|error| self.in_points(error))?,
             None => Vec::new(),
         };
         let drawn = DrawnPump {
-            id: self.id.clone().unwrap_or_else(|| self.usual_id()),
+            id: self.id(),
             geometry,
             hose_length_mm: self.hose,
             roller_volume: runs.as_ref().map_or(RollerVolumeTable::Drawing, |runs| runs.table(self.fit)),
         };
         let mut file = drawn.pump_file().map_err(Failure::of)?;
-        self.site.write_to(&mut file)?;
-        let motor = self.motor.stated()?;
-        if let Some(motor) = motor {
-            motor.write_to(&mut file);
-        }
+        let motor = self.state(&mut file)?;
         let remarks: String = report.iter().map(|line| format!("# {line}\n")).collect();
-        let text = drawn.toml_of(&file).replacen("# Measured.\n", &format!("# Measured.\n{remarks}"), 1);
+        let text = drawn.toml_of(&file, advice::words).replacen(
+            "# Measured.\n",
+            &format!("# Measured.\n{remarks}"),
+            1,
+        );
         // The file must be readable again, its id too.
         PumpFile::parse(&text, "from this drawing").map_err(Failure::of)?;
         let mut outputs = Outputs::default();
@@ -120,22 +134,41 @@ impl NewArgs {
             Some(path) => {
                 write_new(path, &text)?;
                 tell(&report.iter().map(|line| format!("  {line}\n")).collect::<String>())?;
-                tell(&format!("  {}\n", motor_text(motor)))?;
+                tell(&format!("  {motor}\n"))?;
             }
+        }
+        if let Some(warning) = overlap_warning(&drawn.geometry) {
+            tell(&format!("  warning   {warning}\n"))?;
         }
         outputs.put()
     }
 
-    fn geometry(&self) -> Geometry {
-        Geometry {
-            rollers: self.rollers,
-            bore_radius_mm: 0.5 * self.tube.bore_mm,
-            tube_outer_radius_mm: 0.5 * self.tube.outer_mm,
-            backplate_radius_mm: self.backplate,
-            contact_angle_rad: self.contact,
-            roller_radius_mm: self.roller,
-            roller_offset_mm: self.offset,
-        }
+    /// Writes the place and the motor into a new file as its owner states them. Returns the motor's steps in words, or
+    /// that nobody has said them.
+    pub(super) fn state(&self, file: &mut PumpFile) -> Result<String, Failure> {
+        self.site.write_to(file)?;
+        let Some(motor) = self.motor.stated()? else {
+            return Ok(
+                "the motor's steps are not known: a real motor does not move until they stand in the file"
+                    .to_owned(),
+            );
+        };
+        motor.write_to(file);
+        Ok(motor.to_string())
+    }
+
+    /// The dimensions of the drawing. `None` where a head of the catalogue stands in their place.
+    fn geometry(&self) -> Option<Geometry> {
+        let tube = self.tube.as_ref()?;
+        Some(Geometry {
+            rollers: self.rollers?,
+            bore_radius_mm: 0.5 * tube.bore_mm,
+            tube_outer_radius_mm: 0.5 * tube.outer_mm,
+            backplate_radius_mm: self.backplate?,
+            contact_angle_rad: self.contact?,
+            roller_radius_mm: self.roller?,
+            roller_offset_mm: self.offset?,
+        })
     }
 
     /// Draws the measured points and the fit, if a picture is asked for.
@@ -162,15 +195,6 @@ impl NewArgs {
     }
 }
 
-/// The motor's steps in words, or that nobody has said them.
-fn motor_text(motor: Option<StatedMotor>) -> String {
-    match motor {
-        Some(motor) => motor.to_string(),
-        None => "the motor's steps are not known: a real motor does not move until they stand in the file"
-            .to_owned(),
-    }
-}
-
 fn read_runs(path: &Path) -> Result<RollerRuns, Failure> {
     let text = read_text(path, MOST_TABLE_BYTES).map_err(|error| Failure::unread(path, &error))?;
     RollerRuns::of_csv(&text).map_err(|error| Failure::of(error).after(&format!("{}: ", path.display())))
@@ -181,7 +205,7 @@ fn may_be_in_id(letter: char) -> bool {
     letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '-' || letter == '_'
 }
 
-fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
+pub(super) fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
     let shown = path.display();
     if path.symlink_metadata().is_ok() {
         let refused =

@@ -3,6 +3,7 @@
 use clap::Args;
 use pump_bench::export::rust_source;
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::pump::ConfigOption;
 use crate::terminal::print;
@@ -31,7 +32,7 @@ impl ShowArgs {
         let file = self.config.config()?.pump(&self.name).map_err(Failure::of)?;
         match self.format {
             None => print(&file.to_toml()),
-            Some(()) => print(&rust_source(&file).map_err(Failure::of)?),
+            Some(()) => print(&rust_source(&file, advice::words).map_err(Failure::of)?),
         }
     }
 }

@@ -64,7 +64,7 @@ fn ten_thousand_small_doses_add_up_to_a_litre_within_a_step_whatever_lies_betwee
     for n in 0..10_000 {
         // Every hundredth dose is sucked back after, every thousandth is followed by one in reverse.
         let retract_ml = (n % 100 == 99).then_some(0.05);
-        let prepared = rehearsal.prepare(DoseRequest { retract_ml, ..DoseRequest::dose(0.1) }).unwrap();
+        let prepared = rehearsal.prepare(DoseRequest::dose(0.1).with_retraction(retract_ml)).unwrap();
         planned_ml += prepared.plan.planned_ml();
         planned_ml += prepared.retraction.as_ref().map_or(0.0, |back| back.plan.planned_ml());
         owes_ml = prepared.owes_ml();

@@ -23,7 +23,7 @@ use pump_ctl::step::{Brake, BrakeError, Direction, Feed, Segment, Stepper, TickR
 use pump_model::generated;
 use pump_model::polynomial::Polynomial;
 use pump_model::units::{degrees, rad_s, radians, rpm, wrap};
-use pump_model::{ExactRun, FlowCurve, Geometry, Leg, Line, LineState, ModelError, Port, Pump};
+use pump_model::{DefaultPulse, ExactRun, FlowCurve, Geometry, Leg, Line, LineState, ModelError, Port, Pump};
 use pump_model::{RollerVolume, Stretches, Variant};
 
 unsafe extern "C" {
@@ -154,11 +154,21 @@ fn curve(curve: &FlowCurve) {
     black_box((curve.pitch_rad(), curve.pitch_ml(), curve.flow_range_ml_rad(), curve.ripple()));
     black_box((curve.turn_range_ml(any(), any(), any()), curve.uneven_part()));
     black_box(curve.speed_for_flow(any(), any()));
+    black_box((curve.reverses(), curve.largest_flow_ml_rad(), curve.volume_range_ml(any(), any())));
+    black_box(curve.turns_range_ml(any(), any(), any(), any()));
+    for reach in curve.reaches(any(), any(), any()).take(black_box(1000)) {
+        black_box(reach);
+    }
 }
 
 fn pressures(pump: &Pump) -> Result<(), ModelError> {
     let port = any_port();
     black_box((pump.at_angle(any()), pump.pitch_rad(), pump.revolution_ml(), pump.nominal_ml_rad()));
+    let (inlet, outlet) = (*pump.inlet(), *pump.outlet());
+    let pulse = DefaultPulse::new(any(), any());
+    let bought = Pump::from_ml_per_rev(any(), black_box(4), pulse, inlet, outlet)?;
+    let other = bought.with_roller_volume(pulse.roller_volume(any())?)?.with_lines(inlet, outlet)?;
+    black_box((DefaultPulse::of(&other), DefaultPulse::shape(), pump.geometry().is_known()));
     black_box((pump.geometry(), pump.roller_volume(), pump.inlet(), pump.outlet(), pump.line(port)));
     black_box((pump.steady_state(any())?, pump.periodic_state(port, any())?, port.name()));
     let state = LineState { above_reservoir_kpa: any(), flow_ml_s: any() };

@@ -6,16 +6,18 @@ use pump_ctl::plan::{Phase, PlanError};
 use pump_model::Pump;
 use pump_model::units::TURN_RAD;
 
-use crate::calibration::{Calibration, Calibrations, Stored};
+use crate::calibration::{Calibration, Calibrations, Earlier, Expected, LastWeighing, Stored, WeighedDose};
 use crate::displacement::Correction;
 use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
 use crate::dosing::{DoseRequest, Prepared, Stands};
 use crate::drives::{Drive, DriveError, Identity, Opening, StopRequest, registry};
+use crate::notice::{Notice, Remedy};
 use crate::pump_file::{DriveTable, DriverName, PumpFile};
 use crate::record::Folder;
 use crate::record::{PhaseSource, Purpose};
 use crate::record::{PumpState, Story};
+use crate::units::StatedReading;
 
 /// File in the journal's folder that holds the device settings of the last time.
 const SETTINGS_RECORD: &str = "board-settings.json";
@@ -265,10 +267,10 @@ impl Bench {
     }
 
     /// Returns the warning of a dry run on a real motor.
-    pub(super) fn device_not_asked(&self) -> Option<String> {
+    pub(super) fn device_not_asked(&self) -> Option<Notice> {
         let unread =
             "a dry run does not ask the device: its own speeds, acceleration and count are not known";
-        (!self.is_simulated()).then(|| unread.to_owned())
+        (!self.is_simulated()).then(|| unread.into())
     }
 
     /// Plans a dose as if `state` were on record. Refuses a dose that the tube will not last for.
@@ -306,7 +308,7 @@ impl Bench {
             return Err(DoseError::Connection(DriveError::Unable {
                 driver: self.drive_id().to_owned(),
                 ability: "speed that follows the rollers' angle: the board plans its own ramps",
-                instead: "leave --smooth out, or resume with --rate or --speed",
+                instead: Remedy::LeaveSmoothOut,
             }));
         }
         let request = DoseRequest { ramps: self.ramps_of_drive(request.ramps)?, ..request };
@@ -371,6 +373,30 @@ impl Bench {
         let version = self.calibrations().add(&calibration)?;
         self.use_calibration(Some(version))?;
         Ok(Stored { version, calibration })
+    }
+
+    /// Returns the calibration that the weight of the last dose gives. [`Self::keep_calibration`] keeps it.
+    ///
+    /// `None` in place of the temperature takes the pump file's.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Journal`] where the record cannot be read. [`DoseError::Calibration`] with the errors of
+    /// [`CalibrationRun::of_last_dose`], [`CalibrationRun::beside`] and [`Calibration::of_runs`].
+    ///
+    /// [`CalibrationRun::of_last_dose`]: crate::calibration::CalibrationRun::of_last_dose
+    /// [`CalibrationRun::beside`]: crate::calibration::CalibrationRun::beside
+    pub fn weigh_last_dose(
+        &self,
+        reading: &StatedReading,
+        temperature_degc: Option<f64>,
+        earlier: Earlier,
+        expected: &Expected,
+    ) -> Result<WeighedDose, DoseError> {
+        let active = self.calibrations().active()?;
+        let last = self.story()?.state.and_then(|state| state.last);
+        let weighing = LastWeighing { reading, temperature_degc, earlier, expected };
+        Ok(WeighedDose::of(self.file(), last, active.as_ref(), &weighing)?)
     }
 
     /// Returns the life of the tube with the planned dose. `None` if the pump file gives no life.

@@ -11,6 +11,7 @@ use super::device::Device;
 use super::session::Session;
 use crate::dosing::DoseError;
 use crate::drives::{Disturbance, Drive, DriveError, DriveLimits, registry};
+use crate::notice::{Notice, Remedy};
 use crate::pump_file::PumpFile;
 use crate::record::{PumpState, Unfinished, Why};
 
@@ -35,11 +36,12 @@ fn lost_and_found(stands: &PumpState, count: Option<i64>) -> Option<(Unfinished,
 }
 
 /// Returns the note that a device was moved by another program.
-fn moved_elsewhere(before: i64, now: i64) -> String {
-    format!(
+fn moved_elsewhere(before: i64, now: i64) -> Notice {
+    let text = format!(
         "the device counts {now} steps, and {before} are on record: something else has moved it; the \
-         rollers' angle is unknown, and `dose home` finds it"
-    )
+         rollers' angle is unknown"
+    );
+    Notice::from(text).with_remedy(Remedy::FindAngle)
 }
 
 impl<'a> Session<'a> {
@@ -94,7 +96,7 @@ impl<'a> Session<'a> {
     }
 
     /// Returns the state of the pump by a device that was just connected.
-    fn meet(&self, drive: &mut dyn Drive, notes: &mut Vec<String>) -> PumpState {
+    fn meet(&self, drive: &mut dyn Drive, notes: &mut Vec<Notice>) -> PumpState {
         let (model, stands) = (self.bench.model(), self.stands());
         let (was_known, pitch_rad) = (stands.phase().is_known(model.pitch_rad()), model.pitch_rad());
         // The drive reports disturbances first: it may hear of a reset that changes the count.
@@ -116,7 +118,8 @@ impl<'a> Session<'a> {
                 } else {
                     "unknown: that was the second time since it was found"
                 };
-                notes.push(format!("{event}: the rollers' angle is {now}; `dose home` finds it"));
+                let text = format!("{event}: the rollers' angle is {now}");
+                notes.push(Notice::from(text).with_remedy(Remedy::FindAngle));
             }
         } else if let Some((part, moved)) = lost_and_found(&stands, count) {
             met = stands.recounted(&part, moved * part.intent.steps.signum(), model);
@@ -142,15 +145,13 @@ impl<'a> Session<'a> {
     ///
     /// The release is on record as a disturbance, and waking the device is none. But a released rotor does
     /// not move the count: another program does, and a device that counts anew may have moved unheard.
-    fn meet_released(&self, count: Option<i64>, notes: &mut Vec<String>) -> PumpState {
+    fn meet_released(&self, count: Option<i64>, notes: &mut Vec<Notice>) -> PumpState {
         let (stands, model) = (self.stands(), self.bench.model());
         match (stands.count, count) {
             (Some(before), Some(0)) if before != 0 => {
-                notes.push(
-                    "the device was reset while the motor was released, and counts from zero: the rollers' \
-                     angle may be any; `dose home` finds it"
-                        .to_owned(),
-                );
+                let text = "the device was reset while the motor was released, and counts from zero: the rollers' \
+                            angle may be any";
+                notes.push(Notice::from(text).with_remedy(Remedy::FindAngle));
                 stands.disturbed(self.bench.fall_rad(), model)
             }
             (Some(before), Some(now)) if before != now => {
@@ -232,7 +233,7 @@ impl<'a> Session<'a> {
     }
 
     /// Returns the notes for the user that were not shown yet.
-    pub fn notes(&mut self) -> Vec<String> {
+    pub fn notes(&mut self) -> Vec<Notice> {
         std::mem::take(&mut self.notes)
     }
 

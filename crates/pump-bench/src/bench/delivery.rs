@@ -8,6 +8,7 @@ use super::lateness;
 use super::recorded_motion::RecordedMotion;
 use super::session::Session;
 use crate::dosing::{DoseError, Prepared, Retraction};
+use crate::notice::Notice;
 use crate::record::{DoseTerms, Purpose};
 
 /// Result of a dose.
@@ -29,7 +30,7 @@ pub struct Delivered {
     /// Time that the motion of the dose took, in s. A simulated motion takes the time of its plan.
     pub measured_s: f64,
     /// Warnings for the user that came up in motion or after it.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Notice>,
 }
 
 impl Session<'_> {

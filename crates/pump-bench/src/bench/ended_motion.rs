@@ -59,7 +59,7 @@ impl<'a> Session<'a> {
             self.notes.push(format!(
                 "stopped by the user {} s before the line has settled: the last of the volume still flows",
                 significant(left_s, 2)
-            ));
+            ).into());
         }
         // The device may have been reset while the line settled.
         let settled = self.with_device(&mut device, state, None);
@@ -121,7 +121,7 @@ impl<'a> Session<'a> {
         let (fall_rad, model) = (self.bench.fall_rad(), self.bench.model());
         let is_let_go = event == Disturbance::Disabled;
         if !is_let_go {
-            self.notes.push(format!("{event}: the rollers' angle is known less well"));
+            self.notes.push(format!("{event}: the rollers' angle is known less well").into());
         }
         let rests = pauses.filter(|_| is_let_go || lets_go).unwrap_or(0);
         (0..=rests).fold(state, |state, _| state.disturbed(fall_rad, model))

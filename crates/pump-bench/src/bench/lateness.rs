@@ -6,6 +6,7 @@ use pump_ctl::plan::{Cruise, PressureLimits};
 
 use super::announced_steps::Pace;
 use crate::dosing::{DoseRequest, Prepared};
+use crate::notice::{Notice, Remedy};
 use crate::numbers::significant;
 
 /// Part of the planned time by which a motion may take longer.
@@ -20,7 +21,7 @@ pub(super) fn is_critical(request: &DoseRequest) -> bool {
 }
 
 /// Returns the warning of a whole dose that paused or took `measured_s`, more than its plan.
-pub(super) fn warning(prepared: &Prepared, measured_s: f64, pace: Pace, journal: &Path) -> Option<String> {
+pub(super) fn warning(prepared: &Prepared, measured_s: f64, pace: Pace, journal: &Path) -> Option<Notice> {
     let planned_s = prepared.plan.profile().duration_s();
     let is_late = measured_s - planned_s > RESOLUTION_S.max(PART * planned_s);
     if !is_late && pace.pauses == 0 {
@@ -32,8 +33,7 @@ pub(super) fn warning(prepared: &Prepared, measured_s: f64, pace: Pace, journal:
     if pace.pauses > 0 {
         let times = if pace.pauses == 1 { "once".to_owned() } else { format!("{} times", pace.pauses) };
         text += &format!(
-            "the disk took up to {slowest} s to record the next steps in {}, and the motor paused {times}; keep the \
-             record on a faster disk with --state-dir or DOSE_STATE_DIR",
+            "the disk took up to {slowest} s to record the next steps in {}, and the motor paused {times}",
             journal.display()
         );
     } else {
@@ -48,5 +48,6 @@ pub(super) fn warning(prepared: &Prepared, measured_s: f64, pace: Pace, journal:
     if pace.pauses > 0 && prepared.request.pressures != PressureLimits::NONE {
         text += "; the pressure limits of this dose were checked for the plan, and not for its pauses";
     }
-    Some(text)
+    let notice = Notice::from(text);
+    Some(if pace.pauses > 0 { notice.with_remedy(Remedy::FasterDisk) } else { notice })
 }

@@ -5,6 +5,7 @@ use pump_ctl::plan::{Doser, Limits, Ramps};
 use super::bench::Bench;
 use crate::dosing::DoseError;
 use crate::drives::DriveError;
+use crate::notice::Remedy;
 
 impl Bench {
     /// Returns the best acceleration for a board that has one for every dose, in rad/s². `None` if the motor is too
@@ -23,8 +24,7 @@ impl Bench {
             return Err(DoseError::Connection(DriveError::Unable {
                 driver: self.drive_id().to_owned(),
                 ability: "line-aware ramps: the board has one acceleration for every dose",
-                instead: "leave --ramps out; `dose home --configure` sets the board's acceleration to the best \
-                          for the pump's default rate",
+                instead: Remedy::LeaveRampsOut,
             }));
         }
         Ok(Some(Ramps::Fastest))

@@ -5,6 +5,7 @@ use pump_ctl::plan::Finish;
 use super::bench::Bench;
 use super::session::Session;
 use crate::dosing::{DoseError, DoseRequest, Prepared};
+use crate::notice::{Notice, Remedy};
 use crate::numbers::{between, significant};
 use crate::pump_file::PumpFile;
 use crate::record::{Account, PumpState, Purpose, Unfinished, Whole};
@@ -57,7 +58,7 @@ impl Session<'_> {
         prepared.warnings.push(
             "the device has finished the dose that was cut off: it is on record as done, and the volume to suck \
              back is left to make"
-                .to_owned(),
+                .into(),
         );
         self.checked(prepared)
     }
@@ -123,7 +124,7 @@ impl Bench {
     }
 
     /// Warns of a rest after a part whose volume is known within bounds only.
-    fn unsure_rest(&self, dose: &Unfinished, prepared: &Prepared) -> Option<String> {
+    fn unsure_rest(&self, dose: &Unfinished, prepared: &Prepared) -> Option<Notice> {
         let model = self.model();
         let (least_ml, most_ml) = dose.delivered_ml(model);
         if most_ml - least_ml <= prepared.plan.end_step_ml(&prepared.model) {
@@ -133,13 +134,14 @@ impl Bench {
         let turn_rad = prepared.plan.end_angle_rad() - prepared.plan.start().angle_rad();
         let turned = whole.turned.by(turn_rad, turn_rad);
         let range_ml = Account { turned, correction: prepared.correction() }.range_ml(model);
-        Some(format!(
+        let text = format!(
             "{} of the {} mL asked for were delivered before; this rest is for the middle of that range, so that \
-             {} will be delivered in all; `dose discard` accepts the dose as it is instead",
+             {} will be delivered in all",
             between(least_ml, most_ml),
             significant(whole.requested_ml, 6),
             between(whole.least_ml + range_ml.0, whole.most_ml + range_ml.1),
-        ))
+        );
+        Some(Notice::from(text).with_remedy(Remedy::AcceptInstead))
     }
 
     /// Returns the unfinished dose as the whole of which `prepared` makes the rest.

@@ -9,6 +9,7 @@ use pump_model::units::rpm;
 use crate::calibration::RunLog;
 use crate::dosing::{DoseError, DoseRequest, Prepared};
 use crate::drives::{Drive, DriveError};
+use crate::notice::Notice;
 use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfinished, Wear, Why};
 
 use super::bench::Bench;
@@ -34,7 +35,7 @@ pub struct Session<'a> {
     /// True if the session was given its drive, so that it opens no other.
     is_given: bool,
     /// Notes for the user that were not shown yet.
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Vec<Notice>,
     /// True if this session has turned the motor.
     pub(super) moved: bool,
     _lock: Lock,
@@ -264,7 +265,7 @@ impl<'a> Session<'a> {
         let calibrations = self.bench.calibrations();
         let unused = calibrations.active_version()?;
         calibrations.activate(None)?;
-        let state = PumpState { wear: Wear::default(), count, ..before.without_carry() };
+        let state = PumpState { wear: Wear::default(), last: None, count, ..before.without_carry() };
         self.rest(Why::NewTube, state)?;
         // Readings of the old tube tell nothing about the new one.
         let log = RunLog::of(self.bench.folder());

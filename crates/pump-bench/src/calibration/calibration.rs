@@ -26,6 +26,8 @@ pub enum Source {
     File,
     /// Runs that `dose calibrate run` made, with readings that were typed.
     Guided,
+    /// Doses that were weighed after they were made.
+    Last,
     /// Short doses, which show the zero of the angle.
     Phase,
 }

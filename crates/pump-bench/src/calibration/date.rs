@@ -10,7 +10,7 @@ pub fn now() -> String {
 
 /// Returns the Gregorian date of a time since 1970. Days count from 1 March of the year 0, so that leap days
 /// come last in a year.
-fn of_unix(unix_s: u64) -> String {
+pub(super) fn of_unix(unix_s: u64) -> String {
     const DAYS_OF_400_YEARS: u64 = 146_097;
     /// Days from 1 March of the year 0 to 1970.
     const DAYS_BEFORE: u64 = 719_468;

@@ -56,8 +56,8 @@ fn warning(rate_ml_s: f64, speed_rpm: Option<f64>, (least_rpm, most_rpm): (f64, 
         format!("takes {} r/min", significant(speed_rpm, 5))
     });
     format!(
-        "the default rate of {rate_ml_s} mL/s {takes}, and the runs cover {} to {} r/min: doses without --rate \
-         or --speed will be refused; make runs on both sides of that rate, or change default_rate_ml_s in the \
+        "the default rate of {rate_ml_s} mL/s {takes}, and the runs cover {} to {} r/min: doses that \
+         name no other rate will be refused; make runs on both sides of that rate, or change default_rate_ml_s in the \
          pump file",
         short(least_rpm),
         short(most_rpm)

@@ -12,7 +12,7 @@ use crate::files::TableError;
 #[non_exhaustive]
 pub enum CalibrationError {
     /// A file cannot be read or written.
-    #[error("cannot {action} {}: {source}", .path.display())]
+    #[error("cannot {action} {}", .path.display())]
     File {
         /// Action that was tried.
         action: &'static str,
@@ -75,6 +75,44 @@ pub enum CalibrationError {
         turned_deg: f64,
         /// Angle between rollers, in deg.
         pitch_deg: f64,
+    },
+    /// There is no dose that a scale could have weighed.
+    #[error(
+        "no dose is on record that a scale could have weighed: none was made, or the pump was primed, purged, \
+         calibrated, homed or given a new tube since"
+    )]
+    NoLastDose,
+    /// The last dose was cut off, and nobody knows closely enough how far the rollers turned.
+    #[error(
+        "the last dose turned {turned_deg:.3} deg, known to ± {half_width_deg:.3} deg only, since it was cut off; \
+         a dose that is weighed must be known to 0.1 % of its turn"
+    )]
+    UnsureLastDose {
+        /// Angle that the rotor turned, in deg.
+        turned_deg: f64,
+        /// Half width of the range that holds the true turn, in deg.
+        half_width_deg: f64,
+    },
+    /// The last dose turned a part of a pitch from an angle that is not known.
+    #[error(
+        "the last dose turned {turned_deg:.3} deg from an angle that is not known to 2 deg; only whole pitches of \
+         {pitch_deg:.3} deg deliver the same volume from any angle"
+    )]
+    LastDoseFromUnknownAngle {
+        /// Angle that the rotor turned, in deg.
+        turned_deg: f64,
+        /// Angle between rollers, in deg.
+        pitch_deg: f64,
+    },
+    /// The calibration in use was weighed otherwise, and one dose does not replace it without a word.
+    #[error(
+        "calibration {version}, in use, rests on {runs} runs; one dose does not replace it unless that is asked for"
+    )]
+    WeighedOtherwise {
+        /// Number of the calibration in use.
+        version: u32,
+        /// Number of its runs.
+        runs: usize,
     },
     /// A reading cannot be right.
     #[error(

@@ -1,10 +1,13 @@
 //! A calibration made from weighed runs or short doses.
 
+use libm::sqrt;
+
 use super::{
     AgainstSpeed, Calibration, CalibrationError, CalibrationRun, Displacement, Expected, LawToFit, PhaseFit,
     Revolution, ShortDose, Source, Weighing,
 };
 use crate::pump_file::PumpFile;
+use crate::units::StatedReading;
 use crate::words::words;
 
 /// Shape that is fitted to runs at several speeds.
@@ -15,16 +18,33 @@ pub enum Fit {
     Best,
     /// A straight line over the speed.
     Line,
+    /// One factor for every speed, at the mean speed of the runs.
+    Factor,
     /// Law of volume against speed: the speed law, whose s and D are fitted.
     Law,
 }
 
-words!(Fit { Best = "best", Line = "line", Law = "speed-law" });
+words!(Fit { Best = "best", Line = "line", Factor = "factor", Law = "speed-law" });
+
+/// Returns the runs with their mean speed in place of their own.
+fn at_mean_speed(runs: &[CalibrationRun]) -> Vec<CalibrationRun> {
+    let speed_rpm = runs.iter().map(|run| run.speed_rpm).sum::<f64>() / runs.len().max(1) as f64;
+    runs.iter().map(|run| CalibrationRun { speed_rpm, ..run.clone() }).collect()
+}
 
 impl Expected {
-    /// Returns the repeatability of the pump file, with the standard uncertainty of a reading, in mL.
+    /// Returns the repeatability of the pump file, which smaller runs exceed, with the standard uncertainty of a
+    /// reading, in mL.
     pub fn of(file: &PumpFile, reading_ml: f64) -> Self {
-        Self { repeatability: file.uncertainty.repeatability_percent / 100.0, reading_ml }
+        let table = &file.uncertainty;
+        let repeatability_at_ml = table.repeatability_at_ml;
+        Self { repeatability_at_ml, ..Self::new(table.repeatability_percent / 100.0, reading_ml) }
+    }
+
+    /// Returns the repeatability of the pump file, with the standard uncertainty of two readings, empty and full, that
+    /// are rounded to the last digit. Each is unsure by a step over the square root of 12 (GUM, F.2.2.1).
+    pub fn of_digits(file: &PumpFile, reading: &StatedReading) -> Self {
+        Self::of(file, reading.resolution.volume_ml(file.fluid.density_kg_m3) * sqrt(2.0 / 12.0))
     }
 }
 
@@ -69,6 +89,7 @@ impl Calibration {
         calibration.displacement = Some(match fit {
             Fit::Best => Displacement::fit_best(&pump, &runs, &weighing, expected)?,
             Fit::Line => Displacement::fit(&pump, &runs, &weighing, expected)?,
+            Fit::Factor => Displacement::fit(&pump, &at_mean_speed(&runs), &weighing, expected)?,
             Fit::Law => {
                 let law = LawToFit::of(file, &base)?;
                 Displacement::fit_law(&law, &pump, &runs, &weighing, expected)?

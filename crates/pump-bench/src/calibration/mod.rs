@@ -6,6 +6,7 @@ mod date;
 mod default_rate;
 mod error;
 mod fit;
+mod last_dose;
 mod making;
 mod run;
 mod run_log;
@@ -19,10 +20,12 @@ pub use date::now as now_utc;
 pub use default_rate::default_rate_left_out;
 pub(crate) use default_rate::default_rate_uncovered;
 pub use error::CalibrationError;
-pub(crate) use fit::{AgainstSpeed, LawToFit, PulseSureness, Revolution};
+pub(crate) use fit::{AgainstSpeed, LawToFit, PulseSureness, Revolution, scatter_ml};
 pub use fit::{
     Displacement, Expected, FittedPulse, LawFit, PhaseFit, Scatter, ShortDose, SpeedBend, short_doses_of_csv,
 };
+pub(crate) use last_dose::LastWeighing;
+pub use last_dose::{Earlier, WeighedDose, fit_of_doses};
 pub use making::Fit;
 pub(crate) use run::turned_ml;
 pub use run::{CalibrationRun, Reading, runs_of_csv};

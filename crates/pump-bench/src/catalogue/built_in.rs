@@ -79,9 +79,10 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
             default_rate_ml_s: 5.0,
             mark_angle_deg: None,
         },
+        head: None,
         tube: TubeTable {
-            bore_radius_mm: geometry.bore_radius_mm,
-            outer_radius_mm: geometry.tube_outer_radius_mm,
+            bore_radius_mm: Some(geometry.bore_radius_mm),
+            outer_radius_mm: Some(geometry.tube_outer_radius_mm),
             // Soft PVC, nearly incompressible: estimates, as the paper gives neither.
             modulus_mpa: Some(3.5),
             poisson_ratio: Some(0.49),
@@ -89,18 +90,18 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
         },
         rollers: RollersTable {
             count: rollers,
-            radius_mm: geometry.roller_radius_mm,
-            offset_mm: geometry.roller_offset_mm,
+            radius_mm: Some(geometry.roller_radius_mm),
+            offset_mm: Some(geometry.roller_offset_mm),
         },
-        backplate: BackplateTable {
+        backplate: Some(BackplateTable {
             radius_mm: geometry.backplate_radius_mm,
             contact_angle_deg: PUBLISHED_CONTACT_ANGLE_DEG,
-        },
-        roller_volume: RollerVolumeTable::Polynomial {
+        }),
+        roller_volume: Some(RollerVolumeTable::Polynomial {
             engagement_angle_deg: PUBLISHED_ENGAGEMENT_DEG,
             polynomial_ml_deg: PUBLISHED_COEFFICIENTS_DEG,
             total_ml: (variant == Variant::Published).then_some(PUBLISHED_TOTAL_ML),
-        },
+        }),
         speed_law: SpeedLawTable::default(),
         inlet: line.clone(),
         outlet: line.into(),
@@ -156,7 +157,8 @@ fn uncertainty() -> UncertaintyTable {
         repeatability_at_ml: None,
         // The tabulated 2.06 mL and the 2.1055 mL of the measured points: (2.1055 - 2.06)/sqrt(3),
         // rectangular.
-        roller_volume_ml: 0.026,
+        roller_volume_ml: Some(0.026),
+        assumed: false,
     }
 }
 

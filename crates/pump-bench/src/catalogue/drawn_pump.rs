@@ -4,17 +4,19 @@ use libm::{ceil, floor, pow, sqrt};
 use pump_model::units::{degrees, rad_s};
 use pump_model::{Fluid, Geometry, ModelError};
 
-use super::unweighed;
+use super::remarks::{ambient_remark, motor_remark};
 use crate::catalogue::built_in;
+use crate::notice::{Remedy, Wording};
 use crate::pump_file::{
-    AmbientSource, AmbientTable, HoseTable, LineTable, PumpFile, RollerVolumeTable, UncertaintyTable,
+    AmbientTable, BackplateTable, HoseTable, LineTable, PumpFile, RollerVolumeTable, UncertaintyTable,
+    unweighed,
 };
 
 /// Temperature of the fluid, in °C. A drawing does not tell it.
 const TEMPERATURE_DEGC: f64 = 25.0;
 
 /// Largest speed of the pump head, in r/min. A drawing does not tell it.
-const MAX_SPEED_RPM: f64 = 100.0;
+pub(super) const MAX_SPEED_RPM: f64 = 100.0;
 
 /// A pump as its drawing gives it.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,7 +51,7 @@ impl DrawnPump {
             false => format!("{} rollers, from a drawing and a measured roller volume", geometry.rollers),
         };
         self.set_dimensions(&mut file);
-        file.roller_volume = self.roller_volume.clone();
+        file.roller_volume = Some(self.roller_volume.clone());
         let line = self.line();
         file.inlet = line.clone();
         file.outlet = line.into();
@@ -72,16 +74,18 @@ impl DrawnPump {
     /// Writes the dimensions of the pump head into a pump file.
     fn set_dimensions(&self, file: &mut PumpFile) {
         let geometry = &self.geometry;
-        file.tube.bore_radius_mm = geometry.bore_radius_mm;
-        file.tube.outer_radius_mm = geometry.tube_outer_radius_mm;
+        file.tube.bore_radius_mm = Some(geometry.bore_radius_mm);
+        file.tube.outer_radius_mm = Some(geometry.tube_outer_radius_mm);
         // A drawing does not tell the material of the tube.
         (file.tube.modulus_mpa, file.tube.poisson_ratio) = (None, None);
         file.rollers.count = geometry.rollers;
-        file.rollers.radius_mm = geometry.roller_radius_mm;
-        file.rollers.offset_mm = geometry.roller_offset_mm;
-        file.backplate.radius_mm = geometry.backplate_radius_mm;
-        // Rounding turns 30 degrees into 30 again and not into a neighbouring number.
-        file.backplate.contact_angle_deg = floor(1e9 * degrees(geometry.contact_angle_rad) + 0.5) / 1e9;
+        file.rollers.radius_mm = Some(geometry.roller_radius_mm);
+        file.rollers.offset_mm = Some(geometry.roller_offset_mm);
+        file.backplate = Some(BackplateTable {
+            radius_mm: geometry.backplate_radius_mm,
+            // Rounding turns 30 degrees into 30 again and not into a neighbouring number.
+            contact_angle_deg: floor(1e9 * degrees(geometry.contact_angle_rad) + 0.5) / 1e9,
+        });
     }
 
     /// Returns a line that is a hose of the pump's own tube.
@@ -101,36 +105,37 @@ impl DrawnPump {
         LineTable::of_hose_with_lift(0.0, hose)
     }
 
-    /// Returns the file as TOML. A remark on each table says if it is given, measured, estimated or assumed.
+    /// Returns the file as TOML. A remark on each table says if it is given, measured, estimated or assumed. A front
+    /// end words what checks the file and what makes it surer.
     ///
     /// # Errors
     /// Returns the [`ModelError`] of a pump that cannot work.
-    pub fn toml(&self) -> Result<String, ModelError> {
-        Ok(self.toml_of(&self.pump_file()?))
+    pub fn toml(&self, words: Wording) -> Result<String, ModelError> {
+        Ok(self.toml_of(&self.pump_file()?, words))
     }
 
     /// Returns [`Self::pump_file`] as TOML after its owner has stated more of it, with the remarks of [`Self::toml`].
-    pub fn toml_of(&self, file: &PumpFile) -> String {
+    pub fn toml_of(&self, file: &PumpFile, words: Wording) -> String {
         let is_estimated = self.roller_volume.is_estimated();
+        let check = words(Remedy::CheckPump);
         let mut text = match is_estimated {
-            true => {
-                "# Written by `dose pumps new` from a drawing: nobody has measured this pump.\n\
-                 # The model follows from the dimensions alone; `dose pumps check` says what they give.\n\n"
-            }
-            false => {
-                "# Written by `dose pumps new` from a drawing and measured roller volumes.\n\
-                 # `dose pumps check` says what they give.\n\n"
-            }
-        }
-        .to_owned();
+            true => format!(
+                "# Written from a drawing: nobody has measured this pump.\n\
+                 # The model follows from the dimensions alone; {check}.\n\n"
+            ),
+            false => format!(
+                "# Written from a drawing and measured roller volumes.\n\
+                 # {check}.\n\n"
+            ),
+        };
         for line in file.to_toml().lines() {
             let remark = match line {
-                "[motor]" => motor_remark(file),
-                "[ambient]" => ambient_remark(file),
-                _ => remark(line, is_estimated),
+                "[motor]" => motor_remark(file, "drawing"),
+                "[ambient]" => ambient_remark(file).to_owned(),
+                _ => remark(line, is_estimated).replace(SURER, words(Remedy::WeighToBeSurer)),
             };
             if !remark.is_empty() {
-                text.push_str(remark);
+                text.push_str(&remark);
                 text.push('\n');
             }
             text.push_str(line);
@@ -140,25 +145,8 @@ impl DrawnPump {
     }
 }
 
-/// Returns the remark above `[motor]`.
-fn motor_remark(file: &PumpFile) -> &'static str {
-    if file.motor.confirmed == Some(false) {
-        return "# Assumed: a drawing does not tell. Change it to yours. The steps are a stand-in for simulations:\n\
-             # a real motor does not move until you write yours (full steps x microsteps, as 200 x 16 = 3200)\n\
-             # and take out `confirmed = false`.";
-    }
-    "# Steps and gear as given. Assumed: speed and acceleration. Change them to yours."
-}
-
-/// Returns the remark above `[ambient]`.
-fn ambient_remark(file: &PumpFile) -> &'static str {
-    match file.ambient.source() {
-        AmbientSource::SeaLevel => {
-            "# Assumed: sea level, 101.325 kPa (ISO 2533). Give your place: altitude_m, or pressure_kpa."
-        }
-        AmbientSource::Altitude(_) | AmbientSource::Pressure => "# As given.",
-    }
-}
+/// Place in a remark of the words that say how an uncertainty is made smaller.
+const SURER: &str = "{surer}";
 
 /// Returns the remark above a line of a pump file, or nothing. `is_estimated` is true for a roller volume
 /// from the drawing.
@@ -182,7 +170,7 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
         }
         "[speed_law]" | "[fluid]" => "# Assumed.",
         "[uncertainty]" if !is_estimated => {
-            "# For a pump that nobody has weighed; `dose calibrate run` makes it surer.\n\
+            "# For a pump that nobody has weighed; {surer}.\n\
              # Model: pumps and tubes of one kind differ by limits that a maker states by the bore (Omega FPU5MT,\n\
              # table 9-3: pumps 10 to 25 %, tubes 5 to 20 %; rectangular), and a bore known to 0.1 mm.\n\
              # Speed: McIntyre et al. found the model 9.02 % off at one speed; rectangular.\n\
@@ -191,7 +179,7 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
              # Repeatability: as McIntyre et al. measured over ten revolutions."
         }
         "[uncertainty]" => {
-            "# For a pump that nobody has measured; `dose calibrate run` makes it surer.\n\
+            "# For a pump that nobody has measured; {surer}.\n\
              # Model: pumps and tubes of one kind differ by limits that a maker states by the bore (Omega FPU5MT,\n\
              # table 9-3: pumps 10 to 25 %, tubes 5 to 20 %; rectangular), the drawing against measured\n\
              # volumes (1.4 %), and a bore known to 0.1 mm.\n\
@@ -223,7 +211,7 @@ fn uncertainty(geometry: &Geometry, roller_ml: f64, measured: &UncertaintyTable)
     UncertaintyTable {
         model_percent: ceil(10.0 * model_percent) / 10.0,
         speed_percent: Some(two_digits(unweighed::speed_percent())),
-        roller_volume_ml: two_digits(ROLLER * roller_ml),
+        roller_volume_ml: Some(two_digits(ROLLER * roller_ml)),
         ..measured.clone()
     }
 }
@@ -246,7 +234,7 @@ fn measured_uncertainty(
     UncertaintyTable {
         model_percent: ceil(10.0 * model_percent) / 10.0,
         speed_percent: Some(two_digits(unweighed::speed_percent())),
-        roller_volume_ml: two_digits(sqrt(figures_ml * figures_ml + rms_ml * rms_ml)),
+        roller_volume_ml: Some(two_digits(sqrt(figures_ml * figures_ml + rms_ml * rms_ml))),
         ..measured.clone()
     }
 }
@@ -264,7 +252,7 @@ fn bore_percent(geometry: &Geometry) -> f64 {
 }
 
 /// Rounds a positive number to two significant digits.
-fn two_digits(value: f64) -> f64 {
+pub(super) fn two_digits(value: f64) -> f64 {
     let place = pow(10.0, floor(libm::log(value) / core::f64::consts::LN_10) - 1.0);
     // Passing through text makes 0.13 exactly the number that is written 0.13.
     let rounded = floor(value / place + 0.5) * place;
@@ -302,7 +290,7 @@ mod tests {
         let measured = built_in("three-roller").unwrap();
         let difference = file.model().unwrap().roller_volume().total_ml()
             - measured.model().unwrap().roller_volume().total_ml();
-        assert!(difference.abs() < file.uncertainty.roller_volume_ml);
+        assert!(difference.abs() < file.uncertainty.roller_standard_ml());
         assert!(file.uncertainty.model_percent > measured.uncertainty.model_percent);
     }
 
@@ -322,10 +310,10 @@ mod tests {
         let file = measured.pump_file().unwrap();
         assert!((file.model().unwrap().revolution_ml() - 21.3185).abs() < 1e-4);
         // sqrt((20² + 10²)/3 + 1.155²); sqrt((0.021 x 2.1055)² + 0.0074²); 9.02/sqrt(3)
-        assert_eq!((file.uncertainty.model_percent, file.uncertainty.roller_volume_ml), (13.0, 0.045));
+        assert_eq!((file.uncertainty.model_percent, file.uncertainty.roller_volume_ml), (13.0, Some(0.045)));
         assert_eq!(file.uncertainty.speed_percent, Some(5.2));
         assert!(!file.is_estimated());
-        let text = measured.toml().unwrap();
+        let text = measured.toml(|_| "weigh it").unwrap();
         assert_eq!(PumpFile::parse(&text, "text").unwrap(), file);
         assert!(text.contains("# Measured.\n[roller_volume]") && !text.contains("nobody has measured"));
     }
@@ -341,7 +329,7 @@ mod tests {
         let table = built_in("three-roller").unwrap().uncertainty;
         // sqrt((10² + 5²)/3 + 1.4² + 3.608²)
         assert_eq!(uncertainty(&thin, 0.3, &table).model_percent, 7.6);
-        assert_eq!(uncertainty(&thin, 0.3, &table).roller_volume_ml, 0.017);
+        assert_eq!(uncertainty(&thin, 0.3, &table).roller_volume_ml, Some(0.017));
     }
 
     #[test]
@@ -360,7 +348,7 @@ mod tests {
             hose_length_mm: 331.0,
             roller_volume: RollerVolumeTable::Drawing,
         };
-        let text = drawn.toml().unwrap();
+        let text = drawn.toml(|_| "weigh it").unwrap();
         assert_eq!(PumpFile::parse(&text, "text").unwrap(), drawn.pump_file().unwrap());
         assert!(text.contains("# Estimated from the dimensions") && text.contains("source = \"drawing\""));
         assert!(drawn.pump_file().unwrap().is_estimated());

@@ -11,7 +11,7 @@ use crate::pump_file::PumpFileError;
 #[non_exhaustive]
 pub enum ConfigError {
     /// The file cannot be read.
-    #[error("cannot read the configuration {}: {source}", .path.display())]
+    #[error("cannot read the configuration {}", .path.display())]
     Read {
         /// Path of the file.
         path: PathBuf,

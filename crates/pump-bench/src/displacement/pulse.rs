@@ -23,7 +23,7 @@ impl PulseCorrection {
     pub(crate) fn of(&self, pump: &Pump) -> Result<Pump, ModelError> {
         let roller =
             pump.roller_volume().scaled_to(self.roller_volume_ml)?.stretched_to(self.engagement_deg)?;
-        let pulsed = Pump::new(*pump.geometry(), roller, *pump.inlet(), *pump.outlet())?;
+        let pulsed = pump.with_roller_volume(roller)?;
         pulsed.scaled(pump.revolution_ml() / pulsed.revolution_ml())
     }
 }

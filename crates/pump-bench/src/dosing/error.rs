@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use pump_ctl::plan::{Nearest, PlanError};
+use pump_ctl::plan::PlanError;
 use pump_model::Shown;
 use thiserror::Error;
 
@@ -77,7 +77,7 @@ pub enum DoseError {
         owed_ml: f64,
     },
     /// The retraction after the dose cannot be made. Nothing has moved.
-    #[error("{}", suck_back_text(*volume_ml, source))]
+    #[error("{volume_ml} mL cannot be sucked back after the dose")]
     SuckBack {
         /// Volume to suck back, in mL.
         volume_ml: f64,
@@ -185,10 +185,7 @@ pub enum DoseError {
     #[error("no unfinished dose is on record: there is nothing to {0}")]
     NothingUnfinished(&'static str),
     /// The motor was stopped because its next steps could not be recorded.
-    #[error(
-        "the dose was stopped after {delivered_ml:.4} mL because its progress could not be recorded: \
-         {source}"
-    )]
+    #[error("the dose was stopped after {delivered_ml:.4} mL because its progress could not be recorded")]
     NotJournalled {
         /// Volume delivered, in mL.
         delivered_ml: f64,
@@ -218,7 +215,7 @@ pub enum DoseError {
     },
     /// The drive failed in motion.
     #[error(
-        "{error}; {} were delivered{}",
+        "{} were delivered{}, and the drive failed",
         between(*least_ml, *most_ml),
         // Two different bounds mean that nobody knows where the rotor stands.
         if least_ml == most_ml { ", the motor holds" } else { "" }
@@ -235,7 +232,7 @@ pub enum DoseError {
         unfinished: bool,
     },
     /// The dose is delivered and on record, but its retraction failed.
-    #[error("{delivered_ml:.4} mL were delivered and are on record, but the retraction failed: {source}")]
+    #[error("{delivered_ml:.4} mL were delivered and are on record, but the retraction failed")]
     Retraction {
         /// Volume delivered, in mL.
         delivered_ml: f64,
@@ -244,8 +241,7 @@ pub enum DoseError {
     },
     /// The rotor was turned, and then its angle, found or unknown, could not be recorded.
     #[error(
-        "the rotor was turned and {}, but this could not be recorded: {source}; find the angle again once \
-         the journal can be written",
+        "the rotor was turned and {}, but this could not be recorded",
         angle_deg.map_or("nobody knows its angle".to_owned(), |deg| format!("stands at {deg:.4} deg"))
     )]
     AngleNotRecorded {
@@ -257,7 +253,7 @@ pub enum DoseError {
     /// The dose is over, but its end could not be recorded.
     #[error(
         "{delivered_ml:.4} mL were delivered and the rotor stands at {end_angle_deg:.4} deg, but this could \
-         not be recorded: {source}"
+         not be recorded"
     )]
     NotRecorded {
         /// Volume delivered, in mL.
@@ -274,19 +270,4 @@ impl DoseError {
     pub(crate) fn is_stop(&self) -> bool {
         matches!(self, Self::Connection(DriveError::Interrupted))
     }
-}
-
-/// Words the refusal of a suck-back. No speed helps where the line breaks a limit at rest, as the refusal says.
-fn suck_back_text(volume_ml: f64, source: &PlanError) -> String {
-    use PlanError::{InletPressure, OutletPressure, OutletSuction};
-    let at_rest = Nearest::RestBreaks;
-    let advice = match source {
-        OutletPressure { nearest, .. } | InletPressure { nearest, .. } | OutletSuction { nearest, .. }
-            if *nearest == at_rest =>
-        {
-            ""
-        }
-        _ => "; suck back less, or dose at a lower rate",
-    };
-    format!("{volume_ml} mL cannot be sucked back after the dose: {source}{advice}")
 }

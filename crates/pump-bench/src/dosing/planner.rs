@@ -6,6 +6,8 @@ mod by_law;
 mod range;
 mod search;
 #[cfg(test)]
+mod short;
+#[cfg(test)]
 mod tests;
 
 use pump_ctl::plan::{Cruise, Doser, Limits, Phase, Plan, Request};

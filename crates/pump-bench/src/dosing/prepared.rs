@@ -21,6 +21,7 @@ use super::uncertainty::outlet::drop_ml;
 use super::warnings;
 use crate::calibration::{Applied, CalibrationError, Stored, turned_ml};
 use crate::displacement::{Correction, SpeedDependentPump};
+use crate::notice::Notice;
 use crate::pump_file::PumpFile;
 use crate::record::{DoseTerms, PhaseSource, Purpose};
 
@@ -59,7 +60,7 @@ pub struct Prepared {
     /// Retraction after the dose.
     pub retraction: Option<Retraction>,
     /// Warnings for the user.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Notice>,
 }
 
 /// Everything that a dose is planned from.
@@ -127,6 +128,7 @@ impl Prepared {
     /// dose's pump, and `backflow_ml` flows back at the end of the part.
     pub(crate) fn budget(&self, file: &PumpFile, part: &Swept, backflow_ml: f64) -> Budget {
         Budget::new(&self.model, part, &file.uncertainty, self.applied.as_ref())
+            .with_default_pulse(file, &self.model, part, self.applied.as_ref())
             .with_outlet(file, self.drop_ml, backflow_ml)
             .with_carry_within(self.plan.carry_in_ml(), self.carry_in_within_ml())
     }
@@ -184,6 +186,7 @@ impl Prepared {
 impl PlanningBasis<'_> {
     /// Plans the dose, then predicts it.
     fn prepare(&self) -> Result<Prepared, DoseError> {
+        self.file.check_pressure_limits(self.request.pressures)?;
         let (asked, limits) = self.asked();
         if self.request.purpose == Purpose::Calibrate {
             return self.prepare_to_weigh(&asked, limits);
@@ -246,7 +249,7 @@ impl PlanningBasis<'_> {
             .with_smooth(request.smooth)
             .with_finish(request.finish.unwrap_or_default())
             .with_turned(self.stands.turned)
-            .with_ramps(request.ramps.unwrap_or_default());
+            .with_ramps(request.ramps.unwrap_or(self.file.usual_ramps()));
         (asked, self.file.limits_with(request.pressures))
     }
 
@@ -306,10 +309,13 @@ impl PlanningBasis<'_> {
     }
 
     /// Returns the warnings of a prepared dose. `of_speed` is that of its speed.
-    fn warnings(&self, prepared: &Prepared, of_speed: Option<String>) -> Result<Vec<String>, PlanError> {
+    fn warnings(&self, prepared: &Prepared, of_speed: Option<String>) -> Result<Vec<Notice>, PlanError> {
         let Prepared { model, applied, plan, prediction, margins, retraction, .. } = prepared;
         let mut warnings = warnings::of_plan(model, plan, prediction, margins)?;
-        warnings.extend(warnings::wider_inlet_swing(model, plan, prediction, prepared.limits.motor)?);
+        if self.file.has_lines() {
+            let wider = warnings::wider_inlet_swing(model, plan, prediction, prepared.limits.motor)?;
+            warnings.extend(wider.map(Notice::from));
+        }
         if prepared.request.purpose == Purpose::Dose {
             let half_width_ml = prepared.carry_in_within_ml();
             warnings.extend(warnings::unsure_carry(plan.requested_ml(), plan.carry_in_ml(), half_width_ml));
@@ -318,8 +324,8 @@ impl PlanningBasis<'_> {
             warnings.extend(self.back_flow_warning(prepared, &budget));
             warnings.extend(warnings::unweighed_pump(self.file, applied.as_ref()));
         }
-        warnings.extend(of_speed);
-        warnings.extend(retraction.iter().flat_map(|retraction| retraction.warnings.clone()));
+        let of_retraction = retraction.iter().flat_map(|retraction| retraction.warnings.clone());
+        warnings.extend(of_speed.into_iter().chain(of_retraction).map(Notice::from));
         Ok(warnings)
     }
 }

@@ -5,7 +5,17 @@ use pump_ctl::plan::{Cruise, Finish, PressureLimits, Ramps};
 use crate::record::{DoseTerms, Purpose};
 
 /// Request for a dose.
+///
+/// ```
+/// use pump_bench::DoseRequest;
+/// use pump_ctl::plan::{Cruise, Finish};
+///
+/// let request = DoseRequest::dose(25.0).with_cruise(Cruise::Flow { ml_s: 5.0 }).with_finish(Finish::LowFlow);
+/// assert_eq!(request.volume_ml, 25.0);
+/// assert_eq!(request.finish, Some(Finish::LowFlow));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct DoseRequest {
     /// Purpose of the motion.
     pub purpose: Purpose,
@@ -38,8 +48,13 @@ pub struct DoseRequest {
 impl DoseRequest {
     /// Requests a dose with the pump file's defaults.
     pub fn dose(volume_ml: f64) -> Self {
+        Self::new(Purpose::Dose, volume_ml)
+    }
+
+    /// Requests a motion for a purpose, with the pump file's defaults.
+    pub fn new(purpose: Purpose, volume_ml: f64) -> Self {
         Self {
-            purpose: Purpose::Dose,
+            purpose,
             volume_ml,
             cruise: None,
             smooth: false,
@@ -51,6 +66,50 @@ impl DoseRequest {
             ramps: None,
             pressures: PressureLimits::NONE,
         }
+    }
+
+    /// Returns the request with a cruise. `None` takes the pump file's default rate.
+    #[must_use]
+    pub fn with_cruise(self, cruise: impl Into<Option<Cruise>>) -> Self {
+        Self { cruise: cruise.into(), ..self }
+    }
+
+    /// Returns the request with a speed that follows the rollers' angle for a smooth flow, or without.
+    #[must_use]
+    pub fn with_smooth(self, smooth: bool) -> Self {
+        Self { smooth, ..self }
+    }
+
+    /// Returns the request with the position in a pitch where the dose may end. `None` lets a dose end anywhere, and
+    /// the rest of a dose where the whole dose was to end.
+    #[must_use]
+    pub fn with_finish(self, finish: impl Into<Option<Finish>>) -> Self {
+        Self { finish: finish.into(), ..self }
+    }
+
+    /// Returns the request with the angle at the start, in rad, which is known within `half_width_rad` on either
+    /// side. `None` takes the recorded angle.
+    #[must_use]
+    pub fn with_start_angle(self, angle_rad: impl Into<Option<f64>>, half_width_rad: f64) -> Self {
+        Self { start_angle_rad: angle_rad.into(), start_half_width_rad: half_width_rad, ..self }
+    }
+
+    /// Returns the request with a volume to suck back after the dose, in mL, positive. `None` sucks nothing back.
+    #[must_use]
+    pub fn with_retraction(self, retract_ml: impl Into<Option<f64>>) -> Self {
+        Self { retract_ml: retract_ml.into(), ..self }
+    }
+
+    /// Returns the request with ramps. `None` takes line-aware ramps, or those of a drive that makes its own.
+    #[must_use]
+    pub fn with_ramps(self, ramps: impl Into<Option<Ramps>>) -> Self {
+        Self { ramps: ramps.into(), ..self }
+    }
+
+    /// Returns the request with pressure limits. The pump file's limits take the place of those left out.
+    #[must_use]
+    pub fn with_pressures(self, pressures: PressureLimits) -> Self {
+        Self { pressures, ..self }
     }
 
     /// Completes the request for the rest of a dose that was cut off. The terms of the whole dose fill what

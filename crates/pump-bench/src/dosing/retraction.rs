@@ -84,7 +84,7 @@ impl Prepared {
 /// Refuses a volume that cannot be sucked back after a dose of `asked_ml`.
 fn check(volume_ml: f64, asked_ml: f64) -> Result<(), PlanError> {
     if volume_ml > asked_ml && asked_ml > 0.0 {
-        let allowed = Allowed::Words("no more than the dose: `dose -5mL` runs back farther");
+        let allowed = Allowed::Words("no more than the dose: a dose of a negative volume runs back farther");
         return Err(PlanError::OutOfRange { parameter: Parameter::Retraction, value: volume_ml, allowed });
     }
     if volume_ml > 0.0 && asked_ml > 0.0 {

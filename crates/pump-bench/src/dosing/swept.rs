@@ -40,7 +40,7 @@ impl Swept {
             end_rad,
             volume_ml: plan.delivered_ml(pump, made),
             range_ml: plan.range_ml(pump, made),
-            end_step_ml: pump.outlet_curve().flow_ml_rad(end_rad) * plan.step_rad(),
+            end_step_ml: pump.outlet_curve().flow_ml_rad(end_rad).abs() * plan.step_rad(),
             ..Self::whole(pump, plan)
         }
     }

@@ -1,6 +1,7 @@
 //! The life of a tube and the part of it that is used up.
 
 use crate::dosing::DoseError;
+use crate::notice::{Notice, Remedy};
 
 /// Part of its life from which on a tube is warned of.
 const WARNED_FROM: f64 = 0.9;
@@ -33,15 +34,16 @@ impl TubeLife {
     }
 
     /// Warns of a tube that is almost used up.
-    pub(crate) fn warning(&self) -> Option<String> {
+    pub(crate) fn warning(&self) -> Option<Notice> {
         let Self { life_ml, .. } = *self;
         let after_ml = self.after_ml();
         (after_ml >= WARNED_FROM * life_ml).then(|| {
-            format!(
+            let text = format!(
                 "with this dose the tube will have pumped {after_ml:.1} mL of the {life_ml} mL that it \
-                 lasts, {:.1} mL are left; have a new one ready and say `dose tube --new` once it is in",
+                 lasts, {:.1} mL are left",
                 (life_ml - after_ml).max(0.0)
-            )
+            );
+            Notice::from(text).with_remedy(Remedy::NoteNewTube)
         })
     }
 }
@@ -59,7 +61,7 @@ mod tests {
         assert_eq!(tube(0.0, 899.0).warning(), None);
         let warning = tube(890.0, 20.0).warning().unwrap();
         assert!(
-            warning.contains("910.0 mL of the 1000 mL") && warning.contains("90.0 mL are left"),
+            warning.text().contains("910.0 mL of the 1000 mL") && warning.text().contains("90.0 mL are left"),
             "{warning}"
         );
         assert!(tube(890.0, 109.0).check().is_ok());

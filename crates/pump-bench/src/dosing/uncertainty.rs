@@ -1,6 +1,9 @@
 //! The uncertainty budget of a dose.
 
 mod angle;
+mod default_pulse;
+#[cfg(test)]
+mod default_pulse_coverage;
 pub(super) mod outlet;
 mod pressure;
 #[cfg(test)]
@@ -80,7 +83,7 @@ impl Budget {
         // A fitted pulse has the zero's uncertainty in its own.
         let zero_rad =
             calibration.filter(|_| pulse.is_none()).map_or(0.0, |applied| applied.zero_standard_rad);
-        let roller_ml = if pulse.is_none() { table.roller_volume_ml } else { 0.0 };
+        let roller_ml = if pulse.is_none() { table.roller_standard_ml() } else { 0.0 };
         let errors = AngleErrors::of(pump, swept);
         let [angle_ml, wide_ml] = errors.shares_ml();
         let mut budget = Self { shares: Vec::new(), errors };

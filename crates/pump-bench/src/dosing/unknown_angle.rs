@@ -4,6 +4,7 @@ use libm::floor;
 use pump_ctl::plan::Plan;
 use pump_model::Pump;
 
+use crate::notice::{Notice, Remedy};
 use crate::numbers::between;
 use crate::numbers::significant;
 
@@ -11,7 +12,7 @@ use crate::numbers::significant;
 const DIGITS: i32 = 5;
 
 /// Returns the range that the dose may deliver, and the volumes that are exact at any angle.
-pub(crate) fn warnings(model: &Pump, plan: &Plan) -> [String; 2] {
+pub(crate) fn warnings(model: &Pump, plan: &Plan) -> [Notice; 2] {
     let pitch_ml = model.outlet_curve().pitch_ml();
     let (asked_ml, carry_ml) = (plan.requested_ml(), plan.carry_in_ml());
     let owed_ml = asked_ml + carry_ml;
@@ -28,15 +29,15 @@ pub(crate) fn warnings(model: &Pump, plan: &Plan) -> [String; 2] {
             "the rollers' angle is unknown: by that alone the volume lies {}; pressures and settling are the \
              worst of all angles",
             between(plan.least_ml(), plan.most_ml())
-        ),
-        format!(
-            "{} are exact at any angle: {} mL and so on; nearest to {} mL: {} mL; to dose \
-             other volumes, turn a roller to where it begins to leave the outlet and say `dose home --set \
-             0deg`, or give --start-angle",
+        )
+        .into(),
+        Notice::from(format!(
+            "{} are exact at any angle: {} mL and so on; nearest to {} mL: {} mL",
             if carry_ml == 0.0 { "multiples of a pitch" } else { "multiples of a pitch less the carry" },
             list(&[first + 1.0, first + 2.0, first + 3.0]).join(", "),
             significant(asked_ml, DIGITS + 1),
             list(&[below, below + 1.0]).join(" and "),
-        ),
+        ))
+        .with_remedy(Remedy::TurnAndSayAngle),
     ]
 }

@@ -11,7 +11,8 @@ use pump_model::{Extremes, Pump};
 use super::uncertainty::pressure_uncertainty_kpa;
 use super::unknown_angle;
 use crate::calibration::Applied;
-use crate::catalogue::built_in;
+use crate::catalogue::{built_in, overlap_warning};
+use crate::notice::{Notice, Remedy};
 use crate::numbers::{microlitres_within, significant};
 use crate::pump_file::PumpFile;
 
@@ -39,15 +40,16 @@ pub(super) fn of_plan(
     plan: &Plan,
     prediction: &Prediction,
     margins: &Margins,
-) -> Result<Vec<String>, PlanError> {
+) -> Result<Vec<Notice>, PlanError> {
     let mut warnings = Vec::new();
     if !plan.start().is_known(model.pitch_rad()) {
         warnings.extend(unknown_angle::warnings(model, plan));
     }
-    warnings.extend(short_dose(plan));
-    warnings.extend(hardly_smooth(model, plan));
-    warnings.extend(low_flow_carry(model, plan)?.or_else(|| coarse_step(plan)));
-    warnings.extend(of_pressures(plan.direction() == Direction::Reverse, prediction, margins));
+    warnings.extend(overlap_warning(model.geometry()).map(Notice::from));
+    let carry = low_flow_carry(model, plan)?.or_else(|| coarse_step(plan));
+    let facts = [short_dose(plan), hurried(model, plan)?, hardly_smooth(model, plan), carry];
+    let of_pressures = of_pressures(plan.direction() == Direction::Reverse, prediction, margins);
+    warnings.extend(facts.into_iter().flatten().chain(of_pressures).map(Notice::from));
     Ok(warnings)
 }
 
@@ -94,12 +96,11 @@ fn of_pressures(is_reverse: bool, prediction: &Prediction, margins: &Margins) ->
 }
 
 /// Warns of a carry that is known within bounds only.
-pub(super) fn unsure_carry(requested_ml: f64, carry_ml: f64, half_width_ml: f64) -> Option<String> {
+pub(super) fn unsure_carry(requested_ml: f64, carry_ml: f64, half_width_ml: f64) -> Option<Notice> {
     (half_width_ml.min(carry_ml.abs()) > UNSURE * requested_ml.abs()).then(|| {
-        format!(
-            "earlier motions leave the carry unsure: it is {}; `dose home` finds the angle and drops the carry",
-            microlitres_within(carry_ml, half_width_ml)
-        )
+        let carry = microlitres_within(carry_ml, half_width_ml);
+        Notice::from(format!("earlier motions leave the carry unsure: it is {carry}"))
+            .with_remedy(Remedy::FindAngleDropCarry)
     })
 }
 
@@ -110,6 +111,10 @@ pub(super) struct LessBackFlow {
     pub(super) slower: Option<(f64, f64)>,
     /// Back flow with an end at low flow, in mL, if it is smaller.
     pub(super) low_flow_ml: Option<f64>,
+    /// Back flow with line-aware ramps, in mL, if it is smaller.
+    pub(super) line_aware_ml: Option<f64>,
+    /// True if a retraction would draw in what still hangs at the nozzle.
+    pub(super) by_retraction: bool,
 }
 
 /// Warns of a back flow that exceeds the expanded uncertainty that the dose has beside it. `is_in_air` is true for a
@@ -120,7 +125,7 @@ pub(super) fn back_flow(
     expanded_ml: f64,
     is_in_air: bool,
     less: &LessBackFlow,
-) -> String {
+) -> Notice {
     let (back, expanded) = (significant(1e3 * backflow_ml, 3), significant(1e3 * expanded_ml, 3));
     let swing = match plan.direction() {
         Direction::Forward if is_in_air => {
@@ -137,23 +142,41 @@ pub(super) fn back_flow(
         true => format!("the dose's \u{b1} contains that; it is {expanded} µL without"),
         false => format!("the dose's \u{b1} {expanded} µL does not contain that"),
     };
-    format!("when the motor stops, the line {swing}; {contained}; {}", less.text())
+    let text = format!("when the motor stops, the line {swing}; {contained}; {}", less.text());
+    less.remedies().fold(text.into(), Notice::with_remedy)
 }
 
 impl LessBackFlow {
     /// Says what makes the back flow smaller.
     fn text(&self) -> String {
-        let slower = self.slower.map(|(ml_s, back_ml)| {
-            format!("at `--rate {ml_s}mL/s` it is {} µL", significant(1e3 * back_ml, 2))
-        });
-        let low_flow = self
-            .low_flow_ml
-            .map(|back_ml| format!("with `--finish low-flow` it is {} µL", significant(1e3 * back_ml, 2)));
-        let ways: Vec<String> = slower.into_iter().chain(low_flow).collect();
-        match ways.is_empty() {
+        let slower = self
+            .slower
+            .map(|(ml_s, back_ml)| format!("at {ml_s} mL/s it is {} µL", significant(1e3 * back_ml, 2)));
+        let with = |what: &str, back_ml: Option<f64>| {
+            back_ml.map(|back_ml| format!("with {what} it is {} µL", significant(1e3 * back_ml, 2)))
+        };
+        let line_aware = with("line-aware ramps", self.line_aware_ml);
+        let low_flow = with("an end at low flow", self.low_flow_ml);
+        let ways: Vec<String> = line_aware.into_iter().chain(slower).chain(low_flow).collect();
+        let ways = match ways.is_empty() {
             true => "a much slower rate makes it less".to_owned(),
             false => ways.join(", "),
+        };
+        match self.by_retraction {
+            true => format!("{ways}; a retraction draws in what then still hangs at the nozzle"),
+            false => ways,
         }
+    }
+
+    /// Returns what a person chooses for less.
+    fn remedies(&self) -> impl Iterator<Item = Remedy> {
+        let ways = [
+            self.line_aware_ml.map(|_| Remedy::TakeLineAwareRamps),
+            self.slower.map(|_| Remedy::SlowDown),
+            self.low_flow_ml.map(|_| Remedy::EndAtLowFlow),
+            self.by_retraction.then_some(Remedy::SuckBack),
+        ];
+        ways.into_iter().flatten()
     }
 }
 
@@ -161,7 +184,7 @@ impl LessBackFlow {
 ///
 /// The pump file says so: its roller volume is estimated from the drawing, it states the uncertainty over the speeds
 /// that such pumps have, or it has the built-in pump's uncertainty under another name.
-pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Option<String> {
+pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Option<Notice> {
     if applied.is_some_and(|applied| applied.sureness().is_some()) {
         return None;
     }
@@ -169,7 +192,9 @@ pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Opti
     let is_copy = built_in(&file.pump.id).is_none()
         && built_in("three-roller")
             .is_some_and(|paper| paper.uncertainty.model_percent == stated.model_percent);
-    let fact = if file.is_estimated() {
+    let fact = if file.head.is_some() {
+        "only the volume per revolution is known, and nobody has weighed what this pump delivers"
+    } else if file.is_estimated() {
         "the roller volume is estimated from the drawing, and nobody has weighed what this pump delivers"
     } else if stated.speed_percent.is_some() {
         "nobody has weighed what this pump delivers"
@@ -178,7 +203,8 @@ pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Opti
     } else {
         return None;
     };
-    Some(format!("{fact}: pumps of one kind differ by 10 to 25 %; measure it, `dose calibrate run`"))
+    let text = format!("{fact}: pumps of one kind differ by 10 to 25 %");
+    Some(Notice::from(text).with_remedy(Remedy::Weigh))
 }
 
 /// Warns of a dose that is too short to reach its cruise speed.
@@ -193,6 +219,19 @@ fn short_dose(plan: &Plan) -> Option<String> {
             rpm(plan.profile().peak_rad_s()),
         )
     })
+}
+
+/// Warns of a time that leaves no room for ramps that leave the line nearly at rest.
+fn hurried(model: &Pump, plan: &Plan) -> Result<Option<String>, PlanError> {
+    if !plan.is_hurried() {
+        return Ok(None);
+    }
+    let back_ml = plan.back_flow(model)?.backflow_ml;
+    Ok(Some(format!(
+        "the time leaves no room for ramps that leave the line at rest: the line gives up to {} µL too much and takes \
+         them back; a longer time makes it less",
+        significant(1e3 * back_ml, 2)
+    )))
 }
 
 /// Warns of a smooth flow that keeps most of its ripple.

@@ -5,6 +5,7 @@ use pump_ctl::plan::Plan;
 use super::abilities::Abilities;
 use super::drive::{Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Watch};
 use crate::displacement::Correction;
+use crate::notice::Notice;
 
 impl<T: Drive + ?Sized> Drive for &mut T {
     fn id(&self) -> &str {
@@ -63,7 +64,7 @@ impl<T: Drive + ?Sized> Drive for &mut T {
         T::simulated_s(self)
     }
 
-    fn notes(&mut self) -> Vec<String> {
+    fn notes(&mut self) -> Vec<Notice> {
         T::notes(self)
     }
 

@@ -13,6 +13,7 @@ use thiserror::Error;
 
 use super::abilities::Abilities;
 use crate::displacement::Correction;
+use crate::notice::{Notice, Remedy};
 
 /// Time between two questions of a wait at rest.
 const POLL: Duration = Duration::from_millis(20);
@@ -249,7 +250,7 @@ pub trait Drive: Debug + Send {
     }
 
     /// Returns the notes for the user to read before the device moves. Each note is returned once.
-    fn notes(&mut self) -> Vec<String> {
+    fn notes(&mut self) -> Vec<Notice> {
         Vec::new()
     }
 
@@ -265,7 +266,7 @@ pub trait Drive: Debug + Send {
 
 /// Fault of a drive with the motor under way. The motor holds, as far as it can be reached.
 #[derive(Debug, Error)]
-#[error("{error}")]
+#[error("the drive failed with the motor under way")]
 #[non_exhaustive]
 pub struct DriveFault {
     /// Fewest net steps that were made in the plan's direction. Negative if the motor may stand behind its
@@ -311,20 +312,20 @@ pub enum DriveError {
         holder: String,
     },
     /// The drive lacks an ability.
-    #[error("the {driver} driver has no {ability}; {instead}")]
+    #[error("the {driver} driver has no {ability}")]
     Unable {
         /// Name of the drive.
         driver: String,
         /// Ability that the drive lacks.
         ability: &'static str,
-        /// Advice to the user.
-        instead: &'static str,
+        /// Way to do without the ability.
+        instead: Remedy,
     },
     /// The user asked to stop while the device was at rest.
     #[error("stopped by the user before anything moved")]
     Interrupted,
-    /// The device failed with an error of its own, which is the source of this one.
-    #[error("{0}")]
+    /// The device refused or failed with an error of its own, which is the source of this one.
+    #[error("the device refused or failed")]
     Device(#[source] Box<dyn StdError + Send + Sync>),
     /// The drive has a name that no folder can have, or that of a drive that a pump file names.
     #[error("the drive is named `{id}`, and a name is {allowed}; name the drive so")]
@@ -360,7 +361,7 @@ pub enum DriveError {
         driver: &'static str,
     },
     /// The arithmetic of the simulation failed.
-    #[error("the simulated drive failed: {0}")]
+    #[error("the simulated drive failed")]
     Sim(#[from] IntegrationError),
 }
 
@@ -386,17 +387,12 @@ impl DriveError {
         Self::Unable {
             driver: driver.to_owned(),
             ability: "way to let go of the motor",
-            instead: "switch its power off",
+            instead: Remedy::SwitchOff,
         }
     }
 
     /// Returns the refusal of a drive without an index sensor.
     pub(crate) fn no_index(driver: &str) -> Self {
-        Self::Unable {
-            driver: driver.to_owned(),
-            ability: "index sensor",
-            instead: "say where the rollers stand with `dose home --set <ANGLE>`, or turn them to a mark with \
-                      `dose home --mark`",
-        }
+        Self::Unable { driver: driver.to_owned(), ability: "index sensor", instead: Remedy::SayAngleOrMark }
     }
 }

@@ -8,6 +8,7 @@ use pump_model::generated::{flow_pieces, volume_pieces};
 use pump_model::{FlowCurve, Geometry, Line, Pump};
 
 use crate::displacement::DisplacementError;
+use crate::notice::{Remedy, Wording};
 use crate::pump_file::PumpFile;
 
 /// Largest width of a line of curve data in the source, columns.
@@ -19,11 +20,11 @@ const WIDTH: usize = 110;
 ///
 /// [`DisplacementError::NotConstant`] if the pump's volumes depend on the speed, and
 /// [`DisplacementError::Model`] if the pump file has no model.
-pub fn rust_source(file: &PumpFile) -> Result<String, DisplacementError> {
+pub fn rust_source(file: &PumpFile, words: Wording) -> Result<String, DisplacementError> {
     let pump = file.speed_dependent_pump()?.into_constant()?;
     let limits = file.limits();
     let motor = limits.motor;
-    let mut source = header(file);
+    let mut source = header(file, words);
     let out = &mut source;
     let torque = if limits.torque.is_some() { ", Torque" } else { "" };
     if limits.torque.is_some() {
@@ -57,21 +58,22 @@ pub fn rust_source(file: &PumpFile) -> Result<String, DisplacementError> {
 }
 
 /// Returns the comment of the source, and the check that it is compiled with the crates that it is for.
-fn header(file: &PumpFile) -> String {
+fn header(file: &PumpFile, words: Wording) -> String {
     format!(
         "// {} ({}), for the crates pump-model and pump-ctl {}.\n\
-         // `dose pumps show` wrote this file. Change the pump file, not this source.\n\
+         // This source was written from a pump file. Change the pump file, not this source.\n\
          // Units: mm, rad, mL, kPa, s.\n\n\
          const _: () = assert!(\n    \
              pump_model::generated::FORMAT == {} && pump_ctl::generated::FORMAT == {},\n    \
-             \"other versions of pump-model and pump-ctl wrote this source: print it anew with \\\n     \
-             `dose pumps show NAME --format rust`\"\n\
+             \"other versions of pump-model and pump-ctl wrote this source: \\\n     \
+             {}\"\n\
          );\n\n",
         one_line(&file.pump.name),
         file.pump.id,
         env!("CARGO_PKG_VERSION"),
         pump_model::generated::FORMAT,
         pump_ctl::generated::FORMAT,
+        words(Remedy::PrintSource),
     )
 }
 

@@ -4,7 +4,10 @@ use pump_model::identification::Estimate;
 use pump_model::{Line, Port, metrics};
 
 use super::WEAK_PEARSON;
+use super::nozzle::Nozzle;
 use crate::export::Fitted;
+use crate::notice::Notice;
+use crate::pump_file::PumpFile;
 
 /// Part of the measured values within which a fit agrees with them but for rounding.
 const ROUNDING: f64 = 1e-12;
@@ -51,12 +54,21 @@ pub struct Identified {
     /// Number of independent points that the points are worth.
     pub independent: f64,
     /// Warnings for the user.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Notice>,
     /// Line with the parameters that were found.
     pub line: Line,
+    /// Nozzle at the line's end, for the pump file.
+    pub nozzle: Option<Nozzle>,
 }
 
 impl Identified {
+    /// Returns the result with the nozzle of `file`, if the line is the outlet's. The table for the pump file keeps it.
+    #[must_use]
+    pub fn with_nozzle_of(mut self, file: &PumpFile) -> Self {
+        self.nozzle = (self.port == Port::Outlet).then(|| Nozzle::of(file));
+        self
+    }
+
     /// Adds a warning if the fit and the measured values do not rise and fall together.
     ///
     /// `is_expected` is false for a fit without an offset: points at one flow determine a line through the
@@ -65,10 +77,13 @@ impl Identified {
         let pearson = metrics::pearson(self.pairs());
         if is_expected && pearson.is_none_or(|pearson| pearson < WEAK_PEARSON) {
             let pearson = pearson.map_or("none".to_owned(), |pearson| format!("{pearson:.2}"));
-            self.warnings.push(format!(
-                "the model explains less than half of what was measured: Pearson {pearson}, below \
+            self.warnings.push(
+                format!(
+                    "the model explains less than half of what was measured: Pearson {pearson}, below \
                  {WEAK_PEARSON}; check the data and the other warnings before you use these values"
-            ));
+                )
+                .into(),
+            );
         }
         self
     }

@@ -1,12 +1,14 @@
 //! Lines identified from tables of measurements: reading, fitting and reporting.
 
 mod identified;
+mod nozzle;
 mod points;
 mod pressure_record;
 mod tables;
 mod thinned;
 
 pub use identified::{Identified, Parameter};
+pub use nozzle::Nozzle;
 pub use points::{identified_compliance, identified_resistance};
 pub use pressure_record::{Begin, Turning, identified_line};
 pub use tables::{Waveforms, flow_points_of_csv, injection_of_csv, waveforms_of_csv};

@@ -7,6 +7,7 @@ use pump_model::{Line, Port};
 
 use super::identified::{Identified, Parameter};
 use crate::export::Fitted;
+use crate::notice::{Notice, Remedy};
 
 /// Identifies R of the line of a port from steady flows, with or without an offset, the drop at no flow.
 ///
@@ -26,12 +27,12 @@ pub fn identified_resistance(
     parameters.extend(fit.offset_kpa.map(|offset| Parameter::found("offset_kpa", "offset", "kPa", offset)));
     let mut warnings: Vec<_> = fit.missed_offset_kpa.iter().map(|offset| {
         format!(
-            "the points do not lead through the origin: with an offset it is {:.4} ± {:.4} kPa; seek it too \
-             (--offset), and check reservoir and sensor",
+            "the points do not lead through the origin: with an offset it is {:.4} ± {:.4} kPa; seek it too, \
+             and check reservoir and sensor",
             offset.value,
             2.0 * offset.standard,
         )
-    }).collect();
+    }).map(|text| Notice::from(text).with_remedy(Remedy::SeekOffset)).collect();
     warnings.extend(fit.bend.filter(|_| warnings.is_empty()).map(|bend| {
         format!(
             "the resistance changes with the flow: {:.5} + {:.6} per mL/s, {:.5} kPa s/mL at the pump's \
@@ -40,8 +41,9 @@ pub fn identified_resistance(
             bend.per_flow_kpa_s2_ml2.value,
             bend.resistance_kpa_s_ml(rate_ml_s),
         )
+        .into()
     }));
-    warnings.extend(scattered(points, &fit, with_offset));
+    warnings.extend(scattered(points, &fit, with_offset).map(Notice::from));
     let mut fitted: Vec<_> = points
         .iter()
         .map(|point| Fitted {
@@ -61,6 +63,7 @@ pub fn identified_resistance(
         points: fitted,
         warnings,
         line: Line { resistance_kpa_s_ml: fit.resistance_kpa_s_ml.value, ..*line },
+        nozzle: None,
     }
     .with_weak_correlation(with_offset))
 }
@@ -126,8 +129,9 @@ pub fn identified_compliance(
         rows: points.len(),
         independent: points.len() as f64,
         points: fitted,
-        warnings: warnings.collect(),
+        warnings: warnings.map(Notice::from).collect(),
         line: Line { compliance_ml_kpa: fit.compliance_ml_kpa.value, ..*line },
+        nozzle: None,
     }
     .with_weak_correlation(true))
 }

@@ -9,6 +9,7 @@ use pump_model::{Leg, Line, Port, Pump};
 use super::identified::{Identified, Parameter};
 use super::thinned::Thinned;
 use crate::export::Fitted;
+use crate::notice::Notice;
 
 /// The way in which a rotor came to its speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,8 +125,9 @@ pub fn identified_line(
         rows,
         independent,
         points,
-        warnings: doubts(&fit, samples),
+        warnings: doubts(&fit, samples).into_iter().map(Notice::from).collect(),
         line,
+        nozzle: None,
     }
     .with_weak_correlation(true))
 }

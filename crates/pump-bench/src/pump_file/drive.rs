@@ -8,8 +8,16 @@ use super::range::{WrongValue, allow, within, within_if_given};
 use crate::words::words;
 
 /// The table `[drive]`.
+///
+/// ```
+/// use pump_bench::pump_file::{Axis, DriveTable, DriverName};
+///
+/// let table = DriveTable::of(DriverName::Grbl).with_port("/dev/ttyUSB0").with_axis(Axis::Y);
+/// assert_eq!((table.baud, table.axis), (115_200, Axis::Y));
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct DriveTable {
     /// Driver that turns the motor.
     pub driver: DriverName,
@@ -93,6 +101,42 @@ impl DriveTable {
         }
     }
 
+    /// Returns the table with the serial port of the controller.
+    #[must_use]
+    pub fn with_port(self, port: impl Into<PathBuf>) -> Self {
+        Self { port: Some(port.into()), ..self }
+    }
+
+    /// Returns the table with a rate of the serial port, in bits per second.
+    #[must_use]
+    pub fn with_baud(self, baud: u32) -> Self {
+        Self { baud, ..self }
+    }
+
+    /// Returns the table with the axis that turns the pump head.
+    #[must_use]
+    pub fn with_axis(self, axis: Axis) -> Self {
+        Self { axis, ..self }
+    }
+
+    /// Returns the table of a pump that runs in reverse when the axis counts up, or forward.
+    #[must_use]
+    pub fn with_invert(self, invert: bool) -> Self {
+        Self { invert, ..self }
+    }
+
+    /// Returns the table with the time that an idle motor holds before it is released, in s.
+    #[must_use]
+    pub fn with_hold_timeout_s(self, hold_timeout_s: f64) -> Self {
+        Self { hold_timeout_s: Some(hold_timeout_s), ..self }
+    }
+
+    /// Returns the table with the angle at which the index sensor answers, in deg.
+    #[must_use]
+    pub fn with_index_angle_deg(self, index_angle_deg: f64) -> Self {
+        Self { index_angle_deg: Some(index_angle_deg), ..self }
+    }
+
     /// Refuses a table without the port that its driver needs.
     pub(super) fn check_port(&self) -> Result<(), WrongValue> {
         let needs_port = match self.driver {
@@ -100,7 +144,7 @@ impl DriveTable {
             DriverName::Grbl => true,
         };
         if needs_port && self.port.is_none() {
-            let allowed = "a serial port, as \"/dev/ttyUSB0\"; without it every command needs --port";
+            let allowed = "a serial port, as \"/dev/ttyUSB0\"";
             return Err(WrongValue::missing("[drive] port", allowed));
         }
         Ok(())

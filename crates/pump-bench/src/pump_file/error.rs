@@ -13,7 +13,7 @@ use crate::displacement::DisplacementError;
 #[non_exhaustive]
 pub enum PumpFileError {
     /// The file cannot be read.
-    #[error("cannot read pump file {}: {source}", .path.display())]
+    #[error("cannot read pump file {}", .path.display())]
     Read {
         /// Path of the file.
         path: PathBuf,
@@ -57,7 +57,7 @@ pub enum PumpFileError {
         allowed: String,
     },
     /// The pump that the file describes cannot work.
-    #[error("pump file {origin}: {source}")]
+    #[error("pump file {origin} cannot be used")]
     Model {
         /// Name of the file.
         origin: String,
@@ -65,7 +65,7 @@ pub enum PumpFileError {
         source: ModelError,
     },
     /// The pump has no speed for the default rate.
-    #[error("pump file {origin}: [pump] default_rate_ml_s: {source}")]
+    #[error("pump file {origin} cannot be used with its [pump] default_rate_ml_s")]
     Displacement {
         /// Name of the file.
         origin: String,
@@ -73,7 +73,7 @@ pub enum PumpFileError {
         source: DisplacementError,
     },
     /// The motor or the limits cannot work.
-    #[error("pump file {origin}: {source}")]
+    #[error("pump file {origin} cannot be used")]
     Limits {
         /// Name of the file.
         origin: String,

@@ -10,7 +10,7 @@ use super::ambient::AmbientTable;
 use super::drive::{DriveTable, DriverName};
 use super::error::PumpFileError;
 use super::fluid::FluidTable;
-use super::head::{BackplateTable, RollerVolumeTable, RollersTable, TubeTable};
+use super::head::{BackplateTable, HeadTable, RollerVolumeTable, RollersTable, TubeTable};
 use super::limits::LimitsTable;
 use super::line::LineTable;
 use super::line::outlet::OutletTable;
@@ -19,7 +19,7 @@ use super::motor::MotorTable;
 use super::pump::PumpTable;
 use super::speed_law::SpeedLawTable;
 use super::uncertainty::UncertaintyTable;
-use crate::displacement::{DisplacementLaw, SpeedDependentPump};
+use crate::displacement::{DisplacementLaw, PulsePrior, SpeedDependentPump};
 use crate::files::{MOST_PUMP_FILE_BYTES, read_text};
 
 /// Schema of pump files.
@@ -47,20 +47,29 @@ pub struct PumpFile {
     pub schema: String,
     /// Name of the pump and its defaults.
     pub pump: PumpTable,
+    /// Bought head, of which the volume of a revolution is known and no dimension. `None` for a head that is drawn.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub head: Option<HeadTable>,
     /// Tube that the rollers squeeze.
+    #[serde(default, skip_serializing_if = "TubeTable::is_empty")]
     pub tube: TubeTable,
-    /// Rollers of the pump head.
+    /// Rollers of the pump head. A head of the catalogue may give their number.
+    #[serde(default = "RollersTable::not_given")]
     pub rollers: RollersTable,
-    /// Backplate (raceway) of the pump head.
-    pub backplate: BackplateTable,
-    /// Volume that a roller displaces.
-    pub roller_volume: RollerVolumeTable,
+    /// Backplate (raceway) of the pump head. `None` beside `[head]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub backplate: Option<BackplateTable>,
+    /// Volume that a roller displaces. `None` beside `[head]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub roller_volume: Option<RollerVolumeTable>,
     /// Dependence of the volume of a revolution on the speed.
     #[serde(default)]
     pub speed_law: SpeedLawTable,
     /// Line from the inlet's reservoir to the pump.
+    #[serde(default, skip_serializing_if = "LineTable::is_absent")]
     pub inlet: LineTable,
     /// Line from the pump to the outlet's reservoir, with its nozzle.
+    #[serde(default, skip_serializing_if = "OutletTable::is_absent")]
     pub outlet: OutletTable,
     /// Stepper motor of the pump head.
     pub motor: MotorTable,
@@ -73,6 +82,7 @@ pub struct PumpFile {
     #[serde(default, skip_serializing_if = "LimitsTable::is_empty")]
     pub limits: LimitsTable,
     /// Uncertainty of the model and of repeated doses.
+    #[serde(default, skip_serializing_if = "UncertaintyTable::is_assumed")]
     pub uncertainty: UncertaintyTable,
     /// Drive that turns the motor. Without a drive, doses are simulated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -96,12 +106,24 @@ impl PumpFile {
     /// [`PumpFileError::Syntax`] if the text is not the TOML of a pump file. Otherwise as
     /// [`PumpFile::check`].
     pub fn parse(text: &str, origin: &str) -> Result<Self, PumpFileError> {
-        let file: Self = toml::from_str(text).map_err(|error| PumpFileError::Syntax {
+        let mut file: Self = toml::from_str(text).map_err(|error| PumpFileError::Syntax {
             origin: origin.to_owned(),
             message: error.to_string().trim_end().to_owned(),
         })?;
+        file.fill_from_catalogue();
+        let file = file.with_assumptions();
         file.check(origin)?;
         Ok(file)
+    }
+
+    /// Returns the file with the uncertainty of a bought head that nobody weighed, if it states none: that of the bore
+    /// that it names. [`PumpFile::parse`] has done so.
+    #[must_use]
+    pub fn with_assumptions(mut self) -> Self {
+        if let Some(head) = self.head.as_ref().filter(|_| self.uncertainty.is_assumed()) {
+            self.uncertainty = UncertaintyTable::of_bought(head.tube_bore_mm);
+        }
+        self
     }
 
     /// Returns the file as TOML.
@@ -109,16 +131,19 @@ impl PumpFile {
         toml::to_string(self).unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"))
     }
 
-    /// Returns the dimensions of the pump head.
+    /// Returns the dimensions of the pump head. A dimension that is not known is 0, and the model refuses it.
     fn geometry(&self) -> Geometry {
+        let known = Option::unwrap_or_default;
+        let backplate = self.backplate.as_ref();
+        let contact_angle_deg = backplate.map(|backplate| backplate.contact_angle_deg);
         Geometry {
             rollers: self.rollers.count,
-            bore_radius_mm: self.tube.bore_radius_mm,
-            tube_outer_radius_mm: self.tube.outer_radius_mm,
-            backplate_radius_mm: self.backplate.radius_mm,
-            contact_angle_rad: radians(self.backplate.contact_angle_deg),
-            roller_radius_mm: self.rollers.radius_mm,
-            roller_offset_mm: self.rollers.offset_mm,
+            bore_radius_mm: known(self.tube.bore_radius_mm),
+            tube_outer_radius_mm: known(self.tube.outer_radius_mm),
+            backplate_radius_mm: known(backplate.map(|backplate| backplate.radius_mm)),
+            contact_angle_rad: radians(known(contact_angle_deg)),
+            roller_radius_mm: known(self.rollers.radius_mm),
+            roller_offset_mm: known(self.rollers.offset_mm),
         }
     }
 
@@ -127,14 +152,30 @@ impl PumpFile {
     /// # Errors
     /// Returns the [`ModelError`] of dimensions, a roller volume, a fluid or a line that cannot work.
     pub fn model(&self) -> Result<Pump, ModelError> {
-        let geometry = self.geometry();
-        let volume = self.roller_volume.curve(&geometry)?;
         let line = |table: &LineTable, side| {
             let reservoir_kpa =
                 table.reservoir.pressure_kpa(side, self.fluid.density_kg_m3, self.ambient.pressure_kpa);
             table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s, reservoir_kpa)
         };
-        Pump::new(geometry, volume, line(&self.inlet, Side::Inlet)?, line(&self.outlet.line, Side::Outlet)?)
+        let (inlet, outlet) = (line(&self.inlet, Side::Inlet)?, line(&self.outlet.line, Side::Outlet)?);
+        if let Some(head) = &self.head {
+            let rollers = self.rollers.count;
+            return Pump::from_ml_per_rev(
+                head.ml_per_rev,
+                rollers,
+                PulsePrior::of(rollers).pulse(),
+                inlet,
+                outlet,
+            );
+        }
+        let (rollers, geometry) = (self.rollers.count, self.geometry());
+        let table = self.roller_volume.as_ref().ok_or(ModelError::DimensionsUnknown { rollers })?;
+        Pump::new(geometry, table.curve(&geometry)?, inlet, outlet)
+    }
+
+    /// Returns the default pulse of a head that is known by its volume alone, or `None` for a head that is drawn.
+    pub(crate) fn pulse_prior(&self) -> Option<PulsePrior> {
+        self.head.as_ref().map(|_| PulsePrior::of(self.rollers.count))
     }
 
     /// Returns the law by which the volume of a revolution depends on the speed, or `None` if every speed has
@@ -183,9 +224,10 @@ impl PumpFile {
         Ok([friction(&self.inlet)?, friction(&self.outlet.line)?])
     }
 
-    /// Returns true if volumes follow from a drawing that nobody has compared with the pump.
+    /// Returns true if volumes follow from a drawing or from a volume per revolution that nobody has compared with
+    /// the pump.
     pub fn is_estimated(&self) -> bool {
-        self.roller_volume.is_estimated()
+        self.head.is_some() || self.roller_volume.as_ref().is_some_and(RollerVolumeTable::is_estimated)
     }
 
     /// Returns the driver that turns the motor unless another driver is named.

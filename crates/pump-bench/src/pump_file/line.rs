@@ -8,8 +8,18 @@ use serde::{Deserialize, Serialize};
 
 use reservoir::Reservoir;
 
+/// Line that stands in for one of which nothing is known. It follows the rollers within milliseconds and its pressure
+/// stays that of its end, so that it adds nothing to what the rollers deliver: critically damped at 1000 rad/s,
+/// R = 2 sqrt(L/C). No report states its pressures or its settling.
+const STIFF: Line = Line {
+    resistance_kpa_s_ml: 0.02,
+    compliance_ml_kpa: 0.1,
+    inertance_kpa_s2_ml: 1e-5,
+    reservoir_kpa: 101.325,
+};
+
 /// The table `[inlet]`, and the line of `[outlet]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "LineKeys", into = "LineKeys")]
 #[non_exhaustive]
 pub struct LineTable {
@@ -20,8 +30,11 @@ pub struct LineTable {
 }
 
 /// Source of a line's R, C and L.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub enum LineSource {
+    /// Nothing is known of the line, as it may be of a bought head. Its pressures and its settling are not known.
+    #[default]
+    Unknown,
     /// R, C and L as the file gives them.
     Given {
         /// Resistance R, in kPa s/mL.
@@ -73,6 +86,9 @@ impl HoseTable {
 }
 
 impl LineTable {
+    /// Line of which nothing is known, to a reservoir that is open to the air and as high as the pump.
+    pub const UNKNOWN: Self = Self { source: LineSource::Unknown, reservoir: Reservoir::OPEN };
+
     /// Returns the line of a hose, to a reservoir at an absolute pressure in kPa.
     pub fn of_hose(reservoir_kpa: f64, hose: HoseTable) -> Self {
         Self { source: LineSource::Hose(hose), reservoir: Reservoir::Pressure(reservoir_kpa) }
@@ -83,16 +99,16 @@ impl LineTable {
         Self { source: LineSource::Hose(hose), reservoir: Reservoir::Lift(lift_mm) }
     }
 
-    /// Returns the hose, or `None` for a line that is given by its R, C and L.
+    /// Returns the hose, or `None` for a line that is given by its R, C and L, or not known.
     pub fn hose(&self) -> Option<&HoseTable> {
         match &self.source {
-            LineSource::Given { .. } => None,
+            LineSource::Unknown | LineSource::Given { .. } => None,
             LineSource::Hose(hose) => Some(hose),
         }
     }
 
     /// Returns the line to a reservoir at `reservoir_kpa` for a pump whose default rate is `rate_ml_s`. A hose also
-    /// needs the fluid.
+    /// needs the fluid. A line of which nothing is known follows the rollers ([`STIFF`]).
     ///
     /// # Errors
     /// Returns the [`ModelError`] of a fluid or a hose that is out of range.
@@ -103,6 +119,7 @@ impl LineTable {
         reservoir_kpa: f64,
     ) -> Result<Line, ModelError> {
         match self.source {
+            LineSource::Unknown => Ok(Line { reservoir_kpa, ..STIFF }),
             LineSource::Given { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml } => {
                 Ok(Line { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa })
             }
@@ -112,7 +129,7 @@ impl LineTable {
         }
     }
 
-    /// Returns the friction of the hose at every flow, or `None` for a line that is given by its R.
+    /// Returns the friction of the hose at every flow, or `None` for a line that is given by its R, or not known.
     ///
     /// # Errors
     /// Returns the [`ModelError`] of a fluid or a hose that is out of range.
@@ -124,6 +141,16 @@ impl LineTable {
             None => Ok(None),
             Some(hose) => hose.hose().friction(&fluid()?).map(Some),
         }
+    }
+
+    /// Returns true if nothing is known of the line.
+    pub fn is_unknown(&self) -> bool {
+        self.source == LineSource::Unknown
+    }
+
+    /// Returns true if a pump file says nothing of the line and its reservoir.
+    pub(super) fn is_absent(&self) -> bool {
+        *self == Self::UNKNOWN
     }
 
     /// Returns true if the line is estimated from a hose and not measured.
@@ -171,6 +198,10 @@ impl TryFrom<LineKeys> for LineTable {
             ("compliance_ml_kpa", compliance_ml_kpa),
             ("inertance_kpa_s2_ml", inertance_kpa_s2_ml),
         ];
+        if keys.hose.is_none() && given.iter().all(|(_, value)| value.is_none()) {
+            return Ok(Self { source: LineSource::Unknown, reservoir: reservoir.unwrap_or_default() });
+        }
+        let reservoir = reservoir.ok_or("missing field `reservoir_kpa` (or a `lift_mm`)")?;
         let Some(hose) = keys.hose else {
             let [resistance, compliance, inertance] =
                 given.map(|(key, value)| value.ok_or_else(|| format!("missing field `{key}` (or a `hose`)")));
@@ -191,7 +222,17 @@ impl TryFrom<LineKeys> for LineTable {
 impl From<LineTable> for LineKeys {
     fn from(table: LineTable) -> Self {
         let (reservoir_kpa, lift_mm) = table.reservoir.keys();
+        let (reservoir_kpa, lift_mm) =
+            if table.is_absent() { (None, None) } else { (reservoir_kpa, lift_mm) };
         match table.source {
+            LineSource::Unknown => Self {
+                resistance_kpa_s_ml: None,
+                compliance_ml_kpa: None,
+                inertance_kpa_s2_ml: None,
+                reservoir_kpa,
+                lift_mm,
+                hose: None,
+            },
             LineSource::Given { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml } => Self {
                 resistance_kpa_s_ml: Some(resistance_kpa_s_ml),
                 compliance_ml_kpa: Some(compliance_ml_kpa),

@@ -30,7 +30,7 @@ pub enum FolderError {
         path: PathBuf,
     },
     /// A file or folder cannot be used.
-    #[error("cannot {action} {}: {source}", .path.display())]
+    #[error("cannot {action} {}", .path.display())]
     File {
         /// Operation that failed.
         action: &'static str,

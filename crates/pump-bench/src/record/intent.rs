@@ -40,6 +40,9 @@ pub struct Intent {
     pub(crate) step_rad: f64,
     /// Duration of the motion, in s.
     pub(crate) motion_s: f64,
+    /// Cruise speed, in rad/s, positive. 0 in an entry of an early version, which does not tell it.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub(crate) speed_rad_s: f64,
     /// Volume to suck back after the dose, in mL. `None` without a retraction.
     #[serde(default)]
     pub(crate) retract_ml: Option<f64>,
@@ -111,7 +114,7 @@ impl Intent {
     }
 
     /// Returns the angle of `made` net steps, in rad, negative in reverse.
-    fn turn_rad(&self, made: i64) -> f64 {
+    pub(super) fn turn_rad(&self, made: i64) -> f64 {
         let direction = if self.steps < 0 { -1.0 } else { 1.0 };
         direction * (made as f64 * self.step_rad)
     }
@@ -152,6 +155,7 @@ impl Intent {
             steps: plan.steps(),
             step_rad: plan.step_rad(),
             motion_s: plan.profile().duration_s(),
+            speed_rad_s: plan.profile().cruise_rad_s().abs(),
             retract_ml: None,
             whole: None,
             terms: DoseTerms::default(),

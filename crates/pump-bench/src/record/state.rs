@@ -8,7 +8,7 @@ use pump_model::units::{TURN_RAD, wrap};
 use serde::{Deserialize, Serialize};
 
 use super::intent::is_zero;
-use super::{Account, Intent, PhaseSource, Purpose, Unfinished, Wear};
+use super::{Account, Intent, LastDose, PhaseSource, Purpose, Unfinished, Wear};
 
 /// Half width of an angle that is unknown, in rad. It covers the pitch of every pump, so the angle stays
 /// unknown when the number of rollers is corrected in the pump file.
@@ -43,6 +43,9 @@ pub struct PumpState {
     pub wear: Wear,
     /// Dose that was begun and not finished.
     pub unfinished: Option<Unfinished>,
+    /// Last dose, which a scale can weigh. `None` if the vessel holds something else too.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last: Option<LastDose>,
     /// Source of the angle.
     #[serde(default)]
     pub source: PhaseSource,
@@ -73,6 +76,7 @@ impl PumpState {
             account: None,
             wear: Wear::default(),
             unfinished: None,
+            last: None,
             source,
             count: None,
             disturbances: 0,
@@ -102,7 +106,7 @@ impl PumpState {
             None => self.without_carry(),
         };
         let phase = phase.unwrap_or(Phase::within(0.0, UNKNOWN_RAD));
-        Self { source, disturbances: 0, ..state.at(phase) }
+        Self { source, disturbances: 0, last: None, ..state.at(phase) }
     }
 
     /// Returns the state with nothing to carry.
@@ -147,6 +151,7 @@ impl PumpState {
             carry_ml: if made == all { part.intent.carry_out_ml } else { self.carry_ml },
             carry_half_width_ml,
             unfinished: (made != all).then_some(exact),
+            last: self.last.map(|dose| dose.recounted(part, made)),
             ..closed.at(phase)
         }
     }
@@ -212,6 +217,7 @@ impl PumpState {
             },
             wear,
             unfinished,
+            last: LastDose::after(self.last, intent, made_least, made_most),
             source: PhaseSource::Recorded,
             ..self.booked(&part, pump)
         }
@@ -273,6 +279,7 @@ mod tests {
         steps: -1000,
         step_rad: 0.001,
         motion_s: 1.0,
+        speed_rad_s: 1.0,
         retract_ml: None,
         whole: None,
         terms: DoseTerms {

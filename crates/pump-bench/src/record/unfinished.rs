@@ -118,6 +118,7 @@ mod tests {
                 steps,
                 step_rad: 0.001,
                 motion_s: 1.0,
+                speed_rad_s: 1.0,
                 retract_ml: None,
                 whole: None,
                 terms: DoseTerms::default(),

@@ -9,6 +9,7 @@ use super::status::UnfinishedCalibration;
 use crate::bench::Bench;
 use crate::calibration::{AgainstSpeed, CalibrationError, Displacement, Stored, default_rate_uncovered};
 use crate::displacement::SpeedDependentPump;
+use crate::notice::{Remedy, Wording};
 use crate::numbers::short;
 use crate::pump_file::PumpFile;
 
@@ -37,7 +38,7 @@ pub fn calibrations_json(all: &[Stored], active: Option<u32>) -> String {
 /// # Errors
 ///
 /// A displacement that cannot be had of this pump.
-pub fn calibration_text(bench: &Bench, stored: &Stored) -> Result<String, CalibrationError> {
+pub fn calibration_text(bench: &Bench, stored: &Stored, words: Wording) -> Result<String, CalibrationError> {
     let Some(found) = &stored.calibration.displacement else { return Ok(String::new()) };
     let (file, base) = (bench.file(), bench.model());
     let mut text = heading(bench, stored, found);
@@ -46,26 +47,24 @@ pub fn calibration_text(bench: &Bench, stored: &Stored) -> Result<String, Calibr
     for warning in warnings(file, base, found)? {
         text += &format!("  warning: {warning}\n");
     }
-    text += &range(base, found)?;
+    text += &range(base, found, words)?;
     Ok(text)
 }
 
 /// Lists every calibration, a line each; the one in use is marked. A guided calibration that is unfinished comes last.
-pub fn calibrations_text(bench: &Bench, all: &[Stored], active: Option<u32>) -> String {
-    let unfinished = UnfinishedCalibration::of(bench).map_or(String::new(), |found| found.text() + "\n");
-    finished_text(bench, all, active) + &unfinished
+pub fn calibrations_text(bench: &Bench, all: &[Stored], active: Option<u32>, words: Wording) -> String {
+    let unfinished = UnfinishedCalibration::of(bench).map_or(String::new(), |found| found.text(words) + "\n");
+    finished_text(bench, all, active, words) + &unfinished
 }
 
-fn finished_text(bench: &Bench, all: &[Stored], active: Option<u32>) -> String {
+fn finished_text(bench: &Bench, all: &[Stored], active: Option<u32>, words: Wording) -> String {
     if all.is_empty() {
         let (pump, driver) = (&bench.file().pump.id, bench.drive_id());
-        return format!(
-            "{pump} ({driver}) is not calibrated; `dose calibrate run` weighs what it delivers\n"
-        );
+        return format!("{pump} ({driver}) is not calibrated; {}\n", words(Remedy::Weigh));
     }
     let mut text: String = all.iter().map(|stored| listed(stored, active)).collect();
     if active.is_none() {
-        text.push_str("none is in use; `dose calibrate use <N>` uses one\n");
+        text += &format!("none is in use; {}\n", words(Remedy::UseCalibration));
     }
     text
 }
@@ -200,12 +199,12 @@ fn warnings(file: &PumpFile, base: &Pump, found: &Displacement) -> Result<Vec<St
 }
 
 /// The flows of the doses that use the calibration.
-fn range(base: &Pump, found: &Displacement) -> Result<String, CalibrationError> {
+fn range(base: &Pump, found: &Displacement, words: Wording) -> Result<String, CalibrationError> {
     let pump = SpeedDependentPump::constant(*base);
     let flows = AgainstSpeed::of(Some(found), &pump).map(|against| against.flows_ml_s(false));
     let doses = match flows.transpose()?.flatten() {
         Some((least_ml_s, most_ml_s)) => format!("doses from {least_ml_s:.3} to {most_ml_s:.3} mL/s"),
         None => "doses".to_owned(),
     };
-    Ok(format!("{doses} use it from now on; `dose calibrate use none` goes back to the model\n"))
+    Ok(format!("{doses} use it from now on; {}\n", words(Remedy::UseModel)))
 }

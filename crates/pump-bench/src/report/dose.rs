@@ -13,6 +13,7 @@ use crate::dosing::{
     sure_ripples,
 };
 use crate::drives::{Identity, registry};
+use crate::notice::{Notice, Wording};
 use crate::pump_file::{DriverName, PumpFile, UncheckedLimit};
 use crate::record::{PhaseSource, Purpose};
 
@@ -97,27 +98,28 @@ pub struct DoseReport {
     /// Time from the start to the last step that was made, s, by the clock; null on a dry run. A simulated motor takes
     /// the time of its plan.
     pub measured_motion_s: Option<f64>,
-    /// Time from the last step until less than 1 µL is undelivered, s.
-    pub settle_s: f64,
+    /// Time from the last step until less than 1 µL is undelivered, s; null if the outlet's line is not known. It is
+    /// predicted, for a dose that was stopped early by its stop.
+    pub settle_s: Option<f64>,
     /// Largest volume delivered less the final one, before any retraction, mL: the line swings at the stop. It is
     /// predicted, for a dose that was stopped early by its stop.
     pub backflow_ml: Option<f64>,
     /// All that the line takes back from the vessel on the way, before any retraction, mL; null if the dose was stopped
     /// early.
     pub reverse_flow_ml: Option<f64>,
-    /// Smallest predicted inlet pressure, kPa absolute.
-    pub inlet_min_kpa: f64,
-    /// Largest predicted inlet pressure, kPa absolute.
-    pub inlet_max_kpa: f64,
-    /// Smallest predicted outlet pressure, kPa absolute.
-    pub outlet_min_kpa: f64,
-    /// Largest predicted outlet pressure, kPa absolute.
-    pub outlet_max_kpa: f64,
+    /// Smallest predicted inlet pressure, kPa absolute; null if the inlet's line is not known.
+    pub inlet_min_kpa: Option<f64>,
+    /// Largest predicted inlet pressure, kPa absolute; null if the inlet's line is not known.
+    pub inlet_max_kpa: Option<f64>,
+    /// Smallest predicted outlet pressure, kPa absolute; null if the outlet's line is not known.
+    pub outlet_min_kpa: Option<f64>,
+    /// Largest predicted outlet pressure, kPa absolute; null if the outlet's line is not known.
+    pub outlet_max_kpa: Option<f64>,
     /// Expanded uncertainty (k = 2) of the predicted inlet pressures, kPa, by the correlation with measured pressures
     /// that McIntyre et al. state: 0.51 of the predicted swing.
-    pub inlet_pressure_uncertainty_kpa: f64,
+    pub inlet_pressure_uncertainty_kpa: Option<f64>,
     /// Expanded uncertainty (k = 2) of the predicted outlet pressures, kPa, as that of the inlet's.
-    pub outlet_pressure_uncertainty_kpa: f64,
+    pub outlet_pressure_uncertainty_kpa: Option<f64>,
     /// Ambient pressure, kPa absolute.
     pub ambient_kpa: f64,
     /// Torque that the motor needs where it comes closest to the torque that it has, N m at the pump head; null if
@@ -151,7 +153,7 @@ pub struct DoseReport {
     /// sucks.
     pub limits_not_checked: Vec<UncheckedLimit>,
     /// Warnings for the user.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<Notice>,
     /// True if the dose was delivered in full.
     pub completed: bool,
 }
@@ -213,6 +215,8 @@ impl DoseReport {
         let ripples = sure_ripples(plan, model, &PulseErrors::of(file, applied));
         let SureRipples { rollers, line_end } = ripples;
         let lowest = prepared.limits.lowest_where_it_sucks();
+        let is_known = [!file.inlet.is_unknown(), !file.outlet.line.is_unknown()];
+        let [of_inlet, of_outlet] = is_known.map(|is_known| move |value: f64| is_known.then_some(value));
         Self {
             schema: "dose/1",
             pump: file.pump.id.clone(),
@@ -251,22 +255,22 @@ impl DoseReport {
             mean_flow_ml_s: plan.planned_ml().abs() / motion_s,
             motion_s,
             measured_motion_s: delivered.map(|delivered| delivered.measured_s),
-            settle_s: prepared.prediction.settle_s,
-            backflow_ml,
-            reverse_flow_ml,
-            inlet_min_kpa: whole.inlet.min_kpa,
-            inlet_max_kpa: whole.inlet.max_kpa,
-            outlet_min_kpa: whole.outlet.min_kpa,
-            outlet_max_kpa: whole.outlet.max_kpa,
-            inlet_pressure_uncertainty_kpa: pressure_uncertainty_kpa(whole.inlet),
-            outlet_pressure_uncertainty_kpa: pressure_uncertainty_kpa(whole.outlet),
+            settle_s: of_outlet(prepared.settle_of_s(made(prepared, delivered))),
+            backflow_ml: backflow_ml.and_then(of_outlet),
+            reverse_flow_ml: reverse_flow_ml.and_then(of_outlet),
+            inlet_min_kpa: of_inlet(whole.inlet.min_kpa),
+            inlet_max_kpa: of_inlet(whole.inlet.max_kpa),
+            outlet_min_kpa: of_outlet(whole.outlet.min_kpa),
+            outlet_max_kpa: of_outlet(whole.outlet.max_kpa),
+            inlet_pressure_uncertainty_kpa: of_inlet(pressure_uncertainty_kpa(whole.inlet)),
+            outlet_pressure_uncertainty_kpa: of_outlet(pressure_uncertainty_kpa(whole.outlet)),
             ambient_kpa: file.ambient.pressure_kpa,
             torque_needed_n_m: prepared.margins.torque.map(|torque| torque.reached),
             torque_available_n_m: prepared.margins.torque.map(|torque| torque.limit),
             ripple_before: rollers.constant_speed,
             ripple_after: rollers.planned,
             ripple_at_rollers: rollers,
-            ripple_at_line_end: line_end,
+            ripple_at_line_end: line_end.filter(|_| is_known[1]),
             limited_by: plan.limited_by(),
             inlet_limit_kpa: lowest.map(|lowest| lowest.kpa),
             inlet_limit: lowest.map(|lowest| lowest.set_by),
@@ -274,6 +278,18 @@ impl DoseReport {
             warnings: warnings(prepared, delivered),
             completed: delivered.is_some_and(|end| end.completed),
         }
+    }
+
+    /// The report whose warnings and shares of the uncertainty have their remedies in a front end's words.
+    #[must_use]
+    pub fn worded(mut self, words: Wording) -> Self {
+        for notice in &mut self.warnings {
+            *notice = notice.told(words);
+        }
+        for share in &mut self.uncertainty_budget {
+            share.remedy = share.remedy.told(words);
+        }
+        self
     }
 
     /// One line of JSON.
@@ -312,7 +328,7 @@ fn part_made(prepared: &Prepared, delivered: Option<&Delivered>) -> Swept {
 }
 
 /// The warnings of the plan, then those of the motion.
-fn warnings(prepared: &Prepared, delivered: Option<&Delivered>) -> Vec<String> {
+fn warnings(prepared: &Prepared, delivered: Option<&Delivered>) -> Vec<Notice> {
     let after = delivered.map_or(&[][..], |delivered| &delivered.warnings);
     [&prepared.warnings, after].concat()
 }
@@ -343,9 +359,13 @@ fn retract_steps(prepared: &Prepared, delivered: Option<&Delivered>) -> Option<i
 
 /// The back flow of a dose, mL, and the reverse flow unless the dose was stopped on its way, mL.
 fn back_flow_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> (Option<f64>, Option<f64>) {
-    let all = prepared.plan.steps().unsigned_abs();
-    let made = delivered.map_or(all, |delivered| delivered.made);
+    let (all, made) = (prepared.plan.steps().unsigned_abs(), made(prepared, delivered));
     (prepared.backflow_of_ml(made), (made == all).then_some(prepared.back_flow.reverse_flow_ml))
+}
+
+/// The number of the steps that were made, or of all of a dry run.
+fn made(prepared: &Prepared, delivered: Option<&Delivered>) -> u64 {
+    delivered.map_or(prepared.plan.steps().unsigned_abs(), |delivered| delivered.made)
 }
 
 /// The carry to the next dose, mL.

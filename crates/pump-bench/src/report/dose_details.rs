@@ -94,8 +94,16 @@ impl DoseReport {
     fn ripple(&self) -> Option<String> {
         let percent = |ripple: f64| significant(100.0 * ripple, 2);
         let said = |at: &RippleAt| {
+            let off = match self.phase.half_width_deg {
+                half_width_deg if half_width_deg > 0.0 => format!(
+                    "; up to {} % if the angle is {} deg off",
+                    percent(at.peak_to_peak_worst_angle),
+                    significant(half_width_deg, 2)
+                ),
+                _ => String::new(),
+            };
             format!(
-                "{} % ({} % at constant speed), {} to {} % as far as the pump and its angle are known",
+                "{} % ({} % at constant speed{off}), {} to {} % as far as the pump and its angle are known",
                 percent(at.planned.peak_to_peak),
                 percent(at.constant_speed.peak_to_peak),
                 percent(at.peak_to_peak_median),
@@ -110,7 +118,11 @@ impl DoseReport {
     }
 
     fn time(&self) -> String {
-        format!("{:.3} s in motion, {:.3} s to settle within 1 µL", self.moved_s(), self.settle_s)
+        let settles = match self.settle_s {
+            Some(settle_s) => format!("{settle_s:.3} s to settle within 1 µL"),
+            None => "settling not known, as the outlet's line is not".to_owned(),
+        };
+        format!("{:.3} s in motion, {settles}", self.moved_s())
     }
 
     fn back_flow(&self) -> Option<String> {
@@ -121,16 +133,21 @@ impl DoseReport {
     }
 
     fn pressures(&self) -> String {
-        format!(
-            "inlet {:.2} to {:.2} ± {} kPa, outlet {:.2} to {:.2} ± {} kPa absolute (k = 2; ambient {} kPa)",
-            self.inlet_min_kpa,
-            self.inlet_max_kpa,
-            significant(self.inlet_pressure_uncertainty_kpa, 2),
-            self.outlet_min_kpa,
-            self.outlet_max_kpa,
-            significant(self.outlet_pressure_uncertainty_kpa, 2),
-            self.ambient_kpa
-        )
+        let said = |port: &str, range: Option<(f64, f64)>, unsure_kpa: Option<f64>| {
+            let ((least_kpa, most_kpa), unsure_kpa) = range.zip(unsure_kpa)?;
+            Some(format!("{port} {least_kpa:.2} to {most_kpa:.2} ± {} kPa", significant(unsure_kpa, 2)))
+        };
+        let inlet = self.inlet_min_kpa.zip(self.inlet_max_kpa);
+        let outlet = self.outlet_min_kpa.zip(self.outlet_max_kpa);
+        let known: Vec<String> = said("inlet", inlet, self.inlet_pressure_uncertainty_kpa)
+            .into_iter()
+            .chain(said("outlet", outlet, self.outlet_pressure_uncertainty_kpa))
+            .collect();
+        let ambient = format!("ambient {} kPa", self.ambient_kpa);
+        match known.as_slice() {
+            [] => format!("not known: the pump file names no lines ({ambient})"),
+            known => format!("{} absolute (k = 2; {ambient})", known.join(", ")),
+        }
     }
 
     /// The reading of a balance for the volume, with the pressure of its air.

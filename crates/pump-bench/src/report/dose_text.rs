@@ -99,8 +99,12 @@ impl DoseReport {
             LimitedBy::Nothing => String::new(),
             limit => format!(" (limited by {})", limit.name().replace('_', " ")),
         };
-        let least_kpa = self.inlet_min_kpa.min(self.outlet_min_kpa);
-        let most_kpa = self.inlet_max_kpa.max(self.outlet_max_kpa);
+        let least_kpa = self.inlet_min_kpa.into_iter().chain(self.outlet_min_kpa).reduce(f64::min);
+        let most_kpa = self.inlet_max_kpa.into_iter().chain(self.outlet_max_kpa).reduce(f64::max);
+        let pressure = match least_kpa.zip(most_kpa) {
+            Some((least_kpa, most_kpa)) => format!("pressure {least_kpa:.2} to {most_kpa:.2} kPa"),
+            None => "pressure not known".to_owned(),
+        };
         let retracted = match self.retraction_ml {
             Some(back_ml) => format!("; {} µL sucked back", significant(1e3 * back_ml, 4)),
             None => String::new(),
@@ -110,7 +114,7 @@ impl DoseReport {
             _ => format!("carry {}", microlitres(self.carry_ml)),
         };
         format!(
-            "{:.3} s at {} mL/s{limited}; pressure {least_kpa:.2} to {most_kpa:.2} kPa{retracted}; {end}",
+            "{:.3} s at {} mL/s{limited}; {pressure}{retracted}; {end}",
             self.moved_s(),
             significant(self.cruise_flow_ml_s, 4),
         )

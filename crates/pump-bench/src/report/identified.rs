@@ -5,7 +5,8 @@ use pump_model::identification::Estimate;
 use pump_model::metrics;
 use serde_json::{Map, json};
 
-use crate::identification::Identified;
+use crate::identification::{Identified, Nozzle};
+use crate::notice::Wording;
 use crate::numbers::significant;
 
 /// Significant digits of a value whose points tell no error.
@@ -32,7 +33,16 @@ impl Identified {
                 None => format!("{key} = {value:?}\n"),
             };
         }
-        text
+        text + &self.nozzle.map_or(String::new(), |nozzle| nozzle_keys(&nozzle))
+    }
+
+    /// The identified line whose warnings have their remedies in a front end's words.
+    #[must_use]
+    pub fn worded(mut self, words: Wording) -> Self {
+        for notice in &mut self.warnings {
+            *notice = notice.told(words);
+        }
+        self
     }
 
     /// One line of JSON, `identification/1`.
@@ -96,6 +106,13 @@ impl Identified {
         }
         text + &format!("for the pump file, in place of its [{}]:\n{}", self.port.name(), self.pump_file())
     }
+}
+
+/// The keys of the nozzle, which the table of the pump file keeps.
+fn nozzle_keys(nozzle: &Nozzle) -> String {
+    let end = nozzle.end.map(|end| format!("end = \"{end}\"\n"));
+    let bore = nozzle.bore_mm.map(|bore_mm| format!("nozzle_bore_mm = {bore_mm:?}\n"));
+    end.unwrap_or_default() + &bore.unwrap_or_default()
 }
 
 /// Decimals with which twice a standard uncertainty has two digits.

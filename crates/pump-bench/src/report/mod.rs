@@ -18,12 +18,13 @@ mod status_text;
 mod verification;
 
 pub use crate::dosing::{RippleAt, RippleReport};
+pub use crate::notice::Remedy;
 pub use calibration::{calibration_json, calibration_text, calibrations_json, calibrations_text};
 pub use choices::{Format, VolumeBasis};
 pub use config::{ShownConfig, ShownPump};
 pub use dose::{CalibrationReport, DoseReport, PhaseReport};
 pub use ending::Ending;
-pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain, Remedy};
+pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain, with_sources};
 pub use phase::{phase_json, phase_text};
 pub use pump_check::pump_check;
 pub use rotor::{AcceptedReport, accepted_text, carry_dropped_text, rotor_text};

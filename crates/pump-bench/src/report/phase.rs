@@ -4,6 +4,7 @@ use serde_json::json;
 
 use crate::bench::Bench;
 use crate::calibration::PhaseFit;
+use crate::notice::{Remedy, Wording};
 use crate::pump_file::RollerVolumeTable;
 
 /// One line of JSON, `phase/1`. `version` is the calibration that doses use from now on; null if nothing was kept.
@@ -12,12 +13,13 @@ pub fn phase_json(found: &PhaseFit, version: Option<u32>) -> String {
 }
 
 /// Says what short doses show, and what to change in the pump file. `version` is the calibration that doses use from
-/// now on; none if nothing was kept.
-pub fn phase_text(bench: &Bench, found: &PhaseFit, version: Option<u32>) -> String {
+/// now on; none if nothing was kept. A front end words how to use them.
+pub fn phase_text(bench: &Bench, found: &PhaseFit, version: Option<u32>, words: Wording) -> String {
     let PhaseFit { roller_volume_ml, engagement_deg, zero_deg, scatter_ml, degrees_of_freedom, .. } = found;
-    let used = version.map_or("`--use` has doses use all three\n".to_owned(), |version| {
-        format!("doses use all three from now on: calibration {version}\n")
-    });
+    let used = version.map_or_else(
+        || format!("{}\n", words(Remedy::UsePhase)),
+        |version| format!("doses use all three from now on: calibration {version}\n"),
+    );
     format!(
         "{} degrees of freedom, doses scatter by {scatter_ml:.4} mL; ± is k = 2\n  \
          roller volume     {:.4} ± {:.4} mL\n  \
@@ -41,7 +43,11 @@ fn for_the_pump_file(bench: &Bench, found: &PhaseFit) -> String {
     let roller = bench.model().roller_volume();
     let angles = found.engagement_deg.value / roller.engagement_deg();
     let volumes = found.roller_volume_ml.value / roller.total_ml();
-    let change = match &bench.file().roller_volume {
+    let Some(table) = &bench.file().roller_volume else {
+        // A head that is known by its volume alone has no table for them.
+        return String::new();
+    };
+    let change = match table {
         RollerVolumeTable::Polynomial { engagement_angle_deg, polynomial_ml_deg, .. } => {
             // V(x) is the polynomial of x over the ratio of the angles.
             let mut order = polynomial_ml_deg.len() as i32;

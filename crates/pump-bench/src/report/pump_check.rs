@@ -2,14 +2,15 @@
 
 mod sources;
 
-use libm::sin;
 use pump_model::units::{degrees, rad_s};
 use pump_model::{Line, Pump, RollerVolume};
 
-use crate::displacement::{DisplacementError, SpeedDependentPump};
+use crate::catalogue::overlap_warning;
+use crate::displacement::{DisplacementError, PulsePrior, SpeedDependentPump};
 use crate::dosing::drop_ml;
+use crate::heads::bought_head;
 use crate::numbers::significant;
-use crate::pump_file::{LineTable, OutletEnd, PumpFile, RollerVolumeTable};
+use crate::pump_file::{LineSource, LineTable, OutletEnd, PumpFile, Reservoir, RollerVolumeTable};
 
 /// Says what the pump of a file gives, a line each: volumes, flows, speeds, fluid, lines and uncertainty.
 ///
@@ -38,8 +39,15 @@ pub fn pump_check(file: &PumpFile) -> Result<String, DisplacementError> {
         .into_iter()
         .chain(sources::source_lines(file))
         .map(|(name, text)| format!("  {name:<9} {text}\n"));
-    let text: String = lines.chain(overlap(&pump)).collect();
+    let text: String = catalogue_line(file).into_iter().chain(lines).chain(overlap(&pump)).collect();
     Ok(format!("{} ({}): ok\n\n{text}", file.pump.id, file.pump.name))
+}
+
+/// The head's row of the catalogue, and how far its figures are from the maker's own words.
+fn catalogue_line(file: &PumpFile) -> Option<String> {
+    let row = bought_head(file.head.as_ref()?.catalogue.as_deref()?)?;
+    let (maker, head, tubing, published) = (&row.maker, &row.head, &row.tubing, &row.published);
+    Some(format!("  {:<9} {maker} {head}, {tubing}: {published} ({})\n", "catalogue", row.source.kind))
 }
 
 fn volume_text(pump: &Pump) -> String {
@@ -83,16 +91,18 @@ fn uncertainty_text(file: &PumpFile) -> String {
         }
         (None, None) => format!("{} % of the volume", stated.model_percent),
     };
-    format!("{of_volume} and {} mL of a roller (standard uncertainty)", stated.roller_volume_ml)
+    match &file.head {
+        Some(_) => format!("{} (standard uncertainty)", of_volume.trim_end_matches(',')),
+        None => {
+            format!("{of_volume} and {} mL of a roller (standard uncertainty)", stated.roller_standard_ml())
+        }
+    }
 }
 
 /// Warns of rollers that overlap.
 fn overlap(pump: &Pump) -> Option<String> {
-    let geometry = pump.geometry();
-    let apart_mm = 2.0 * geometry.roller_offset_mm * sin(0.5 * pump.pitch_rad());
-    (apart_mm < 2.0 * geometry.roller_radius_mm).then(|| {
-        format!("  warning   the rollers' axes stand {apart_mm:.2} mm apart: less than their diameter\n")
-    })
+    let warning = overlap_warning(pump.geometry())?;
+    Some(format!("  warning   {warning}\n"))
 }
 
 /// The dependence of the volume on the speed.
@@ -118,9 +128,10 @@ fn fastest_text(file: &PumpFile, pump: &SpeedDependentPump) -> Result<String, Di
 /// The volume of a roller, and its source.
 fn roller_text(file: &PumpFile, curve: &RollerVolume) -> Result<String, DisplacementError> {
     let source = match &file.roller_volume {
-        RollerVolumeTable::Polynomial { .. } => "from its polynomial".to_owned(),
-        RollerVolumeTable::Drawing => "estimated from the drawing".to_owned(),
-        RollerVolumeTable::Measured { fit, points } => {
+        None => return Ok(default_pulse_text(file, curve)),
+        Some(RollerVolumeTable::Polynomial { .. }) => "from its polynomial".to_owned(),
+        Some(RollerVolumeTable::Drawing) => "estimated from the drawing".to_owned(),
+        Some(RollerVolumeTable::Measured { fit, points }) => {
             let fit = fit.of(points)?;
             let mut source = format!("from {} measured points, {:.4} mL RMS off", points.len(), fit.rms_ml());
             for (from_deg, to_deg, fall_ml) in fit.falls().into_iter().flatten() {
@@ -132,11 +143,32 @@ fn roller_text(file: &PumpFile, curve: &RollerVolume) -> Result<String, Displace
     Ok(format!("{:.4} mL over {:.2}°, {source}", curve.total_ml(), curve.engagement_deg()))
 }
 
+/// The default pulse of a head that is known by its volume alone, with its uncertainty.
+fn default_pulse_text(file: &PumpFile, curve: &RollerVolume) -> String {
+    let prior = PulsePrior::of(file.rollers.count);
+    let factor = libm::exp(2.0 * prior.engagement_spread);
+    format!(
+        "{} mL over {:.0}° by default, {:.0} % of the bore's pitch; as drawings of heads vary: {:.0} to {:.0}° (k = 2)",
+        significant(curve.total_ml(), 2),
+        curve.engagement_deg(),
+        100.0 * prior.share(),
+        prior.engagement_deg / factor,
+        (prior.engagement_deg * factor).min(360.0),
+    )
+}
+
 /// The constants of a line, and their source.
 fn line_text(file: &PumpFile, table: &LineTable, line: &Line) -> String {
-    let source = match table.hose() {
-        None => "as given".to_owned(),
-        Some(hose) => {
+    let source = match &table.source {
+        LineSource::Unknown => {
+            let unknown = "not given: its pressures and its settling are not known";
+            if table.reservoir == Reservoir::OPEN {
+                return unknown.to_owned();
+            }
+            return format!("{unknown}; {}", sources::reservoir_text(table.reservoir, line.reservoir_kpa));
+        }
+        LineSource::Given { .. } => "as given".to_owned(),
+        LineSource::Hose(hose) => {
             let at_ml_s = hose.resistance_at_ml_s.unwrap_or(file.pump.default_rate_ml_s);
             format!("estimated from its hose, R at {at_ml_s} mL/s")
         }

@@ -4,13 +4,13 @@ use pump_model::units::degrees;
 use serde::Serialize;
 
 use crate::bench::{Accepted, Bench};
+use crate::notice::{Remedy, Wording};
 use crate::record::PumpState;
 
-/// Says where the rollers stand.
-pub fn rotor_text(bench: &Bench, state: &PumpState) -> String {
+/// Says where the rollers stand. A front end words what finds an unknown angle.
+pub fn rotor_text(bench: &Bench, state: &PumpState, words: Wording) -> String {
     if !state.phase().is_known(bench.model().pitch_rad()) {
-        return "the rollers stand at an unknown angle; `dose home` finds it, or `dose home --set <ANGLE>` says it\n"
-            .to_owned();
+        return format!("the rollers stand at an unknown angle; {}\n", words(Remedy::FindOrSayAngle));
     }
     let width = match degrees(state.half_width_rad) {
         0.0 => String::new(),
@@ -83,7 +83,8 @@ impl AcceptedReport {
 }
 
 /// Says that an unfinished dose is accepted, where the rollers stand, and which carry is dropped.
-pub fn accepted_text(bench: &Bench, accepted: &Accepted) -> String {
-    let (rotor, dropped) = (rotor_text(bench, &accepted.state), carry_dropped_text(accepted.dropped_ml));
+pub fn accepted_text(bench: &Bench, accepted: &Accepted, words: Wording) -> String {
+    let (rotor, dropped) =
+        (rotor_text(bench, &accepted.state, words), carry_dropped_text(accepted.dropped_ml));
     format!("the unfinished dose is accepted as it is\n{rotor}{dropped}")
 }

@@ -188,6 +188,12 @@ fn warnings_of(
     if rpm(speed_rad_s).abs() > limit_rpm * (1.0 + 1e-12) {
         warnings.push(format!("this is above the pump's limit of {limit_rpm} r/min"));
     }
+    if file.inlet.is_unknown() || file.outlet.line.is_unknown() {
+        warnings.push(
+            "the pump file names no lines, so the pressures are no prediction: give [inlet] and [outlet]"
+                .to_owned(),
+        );
+    }
     let limits = file.limits();
     let of_run =
         |of: fn(Reached) -> Extremes, steady: Extremes| reached.map_or(steady, |run| of(run).and(steady));

@@ -1,12 +1,14 @@
 //! The record of a pump in words.
 
 use super::status::{CalibrationStatus, Status, UnfinishedCalibration, UnfinishedStatus};
+use crate::notice::{Remedy, Wording};
 use crate::numbers::{between, significant};
 use crate::record::Wear;
 
 impl Status {
-    /// The record in words, a line each for the rotor, the tube, the calibration and an unfinished dose.
-    pub fn text(&self) -> String {
+    /// The record in words, a line each for the rotor, the tube, the calibration and an unfinished dose. A front end
+    /// words what makes the rest of something unfinished.
+    pub fn text(&self, words: Wording) -> String {
         let (pump, driver) = (&self.pump, &self.driver);
         if !self.recorded {
             let stands = if self.angle_known {
@@ -22,8 +24,8 @@ impl Status {
             self.disturbed(),
             Some(self.tube()),
             self.calibration.as_ref().map(CalibrationStatus::text),
-            self.unfinished.as_ref().map(|dose| self.unfinished_dose(dose)),
-            self.unfinished_calibration.map(|calibration| calibration.text()),
+            self.unfinished.as_ref().map(|dose| self.unfinished_dose(dose, words)),
+            self.unfinished_calibration.map(|calibration| calibration.text(words)),
         ];
         lines.into_iter().flatten().map(|line| line + "\n").collect()
     }
@@ -56,7 +58,7 @@ impl Status {
         format!("tube: {volume_ml:.1} mL{life} in {revolutions:.1} revolutions and {time} of motion")
     }
 
-    fn unfinished_dose(&self, dose: &UnfinishedStatus) -> String {
+    fn unfinished_dose(&self, dose: &UnfinishedStatus, words: Wording) -> String {
         let (asked_ml, made) =
             (significant(dose.requested_ml, 6), between(dose.delivered_least_ml, dose.delivered_most_ml));
         match &self.in_use_by {
@@ -65,8 +67,8 @@ impl Status {
                  stretch"
             ),
             None => format!(
-                "unfinished: a dose of {asked_ml} mL, of which {made} were delivered; `dose resume` makes the rest, \
-                 `dose discard` leaves it"
+                "unfinished: a dose of {asked_ml} mL, of which {made} were delivered; {}",
+                words(Remedy::FinishOrLeave)
             ),
         }
     }
@@ -89,15 +91,16 @@ impl CalibrationStatus {
 
 impl UnfinishedCalibration {
     /// The calibration in words, and the command that goes on with it.
-    pub(super) fn text(&self) -> String {
+    pub(super) fn text(&self, words: Wording) -> String {
         match (self.readings, self.planned) {
             (Some(readings), Some(planned)) => format!(
-                "unfinished: a guided calibration with {readings} of {planned} readings on record; `dose calibrate run \
-                 --continue` goes on with it"
+                "unfinished: a guided calibration with {readings} of {planned} readings on record; {}",
+                words(Remedy::ContinueCalibration)
             ),
-            _ => "unfinished: a guided calibration whose readings cannot be read; `dose calibrate run --continue` says \
-                  why"
-                .to_owned(),
+            _ => format!(
+                "unfinished: a guided calibration whose readings cannot be read; {}",
+                words(Remedy::SeeWhyUnreadable)
+            ),
         }
     }
 }

@@ -90,7 +90,7 @@ pub enum QuantityError {
     /// The tolerance of an angle is outside its range.
     #[error(
         "`{text}` is no tolerance of an angle: it is {tolerance_deg} deg; allowed: 0 to {most_deg} deg, as in \
-         30deg+-1deg; if nobody knows the angle, say `dose home --unknown`"
+         30deg+-1deg"
     )]
     Tolerance {
         /// Text that was read.
@@ -118,8 +118,8 @@ pub enum QuantityError {
     },
     /// The quantity is negative, where a negative one means nothing.
     #[error(
-        "`{text}` is negative; {} must be positive (a dose runs in reverse by --reverse or a negative \
-         volume)",
+        "`{text}` is negative; {} must be positive (only the volume of a dose may be negative: it runs in \
+         reverse)",
         .kind.with_article()
     )]
     Negative {

@@ -10,6 +10,7 @@ mod quantity;
 mod rate;
 mod reading;
 mod stated_angle;
+mod stated_reading;
 #[cfg(test)]
 mod tests;
 mod tube_size;
@@ -24,4 +25,5 @@ pub use quantity::{
 };
 pub use rate::rate;
 pub use stated_angle::{StatedAngle, stated_angle, tolerance_rad};
+pub use stated_reading::{StatedReading, stated_reading};
 pub use tube_size::{TubeSize, tube_size};

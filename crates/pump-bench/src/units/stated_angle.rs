@@ -106,8 +106,7 @@ mod tests {
         let refused = |text: &str| stated_angle(text).unwrap_err().to_string();
         assert_eq!(
             refused("30deg+-200deg"),
-            "`200deg` is no tolerance of an angle: it is 200 deg; allowed: 0 to 180 deg, as in 30deg+-1deg; if nobody \
-             knows the angle, say `dose home --unknown`"
+            "`200deg` is no tolerance of an angle: it is 200 deg; allowed: 0 to 180 deg, as in 30deg+-1deg"
         );
         assert!(
             refused("30deg+--1deg")

@@ -54,7 +54,7 @@ fn doses_from_an_unknown_angle_add_up_to_what_was_asked_for() {
 fn volumes_that_are_offered_as_exact_are_exact_with_a_carry_too() {
     let lab = Lab::new();
     lab.home(None);
-    lab.dose(DoseRequest { retract_ml: Some(0.7), ..DoseRequest::dose(2.0) });
+    lab.dose(DoseRequest::dose(2.0).with_retraction(0.7));
     let carry_ml = lab.status()["carry_ml"].as_f64().unwrap();
     assert!(carry_ml > 0.5);
     let prepared = lab.bench.prepare(DoseRequest::dose(3.0)).unwrap();
@@ -88,7 +88,7 @@ fn an_unknown_angle_stays_unknown_when_the_number_of_rollers_is_corrected() {
 fn a_suck_back_that_was_killed_leaves_a_carry_with_a_width_a_share_and_a_warning() {
     let lab = Lab::new();
     let ramps = Some(Ramps::Fastest);
-    lab.killed(DoseRequest { retract_ml: Some(1.5), ramps, ..DoseRequest::dose(5.0) }, 1);
+    lab.killed(DoseRequest::dose(5.0).with_retraction(1.5).with_ramps(ramps), 1);
     let carry = lab.status();
     let (carry_ml, within_ml) =
         (carry["carry_ml"].as_f64().unwrap(), carry["carry_half_width_ml"].as_f64().unwrap_or(0.0));
@@ -105,14 +105,14 @@ fn a_suck_back_that_was_killed_leaves_a_carry_with_a_width_a_share_and_a_warning
 fn a_suck_back_is_warned_of_and_refused_with_the_names_of_its_own_ports() {
     let lab = Lab::new();
     // The pump stands so that the suck-back meets more flow than the dose.
-    let mut request = DoseRequest { retract_ml: Some(1.0), ..DoseRequest::dose(1.0) };
+    let mut request = DoseRequest::dose(1.0).with_retraction(1.0);
     request.start_angle_rad = Some(radians(100.0));
     let back = lab.bench.prepare(request).unwrap().retraction.unwrap().prediction;
     // The outlet sucks: a limit that the dose keeps at its inlet and the suck-back breaks at the outlet.
-    let dose = lab.bench.prepare(DoseRequest { retract_ml: None, ..request }).unwrap().prediction;
+    let dose = lab.bench.prepare(request.with_retraction(None)).unwrap().prediction;
     assert!(back.outlet.min_kpa < dose.inlet.min_kpa);
     request.pressures.min_inlet_kpa = Some(0.5 * (back.outlet.min_kpa + dose.inlet.min_kpa));
-    let refused = lab.bench.prepare(request).unwrap_err().to_string();
+    let refused = pump_bench::report::with_sources(&lab.bench.prepare(request).unwrap_err());
     assert!(
         refused.contains("sucked back") && refused.contains("the outlet pressure would fall"),
         "{refused}"
@@ -132,7 +132,7 @@ fn a_rehearsed_dose_is_warned_of_as_a_single_one() {
         lab.bench.folder().path(),
     )
     .unwrap();
-    let request = DoseRequest { start_angle_rad: Some(0.2), ..DoseRequest::dose(5.0) };
+    let request = DoseRequest::dose(5.0).with_start_angle(0.2, 0.0);
     let single = grbl.prepare(request).unwrap();
     let mut rehearsal = Rehearsal::new(&grbl).unwrap();
     assert_eq!(rehearsal.prepare(request).unwrap().warnings, single.warnings);

@@ -3,6 +3,7 @@
 use std::fs;
 use std::ops::ControlFlow;
 
+use pump_bench::notice::Notice;
 use pump_bench::pump_file::PumpFile;
 use pump_bench::record::Unfinished;
 use pump_bench::report::Status;
@@ -109,6 +110,6 @@ pub(crate) fn numbers(text: &str) -> Vec<f64> {
 
 /// Returns the warning that contains `words`.
 pub(crate) fn warning<'a>(prepared: &'a Prepared, words: &str) -> &'a str {
-    let found = prepared.warnings.iter().find(|warning| warning.contains(words));
-    found.unwrap_or_else(|| panic!("no `{words}` in {:?}", prepared.warnings))
+    let found = prepared.warnings.iter().find(|warning| warning.text().contains(words));
+    found.map(Notice::text).unwrap_or_else(|| panic!("no `{words}` in {:?}", prepared.warnings))
 }

@@ -67,7 +67,7 @@ impl Rig {
 fn a_suck_back_is_made_by_resume_if_the_board_finished_the_dose_by_itself() {
     let rig = Rig::new();
     rig.session().set_angle(Some(Phase::known(0.0))).unwrap();
-    rig.dies(DoseRequest { retract_ml: Some(0.1), ..DoseRequest::dose(0.2) }, |all| all);
+    rig.dies(DoseRequest::dose(0.2).with_retraction(0.1), |all| all);
     let mut session = rig.session();
     assert!(session.state().unwrap().unfinished.is_none(), "the board's count tells it");
     let rest = session.prepare_rest(DoseRequest::dose(0.0)).unwrap();
@@ -83,7 +83,7 @@ fn a_suck_back_is_made_by_resume_if_the_board_finished_the_dose_by_itself() {
 fn a_new_tube_after_a_calibration_run_that_was_killed_leaves_the_angle_known() {
     let rig = Rig::new();
     rig.session().set_angle(Some(Phase::known(0.0))).unwrap();
-    rig.dies(DoseRequest { purpose: Purpose::Calibrate, ..DoseRequest::dose(7.0) }, |_| 60);
+    rig.dies(DoseRequest::new(Purpose::Calibrate, 7.0), |_| 60);
     {
         // The tube is recorded before the board is asked.
         let mut session = rig.lab.bench.session().unwrap();
@@ -105,7 +105,7 @@ fn an_angle_is_found_while_a_dose_is_unfinished_if_that_is_asked_for() {
     let (session, set) = homing.set_angle(Some(Phase::known(0.2))).unwrap();
     drop(session);
     assert_eq!((set.state.phase(), set.owed_ml), (Phase::known(0.2), 0.0));
-    let rest = lab.rest(DoseRequest { smooth: true, ..DoseRequest::dose(0.0) });
+    let rest = lab.rest(DoseRequest::dose(0.0).with_smooth(true));
     assert!(rest.plan.is_smooth() && (rest.plan.start().half_width_rad() - 0.0).abs() < 1e-12);
     let refused = homing.set_angle(Some(Phase::known(0.3))).unwrap_err().to_string();
     assert!(refused.contains("known exactly"), "{refused}");

@@ -8,3 +8,4 @@ mod boards;
 mod model;
 mod plant;
 mod resuming;
+mod weighing;

@@ -112,13 +112,10 @@ impl Run {
         };
         let volume_ml = (0.2 + 3.0 * self.dice.part()) * if self.dice.chance(0.2) { -1.0 } else { 1.0 };
         let retract = purpose == Purpose::Dose && self.dice.chance(0.25);
-        DoseRequest {
-            purpose,
-            cruise: self.dice.chance(0.5).then(|| Cruise::Flow { ml_s: 1.0 + 9.0 * self.dice.part() }),
-            finish: self.dice.chance(0.1).then_some(Finish::LowFlow),
-            retract_ml: retract.then(|| 0.5 * volume_ml.abs() * self.dice.part() + 0.01),
-            ..DoseRequest::dose(volume_ml)
-        }
+        DoseRequest::new(purpose, volume_ml)
+            .with_cruise(self.dice.chance(0.5).then(|| Cruise::Flow { ml_s: 1.0 + 9.0 * self.dice.part() }))
+            .with_finish(self.dice.chance(0.1).then_some(Finish::LowFlow))
+            .with_retraction(retract.then(|| 0.5 * volume_ml.abs() * self.dice.part() + 0.01))
     }
 
     /// Prepares and runs a dose or the rest of one, and notes the truth.
@@ -200,7 +197,7 @@ impl Run {
             0..=6 => {
                 let cruise = self.dice.chance(0.2).then_some(Cruise::Flow { ml_s: 3.0 });
                 let finish = self.dice.chance(0.1).then_some(Finish::Any);
-                self.doses(DoseRequest { cruise, finish, ..DoseRequest::dose(0.0) }, true);
+                self.doses(DoseRequest::dose(0.0).with_cruise(cruise).with_finish(finish), true);
             }
             7 => {
                 if self.session(Fate::Completes, |session, _| session.discard().is_ok()) == Some(true) {

@@ -32,7 +32,7 @@ fn the_total_of_a_resumed_dose_is_stated_from_the_least_to_the_most_that_it_can_
 #[test]
 fn a_dose_to_low_flow_is_resumed_to_its_planned_end_even_beyond_the_volume_asked_for() {
     let lab = Lab::new();
-    let request = DoseRequest { finish: low_flow(), ..DoseRequest::dose(5.0) };
+    let request = DoseRequest::dose(5.0).with_finish(low_flow());
     let whole = lab.stopped(request, 0.0);
     let rest = lab.rest(DoseRequest::dose(0.0));
     let end = lab.unfinished().made_least + rest.plan.steps();
@@ -41,7 +41,7 @@ fn a_dose_to_low_flow_is_resumed_to_its_planned_end_even_beyond_the_volume_asked
     // This dose ends at low flow well beyond its volume.
     let slow = Some(Cruise::Flow { ml_s: 0.5 });
     let found = (1..100).map(|n| 4.0 + 0.1 * f64::from(n)).find_map(|volume_ml| {
-        let request = DoseRequest { cruise: slow, finish: low_flow(), ..DoseRequest::dose(volume_ml) };
+        let request = DoseRequest::dose(volume_ml).with_cruise(slow).with_finish(low_flow());
         let prepared = Lab::new().bench.prepare(request).ok()?;
         (prepared.plan.planned_ml() > volume_ml + 1.0).then_some(request)
     });
@@ -62,9 +62,9 @@ fn low_flow() -> Option<Finish> {
 #[test]
 fn a_dose_to_low_flow_is_resumed_to_any_end_if_that_is_asked_for() {
     let lab = Lab::new();
-    let request = DoseRequest { finish: low_flow(), ..DoseRequest::dose(5.0) };
+    let request = DoseRequest::dose(5.0).with_finish(low_flow());
     lab.stopped(request, 0.3);
-    let rest = lab.rest(DoseRequest { finish: Some(Finish::Any), ..DoseRequest::dose(0.0) });
+    let rest = lab.rest(DoseRequest::dose(0.0).with_finish(Finish::Any));
     let (delivered_ml, _) = lab.unfinished().delivered_ml(lab.bench.model());
     assert!((delivered_ml + rest.plan.planned_ml() - 5.0).abs() < 1e-3, "{delivered_ml}");
 }
@@ -72,7 +72,7 @@ fn a_dose_to_low_flow_is_resumed_to_any_end_if_that_is_asked_for() {
 #[test]
 fn a_dose_with_a_suck_back_is_resumed_again_and_again() {
     let lab = Lab::new();
-    lab.stopped(DoseRequest { retract_ml: Some(1.0), ..DoseRequest::dose(5.0) }, 0.5);
+    lab.stopped(DoseRequest::dose(5.0).with_retraction(1.0), 0.5);
     for _ in 0..3 {
         let mut session = lab.bench.session().unwrap();
         let rest = session.prepare_rest(DoseRequest::dose(0.0)).unwrap();
@@ -90,7 +90,7 @@ fn a_dose_with_a_suck_back_is_resumed_again_and_again() {
 fn a_rest_keeps_the_speed_that_was_asked_for_and_not_the_peak_of_a_short_dose() {
     for cruise in [Cruise::Speed { rad_s: rad_s(150.0) }, Cruise::Flow { ml_s: 40.0 }, Cruise::Fastest] {
         let lab = Lab::new();
-        let whole = lab.stopped(DoseRequest { cruise: Some(cruise), ..DoseRequest::dose(0.8) }, 0.0);
+        let whole = lab.stopped(DoseRequest::dose(0.8).with_cruise(cruise), 0.0);
         assert!(whole.plan.profile().peak_rad_s() < rad_s(140.0), "too short to reach the speed");
         assert_eq!(lab.rest(DoseRequest::dose(0.0)).request.cruise, Some(cruise));
     }
@@ -99,11 +99,11 @@ fn a_rest_keeps_the_speed_that_was_asked_for_and_not_the_peak_of_a_short_dose() 
 #[test]
 fn a_smooth_dose_that_was_killed_twice_is_resumed_at_constant_speed() {
     let lab = Lab::new();
-    lab.killed(DoseRequest { smooth: true, ..DoseRequest::dose(20.0) }, 3);
+    lab.killed(DoseRequest::dose(20.0).with_smooth(true), 3);
     let slow = Cruise::Speed { rad_s: rad_s(20.0) };
-    let at_speed = DoseRequest { cruise: Some(slow), ..DoseRequest::dose(0.0) };
+    let at_speed = DoseRequest::dose(0.0).with_cruise(slow);
     lab.resumed_and_killed(at_speed, 3);
-    let refused = lab.bench.session().unwrap().prepare_rest(DoseRequest { smooth: true, ..at_speed });
+    let refused = lab.bench.session().unwrap().prepare_rest(at_speed.with_smooth(true));
     assert!(matches!(refused, Err(DoseError::Plan(_))), "{refused:?}");
     let rest = lab.rest(at_speed);
     assert!(!rest.plan.is_smooth() && rest.plan.steps() > 0);

@@ -204,7 +204,7 @@ fn limits_and_abilities_of_a_given_drive_hold_for_its_plans() {
     let servo = Servo { limits: Some(limits), ..Servo::default() };
     let mut session = Session::with_drive(&bench, Box::new(servo)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
-    let smooth = session.prepare(DoseRequest { smooth: true, ..DoseRequest::dose(1.0) }).unwrap_err();
+    let smooth = session.prepare(DoseRequest::dose(1.0).with_smooth(true)).unwrap_err();
     assert!(smooth.to_string().contains("the servo driver has no speed that follows"), "{smooth}");
     let prepared = session.prepare(DoseRequest::dose(5.0)).unwrap();
     assert_eq!(session.speed_range_rad_s(), (0.5, 2.0));
@@ -285,7 +285,7 @@ fn a_count_that_changed_until_the_drive_was_connected_again_loses_the_angle() {
         let pitch_rad = bench.model().pitch_rad();
         assert_eq!(session.state().unwrap().phase().is_known(pitch_rad), is_known);
         assert_eq!(
-            session.notes().iter().any(|note| note.contains("something else has moved it")),
+            session.notes().iter().any(|note| note.text().contains("something else has moved it")),
             !is_known
         );
     }
@@ -420,7 +420,7 @@ fn a_session_that_was_given_the_drive_of_a_pump_file_goes_on_with_it_after_a_fau
 fn a_motor_whose_drive_failed_is_not_let_go_of_until_it_was_met_anew() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = built_in("three-roller").unwrap();
-    file.drive = Some(DriveTable { hold_timeout_s: Some(0.0), ..DriveTable::of(DriverName::Sim) });
+    file.drive = Some(DriveTable::of(DriverName::Sim).with_hold_timeout_s(0.0));
     file.motor.confirmed = None;
     let mut servo = Servo { released: Some(0), fails_at: Some(200), ..Servo::default() };
     let bench = Bench::new(file, None, folder.path()).unwrap().driven_by(&servo).unwrap();

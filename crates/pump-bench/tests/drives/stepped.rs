@@ -271,7 +271,7 @@ fn a_timer_slower_than_the_steps_is_refused_before_anything_moves() {
     let motor = Recorder::default();
     let slow = TickRate::from_hz(1000).unwrap();
     let mut pins = Stepped::new("pins", motor.clone(), motor.clock.clone(), slow).unwrap();
-    let refused = pins.check(&dose(1.0, false)).unwrap_err().to_string();
+    let refused = pump_bench::report::with_sources(&pins.check(&dose(1.0, false)).unwrap_err());
     assert!(refused.contains("1000 ticks a second"), "{refused}");
 }
 
@@ -304,7 +304,7 @@ fn a_dose_on_pins_is_recorded_stopped_and_resumed() {
     session.set_angle(Some(Phase::known(0.3))).unwrap();
     // The first step comes within the first lease.
     let (cruise, ramps) = (Some(Cruise::Flow { ml_s: 5.0 }), Some(Ramps::Fastest));
-    let request = DoseRequest { cruise, ramps, ..DoseRequest::dose(0.5) };
+    let request = DoseRequest::dose(0.5).with_cruise(cruise).with_ramps(ramps);
     let prepared = session.prepare(request).unwrap();
     let all = prepared.plan.each_step().count();
     // The clock stands while the motor waits for its first leave.

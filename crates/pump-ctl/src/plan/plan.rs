@@ -42,6 +42,7 @@ pub struct Plan {
     pub(super) step_rad: f64,
     pub(super) profile: Profile,
     pub(super) ramps: Ramps,
+    pub(super) is_hurried: bool,
     pub(super) limited_by: LimitedBy,
     pub(super) before_ml: f64,
     /// States of inlet and outlet line at the start.
@@ -125,6 +126,13 @@ impl Plan {
     /// Returns the choice of the ramps in which the dose starts and stops.
     pub fn ramps(&self) -> Ramps {
         self.ramps
+    }
+
+    /// Returns true if the time asked for leaves no room for ramps that leave the line nearly at rest.
+    ///
+    /// The ramps then are those that take back least within the time. [`Self::back_flow`] says how much.
+    pub fn is_hurried(&self) -> bool {
+        self.is_hurried
     }
 
     /// Returns the limit that keeps the cruise speed down.

@@ -4,8 +4,8 @@ use libm::floor;
 use pump_model::Pump;
 
 use super::Plan;
-use super::target::{booked, delivered, ends};
-use super::words::PlanError;
+use super::target::{booked, delivered, ends, first};
+use super::words::{Phase, PlanError};
 
 impl Plan {
     /// Returns the volume of the first `count` steps once the line has settled, mL, negative in reverse. It
@@ -21,9 +21,9 @@ impl Plan {
         delivered(pump, self.start, steps, self.step_rad)
     }
 
-    /// Returns the volume of the last step, mL, which is the resolution of the dose at its end.
+    /// Returns the volume of the last step, mL, not negative, which is the resolution of the dose at its end.
     pub fn end_step_ml(&self, pump: &Pump) -> f64 {
-        pump.outlet_curve().flow_ml_rad(self.end_angle_rad()) * self.step_rad
+        pump.outlet_curve().flow_ml_rad(self.end_angle_rad()).abs() * self.step_rad
     }
 
     /// Returns the volumes, mL, of the two ends at low flow next to the volume requested plus carried. They
@@ -39,8 +39,13 @@ impl Plan {
     pub fn low_flow_volumes_ml(&self, pump: &Pump) -> Result<[Option<f64>; 2], PlanError> {
         let (curve, start_rad) = (pump.outlet_curve(), self.start.angle_rad);
         let owed_ml = self.requested_ml + self.carry_in_ml;
-        let ideal_rad = curve.angle_rad(curve.volume_ml(start_rad) + owed_ml) - start_rad;
-        let ends = ends(pump, self.start, owed_ml, floor(ideal_rad / self.step_rad + 0.5), self.step_rad)?;
+        let nearest = if curve.reverses() {
+            first(pump, Phase::known(start_rad), owed_ml, self.step_rad).0
+        } else {
+            let ideal_rad = curve.angle_rad(curve.volume_ml(start_rad) + owed_ml) - start_rad;
+            floor(ideal_rad / self.step_rad + 0.5)
+        };
+        let ends = ends(pump, self.start, owed_ml, nearest, self.step_rad)?;
         Ok(ends.map(|end| end.map(|(steps, _)| booked(pump, self.turned, steps, self.step_rad))))
     }
 }

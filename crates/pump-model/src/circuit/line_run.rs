@@ -1,11 +1,11 @@
 //! Integration of any model of a line over a motion: steps, states at given times, extremes.
 
 use crate::error::IntegrationError;
-use crate::head::port::Port;
 use crate::integrator::{DenseStep, Rodas5p, Statistics};
 use crate::line::extremes::Extremes;
 use crate::motion::leg::Leg;
 use crate::motion::stretches::{Stretch, Stretches};
+use crate::port::Port;
 use crate::pump::pump::Pump;
 
 use super::line_model::LineModel;

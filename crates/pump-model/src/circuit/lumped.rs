@@ -2,8 +2,8 @@
 
 use libm::sqrt;
 
-use crate::head::port::Port;
 use crate::line::line::Line;
+use crate::port::Port;
 
 use super::line_model::LineModel;
 use super::resistance::{Deceleration, Linear, Resistance};

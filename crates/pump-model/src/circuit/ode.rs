@@ -1,8 +1,8 @@
 //! A line driven by a flow, as a differential equation.
 
-use crate::head::port::Port;
 use crate::integrator::{Ode, Options};
 use crate::motion::stretches::Stretch;
+use crate::port::Port;
 
 use super::line_model::LineModel;
 use super::lumped::{Lumped, outward};

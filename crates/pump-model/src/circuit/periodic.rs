@@ -2,9 +2,9 @@
 //! before.
 
 use crate::error::{IntegrationError, ModelError};
-use crate::head::port::Port;
 use crate::line::extremes::Extremes;
 use crate::motion::leg::Leg;
+use crate::port::Port;
 use crate::pump::pump::Pump;
 use crate::pump::steady_state::{SteadyState, moving};
 

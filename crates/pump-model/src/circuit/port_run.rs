@@ -1,12 +1,12 @@
 //! Integration of the pump's own line at one port over a motion.
 
 use crate::error::IntegrationError;
-use crate::head::port::Port;
 use crate::integrator::{DenseStep, Statistics};
 use crate::line::extremes::Extremes;
 use crate::line::friction::Friction;
 use crate::line::line_state::LineState;
 use crate::motion::leg::Leg;
+use crate::port::Port;
 use crate::pump::pump::Pump;
 
 use super::line_run::LineRun;

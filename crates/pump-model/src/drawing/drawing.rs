@@ -49,16 +49,21 @@ impl Drawing {
         let refused = |allowed| Err(refused(Parameter::RollerRadius, roller_radius_mm, allowed));
         let least_square = roller_offset_mm * roller_offset_mm - inner_mm * inner_mm;
         if roller_radius_mm * roller_radius_mm <= least_square {
-            return refused(
-                "more than sqrt(offset² - (backplate radius - tube diameter)²), so that its volume follows \
-                 from the drawing; measure the volume of a smaller roller",
-            );
+            let least_mm = sqrt(least_square);
+            return Err(ModelError::RollerTooSmall { radius_mm: roller_radius_mm, least_mm });
         }
         if roller_radius_mm >= roller_offset_mm {
             return refused("less than the roller offset, or the roller would reach around the shaft");
         }
         let contact_rad = acos((inner_mm - roller_radius_mm) / roller_offset_mm);
         Ok(Self { geometry: *geometry, inner_mm, contact_rad })
+    }
+
+    /// Returns the depth by which neighbouring rollers overlap in space, mm. `None` if they do not.
+    ///
+    /// See [`Geometry::rollers_overlap_mm`].
+    pub fn rollers_overlap_mm(&self) -> Option<f64> {
+        self.geometry.rollers_overlap_mm()
     }
 
     /// Returns the angle beyond the arc's end at which contact begins, rad:

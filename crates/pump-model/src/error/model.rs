@@ -6,6 +6,7 @@ use super::allowed::Allowed;
 use super::integration::IntegrationError;
 use super::parameter::Parameter;
 use super::shown::Shown;
+use crate::port::Port;
 
 /// Reason why the model refuses a pump, line or motion. It names the value and the allowed range.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -22,10 +23,20 @@ pub enum ModelError {
         /// Values that are accepted.
         allowed: Allowed,
     },
+    /// The head is known by its volume alone, and the request needs its dimensions.
+    #[error(
+        "this head of {rollers} rollers is known by its volume per revolution alone, and this needs its \
+         dimensions: give tube, rollers and backplate"
+    )]
+    DimensionsUnknown {
+        /// Number of rollers.
+        rollers: u32,
+    },
     /// At some angle no roller closes the tube.
     #[error(
         "{rollers} rollers stand {pitch_deg:.1} deg apart but each seals over {span_deg:.1} deg of the \
-         backplate, so at some angles no roller seals; use more rollers or a larger contact angle"
+         backplate, so at some angles no roller seals; use more rollers, or a contact angle larger by {:.1} deg",
+        0.5 * (pitch_deg - span_deg)
     )]
     NotSealing {
         /// Number of rollers.
@@ -37,8 +48,10 @@ pub enum ModelError {
     },
     /// Roller and backplate overlap.
     #[error(
-        "roller offset + roller radius is {reach_mm} mm, beyond the backplate radius of \
-         {backplate_radius_mm} mm"
+        "the rollers press {depth_mm:.3} mm deeper than the tube's walls: roller offset + roller radius is \
+         {reach_mm:.3} mm, beyond the backplate radius of {backplate_radius_mm} mm; make the offset smaller by at \
+         least as much",
+        depth_mm = reach_mm - backplate_radius_mm
     )]
     RollersHitBackplate {
         /// Reach of the rollers, r_offset + r_roller, mm.
@@ -49,7 +62,8 @@ pub enum ModelError {
     /// The rollers do not close the tube.
     #[error(
         "the gap between roller and backplate is {gap_mm:.3} mm but the tube closes at {closed_mm:.3} mm \
-         (twice its wall); use a larger roller, offset or wall"
+         (twice its wall), so it stays open by {:.3} mm; use a larger roller, offset or wall",
+        gap_mm - closed_mm
     )]
     NotOccluding {
         /// Gap between roller and backplate, r_b - r_roller - r_offset, mm.
@@ -61,7 +75,8 @@ pub enum ModelError {
     #[error(
         "rollers engage over {engagement_deg:.2} deg and seal over {span_deg:.2} deg, which leaves \
          psi = 360 - {span_deg:.2} - {engagement_deg:.2} = {psi_deg:.2} deg; it must not be negative: use a \
-         smaller contact angle"
+         contact angle smaller by {:.2} deg",
+        -0.5 * psi_deg
     )]
     EngagementTooLong {
         /// Engagement angle phi, degrees.
@@ -71,21 +86,32 @@ pub enum ModelError {
         /// Inlet phase psi, degrees.
         psi_deg: f64,
     },
-    /// The flow per radian is not positive at some angle, so a volume has no single angle.
+    /// A roller is so small that it dips into the tube with its flank.
     #[error(
-        "with {rollers} rollers the {port} flow per radian falls to {flow_ml_rad:.3} mL/rad at \
-         {angle_deg:.1} deg; it must stay positive for a volume to have one angle; use fewer rollers or a \
-         smaller roller volume"
+        "a roller radius of {radius_mm:.3} mm is {:.3} mm too small: the roller dips into the tube with its flank, and \
+         its volume does not follow from the drawing; use more than {least_mm:.3} mm, or measure the volume",
+        least_mm - radius_mm
     )]
-    FlowNotPositive {
+    RollerTooSmall {
+        /// Radius of the roller, mm.
+        radius_mm: f64,
+        /// Smallest radius that the drawing describes, sqrt(offset² - (backplate radius - tube diameter)²), mm.
+        least_mm: f64,
+    },
+    /// The rollers take as much as the tube delivers, so the head does not pump.
+    #[error(
+        "a revolution delivers {revolution_ml:.4} mL: the tube holds {nominal_ml:.4} mL, and {rollers} rollers take \
+         {roller_ml:.4} mL each; it must be positive: use fewer rollers or a smaller roller volume"
+    )]
+    NotPumping {
         /// Number of rollers.
         rollers: u32,
-        /// Name of the port: `inlet` or `outlet`.
-        port: &'static str,
-        /// Smallest flow per radian, mL/rad.
-        flow_ml_rad: f64,
-        /// Angle of the smallest flow per radian, degrees within a pitch.
-        angle_deg: f64,
+        /// Volume of a revolution without rollers V_nom, mL.
+        nominal_ml: f64,
+        /// Volume of a roller V_r, mL.
+        roller_ml: f64,
+        /// Volume of a revolution V_rot, mL.
+        revolution_ml: f64,
     },
     /// The roller-volume curve does not rise.
     #[error(
@@ -119,8 +145,8 @@ pub enum ModelError {
          is no steady state; give the line a resistance or change the speed"
     )]
     UndampedResonance {
-        /// Name of the port: `inlet` or `outlet`.
-        port: &'static str,
+        /// Port of the pump.
+        port: Port,
         /// Speed, rad/s.
         speed_rad_s: f64,
     },
@@ -130,8 +156,8 @@ pub enum ModelError {
          {steps:.1e} steps; allowed: {allowed:.0e}; give the line more resistance, or choose a faster speed"
     )]
     RingsTooLong {
-        /// Name of the port: `inlet` or `outlet`.
-        port: &'static str,
+        /// Port of the pump.
+        port: Port,
         /// Speed, rad/s.
         speed_rad_s: f64,
         /// Largest number of steps that the search for the extremes takes.

@@ -57,6 +57,8 @@ named_quantities! {
         ContactAngle = "contact angle in deg",
         EngagementAngle = "engagement angle in deg",
         RollerVolume = "roller volume in mL",
+        MlPerRevolution = "volume per revolution in mL",
+        PulseShare = "share of a roller's pulse",
         RollerVolumeCoefficient = "roller volume coefficient",
         MeasuredAngle = "measured angle in deg",
         SmallestMeasuredAngle = "smallest measured angle in deg",
@@ -122,8 +124,9 @@ mod tests {
     use super::*;
 
     /// Quantities that are counts, ratios or tolerances, so they have no unit.
-    const NO_UNIT: [Parameter; 14] = [
+    const NO_UNIT: [Parameter; 15] = [
         Parameter::Rollers,
+        Parameter::PulseShare,
         Parameter::RollerVolumeCoefficient,
         Parameter::DisplacementFactor,
         Parameter::HosePoissonRatio,

@@ -3,9 +3,9 @@
 
 use crate::error::{Allowed, ModelError, Parameter, within};
 use crate::head::paper;
-use crate::head::port::Port;
 use crate::line::exact_run::ExactRun;
 use crate::motion::leg::Leg;
+use crate::port::Port;
 use crate::pump::pump::Pump;
 use crate::pump::steady_state::moving;
 use crate::units::{TURN_RAD, wrap};

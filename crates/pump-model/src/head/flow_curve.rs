@@ -4,14 +4,13 @@ use libm::floor;
 
 use core::ops::Range;
 
-use crate::error::ModelError;
 use crate::math::polynomial::{DEGREE, Polynomial};
-use crate::units::{TURN_RAD, degrees};
+use crate::units::TURN_RAD;
 
 use super::geometry::Geometry;
-use super::port::Port;
 use super::pulses::{Pulses, SAME_EDGE_RAD};
 use super::roller_volume::{self, RollerVolume};
+use crate::port::Port;
 
 /// Largest number of pieces. Every edge of the roller volume appears once in a pitch; the pitch's start and
 /// the end of the last piece add to them.
@@ -37,6 +36,9 @@ pub(crate) struct FlowPiece {
 /// pitch). Both follow McIntyre et al.; g is the slope of the [`RollerVolume`]. Pulses that overlap add. V is
 /// single-valued in theta: a motor in reverse runs back along the same curve.
 ///
+/// Where rollers leave that take more than the bore delivers, q is negative and V falls
+/// ([`Self::reverses`]). A volume then has several angles ([`Self::reaches`]).
+///
 /// ```
 /// let pump = pump_model::Pump::three_roller();
 /// let curve = pump.outlet_curve();
@@ -52,15 +54,32 @@ pub struct FlowCurve {
     /// Reciprocal of the pitch, 1/rad.
     per_pitch: f64,
     pitch_ml: f64,
+    /// True if the flow is not positive at some angle.
+    reverses: bool,
 }
 
 impl FlowCurve {
-    /// Builds the curve of a validated geometry. The caller still has to call [`Self::validate`].
+    /// Builds the curve of a validated geometry. The caller still has to look at the volume of the pitch.
     pub(crate) fn new(geometry: &Geometry, roller: &RollerVolume, port: Port) -> Self {
+        Self::of_pulses(
+            geometry.pitch_rad(),
+            geometry.nominal_ml_rad(),
+            geometry.psi_rad(roller),
+            roller,
+            port,
+        )
+    }
+
+    /// Builds the curve of rollers `pitch_rad` apart, between whose pulses `nominal` mL/rad flow. The inlet's pulse
+    /// begins `psi` behind that of the outlet.
+    pub(crate) fn of_pulses(
+        pitch_rad: f64,
+        nominal: f64,
+        psi: f64,
+        roller: &RollerVolume,
+        port: Port,
+    ) -> Self {
         let phi = roller.engagement_rad();
-        let psi = geometry.psi_rad(roller);
-        let pitch_rad = geometry.pitch_rad();
-        let nominal = geometry.nominal_ml_rad();
         let pulses = Pulses { roller, port, phi, psi, pitch_rad };
 
         let mut curve = Self {
@@ -69,6 +88,7 @@ impl FlowCurve {
             pitch_rad,
             per_pitch: 1.0 / pitch_rad,
             pitch_ml: 0.0,
+            reverses: false,
         };
         let mut start_rad = 0.0;
         while start_rad < pitch_rad {
@@ -81,6 +101,7 @@ impl FlowCurve {
             curve.pitch_ml = volume.at(length_rad);
             start_rad = end_rad;
         }
+        curve.reverses = curve.pieces().iter().any(|piece| !piece.flow.is_positive_to(piece.length_rad));
         curve
     }
 
@@ -97,6 +118,7 @@ impl FlowCurve {
         let mut places = [UNUSED; MAX_PIECES];
         let mut count = 0;
         let mut next_rad = 0.0;
+        let mut reverses = false;
         let is_positive = pitch_rad > 0.0 && pitch_rad <= TURN_RAD && pitch_ml > 0.0 && pitch_ml.is_finite();
         if pieces.is_empty() || pieces.len() > MAX_PIECES || !is_positive {
             return None;
@@ -108,7 +130,9 @@ impl FlowCurve {
             if !(follows && length_rad > 0.0 && volume.is_finite()) {
                 return None;
             }
-            places[count] = FlowPiece { start_rad, length_rad, volume, flow: volume.derivative() };
+            let flow = volume.derivative();
+            places[count] = FlowPiece { start_rad, length_rad, volume, flow };
+            reverses = reverses || !flow.is_positive_to(length_rad);
             next_rad = start_rad + length_rad;
             count += 1;
         }
@@ -116,24 +140,7 @@ impl FlowCurve {
         if !is_whole {
             return None;
         }
-        Some(Self { pieces: places, count, pitch_rad, per_pitch: 1.0 / pitch_rad, pitch_ml })
-    }
-
-    /// Refuses a curve whose flow per radian is not positive at some angle.
-    pub(crate) fn validate(&self, rollers: u32, port: Port) -> Result<(), ModelError> {
-        for piece in self.pieces() {
-            let ((u, flow_ml_rad), _) = piece.flow.range_in(0.0, piece.length_rad);
-            if flow_ml_rad <= 0.0 {
-                let angle_deg = degrees(piece.start_rad + u);
-                return Err(ModelError::FlowNotPositive {
-                    rollers,
-                    port: port.name(),
-                    flow_ml_rad,
-                    angle_deg,
-                });
-            }
-        }
-        Ok(())
+        Some(Self { pieces: places, count, pitch_rad, per_pitch: 1.0 / pitch_rad, pitch_ml, reverses })
     }
 
     /// Returns this curve with flow and volume times `factor`, which must be positive.
@@ -213,8 +220,25 @@ impl FlowCurve {
         piece.flow.at(local_rad - piece.start_rad)
     }
 
+    /// Returns true if the flow is not positive at some angle, so that the volume falls there or stays.
+    ///
+    /// Heads with narrow bores, thick walls and many rollers take more at a roller's exit than the bore
+    /// delivers.
+    pub fn reverses(&self) -> bool {
+        self.reverses
+    }
+
+    /// Returns the largest flow per radian in either direction over a pitch, mL/rad.
+    pub fn largest_flow_ml_rad(&self) -> f64 {
+        let (low, high) = self.flow_range_ml_rad();
+        high.max(-low)
+    }
+
     /// Returns the speed that makes `flow_ml_s` while the rollers stand at `angle_rad`, rad/s, negative for a
     /// flow in reverse: flow over flow per radian. It follows a flow that changes all the time.
+    ///
+    /// Where the flow of a head reverses, no forward speed makes a positive flow: the speed has the other sign
+    /// there, and it grows without bound where the flow changes its sign.
     ///
     /// ```
     /// let pump = pump_model::Pump::three_roller();
@@ -236,7 +260,12 @@ impl FlowCurve {
 
     /// Returns the angle at which the volume since angle 0 is `volume_ml`, rad: the inverse of
     /// [`Self::volume_ml`].
+    ///
+    /// On a head whose flow reverses it is the first such angle on the way from angle 0.
     pub fn angle_rad(&self, volume_ml: f64) -> f64 {
+        if self.reverses {
+            return self.reaches(0.0, volume_ml, 0.0).next().map_or(0.0, |reach| reach.angle_rad);
+        }
         let pitches = floor(volume_ml / self.pitch_ml);
         let local = volume_ml - pitches * self.pitch_ml;
         let piece = self.pieces().iter().rev().find(|piece| piece.volume.c[0] <= local);

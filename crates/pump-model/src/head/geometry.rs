@@ -2,6 +2,8 @@
 
 use core::f64::consts::PI;
 
+use libm::sin;
+
 use crate::error::{Allowed, ModelError, Parameter, refused, within};
 use crate::units::{TURN_RAD, degrees};
 
@@ -31,7 +33,7 @@ pub struct Geometry {
     pub tube_outer_radius_mm: f64,
     /// Radius of the backplate (raceway) r_b, mm.
     pub backplate_radius_mm: f64,
-    /// Contact angle beta, rad, not negative: the backplate spans pi + 2 beta.
+    /// Contact angle beta, rad: the backplate spans pi + 2 beta. It is negative for a bed shorter than half a turn.
     pub contact_angle_rad: f64,
     /// Radius of a roller r_roller, mm.
     pub roller_radius_mm: f64,
@@ -40,14 +42,44 @@ pub struct Geometry {
 }
 
 impl Geometry {
+    /// Returns the geometry of a head of which only the number of rollers is known. Every length and the contact
+    /// angle are 0, and [`Self::is_known`] is false.
+    pub const fn of_rollers(rollers: u32) -> Self {
+        Self {
+            rollers,
+            bore_radius_mm: 0.0,
+            tube_outer_radius_mm: 0.0,
+            backplate_radius_mm: 0.0,
+            contact_angle_rad: 0.0,
+            roller_radius_mm: 0.0,
+            roller_offset_mm: 0.0,
+        }
+    }
+
+    /// Returns true if the dimensions are known. They are not for a head that is known by its volume alone
+    /// ([`Self::of_rollers`]).
+    ///
+    /// ```
+    /// use pump_model::{Geometry, Pump};
+    /// assert!(Pump::three_roller().geometry().is_known());
+    /// assert!(!Geometry::of_rollers(4).is_known());
+    /// ```
+    pub fn is_known(&self) -> bool {
+        *self != Self::of_rollers(self.rollers)
+    }
+
     /// Checks the dimensions of the pump.
     ///
     /// # Errors
     ///
+    /// Returns [`ModelError::DimensionsUnknown`] for a head that is known by its volume alone.
     /// Refuses dimensions that are not finite and positive. Also refuses rollers that hit the backplate, do
     /// not close the tube, or leave it open at some angle.
     pub fn validate(&self) -> Result<(), ModelError> {
-        within(Parameter::Rollers, f64::from(self.rollers), 1.0..=1000.0)?;
+        self.validate_rollers()?;
+        if !self.is_known() {
+            return Err(ModelError::DimensionsUnknown { rollers: self.rollers });
+        }
         within(Parameter::BoreRadius, self.bore_radius_mm, Allowed::POSITIVE)?;
         within(Parameter::TubeOuterRadius, self.tube_outer_radius_mm, Allowed::POSITIVE)?;
         within(Parameter::BackplateRadius, self.backplate_radius_mm, Allowed::POSITIVE)?;
@@ -61,7 +93,7 @@ impl Geometry {
             let allowed = "more than the tube's outer diameter";
             return Err(refused(Parameter::BackplateRadius, self.backplate_radius_mm, allowed));
         }
-        within(Parameter::ContactAngle, degrees(self.contact_angle_rad), 0.0..90.0)?;
+        within(Parameter::ContactAngle, degrees(self.contact_angle_rad), -90.0..90.0)?;
         let reach_mm = self.roller_offset_mm + self.roller_radius_mm;
         let gap_mm = self.backplate_radius_mm - reach_mm;
         if gap_mm < 0.0 {
@@ -73,6 +105,11 @@ impl Geometry {
             return Err(ModelError::NotOccluding { gap_mm, closed_mm });
         }
         self.validate_seal(0.0)
+    }
+
+    /// Refuses a number of rollers that no pump has.
+    pub(crate) fn validate_rollers(&self) -> Result<(), ModelError> {
+        within(Parameter::Rollers, f64::from(self.rollers), 1.0..=1000.0)
     }
 
     /// Refuses rollers if at some angle none of them is fully engaged. Rollers engage fully `inset_rad`
@@ -104,6 +141,24 @@ impl Geometry {
     /// Returns the angle between neighbouring rollers, rad: 2 pi / NU.
     pub fn pitch_rad(&self) -> f64 {
         TURN_RAD / f64::from(self.rollers)
+    }
+
+    /// Returns the depth by which neighbouring rollers overlap in space, mm. `None` if they do not.
+    ///
+    /// Their axes stand 2 r_offset sin(pi/NU) apart. The model computes such a head, but nobody can build it.
+    ///
+    /// ```
+    /// use pump_model::{Geometry, Variant};
+    /// assert_eq!(Geometry::published(3, Variant::Measured).rollers_overlap_mm(), None);
+    /// // Eight rollers of 40 mm on a circle of 80 mm: the axes stand 30.6 mm apart.
+    /// let depth_mm = Geometry::published(8, Variant::Measured).rollers_overlap_mm().unwrap();
+    /// assert!((depth_mm - 9.385).abs() < 1e-3);
+    /// ```
+    pub fn rollers_overlap_mm(&self) -> Option<f64> {
+        let apart_mm = 2.0 * self.roller_offset_mm * sin(0.5 * self.pitch_rad());
+        let depth_mm = 2.0 * self.roller_radius_mm - apart_mm;
+        // Six rollers of the paper's touch, and rounding must not decide.
+        (self.rollers > 1 && depth_mm > 1e-6).then_some(depth_mm)
     }
 
     /// Returns psi, rad; negative where rollers engage for too long.

@@ -3,8 +3,8 @@
 use crate::math::polynomial::Polynomial;
 use crate::units::wrap;
 
-use super::port::Port;
 use super::roller_volume::RollerVolume;
+use crate::port::Port;
 
 /// Distance below which two edges count as one, rad. An angle is known to 1e-15 rad; a step is 1e-4 or more.
 pub(crate) const SAME_EDGE_RAD: f64 = 1e-12;

@@ -4,12 +4,12 @@ use libm::sqrt;
 
 use crate::error::{self, Allowed, ModelError, Parameter};
 use crate::head::flow_curve::FlowCurve;
-use crate::head::port::Port;
 use crate::line::exact_run::ExactRun;
 use crate::line::line::Line;
 use crate::line::line_state::LineState;
 use crate::line::periodic_state::periodic_state;
 use crate::motion::leg::Leg;
+use crate::port::Port;
 use crate::pump::pump::Pump;
 use crate::units::wrap;
 

@@ -2,10 +2,10 @@
 
 use crate::error::ModelError;
 use crate::head::flow_curve::FlowCurve;
-use crate::head::port::Port;
 use crate::motion::flow::Flow;
 use crate::motion::leg::Leg;
 use crate::motion::stretches::{Stretch, Stretches};
+use crate::port::Port;
 
 use super::extremes::Extremes;
 use super::line::Line;

@@ -2,10 +2,10 @@
 
 use libm::sqrt;
 
-use crate::head::port::Port;
 use crate::math::hermite::{self, End};
 use crate::math::polynomial::Polynomial;
 use crate::motion::flow::Flow;
+use crate::port::Port;
 
 use super::line::Line;
 

@@ -3,11 +3,11 @@
 use libm::sqrt;
 
 use crate::head::flow_curve::FlowCurve;
-use crate::head::port::Port;
 use crate::math::hermite::{self, End};
 use crate::math::polynomial::Polynomial;
 use crate::motion::leg::Leg;
 use crate::motion::ripple::{Ripple, square_integral};
+use crate::port::Port;
 
 use super::exact_run::ExactRun;
 use super::line::Line;

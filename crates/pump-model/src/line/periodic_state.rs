@@ -2,8 +2,8 @@
 
 use crate::error::ModelError;
 use crate::head::flow_curve::FlowCurve;
-use crate::head::port::Port;
 use crate::motion::leg::Leg;
+use crate::port::Port;
 
 use super::exact_run::ExactRun;
 use super::line::Line;
@@ -26,8 +26,7 @@ pub(crate) fn periodic_state(
     let period_s = curve.pitch_rad() / speed_rad_s.abs();
     let motion = [Leg::constant_speed(0.0, speed_rad_s)];
     let after = ExactRun::on(line, curve, port, motion, LineState::AT_REST).at(period_s);
-    repeated_state(&oscillator, period_s, after)
-        .ok_or(ModelError::UndampedResonance { port: port.name(), speed_rad_s })
+    repeated_state(&oscillator, period_s, after).ok_or(ModelError::UndampedResonance { port, speed_rad_s })
 }
 
 /// Returns the state that repeats itself every `period_s` under a flow that takes the line from rest to

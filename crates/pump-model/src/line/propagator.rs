@@ -6,8 +6,8 @@
 //! enough (scaling and squaring, after Higham, "Functions of Matrices", chapter 10). Neither divides by A, so
 //! slow, stiff, critically damped and undamped lines are one case.
 
-use crate::head::port::Port;
 use crate::motion::flow::{DEGREE, Flow};
+use crate::port::Port;
 
 use super::line::Line;
 use super::line_state::LineState;

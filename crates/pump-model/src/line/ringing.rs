@@ -2,7 +2,7 @@
 
 use libm::{exp, sqrt};
 
-use crate::head::port::Port;
+use crate::port::Port;
 use crate::units::TURN_RAD;
 
 use super::line::Line;

@@ -154,6 +154,36 @@ impl Polynomial {
         points.iter().all(|point| *point > noise) || points.iter().all(|point| *point < -noise)
     }
 
+    /// Returns true if the polynomial is positive throughout [0, `length`].
+    ///
+    /// The control points of halves of the interval come as near to the polynomial as is needed (de Casteljau's
+    /// algorithm; Farouki 2012).
+    #[inline(never)]
+    pub(crate) const fn is_positive_to(&self, length: f64) -> bool {
+        const BINOMIALS: [f64; DEGREE + 1] = [1.0, 5.0, 10.0, 10.0, 5.0, 1.0];
+        let mut points = self.c;
+        let mut power = 1.0;
+        let mut n = 0;
+        while n <= DEGREE {
+            points[n] *= power / BINOMIALS[n];
+            power *= length;
+            n += 1;
+        }
+        let mut done = 1;
+        while done <= DEGREE {
+            let mut before = points[done - 1];
+            let mut n = done;
+            while n <= DEGREE {
+                let here = points[n];
+                points[n] += before;
+                before = here;
+                n += 1;
+            }
+            done += 1;
+        }
+        are_positive(points, 30)
+    }
+
     /// Returns the root in `[low, high]` of a polynomial that is monotone there; none for the zero
     /// polynomial.
     fn monotone_root(&self, low: f64, high: f64) -> Option<f64> {
@@ -225,6 +255,37 @@ impl Polynomial {
         }
         (smallest, largest)
     }
+}
+
+/// Returns true if the polynomial with these control points is positive throughout, which halving `depth` times
+/// must show.
+#[inline(never)]
+const fn are_positive(points: [f64; DEGREE + 1], depth: u32) -> bool {
+    // A comparison with what is not a number is false.
+    let are_ends = points[0] > 0.0 && points[DEGREE] > 0.0;
+    if !are_ends {
+        return false;
+    }
+    let (mut all, mut n) = (true, 1);
+    while n < DEGREE {
+        all = all && points[n] > 0.0;
+        n += 1;
+    }
+    if all || depth == 0 {
+        return all;
+    }
+    let (mut left, mut right) = (points, points);
+    let mut n = 1;
+    while n <= DEGREE {
+        let mut m = 0;
+        while m + n <= DEGREE {
+            right[m] = 0.5 * (right[m] + right[m + 1]);
+            m += 1;
+        }
+        left[n] = right[0];
+        n += 1;
+    }
+    are_positive(left, depth - 1) && are_positive(right, depth - 1)
 }
 
 /// Turns the coefficients of p(x), lowest order first, into those of p(x + shift), by repeated Horner

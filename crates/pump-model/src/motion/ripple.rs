@@ -18,7 +18,7 @@ pub struct Ripple {
 
 impl Ripple {
     /// Returns the ripple over time of the flow that a motion makes at the rollers of a curve, whatever the
-    /// direction. Every leg must end. Returns none if there is no flow.
+    /// direction: in reverse the flow counts mirrored. Every leg must end. Returns none if there is no flow.
     ///
     /// In a stretch between edges and corners the flow is a polynomial of time, of degree 9 at most. Its
     /// square is integrated with an error far below rounding where a stretch is a part of a pulse. The
@@ -27,11 +27,13 @@ impl Ripple {
         curve: &FlowCurve,
         legs: impl IntoIterator<IntoIter = M>,
     ) -> Option<Self> {
-        let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         let (mut time_s, mut volume_ml, mut square) = (0.0, 0.0, 0.0);
         for stretch in Stretches::new(curve, legs).take_while(|stretch| stretch.end_s.is_finite()) {
             let length_s = stretch.end_s - stretch.start_s;
-            let flow_ml_s = |elapsed_s: f64| stretch.flow_ml_s(stretch.start_s + elapsed_s).abs();
+            let middle_s = stretch.start_s + 0.5 * length_s;
+            let direction = if stretch.leg.speed_at(middle_s) < 0.0 { -1.0 } else { 1.0 };
+            let flow_ml_s = |elapsed_s: f64| direction * stretch.flow_ml_s(stretch.start_s + elapsed_s);
             time_s += length_s;
             volume_ml += integral(flow_ml_s, length_s);
             square += square_integral(flow_ml_s, length_s);

@@ -3,11 +3,14 @@
 use crate::error::{Allowed, ModelError, Parameter, refused, within};
 use crate::head::flow_curve::FlowCurve;
 use crate::head::geometry::Geometry;
-use crate::head::port::Port;
 use crate::head::roller_volume::RollerVolume;
 use crate::line::line::Line;
 use crate::math::polynomial::Polynomial;
+use crate::port::Port;
 use crate::units::TURN_RAD;
+
+/// Part of the volume between rollers that a pitch delivers at least. Less is not told from rounding.
+const LEAST_PART: f64 = 1e-9;
 
 /// A validated pump with its two lines. A pump is immutable; build another to change it.
 ///
@@ -35,7 +38,7 @@ impl Pump {
     /// # Errors
     ///
     /// Refuses dimensions and lines that are not allowed, and rollers that do not seal at some angle or
-    /// engage for too long. Also refuses a pump whose flow per radian is not positive at some angle.
+    /// engage for too long. Also refuses a pump that delivers nothing over a revolution.
     pub fn new(
         geometry: Geometry,
         roller_volume: RollerVolume,
@@ -47,10 +50,23 @@ impl Pump {
         outlet.validate()?;
         geometry.validate_seal(roller_volume.inset_rad())?;
         geometry.inlet_phase_rad(&roller_volume)?;
-        let pump = Self::of_valid(geometry, roller_volume, inlet, outlet);
-        pump.inlet_curve.validate(geometry.rollers, Port::Inlet)?;
-        pump.outlet_curve.validate(geometry.rollers, Port::Outlet)?;
-        Ok(pump)
+        Self::of_valid(geometry, roller_volume, inlet, outlet).pumping(geometry.nominal_ml_rad())
+    }
+
+    /// Returns this pump if its rollers take less than the bore delivers, `nominal_ml_rad` per radian.
+    pub(super) fn pumping(self, nominal_ml_rad: f64) -> Result<Self, ModelError> {
+        // Both curves have the same volume of a pitch, up to rounding.
+        let least_ml = LEAST_PART * nominal_ml_rad * self.geometry.pitch_rad();
+        let pitches_ml = [&self.inlet_curve, &self.outlet_curve].map(FlowCurve::pitch_ml);
+        if pitches_ml.iter().all(|pitch_ml| *pitch_ml > least_ml) {
+            return Ok(self);
+        }
+        Err(ModelError::NotPumping {
+            rollers: self.geometry.rollers,
+            nominal_ml: TURN_RAD * nominal_ml_rad,
+            roller_ml: self.roller_volume.total_ml(),
+            revolution_ml: self.revolution_ml(),
+        })
     }
 
     /// Derives the flow curves of parts that are known to make a valid pump.

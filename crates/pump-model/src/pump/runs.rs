@@ -1,9 +1,9 @@
 //! Exact runs of a pump's own lines.
 
-use crate::head::port::Port;
 use crate::line::exact_run::ExactRun;
 use crate::line::line_state::LineState;
 use crate::motion::leg::Leg;
+use crate::port::Port;
 
 use super::pump::Pump;
 

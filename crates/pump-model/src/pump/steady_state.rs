@@ -1,7 +1,6 @@
 //! The periodic steady state at constant speed, in closed form.
 
 use crate::error::{ModelError, Parameter, refused};
-use crate::head::port::Port;
 use crate::line::exact_run::ExactRun;
 use crate::line::extremes::Extremes;
 use crate::line::line_state::LineState;
@@ -9,6 +8,7 @@ use crate::line::oscillator::Oscillator;
 use crate::line::periodic_state::periodic_state;
 use crate::motion::leg::Leg;
 use crate::motion::ripple::Ripple;
+use crate::port::Port;
 use crate::units::TURN_RAD;
 
 use super::pump::Pump;
@@ -93,7 +93,6 @@ impl Pump {
         let edges = self.curve(port).pieces().len() as f64;
         let steps = Oscillator::new(self.line(port), port).most_fine_steps(edges, period_s);
         if steps > MOST_STEPS {
-            let port = port.name();
             return Err(ModelError::RingsTooLong { port, speed_rad_s, steps, allowed: MOST_STEPS });
         }
         let state = self.periodic_state(port, speed_rad_s)?;

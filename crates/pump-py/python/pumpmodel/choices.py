@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 #: Motion at the start of a record, for `identify_line`.
 Begin: TypeAlias = Literal["ramp", "step", "steady"]
 #: Curve that weighed runs are fitted with.
-CalibrationFit: TypeAlias = Literal["best", "line", "speed-law"]
+CalibrationFit: TypeAlias = Literal["best", "line", "factor", "speed-law"]
 #: Driver of a motor.
 Driver: TypeAlias = Literal["sim", "grbl"]
 #: Places in a pitch where a dose may end.
@@ -82,7 +82,7 @@ UncertaintySource: TypeAlias = Literal[
 #: Limit for which no value is known. "discharge_pressure" is the largest pressure at the port that pushes,
 #: "suction_pressure" the smallest at the port that sucks.
 UncheckedLimit: TypeAlias = Literal[
-    "discharge_pressure", "suction_pressure", "tube_collapse", "vapour_pressure", "torque"
+    "discharge_pressure", "suction_pressure", "tube_collapse", "vapour_pressure", "torque", "settling"
 ]
 #: Variant of a built-in pump.
 Variant: TypeAlias = Literal["measured", "published", "as-built"]

@@ -51,7 +51,8 @@ class Ripple(Record):
 class RippleAt(Record):
     """Ripple at one place: at constant speed, as planned, and as far as the pump and its angle are known.
 
-    `peak_to_peak_median` and `peak_to_peak_95` are the median and the 95th percentile over the errors of
+    `planned` is the ripple at the stated start angle. `peak_to_peak_worst_angle` is the largest over the half
+    width of that angle. `peak_to_peak_median` and `peak_to_peak_95` are the median and the 95th percentile over the errors of
     roller volume, engagement angle and start angle.
     """
 
@@ -59,6 +60,7 @@ class RippleAt(Record):
 
     constant_speed: Ripple
     planned: Ripple
+    peak_to_peak_worst_angle: float
     peak_to_peak_median: float
     peak_to_peak_95: float
 
@@ -131,15 +133,15 @@ class Dose(Record):
     mean_flow_ml_s: float
     motion_s: float
     measured_motion_s: float | None
-    settle_s: float
+    settle_s: float | None
     backflow_ml: float | None
     reverse_flow_ml: float | None
-    inlet_min_kpa: float
-    inlet_max_kpa: float
-    outlet_min_kpa: float
-    outlet_max_kpa: float
-    inlet_pressure_uncertainty_kpa: float
-    outlet_pressure_uncertainty_kpa: float
+    inlet_min_kpa: float | None
+    inlet_max_kpa: float | None
+    outlet_min_kpa: float | None
+    outlet_max_kpa: float | None
+    inlet_pressure_uncertainty_kpa: float | None
+    outlet_pressure_uncertainty_kpa: float | None
     ambient_kpa: float
     torque_needed_n_m: float | None
     torque_available_n_m: float | None

@@ -15,6 +15,7 @@ use super::request::AskedDose;
 use super::worker::{Signal, Worker};
 use crate::argument::{choice, text, word};
 use crate::pump::Pump;
+use crate::python::advice;
 use crate::python::errors::{self, value};
 
 /// Compiled half of `pumpmodel.Bench`; use that instead.
@@ -138,7 +139,7 @@ impl Bench {
         let request = asked.request(purpose_named(purpose)?, &self.weighing())?;
         let bench = &self.bench;
         let prepared = py.detach(|| bench.prepare(request)).map_err(|error| errors::dose(py, error))?;
-        Ok(DoseReport::new(bench, &prepared, None).json())
+        Ok(DoseReport::new(bench, &prepared, None).worded(advice::words).json())
     }
 
     /// Connects the motor, unless a dose is unfinished: then the next dose is refused anyway.
@@ -212,7 +213,7 @@ impl Bench {
                 let session = held.session()?;
                 let prepared = prepare(session)?;
                 let delivered = deliver(session, &prepared, signal)?;
-                let report = DoseReport::new(bench, &prepared, Some(&delivered));
+                let report = DoseReport::new(bench, &prepared, Some(&delivered)).worded(advice::words);
                 Ok(Ran { json: report.json(), note: note(&delivered) })
             },
         )?;

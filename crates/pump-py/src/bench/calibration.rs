@@ -2,9 +2,10 @@
 
 use pump_bench::DoseRequest;
 use pump_bench::calibration::{
-    Calibration as DoseCalibration, Expected, PhaseFit, ShortDose, Source, Stored, now_utc,
+    Calibration as DoseCalibration, Earlier, Expected, PhaseFit, ShortDose, Source, Stored, now_utc,
 };
 use pump_bench::record::Purpose;
+use pump_bench::units::stated_reading;
 use pump_ctl::plan::Cruise;
 use pump_model::units::{degrees, rpm};
 use pyo3::prelude::*;
@@ -12,6 +13,7 @@ use pyo3::prelude::*;
 use super::bench::{Bench, deliver};
 use crate::argument::{Argument, speed};
 use crate::calibration::{Calibration, fit_named, reading_ml, runs_of};
+use crate::python::advice;
 use crate::python::errors::{self, value};
 
 /// A run: speed (r/min), start angle (deg, or None), turned angle (deg), time, true if it was completed, and warnings.
@@ -42,11 +44,11 @@ impl Bench {
             |_| "the run was stopped and is on record; do not weigh a part of a run".to_owned(),
             move |held, signal| {
                 let model = held.bench.model();
-                let request = DoseRequest {
-                    purpose: Purpose::Calibrate,
-                    cruise: Some(Cruise::Speed { rad_s }),
-                    ..DoseRequest::dose(f64::from(pitches) * model.outlet_curve().pitch_ml())
-                };
+                let request = DoseRequest::new(
+                    Purpose::Calibrate,
+                    f64::from(pitches) * model.outlet_curve().pitch_ml(),
+                )
+                .with_cruise(Cruise::Speed { rad_s });
                 let pitch_rad = model.pitch_rad();
                 let session = held.session()?;
                 let prepared = session.prepare(request)?;
@@ -54,7 +56,7 @@ impl Bench {
                 let plan = &prepared.plan;
                 let start = plan.start().is_known(pitch_rad).then_some(degrees(plan.start().angle_rad()));
                 let turned_deg = degrees(plan.steps() as f64 * plan.step_rad());
-                let warnings = [prepared.warnings, delivered.warnings].concat();
+                let warnings = advice::worded(&[prepared.warnings, delivered.warnings].concat());
                 Ok((rpm(rad_s), start, turned_deg, now_utc(), delivered.completed, warnings))
             },
         )
@@ -80,6 +82,46 @@ impl Bench {
             Ok((calibration, ()))
         })
         .map(|(stored, ())| stored)
+    }
+
+    /// Calibrates by the reading of the last dose, and uses that from now on.
+    #[pyo3(signature = (reading, add, anew, scale, tube, note))]
+    #[expect(clippy::too_many_arguments, reason = "the arguments of the Python method")]
+    fn calibrate_last(
+        &self,
+        py: Python<'_>,
+        reading: &str,
+        add: bool,
+        anew: bool,
+        scale: Option<&Bound<'_, PyAny>>,
+        tube: Option<String>,
+        note: Option<String>,
+    ) -> PyResult<Calibration> {
+        let earlier = match (add, anew) {
+            (true, true) => return Err(value("add and anew exclude each other; give one of them")),
+            (true, false) => Earlier::Added,
+            (false, true) => Earlier::Left,
+            (false, false) => Earlier::Joined,
+        };
+        let reading = stated_reading(reading).map_err(value)?;
+        let file = self.bench.file();
+        let expected = match scale {
+            Some(_) => Expected::of(file, reading_ml(scale, file)?),
+            None => Expected::of_digits(file, &reading),
+        };
+        let stored = self.worker.call(
+            py,
+            None,
+            |stored: &Stored| format!("calibration {} is kept and used", stored.version),
+            move |held, _| {
+                held.session()?;
+                let mut weighed = held.bench.weigh_last_dose(&reading, None, earlier, &expected)?.calibration;
+                weighed.tube = tube.or(weighed.tube);
+                weighed.note = note;
+                held.bench.keep_calibration(weighed)
+            },
+        )?;
+        Ok(Calibration(stored))
     }
 
     /// Fits short doses, keeps the zero angle that they show and uses it from now on.

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 
 use super::bench::Bench;
 use super::worker::{Held, Signal};
+use crate::python::advice;
 use crate::python::errors::value;
 
 /// Speed at which a rotor is turned to its mark, r/min, as by the command.
@@ -99,7 +100,8 @@ impl Bench {
             let session = held.session()?;
             let carry_ml = session.owed_ml();
             let (_, unasked) = session.discard()?;
-            let unasked = unasked.map(|error| format!("the device's step count could not be read: {error}"));
+            let unasked = unasked
+                .map(|error| format!("the device's step count could not be read: {}", advice::told(&error)));
             Ok(unasked.into_iter().chain(forgotten(carry_ml)).collect())
         })
     }
@@ -136,7 +138,8 @@ impl Bench {
             |_| "the call was completed and is on record".to_owned(),
             move |held, signal| {
                 let mut told = job(held, signal)?;
-                told.splice(0..0, held.session.as_mut().map_or_else(Vec::new, Session::notes));
+                let notes = held.session.as_mut().map_or_else(Vec::new, Session::notes);
+                told.splice(0..0, advice::worded(&notes));
                 Ok((Status::of(held.bench)?.json(), told))
             },
         )

@@ -53,18 +53,13 @@ impl AskedDose<'_> {
             )));
         }
         let limits = self.limits.as_ref().map_or(Limits::default(), |limits| *limits.get());
-        Ok(DoseRequest {
-            purpose,
-            volume_ml,
-            cruise: cruise(self.rate.as_ref(), self.speed.as_ref(), self.within.as_ref())?,
-            smooth: self.smooth,
-            finish: self.finish.as_deref().map(finish_named).transpose()?,
-            ramps: self.ramps.as_deref().map(ramps_named).transpose()?,
-            start_angle_rad: self.start_angle_rad,
-            start_half_width_rad: half_width_rad,
-            whole_ml: None,
-            retract_ml: retracted_ml(self.retract.as_ref())?,
-            pressures: limits.pressures(),
-        })
+        Ok(DoseRequest::new(purpose, volume_ml)
+            .with_cruise(cruise(self.rate.as_ref(), self.speed.as_ref(), self.within.as_ref())?)
+            .with_smooth(self.smooth)
+            .with_finish(self.finish.as_deref().map(finish_named).transpose()?)
+            .with_ramps(self.ramps.as_deref().map(ramps_named).transpose()?)
+            .with_retraction(retracted_ml(self.retract.as_ref())?)
+            .with_pressures(limits.pressures())
+            .with_start_angle(self.start_angle_rad, half_width_rad))
     }
 }

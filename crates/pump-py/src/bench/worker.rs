@@ -7,9 +7,11 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use pump_bench::drives::{DriveError, StopRequest};
+use pump_bench::notice::Notice;
 use pump_bench::{Bench, DoseError, Session};
 use pyo3::prelude::*;
 
+use crate::python::advice;
 use crate::python::errors::{self, PumpError};
 use crate::python::warnings;
 
@@ -77,7 +79,7 @@ type Job = Box<dyn FnOnce(&mut Held<'_>) + Send>;
 /// Failure of a call, with the notes of the session that no result can tell.
 struct Failed {
     error: DoseError,
-    notes: Vec<String>,
+    notes: Vec<Notice>,
 }
 
 /// A bench on a thread of its own.
@@ -149,7 +151,8 @@ impl Worker {
                 raised = Some(error);
             }
         };
-        let ended = ended.map_err(|Failed { error, notes }| (error, warnings::warn(py, &notes).err()));
+        let ended = ended
+            .map_err(|Failed { error, notes }| (error, warnings::warn(py, &advice::worded(&notes)).err()));
         match (ended, raised) {
             (Ok(Some(done)), None) => {
                 if let Err(error) = tell(progress, &signal, &mut told) {

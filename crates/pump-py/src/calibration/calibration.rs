@@ -48,10 +48,10 @@ impl Calibration {
     ///     Runs with their readings.
     /// scale : str, optional
     ///     Standard uncertainty of a reading, as "0.01g" or "0.1mL".
-    /// fit : {"best", "line", "speed-law"}
+    /// fit : {"best", "line", "factor", "speed-law"}
     ///     "best" fits a straight line over the speed, or a parabola where an F test at four speeds or more asks for
-    ///     it. "line" fits a straight line alone. "speed-law" fits s and D of the speed law to three speeds or
-    ///     more.
+    ///     it. "line" fits a straight line alone, "factor" one factor for every speed. "speed-law" fits s and D of
+    ///     the speed law to three speeds or more.
     ///
     /// Raises
     /// ------
@@ -79,10 +79,10 @@ impl Calibration {
     ///     `mass_g` and `volume_ml`; optional are `start_angle_deg`, `direction`, `temperature_degc` and `time`.
     /// scale : str, optional
     ///     Standard uncertainty of a reading, as "0.01g" or "0.1mL".
-    /// fit : {"best", "line", "speed-law"}
+    /// fit : {"best", "line", "factor", "speed-law"}
     ///     "best" fits a straight line over the speed, or a parabola where an F test at four speeds or more asks for
-    ///     it. "line" fits a straight line alone. "speed-law" fits s and D of the speed law to three speeds or
-    ///     more.
+    ///     it. "line" fits a straight line alone, "factor" one factor for every speed. "speed-law" fits s and D of
+    ///     the speed law to three speeds or more.
     ///
     /// Raises
     /// ------

@@ -10,6 +10,7 @@ use pyo3::sync::PyOnceLock;
 use super::doser::Doser;
 use crate::argument::{finish_named, ramps_named};
 use crate::pump::Pump;
+use crate::python::advice;
 use crate::python::errors::{self, value};
 
 /// A cruise as plain data: which of rate (mL/s), speed (rad/s) and within (s), and its value.
@@ -147,9 +148,10 @@ impl Plan {
         self.report.motion_s
     }
 
-    /// Time from the last step until the undelivered volume stays below 1 µL, s.
+    /// Time from the last step until the undelivered volume stays below 1 µL, s. None if the outlet's line is not
+    /// known.
     #[getter]
-    fn settle_s(&self) -> f64 {
+    fn settle_s(&self) -> Option<f64> {
         self.report.settle_s
     }
 
@@ -165,27 +167,27 @@ impl Plan {
         self.report.reverse_flow_ml
     }
 
-    /// Smallest predicted inlet pressure, kPa absolute.
+    /// Smallest predicted inlet pressure, kPa absolute. None if the line is not known.
     #[getter]
-    fn inlet_min_kpa(&self) -> f64 {
+    fn inlet_min_kpa(&self) -> Option<f64> {
         self.report.inlet_min_kpa
     }
 
-    /// Largest predicted inlet pressure, kPa absolute.
+    /// Largest predicted inlet pressure, kPa absolute. None if the line is not known.
     #[getter]
-    fn inlet_max_kpa(&self) -> f64 {
+    fn inlet_max_kpa(&self) -> Option<f64> {
         self.report.inlet_max_kpa
     }
 
-    /// Smallest predicted outlet pressure, kPa absolute.
+    /// Smallest predicted outlet pressure, kPa absolute. None if the line is not known.
     #[getter]
-    fn outlet_min_kpa(&self) -> f64 {
+    fn outlet_min_kpa(&self) -> Option<f64> {
         self.report.outlet_min_kpa
     }
 
-    /// Largest predicted outlet pressure, kPa absolute.
+    /// Largest predicted outlet pressure, kPa absolute. None if the line is not known.
     #[getter]
-    fn outlet_max_kpa(&self) -> f64 {
+    fn outlet_max_kpa(&self) -> Option<f64> {
         self.report.outlet_max_kpa
     }
 
@@ -216,7 +218,7 @@ impl Plan {
     /// Warnings to read before the plan is run.
     #[getter]
     fn warnings(&self) -> Vec<String> {
-        self.report.warnings.clone()
+        self.report.warnings.iter().map(ToString::to_string).collect()
     }
 
     fn __eq__(&self, other: &Self) -> bool {
@@ -232,14 +234,14 @@ impl Plan {
         let report = &self.report;
         format!(
             "<Plan of {:?} mL on '{}': planned_ml {:.6}, steps {}, cruise_speed_rpm {:.4}, motion_s {:.4}, \
-             settle_s {:.4}>",
+             settle_s {}>",
             report.requested_ml,
             report.pump,
             report.planned_ml,
             report.steps,
             report.cruise_speed_rpm,
             report.motion_s,
-            report.settle_s,
+            report.settle_s.map_or("None".to_owned(), |settle_s| format!("{settle_s:.4}")),
         )
     }
 
@@ -297,19 +299,14 @@ impl Plan {
             }
         };
         let limits = doser.get().limits;
-        let request = DoseRequest {
-            purpose: Purpose::Dose,
-            volume_ml,
-            cruise,
-            smooth,
-            finish: Some(finish_named(finish)?),
-            ramps: Some(ramps_named(ramps)?),
-            start_angle_rad: Some(start_angle_rad),
-            start_half_width_rad,
-            whole_ml: None,
-            retract_ml,
-            pressures: limits.pressures(),
-        };
+        let request = DoseRequest::new(Purpose::Dose, volume_ml)
+            .with_cruise(cruise)
+            .with_smooth(smooth)
+            .with_finish(finish_named(finish)?)
+            .with_ramps(ramps_named(ramps)?)
+            .with_retraction(retract_ml)
+            .with_pressures(limits.pressures())
+            .with_start_angle(start_angle_rad, start_half_width_rad);
         let start = Phase::within(start_angle_rad, start_half_width_rad);
         Self::new(doser, request, start, carry_in_ml)
     }
@@ -335,7 +332,8 @@ impl Plan {
                 }
                 None => Prepared::new(file, model, request, start, source, carry_in_ml)?,
             };
-            let report = DoseReport::without_bench(file, file.driver(), &prepared, None);
+            let report =
+                DoseReport::without_bench(file, file.driver(), &prepared, None).worded(advice::words);
             Ok::<_, DoseError>((prepared, report))
         });
         let (prepared, report) = planned.map_err(|error| errors::dose(py, error))?;

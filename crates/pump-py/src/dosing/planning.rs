@@ -81,19 +81,17 @@ impl Doser {
     ) -> PyResult<Plan> {
         let doser = slf.get();
         let amount = units::dose_amount(text("volume", "25mL", volume)?).map_err(value)?;
-        let request = DoseRequest {
-            purpose: Purpose::Dose,
-            volume_ml: Weighing::of(&doser.pump.get().file).amount_ml(amount).map_err(value)?,
-            cruise: cruise(rate, speed, within)?,
-            smooth,
-            finish: Some(finish_named(finish)?),
-            ramps: Some(ramps_named(ramps)?),
-            start_angle_rad: Some(start_angle_rad),
-            start_half_width_rad,
-            whole_ml: None,
-            retract_ml: retracted_ml(retract)?,
-            pressures: doser.limits.pressures(),
-        };
+        let request = DoseRequest::new(
+            Purpose::Dose,
+            Weighing::of(&doser.pump.get().file).amount_ml(amount).map_err(value)?,
+        )
+        .with_cruise(cruise(rate, speed, within)?)
+        .with_smooth(smooth)
+        .with_finish(finish_named(finish)?)
+        .with_ramps(ramps_named(ramps)?)
+        .with_retraction(retracted_ml(retract)?)
+        .with_pressures(doser.limits.pressures())
+        .with_start_angle(start_angle_rad, start_half_width_rad);
         let start = Phase::within(start_angle_rad, start_half_width_rad);
         Plan::new(slf, request, start, carry_in_ml)
     }

@@ -52,7 +52,7 @@ impl Plan {
     #[pyo3(signature = (*, dt_s=1e-3))]
     fn trace(&self, py: Python<'_>, dt_s: f64) -> PyResult<Run> {
         let motion_s = self.report.motion_s;
-        let end_s = motion_s + self.report.settle_s;
+        let end_s = motion_s + self.report.settle_s.unwrap_or(0.0);
         let least_s = end_s / MAX_ROWS;
         if !(dt_s >= least_s && dt_s.is_finite()) {
             return Err(value(format_args!(

@@ -7,6 +7,7 @@ use pump_model::identification::IdentificationError;
 use pyo3::prelude::*;
 
 use crate::line::Line;
+use crate::python::advice;
 use crate::python::errors::{self, value};
 
 /// JSON and text of the command, the line, then the varied, the measured and the fitted numbers.
@@ -22,6 +23,7 @@ pub(super) fn answer(
         IdentificationError::Model(error) => errors::model(error),
         _ => value(error),
     })?;
+    let found = found.worded(advice::words);
     let array = |number: fn(&Fitted) -> f64| {
         let array = PyArray1::from_iter(py, found.points.iter().map(number));
         array.try_readwrite()?.make_nonwriteable();

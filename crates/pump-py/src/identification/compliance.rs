@@ -31,5 +31,6 @@ pub(crate) fn _identify_compliance<'py>(
         .zip(pressures)
         .map(|(volume_ml, pressure_kpa)| InjectionPoint { volume_ml, pressure_kpa })
         .collect();
-    answer(py, py.detach(|| identified_compliance(&points, total_ml, (port, pump.model().line(port)))))
+    let found = py.detach(|| identified_compliance(&points, total_ml, (port, pump.model().line(port))));
+    answer(py, found.map(|found| found.with_nozzle_of(&pump.file)))
 }

@@ -50,5 +50,6 @@ pub(crate) fn _identify_resistance<'py>(
         .map(|((flow_ml_s, drop_kpa), standard_kpa)| FlowPoint { flow_ml_s, drop_kpa, standard_kpa })
         .collect();
     let rate_ml_s = pump.default_rate_ml_s();
-    answer(py, py.detach(|| identified_resistance(&points, offset, (port, line), rate_ml_s)))
+    let found = py.detach(|| identified_resistance(&points, offset, (port, line), rate_ml_s));
+    answer(py, found.map(|found| found.with_nozzle_of(&pump.file)))
 }

@@ -70,5 +70,6 @@ pub(crate) fn _identify_line<'py>(
         .zip(pressures)
         .map(|(time_s, pressure_kpa)| PressureSample { time_s, pressure_kpa })
         .collect();
-    answer(py, py.detach(|| identified_line(pump.model(), port, &samples, &turning, sought)))
+    let found = py.detach(|| identified_line(pump.model(), port, &samples, &turning, sought));
+    answer(py, found.map(|found| found.with_nozzle_of(&pump.file)))
 }

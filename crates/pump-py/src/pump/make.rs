@@ -1,8 +1,8 @@
 //! Pumps from names, drawings and plain data, and variations of a pump.
 
-use pump_bench::catalogue::DrawnPump;
+use pump_bench::catalogue::{BoughtPump, DrawnPump, overlap_warning};
 use pump_bench::config::Config;
-use pump_bench::pump_file::{LineTable, PumpFile, RollerVolumeTable};
+use pump_bench::pump_file::{HeadTable, LineTable, PumpFile, RollerVolumeTable};
 use pump_model::Geometry;
 use pump_model::units::radians;
 use pyo3::exceptions::PyTypeError;
@@ -13,6 +13,7 @@ use super::pump::Pump;
 use super::volume_fit::{fit_named, points_of};
 use crate::line::Line;
 use crate::python::errors::{self, value};
+use crate::python::warnings::warn;
 
 #[pymethods]
 impl Pump {
@@ -84,6 +85,7 @@ impl Pump {
         roller_offset_mm, hose_length_mm
     ))]
     fn from_drawing(
+        py: Python<'_>,
         id: &str,
         rollers: i64,
         bore_radius_mm: f64,
@@ -103,9 +105,61 @@ impl Pump {
             roller_radius_mm,
             roller_offset_mm,
         };
+        let warning = overlap_warning(&geometry);
         let roller_volume = RollerVolumeTable::Drawing;
         let drawn = DrawnPump { id: id.to_owned(), geometry, hose_length_mm, roller_volume };
-        Self::checked(drawn.pump_file().map_err(errors::model)?)
+        let pump = Self::checked(drawn.pump_file().map_err(errors::model)?)?;
+        warn(py, warning.as_slice())?;
+        Ok(pump)
+    }
+
+    /// Return a bought head of which the volume per revolution and the number of rollers are known, and no dimension.
+    ///
+    /// Whole pitches are exact. Within a pitch a default pulse stands, with a spread that drawings of heads leave. Its
+    /// motor, fluid and ambient are assumed as in the built-in pumps, with water at 25 °C and standard pressure.
+    ///
+    /// Parameters
+    /// ----------
+    /// id : str
+    ///     Name in records: 1 to 64 of a-z, 0-9, - and _.
+    /// ml_per_rev : float
+    ///     Volume of a revolution, mL.
+    /// rollers : int
+    ///     Number of rollers.
+    /// tube_bore_mm : float, optional
+    ///     Diameter of the tube's bore, mm. It tells how far heads of a kind differ.
+    /// inlet : Line, optional
+    ///     Line from the inlet's reservoir to the pump. Without it pressures are not known.
+    /// outlet : Line, optional
+    ///     Line from the pump to the outlet's reservoir. Without it pressures and settling are not known.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the pump cannot work, for example because its volume is not positive.
+    ///
+    /// Examples
+    /// --------
+    /// >>> import pumpmodel as pm
+    /// >>> pump = pm.Pump.from_ml_per_rev("acid", ml_per_rev=0.5, rollers=4)
+    /// >>> round(pump.volume_per_revolution_ml, 6), pump.is_estimated
+    /// (0.5, True)
+    #[staticmethod]
+    #[pyo3(signature = (id, *, ml_per_rev, rollers, tube_bore_mm=None, inlet=None, outlet=None))]
+    fn from_ml_per_rev(
+        id: &str,
+        ml_per_rev: f64,
+        rollers: i64,
+        tube_bore_mm: Option<f64>,
+        inlet: Option<Py<Line>>,
+        outlet: Option<Py<Line>>,
+    ) -> PyResult<Self> {
+        let mut head = HeadTable::new(ml_per_rev);
+        head.tube_bore_mm = tube_bore_mm;
+        let mut file = BoughtPump { id: id.to_owned(), head, rollers: count(rollers)? }.pump_file();
+        file.inlet = inlet.map_or(LineTable::UNKNOWN, |line| LineTable::from(line.get().0));
+        file.outlet.line = outlet.map_or(LineTable::UNKNOWN, |line| LineTable::from(line.get().0));
+        Self::checked(file)
     }
 
     /// Return this pump with some parts replaced. A part that is left out stays.
@@ -153,7 +207,7 @@ impl Pump {
             file.outlet.line = LineTable::from(line.get().0);
         }
         if let Some(volume) = roller_volume {
-            file.roller_volume = roller_volume_of(volume)?;
+            file.roller_volume = Some(roller_volume_of(volume)?);
         }
         Self::checked(file)
     }
@@ -187,10 +241,11 @@ impl Pump {
         let file = serde_json::from_str::<PumpFile>(&json).map_err(|error| {
             errors::PumpFileError::new_err(format!("these are not the data of a pump: {error}"))
         })?;
-        Self::checked(file)
+        Self::checked(file.with_assumptions())
     }
 
-    /// True if the pump's volumes follow from a drawing that no measurement has confirmed.
+    /// True if the pump's volumes follow from a drawing, or from a volume per revolution, that no measurement has
+    /// confirmed.
     #[getter]
     fn is_estimated(&self) -> bool {
         self.file.is_estimated()

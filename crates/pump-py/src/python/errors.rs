@@ -9,13 +9,14 @@ use pump_bench::config::ConfigError;
 use pump_bench::displacement::DisplacementError;
 use pump_bench::pump_file::PumpFileError as DosePumpFileError;
 use pump_bench::record::FolderError;
-use pump_bench::report::{Explain, Remedy};
 use pump_ctl::plan::PlanError as CtlPlanError;
 use pump_model::ModelError;
 use pump_model::integrator::IntegrationError;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::import_exception;
 use pyo3::prelude::*;
+
+use super::advice;
 
 import_exception!(pumpmodel.errors, DriveError);
 import_exception!(pumpmodel.errors, PlanError);
@@ -26,51 +27,6 @@ import_exception!(pumpmodel.errors, UnfinishedError);
 /// Returns the `ValueError` of a bad argument.
 pub(crate) fn value(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
-}
-
-/// Returns the text of an error, with its remedies in the words of Python.
-pub(crate) fn with_remedies(error: &impl Explain) -> String {
-    let words = error.remedies().into_iter().map(|remedy| format!("; {}", in_python(remedy)));
-    error.to_string() + &words.collect::<String>()
-}
-
-/// Words a remedy as a program does it: by a method, an argument, or by hand.
-fn in_python(remedy: Remedy) -> &'static str {
-    match remedy {
-        Remedy::FinishOrAccept => "finish it with bench.resume(), or accept it as it is with bench.discard()",
-        Remedy::FinishAtLowFlowOrAccept => {
-            "go on to that end with bench.resume(), or accept the dose as it is with bench.discard()"
-        }
-        Remedy::FinishOrAcceptThenFindAngle => {
-            "finish the dose with bench.resume() or accept it with bench.discard(), then find the angle anew"
-        }
-        Remedy::Accept => "accept the dose as it is with bench.discard()",
-        Remedy::DropCarry => "ask for more than the carry, or drop the carry with bench.home_set()",
-        Remedy::ReplaceTube => "replace the tube, then call bench.new_tube()",
-        Remedy::SeeStatus | Remedy::ThenSeeStatus => "then see bench.status()",
-        Remedy::SeeStatusThenFinish => "see bench.status(), then call bench.resume() or bench.discard()",
-        Remedy::FasterDisk => "keep the record on a faster disk with state_dir",
-        Remedy::OtherFolder => "choose another folder with state_dir",
-        Remedy::RoomOrOtherFolder => "make room there, or choose another folder with state_dir",
-        Remedy::AccessOrOtherFolder => "give this user access to it, or choose another folder with state_dir",
-        Remedy::NameFolder => "name one with state_dir",
-        Remedy::SayAngle => {
-            "see where the rollers stand, move the file away, and say so with bench.home_set(angle_rad)"
-        }
-        Remedy::UseNoCalibration => "to dose without a calibration, call bench.use_calibration(None)",
-        Remedy::CalibrateMoreSpeeds => {
-            "dose within that, calibrate more speeds, or call bench.use_calibration(None)"
-        }
-        Remedy::CalibrateAgain => "calibrate again, or call bench.use_calibration(None)",
-        Remedy::BeginCalibrationAnew => "correct the file, or begin anew",
-        Remedy::WriteOrConfirmPump => {
-            "write your pump's values into a pump file without confirmed = false; or, if these are your pump's, open \
-             the bench once with confirm_pump=True"
-        }
-        Remedy::MorePitchesOrFindAngle => {
-            "make it more pitches long, or find the angle with bench.home_sensor()"
-        }
-    }
 }
 
 /// Puts the place that raised an exception before its message.
@@ -110,7 +66,7 @@ pub(crate) fn plan(error: CtlPlanError) -> PyErr {
 pub(crate) fn pump_file(error: DosePumpFileError) -> PyErr {
     match &error {
         DosePumpFileError::Read { path, source } if source.raw_os_error().is_some() => file(path, source),
-        _ => PumpFileError::new_err(error.to_string()),
+        _ => PumpFileError::new_err(advice::told(&error)),
     }
 }
 
@@ -119,7 +75,7 @@ pub(crate) fn config(error: ConfigError) -> PyErr {
     match error {
         ConfigError::Pump(error) => pump_file(error),
         ConfigError::Read { path, source } if source.raw_os_error().is_some() => file(&path, &source),
-        error => PumpFileError::new_err(error.to_string()),
+        error => PumpFileError::new_err(advice::told(&error)),
     }
 }
 
@@ -140,12 +96,12 @@ pub(crate) fn file(path: &Path, error: &io::Error) -> PyErr {
 pub(crate) fn calibration(error: CalibrationError) -> PyErr {
     match &error {
         CalibrationError::File { path, source, .. } => file(path, source),
-        CalibrationError::Damaged { .. } => PumpError::new_err(with_remedies(&error)),
+        CalibrationError::Damaged { .. } => PumpError::new_err(advice::told(&error)),
         CalibrationError::NoSpeed { .. }
         | CalibrationError::OutsideSpeeds { .. }
-        | CalibrationError::OtherPump { .. } => PlanError::new_err(with_remedies(&error)),
+        | CalibrationError::OtherPump { .. } => PlanError::new_err(advice::told(&error)),
         CalibrationError::Model(error) => model(*error),
-        _ => value(with_remedies(&error)),
+        _ => value(advice::told(&error)),
     }
 }
 
@@ -159,7 +115,7 @@ pub(crate) fn displacement(error: DisplacementError) -> PyErr {
 
 /// Maps an error of a bench. A failing motor, and a pump or device in use, are a `DriveError`.
 pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
-    let message = with_remedies(&error);
+    let message = advice::told(&error);
     let with = |of: PyErr, numbers: &[(&str, f64)]| {
         for (name, number) in numbers {
             // An exception takes any attribute.

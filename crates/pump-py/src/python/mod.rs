@@ -1,5 +1,6 @@
 //! Python as every room needs it: exceptions, warnings, interrupts and arrays.
 
+pub(crate) mod advice;
 mod array;
 pub(crate) mod errors;
 mod interrupt;

@@ -156,3 +156,16 @@ def test_a_run_to_be_weighed_tells_its_warnings(tmp_path: Path) -> None:
         assert bench.calibrate([run.weighed("21.3mL")]).version == 1
     with pm.Bench.open(pm.Pump.two_roller(), state_dir=tmp_path) as bench:
         assert bench.calibration_run(speed_rpm=60, pitches=3).warnings == ()
+
+
+def test_the_weight_of_the_last_dose_calibrates_the_next(tmp_path: Path) -> None:
+    with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
+        with pytest.raises(ValueError, match=r"no dose is on record.*bench\.calibrate_last"):
+            bench.calibrate_last("10g")
+        bench.dose("10mL")
+        found = bench.calibrate_last("10.20mL")
+        assert found.displacement_factor(speed_rpm=14) == pytest.approx(1.02, abs=1e-4)
+        assert bench.dose("10mL").volume_basis == "calibrated"
+        bench.calibrate_last("10.00mL", anew=True)
+        with pytest.raises(ValueError, match="exclude each other"):
+            bench.calibrate_last("10.00mL", add=True, anew=True)

@@ -127,12 +127,30 @@ def test_replacing_rollers_and_lines_makes_another_pump() -> None:
         (0, "number of rollers is 0; allowed: 1 to 1000"),
         (2**40, "allowed: 1 to 1000"),
         (1, "no roller seals"),
-        (13, "13 rollers the inlet flow per radian falls"),
+        (14, "14 rollers take 2.1055 mL each"),
     ],
 )
 def test_a_number_of_rollers_that_cannot_work_is_refused(rollers: int, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         pm.Pump.three_roller().replace(rollers=rollers)
+
+
+def test_rollers_that_overlap_in_space_are_warned_of() -> None:
+    # The axes of eight rollers on a circle of 36 mm stand 36 sin(22.5 deg) = 13.777 mm apart.
+    with pytest.warns(UserWarning, match="the rollers overlap by 0.22 mm"):
+        pump = pm.Pump.from_drawing(
+            "wide",
+            rollers=8,
+            bore_radius_mm=0.8,
+            tube_outer_radius_mm=2.4,
+            backplate_radius_mm=27.8,
+            contact_angle_deg=-20,
+            roller_radius_mm=7,
+            roller_offset_mm=18,
+            hose_length_mm=300,
+        )
+    assert pump.rollers_overlap_mm == pytest.approx(14 - 13.777, abs=5e-4)
+    assert pm.Pump.three_roller().rollers_overlap_mm is None
 
 
 def test_a_pump_file_is_read_from_text_path_or_pathlike(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ use crate::bench::bench::Bench;
 use crate::bench::session::Session;
 use crate::catalogue::built_in;
 use crate::dosing::DoseError;
+use crate::notice::{Notice, Remedy};
 use crate::numbers::significant;
 use crate::pump_file::{DriverName, PumpFile};
 use crate::record::{PumpState, Why};
@@ -70,8 +71,9 @@ impl Bench {
     }
 
     /// Returns the warning of a dry run whose dose would be refused on the real motor. `state` is the state on record.
-    pub(in crate::bench) fn confirmation_missing(&self, state: Option<&PumpState>) -> Option<String> {
-        self.check_confirmed(state).err().map(|error| error.to_string())
+    pub(in crate::bench) fn confirmation_missing(&self, state: Option<&PumpState>) -> Option<Notice> {
+        let error = self.check_confirmed(state).err()?;
+        Some(Notice::from(error.to_string()).with_remedy(Remedy::WriteOrConfirmPump))
     }
 }
 

@@ -15,6 +15,7 @@ mod speed_bend;
 pub(crate) use against_speed::AgainstSpeed;
 pub use displacement::Displacement;
 pub use expected::Expected;
+pub(crate) use expected::scatter_ml;
 pub use law_fit::LawFit;
 pub(crate) use law_fit::LawToFit;
 pub(crate) use phase::PulseSureness;

@@ -22,6 +22,8 @@ struct Point {
     ratio: f64,
     /// Standard uncertainty that is expected of the ratio.
     sigma: f64,
+    /// Part of that uncertainty that the scatter of runs makes.
+    repeatability: f64,
 }
 
 /// Weighed runs as points of a fit. There is at least one.
@@ -50,7 +52,8 @@ impl Points {
         for (n, run) in runs.iter().enumerate() {
             let (measured_ml, model_ml) = run.volumes_ml(pump, weighing, n + 1)?;
             let reading = expected.reading_ml / model_ml;
-            let sigma = sqrt(expected.repeatability * expected.repeatability + reading * reading);
+            let repeatability = expected.repeatability_of(pump, model_ml);
+            let sigma = sqrt(repeatability * repeatability + reading * reading);
             reading_sum += reading;
             points.push(Point {
                 rpm: run.speed_rpm,
@@ -58,6 +61,7 @@ impl Points {
                 ratio: measured_ml / model_ml,
                 // Nothing is ever repeated exactly: this keeps the weights of a pump that claims so finite.
                 sigma: sigma.max(1e-9),
+                repeatability,
             });
         }
         if points.is_empty() {
@@ -90,6 +94,18 @@ impl Points {
     pub(super) fn over(&self, x: &[f64]) -> Option<StraightLine> {
         let points = self.points.iter().zip(x).map(|(point, x)| (*x, point.ratio, point.sigma));
         StraightLine::about_mean(points, Terms { offset: true, slope: true, bend: false })
+    }
+
+    /// Returns the standard error that the scatter alone is expected to leave in the weighted mean of the runs, over
+    /// that with the readings: sqrt(sum w² s² / sum w).
+    pub(super) fn scatter_in_mean(&self) -> f64 {
+        let (mut squares, mut weights) = (0.0, 0.0);
+        for point in &self.points {
+            let weight = 1.0 / (point.sigma * point.sigma);
+            squares += weight * weight * point.repeatability * point.repeatability;
+            weights += weight;
+        }
+        sqrt(squares / weights)
     }
 
     /// Cruise speed of each run, in r/min, measured over model volume, and weight.

@@ -78,7 +78,7 @@ fn a_dose_has_the_volume_of_its_own_cruise_speed_whatever_was_asked() {
         }
     }
     let fastest = prepared(&file, 100.0, Cruise::Fastest).unwrap();
-    assert!(fastest.warnings.iter().any(|warning| warning.contains("speed law ends at 160.00")));
+    assert!(fastest.warnings.iter().any(|warning| warning.text().contains("speed law ends at 160.00")));
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::*;
 use crate::calibration::{Calibration, CalibrationRun, Displacement, Expected, Reading, Source, Weighing};
 
 /// Returns a calibration that fits 1 + slope (N - 50) at these speeds exactly.
-fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) -> Stored {
+pub(super) fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) -> Stored {
     let pump = file.model().unwrap();
     let mut runs = Vec::new();
     for speed_rpm in speeds_rpm {
@@ -22,7 +22,7 @@ fn stored(file: &PumpFile, slope_per_rpm: f64, speeds_rpm: &[f64]) -> Stored {
         let last = runs.last_mut().unwrap();
         last.reading = Reading::VolumeMl(factor * last.model_ml(&pump, 1).unwrap());
     }
-    let expected = Expected { repeatability: 0.0047, reading_ml: 0.0 };
+    let expected = Expected::new(0.0047, 0.0);
     let displacement = Displacement::fit(&pump, &runs, &Weighing::of(file), &expected).unwrap();
     let mut calibration = Calibration::empty(file, Source::File).unwrap();
     calibration.displacement = Some(displacement);

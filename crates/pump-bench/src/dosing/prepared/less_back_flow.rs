@@ -1,10 +1,11 @@
 //! The warning of a back flow that exceeds the dose's own uncertainty, with what makes it smaller.
 
-use pump_ctl::plan::{Cruise, Finish, Request};
+use pump_ctl::plan::{Cruise, Finish, Ramps, Request};
 
 use super::{PlanningBasis, Prepared};
 use crate::dosing::uncertainty::Budget;
 use crate::dosing::warnings::{self, LessBackFlow};
+use crate::notice::Notice;
 use crate::numbers::significant;
 use crate::pump_file::OutletEnd;
 
@@ -16,11 +17,11 @@ const TRIALS: u32 = 12;
 
 impl PlanningBasis<'_> {
     /// Warns of a back flow that exceeds the uncertainty that the dose has beside it. Names a slower rate that has
-    /// less, and what an end at low flow has.
+    /// less, and what line-aware ramps and an end at low flow have, and a retraction.
     ///
     /// The rates fall by a quarter each. A slower one may have more back flow, as the line's swing may meet the stop
     /// otherwise, so each is planned and the first below the uncertainty counts.
-    pub(super) fn back_flow_warning(&self, prepared: &Prepared, budget: &Budget) -> Option<String> {
+    pub(super) fn back_flow_warning(&self, prepared: &Prepared, budget: &Budget) -> Option<Notice> {
         let own_ml = budget.beside_back_flow().expanded_ml();
         let back_ml = prepared.back_flow.backflow_ml;
         if back_ml <= own_ml {
@@ -37,9 +38,25 @@ impl PlanningBasis<'_> {
             Finish::Any => self.back_flow_ml(&asked.with_finish(Finish::LowFlow)),
             Finish::LowFlow => None,
         };
-        let less = LessBackFlow { slower, low_flow_ml: low_flow_ml.filter(|low_ml| *low_ml < back_ml) };
+        let line_aware_ml = match asked.ramps {
+            Ramps::Fastest => self.back_flow_ml(&asked.with_ramps(Ramps::LineAware)),
+            Ramps::LineAware => None,
+        };
+        let is_less = |other_ml: &f64| *other_ml < back_ml;
+        let less = LessBackFlow {
+            slower,
+            low_flow_ml: low_flow_ml.filter(is_less),
+            line_aware_ml: line_aware_ml.filter(is_less),
+            by_retraction: self.retraction_would_help(),
+        };
         let is_in_air = self.file.outlet.end == Some(OutletEnd::Air);
         Some(warnings::back_flow(&prepared.plan, back_ml, own_ml, is_in_air, &less))
+    }
+
+    /// Returns true if a retraction that was not asked for would draw in what hangs at the nozzle. It takes nothing back
+    /// that has fallen, and an immersed nozzle has nothing that hangs.
+    fn retraction_would_help(&self) -> bool {
+        self.file.outlet.is_in_air() && self.request.retract_ml.is_none() && self.request.volume_ml > 0.0
     }
 
     /// Returns the back flow of the dose with another request, in mL, or `None` if there is no such dose.

@@ -29,10 +29,13 @@ impl PulseErrors {
     /// Returns what short doses found of the pulse, or else what the pump file states. `applied` is the correction of
     /// the pump.
     pub(crate) fn of(file: &PumpFile, applied: Option<&Applied>) -> Self {
+        let zero_standard_rad = applied.map_or(0.0, |applied| applied.zero_standard_rad);
+        let by_default =
+            file.pulse_prior().map(|prior| PulseSureness::of_default(prior.covariances(), zero_standard_rad));
         Self {
-            roller_volume_ml: file.uncertainty.roller_volume_ml,
-            zero_standard_rad: applied.map_or(0.0, |applied| applied.zero_standard_rad),
-            fitted: applied.and_then(|applied| applied.pulse),
+            roller_volume_ml: file.uncertainty.roller_standard_ml(),
+            zero_standard_rad,
+            fitted: applied.and_then(|applied| applied.pulse).or(by_default),
             zero_rad: applied.map_or(0.0, |applied| applied.correction.zero_rad),
         }
     }
@@ -56,13 +59,15 @@ impl PulseErrors {
                 self.zero_standard_rad * draw.zero,
             ),
         };
-        // A corrected pump has scaled curves that begin at its zero. Its dimensions are those of the model.
-        let geometry = *pump.geometry();
-        let factor = pump.nominal_ml_rad() / geometry.nominal_ml_rad();
+        // A corrected pump has scaled curves that begin at its zero. Its dimensions, where they are known, are those of
+        // the model.
+        let geometry = pump.geometry();
+        let factor =
+            if geometry.is_known() { pump.nominal_ml_rad() / geometry.nominal_ml_rad() } else { 1.0 };
         let engagement_deg = degrees(roller.engagement_rad()) + more_deg;
         let total_ml = (roller.total_ml() + more_ml) / factor;
         let roller = roller.stretched_to(engagement_deg)?.scaled_to(total_ml)?;
-        let other = Pump::new(geometry, roller, *pump.inlet(), *pump.outlet())?;
+        let other = pump.with_roller_volume(roller)?;
         Ok((other.scaled(factor)?.shifted(self.zero_rad)?, zero_rad))
     }
 }

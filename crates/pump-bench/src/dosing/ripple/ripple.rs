@@ -32,8 +32,10 @@ impl From<Ripple> for RippleReport {
 pub struct RippleAt {
     /// Ripple at constant speed, with the same mean flow.
     pub constant_speed: RippleReport,
-    /// Ripple of the planned motion if the pump is exactly as its model.
+    /// Ripple of the planned motion if the pump is exactly as its model and the rollers stand at the stated angle.
     pub planned: RippleReport,
+    /// Largest ripple peak to peak of that pump over the half width of the start angle.
+    pub peak_to_peak_worst_angle: f64,
     /// Median of the ripple peak to peak over what is not known of roller volume, engagement angle and start angle.
     pub peak_to_peak_median: f64,
     /// Ripple peak to peak that 95 % of such pumps do not exceed.
@@ -54,7 +56,8 @@ pub(crate) struct SureRipples {
 /// The motion is fixed and the errors are drawn. A linear law would not do: without errors the ripple is near its
 /// minimum, so it rises with an error of either sign. Draws that no head can have are left out.
 pub(crate) fn sure_ripples(plan: &Plan, pump: &Pump, errors: &PulseErrors) -> SureRipples {
-    let planned = plan.ripples(pump);
+    let planned = plan.ripples_beside(pump, 0.0);
+    let worst = plan.ripples(pump);
     let half_width_rad = plan.start().half_width_rad().min(0.5 * pump.pitch_rad());
     let (mut rollers, mut line_end) = (Vec::new(), Vec::new());
     for draw in draws() {
@@ -65,15 +68,15 @@ pub(crate) fn sure_ripples(plan: &Plan, pump: &Pump, errors: &PulseErrors) -> Su
     }
     let Ripples { before, after, outflow_before, outflow_after, .. } = planned;
     SureRipples {
-        rollers: RippleAt::new(before, after, rollers),
-        line_end: outflow_before
-            .zip(outflow_after)
-            .map(|(before, after)| RippleAt::new(before, after, line_end)),
+        rollers: RippleAt::new(before, after, worst.after, rollers),
+        line_end: outflow_before.zip(outflow_after).map(|(before, after)| {
+            RippleAt::new(before, after, worst.outflow_after.unwrap_or(after), line_end)
+        }),
     }
 }
 
 impl RippleAt {
-    fn new(before: Ripple, after: Ripple, mut drawn: Vec<f64>) -> Self {
+    fn new(before: Ripple, after: Ripple, worst: Ripple, mut drawn: Vec<f64>) -> Self {
         drawn.sort_by(f64::total_cmp);
         let at = |part: f64| {
             let rank = (part * drawn.len() as f64).ceil() as usize;
@@ -82,6 +85,7 @@ impl RippleAt {
         Self {
             constant_speed: before.into(),
             planned: after.into(),
+            peak_to_peak_worst_angle: worst.peak_to_peak.max(after.peak_to_peak),
             peak_to_peak_median: at(0.5),
             peak_to_peak_95: at(COVERED),
         }
@@ -114,6 +118,18 @@ mod tests {
         let wide = ripples(3.0, 1.0, 0.026).rollers;
         assert!(wide.peak_to_peak_median > at.peak_to_peak_median, "{wide:?} {at:?}");
         assert!((at.constant_speed.peak_to_peak - 1.177).abs() < 0.005, "{at:?}");
+    }
+
+    #[test]
+    fn an_angles_width_leaves_the_planned_ripple_and_is_stated_beside_it() {
+        let (exact, wide) = (ripples(8.0, 0.0, 0.026), ripples(8.0, 1.0, 0.026));
+        for (exact, wide) in
+            [(exact.rollers, wide.rollers), (exact.line_end.unwrap(), wide.line_end.unwrap())]
+        {
+            assert_eq!(exact.planned, wide.planned);
+            assert_eq!(exact.peak_to_peak_worst_angle, exact.planned.peak_to_peak);
+            assert!(wide.peak_to_peak_worst_angle > 1.1 * wide.planned.peak_to_peak, "{wide:?}");
+        }
     }
 
     #[test]

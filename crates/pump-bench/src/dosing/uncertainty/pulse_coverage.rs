@@ -25,12 +25,12 @@ const REPEATABILITY: f64 = 0.0047;
 const READING_ML: f64 = 0.002;
 
 /// V(x) of the paper's polynomial over its engagement angle, 1 at the end.
-struct Shape(Vec<f64>);
+pub(super) struct Shape(Vec<f64>);
 
 impl Shape {
     const POINTS: usize = 20_000;
 
-    fn published() -> Self {
+    pub(super) fn published() -> Self {
         // mL over deg, lowest order first (McIntyre et al., fitted to the mean of seven rollers).
         const C: [f64; 6] = [
             -2.870791521667906e-4,
@@ -51,7 +51,7 @@ impl Shape {
         Self(sums.iter().map(|sum| sum / total).collect())
     }
 
-    fn at(&self, part: f64) -> f64 {
+    pub(super) fn at(&self, part: f64) -> f64 {
         let place = part.clamp(0.0, 1.0) * Self::POINTS as f64;
         let n = (place as usize).min(Self::POINTS - 1);
         self.0[n] + (self.0[n + 1] - self.0[n]) * (place - n as f64)
@@ -106,7 +106,7 @@ fn calibrated(file: &PumpFile, plant: &Plant<'_>, dice: &mut Dice) -> Calibratio
         temperature_degc: None,
         time: None,
     }];
-    let expected = Expected { repeatability: REPEATABILITY, reading_ml: READING_ML };
+    let expected = Expected::new(REPEATABILITY, READING_ML);
     let weighed = Calibration::of_runs(file, Source::File, runs, Fit::Line, &expected, None).unwrap();
     let doses = (0..24)
         .map(|n| {

@@ -1,19 +1,13 @@
 //! Repeatability of doses of any volume.
 
-use libm::sqrt;
 use pump_model::Pump;
 
-use crate::calibration::Sureness;
+use crate::calibration::{Sureness, scatter_ml};
 use crate::pump_file::UncertaintyTable;
-
-/// Revolutions of a dose whose scatter a pump file states, unless it names their volume: those of McIntyre et al.
-const REVOLUTIONS: f64 = 10.0;
 
 /// Returns the standard deviation of repeated doses of `volume_ml`, in mL.
 ///
-/// A scatter s of doses of V_m bounds that of other doses in two ways. Errors that all pitches of a dose share grow
-/// with the volume: s V/V_m. Errors of independent pitches grow with its root: s sqrt(V/V_m), the larger of both
-/// below V_m. Above it the first is the larger one. The larger counts, as the scatter does not tell them apart.
+/// A scatter of doses of V_m bounds that of other doses by [`scatter_ml`].
 ///
 /// - The pump file states s, and V_m if `verify` measured it. Ten revolutions of McIntyre et al. scatter by 1 mL at
 ///   most, so V_m is ten revolutions where the file names none.
@@ -25,16 +19,16 @@ pub(super) fn standard_ml(
     sureness: Option<&Sureness>,
     volume_ml: f64,
 ) -> f64 {
-    let scaled = |part: f64, at_ml: f64| part * sqrt(volume_ml * volume_ml.max(at_ml));
     let of_file = table.repeatability_percent / 100.0;
     let weighed = sureness.filter(|sureness| sureness.run_ml > 0.0);
     let at_ml = match (table.repeatability_at_ml, weighed) {
-        (Some(at_ml), _) => at_ml,
-        (None, Some(_)) => 0.0,
-        (None, None) => REVOLUTIONS * pump.revolution_ml(),
+        (Some(at_ml), _) => Some(at_ml),
+        (None, Some(_)) => Some(0.0),
+        (None, None) => None,
     };
-    let of_runs = weighed.map_or(0.0, |sureness| scaled(sureness.repeatability, sureness.run_ml));
-    scaled(of_file, at_ml).max(of_runs)
+    let of_runs = weighed
+        .map_or(0.0, |sureness| scatter_ml(pump, sureness.repeatability, Some(sureness.run_ml), volume_ml));
+    scatter_ml(pump, of_file, at_ml, volume_ml).max(of_runs)
 }
 
 #[cfg(test)]

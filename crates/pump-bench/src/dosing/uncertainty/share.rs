@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::notice::{Notice, Remedy};
 use crate::words::words_of_reports;
 
 /// One share of the uncertainty budget.
@@ -15,7 +16,7 @@ pub struct Share {
     /// Part of the budget's variance, in percent.
     pub variance_percent: f64,
     /// Cheapest way to reduce the share.
-    pub remedy: &'static str,
+    pub remedy: Notice,
 }
 
 /// Source of a share of the uncertainty.
@@ -77,28 +78,44 @@ impl Share {
 
 impl ShareSource {
     /// Returns the cheapest way to reduce a share of this source.
-    fn remedy(self) -> &'static str {
-        match self {
-            Self::Model => "weigh what it delivers: `dose calibrate run`",
-            Self::Repeatability => {
-                "measure it, `dose calibrate verify`, and put CV and volume into the pump file"
-            }
-            Self::RollerVolume => "dose whole pitches, or find the roller volume: `dose calibrate phase`",
+    fn remedy(self) -> Notice {
+        let remedy = match self {
+            Self::Model => "weigh what it delivers",
+            Self::Repeatability => "measure it, and put CV and volume into the pump file",
+            Self::RollerVolume => "dose whole pitches, or find the roller volume",
             Self::Step => "use more microsteps",
-            Self::Pulse => "weigh more short doses: `dose calibrate phase --use`",
-            Self::Phase => "say where the rollers stand, `dose home --set`, or dose whole pitches",
+            Self::Pulse => "weigh more short doses",
+            Self::Phase => "say where the rollers stand, or dose whole pitches",
             Self::Calibration => "weigh more runs, or longer ones, on a better scale",
             Self::SpeedDependence => "calibrate at three speeds or more, this one among them",
-            Self::Speed => "weigh what it delivers at this speed: `dose calibrate run`",
+            Self::Speed => "weigh what it delivers at this speed",
             Self::Temperature => "calibrate at the temperature at which you dose",
             Self::Drop => {
                 "immerse the nozzle's end or use a narrower one, and say so: `end`, `nozzle_bore_mm` in [outlet]"
             }
-            Self::Backflow => "dose slower, end with `--finish low-flow`, or immerse the nozzle's end",
+            Self::Backflow => "dose slower, end at low flow, or immerse the nozzle's end",
             Self::Carry => "calibrate, so that the carry from earlier doses is surer",
-            Self::Angle => {
-                "home by a sensor or a mark, `dose home`, or state the angle with a smaller tolerance"
-            }
+            Self::Angle => "home by a sensor or a mark, or state the angle with a smaller tolerance",
+        };
+        self.way().into_iter().fold(remedy.into(), Notice::with_remedy)
+    }
+
+    /// Returns what a front end can do for the remedy. `None` where the remedy is done by hand.
+    fn way(self) -> Option<Remedy> {
+        match self {
+            Self::Model | Self::Speed => Some(Remedy::CalibrateRuns),
+            Self::Repeatability => Some(Remedy::Verify),
+            Self::RollerVolume => Some(Remedy::FindPhase),
+            Self::Pulse => Some(Remedy::UseShortDoses),
+            Self::Phase => Some(Remedy::SetAngle),
+            Self::Backflow => Some(Remedy::EndAtLowFlow),
+            Self::Angle => Some(Remedy::HomeBySensorOrMark),
+            Self::Step
+            | Self::Calibration
+            | Self::SpeedDependence
+            | Self::Temperature
+            | Self::Drop
+            | Self::Carry => None,
         }
     }
 }

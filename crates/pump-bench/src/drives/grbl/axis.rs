@@ -20,6 +20,7 @@ use super::wire::{BoardPort, Wire};
 use crate::drives::{
     Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Opening, Watch,
 };
+use crate::notice::{Notice, Remedy};
 use crate::pump_file::{DriveTable, DriverName, MotorTable, PumpFile};
 
 /// Relative error of a number that is kept in single precision and told with three decimals.
@@ -51,7 +52,7 @@ pub struct Grbl {
     /// Count of the board at rest. `None` if the board has to be asked again.
     stands: Option<i64>,
     disturbed: Option<Disturbance>,
-    notes: Vec<String>,
+    notes: Vec<Notice>,
 }
 
 impl Grbl {
@@ -86,7 +87,7 @@ impl Grbl {
         opening: &Opening,
         mut reset: bool,
     ) -> Result<Self, GrblError> {
-        let (settings, mut notes) = settings::agreed(&mut board, table.axis, motor, opening)?;
+        let (settings, told) = settings::agreed(&mut board, table.axis, motor, opening)?;
         if settings.soft_limits() {
             return Err(GrblError::SoftLimits);
         }
@@ -104,7 +105,8 @@ impl Grbl {
         }
         connect::rest(&mut board, &mut reset)?;
         let place = board.rests_at()?;
-        notes.extend(remarks(&settings, &scale));
+        let told = told.into_iter().map(Notice::from);
+        let notes = told.chain(remarks(&settings, &scale)).collect();
         Ok(Self {
             least_steps_s: settings.least_steps_s(&scale),
             most_steps_s: settings.most_steps_s(&scale)?,
@@ -256,7 +258,7 @@ impl Drive for Grbl {
             return Err(DriveError::Unable {
                 driver: self.id().to_owned(),
                 ability: "speed that follows the rollers' angle",
-                instead: "leave out --smooth",
+                instead: Remedy::LeaveSmoothOut,
             });
         }
         let checked = self.task(plan);
@@ -290,7 +292,7 @@ impl Drive for Grbl {
         }
     }
 
-    fn notes(&mut self) -> Vec<String> {
+    fn notes(&mut self) -> Vec<Notice> {
         std::mem::take(&mut self.notes)
     }
 
@@ -303,30 +305,36 @@ impl Drive for Grbl {
 }
 
 /// Returns notes for the user on these settings.
-fn remarks(settings: &Settings, scale: &Scale) -> Vec<String> {
+fn remarks(settings: &Settings, scale: &Scale) -> Vec<Notice> {
     let mut notes = Vec::new();
     match settings.holds() {
         Some(true) => {}
-        Some(false) => notes.push(format!(
-            "the board cuts the motor's current after each motion ($1={}), so the angle is less sure each \
-             time; `--configure` sets $1=255",
-            settings.values.get(&1).copied().unwrap_or(0.0)
-        )),
+        Some(false) => {
+            let text = format!(
+                "the board cuts the motor's current after each motion ($1={}), so the angle is less sure each \
+                 time; $1=255 holds it",
+                settings.values.get(&1).copied().unwrap_or(0.0)
+            );
+            notes.push(Notice::from(text).with_remedy(Remedy::Configure));
+        }
         None => notes.push(
             "the board does not tell whether it cuts the motor's current after each motion ($1): the angle \
              is taken to be less sure each time"
-                .to_owned(),
+                .into(),
         ),
     }
     let thousandths = (scale.steps_per_unit * 1e3).round() as i64;
     if thousandths % 10 != 0 {
         let number = settings.number(100);
         let drift = 2e3 * scale.steps_per_unit;
-        notes.push(format!(
-            "${number}={} is told with three decimals and may have more: then counts drift by a step in \
+        notes.push(
+            format!(
+                "${number}={} is told with three decimals and may have more: then counts drift by a step in \
              {drift:.0}; set a whole number, any will do",
-            scale.steps_per_unit
-        ));
+                scale.steps_per_unit
+            )
+            .into(),
+        );
     }
     notes
 }

@@ -14,10 +14,7 @@ use super::code::{alarm_text, error_text, stops_at_once};
 #[non_exhaustive]
 pub enum GrblError {
     /// No serial port is named.
-    #[error(
-        "no serial port is named for the grbl board; give `--port /dev/ttyUSB0`, or `port = \"...\"` in \
-         [drive]"
-    )]
+    #[error("no serial port is named for the grbl board")]
     NoPort,
     /// The port cannot be opened.
     #[error("{} cannot be opened as a serial port: {reason}", .port.display())]
@@ -95,7 +92,7 @@ pub enum GrblError {
     /// The board's ramps are steeper than the pump allows.
     #[error(
         "the board accelerates at {board_rad_s2:.1} rad/s2 (${number}={setting}), the pump file allows \
-         {limit_rad_s2:.1}; `--configure` sets it, or raise [motor] max_acceleration_rad_s2"
+         {limit_rad_s2:.1}"
     )]
     Steep {
         /// Acceleration of the board, in rad/s².
@@ -108,7 +105,7 @@ pub enum GrblError {
         setting: f64,
     },
     /// The board refuses to turn farther than a machine's travel.
-    #[error("the board's soft limits are on ($20=1), but a pump turns on and on; `--configure` sets $20=0")]
+    #[error("the board's soft limits are on ($20=1), but a pump turns on and on; $20=0 turns them off")]
     SoftLimits,
     /// The dose would end beyond the board's exact single-precision positions.
     #[error(
@@ -173,8 +170,8 @@ pub enum GrblError {
     },
     /// Settings that scale the motion differ from those on record.
     #[error(
-        "the board's settings have changed since the last time: {changes}; if you changed them, say \
-         `--accept-settings` once, otherwise set them back (the record is {})", .record.display()
+        "the board's settings have changed since the last time: {changes} (the record is {})",
+        .record.display()
     )]
     SettingsChanged {
         /// Numbers, old and new values of the settings.
@@ -184,8 +181,7 @@ pub enum GrblError {
     },
     /// The record of the board's settings cannot be used.
     #[error(
-        "the record of the board's settings cannot be {action}: {reason} ({}); `--accept-settings` writes it \
-         anew", .record.display()
+        "the record of the board's settings cannot be {action}: {reason} ({})", .record.display()
     )]
     SettingsRecord {
         /// Operation that failed, as the message words it.
@@ -223,7 +219,7 @@ pub enum GrblError {
     #[error("the board was reset; its motor may have moved")]
     Reset,
     /// The connection to the board broke.
-    #[error("the connection to the board broke: {0}; check its cable and power")]
+    #[error("the connection to the board broke")]
     Gone(#[source] io::Error),
     /// The board does not answer.
     #[error("the board has not answered for {waited_s:.1} s; check its cable and power")]
@@ -286,10 +282,7 @@ pub enum GrblError {
         waited_s: f64,
     },
     /// The board's count differs from the steps sent.
-    #[error(
-        "the board counts {counted} steps where {expected} were expected: the rotor's angle is unknown, and \
-         `dose home` finds it"
-    )]
+    #[error("the board counts {counted} steps where {expected} were expected: the rotor's angle is unknown")]
     Count {
         /// Count that the board reports, in steps.
         counted: i64,

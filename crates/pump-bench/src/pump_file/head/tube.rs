@@ -5,14 +5,16 @@ use serde::{Deserialize, Serialize};
 use crate::pump_file::range::{WrongValue, positive, within_if_given};
 
 /// The table `[tube]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct TubeTable {
-    /// Radius of the bore r_i, in mm.
-    pub bore_radius_mm: f64,
-    /// Outer radius r_o, in mm.
-    pub outer_radius_mm: f64,
+    /// Radius of the bore r_i, in mm. `None` beside `[head]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bore_radius_mm: Option<f64>,
+    /// Outer radius r_o, in mm. `None` beside `[head]`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outer_radius_mm: Option<f64>,
     /// Young's modulus E, in MPa. The pressure at which the tube collapses follows from it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub modulus_mpa: Option<f64>,
@@ -25,6 +27,11 @@ pub struct TubeTable {
 }
 
 impl TubeTable {
+    /// Returns true if nothing is known of the tube.
+    pub(in crate::pump_file) fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
     /// Refuses the first value outside its range, and a modulus without a ratio or a ratio without a modulus.
     pub(in crate::pump_file) fn check(&self) -> Result<(), WrongValue> {
         self.life_ml.map_or(Ok(()), |life_ml| positive("[tube] life_ml", life_ml))?;
@@ -39,7 +46,7 @@ impl TubeTable {
     }
 
     /// Returns how far the pressure inside may fall below ambient before the tube collapses, in kPa. Returns
-    /// `None` if modulus or ratio is not known.
+    /// `None` if a radius, modulus or ratio is not known.
     ///
     /// The result is the critical pressure of a long thin-walled ring, E/(4 (1 - nu²)) (t/r_m)³ with wall t
     /// and mean radius r_m (Timoshenko and Gere, Theory of Elastic Stability, section 7.5). It is an
@@ -47,8 +54,8 @@ impl TubeTable {
     pub(crate) fn collapse_below_ambient_kpa(&self) -> Option<f64> {
         const KPA_PER_MPA: f64 = 1e3;
         let (modulus_mpa, nu) = self.modulus_mpa.zip(self.poisson_ratio)?;
-        let wall_mm = self.outer_radius_mm - self.bore_radius_mm;
-        let ratio = wall_mm / (0.5 * (self.outer_radius_mm + self.bore_radius_mm));
+        let (outer_mm, bore_mm) = self.outer_radius_mm.zip(self.bore_radius_mm)?;
+        let ratio = (outer_mm - bore_mm) / (0.5 * (outer_mm + bore_mm));
         Some(KPA_PER_MPA * modulus_mpa / (4.0 * (1.0 - nu * nu)) * ratio * ratio * ratio)
     }
 }
@@ -62,7 +69,7 @@ mod tests {
         let tube = crate::catalogue::built_in("three-roller").unwrap().tube;
         assert!((tube.collapse_below_ambient_kpa().unwrap() - 42.647).abs() < 1e-3);
         // The wall counts in its third power: half of it over the same mean radius.
-        let thin = TubeTable { bore_radius_mm: 5.5, outer_radius_mm: 6.5, ..tube.clone() };
+        let thin = TubeTable { bore_radius_mm: Some(5.5), outer_radius_mm: Some(6.5), ..tube.clone() };
         assert!((thin.collapse_below_ambient_kpa().unwrap() * 8.0 - 42.647).abs() < 1e-2);
         assert_eq!(TubeTable { modulus_mpa: None, ..tube }.collapse_below_ambient_kpa(), None);
     }

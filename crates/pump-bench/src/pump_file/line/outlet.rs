@@ -20,7 +20,7 @@ const UNKNOWN_BORE_MM: f64 = 4.0;
 /// outlet.end = Some(OutletEnd::Immersed);
 /// assert!(!outlet.is_in_air());
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "OutletKeys", into = "OutletKeys")]
 #[non_exhaustive]
 pub struct OutletTable {
@@ -46,6 +46,11 @@ pub enum OutletEnd {
 words!(OutletEnd { Air = "air", Immersed = "immersed" });
 
 impl OutletTable {
+    /// Returns true if a pump file says nothing of line and nozzle.
+    pub(in crate::pump_file) fn is_absent(&self) -> bool {
+        *self == Self::default()
+    }
+
     /// Returns true if the nozzle's end is in air, or may be.
     pub fn is_in_air(&self) -> bool {
         self.end != Some(OutletEnd::Immersed)

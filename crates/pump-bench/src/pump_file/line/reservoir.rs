@@ -27,7 +27,16 @@ pub(crate) enum Side {
     Outlet,
 }
 
+impl Default for Reservoir {
+    fn default() -> Self {
+        Self::OPEN
+    }
+}
+
 impl Reservoir {
+    /// Reservoir that is open to the air and as high as the pump.
+    pub const OPEN: Self = Self::Lift(0.0);
+
     /// Returns the pressure at the line's end for a fluid of this density and an ambient pressure, in kPa absolute.
     ///
     /// A column of height h adds rho g h (hydrostatics): the supply's pulls at the inlet, the vessel's presses at the
@@ -40,12 +49,12 @@ impl Reservoir {
         }
     }
 
-    /// Reads the keys `reservoir_kpa` and `lift_mm`, one of which is given.
-    pub(super) fn of_keys(reservoir_kpa: Option<f64>, lift_mm: Option<f64>) -> Result<Self, String> {
+    /// Reads the keys `reservoir_kpa` and `lift_mm`, at most one of which is given. `None` without either.
+    pub(super) fn of_keys(reservoir_kpa: Option<f64>, lift_mm: Option<f64>) -> Result<Option<Self>, String> {
         match (reservoir_kpa, lift_mm) {
-            (Some(kpa), None) => Ok(Self::Pressure(kpa)),
-            (None, Some(lift_mm)) => Ok(Self::Lift(lift_mm)),
-            (None, None) => Err("missing field `reservoir_kpa` (or a `lift_mm`)".to_owned()),
+            (Some(kpa), None) => Ok(Some(Self::Pressure(kpa))),
+            (None, Some(lift_mm)) => Ok(Some(Self::Lift(lift_mm))),
+            (None, None) => Ok(None),
             (Some(_), Some(_)) => {
                 Err("`reservoir_kpa` and `lift_mm` exclude each other: a lift gives the reservoir's pressure"
                     .to_owned())

@@ -26,7 +26,7 @@ const HEAD: u64 = 4096;
 #[non_exhaustive]
 pub enum JournalError {
     /// The file cannot be read or written.
-    #[error("cannot {action} {}: {source}", .path.display())]
+    #[error("cannot {action} {}", .path.display())]
     File {
         /// Operation that failed.
         action: &'static str,

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::config::Config;
 use crate::record::FolderError;
+use crate::report::error::with_sources;
 
 /// Schema of the JSON.
 const SCHEMA: &str = "config/1";
@@ -82,7 +83,7 @@ impl ShownPump {
     pub fn all(config: &Config) -> Vec<Self> {
         let shown = |(name, file): (&String, &PathBuf)| {
             let read = config.pump(name);
-            let error = read.as_ref().err().map(|error| error.to_string());
+            let error = read.as_ref().err().map(|error| with_sources(error));
             Self { name: name.clone(), file: file.clone(), id: read.ok().map(|file| file.pump.id), error }
         };
         config.pumps().iter().map(shown).collect()

@@ -1,9 +1,10 @@
 //! The facts of an error: its kind, the value and what is allowed.
 
+use std::error::Error;
 use std::fmt::Display;
 
 use super::kind::ErrorKind;
-use super::remedy::Remedy;
+use crate::notice::{Remedy, Wording, with_remedies};
 use crate::report::ending::Ending;
 
 /// Facts of an error, as programs read them.
@@ -38,7 +39,7 @@ impl ErrorFacts {
 }
 
 /// An error that tells programs its facts. Its text is for people.
-pub trait Explain: Display {
+pub trait Explain: Error {
     /// Returns the facts of the error.
     fn facts(&self) -> ErrorFacts;
 
@@ -52,6 +53,34 @@ pub trait Explain: Display {
     fn remedies(&self) -> Vec<Remedy> {
         Vec::new()
     }
+
+    /// Returns the text of the error and of all its sources, and then the remedies in a front end's words.
+    fn told(&self, words: Wording) -> String
+    where
+        Self: Sized,
+    {
+        with_remedies(with_sources(self), &self.remedies(), words)
+    }
+}
+
+/// Returns the text of an error and of all its sources, from the outermost to the cause.
+///
+/// ```
+/// use pump_bench::PumpFile;
+/// use pump_bench::report::with_sources;
+///
+/// let error = PumpFile::read("/no/such/pump.toml".as_ref()).unwrap_err();
+/// assert_eq!(error.to_string(), "cannot read pump file /no/such/pump.toml");
+/// assert!(with_sources(&error).starts_with("cannot read pump file /no/such/pump.toml: No such file"));
+/// ```
+pub fn with_sources(error: &dyn Error) -> String {
+    let mut text = error.to_string();
+    let mut source = error.source();
+    while let Some(cause) = source {
+        text += &format!(": {cause}");
+        source = cause.source();
+    }
+    text
 }
 
 impl<E: Explain> Explain for &E {

@@ -33,6 +33,8 @@ pub enum ErrorKind {
     Calibration,
     /// The doses of a verification are not within their tolerance.
     Tolerance,
+    /// The balance under the vessel cannot be read.
+    Balance,
     /// The rollers' angle is not known or not found.
     Angle,
     /// The record cannot be read or written, or has nothing of the kind that was asked for.
@@ -62,6 +64,7 @@ words_of_reports!(ErrorKind {
     Identification = "identification",
     Calibration = "calibration",
     Tolerance = "tolerance",
+    Balance = "balance",
     Angle = "angle",
     Record = "record",
     Drive = "drive",

@@ -2,14 +2,14 @@
 
 mod explain;
 mod kind;
+mod of_balance;
 mod of_bench;
 mod of_files;
 mod of_model;
 mod remedies;
-mod remedy;
+mod remedies_of_drives;
 mod report;
 
-pub use explain::{ErrorFacts, Explain};
+pub use explain::{ErrorFacts, Explain, with_sources};
 pub use kind::ErrorKind;
-pub use remedy::Remedy;
 pub use report::ErrorReport;

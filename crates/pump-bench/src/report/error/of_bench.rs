@@ -4,9 +4,9 @@ use pump_model::Shown;
 
 use super::explain::{ErrorFacts, Explain};
 use super::kind::ErrorKind;
-use super::remedy::Remedy;
 use crate::dosing::{DoseError, ScheduleError};
 use crate::drives::DriveError;
+use crate::notice::Remedy;
 use crate::record::{FolderError, JournalError};
 use crate::report::ending::Ending;
 
@@ -104,6 +104,10 @@ impl Explain for DriveError {
             | Self::NotBuilt { .. }
             | Self::Sim(_) => ErrorFacts::of(ErrorKind::Drive),
         }
+    }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        self.known_remedies()
     }
 }
 

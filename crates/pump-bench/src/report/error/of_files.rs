@@ -7,11 +7,11 @@ use pump_model::Shown;
 
 use super::explain::{ErrorFacts, Explain};
 use super::kind::ErrorKind;
-use super::remedy::Remedy;
 use crate::calibration::CalibrationError;
 use crate::config::ConfigError;
 use crate::export::PlotError;
 use crate::files::{FileError, TableError};
+use crate::notice::Remedy;
 use crate::pump_file::{FluidError, PumpFileError};
 use crate::units::QuantityError;
 
@@ -51,6 +51,13 @@ impl Explain for QuantityError {
             Self::Zero { text, .. } | Self::Negative { text, .. } => facts.value(text).allowed("more than 0"),
         }
     }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        match self {
+            Self::Tolerance { .. } => vec![Remedy::SayUnknownAngle],
+            _ => Vec::new(),
+        }
+    }
 }
 
 impl Explain for ConfigError {
@@ -65,6 +72,13 @@ impl Explain for ConfigError {
             }
             Self::SameId { id, .. } => facts.value(id).allowed("an id of its own for each name"),
             Self::Pump(error) => error.facts(),
+        }
+    }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        match self {
+            Self::Pump(error) => error.remedies(),
+            _ => Vec::new(),
         }
     }
 }
@@ -83,6 +97,10 @@ impl Explain for PumpFileError {
             Self::Displacement { source, .. } => of_pump_file(source.facts()),
             Self::Limits { source, .. } => of_pump_file(source.facts()),
         }
+    }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        self.known_remedies()
     }
 }
 
@@ -127,6 +145,14 @@ impl Explain for CalibrationError {
             | Self::PartOfPitch { turned_deg, pitch_deg } => {
                 facts.value(format!("{turned_deg} deg")).allowed(format!("whole pitches of {pitch_deg} deg"))
             }
+            Self::NoLastDose => facts,
+            Self::UnsureLastDose { turned_deg, half_width_deg } => facts
+                .value(format!("± {half_width_deg:.3} deg"))
+                .allowed(format!("± {:.3} deg at most", 1e-3 * turned_deg.abs())),
+            Self::LastDoseFromUnknownAngle { turned_deg, pitch_deg } => {
+                facts.value(format!("{turned_deg} deg")).allowed(format!("whole pitches of {pitch_deg} deg"))
+            }
+            Self::WeighedOtherwise { version, .. } => facts.value(format!("calibration {version}")),
             Self::Implausible { measured_ml, model_ml, .. } => facts
                 .value(format!("{measured_ml:.4} mL"))
                 .allowed(format!("{:.4} to {:.4} mL", 0.5 * model_ml, 2.0 * model_ml)),

@@ -2,9 +2,12 @@
 
 use std::io;
 
-use super::remedy::Remedy;
+use pump_ctl::plan::{Nearest, PlanError};
+
 use crate::calibration::CalibrationError;
 use crate::dosing::DoseError;
+use crate::notice::Remedy;
+use crate::pump_file::PumpFileError;
 use crate::record::{FolderError, JournalError};
 
 impl DoseError {
@@ -29,21 +32,50 @@ impl DoseError {
                 then(source.known_remedies(), Remedy::ThenSeeStatus)
             }
             Self::SlowDisk { .. } => vec![Remedy::FasterDisk, Remedy::ThenSeeStatus],
-            Self::Drive { unfinished: true, .. } => vec![Remedy::SeeStatusThenFinish],
-            Self::Drive { unfinished: false, .. } => vec![Remedy::SeeStatus],
+            Self::Drive { error, unfinished: true, .. } => {
+                then(error.known_remedies(), Remedy::SeeStatusThenFinish)
+            }
+            Self::Drive { error, unfinished: false, .. } => then(error.known_remedies(), Remedy::SeeStatus),
             Self::Retraction { source, .. } => source.known_remedies(),
-            Self::AngleNotRecorded { source, .. } => source.known_remedies(),
-            Self::PumpFile(_)
-            | Self::Plan(_)
+            Self::AngleNotRecorded { source, .. } => then(source.known_remedies(), Remedy::ThenFindAngle),
+            Self::PumpFile(error) => error.known_remedies(),
+            Self::Connection(error) => error.known_remedies(),
+            Self::SuckBack { source, .. } if breaks_at_rest(source) => Vec::new(),
+            Self::SuckBack { .. } => vec![Remedy::SuckBackLess],
+            Self::Plan(_)
             | Self::Displacement(_)
-            | Self::Connection(_)
-            | Self::SuckBack { .. }
             | Self::Stale { .. }
             | Self::TooSlow { .. }
             | Self::NoAngle { .. }
             | Self::NoIndex { .. }
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Vec::new(),
+        }
+    }
+}
+
+/// Returns true for a plan that a limit refuses because the line breaks it at rest: then no speed helps.
+fn breaks_at_rest(error: &PlanError) -> bool {
+    use PlanError::{InletPressure, OutletPressure, OutletSuction};
+    match error {
+        OutletPressure { nearest, .. } | InletPressure { nearest, .. } | OutletSuction { nearest, .. } => {
+            *nearest == Nearest::RestBreaks
+        }
+        _ => false,
+    }
+}
+
+impl PumpFileError {
+    /// Returns the remedies that a person has.
+    pub(super) fn known_remedies(&self) -> Vec<Remedy> {
+        match self {
+            // The one fault of a port is that there is none.
+            Self::Value { key: "[drive] port", .. } => vec![Remedy::PortEachTime],
+            Self::Value { key: "[head] catalogue", .. } => vec![Remedy::ListHeads],
+            Self::Value { key: "[head] ml_per_rev", value, .. } if value == "missing" => {
+                vec![Remedy::ListHeads]
+            }
+            _ => Vec::new(),
         }
     }
 }
@@ -89,6 +121,9 @@ impl CalibrationError {
             Self::PartOfPitch { .. } => vec![Remedy::MorePitchesOrFindAngle],
             Self::OutsideSpeeds { .. } => vec![Remedy::CalibrateMoreSpeeds],
             Self::OtherPump { .. } => vec![Remedy::CalibrateAgain],
+            Self::NoLastDose | Self::UnsureLastDose { .. } => vec![Remedy::DoseThenWeigh],
+            Self::LastDoseFromUnknownAngle { .. } => vec![Remedy::DoseFromKnownAngle],
+            Self::WeighedOtherwise { .. } => vec![Remedy::JoinOrBeginAnew],
             Self::File { .. }
             | Self::Table(_)
             | Self::TooFew { .. }

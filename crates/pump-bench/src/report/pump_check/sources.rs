@@ -1,6 +1,6 @@
 //! The sources of a pump's values: measured, given, estimated or assumed.
 
-use crate::pump_file::{AmbientSource, LineTable, PumpFile, Reservoir, RollerVolumeTable};
+use crate::pump_file::{AmbientSource, LineSource, LineTable, PumpFile, Reservoir, RollerVolumeTable};
 
 /// Source of a value in a pump file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,6 +13,8 @@ enum Source {
     Estimated,
     /// The program assumes it.
     Assumed,
+    /// Nobody knows it, and nothing is computed from it.
+    Unknown,
 }
 
 /// Returns a line for each source, with the values that it has.
@@ -27,6 +29,7 @@ pub(super) fn source_lines(file: &PumpFile) -> Vec<(&'static str, String)> {
         (Source::Given, "given"),
         (Source::Estimated, "estimated"),
         (Source::Assumed, "assumed"),
+        (Source::Unknown, "unknown"),
     ];
     sources.into_iter().filter_map(line).collect()
 }
@@ -34,21 +37,38 @@ pub(super) fn source_lines(file: &PumpFile) -> Vec<(&'static str, String)> {
 /// Returns the values of a pump file, each with its source.
 fn values(file: &PumpFile) -> [(&'static str, Source); 11] {
     let given_or = |is_given: bool, otherwise| if is_given { Source::Given } else { otherwise };
-    let line = |table: &LineTable| given_or(!table.is_estimated(), Source::Estimated);
+    let line = |table: &LineTable| match table.source {
+        LineSource::Unknown => Source::Unknown,
+        LineSource::Given { .. } => Source::Given,
+        LineSource::Hose(_) => Source::Estimated,
+    };
     let is_confirmed = file.motor.confirmed != Some(false);
-    let reservoirs = [file.inlet.reservoir, file.outlet.line.reservoir];
-    let has_pressures = reservoirs.iter().all(|reservoir| matches!(reservoir, Reservoir::Pressure(_)));
+    let lines = [&file.inlet, &file.outlet.line];
+    let is_open = |line: &&LineTable| line.is_unknown() && line.reservoir == Reservoir::OPEN;
+    let reservoirs = if lines.iter().any(is_open) {
+        Source::Assumed
+    } else if lines.iter().all(|line| matches!(line.reservoir, Reservoir::Pressure(_))) {
+        Source::Given
+    } else {
+        Source::Estimated
+    };
+    let head = match &file.head {
+        Some(_) => "volume of a revolution",
+        None => "head's dimensions",
+    };
     let roller = match &file.roller_volume {
-        RollerVolumeTable::Measured { .. } => Source::Measured,
-        RollerVolumeTable::Polynomial { .. } => Source::Given,
-        RollerVolumeTable::Drawing => Source::Estimated,
+        Some(RollerVolumeTable::Measured { .. }) => Source::Measured,
+        Some(RollerVolumeTable::Polynomial { .. }) => Source::Given,
+        Some(RollerVolumeTable::Drawing) => Source::Estimated,
+        // The default pulse of a bought head.
+        None => Source::Assumed,
     };
     [
-        ("head's dimensions", Source::Given),
+        (head, Source::Given),
         ("volume of a roller", roller),
         ("R, C and L of the inlet", line(&file.inlet)),
         ("R, C and L of the outlet", line(&file.outlet.line)),
-        ("pressures of the reservoirs", given_or(has_pressures, Source::Estimated)),
+        ("pressures of the reservoirs", reservoirs),
         ("steps of the motor", given_or(is_confirmed, Source::Assumed)),
         ("direction of the motor", given_or(is_confirmed && file.drive.is_some(), Source::Assumed)),
         ("density of the fluid", Source::Given),

@@ -2,6 +2,8 @@
 
 mod another_pump;
 mod doser;
+mod in_time;
+mod offer;
 mod plain_ramp;
 mod retarget;
 mod start;

@@ -1,6 +1,7 @@
 //! A new volume or a new rate in the midst of a dose.
 
 use super::doser::Doser;
+use super::offer::offered_ml;
 use super::start::Start;
 use crate::parameter::Parameter;
 use crate::plan::Plan;
@@ -74,7 +75,12 @@ impl Doser<'_> {
         };
         if too_few {
             let stands = made.saturating_add_signed(stopping);
-            let nearest_ml = plan.before_ml + plan.delivered_ml(pump, stands);
+            let mut nearest_ml = plan.before_ml + plan.delivered_ml(pump, stands);
+            if pump.outlet_curve().reverses() {
+                let (direction, least_ml) = (plan.direction().sign().into(), nearest_ml - delivered_ml);
+                let (least, step_rad) = ((least_ml, stopping), plan.step_rad);
+                nearest_ml = delivered_ml + offered_ml(pump, phase, &request, least, direction, step_rad);
+            }
             return Err(PlanError::CannotStopThere { asked_ml: volume_ml, delivered_ml, nearest_ml });
         }
         let mut lines = plan.lines_at(pump, made);

@@ -2,6 +2,7 @@
 
 use pump_model::Pump;
 
+use super::in_time::InTime;
 use crate::plan::Plan;
 use crate::plan::limits::{Limits, Motor};
 use crate::plan::line_states::LineStates;
@@ -10,6 +11,9 @@ use crate::plan::ramps::{Grid, line_aware};
 use crate::plan::speed::choose;
 use crate::plan::target::Target;
 use crate::plan::words::{Cruise, LimitedBy, Phase, PlanError, Ramps, Request, Turned};
+
+/// Part of the motor's largest speed from which on a speed is the largest.
+const NEARLY: f64 = 1.0 - 1e-9;
 
 /// The state of rotor and lines from which a move goes on.
 pub(super) struct Start {
@@ -33,7 +37,7 @@ impl Start {
     /// asks for.
     ///
     /// The speed is chosen with usual ramps. The ramps of the dose itself are sought at that speed, and kept if
-    /// they hold every limit, and the time that is asked for.
+    /// they hold every limit. A time that is asked for has a search of its own.
     pub(super) fn plan(
         &self,
         pump: &Pump,
@@ -41,6 +45,9 @@ impl Start {
         request: &Request,
         limits: &Limits,
     ) -> Result<Plan, PlanError> {
+        if let (Cruise::Within { time_s }, Ramps::LineAware) = (request.cruise, request.ramps) {
+            return InTime { start: self, pump, target, request, limits, time_s }.plan();
+        }
         let usual = |course: &Course, cruise_rad_s: f64| match request.ramps {
             Ramps::LineAware => Grid::new(pump.outlet(), course, cruise_rad_s).usual(),
             Ramps::Fastest => None,
@@ -60,14 +67,14 @@ impl Start {
                 }
                 let free = choose(pump, request.cruise, &Limits::new(limits.motor), at_speed)?;
                 free.check_ripples(pump)?;
-                return own_ramps(pump, free, request, limits)?.ok_or(refused);
+                return own_ramps(pump, free, request, limits).ok_or(refused);
             }
         };
         planned.check_ripples(pump)?;
         if !is_sought {
             return Ok(planned);
         }
-        let own = own_ramps(pump, planned.clone(), request, limits)?;
+        let own = own_ramps(pump, planned.clone(), request, limits);
         Ok(own.unwrap_or(planned))
     }
 
@@ -87,7 +94,7 @@ impl Start {
     }
 
     /// Makes the plan at a cruise speed, without regard to pressures and torque.
-    fn plan_at_speed(
+    pub(super) fn plan_at_speed(
         &self,
         pump: &Pump,
         target: &Target,
@@ -131,6 +138,7 @@ impl Start {
             step_rad: motor.step_rad(),
             profile,
             ramps: request.ramps,
+            is_hurried: false,
             limited_by: if profile.reaches_limit() { LimitedBy::Nothing } else { LimitedBy::Acceleration },
             before_ml: self.before_ml,
             lines: self.lines,
@@ -138,28 +146,22 @@ impl Start {
     }
 }
 
-/// Returns `usual` with the ramps that are best for itself. `None` if they break a limit, or miss the time that is
-/// asked for.
-fn own_ramps(
-    pump: &Pump,
-    usual: Plan,
-    request: &Request,
-    limits: &Limits,
-) -> Result<Option<Plan>, PlanError> {
-    let Some(shape) = line_aware(pump, &usual) else { return Ok(None) };
+/// Returns `usual` with the ramps that are best for itself. `None` if they break a limit.
+fn own_ramps(pump: &Pump, usual: Plan, request: &Request, limits: &Limits) -> Option<Plan> {
+    let shape = line_aware(pump, &usual)?;
     let profile = usual.profile.with_shape(Some(shape));
     let limited_by = match usual.limited_by {
         LimitedBy::Nothing | LimitedBy::Speed if !profile.reaches_limit() => LimitedBy::Acceleration,
         LimitedBy::Acceleration if profile.reaches_limit() => match request.cruise {
+            // The search ends at the speed that a short dose reaches, which is no limit of the motor.
+            Cruise::Fastest if profile.peak_rad_s() < NEARLY * limits.motor.max_speed_rad_s => {
+                LimitedBy::Acceleration
+            }
             Cruise::Fastest => LimitedBy::Speed,
             _ => LimitedBy::Nothing,
         },
         other => other,
     };
     let own = Plan { profile, limited_by, ..usual };
-    let in_time = match request.cruise {
-        Cruise::Within { time_s } => profile.duration_s() + own.settle_s(pump)? <= time_s,
-        _ => true,
-    };
-    Ok((in_time && limits.broken(pump, &own).is_none()).then_some(own))
+    limits.broken(pump, &own).is_none().then_some(own)
 }

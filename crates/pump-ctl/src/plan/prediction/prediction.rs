@@ -52,7 +52,7 @@ impl Plan {
     /// Returns the largest distance of a port's pressure from that of the smooth motion by the motor's steps,
     /// kPa. See [`pump_model::Line::worst_step_kpa_ml`].
     pub(in crate::plan) fn step_kpa(&self, pump: &Pump, port: Port) -> f64 {
-        let largest_ml = pump.curve(port).flow_range_ml_rad().1 * self.step_rad;
+        let largest_ml = pump.curve(port).largest_flow_ml_rad() * self.step_rad;
         let (shortest_s, longest_s) = (self.step_rad / self.profile.peak_rad_s(), self.longest_interval_s());
         largest_ml * pump.line(port).worst_step_kpa_ml(shortest_s, longest_s, self.profile.duration_s())
     }

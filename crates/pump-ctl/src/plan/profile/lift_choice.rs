@@ -39,8 +39,9 @@ const LAST: f32 = 0.2;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Search {
     pub(super) swing: Swing,
-    /// Inverse square of the flow per radian at each knot, rad²/mL².
+    /// Inverse square of the flow per radian at each knot, rad²/mL², and its root.
     pub(super) per_square: PerKnot,
+    pub(super) per_flow: PerKnot,
     /// Length of a part between two knots, and of the even part, rad.
     pub(super) part_rad: f32,
     pub(super) even_rad: f32,
@@ -69,7 +70,7 @@ impl Search {
         if self.is_even(flow_ml_s) {
             return None;
         }
-        let plain = self.trial(None, flow_ml_s)?;
+        let plain = self.trial(None, flow_ml_s, f32::INFINITY)?;
         let middle = self.middle();
         let none = Trial { peak_to_peak: f32::INFINITY, ..plain };
         let starts = DISTANCES.iter().flat_map(|feet| LOWER.map(|lower| started(*feet, lower, middle)));
@@ -97,7 +98,8 @@ impl Search {
 
     /// Returns the better of a trial and another lift.
     fn better(&self, best: Trial, lift: Lift, middle: usize) -> Trial {
-        let found = lift.is_about(middle).then(|| self.trial(Some(lift), best.flow_ml_s)).flatten();
+        let found = lift.is_about(middle).then(|| self.trial(Some(lift), best.flow_ml_s, best.peak_to_peak));
+        let found = found.flatten();
         found.filter(|found| found.peak_to_peak < best.peak_to_peak).unwrap_or(best)
     }
 
@@ -116,8 +118,9 @@ impl Search {
         squares.as_flattened().iter().zip(wanted).all(|(square, wanted)| *square >= (1.0 - SAME) * wanted)
     }
 
-    /// Tries a lift. There is no trial where no flow limit near `flow_ml_s` gives the mean speed.
-    fn trial(&self, lift: Option<Lift>, flow_ml_s: f32) -> Option<Trial> {
+    /// Tries a lift. There is no trial where no flow limit near `flow_ml_s` gives the mean speed, or where the ripple
+    /// exceeds `most`, mL/s.
+    fn trial(&self, lift: Option<Lift>, flow_ml_s: f32, most: f32) -> Option<Trial> {
         /// Largest part by which the time of a pitch may differ.
         const NEAR: f32 = 3e-4;
         let mut flow_ml_s = flow_ml_s;
@@ -127,7 +130,7 @@ impl Search {
             let parts = self.parts(&speeds);
             let off = parts.clone().map(|(duration_s, ..)| duration_s).sum::<f32>() / self.period_s - 1.0;
             if off.abs() < NEAR {
-                let peak_to_peak = self.swing.outflow(parts).peak_to_peak();
+                let peak_to_peak = self.swing.outflow(parts, most)?.peak_to_peak();
                 return Some(Trial { lift, flow_ml_s, peak_to_peak });
             }
             // A secant; at first, and where it leads astray, in proportion.
@@ -177,14 +180,12 @@ impl Search {
     /// Returns the parts of a pitch: the duration, s, and the flows at the rollers at both ends, mL/s.
     fn parts<'a>(&'a self, speeds: &'a PerKnot) -> impl Iterator<Item = (f32, f32, f32)> + Clone + 'a {
         let [[first, ..], ..] = speeds;
-        let [[even, ..], ..] = &self.per_square;
-        let knots =
-            || speeds.as_flattened().iter().zip(self.per_square.as_flattened()).chain([(first, even)]);
+        let [[even, ..], ..] = &self.per_flow;
+        let knots = || speeds.as_flattened().iter().zip(self.per_flow.as_flattened()).chain([(first, even)]);
         let along = knots().zip(knots().skip(1)).map(|((from, from_part), (to, to_part))| {
-            let flow = |speed: f32, per_square: f32| speed / sqrtf(per_square);
-            (2.0 * self.part_rad / (from + to), flow(*from, *from_part), flow(*to, *to_part))
+            (2.0 * self.part_rad / (from + to), from / from_part, to / to_part)
         });
-        let flow = first / sqrtf(*even);
+        let flow = first / even;
         along.chain([(self.even_rad / first, flow, flow)])
     }
 }

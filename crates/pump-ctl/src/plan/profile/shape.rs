@@ -27,6 +27,11 @@ impl Shape {
         Self { up_s: up_s.max(whole_s), down_s, between }
     }
 
+    /// Returns the shape with each leg shortened to a part of its time.
+    pub(in crate::plan) fn shortened(self, part: f64) -> Self {
+        Self { up_s: part * self.up_s, down_s: self.down_s.map(|leg_s| part * leg_s), ..self }
+    }
+
     /// Returns the angle of the way down from a plateau of 1 rad/s, which is a mean time, s.
     pub(super) fn down_mean_s(&self) -> f64 {
         let Self { down_s: [first_s, last_s], between, .. } = *self;

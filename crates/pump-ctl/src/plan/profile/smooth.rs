@@ -1,7 +1,7 @@
 //! The speeds at which the flow is as smooth as the motor allows: at the outlet's rollers, or at the end of
 //! the outlet line where that amplifies what is left of the ripple.
 
-use libm::sqrt;
+use libm::{sqrt, sqrtf};
 use pump_model::units::wrap;
 use pump_model::{FlowCurve, Pump};
 
@@ -50,7 +50,8 @@ impl SmoothKnots {
         for (knot, slot) in per_square.as_flattened_mut().iter_mut().enumerate() {
             let angle_rad = sign * (origin_rad + knot as f64 * part_rad);
             let flow = curve.flow_ml_rad(angle_rad).max(curve.flow_ml_rad(angle_rad - BESIDE_RAD));
-            *slot = 1.0 / (flow * flow);
+            // No speed makes a forward flow where the flow reverses: the rotor passes as fast as it may.
+            *slot = if flow > 0.0 { 1.0 / (flow * flow) } else { f64::INFINITY };
         }
         Self {
             pitch_rad: curve.pitch_rad(),
@@ -119,8 +120,10 @@ impl SmoothLimit {
         let curve = pump.outlet_curve();
         let knots = SmoothKnots::new(curve, direction, max_rad_s, acceleration_rad_s2);
         let plain_ml_s = knots.flow_limit_ml_s(curve, mean_rad_s, None);
-        let lift = Swing::new(pump.outlet(), curve.pitch_rad() / mean_rad_s)
-            .and_then(|swing| knots.search(swing, mean_rad_s).best(plain_ml_s as f32));
+        // The search for a lift compares flows of one direction.
+        let swing =
+            if curve.reverses() { None } else { Swing::new(pump.outlet(), curve.pitch_rad() / mean_rad_s) };
+        let lift = swing.and_then(|swing| knots.search(swing, mean_rad_s).best(plain_ml_s as f32));
         let flow_ml_s = lift.map_or(plain_ml_s, |_| knots.flow_limit_ml_s(curve, mean_rad_s, lift));
         Self { flow_ml_s, max_rad_s, lift }
     }
@@ -139,9 +142,11 @@ impl SmoothKnots {
 
     /// Returns the search for the lift at a mean speed.
     fn search(&self, swing: Swing, mean_rad_s: f64) -> Search {
+        let per_square = self.per_square();
         Search {
             swing,
-            per_square: self.per_square(),
+            per_square,
+            per_flow: per_square.map(|row| row.map(sqrtf)),
             part_rad: (self.uneven_rad / PARTS as f64) as f32,
             even_rad: (self.pitch_rad - self.uneven_rad) as f32,
             rise: self.rise as f32,

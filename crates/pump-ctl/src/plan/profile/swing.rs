@@ -88,14 +88,25 @@ impl Swing {
         })
     }
 
-    /// Returns the range of the flow at the line's end. `parts` are the parts of a period, each with its
-    /// duration, s, and the flows at the rollers at its ends, mL/s, between which the flow is taken as linear.
-    pub(super) fn outflow(&self, parts: impl Iterator<Item = (f32, f32, f32)> + Clone) -> Outflow {
+    /// Returns the range of the flow at the line's end, or none if it exceeds `most`, mL/s. `parts` are the parts of a
+    /// period, each with its duration, s, and the flows at the rollers at its ends, mL/s, between which the flow is
+    /// taken as linear.
+    pub(super) fn outflow(
+        &self,
+        parts: impl Iterator<Item = (f32, f32, f32)> + Clone,
+        most: f32,
+    ) -> Option<Outflow> {
         let after = parts.clone().fold([0.0; 2], |state, part| self.along(state, part, |_| {}));
         let [one, two] = self.repeating.map(|[y, v]| y * after[0] + v * after[1]);
         let mut outflow = Outflow { low: one, high: one };
-        parts.fold([one, two], |state, part| self.along(state, part, |flow| outflow.cover(flow)));
-        outflow
+        let mut state = [one, two];
+        for part in parts {
+            state = self.along(state, part, |flow| outflow.cover(flow));
+            if outflow.peak_to_peak() > most {
+                return None;
+            }
+        }
+        Some(outflow)
     }
 
     /// Returns the state at the end of a part, and reports the flows at the line's end on the way.

@@ -4,12 +4,15 @@ use libm::ceil;
 use pump_model::{FlowCurve, Leg, Line, LineState, LineStep};
 
 use super::left_over::LeftOver;
-use super::ring_down::RingDown;
+use super::ring_down::{Decay, RingDown};
 use crate::plan::profile::Profile;
 
 /// Compliances for which the ramps are made, over the one that is known. Lamé's formula misses the paper's
 /// measured compliance by as much (0.0455 against 0.0361 mL/kPa), and from what side is not known.
 const COMPLIANCES: [f64; 3] = [0.75, 1.0, 1.25];
+
+/// Place of the line that is known among those that may be.
+pub(super) const KNOWN: usize = 1;
 
 /// States of the lines that may be.
 pub(super) type States = [LineState; 3];
@@ -17,6 +20,7 @@ pub(super) type States = [LineState; 3];
 /// The lines that may be at the outlet, and a time step of each.
 pub(super) struct Lines {
     lines: [Line; 3],
+    decays: [Decay; 3],
     step_s: f64,
     steps: [LineStep; 3],
 }
@@ -26,14 +30,15 @@ impl Lines {
     pub(super) fn new(outlet: &Line, step_s: f64) -> Self {
         let lines = COMPLIANCES
             .map(|factor| Line { compliance_ml_kpa: factor * outlet.compliance_ml_kpa, ..*outlet });
-        Self { lines, step_s, steps: lines.map(|line| LineStep::new(&line, step_s)) }
+        let decays = lines.map(|line| Decay::new(&line));
+        Self { lines, decays, step_s, steps: lines.map(|line| LineStep::new(&line, step_s)) }
     }
 
     /// Returns the lines with steps of another length.
     pub(super) fn with_steps_of(&self, step_s: f64) -> Self {
         let is_same = (step_s - self.step_s).abs() <= 1e-9 * self.step_s;
         let steps = if is_same { self.steps } else { self.lines.map(|line| LineStep::new(&line, step_s)) };
-        Self { lines: self.lines, step_s, steps }
+        Self { step_s, steps, ..*self }
     }
 
     /// Returns the states of lines that have carried this flow for long.
@@ -74,7 +79,7 @@ impl Lines {
 
     /// Returns the ways to rest from these states.
     pub(super) fn ring_down(&self, states: &States) -> impl Iterator<Item = RingDown> {
-        self.lines.iter().zip(states).map(|(line, state)| RingDown::new(line, *state))
+        self.decays.iter().zip(states).map(|(decay, state)| RingDown::new(decay, *state))
     }
 
     /// Returns states with `volume_ml` more in each line.

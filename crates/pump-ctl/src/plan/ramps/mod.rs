@@ -10,4 +10,4 @@ mod search;
 
 pub(in crate::plan) use grid::Grid;
 pub(in crate::plan) use plain::best_plain;
-pub(in crate::plan) use search::line_aware;
+pub(in crate::plan) use search::{in_time, is_no_fault, line_aware, taken_back_ml};

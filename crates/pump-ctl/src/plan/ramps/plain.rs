@@ -28,11 +28,12 @@ pub(in crate::plan) fn best_plain<E>(
     let mut best: Option<(f64, Outcome)> = None;
     for number in 0..TRIES {
         let acceleration_rad_s2 = largest_rad_s2 * pow(PART, f64::from(number));
-        let mut all = Outcome { taken_back_ml: 0.0, time_s: 0.0 };
+        let mut all = Outcome { taken_back_ml: 0.0, time_s: 0.0, limit_ml: 0.0 };
         for angle in 0..ANGLES {
             let start_rad = pump.pitch_rad() * f64::from(angle) / f64::from(ANGLES);
             let one = outcome_from_rest(pump, &dose_of(start_rad, acceleration_rad_s2)?);
             all.taken_back_ml = all.taken_back_ml.max(one.taken_back_ml);
+            all.limit_ml = one.limit_ml;
             all.time_s += one.time_s / f64::from(ANGLES);
         }
         if best.is_none_or(|(_, best)| all.is_better_than(&best)) {

@@ -83,7 +83,7 @@ fn cannot_break(pump: &Pump, limits: &Limits, plan: &Plan) -> bool {
         return false;
     }
     let peak_rad_s = plan.profile.peak_rad_s();
-    let [inlet, outlet] = [pump.inlet_curve(), pump.outlet_curve()].map(|curve| curve.flow_range_ml_rad().1);
+    let [inlet, outlet] = [pump.inlet_curve(), pump.outlet_curve()].map(|curve| curve.largest_flow_ml_rad());
     let within_kpa = [
         inlet * peak_rad_s * pump.inlet().worst_kpa_s_ml(),
         outlet * peak_rad_s * pump.outlet().worst_kpa_s_ml(),

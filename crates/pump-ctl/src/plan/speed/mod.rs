@@ -11,3 +11,4 @@ mod within;
 pub use for_flow::speed_for_flow;
 
 pub(in crate::plan) use choice::choose;
+pub(in crate::plan) use rounded::up;

@@ -14,7 +14,7 @@ pub(super) fn scale(x: f64) -> f64 {
 }
 
 /// Rounds `x` up. A message that names the result as needed then names enough.
-pub(super) fn up(x: f64) -> f64 {
+pub(in crate::plan) fn up(x: f64) -> f64 {
     ceil(x * scale(x)) / scale(x)
 }
 

@@ -1,5 +1,6 @@
 //! The slowest cruise that meets a time.
 
+use libm::{floor, log, pow};
 use pump_model::Pump;
 
 use super::fastest::fastest;
@@ -61,20 +62,22 @@ pub(super) fn slowest_within(
     if total_s(slow)? <= time_s {
         return Ok(at_speed(slow));
     }
-    let mut fast = slow;
+    // Counted from the fastest, the speeds do not depend on the time. So the shortest time that a refusal names is met.
+    let mut left = floor(log(fastest_rad_s / slow) / log(RATIO)).max(0.0);
     let mut shortest_s = f64::INFINITY;
-    loop {
-        if fast >= fastest_rad_s {
-            return Err(PlanError::TimeTooShort { asked_s: time_s, fastest_s: up(shortest_s) });
-        }
-        fast = (fast * RATIO).min(fastest_rad_s);
+    let mut fast = loop {
+        let fast = fastest_rad_s * pow(RATIO, -left);
         let total_s = total_s(fast)?;
         shortest_s = shortest_s.min(total_s);
         if total_s <= time_s {
-            break;
+            break fast;
+        }
+        if left <= 0.0 {
+            return Err(PlanError::TimeTooShort { asked_s: time_s, fastest_s: up(shortest_s) });
         }
         slow = fast;
-    }
+        left -= 1.0;
+    };
     while fast - slow > 1e-9 * fast {
         let middle = 0.5 * (slow + fast);
         if total_s(middle)? <= time_s {

@@ -5,6 +5,7 @@ use pump_model::Pump;
 use pump_model::units::degrees;
 
 use super::delivered::{booked, delivered};
+use super::ends_by_volume::EndsByVolume;
 use super::low_flow::LowFlow;
 use super::target::Target;
 use crate::plan::words::{Phase, PlanError, Request, Turned};
@@ -18,6 +19,8 @@ type LowFlowEnd = (f64, (f64, f64));
 /// `nearest_steps` itself counts as both. Both ends lie in the direction of `owed_ml`, and neither has zero
 /// steps. A pump whose flow is never low is refused. An angle that is not known well enough at the end is
 /// refused too.
+///
+/// Where the flow reverses, the ends are the nearest by their volume.
 pub(in crate::plan) fn ends(
     pump: &Pump,
     start: Phase,
@@ -37,6 +40,10 @@ pub(in crate::plan) fn ends(
     let revolution = f64::from(pump.geometry().rollers);
     let pitch = floor((start.angle_rad + nearest_steps * step_rad) / curve.pitch_rad());
     let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
+    let mut by_volume = EndsByVolume::new(owed_ml.abs(), |steps: f64| {
+        let (least_ml, most_ml) = delivered(pump, start.aimed(), direction * steps, step_rad);
+        direction * 0.5 * (least_ml + most_ml)
+    });
     // A coarse step may pass over a stretch. Over a revolution it meets every stretch that it ever meets.
     let mut away = -revolution - 1.0;
     while away <= revolution + 1.0 {
@@ -46,6 +53,10 @@ pub(in crate::plan) fn ends(
             let [a, b] = [begun_rad, ended_rad].map(|rad| direction * (offset + rad / step_rad));
             let (first, last) = (ceil(a.min(b)).max(1.0), floor(a.max(b)));
             if first > last {
+                continue;
+            }
+            if curve.reverses() {
+                by_volume.look(first, last);
                 continue;
             }
             if first <= nearest {
@@ -61,6 +72,9 @@ pub(in crate::plan) fn ends(
         let steps_signed = direction * steps;
         (steps_signed, delivered(pump, start, steps_signed, step_rad))
     };
+    if curve.reverses() {
+        return Ok([by_volume.below, by_volume.above].map(|found| found.map(|(steps, _)| end(steps))));
+    }
     Ok([below, above].map(|steps| steps.is_finite().then(|| end(steps))))
 }
 

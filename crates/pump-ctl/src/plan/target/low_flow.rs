@@ -36,7 +36,7 @@ impl LowFlow {
         if least_ml_rad > limit_ml_rad {
             return Err(PlanError::NoLowFlow { least_ml_rad, limit_ml_rad });
         }
-        let is_low = |angle_rad: f64| curve.flow_ml_rad(angle_rad) <= limit_ml_rad;
+        let is_low = |angle_rad: f64| counts(curve.flow_ml_rad(angle_rad), limit_ml_rad);
         let mut found = Self { stretches: [(0.0, 0.0); MAX_STRETCHES], count: 0 };
         let look_rad = curve.pitch_rad() / f64::from(LOOKS);
         // The search starts where the flow is high and goes once around, so no stretch is cut in two.
@@ -81,11 +81,17 @@ impl LowFlow {
     }
 }
 
+/// Returns true if a flow per radian is low: positive, and no more than the limit. A flow that reverses takes back
+/// what was delivered, so no dose ends there.
+fn counts(flow_ml_rad: f64, limit_ml_rad: f64) -> bool {
+    flow_ml_rad > 0.0 && flow_ml_rad <= limit_ml_rad
+}
+
 /// Finds the angle between `high_rad` and `low_rad` at which the flow becomes low, on the low side.
 fn edge(curve: &FlowCurve, limit_ml_rad: f64, mut high_rad: f64, mut low_rad: f64) -> f64 {
     for _ in 0..60 {
         let middle_rad = 0.5 * (high_rad + low_rad);
-        if curve.flow_ml_rad(middle_rad) <= limit_ml_rad {
+        if counts(curve.flow_ml_rad(middle_rad), limit_ml_rad) {
             low_rad = middle_rad;
         } else {
             high_rad = middle_rad;

@@ -2,11 +2,14 @@
 
 mod delivered;
 mod ends;
+mod ends_by_volume;
+mod first_end;
 mod low_flow;
 mod nearest;
 mod target;
 
 pub(in crate::plan) use delivered::{booked, delivered};
 pub(in crate::plan) use ends::ends;
+pub(in crate::plan) use first_end::first;
 pub(in crate::plan) use nearest::nearest_steps;
 pub(in crate::plan) use target::Target;

@@ -5,11 +5,9 @@ use pump_model::Pump;
 
 use super::delivered::{booked, delivered};
 use super::ends::at_low_flow;
+use super::first_end::{self, MAX_STEPS};
 use super::target::Target;
 use crate::plan::words::{Finish, Phase, PlanError, Request, Turned};
-
-/// Largest number of steps of a dose. They take eight hours at 36,000 a second.
-const MAX_STEPS: f64 = 1e9;
 
 /// Finds the number of steps from `start` whose volume is nearest to the volume requested plus carried.
 ///
@@ -17,6 +15,8 @@ const MAX_STEPS: f64 = 1e9;
 /// less well, each number of steps has a largest deviation over all angles at which the rollers may stand. The
 /// result is the number for which it is smallest. Earlier doses since such an angle count: the deviation is that of
 /// their sum with this dose.
+///
+/// Where the flow reverses, the dose ends at the first angle at which it has delivered the volume.
 pub(in crate::plan) fn nearest_steps(
     pump: &Pump,
     start: Phase,
@@ -36,10 +36,15 @@ pub(in crate::plan) fn nearest_steps(
         let (direction, farther): (f64, fn(f64, f64) -> f64) =
             if request.owed_ml() < 0.0 { (-1.0, f64::min) } else { (1.0, f64::max) };
         let (least_ml, most_ml) = delivered(pump, aimed, direction, step_rad);
+        let least_ml = if pump.outlet_curve().reverses() {
+            first_end::smallest_ml(pump, turned, start, direction, step_rad)
+        } else {
+            0.5 * farther(least_ml, most_ml)
+        };
         return Err(PlanError::LessThanHalfAStep {
             requested_ml: request.volume_ml,
             carry_in_ml: request.carry_in_ml,
-            smallest_ml: 0.5 * farther(least_ml, most_ml) - request.carry_in_ml,
+            smallest_ml: least_ml - request.carry_in_ml,
         });
     }
     if steps.abs() > MAX_STEPS {
@@ -62,6 +67,9 @@ pub(in crate::plan) fn nearest_steps(
 fn nearest(pump: &Pump, start: Phase, request: &Request, step_rad: f64) -> (f64, f64) {
     let curve = pump.outlet_curve();
     let owed_ml = request.owed_ml();
+    if curve.reverses() {
+        return first_end::first(pump, start, owed_ml, step_rad);
+    }
     let ideal_rad = curve.angle_rad(curve.volume_ml(start.angle_rad) + owed_ml) - start.angle_rad;
     let below = floor(ideal_rad / step_rad);
     let [(low_ml, _), (high_ml, _)] =
@@ -77,6 +85,9 @@ fn nearest(pump: &Pump, start: Phase, request: &Request, step_rad: f64) -> (f64,
 fn minimax(pump: &Pump, turned: Turned, request: &Request, step_rad: f64) -> Result<f64, PlanError> {
     let curve = pump.outlet_curve();
     let owed_ml = request.owed_ml();
+    if curve.reverses() {
+        return first_end::minimax(pump, turned, owed_ml, step_rad);
+    }
     let sum_ml = turned.middle_ml(pump) + owed_ml;
     // Whole pitches deliver an equal volume from every angle, so the turn lies between two of them.
     let pitches = floor(owed_ml / curve.pitch_ml());

@@ -16,7 +16,9 @@ pub enum Cruise {
         rad_s: f64,
     },
     /// The total time with ramps and settling, s, positive. The slowest cruise that meets the time is
-    /// planned. With line-aware ramps it is the slowest with the usual ramps, so the dose may end sooner.
+    /// planned: with line-aware ramps, one whose cruise slower by 1 % misses the time with ramps of its own. Where
+    /// line-aware ramps do not meet the time, the plan has the ramps that take back least of those that do, and says
+    /// so ([`crate::plan::Plan::is_hurried`]).
     Within {
         /// Total time, s.
         time_s: f64,

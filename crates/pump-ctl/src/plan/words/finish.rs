@@ -23,8 +23,8 @@ pub enum Finish {
     #[default]
     Any,
     /// The dose ends at low flow, where a step delivers little. The flow per radian q_out is there at most
-    /// half of its value between pulses, [`pump_model::Pump::nominal_ml_rad`]. A stop there leaves least to
-    /// drip, and steps are at most half as coarse.
+    /// half of its value between pulses, [`pump_model::Pump::nominal_ml_rad`]. It is positive there, also on a
+    /// head whose flow reverses. A stop there leaves least to drip, and steps are at most half as coarse.
     LowFlow,
 }
 

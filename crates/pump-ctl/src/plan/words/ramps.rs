@@ -21,7 +21,8 @@ use super::unknown_name::UnknownName;
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Ramps {
     /// The ramps leave the outlet's line nearly at rest. Motion and settling end soonest among the ramps whose
-    /// back flow stays below 2 uL, or among those with the least back flow.
+    /// back flow stays below 2 uL, in a dose below 200 uL below a hundredth of it or half a step, or among those with
+    /// the least back flow.
     #[default]
     LineAware,
     /// The ramps have the largest acceleration of the motor.

@@ -61,6 +61,15 @@ impl Turned {
         if least_rad == 0.0 && most_rad == 0.0 {
             return (0.0, 0.0);
         }
+        if least_rad != most_rad && pump.outlet_curve().reverses() {
+            // A longer turn may deliver less.
+            return pump.outlet_curve().turns_range_ml(
+                start.angle_rad,
+                start.half_width_rad,
+                least_rad,
+                most_rad,
+            );
+        }
         if start.half_width_rad > 0.0 {
             return (start.range_ml(pump, least_rad).0, start.range_ml(pump, most_rad).1);
         }

@@ -4,8 +4,8 @@ use crate::circuit::Loss;
 use crate::circuit::lumped::flow_scale_ml_s;
 use crate::circuit::periodic::{TOLERANCE, repeated};
 use crate::error::ModelError;
-use crate::head::port::Port;
 use crate::motion::leg::Leg;
+use crate::port::Port;
 use crate::pump::pump::Pump;
 use crate::pump::steady_state::{SteadyState, moving};
 

@@ -4,10 +4,10 @@ use libm::sqrt;
 
 use crate::circuit::lumped::outward;
 use crate::circuit::tally::PressureTally;
-use crate::head::port::Port;
 use crate::line::line::Line;
 use crate::math::polynomial::Polynomial;
 use crate::motion::ripple::{Ripple, square_integral};
+use crate::port::Port;
 
 /// Sums and extremes of one port's pressures and flows over a pitch, gathered step by step.
 #[derive(Debug, Clone, Copy)]

@@ -68,6 +68,15 @@ class _Bench:
         tube: str | None,
         note: str | None,
     ) -> Calibration: ...
+    def calibrate_last(
+        self,
+        reading: str,
+        add: bool,
+        anew: bool,
+        scale: str | None,
+        tube: str | None,
+        note: str | None,
+    ) -> Calibration: ...
     def calibrate_phase(
         self,
         doses: Sequence[tuple[float, float, float, float | None]],

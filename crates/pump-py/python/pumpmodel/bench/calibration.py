@@ -62,10 +62,10 @@ class BenchCalibration:
         ----------
         runs : sequence of WeighedRun
             Runs with their readings, at three speeds or more if doses have several speeds.
-        fit : {"best", "line", "speed-law"}, optional
+        fit : {"best", "line", "factor", "speed-law"}, optional
             Curve that is fitted over several speeds: a straight line or, where four speeds or more ask for
-            it, a
-            parabola; a straight line alone; or the experimental law of `SpeedLaw`.
+            it, a parabola; a straight line alone; one factor for every speed; or the experimental law of
+            `SpeedLaw`.
         scale : str, optional
             Standard uncertainty of a reading, as "0.01g" or "0.1mL".
         tube, note : str, optional
@@ -84,6 +84,47 @@ class BenchCalibration:
             If another process holds the pump.
         """
         return self._core.calibrate(runs, fit, scale, tube, note)
+
+    def calibrate_last(
+        self,
+        reading: str,
+        *,
+        add: bool = False,
+        anew: bool = False,
+        scale: str | None = None,
+        tube: str | None = None,
+        note: str | None = None,
+    ) -> Calibration:
+        """Calibrate by the weight of the dose just made, and use that from now on.
+
+        The reading joins those of earlier doses that were weighed in this way.
+
+        Parameters
+        ----------
+        reading : str
+            Reading of the scale or vessel, as "23.8g" or "24mL".
+        add : bool, optional
+            Join the reading to the runs of the calibration in use, whatever made them.
+        anew : bool, optional
+            Calibrate by this reading alone.
+        scale : str, optional
+            Standard uncertainty of a reading, as "0.01g". Without it the last digit of the reading tells it.
+        tube, note : str, optional
+            Texts for the record.
+
+        Returns
+        -------
+        Calibration
+            Calibration that doses use from now on.
+
+        Raises
+        ------
+        ValueError
+            If the reading cannot be that of the last dose, or no dose is on record.
+        DriveError
+            If another process holds the pump.
+        """
+        return self._core.calibrate_last(reading, add, anew, scale, tube, note)
 
     def calibrate_phase(
         self,

@@ -98,9 +98,9 @@ def _rollers_rad(pump: Pump, angle_rad: float) -> NDArray[np.float64]:
 
 def _backplate(pump: Pump) -> _Backplate:
     radius, beta = pump.backplate_radius_mm, pump.contact_angle_rad
-    # The straights lean towards each other and end before they meet.
+    # Beyond half a turn the straights lean towards each other and end before they meet.
     apart = (radius - 2 * pump.tube_outer_radius_mm) * math.cos(beta) - _APART_MM
-    straight = 0.8 * radius if beta == 0 else min(0.8 * radius, apart / math.sin(beta))
+    straight = 0.8 * radius if beta <= 0 else min(0.8 * radius, apart / math.sin(beta))
     length = np.arange(max(straight, _STEP_MM), 0, -_STEP_MM, dtype=np.float64)
     arc = np.linspace(beta, -math.pi - beta, math.ceil(radius * (math.pi + 2 * beta) / _STEP_MM))
     # A straight has the normal of the arc's end.

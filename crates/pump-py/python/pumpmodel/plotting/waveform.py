@@ -93,7 +93,7 @@ def plot(
             raise ValueError(message)
     axes = axes_for(names, ax)
     if isinstance(result, Plan):
-        run = result.trace(dt_s=max(1e-3, (result.motion_s + result.settle_s) / _SAMPLES))
+        run = result.trace(dt_s=max(1e-3, (result.motion_s + (result.settle_s or 0.0)) / _SAMPLES))
     else:
         run = result
     for name, axis in zip(names, axes, strict=True):

@@ -4,7 +4,7 @@ use super::*;
 use crate::calibration::{CalibrationRun, Expected, Reading, Weighing};
 use crate::sampling::Dice;
 
-const EXPECTED: Expected = Expected { repeatability: 0.0047, reading_ml: 0.0 };
+const EXPECTED: Expected = Expected::new(0.0047, 0.0);
 const SPEEDS_RPM: [f64; 4] = [20.0, 60.0, 110.0, 160.0];
 
 /// Fits three runs at each speed, of two revolutions each, whose volumes are the model's times `factor`.

@@ -30,7 +30,7 @@ impl Displacement {
         let points = Points::of(pump, runs, weighing, expected)?;
         let line = points.over_speed()?;
         let departures = points.departures_from_line(&line);
-        let errors = Errors::of(points.parameters(), &line, &departures, expected);
+        let errors = Errors::of(&points, points.parameters(), &line, &departures);
         Ok(Self::of(&points, &line, &departures, &errors, Shape::Line))
     }
 
@@ -52,7 +52,7 @@ impl Displacement {
         };
         let bent = points.weighted().map(|(rpm, ..)| line.at(rpm) + bend.at(rpm - line.reference));
         let departures = points.departures(bent);
-        let errors = Errors::of(points.parameters() + 1, &line, &departures, expected);
+        let errors = Errors::of(&points, points.parameters() + 1, &line, &departures);
         Ok(Self::of(&points, &line, &departures, &errors, Shape::Bent(bend)))
     }
 
@@ -78,7 +78,7 @@ impl Displacement {
         let line = points.over_speed()?;
         let over = law.line(&points)?;
         let departures = points.departures(over.fitted());
-        let errors = Errors::of(points.parameters(), &line, &departures, expected);
+        let errors = Errors::of(&points, points.parameters(), &line, &departures);
         let degrees_of_freedom = errors.scatter.degrees_of_freedom();
         let law = over.law(errors.standards(&over.line), points.reading, degrees_of_freedom)?;
         Ok(Self::of(&points, &line, &departures, &errors, Shape::Law(law)))
@@ -134,7 +134,7 @@ struct Errors {
 
 impl Errors {
     /// Returns the errors of the runs about a fit with so many parameters.
-    fn of(parameters: usize, line: &StraightLine, departures: &Departures, expected: &Expected) -> Self {
+    fn of(points: &Points, parameters: usize, line: &StraightLine, departures: &Departures) -> Self {
         let mean_sigma = sqrt(departures.runs() as f64 * line.offset.variance);
         match departures.variance_ratio(parameters) {
             Some(VarianceRatio { degrees_of_freedom, ratio }) => {
@@ -146,7 +146,7 @@ impl Errors {
             None => Self {
                 scatter: Scatter::Expected,
                 mean_sigma,
-                of_factor: expected.repeatability / mean_sigma,
+                of_factor: points.scatter_in_mean(),
                 of_slope: 1.0,
             },
         }

@@ -6,7 +6,7 @@ use super::*;
 use crate::calibration::{CalibrationError, CalibrationRun, Expected, LawToFit, Weighing};
 use crate::sampling::Dice;
 
-const EXPECTED: Expected = Expected { repeatability: 0.0047, reading_ml: 0.0 };
+const EXPECTED: Expected = Expected::new(0.0047, 0.0);
 
 fn run(speed_rpm: f64, volume_ml: f64) -> CalibrationRun {
     CalibrationRun {
@@ -62,6 +62,25 @@ fn one_run_is_as_sure_as_was_expected_and_no_surer() {
             < 1e-6
     );
     assert!(fit.covers(1.0) && fit.covers(170.0), "one speed is used at all of them");
+}
+
+#[test]
+fn one_run_is_expected_to_scatter_as_a_dose_of_its_volume_does() {
+    let file = crate::catalogue::built_in("three-roller").unwrap();
+    let (pump, expected) = (file.model().unwrap(), Expected::of(&file, 0.0));
+    let of_turns = |turns: f64, expected: &Expected| {
+        let run = CalibrationRun { turned_deg: 360.0 * turns, ..run(60.0, turns * pump.revolution_ml()) };
+        Displacement::fit(&pump, &[run], &Weighing::of(&file), expected).unwrap().factor_standard
+    };
+    // Ten revolutions of the paper scatter by 0.47 %, two of independent pitches by 0.47 % sqrt(10/2), and twenty
+    // no less than 0.47 %.
+    for (turns, standard) in [(2.0, 0.010_509), (10.0, 0.0047), (20.0, 0.0047)] {
+        let found = of_turns(turns, &expected);
+        assert!((found - standard).abs() < 1e-6, "{turns} revolutions: {found}");
+    }
+    // A pump file that names the volume of its doses: two revolutions are more than 10 mL.
+    let verified = Expected { repeatability_at_ml: Some(10.0), ..expected };
+    assert!((of_turns(2.0, &verified) - 0.0047).abs() < 1e-9);
 }
 
 #[test]

@@ -49,7 +49,7 @@ impl FittedPulse {
 
     /// Returns the uncertainty that the short doses were expected to have.
     pub(crate) fn expected(&self) -> Expected {
-        Expected { repeatability: self.repeatability, reading_ml: self.reading_ml }
+        Expected::new(self.repeatability, self.reading_ml)
     }
 
     /// Returns the uncertainty of the pulse beside a zero of this standard uncertainty, in deg.
@@ -77,6 +77,14 @@ pub(crate) struct PulseSureness {
 }
 
 impl PulseSureness {
+    /// Returns the uncertainty of a default pulse, whose covariances are those of V_r, as a part of it, and of phi, in
+    /// rad, beside that of the zero, in rad.
+    pub(crate) fn of_default(covariances: [[f64; 2]; 2], zero_standard_rad: f64) -> Self {
+        let [[roller, both], [_, phi]] = covariances;
+        let zero = zero_standard_rad * zero_standard_rad;
+        Self { covariances: [[roller, both, 0.0], [both, phi, 0.0], [0.0, 0.0, zero]] }
+    }
+
     /// Returns the errors of V_r, as a part of it, of phi, in rad, and of the zero, in rad, that three independent
     /// normal numbers make: the product of Cholesky's factor of the covariances with the numbers.
     pub(crate) fn errors(&self, normal: [f64; 3]) -> [f64; 3] {

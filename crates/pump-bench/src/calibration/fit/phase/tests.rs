@@ -9,7 +9,7 @@ use crate::calibration::{AgainstSpeed, Displacement, Scatter};
 use crate::displacement::SpeedDependentPump;
 use crate::sampling::Dice;
 
-const EXPECTED: Expected = Expected { repeatability: 0.0047, reading_ml: 0.005 };
+const EXPECTED: Expected = Expected::new(0.0047, 0.005);
 
 /// Returns the plant's volume of a revolution, as if it had been weighed without any error.
 fn weighed(plant: &Pump) -> Displacement {

@@ -24,10 +24,20 @@ const SPEED_LIMIT_PERCENT: f64 = 9.02;
 ///
 /// A limit L is a rectangle: L/sqrt(3) (GUM, JCGM 100:2008, 4.3.7). Pump and tubing are independent. A bore between
 /// two of the table has the larger limits of both, and one beyond its ends those of the end.
-pub(super) fn model_percent(bore_mm: f64) -> f64 {
+pub(crate) fn model_percent(bore_mm: f64) -> f64 {
     let below = LIMITS.iter().rposition(|(mm, ..)| *mm <= bore_mm).unwrap_or(0);
     let above = LIMITS.iter().position(|(mm, ..)| bore_mm <= *mm).unwrap_or(LIMITS.len() - 1);
-    let rows = [LIMITS[below], LIMITS[above]];
+    percent_of(&[LIMITS[below], LIMITS[above]])
+}
+
+/// Returns the standard uncertainty of the volume of a pump that nobody has weighed and whose bore is not known, in
+/// percent of the volume: that of the bore whose limits are the largest.
+pub(crate) fn widest_percent() -> f64 {
+    percent_of(&LIMITS)
+}
+
+/// Returns the standard uncertainty of the largest limits among these rows, in percent.
+fn percent_of(rows: &[(f64, f64, f64)]) -> f64 {
     let largest = |limit: fn(&(f64, f64, f64)) -> f64| rows.iter().map(limit).fold(0.0, f64::max);
     let (between_pumps, between_tubes) = (largest(|row| row.1), largest(|row| row.2));
     sqrt((between_pumps * between_pumps + between_tubes * between_tubes) / 3.0)
@@ -35,7 +45,7 @@ pub(super) fn model_percent(bore_mm: f64) -> f64 {
 
 /// Returns the standard uncertainty of the volume at a speed of a pump that nobody has weighed, in percent of the
 /// volume: a rectangle over the largest deviation at one speed of McIntyre et al.
-pub(super) fn speed_percent() -> f64 {
+pub(crate) fn speed_percent() -> f64 {
     SPEED_LIMIT_PERCENT / sqrt(3.0)
 }
 
@@ -51,6 +61,8 @@ mod tests {
         {
             assert!((model_percent(bore_mm) - percent).abs() < 1e-3, "{bore_mm} mm");
         }
+        // sqrt(25² + 20²)/sqrt(3).
+        assert!((widest_percent() - 18.484).abs() < 1e-3);
         assert!((speed_percent() - 5.208).abs() < 1e-3);
     }
 }

@@ -1,0 +1,38 @@
+//! Balances that say what they show: over a serial port, or by a program that prints it.
+//!
+//! A balance is read once it says that it stands still. Every wait has a deadline and hears the user's stop.
+
+mod error;
+#[cfg(feature = "balance")]
+mod line;
+mod program;
+mod protocol;
+mod reading;
+#[cfg(feature = "balance")]
+mod serial;
+mod words;
+
+use std::fmt::Debug;
+use std::time::Duration;
+
+pub use error::BalanceError;
+#[cfg(feature = "balance")]
+pub use line::{Framing, SerialLine};
+pub use program::ProgramBalance;
+pub use protocol::Protocol;
+pub use reading::{BalanceReading, printed_reading};
+#[cfg(feature = "balance")]
+pub use serial::SerialBalance;
+
+use crate::drives::StopRequest;
+
+/// Balance under the vessel.
+pub trait Balance: Debug + Send {
+    /// Returns what the balance shows once it stands still.
+    ///
+    /// # Errors
+    ///
+    /// [`BalanceError::NotStill`] or [`BalanceError::Silent`] if it does not say so within `longest`,
+    /// [`BalanceError::Stopped`] if the user asks to stop. Other errors of the balance as soon as it tells them.
+    fn read_still(&mut self, longest: Duration, stop: &StopRequest) -> Result<BalanceReading, BalanceError>;
+}

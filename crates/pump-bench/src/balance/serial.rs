@@ -1,0 +1,130 @@
+//! A balance at a serial port.
+
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use serialport::{DataBits, Parity, SerialPort};
+
+use super::line::{Framing, SerialLine};
+use super::protocol::{Answer, Protocol};
+use super::words::shown_line;
+use super::{Balance, BalanceError, BalanceReading};
+use crate::drives::StopRequest;
+
+/// Time between two questions.
+const BETWEEN: Duration = Duration::from_millis(100);
+
+/// Longest wait for the answer to a question before the balance is asked again.
+const ANSWER: Duration = Duration::from_millis(1000);
+
+/// Longest wait for bytes.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Longest line of a balance, in bytes. What is longer is no line.
+const MOST_BYTES: usize = 256;
+
+/// Balance at a serial port that no other process has.
+#[derive(Debug)]
+pub struct SerialBalance {
+    path: PathBuf,
+    serial: Box<dyn SerialPort>,
+    protocol: Protocol,
+    /// Bytes of a line that has not ended.
+    begun: Vec<u8>,
+}
+
+impl SerialBalance {
+    /// Opens the port of a balance. Nothing is asked yet.
+    ///
+    /// # Errors
+    ///
+    /// [`BalanceError::Port`] if the port cannot be opened, or another process has it.
+    pub fn open(path: &Path, line: SerialLine, protocol: Protocol) -> Result<Self, BalanceError> {
+        let (bits, parity) = match line.framing {
+            Framing::EightNone => (DataBits::Eight, Parity::None),
+            Framing::SevenOdd => (DataBits::Seven, Parity::Odd),
+            Framing::SevenEven => (DataBits::Seven, Parity::Even),
+        };
+        let builder =
+            serialport::new(path.to_string_lossy(), line.baud).data_bits(bits).parity(parity).timeout(LOOK);
+        let serial = builder.open().map_err(|error| BalanceError::Port {
+            action: "open",
+            port: path.to_owned(),
+            source: io::Error::other(error.to_string()),
+        })?;
+        Ok(Self { path: path.to_owned(), serial, protocol, begun: Vec::new() })
+    }
+
+    /// Returns the error of an action at the port.
+    fn failed(&self, action: &'static str, source: io::Error) -> BalanceError {
+        BalanceError::Port { action, port: self.path.clone(), source }
+    }
+
+    /// Forgets what the balance said before.
+    fn ask(&mut self) -> Result<(), BalanceError> {
+        self.begun.clear();
+        let cleared = self.serial.clear(serialport::ClearBuffer::Input).map_err(io::Error::from);
+        let asked = cleared.and_then(|()| self.serial.write_all(self.protocol.question()));
+        asked.map_err(|source| self.failed("ask", source))
+    }
+
+    /// Returns the next whole line, or `None` if there is none within [`LOOK`].
+    fn line(&mut self) -> Result<Option<String>, BalanceError> {
+        if let Some(line) = self.whole_line() {
+            return Ok(Some(line));
+        }
+        let mut buffer = [0; 64];
+        match self.serial.read(&mut buffer) {
+            Ok(count) => self.begun.extend(buffer.get(..count).unwrap_or_default()),
+            Err(error) => match error.kind() {
+                io::ErrorKind::TimedOut | io::ErrorKind::Interrupted | io::ErrorKind::WouldBlock => {}
+                _ => return Err(self.failed("read", error)),
+            },
+        }
+        if self.begun.len() > MOST_BYTES {
+            let said = shown_line(&String::from_utf8_lossy(&self.begun));
+            self.begun.clear();
+            return Err(BalanceError::Unreadable { said });
+        }
+        Ok(self.whole_line())
+    }
+
+    fn whole_line(&mut self) -> Option<String> {
+        let end = self.begun.iter().position(|byte| *byte == b'\n')?;
+        let line: Vec<u8> = self.begun.drain(..=end).collect();
+        Some(String::from_utf8_lossy(&line).into_owned())
+    }
+}
+
+impl Balance for SerialBalance {
+    fn read_still(&mut self, longest: Duration, stop: &StopRequest) -> Result<BalanceReading, BalanceError> {
+        let until = Instant::now() + longest;
+        let mut last: Option<String> = None;
+        while Instant::now() < until {
+            self.ask()?;
+            let asked = Instant::now();
+            while asked.elapsed() < ANSWER && Instant::now() < until {
+                if stop.is_made() {
+                    return Err(BalanceError::Stopped);
+                }
+                let Some(line) = self.line()? else { continue };
+                if line.trim().is_empty() {
+                    continue;
+                }
+                let answer = self.protocol.answer(&line)?;
+                last = Some(shown_line(&line));
+                match answer {
+                    Answer::Still(reading) => return Ok(reading),
+                    Answer::Moving => break,
+                    Answer::Other => {}
+                }
+            }
+            std::thread::sleep(BETWEEN);
+        }
+        Err(match last {
+            Some(last) => BalanceError::NotStill { within: longest, last },
+            None => BalanceError::Silent { within: longest },
+        })
+    }
+}

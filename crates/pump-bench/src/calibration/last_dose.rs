@@ -1,0 +1,149 @@
+//! A calibration by the dose that was just made: its reading, beside those of the doses before it.
+
+use libm::round;
+use pump_model::Pump;
+use pump_model::units::{degrees, rpm};
+
+use super::date::of_unix;
+use super::{Calibration, CalibrationError, CalibrationRun, Expected, Fit, Reading, Source, Stored};
+use crate::pump_file::PumpFile;
+use crate::record::LastDose;
+use crate::units::{Amount, StatedReading};
+
+/// Largest part of the turn by which the turn of a weighed dose may be unsure.
+const UNSURE: f64 = 1e-3;
+
+/// Quotient of the fastest and the slowest speed of weighed doses up to which they show one factor, not a line.
+///
+/// A first calibration changes the speed of a rate by as much: pumps that nobody has weighed are up to 25 % off
+/// (Omega, FPU5MT manual, table 9-3), so the doses of one rate run at speeds with a quotient of up to 1.25/0.85.
+const ONE_SPEED: f64 = 1.5;
+
+/// Returns the shape to fit to doses that were weighed: one factor, unless their speeds are far from each other.
+pub fn fit_of_doses(runs: &[CalibrationRun]) -> Fit {
+    let speeds = || runs.iter().map(|run| run.speed_rpm);
+    let (least_rpm, most_rpm) = (speeds().fold(f64::INFINITY, f64::min), speeds().fold(0.0, f64::max));
+    if most_rpm <= ONE_SPEED * least_rpm { Fit::Factor } else { Fit::Best }
+}
+
+/// Use of the calibration in use, when the last dose is weighed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Earlier {
+    /// Doses that were weighed like this one are joined. Any other calibration must be named.
+    #[default]
+    Joined,
+    /// The runs of the calibration in use are joined, whatever their origin.
+    Added,
+    /// The reading stands alone.
+    Left,
+}
+
+impl CalibrationRun {
+    /// Returns the last dose as a weighed run. `None` in place of the temperature takes the pump file's.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::NoLastDose`] without a dose on record. [`CalibrationError::UnsureLastDose`] after a dose
+    /// that was cut off where nobody knows. [`CalibrationError::LastDoseFromUnknownAngle`] for a part of a pitch from
+    /// an angle that is not known.
+    pub fn of_last_dose(
+        last: Option<LastDose>,
+        pump: &Pump,
+        reading: Reading,
+        temperature_degc: Option<f64>,
+    ) -> Result<Self, CalibrationError> {
+        let dose = last.filter(|dose| dose.speed_rad_s > 0.0 && dose.turned_rad != 0.0);
+        let dose = dose.ok_or(CalibrationError::NoLastDose)?;
+        let turned_deg = degrees(dose.turned_rad);
+        if dose.turned_half_width_rad > UNSURE * dose.turned_rad.abs() {
+            let half_width_deg = degrees(dose.turned_half_width_rad);
+            return Err(CalibrationError::UnsureLastDose { turned_deg, half_width_deg });
+        }
+        let is_stated = dose.start().is_stated();
+        let run = Self {
+            speed_rpm: rpm(dose.speed_rad_s),
+            start_angle_deg: is_stated.then_some(degrees(dose.start_angle_rad)),
+            turned_deg,
+            reading,
+            temperature_degc,
+            time: Some(of_unix(dose.unix_s)),
+        };
+        match run.model_ml(pump, 1) {
+            Err(CalibrationError::UnknownAngle { turned_deg, pitch_deg, .. }) => {
+                Err(CalibrationError::LastDoseFromUnknownAngle { turned_deg, pitch_deg })
+            }
+            checked => checked.map(|_| run),
+        }
+    }
+
+    /// Returns the runs of a calibration by this dose. The earlier reading of the same dose is left out.
+    ///
+    /// # Errors
+    ///
+    /// [`CalibrationError::WeighedOtherwise`] if the calibration in use has other runs than doses weighed like this
+    /// one, and `earlier` does not name them.
+    pub fn beside(self, active: Option<&Stored>, earlier: Earlier) -> Result<Vec<Self>, CalibrationError> {
+        let joined =
+            active.filter(|stored| earlier != Earlier::Left && stored.calibration.displacement.is_some());
+        let Some(Stored { version, calibration }) = joined else { return Ok(vec![self]) };
+        if earlier == Earlier::Joined && calibration.source != Source::Last {
+            let runs = calibration.runs.len();
+            return Err(CalibrationError::WeighedOtherwise { version: *version, runs });
+        }
+        let same = |run: &Self| run.time == self.time && same_turn(run.turned_deg, self.turned_deg);
+        let mut runs: Vec<Self> = calibration.runs.iter().filter(|run| !same(run)).cloned().collect();
+        runs.push(self);
+        Ok(runs)
+    }
+}
+
+/// Returns true for turns that are equal to a millionth of a degree.
+fn same_turn(one_deg: f64, other_deg: f64) -> bool {
+    round(1e6 * one_deg) == round(1e6 * other_deg)
+}
+
+/// Calibration by the dose just made. Nothing is kept of it yet.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct WeighedDose {
+    /// Dose that was weighed, as a run.
+    pub run: CalibrationRun,
+    /// Calibration by this dose and the doses joined to it.
+    pub calibration: Calibration,
+}
+
+impl WeighedDose {
+    /// Fits a factor to the last dose of the pump of `file`, and to the runs of `active` that are joined.
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`CalibrationRun::of_last_dose`], [`CalibrationRun::beside`] and [`Calibration::of_runs`].
+    pub(crate) fn of(
+        file: &PumpFile,
+        last: Option<LastDose>,
+        active: Option<&Stored>,
+        weighing: &LastWeighing<'_>,
+    ) -> Result<Self, CalibrationError> {
+        let reading = match weighing.reading.amount {
+            Amount::Mass(grams) => Reading::MassG(grams),
+            Amount::Volume(volume_ml) => Reading::VolumeMl(volume_ml),
+        };
+        let run = CalibrationRun::of_last_dose(last, &file.model()?, reading, weighing.temperature_degc)?;
+        let runs = run.clone().beside(active, weighing.earlier)?;
+        let before = active.map(|active| &active.calibration);
+        let fit = fit_of_doses(&runs);
+        let mut calibration = Calibration::of_runs(file, Source::Last, runs, fit, weighing.expected, before)?;
+        calibration.tube = before.and_then(|before| before.tube.clone());
+        Ok(Self { run, calibration })
+    }
+}
+
+/// Weighing of the last dose.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LastWeighing<'a> {
+    pub(crate) reading: &'a StatedReading,
+    /// Temperature of the fluid, in °C. `None` takes the pump file's.
+    pub(crate) temperature_degc: Option<f64>,
+    pub(crate) earlier: Earlier,
+    pub(crate) expected: &'a Expected,
+}

@@ -1,0 +1,8 @@
+//! Notices for a person: warnings and notes, with the remedies that a front end words.
+
+mod notice;
+mod remedy;
+
+pub use notice::Notice;
+pub(crate) use notice::with_remedies;
+pub use remedy::{Remedy, Wording};

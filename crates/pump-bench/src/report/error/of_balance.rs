@@ -1,0 +1,25 @@
+//! The facts of errors of balances.
+
+use super::explain::{ErrorFacts, Explain};
+use super::kind::ErrorKind;
+use crate::balance::BalanceError;
+use crate::report::ending::Ending;
+
+impl Explain for BalanceError {
+    fn facts(&self) -> ErrorFacts {
+        let facts = ErrorFacts::of(ErrorKind::Balance);
+        match self {
+            Self::Port { port, .. } => facts.value(port.display()),
+            Self::Program { command, .. } | Self::ProgramFailed { command, .. } => facts.value(command),
+            Self::Unreadable { said } => facts.value(said).allowed("a number with kg, g or mg"),
+            Self::OutOfRange { said, .. } | Self::Refused { said } => facts.value(said),
+            Self::NotStill { last, .. } => facts.value(last),
+            Self::Silent { .. } => facts,
+            Self::Stopped => ErrorFacts::of(ErrorKind::Stopped),
+        }
+    }
+
+    fn ending(&self) -> Ending {
+        if matches!(self, Self::Stopped) { Ending::Stopped } else { Ending::Refused }
+    }
+}

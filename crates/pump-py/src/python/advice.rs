@@ -1,0 +1,116 @@
+//! Advice to a person: the remedies of errors and warnings in the words of Python.
+
+use pump_bench::notice::{Notice, Remedy};
+use pump_bench::report::Explain;
+
+/// Returns the text of an error and its sources, with its remedies in the words of Python.
+pub(crate) fn told(error: &impl Explain) -> String {
+    error.told(words)
+}
+
+/// Returns the texts of warnings, with their remedies in the words of Python.
+pub(crate) fn worded(notices: &[Notice]) -> Vec<String> {
+    notices.iter().map(|notice| notice.worded(words)).collect()
+}
+
+/// Words a remedy as a program does it: by a method, an argument, or by hand.
+#[allow(clippy::too_many_lines, reason = "a table: one line for a remedy")]
+pub(crate) fn words(remedy: Remedy) -> &'static str {
+    match remedy {
+        Remedy::FinishOrAccept => "finish it with bench.resume(), or accept it as it is with bench.discard()",
+        Remedy::FinishAtLowFlowOrAccept => {
+            "go on to that end with bench.resume(), or accept the dose as it is with bench.discard()"
+        }
+        Remedy::FinishOrAcceptThenFindAngle => {
+            "finish the dose with bench.resume() or accept it with bench.discard(), then find the angle anew"
+        }
+        Remedy::Accept => "accept the dose as it is with bench.discard()",
+        Remedy::DropCarry => "ask for more than the carry, or drop the carry with bench.home_set()",
+        Remedy::ReplaceTube => "replace the tube, then call bench.new_tube()",
+        Remedy::SeeStatus | Remedy::ThenSeeStatus => "then see bench.status()",
+        Remedy::SeeStatusThenFinish => "see bench.status(), then call bench.resume() or bench.discard()",
+        Remedy::FasterDisk => "keep the record on a faster disk with state_dir",
+        Remedy::OtherFolder => "choose another folder with state_dir",
+        Remedy::RoomOrOtherFolder => "make room there, or choose another folder with state_dir",
+        Remedy::AccessOrOtherFolder => "give this user access to it, or choose another folder with state_dir",
+        Remedy::NameFolder => "name one with state_dir",
+        Remedy::SayAngle => {
+            "see where the rollers stand, move the file away, and say so with bench.home_set(angle_rad)"
+        }
+        Remedy::UseNoCalibration => "to dose without a calibration, call bench.use_calibration(None)",
+        Remedy::CalibrateMoreSpeeds => {
+            "dose within that, calibrate more speeds, or call bench.use_calibration(None)"
+        }
+        Remedy::CalibrateAgain => "calibrate again, or call bench.use_calibration(None)",
+        Remedy::BeginCalibrationAnew => "correct the file, or begin anew",
+        Remedy::MorePitchesOrFindAngle => {
+            "make it more pitches long, or find the angle with bench.home_sensor()"
+        }
+        Remedy::FindAngle => "bench.home_sensor() or bench.home_mark() finds it",
+        Remedy::FindOrSayAngle => "bench.home_sensor() finds it, or bench.home_set(angle_rad) says it",
+        Remedy::ThenFindAngle => "find the angle again once the journal can be written",
+        Remedy::FindAngleDropCarry => "bench.home_sensor() finds the angle and drops the carry",
+        Remedy::TurnAndSayAngle => {
+            "to dose other volumes, turn a roller to where it begins to leave the outlet and call \
+             bench.home_set(0.0), or give start_angle_rad"
+        }
+        Remedy::SayAngleOrMark => {
+            "say where the rollers stand with bench.home_set(angle_rad), or turn them to a mark and call \
+             bench.home_mark()"
+        }
+        Remedy::SetAngle => "say where they stand with bench.home_set(angle_rad)",
+        Remedy::HomeBySensorOrMark => "call bench.home_sensor() or bench.home_mark()",
+        Remedy::SayUnknownAngle => "if nobody knows the angle, call bench.home_set(None)",
+        Remedy::FinishOrLeave => "bench.resume() makes the rest, bench.discard() leaves it",
+        Remedy::AcceptInstead => "bench.discard() accepts the dose as it is instead",
+        Remedy::NoteNewTube => "have a new one ready and call bench.new_tube() once it is in",
+        Remedy::Weigh => "bench.calibration_run() delivers a run to be weighed",
+        Remedy::CalibrateRuns => "see bench.calibration_run()",
+        Remedy::WeighToBeSurer => "bench.calibrate() makes it surer",
+        Remedy::Verify => "see bench.verify()",
+        Remedy::FindPhase => "see bench.calibrate_phase()",
+        Remedy::UseShortDoses => "see bench.calibrate_phase()",
+        Remedy::TakeLineAwareRamps => "ramps=\"line-aware\" takes such ramps",
+        Remedy::SuckBack => "retract sucks back",
+        Remedy::DoseThenWeigh => "make a dose into a tared vessel, then call bench.calibrate_last()",
+        Remedy::DoseFromKnownAngle => {
+            "find the angle with bench.home_set(), or make a dose of whole pitches, and weigh that dose"
+        }
+        Remedy::JoinOrBeginAnew => {
+            "join the reading to these runs with add=True, or calibrate by the reading alone with anew=True"
+        }
+        Remedy::UsePhase => "bench.calibrate_phase(doses) has doses use all three",
+        Remedy::UseCalibration => "bench.use_calibration(version) uses one",
+        Remedy::UseModel => "bench.use_calibration(None) goes back to the model",
+        Remedy::ContinueCalibration => "only the command goes on with it",
+        Remedy::SeeWhyUnreadable => "only the command says why",
+        Remedy::SlowDown => "rate sets the rate",
+        Remedy::EndAtLowFlow => "finish=\"low-flow\" ends it there",
+        Remedy::SuckBackLess => "suck back less, or dose at a lower rate",
+        Remedy::LeaveSmoothOut => "leave smooth out, or resume with rate or speed",
+        Remedy::LeaveRampsOut => {
+            "leave ramps out; Bench.open() with configure=True sets the board's acceleration to the best for \
+             the pump's default rate"
+        }
+        Remedy::SwitchOff => "switch its power off",
+        Remedy::CheckCable => "check its cable and power",
+        Remedy::NamePort => "give port=\"/dev/ttyUSB0\", or port = \"...\" in [drive]",
+        Remedy::PortEachTime => "without it Bench.open() needs port",
+        Remedy::Configure => "Bench.open() with configure=True sets it",
+        Remedy::ConfigureOrRaise => {
+            "Bench.open() with configure=True sets it, or raise [motor] max_acceleration_rad_s2"
+        }
+        Remedy::AcceptSettings => {
+            "if you changed them, open the bench with accept_settings=True once, otherwise set them back"
+        }
+        Remedy::WriteSettingsAnew => "Bench.open() with accept_settings=True writes it anew",
+        Remedy::SeekOffset => "seek it with offset=True",
+        Remedy::CheckPump => "Pump.from_toml() shows what they give",
+        Remedy::PrintSource => "print it anew",
+        Remedy::ListHeads => "the page catalogue of the documentation lists the heads",
+        Remedy::WriteOrConfirmPump => {
+            "write your pump's values into a pump file without confirmed = false; or, if these are your pump's, open \
+             the bench once with confirm_pump=True"
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! The balance under the vessel: what it speaks, and where.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use pump_bench::balance::{Balance, Framing, ProgramBalance, Protocol, SerialBalance, SerialLine};
+
+use pump_bench::units;
+
+use crate::failure::Failure;
+use crate::options::choice::choice;
+
+/// Usual longest wait for a balance to stand still, s.
+const STILL_S: f64 = 60.0;
+
+/// Longest wait that can be asked for, s.
+const MOST_WAIT_S: f64 = 86_400.0;
+
+/// The balance that is read in place of a person's answers.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Balance")]
+pub(super) struct BalanceOptions {
+    /// Serial port of a balance that is read in place of typed answers, as /dev/ttyUSB1
+    #[arg(long, value_name = "DEVICE", conflicts_with = "scale_command")]
+    scale_port: Option<PathBuf>,
+    /// Protocol of the balance [default: mt-sics]
+    #[arg(long, value_name = "mt-sics|sbi", requires = "scale_port", value_parser = choice(&[
+        (Protocol::MtSics, "MT-SICS: Mettler-Toledo and many others"),
+        (Protocol::Sbi, "SBI: Sartorius"),
+    ]))]
+    scale_protocol: Option<Protocol>,
+    /// Speed and framing of the balance's line [default: 9600,8N1; of sbi 9600,7O1]
+    #[arg(long, value_name = "BAUD,FRAMING", requires = "scale_port")]
+    scale_line: Option<SerialLine>,
+    /// Longest wait for the balance to stand still, as 60s [default: 60s]
+    #[arg(long, value_name = "TIME", value_parser = units::time_s)]
+    scale_wait: Option<f64>,
+    /// Command that prints what a balance shows, as `23.45 g`, in place of typed answers
+    #[arg(long, value_name = "COMMAND")]
+    scale_command: Option<String>,
+}
+
+impl BalanceOptions {
+    /// True if a balance is named.
+    pub(super) fn is_given(&self) -> bool {
+        self.scale_port.is_some() || self.scale_command.is_some()
+    }
+
+    /// The longest wait for the balance to stand still.
+    pub(super) fn longest_wait(&self) -> Duration {
+        Duration::from_secs_f64(self.scale_wait.unwrap_or(STILL_S).min(MOST_WAIT_S))
+    }
+
+    /// Opens the balance that is named, or returns `None` if a person answers.
+    pub(super) fn open(&self) -> Result<Option<Box<dyn Balance>>, Failure> {
+        if let Some(command) = &self.scale_command {
+            return Ok(Some(Box::new(ProgramBalance::new(command.clone()))));
+        }
+        let Some(port) = &self.scale_port else { return Ok(None) };
+        let protocol = self.scale_protocol.unwrap_or(Protocol::MtSics);
+        let framing = match protocol {
+            Protocol::MtSics => Framing::EightNone,
+            Protocol::Sbi => Framing::SevenOdd,
+        };
+        let line = self.scale_line.unwrap_or(SerialLine { baud: 9600, framing });
+        let balance = SerialBalance::open(port, line, protocol).map_err(Failure::of)?;
+        Ok(Some(Box::new(balance)))
+    }
+}

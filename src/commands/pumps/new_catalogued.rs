@@ -1,0 +1,51 @@
+//! `dose pumps new --head`: a pump file from the catalogue of bought heads.
+
+use pump_bench::catalogue::CataloguedPump;
+use pump_bench::heads::{BoughtHead, bought_head, nearest_heads};
+use pump_bench::pump_file::PumpFile;
+use pump_bench::report::ErrorKind;
+
+use super::new::{NewArgs, write_new};
+use crate::advice;
+use crate::failure::Failure;
+use crate::terminal::{print, tell};
+
+impl NewArgs {
+    /// Writes the file of a pump with a head of the catalogue.
+    pub(super) fn write_catalogued(&self) -> Result<(), Failure> {
+        let Some(name) = &self.head else {
+            return Err(Failure::refused("a new pump needs --head NAME, or the dimensions of its drawing"));
+        };
+        let head = catalogued(name)?;
+        let Some(rollers) = self.rollers.or(head.rollers) else {
+            let refused = Failure::refused(format!(
+                "the document of {name} does not state the number of rollers; count yours and add --rollers 3"
+            ));
+            return Err(refused.kind(ErrorKind::Usage).value("no --rollers").allowed("--rollers N"));
+        };
+        let pump = CataloguedPump::new(self.id(), head, rollers);
+        let mut file = pump.pump_file().map_err(Failure::of)?;
+        let motor = self.state(&mut file)?;
+        let text = pump.toml_of(&file, advice::words);
+        // The file must be readable again, its id too.
+        PumpFile::parse(&text, "from the catalogue").map_err(Failure::of)?;
+        match &self.file {
+            None => print(&text),
+            Some(path) => {
+                write_new(path, &text)?;
+                tell(&format!("  {motor}\n"))
+            }
+        }
+    }
+}
+
+/// The head of the catalogue, or a refusal with the nearest names.
+fn catalogued(name: &str) -> Result<&'static BoughtHead, Failure> {
+    bought_head(name).ok_or_else(|| {
+        let nearest = nearest_heads(name).join(", ");
+        let refused = Failure::refused(format!(
+            "no head of the catalogue is `{name}`; the nearest are {nearest}; `dose pumps list --catalogue` has all"
+        ));
+        refused.kind(ErrorKind::Usage).value(name).allowed(&nearest)
+    })
+}

@@ -1,0 +1,148 @@
+//! A bought head, of which a data sheet tells the volume per revolution and the number of rollers.
+
+use std::fs;
+
+use pump_model::{DefaultPulse, Line, Pump};
+use serde_json::Value;
+
+use crate::user::{User, number};
+
+/// Writes the pump file of the docs, with `change` made to it.
+fn pump(user: &User, change: [&str; 2]) -> &'static str {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/pumps/bought-head.toml");
+    let text = fs::read_to_string(path).unwrap();
+    assert!(text.contains(change[0]), "{change:?}");
+    fs::write(user.path("bought.toml"), text.replace(change[0], change[1])).unwrap();
+    "bought.toml"
+}
+
+fn share_ml(report: &Value, source: &str) -> f64 {
+    let shares = report["uncertainty_budget"].as_array().unwrap();
+    shares.iter().find(|share| share["source"] == source).map_or(0.0, |share| number(share, "standard_ml"))
+}
+
+#[test]
+fn a_dose_of_a_bought_head_is_made_and_says_what_is_not_known() {
+    let user = User::new();
+    let bought = pump(&user, ["count = 4", "count = 4"]);
+    let report = user.json(&["25mL", "--pump", bought]);
+    assert_eq!((&report["volume_basis"], &report["completed"]), (&"estimated".into(), &true.into()));
+    // 25 mL are 50 turns of 3200 steps: whole pitches are exact.
+    assert_eq!(report["steps"], 160_000);
+    assert!((number(&report, "delivered_ml") - 25.0).abs() < 2e-3, "{report}");
+    for key in ["settle_s", "inlet_min_kpa", "outlet_max_kpa", "backflow_ml", "ripple_at_line_end"] {
+        assert_eq!(report[key], Value::Null, "{key}");
+    }
+    for limit in ["discharge_pressure", "suction_pressure", "tube_collapse", "settling", "torque"] {
+        assert!(
+            report["limits_not_checked"].as_array().unwrap().contains(&limit.into()),
+            "{limit}: {report}"
+        );
+    }
+    // sqrt(25² + 20²)/sqrt(3) % of a head whose bore is not known, and nothing within whole pitches.
+    assert!((share_ml(&report, "model") / 25.0 - 0.185).abs() < 1e-4, "{report}");
+    assert!(share_ml(&report, "pulse") < 1e-9);
+    assert!(report["warnings"][0].as_str().unwrap().contains("only the volume per revolution is known"));
+
+    // The record goes on, and a part of a pitch is as unsure as the default pulse.
+    let part = user.json(&["60uL", "--pump", bought]);
+    assert!(share_ml(&part, "pulse") > 2e-3, "{part}");
+    // The dose ended after 50 turns, so the angle of the record is 0 again.
+    assert!(number(&part, "start_angle_deg").abs() < 1e-6, "{part}");
+    let text = user.types(&["60uL", "--pump", bought, "--dry-run", "-v"]).out;
+    for said in ["pressure not known", "settling not known", "names no lines", "settling"] {
+        assert!(text.contains(said), "{said}: {text}");
+    }
+    let status = user.types(&["status", "--pump", bought]);
+    assert_eq!(status.code, 0, "{}", status.err);
+}
+
+#[test]
+fn the_file_is_checked_shown_and_written_as_rust() {
+    let user = User::new();
+    let bought = pump(&user, ["count = 4", "count = 4"]);
+    let check = user.types(&["pumps", "check", bought]).out;
+    for said in [
+        "of the bore's pitch; as drawings of heads vary",
+        "0.5000 mL per revolution, 0.1250 mL per pitch of 90.00°",
+        "inlet     not given: its pressures and its settling are not known",
+        "unsure    18.5 % of the volume, 5.2 % of it at a speed (standard uncertainty)",
+    ] {
+        assert!(check.contains(said), "{said}: {check}");
+    }
+    let shown = user.types(&["pumps", "show", bought]).out;
+    assert!(shown.contains("[head]\nml_per_rev = 0.5\n") && !shown.contains("[backplate]"), "{shown}");
+    let source = user.types(&["pumps", "show", bought, "--format", "rust"]).out;
+    assert!(source.contains("pub static PUMP: Pump") && source.contains("rollers: 4"), "{source}");
+    let simulated = user.types(&["simulate", "--pump", bought, "--speed", "20rpm", "--duration", "1s"]);
+    assert_eq!(simulated.code, 0, "{}", simulated.err);
+}
+
+#[test]
+fn lines_make_pressures_known_and_limits_possible() {
+    let user = User::new();
+    let line = "resistance_kpa_s_ml = 0.5\ncompliance_ml_kpa = 0.01\ninertance_kpa_s2_ml = 0.02\n\
+                reservoir_kpa = 101.325\n";
+    let lines = format!("[inlet]\n{line}[outlet]\n{line}[motor]");
+    let known = pump(&user, ["[motor]", &lines]);
+    let report = user.json(&["5mL", "--pump", known, "--max-outlet-pressure", "200kPaa"]);
+    assert!(number(&report, "outlet_max_kpa") > 101.5 && report["settle_s"].is_number(), "{report}");
+    assert!(!report["limits_not_checked"].as_array().unwrap().contains(&"settling".into()));
+
+    let unknown = pump(&user, ["count = 4", "count = 4"]);
+    let said = user.is_refused(&["5mL", "--pump", unknown, "--max-outlet-pressure", "200kPaa"]);
+    assert!(said.contains("[inlet] is missing") && said.contains("a pressure limit"), "{said}");
+}
+
+#[test]
+fn a_head_that_is_given_twice_or_cannot_be_is_refused_before_anything_moves() {
+    let user = User::new();
+    for (change, said) in [
+        (
+            ["[motor]", "[tube]\nbore_radius_mm = 1.0\nouter_radius_mm = 2.0\n[motor]"],
+            "0.5 beside [tube] bore_radius_mm",
+        ),
+        (["count = 4", "count = 4\nradius_mm = 3.0"], "0.5 beside [rollers] radius_mm"),
+        (["ml_per_rev = 0.5", "ml_per_rev = -0.5"], "[head] ml_per_rev is -0.5"),
+        (["ml_per_rev = 0.5", "ml_per_turn = 0.5"], "ml_per_turn"),
+        (["count = 4", "count = 0"], "number of rollers is 0"),
+        (["[motor]", "[speed_law]\nlaw = \"inlet-pressure\"\n[motor]"], "speed_law"),
+        (["[motor]", "[limits]\nmax_outlet_kpa = 200.0\n[motor]"], "[limits] max_outlet_kpa is 200"),
+    ] {
+        let bought = pump(&user, change);
+        let refusal = user.is_refused(&["5mL", "--pump", bought]);
+        assert!(refusal.contains(said), "{said}: {refusal}");
+    }
+    assert_eq!(user.record(), None);
+}
+
+#[test]
+fn short_doses_find_the_pulse_in_the_place_of_the_default() {
+    let user = User::new();
+    let bought = pump(&user, ["count = 4", "count = 4"]);
+    // Short doses of a head whose pulse takes 20 % over 45 deg. The default takes 26 % over 55.5 deg.
+    let pulse = DefaultPulse::new(0.2, 45.0);
+    let head = Pump::from_ml_per_rev(0.5, 4, pulse, Line::PUBLISHED, Line::PUBLISHED).unwrap();
+    let volume_ml = |from_deg: f64, to_deg: f64| {
+        let at = |deg: f64| head.outlet_curve().volume_ml(deg.to_radians());
+        at(to_deg) - at(from_deg)
+    };
+    let mut table = String::from("start_angle_deg,turned_deg,volume_ml\n");
+    for from_deg in (0..90).step_by(5).map(f64::from) {
+        table.push_str(&format!("{from_deg},20,{}\n", volume_ml(from_deg, from_deg + 20.0)));
+    }
+    fs::write(user.path("short.csv"), table).unwrap();
+    let dose = ["60uL", "--pump", bought, "--start-angle", "20deg", "--dry-run"];
+    let error_ml =
+        |report: &Value| volume_ml(20.0, number(report, "end_angle_deg")) - number(report, "planned_ml");
+    let before = user.json(&dose);
+    assert!(error_ml(&before).abs() > 1e-3, "{before}");
+    assert!(error_ml(&before).abs() < number(&before, "expanded_uncertainty_ml"), "{before}");
+
+    let found = user.types(&["calibrate", "phase", "--pump", bought, "--use", "--from", "short.csv"]);
+    assert_eq!(found.code, 0, "{} {}", found.out, found.err);
+    let after = user.json(&dose);
+    assert!(error_ml(&after).abs() < 1e-4, "{after}");
+    assert!(share_ml(&after, "pulse") < 0.2 * share_ml(&before, "pulse"), "{after}");
+    assert!(number(&after["calibration"], "roller_volume_ml") > 0.0, "{after}");
+}
