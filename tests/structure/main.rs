@@ -1,5 +1,7 @@
 //! The shape of the sources: rooms, arrows, lengths. ARCHITECTURE.md promises what these tests hold.
 
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
 mod graph;
 mod names;
 mod signatures;

@@ -25,7 +25,7 @@ pub(super) struct RunArgs {
     /// Table of runs, CSV: speed_rpm, turned_deg (or revolutions, steps), mass_g (or volume_ml), start_angle_deg, ...
     #[arg(long, value_name = "FILE", conflicts_with_all = ["port", "configure"])]
     from: Option<PathBuf>,
-    /// Fit a line or parabola over the speed, a line alone, one factor, or s and D of the speed law (three speeds at least)
+    /// Fit a line or parabola over the speed, a line alone, one factor, or the speed law (three speeds at least)
     #[arg(long, value_name = "best|line|factor|speed-law", default_value_t = Fit::Best, hide_default_value = true)]
     #[arg(value_parser = choice(&[
         (Fit::Best, "A straight line over the speed, or a parabola where an F test at four speeds or more asks for it"),

@@ -36,7 +36,7 @@ fn a_dose_that_was_stopped_and_resumed_is_weighed_as_one() {
 #[test]
 fn a_retraction_counts_for_the_next_dose_that_repays_it() {
     let lab = Lab::new();
-    let back = DoseRequest { retract_ml: Some(0.5), ..DoseRequest::dose(6.0) };
+    let back = DoseRequest::dose(6.0).with_retraction(0.5);
     lab.dose(back);
     assert!((turned_ml(&lab) - 6.0).abs() < 2e-3);
     lab.dose(back);
@@ -52,7 +52,7 @@ fn what_nobody_can_weigh_is_no_last_dose() {
     assert!(matches!(run(&lab), Err(CalibrationError::NoLastDose)));
     lab.dose(DoseRequest::dose(5.0));
     assert!(run(&lab).is_ok());
-    lab.dose(DoseRequest { purpose: Purpose::Prime, ..DoseRequest::dose(5.0) });
+    lab.dose(DoseRequest::new(Purpose::Prime, 5.0));
     assert!(matches!(run(&lab), Err(CalibrationError::NoLastDose)));
     lab.dose(DoseRequest::dose(5.0));
     lab.home(Some(Phase::known(0.0)));

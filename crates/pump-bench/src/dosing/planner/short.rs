@@ -78,7 +78,11 @@ fn a_time_without_room_for_gentle_ramps_is_met_with_a_warning() {
         let prepared = within(time_s).unwrap();
         let takes_s = prepared.plan.profile().duration_s() + prepared.prediction.settle_s;
         assert!(takes_s <= time_s, "{takes_s} of {time_s}");
-        prepared.warnings.into_iter().filter(|warning| warning.contains("leaves no room for ramps")).count()
+        prepared
+            .warnings
+            .into_iter()
+            .filter(|warning| warning.text().contains("leaves no room for ramps"))
+            .count()
     };
     assert_eq!((warnings(1.01 * fastest_s), warnings(3.0 * fastest_s)), (1, 0));
 }

@@ -53,8 +53,8 @@ impl PlanningBasis<'_> {
         Some(warnings::back_flow(&prepared.plan, back_ml, own_ml, is_in_air, &less))
     }
 
-    /// Returns true if a retraction that was not asked for would draw in what hangs at the nozzle. It takes nothing back
-    /// that has fallen, and an immersed nozzle has nothing that hangs.
+    /// Returns true if a retraction that was not asked for would draw in what hangs at the nozzle. It takes nothing
+    /// back that has fallen, and an immersed nozzle has nothing that hangs.
     fn retraction_would_help(&self) -> bool {
         self.file.outlet.is_in_air() && self.request.retract_ml.is_none() && self.request.volume_ml > 0.0
     }

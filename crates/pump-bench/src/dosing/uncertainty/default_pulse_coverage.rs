@@ -92,7 +92,7 @@ fn weighed(file: &PumpFile, head: &Head<'_>, dice: &mut Dice) -> Stored {
         temperature_degc: None,
         time: None,
     }];
-    let expected = Expected { repeatability: REPEATABILITY, reading_ml: READING_ML };
+    let expected = Expected::new(REPEATABILITY, READING_ML);
     let calibration = Calibration::of_runs(file, Source::File, runs, Fit::Line, &expected, None).unwrap();
     Stored { version: 1, calibration }
 }
