@@ -139,7 +139,8 @@ mod tests {
     use crate::cli;
 
     /// Words of an advice that stand for a value.
-    const VALUES: [&str; 8] = ["none", "<ANGLE>", "<N>", "0deg", "NAME", "rust", "low-flow", "/dev/ttyUSB0"];
+    const VALUES: [&str; 9] =
+        ["none", "<ANGLE>", "<N>", "0deg", "NAME", "rust", "low-flow", "line-aware", "/dev/ttyUSB0"];
 
     /// True if the command or one below it has the option.
     fn has(command: &Command, option: &str) -> bool {

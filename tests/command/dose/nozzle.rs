@@ -62,16 +62,13 @@ fn a_back_flow_beyond_the_uncertainty_names_a_rate_that_has_less() {
         "{warning}"
     );
     assert!(warning.contains("; `--rate` sets the rate"), "{warning}");
-    let (_, rate) = warning.split_once("; at ").unwrap();
+    let (_, rate) = warning.split_once(", at ").unwrap();
     let (rate, _) = rate.split_once(" it is").unwrap();
     let slower = user.json(&[&dose[..], &["--rate", rate]].concat());
     assert!(number(&slower, "backflow_ml") <= expanded, "{slower}");
     assert!(!slower["warnings"].to_string().contains("too much"), "{slower}");
     // The default ramps leave the line nearly at rest. An immersed nozzle has nothing that hangs.
-    assert!(
-        warning.contains("with `--ramps line-aware` it is ") && !warning.contains("--retract"),
-        "{warning}"
-    );
+    assert!(warning.contains("with line-aware ramps it is ") && !warning.contains("--retract"), "{warning}");
     // A long dose has room for it.
     let long = user.types(&["25mL", "--dry-run", "-v", "--pump", &immersed]).out;
     assert!(!long.contains("too much") && long.contains("back flow    "), "{long}");
@@ -88,7 +85,7 @@ fn a_nozzle_in_air_has_its_back_flow_in_the_budget() {
     assert!(number(&report, "expanded_uncertainty_ml") > back, "{report}");
     let warnings = report["warnings"].to_string();
     assert!(warnings.contains("as much air in their place; the dose's ± contains that"), "{warnings}");
-    assert!(warnings.contains("`--retract` draws in what then still hangs at the nozzle"), "{warnings}");
+    assert!(warnings.contains("a retraction draws in what then still hangs at the nozzle"), "{warnings}");
     let sucked = user.json(&[&dose[..], &["--retract", "0.1mL"]].concat())["warnings"].to_string();
     assert!(sucked.contains("too much") && !sucked.contains("`--retract`"), "{sucked}");
     // Nobody knows the end: a drop, and no share of a back flow.

@@ -82,7 +82,7 @@ fn runs_at_several_speeds_fit_a_speed_law_that_doses_use() {
     let refused = user.is_refused(&["25mL", "--rate", "300mL/s"]);
     assert!(refused.contains("calibration 1 holds from 20.0000 to 160.0000 r/min"), "{refused}");
     let refused = user.is_refused(&["calibrate", "run", "--from", "runs.csv", "--fit", "parabola"]);
-    assert!(refused.contains("line, speed-law"), "{refused}");
+    assert!(refused.contains("line, factor, speed-law"), "{refused}");
 }
 
 #[test]

@@ -105,7 +105,7 @@ fn a_pump_file_is_obeyed_and_its_mistakes_are_named() {
         ("bore_radius_mm = 5.0", "bore_radius_mm = nan", "bore radius in mm is NaN"),
         ("bore_radius_mm", "bore_radius_cm", "unknown field `bore_radius_cm`"),
         ("count = 3", "count = 1", "no roller seals"),
-        ("count = 3", "count = 13", "must stay positive"),
+        ("count = 3", "count = 14", "it must be positive: use fewer rollers"),
         ("count = 3", "count = \"three\"", "invalid type"),
         ("offset_mm = 40.0", "offset_mm = 43.5", "beyond the backplate radius"),
         ("id = \"three-roller\"", "id = \"../x\"", "[pump] id is `../x`"),

@@ -308,7 +308,7 @@ mod tests {
             let state = PumpState::fresh(phase, PhaseSource::Home);
             let path = PathBuf::from("journal.jsonl");
             let source = JournalError::File { action: "write", path, source: cause.into() };
-            not_recorded(&state, pitch_rad, source).to_string()
+            crate::report::with_sources(&not_recorded(&state, pitch_rad, source))
         };
         let unknown = said(Phase::unknown(pitch_rad), ErrorKind::StorageFull);
         assert!(

@@ -286,7 +286,8 @@ mod tests {
             fs::rename(linked, &other).unwrap();
             symlink(&other, linked).unwrap();
             for refused in [log.read().map(drop), log.add(&run(10.0, 63.9)), log.begin(&planned())] {
-                assert!(refused.unwrap_err().to_string().contains("it is a link"));
+                let said = crate::report::with_sources(&refused.unwrap_err());
+                assert!(said.contains("it is a link"), "{said}");
             }
             fs::remove_file(linked).unwrap();
             fs::rename(&other, linked).unwrap();

@@ -110,7 +110,7 @@ mod tests {
     fn parsed(table: &str) -> Result<PumpFile, String> {
         let text = crate::catalogue::built_in("three-roller").unwrap().to_toml();
         let text = text.replace("[speed_law]\nkind = \"none\"\n", table);
-        PumpFile::parse(&text, "a file").map_err(|error| error.to_string())
+        PumpFile::parse(&text, "a file").map_err(|error| crate::report::with_sources(&error))
     }
 
     const TABLE: &str = "[speed_law]\nkind = \"inlet-pressure\"\ns = 0.953\nd_per_kpa = 2.05e-3\n\

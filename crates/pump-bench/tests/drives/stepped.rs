@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
 use pump_bench::drives::{Drive, DriveError, DriveFault, IndexSearch, Leave, Stepped};
+use pump_bench::report::with_sources;
 use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
 use pump_ctl::drive::{Clock, Fault, StepMotor};
 use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Ramps, Request};
@@ -263,7 +264,7 @@ fn a_search_ends_after_the_index() {
     assert!((250..600).contains(&made), "{made} steps");
     let none = Recorder::default();
     let refused = drive(&none).seek(&dose(1.0, false), &mut grant(&none)).unwrap_err();
-    assert!(refused.to_string().contains("no index sensor") && none.made() == 0, "{refused}");
+    assert!(with_sources(&refused).contains("no index sensor") && none.made() == 0, "{refused}");
 }
 
 #[test]

@@ -84,7 +84,7 @@ mod tests {
     "#;
 
     fn refusal(text: &str) -> String {
-        PumpFile::parse(text, "a file").unwrap_err().to_string()
+        crate::report::with_sources(&PumpFile::parse(text, "a file").unwrap_err())
     }
 
     #[test]

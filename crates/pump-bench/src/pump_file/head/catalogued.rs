@@ -68,7 +68,7 @@ mod tests {
     }
 
     fn refusal(head: &str) -> String {
-        PumpFile::parse(&file(head), "a file").unwrap_err().to_string()
+        crate::report::with_sources(&PumpFile::parse(&file(head), "a file").unwrap_err())
     }
 
     #[test]
