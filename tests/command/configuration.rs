@@ -31,6 +31,11 @@ fn a_name_finds_its_file_from_anywhere_and_a_bare_dose_takes_the_default() {
     assert!(user.is_refused(&["5mL", "--pump", "./ph-down"]).contains("pump file ./ph-down"));
     let list = user.types(&["pumps", "list"]).out;
     assert!(list.starts_with("ph-down ") && list.contains(", id acid\nthree-roller"), "{list}");
+    let listed = user.json(&["pumps", "list"]);
+    assert_eq!(
+        (&listed["configured"][0]["name"], &listed["configured"][0]["id"]),
+        (&"ph-down".into(), &"acid".into())
+    );
     assert!(
         user.types(&["pumps", "check", "ph-down"]).out.starts_with("acid (McIntyre et al., 2 rollers): ok")
     );
@@ -83,7 +88,7 @@ fn a_configuration_that_cannot_be_is_refused_with_the_key_and_what_is_allowed() 
         parts.iter().for_each(|part| assert!(message.contains(part), "{text}: {part}: {message}"));
     }
     let message = user.is_refused(&["5mL", "--config", "none.toml"]);
-    assert!(message.contains("cannot read the configuration none.toml"), "{message}");
+    assert!(message.contains("cannot read the configuration none.toml: No such file"), "{message}");
     assert!(user.is_refused(&["5mL", "--config", ""]).contains("--config"));
     let output =
         user.command(&["5mL", "--format", "json"]).env("DOSE_CONFIG", "config.toml").output().unwrap();

@@ -311,6 +311,53 @@ fn a_bought_head_becomes_a_pump_that_doses_by_its_name_alone() {
 }
 
 #[test]
+fn a_bought_head_takes_the_motor_and_the_place_that_a_drawn_one_takes() {
+    let user = User::new();
+    let head = ["pumps", "new", "--head", "kamoer-kphm400-25"];
+    let untold = user.types(&[&head[..], &["untold.toml"]].concat());
+    assert!(untold.out.contains("the motor's steps are not known"), "{}", untold.out);
+    let text = fs::read_to_string(user.path("untold.toml")).unwrap();
+    assert!(
+        text.contains("confirmed = false\n") && text.contains("# Assumed: a catalogue does not tell."),
+        "{text}"
+    );
+    assert!(text.contains("# Assumed: sea level") && !text.contains("lift_mm"), "{text}");
+    let check = user.types(&["pumps", "check", "untold.toml"]).out;
+    for line in [
+        "  given     volume of a revolution, density of the fluid\n",
+        "  assumed   volume of a roller, pressures of the reservoirs, steps of the motor,",
+        "  unknown   R, C and L of the inlet, R, C and L of the outlet\n",
+    ] {
+        assert!(check.contains(line), "{line}: {check}");
+    }
+    let own = [
+        "--microsteps",
+        "16",
+        "--gear",
+        "2",
+        "--altitude",
+        "500m",
+        "--suction-lift",
+        "1.2m",
+        "--discharge-lift",
+        "0.5m",
+    ];
+    let told = user.types(&[&head[..], &own[..], &["told.toml"]].concat());
+    assert!(told.out.contains("= 3200 steps per revolution of the motor, x gear 2 = 6400"), "{}", told.out);
+    let text = fs::read_to_string(user.path("told.toml")).unwrap();
+    for key in ["steps_per_rev = 3200\n", "gear = 2.0\n", "altitude_m = 500.0\n", "lift_mm = 1200.0\n"] {
+        assert!(text.contains(key), "{key}: {text}");
+    }
+    assert!(!text.contains("confirmed"), "{text}");
+    let check = user.types(&["pumps", "check", "told.toml"]).out;
+    // 954.61 hPa at 500 m (U.S. Standard Atmosphere 1976); 9.777 kPa a metre of water at 25 °C.
+    assert!(check.contains("settling are not known; reservoir 83.72"), "{check}");
+    assert!(check.contains("reservoir 100.3") && check.contains("by a lift of 500 mm"), "{check}");
+    let dose = user.json(&["8mL", "--dry-run", "--pump", "told.toml"]);
+    assert!((number(&dose, "planned_ml") - 8.0).abs() < 2e-3 && dose["inlet_min_kpa"].is_null(), "{dose}");
+}
+
+#[test]
 fn a_head_that_the_catalogue_cannot_give_is_refused_with_what_to_do() {
     let user = User::new();
     let new = |more: &[&str]| user.is_refused(&[&["pumps", "new"], more].concat());

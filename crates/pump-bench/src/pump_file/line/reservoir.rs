@@ -103,6 +103,16 @@ fn column_kpa(height_mm: f64, density_kg_m3: f64) -> f64 {
 mod tests {
     use crate::pump_file::PumpFile;
 
+    /// Returns the file of a bought head without lines and surroundings.
+    fn bought_head() -> String {
+        "schema = \"pump/1\"\n\
+         [pump]\nid = \"bought\"\nname = \"A bought head\"\ndefault_rate_ml_s = 0.2\n\
+         [head]\nml_per_rev = 0.5\n[rollers]\ncount = 4\n\
+         [motor]\nsteps_per_rev = 3200\nmax_speed_rpm = 100.0\nmax_acceleration_rad_s2 = 100.0\n\
+         [fluid]\nname = \"water\"\ntemperature_degc = 25.0\ndensity_kg_m3 = 997.0\n"
+            .to_owned()
+    }
+
     /// Parses the three-roller pump with these keys in place of each line's reservoir.
     fn parsed(inlet: &str, outlet: &str) -> Result<PumpFile, String> {
         let text = crate::catalogue::built_in("three-roller").unwrap().to_toml();
@@ -126,6 +136,47 @@ mod tests {
         // A supply above the pump presses.
         let above = parsed("lift_mm = -300.0", "lift_mm = 0").unwrap().model().unwrap();
         assert!(above.inlet().reservoir_kpa > 88.6 && above.outlet().reservoir_kpa == 85.7);
+    }
+
+    #[test]
+    fn a_line_of_which_nothing_is_known_has_a_reservoir_of_its_own() {
+        let head = bought_head();
+        let parsed = |lines: &str| {
+            PumpFile::parse(&format!("{head}{lines}"), "a file").map_err(|error| error.to_string())
+        };
+        let bare = parsed("").unwrap();
+        let pump = bare.model().unwrap();
+        assert_eq!((pump.inlet().reservoir_kpa, pump.outlet().reservoir_kpa), (101.325, 101.325));
+        assert!(!bare.to_toml().contains("[inlet]") && !bare.to_toml().contains("lift_mm"));
+        // A level reservoir that is stated is that of a file that says nothing.
+        assert_eq!(parsed("[inlet]\nlift_mm = 0.0\n").unwrap(), bare);
+        let lifted = parsed("[inlet]\nlift_mm = 1200.0\n[outlet]\nreservoir_kpa = 120.0\n").unwrap();
+        assert!(lifted.inlet.is_unknown() && lifted.outlet.line.is_unknown());
+        let pump = lifted.model().unwrap();
+        assert!((pump.inlet().reservoir_kpa - (101.325 - 1.2 * 9.777)).abs() < 1e-3);
+        assert_eq!(pump.outlet().reservoir_kpa, 120.0);
+        assert_eq!(PumpFile::parse(&lifted.to_toml(), "the same").unwrap(), lifted);
+        let nozzle = parsed("[outlet]\nend = \"air\"\nnozzle_bore_mm = 1.0\n").unwrap();
+        assert!(nozzle.outlet.line.is_unknown() && !nozzle.to_toml().contains("lift_mm"));
+        assert_eq!(PumpFile::parse(&nozzle.to_toml(), "the same").unwrap(), nozzle);
+        let error = parsed("[inlet]\nlift_mm = 10100.0\n").unwrap_err();
+        assert!(error.contains("[inlet] lift_mm is 10100"), "{error}");
+        let error = parsed("[outlet]\nresistance_kpa_s_ml = 0.1\nlift_mm = 0.0\n").unwrap_err();
+        assert!(error.contains("missing field `compliance_ml_kpa` (or a `hose`)"), "{error}");
+    }
+
+    #[test]
+    fn a_drawn_head_needs_its_lines() {
+        let text = crate::catalogue::built_in("three-roller").unwrap().to_toml();
+        let (before, rest) = text.split_once("[inlet]\n").unwrap();
+        let (_, after) = rest.split_once("[outlet]\n").unwrap();
+        let text = format!("{before}[inlet]\nlift_mm = 100.0\n[outlet]\n{after}");
+        let error = PumpFile::parse(&text, "a file").unwrap_err().to_string();
+        assert!(
+            error
+                .contains("[inlet] is missing; allowed: R, C and L, or a hose, and reservoir_kpa or lift_mm"),
+            "{error}"
+        );
     }
 
     #[test]
