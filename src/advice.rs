@@ -111,6 +111,11 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SeekOffset => "seek it with --offset",
         Remedy::CheckPump => "`dose pumps check` says what they give",
         Remedy::PrintSource => "print it anew with `dose pumps show NAME --format rust`",
+        Remedy::ListHeads => "`dose pumps list --catalogue` lists the heads",
+        Remedy::WriteOrConfirmPump => {
+            "write your pump's values into a pump file, without confirmed = false, and name it with --pump; or say \
+             --confirm-pump once if these are the values of your pump"
+        }
     }
 }
 

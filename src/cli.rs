@@ -5,6 +5,7 @@ use clap::{Arg, CommandFactory, Parser, Subcommand};
 
 use crate::commands::calibrate::CalibrateArgs;
 use crate::commands::completions::CompletionsArgs;
+use crate::commands::config::ConfigArgs;
 use crate::commands::discard::DiscardArgs;
 use crate::commands::dose::DoseArgs;
 use crate::commands::home::HomeArgs;
@@ -72,6 +73,8 @@ enum Command {
     Completions(CompletionsArgs),
     /// List, show, check and make pump files
     Pumps(PumpsArgs),
+    /// Say which pumps are known by name, and where the records are
+    Config(ConfigArgs),
 }
 
 /// Clap's definitions of all commands. Pump and record may be named to each of them, as their environment variables are
@@ -81,7 +84,7 @@ pub(crate) fn command() -> clap::Command {
 }
 
 fn with_pump_and_record(command: clap::Command) -> clap::Command {
-    let missing: Vec<Arg> = [("pump", "pump"), ("state_dir", "state-dir")]
+    let missing: Vec<Arg> = [("pump", "pump"), ("state_dir", "state-dir"), ("config", "config")]
         .into_iter()
         .filter(|(id, _)| !command.get_arguments().any(|arg| arg.get_id() == *id))
         .map(|(id, long)| Arg::new(id).long(long).value_parser(ValueParser::os_string()).hide(true))
@@ -112,6 +115,7 @@ impl Cli {
             Some(Command::Home(args)) => args.run(),
             Some(Command::Completions(args)) => args.run(&mut Self::command()),
             Some(Command::Pumps(args)) => args.run(),
+            Some(Command::Config(args)) => args.run(),
         }
     }
 }

@@ -5,6 +5,7 @@ fn every_example_prints_what_it_shows() {
     let state = tempfile::tempdir().expect("a folder for the record");
     trycmd::TestCases::new()
         .env("DOSE_STATE_DIR", state.path().to_string_lossy())
+        .env("XDG_CONFIG_HOME", state.path().to_string_lossy())
         .env("COLUMNS", "100")
         .case("README.md");
 }

@@ -3,6 +3,7 @@
 mod batch;
 pub(crate) mod calibrate;
 pub(crate) mod completions;
+pub(crate) mod config;
 mod delivery;
 pub(crate) mod discard;
 pub(crate) mod dose;

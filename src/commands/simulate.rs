@@ -56,8 +56,8 @@ pub(crate) struct SimulateArgs {
 impl SimulateArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let outputs = [("--trace", self.trace.trace.as_deref()), ("--plot", self.plot.plot.as_deref())];
-        let state_dir = self.record.folder();
-        Files { outputs: &outputs, inputs: &[self.pump.path()], state_dir }.check()?;
+        let state_dir = self.record.folder(&self.pump.config()?);
+        Files { outputs: &outputs, inputs: &[self.pump.path()?.as_deref()], state_dir }.check()?;
         let file = self.pump.file()?;
         let pump = file.speed_dependent_pump().map_err(Failure::of)?;
         let speed_rad_s = self.speed_rad_s(&pump)?;

@@ -41,18 +41,20 @@ impl BenchOptions {
 
     /// The bench with this pump file.
     pub(crate) fn bench_of(&self, file: PumpFile) -> Result<Bench, Failure> {
-        let MotorOptions { driver, port, configure, accept_settings } = &self.motor;
+        let MotorOptions { driver, port, configure, accept_settings, confirm_pump } = &self.motor;
         let given = [
             ("--port", port.port.is_some()),
             ("--configure", *configure),
             ("--accept-settings", *accept_settings),
+            ("--confirm-pump", *confirm_pump),
         ];
         refuse_unless_real(&file, driver, &given)?;
-        let bench = Bench::new(file, driver.driver, &self.record.folder()?)?;
+        let bench = Bench::new(file, driver.driver, &self.record.folder(&self.pump.config()?)?)?;
         Ok(bench
             .at_port(port.port.clone())
             .configuring(*configure)
             .accepting_settings(*accept_settings)
+            .confirming_pump(*confirm_pump)
             .stopping_on(interrupt::stop_request()))
     }
 }
@@ -67,7 +69,8 @@ impl RecordOptions {
     pub(crate) fn bench_of(&self, file: PumpFile, port: Option<&PortOption>) -> Result<Bench, Failure> {
         let port: Option<PathBuf> = port.and_then(|port| port.port.clone());
         refuse_unless_real(&file, &self.driver, &[("--port", port.is_some())])?;
-        Ok(Bench::new(file, self.driver.driver, &self.record.folder()?)?.at_port(port))
+        let folder = self.record.folder(&self.pump.config()?)?;
+        Ok(Bench::new(file, self.driver.driver, &folder)?.at_port(port))
     }
 }
 

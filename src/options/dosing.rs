@@ -61,8 +61,8 @@ impl DosingOptions {
     /// Refuses files that exclude each other, and those that must not be replaced.
     pub(crate) fn check_files(&self) -> Result<(), Failure> {
         let BenchOptions { pump, record, .. } = &self.bench;
-        let state_dir = Some(record.folder()?);
-        Files { outputs: &self.files(), inputs: &[pump.path()], state_dir }.check()?;
+        let state_dir = Some(record.folder(&pump.config()?)?);
+        Files { outputs: &self.files(), inputs: &[pump.path()?.as_deref()], state_dir }.check()?;
         if self.trace.dt.is_some() && self.trace.trace.is_none() {
             return Err(Failure::refused("--dt is the time between rows of --trace; name that file too"));
         }

@@ -49,4 +49,12 @@ pub(crate) struct MotorOptions {
     /// Accept controller settings that have changed since the last time
     #[arg(long)]
     pub(crate) accept_settings: bool,
+    /// Say that the pump's values are those of your pump, where nobody wrote them
+    #[arg(
+        long_help = "Say that the pump's values are those of your pump. A real motor does not move while its steps \
+        per revolution, its direction or its head are filled in: those of a built-in pump, and those beside \
+        `confirmed = false` in a pump file. The record keeps the word until such a value changes."
+    )]
+    #[arg(long)]
+    pub(crate) confirm_pump: bool,
 }

@@ -7,6 +7,7 @@ mod bought_head;
 mod calibrate;
 mod calibrate_last;
 mod calibration_limits;
+mod configuration;
 mod dose;
 #[cfg(unix)]
 mod home;

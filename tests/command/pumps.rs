@@ -182,6 +182,94 @@ fn tables_that_contradict_themselves_are_refused_by_name() {
 }
 
 #[test]
+fn the_steps_of_the_motor_are_said_or_the_file_says_that_nobody_did() {
+    let user = User::new();
+    let new = |options: &[&str]| user.types(&[&DRAWING[..], options].concat());
+    let untold = new(&["untold.toml"]);
+    assert!(untold.out.contains("the motor's steps are not known"), "{}", untold.out);
+    let text = fs::read_to_string(user.path("untold.toml")).unwrap();
+    assert!(
+        text.contains("confirmed = false\n") && text.contains("and take out `confirmed = false`"),
+        "{text}"
+    );
+    let check = user.types(&["pumps", "check", "untold.toml"]).out;
+    assert!(check.contains("motor     12800 steps per revolution, gear 1, assumed: a real motor"), "{check}");
+    assert!(
+        check.contains("  assumed   steps of the motor, direction of the motor, ambient pressure"),
+        "{check}"
+    );
+    // 200 full steps of 1.8 degrees, sixteen microsteps each.
+    for (options, said) in [
+        (
+            &["--steps-per-rev", "3200"][..],
+            "3200 steps per revolution of the motor, x gear 1 = 3200 of the head",
+        ),
+        (&["--microsteps", "16"], "200 full steps x 16 microsteps = 3200 steps"),
+        (
+            &["--full-steps", "400", "--microsteps", "8", "--gear", "3"],
+            "= 3200 steps per revolution of the motor, x gear 3 = 9600",
+        ),
+    ] {
+        let _ = fs::remove_file(user.path("told.toml"));
+        let told = new(&[options, &["told.toml"]].concat());
+        assert!(told.out.contains(said), "{options:?}: {}", told.out);
+        let text = fs::read_to_string(user.path("told.toml")).unwrap();
+        assert!(
+            text.contains("steps_per_rev = 3200\n") && !text.contains("confirmed"),
+            "{options:?}: {text}"
+        );
+    }
+    assert!(fs::read_to_string(user.path("told.toml")).unwrap().contains("full_steps_per_rev = 400\n"));
+    let refused = |options: &[&str]| user.is_refused(&[&DRAWING[..], options].concat());
+    assert!(refused(&["--gear", "3"]).contains("add --steps-per-rev 3200, or --microsteps 16"));
+    assert!(refused(&["--steps-per-rev", "3200", "--microsteps", "16"]).contains("cannot be used with"));
+    assert!(
+        refused(&["--steps-per-rev", "0"]).contains("[motor] steps_per_rev is 0; allowed: 1 to 100000000")
+    );
+    assert!(refused(&["--full-steps", "70000", "--microsteps", "70000"]).contains("allowed: 1 to 100000000"));
+}
+
+#[test]
+fn a_new_pump_stands_where_it_is_told() {
+    let user = User::new();
+    let place = [
+        "--altitude",
+        "500m",
+        "--suction-lift",
+        "1.2m",
+        "--discharge-lift",
+        "0.5m",
+        "--steps-per-rev",
+        "3200",
+    ];
+    assert_eq!(user.types(&[&DRAWING[..], &place[..], &["high.toml"]].concat()).code, 0);
+    let text = fs::read_to_string(user.path("high.toml")).unwrap();
+    for key in ["altitude_m = 500.0\n", "lift_mm = 1200.0\n", "lift_mm = 500.0\n"] {
+        assert!(text.contains(key), "{key}: {text}");
+    }
+    assert!(!text.contains("pressure_kpa") && !text.contains("reservoir_kpa"), "{text}");
+    let check = user.types(&["pumps", "check", "high.toml"]).out;
+    // 954.61 hPa at 500 m (U.S. Standard Atmosphere 1976); 9.777 kPa a metre of water at 25 °C.
+    assert!(check.contains("ambient   95.461 kPa at 500 m (ISO 2533)"), "{check}");
+    assert!(check.contains("reservoir 83.72") && check.contains("by a lift of 1200 mm"), "{check}");
+    assert!(check.contains("reservoir 100.3") && check.contains("by a lift of 500 mm"), "{check}");
+    assert_eq!(user.json(&["5mL", "--dry-run", "--pump", "high.toml"])["pump"], "high");
+    let refused = |options: &[&str]| user.is_refused(&[&DRAWING[..], options].concat());
+    assert!(refused(&["--altitude", "9.1km"]).contains("9.1km"));
+    assert!(
+        refused(&["--altitude", "9100m"]).contains("[ambient] altitude_m is 9100; allowed: -500 to 9000")
+    );
+    assert!(refused(&["--altitude", "1m", "--ambient", "1bara"]).contains("cannot be used with"));
+    assert!(refused(&["--ambient", "0kPag"]).contains("give it absolute"));
+    // Water at 25 °C boils under a column of (101.325 - 3.17) kPa, 10.04 m.
+    assert!(
+        refused(&["--suction-lift", "10.1m"])
+            .contains("[inlet] lift_mm is 10100; allowed: more than -1000000")
+    );
+    assert_eq!(user.types(&[&DRAWING[..], &["--altitude", "-430m", "low.toml"]].concat()).code, 0);
+}
+
+#[test]
 fn the_catalogue_is_listed_for_people_and_for_programs() {
     let user = User::new();
     let text = user.types(&["pumps", "list", "--catalogue", "masterflex", "16"]).out;
@@ -220,6 +308,53 @@ fn a_bought_head_becomes_a_pump_that_doses_by_its_name_alone() {
     // Between pumps 15 % and between tubings 15 % at this bore (Omega FPU5MT, table 9-3), both rectangular, are
     // 12.2 % standard: a dose of 8 mL is no surer than 1.96 mL.
     assert!(number(&dose, "expanded_uncertainty_ml") > 1.96, "{dose}");
+}
+
+#[test]
+fn a_bought_head_takes_the_motor_and_the_place_that_a_drawn_one_takes() {
+    let user = User::new();
+    let head = ["pumps", "new", "--head", "kamoer-kphm400-25"];
+    let untold = user.types(&[&head[..], &["untold.toml"]].concat());
+    assert!(untold.out.contains("the motor's steps are not known"), "{}", untold.out);
+    let text = fs::read_to_string(user.path("untold.toml")).unwrap();
+    assert!(
+        text.contains("confirmed = false\n") && text.contains("# Assumed: a catalogue does not tell."),
+        "{text}"
+    );
+    assert!(text.contains("# Assumed: sea level") && !text.contains("lift_mm"), "{text}");
+    let check = user.types(&["pumps", "check", "untold.toml"]).out;
+    for line in [
+        "  given     volume of a revolution, density of the fluid\n",
+        "  assumed   volume of a roller, pressures of the reservoirs, steps of the motor,",
+        "  unknown   R, C and L of the inlet, R, C and L of the outlet\n",
+    ] {
+        assert!(check.contains(line), "{line}: {check}");
+    }
+    let own = [
+        "--microsteps",
+        "16",
+        "--gear",
+        "2",
+        "--altitude",
+        "500m",
+        "--suction-lift",
+        "1.2m",
+        "--discharge-lift",
+        "0.5m",
+    ];
+    let told = user.types(&[&head[..], &own[..], &["told.toml"]].concat());
+    assert!(told.out.contains("= 3200 steps per revolution of the motor, x gear 2 = 6400"), "{}", told.out);
+    let text = fs::read_to_string(user.path("told.toml")).unwrap();
+    for key in ["steps_per_rev = 3200\n", "gear = 2.0\n", "altitude_m = 500.0\n", "lift_mm = 1200.0\n"] {
+        assert!(text.contains(key), "{key}: {text}");
+    }
+    assert!(!text.contains("confirmed"), "{text}");
+    let check = user.types(&["pumps", "check", "told.toml"]).out;
+    // 954.61 hPa at 500 m (U.S. Standard Atmosphere 1976); 9.777 kPa a metre of water at 25 °C.
+    assert!(check.contains("settling are not known; reservoir 83.72"), "{check}");
+    assert!(check.contains("reservoir 100.3") && check.contains("by a lift of 500 mm"), "{check}");
+    let dose = user.json(&["8mL", "--dry-run", "--pump", "told.toml"]);
+    assert!((number(&dose, "planned_ml") - 8.0).abs() < 2e-3 && dose["inlet_min_kpa"].is_null(), "{dose}");
 }
 
 #[test]

@@ -28,7 +28,12 @@ impl User {
 
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_dose"));
-        command.args(arguments).current_dir(self.folder.path()).env_remove("DOSE_PUMP");
+        command
+            .args(arguments)
+            .current_dir(self.folder.path())
+            .env_remove("DOSE_PUMP")
+            .env_remove("DOSE_CONFIG");
+        command.env("XDG_CONFIG_HOME", self.path("config"));
         // So wide that no line is wrapped: the tests look for words, help.rs for the width.
         command.env("DOSE_STATE_DIR", self.path("state")).env("COLUMNS", "1000");
         command

@@ -121,7 +121,7 @@ impl Rig {
 
     fn bench(&self) -> Bench {
         let bench = Bench::new(built_in("three-roller").unwrap(), Some(DriverName::Grbl), &self.folder);
-        bench.unwrap().at_port(Some(self.board.path().to_owned()))
+        bench.unwrap().at_port(Some(self.board.path().to_owned())).confirming_pump(true)
     }
 
     fn state(&self) -> Option<PumpState> {

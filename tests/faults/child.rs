@@ -37,7 +37,7 @@ pub(crate) fn main(arguments: &[String]) {
     let [folder, volume_ml, port @ ..] = arguments else { panic!("{arguments:?}") };
     let driver = (!port.is_empty()).then_some(DriverName::Grbl);
     let bench = Bench::new(built_in("three-roller").unwrap(), driver, Path::new(folder)).unwrap();
-    let bench = bench.at_port(port.first().map(Into::into));
+    let bench = bench.at_port(port.first().map(Into::into)).confirming_pump(true);
     let mut session = bench.session().unwrap();
     if let Ok(most_ms) = env::var(SYNC_MS) {
         let random = Random(u64::from(std::process::id()));

@@ -19,6 +19,7 @@ fn pump_file(folder: &Path, board: &Simulated) -> PathBuf {
     let mut file = built_in("three-roller").unwrap();
     let table = DriveTable::of(DriverName::Grbl).with_index_angle_deg(40.0);
     file.drive = Some(table.with_port(board.path()));
+    file.motor.confirmed = None;
     let pump = folder.join("pump.toml");
     fs::write(&pump, file.to_toml()).unwrap();
     pump

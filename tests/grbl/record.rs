@@ -27,6 +27,7 @@ fn bench(folder: &Path, board: &Simulated, soft: bool) -> Bench {
         file.outlet = line.into();
     }
     file.drive = Some(DriveTable::of(DriverName::Grbl));
+    file.motor.confirmed = None;
     Bench::new(file, None, folder).unwrap().at_port(Some(board.path().to_owned()))
 }
 

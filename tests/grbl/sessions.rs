@@ -31,6 +31,7 @@ fn bench(folder: &Path, board: &Simulated, slow: bool) -> Bench {
         file.outlet = pump_model::Line { inertance_kpa_s2_ml: 0.1, ..pump_model::Line::PUBLISHED }.into();
     }
     file.drive = Some(DriveTable::of(DriverName::Grbl).with_index_angle_deg(40.0));
+    file.motor.confirmed = None;
     Bench::new(file, None, folder).unwrap().at_port(Some(board.path().to_owned()))
 }
 

@@ -23,6 +23,7 @@ pub mod balance;
 mod bench;
 pub mod calibration;
 pub mod catalogue;
+pub mod config;
 pub mod displacement;
 pub mod dosing;
 pub mod drives;

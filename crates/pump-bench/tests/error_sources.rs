@@ -5,6 +5,7 @@ use std::io;
 
 use pump_bench::DoseError;
 use pump_bench::calibration::CalibrationError;
+use pump_bench::config::ConfigError;
 use pump_bench::displacement::DisplacementError;
 use pump_bench::drives::{DriveError, DriveFault, SteppedError};
 use pump_bench::pump_file::{FluidError, PumpFileError};
@@ -97,6 +98,8 @@ fn with_causes() -> Vec<Box<dyn Error>> {
         Box::new(FluidError::from(WRONG)),
         Box::new(SteppedError::from(BrakeError::Empty)),
         Box::new(pump_file()),
+        Box::new(ConfigError::Read { path: "config.toml".into(), source: gone() }),
+        Box::new(ConfigError::from(pump_file())),
         Box::new(PumpFileError::Model { origin: origin(), source: WRONG }),
         Box::new(PumpFileError::Limits { origin: origin(), source: WRONG.into() }),
         Box::new(PumpFileError::Displacement { origin: origin(), source: displacement() }),

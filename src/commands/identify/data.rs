@@ -56,8 +56,10 @@ impl DataArgs {
     /// The pump file that is named and its model, once the outputs are known to be files of their own.
     pub(super) fn pump(&self) -> Result<(PumpFile, Pump), Failure> {
         let outputs = [("--plot", self.plot.plot.as_deref())];
-        let inputs = [Some(self.data.as_path()), self.pump.path()];
-        Files { outputs: &outputs, inputs: &inputs, state_dir: self.record.folder() }.check()?;
+        let pump_path = self.pump.path()?;
+        let inputs = [Some(self.data.as_path()), pump_path.as_deref()];
+        let state_dir = self.record.folder(&self.pump.config()?);
+        Files { outputs: &outputs, inputs: &inputs, state_dir }.check()?;
         let file = self.pump.file()?;
         let pump = file.model().map_err(Failure::of)?;
         Ok((file, pump))

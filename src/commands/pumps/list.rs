@@ -1,16 +1,18 @@
-//! `dose pumps list`: the built-in pumps, or the bought heads of the catalogue.
+//! `dose pumps list`: the pumps of the configuration and the built-in pumps, or the bought heads of the catalogue.
 
 use clap::Args;
 use pump_bench::catalogue::BUILT_IN;
 use pump_bench::heads::{heads_json, heads_matching, heads_text, nearest_heads};
-use pump_bench::report::ErrorKind;
+use pump_bench::report::{ErrorKind, ShownPump};
 use serde::Serialize;
 
+use crate::advice;
 use crate::failure::Failure;
+use crate::options::pump::ConfigOption;
 use crate::options::report::FormatOption;
 use crate::terminal::{print, tell};
 
-#[derive(Debug, Default, Args)]
+#[derive(Debug, Args)]
 pub(crate) struct ListArgs {
     /// List bought heads and their tubings, with mL per revolution as published
     #[arg(long)]
@@ -18,6 +20,8 @@ pub(crate) struct ListArgs {
     /// Words that the name, maker, head or tubing must have
     #[arg(value_name = "WORD", requires = "catalogue")]
     words: Vec<String>,
+    #[command(flatten)]
+    config: ConfigOption,
     #[command(flatten)]
     format: FormatOption,
 }
@@ -35,10 +39,12 @@ impl ListArgs {
             true => self.list_heads(&self.words),
             false if self.format.json() => {
                 let pumps = BUILT_IN.map(|(name, description)| BuiltIn { name, description });
-                let json = serde_json::json!({ "schema": "pump-list/1", "pumps": pumps });
+                let configured = ShownPump::all(&self.config.config()?);
+                let json =
+                    serde_json::json!({ "schema": "pump-list/1", "configured": configured, "pumps": pumps });
                 print(&format!("{json}\n"))
             }
-            false => print(&BUILT_IN.map(|(name, what)| format!("{name:<24}{what}\n")).concat()),
+            false => list_pumps(&self.config),
         }
     }
 
@@ -56,7 +62,13 @@ impl ListArgs {
         if self.format.json() {
             print(&(heads_json(&heads) + "\n"))
         } else {
-            tell(&(heads_text(&heads) + "`dose calibrate run` weighs what yours delivers.\n"))
+            tell(&heads_text(&heads, advice::words))
         }
     }
+}
+
+/// Lists the pumps of the configuration with their files, then the built-in ones.
+pub(super) fn list_pumps(config: &ConfigOption) -> Result<(), Failure> {
+    let configured: String = ShownPump::all(&config.config()?).iter().map(ShownPump::line).collect();
+    tell(&(configured + &BUILT_IN.map(|(name, what)| format!("{name:<24}{what}\n")).concat()))
 }

@@ -4,21 +4,26 @@ mod check;
 mod list;
 mod new;
 mod new_catalogued;
+mod own_motor;
 mod show;
+mod site;
 
 use clap::{Args, Subcommand};
 
 use crate::failure::Failure;
+use crate::options::pump::ConfigOption;
 
 #[derive(Debug, Args)]
 pub(crate) struct PumpsArgs {
     #[command(subcommand)]
     command: Option<PumpsCommand>,
+    #[command(flatten)]
+    config: ConfigOption,
 }
 
 #[derive(Debug, Subcommand)]
 enum PumpsCommand {
-    /// List the built-in pumps, or with --catalogue bought heads
+    /// List the pumps of the configuration and the built-in pumps, or with --catalogue bought heads
     List(list::ListArgs),
     /// Print a pump as a pump file, or with --format rust as constants for firmware
     Show(show::ShowArgs),
@@ -31,7 +36,7 @@ enum PumpsCommand {
 impl PumpsArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         match &self.command {
-            None => list::ListArgs::default().run(),
+            None => list::list_pumps(&self.config),
             Some(PumpsCommand::List(args)) => args.run(),
             Some(PumpsCommand::Show(args)) => args.run(),
             Some(PumpsCommand::New(args)) => args.run(),

@@ -12,11 +12,13 @@ use pump_bench::units;
 use pump_bench::units::TubeSize;
 use pump_model::{Geometry, ModelError};
 
+use super::own_motor::OwnMotorOptions;
+use super::site::SiteOptions;
 use crate::advice;
 use crate::failure::Failure;
 use crate::options::choice::choice;
 use crate::options::files::{Files, PlotOption};
-use crate::options::pump::ForeignRecord;
+use crate::options::pump::{ConfigOption, ForeignRecord};
 use crate::outputs::Outputs;
 use crate::terminal::{print, tell};
 
@@ -65,11 +67,17 @@ pub(crate) struct NewArgs {
         (CurveFit::Spline, "A rising spline through the mean of each angle: a flow without jumps"),
     ]))]
     fit: CurveFit,
+    #[command(flatten)]
+    motor: OwnMotorOptions,
+    #[command(flatten)]
+    site: SiteOptions,
     /// File to write; it must not exist yet [default: standard output]
     #[arg(value_name = "FILE")]
     pub(super) file: Option<PathBuf>,
     #[command(flatten)]
     plot: PlotOption,
+    #[command(flatten)]
+    config: ConfigOption,
     #[command(flatten)]
     record: ForeignRecord,
 }
@@ -95,7 +103,8 @@ impl NewArgs {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let outputs = [("FILE", self.file.as_deref()), ("--plot", self.plot.plot.as_deref())];
         let inputs = [self.roller_volume_points.as_deref()];
-        Files { outputs: &outputs, inputs: &inputs, state_dir: self.record.folder() }.check()?;
+        let state_dir = self.record.folder(&self.config.config()?);
+        Files { outputs: &outputs, inputs: &inputs, state_dir }.check()?;
         let Some(geometry) = self.geometry() else { return self.write_catalogued() };
         let runs = self.roller_volume_points.as_deref().map(read_runs).transpose()?;
         let report = match &runs {
@@ -108,8 +117,10 @@ impl NewArgs {
             hose_length_mm: self.hose,
             roller_volume: runs.as_ref().map_or(RollerVolumeTable::Drawing, |runs| runs.table(self.fit)),
         };
+        let mut file = drawn.pump_file().map_err(Failure::of)?;
+        let motor = self.state(&mut file)?;
         let remarks: String = report.iter().map(|line| format!("# {line}\n")).collect();
-        let text = drawn.toml(advice::words).map_err(Failure::of)?.replacen(
+        let text = drawn.toml_of(&file, advice::words).replacen(
             "# Measured.\n",
             &format!("# Measured.\n{remarks}"),
             1,
@@ -123,12 +134,27 @@ impl NewArgs {
             Some(path) => {
                 write_new(path, &text)?;
                 tell(&report.iter().map(|line| format!("  {line}\n")).collect::<String>())?;
+                tell(&format!("  {motor}\n"))?;
             }
         }
         if let Some(warning) = overlap_warning(&drawn.geometry) {
             tell(&format!("  warning   {warning}\n"))?;
         }
         outputs.put()
+    }
+
+    /// Writes the place and the motor into a new file as its owner states them. Returns the motor's steps in words, or
+    /// that nobody has said them.
+    pub(super) fn state(&self, file: &mut PumpFile) -> Result<String, Failure> {
+        self.site.write_to(file)?;
+        let Some(motor) = self.motor.stated()? else {
+            return Ok(
+                "the motor's steps are not known: a real motor does not move until they stand in the file"
+                    .to_owned(),
+            );
+        };
+        motor.write_to(file);
+        Ok(motor.to_string())
     }
 
     /// The dimensions of the drawing. `None` where a head of the catalogue stands in their place.

@@ -6,8 +6,9 @@ use pump_bench::pump_file::PumpFile;
 use pump_bench::report::ErrorKind;
 
 use super::new::{NewArgs, write_new};
+use crate::advice;
 use crate::failure::Failure;
-use crate::terminal::print;
+use crate::terminal::{print, tell};
 
 impl NewArgs {
     /// Writes the file of a pump with a head of the catalogue.
@@ -23,13 +24,17 @@ impl NewArgs {
             return Err(refused.kind(ErrorKind::Usage).value("no --rollers").allowed("--rollers N"));
         };
         let pump = CataloguedPump::new(self.id(), head, rollers);
-        let file = pump.pump_file().map_err(Failure::of)?;
-        let text = pump.toml_of(&file, crate::advice::words);
+        let mut file = pump.pump_file().map_err(Failure::of)?;
+        let motor = self.state(&mut file)?;
+        let text = pump.toml_of(&file, advice::words);
         // The file must be readable again, its id too.
         PumpFile::parse(&text, "from the catalogue").map_err(Failure::of)?;
         match &self.file {
             None => print(&text),
-            Some(path) => write_new(path, &text),
+            Some(path) => {
+                write_new(path, &text)?;
+                tell(&format!("  {motor}\n"))
+            }
         }
     }
 }

@@ -2,10 +2,10 @@
 
 use clap::Args;
 use pump_bench::export::rust_source;
-use pump_bench::pump_named;
 
 use crate::advice;
 use crate::failure::Failure;
+use crate::options::pump::ConfigOption;
 use crate::terminal::print;
 
 #[derive(Debug, Args)]
@@ -15,6 +15,8 @@ pub(crate) struct ShowArgs {
     /// Constants for firmware (rust) in place of a pump file
     #[arg(long, value_name = "rust", help_heading = "Output", value_parser = is_rust)]
     format: Option<()>,
+    #[command(flatten)]
+    config: ConfigOption,
 }
 
 /// Reads the one format besides a pump file.
@@ -27,7 +29,7 @@ fn is_rust(word: &str) -> Result<(), &'static str> {
 
 impl ShowArgs {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let file = pump_named(&self.name).map_err(Failure::of)?;
+        let file = self.config.config()?.pump(&self.name).map_err(Failure::of)?;
         match self.format {
             None => print(&file.to_toml()),
             Some(()) => print(&rust_source(&file, advice::words).map_err(Failure::of)?),

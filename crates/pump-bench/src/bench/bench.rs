@@ -39,6 +39,8 @@ pub struct Bench {
     opening: Opening,
     /// True if the angle may be found while a dose is unfinished.
     unfinished: bool,
+    /// True if the user confirms the values of the pump that the program filled in.
+    confirms_pump: bool,
 }
 
 impl Bench {
@@ -58,7 +60,8 @@ impl Bench {
         let folder = Folder::new(state_dir, &file.pump.id, &identity.id);
         let settings_record = Some(folder.path().join(SETTINGS_RECORD));
         let opening = Opening { settings_record, ..Opening::default() };
-        Ok(Self { file, model, drive, identity, is_given: false, folder, opening, unfinished: false })
+        let (is_given, unfinished, confirms_pump) = (false, false, false);
+        Ok(Self { file, model, drive, identity, is_given, folder, opening, unfinished, confirms_pump })
     }
 
     /// Returns the bench of the same pump that keeps the record of `drive`. [`Session::with_drive`] takes the drive.
@@ -116,6 +119,18 @@ impl Bench {
     #[must_use]
     pub fn homing_unfinished(self, unfinished: bool) -> Self {
         Self { unfinished, ..self }
+    }
+
+    /// Returns the bench with or without the user's word that the pump's values which the program filled in are those
+    /// of the pump at hand. The word is recorded, and asked for again when those values change.
+    #[must_use]
+    pub fn confirming_pump(self, confirms_pump: bool) -> Self {
+        Self { confirms_pump, ..self }
+    }
+
+    /// Returns true if the user confirms the values of the pump that the program filled in.
+    pub(super) fn confirms_pump(&self) -> bool {
+        self.confirms_pump
     }
 
     /// Returns the pump file.
@@ -251,6 +266,7 @@ impl Bench {
     ) -> Result<Prepared, DoseError> {
         let mut prepared = self.prepare_from(&self.file, state, request)?;
         prepared.warnings.extend(self.device_not_asked());
+        prepared.warnings.extend(self.confirmation_missing(state.as_ref()));
         Ok(prepared)
     }
 

@@ -1,5 +1,7 @@
 //! The connection of a session to its device, and how the rotor was met.
 
+mod confirmation;
+
 use std::time::{Duration, Instant};
 
 use pump_ctl::plan::Plan;

@@ -123,6 +123,7 @@ impl Session<'_> {
         speed_rad_s: f64,
         watch: impl FnMut(u64) -> ControlFlow<()>,
     ) -> Result<u64, DoseError> {
+        self.check_confirmed()?;
         self.connect()?;
         let plan = self.planned_turn(steps, speed_rad_s)?;
         Ok(self.turn(&plan, false, watch)?.made)
@@ -188,6 +189,7 @@ impl Session<'_> {
         &mut self,
         watch: impl FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Option<PumpState>, DoseError> {
+        self.check_confirmed()?;
         let index_rad = self.index_rad()?;
         let steps = ceil(self.bench.file().limits().motor.steps_per_rev) as i64;
         let plan = self.planned_turn(steps, rad_s(SEEK_RPM))?;
@@ -268,7 +270,7 @@ impl Session<'_> {
     /// Records where the rotor was found.
     fn find(&mut self, phase: Option<Phase>, source: PhaseSource, why: Why) -> Result<PumpState, DoseError> {
         self.connect()?;
-        let state = self.stands().found(phase, source, self.bench.model());
+        let state = self.confirmed(self.stands().found(phase, source, self.bench.model()));
         self.record_angle(why, state)
     }
 

@@ -76,10 +76,12 @@ impl<'a> Session<'a> {
         motion: &RecordedMotion<'_>,
         mut watch: impl FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Moved, DoseError> {
+        self.check_confirmed()?;
         self.connect()?;
         if let (false, Some(state)) = (self.written, self.state) {
             self.rest(Why::CutOff, state)?;
         }
+        self.record_confirmation()?;
         self.check(motion.plan)?;
         let mut before = self.stands();
         if motion.given {

@@ -26,6 +26,7 @@ impl Session<'_> {
         if self.stands().unfinished.or(self.finished_by_device).is_none() {
             return Err(DoseError::NothingUnfinished("resume"));
         }
+        self.check_confirmed()?;
         self.connect()?;
         let state = self.stands();
         match (state.unfinished, self.finished_by_device) {
@@ -82,6 +83,7 @@ impl Bench {
         let (state, dose) = unfinished.ok_or(DoseError::NothingUnfinished("resume"))?;
         let mut prepared = self.plan_rest(self.file(), &dose, state, request)?;
         prepared.warnings.extend(self.device_not_asked());
+        prepared.warnings.extend(self.confirmation_missing(Some(&state)));
         Ok(prepared)
     }
 

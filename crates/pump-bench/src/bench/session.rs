@@ -181,6 +181,7 @@ impl<'a> Session<'a> {
         if self.cut_off.is_none() {
             self.finished()?;
         }
+        self.check_confirmed()?;
         if let Err(error) = self.connect() {
             if !error.is_stop() {
                 self.finished()?;

@@ -3,8 +3,8 @@
 use pump_model::units::rad_s;
 
 use super::built_in;
-use super::drawn_pump::{ATMOSPHERE_KPA, MAX_SPEED_RPM, two_digits};
-use crate::pump_file::{HeadTable, LineTable, PumpFile, TubeTable, UncertaintyTable};
+use super::drawn_pump::{MAX_SPEED_RPM, two_digits};
+use crate::pump_file::{AmbientTable, HeadTable, LineTable, PumpFile, TubeTable, UncertaintyTable};
 
 /// A bought head as its data sheet gives it.
 ///
@@ -41,12 +41,12 @@ impl BoughtPump {
         (file.tube, file.backplate, file.roller_volume) = (TubeTable::default(), None, None);
         file.rollers.count = self.rollers;
         (file.rollers.radius_mm, file.rollers.offset_mm) = (None, None);
-        (file.inlet, file.outlet) = (LineTable::Unknown, LineTable::Unknown.into());
+        (file.inlet, file.outlet) = (LineTable::UNKNOWN, LineTable::UNKNOWN.into());
         file.motor.max_speed_rpm = MAX_SPEED_RPM;
         let quarter_ml_s = 0.25 * self.head.ml_per_rev * rad_s(MAX_SPEED_RPM) / core::f64::consts::TAU;
         file.pump.default_rate_ml_s =
             if quarter_ml_s > 0.0 { two_digits(quarter_ml_s) } else { quarter_ml_s };
-        file.ambient.pressure_kpa = ATMOSPHERE_KPA;
+        file.ambient = AmbientTable::default();
         file.uncertainty = UncertaintyTable::default();
         file.with_assumptions()
     }

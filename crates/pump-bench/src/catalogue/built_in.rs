@@ -107,7 +107,7 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
         outlet: line.into(),
         motor: motor(rollers),
         fluid: water(),
-        ambient: AmbientTable { pressure_kpa: 85.7 },
+        ambient: AmbientTable::of_pressure_kpa(85.7),
         limits: LimitsTable::default(),
         uncertainty: uncertainty(),
         drive: None,
@@ -126,6 +126,8 @@ fn motor(rollers: u32) -> MotorTable {
         torque_curve_rpm_n_m: None,
         occlusion_torque_n_m: None,
         inertia_kg_m2: None,
+        // The motor of the paper: nobody has said that it is the motor at hand.
+        confirmed: Some(false),
     }
 }
 

@@ -5,15 +5,15 @@ use pump_model::{Fluid, ModelError};
 
 use super::built_in;
 use super::drawn_pump::two_digits;
+use super::remarks::{ambient_remark, motor_remark};
 use crate::heads::BoughtHead;
 use crate::notice::{Remedy, Wording};
-use crate::pump_file::{HeadTable, LineTable, PumpFile, RollersTable, TubeTable, UncertaintyTable};
+use crate::pump_file::{
+    AmbientTable, HeadTable, LineTable, PumpFile, RollersTable, TubeTable, UncertaintyTable,
+};
 
 /// Temperature of the fluid, in °C. A catalogue does not tell it.
 const TEMPERATURE_DEGC: f64 = 25.0;
-
-/// Standard atmosphere, in kPa (ISO 2533).
-const ATMOSPHERE_KPA: f64 = 101.325;
 
 /// Largest speed of the pump head, in r/min. A catalogue tells that of the maker's motor, not of yours.
 const MAX_SPEED_RPM: f64 = 100.0;
@@ -55,13 +55,13 @@ impl CataloguedPump {
         file.tube = TubeTable::default();
         file.rollers = RollersTable { count: self.rollers, radius_mm: None, offset_mm: None };
         (file.backplate, file.roller_volume) = (None, None);
-        (file.inlet, file.outlet) = (LineTable::default(), LineTable::default().into());
+        (file.inlet, file.outlet) = (LineTable::UNKNOWN, LineTable::UNKNOWN.into());
         file.motor.max_speed_rpm = MAX_SPEED_RPM;
         let fastest_ml_s = self.head.ml_per_rev * rad_s(MAX_SPEED_RPM) / core::f64::consts::TAU;
         file.pump.default_rate_ml_s = two_digits(0.25 * fastest_ml_s);
         file.fluid.temperature_degc = TEMPERATURE_DEGC;
         file.fluid.density_kg_m3 = (10.0 * Fluid::water(TEMPERATURE_DEGC)?.density_kg_m3).round() / 10.0;
-        file.ambient.pressure_kpa = ATMOSPHERE_KPA;
+        file.ambient = AmbientTable::default();
         file.uncertainty = UncertaintyTable::of_bought(self.head.bore_mm);
         file.model()?;
         Ok(file)
@@ -70,17 +70,19 @@ impl CataloguedPump {
     /// Returns [`Self::pump_file`] as TOML after its owner has stated more of it. A remark on each table says if it is
     /// published, given or assumed.
     ///
-    /// The head stands in it by its name. The catalogue gives its figures, and a remark repeats them.
+    /// The head stands in it by its name. The catalogue gives its figures, and a remark repeats them. A front end words
+    /// what checks the file and what makes it surer.
     pub fn toml_of(&self, file: &PumpFile, words: Wording) -> String {
         let (check, surer) = (words(Remedy::CheckPump), words(Remedy::WeighToBeSurer));
         let mut text = format!(
-            "# Written from the catalogue: nobody has measured this pump.\n# {check}.\n# {surer}.\n\n"
+            "# Written from the catalogue: nobody has measured this pump.\n\
+             # {check}; {surer}.\n\n"
         );
         for line in file.to_toml().lines() {
             if line.starts_with("ml_per_rev =") || line.starts_with("tube_bore_mm =") {
                 continue;
             }
-            text.push_str(&self.remark(line));
+            text.push_str(&self.remark(line, file));
             text.push_str(line);
             text.push('\n');
         }
@@ -88,7 +90,7 @@ impl CataloguedPump {
     }
 
     /// Returns the remark above a line of the file, or nothing.
-    fn remark(&self, line: &str) -> String {
+    fn remark(&self, line: &str, file: &PumpFile) -> String {
         match line {
             "[head]" => {
                 let bore = self.head.bore_mm.map_or(String::new(), |bore| format!(", bore {bore} mm"));
@@ -100,8 +102,19 @@ impl CataloguedPump {
             }
             "[rollers]" if self.head.rollers == Some(self.rollers) => "# As published.\n".to_owned(),
             "[rollers]" => "# As given.\n".to_owned(),
-            "[motor]" => "# Assumed: a catalogue does not tell. Change it to yours.\n".to_owned(),
-            "[speed_law]" | "[fluid]" | "[ambient]" => "# Assumed.\n".to_owned(),
+            "[inlet]" => {
+                "# As given; lift_mm: height of the pump above the supply's surface. Nothing is known of the \
+                line:\n# give its hose, or R, C and L.\n"
+                    .to_owned()
+            }
+            "[outlet]" => {
+                "# As given; lift_mm: height of the vessel's end above the pump. Nothing is known of the \
+                line:\n# give its hose, or R, C and L.\n"
+                    .to_owned()
+            }
+            "[motor]" => format!("{}\n", motor_remark(file, "catalogue")),
+            "[ambient]" => format!("{}\n", ambient_remark(file)),
+            "[speed_law]" | "[fluid]" => "# Assumed.\n".to_owned(),
             _ => String::new(),
         }
     }

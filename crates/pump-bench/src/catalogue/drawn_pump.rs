@@ -4,14 +4,13 @@ use libm::{ceil, floor, pow, sqrt};
 use pump_model::units::{degrees, rad_s};
 use pump_model::{Fluid, Geometry, ModelError};
 
+use super::remarks::{ambient_remark, motor_remark};
 use crate::catalogue::built_in;
 use crate::notice::{Remedy, Wording};
 use crate::pump_file::{
-    BackplateTable, HoseTable, LineTable, PumpFile, RollerVolumeTable, UncertaintyTable, unweighed,
+    AmbientTable, BackplateTable, HoseTable, LineTable, PumpFile, RollerVolumeTable, UncertaintyTable,
+    unweighed,
 };
-
-/// Standard atmosphere, in kPa (ISO 2533).
-pub(super) const ATMOSPHERE_KPA: f64 = 101.325;
 
 /// Temperature of the fluid, in °C. A drawing does not tell it.
 const TEMPERATURE_DEGC: f64 = 25.0;
@@ -61,7 +60,7 @@ impl DrawnPump {
             two_digits(0.25 * revolution_ml * rad_s(MAX_SPEED_RPM) / core::f64::consts::TAU);
         file.fluid.temperature_degc = TEMPERATURE_DEGC;
         file.fluid.density_kg_m3 = floor(10.0 * Fluid::water(TEMPERATURE_DEGC)?.density_kg_m3 + 0.5) / 10.0;
-        file.ambient.pressure_kpa = ATMOSPHERE_KPA;
+        file.ambient = AmbientTable::default();
         file.uncertainty = match &self.roller_volume {
             RollerVolumeTable::Measured { fit, points } => {
                 measured_uncertainty(geometry, curve.total_ml(), fit.of(points)?.rms_ml(), &file.uncertainty)
@@ -91,20 +90,19 @@ impl DrawnPump {
 
     /// Returns a line that is a hose of the pump's own tube.
     fn line(&self) -> LineTable {
-        LineTable::Hose {
-            reservoir_kpa: ATMOSPHERE_KPA,
-            hose: HoseTable {
-                bore_radius_mm: self.geometry.bore_radius_mm,
-                outer_radius_mm: self.geometry.tube_outer_radius_mm,
-                length_mm: self.hose_length_mm,
-                // Modulus of a peristaltic tube, as assumed for the hose of McIntyre et al.
-                modulus_mpa: 3.5,
-                poisson_ratio: 0.5,
-                // This loss gives the resistance that McIntyre et al. measured.
-                minor_loss: 5.75,
-                resistance_at_ml_s: None,
-            },
-        }
+        let hose = HoseTable {
+            bore_radius_mm: self.geometry.bore_radius_mm,
+            outer_radius_mm: self.geometry.tube_outer_radius_mm,
+            length_mm: self.hose_length_mm,
+            // Modulus of a peristaltic tube, as assumed for the hose of McIntyre et al.
+            modulus_mpa: 3.5,
+            poisson_ratio: 0.5,
+            // This loss gives the resistance that McIntyre et al. measured.
+            minor_loss: 5.75,
+            resistance_at_ml_s: None,
+        };
+        // Supply and vessel stand as high as the pump unless their heights are stated.
+        LineTable::of_hose_with_lift(0.0, hose)
     }
 
     /// Returns the file as TOML. A remark on each table says if it is given, measured, estimated or assumed. A front
@@ -113,7 +111,11 @@ impl DrawnPump {
     /// # Errors
     /// Returns the [`ModelError`] of a pump that cannot work.
     pub fn toml(&self, words: Wording) -> Result<String, ModelError> {
-        let file = self.pump_file()?;
+        Ok(self.toml_of(&self.pump_file()?, words))
+    }
+
+    /// Returns [`Self::pump_file`] as TOML after its owner has stated more of it, with the remarks of [`Self::toml`].
+    pub fn toml_of(&self, file: &PumpFile, words: Wording) -> String {
         let is_estimated = self.roller_volume.is_estimated();
         let check = words(Remedy::CheckPump);
         let mut text = match is_estimated {
@@ -127,15 +129,19 @@ impl DrawnPump {
             ),
         };
         for line in file.to_toml().lines() {
-            let remark = remark(line, is_estimated);
+            let remark = match line {
+                "[motor]" => motor_remark(file, "drawing"),
+                "[ambient]" => ambient_remark(file).to_owned(),
+                _ => remark(line, is_estimated).replace(SURER, words(Remedy::WeighToBeSurer)),
+            };
             if !remark.is_empty() {
-                text.push_str(&remark.replace(SURER, words(Remedy::WeighToBeSurer)));
+                text.push_str(&remark);
                 text.push('\n');
             }
             text.push_str(line);
             text.push('\n');
         }
-        Ok(text)
+        text
     }
 }
 
@@ -154,14 +160,15 @@ fn remark(line: &str, is_estimated: bool) -> &'static str {
         }
         "[inlet]" => {
             "# Estimated: a hose of the pump's tube, with the modulus and the fittings of McIntyre et al.\n\
-             # Change it to your hose, or replace it by measured R, C and L."
+             # Change it to your hose, or replace it by measured R, C and L.\n\
+             # lift_mm: height of the pump above the supply's surface; negative where the supply stands above."
         }
         "[outlet]" => {
             "# Estimated as the inlet. Say where its nozzle ends: end = \"air\" or \"immersed\", and nozzle_bore_mm.\n\
-             # Without them it is in air, and a drop hangs from the hose's bore."
+             # Without them it is in air, and a drop hangs from the hose's bore.\n\
+             # lift_mm: height of the vessel's end above the pump; negative where it lies below."
         }
-        "[motor]" => "# Assumed: a drawing does not tell. Change it to yours.",
-        "[speed_law]" | "[fluid]" | "[ambient]" => "# Assumed.",
+        "[speed_law]" | "[fluid]" => "# Assumed.",
         "[uncertainty]" if !is_estimated => {
             "# For a pump that nobody has weighed; {surer}.\n\
              # Model: pumps and tubes of one kind differ by limits that a maker states by the bore (Omega FPU5MT,\n\

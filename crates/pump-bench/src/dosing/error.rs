@@ -36,6 +36,19 @@ pub enum DoseError {
     /// The displacement of the pump is not known at the dose's speed.
     #[error(transparent)]
     Displacement(#[from] DisplacementError),
+    /// Values of the pump were filled in by the program, and nobody has confirmed them. Nothing has moved.
+    #[error(
+        "the motor of pump {pump} does not move: the program filled in {values}, and nobody has confirmed {}",
+        if *changed { "these values since they changed" } else { "these values" }
+    )]
+    Unconfirmed {
+        /// Id of the pump.
+        pump: String,
+        /// Values that the program filled in, in words.
+        values: String,
+        /// True if a person confirmed other values before.
+        changed: bool,
+    },
     /// An earlier dose is unfinished.
     #[error(
         "a dose of {} mL is unfinished: {} were delivered",

@@ -138,6 +138,7 @@ pub struct IndexSearch {
 ///
 /// let state = tempfile::tempdir()?;
 /// let bench = Bench::new(built_in("three-roller").unwrap(), None, state.path())?.driven_by(&Belt)?;
+/// let bench = bench.confirming_pump(true); // the belt turns the head of the built-in pump
 /// let mut session = Session::with_drive(&bench, Box::new(Belt))?;
 /// let prepared = session.prepare(DoseRequest::dose(0.1))?;
 /// assert!(session.run(&prepared, |_steps| ControlFlow::Continue(()))?.completed);

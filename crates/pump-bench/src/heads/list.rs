@@ -6,6 +6,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::bought_head::BoughtHead;
+use crate::notice::{Remedy, Wording};
 use crate::numbers::significant;
 
 /// The list as JSON.
@@ -21,15 +22,15 @@ pub fn heads_json(heads: &[&BoughtHead]) -> String {
     serde_json::to_string(&list).unwrap_or_else(|error| unreachable!("heads are plain values: {error}"))
 }
 
-/// Returns the heads as a table, with the documents below it.
+/// Returns the heads as a table, with the documents below it. A front end words what makes a head surer.
 ///
 /// ```
 /// use pump_bench::heads::{heads_matching, heads_text};
 ///
-/// let text = heads_text(&heads_matching(&["masterflex", "16"]));
+/// let text = heads_text(&heads_matching(&["masterflex", "16"]), |_| "weigh it");
 /// assert!(text.contains("masterflex-ls-16          0.8         -        3.1       program"), "{text}");
 /// ```
-pub fn heads_text(heads: &[&BoughtHead]) -> String {
+pub fn heads_text(heads: &[&BoughtHead], words: Wording) -> String {
     let mut text = String::new();
     let mut line = |name: &str, ml: &str, rollers: &str, bore: &str, figures: &str| {
         let _ = writeln!(text, "{name:<26}{ml:<12}{rollers:<9}{bore:<10}{figures}");
@@ -48,6 +49,7 @@ pub fn heads_text(heads: &[&BoughtHead]) -> String {
             let _ = writeln!(text, "\n{}: {}\n  {}", source.kind, source.document, source.address);
         }
     }
-    text.push_str("\nA head that nobody has weighed may differ by 10 to 25 %.\n");
+    let surer = words(Remedy::WeighToBeSurer);
+    let _ = writeln!(text, "\nA head that nobody has weighed may differ by 10 to 25 %; {surer}.");
     text
 }

@@ -1,6 +1,6 @@
 //! The nozzle of a pump file, which a table of the identified line keeps.
 
-use crate::pump_file::{LineTable, OutletEnd, PumpFile};
+use crate::pump_file::{OutletEnd, PumpFile};
 
 /// Nozzle at the end of the outlet's line, as a pump file says it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,7 +17,7 @@ impl Nozzle {
     /// Returns the nozzle of `file`.
     pub fn of(file: &PumpFile) -> Self {
         let outlet = &file.outlet;
-        let is_told = outlet.nozzle_bore_mm.is_some() || matches!(outlet.line, LineTable::Hose { .. });
+        let is_told = outlet.nozzle_bore_mm.is_some() || outlet.line.hose().is_some();
         Self { end: outlet.end, bore_mm: is_told.then(|| outlet.nozzle_mm()) }
     }
 }

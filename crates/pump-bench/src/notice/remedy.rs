@@ -136,6 +136,10 @@ pub enum Remedy {
     CheckPump,
     /// Print the source anew.
     PrintSource,
+    /// See the heads of the catalogue.
+    ListHeads,
+    /// Write the values of the own pump into a pump file, or confirm that the values are right.
+    WriteOrConfirmPump,
 }
 
 impl Remedy {
@@ -205,5 +209,7 @@ impl Remedy {
         Self::SeekOffset,
         Self::CheckPump,
         Self::PrintSource,
+        Self::ListHeads,
+        Self::WriteOrConfirmPump,
     ];
 }

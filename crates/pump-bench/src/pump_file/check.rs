@@ -5,6 +5,7 @@ use crate::displacement::DisplacementError;
 use super::error::PumpFileError;
 use super::file::{PumpFile, SCHEMA};
 use super::head::HeadTable;
+use super::line::reservoir::Side;
 use super::range::{WrongValue, allow};
 use super::speed_law::SpeedLawTable;
 
@@ -53,7 +54,16 @@ impl PumpFile {
         let has_hose = self.inlet.is_estimated() || self.outlet.line.is_estimated();
         self.fluid.check(has_hose)?;
         self.ambient.check()?;
+        self.check_lifts()?;
         self.uncertainty.check()
+    }
+
+    /// Refuses lifts at which the fluid would boil.
+    fn check_lifts(&self) -> Result<(), WrongValue> {
+        let (density, ambient) = (self.fluid.density_kg_m3, self.ambient.pressure_kpa);
+        let vapour_kpa = self.fluid.vapour_kpa();
+        self.inlet.reservoir.check(Side::Inlet, density, ambient, vapour_kpa)?;
+        self.outlet.line.reservoir.check(Side::Outlet, density, ambient, vapour_kpa)
     }
 
     /// Refuses limits, a model, a law of the displacement or a default rate that cannot work.
@@ -137,7 +147,7 @@ impl PumpFile {
         }
         let lines = [("[inlet]", &self.inlet), ("[outlet]", &self.outlet.line)];
         if let Some((key, _)) = lines.into_iter().find(|(_, line)| line.is_unknown()) {
-            return Err(WrongValue::missing(key, "R, C, L and reservoir_kpa, or reservoir_kpa and a hose"));
+            return Err(WrongValue::missing(key, "R, C and L, or a hose, and reservoir_kpa or lift_mm"));
         }
         if self.uncertainty.is_assumed() {
             return Err(WrongValue::missing("[uncertainty]", "model_percent and the rest of the table"));

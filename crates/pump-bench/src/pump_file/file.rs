@@ -14,6 +14,7 @@ use super::head::{BackplateTable, HeadTable, RollerVolumeTable, RollersTable, Tu
 use super::limits::LimitsTable;
 use super::line::LineTable;
 use super::line::outlet::OutletTable;
+use super::line::reservoir::Side;
 use super::motor::MotorTable;
 use super::pump::PumpTable;
 use super::speed_law::SpeedLawTable;
@@ -65,16 +66,17 @@ pub struct PumpFile {
     #[serde(default)]
     pub speed_law: SpeedLawTable,
     /// Line from the inlet's reservoir to the pump.
-    #[serde(default, skip_serializing_if = "LineTable::is_unknown")]
+    #[serde(default, skip_serializing_if = "LineTable::is_absent")]
     pub inlet: LineTable,
     /// Line from the pump to the outlet's reservoir, with its nozzle.
-    #[serde(default, skip_serializing_if = "OutletTable::is_unknown")]
+    #[serde(default, skip_serializing_if = "OutletTable::is_absent")]
     pub outlet: OutletTable,
     /// Stepper motor of the pump head.
     pub motor: MotorTable,
     /// Fluid that is pumped.
     pub fluid: FluidTable,
     /// Surroundings of the pump.
+    #[serde(default)]
     pub ambient: AmbientTable,
     /// Pressures that a dose must keep.
     #[serde(default, skip_serializing_if = "LimitsTable::is_empty")]
@@ -150,10 +152,12 @@ impl PumpFile {
     /// # Errors
     /// Returns the [`ModelError`] of dimensions, a roller volume, a fluid or a line that cannot work.
     pub fn model(&self) -> Result<Pump, ModelError> {
-        let line = |table: &LineTable| {
-            table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s, self.ambient.pressure_kpa)
+        let line = |table: &LineTable, side| {
+            let reservoir_kpa =
+                table.reservoir.pressure_kpa(side, self.fluid.density_kg_m3, self.ambient.pressure_kpa);
+            table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s, reservoir_kpa)
         };
-        let (inlet, outlet) = (line(&self.inlet)?, line(&self.outlet.line)?);
+        let (inlet, outlet) = (line(&self.inlet, Side::Inlet)?, line(&self.outlet.line, Side::Outlet)?);
         if let Some(head) = &self.head {
             let rollers = self.rollers.count;
             return Pump::from_ml_per_rev(

@@ -1,9 +1,12 @@
 //! The line of `[inlet]` or `[outlet]`, given by its R, C and L or by its hose.
 
 pub(super) mod outlet;
+pub(super) mod reservoir;
 
 use pump_model::{Fluid, Friction, Hose, Line, ModelError};
 use serde::{Deserialize, Serialize};
+
+use reservoir::Reservoir;
 
 /// Line that stands in for one of which nothing is known. It follows the rollers within milliseconds and its pressure
 /// stays that of its end, so that it adds nothing to what the rollers deliver: critically damped at 1000 rad/s,
@@ -18,19 +21,31 @@ const STIFF: Line = Line {
 /// The table `[inlet]`, and the line of `[outlet]`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "LineKeys", into = "LineKeys")]
-pub enum LineTable {
-    /// Line of which nothing is known, as it may be of a bought head. Its pressures and its settling are not known.
+#[non_exhaustive]
+pub struct LineTable {
+    /// Source of the line's R, C and L.
+    pub source: LineSource,
+    /// Reservoir at the line's end.
+    pub reservoir: Reservoir,
+}
+
+/// Source of a line's R, C and L.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum LineSource {
+    /// Nothing is known of the line, as it may be of a bought head. Its pressures and its settling are not known.
     #[default]
     Unknown,
-    /// Line with its R, C, L and reservoir.
-    Given(Line),
-    /// Hose, from which R, C and L are estimated.
-    Hose {
-        /// Pressure of the reservoir P_res, in kPa absolute.
-        reservoir_kpa: f64,
-        /// Table `[inlet.hose]` or `[outlet.hose]`.
-        hose: HoseTable,
+    /// R, C and L as the file gives them.
+    Given {
+        /// Resistance R, in kPa s/mL.
+        resistance_kpa_s_ml: f64,
+        /// Compliance C, in mL/kPa.
+        compliance_ml_kpa: f64,
+        /// Inertance L, in kPa s²/mL.
+        inertance_kpa_s2_ml: f64,
     },
+    /// Table `[inlet.hose]` or `[outlet.hose]`, from which R, C and L are estimated.
+    Hose(HoseTable),
 }
 
 /// The table `[inlet.hose]` or `[outlet.hose]`.
@@ -71,8 +86,29 @@ impl HoseTable {
 }
 
 impl LineTable {
-    /// Returns the line for a pump whose default rate is `rate_ml_s`. A hose also needs the fluid. A line of which
-    /// nothing is known stands in ambient pressure and follows the rollers ([`STIFF`]).
+    /// Line of which nothing is known, to a reservoir that is open to the air and as high as the pump.
+    pub const UNKNOWN: Self = Self { source: LineSource::Unknown, reservoir: Reservoir::OPEN };
+
+    /// Returns the line of a hose, to a reservoir at an absolute pressure in kPa.
+    pub fn of_hose(reservoir_kpa: f64, hose: HoseTable) -> Self {
+        Self { source: LineSource::Hose(hose), reservoir: Reservoir::Pressure(reservoir_kpa) }
+    }
+
+    /// Returns the line of a hose, to a reservoir at another height, in mm: see [`Reservoir::Lift`].
+    pub fn of_hose_with_lift(lift_mm: f64, hose: HoseTable) -> Self {
+        Self { source: LineSource::Hose(hose), reservoir: Reservoir::Lift(lift_mm) }
+    }
+
+    /// Returns the hose, or `None` for a line that is given by its R, C and L, or not known.
+    pub fn hose(&self) -> Option<&HoseTable> {
+        match &self.source {
+            LineSource::Unknown | LineSource::Given { .. } => None,
+            LineSource::Hose(hose) => Some(hose),
+        }
+    }
+
+    /// Returns the line to a reservoir at `reservoir_kpa` for a pump whose default rate is `rate_ml_s`. A hose also
+    /// needs the fluid. A line of which nothing is known follows the rollers ([`STIFF`]).
     ///
     /// # Errors
     /// Returns the [`ModelError`] of a fluid or a hose that is out of range.
@@ -80,18 +116,20 @@ impl LineTable {
         &self,
         fluid: impl FnOnce() -> Result<Fluid, ModelError>,
         rate_ml_s: f64,
-        ambient_kpa: f64,
+        reservoir_kpa: f64,
     ) -> Result<Line, ModelError> {
-        match self {
-            Self::Unknown => Ok(Line { reservoir_kpa: ambient_kpa, ..STIFF }),
-            Self::Given(line) => Ok(*line),
-            Self::Hose { reservoir_kpa, hose } => {
-                hose.hose().line(&fluid()?, *reservoir_kpa, hose.resistance_at_ml_s.unwrap_or(rate_ml_s))
+        match self.source {
+            LineSource::Unknown => Ok(Line { reservoir_kpa, ..STIFF }),
+            LineSource::Given { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml } => {
+                Ok(Line { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa })
+            }
+            LineSource::Hose(hose) => {
+                hose.hose().line(&fluid()?, reservoir_kpa, hose.resistance_at_ml_s.unwrap_or(rate_ml_s))
             }
         }
     }
 
-    /// Returns the friction of the hose at every flow, or `None` for a line that is given by its R.
+    /// Returns the friction of the hose at every flow, or `None` for a line that is given by its R, or not known.
     ///
     /// # Errors
     /// Returns the [`ModelError`] of a fluid or a hose that is out of range.
@@ -99,30 +137,39 @@ impl LineTable {
         &self,
         fluid: impl FnOnce() -> Result<Fluid, ModelError>,
     ) -> Result<Option<Friction>, ModelError> {
-        match self {
-            Self::Unknown | Self::Given(_) => Ok(None),
-            Self::Hose { hose, .. } => hose.hose().friction(&fluid()?).map(Some),
+        match self.hose() {
+            None => Ok(None),
+            Some(hose) => hose.hose().friction(&fluid()?).map(Some),
         }
     }
 
     /// Returns true if nothing is known of the line.
     pub fn is_unknown(&self) -> bool {
-        *self == Self::Unknown
+        self.source == LineSource::Unknown
+    }
+
+    /// Returns true if a pump file says nothing of the line and its reservoir.
+    pub(super) fn is_absent(&self) -> bool {
+        *self == Self::UNKNOWN
     }
 
     /// Returns true if the line is estimated from a hose and not measured.
     pub(crate) fn is_estimated(&self) -> bool {
-        matches!(self, Self::Hose { .. })
+        self.hose().is_some()
     }
 }
 
 impl From<Line> for LineTable {
     fn from(line: Line) -> Self {
-        Self::Given(line)
+        let Line { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa } = line;
+        Self {
+            source: LineSource::Given { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml },
+            reservoir: Reservoir::Pressure(reservoir_kpa),
+        }
     }
 }
 
-/// Keys of the table, whether it gives a line or a hose.
+/// Keys of the table, whether it gives a line or a hose, a pressure or a lift.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LineKeys {
@@ -132,8 +179,10 @@ struct LineKeys {
     compliance_ml_kpa: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     inertance_kpa_s2_ml: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     reservoir_kpa: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    lift_mm: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     hose: Option<HoseTable>,
 }
@@ -142,56 +191,62 @@ impl TryFrom<LineKeys> for LineTable {
     type Error = String;
 
     fn try_from(keys: LineKeys) -> Result<Self, String> {
-        let LineKeys { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa, hose } =
-            keys;
+        let LineKeys { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, .. } = keys;
+        let reservoir = Reservoir::of_keys(keys.reservoir_kpa, keys.lift_mm)?;
         let given = [
             ("resistance_kpa_s_ml", resistance_kpa_s_ml),
             ("compliance_ml_kpa", compliance_ml_kpa),
             ("inertance_kpa_s2_ml", inertance_kpa_s2_ml),
         ];
-        if reservoir_kpa.is_none() && hose.is_none() && given.iter().all(|(_, value)| value.is_none()) {
-            return Ok(Self::Unknown);
+        if keys.hose.is_none() && given.iter().all(|(_, value)| value.is_none()) {
+            return Ok(Self { source: LineSource::Unknown, reservoir: reservoir.unwrap_or_default() });
         }
-        let reservoir_kpa = reservoir_kpa.ok_or("missing field `reservoir_kpa`")?;
-        let Some(hose) = hose else {
+        let reservoir = reservoir.ok_or("missing field `reservoir_kpa` (or a `lift_mm`)")?;
+        let Some(hose) = keys.hose else {
             let [resistance, compliance, inertance] =
                 given.map(|(key, value)| value.ok_or_else(|| format!("missing field `{key}` (or a `hose`)")));
-            return Ok(Self::Given(Line {
+            let source = LineSource::Given {
                 resistance_kpa_s_ml: resistance?,
                 compliance_ml_kpa: compliance?,
                 inertance_kpa_s2_ml: inertance?,
-                reservoir_kpa,
-            }));
+            };
+            return Ok(Self { source, reservoir });
         };
         match given.iter().find(|(_, value)| value.is_some()) {
             Some((key, _)) => Err(format!("`{key}` and `hose` exclude each other: a hose gives R, C and L")),
-            None => Ok(Self::Hose { reservoir_kpa, hose }),
+            None => Ok(Self { source: LineSource::Hose(hose), reservoir }),
         }
     }
 }
 
 impl From<LineTable> for LineKeys {
     fn from(table: LineTable) -> Self {
-        match table {
-            LineTable::Unknown => Self {
+        let (reservoir_kpa, lift_mm) = table.reservoir.keys();
+        let (reservoir_kpa, lift_mm) =
+            if table.is_absent() { (None, None) } else { (reservoir_kpa, lift_mm) };
+        match table.source {
+            LineSource::Unknown => Self {
                 resistance_kpa_s_ml: None,
                 compliance_ml_kpa: None,
                 inertance_kpa_s2_ml: None,
-                reservoir_kpa: None,
+                reservoir_kpa,
+                lift_mm,
                 hose: None,
             },
-            LineTable::Given(line) => Self {
-                resistance_kpa_s_ml: Some(line.resistance_kpa_s_ml),
-                compliance_ml_kpa: Some(line.compliance_ml_kpa),
-                inertance_kpa_s2_ml: Some(line.inertance_kpa_s2_ml),
-                reservoir_kpa: Some(line.reservoir_kpa),
+            LineSource::Given { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml } => Self {
+                resistance_kpa_s_ml: Some(resistance_kpa_s_ml),
+                compliance_ml_kpa: Some(compliance_ml_kpa),
+                inertance_kpa_s2_ml: Some(inertance_kpa_s2_ml),
+                reservoir_kpa,
+                lift_mm,
                 hose: None,
             },
-            LineTable::Hose { reservoir_kpa, hose } => Self {
+            LineSource::Hose(hose) => Self {
                 resistance_kpa_s_ml: None,
                 compliance_ml_kpa: None,
                 inertance_kpa_s2_ml: None,
-                reservoir_kpa: Some(reservoir_kpa),
+                reservoir_kpa,
+                lift_mm,
                 hose: Some(hose),
             },
         }

@@ -16,7 +16,7 @@ mod range;
 mod speed_law;
 mod uncertainty;
 
-pub use ambient::AmbientTable;
+pub use ambient::{AmbientSource, AmbientTable};
 pub use dose_limits::UncheckedLimit;
 pub use drive::{Axis, DriveTable, DriverName};
 pub use error::PumpFileError;
@@ -27,7 +27,8 @@ pub use fluid::{FluidError, FluidTable};
 pub use head::{BackplateTable, CurveFit, HeadTable, RollerVolumeTable, RollersTable, TubeTable};
 pub use limits::LimitsTable;
 pub use line::outlet::{OutletEnd, OutletTable};
-pub use line::{HoseTable, LineTable};
+pub use line::reservoir::Reservoir;
+pub use line::{HoseTable, LineSource, LineTable};
 pub use motor::MotorTable;
 pub use pump::PumpTable;
 pub use speed_law::SpeedLawTable;

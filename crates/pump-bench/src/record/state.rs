@@ -60,6 +60,9 @@ pub struct PumpState {
     /// True if the motor was released on purpose. Waking the device is then no further disturbance.
     #[serde(default)]
     pub released: bool,
+    /// Print of the pump whose filled-in values a person has confirmed. `None` if nobody was asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) confirmed_pump: Option<u32>,
 }
 
 impl PumpState {
@@ -78,6 +81,7 @@ impl PumpState {
             count: None,
             disturbances: 0,
             released: false,
+            confirmed_pump: None,
         }
     }
 

@@ -41,6 +41,7 @@ impl DoseError {
             | Self::Journal(_)
             | Self::Calibration(_)
             | Self::Displacement(_)
+            | Self::Unconfirmed { .. }
             | Self::RunsTheOtherWay { .. }
             | Self::SuckBack { .. }
             | Self::TubeWorn { .. }

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod choices;
+mod config;
 mod dose;
 mod dose_details;
 mod dose_text;
@@ -20,6 +21,7 @@ pub use crate::dosing::{RippleAt, RippleReport};
 pub use crate::notice::Remedy;
 pub use calibration::{calibration_json, calibration_text, calibrations_json, calibrations_text};
 pub use choices::{Format, VolumeBasis};
+pub use config::{ShownConfig, ShownPump};
 pub use dose::{CalibrationReport, DoseReport, PhaseReport};
 pub use ending::Ending;
 pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain, with_sources};

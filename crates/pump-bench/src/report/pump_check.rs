@@ -1,5 +1,7 @@
 //! The check of a pump file in words: what the pump gives.
 
+mod sources;
+
 use pump_model::units::{degrees, rad_s};
 use pump_model::{Line, Pump, RollerVolume};
 
@@ -8,7 +10,7 @@ use crate::displacement::{DisplacementError, PulsePrior, SpeedDependentPump};
 use crate::dosing::drop_ml;
 use crate::heads::bought_head;
 use crate::numbers::significant;
-use crate::pump_file::{LineTable, OutletEnd, PumpFile, RollerVolumeTable};
+use crate::pump_file::{LineSource, LineTable, OutletEnd, PumpFile, Reservoir, RollerVolumeTable};
 
 /// Says what the pump of a file gives, a line each: volumes, flows, speeds, fluid, lines and uncertainty.
 ///
@@ -25,13 +27,18 @@ pub fn pump_check(file: &PumpFile) -> Result<String, DisplacementError> {
         ("speed law", law_text(&by_speed)?),
         ("fastest", fastest_text(file, &by_speed)?),
         ("step", step_text(file, &pump)),
+        ("motor", sources::motor_text(file)),
         ("fluid", fluid_text(file)),
+        ("ambient", sources::ambient_text(file)),
         ("inlet", line_text(file, &file.inlet, pump.inlet())),
         ("outlet", line_text(file, &file.outlet.line, pump.outlet())),
         ("nozzle", nozzle_text(file)?),
         ("unsure", uncertainty_text(file)),
     ];
-    let lines = lines.into_iter().map(|(name, text)| format!("  {name:<9} {text}\n"));
+    let lines = lines
+        .into_iter()
+        .chain(sources::source_lines(file))
+        .map(|(name, text)| format!("  {name:<9} {text}\n"));
     let text: String = catalogue_line(file).into_iter().chain(lines).chain(overlap(&pump)).collect();
     Ok(format!("{} ({}): ok\n\n{text}", file.pump.id, file.pump.name))
 }
@@ -152,16 +159,25 @@ fn default_pulse_text(file: &PumpFile, curve: &RollerVolume) -> String {
 
 /// The constants of a line, and their source.
 fn line_text(file: &PumpFile, table: &LineTable, line: &Line) -> String {
-    let source = match table {
-        LineTable::Unknown => return "not given: its pressures and its settling are not known".to_owned(),
-        LineTable::Given(_) => "as given".to_owned(),
-        LineTable::Hose { hose, .. } => {
+    let source = match &table.source {
+        LineSource::Unknown => {
+            let unknown = "not given: its pressures and its settling are not known";
+            if table.reservoir == Reservoir::OPEN {
+                return unknown.to_owned();
+            }
+            return format!("{unknown}; {}", sources::reservoir_text(table.reservoir, line.reservoir_kpa));
+        }
+        LineSource::Given { .. } => "as given".to_owned(),
+        LineSource::Hose(hose) => {
             let at_ml_s = hose.resistance_at_ml_s.unwrap_or(file.pump.default_rate_ml_s);
             format!("estimated from its hose, R at {at_ml_s} mL/s")
         }
     };
     format!(
-        "R {:.4} kPa s/mL, C {:.4} mL/kPa, L {:.5} kPa s²/mL, {source}",
-        line.resistance_kpa_s_ml, line.compliance_ml_kpa, line.inertance_kpa_s2_ml
+        "R {:.4} kPa s/mL, C {:.4} mL/kPa, L {:.5} kPa s²/mL, {source}; {}",
+        line.resistance_kpa_s_ml,
+        line.compliance_ml_kpa,
+        line.inertance_kpa_s2_ml,
+        sources::reservoir_text(table.reservoir, line.reservoir_kpa)
     )
 }

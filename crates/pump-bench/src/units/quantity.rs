@@ -77,6 +77,14 @@ pub fn length_mm(text: &str) -> Result<f64, QuantityError> {
     positive(text, Kind::Length)
 }
 
+/// Reads a height or an altitude, which may be zero or negative, and returns it in mm.
+///
+/// # Errors
+/// Returns the [`QuantityError`] of a text that is no length.
+pub fn height_mm(text: &str) -> Result<f64, QuantityError> {
+    QuantityText::new(text, Kind::Length)?.value()
+}
+
 /// Reads a positive quantity of this kind.
 fn positive(text: &str, kind: Kind) -> Result<f64, QuantityError> {
     let value = QuantityText::new(text, kind)?.value()?;

@@ -16,8 +16,11 @@ pub(crate) struct Lab {
     pub(crate) bench: Bench,
 }
 
+/// Returns the pump of these tests, whose values count as written by a person.
 pub(crate) fn file() -> PumpFile {
-    built_in("three-roller").unwrap()
+    let mut file = built_in("three-roller").unwrap();
+    file.motor.confirmed = None;
+    file
 }
 
 impl Lab {

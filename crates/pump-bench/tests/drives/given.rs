@@ -112,7 +112,7 @@ fn go(_: u64) -> ControlFlow<()> {
 
 fn bench(folder: &Path) -> Bench {
     let bench = Bench::new(built_in("three-roller").unwrap(), None, folder).unwrap();
-    bench.driven_by(&Servo::default()).unwrap()
+    bench.driven_by(&Servo::default()).unwrap().confirming_pump(true)
 }
 
 #[test]
@@ -268,7 +268,7 @@ fn a_drive_that_lets_go_after_each_motion_knows_its_angle_less_well() {
 fn counting(folder: &Path) -> (Bench, Servo) {
     let servo = Servo { counts: true, turned: 7, ..Servo::default() };
     let bench = Bench::new(built_in("three-roller").unwrap(), None, folder).unwrap();
-    (bench.driven_by(&servo).unwrap(), servo)
+    (bench.driven_by(&servo).unwrap().confirming_pump(true), servo)
 }
 
 #[test]
@@ -421,6 +421,7 @@ fn a_motor_whose_drive_failed_is_not_let_go_of_until_it_was_met_anew() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = built_in("three-roller").unwrap();
     file.drive = Some(DriveTable::of(DriverName::Sim).with_hold_timeout_s(0.0));
+    file.motor.confirmed = None;
     let mut servo = Servo { released: Some(0), fails_at: Some(200), ..Servo::default() };
     let bench = Bench::new(file, None, folder.path()).unwrap().driven_by(&servo).unwrap();
     {

@@ -272,7 +272,7 @@ fn a_timer_slower_than_the_steps_is_refused_before_anything_moves() {
     let motor = Recorder::default();
     let slow = TickRate::from_hz(1000).unwrap();
     let mut pins = Stepped::new("pins", motor.clone(), motor.clock.clone(), slow).unwrap();
-    let refused = pump_bench::report::with_sources(&pins.check(&dose(1.0, false)).unwrap_err());
+    let refused = with_sources(&pins.check(&dose(1.0, false)).unwrap_err());
     assert!(refused.contains("1000 ticks a second"), "{refused}");
 }
 
@@ -300,7 +300,7 @@ fn a_dose_on_pins_is_recorded_stopped_and_resumed() {
     let motor = Recorder::default();
     let mut pins = drive(&motor);
     let bench = Bench::new(built_in("three-roller").unwrap(), None, folder.path()).unwrap();
-    let bench = bench.driven_by(&pins).unwrap();
+    let bench = bench.driven_by(&pins).unwrap().confirming_pump(true);
     let mut session = Session::with_drive(&bench, Box::new(&mut pins)).unwrap();
     session.set_angle(Some(Phase::known(0.3))).unwrap();
     // The first step comes within the first lease.

@@ -52,7 +52,7 @@ class BenchBackend(_PumpBackend):
     Parameters
     ----------
     pump : str or os.PathLike
-        Name of a built-in pump, or path of a pump file.
+        Path of a pump file, name in `[pumps]` of the configuration, or name of a built-in pump.
     driver : {"sim", "grbl"}, optional
         Driver of the motor; by default the pump file's `[drive]`, otherwise "sim". A motor moves only if the
         pump file or `driver` names one.
@@ -60,6 +60,8 @@ class BenchBackend(_PumpBackend):
         Serial port of the controller, as "/dev/ttyUSB0"; by default the pump file's.
     state_dir : str or os.PathLike, optional
         Folder of angle, journal and lock; by default `DOSE_STATE_DIR`, otherwise the command's folder.
+    confirm_pump : bool
+        Say that the pump's values are those of the pump at the motor, as `Bench.open` asks for.
     """
 
     def __init__(
@@ -68,8 +70,11 @@ class BenchBackend(_PumpBackend):
         driver: Driver | None = None,
         port: str | None = None,
         state_dir: str | os.PathLike[str] | None = None,
+        *,
+        confirm_pump: bool = False,
     ) -> None:
         super().__init__()
+        self._confirm_pump = confirm_pump
         self._pump = os.fspath(pump)
         self._driver = driver
         self._port = port
@@ -90,7 +95,12 @@ class BenchBackend(_PumpBackend):
             message = "the pump is set up already; await its stop() first"
             raise RuntimeError(message)
         self._bench = await asyncio.to_thread(
-            Bench.open, self._pump, driver=self._driver, port=self._port, state_dir=self._state_dir
+            Bench.open,
+            self._pump,
+            driver=self._driver,
+            port=self._port,
+            state_dir=self._state_dir,
+            confirm_pump=self._confirm_pump,
         )
 
     async def stop(self) -> None:
@@ -106,6 +116,7 @@ class BenchBackend(_PumpBackend):
             "driver": self._driver,
             "port": self._port,
             "state_dir": self._state_dir,
+            "confirm_pump": self._confirm_pump,
         }
 
     def run_revolutions(self, num_revolutions: float) -> NoReturn:

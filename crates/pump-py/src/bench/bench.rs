@@ -4,8 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use pump_bench::calibration::Weighing;
+use pump_bench::config::Config;
 use pump_bench::pump_file::DriverName;
-use pump_bench::record::{Purpose, default_state_dir};
+use pump_bench::record::Purpose;
 use pump_bench::report::Status;
 use pump_bench::{Bench as DoseBench, Delivered, DoseError, DoseReport, Prepared, Session, units};
 use pyo3::prelude::*;
@@ -34,7 +35,9 @@ struct Ran {
 impl Bench {
     #[new]
     #[allow(clippy::too_many_arguments, reason = "keywords of one Python call")]
-    #[pyo3(signature = (pump, *, driver, port, state_dir, configure, accept_settings, tube_limit, fluid, temperature))]
+    #[pyo3(signature = (
+        pump, *, driver, port, state_dir, configure, accept_settings, confirm_pump, tube_limit, fluid, temperature
+    ))]
     fn new(
         py: Python<'_>,
         pump: &Pump,
@@ -43,6 +46,7 @@ impl Bench {
         state_dir: Option<PathBuf>,
         configure: bool,
         accept_settings: bool,
+        confirm_pump: bool,
         tube_limit: Option<&Bound<'_, PyAny>>,
         fluid: Option<&str>,
         temperature: Option<&Bound<'_, PyAny>>,
@@ -58,8 +62,12 @@ impl Bench {
         file.fluid = file.fluid.changed_to(fluid, degc).map_err(value)?;
         let driver = driver.map(driver_named).transpose()?;
         if driver.unwrap_or(file.driver()) == DriverName::Sim {
-            let given =
-                [("port", port.is_some()), ("configure", configure), ("accept_settings", accept_settings)];
+            let given = [
+                ("port", port.is_some()),
+                ("configure", configure),
+                ("accept_settings", accept_settings),
+                ("confirm_pump", confirm_pump),
+            ];
             if let Some((name, _)) = given.iter().find(|(_, given)| *given) {
                 return Err(value(format_args!(
                     "{name} is given, but the motor is simulated; to move a real one name its driver, as \
@@ -74,11 +82,12 @@ impl Bench {
             Some(dir) => dir,
             None => match std::env::var_os("DOSE_STATE_DIR").filter(|dir| !dir.is_empty()) {
                 Some(dir) => dir.into(),
-                None => default_state_dir().map_err(value)?,
+                None => Config::of_user(None).map_err(errors::config)?.state_dir().map_err(value)?,
             },
         };
         let bench = DoseBench::new(file, driver, &state_dir).map_err(|error| errors::dose(py, error))?;
         let bench = bench.at_port(port).configuring(configure).accepting_settings(accept_settings);
+        let bench = bench.confirming_pump(confirm_pump);
         let (worker, bench) = Worker::new(bench)?;
         Ok(Self { bench, worker })
     }

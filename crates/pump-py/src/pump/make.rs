@@ -1,8 +1,8 @@
 //! Pumps from names, drawings and plain data, and variations of a pump.
 
 use pump_bench::catalogue::{BoughtPump, DrawnPump, overlap_warning};
+use pump_bench::config::Config;
 use pump_bench::pump_file::{HeadTable, LineTable, PumpFile, RollerVolumeTable};
-use pump_bench::pump_named;
 use pump_model::Geometry;
 use pump_model::units::radians;
 use pyo3::exceptions::PyTypeError;
@@ -17,22 +17,25 @@ use crate::python::warnings::warn;
 
 #[pymethods]
 impl Pump {
-    /// Return a built-in pump, or the pump of a file, as the command's `--pump` finds them.
+    /// Return the pump of a file, of a name in the configuration, or a built-in one, as the command's `--pump` does.
     ///
     /// Parameters
     /// ----------
     /// name : str
-    ///     "three-roller" or "two-roller", each also with "-published" or "-as-built"; or the path of a TOML file.
+    ///     Path of a TOML file; or a name in `[pumps]` of the configuration, which `DOSE_CONFIG` or the user's folder
+    ///     has; or "three-roller" or "two-roller", each also with "-published" or "-as-built".
     ///
     /// Raises
     /// ------
     /// OSError
     ///     If a file cannot be opened. A missing file is a FileNotFoundError.
     /// PumpFileError
-    ///     If no pump has this name, or its file cannot be used. It is a ValueError too.
+    ///     If no pump has this name, its file or the configuration cannot be used, or another configured name has the
+    ///     same record. It is a ValueError too.
     #[staticmethod]
     fn named(name: &str) -> PyResult<Self> {
-        Self::new(pump_named(name).map_err(errors::pump_file)?)
+        let config = Config::of_user(None).map_err(errors::config)?;
+        Self::new(config.pump(name).map_err(errors::config)?)
     }
 
     /// Return a pump from the dimensions of its drawing, without any measurement.
@@ -154,8 +157,8 @@ impl Pump {
         let mut head = HeadTable::new(ml_per_rev);
         head.tube_bore_mm = tube_bore_mm;
         let mut file = BoughtPump { id: id.to_owned(), head, rollers: count(rollers)? }.pump_file();
-        file.inlet = inlet.map_or(LineTable::Unknown, |line| LineTable::from(line.get().0));
-        file.outlet.line = outlet.map_or(LineTable::Unknown, |line| LineTable::from(line.get().0));
+        file.inlet = inlet.map_or(LineTable::UNKNOWN, |line| LineTable::from(line.get().0));
+        file.outlet.line = outlet.map_or(LineTable::UNKNOWN, |line| LineTable::from(line.get().0));
         Self::checked(file)
     }
 

@@ -107,5 +107,10 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SeekOffset => "seek it with offset=True",
         Remedy::CheckPump => "Pump.from_toml() shows what they give",
         Remedy::PrintSource => "print it anew",
+        Remedy::ListHeads => "the page catalogue of the documentation lists the heads",
+        Remedy::WriteOrConfirmPump => {
+            "write your pump's values into a pump file without confirmed = false; or, if these are your pump's, open \
+             the bench once with confirm_pump=True"
+        }
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use pump_bench::DoseError;
 use pump_bench::calibration::CalibrationError;
+use pump_bench::config::ConfigError;
 use pump_bench::displacement::DisplacementError;
 use pump_bench::pump_file::PumpFileError as DosePumpFileError;
 use pump_bench::record::FolderError;
@@ -66,6 +67,15 @@ pub(crate) fn pump_file(error: DosePumpFileError) -> PyErr {
     match &error {
         DosePumpFileError::Read { path, source } if source.raw_os_error().is_some() => file(path, source),
         _ => PumpFileError::new_err(advice::told(&error)),
+    }
+}
+
+/// Maps an error of the configuration: an unreadable file is an `OSError`, an unusable one a `PumpFileError`.
+pub(crate) fn config(error: ConfigError) -> PyErr {
+    match error {
+        ConfigError::Pump(error) => pump_file(error),
+        ConfigError::Read { path, source } if source.raw_os_error().is_some() => file(&path, &source),
+        error => PumpFileError::new_err(advice::told(&error)),
     }
 }
 

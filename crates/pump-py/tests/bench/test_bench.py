@@ -279,7 +279,28 @@ def test_errors_of_doses_are_as_those_of_plans(bench: pm.Bench, tmp_path: Path) 
     with pytest.raises(pm.PumpFileError, match="there is no pump `four-roller`"):
         pm.Bench.open("four-roller")
     with pytest.raises(pm.DriveError, match=r"no-such-port"):
-        pm.Bench.open("three-roller", driver="grbl", port="/dev/no-such-port", state_dir=tmp_path).dose("1mL")
+        pm.Bench.open(
+            "three-roller", driver="grbl", port="/dev/no-such-port", state_dir=tmp_path, confirm_pump=True
+        ).dose("1mL")
+
+
+def test_a_configured_name_finds_its_pump_and_its_record(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "acid.toml").write_text(pm.Pump.two_roller().replace(id="acid").to_toml())
+    (tmp_path / "config.toml").write_text(
+        'schema = "config/1"\nstate_dir = "records"\n[pumps]\nph-down = "acid.toml"\n'
+    )
+    monkeypatch.setenv("DOSE_CONFIG", str(tmp_path / "config.toml"))
+    monkeypatch.delenv("DOSE_STATE_DIR", raising=False)
+    with pm.Bench.open("ph-down") as bench:
+        assert bench.dose("1mL").completed
+    assert (tmp_path / "records/acid/sim/journal.jsonl").exists()
+    with pytest.raises(pm.PumpFileError, match="there is no pump `ph-up`; configured in .*: ph-down"):
+        pm.Bench.open("ph-up")
+    monkeypatch.setenv("DOSE_CONFIG", str(tmp_path / "none.toml"))
+    with pytest.raises(FileNotFoundError):
+        pm.Bench.open("ph-down")
 
 
 def test_a_worn_tube_refuses_doses(tmp_path: Path) -> None:

@@ -70,7 +70,19 @@ def board() -> Iterator[Board]:
 
 
 def open_bench(board: Board, folder: Path) -> pm.Bench:
-    return pm.Bench.open("three-roller", driver="grbl", port=board.port, state_dir=folder)
+    return pm.Bench.open("three-roller", driver="grbl", port=board.port, state_dir=folder, confirm_pump=True)
+
+
+def test_a_built_in_pump_moves_no_motor_until_somebody_has_confirmed_it(
+    board: Board, tmp_path: Path
+) -> None:
+    with (
+        pm.Bench.open("three-roller", driver="grbl", port=board.port, state_dir=tmp_path) as bench,
+        pytest.raises(pm.PumpError, match=r"12800 steps per revolution.*confirm_pump=True"),
+    ):
+        bench.dose("1mL")
+    with pytest.raises(ValueError, match="confirm_pump is given, but the motor is simulated"):
+        pm.Bench.open("three-roller", state_dir=tmp_path, confirm_pump=True)
 
 
 def test_what_befell_the_rotor_is_a_warning_where_its_dose_is_refused(board: Board, tmp_path: Path) -> None:

@@ -110,7 +110,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let pump = built_in("three-roller").ok_or("a built-in pump")?;
     let bus = Bus { position: 1000, stops_at: Some(1150) };
     let mut servo = Servo { bus, position: None };
-    let bench = Bench::new(pump, None, state.path())?.driven_by(&servo)?;
+    // A motor does not move by the values of a built-in pump until somebody says that they are those of the pump here.
+    let bench = Bench::new(pump, None, state.path())?.driven_by(&servo)?.confirming_pump(true);
     let mut session = Session::with_drive(&bench, Box::new(&mut servo))?;
     session.set_angle(Some(Phase::known(0.0)))?;
     let prepared = session.prepare(DoseRequest::dose(5.0))?;

@@ -103,7 +103,7 @@ mod tests {
             minor_loss: 5.75,
             resistance_at_ml_s: None,
         };
-        file.outlet = LineTable::Hose { reservoir_kpa: 88.637, hose }.into();
+        file.outlet = LineTable::of_hose(88.637, hose).into();
         assert!((drop_ml(&file).unwrap() / 0.13992 - 1.0).abs() < 0.01);
         // Ethanol has less than a third of water's tension.
         file.fluid = file.fluid.changed_to(Some("ethanol"), None).unwrap();

@@ -91,6 +91,7 @@ pub enum SteppedError {
 /// let mut drive = Stepped::new("pins", Pins { made: 0 }, clock, tick_rate)?;
 /// let state = tempfile::tempdir()?;
 /// let bench = Bench::new(built_in("three-roller").unwrap(), None, state.path())?.driven_by(&drive)?;
+/// let bench = bench.confirming_pump(true); // the pins turn the head of the built-in pump
 /// let mut session = Session::with_drive(&bench, Box::new(&mut drive))?;
 /// let prepared = session.prepare(DoseRequest::dose(0.1))?;
 /// assert!(session.run(&prepared, |_steps| ControlFlow::Continue(()))?.completed);

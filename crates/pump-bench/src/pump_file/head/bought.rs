@@ -147,7 +147,7 @@ mod tests {
         assert!(
             without(|file| file.tube.outer_radius_mm = None).contains("[tube] outer_radius_mm is missing")
         );
-        assert!(without(|file| file.inlet = LineTable::Unknown).contains("[inlet] is missing"));
+        assert!(without(|file| file.inlet = LineTable::UNKNOWN).contains("[inlet] is missing"));
         assert!(
             without(|file| file.uncertainty.roller_volume_ml = None).contains("roller_volume_ml is missing")
         );

@@ -30,7 +30,7 @@ impl PumpFile {
             return rollers("the number of rollers of the head");
         };
         let Some(name) = name else {
-            let or = "1e-6 to 100000, or [head] catalogue = \"NAME\"";
+            let or = "1e-6 to 100000, or [head] catalogue = \"NAME\", a name of the catalogue";
             if head.ml_per_rev.is_nan() {
                 return Err(WrongValue::missing("[head] ml_per_rev", or));
             }
@@ -101,8 +101,8 @@ mod tests {
     fn a_name_that_is_not_in_the_catalogue_is_answered_with_the_nearest() {
         assert_eq!(
             refusal("[head]\ncatalogue = \"masterflex-ls-61\"\n[rollers]\ncount = 3"),
-            "pump file a file: [head] catalogue is `masterflex-ls-61`; allowed: a name of \
-             the catalogue; the nearest are masterflex-ls-16, masterflex-ls-13, masterflex-ls-14"
+            "pump file a file: [head] catalogue is `masterflex-ls-61`; allowed: a name of the \
+             catalogue; the nearest are masterflex-ls-16, masterflex-ls-13, masterflex-ls-14"
         );
     }
 

@@ -46,8 +46,8 @@ pub enum OutletEnd {
 words!(OutletEnd { Air = "air", Immersed = "immersed" });
 
 impl OutletTable {
-    /// Returns true if nothing is known of line and nozzle.
-    pub(in crate::pump_file) fn is_unknown(&self) -> bool {
+    /// Returns true if a pump file says nothing of line and nozzle.
+    pub(in crate::pump_file) fn is_absent(&self) -> bool {
         *self == Self::default()
     }
 
@@ -59,10 +59,7 @@ impl OutletTable {
     /// Returns the diameter from which a drop hangs, in mm: that of the nozzle, or else the bore of the outlet's
     /// hose, or else 4 mm.
     pub fn nozzle_mm(&self) -> f64 {
-        let hose_mm = match &self.line {
-            LineTable::Unknown | LineTable::Given(_) => UNKNOWN_BORE_MM,
-            LineTable::Hose { hose, .. } => 2.0 * hose.bore_radius_mm,
-        };
+        let hose_mm = self.line.hose().map_or(UNKNOWN_BORE_MM, |hose| 2.0 * hose.bore_radius_mm);
         self.nozzle_bore_mm.unwrap_or(hose_mm)
     }
 
@@ -95,8 +92,10 @@ struct OutletKeys {
     compliance_ml_kpa: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     inertance_kpa_s2_ml: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     reservoir_kpa: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    lift_mm: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     end: Option<OutletEnd>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -114,12 +113,19 @@ impl TryFrom<OutletKeys> for OutletTable {
             compliance_ml_kpa,
             inertance_kpa_s2_ml,
             reservoir_kpa,
+            lift_mm,
             end,
             nozzle_bore_mm,
             hose,
         } = keys;
-        let line =
-            LineKeys { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa, hose };
+        let line = LineKeys {
+            resistance_kpa_s_ml,
+            compliance_ml_kpa,
+            inertance_kpa_s2_ml,
+            reservoir_kpa,
+            lift_mm,
+            hose,
+        };
         Ok(Self { line: line.try_into()?, end, nozzle_bore_mm })
     }
 }
@@ -127,13 +133,20 @@ impl TryFrom<OutletKeys> for OutletTable {
 impl From<OutletTable> for OutletKeys {
     fn from(table: OutletTable) -> Self {
         let OutletTable { line, end, nozzle_bore_mm } = table;
-        let LineKeys { resistance_kpa_s_ml, compliance_ml_kpa, inertance_kpa_s2_ml, reservoir_kpa, hose } =
-            line.into();
+        let LineKeys {
+            resistance_kpa_s_ml,
+            compliance_ml_kpa,
+            inertance_kpa_s2_ml,
+            reservoir_kpa,
+            lift_mm,
+            hose,
+        } = line.into();
         Self {
             resistance_kpa_s_ml,
             compliance_ml_kpa,
             inertance_kpa_s2_ml,
             reservoir_kpa,
+            lift_mm,
             end,
             nozzle_bore_mm,
             hose,
@@ -177,7 +190,7 @@ mod tests {
             minor_loss: 5.75,
             resistance_at_ml_s: None,
         };
-        let mut outlet = OutletTable::from(LineTable::Hose { reservoir_kpa: 88.637, hose });
+        let mut outlet = OutletTable::from(LineTable::of_hose(88.637, hose));
         assert_eq!(outlet.nozzle_mm(), 10.0);
         outlet.nozzle_bore_mm = Some(0.8);
         assert_eq!(outlet.nozzle_mm(), 0.8);

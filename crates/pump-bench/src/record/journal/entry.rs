@@ -63,4 +63,6 @@ pub(crate) enum Why {
     Released,
     /// The tube was replaced.
     NewTube,
+    /// The user confirmed values of the pump that the program had filled in.
+    Confirmed,
 }

@@ -19,6 +19,8 @@ pub enum ErrorKind {
     Model,
     /// A pump file is wrong, or there is no such pump.
     PumpFile,
+    /// The configuration is wrong, or its names contradict one another.
+    Config,
     /// A file cannot be read.
     Input,
     /// A file or the report cannot be written.
@@ -55,6 +57,7 @@ words_of_reports!(ErrorKind {
     Plan = "plan",
     Model = "model",
     PumpFile = "pump_file",
+    Config = "config",
     Input = "input",
     Output = "output",
     Table = "table",

@@ -40,6 +40,9 @@ impl Explain for DoseError {
                 .value(format!("{speed_rpm:.4} r/min"))
                 .allowed(format!("{least_rpm:.4} r/min or more")),
             Self::NoAngle { key, .. } => of(ErrorKind::PumpFile).value(key),
+            Self::Unconfirmed { values, .. } => {
+                of(ErrorKind::PumpFile).value(values).allowed("values that a person has written or confirmed")
+            }
             Self::NoIndex { .. } | Self::AngleIsKnown => of(ErrorKind::Angle),
             Self::SuckBack { source, .. } => source.facts(),
             Self::WasFinished

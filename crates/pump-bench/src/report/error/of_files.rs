@@ -8,6 +8,7 @@ use pump_model::Shown;
 use super::explain::{ErrorFacts, Explain};
 use super::kind::ErrorKind;
 use crate::calibration::CalibrationError;
+use crate::config::ConfigError;
 use crate::export::PlotError;
 use crate::files::{FileError, TableError};
 use crate::notice::Remedy;
@@ -54,6 +55,29 @@ impl Explain for QuantityError {
     fn remedies(&self) -> Vec<Remedy> {
         match self {
             Self::Tolerance { .. } => vec![Remedy::SayUnknownAngle],
+            _ => Vec::new(),
+        }
+    }
+}
+
+impl Explain for ConfigError {
+    fn facts(&self) -> ErrorFacts {
+        let facts = ErrorFacts::of(ErrorKind::Config);
+        match self {
+            Self::Read { path, source } => ErrorFacts::of_file(ErrorKind::Input, path, source),
+            Self::Syntax { .. } => facts,
+            Self::Value { value, allowed, .. } => facts.value(value).allowed(allowed),
+            Self::UnknownPump { name, configured, built_in, .. } => {
+                ErrorFacts::of(ErrorKind::PumpFile).value(name).allowed(format!("{configured}, {built_in}"))
+            }
+            Self::SameId { id, .. } => facts.value(id).allowed("an id of its own for each name"),
+            Self::Pump(error) => error.facts(),
+        }
+    }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        match self {
+            Self::Pump(error) => error.remedies(),
             _ => Vec::new(),
         }
     }

@@ -22,6 +22,7 @@ impl DoseError {
             Self::Journal(error) => error.known_remedies(),
             Self::Calibration(error) => error.known_remedies(),
             Self::Unfinished { .. } => vec![Remedy::FinishOrAccept],
+            Self::Unconfirmed { .. } => vec![Remedy::WriteOrConfirmPump],
             Self::RunsTheOtherWay { .. } => vec![Remedy::DropCarry],
             Self::BeyondRequest { .. } => vec![Remedy::FinishAtLowFlowOrAccept],
             Self::AngleIsKnown => vec![Remedy::FinishOrAcceptThenFindAngle],
@@ -70,6 +71,10 @@ impl PumpFileError {
         match self {
             // The one fault of a port is that there is none.
             Self::Value { key: "[drive] port", .. } => vec![Remedy::PortEachTime],
+            Self::Value { key: "[head] catalogue", .. } => vec![Remedy::ListHeads],
+            Self::Value { key: "[head] ml_per_rev", value, .. } if value == "missing" => {
+                vec![Remedy::ListHeads]
+            }
             _ => Vec::new(),
         }
     }

@@ -24,6 +24,7 @@ class _Bench:
         state_dir: str | os.PathLike[str] | None,
         configure: bool,
         accept_settings: bool,
+        confirm_pump: bool,
         tube_limit: str | None,
         fluid: str | None,
         temperature: str | None,

@@ -46,6 +46,7 @@ class Bench(BenchDoses, BenchRecord, BenchCalibration):
         state_dir: str | os.PathLike[str] | None = None,
         configure: bool = False,
         accept_settings: bool = False,
+        confirm_pump: bool = False,
         tube_limit: str | None = None,
         fluid: str | None = None,
         temperature: str | None = None,
@@ -55,17 +56,22 @@ class Bench(BenchDoses, BenchRecord, BenchCalibration):
         Parameters
         ----------
         pump : Pump, str or os.PathLike
-            Pump, name of a built-in pump, or path of a pump file.
+            Pump, path of a pump file, name in `[pumps]` of the configuration, or name of a built-in pump.
         driver : {"sim", "grbl"}, optional
             Driver of the motor; by default the pump file's `[drive]`, otherwise "sim".
         port : str or os.PathLike, optional
             Serial port of the controller, as "/dev/ttyUSB0"; by default the pump file's.
         state_dir : str or os.PathLike, optional
-            Folder of angle, journal and lock; by default `DOSE_STATE_DIR`, otherwise the command's folder.
+            Folder of angle, journal and lock; by default `DOSE_STATE_DIR`, otherwise the configuration's
+            `state_dir`, otherwise the command's folder.
         configure : bool
             Write the controller's settings that do not fit the pump.
         accept_settings : bool
             Accept controller settings that have changed since the last time.
+        confirm_pump : bool
+            Say that the pump's values are those of the pump at the motor. A real motor does not move while its
+            steps per revolution, its direction or its head are filled in, as those of a built-in pump. The record
+            keeps the word until such a value changes.
         tube_limit : str, optional
             Volume that a tube lasts, as "100L"; by default the pump file's.
         fluid : str, optional
@@ -91,6 +97,7 @@ class Bench(BenchDoses, BenchRecord, BenchCalibration):
                 state_dir=state_dir,
                 configure=configure,
                 accept_settings=accept_settings,
+                confirm_pump=confirm_pump,
                 tube_limit=tube_limit,
                 fluid=fluid,
                 temperature=temperature,

@@ -1,0 +1,111 @@
+//! The confirmation of a pump: a real motor does not move by values that the program filled in.
+
+use crate::bench::bench::Bench;
+use crate::bench::session::Session;
+use crate::catalogue::built_in;
+use crate::dosing::DoseError;
+use crate::notice::{Notice, Remedy};
+use crate::numbers::significant;
+use crate::pump_file::{DriverName, PumpFile};
+use crate::record::{PumpState, Why};
+
+/// Tables of a pump file that say what the head delivers and how the motor turns it.
+const TABLES: [&str; 7] = ["head", "tube", "rollers", "backplate", "roller_volume", "motor", "drive"];
+
+/// Keys of `[motor]` and `[drive]` that say how far and which way a step turns the head.
+const KEYS: [&str; 4] = ["steps_per_rev", "gear", "axis", "invert"];
+
+impl Bench {
+    /// Returns true if the motor is real and values of the pump are filled in by the program.
+    fn needs_confirmation(&self) -> bool {
+        !self.is_simulated() && self.file().motor.confirmed == Some(false)
+    }
+
+    /// Returns the print of the pump: a number that changes with every value that says how far and which way the
+    /// motor turns the head, and what the head delivers.
+    fn print(&self) -> u32 {
+        let file = PumpFile { drive: Some(self.drive().clone()), ..self.file().clone() };
+        let mut tables = toml::Table::try_from(&file)
+            .unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"));
+        tables.retain(|table, _| TABLES.contains(&table));
+        for table in ["motor", "drive"] {
+            if let Some(toml::Value::Table(keys)) = tables.get_mut(table) {
+                keys.retain(|key, _| KEYS.contains(&key));
+            }
+        }
+        crc32fast::hash(tables.to_string().as_bytes())
+    }
+
+    /// Returns the values that the program filled in, in words.
+    fn filled_in(&self) -> String {
+        let (file, motor) = (self.file(), &self.file().motor);
+        let mut values =
+            vec![format!("{} steps per revolution of the motor, gear {}", motor.steps_per_rev, motor.gear)];
+        if file.drive.is_none() && self.drive().driver == DriverName::Grbl {
+            values.push(format!("forward as axis {:?} counts up", self.drive().axis));
+        }
+        let is_head = |known: &PumpFile| {
+            (&known.tube, &known.rollers, &known.backplate) == (&file.tube, &file.rollers, &file.backplate)
+                && known.roller_volume == file.roller_volume
+        };
+        if built_in(&file.pump.id).is_some_and(|known| is_head(&known)) {
+            let (rollers, ml) = (file.rollers.count, significant(self.model().revolution_ml(), 4));
+            values.push(format!("a head of {rollers} rollers and {ml} mL per revolution"));
+        }
+        values.join(", ")
+    }
+
+    /// Refuses a real motor while values of its pump are filled in, nobody has confirmed them, and the user does not
+    /// do so now. `state` is the state on record.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Unconfirmed`] with the values.
+    pub(in crate::bench) fn check_confirmed(&self, state: Option<&PumpState>) -> Result<(), DoseError> {
+        let recorded = state.and_then(|state| state.confirmed_pump);
+        if !self.needs_confirmation() || self.confirms_pump() || recorded == Some(self.print()) {
+            return Ok(());
+        }
+        let pump = self.file().pump.id.clone();
+        Err(DoseError::Unconfirmed { pump, values: self.filled_in(), changed: recorded.is_some() })
+    }
+
+    /// Returns the warning of a dry run whose dose would be refused on the real motor. `state` is the state on record.
+    pub(in crate::bench) fn confirmation_missing(&self, state: Option<&PumpState>) -> Option<Notice> {
+        let error = self.check_confirmed(state).err()?;
+        Some(Notice::from(error.to_string()).with_remedy(Remedy::WriteOrConfirmPump))
+    }
+}
+
+impl Session<'_> {
+    /// Refuses to move a real motor by values that nobody has confirmed.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Unconfirmed`] with the values.
+    pub(in crate::bench) fn check_confirmed(&self) -> Result<(), DoseError> {
+        self.bench.check_confirmed(self.state.as_ref())
+    }
+
+    /// Returns `state` with the user's confirmation of the pump, if the user gives one now.
+    pub(in crate::bench) fn confirmed(&self, state: PumpState) -> PumpState {
+        if !(self.bench.needs_confirmation() && self.bench.confirms_pump()) {
+            return state;
+        }
+        PumpState { confirmed_pump: Some(self.bench.print()), ..state }
+    }
+
+    /// Records the user's confirmation of the pump, unless it is on record.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Journal`] if it cannot be recorded.
+    pub(in crate::bench) fn record_confirmation(&mut self) -> Result<(), DoseError> {
+        let stands = self.stands();
+        let confirmed = self.confirmed(stands);
+        if confirmed.confirmed_pump == stands.confirmed_pump {
+            return Ok(());
+        }
+        Ok(self.rest(Why::Confirmed, confirmed)?)
+    }
+}

@@ -1,0 +1,84 @@
+//! Configurations that cannot be used.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::pump_file::PumpFileError;
+
+/// A configuration that cannot be used, or a pump that it does not lead to.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("cannot read the configuration {}", .path.display())]
+    Read {
+        /// Path of the file.
+        path: PathBuf,
+        /// Reason that the system gives.
+        source: std::io::Error,
+    },
+    /// The text is not TOML, or it has unknown, missing or mistyped keys.
+    #[error("configuration {}: {message}", .path.display())]
+    Syntax {
+        /// Path of the file.
+        path: PathBuf,
+        /// Message of the parser, with line and column.
+        message: String,
+    },
+    /// A value is not allowed.
+    #[error("configuration {}: {key} is `{value}`; allowed: {allowed}", .path.display())]
+    Value {
+        /// Path of the file.
+        path: PathBuf,
+        /// Key in the file.
+        key: &'static str,
+        /// Value in the file.
+        value: String,
+        /// Values that are allowed.
+        allowed: String,
+    },
+    /// The name is neither configured nor built in, and no file.
+    #[error(
+        "there is no pump `{name}`; configured in {}: {configured}; built-in pumps: {built_in}; or name a TOML pump \
+         file",
+        .path.display()
+    )]
+    UnknownPump {
+        /// Name that was given.
+        name: String,
+        /// Path of the configuration.
+        path: PathBuf,
+        /// Names that the configuration has.
+        configured: String,
+        /// Names of the built-in pumps.
+        built_in: String,
+    },
+    /// Two names of the configuration lead to one record.
+    #[error(
+        "the pumps `{name}` ({}) and `{other}` ({}) of the configuration have one id, `{id}`, so they would share a \
+         record; {}",
+        .file.display(),
+        .other_file.display(),
+        if file == other_file {
+            "keep one of the names"
+        } else {
+            "give one of the files another [pump] id, or keep one of the names"
+        }
+    )]
+    SameId {
+        /// Identifier of both pumps.
+        id: String,
+        /// Name that was used.
+        name: String,
+        /// Pump file of that name.
+        file: PathBuf,
+        /// Other name.
+        other: String,
+        /// Pump file of the other name.
+        other_file: PathBuf,
+    },
+    /// The pump file cannot be used.
+    #[error(transparent)]
+    Pump(#[from] PumpFileError),
+}

@@ -1,0 +1,204 @@
+//! The configuration file itself: its keys, its text and its checks.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::error::ConfigError;
+use super::place::{default_path, named_path};
+use super::pumps::{built_in_names, is_built_in};
+use crate::files::{MOST_PUMP_FILE_BYTES, read_text};
+use crate::record::{FolderError, default_state_dir};
+
+/// Schema of configuration files.
+const SCHEMA: &str = "config/1";
+
+/// The configuration of a user. Without a file everything is as built in.
+///
+/// ```
+/// use pump_bench::config::Config;
+///
+/// let text = r#"
+/// schema = "config/1"
+/// default_pump = "ph-down"
+/// [pumps]
+/// ph-down = "pumps/ph-down.toml"
+/// "#;
+/// let config = Config::parse(text, "/etc/pump-dose/config.toml".as_ref())?;
+/// assert_eq!(config.default_pump(), "ph-down");
+/// assert_eq!(config.pumps()["ph-down"].to_str(), Some("/etc/pump-dose/pumps/ph-down.toml"));
+///
+/// let refused = Config::parse(&text.replace("default_pump", "pump"), "config.toml".as_ref()).unwrap_err();
+/// assert!(refused.to_string().contains("unknown field `pump`, expected one of `schema`, `default_pump`"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Config {
+    /// Path of the file, or the path at which there is none. `None` if the environment has no place for it.
+    path: Option<PathBuf>,
+    /// True if there is a file.
+    exists: bool,
+    pub(super) default_pump: Option<String>,
+    state_dir: Option<PathBuf>,
+    pub(super) pumps: BTreeMap<String, PathBuf>,
+}
+
+/// Keys of the file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ConfigKeys {
+    schema: String,
+    default_pump: Option<String>,
+    state_dir: Option<PathBuf>,
+    #[serde(default)]
+    pumps: BTreeMap<String, PathBuf>,
+}
+
+impl Config {
+    /// Reads the configuration at `named`, otherwise that of `DOSE_CONFIG`, otherwise that in the user's folder. A file
+    /// that is named must be there; the user's folder may have none.
+    ///
+    /// # Errors
+    /// [`ConfigError::Read`] if a file cannot be read. Otherwise as [`Config::parse`].
+    pub fn of_user(named: Option<&Path>) -> Result<Self, ConfigError> {
+        if let Some(path) = named.map(Path::to_owned).or_else(named_path) {
+            return Self::read(&path);
+        }
+        match default_path() {
+            Some(path) if path.symlink_metadata().is_ok() => Self::read(&path),
+            path => Ok(Self { path, ..Self::default() }),
+        }
+    }
+
+    /// Reads and checks a configuration file.
+    ///
+    /// # Errors
+    /// [`ConfigError::Read`] if the file cannot be read. Otherwise as [`Config::parse`].
+    pub fn read(path: &Path) -> Result<Self, ConfigError> {
+        let text = read_text(path, MOST_PUMP_FILE_BYTES)
+            .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
+        Self::parse(&text, path)
+    }
+
+    /// Parses and checks the text of the configuration at `path`. Paths in it are relative to its folder.
+    ///
+    /// # Errors
+    /// [`ConfigError::Syntax`] if the text is not the TOML of a configuration. [`ConfigError::Value`] for a value that
+    /// is not allowed.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, ConfigError> {
+        let keys: ConfigKeys = toml::from_str(text).map_err(|error| ConfigError::Syntax {
+            path: path.to_owned(),
+            message: error.to_string().trim_end().to_owned(),
+        })?;
+        keys.check().map_err(|wrong| wrong.at(path))?;
+        let folder = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let folder = folder.parent().unwrap_or(Path::new(""));
+        Ok(Self {
+            path: Some(path.to_owned()),
+            exists: true,
+            default_pump: keys.default_pump,
+            state_dir: keys.state_dir.map(|dir| folder.join(dir)),
+            pumps: keys.pumps.into_iter().map(|(name, file)| (name, folder.join(file))).collect(),
+        })
+    }
+
+    /// Returns the path of the file, or the path at which there is none. `None` if the environment has no place for it.
+    pub fn path(&self) -> Option<&Path> {
+        self.path.as_deref()
+    }
+
+    /// Returns true if there is a file.
+    pub fn exists(&self) -> bool {
+        self.exists
+    }
+
+    /// Returns the pump files by their names.
+    pub fn pumps(&self) -> &BTreeMap<String, PathBuf> {
+        &self.pumps
+    }
+
+    /// Returns the folder of the records that the file names, or `None` if it names none.
+    pub fn named_state_dir(&self) -> Option<&Path> {
+        self.state_dir.as_deref()
+    }
+
+    /// Returns the folder of the records: that of the file, or else that of the user.
+    ///
+    /// # Errors
+    /// [`FolderError::NoFolder`] if neither is known.
+    pub fn state_dir(&self) -> Result<PathBuf, FolderError> {
+        self.state_dir.clone().map_or_else(default_state_dir, Ok)
+    }
+}
+
+/// A value that a configuration must not hold.
+struct WrongValue {
+    key: &'static str,
+    value: String,
+    allowed: String,
+}
+
+impl WrongValue {
+    fn new(key: &'static str, value: impl Into<String>, allowed: impl Into<String>) -> Self {
+        Self { key, value: value.into(), allowed: allowed.into() }
+    }
+
+    fn at(self, path: &Path) -> ConfigError {
+        let Self { key, value, allowed } = self;
+        ConfigError::Value { path: path.to_owned(), key, value, allowed }
+    }
+}
+
+impl ConfigKeys {
+    /// Refuses the first value that is wrong by itself or beside others.
+    fn check(&self) -> Result<(), WrongValue> {
+        if self.schema != SCHEMA {
+            return Err(WrongValue::new("schema", self.schema.as_str(), SCHEMA));
+        }
+        self.pumps.keys().try_for_each(|name| check_name(name))?;
+        if let Some((_, file)) = self.pumps.iter().find(|(_, file)| !is_plain(file)) {
+            return Err(WrongValue::new("a file of [pumps]", file.display().to_string(), PLAIN));
+        }
+        if let Some(dir) = self.state_dir.as_ref().filter(|dir| !is_plain(dir)) {
+            return Err(WrongValue::new("state_dir", dir.display().to_string(), PLAIN));
+        }
+        let names: Vec<&str> = self.pumps.keys().map(String::as_str).collect();
+        match &self.default_pump {
+            Some(name) if !names.contains(&name.as_str()) && !is_built_in(name) => {
+                let allowed = [&names[..], &[&built_in_names()]].concat().join(", ");
+                Err(WrongValue::new(
+                    "default_pump",
+                    name.as_str(),
+                    format!("a name of [pumps] or a built-in pump: {allowed}"),
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Paths that a configuration may hold.
+const PLAIN: &str =
+    "a path, relative to the configuration's folder or from the root; `~` means nothing in it";
+
+/// Returns true for a path that is not empty and does not count on a shell.
+fn is_plain(path: &Path) -> bool {
+    !path.as_os_str().is_empty() && !path.starts_with("~")
+}
+
+/// Refuses a name that cannot be told from a path or a built-in pump.
+fn check_name(name: &str) -> Result<(), WrongValue> {
+    let letters = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
+    if !(1..=64).contains(&name.len()) || !name.chars().all(letters) {
+        return Err(WrongValue::new("a name of [pumps]", name, "1 to 64 of a-z, 0-9, - and _"));
+    }
+    if is_built_in(name) {
+        return Err(WrongValue::new(
+            "a name of [pumps]",
+            name,
+            "another name: this one is that of a built-in pump",
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,11 @@
+//! The configuration of a user: pumps by their names, the usual pump, and the folder of the records.
+
+mod error;
+mod file;
+mod place;
+mod pumps;
+
+pub use error::ConfigError;
+pub use file::Config;
+pub use place::config_path;
+pub use pumps::{DEFAULT_PUMP, PumpPlace};

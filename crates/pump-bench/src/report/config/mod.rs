@@ -1,0 +1,5 @@
+//! The configuration in words and as JSON.
+
+mod shown;
+
+pub use shown::{ShownConfig, ShownPump};

@@ -1,0 +1,51 @@
+//! Where a pump stands: the air's pressure, and the heights of supply and vessel.
+
+use clap::Args;
+use pump_bench::pump_file::{AmbientTable, PumpFile, Reservoir};
+use pump_bench::units::{self, Pressure};
+
+use crate::failure::Failure;
+
+/// The place of a pump.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Place")]
+pub(super) struct SiteOptions {
+    /// Altitude of the pump, as 500m; it gives the air's pressure (ISO 2533) [default: sea level, as assumed]
+    #[arg(long, value_name = "HEIGHT", value_parser = units::height_mm, conflicts_with = "ambient")]
+    altitude: Option<f64>,
+    /// Pressure of the air around the pump, as 98.2kPaa
+    #[arg(long, value_name = "PRESSURE", value_parser = units::pressure)]
+    ambient: Option<Pressure>,
+    /// Height of the pump above the supply's surface, as 1.2m; negative where the supply stands above [default: 0]
+    #[arg(long, value_name = "HEIGHT", value_parser = units::height_mm)]
+    suction_lift: Option<f64>,
+    /// Height of the vessel above the pump, as 0.5m; negative where the vessel lies below [default: 0]
+    #[arg(long, value_name = "HEIGHT", value_parser = units::height_mm)]
+    discharge_lift: Option<f64>,
+}
+
+impl SiteOptions {
+    /// Writes the place into a pump file.
+    pub(super) fn write_to(&self, file: &mut PumpFile) -> Result<(), Failure> {
+        file.ambient = match (self.altitude, self.ambient) {
+            (Some(altitude_mm), _) => AmbientTable::at_altitude_m(1e-3 * altitude_mm),
+            (None, Some(Pressure::Absolute(kpa))) => AmbientTable::of_pressure_kpa(kpa),
+            (None, Some(Pressure::Gauge(kpa))) => {
+                let refused = Failure::refused(
+                    "--ambient is what gauge pressures are measured against; give it absolute",
+                );
+                return Err(refused
+                    .value(format!("{kpa} kPa gauge"))
+                    .allowed("an absolute pressure, as 98.2kPaa"));
+            }
+            (None, None) => file.ambient,
+        };
+        if let Some(lift_mm) = self.suction_lift {
+            file.inlet.reservoir = Reservoir::Lift(lift_mm);
+        }
+        if let Some(lift_mm) = self.discharge_lift {
+            file.outlet.line.reservoir = Reservoir::Lift(lift_mm);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,172 @@
+//! The configuration: pumps by name, the usual pump, and the folder of the record.
+
+use std::fs;
+
+use crate::user::User;
+
+/// Writes the two-roller pump under an id into a file.
+fn write_pump(user: &User, file: &str, id: &str) {
+    let text = user.types(&["pumps", "show", "two-roller"]).out;
+    fs::write(user.path(file), text.replace("id = \"two-roller\"", &format!("id = \"{id}\""))).unwrap();
+}
+
+/// Writes the configuration into the user's folder.
+fn configure(user: &User, keys: &str) {
+    fs::create_dir_all(user.path("config/pump-dose")).unwrap();
+    fs::write(user.path("config/pump-dose/config.toml"), format!("schema = \"config/1\"\n{keys}")).unwrap();
+}
+
+#[test]
+fn a_name_finds_its_file_from_anywhere_and_a_bare_dose_takes_the_default() {
+    let user = User::new();
+    assert_eq!(user.json(&["5mL", "--dry-run"])["pump"], "three-roller", "without a configuration");
+    write_pump(&user, "ph-down.toml", "acid");
+    configure(&user, "default_pump = \"ph-down\"\n[pumps]\nph-down = \"../../ph-down.toml\"\n");
+    assert_eq!(user.json(&["5mL", "--dry-run"])["pump"], "acid");
+    assert_eq!(user.json(&["5mL", "--dry-run", "--pump", "ph-down"])["pump"], "acid");
+    assert_eq!(user.json(&["5mL", "--dry-run", "--pump", "three-roller"])["pump"], "three-roller");
+    // A path comes first, even where a file of the name lies here.
+    fs::write(user.path("ph-down"), "no pump").unwrap();
+    assert_eq!(user.json(&["5mL", "--dry-run", "--pump", "ph-down"])["pump"], "acid");
+    assert!(user.is_refused(&["5mL", "--pump", "./ph-down"]).contains("pump file ./ph-down"));
+    let list = user.types(&["pumps", "list"]).out;
+    assert!(list.starts_with("ph-down ") && list.contains(", id acid\nthree-roller"), "{list}");
+    let listed = user.json(&["pumps", "list"]);
+    assert_eq!(
+        (&listed["configured"][0]["name"], &listed["configured"][0]["id"]),
+        (&"ph-down".into(), &"acid".into())
+    );
+    assert!(
+        user.types(&["pumps", "check", "ph-down"]).out.starts_with("acid (McIntyre et al., 2 rollers): ok")
+    );
+    assert!(user.types(&["pumps", "show", "ph-down"]).out.contains("id = \"acid\""));
+    // The environment's pump comes before the configuration's.
+    let output = user.command(&["5mL", "--dry-run"]).env("DOSE_PUMP", "three-roller").output().unwrap();
+    assert!(String::from_utf8(output.stdout).unwrap().contains("three-roller: "));
+}
+
+#[test]
+fn an_unknown_name_is_told_which_names_there_are() {
+    let user = User::new();
+    write_pump(&user, "acid.toml", "acid");
+    configure(&user, "[pumps]\nacid = \"../../acid.toml\"\n");
+    let message = user.is_refused(&["5mL", "--pump", "base"]);
+    assert!(message.contains("there is no pump `base`; configured in"), "{message}");
+    assert!(message.contains("config.toml: acid; built-in pumps: three-roller,"), "{message}");
+}
+
+#[test]
+fn a_configuration_that_cannot_be_is_refused_with_the_key_and_what_is_allowed() {
+    let user = User::new();
+    for (text, parts) in [
+        (
+            "schema = \"config/1\"\npump = \"x\"",
+            &["unknown field `pump`", "expected one of `schema`", "`pumps`"][..],
+        ),
+        ("schema = \"config/2\"", &["schema is `config/2`; allowed: config/1"]),
+        ("", &["missing field `schema`"]),
+        (
+            "schema = \"config/1\"\ndefault_pump = \"acid\"",
+            &["default_pump is `acid`", "allowed:", "three-roller"],
+        ),
+        (
+            "schema = \"config/1\"\n[pumps]\n\"pH down\" = \"x.toml\"",
+            &["`pH down`", "1 to 64 of a-z, 0-9, - and _"],
+        ),
+        ("schema = \"config/1\"\n[pumps]\nthree-roller = \"x.toml\"", &["`three-roller`", "built-in pump"]),
+        (
+            "schema = \"config/1\"\n[pumps]\nacid = \"~/acid.toml\"",
+            &["`~/acid.toml`", "relative to the configuration"],
+        ),
+        ("schema = \"config/1\"\nstate_dir = \"\"", &["state_dir is ``"]),
+        ("schema = \"config/1\"\n[pumps]\nacid = 3", &["invalid type: integer"]),
+        ("]", &["line 1, column 1"]),
+    ] {
+        fs::write(user.path("config.toml"), text).unwrap();
+        let message = user.is_refused(&["5mL", "--config", "config.toml"]);
+        assert!(message.contains("configuration config.toml: "), "{text}: {message}");
+        parts.iter().for_each(|part| assert!(message.contains(part), "{text}: {part}: {message}"));
+    }
+    let message = user.is_refused(&["5mL", "--config", "none.toml"]);
+    assert!(message.contains("cannot read the configuration none.toml: No such file"), "{message}");
+    assert!(user.is_refused(&["5mL", "--config", ""]).contains("--config"));
+    let output =
+        user.command(&["5mL", "--format", "json"]).env("DOSE_CONFIG", "config.toml").output().unwrap();
+    let error: serde_json::Value = serde_json::from_slice(&output.stderr).unwrap();
+    assert_eq!((&error["kind"], &error["code"]), (&"config".into(), &2.into()));
+}
+
+#[test]
+fn two_names_with_one_id_are_refused_when_one_is_used() {
+    let user = User::new();
+    write_pump(&user, "one.toml", "acid");
+    write_pump(&user, "two.toml", "acid");
+    write_pump(&user, "three.toml", "base");
+    configure(
+        &user,
+        "[pumps]\none = \"../../one.toml\"\ntwo = \"../../two.toml\"\nthree = \"../../three.toml\"\n\
+         again = \"../../three.toml\"\nmissing = \"none.toml\"\n",
+    );
+    let message = user.is_refused(&["5mL", "--pump", "one"]);
+    assert!(
+        message.contains("`one`") && message.contains("`two`") && message.contains("one id, `acid`"),
+        "{message}"
+    );
+    assert!(message.contains("give one of the files another [pump] id"), "{message}");
+    assert!(user.is_refused(&["5mL", "--pump", "three"]).contains("keep one of the names"));
+    // A path names the file alone, and so does a pump that is built in.
+    assert_eq!(user.json(&["5mL", "--dry-run", "--pump", "one.toml"])["pump"], "acid");
+    assert_eq!(user.types(&["5mL", "--dry-run"]).code, 0);
+    let shown = user.json(&["config", "show"]);
+    let errors: Vec<bool> =
+        shown["pumps"].as_array().unwrap().iter().map(|pump| !pump["error"].is_null()).collect();
+    assert_eq!(errors, [true; 5]);
+}
+
+#[test]
+fn the_configuration_is_shown_and_its_place_is_told() {
+    let user = User::new();
+    let place = user.path("config/pump-dose/config.toml");
+    assert_eq!(user.types(&["config", "path"]).out, format!("{}\n", place.display()));
+    let shown = user.types(&["config", "show"]).out;
+    assert!(shown.contains("(no file is there)") && shown.contains("default pump   three-roller"), "{shown}");
+    assert_eq!(user.json(&["config", "path"])["exists"], false);
+    write_pump(&user, "acid.toml", "acid");
+    configure(&user, "state_dir = \"/var/lib/pump-dose\"\n[pumps]\nph-down = \"../../acid.toml\"\n");
+    let shown = user.json(&["config", "show"]);
+    assert_eq!((&shown["schema"], &shown["exists"]), (&"config/1".into(), &true.into()));
+    assert_eq!(shown["path"], place.to_str().unwrap());
+    assert_eq!((&shown["pumps"][0]["name"], &shown["pumps"][0]["id"]), (&"ph-down".into(), &"acid".into()));
+    // The environment's folder counts before the configuration's.
+    assert_eq!(shown["state_dir"], user.path("state").to_str().unwrap());
+    let output = user.command(&["config", "show"]).env_remove("DOSE_STATE_DIR").output().unwrap();
+    assert!(String::from_utf8(output.stdout).unwrap().contains("records        /var/lib/pump-dose\n"));
+    // A file that cannot be used still has a place.
+    fs::write(&place, "]").unwrap();
+    assert_eq!(user.types(&["config", "path"]).out, format!("{}\n", place.display()));
+    assert!(user.is_refused(&["config", "show"]).contains("line 1, column 1"));
+}
+
+#[test]
+fn another_users_cron_finds_the_same_record_when_told() {
+    let user = User::new();
+    write_pump(&user, "acid.toml", "acid");
+    configure(
+        &user,
+        "state_dir = \"../../records\"\ndefault_pump = \"acid\"\n[pumps]\nacid = \"../../acid.toml\"\n",
+    );
+    let place = user.path("config/pump-dose/config.toml");
+    let at = |words: &[&str], home: &str| {
+        let mut command = user.command(words);
+        command.env_remove("DOSE_STATE_DIR").env_remove("XDG_CONFIG_HOME").env_remove("XDG_STATE_HOME");
+        command.env("HOME", user.path(home)).env("DOSE_CONFIG", &place).current_dir("/");
+        command.output().unwrap()
+    };
+    let own = at(&["5.0001mL"], "anna");
+    assert!(own.status.success(), "{own:?}");
+    assert!(user.path("records/acid/sim/journal.jsonl").exists());
+    let crons = at(&["status", "--format", "json"], "root");
+    let status: serde_json::Value = serde_json::from_slice(&crons.stdout).unwrap();
+    assert!(status["carry_ul"].as_f64().or(status["carry_ml"].as_f64()).unwrap() != 0.0, "{status}");
+    assert!(!user.path("root").exists() && !user.path("anna").exists());
+}
