@@ -140,6 +140,9 @@ fn the_example_pump_file_is_the_built_in_pump_under_another_name_weighed_by_nobo
     let unsure = &mut example.uncertainty;
     assert_eq!((unsure.model_percent, unsure.speed_percent), (13.0, Some(5.2)));
     (unsure.model_percent, unsure.speed_percent) = (built_in.uncertainty.model_percent, None);
+    // What stands in a file is its owner's word.
+    assert_eq!((example.motor.confirmed, built_in.motor.confirmed), (None, Some(false)));
+    example.motor.confirmed = built_in.motor.confirmed;
     assert_eq!(example, built_in);
 }
 
