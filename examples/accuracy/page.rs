@@ -15,7 +15,8 @@ const ANGLES: u32 = 120;
 const COARSE: u32 = 24;
 
 /// Doses whose back flow is tabled: volume in mL, rate in mL/s.
-const DOSES: [(f64, f64); 3] = [(1.0, 5.0), (3.0, 15.0), (25.0, 5.0)];
+const DOSES: [(f64, f64); 6] =
+    [(1.0, 5.0), (3.0, 15.0), (25.0, 5.0), (0.05, 5.0), (0.1, 5.0), (0.2, 5.0)];
 
 /// Volumes whose error is tabled, mL.
 const VOLUMES_ML: [f64; 6] = [0.5, 1.0, 3.0, 10.0, 25.0, 100.0];
@@ -183,6 +184,9 @@ const HOW_RAMPS: &str = "\
 Line-aware ramps are the default. They are chosen for each dose from the exact solution of the line, as
 [DESIGN.md](../DESIGN.md) tells. `dose 3mL --ramps fastest` starts and stops as fast as the motor allows. A stop that a
 person, a limit or a fault asks for always does.
+
+A dose of 200 uL or more may take 2 uL back. A smaller one may take a hundredth of its volume, but never less than half
+a motor step, 0.83 uL.
 ";
 
 const LIMITS: &str = "\
