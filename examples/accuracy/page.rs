@@ -15,8 +15,7 @@ const ANGLES: u32 = 120;
 const COARSE: u32 = 24;
 
 /// Doses whose back flow is tabled: volume in mL, rate in mL/s.
-const DOSES: [(f64, f64); 6] =
-    [(1.0, 5.0), (3.0, 15.0), (25.0, 5.0), (0.05, 5.0), (0.1, 5.0), (0.2, 5.0)];
+const DOSES: [(f64, f64); 6] = [(1.0, 5.0), (3.0, 15.0), (25.0, 5.0), (0.05, 5.0), (0.1, 5.0), (0.2, 5.0)];
 
 /// Volumes whose error is tabled, mL.
 const VOLUMES_ML: [f64; 6] = [0.5, 1.0, 3.0, 10.0, 25.0, 100.0];
