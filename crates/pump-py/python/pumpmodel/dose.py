@@ -51,9 +51,9 @@ class Ripple(Record):
 class RippleAt(Record):
     """Ripple at one place: at constant speed, as planned, and as far as the pump and its angle are known.
 
-    `planned` is the ripple at the stated start angle. `peak_to_peak_worst_angle` is the largest over the half
-    width of that angle. `peak_to_peak_median` and `peak_to_peak_95` are the median and the 95th percentile over
-    the errors of roller volume, engagement angle and start angle.
+    `planned` is the ripple at the stated start angle. `peak_to_peak_worst_angle` is the largest over the
+    half width of that angle. `peak_to_peak_median` and `peak_to_peak_95` are the median and the 95th
+    percentile over the errors of roller volume, engagement angle and start angle.
     """
 
     _records: ClassVar[dict[str, type[Record]]] = {"constant_speed": Ripple, "planned": Ripple}

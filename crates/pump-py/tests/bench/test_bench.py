@@ -296,7 +296,7 @@ def test_a_configured_name_finds_its_pump_and_its_record(
     with pm.Bench.open("ph-down") as bench:
         assert bench.dose("1mL").completed
     assert (tmp_path / "records/acid/sim/journal.jsonl").exists()
-    with pytest.raises(pm.PumpFileError, match="there is no pump `ph-up`; configured in .*: ph-down"):
+    with pytest.raises(pm.PumpFileError, match=r"there is no pump `ph-up`; configured in .*: ph-down"):
         pm.Bench.open("ph-up")
     monkeypatch.setenv("DOSE_CONFIG", str(tmp_path / "none.toml"))
     with pytest.raises(FileNotFoundError):

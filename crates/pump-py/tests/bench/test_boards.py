@@ -73,9 +73,7 @@ def open_bench(board: Board, folder: Path) -> pm.Bench:
     return pm.Bench.open("three-roller", driver="grbl", port=board.port, state_dir=folder, confirm_pump=True)
 
 
-def test_a_built_in_pump_moves_no_motor_until_somebody_has_confirmed_it(
-    board: Board, tmp_path: Path
-) -> None:
+def test_a_built_in_pump_moves_no_motor_until_somebody_has_confirmed_it(board: Board, tmp_path: Path) -> None:
     with (
         pm.Bench.open("three-roller", driver="grbl", port=board.port, state_dir=tmp_path) as bench,
         pytest.raises(pm.PumpError, match=r"12800 steps per revolution.*confirm_pump=True"),

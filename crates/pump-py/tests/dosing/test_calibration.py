@@ -113,7 +113,8 @@ def test_a_bench_keeps_calibrations_and_uses_one(tmp_path: Path) -> None:
         assert dose.calibration.version == 1
         assert dose.volume_basis == "calibrated"
         assert dose.calibration.displacement_factor == pytest.approx(1.01, abs=1e-3)
-        with pytest.raises(ValueError, match="fit is 'cubic'; allowed: 'best', 'line', 'factor', 'speed-law'"):
+        allowed = "fit is 'cubic'; allowed: 'best', 'line', 'factor', 'speed-law'"
+        with pytest.raises(ValueError, match=allowed):
             bench.calibrate(runs((60, 1.02)), fit="cubic")  # type: ignore[arg-type]
         with pytest.raises(ValueError, match="3"):
             bench.calibrate(runs((60, 1.02)), fit="speed-law")

@@ -155,9 +155,9 @@ def test_runs_of_a_table_become_a_fit_that_says_where_a_run_falls(tmp_path: Path
 def test_a_bought_head_needs_its_volume_and_its_rollers_alone() -> None:
     pump = pm.Pump.from_ml_per_rev("acid", ml_per_rev=0.5, rollers=4)
     assert pump.is_estimated
-    assert (
-        pump.outlet_volume_ml(1.0 + pump.pitch_rad) - pump.outlet_volume_ml(1.0)
-    ) == pytest.approx(0.125, rel=1e-12)
+    assert (pump.outlet_volume_ml(1.0 + pump.pitch_rad) - pump.outlet_volume_ml(1.0)) == pytest.approx(
+        0.125, rel=1e-12
+    )
     plan = pm.Doser(pump).plan("5mL", start_angle_rad=0.0)
     assert plan.planned_ml == pytest.approx(5.0, abs=1e-3)
     assert plan.settle_s is None
@@ -167,7 +167,9 @@ def test_a_bought_head_needs_its_volume_and_its_rollers_alone() -> None:
     line = pm.Line(
         resistance_kpa_s_ml=0.5, compliance_ml_kpa=0.01, inertance_kpa_s2_ml=0.02, reservoir_kpa=101.325
     )
-    known = pm.Pump.from_ml_per_rev("acid", ml_per_rev=0.5, rollers=4, tube_bore_mm=1.6, inlet=line, outlet=line)
+    known = pm.Pump.from_ml_per_rev(
+        "acid", ml_per_rev=0.5, rollers=4, tube_bore_mm=1.6, inlet=line, outlet=line
+    )
     assert pm.Doser(known).plan("5mL", start_angle_rad=0.0).settle_s is not None
     assert pm.Pump.from_dict(known.to_dict()) == known
     with pytest.raises(ValueError, match="volume per revolution in mL is 0"):

@@ -69,9 +69,9 @@ class Bench(BenchDoses, BenchRecord, BenchCalibration):
         accept_settings : bool
             Accept controller settings that have changed since the last time.
         confirm_pump : bool
-            Say that the pump's values are those of the pump at the motor. A real motor does not move while its
-            steps per revolution, its direction or its head are filled in, as those of a built-in pump. The record
-            keeps the word until such a value changes.
+            Say that the pump's values are those of the pump at the motor. A real motor does not move while
+            its steps per revolution, its direction or its head are filled in, as those of a built-in pump.
+            The record keeps the word until such a value changes.
         tube_limit : str, optional
             Volume that a tube lasts, as "100L"; by default the pump file's.
         fluid : str, optional
