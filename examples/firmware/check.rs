@@ -33,8 +33,8 @@ const CHANGE_TICKS: i64 = 10_000;
 /// Largest values of the lines of cost.
 const MOST: [(&str, f64); 4] = [
     ("for a plan: ", 1e6),
-    ("with a smooth flow", 26e6),
-    ("to plan with line-aware ramps", 22e6),
+    ("with a smooth flow", 20e6),
+    ("to plan with line-aware ramps", 20e6),
     ("a step in on_deadline", 70.0),
 ];
 
