@@ -32,7 +32,7 @@ pub struct MotorTable {
     /// Moment of inertia of all that turns, referred to the pump head, in kg m².
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia_kg_m2: Option<f64>,
-    /// Whether somebody has said that these values are those of the motor. `None` counts as said: a value that a
+    /// True if somebody has said that these values are those of the motor. `None` counts as said: a value that a
     /// person writes is confirmed. `false` stands beside values that the program filled in.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confirmed: Option<bool>,
