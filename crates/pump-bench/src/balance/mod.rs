@@ -3,10 +3,7 @@
 //! A balance is read once it says that it stands still. Every wait has a deadline and hears the user's stop.
 
 mod error;
-#[cfg(feature = "balance")]
-mod line;
 mod program;
-mod protocol;
 mod reading;
 #[cfg(feature = "balance")]
 mod serial;
@@ -16,13 +13,10 @@ use std::fmt::Debug;
 use std::time::Duration;
 
 pub use error::BalanceError;
-#[cfg(feature = "balance")]
-pub use line::{Framing, SerialLine};
 pub use program::ProgramBalance;
-pub use protocol::Protocol;
 pub use reading::{BalanceReading, printed_reading};
 #[cfg(feature = "balance")]
-pub use serial::SerialBalance;
+pub use serial::{Framing, Protocol, SerialBalance, SerialLine};
 
 use crate::drives::StopRequest;
 

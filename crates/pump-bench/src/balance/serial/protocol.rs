@@ -1,7 +1,7 @@
 //! The questions and answers of balances over a serial line.
 
-use super::words::shown_line;
-use super::{BalanceError, BalanceReading, printed_reading};
+use crate::balance::words::shown_line;
+use crate::balance::{BalanceError, BalanceReading, printed_reading};
 use crate::words::words;
 
 /// Protocol of a balance.

@@ -8,8 +8,8 @@ use serialport::{DataBits, Parity, SerialPort};
 
 use super::line::{Framing, SerialLine};
 use super::protocol::{Answer, Protocol};
-use super::words::shown_line;
-use super::{Balance, BalanceError, BalanceReading};
+use crate::balance::words::shown_line;
+use crate::balance::{Balance, BalanceError, BalanceReading};
 use crate::drives::StopRequest;
 
 /// Time between two questions.
