@@ -77,10 +77,14 @@ oldest:
 
 # Programs outside the workspace, built from the crates as they are published. Each crate must build from its package
 # alone.
+# Cargo takes a version that it has unpacked or built once for the same for ever, so each run has a folder of its own.
 PACKAGED := pump-model pump-ctl pump-bench
 OUTSIDE := --manifest-path examples/outside/Cargo.toml --target-dir target/outside
 packages:
-	cargo package --locked --allow-dirty $(PACKAGED:%=-p %)
+	mkdir -p target && rm -rf target/package target/packaging.*
+	folder=$$(mktemp -d target/packaging.XXXXXX) && \
+		cargo package --locked --allow-dirty --target-dir $$folder $(PACKAGED:%=-p %) && \
+		mv $$folder/package target/package && rm -rf $$folder
 	cargo fmt --manifest-path examples/outside/Cargo.toml --all --check
 	cargo clippy --locked $(OUTSIDE) -p step-generator -- -D warnings
 	cargo test --locked $(OUTSIDE) -p step-generator
