@@ -82,7 +82,7 @@ PACKAGED := pump-model pump-ctl pump-bench
 OUTSIDE := --manifest-path examples/outside/Cargo.toml --target-dir target/outside
 packages:
 	mkdir -p target && rm -rf target/package target/packaging.*
-	folder=$$(mktemp -d target/packaging.XXXXXX) && \
+	folder=target/packaging.$$$$ && \
 		cargo package --locked --allow-dirty --target-dir $$folder $(PACKAGED:%=-p %) && \
 		mv $$folder/package target/package && rm -rf $$folder
 	cargo fmt --manifest-path examples/outside/Cargo.toml --all --check

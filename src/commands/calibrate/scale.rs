@@ -1,4 +1,4 @@
-//! What the scale shows: a person types it, or a balance says it.
+//! The reading of the scale: a person types it, or a balance says it.
 
 use std::time::Duration;
 
