@@ -8,20 +8,23 @@ use pump_model::{DefaultPulse, Pump, RollerVolume};
 
 use super::Budget;
 use super::share::{Share, ShareSource};
-use crate::calibration::Applied;
+use crate::calibration::{Applied, PLAUSIBLE, WeighedTurn};
 use crate::displacement::PulsePrior;
 use crate::dosing::Swept;
 use crate::pump_file::PumpFile;
 
-/// Start angles by which the share of an angle between bounds is averaged.
-const POINTS: u32 = 16;
+/// Start angles of each pulse, of an angle between bounds. Those of one pulse lie between those of the next.
+const POINTS: u32 = 4;
+
+/// Fractional part of the golden ratio, by whose multiples points lie evenly (Weyl's sequence).
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 impl Budget {
     /// Returns the budget with the share of the default pulse, if the pump of `file` is known by its volume alone and
     /// no short doses have found its pulse.
     ///
     /// The share is the root of the mean square difference of the turn's volume over the pulses that heads may have. A
-    /// revolution keeps its volume. The differences are neither linear in the pulse nor normal, so the expanded
+    /// revolution keeps its volume. After a calibration the weighed runs keep theirs, which are parts of a pitch too. The differences are neither linear in the pulse nor normal, so the expanded
     /// uncertainty propagates their distribution together with that of the angle (JCGM 101:2008).
     #[must_use]
     pub(crate) fn with_default_pulse(
@@ -36,8 +39,13 @@ impl Budget {
         else {
             return self;
         };
-        let zero_rad = applied.map_or(0.0, |applied| applied.correction.zero_rad);
-        let PulseDifferences { standard_ml, errors_ml } = PulseDifferences::of(&prior, pump, swept, zero_rad);
+        let known = Known {
+            prior,
+            pitch_ml: pump.outlet_curve().pitch_ml(),
+            zero_rad: applied.map_or(0.0, |applied| applied.correction.zero_rad),
+            weighed: applied.map_or(&[], |applied| applied.turns.as_slice()),
+        };
+        let PulseDifferences { standard_ml, errors_ml } = PulseDifferences::of(&known, swept);
         self.shares.push(Share::new(ShareSource::Pulse, standard_ml));
         self.errors = self.errors.joined_by(errors_ml, standard_ml);
         self.with_percentages()
@@ -53,31 +61,58 @@ struct PulseDifferences {
 }
 
 impl PulseDifferences {
-    fn of(prior: &PulsePrior, pump: &Pump, swept: &Swept, zero_rad: f64) -> Self {
-        let pitch_ml = pump.outlet_curve().pitch_ml();
+    fn of(known: &Known<'_>, swept: &Swept) -> Self {
+        let pitch_rad = TAU / f64::from(known.prior.rollers);
         let (angle_rad, half_width_rad) = (swept.start.angle_rad(), swept.start.half_width_rad());
         let turn_rad = swept.end_rad - angle_rad;
-        let half_width_rad = half_width_rad.min(0.5 * pump.pitch_rad());
+        let half_width_rad = half_width_rad.min(0.5 * pitch_rad);
         let points = if half_width_rad == 0.0 { 1 } else { POINTS };
-        let places = (0..points).map(|n| {
-            let part = (2.0 * f64::from(n) + 1.0) / f64::from(points) - 1.0;
-            angle_rad + half_width_rad * part + zero_rad
-        });
         let mut found = Self { standard_ml: 0.0, errors_ml: Vec::new() };
         let Some(shape) = DefaultShape::new() else { return found };
-        let volume_ml =
-            |pulse, from_rad| Pulsed::of(prior.rollers, pitch_ml, pulse, &shape).turn_ml(from_rad, turn_rad);
+        let head = |pulse| Pulsed::of(known.prior.rollers, known.pitch_ml, pulse, &shape);
+        let default = head(known.prior.pulse());
         let mut squares = 0.0;
-        for from_rad in places {
-            let default_ml = volume_ml(prior.pulse(), from_rad);
-            for pulse in prior.pulses() {
-                let head_ml = volume_ml(pulse, from_rad);
-                squares += (head_ml - default_ml) * (head_ml - default_ml);
+        for (n, pulse) in (0_u32..).zip(known.prior.pulses()) {
+            let head = head(pulse);
+            let factor = known.weighed_ml(&default) / known.weighed_ml(&head);
+            // No other head could have been calibrated: a reading beyond these is refused as a mistake.
+            let factor = if factor > 0.0 { factor.clamp(1.0 / PLAUSIBLE, PLAUSIBLE) } else { PLAUSIBLE };
+            for point in 0..points {
+                let place = (f64::from(point) + (GOLDEN * f64::from(n)).fract()) / f64::from(points);
+                let from_rad = angle_rad + half_width_rad * (2.0 * place - 1.0) + known.zero_rad;
+                let head_ml = factor * head.turn_ml(from_rad, turn_rad);
+                let difference_ml = head_ml - default.turn_ml(from_rad, turn_rad);
+                squares += difference_ml * difference_ml;
                 found.errors_ml.push(head_ml - swept.volume_ml);
             }
         }
         found.standard_ml = sqrt(squares / found.errors_ml.len().max(1) as f64);
         found
+    }
+}
+
+/// Knowledge of a head whose pulse is not known.
+struct Known<'a> {
+    prior: PulsePrior,
+    /// Volume of a pitch by the data sheet, or by the weighed runs if the default pulse is the head's, in mL.
+    pitch_ml: f64,
+    /// Angle of the model at which the angles of the record begin, in rad.
+    zero_rad: f64,
+    /// Turns that were weighed.
+    weighed: &'a [WeighedTurn],
+}
+
+impl Known<'_> {
+    /// Returns the volume of all weighed turns by `head`, in mL; 1 if nothing was weighed. A run of whole pitches
+    /// delivers the same volume from any angle.
+    fn weighed_ml(&self, head: &Pulsed<'_>) -> f64 {
+        if self.weighed.is_empty() {
+            return 1.0;
+        }
+        let of_turn = |turn: &WeighedTurn| {
+            head.turn_ml(turn.start_rad.unwrap_or(0.0) + self.zero_rad, turn.turned_rad).abs()
+        };
+        self.weighed.iter().map(of_turn).sum()
     }
 }
 
@@ -166,8 +201,8 @@ mod tests {
 
     #[test]
     fn whole_pitches_have_no_share_and_half_a_pitch_has_one() {
-        let (prior, pitch_ml) = (PulsePrior::of(4), 0.125);
-        let pump = Pump::from_ml_per_rev(0.5, 4, prior.pulse(), Line::PUBLISHED, Line::PUBLISHED).unwrap();
+        let pitch_ml = 0.125;
+        let known = Known { prior: PulsePrior::of(4), pitch_ml, zero_rad: 0.0, weighed: &[] };
         let of = |turn_rad: f64| {
             let start = pump_ctl::plan::Phase::known(0.3);
             let end_rad = 0.3 + turn_rad;
@@ -179,10 +214,31 @@ mod tests {
                 end_step_ml: 0.0,
                 carry_in_ml: 0.0,
             };
-            PulseDifferences::of(&prior, &pump, &swept, 0.0).standard_ml
+            PulseDifferences::of(&known, &swept).standard_ml
         };
         assert!(of(3.0 * TAU / 4.0) < 1e-14);
         let half_ml = of(TAU / 8.0);
         assert!(half_ml > 0.02 * pitch_ml && half_ml < 0.5 * pitch_ml, "{half_ml}");
+    }
+
+    #[test]
+    fn a_turn_that_was_weighed_itself_is_not_unsure_by_its_pulse() {
+        let (start_rad, turned_rad) = (0.2, 0.9);
+        let turn = WeighedTurn { start_rad: Some(start_rad), turned_rad };
+        let of = |weighed: &[WeighedTurn], start_rad: f64| {
+            let known = Known { prior: PulsePrior::of(4), pitch_ml: 0.125, zero_rad: 0.0, weighed };
+            let start = pump_ctl::plan::Phase::known(start_rad);
+            let end_rad = start_rad + turned_rad;
+            let range_ml = (0.0, 0.0);
+            let swept =
+                Swept { start, end_rad, volume_ml: 0.0, range_ml, end_step_ml: 0.0, carry_in_ml: 0.0 };
+            PulseDifferences::of(&known, &swept).standard_ml
+        };
+        assert!(of(&[], start_rad) > 1e-3);
+        assert!(of(&[turn], start_rad) < 1e-14, "{}", of(&[turn], start_rad));
+        // Half a pitch further on the reading of a part of a pitch makes the volume less sure, not surer.
+        assert!(of(&[turn], start_rad + 0.8) > of(&[], start_rad + 0.8));
+        let whole = WeighedTurn { start_rad: None, turned_rad: 80.0 * TAU / 4.0 };
+        assert!((of(&[whole], start_rad) / of(&[], start_rad) - 1.0).abs() < 1e-9);
     }
 }
