@@ -27,8 +27,8 @@ pub use fit::{
 pub(crate) use last_dose::LastWeighing;
 pub use last_dose::{Earlier, WeighedDose, fit_of_doses};
 pub use making::Fit;
-pub(crate) use run::{PLAUSIBLE, turned_ml};
 pub use run::{CalibrationRun, Reading, runs_of_csv};
+pub(crate) use run::{PLAUSIBLE, turned_ml};
 pub use run_log::{PlannedRuns, RunLog, UnfinishedRuns};
 pub use store::{Calibrations, Stored};
 pub use verification::{Tolerance, Verification, readings_of_csv};

@@ -136,19 +136,21 @@ mod tests {
 
     #[test]
     fn pulses_have_the_spread_of_the_prior_where_no_bound_cuts_them() {
-        // With one roller hardly any pulse is out of bounds but the longest.
+        // So narrow a spread reaches no bound.
         let prior = PulsePrior { engagement_spread: 0.1, fullness_standard: 0.03, ..PulsePrior::of(3) };
         let pulses: Vec<_> = prior.pulses().collect();
         let logs: Vec<f64> =
             pulses.iter().map(|pulse| (pulse.engagement_deg() / prior.engagement_deg).ln()).collect();
-        let fullnesses: Vec<f64> =
-            pulses.iter().map(|pulse| pulse.share * 120.0 / pulse.engagement_deg() - prior.fullness).collect();
+        let fullnesses: Vec<f64> = pulses
+            .iter()
+            .map(|pulse| pulse.share * 120.0 / pulse.engagement_deg() - prior.fullness)
+            .collect();
         // 2.65/2: the 95.45th percentile of Student's t of 5 degrees of freedom (GUM, table G.2).
         for (values, standard) in [(logs, 0.1 * 1.325), (fullnesses, 0.03 * 1.325)] {
             let mean = values.iter().sum::<f64>() / values.len() as f64;
             let square = values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64;
             assert!(mean.abs() < 0.03 * standard, "{mean}");
-            assert!((square.sqrt() / standard - 1.0).abs() < 0.03, "{square}");
+            assert!((square.sqrt() / standard - 1.0).abs() < 0.05, "{square}");
         }
     }
 

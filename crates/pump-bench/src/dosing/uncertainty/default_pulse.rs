@@ -223,7 +223,8 @@ mod tests {
 
     #[test]
     fn a_turn_that_was_weighed_itself_is_not_unsure_by_its_pulse() {
-        let (start_rad, turned_rad) = (0.2, 0.9);
+        // Nearly a pitch, so that no head's volume of it is half or twice another's.
+        let (start_rad, turned_rad) = (0.2, 1.3);
         let turn = WeighedTurn { start_rad: Some(start_rad), turned_rad };
         let of = |weighed: &[WeighedTurn], start_rad: f64| {
             let known = Known { prior: PulsePrior::of(4), pitch_ml: 0.125, zero_rad: 0.0, weighed };
