@@ -145,8 +145,8 @@ fn page() -> Result<String, Box<dyn Error>> {
          phi ± {:.3}). The\n\
          fullness is {:.3} ± {:.3}, twice its scatter too.\n\
          The intervals of doses take both {:.3} times as wide again, because six drawings show the scatter only \
-         roughly (Student's\n\
-         t of 5 degrees of freedom, over that of many).\n\n\
+         roughly\n\
+         (Student's t of 5 degrees of freedom, over that of many).\n\n\
          Geometry bounds the pulse, whatever the head. Pulses beyond the bounds are left out of the law:\n\n\
          - 2 phi + pitch <= 360°: a roller seals until the next one does, and engages and leaves within the same turn.\n\
          - V_r/(a phi) <= 2/3: what a roller squeezes passes the backplate's end while it leaves, so phi is its width at\n  \
