@@ -29,9 +29,11 @@ faults:
 	FAULTS_RUNS=500 cargo test --locked --test faults
 	BOOKS_RUNS=10000 cargo test --locked -p pump-bench --test books
 
-# All 10,000 random doses on heads whose flow reverses; `make test` draws 1000.
+# All 10,000 random doses on heads whose flow reverses; `make test` draws 1000. Doses of 500 bought heads; `make test`
+# draws 40.
 long:
 	REVERSING_DOSES=10000 cargo test --locked -p pump-ctl --test reversing random_doses
+	BOUGHT_HEADS=500 cargo test --locked -p pump-bench --test books bought_heads
 
 # Each target for FUZZ_SECONDS, from the seeds in fuzz/corpus. What else it finds worth keeping is in target/fuzz; a crash is
 # kept in fuzz/artifacts and belongs into a test.

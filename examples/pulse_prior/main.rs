@@ -11,6 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use pump_model::Drawing;
+use pump_model::identification::widening;
 
 use designs::{angle_of_an_unknown_wall_deg, designs};
 
@@ -143,7 +144,15 @@ fn page() -> Result<String, Box<dyn Error>> {
          The standard uncertainty is twice the scatter of the drawings: a factor of {:.3} either way (ln \
          phi ± {:.3}). The\n\
          fullness is {:.3} ± {:.3}, twice its scatter too.\n\
-         The intervals of doses take both half as wide again, because six drawings show the scatter only roughly.\n\n\
+         The intervals of doses take both {:.3} times as wide again, because six drawings show the scatter only \
+         roughly\n\
+         (Student's t of 5 degrees of freedom, over that of many).\n\n\
+         Geometry bounds the pulse, whatever the head. Pulses beyond the bounds are left out of the law:\n\n\
+         - 2 phi + pitch <= 360°: a roller seals until the next one does, and engages and leaves within the same turn.\n\
+         - V_r/(a phi) <= 2/3: what a roller squeezes passes the backplate's end while it leaves, so phi is its width at\n  \
+         least. A round roller that closes the bore takes two thirds of it over its own width at most, as a\n  \
+         flattened bore of unchanged perimeter has lost (h/D)² of its area.\n\
+         - The share of a pitch <= 2/3: rollers stand side by side, so the width of each is a pitch at most.\n\n\
          A seventh head, github.com/bgamari/peristaltic-pump, names no wall, so that its fullness is not \
          known. Its phi is\n\
          {:.1}°, within two standard uncertainties of the mean.\n\n\
@@ -154,6 +163,7 @@ fn page() -> Result<String, Box<dyn Error>> {
         figures.engagement_spread,
         figures.fullness,
         figures.fullness_standard,
+        widening(drawn.len() as u32 - 1),
         angle_of_an_unknown_wall_deg(),
     )?;
     for (n, (volume, slope)) in figures.shape.iter().enumerate() {
@@ -179,7 +189,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a test may panic")]
 mod tests {
-    use pump_bench::displacement::PulsePrior;
+    use pump_bench::displacement::{PulseBounds, PulsePrior};
     use pump_model::DefaultPulse;
 
     use super::*;
@@ -223,6 +233,7 @@ mod tests {
         }
         for one in drawn {
             assert!((one.fullness - prior.fullness).abs() < 2.0 * prior.fullness_standard, "{}", one.name);
+            assert!(PulseBounds::of(one.rollers).hold(one.engagement_deg, one.fullness), "{}", one.name);
         }
     }
 }

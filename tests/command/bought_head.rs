@@ -146,3 +146,37 @@ fn short_doses_find_the_pulse_in_the_place_of_the_default() {
     assert!(share_ml(&after, "pulse") < 0.2 * share_ml(&before, "pulse"), "{after}");
     assert!(number(&after["calibration"], "roller_volume_ml") > 0.0, "{after}");
 }
+
+#[test]
+fn the_docs_table_of_bounds_is_what_doses_state() {
+    let page = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/bought_head.md")).unwrap();
+    let (_, section) = page.split_once("## Bounds of a dose").unwrap();
+    let rows: Vec<Vec<&str>> = section
+        .lines()
+        .filter(|line| line.starts_with("| ") && line.contains("mL |"))
+        .map(|line| line.split('|').map(str::trim).filter(|cell| !cell.is_empty()).collect())
+        .filter(|cells: &Vec<&str>| cells[0].ends_with("mL"))
+        .collect();
+    assert!(rows.len() >= 5, "{section}");
+    for (column, changes, is_weighed) in [
+        (1, ["count = 4", "count = 4"], false),
+        (2, ["count = 4", "count = 4"], true),
+        (3, ["[motor]", "[outlet]\nend = \"immersed\"\n[motor]"], true),
+    ] {
+        let user = User::new();
+        let bought = pump(&user, changes);
+        if is_weighed {
+            assert_eq!(user.types(&["home", "--set", "0deg+-1deg", "--pump", bought]).code, 0);
+            user.json(&["10mL", "--pump", bought]);
+            user.json(&["calibrate", "last", "9.87g", "--pump", bought]);
+        }
+        for cells in &rows {
+            let volume = cells[0].replace(' ', "");
+            let dose = [volume.as_str(), "--pump", bought, "--start-angle", "0deg+-1deg", "--dry-run"];
+            let found_ml = number(&user.json(&dose), "expanded_uncertainty_ml");
+            let stated_ml: f64 =
+                cells[column].trim_start_matches("± ").trim_end_matches(" mL").parse().unwrap();
+            assert!((found_ml / stated_ml - 1.0).abs() < 0.01, "{volume}, column {column}: {found_ml}");
+        }
+    }
+}

@@ -85,10 +85,13 @@ fn the_word_is_asked_for_again_when_a_value_changes_and_not_for_any_other_change
         file.pump.default_rate_ml_s = 4.0;
         file.motor.max_speed_rpm = 60.0;
         file.uncertainty.model_percent = 5.0;
+        file.tube.life_ml = Some(40_000.0);
+        (file.tube.modulus_mpa, file.tube.poisson_ratio) = (Some(3.5), Some(0.49));
     };
     dose(&bench(folder.path(), &board, other_fluid)).unwrap();
-    let changes: [fn(&mut PumpFile); 4] = [
+    let changes: [fn(&mut PumpFile); 5] = [
         |file| file.motor.steps_per_rev = 3200,
+        |file| file.tube.bore_radius_mm = file.tube.bore_radius_mm.map(|radius_mm| radius_mm - 0.1),
         |file| file.motor.gear = 2.0,
         |file| file.drive = Some(DriveTable::of(DriverName::Grbl).with_invert(true)),
         |file| {

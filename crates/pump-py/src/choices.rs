@@ -4,6 +4,7 @@ use std::fmt::Display;
 
 use pump_bench::calibration::Fit;
 use pump_bench::dosing::{Missed, ShareSource};
+use pump_bench::heads::Provenance;
 use pump_bench::pump_file::{CurveFit, DriverName, UncheckedLimit};
 use pump_bench::record::{PhaseSource, Purpose};
 use pump_bench::report::VolumeBasis;
@@ -32,6 +33,7 @@ pub(crate) fn _choices() -> Vec<(&'static str, Vec<String>)> {
         ("Model", words(ModelName::ALL)),
         ("PhaseSource", words(PhaseSource::ALL)),
         ("Port", words(&PORTS.map(|(word, _)| word))),
+        ("Provenance", words(&Provenance::ALL)),
         ("Purpose", words(Purpose::ALL)),
         ("Ramps", words(&Ramps::ALL)),
         ("UncertaintySource", words(ShareSource::ALL)),

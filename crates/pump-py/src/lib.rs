@@ -35,6 +35,8 @@ mod _pumpmodel {
     #[pymodule_export]
     use crate::line::{_hose_drop, _hose_line, _hose_reynolds, _hose_volume};
     #[pymodule_export]
+    use crate::pump::_heads;
+    #[pymodule_export]
     use crate::pump::{_law_check, _law_published, _law_revolution, _law_trapped, Pump};
     #[pymodule_export]
     use crate::pump::{_volume_fit, _volume_fit_at, _volume_run_falls, _volume_runs};

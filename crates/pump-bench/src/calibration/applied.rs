@@ -19,6 +19,17 @@ pub(crate) struct Applied {
     pub(crate) zero_standard_rad: f64,
     /// Uncertainty of a pulse that short doses found, the zero's among it.
     pub(crate) pulse: Option<PulseSureness>,
+    /// Turns of the runs that were weighed.
+    pub(crate) turns: Vec<WeighedTurn>,
+}
+
+/// Turn of a run that was weighed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct WeighedTurn {
+    /// Angle of the rollers at the start, in rad of the record. `None` if whole pitches were turned from anywhere.
+    pub(crate) start_rad: Option<f64>,
+    /// Angle that the rotor turned, in rad; negative in reverse.
+    pub(crate) turned_rad: f64,
 }
 
 /// Number and date of a calibration.

@@ -4,7 +4,7 @@ use pump_model::units::radians;
 use pump_model::{ModelError, Pump};
 use serde::{Deserialize, Serialize};
 
-use super::applied::Sureness;
+use super::applied::{Sureness, WeighedTurn};
 use super::date;
 use super::error::CalibrationError;
 use super::fit::{Displacement, Expected, FittedPulse, PhaseFit, PulseSureness, ShortDose};
@@ -119,6 +119,15 @@ impl Calibration {
     fn run_ml(&self) -> f64 {
         let turned = self.runs.iter().map(|run| run.turned_deg.abs());
         self.revolution_ml * turned.fold(0.0, f64::max) / 360.0
+    }
+
+    /// Returns the turns of the runs that the displacement rests on.
+    pub(crate) fn turns(&self) -> Vec<WeighedTurn> {
+        let turn = |run: &CalibrationRun| WeighedTurn {
+            start_rad: run.start_angle_deg.map(radians),
+            turned_rad: radians(run.turned_deg),
+        };
+        self.runs.iter().filter(|_| self.displacement.is_some()).map(turn).collect()
     }
 
     /// Returns the correction of the zero and of the pulse, with a factor of 1.

@@ -14,7 +14,7 @@ mod store;
 mod verification;
 mod weighing;
 
-pub(crate) use applied::{Applied, Basis, Made, Sureness};
+pub(crate) use applied::{Applied, Basis, Made, Sureness, WeighedTurn};
 pub use calibration::{Calibration, Source};
 pub use date::now as now_utc;
 pub use default_rate::default_rate_left_out;
@@ -27,8 +27,8 @@ pub use fit::{
 pub(crate) use last_dose::LastWeighing;
 pub use last_dose::{Earlier, WeighedDose, fit_of_doses};
 pub use making::Fit;
-pub(crate) use run::turned_ml;
 pub use run::{CalibrationRun, Reading, runs_of_csv};
+pub(crate) use run::{PLAUSIBLE, turned_ml};
 pub use run_log::{PlannedRuns, RunLog, UnfinishedRuns};
 pub use store::{Calibrations, Stored};
 pub use verification::{Tolerance, Verification, readings_of_csv};

@@ -14,7 +14,7 @@ use super::{CalibrationError, Weighing};
 const WHOLE_PITCHES: f64 = 1e-3;
 
 /// A measured volume further from the model's than this factor either way is a mistake.
-const PLAUSIBLE: f64 = 2.0;
+pub(crate) const PLAUSIBLE: f64 = 2.0;
 
 /// Reading of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -4,6 +4,7 @@ mod correction;
 mod error;
 mod law;
 mod pulse;
+mod pulse_bounds;
 mod pulse_prior;
 mod speed_dependent_pump;
 #[cfg(test)]
@@ -13,5 +14,6 @@ pub use correction::Correction;
 pub use error::DisplacementError;
 pub use law::DisplacementLaw;
 pub use pulse::PulseCorrection;
+pub use pulse_bounds::PulseBounds;
 pub use pulse_prior::PulsePrior;
 pub use speed_dependent_pump::SpeedDependentPump;

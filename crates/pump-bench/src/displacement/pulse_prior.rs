@@ -1,8 +1,13 @@
 //! The default pulse of a head that is known by its volume alone, with the spread that drawings of heads leave.
 
-use libm::exp;
+use core::f64::consts::TAU;
+
+use libm::{cos, exp, log, sin, sqrt};
+use pump_model::DefaultPulse;
+use pump_model::identification::widening;
 use pump_model::units::radians;
-use pump_model::{DefaultPulse, ModelError, RollerVolume};
+
+use super::PulseBounds;
 
 /// Geometric mean of the engagement angles of the drawings, in deg (`examples/pulse_prior`, as all figures here).
 const ENGAGEMENT_DEG: f64 = 61.016;
@@ -18,6 +23,12 @@ const FULLNESS_STANDARD: f64 = 0.09936;
 
 /// Largest engagement angle of the drawings, as a part of the pitch. More rollers leave less room for each.
 const WIDEST_PART: f64 = 0.6167;
+
+/// Number of drawings that show the scatter.
+const DRAWINGS: u32 = 6;
+
+/// Number of pulses that stand for all that heads may have.
+const PULSES: usize = 128;
 
 /// Default pulse of a head of which the number of rollers is known, with its standard uncertainties.
 ///
@@ -62,30 +73,31 @@ impl PulsePrior {
 
     /// Returns the pulse of the model.
     pub fn pulse(&self) -> DefaultPulse {
-        self.pulse_at([0.0, 0.0])
+        DefaultPulse::new(self.share(), self.engagement_deg)
     }
 
-    /// Returns the pulse that lies `sigmas` standard uncertainties from the default, in ln phi and in fullness. No head
-    /// has a pulse longer than a turn, or one that takes nothing or all of the pitch: such a pulse is brought within 5
-    /// % of the bore's flow and 95 % of its volume.
-    fn pulse_at(&self, [angle, fullness]: [f64; 2]) -> DefaultPulse {
-        let engagement_deg = (self.engagement_deg * exp(self.engagement_spread * angle)).min(330.0);
-        let fullness = (self.fullness + self.fullness_standard * fullness).max(0.05);
-        let share = fullness * engagement_deg * f64::from(self.rollers) / 360.0;
-        DefaultPulse::new(share.min(0.95), engagement_deg)
+    /// Returns the bounds that geometry sets to the pulse.
+    pub fn bounds(&self) -> PulseBounds {
+        PulseBounds::of(self.rollers)
     }
 
-    /// Returns the roller's volume of [`Self::pulse_at`] in a head that delivers `pitch_ml` a pitch.
+    /// Returns pulses that heads may have, each as likely as any other: ln phi and the fullness are normal, within
+    /// [`Self::bounds`]. The standard uncertainties are those of the prior, widened as six drawings are few (Student's
+    /// t; GUM, JCGM 100:2008, G.3.2).
     ///
-    /// # Errors
-    ///
-    /// [`ModelError`] of a volume that is not positive.
-    pub(crate) fn roller_volume_at(
-        &self,
-        pitch_ml: f64,
-        sigmas: [f64; 2],
-    ) -> Result<RollerVolume, ModelError> {
-        self.pulse_at(sigmas).roller_volume(pitch_ml)
+    /// The pairs are those of Halton (Numerische Mathematik 2, 1960), in bases 2 and 3, made normal as by Box and
+    /// Muller (Annals of Mathematical Statistics 29, 1958).
+    pub(crate) fn pulses(&self) -> impl Iterator<Item = DefaultPulse> {
+        let (prior, bounds, wider) = (*self, self.bounds(), widening(DRAWINGS - 1));
+        let drawn = (1..).filter_map(move |n| {
+            let radius = wider * sqrt(-2.0 * log(halton(n, 2)));
+            let (sine, cosine) = (sin(TAU * halton(n, 3)), cos(TAU * halton(n, 3)));
+            let engagement_deg = prior.engagement_deg * exp(prior.engagement_spread * radius * cosine);
+            let fullness = prior.fullness + prior.fullness_standard * radius * sine;
+            let share = fullness * engagement_deg * f64::from(prior.rollers) / 360.0;
+            bounds.hold(engagement_deg, fullness).then(|| DefaultPulse::new(share, engagement_deg))
+        });
+        drawn.take(PULSES)
     }
 
     /// Returns the covariances of V_r, as a part of it, and of phi, in rad: V_r goes as fullness times phi.
@@ -97,5 +109,62 @@ impl PulsePrior {
             [of_angle + of_fullness * of_fullness, of_angle * phi_rad],
             [of_angle * phi_rad, of_angle * phi_rad * phi_rad],
         ]
+    }
+}
+
+/// Returns the part between 0 and 1 whose digits in `base` are those of `n` in reverse, `n` > 0.
+fn halton(n: u32, base: u32) -> f64 {
+    let (mut rest, mut digit, mut part) = (n, 1.0 / f64::from(base), 0.0);
+    while rest > 0 {
+        part += digit * f64::from(rest % base);
+        rest /= base;
+        digit /= f64::from(base);
+    }
+    part
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_parts_of_halton_are_the_digits_in_reverse() {
+        for (n, base, part) in [(1, 2, 0.5), (6, 2, 0.375), (5, 3, 7.0 / 9.0), (9, 3, 1.0 / 27.0)] {
+            assert!((halton(n, base) - part).abs() < 1e-15, "{n} {base}");
+        }
+    }
+
+    #[test]
+    fn pulses_have_the_spread_of_the_prior_where_no_bound_cuts_them() {
+        // So narrow a spread reaches no bound.
+        let prior = PulsePrior { engagement_spread: 0.1, fullness_standard: 0.03, ..PulsePrior::of(3) };
+        let pulses: Vec<_> = prior.pulses().collect();
+        let logs: Vec<f64> =
+            pulses.iter().map(|pulse| (pulse.engagement_deg() / prior.engagement_deg).ln()).collect();
+        let fullnesses: Vec<f64> = pulses
+            .iter()
+            .map(|pulse| pulse.share * 120.0 / pulse.engagement_deg() - prior.fullness)
+            .collect();
+        // 2.65/2: the 95.45th percentile of Student's t of 5 degrees of freedom (GUM, table G.2).
+        for (values, standard) in [(logs, 0.1 * 1.325), (fullnesses, 0.03 * 1.325)] {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            let square = values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64;
+            assert!(mean.abs() < 0.03 * standard, "{mean}");
+            assert!((square.sqrt() / standard - 1.0).abs() < 0.05, "{square}");
+        }
+    }
+
+    #[test]
+    fn every_pulse_is_one_that_a_head_can_have() {
+        for rollers in [1, 2, 3, 4, 6, 8, 12, 40, 1000] {
+            let prior = PulsePrior::of(rollers);
+            let pulses: Vec<_> = prior.pulses().collect();
+            assert_eq!(pulses.len(), PULSES, "{rollers}");
+            for pulse in pulses {
+                assert!(pulse.share > 0.0 && pulse.share <= 2.0 / 3.0, "{rollers}: {pulse:?}");
+                assert!(pulse.engagement_deg() <= prior.bounds().longest_deg, "{rollers}: {pulse:?}");
+                pulse.roller_volume(1.0).unwrap();
+            }
+        }
     }
 }

@@ -145,6 +145,7 @@ impl Planner<'_> {
             },
             zero_standard_rad: calibration.map_or(0.0, |calibration| radians(calibration.zero_standard_deg)),
             pulse: calibration.and_then(|calibration| calibration.pulse_sureness()),
+            turns: calibration.map_or_else(Vec::new, |calibration| calibration.turns()),
         };
         Ok((Some(applied), warning))
     }

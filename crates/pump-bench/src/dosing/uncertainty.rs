@@ -138,13 +138,10 @@ impl Budget {
     /// of a stated angle are taken as normal. The stated angle's error has its own distribution.
     ///
     /// An angle that is known less well keeps k = 2, which covers more than that. The roller volume then matters by
-    /// the angle too, and is no independent error.
+    /// the angle too, and is no independent error. With a default pulse both have their joint distribution instead.
     pub(crate) fn expanded_ml(&self) -> f64 {
-        let (all_ml, [angle_ml, _]) = (self.standard_ml(), self.errors.shares_ml());
-        if angle_ml == 0.0 {
-            return COVERAGE_FACTOR * all_ml;
-        }
-        self.errors.expanded_ml(sqrt((all_ml * all_ml - angle_ml * angle_ml).max(0.0)))
+        let all_ml = self.standard_ml();
+        self.errors.expanded_ml(all_ml).unwrap_or(COVERAGE_FACTOR * all_ml)
     }
 }
 

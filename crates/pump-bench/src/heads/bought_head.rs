@@ -66,6 +66,9 @@ pub enum Provenance {
 }
 
 impl Provenance {
+    /// All kinds of documents.
+    pub const ALL: [Self; 3] = [Self::Maker, Self::Quoted, Self::Program];
+
     /// Returns the word for the kind, as in JSON.
     pub fn as_str(self) -> &'static str {
         match self {

@@ -5,6 +5,7 @@
 mod accounts;
 mod bench;
 mod boards;
+mod bought_heads;
 mod model;
 mod plant;
 mod resuming;

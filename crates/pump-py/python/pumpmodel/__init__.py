@@ -34,6 +34,7 @@ from pumpmodel.bench import Bench
 from pumpmodel.dose import Dose, Status, Verification
 from pumpmodel.errors import DriveError, PlanError, PumpError, PumpFileError, UnfinishedError
 from pumpmodel.fluid import Fluid
+from pumpmodel.heads import Head, HeadSource, heads
 from pumpmodel.hose import Hose
 from pumpmodel.identified import (
     Estimate,
@@ -56,6 +57,8 @@ __all__ = [
     "DriveError",
     "Estimate",
     "Fluid",
+    "Head",
+    "HeadSource",
     "Hose",
     "Identified",
     "Limits",
@@ -78,6 +81,7 @@ __all__ = [
     "WeighedRun",
     "__version__",
     "choices",
+    "heads",
     "identify_compliance",
     "identify_line",
     "identify_resistance",

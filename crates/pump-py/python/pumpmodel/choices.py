@@ -46,6 +46,9 @@ Panel: TypeAlias = Literal["flow", "pressure", "speed", "delivered"]
 PhaseSource: TypeAlias = Literal["home", "mark", "recorded", "given", "assumed"]
 #: Port of a pump.
 Port: TypeAlias = Literal["inlet", "outlet"]
+#: Kind of the document that a head's figures are from: the maker's own, one that quotes the maker's figures, or
+#: the table of a program.
+Provenance: TypeAlias = Literal["maker", "quoted", "program"]
 #: Purpose of a motion.
 Purpose: TypeAlias = Literal["dose", "prime", "purge", "calibrate", "retract", "jog"]
 #: Ramps in which a dose starts and stops.

@@ -33,9 +33,9 @@ impl Pump {
     ///     If no pump has this name, its file or the configuration cannot be used, or another configured name has the
     ///     same record. It is a ValueError too.
     #[staticmethod]
-    fn named(name: &str) -> PyResult<Self> {
+    fn named(py: Python<'_>, name: &str) -> PyResult<Self> {
         let config = Config::of_user(None).map_err(errors::config)?;
-        Self::new(config.pump(name).map_err(errors::config)?)
+        Self::new(config.pump(name).map_err(errors::config)?)?.warning(py)
     }
 
     /// Return a pump from the dimensions of its drawing, without any measurement.
@@ -105,12 +105,9 @@ impl Pump {
             roller_radius_mm,
             roller_offset_mm,
         };
-        let warning = overlap_warning(&geometry);
         let roller_volume = RollerVolumeTable::Drawing;
         let drawn = DrawnPump { id: id.to_owned(), geometry, hose_length_mm, roller_volume };
-        let pump = Self::checked(drawn.pump_file().map_err(errors::model)?)?;
-        warn(py, warning.as_slice())?;
-        Ok(pump)
+        Self::checked(drawn.pump_file().map_err(errors::model)?)?.warning(py)
     }
 
     /// Return a bought head of which the volume per revolution and the number of rollers are known, and no dimension.
@@ -187,6 +184,7 @@ impl Pump {
     #[pyo3(signature = (*, id=None, name=None, rollers=None, inlet=None, outlet=None, roller_volume=None))]
     fn replace(
         &self,
+        py: Python<'_>,
         id: Option<String>,
         name: Option<String>,
         rollers: Option<i64>,
@@ -209,7 +207,7 @@ impl Pump {
         if let Some(volume) = roller_volume {
             file.roller_volume = Some(roller_volume_of(volume)?);
         }
-        Self::checked(file)
+        Self::checked(file)?.warning(py)
     }
 
     /// Return the pump as plain data: the tables of its pump file.
@@ -241,7 +239,7 @@ impl Pump {
         let file = serde_json::from_str::<PumpFile>(&json).map_err(|error| {
             errors::PumpFileError::new_err(format!("these are not the data of a pump: {error}"))
         })?;
-        Self::checked(file.with_assumptions())
+        Self::checked(file.with_assumptions())?.warning(data.py())
     }
 
     /// True if the pump's volumes follow from a drawing, or from a volume per revolution, that no measurement has
@@ -270,6 +268,12 @@ impl Pump {
         let pump = Self::new(file)?;
         pump.file.check(&pump.file.pump.id).map_err(errors::pump_file)?;
         Ok(pump)
+    }
+
+    /// Returns the pump after a warning of rollers that overlap in space.
+    pub(super) fn warning(self, py: Python<'_>) -> PyResult<Self> {
+        warn(py, overlap_warning(self.model().geometry()).as_slice())?;
+        Ok(self)
     }
 }
 

@@ -88,8 +88,8 @@ impl Pump {
     /// PumpFileError
     ///     If the file is no pump file, or the pump that it describes cannot work. It is a ValueError too.
     #[staticmethod]
-    fn from_toml(path: PathBuf) -> PyResult<Self> {
-        Self::new(PumpFile::read(&path).map_err(errors::pump_file)?)
+    fn from_toml(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        Self::new(PumpFile::read(&path).map_err(errors::pump_file)?)?.warning(py)
     }
 
     /// Return the pump as the text of a pump file.

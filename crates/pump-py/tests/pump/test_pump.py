@@ -1,5 +1,6 @@
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -151,6 +152,23 @@ def test_rollers_that_overlap_in_space_are_warned_of() -> None:
         )
     assert pump.rollers_overlap_mm == pytest.approx(14 - 13.777, abs=5e-4)
     assert pm.Pump.three_roller().rollers_overlap_mm is None
+
+
+def test_every_way_to_a_pump_warns_of_rollers_that_overlap(tmp_path: Path) -> None:
+    # Eight rollers of 20 mm on a circle of 40 mm: their axes stand 80 sin(22.5 deg) = 30.61 mm apart.
+    def warns() -> Any:
+        return pytest.warns(UserWarning, match="the rollers overlap by 9.39 mm")
+
+    with warns():
+        eight = pm.Pump.three_roller().replace(rollers=8)
+    file = tmp_path / "eight.toml"
+    file.write_text(eight.to_toml(), encoding="utf-8")
+    with warns():
+        assert pm.Pump.from_toml(file) == eight
+    with warns():
+        assert pm.Pump.named(str(file)) == eight
+    with warns():
+        assert pm.Pump.from_dict(eight.to_dict()) == eight
 
 
 def test_a_pump_file_is_read_from_text_path_or_pathlike(tmp_path: Path) -> None:

@@ -12,8 +12,14 @@ use crate::record::{PumpState, Why};
 /// Tables of a pump file that say what the head delivers and how the motor turns it.
 const TABLES: [&str; 7] = ["head", "tube", "rollers", "backplate", "roller_volume", "motor", "drive"];
 
-/// Keys of `[motor]` and `[drive]` that say how far and which way a step turns the head.
-const KEYS: [&str; 4] = ["steps_per_rev", "gear", "axis", "invert"];
+/// Keys that count of tables with others beside them: how far and which way a step turns the head, and what a turn
+/// delivers. A tube's life or stiffness says neither, and a bought head's bore says only how sure its volume is.
+const KEYS: [(&str, &[&str]); 4] = [
+    ("motor", &["steps_per_rev", "gear"]),
+    ("drive", &["axis", "invert"]),
+    ("tube", &["bore_radius_mm", "outer_radius_mm"]),
+    ("head", &["ml_per_rev"]),
+];
 
 impl Bench {
     /// Returns true if the motor is real and values of the pump are filled in by the program.
@@ -28,11 +34,13 @@ impl Bench {
         let mut tables = toml::Table::try_from(&file)
             .unwrap_or_else(|error| unreachable!("a pump file is plain tables: {error}"));
         tables.retain(|table, _| TABLES.contains(&table));
-        for table in ["motor", "drive"] {
+        for (table, counting) in KEYS {
             if let Some(toml::Value::Table(keys)) = tables.get_mut(table) {
-                keys.retain(|key, _| KEYS.contains(&key));
+                keys.retain(|key, _| counting.contains(&key));
             }
         }
+        // A table of a bought head's tube that has only a life counts no more than none.
+        tables.retain(|_, table| table.as_table().is_none_or(|keys| !keys.is_empty()));
         crc32fast::hash(tables.to_string().as_bytes())
     }
 

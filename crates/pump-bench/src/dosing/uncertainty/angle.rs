@@ -4,7 +4,7 @@
 //! at the end less that at the start. That flow dips over a pulse and is level between pulses, so the error is neither
 //! normal nor uniform. It is computed over the width itself, and not from its slope at theta.
 
-use libm::{erf, sqrt};
+use libm::{erf, hypot, sqrt};
 use pump_model::Pump;
 
 use crate::dosing::swept::Swept;
@@ -26,6 +26,17 @@ pub(super) struct AngleErrors {
     errors_ml: Vec<f64>,
     /// True if the dose was planned from the angle itself, and not for the worst case over the angles.
     is_stated: bool,
+    /// Errors over pulses as well as angles, in the place of those over angles alone.
+    joint: Option<JointErrors>,
+}
+
+/// Errors over the pulses that a head may have and the angles at which its rollers may stand.
+#[derive(Debug, Clone, PartialEq)]
+struct JointErrors {
+    /// Volume with each pulse from each angle less the planned volume, in mL.
+    errors_ml: Vec<f64>,
+    /// Standard uncertainty of the shares that these errors take the place of, in mL.
+    standard_ml: f64,
 }
 
 impl AngleErrors {
@@ -33,7 +44,7 @@ impl AngleErrors {
     pub(super) fn of(pump: &Pump, swept: &Swept) -> Self {
         let (angle_rad, half_width_rad) = (swept.start.angle_rad(), swept.start.half_width_rad());
         if half_width_rad == 0.0 {
-            return Self { errors_ml: Vec::new(), is_stated: true };
+            return Self { errors_ml: Vec::new(), is_stated: true, joint: None };
         }
         // Beyond half a pitch every angle within the pitch is equally likely.
         let half_width_rad = half_width_rad.min(0.5 * pump.pitch_rad());
@@ -43,7 +54,15 @@ impl AngleErrors {
             let start_rad = angle_rad + half_width_rad * part;
             curve.volume_ml(start_rad + turn_rad) - curve.volume_ml(start_rad) - swept.volume_ml
         };
-        Self { errors_ml: (0..ANGLES).map(error_ml).collect(), is_stated: swept.start.is_stated() }
+        let is_stated = swept.start.is_stated();
+        Self { errors_ml: (0..ANGLES).map(error_ml).collect(), is_stated, joint: None }
+    }
+
+    /// Returns these errors with those of the volume over pulses and angles, whose share of the pulses is
+    /// `pulse_ml`.
+    pub(super) fn joined_by(self, errors_ml: Vec<f64>, pulse_ml: f64) -> Self {
+        let standard_ml = hypot(self.standard_ml(), pulse_ml);
+        Self { joint: Some(JointErrors { errors_ml, standard_ml }), ..self }
     }
 
     /// Returns the shares of a stated angle and of an angle that is known less well, in mL. One of them is 0.
@@ -58,38 +77,52 @@ impl AngleErrors {
         sqrt(self.errors_ml.iter().fold(0.0, |sum, error_ml| sum + error_ml * error_ml) / count)
     }
 
-    /// Returns the expanded uncertainty, in mL, of these errors together with independent normal ones whose standard
-    /// uncertainty is `others_ml`.
-    ///
-    /// The distributions are propagated (JCGM 101:2008) instead of their variances: k = 2 would cover every dose where
-    /// the bounded errors dominate.
-    pub(super) fn expanded_ml(&self, others_ml: f64) -> f64 {
-        let farthest_ml = self.errors_ml.iter().fold(0.0_f64, |most, error_ml| most.max(error_ml.abs()));
-        // The farthest error and two standard deviations cover enough from every angle.
-        let (mut least_ml, mut most_ml) = (0.0, farthest_ml + 2.0 * others_ml);
-        if farthest_ml == 0.0 {
-            return most_ml;
-        }
-        while most_ml - least_ml > PRECISION * most_ml {
-            let middle_ml = 0.5 * (least_ml + most_ml);
-            if self.covered(middle_ml, others_ml) < COVERAGE {
-                least_ml = middle_ml;
-            } else {
-                most_ml = middle_ml;
-            }
-        }
-        most_ml
-    }
-
-    /// Returns the part of the doses whose error is `within_ml` at most.
-    fn covered(&self, within_ml: f64, others_ml: f64) -> f64 {
-        // Errors alone are a staircase. A thousandth of the width smooths it and is far below its steps.
-        let scale_ml = std::f64::consts::SQRT_2 * others_ml.max(1e-3 * within_ml);
-        let part = |error_ml: &f64| {
-            0.5 * (erf((within_ml - error_ml) / scale_ml) + erf((within_ml + error_ml) / scale_ml))
+    /// Returns the expanded uncertainty, in mL, of a budget whose combined standard uncertainty is `all_ml`, if the
+    /// distribution of these errors is propagated. `None` if they are none, or part of the normal errors.
+    pub(super) fn expanded_ml(&self, all_ml: f64) -> Option<f64> {
+        let (errors_ml, standard_ml) = match &self.joint {
+            Some(joint) => (&joint.errors_ml, joint.standard_ml),
+            None => (&self.errors_ml, self.shares_ml()[0]),
         };
-        self.errors_ml.iter().map(part).sum::<f64>() / self.errors_ml.len().max(1) as f64
+        if standard_ml == 0.0 {
+            return None;
+        }
+        let others_ml = sqrt((all_ml * all_ml - standard_ml * standard_ml).max(0.0));
+        Some(expanded_ml(errors_ml, others_ml))
     }
+}
+
+/// Returns the expanded uncertainty, in mL, of errors together with independent normal ones whose standard uncertainty
+/// is `others_ml`.
+///
+/// The distributions are propagated (JCGM 101:2008) instead of their variances: k = 2 would cover every dose where
+/// bounded errors dominate.
+fn expanded_ml(errors_ml: &[f64], others_ml: f64) -> f64 {
+    let farthest_ml = errors_ml.iter().fold(0.0_f64, |most, error_ml| most.max(error_ml.abs()));
+    // The farthest error and two standard deviations cover enough from every angle.
+    let (mut least_ml, mut most_ml) = (0.0, farthest_ml + 2.0 * others_ml);
+    if farthest_ml == 0.0 {
+        return most_ml;
+    }
+    while most_ml - least_ml > PRECISION * most_ml {
+        let middle_ml = 0.5 * (least_ml + most_ml);
+        if covered(errors_ml, middle_ml, others_ml) < COVERAGE {
+            least_ml = middle_ml;
+        } else {
+            most_ml = middle_ml;
+        }
+    }
+    most_ml
+}
+
+/// Returns the part of the doses whose error is `within_ml` at most.
+fn covered(errors_ml: &[f64], within_ml: f64, others_ml: f64) -> f64 {
+    // Errors alone are a staircase. A thousandth of the width smooths it and is far below its steps.
+    let scale_ml = std::f64::consts::SQRT_2 * others_ml.max(1e-3 * within_ml);
+    // erf is 1 to the last bit but one beyond 5.9, where most errors lie.
+    let erf_of = |ml: f64| if ml.abs() > 6.0 * scale_ml { ml.signum() } else { erf(ml / scale_ml) };
+    let part = |error_ml: &f64| 0.5 * (erf_of(within_ml - error_ml) + erf_of(within_ml + error_ml));
+    errors_ml.iter().map(part).sum::<f64>() / errors_ml.len().max(1) as f64
 }
 
 #[cfg(test)]
@@ -110,13 +143,14 @@ mod tests {
     #[test]
     fn errors_that_are_uniform_expand_to_the_interval_of_a_uniform_distribution() {
         let errors_ml = (0..256).map(|n| (2.0 * f64::from(n) + 1.0) / 256.0 - 1.0).collect();
-        let errors = AngleErrors { errors_ml, is_stated: true };
+        let errors = AngleErrors { errors_ml, is_stated: true, joint: None };
         assert!((errors.standard_ml() - 1.0 / 3_f64.sqrt()).abs() < 1e-5);
         // Alone 95.45 % of them lie within 0.9545 of the bound.
-        assert!((errors.expanded_ml(0.0) - COVERAGE).abs() < 5e-3, "{}", errors.expanded_ml(0.0));
+        let alone = errors.expanded_ml(errors.standard_ml()).unwrap();
+        assert!((alone - COVERAGE).abs() < 5e-3, "{alone}");
         // With a normal error that dominates the variances add up: k = 2.
         let combined = (1.0 / 3.0 + 100.0_f64).sqrt();
-        assert!((errors.expanded_ml(10.0) / combined - 2.0).abs() < 1e-3);
+        assert!((errors.expanded_ml(combined).unwrap() / combined - 2.0).abs() < 1e-3);
     }
 
     #[test]
@@ -126,7 +160,8 @@ mod tests {
             [(0.0, 0.3), (0.02, pump.pitch_rad()), (1.0, -2.0 * pump.pitch_rad())]
         {
             let errors = AngleErrors::of(&pump, &swept(&pump, Phase::within(0.4, half_width_rad), turn_rad));
-            assert!(errors.standard_ml() < 1e-12 && (errors.expanded_ml(0.1) - 0.2).abs() < 1e-6);
+            assert!(errors.standard_ml() < 1e-12);
+            assert!(errors.expanded_ml(0.1).is_none_or(|expanded_ml| (expanded_ml - 0.2).abs() < 1e-6));
         }
     }
 

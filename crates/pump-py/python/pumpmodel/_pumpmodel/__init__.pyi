@@ -8,6 +8,7 @@ from .doser import Limits as Limits
 from .functions import _choices as _choices
 from .functions import _fluid_check as _fluid_check
 from .functions import _fluid_water as _fluid_water
+from .functions import _heads as _heads
 from .functions import _hose_drop as _hose_drop
 from .functions import _hose_line as _hose_line
 from .functions import _hose_reynolds as _hose_reynolds
@@ -49,6 +50,7 @@ __all__ = [
     "_choices",
     "_fluid_check",
     "_fluid_water",
+    "_heads",
     "_hose_drop",
     "_hose_line",
     "_hose_reynolds",
