@@ -267,27 +267,11 @@ fn found(case: &Case) -> Found {
     }
     half_widths.sort_unstable_by(f64::total_cmp);
     let part = |inside| f64::from(inside) / f64::from(case.heads);
-    let found = Found {
+    Found {
         covered: part(inside[0]),
         without_pulse: part(inside[1]),
         half_width: half_widths[half_widths.len() / 2],
-    };
-    if std::env::var_os("COVERAGE").is_some() {
-        println!(
-            "{} rollers, {:?} mL/rev, weighed {}, doses {:?}, {:?}, {:?}, law {}: {:.3}, without {:.3}, width {:.4}",
-            case.rollers,
-            case.ml_per_rev,
-            case.weighed_ml,
-            case.doses_ml,
-            case.angle,
-            case.end,
-            case.wider,
-            found.covered,
-            found.without_pulse,
-            found.half_width
-        );
     }
-    found
 }
 
 #[test]
