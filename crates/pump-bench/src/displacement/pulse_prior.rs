@@ -68,7 +68,7 @@ impl PulsePrior {
     /// Returns the pulse that lies `sigmas` standard uncertainties from the default, in ln phi and in fullness. No head
     /// has a pulse longer than a turn, or one that takes nothing or all of the pitch: such a pulse is brought within 5
     /// % of the bore's flow and 95 % of its volume.
-    fn pulse_at(&self, [angle, fullness]: [f64; 2]) -> DefaultPulse {
+    pub(crate) fn pulse_at(&self, [angle, fullness]: [f64; 2]) -> DefaultPulse {
         let engagement_deg = (self.engagement_deg * exp(self.engagement_spread * angle)).min(330.0);
         let fullness = (self.fullness + self.fullness_standard * fullness).max(0.05);
         let share = fullness * engagement_deg * f64::from(self.rollers) / 360.0;
