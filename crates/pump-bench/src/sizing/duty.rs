@@ -97,6 +97,9 @@ impl Duty {
     pub(super) fn file(&self, mut file: PumpFile) -> Result<PumpFile, SizingError> {
         file.fluid = file.fluid.changed_to(self.fluid.as_deref(), self.temperature_degc)?;
         file.ambient = self.ambient.unwrap_or(file.ambient);
+        if !file.ambient.is_possible() {
+            return Err(SizingError::Air { kpa: file.ambient.pressure_kpa });
+        }
         self.lay(&mut file.inlet, self.inlet_hose, self.suction_lift_mm);
         self.lay(&mut file.outlet.line, self.outlet_hose, self.discharge_lift_mm);
         file.pump.default_rate_ml_s = self.flow_ml_s;

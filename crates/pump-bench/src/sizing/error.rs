@@ -57,6 +57,14 @@ pub enum SizingError {
         /// Side of the pump.
         side: &'static str,
     },
+    /// The air has no pressure that any place has.
+    #[error(
+        "the pressure of the air is {kpa:.3} kPa; allowed: 1 to 10000 kPa, or an altitude of -500 to 9000 m"
+    )]
+    Air {
+        /// Pressure, in kPa absolute.
+        kpa: f64,
+    },
     /// A pressure falls below what fluid and tube stand.
     #[error("{0}")]
     Suction(Box<Shortfall>),
@@ -129,7 +137,7 @@ impl fmt::Display for Shortfall {
             "the {name} is {margin_kpa:.2} kPa: the {port} pressure {moves} to {reached_kpa:.2} kPa absolute, and its \
              limit is {limit_kpa:.2} kPa{set_by}; "
         )?;
-        if let Some(lift_mm) = self.lift_mm {
+        if let Some(lift_mm) = self.lift_mm.filter(|lift_mm| *lift_mm != 0.0) {
             write!(
                 to,
                 "the {side} lift of {} m makes {lift_kpa:.2} kPa of it, ",

@@ -12,6 +12,8 @@ mod refusal;
 mod settling;
 mod sizing;
 mod suction;
+#[cfg(test)]
+mod tests;
 mod working_pressure;
 
 pub use candidates::heads_for;

@@ -1,5 +1,6 @@
 //! A pump at a duty: its speed, its lines and its steady state.
 
+use pump_model::units::{rad_s, rpm};
 use pump_model::{Port, Pump, SteadyState};
 
 use crate::pump_file::PumpFile;
@@ -35,6 +36,22 @@ impl Operating {
         let speed_rad_s = pump.speed_for_flow(duty.flow_ml_s)?;
         let pump = pump.at(speed_rad_s)?;
         Ok(Self { file, pump, speed_rad_s, inlet, outlet })
+    }
+
+    /// Refuses a speed beyond the motor's.
+    pub(super) fn check_speed(&self, flow_ml_s: f64) -> Result<(), SizingError> {
+        let (needed_rpm, most_rpm) = (rpm(self.speed_rad_s), self.file.motor.max_speed_rpm);
+        if needed_rpm <= most_rpm * (1.0 + 1e-12) {
+            return Ok(());
+        }
+        Err(SizingError::Speed {
+            pump: self.file.pump.id.clone(),
+            flow_ml_s,
+            needed_rpm,
+            least_rpm: 0.0,
+            most_rpm,
+            most_ml_s: self.pump.average_flow_ml_s(rad_s(most_rpm)),
+        })
     }
 
     /// Returns the method of the steady state: the closed form where the resistances are those of the mean flow within 1

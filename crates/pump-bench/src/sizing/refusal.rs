@@ -17,6 +17,9 @@ const BORE_STEP_MM: f64 = 0.5;
 /// Step of a lift that is proposed, in mm.
 const LIFT_STEP_MM: f64 = 100.0;
 
+/// Ports of a pump.
+const BOTH: [Port; 2] = [Port::Inlet, Port::Outlet];
+
 /// Proposals of a lift at most. Each takes the shortfall of the one before away.
 const PROPOSALS: usize = 8;
 
@@ -27,7 +30,7 @@ pub(super) fn served(
     most: Option<LargestPressure>,
     duty: &Duty,
 ) -> Result<(Operating, SteadyState), SizingError> {
-    tried(file, most, duty).map_err(|error| match error {
+    tried(file, most, duty, &BOTH).map_err(|error| match error {
         SizingError::Suction(mut shortfall) => {
             shortfall.would_do = would_do(file, most, duty, &shortfall);
             SizingError::Suction(shortfall)
@@ -40,24 +43,28 @@ pub(super) fn served(
     })
 }
 
-/// Returns what [`served`] does, without what would do.
+/// Returns what [`served`] does, without what would do. The limits of these ports alone count.
 fn tried(
     file: &PumpFile,
     most: Option<LargestPressure>,
     duty: &Duty,
+    ports: &[Port],
 ) -> Result<(Operating, SteadyState), SizingError> {
     let [inlet, outlet] = lines(file, duty.flow_ml_s)?;
     check(
         file,
         most,
+        ports,
         [(&inlet, inlet.mean_kpa, inlet.mean_kpa), (&outlet, outlet.mean_kpa, outlet.mean_kpa)],
     )?;
     let operating = Operating::of(file.clone(), duty)?;
+    operating.check_speed(duty.flow_ml_s)?;
     let steady = operating.steady(duty.flow_ml_s)?;
     let [inlet, outlet] = [&operating.inlet, &operating.outlet];
     check(
         file,
         most,
+        ports,
         [
             (inlet, steady.inlet.min_kpa, steady.inlet.max_kpa),
             (outlet, steady.outlet.min_kpa, steady.outlet.max_kpa),
@@ -70,6 +77,7 @@ fn tried(
 fn check(
     file: &PumpFile,
     most: Option<LargestPressure>,
+    ports: &[Port],
     [(inlet, inlet_min_kpa, _), (outlet, outlet_min_kpa, outlet_max_kpa)]: [(&SizedLine, f64, f64); 2],
 ) -> Result<(), SizingError> {
     let limits = file.limits();
@@ -91,14 +99,14 @@ fn check(
         (Port::Inlet, inlet, inlet_min_kpa, limits.lowest_where_it_sucks()),
         (Port::Outlet, outlet, outlet_min_kpa, limits.lowest),
     ];
-    for (port, line, reached_kpa, lowest) in suction {
+    for (port, line, reached_kpa, lowest) in suction.into_iter().filter(|(port, ..)| ports.contains(port)) {
         let limit_kpa = lowest.map_or(0.0, |lowest| lowest.kpa);
         if reached_kpa < limit_kpa {
             let set_by = origin(lowest.map(|lowest| lowest.set_by));
             return Err(SizingError::Suction(shortfall(port, line, reached_kpa, limit_kpa, set_by)));
         }
     }
-    match most.filter(|most| outlet_max_kpa > most.kpa) {
+    match most.filter(|most| ports.contains(&Port::Outlet) && outlet_max_kpa > most.kpa) {
         Some(most) => {
             let set_by = most.source.told().to_owned();
             Err(SizingError::Discharge(shortfall(Port::Outlet, outlet, outlet_max_kpa, most.kpa, set_by)))
@@ -141,7 +149,7 @@ fn most_lift_mm(
         let less = lift_mm > 0.0 && per_mm.is_finite();
         let mut other = file.clone();
         line_of(&mut other, port).reservoir = Reservoir::Lift(lift_mm);
-        match tried(&other, most, duty) {
+        match tried(&other, most, duty, &[port]) {
             _ if !less => return None,
             Ok(_) => return Some(lift_mm),
             Err(SizingError::Suction(next) | SizingError::Discharge(next)) if next.port == short.port => {
@@ -164,6 +172,6 @@ fn least_bore_mm(file: &PumpFile, most: Option<LargestPressure>, duty: &Duty, po
         let bore_radius_mm = 0.5 * bore_mm;
         let wide = HoseTable { bore_radius_mm, outer_radius_mm: bore_radius_mm + wall_mm, ..hose };
         line_of(&mut other, port).source = LineSource::Hose(wide);
-        tried(&other, most, duty).is_ok()
+        tried(&other, most, duty, &[port]).is_ok()
     })
 }

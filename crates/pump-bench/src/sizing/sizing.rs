@@ -1,7 +1,8 @@
 //! The sizing of a pump for a duty.
 
+use pump_model::Port;
 use pump_model::SteadyState;
-use pump_model::units::{rad_s, rpm};
+use pump_model::units::rpm;
 
 use crate::catalogue::CataloguedPump;
 use crate::heads::BoughtHead;
@@ -15,6 +16,7 @@ use super::duty::Duty;
 use super::error::SizingError;
 use super::largest_pressure::{LargestPressure, largest_pressure};
 use super::line::SizedLine;
+use super::operating::Operating;
 use super::pulsation::{Pulsation, pulsation};
 use super::refusal::served;
 use super::settling::settling_s;
@@ -116,6 +118,10 @@ impl Sizing {
                     sizing.others = rest.map(|other| other.name.clone()).collect();
                     return Ok(sizing);
                 }
+                // Mean pressures are those of any head.
+                Err(SizingError::Suction(short)) if short.pulse_kpa.is_none() => {
+                    return Err(first.unwrap_or(SizingError::Suction(short)));
+                }
                 Err(error) => first = first.or(Some(error)),
             }
         }
@@ -160,18 +166,8 @@ impl Sizing {
         let (at, steady) = served(&file, largest, duty)?;
         let needed_rpm = rpm(at.speed_rad_s);
         let motor_rpm = file.motor.max_speed_rpm;
-        if head.is_none() && needed_rpm > motor_rpm * (1.0 + 1e-12) {
-            return Err(SizingError::Speed {
-                pump: file.pump.id,
-                flow_ml_s: duty.flow_ml_s,
-                needed_rpm,
-                least_rpm: 0.0,
-                most_rpm: motor_rpm,
-                most_ml_s: at.pump.average_flow_ml_s(rad_s(motor_rpm)),
-            });
-        }
         let most_rpm = head.map_or(Some(motor_rpm), |head| head.most_rpm);
-        let suction = suction(&file, &steady);
+        let (suction, pulsation) = (suction(&file, &steady), pulsation(&at)?);
         let viscosity_mpa_s = file.fluid.fluid().ok().map(|fluid| fluid.viscosity_mpa_s);
         Ok(Self {
             head: SizedHead {
@@ -192,13 +188,13 @@ impl Sizing {
             method: at.method(duty.flow_ml_s)?.name(),
             suction,
             largest,
-            pulsation: pulsation(&at)?,
+            pulsation,
             settle_s: settling_s(&at.pump, at.speed_rad_s)?,
             expanded: 2.0 * file.model_standard(),
             curve: points(&at, most_rpm)?,
             others: Vec::new(),
             unknown: unknown(&suction, largest, most_rpm, viscosity_mpa_s),
-            warnings: warnings(&file, &suction, &steady),
+            warnings: warnings(&at, &suction, &steady, &pulsation),
             fluid: file.fluid,
         })
     }
@@ -229,7 +225,8 @@ fn unknown(
 }
 
 /// Returns the warnings of a sizing.
-fn warnings(file: &PumpFile, suction: &Suction, steady: &SteadyState) -> Vec<Notice> {
+fn warnings(at: &Operating, suction: &Suction, steady: &SteadyState, pulsation: &Pulsation) -> Vec<Notice> {
+    let file = &at.file;
     let hose = suction.hose_collapse_kpa.filter(|kpa| steady.inlet.min_kpa < *kpa).map(|kpa| {
         Notice::from(format!(
             "the inlet pressure falls to {:.2} kPa absolute, and the inlet's hose collapses at {kpa:.2} kPa by a \
@@ -238,5 +235,19 @@ fn warnings(file: &PumpFile, suction: &Suction, steady: &SteadyState) -> Vec<Not
             file.inlet.hose().map_or(0.0, |hose| hose.modulus_mpa),
         ))
     });
-    file.resistance_warning().into_iter().chain(hose).collect()
+    file.resistance_warning().into_iter().chain(hose).chain(swings(at, pulsation)).collect()
+}
+
+/// Warns of a line that swings with the rollers' pulses, so that the flow at its end pulsates more than at the rollers.
+fn swings(at: &Operating, pulsation: &Pulsation) -> Option<Notice> {
+    let end = pulsation.end.map_or(f64::INFINITY, |ripple| ripple.peak_to_peak);
+    (end > pulsation.rollers.peak_to_peak).then(|| {
+        let pulses_hz = at.speed_rad_s / at.pump.pitch_rad();
+        let line_hz = at.pump.line(Port::Outlet).natural_rad_s() / std::f64::consts::TAU;
+        Notice::from(format!(
+            "the outlet's line swings by itself at {line_hz:.2} Hz, and the rollers' {pulses_hz:.2} pulses a second, or a \
+             multiple of them, drive it; the friction of the mean flow alone damps it here, so a real hose swings less; \
+             another length or another speed avoids it"
+        ))
+    })
 }

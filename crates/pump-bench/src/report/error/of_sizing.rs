@@ -18,6 +18,7 @@ impl Explain for SizingError {
             Self::NoLine { side } => ErrorFacts::of(ErrorKind::Usage)
                 .value(format!("no hose at the {side}"))
                 .allowed("a hose, as 6x10mm,1m"),
+            Self::Air { kpa } => facts.value(format!("{kpa} kPa")).allowed("1 to 10000 kPa"),
             Self::Suction(short) => facts
                 .value(format!("{:.4} kPa", short.reached_kpa))
                 .allowed(format!("{:.4} kPa at least", short.limit_kpa)),

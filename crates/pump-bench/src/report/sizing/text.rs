@@ -4,6 +4,9 @@ use crate::notice::Wording;
 use crate::numbers::significant;
 use crate::sizing::{PressureSource, SizedLine, Sizing};
 
+/// Smallest friction that is said, in kPa.
+const LEAST_KPA: f64 = 0.001;
+
 /// Returns the title of a sizing: flow, fluid, pump and speed.
 pub fn sizing_title(sizing: &Sizing) -> String {
     format!(
@@ -50,7 +53,9 @@ pub fn sizing_text(sizing: &Sizing, words: Wording) -> String {
 
 fn head(sizing: &Sizing) -> String {
     let head = &sizing.head;
-    let volume = format!("{} mL per revolution, {} rollers", significant(head.ml_per_rev, 4), head.rollers);
+    let is_named = head.catalogued.as_ref().is_some_and(|row| row.head.contains("rollers"));
+    let rollers = if is_named { String::new() } else { format!(", {} rollers", head.rollers) };
+    let volume = format!("{} mL per revolution{rollers}", significant(head.ml_per_rev, 4));
     match &head.catalogued {
         Some(row) => format!(
             "{} {}, {}: {volume} (published: {}; {})",
@@ -64,15 +69,10 @@ fn speed(sizing: &Sizing) -> String {
     let head = &sizing.head;
     let stated = match (head.least_rpm, head.most_rpm) {
         (_, None) => "no largest speed is stated".to_owned(),
-        (None, Some(most)) => {
-            format!("{} % of {most} r/min", significant(100.0 * sizing.speed_rpm / most, 3))
-        }
-        (Some(least), Some(most)) => {
-            format!("{} % of {most} r/min; {least} at least", significant(100.0 * sizing.speed_rpm / most, 3))
-        }
+        (least, Some(most)) => format!("stated {} to {most}", least.unwrap_or(0.0)),
     };
     format!(
-        "{} r/min, {stated}; the flow is within {} % (k = 2) until somebody weighs it",
+        "{} r/min ({stated}); the flow is within {} % (k = 2) until somebody weighs it",
         significant(sizing.speed_rpm, 4),
         significant(100.0 * sizing.expanded, 2)
     )
@@ -111,7 +111,11 @@ fn line(line: &SizedLine, lifted: &str) -> String {
         }
         None => format!("reservoir at {} kPa absolute", significant(line.line.reservoir_kpa, 5)),
     };
-    format!("{hose}{law}friction {} kPa; {lift}", significant(line.friction_kpa, 3))
+    let friction = match line.friction_kpa {
+        kpa if kpa < LEAST_KPA => format!("below {LEAST_KPA}"),
+        kpa => significant(kpa, 3),
+    };
+    format!("{hose}{law}friction {friction} kPa; {lift}")
 }
 
 fn pressures(sizing: &Sizing) -> String {
