@@ -69,6 +69,9 @@ mod picture {
     use crate::export::{BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, PlotError, Style, VERMILION};
     use crate::sizing::Sizing;
 
+    /// Distance of a limit from the pressures, over their range, up to which it is drawn.
+    const FAR: f64 = 2.0;
+
     /// Draws the curve of a sizing as SVG: flow and pressures over the speed, with the operating point.
     ///
     /// # Errors
@@ -79,12 +82,6 @@ mod picture {
             Curve { label, colour, style: Style::Line, points }
         };
         let end_rpm = sizing.curve.last().map_or(sizing.speed_rpm, |point| point.speed_rpm);
-        let level = |label, colour: Colour, kpa: f64| Curve {
-            label,
-            colour,
-            style: Style::Line,
-            points: vec![(0.0, kpa), (end_rpm, kpa)],
-        };
         let here = |value: f64| Curve {
             label: "operating point",
             colour: GREEN,
@@ -93,20 +90,27 @@ mod picture {
         };
         let mut flow = over("pump", BLUE, &|point| 60.0 * point.flow_ml_s);
         flow.points.insert(0, (0.0, 0.0));
-        let mut suction = vec![
-            over("mean", BLUE, &|point| point.inlet_mean_kpa),
-            over("largest and smallest", VERMILION, &|point| point.inlet.max_kpa),
-            over("", VERMILION, &|point| point.inlet.min_kpa),
-        ];
-        suction.extend(sizing.suction.limit_kpa.map(|kpa| level("limit", PURPLE, kpa)));
-        suction.push(here(sizing.steady.inlet_mean_kpa));
-        let mut discharge = vec![
-            over("mean", BLUE, &|point| point.outlet_mean_kpa),
-            over("largest and smallest", VERMILION, &|point| point.outlet.max_kpa),
-            over("", VERMILION, &|point| point.outlet.min_kpa),
-        ];
-        discharge.extend(sizing.largest.map(|most| level("limit", PURPLE, most.kpa)));
-        discharge.push(here(sizing.steady.outlet_mean_kpa));
+        let pressures = |value: [&dyn Fn(&CurvePoint) -> f64; 3], limit_kpa: Option<f64>, mean_kpa: f64| {
+            let [largest, mean, smallest] = value;
+            let mut curves = vec![
+                over("largest", VERMILION, largest),
+                over("mean", BLUE, mean),
+                over("smallest", PURPLE, smallest),
+            ];
+            curves.extend(limit_kpa.and_then(|kpa| limit(&curves, kpa, end_rpm)));
+            curves.push(here(mean_kpa));
+            curves
+        };
+        let suction = pressures(
+            [&|point| point.inlet.max_kpa, &|point| point.inlet_mean_kpa, &|point| point.inlet.min_kpa],
+            sizing.suction.limit_kpa,
+            sizing.steady.inlet_mean_kpa,
+        );
+        let discharge = pressures(
+            [&|point| point.outlet.max_kpa, &|point| point.outlet_mean_kpa, &|point| point.outlet.min_kpa],
+            sizing.largest.map(|most| most.kpa),
+            sizing.steady.outlet_mean_kpa,
+        );
         let chart = Chart {
             title,
             label: "speed, r/min",
@@ -120,5 +124,19 @@ mod picture {
             ],
         };
         chart.svg()
+    }
+
+    /// Returns the line of a limit in kPa absolute. `None` for one so far away that nothing else could be seen beside it.
+    fn limit(curves: &[Curve], kpa: f64, end_rpm: f64) -> Option<Curve> {
+        let values = || curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1));
+        let (least, most) =
+            (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+        let away = (least - kpa).max(kpa - most);
+        (away < FAR * (most - least)).then(|| Curve {
+            label: "limit",
+            colour: Colour { red: 0, green: 0, blue: 0 },
+            style: Style::Line,
+            points: vec![(0.0, kpa), (end_rpm, kpa)],
+        })
     }
 }

@@ -48,7 +48,7 @@ fn backplate(svg: &mut Svg, view: &View, geometry: &Geometry) {
     svg.arrow(view.centre, rim, GREEN, false);
     let words = format!("{} mm", millimetres(geometry.backplate_radius_mm));
     let outside = view.polar(polar_rad, (1.0 + PLATE) * geometry.backplate_radius_mm);
-    let at = (WIDTH - 20.0, (outside.1 + 10.0).clamp(330.0, HEIGHT - 330.0));
+    let at = (WIDTH - 20.0, (outside.1 + 10.0).clamp(300.0, HEIGHT - 350.0));
     label(svg, "backplate", &words, at, rim);
 }
 
@@ -67,7 +67,7 @@ fn contact(svg: &mut Svg, view: &View, geometry: &Geometry) {
     }
     let end = view.polar(0.5 * beta_rad, radius);
     let words = format!("{}°", significant((1e6 * degrees(beta_rad)).round() / 1e6, 4));
-    label(svg, "contact", &words, (WIDTH - 20.0, 235.0), end);
+    label(svg, "contact", &words, (WIDTH - 20.0, 200.0), end);
 }
 
 /// Draws the tube across, enlarged, with bore and outer diameter.
@@ -98,7 +98,7 @@ fn tube(svg: &mut Svg, view: &View, geometry: &Geometry) {
 fn label(svg: &mut Svg, name: &str, value: &str, at: Point, to: Point) {
     let is_left = at.0 < 0.5 * WIDTH;
     let words = format!("{name} {value}");
-    let width = 0.56 * SIZE * words.chars().count() as f64;
+    let width = 8.0 + 0.58 * SIZE * words.chars().count() as f64;
     let from = (if is_left { at.0 + width } else { at.0 - width }, at.1 - 0.3 * SIZE);
     svg.line(&[from, to], LEADER, 1.0);
     svg.text(at, &words, if is_left { "start" } else { "end" }, SIZE);

@@ -30,7 +30,7 @@ const PLATE: f64 = 0.09;
 pub fn section_svg(title: &str, geometry: &Geometry) -> String {
     let mut svg = Svg::new(WIDTH, HEIGHT);
     let reach_mm = geometry.backplate_radius_mm * (1.0 + PLATE);
-    let view = View { centre: (470.0, 405.0), scale: 265.0 / reach_mm };
+    let view = View { centre: (470.0, 375.0), scale: 265.0 / reach_mm };
     svg.text((WIDTH / 2.0, 34.0), &format!("{title}: {} rollers", geometry.rollers), "middle", 20.0);
     head::draw(&mut svg, &view, geometry);
     dimensions::draw(&mut svg, &view, geometry);
