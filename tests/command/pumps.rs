@@ -376,7 +376,7 @@ fn the_section_of_a_head_carries_its_dimensions_by_the_names_of_the_options() {
     let user = User::new();
     let labels =
         ["tube 10 x 14 mm", "backplate 63 mm", "roller 20 mm", "offset 40 mm", "contact 30°", "3 rollers"];
-    let read = |file: &str| std::fs::read_to_string(user.path(file)).unwrap();
+    let read = |file: &str| fs::read_to_string(user.path(file)).unwrap();
     assert_eq!(user.types(&["pumps", "show", "three-roller", "--plot", "show.svg"]).code, 0);
     for label in labels {
         assert!(read("show.svg").contains(label), "{label}");

@@ -26,12 +26,12 @@ def draw_dimensions(axis: Axes, pump: Pump, roller_rad: float, reach_mm: float) 
     tangent = roller_rad - math.pi / 2
     rim = (centre[0] + roller * math.cos(tangent), centre[1] + roller * math.sin(tangent))
     between = roller_rad + min(pump.pitch_rad / 2, math.radians(50))
-    plate = tuple(pump.backplate_radius_mm * part for part in (math.cos(between), math.sin(between)))
+    plate = (pump.backplate_radius_mm * math.cos(between), pump.backplate_radius_mm * math.sin(between))
     depth = pump.backplate_radius_mm - pump.tube_outer_radius_mm
     aside = between + 0.12 * pump.pitch_rad
     tube = (depth * math.cos(aside), depth * math.sin(aside))
 
-    def arrow(start: tuple[float, float], end: tuple[float, ...], colour: str, style: str = "-|>") -> None:
+    def arrow(start: tuple[float, float], end: tuple[float, float], colour: str, style: str = "-|>") -> None:
         props = {"arrowstyle": style, "color": colour, "shrinkA": 0, "shrinkB": 0, "linewidth": 1.4}
         axis.annotate("", end, start, arrowprops=props, zorder=8)
 
