@@ -59,10 +59,11 @@ pub enum SizingError {
     },
     /// The air has no pressure that any place has.
     #[error(
-        "the pressure of the air is {kpa:.3} kPa; allowed: 1 to 10000 kPa, or an altitude of -500 to 9000 m"
+        "no place has this air: its pressure or the altitude is out of range; allowed: 1 to 10000 kPa, or an altitude \
+         of -500 to 9000 m"
     )]
     Air {
-        /// Pressure, in kPa absolute.
+        /// Pressure, in kPa absolute. It is NaN where the altitude has none.
         kpa: f64,
     },
     /// A pressure falls below what fluid and tube stand.
