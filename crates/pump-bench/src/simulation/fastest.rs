@@ -147,7 +147,7 @@ mod tests {
             // From 170 and 300 r/min the suction stays above the collapse at 43.05 kPa only for a slow start.
             match found.limited_by {
                 LimitedBy::Speed => {
-                    assert!((rpm(found.speed_rad_s.unwrap()) - most_rpm).abs() < 1e-9, "{name}")
+                    assert!((rpm(found.speed_rad_s.unwrap()) - most_rpm).abs() < 1e-9, "{name}");
                 }
                 by => assert_eq!(by, LimitedBy::InletSuction, "{name}"),
             }

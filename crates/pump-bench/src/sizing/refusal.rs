@@ -153,7 +153,7 @@ fn most_lift_mm(
             _ if !less => return None,
             Ok(_) => return Some(lift_mm),
             Err(SizingError::Suction(next) | SizingError::Discharge(next)) if next.port == short.port => {
-                short = *next
+                short = *next;
             }
             Err(_) => return None,
         }
