@@ -116,6 +116,9 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "write your pump's values into a pump file, without confirmed = false, and name it with --pump; or say \
              --confirm-pump once if these are the values of your pump"
         }
+        Remedy::DescribeHose => {
+            "give the line's hose in the pump file, [inlet.hose] or [outlet.hose], and its resistance follows the fluid"
+        }
     }
 }
 

@@ -16,6 +16,7 @@ use crate::commands::purge::PurgeArgs;
 use crate::commands::release::ReleaseArgs;
 use crate::commands::resume::ResumeArgs;
 use crate::commands::simulate::SimulateArgs;
+use crate::commands::size::SizeArgs;
 use crate::commands::status::StatusArgs;
 use crate::commands::tube::TubeArgs;
 use crate::failure::Failure;
@@ -56,6 +57,8 @@ enum Command {
     Identify(IdentifyArgs),
     /// Run the model at constant speed
     Simulate(SimulateArgs),
+    /// Choose head, speed and hoses for a flow, and say the pressures
+    Size(SizeArgs),
     /// Say where the rollers stand and what is unfinished
     Status(StatusArgs),
     /// Make the rest of a dose that was stopped or cut off
@@ -107,6 +110,7 @@ impl Cli {
             Some(Command::Calibrate(args)) => args.run(),
             Some(Command::Identify(args)) => args.run(),
             Some(Command::Simulate(args)) => args.run(),
+            Some(Command::Size(args)) => args.run(),
             Some(Command::Status(args)) => args.run(),
             Some(Command::Resume(args)) => args.run(),
             Some(Command::Discard(args)) => args.run(),

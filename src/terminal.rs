@@ -98,6 +98,14 @@ pub(crate) fn warn<N: Clone + Into<Notice>>(warnings: &[N]) {
     }
 }
 
+/// Warns before guided doses of a fluid that the lines' resistance does not follow. Before a real motor moves, each dose
+/// warns of its own.
+pub(crate) fn warn_of_fluid(bench: &Bench) {
+    if bench.is_simulated() {
+        warn(bench.file().resistance_warning().as_slice());
+    }
+}
+
 /// Passes the result of a session on. A failure has no report that could tell the session's notes, so they are warned
 /// of here.
 pub(crate) fn noted<T>(session: &mut Session<'_>, result: Result<T, DoseError>) -> Result<T, DoseError> {

@@ -7,7 +7,8 @@ fn every_example_prints_what_it_shows() {
         .env("DOSE_STATE_DIR", state.path().to_string_lossy())
         .env("XDG_CONFIG_HOME", state.path().to_string_lossy())
         .env("COLUMNS", "100")
-        .case("README.md");
+        .case("README.md")
+        .case("docs/sizing.md");
 }
 
 #[test]

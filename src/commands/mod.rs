@@ -15,5 +15,6 @@ pub(crate) mod purge;
 pub(crate) mod release;
 pub(crate) mod resume;
 pub(crate) mod simulate;
+pub(crate) mod size;
 pub(crate) mod status;
 pub(crate) mod tube;

@@ -2,15 +2,18 @@
 
 use clap::Args;
 use pump_bench::displacement::SpeedDependentPump;
-use pump_bench::report::SimulationReport;
-use pump_bench::simulation::{AskedMethod, ModelName, Simulation, choose_method};
+use pump_bench::pump_file::PumpFile;
+use pump_bench::report::{ErrorKind, SimulationReport};
+use pump_bench::simulation::{AskedMethod, Method, ModelName, Simulation, choose_method, fastest_run};
 use pump_bench::units;
-use pump_ctl::plan::Cruise;
+use pump_ctl::plan::{Cruise, LimitedBy};
 use pump_model::{Pump, RollerCentric};
 
+use crate::advice;
 use crate::failure::Failure;
 use crate::options::choice::choice;
 use crate::options::files::{Files, PlotOption, TraceOptions};
+use crate::options::fluid::FluidOptions;
 use crate::options::pump::{ForeignRecord, PumpOption};
 use crate::options::report::FormatOption;
 use crate::options::speed::{ReverseOption, SpeedOptions};
@@ -44,6 +47,8 @@ pub(crate) struct SimulateArgs {
     ]))]
     method: Option<AskedMethod>,
     #[command(flatten)]
+    fluid: FluidOptions,
+    #[command(flatten)]
     format: FormatOption,
     #[command(flatten)]
     trace: TraceOptions,
@@ -58,9 +63,10 @@ impl SimulateArgs {
         let outputs = [("--trace", self.trace.trace.as_deref()), ("--plot", self.plot.plot.as_deref())];
         let state_dir = self.record.folder(&self.pump.config()?);
         Files { outputs: &outputs, inputs: &[self.pump.path()?.as_deref()], state_dir }.check()?;
-        let file = self.pump.file()?;
+        let mut file = self.pump.file()?;
+        self.fluid.change(&mut file)?;
         let pump = file.speed_dependent_pump().map_err(Failure::of)?;
-        let speed_rad_s = self.speed_rad_s(&pump)?;
+        let (speed_rad_s, limit) = self.speed_rad_s(&file, &pump)?;
         let Some(duration_s) = self.duration else {
             return Err(Failure::refused("how long? Add --duration 10s"));
         };
@@ -82,12 +88,17 @@ impl SimulateArgs {
         let run = Simulation { method, ..Simulation::new(speed_rad_s, duration_s, dt_s) };
         let steady = run.steady_state(&pump).map_err(Failure::of)?;
         let report = SimulationReport::new(&file, &pump, &run, roller_centric, frictions, &steady);
+        let report = limit.map_or(report.clone(), |limit| report.limited_by(limit)).worded(advice::words);
         self.write_outputs(&run, &pump, &report)?;
         if self.format.json() { print(&(report.json() + "\n")) } else { tell(&report.text()) }
     }
 
-    /// The speed that is asked for, rad/s, negative in reverse.
-    fn speed_rad_s(&self, pump: &SpeedDependentPump) -> Result<f64, Failure> {
+    /// The speed that is asked for, rad/s, negative in reverse, and the limit of the fastest run.
+    fn speed_rad_s(
+        &self,
+        file: &PumpFile,
+        pump: &SpeedDependentPump,
+    ) -> Result<(f64, Option<LimitedBy>), Failure> {
         let reverse = self.reverse.reverse;
         let speed_rad_s = match self.speed.cruise()? {
             Some(Cruise::Speed { rad_s }) => rad_s,
@@ -95,9 +106,39 @@ impl SimulateArgs {
                 let flow_ml_s = if reverse { -ml_s } else { ml_s };
                 pump.speed_for_flow(flow_ml_s).map_err(Failure::of)?.abs()
             }
-            _ => return Err(Failure::refused("how fast? Add --speed 100rpm or --rate 10mL/s")),
+            Some(Cruise::Fastest) => return self.fastest(file, pump),
+            _ => return Err(Failure::refused("how fast? Add --speed 100rpm, --rate 10mL/s or --rate max")),
         };
-        Ok(if reverse { -speed_rad_s } else { speed_rad_s })
+        Ok((if reverse { -speed_rad_s } else { speed_rad_s }, None))
+    }
+
+    /// The speed of the fastest run that holds every limit of the pump, rad/s, and the limit that binds it.
+    fn fastest(
+        &self,
+        file: &PumpFile,
+        pump: &SpeedDependentPump,
+    ) -> Result<(f64, Option<LimitedBy>), Failure> {
+        if self.model == Some(ModelName::RollerCentric) {
+            return Err(Failure::refused(
+                "--rate max is sought with the flow-centric model; give --speed beside --model roller-centric",
+            ));
+        }
+        let frictions = file.frictions().map_err(Failure::of)?;
+        let method = choose_method(AskedMethod::Auto, None, frictions, None).map_err(Failure::of)?;
+        let steady = |pump: &Pump, speed_rad_s| match method {
+            // The start-up of the exact solution contains its steady state.
+            Method::Exact => Ok(None),
+            method => Ok(Some(method.steady_state(pump, speed_rad_s)?)),
+        };
+        let found = fastest_run(pump, &file.limits(), self.reverse.reverse, steady).map_err(Failure::of)?;
+        let Some(speed_rad_s) = found.speed_rad_s else {
+            let refused = format!(
+                "--rate max: no speed holds every limit of this pump, as {} breaks one",
+                found.limited_by
+            );
+            return Err(Failure::refused(refused).kind(ErrorKind::Limit).value(found.limited_by));
+        };
+        Ok((speed_rad_s, Some(found.limited_by)))
     }
 
     fn write_outputs(&self, run: &Simulation, pump: &Pump, report: &SimulationReport) -> Result<(), Failure> {

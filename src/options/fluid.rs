@@ -19,6 +19,11 @@ pub(crate) struct FluidOptions {
 }
 
 impl FluidOptions {
+    /// The name of the fluid and its temperature in °C, if they are given.
+    pub(crate) fn named(&self) -> (Option<String>, Option<f64>) {
+        (self.fluid.clone(), self.temperature)
+    }
+
     /// Puts the fluid that is named in place of the pump file's.
     pub(crate) fn change(&self, file: &mut PumpFile) -> Result<(), Failure> {
         let changed = file.fluid.changed_to(self.fluid.as_deref(), self.temperature);

@@ -316,7 +316,6 @@ fn tables_and_options_that_mean_nothing_are_refused() {
         ),
         (&["pumps", "check", "start.csv", "--plot", "x.svg"], "`dose pumps check` takes no --plot"),
         (&[&DRAWING[..], &["--fit", "spline"]].concat(), "--roller-volume-points"),
-        (&[&DRAWING[..], &["--plot", "x.svg"]].concat(), "--plot draws measured points"),
         (&[&DRAWING[..], &["--roller-volume-points", "none.csv"]].concat(), "cannot read none.csv"),
         (
             &[&DRAWING[..], &["--roller-volume-points", "start.csv"]].concat(),

@@ -17,5 +17,6 @@ mod line;
 mod pumps;
 mod record;
 mod simulate;
+mod size;
 mod tube;
 mod user;

@@ -370,3 +370,24 @@ fn a_head_that_the_catalogue_cannot_give_is_refused_with_what_to_do() {
     assert_eq!(user.types(&["pumps", "new", "--head", "kamoer-kphm400-25"]).code, 0);
     assert_eq!(user.types(&["pumps", "new", "--head", "kamoer-kphm400-25", "--id", "Not An Id"]).code, 2);
 }
+
+#[test]
+fn the_section_of_a_head_carries_its_dimensions_by_the_names_of_the_options() {
+    let user = User::new();
+    let labels =
+        ["tube 10 x 14 mm", "backplate 63 mm", "roller 20 mm", "offset 40 mm", "contact 30°", "3 rollers"];
+    let read = |file: &str| fs::read_to_string(user.path(file)).unwrap();
+    assert_eq!(user.types(&["pumps", "show", "three-roller", "--plot", "show.svg"]).code, 0);
+    for label in labels {
+        assert!(read("show.svg").contains(label), "{label}");
+        let option = label.split(' ').find(|word| word.chars().all(char::is_alphabetic)).unwrap();
+        assert!(user.types(&["pumps", "new", "-h"]).out.contains(&format!("--{option}")), "{option}");
+    }
+    let new = user.types(&[&DRAWING[..], &["drawn.toml", "--plot", "new.svg"]].concat());
+    assert_eq!(new.code, 0, "{}", new.err);
+    assert!(read("new.svg").contains("<polygon") && read("new.svg").contains("rollers"));
+    let bought = ["pumps", "new", "--head", "kamoer-kphm400-25", "bought.toml"];
+    assert_eq!(user.types(&bought).code, 0);
+    let unknown = user.is_refused(&["pumps", "show", "bought.toml", "--plot", "x.svg"]);
+    assert!(unknown.contains("there are no dimensions to draw"), "{unknown}");
+}

@@ -151,3 +151,66 @@ fn a_start_up_below_the_pressure_at_which_the_tube_collapses_is_warned_of() {
     let report = user.json(&["simulate", "--speed", "100rpm", "--duration", "2s"]);
     assert!((number(&report, "run_inlet_min_kpa") - 71.725).abs() < 1e-3, "{report}");
 }
+
+#[test]
+fn the_fastest_run_holds_every_limit_and_says_what_binds() {
+    let user = User::new();
+    let report = user.json(&["simulate", "--rate", "max", "--duration", "2s"]);
+    // The paper tested three rollers up to 170 r/min.
+    assert_eq!(report["limited_by"], "speed");
+    assert!((number(&report, "speed_rpm") - 170.0).abs() < 1e-9);
+    assert_eq!(report["warnings"].as_array().unwrap().len(), 0, "{}", report["warnings"]);
+    let two =
+        user.json(&["simulate", "--rate", "max", "--duration", "2s", "--pump", "two-roller", "--reverse"]);
+    assert_eq!(
+        (&two["limited_by"], two["warnings"].as_array().unwrap().len()),
+        (&"outlet_suction".into(), 0)
+    );
+    // In reverse the outlet sucks: start-up just reaches the collapse at 43.05 kPa.
+    assert!((number(&two, "run_outlet_min_kpa") - 43.05).abs() < 0.01, "{two}");
+    let hot = user.is_refused(&["simulate", "--rate", "max", "--duration", "2s", "--temperature", "97degC"]);
+    assert!(hot.contains("no speed holds every limit") && hot.contains("inlet_suction"), "{hot}");
+    let roller = ["simulate", "--rate", "max", "--duration", "2s", "--model", "roller-centric"];
+    assert!(user.is_refused(&roller).contains("give --speed"));
+}
+
+#[test]
+fn a_fluid_that_a_fixed_resistance_does_not_follow_is_warned_of() {
+    let user = User::new();
+    let thick = ["--fluid", "glycerol 50%", "--temperature", "20degC"];
+    let run = ["simulate", "--rate", "5mL/s", "--duration", "1s"];
+    let report = user.json(&[&run[..], &thick].concat());
+    assert_eq!((&report["fluid"], number(&report, "fluid_temperature_degc")), (&"glycerol 50%".into(), 20.0));
+    for words in [&run[..], &["5mL", "--dry-run"], &["prime", "5mL", "--dry-run"]] {
+        let warned = user.json(&[words, &thick].concat())["warnings"].to_string();
+        assert!(
+            warned.contains("stay those of water at 25 °C") && warned.contains("[outlet.hose]"),
+            "{warned}"
+        );
+        let plain = user.json(words)["warnings"].to_string();
+        assert!(!plain.contains("stay those of"), "{plain}");
+    }
+    // A drawing's lines are hoses, whose resistance follows: 6.00 for 1.0016 mPa s (Segur and Oberstar; IAPWS).
+    let new = user.types(&[&crate::pumps::DRAWING[..], &["own.toml"]].concat());
+    assert_eq!(new.code, 0, "{}", new.err);
+    let text = std::fs::read_to_string(user.path("own.toml")).unwrap();
+    std::fs::write(user.path("own.toml"), text.replace("minor_loss = 5.75", "minor_loss = 0.0")).unwrap();
+    let drop_kpa = |fluid: &str| {
+        let words = [
+            "simulate",
+            "--rate",
+            "1mL/s",
+            "--duration",
+            "1s",
+            "--pump",
+            "own.toml",
+            "--temperature",
+            "20degC",
+        ];
+        let report = user.json(&[&words[..], &["--fluid", fluid]].concat());
+        assert!(!report["warnings"].to_string().contains("stay those of"), "{report}");
+        number(&report["steady"], "outlet_mean_kpa") - 101.325
+    };
+    let ratio = drop_kpa("glycerol 50%") / drop_kpa("water");
+    assert!((ratio / (6.00 / 1.0016) - 1.0).abs() < 0.05, "{ratio}");
+}

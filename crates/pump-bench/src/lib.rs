@@ -39,6 +39,7 @@ pub mod report;
 #[cfg(test)]
 mod sampling;
 pub mod simulation;
+pub mod sizing;
 pub mod units;
 pub mod words;
 

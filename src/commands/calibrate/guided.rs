@@ -19,7 +19,7 @@ use crate::advice;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::{noted, say, warn};
+use crate::terminal::{noted, say, warn, warn_of_fluid};
 
 /// Volume of a run, mL: on a scale that shows 0.01 g a reading is then good to 2e-4.
 const LEAST_ML: f64 = 50.0;
@@ -172,6 +172,7 @@ struct Guide<'a, 'b> {
 /// Makes the runs and asks for the readings. Each reading is on record once it is typed. Runs that are on
 /// record are not made again. Returns `None` if the person left.
 pub(super) fn runs(bench: &Bench, course: &GuidedCourse, scale: Scale) -> Result<Option<Weighed>, Failure> {
+    warn_of_fluid(bench);
     let mut session = bench.session()?;
     let connected = session.connect();
     noted(&mut session, connected)?;

@@ -19,7 +19,7 @@ use crate::options::bench::BenchOptions;
 use crate::options::fluid::FluidOptions;
 use crate::options::report::FormatOption;
 use crate::options::speed::CruiseOptions;
-use crate::terminal::{noted, print, say, tell};
+use crate::terminal::{noted, print, say, tell, warn_of_fluid};
 
 /// Doses that ISO 8655-6 asks for.
 const DOSES: u32 = 10;
@@ -71,6 +71,7 @@ impl VerifyArgs {
             let volumes_ml = in_table(path, readings_of_csv(&read(path)?, &Weighing::of(bench.file())))?;
             return self.judge(Verification::of(nominal_ml, volumes_ml, tolerance)?);
         }
+        warn_of_fluid(&bench);
         let mut session = bench.session()?;
         let verified = match self.doses(&bench, &mut session, nominal_ml) {
             Ok(Some(volumes_ml)) => Verification::of(nominal_ml, volumes_ml, tolerance)

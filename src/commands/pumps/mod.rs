@@ -6,7 +6,7 @@ mod new;
 mod new_catalogued;
 mod own_motor;
 mod show;
-mod site;
+pub(crate) mod site;
 
 use clap::{Args, Subcommand};
 

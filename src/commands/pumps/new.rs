@@ -13,11 +13,12 @@ use pump_bench::units::TubeSize;
 use pump_model::{Geometry, ModelError};
 
 use super::own_motor::OwnMotorOptions;
+use super::show::draw_section;
 use super::site::SiteOptions;
 use crate::advice;
 use crate::failure::Failure;
 use crate::options::choice::choice;
-use crate::options::files::{Files, PlotOption};
+use crate::options::files::Files;
 use crate::options::pump::{ConfigOption, ForeignRecord};
 use crate::outputs::Outputs;
 use crate::terminal::{print, tell};
@@ -74,8 +75,9 @@ pub(crate) struct NewArgs {
     /// File to write; it must not exist yet [default: standard output]
     #[arg(value_name = "FILE")]
     pub(super) file: Option<PathBuf>,
-    #[command(flatten)]
-    plot: PlotOption,
+    /// Draw the section with these dimensions by name, or with --roller-volume-points the measured points
+    #[arg(long, value_name = "FILE.svg", help_heading = "Output")]
+    plot: Option<PathBuf>,
     #[command(flatten)]
     config: ConfigOption,
     #[command(flatten)]
@@ -101,7 +103,7 @@ impl NewArgs {
 
     /// Writes the file, or refuses a pump that cannot work.
     pub(super) fn run(&self) -> Result<(), Failure> {
-        let outputs = [("FILE", self.file.as_deref()), ("--plot", self.plot.plot.as_deref())];
+        let outputs = [("FILE", self.file.as_deref()), ("--plot", self.plot.as_deref())];
         let inputs = [self.roller_volume_points.as_deref()];
         let state_dir = self.record.folder(&self.config.config()?);
         Files { outputs: &outputs, inputs: &inputs, state_dir }.check()?;
@@ -128,7 +130,7 @@ impl NewArgs {
         // The file must be readable again, its id too.
         PumpFile::parse(&text, "from this drawing").map_err(Failure::of)?;
         let mut outputs = Outputs::default();
-        self.draw(&mut outputs, &drawn.id, runs.as_ref())?;
+        self.draw(&mut outputs, &file, runs.as_ref())?;
         match &self.file {
             None => print(&text)?,
             Some(path) => {
@@ -171,18 +173,14 @@ impl NewArgs {
         })
     }
 
-    /// Draws the measured points and the fit, if a picture is asked for.
-    fn draw(&self, outputs: &mut Outputs, id: &str, runs: Option<&RollerRuns>) -> Result<(), Failure> {
-        let Some(path) = &self.plot.plot else { return Ok(()) };
-        let Some(runs) = runs else {
-            return Err(Failure::refused(
-                "--plot draws measured points; add --roller-volume-points FILE.csv",
-            ));
-        };
+    /// Draws the measured points and the fit, or else the section through the head, if a picture is asked for.
+    fn draw(&self, outputs: &mut Outputs, file: &PumpFile, runs: Option<&RollerRuns>) -> Result<(), Failure> {
+        let Some(path) = &self.plot else { return Ok(()) };
+        let Some(runs) = runs else { return draw_section(outputs, path, file) };
         let axes =
             Axes { x: "angle since first contact, °", y: "volume, mL", left: "measured less fitted, mL" };
         let fitted = runs.fitted(self.fit).map_err(|error| self.in_points(error))?;
-        let title = format!("volume that a roller of {id} displaces");
+        let title = format!("volume that a roller of {id} displaces", id = file.pump.id);
         outputs.drawing(path, fit_svg(&title, axes, &fitted))
     }
 

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 /// The place of a pump.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Place")]
-pub(super) struct SiteOptions {
+pub(crate) struct SiteOptions {
     /// Altitude of the pump, as 500m; it gives the air's pressure (ISO 2533) [default: sea level, as assumed]
     #[arg(long, value_name = "HEIGHT", value_parser = units::height_mm, conflicts_with = "ambient")]
     altitude: Option<f64>,
@@ -26,20 +26,8 @@ pub(super) struct SiteOptions {
 
 impl SiteOptions {
     /// Writes the place into a pump file.
-    pub(super) fn write_to(&self, file: &mut PumpFile) -> Result<(), Failure> {
-        file.ambient = match (self.altitude, self.ambient) {
-            (Some(altitude_mm), _) => AmbientTable::at_altitude_m(1e-3 * altitude_mm),
-            (None, Some(Pressure::Absolute(kpa))) => AmbientTable::of_pressure_kpa(kpa),
-            (None, Some(Pressure::Gauge(kpa))) => {
-                let refused = Failure::refused(
-                    "--ambient is what gauge pressures are measured against; give it absolute",
-                );
-                return Err(refused
-                    .value(format!("{kpa} kPa gauge"))
-                    .allowed("an absolute pressure, as 98.2kPaa"));
-            }
-            (None, None) => file.ambient,
-        };
+    pub(crate) fn write_to(&self, file: &mut PumpFile) -> Result<(), Failure> {
+        file.ambient = self.ambient()?.unwrap_or(file.ambient);
         if let Some(lift_mm) = self.suction_lift {
             file.inlet.reservoir = Reservoir::Lift(lift_mm);
         }
@@ -47,5 +35,25 @@ impl SiteOptions {
             file.outlet.line.reservoir = Reservoir::Lift(lift_mm);
         }
         Ok(())
+    }
+
+    /// The heights that the pump lifts on the sides of suction and discharge, in mm, where they are given.
+    pub(crate) fn lifts_mm(&self) -> (Option<f64>, Option<f64>) {
+        (self.suction_lift, self.discharge_lift)
+    }
+
+    /// The air around the pump, if it is given.
+    pub(crate) fn ambient(&self) -> Result<Option<AmbientTable>, Failure> {
+        match (self.altitude, self.ambient) {
+            (Some(altitude_mm), _) => Ok(Some(AmbientTable::at_altitude_m(1e-3 * altitude_mm))),
+            (None, Some(Pressure::Absolute(kpa))) => Ok(Some(AmbientTable::of_pressure_kpa(kpa))),
+            (None, Some(Pressure::Gauge(kpa))) => {
+                let refused = Failure::refused(
+                    "--ambient is what gauge pressures are measured against; give it absolute",
+                );
+                Err(refused.value(format!("{kpa} kPa gauge")).allowed("an absolute pressure, as 98.2kPaa"))
+            }
+            (None, None) => Ok(None),
+        }
     }
 }

@@ -166,6 +166,7 @@ mod tests {
             bulk_modulus_mpa: None,
             vapour_kpa: None,
             surface_tension_mn_m: None,
+            replaced: None,
         }
     }
 }

@@ -141,6 +141,7 @@ fn water() -> FluidTable {
         bulk_modulus_mpa: None,
         vapour_kpa: None,
         surface_tension_mn_m: None,
+        replaced: None,
     }
 }
 

@@ -324,6 +324,7 @@ impl PlanningBasis<'_> {
             warnings.extend(self.back_flow_warning(prepared, &budget));
             warnings.extend(warnings::unweighed_pump(self.file, applied.as_ref()));
         }
+        warnings.extend(self.file.resistance_warning());
         let of_retraction = retraction.iter().flat_map(|retraction| retraction.warnings.clone());
         warnings.extend(of_speed.into_iter().chain(of_retraction).map(Notice::from));
         Ok(warnings)

@@ -12,7 +12,7 @@ pub use csv::{write_samples, write_steps};
 pub use fitted::{Axes, Fitted};
 #[cfg(feature = "plot")]
 pub use pictures::{
-    BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, Style, VERMILION, fit_svg, waveform_svg,
+    BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, Style, VERMILION, fit_svg, section_svg, waveform_svg,
 };
 pub use plot_error::PlotError;
 pub use rust_source::rust_source;

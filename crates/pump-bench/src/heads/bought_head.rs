@@ -30,6 +30,11 @@ pub struct BoughtHead {
     pub wall_mm: Option<f64>,
     /// Volume of a revolution, in mL: as published, or the published flow divided by its speed.
     pub ml_per_rev: f64,
+    /// Slowest speed of the head that its document states, in r/min.
+    pub least_rpm: Option<f64>,
+    /// Fastest speed of the head that its document states, in r/min. It is that of the published flow where the
+    /// document states no other.
+    pub most_rpm: Option<f64>,
     /// Figures as the document states them.
     pub published: String,
     /// Remark on the row.

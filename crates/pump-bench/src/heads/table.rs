@@ -25,6 +25,8 @@ struct SourceTable {
     document: String,
     address: String,
     remark: Option<String>,
+    /// Slowest and fastest speed of the heads, in r/min. Slowest 0 stands for a speed that is not stated.
+    speeds_rpm: Option<[f64; 2]>,
 }
 
 #[derive(Deserialize)]
@@ -74,21 +76,26 @@ pub(super) fn rows_of(text: &str) -> Result<Vec<BoughtHead>, String> {
     if file.schema != SCHEMA {
         return Err(format!("schema is `{}`; this version reads `{SCHEMA}`", file.schema));
     }
-    let sources: HashMap<String, HeadSource> = file
+    type Source = (HeadSource, Option<[f64; 2]>);
+    let sources: HashMap<String, Source> = file
         .source
         .into_iter()
         .map(|table| {
-            let SourceTable { key, kind, document, address, remark } = table;
-            (key, HeadSource { kind, document, address, remark })
+            let SourceTable { key, kind, document, address, remark, speeds_rpm } = table;
+            (key, (HeadSource { kind, document, address, remark }, speeds_rpm))
         })
         .collect();
     let mut rows = Vec::new();
     for head in file.head {
-        let source = sources.get(&head.source).ok_or_else(|| format!("no source `{}`", head.source))?;
+        let (source, speeds_rpm) =
+            sources.get(&head.source).ok_or_else(|| format!("no source `{}`", head.source))?;
         for row in head.tubing {
             let (ml_per_rev, published) = row
                 .figures()
                 .ok_or_else(|| format!("{} needs ml_per_rev, or flow_ml_min with at_rpm", row.name))?;
+            let [least_rpm, most_rpm] = speeds_rpm.map_or([row.low_rpm, row.at_rpm], |[least, most]| {
+                [Some(least).filter(|least| *least > 0.0), Some(most)]
+            });
             rows.push(BoughtHead {
                 name: row.name,
                 maker: head.maker.clone(),
@@ -98,6 +105,8 @@ pub(super) fn rows_of(text: &str) -> Result<Vec<BoughtHead>, String> {
                 bore_mm: row.bore_mm,
                 wall_mm: row.wall_mm,
                 ml_per_rev,
+                least_rpm,
+                most_rpm,
                 published,
                 note: row.note,
                 source: source.clone(),

@@ -140,6 +140,8 @@ pub enum Remedy {
     ListHeads,
     /// Write the values of the own pump into a pump file, or confirm that the values are right.
     WriteOrConfirmPump,
+    /// Describe the lines by their hoses, so that their resistance follows the fluid.
+    DescribeHose,
 }
 
 impl Remedy {
@@ -211,5 +213,6 @@ impl Remedy {
         Self::PrintSource,
         Self::ListHeads,
         Self::WriteOrConfirmPump,
+        Self::DescribeHose,
     ];
 }

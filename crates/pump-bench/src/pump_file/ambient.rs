@@ -59,6 +59,11 @@ impl AmbientTable {
         }
     }
 
+    /// Returns true if a place has this altitude or this pressure.
+    pub(crate) fn is_possible(&self) -> bool {
+        self.check().is_ok()
+    }
+
     /// Refuses an altitude outside -500 to 9000 m, and an atmospheric pressure outside 1 to 10000 kPa.
     pub(super) fn check(&self) -> Result<(), WrongValue> {
         let (least_m, most_m) = (ALTITUDES_M.start(), ALTITUDES_M.end());

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use pump_model::units::radians;
-use pump_model::{Friction, Geometry, ModelError, Pump, SpeedLaw};
+use pump_model::{Friction, Geometry, ModelError, Port, Pump, SpeedLaw};
 use serde::{Deserialize, Serialize};
 
 use super::ambient::AmbientTable;
@@ -152,12 +152,10 @@ impl PumpFile {
     /// # Errors
     /// Returns the [`ModelError`] of dimensions, a roller volume, a fluid or a line that cannot work.
     pub fn model(&self) -> Result<Pump, ModelError> {
-        let line = |table: &LineTable, side| {
-            let reservoir_kpa =
-                table.reservoir.pressure_kpa(side, self.fluid.density_kg_m3, self.ambient.pressure_kpa);
-            table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s, reservoir_kpa)
+        let line = |table: &LineTable, port| {
+            table.line(|| self.fluid.fluid(), self.pump.default_rate_ml_s, self.reservoir_kpa(port))
         };
-        let (inlet, outlet) = (line(&self.inlet, Side::Inlet)?, line(&self.outlet.line, Side::Outlet)?);
+        let (inlet, outlet) = (line(&self.inlet, Port::Inlet)?, line(&self.outlet.line, Port::Outlet)?);
         if let Some(head) = &self.head {
             let rollers = self.rollers.count;
             return Pump::from_ml_per_rev(
@@ -171,6 +169,15 @@ impl PumpFile {
         let (rollers, geometry) = (self.rollers.count, self.geometry());
         let table = self.roller_volume.as_ref().ok_or(ModelError::DimensionsUnknown { rollers })?;
         Pump::new(geometry, table.curve(&geometry)?, inlet, outlet)
+    }
+
+    /// Returns the pressure at the end of a port's line, in kPa absolute.
+    pub(crate) fn reservoir_kpa(&self, port: Port) -> f64 {
+        let (table, side) = match port {
+            Port::Inlet => (&self.inlet, Side::Inlet),
+            Port::Outlet => (&self.outlet.line, Side::Outlet),
+        };
+        table.reservoir.pressure_kpa(side, self.fluid.density_kg_m3, self.ambient.pressure_kpa)
     }
 
     /// Returns the default pulse of a head that is known by its volume alone, or `None` for a head that is drawn.

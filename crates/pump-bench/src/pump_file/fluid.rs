@@ -1,10 +1,13 @@
 //! `[fluid]`: the fluid that is pumped.
 
+mod replaced;
+
 use pump_model::{Fluid, ModelError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::range::{WrongValue, within, within_if_given};
+use replaced::Replaced;
 
 /// Largest temperature difference over which a fluid unknown to the model keeps its density, in °C.
 pub(crate) const SAME_TEMPERATURE_DEGC: f64 = 2.0;
@@ -52,6 +55,9 @@ pub struct FluidTable {
     /// Surface tension, in mN/m. The volume of a drop at the nozzle needs it. Without it that of water counts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surface_tension_mn_m: Option<f64>,
+    /// Fluid of the pump file that this one stands in for. `None` for the file's own.
+    #[serde(skip)]
+    pub(crate) replaced: Option<Replaced>,
 }
 
 /// A fluid or a temperature that is not known.
@@ -112,6 +118,7 @@ impl FluidTable {
             return Ok(self.clone());
         }
         let asked = name.unwrap_or(&self.name);
+        let replaced = self.replaced.clone().or_else(|| Some(Replaced::of(self)));
         if let Some(fluid) = known(asked, degc) {
             return Ok(Self {
                 name: asked.trim().to_lowercase(),
@@ -121,10 +128,11 @@ impl FluidTable {
                 bulk_modulus_mpa: None,
                 vapour_kpa: None,
                 surface_tension_mn_m: None,
+                replaced,
             });
         }
         if same && (degc - self.temperature_degc).abs() <= SAME_TEMPERATURE_DEGC {
-            return Ok(Self { temperature_degc: degc, ..self.clone() });
+            return Ok(Self { temperature_degc: degc, replaced, ..self.clone() });
         }
         let own = self.name.clone();
         Err(match name.filter(|_| !same) {

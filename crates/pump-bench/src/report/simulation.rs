@@ -1,13 +1,14 @@
 //! The report of a run at constant speed, in words and as JSON.
 
-use pump_ctl::plan::{Lowest, SetBy};
+use pump_ctl::plan::{LimitedBy, Lowest, SetBy};
 use pump_model::units::{degrees, rpm};
-use pump_model::{ExactRun, Extremes, Friction, Leg, Port, Pump, RollerCentric, SteadyState};
+use pump_model::{Extremes, Friction, Port, Pump, RollerCentric, SteadyState};
 use serde::Serialize;
 
 use super::choices::set_by_word;
+use crate::notice::{Notice, Wording};
 use crate::pump_file::PumpFile;
-use crate::simulation::{ModelName, Simulation, SteadyReport};
+use crate::simulation::{ModelName, Reached, Simulation, SteadyReport};
 
 /// The report of a run at constant speed (`schema` `simulation/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -34,7 +35,13 @@ pub struct SimulationReport {
     inlet_limit_kpa: Option<f64>,
     #[serde(serialize_with = "set_by_word")]
     inlet_limit: Option<SetBy>,
-    warnings: Vec<String>,
+    /// Limit that a faster run would break, if the fastest run was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    limited_by: Option<&'static str>,
+    /// Fluid that is pumped, and its temperature, in °C.
+    fluid: String,
+    fluid_temperature_degc: f64,
+    warnings: Vec<Notice>,
 }
 
 /// The assumptions of the roller-centric model.
@@ -72,7 +79,7 @@ impl SimulationReport {
         steady: &SteadyState,
     ) -> Self {
         let ports = [Port::Inlet, Port::Outlet].into_iter().zip(frictions);
-        let reached = roller_centric.is_none().then(|| Reached::of(pump, run));
+        let reached = roller_centric.is_none().then(|| Reached::of(pump, run.speed_rad_s, run.duration_s));
         let lowest = file.limits().lowest_where_it_sucks();
         Self {
             schema: "simulation/1",
@@ -89,8 +96,23 @@ impl SimulationReport {
             run_outlet_min_kpa: reached.map(|reached| reached.outlet.min_kpa),
             inlet_limit_kpa: lowest.map(|lowest| lowest.kpa),
             inlet_limit: lowest.map(|lowest| lowest.set_by),
+            limited_by: None,
+            fluid: file.fluid.name.clone(),
+            fluid_temperature_degc: file.fluid.temperature_degc,
             warnings: warnings_of(file, run.speed_rad_s, steady, reached),
         }
+    }
+
+    /// Returns the report of the fastest run, which this limit binds.
+    #[must_use]
+    pub fn limited_by(self, limit: LimitedBy) -> Self {
+        Self { limited_by: Some(limit.name()), ..self }
+    }
+
+    /// Returns the report whose warnings have their remedies in a front end's words.
+    #[must_use]
+    pub fn worded(self, words: Wording) -> Self {
+        Self { warnings: self.warnings.iter().map(|warning| warning.told(words)).collect(), ..self }
     }
 
     /// Title of a picture of the run.
@@ -106,7 +128,7 @@ impl SimulationReport {
     /// The words for people: the steady state, the model and its warnings.
     pub fn text(&self) -> String {
         let warnings = self.warnings.iter().map(|warning| format!("  warning {warning}\n"));
-        [self.figures(), self.assumptions(), self.hoses()].into_iter().chain(warnings).collect()
+        [self.figures(), self.limit(), self.assumptions(), self.hoses()].into_iter().chain(warnings).collect()
     }
 
     fn figures(&self) -> String {
@@ -131,6 +153,12 @@ impl SimulationReport {
         )
     }
 
+    fn limit(&self) -> String {
+        self.limited_by.map_or(String::new(), |by| {
+            format!("  limit   this is the fastest run that holds every limit; limited by {by}\n")
+        })
+    }
+
     fn assumptions(&self) -> String {
         self.roller_centric.as_ref().map_or(String::new(), |model| {
             format!(
@@ -151,30 +179,6 @@ impl SimulationReport {
     }
 }
 
-/// The pressures that a run from lines at rest reaches, by the exact solution that a dose is planned with.
-#[derive(Debug, Clone, Copy)]
-struct Reached {
-    inlet: Extremes,
-    outlet: Extremes,
-}
-
-impl Reached {
-    fn of(pump: &Pump, run: &Simulation) -> Self {
-        /// Decays of the slowest mode after which nothing is left of start-up: e^-40.
-        const DECAYS: f64 = 40.0;
-        /// Longest time that is followed where next to nothing damps, s.
-        const MOST_S: f64 = 600.0;
-        let period_s = pump.pitch_rad() / run.speed_rad_s.abs();
-        let range = |port| {
-            let started_s = DECAYS / pump.line(port).slowest_decay_per_s() + period_s;
-            let legs = [Leg::constant_speed(0.0, run.speed_rad_s)];
-            let end_s = run.duration_s.min(started_s).min(MOST_S.max(period_s));
-            ExactRun::from_rest(pump, port, legs).extremes(end_s)
-        };
-        Self { inlet: range(Port::Inlet), outlet: range(Port::Outlet) }
-    }
-}
-
 /// The reasons for which the figures are doubtful. A pressure limit is checked where a dose checks it: the lowest
 /// pressure of tube and fluid at both ports, those of the pump file by the ports' roles.
 fn warnings_of(
@@ -182,8 +186,8 @@ fn warnings_of(
     speed_rad_s: f64,
     steady: &SteadyState,
     reached: Option<Reached>,
-) -> Vec<String> {
-    let mut warnings = Vec::new();
+) -> Vec<Notice> {
+    let mut warnings: Vec<String> = Vec::new();
     let limit_rpm = file.motor.max_speed_rpm;
     if rpm(speed_rad_s).abs() > limit_rpm * (1.0 + 1e-12) {
         warnings.push(format!("this is above the pump's limit of {limit_rpm} r/min"));
@@ -231,5 +235,5 @@ fn warnings_of(
             ));
         }
     }
-    warnings
+    file.resistance_warning().into_iter().chain(warnings.into_iter().map(Notice::from)).collect()
 }

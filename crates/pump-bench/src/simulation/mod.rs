@@ -1,10 +1,14 @@
 //! Waveforms: flows, pressures and the delivered volume over time.
 
+mod fastest;
+mod reached;
 mod sample;
 mod simulation;
 mod times;
 mod waveform;
 
+pub use fastest::{FastestRun, fastest_run};
+pub(crate) use reached::Reached;
 pub use sample::{COLUMNS, Columns, Sample};
 pub use simulation::{AskedMethod, MethodError, ModelName, Simulation, SteadyReport, choose_method};
 pub use times::{EqualTimes, times};

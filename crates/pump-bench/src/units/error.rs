@@ -81,6 +81,12 @@ pub enum QuantityError {
         /// Text that was read.
         text: String,
     },
+    /// The hose lacks its tube or its length.
+    #[error("`{text}` is no hose; write bore x outer diameter and the length, as 6x10mm,1m")]
+    NoHose {
+        /// Text that was read.
+        text: String,
+    },
     /// The sign of a tolerance follows an angle, and no tolerance follows the sign.
     #[error("`{text}` has no tolerance; write for example 30deg+-1deg")]
     NoTolerance {

@@ -4,6 +4,7 @@
 
 mod amount;
 mod error;
+mod hose_size;
 mod kind;
 mod pressure;
 mod quantity;
@@ -17,6 +18,7 @@ mod tube_size;
 
 pub use amount::{Amount, amount, dose_amount};
 pub use error::QuantityError;
+pub use hose_size::{HoseSize, hose_size};
 pub use kind::Kind;
 pub use pressure::{Pressure, pressure};
 pub use quantity::{

@@ -112,5 +112,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "write your pump's values into a pump file without confirmed = false; or, if these are your pump's, open \
              the bench once with confirm_pump=True"
         }
+        Remedy::DescribeHose => {
+            "give the line's hose in the pump file, [inlet.hose] or [outlet.hose], and its resistance follows the fluid"
+        }
     }
 }

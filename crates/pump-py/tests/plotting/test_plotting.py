@@ -210,6 +210,8 @@ def test_angles_are_marked_with_their_size() -> None:
         assert turned[-1] - turned[0] == pytest.approx(size), name
     written = {text.get_text() for text in axis.texts}
     assert {"β 30°", "φ 50.53°", "pitch 120°", "θ 28.65°", "inlet", "outlet"} <= written
+    # By the names of the options of `dose pumps new`.
+    assert {"tube 10 x 14 mm", "backplate 63 mm", "roller 20 mm", "offset 40 mm"} <= written
     _, axes = plt.subplots()
     assert pm.plot_pump(pump, ax=axes) is axes
     assert "θ" not in " ".join(text.get_text() for text in axes.texts)

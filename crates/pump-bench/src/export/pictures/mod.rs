@@ -3,7 +3,9 @@
 mod chart;
 mod fit_plot;
 mod plot;
+mod section;
 
 pub use chart::{BLUE, Chart, Colour, Curve, GREEN, PURPLE, Panel, Style, VERMILION};
 pub use fit_plot::fit_svg;
 pub use plot::waveform_svg;
+pub use section::section_svg;

@@ -6,6 +6,7 @@ mod of_balance;
 mod of_bench;
 mod of_files;
 mod of_model;
+mod of_sizing;
 mod remedies;
 mod remedies_of_drives;
 mod report;

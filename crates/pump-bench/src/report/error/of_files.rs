@@ -43,6 +43,9 @@ impl Explain for QuantityError {
                 facts.value(text).allowed(format!("{number}{unit}a, {number}{unit}g"))
             }
             Self::NoTube { text } => facts.value(text).allowed("bore x outer diameter, as 10x14mm"),
+            Self::NoHose { text } => {
+                facts.value(text).allowed("bore x outer diameter and the length, as 6x10mm,1m")
+            }
             Self::OutOfRange { text, allowed } => facts.value(text).allowed(*allowed),
             Self::NoTolerance { text } => facts.value(text).allowed("a tolerance, as in 30deg+-1deg"),
             Self::Tolerance { text, most_deg, .. } => {

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from pumpmodel._pumpmodel import Pump
 from pumpmodel.plotting.axes import BLUE, VERMILION, axes_for
+from pumpmodel.plotting.dimensions import draw_dimensions
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,7 +40,8 @@ def plot_pump(pump: Pump, angle_rad: float = 0.0, *, ax: Axes | None = None) -> 
     The backplate is an arc of pi + 2 beta that continues as straights. The tube lies against it, and the
     rollers squeeze it. Liquid flows from the inlet (left) to the outlet (right) while the rotor turns
     counterclockwise. Marks show the contact angle beta, the engagement angle phi over which a roller engages
-    (blue) and leaves (red), the pitch between rollers, and the rotor's angle theta.
+    (blue) and leaves (red), the pitch between rollers, and the rotor's angle theta. Arrows show tube,
+    backplate, roller and offset, by the names that `dose pumps new` gives them.
 
     Parameters
     ----------
@@ -76,6 +78,9 @@ def plot_pump(pump: Pump, angle_rad: float = 0.0, *, ax: Axes | None = None) -> 
     _draw_tube(axis, pump, rollers)
     _draw_rotor(axis, pump, rollers)
     _mark_angles(axis, pump, angle_rad)
+    # The roller at the bottom carries the dimensions: there its place is the freest.
+    lowest = min(rollers, key=math.sin)
+    draw_dimensions(axis, pump, float(lowest), pump.backplate_radius_mm + _PLATE_MM)
     axis.set_aspect("equal")
     axis.set_xlabel("mm")
     axis.set_ylabel("mm")

@@ -1,0 +1,138 @@
+//! Another fluid than the pump file's, and the lines whose resistance does not follow it.
+
+use super::{FluidTable, known};
+use crate::notice::{Notice, Remedy};
+use crate::pump_file::{LineSource, PumpFile};
+
+/// Part by which a viscosity may differ before the resistance of the file's own fluid is warned of.
+const ALIKE: f64 = 0.1;
+
+/// The fluid that a pump file states, where another one stands in for it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Replaced {
+    name: String,
+    temperature_degc: f64,
+    viscosity_mpa_s: Option<f64>,
+}
+
+impl Replaced {
+    /// Returns what a fluid leaves behind when another takes its place.
+    pub(super) fn of(fluid: &FluidTable) -> Self {
+        Self {
+            name: fluid.name.clone(),
+            temperature_degc: fluid.temperature_degc,
+            viscosity_mpa_s: viscosity_mpa_s(fluid),
+        }
+    }
+
+    /// Returns the fluid in words, as `water at 25 °C`.
+    fn told(&self) -> String {
+        format!("{} at {} °C", self.name, self.temperature_degc)
+    }
+
+    /// Returns true if the fluid flows as `fluid` does. A viscosity that nobody knows counts as another one, unless the
+    /// fluid has kept its name.
+    fn flows_as(&self, fluid: &FluidTable) -> bool {
+        match self.viscosity_mpa_s.zip(viscosity_mpa_s(fluid)) {
+            Some((own, other)) => (other / own - 1.0).abs() <= ALIKE,
+            None => self.name.eq_ignore_ascii_case(&fluid.name),
+        }
+    }
+}
+
+/// Returns the viscosity in mPa s, or `None` if neither the table nor the model knows it.
+fn viscosity_mpa_s(fluid: &FluidTable) -> Option<f64> {
+    let of_model = || known(&fluid.name, fluid.temperature_degc)?.ok();
+    fluid.viscosity_mpa_s.or_else(|| Some(of_model()?.viscosity_mpa_s))
+}
+
+impl PumpFile {
+    /// Returns the warning of a fluid whose viscosity the resistance of a line does not follow. `None` where the fluid
+    /// is the file's, flows as that one does, or where every line is a hose or unknown.
+    ///
+    /// ```
+    /// let mut file = pump_bench::built_in("three-roller").unwrap();
+    /// assert_eq!(file.resistance_warning(), None);
+    /// file.fluid = file.fluid.changed_to(Some("glycerol 50%"), Some(20.0)).unwrap();
+    /// let warning = file.resistance_warning().unwrap();
+    /// assert!(warning.text().contains("stay those of water at 25 °C"), "{warning}");
+    /// ```
+    pub fn resistance_warning(&self) -> Option<Notice> {
+        let own = self.fluid.replaced.as_ref().filter(|own| !own.flows_as(&self.fluid))?;
+        let is_given = |source| matches!(source, &LineSource::Given { .. });
+        let lines = match [&self.inlet.source, &self.outlet.line.source].map(is_given) {
+            [true, true] => "the resistances of [inlet] and [outlet] are fixed numbers",
+            [true, false] => "the resistance of [inlet] is a fixed number",
+            [false, true] => "the resistance of [outlet] is a fixed number",
+            [false, false] => return None,
+        };
+        let fluid = &self.fluid;
+        let thicker = match own.viscosity_mpa_s.zip(viscosity_mpa_s(fluid)) {
+            Some((own, other)) => format!("has {:.2} times the viscosity", other / own),
+            None => "has another viscosity".to_owned(),
+        };
+        let text = format!(
+            "{lines} in the pump file, so pressures, settling and back flow stay those of {}; {} at {} °C {thicker}",
+            own.told(),
+            fluid.name,
+            fluid.temperature_degc
+        );
+        Some(Notice::from(text).with_remedy(Remedy::DescribeHose))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::catalogue::built_in;
+    use crate::pump_file::{HoseTable, LineTable, PumpFile};
+
+    fn with(file: &PumpFile, name: Option<&str>, degc: Option<f64>) -> PumpFile {
+        PumpFile { fluid: file.fluid.changed_to(name, degc).unwrap(), ..file.clone() }
+    }
+
+    fn hose() -> HoseTable {
+        HoseTable {
+            bore_radius_mm: 3.0,
+            outer_radius_mm: 5.0,
+            length_mm: 1000.0,
+            modulus_mpa: 3.5,
+            poisson_ratio: 0.5,
+            minor_loss: 0.0,
+            resistance_at_ml_s: Some(0.5),
+        }
+    }
+
+    #[test]
+    fn a_fixed_resistance_is_said_to_stay_that_of_the_files_own_fluid() {
+        let file = built_in("three-roller").unwrap();
+        let warning = with(&file, Some("glycerol 50%"), Some(20.0)).resistance_warning().unwrap();
+        // Segur and Oberstar: 6.00 mPa s at 20 °C; IAPWS: 0.890 mPa s for water at 25 °C. Cheng's formula is within 5 %.
+        let times: f64 =
+            warning.text().split("has ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        assert!((times / (6.00 / 0.890) - 1.0).abs() < 0.05, "{warning}");
+        assert!(warning.text().starts_with("the resistances of [inlet] and [outlet]"), "{warning}");
+        // IAPWS: water has 1.0016 mPa s at 20 °C and 0.8900 at 25 °C, 12.5 % apart.
+        assert!(with(&file, None, Some(20.0)).resistance_warning().is_some());
+        assert_eq!(with(&file, None, Some(24.0)).resistance_warning(), None);
+        let back = with(&with(&file, Some("ethanol"), None), Some("water"), Some(25.0));
+        assert_eq!(back.resistance_warning(), None, "it is the file's own again");
+    }
+
+    #[test]
+    fn a_hose_follows_the_fluid_and_needs_no_warning() {
+        let mut file = built_in("three-roller").unwrap();
+        file.outlet = LineTable::of_hose_with_lift(0.0, hose()).into();
+        let thick = with(&file, Some("glycerol 50%"), Some(20.0));
+        let warning = thick.resistance_warning().unwrap();
+        assert!(warning.text().starts_with("the resistance of [inlet] is"), "{warning}");
+        // Hagen and Poiseuille, Re < 20: the resistance goes as the viscosity, the inertance as the density.
+        let outlet = |file: &PumpFile| *file.model().unwrap().outlet();
+        let [water, glycerol] = [outlet(&with(&file, None, Some(20.0))), outlet(&thick)];
+        let ratio = glycerol.resistance_kpa_s_ml / water.resistance_kpa_s_ml;
+        assert!((ratio / (6.00 / 1.0016) - 1.0).abs() < 0.05, "{ratio}");
+        let ratio = glycerol.inertance_kpa_s2_ml / water.inertance_kpa_s2_ml;
+        assert!((ratio / (1126.3 / 998.2) - 1.0).abs() < 1e-3, "{ratio}");
+        file.inlet = LineTable::of_hose_with_lift(0.0, hose());
+        assert_eq!(with(&file, Some("glycerol 50%"), Some(20.0)).resistance_warning(), None);
+    }
+}

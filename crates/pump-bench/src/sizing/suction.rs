@@ -1,0 +1,58 @@
+//! The suction margin: how far the inlet pressure stays above vapour and collapse.
+
+use pump_model::SteadyState;
+
+use crate::pump_file::{PumpFile, TubeTable};
+
+/// Standard acceleration of free fall, in m/s² (3rd CGPM, 1901; ISO 80000-3).
+const GRAVITY_M_S2: f64 = 9.806_65;
+
+/// The suction margin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Suction {
+    /// Vapour pressure of the fluid, in kPa absolute. `None` if it is not known.
+    pub vapour_kpa: Option<f64>,
+    /// Available net positive suction head by the smallest inlet pressure, in m of the fluid:
+    /// (p_min - p_vapour)/(rho g). The velocity head is left out. `None` if the vapour pressure is not known.
+    pub npsh_m: Option<f64>,
+    /// Available net positive suction head by the mean inlet pressure, in m of the fluid.
+    pub npsh_mean_m: Option<f64>,
+    /// Pressure at which the pump's tube collapses, in kPa absolute. `None` if the tube's material is not known.
+    pub collapse_kpa: Option<f64>,
+    /// Pressure at which the hose of the inlet collapses, in kPa absolute, by a modulus that is assumed. `None` if it
+    /// stands a vacuum, or where the line is no hose.
+    pub hose_collapse_kpa: Option<f64>,
+    /// Smallest pressure that is allowed at the inlet, in kPa absolute. `None` if nothing is known of it.
+    pub limit_kpa: Option<f64>,
+    /// Smallest inlet pressure less that limit, in kPa.
+    pub margin_kpa: Option<f64>,
+}
+
+/// Returns the suction margin of a steady state.
+pub(super) fn suction(file: &PumpFile, steady: &SteadyState) -> Suction {
+    let vapour_kpa = file.fluid.vapour_kpa();
+    let metre_kpa = 1e-3 * file.fluid.density_kg_m3 * GRAVITY_M_S2;
+    let npsh = |kpa: f64| vapour_kpa.map(|vapour_kpa| (kpa - vapour_kpa) / metre_kpa);
+    let below = |tube: &TubeTable| {
+        let kpa = file.ambient.pressure_kpa - tube.collapse_below_ambient_kpa()?;
+        Some(kpa).filter(|kpa| *kpa > 0.0)
+    };
+    let limit_kpa = file.limits().lowest_where_it_sucks().map(|lowest| lowest.kpa);
+    let hose = file.inlet.hose().map(|hose| TubeTable {
+        bore_radius_mm: Some(hose.bore_radius_mm),
+        outer_radius_mm: Some(hose.outer_radius_mm),
+        modulus_mpa: Some(hose.modulus_mpa),
+        poisson_ratio: Some(hose.poisson_ratio),
+        life_ml: None,
+    });
+    Suction {
+        vapour_kpa,
+        npsh_m: npsh(steady.inlet.min_kpa),
+        npsh_mean_m: npsh(steady.inlet_mean_kpa),
+        collapse_kpa: below(&file.tube),
+        hose_collapse_kpa: hose.as_ref().and_then(below),
+        limit_kpa,
+        margin_kpa: limit_kpa.map(|limit_kpa| steady.inlet.min_kpa - limit_kpa),
+    }
+}
