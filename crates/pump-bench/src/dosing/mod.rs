@@ -16,6 +16,7 @@ mod tube_life;
 mod uncertainty;
 mod unknown_angle;
 mod warnings;
+mod weight_fault;
 
 pub(crate) use displaced_pumps::DisplacedPumps;
 pub use error::DoseError;
@@ -33,3 +34,4 @@ pub(crate) use uncertainty::Budget;
 pub(crate) use uncertainty::outlet::drop_ml;
 pub(crate) use uncertainty::pressure_uncertainty_kpa;
 pub use uncertainty::{Share, ShareSource};
+pub use weight_fault::WeightFault;
