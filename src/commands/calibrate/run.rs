@@ -8,12 +8,12 @@ use pump_bench::calibration::{Calibration, CalibrationRun, Fit, RunLog, Source, 
 use pump_bench::report::{ErrorKind, calibration_json, calibration_text};
 use pump_bench::units;
 
-use super::balance::BalanceOptions;
 use super::guided::{self, GuidedCourse, Weighed, kept};
 use super::reading::{NOTHING_KEPT, ReadingOptions, in_table, next_number, read};
 use super::scale::Scale;
 use crate::advice;
 use crate::failure::Failure;
+use crate::options::balance::BalanceOptions;
 use crate::options::bench::BenchOptions;
 use crate::options::choice::choice;
 use crate::options::fluid::FluidOptions;

@@ -7,9 +7,9 @@ use pump_bench::balance::{Balance, BalanceReading};
 use pump_bench::calibration::Reading;
 
 use super::answers::{Answer, Answers};
-use super::balance::BalanceOptions;
 use crate::failure::Failure;
 use crate::interrupt::{self, Interrupt};
+use crate::options::balance::BalanceOptions;
 use crate::terminal::say;
 
 /// Source of the readings.

@@ -1,5 +1,7 @@
 //! The errors of a dose that was refused or failed.
 
+mod weight_fault;
+
 use std::path::PathBuf;
 
 use pump_ctl::plan::PlanError;
@@ -15,7 +17,7 @@ use crate::pump_file::PumpFileError;
 use crate::record::FolderError;
 use crate::record::JournalError;
 
-use super::weight_fault::WeightFault;
+pub use weight_fault::WeightFault;
 
 /// Error of a dose that was refused or failed.
 #[derive(Debug, Error)]

@@ -16,10 +16,9 @@ mod tube_life;
 mod uncertainty;
 mod unknown_angle;
 mod warnings;
-mod weight_fault;
 
 pub(crate) use displaced_pumps::DisplacedPumps;
-pub use error::DoseError;
+pub use error::{DoseError, WeightFault};
 pub use prepared::Prepared;
 pub use request::DoseRequest;
 pub use retraction::Retraction;
@@ -34,4 +33,5 @@ pub(crate) use uncertainty::Budget;
 pub(crate) use uncertainty::outlet::drop_ml;
 pub(crate) use uncertainty::pressure_uncertainty_kpa;
 pub use uncertainty::{Share, ShareSource};
-pub use weight_fault::WeightFault;
+pub(crate) use uncertainty::weighed_shares;
+

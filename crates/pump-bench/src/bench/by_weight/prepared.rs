@@ -139,6 +139,9 @@ impl Bench {
         if request.smooth || request.retract_ml.is_some() || request.finish.is_some() {
             return refused("has no smooth flow, no retraction and no end at low flow");
         }
+        if request.start_angle_rad.is_some() {
+            return refused("begins at the angle on record");
+        }
         if matches!(request.cruise, Some(Cruise::Within { .. })) {
             return refused("has no time in which it ends");
         }
