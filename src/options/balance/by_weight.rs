@@ -14,9 +14,11 @@ use crate::failure::Failure;
 #[command(next_help_heading = "Balance")]
 pub(crate) struct ByWeightOptions {
     /// Dispense by weight: the balance ends the dose
-    #[arg(long_help = "Dispense by weight: the balance under the vessel ends the dose. The last part is dosed slowly, \
+    #[arg(
+        long_help = "Dispense by weight: the balance under the vessel ends the dose. The last part is dosed slowly, \
         and the motor stops so that what still falls makes up the rest. --scale-port or --scale-command names the \
-        balance.")]
+        balance."
+    )]
     #[arg(long)]
     pub(crate) until_scale: bool,
     /// Most that the pump may turn for in a dose by weight, by the model [default: the dose and its ±]

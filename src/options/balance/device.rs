@@ -45,7 +45,9 @@ impl BalanceOptions {
     /// Refuses options of a balance that is not asked for.
     pub(crate) fn refuse_without(&self, option: &str) -> Result<(), Failure> {
         if self.is_given() || self.scale_wait.is_some() {
-            return Err(Failure::refused(format!("a balance ends a dose only where {option} says so; add it")));
+            return Err(Failure::refused(format!(
+                "a balance ends a dose only where {option} says so; add it"
+            )));
         }
         Ok(())
     }

@@ -32,6 +32,5 @@ pub(crate) use tube_life::TubeLife;
 pub(crate) use uncertainty::Budget;
 pub(crate) use uncertainty::outlet::drop_ml;
 pub(crate) use uncertainty::pressure_uncertainty_kpa;
-pub use uncertainty::{Share, ShareSource};
 pub(crate) use uncertainty::weighed_shares;
-
+pub use uncertainty::{Share, ShareSource};

@@ -7,8 +7,8 @@ use pump_model::Extremes;
 use pump_model::units::{degrees, radians, rpm};
 use serde::Serialize;
 
-use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 pub use self::by_weight::ByWeightReport;
+use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 use crate::bench::{Bench, Delivered};
 use crate::calibration::{Applied, Made, Weighing};
 use crate::dosing::{

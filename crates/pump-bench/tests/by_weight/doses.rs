@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use pump_bench::{DoseRequest, OrderByWeight};
+use pump_ctl::plan::Cruise;
 
 use crate::plant::{Plant, Truth};
 use crate::{bench, dose, file, g_ml, truth};
@@ -17,7 +18,9 @@ fn a_dose_by_weight_arrives_whatever_the_pump_displaces_and_learns_what_still_fa
     let file = file(1.6, 1000.0);
     let plant = Plant::new(Truth { factor: 1.04, lag_s: 0.5, ..truth(&file) });
     let bench = bench(file, &plant, folder.path());
-    let order = OrderByWeight::new(DoseRequest::dose(6.0));
+    // Slow enough for the flow to stand longer than the balance lags.
+    let request = DoseRequest::dose(6.0).with_cruise(Cruise::Flow { ml_s: 1.5 });
+    let order = OrderByWeight::new(request);
     let (prepared, made) = dose(&bench, &plant, &order);
     let made = made.unwrap();
     assert!(made.completed && made.stretches >= 2, "{made:?}");
@@ -41,8 +44,8 @@ fn a_dose_by_weight_arrives_whatever_the_pump_displaces_and_learns_what_still_fa
 fn a_pump_that_delivers_far_more_than_its_file_says_is_stopped_by_the_balance() {
     let folder = tempfile::tempdir().unwrap();
     let file = file(1.6, 1000.0);
-    // 15 % more, where the file says 5.6 %: the first stretch alone would be too much.
-    let plant = Plant::new(Truth { factor: 1.15, lag_s: 0.2, ..truth(&file) });
+    // 10 % more, where the file is sure to 6 %.
+    let plant = Plant::new(Truth { factor: 1.10, lag_s: 0.2, ..truth(&file) });
     let bench = bench(file, &plant, folder.path());
     let order = OrderByWeight::new(DoseRequest::dose(12.0));
     let (prepared, made) = dose(&bench, &plant, &order);
@@ -87,7 +90,7 @@ fn forty_random_doses_end_within_a_drop_and_never_above_the_ceiling() {
                 let bench = bench(file, &plant, folder.path());
                 let order = OrderByWeight::new(DoseRequest::dose(volume_ml));
                 let (prepared, made) = dose(&bench, &plant, &order);
-                let made = made.unwrap_or_else(|error| panic!("{truth:?}: {error:?}"));
+                let made = made.unwrap_or_else(|error| panic!("{volume_ml} mL: {truth:?}: {error:?}"));
                 let landed_ml = plant.landed_g() / g_ml;
                 // The balance tells what is in the vessel to two roundings, and a filter that has not quite settled.
                 let reported_ml = made.mass_g / g_ml;

@@ -15,7 +15,10 @@ pub(super) const QUIET_S: f64 = 2.0;
 const SEEN_AFTER: Duration = Duration::from_secs(3);
 
 /// Time between two notes of how far the pump has turned.
-const NOTED: Duration = Duration::from_millis(100);
+const NOTED: Duration = Duration::from_millis(20);
+
+/// Longest time for which the notes are kept, beyond what the readings lag behind.
+const KEPT: Duration = Duration::from_secs(5);
 
 /// Reason to stop the motor.
 #[derive(Debug)]
@@ -36,8 +39,10 @@ pub(super) struct Lookout<'a> {
     /// Reading before the stretch, in g.
     pub(super) begun_g: f64,
     pub(super) z_ml_g: f64,
-    /// Flow that still arrives after the last step of a stop, in mL.
-    pub(super) after_ml: f64,
+    /// Time by which a reading lags behind the pump: what it turned for since then still arrives.
+    pub(super) lag: Duration,
+    /// Factor of the pump's volumes.
+    pub(super) factor: f64,
     began: Instant,
     most_g: f64,
     /// Volume of the stretch by the model, and when.
@@ -52,7 +57,8 @@ impl<'a> Lookout<'a> {
         readings: &'a Readings,
         [tare_g, begun_g]: [f64; 2],
         z_ml_g: f64,
-        after_ml: f64,
+        lag: Duration,
+        factor: f64,
     ) -> Self {
         let (began, most_g) = (Instant::now(), begun_g);
         Self {
@@ -61,7 +67,8 @@ impl<'a> Lookout<'a> {
             tare_g,
             begun_g,
             z_ml_g,
-            after_ml,
+            lag,
+            factor,
             began,
             most_g,
             turned: VecDeque::new(),
@@ -90,7 +97,8 @@ impl<'a> Lookout<'a> {
         }
         self.most_g = self.most_g.max(mass_g);
         let weighed_ml = (mass_g - self.tare_g) * self.z_ml_g;
-        let enough = weighed_ml + self.after_ml + stop_ml() >= self.aim.enough_ml();
+        let under_way_ml = turned_ml - self.turned_until(sample.at.checked_sub(self.lag)) + stop_ml();
+        let enough = weighed_ml + self.factor * under_way_ml >= self.aim.enough_ml();
         enough.then_some(Stop::Enough)
     }
 
@@ -99,9 +107,15 @@ impl<'a> Lookout<'a> {
         if self.turned.back().is_none_or(|(at, _)| now - *at >= NOTED) {
             self.turned.push_back((now, turned_ml));
         }
-        while self.turned.get(1).is_some_and(|(at, _)| now - *at >= SEEN_AFTER) {
+        while self.turned.get(1).is_some_and(|(at, _)| now - *at >= KEPT + self.lag) {
             self.turned.pop_front();
         }
+    }
+
+    /// Returns the volume by the model that the stretch had turned for at an instant, in mL: 0 before its first note.
+    fn turned_until(&self, at: Option<Instant>) -> f64 {
+        let note = self.turned.iter().rev().find(|(noted, _)| at.is_some_and(|at| *noted <= at));
+        note.map_or(0.0, |(_, turned_ml)| *turned_ml)
     }
 
     /// Returns the fault that a reading shows.
@@ -111,10 +125,9 @@ impl<'a> Lookout<'a> {
         if fallen_ml > 2.0 + self.aim.drop_ml + 10.0 * self.aim.digit_ml {
             return Some(WeightFault::Fell { from_g: self.most_g, to_g: mass_g });
         }
-        let (at, long_ago_ml) = *self.turned.front()?;
+        let long_ago_ml = self.turned_until(now.checked_sub(SEEN_AFTER.max(2 * self.lag)));
         let rose_g = mass_g - self.begun_g;
-        let is_long_ago = now - at >= SEEN_AFTER;
-        (is_long_ago && rose_g * self.z_ml_g < self.aim.least_rise_ml(long_ago_ml))
+        (rose_g * self.z_ml_g < self.aim.least_rise_ml(long_ago_ml))
             .then_some(WeightFault::NotRising { rose_g, turned_ml: long_ago_ml })
     }
 }

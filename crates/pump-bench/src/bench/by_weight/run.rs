@@ -242,8 +242,9 @@ impl Session<'_> {
         let (mut stop, steps) = (None, part.plan.steps().unsigned_abs());
         let (moved, at_rest_g, last_g) = Readings::while_running(balance, user_stop, |readings| {
             let read_g = [course.tare_g, course.shown_g];
-            let after_ml = course.after_ml(part.plan.cruise_flow_ml_s(&part.model));
-            let mut lookout = Lookout::new(&course.aim, readings, read_g, course.prepared.z_ml_g, after_ml);
+            let (lag, factor) = (Duration::from_secs_f64(course.reckoned().0), course.factor());
+            let z_ml_g = course.prepared.z_ml_g;
+            let mut lookout = Lookout::new(&course.aim, readings, read_g, z_ml_g, lag, factor);
             let moved = self.perform(&motion, |made| {
                 if user(made).is_break() {
                     return ControlFlow::Break(());
@@ -314,10 +315,9 @@ impl<'p> Course<'p> {
         }
     }
 
-    /// Returns the volume that still arrives after a stop from this flow by the model, in mL.
-    fn after_ml(&self, flow_ml_s: f64) -> f64 {
-        let (factor, _) = self.aim.factor(self.weighed_ml(), self.turned_ml);
-        self.reckoned().0 * flow_ml_s.abs() * factor
+    /// Returns the factor of the pump's volumes by what has arrived.
+    fn factor(&self) -> f64 {
+        self.aim.factor(self.weighed_ml(), self.turned_ml).0
     }
 
     /// Adds a stretch that was made.

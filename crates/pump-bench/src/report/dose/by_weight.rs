@@ -62,7 +62,8 @@ impl DoseReport {
         warnings.extend(delivered.warnings.iter().cloned());
         if delivered.dropped_ml != 0.0 {
             let carry = microlitres(delivered.dropped_ml);
-            warnings.push(Notice::from(format!("the carry of {carry} is dropped: the balance ended the dose")));
+            warnings
+                .push(Notice::from(format!("the carry of {carry} is dropped: the balance ended the dose")));
         }
         let after = delivered.after_stop;
         Self {
@@ -114,7 +115,10 @@ impl ByWeightReport {
                 let now = mean_s.zip(stops).map_or(String::new(), |(mean_s, stops)| {
                     format!(", on record now {} s of {stops} stops", significant(mean_s, 2))
                 });
-                format!("; after a stop {} s of flow were reckoned with ({source}){now}", significant(time_s, 2))
+                format!(
+                    "; after a stop {} s of flow were reckoned with ({source}){now}",
+                    significant(time_s, 2)
+                )
             }
             _ => String::new(),
         };
