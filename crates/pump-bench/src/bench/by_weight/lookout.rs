@@ -118,6 +118,11 @@ impl<'a> Lookout<'a> {
         note.map_or(0.0, |(_, turned_ml)| *turned_ml)
     }
 
+    /// Returns the notes of how far the pump had turned, in mL by the model, and when.
+    pub(super) fn notes(self) -> VecDeque<(Instant, f64)> {
+        self.turned
+    }
+
     /// Returns the fault that a reading shows.
     fn fault_of(&self, now: Instant, mass_g: f64) -> Option<WeightFault> {
         let fallen_ml = (self.most_g - mass_g) * self.z_ml_g;

@@ -1,5 +1,6 @@
 //! A dose by weight under way: stretch after stretch, each weighed.
 
+use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -87,6 +88,10 @@ struct StretchEnd {
     stop: Option<Stop>,
     /// Reading when the motor came to rest, in g.
     at_rest_g: Option<f64>,
+    /// Volumes by the model that the pump had turned for, in mL, and when.
+    notes: VecDeque<(Instant, f64)>,
+    /// Instant at which the motor came to rest.
+    stood: Instant,
     /// Last reading, in g.
     last_g: Option<f64>,
     stopped_by_user: bool,
@@ -235,35 +240,39 @@ impl Session<'_> {
             stopped_by_user |= flow.is_break();
             flow
         };
+        let (mut stop, steps) = (None, part.plan.steps().unsigned_abs());
         if self.bench.is_simulated() {
             let moved = self.perform(&motion, &mut user)?;
-            return Ok(StretchEnd { moved, stop: None, at_rest_g: None, last_g: None, stopped_by_user });
+            let (notes, stood) = (VecDeque::new(), Instant::now());
+            let unread =
+                StretchEnd { moved, stop, at_rest_g: None, notes, stood, last_g: None, stopped_by_user };
+            return Ok(unread);
         }
-        let (mut stop, steps) = (None, part.plan.steps().unsigned_abs());
-        let (moved, at_rest_g, last_g) = Readings::while_running(balance, user_stop, |readings| {
-            let read_g = [course.tare_g, course.shown_g];
-            let (lag, factor) = (Duration::from_secs_f64(course.reckoned().0), course.factor());
-            let z_ml_g = course.prepared.z_ml_g;
-            let mut lookout = Lookout::new(&course.aim, readings, read_g, z_ml_g, lag, factor);
-            let moved = self.perform(&motion, |made| {
-                if user(made).is_break() {
-                    return ControlFlow::Break(());
-                }
-                // The motor has been told to stop, or has made all: the line settles now.
-                if stop.is_some() || made >= steps {
-                    return ControlFlow::Continue(());
-                }
-                let turned_ml = part.plan.delivered_ml(&part.model, made);
-                let stop_ml = || part.plan.stop(&part.model, made).map_or(0.0, |plan| plan.planned_ml());
-                stop = lookout.look(turned_ml, stop_ml);
-                if stop.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        let (moved, at_rest_g, last_g, notes, stood) =
+            Readings::while_running(balance, user_stop, |readings| {
+                let read_g = [course.tare_g, course.shown_g];
+                let (lag, factor) = (Duration::from_secs_f64(course.reckoned().0), course.factor());
+                let z_ml_g = course.prepared.z_ml_g;
+                let mut lookout = Lookout::new(&course.aim, readings, read_g, z_ml_g, lag, factor);
+                let moved = self.perform(&motion, |made| {
+                    if user(made).is_break() {
+                        return ControlFlow::Break(());
+                    }
+                    // The motor has been told to stop, or has made all: the line settles now.
+                    if stop.is_some() || made >= steps {
+                        return ControlFlow::Continue(());
+                    }
+                    let turned_ml = part.plan.delivered_ml(&part.model, made);
+                    let stop_ml = || part.plan.stop(&part.model, made).map_or(0.0, |plan| plan.planned_ml());
+                    stop = lookout.look(turned_ml, stop_ml);
+                    if stop.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+                })?;
+                let stood = self.device.as_ref().map_or(Instant::now(), |device| device.holds_since);
+                let mass_g = |sample: super::readings::Sample| sample.reading.mass_g;
+                let at_rest_g = readings.last_until(stood).map(mass_g);
+                Ok::<_, DoseError>((moved, at_rest_g, readings.last().map(mass_g), lookout.notes(), stood))
             })?;
-            let stood = self.device.as_ref().map_or(Instant::now(), |device| device.holds_since);
-            let mass_g = |sample: super::readings::Sample| sample.reading.mass_g;
-            let at_rest_g = readings.last_until(stood).map(mass_g);
-            Ok::<_, DoseError>((moved, at_rest_g, readings.last().map(mass_g)))
-        })?;
-        Ok(StretchEnd { moved, stop, at_rest_g, last_g, stopped_by_user })
+        Ok(StretchEnd { moved, stop, at_rest_g, notes, stood, last_g, stopped_by_user })
     }
 
     /// Waits until the last drop has fallen, or `watch` breaks.
@@ -340,12 +349,12 @@ impl<'p> Course<'p> {
         let Some(at_rest_g) = end.at_rest_g else { return };
         let (part, arrived_ml) = (&stretch.part, self.weighed_ml() - begun_ml);
         let turned_ml = part.plan.delivered_ml(&part.model, end.moved.made);
-        let flow_ml_s = part.plan.cruise_flow_ml_s(&part.model).abs() * arrived_ml / turned_ml;
-        let after_s = (reading.mass_g - at_rest_g) * self.prepared.z_ml_g / flow_ml_s;
-        // The time shows only where the flow stood for longer than the balance needs, and drops are few beside it.
-        let stood_s = end.moved.measured_s - 2.0 * self.reckoned().0;
-        let is_clear = flow_ml_s * after_s.max(0.1) > 2.0 * self.aim.drop_ml + 2.0 * self.aim.digit_ml;
-        if stood_s > 0.0 && is_clear && (0.0..30.0).contains(&after_s) {
+        // The flow pulsates, so the model tells how long ago the pump had turned for what was still missing.
+        let missing_ml = (reading.mass_g - at_rest_g) * self.prepared.z_ml_g * turned_ml / arrived_ml;
+        let before = end.notes.iter().rev().find(|(_, noted_ml)| turned_ml - noted_ml >= missing_ml);
+        let is_clear = missing_ml > 2.0 * (self.aim.drop_ml + self.aim.digit_ml);
+        if let Some((at, _)) = before.filter(|_| is_clear) {
+            let after_s = end.stood.saturating_duration_since(*at).as_secs_f64();
             self.after_stop = Some(AfterStop::with(self.after_stop, after_s));
         }
     }
