@@ -55,7 +55,8 @@ impl ReadingOptions {
         self.scale.is_some()
     }
 
-    /// The scatter that is expected of the readings of a balance with this step of its last digit, in g. `--scale` wins,
+    /// The scatter that is expected of the readings of a balance with this step of its last digit, in g. `--scale`
+    /// wins,
     /// and without it the step is said.
     pub(super) fn expected_by_balance(&self, bench: &Bench, digit_g: Option<f64>) -> Expected {
         let Some(digit_g) = digit_g.filter(|_| !self.has_scale()) else { return self.expected(bench) };

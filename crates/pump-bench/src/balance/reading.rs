@@ -13,7 +13,8 @@ pub struct BalanceReading {
 }
 
 impl BalanceReading {
-    /// Returns the standard uncertainty of the difference of two readings with this last digit, in g. Each is unsure by a
+    /// Returns the standard uncertainty of the difference of two readings with this last digit, in g. Each is unsure
+    /// by a
     /// step over the square root of 12 (GUM, F.2.2.1).
     pub fn difference_standard_g(&self) -> f64 {
         self.step_g * libm::sqrt(2.0 / 12.0)

@@ -122,7 +122,8 @@ impl Bench {
         Ok(found)
     }
 
-    /// Plans the dose, and what it would be if it were slow from its beginning: speeds are refused before anything moves.
+    /// Plans the dose, and what it would be if it were slow from its beginning: speeds are refused before anything
+    /// moves.
     fn plan_by_weight(
         &self,
         file: &PumpFile,

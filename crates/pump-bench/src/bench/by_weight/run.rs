@@ -33,7 +33,8 @@ const FALLEN_AFTER: Duration = Duration::from_millis(800);
 /// Time in which a drop falls 0.1 m: sqrt(2 h/g).
 const FALL_S: f64 = 0.143;
 
-/// Delay of a balance's filter where nobody knows it, in s. Makers state settling times of 1 to 3 s for a load that is put
+/// Delay of a balance's filter where nobody knows it, in s. Makers state settling times of 1 to 3 s for a load that
+/// is put
 /// on at once (Mettler-Toledo, data sheets of the MS-TS and ME lines), a few time constants.
 const FILTER_S: f64 = 0.5;
 
@@ -100,7 +101,8 @@ struct StretchEnd {
 impl Session<'_> {
     /// Makes a dose that `balance` ends, and records its end. The vessel stands on the balance with whatever it holds.
     ///
-    /// `watch` is called now and then with the steps of the stretch under way. When it breaks, the motor decelerates and
+    /// `watch` is called now and then with the steps of the stretch under way. When it breaks, the motor decelerates
+    /// and
     /// holds, and the dose stays unfinished. A simulated motor takes no time, so no reading follows it: each of its
     /// stretches is weighed at its end.
     ///
@@ -312,7 +314,8 @@ impl<'p> Course<'p> {
         }
     }
 
-    /// Returns the time of flow that still arrives after a stop, in s, and whether it was learned: mean and spread of what
+    /// Returns the time of flow that still arrives after a stop, in s, and whether it was learned: mean and spread
+    /// of what
     /// doses have found, or the model's. The line empties with its time constant R C; then come fall and filter.
     fn reckoned(&self) -> (f64, bool) {
         match self.after_stop {
@@ -387,7 +390,8 @@ impl Bench {
     }
 }
 
-/// Reads a balance at rest: two readings that stand still and agree to a digit. A balance may call a slow trickle still.
+/// Reads a balance at rest: two readings that stand still and agree to a digit. A balance may call a slow trickle
+/// still.
 fn at_rest(
     balance: &mut dyn Balance,
     longest: Duration,

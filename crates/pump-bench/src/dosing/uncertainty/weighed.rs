@@ -11,7 +11,8 @@ use crate::pump_file::PumpFile;
 /// file's number has three or four digits.
 const STATED_DENSITY: f64 = 1e-3;
 
-/// Standard uncertainty of the density of air, as a part of it: pressure to 1 kPa and 1 °C of 100 kPa and 300 K. Humidity
+/// Standard uncertainty of the density of air, as a part of it: pressure to 1 kPa and 1 °C of 100 kPa and 300 K.
+/// Humidity
 /// adds 0.4 % (OIML R 111-1:2004, E.3, from 30 to 80 %).
 const AIR: f64 = 0.012;
 
@@ -20,7 +21,8 @@ const BUOYANCY: f64 = 1.2e-3;
 
 /// Returns the shares of a volume of `volume_ml` that a balance showed, and the expanded uncertainty in mL, k = 2.
 ///
-/// `reading_ml` is the standard uncertainty of the difference of two readings. A drop of `drop_ml` hangs at the nozzle and
+/// `reading_ml` is the standard uncertainty of the difference of two readings. A drop of `drop_ml` hangs at the
+/// nozzle and
 /// may fall yet: rectangular, V/sqrt(12) (GUM, JCGM 100:2008, 4.3.7). Before the dose another hung there, which the
 /// balance has seen fall.
 ///
