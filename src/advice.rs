@@ -78,6 +78,9 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SayUnknownAngle => "if nobody knows the angle, say `dose home --unknown`",
         Remedy::FinishOrLeave => "`dose resume` makes the rest, `dose discard` leaves it",
         Remedy::AcceptInstead => "`dose discard` accepts the dose as it is instead",
+        Remedy::AcceptAndWeigh => {
+            "`dose discard` accepts it instead; then weigh the vessel, and dose by weight what it lacks"
+        }
         Remedy::NoteNewTube => "have a new one ready and say `dose tube --new` once it is in",
         Remedy::Weigh => "`dose calibrate run` weighs what it delivers",
         Remedy::CalibrateRuns => "say `dose calibrate run`",

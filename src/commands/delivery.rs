@@ -16,7 +16,8 @@ use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
 use crate::terminal::{announce, noted, print, progress_bar, tell, warn};
 
 /// The message after a signal.
-const STOPPED: &str = "stopped by the user; `dose resume` makes the rest, `dose discard` leaves it";
+pub(super) const STOPPED: &str =
+    "stopped by the user; `dose resume` makes the rest, `dose discard` leaves it";
 
 /// Most rows of a file: more are a mistake and would fill disks (a row has up to 150 bytes).
 const MAX_ROWS: f64 = 1e8;

@@ -4,8 +4,9 @@ use clap::Args;
 use pump_bench::record::Purpose;
 use pump_bench::units;
 
-use super::{batch, delivery};
+use super::{batch, by_weight, delivery};
 use crate::failure::Failure;
+use crate::options::balance::{BalanceOptions, ByWeightOptions};
 use crate::options::batch::BatchOptions;
 use crate::options::dosing::DosingOptions;
 use crate::options::finish::FinishOption;
@@ -25,6 +26,10 @@ pub(crate) struct DoseArgs {
     #[arg(long, value_name = "VOLUME", value_parser = units::volume_ml, help_heading = "Amount and speed")]
     retract: Option<f64>,
     #[command(flatten)]
+    by_weight: ByWeightOptions,
+    #[command(flatten)]
+    balance: BalanceOptions,
+    #[command(flatten)]
     batch: BatchOptions,
 }
 
@@ -42,11 +47,21 @@ impl DoseArgs {
         if let Some(schedule) = &schedule {
             batch::refuse_files(options, schedule.count())?;
         }
+        self.by_weight.check(&self.balance)?;
+        if self.by_weight.until_scale && schedule.is_some() {
+            return Err(Failure::refused(
+                "--until-scale makes one dose; a batch by weight is one command for each vessel",
+            ));
+        }
         let bench = options.bench()?;
         let request = options
             .request(Purpose::Dose, &asked, bench.file())?
             .with_finish(self.finish.finish())
             .with_retraction(self.retract);
+        if self.by_weight.until_scale {
+            let typed = options.typed(&asked);
+            return by_weight::run(&bench, request, &typed, &self.by_weight, &self.balance, options);
+        }
         match schedule {
             Some(schedule) => {
                 batch::run(&bench, request, &options.typed(&asked), schedule, self.batch.every, options)

@@ -1,6 +1,7 @@
 //! The commands, a file each; a command with subcommands is a folder.
 
 mod batch;
+mod by_weight;
 pub(crate) mod calibrate;
 pub(crate) mod completions;
 pub(crate) mod config;

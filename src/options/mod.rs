@@ -1,5 +1,6 @@
 //! The groups of options that commands are made of, a file each.
 
+pub(crate) mod balance;
 pub(crate) mod batch;
 pub(crate) mod bench;
 pub(crate) mod choice;

@@ -116,6 +116,9 @@ fn a_balance_at_a_serial_port_calibrates_without_a_hand() {
         let found = user.json(&[&run[..], &["--scale-port", &balance.path], &options].concat());
         let factor = number(&found["displacement"], "factor");
         assert!((factor - KAPPA).abs() < 6e-4, "{factor}");
+        // The digits of the balance say how sure a reading of 21.3 mL is.
+        let reading = number(&found["displacement"], "reading");
+        assert!((reading - 0.01 * (2.0_f64 / 12.0).sqrt() / 21.3185).abs() < 2e-6, "{reading}");
         assert_eq!(found["runs"].as_array().unwrap().len(), 3);
     }
 }
@@ -156,4 +159,77 @@ fn a_balance_that_cannot_be_read_moves_nothing() {
     assert!(said.contains("twelve"), "{said}");
     let journal = fs::read_to_string(journal(&user)).unwrap_or_default();
     assert!(!journal.contains("intent"), "{journal}");
+}
+
+#[test]
+fn a_dose_by_weight_ends_where_the_balance_says_on_the_simulated_motor() {
+    let user = User::new();
+    let balance = SimulatedBalance::start(journal(&user), Speech::MtSics);
+    let scale = ["--until-scale", "--scale-port", &balance.path];
+    let found = user.json(&[&["25g"][..], &scale].concat());
+    let weighed = &found["by_weight"];
+    assert!((number(weighed, "mass_g") - 25.0).abs() <= 0.035, "{found}");
+    assert_eq!(found["volume_basis"], "weighed");
+    // The pump delivers 4 % more than its model: 25 g are 25.096 mL, and the model turned for 24.13.
+    assert!((number(&found, "delivered_ml") - number(weighed, "mass_g") * Z_ML_G).abs() < 1e-3, "{found}");
+    assert!((number(weighed, "turned_ml") - 25.096 / KAPPA).abs() < 0.05, "{found}");
+    assert!(number(weighed, "turned_ml") <= number(weighed, "most_ml"));
+    assert!(number(weighed, "stretches") >= 2.0 && number(&found, "carry_ml") == 0.0);
+    assert!(number(&found, "expanded_uncertainty_ml") < 0.06, "{found}");
+    // The next dose starts afresh, and its balance is the same.
+    let again = user.json(&[&["5mL"][..], &scale].concat());
+    assert!((number(&again, "delivered_ml") - 5.0).abs() <= 0.04, "{again}");
+    let text = user.types(&[&["3g"][..], &scale].concat());
+    assert!(
+        text.code == 0 && text.out.contains("by weight: ") && text.out.contains(" g of 3.00 g"),
+        "{}",
+        text.out
+    );
+}
+
+#[test]
+fn what_does_not_go_with_a_dose_by_weight_is_refused() {
+    let user = User::new();
+    for (words, part) in [
+        (&["5mL", "--until-scale"][..], "--scale-port"),
+        (&["5mL", "--scale-command", "echo 1 g"], "--until-scale"),
+        (&["5mL", "--until-scale", "--scale-command", "echo 1 g", "--repeat", "3"], "one dose"),
+        (&["-5mL", "--until-scale", "--scale-command", "echo 1 g"], "forward"),
+        (&["5mL", "--until-scale", "--scale-command", "echo 1 oz"], "1 oz"),
+        (&["5mL", "--until-scale", "--scale-command", "echo 1 g", "--steps", "a.csv"], "--steps"),
+    ] {
+        let said = user.is_refused(words);
+        assert!(said.contains(part), "{words:?}: {said}");
+    }
+}
+
+#[test]
+fn a_balance_that_never_rises_is_a_fault_and_the_dose_is_left_unfinished() {
+    let user = User::new();
+    let answer = user.types(&["25mL", "--until-scale", "--scale-command", "echo 50.00 g"]);
+    assert_eq!(answer.code, 1, "{}", answer.err);
+    assert!(
+        answer.err.contains("is the vessel on it") && answer.err.contains("by the model"),
+        "{}",
+        answer.err
+    );
+    assert_eq!(user.types(&["5mL"]).code, 4);
+    let resumed = user.json(&["resume", "--dry-run"]);
+    let warnings = resumed["warnings"].to_string();
+    assert!(warnings.contains("made by volume") && warnings.contains("dose discard"), "{warnings}");
+    assert_eq!(user.types(&["discard"]).code, 0);
+}
+
+#[test]
+fn the_last_dose_is_calibrated_by_what_a_balance_shows() {
+    let user = User::new();
+    user.json(&["30mL"]);
+    let found = user.json(&["calibrate", "last", "--scale-command", "echo 30.50 g"]);
+    assert!((number(&found["displacement"], "factor") - 30.5 * Z_ML_G / 30.0).abs() < 2e-4, "{found}");
+    let reading = number(&found["displacement"], "reading");
+    assert!((reading - 0.01 * (2.0_f64 / 12.0).sqrt() / 30.0).abs() < 2e-6, "{reading}");
+    let said = user.types(&["calibrate", "last", "--scale-command", "echo -0.02 g"]);
+    assert!(said.code == 2 && said.err.contains("tare"), "{}", said.err);
+    let said = user.types(&["calibrate", "last", "30g", "--scale-command", "echo 30 g"]);
+    assert_eq!(said.code, 2, "{}", said.err);
 }

@@ -43,7 +43,10 @@ pub mod sizing;
 pub mod units;
 pub mod words;
 
-pub use bench::{Accepted, AngleSet, Bench, Delivered, NewTube, Rehearsal, Session};
+pub use bench::{
+    Accepted, AngleSet, Bench, Delivered, DeliveredByWeight, NewTube, OrderByWeight, PreparedByWeight,
+    Rehearsal, Session,
+};
 pub use catalogue::{built_in, pump_named};
 pub use dosing::{DoseError, DoseRequest, Prepared};
 pub use pump_file::PumpFile;

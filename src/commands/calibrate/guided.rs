@@ -155,6 +155,8 @@ pub(super) struct Weighed {
     pub(super) runs: Vec<CalibrationRun>,
     /// True if the rotor turned for some of them in this call.
     pub(super) has_moved: bool,
+    /// Step of the balance's last digit, in g. `None` if a person typed the readings.
+    pub(super) digit_g: Option<f64>,
 }
 
 /// Runs under guidance.
@@ -204,9 +206,9 @@ pub(super) fn runs(bench: &Bench, course: &GuidedCourse, scale: Scale) -> Result
         guide.log.begin(&planned)?;
     }
     let weighed = guide.weigh_all(&planned, runs, begins);
-    let has_moved = guide.session.has_moved();
+    let (has_moved, digit_g) = (guide.session.has_moved(), guide.scale.digit_g());
     match weighed {
-        Ok(runs) => Ok(runs.map(|runs| Weighed { runs, has_moved })),
+        Ok(runs) => Ok(runs.map(|runs| Weighed { runs, has_moved, digit_g })),
         Err(failure) if has_moved => Err(failure.after_motion().with(&format!("; {}", kept(bench)))),
         Err(failure) => Err(failure),
     }

@@ -5,16 +5,19 @@ use libm::sqrt;
 use pump_bench::Bench;
 use pump_bench::calibration::{CalibrationRun, Displacement, Earlier, Expected, Stored, WeighedDose};
 use pump_bench::report::{calibration_json, calibration_text};
-use pump_bench::units::{StatedReading, stated_reading};
+use pump_bench::units::{Amount, StatedReading, stated_reading};
 use pump_model::identification::widening;
 
 use super::reading::{NOTHING_KEPT, ReadingOptions, next_number};
+use super::scale::{digits_said, shown as shown_mass, still};
 use crate::advice;
 use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::options::balance::BalanceOptions;
 use crate::options::bench::RecordOptions;
 use crate::options::fluid::FluidOptions;
 use crate::options::report::FormatOption;
-use crate::terminal::{print, tell};
+use crate::terminal::{print, say, tell};
 
 /// Part of the uncertainty that more doses must leave at most, so that they are worth their time.
 const SURER: f64 = 0.9;
@@ -27,7 +30,11 @@ pub(super) struct LastArgs {
     /// Reading of the scale or vessel for the last dose, as 23.8g or 24mL. Without --scale, its last digit says how
     /// sure it is
     #[arg(value_name = "READING", value_parser = stated_reading)]
-    reading: StatedReading,
+    #[arg(required_unless_present_any = ["scale_port", "scale_command"])]
+    #[arg(conflicts_with_all = ["scale_port", "scale_command"])]
+    reading: Option<StatedReading>,
+    #[command(flatten)]
+    balance: BalanceOptions,
     /// Join the reading to the runs of the calibration in use, whatever made them
     #[arg(long)]
     add: bool,
@@ -54,13 +61,13 @@ impl LastArgs {
         self.fluid.change(&mut file)?;
         let bench = self.record.bench_of(file, None)?;
         let _held = bench.folder().lock()?;
+        let reading = self.reading()?;
         let expected = if self.options.has_scale() {
             self.options.expected(&bench)
         } else {
-            Expected::of_digits(bench.file(), &self.reading)
+            Expected::of_digits(bench.file(), &reading)
         };
-        let weighed =
-            bench.weigh_last_dose(&self.reading, self.fluid.temperature, self.earlier(), &expected)?;
+        let weighed = bench.weigh_last_dose(&reading, self.fluid.temperature, self.earlier(), &expected)?;
         let WeighedDose { run, mut calibration, .. } = weighed;
         calibration.tube = self.options.tube.clone().or(calibration.tube);
         calibration.note = self.options.note.clone();
@@ -70,6 +77,26 @@ impl LastArgs {
             bench.keep_calibration(calibration)?
         };
         self.report(&bench, &stored, &run)
+    }
+
+    /// The reading that was typed, or that of the balance once it stands still. The balance was tared with the empty
+    /// vessel before the dose.
+    fn reading(&self) -> Result<StatedReading, Failure> {
+        if let Some(reading) = self.reading {
+            return Ok(reading);
+        }
+        let missing = || Failure::refused("what does the scale show? Write it, as 23.8g, or name a balance");
+        let mut balance = self.balance.open()?.ok_or_else(missing)?;
+        let _interrupt = Interrupt::watch()?;
+        let shown = still(balance.as_mut(), self.balance.longest_wait())?;
+        let text = shown_mass(shown.mass_g, shown.step_g);
+        if shown.mass_g <= 0.0 {
+            return Err(Failure::refused(format!(
+                "the balance shows {text}; tare it with the empty vessel before the dose, and weigh after it"
+            )));
+        }
+        say(&format!("the balance shows {text}{}\n", digits_said(shown.step_g, self.options.has_scale())));
+        Ok(StatedReading { amount: Amount::Mass(shown.mass_g), resolution: Amount::Mass(shown.step_g) })
     }
 
     fn earlier(&self) -> Earlier {

@@ -1,7 +1,6 @@
 //! `dose calibrate`: what the pump really delivers.
 
 mod answers;
-mod balance;
 mod guided;
 mod last;
 mod list;

@@ -7,10 +7,12 @@ use pump_bench::Bench;
 use pump_bench::calibration::{Calibration, CalibrationError, Expected, Stored};
 use pump_bench::files::{MOST_TABLE_BYTES, read_text};
 use pump_bench::report::ErrorKind;
-use pump_bench::units::{self, Amount};
+use pump_bench::units::{self, Amount, StatedReading};
 use pump_model::Shown;
 
+use super::scale::{digits_said, shown};
 use crate::failure::Failure;
+use crate::terminal::say;
 
 /// Facts about the readings.
 #[derive(Debug, Args)]
@@ -51,6 +53,20 @@ impl ReadingOptions {
     /// True if the uncertainty of a reading is given.
     pub(super) fn has_scale(&self) -> bool {
         self.scale.is_some()
+    }
+
+    /// The scatter that is expected of the readings of a balance with this step of its last digit, in g. `--scale`
+    /// wins,
+    /// and without it the step is said.
+    pub(super) fn expected_by_balance(&self, bench: &Bench, digit_g: Option<f64>) -> Expected {
+        let Some(digit_g) = digit_g.filter(|_| !self.has_scale()) else { return self.expected(bench) };
+        say(&format!(
+            "the balance shows steps of {}{}\n",
+            shown(digit_g, digit_g),
+            digits_said(digit_g, false)
+        ));
+        let reading = StatedReading { amount: Amount::Mass(digit_g), resolution: Amount::Mass(digit_g) };
+        Expected::of_digits(bench.file(), &reading)
     }
 
     /// The scatter that is expected of the readings of a bench.

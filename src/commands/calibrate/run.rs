@@ -8,12 +8,12 @@ use pump_bench::calibration::{Calibration, CalibrationRun, Fit, RunLog, Source, 
 use pump_bench::report::{ErrorKind, calibration_json, calibration_text};
 use pump_bench::units;
 
-use super::balance::BalanceOptions;
 use super::guided::{self, GuidedCourse, Weighed, kept};
 use super::reading::{NOTHING_KEPT, ReadingOptions, in_table, next_number, read};
 use super::scale::Scale;
 use crate::advice;
 use crate::failure::Failure;
+use crate::options::balance::BalanceOptions;
 use crate::options::bench::BenchOptions;
 use crate::options::choice::choice;
 use crate::options::fluid::FluidOptions;
@@ -98,14 +98,14 @@ impl RunArgs {
         };
         let steps_per_rev = bench.file().limits().motor.steps_per_rev;
         let runs = in_table(path, runs_of_csv(&read(path)?, steps_per_rev))?;
-        let stored = self.keep(&bench, Source::File, runs)?;
+        let stored = self.keep(&bench, Source::File, runs, None)?;
         self.report(&bench, &stored)
     }
 
     /// Keeps the calibration of guided runs, and removes their log.
     fn guided(&self, bench: &Bench, weighed: Weighed) -> Result<(), Failure> {
-        let Weighed { runs, has_moved } = weighed;
-        let stored = match self.keep(bench, Source::Guided, runs) {
+        let Weighed { runs, has_moved, digit_g } = weighed;
+        let stored = match self.keep(bench, Source::Guided, runs, digit_g) {
             Ok(stored) => stored,
             Err(failure) => {
                 let failure = if has_moved { failure.after_motion() } else { failure };
@@ -123,10 +123,16 @@ impl RunArgs {
     }
 
     /// Fits the runs and has doses use what they show.
-    fn keep(&self, bench: &Bench, source: Source, runs: Vec<CalibrationRun>) -> Result<Stored, Failure> {
+    fn keep(
+        &self,
+        bench: &Bench,
+        source: Source,
+        runs: Vec<CalibrationRun>,
+        digit_g: Option<f64>,
+    ) -> Result<Stored, Failure> {
         let _held = bench.folder().lock()?;
         let before = bench.calibrations().active()?.map(|active| active.calibration);
-        let expected = self.reading.expected(bench);
+        let expected = self.reading.expected_by_balance(bench, digit_g);
         let mut calibration =
             Calibration::of_runs(bench.file(), source, runs, self.fit, &expected, before.as_ref())?;
         calibration.tube = self.reading.tube.clone();

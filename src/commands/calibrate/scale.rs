@@ -7,9 +7,9 @@ use pump_bench::balance::{Balance, BalanceReading};
 use pump_bench::calibration::Reading;
 
 use super::answers::{Answer, Answers};
-use super::balance::BalanceOptions;
 use crate::failure::Failure;
 use crate::interrupt::{self, Interrupt};
+use crate::options::balance::BalanceOptions;
 use crate::terminal::say;
 
 /// Source of the readings.
@@ -17,21 +17,29 @@ pub(super) enum Scale {
     /// A person at the keyboard, or a file in their place.
     Person(Answers),
     /// A balance, with the mass that it showed before the last motion, and the longest wait for it.
-    Balance { balance: Box<dyn Balance>, before: Option<BalanceReading>, longest: Duration },
+    Balance {
+        balance: Box<dyn Balance>,
+        before: Option<BalanceReading>,
+        longest: Duration,
+        /// Largest step of the last digit that was seen, in g.
+        digit_g: f64,
+    },
 }
 
 impl Scale {
     /// The balance that is named, or else a person.
     pub(super) fn of(options: &BalanceOptions) -> Result<Self, Failure> {
         Ok(match options.open()? {
-            Some(balance) => Self::Balance { balance, before: None, longest: options.longest_wait() },
+            Some(balance) => {
+                Self::Balance { balance, before: None, longest: options.longest_wait(), digit_g: 0.0 }
+            }
             None => Self::Person(Answers::new()),
         })
     }
 
     /// Reads the balance before a motion. A person tares the vessel.
     pub(super) fn before(&mut self) -> Result<(), Failure> {
-        if let Self::Balance { balance, before, longest } = self {
+        if let Self::Balance { balance, before, longest, .. } = self {
             *before = Some(still(balance.as_mut(), *longest)?);
         }
         Ok(())
@@ -46,8 +54,9 @@ impl Scale {
     ) -> Result<Answer, Failure> {
         match self {
             Self::Person(answers) => answers.reading(question, session, interrupt),
-            Self::Balance { balance, before, longest } => {
+            Self::Balance { balance, before, longest, digit_g } => {
                 let after = still(balance.as_mut(), *longest)?;
+                *digit_g = digit_g.max(after.step_g);
                 let mass_g = after.mass_g - before.map_or(0.0, |before| before.mass_g);
                 say(&format!("{question}: {} more on the balance\n", shown(mass_g, after.step_g)));
                 if mass_g <= 0.0 {
@@ -77,6 +86,14 @@ impl Scale {
         }
     }
 
+    /// The step of the balance's last digit, in g, once it was read.
+    pub(super) fn digit_g(&self) -> Option<f64> {
+        match self {
+            Self::Balance { digit_g, .. } if *digit_g > 0.0 => Some(*digit_g),
+            Self::Balance { .. } | Self::Person(_) => None,
+        }
+    }
+
     /// True if a reading that cannot be right is asked for again.
     pub(super) fn can_repeat(&self) -> bool {
         matches!(self, Self::Person(_))
@@ -84,12 +101,21 @@ impl Scale {
 }
 
 /// Reads a balance that stands still.
-fn still(balance: &mut dyn Balance, longest: Duration) -> Result<BalanceReading, Failure> {
+pub(super) fn still(balance: &mut dyn Balance, longest: Duration) -> Result<BalanceReading, Failure> {
     balance.read_still(longest, &interrupt::stop_request()).map_err(Failure::of)
 }
 
 /// A mass with the digits of the balance.
-fn shown(mass_g: f64, step_g: f64) -> String {
+pub(super) fn shown(mass_g: f64, step_g: f64) -> String {
     let decimals = (-libm::log10(step_g)).clamp(0.0, 6.0).round() as usize;
     format!("{mass_g:.decimals$} g")
+}
+
+/// The words on how sure a reading with this last digit is, unless the user says it.
+pub(super) fn digits_said(step_g: f64, is_stated: bool) -> String {
+    if is_stated {
+        return String::new();
+    }
+    let standard_g = pump_bench::balance::BalanceReading { mass_g: 0.0, step_g }.difference_standard_g();
+    format!("; by its last digit it is sure to {standard_g:.1e} g (--scale says it otherwise)")
 }

@@ -9,12 +9,12 @@ use pump_bench::units::{self, Amount};
 use pump_bench::{Bench, DoseRequest, Session};
 
 use super::answers::{Answer, volume_ml};
-use super::balance::BalanceOptions;
 use super::reading::{in_table, read};
 use super::scale::Scale;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::options::balance::BalanceOptions;
 use crate::options::bench::BenchOptions;
 use crate::options::fluid::FluidOptions;
 use crate::options::report::FormatOption;

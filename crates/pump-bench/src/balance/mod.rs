@@ -29,4 +29,17 @@ pub trait Balance: Debug + Send {
     /// [`BalanceError::NotStill`] or [`BalanceError::Silent`] if it does not say so within `longest`,
     /// [`BalanceError::Stopped`] if the user asks to stop. Other errors of the balance as soon as it tells them.
     fn read_still(&mut self, longest: Duration, stop: &StopRequest) -> Result<BalanceReading, BalanceError>;
+
+    /// Returns what the balance shows now, whether it stands still or not. A dose by weight asks this over and over
+    /// while the pump turns.
+    ///
+    /// A balance that has only [`Self::read_still`] is asked by it. It must then answer at once.
+    ///
+    /// # Errors
+    ///
+    /// [`BalanceError::Silent`] if the balance shows nothing within `longest`, [`BalanceError::Stopped`] if `stop` is
+    /// made. Other errors of the balance as soon as it tells them.
+    fn read_now(&mut self, longest: Duration, stop: &StopRequest) -> Result<BalanceReading, BalanceError> {
+        self.read_still(longest, stop)
+    }
 }

@@ -12,6 +12,15 @@ pub struct BalanceReading {
     pub step_g: f64,
 }
 
+impl BalanceReading {
+    /// Returns the standard uncertainty of the difference of two readings with this last digit, in g. Each is unsure
+    /// by a
+    /// step over the square root of 12 (GUM, F.2.2.1).
+    pub fn difference_standard_g(&self) -> f64 {
+        self.step_g * libm::sqrt(2.0 / 12.0)
+    }
+}
+
 /// Reads a number with its unit, as balances print it: `+   23.456 g`, `-0.01 kg`, `12.3 mg`. Digits that are not
 /// verified stand in brackets, `23.45[6] g`.
 ///

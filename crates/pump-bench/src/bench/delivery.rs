@@ -57,6 +57,7 @@ impl Session<'_> {
         }
         let motion = RecordedMotion {
             plan,
+            announced: None,
             model: &prepared.model,
             correction: prepared.correction(),
             purpose: prepared.request.purpose,
@@ -102,6 +103,7 @@ impl Session<'_> {
         let plan = &retraction.plan;
         let motion = RecordedMotion {
             plan,
+            announced: None,
             model: &prepared.model,
             correction: prepared.correction(),
             purpose: Purpose::Retract,

@@ -252,6 +252,7 @@ impl Session<'_> {
         let purpose = Purpose::Jog;
         let motion = RecordedMotion {
             plan,
+            announced: None,
             model,
             correction,
             purpose,

@@ -2,6 +2,7 @@
 
 mod announced_steps;
 mod bench;
+mod by_weight;
 mod connection;
 mod delivery;
 mod device;
@@ -17,6 +18,7 @@ mod stretches;
 
 pub use bench::Bench;
 pub(crate) use bench::headline;
+pub use by_weight::{DeliveredByWeight, OrderByWeight, PreparedByWeight};
 pub use delivery::Delivered;
 pub use homing::AngleSet;
 pub use rehearsal::Rehearsal;

@@ -24,6 +24,8 @@ const WATCH_EVERY: u64 = 256;
 /// Motion to make and to record.
 pub(super) struct RecordedMotion<'p> {
     pub(super) plan: &'p Plan,
+    /// Plan that the journal announces, of which `plan` makes the first steps. `None` if it is `plan` itself.
+    pub(super) announced: Option<&'p Plan>,
     /// Pump that the plan was made for.
     pub(super) model: &'p Pump,
     /// Correction of that pump's displacement.
@@ -114,7 +116,8 @@ impl<'a> Session<'a> {
     /// Writes the intent of a motion.
     fn announce(&mut self, motion: &RecordedMotion<'_>, before: &PumpState) -> Result<Intent, DoseError> {
         let RecordedMotion { plan, correction, purpose, carry_out_ml, .. } = *motion;
-        let mut intent = Intent::of(plan, correction, purpose, carry_out_ml, unix_s());
+        let announced = motion.announced.unwrap_or(plan);
+        let mut intent = Intent::of(announced, correction, purpose, carry_out_ml, unix_s());
         intent.retract_ml = motion.retract_ml;
         intent.terms = motion.terms;
         intent.whole = motion.whole;

@@ -108,8 +108,14 @@ impl Bench {
         };
         // A dose that was to end at low flow may end elsewhere if the request says so.
         let elsewhere = intent.terms.low_flow && request.finish == Some(Finish::Any);
+        // The announced steps of a dose by weight lead to the most that may be delivered, and no balance is asked now.
+        let elsewhere = elsewhere || intent.terms.by_weight;
         let settled_ml = if intent.purpose == Purpose::Dose { carry_ml } else { 0.0 };
         if elsewhere && (rest.volume_ml + settled_ml) * intent.steps as f64 <= 0.0 {
+            if intent.terms.by_weight {
+                let (least_ml, most_ml) = dose.delivered_ml(model);
+                return Err(DoseError::NoRest { requested_ml, least_ml, most_ml });
+            }
             return Err(DoseError::BeyondRequest { requested_ml, delivered_ml: booked_ml });
         }
         let to_end_ml = (!elsewhere).then(|| intent.planned_ml - dose.motion_booked_ml(model));
@@ -120,6 +126,13 @@ impl Bench {
         let state = PumpState { unfinished: None, carry_ml, ..state };
         let mut prepared = self.plan_from(file, Some(state), rest, to_end_ml)?;
         prepared.warnings.extend(self.unsure_rest(dose, &prepared));
+        if intent.terms.by_weight {
+            let text = format!(
+                "a balance was to end this dose; its rest is made by volume, up to {} mL by the model",
+                significant(requested_ml, 6)
+            );
+            prepared.warnings.push(Notice::from(text).with_remedy(Remedy::AcceptAndWeigh));
+        }
         Ok(prepared)
     }
 

@@ -1,11 +1,14 @@
 //! The errors of a dose that was refused or failed.
 
+mod weight_fault;
+
 use std::path::PathBuf;
 
 use pump_ctl::plan::PlanError;
 use pump_model::Shown;
 use thiserror::Error;
 
+use crate::balance::BalanceError;
 use crate::calibration::CalibrationError;
 use crate::displacement::DisplacementError;
 use crate::drives::DriveError;
@@ -13,6 +16,8 @@ use crate::numbers::{between, significant};
 use crate::pump_file::PumpFileError;
 use crate::record::FolderError;
 use crate::record::JournalError;
+
+pub use weight_fault::WeightFault;
 
 /// Error of a dose that was refused or failed.
 #[derive(Debug, Error)]
@@ -212,6 +217,31 @@ pub enum DoseError {
         journal: PathBuf,
         /// True if the dose may not pause.
         must_not_pause: bool,
+    },
+    /// A dose by weight ended before the balance showed what was asked for.
+    #[error(
+        "{turned_ml:.4} mL were delivered by the model, and {} by the balance",
+        weighed_g.map_or("nothing is known".to_owned(), |mass_g| format!("{} g", significant(mass_g, 6)))
+    )]
+    ByWeight {
+        /// Fault that ended the dose.
+        #[source]
+        fault: WeightFault,
+        /// Volume delivered by the model, in mL.
+        turned_ml: f64,
+        /// Mass delivered by the last reading, in g. `None` without a reading.
+        weighed_g: Option<f64>,
+    },
+    /// The balance cannot be read before a dose by weight. Nothing has moved.
+    #[error(transparent)]
+    Balance(#[from] BalanceError),
+    /// A dose by weight is asked for in a way that no balance can end.
+    #[error("a dose by weight {why}; its volume is {volume_ml} mL")]
+    NotByWeight {
+        /// Reason, as the message words it.
+        why: &'static str,
+        /// Volume asked for, in mL.
+        volume_ml: f64,
     },
     /// The drive failed in motion.
     #[error(

@@ -18,7 +18,7 @@ mod unknown_angle;
 mod warnings;
 
 pub(crate) use displaced_pumps::DisplacedPumps;
-pub use error::DoseError;
+pub use error::{DoseError, WeightFault};
 pub use prepared::Prepared;
 pub use request::DoseRequest;
 pub use retraction::Retraction;
@@ -32,4 +32,5 @@ pub(crate) use tube_life::TubeLife;
 pub(crate) use uncertainty::Budget;
 pub(crate) use uncertainty::outlet::drop_ml;
 pub(crate) use uncertainty::pressure_uncertainty_kpa;
+pub(crate) use uncertainty::weighed_shares;
 pub use uncertainty::{Share, ShareSource};

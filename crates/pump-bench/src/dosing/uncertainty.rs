@@ -11,6 +11,7 @@ mod pulse_coverage;
 mod pulse_share;
 mod repeatability;
 mod share;
+mod weighed;
 
 use libm::{hypot, sqrt};
 use pump_model::Pump;
@@ -19,6 +20,7 @@ use self::angle::AngleErrors;
 pub(crate) use self::pressure::pressure_uncertainty_kpa;
 use self::pulse_share::pulse_share_ml;
 pub use self::share::{Share, ShareSource};
+pub(crate) use self::weighed::weighed_shares;
 use super::swept::Swept;
 use crate::calibration::{Applied, Sureness};
 use crate::pump_file::UncertaintyTable;

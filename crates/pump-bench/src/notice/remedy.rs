@@ -80,6 +80,8 @@ pub enum Remedy {
     FinishOrLeave,
     /// Accept the unfinished dose in place of its rest.
     AcceptInstead,
+    /// Accept the unfinished dose, and dose by weight what the vessel lacks.
+    AcceptAndWeigh,
     /// Have a new tube ready, and put on record when it is in.
     NoteNewTube,
     /// Weigh what the pump delivers.
@@ -183,6 +185,7 @@ impl Remedy {
         Self::SayUnknownAngle,
         Self::FinishOrLeave,
         Self::AcceptInstead,
+        Self::AcceptAndWeigh,
         Self::NoteNewTube,
         Self::Weigh,
         Self::CalibrateRuns,

@@ -1,6 +1,7 @@
 //! The record of a pump: its journal, the journal's folder, and the lock that admits one process at a time.
 
 mod account;
+mod after_stop;
 mod folder;
 mod intent;
 mod journal;
@@ -14,6 +15,7 @@ mod wear;
 mod whole;
 
 pub(crate) use account::Account;
+pub use after_stop::AfterStop;
 pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use intent::Intent;
 pub(crate) use journal::{Announcer, Entry, Journal, Why, decode, encode};

@@ -8,7 +8,7 @@ use pump_model::units::{TURN_RAD, wrap};
 use serde::{Deserialize, Serialize};
 
 use super::intent::is_zero;
-use super::{Account, Intent, LastDose, PhaseSource, Purpose, Unfinished, Wear};
+use super::{Account, AfterStop, Intent, LastDose, PhaseSource, Purpose, Unfinished, Wear};
 
 /// Half width of an angle that is unknown, in rad. It covers the pitch of every pump, so the angle stays
 /// unknown when the number of rollers is corrected in the pump file.
@@ -63,6 +63,9 @@ pub struct PumpState {
     /// Print of the pump whose filled-in values a person has confirmed. `None` if nobody was asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) confirmed_pump: Option<u32>,
+    /// Flow that still arrives after a stop, as doses by weight have found. `None` before the first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) after_stop: Option<AfterStop>,
 }
 
 impl PumpState {
@@ -82,6 +85,7 @@ impl PumpState {
             disturbances: 0,
             released: false,
             confirmed_pump: None,
+            after_stop: None,
         }
     }
 
@@ -288,6 +292,7 @@ mod tests {
             fastest: false,
             smooth: false,
             low_flow: false,
+            by_weight: false,
             ramps: None,
             max_outlet_kpa: None,
             min_inlet_kpa: None,

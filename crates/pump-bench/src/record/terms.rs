@@ -24,6 +24,9 @@ pub(crate) struct DoseTerms {
     /// True if the dose was to end at low flow.
     #[serde(default)]
     pub(crate) low_flow: bool,
+    /// True if a balance was to end the dose. The announced steps then lead to the most that may be delivered.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) by_weight: bool,
     /// Ramps that were asked for. `None` took those of the drive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) ramps: Option<Ramps>,

@@ -26,9 +26,16 @@ pub enum VolumeBasis {
     Estimated,
     /// The volumes that were weighed.
     Calibrated,
+    /// The balance that ended the dose.
+    Weighed,
 }
 
-words_of_reports!(VolumeBasis { Model = "model", Estimated = "estimated", Calibrated = "calibrated" });
+words_of_reports!(VolumeBasis {
+    Model = "model",
+    Estimated = "estimated",
+    Calibrated = "calibrated",
+    Weighed = "weighed",
+});
 
 /// Serialises where a dose may end by its name.
 pub(super) fn finish_word<S: Serializer>(finish: &Finish, to: S) -> Result<S::Ok, S::Error> {

@@ -1,10 +1,13 @@
 //! The report of a dose, and its JSON for programs. `dose_text.rs` and `dose_details.rs` have its words for people.
 
+mod by_weight;
+
 use pump_ctl::plan::{Finish, LimitedBy, Phase, SetBy};
 use pump_model::Extremes;
 use pump_model::units::{degrees, radians, rpm};
 use serde::Serialize;
 
+pub use self::by_weight::ByWeightReport;
 use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 use crate::bench::{Bench, Delivered};
 use crate::calibration::{Applied, Made, Weighing};
@@ -156,6 +159,9 @@ pub struct DoseReport {
     pub warnings: Vec<Notice>,
     /// True if the dose was delivered in full.
     pub completed: bool,
+    /// Weighing of a dose that a balance ended. Any other dose has no such key.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_weight: Option<ByWeightReport>,
 }
 
 /// The calibration that a dose used.
@@ -277,6 +283,7 @@ impl DoseReport {
             limits_not_checked: file.not_checked(&prepared.limits),
             warnings: warnings(prepared, delivered),
             completed: delivered.is_some_and(|end| end.completed),
+            by_weight: None,
         }
     }
 

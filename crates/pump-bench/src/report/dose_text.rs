@@ -24,7 +24,8 @@ impl DoseReport {
     /// the dose and of all doses of its batch.
     pub fn summary(&self, asked: Option<&str>, of_batch: Option<(u64, u64)>) -> String {
         let place = of_batch.map_or(String::new(), |(number, count)| format!(", dose {number} of {count}"));
-        format!("{}{place}: {}\n{}\n", self.pump, self.volume_line(asked), self.motion_line())
+        let weighed = self.by_weight.as_ref().map_or(String::new(), |weighed| weighed.line());
+        format!("{}{place}: {}\n{}\n{weighed}", self.pump, self.volume_line(asked), self.motion_line())
     }
 
     /// The warnings, a line each.
@@ -43,7 +44,8 @@ impl DoseReport {
             0.0 => String::new(),
             carry_ml => format!(", carry in {}", microlitres(carry_ml)),
         };
-        let volume = if self.phase.is_stated() { self.volume() } else { self.volume_from_anywhere() };
+        let is_sure = self.phase.is_stated() || self.by_weight.is_some();
+        let volume = if is_sure { self.volume() } else { self.volume_from_anywhere() };
         format!("{volume}, {asked}{carry_in}")
     }
 

@@ -1,5 +1,6 @@
 //! The ending of a command that was refused or failed, by whether anything moved.
 
+use crate::balance::BalanceError;
 use crate::dosing::DoseError;
 use crate::drives::DriveError;
 use crate::record::FolderError;
@@ -29,7 +30,9 @@ impl DoseError {
             | Self::NoRest { .. }
             | Self::BeyondRequest { .. }
             | Self::AngleIsKnown => Ending::Unfinished,
-            Self::Drive { .. }
+            Self::Balance(error) => error.ending(),
+            Self::ByWeight { .. }
+            | Self::Drive { .. }
             | Self::NoIndex { .. }
             | Self::Retraction { .. }
             | Self::NotJournalled { .. }
@@ -48,6 +51,7 @@ impl DoseError {
             | Self::Stale { .. }
             | Self::TooSlow { .. }
             | Self::NoAngle { .. }
+            | Self::NotByWeight { .. }
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Ending::Refused,
         }
@@ -78,5 +82,12 @@ impl DriveError {
             | Self::NotBuilt { .. }
             | Self::Sim(_) => Ending::Refused,
         }
+    }
+}
+
+impl BalanceError {
+    /// Tells how a command ends that met this error before anything moved.
+    pub(super) fn ending(&self) -> Ending {
+        if matches!(self, Self::Stopped) { Ending::Stopped } else { Ending::Refused }
     }
 }

@@ -80,6 +80,8 @@ UncertaintySource: TypeAlias = Literal[
     "backflow",
     "carry",
     "angle",
+    "balance",
+    "density",
     "pulse",
 ]
 #: Limit for which no value is known. "discharge_pressure" is the largest pressure at the port that pushes,
@@ -89,7 +91,8 @@ UncheckedLimit: TypeAlias = Literal[
 ]
 #: Variant of a built-in pump.
 Variant: TypeAlias = Literal["measured", "published", "as-built"]
-#: Basis of a dose's volume: the model, the model of a drawing, or the volumes that were weighed.
-VolumeBasis: TypeAlias = Literal["model", "estimated", "calibrated"]
+#: Basis of a dose's volume: the model, the model of a drawing, the volumes that were weighed, or the balance that
+#: ended the dose.
+VolumeBasis: TypeAlias = Literal["model", "estimated", "calibrated", "weighed"]
 #: Curve through the measured points of a roller volume.
 VolumeMethod: TypeAlias = Literal["spline", "quintic"]

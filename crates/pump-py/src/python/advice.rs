@@ -63,6 +63,9 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SayUnknownAngle => "if nobody knows the angle, call bench.home_set(None)",
         Remedy::FinishOrLeave => "bench.resume() makes the rest, bench.discard() leaves it",
         Remedy::AcceptInstead => "bench.discard() accepts the dose as it is instead",
+        Remedy::AcceptAndWeigh => {
+            "bench.discard() accepts it instead; then weigh the vessel, and dose what it lacks"
+        }
         Remedy::NoteNewTube => "have a new one ready and call bench.new_tube() once it is in",
         Remedy::Weigh => "bench.calibration_run() delivers a run to be weighed",
         Remedy::CalibrateRuns => "see bench.calibration_run()",

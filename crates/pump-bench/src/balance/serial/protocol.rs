@@ -21,8 +21,8 @@ words!(Protocol { MtSics = "mt-sics", Sbi = "sbi" });
 pub(super) enum Answer {
     /// The balance stands still and shows this.
     Still(BalanceReading),
-    /// The balance moves, or is busy.
-    Moving,
+    /// The balance moves and shows this, or is busy and shows nothing.
+    Moving(Option<BalanceReading>),
     /// The line answers another question.
     Other,
 }
@@ -37,11 +37,12 @@ impl Protocol {
         }
     }
 
-    /// Reads a line of the balance.
-    pub(super) fn answer(self, line: &str) -> Result<Answer, BalanceError> {
+    /// Reads a line of the balance. `unit` is that of the last mass that stood still: SBI leaves the unit out while the
+    /// balance moves.
+    pub(super) fn answer(self, line: &str, unit: &str) -> Result<Answer, BalanceError> {
         match self {
             Self::MtSics => mt_sics(line),
-            Self::Sbi => sbi(line),
+            Self::Sbi => sbi(line, unit),
         }
     }
 }
@@ -50,11 +51,15 @@ impl Protocol {
 fn mt_sics(line: &str) -> Result<Answer, BalanceError> {
     let said = || shown_line(line);
     let mut words = line.trim().splitn(3, ' ');
-    match (words.next().unwrap_or_default(), words.next().unwrap_or_default()) {
-        ("S", "S") => printed_reading(words.next().unwrap_or_default())
+    let (kind, state) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+    let mut mass = || {
+        printed_reading(words.next().unwrap_or_default())
             .map_err(|_| BalanceError::Unreadable { said: said() })
-            .map(Answer::Still),
-        ("S", "D" | "I") => Ok(Answer::Moving),
+    };
+    match (kind, state) {
+        ("S", "S") => mass().map(Answer::Still),
+        ("S", "D") => mass().map(|reading| Answer::Moving(Some(reading))),
+        ("S", "I") => Ok(Answer::Moving(None)),
         ("S", "+") => Err(BalanceError::OutOfRange { state: "overloaded", said: said() }),
         ("S", "-") => Err(BalanceError::OutOfRange { state: "underloaded", said: said() }),
         ("ES" | "ET" | "EL", _) => Err(BalanceError::Refused { said: said() }),
@@ -65,7 +70,7 @@ fn mt_sics(line: &str) -> Result<Answer, BalanceError> {
 
 /// Reads an answer of SBI: `+   123.45 g` stands still, without a unit it moves. A code of six characters may stand
 /// before it.
-fn sbi(line: &str) -> Result<Answer, BalanceError> {
+fn sbi(line: &str, unit: &str) -> Result<Answer, BalanceError> {
     let said = || shown_line(line);
     let text = line.trim_end_matches(['\r', '\n']);
     // The code of the longer form begins with a letter, and the mass has the 16 last characters.
@@ -86,8 +91,11 @@ fn sbi(line: &str) -> Result<Answer, BalanceError> {
         bare.is_empty() || bare == "C" || bare.starts_with("Cal") || bare.trim_matches(['-', ' ']).is_empty();
     let is_bare_number =
         bare.chars().all(|c| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | ' ' | '[' | ']'));
-    if is_busy || is_bare_number {
-        return Ok(Answer::Moving);
+    if is_busy {
+        return Ok(Answer::Moving(None));
+    }
+    if is_bare_number {
+        return Ok(Answer::Moving(printed_reading(&format!("{bare} {unit}")).ok()));
     }
     printed_reading(bare).map_err(|_| BalanceError::Unreadable { said: said() }).map(Answer::Still)
 }
@@ -95,6 +103,13 @@ fn sbi(line: &str) -> Result<Answer, BalanceError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn moving_g(answer: Result<Answer, BalanceError>) -> Option<f64> {
+        match answer {
+            Ok(Answer::Moving(Some(reading))) => Some(reading.mass_g),
+            _ => None,
+        }
+    }
 
     fn still(answer: Result<Answer, BalanceError>) -> Option<f64> {
         match answer {
@@ -105,11 +120,12 @@ mod tests {
 
     #[test]
     fn mt_sics_tells_still_from_moving() {
-        let answer = |line| Protocol::MtSics.answer(line);
+        let answer = |line| Protocol::MtSics.answer(line, "g");
         assert_eq!(still(answer("S S     100.00 g")), Some(100.0));
         assert_eq!(still(answer("S S      -0.51 g\r")), Some(-0.51));
-        assert_eq!(answer("S D     100.00 g").unwrap(), Answer::Moving);
-        assert_eq!(answer("S I").unwrap(), Answer::Moving);
+        assert_eq!(moving_g(answer("S D     100.00 g")), Some(100.0));
+        assert_eq!(answer("S I").unwrap(), Answer::Moving(None));
+        assert!(answer("S D     100.00 oz").is_err());
         assert_eq!(answer("I4 A \"0123\"").unwrap(), Answer::Other);
         for (line, part) in [
             ("S +", "overloaded"),
@@ -124,13 +140,14 @@ mod tests {
 
     #[test]
     fn sbi_tells_still_from_moving_in_both_forms() {
-        let answer = |line| Protocol::Sbi.answer(line);
+        let answer = |line| Protocol::Sbi.answer(line, "mg");
         assert_eq!(still(answer("+   123.56 g  \r\n")), Some(123.56));
         assert_eq!(still(answer("N     +   123.56 g  \r\n")), Some(123.56));
         assert_eq!(still(answer("-     0.5[6] g  ")), Some(-0.56));
-        assert_eq!(answer("+   123.56    ").unwrap(), Answer::Moving);
-        assert_eq!(answer("N     +   123.56    ").unwrap(), Answer::Moving);
-        assert_eq!(answer("      --      ").unwrap(), Answer::Moving);
+        // The unit is missing while the balance moves: that of the last mass counts.
+        assert_eq!(moving_g(answer("+   123.56    ")), Some(0.12356));
+        assert_eq!(moving_g(answer("N     +   123.56    ")), Some(0.12356));
+        assert_eq!(answer("      --      ").unwrap(), Answer::Moving(None));
         for (line, part) in [
             ("      High    ", "overloaded"),
             ("Stat         H      ", "overloaded"),

@@ -32,6 +32,8 @@ pub struct SerialBalance {
     protocol: Protocol,
     /// Bytes of a line that has not ended.
     begun: Vec<u8>,
+    /// Unit of the last mass that stood still.
+    unit: String,
 }
 
 impl SerialBalance {
@@ -53,7 +55,7 @@ impl SerialBalance {
             port: path.to_owned(),
             source: io::Error::other(error.to_string()),
         })?;
-        Ok(Self { path: path.to_owned(), serial, protocol, begun: Vec::new() })
+        Ok(Self { path: path.to_owned(), serial, protocol, begun: Vec::new(), unit: "g".to_owned() })
     }
 
     /// Returns the error of an action at the port.
@@ -97,8 +99,15 @@ impl SerialBalance {
     }
 }
 
-impl Balance for SerialBalance {
-    fn read_still(&mut self, longest: Duration, stop: &StopRequest) -> Result<BalanceReading, BalanceError> {
+impl SerialBalance {
+    /// Asks until `is_wanted` takes an answer.
+    fn read(
+        &mut self,
+        longest: Duration,
+        between: Duration,
+        stop: &StopRequest,
+        is_wanted: impl Fn(Answer) -> Option<BalanceReading>,
+    ) -> Result<BalanceReading, BalanceError> {
         let until = Instant::now() + longest;
         let mut last: Option<String> = None;
         while Instant::now() < until {
@@ -112,19 +121,46 @@ impl Balance for SerialBalance {
                 if line.trim().is_empty() {
                     continue;
                 }
-                let answer = self.protocol.answer(&line)?;
+                let answer = self.protocol.answer(&line, &self.unit)?;
                 last = Some(shown_line(&line));
-                match answer {
-                    Answer::Still(reading) => return Ok(reading),
-                    Answer::Moving => break,
-                    Answer::Other => {}
+                if matches!(answer, Answer::Still(_)) {
+                    self.unit = unit_of(&line).to_owned();
+                }
+                match (is_wanted(answer), answer) {
+                    (Some(reading), _) => return Ok(reading),
+                    (None, Answer::Other) => {}
+                    (None, _) => break,
                 }
             }
-            std::thread::sleep(BETWEEN);
+            std::thread::sleep(between);
         }
         Err(match last {
             Some(last) => BalanceError::NotStill { within: longest, last },
             None => BalanceError::Silent { within: longest },
+        })
+    }
+}
+
+/// Returns the unit at the end of a line.
+fn unit_of(line: &str) -> &str {
+    let line = line.trim();
+    let start = line.rfind(|c: char| !c.is_ascii_alphabetic()).map_or(0, |at| at + 1);
+    line.get(start..).unwrap_or_default()
+}
+
+impl Balance for SerialBalance {
+    fn read_still(&mut self, longest: Duration, stop: &StopRequest) -> Result<BalanceReading, BalanceError> {
+        self.read(longest, BETWEEN, stop, |answer| match answer {
+            Answer::Still(reading) => Some(reading),
+            Answer::Moving(_) | Answer::Other => None,
+        })
+    }
+
+    fn read_now(&mut self, longest: Duration, stop: &StopRequest) -> Result<BalanceReading, BalanceError> {
+        self.read(longest, Duration::ZERO, stop, |answer| match answer {
+            Answer::Still(reading) => Some(reading),
+            Answer::Moving(reading) => reading,
+            Answer::Other => None,
         })
     }
 }

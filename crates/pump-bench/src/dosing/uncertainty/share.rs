@@ -50,6 +50,10 @@ pub enum ShareSource {
     Carry,
     /// Tolerance of a start angle that is known to less than 2 deg.
     Angle,
+    /// Readings of the balance that ended the dose.
+    Balance,
+    /// Density of the fluid that was weighed, and of the air around it.
+    Density,
 }
 
 words_of_reports!(ShareSource {
@@ -67,6 +71,8 @@ words_of_reports!(ShareSource {
     Backflow = "backflow",
     Carry = "carry",
     Angle = "angle",
+    Balance = "balance",
+    Density = "density",
 });
 
 impl Share {
@@ -95,6 +101,8 @@ impl ShareSource {
             }
             Self::Backflow => "dose slower, end at low flow, or immerse the nozzle's end",
             Self::Carry => "calibrate, so that the carry from earlier doses is surer",
+            Self::Balance => "use a balance with more digits, and say how sure it is",
+            Self::Density => "put the fluid's density at its temperature into the pump file",
             Self::Angle => "home by a sensor or a mark, or state the angle with a smaller tolerance",
         };
         self.way().into_iter().fold(remedy.into(), Notice::with_remedy)
@@ -115,6 +123,8 @@ impl ShareSource {
             | Self::SpeedDependence
             | Self::Temperature
             | Self::Drop
+            | Self::Balance
+            | Self::Density
             | Self::Carry => None,
         }
     }

@@ -51,6 +51,8 @@ pub(crate) enum Why {
     CutOff,
     /// The user accepted an unfinished dose.
     Discarded,
+    /// A balance ended the dose.
+    Weighed,
     /// The user set the rotor's angle.
     Set,
     /// The rotor's angle was found by the mark.

@@ -20,6 +20,6 @@ impl Explain for BalanceError {
     }
 
     fn ending(&self) -> Ending {
-        if matches!(self, Self::Stopped) { Ending::Stopped } else { Ending::Refused }
+        Self::ending(self)
     }
 }

@@ -4,7 +4,7 @@ use pump_model::Shown;
 
 use super::explain::{ErrorFacts, Explain};
 use super::kind::ErrorKind;
-use crate::dosing::{DoseError, ScheduleError};
+use crate::dosing::{DoseError, ScheduleError, WeightFault};
 use crate::drives::DriveError;
 use crate::notice::Remedy;
 use crate::record::{FolderError, JournalError};
@@ -22,6 +22,11 @@ impl Explain for DoseError {
             Self::Displacement(error) => error.facts(),
             Self::Connection(error) | Self::Drive { error, .. } => error.facts(),
             Self::Retraction { source, .. } => source.facts(),
+            Self::Balance(error) | Self::ByWeight { fault: WeightFault::Balance(error), .. } => error.facts(),
+            Self::ByWeight { .. } => of(ErrorKind::Balance),
+            Self::NotByWeight { volume_ml, .. } => {
+                of(ErrorKind::Range).value(format!("{} mL", Shown(*volume_ml)))
+            }
             Self::Unfinished { requested_ml, .. }
             | Self::NoRest { requested_ml, .. }
             | Self::BeyondRequest { requested_ml, .. } => {

@@ -28,6 +28,7 @@ impl DoseError {
             Self::AngleIsKnown => vec![Remedy::FinishOrAcceptThenFindAngle],
             Self::TubeWorn { .. } => vec![Remedy::ReplaceTube],
             Self::NoRest { .. } => vec![Remedy::Accept],
+            Self::ByWeight { .. } => vec![Remedy::SeeStatusThenFinish],
             Self::NotJournalled { source, .. } | Self::NotRecorded { source, .. } => {
                 then(source.known_remedies(), Remedy::ThenSeeStatus)
             }
@@ -48,6 +49,8 @@ impl DoseError {
             | Self::TooSlow { .. }
             | Self::NoAngle { .. }
             | Self::NoIndex { .. }
+            | Self::Balance(_)
+            | Self::NotByWeight { .. }
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Vec::new(),
         }

@@ -62,6 +62,7 @@ const INTENT: Entry = Entry::Intent(Intent {
         fastest: false,
         smooth: false,
         low_flow: false,
+        by_weight: false,
         ramps: None,
         max_outlet_kpa: None,
         min_inlet_kpa: None,

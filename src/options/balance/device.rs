@@ -17,11 +17,11 @@ const STILL_S: f64 = 60.0;
 /// Longest wait that can be asked for, s.
 const MOST_WAIT_S: f64 = 86_400.0;
 
-/// The balance that is read in place of a person's answers.
+/// The balance under the vessel.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Balance")]
-pub(super) struct BalanceOptions {
-    /// Serial port of a balance that is read in place of typed answers, as /dev/ttyUSB1
+pub(crate) struct BalanceOptions {
+    /// Serial port of the balance under the vessel, as /dev/ttyUSB1
     #[arg(long, value_name = "DEVICE", conflicts_with = "scale_command")]
     scale_port: Option<PathBuf>,
     /// Protocol of the balance [default: mt-sics]
@@ -36,24 +36,34 @@ pub(super) struct BalanceOptions {
     /// Longest wait for the balance to stand still, as 60s [default: 60s]
     #[arg(long, value_name = "TIME", value_parser = units::time_s)]
     scale_wait: Option<f64>,
-    /// Command that prints what a balance shows, as `23.45 g`, in place of typed answers
+    /// Command that prints what the balance shows, as `23.45 g`
     #[arg(long, value_name = "COMMAND")]
     scale_command: Option<String>,
 }
 
 impl BalanceOptions {
+    /// Refuses options of a balance that is not asked for.
+    pub(crate) fn refuse_without(&self, option: &str) -> Result<(), Failure> {
+        if self.is_given() || self.scale_wait.is_some() {
+            return Err(Failure::refused(format!(
+                "a balance ends a dose only where {option} says so; add it"
+            )));
+        }
+        Ok(())
+    }
+
     /// True if a balance is named.
-    pub(super) fn is_given(&self) -> bool {
+    pub(crate) fn is_given(&self) -> bool {
         self.scale_port.is_some() || self.scale_command.is_some()
     }
 
     /// The longest wait for the balance to stand still.
-    pub(super) fn longest_wait(&self) -> Duration {
+    pub(crate) fn longest_wait(&self) -> Duration {
         Duration::from_secs_f64(self.scale_wait.unwrap_or(STILL_S).min(MOST_WAIT_S))
     }
 
     /// Opens the balance that is named, or returns `None` if a person answers.
-    pub(super) fn open(&self) -> Result<Option<Box<dyn Balance>>, Failure> {
+    pub(crate) fn open(&self) -> Result<Option<Box<dyn Balance>>, Failure> {
         if let Some(command) = &self.scale_command {
             return Ok(Some(Box::new(ProgramBalance::new(command.clone()))));
         }

@@ -1,0 +1,40 @@
+//! A dose by weight after it was made.
+
+use crate::notice::Notice;
+use crate::record::AfterStop;
+
+/// Result of a dose by weight.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct DeliveredByWeight {
+    /// Mass that the balance shows for the dose, in g, at rest.
+    pub mass_g: f64,
+    /// Step of the balance's last digit, in g.
+    pub digit_g: f64,
+    /// Volume of that mass, in mL.
+    pub volume_ml: f64,
+    /// Volume that the pump turned for by the model, in mL.
+    pub turned_ml: f64,
+    /// Number of stretches, each weighed at rest.
+    pub stretches: u32,
+    /// Number of stretches that the balance stopped before the end of their plan.
+    pub stopped_by_balance: u32,
+    /// Motor steps made.
+    pub made: u64,
+    /// Angle at which the rotor stands, in rad, counted on from the start.
+    pub end_angle_rad: f64,
+    /// Time for which the motor turned, in s.
+    pub measured_s: f64,
+    /// True if the balance shows what was asked for. False if the user stopped the dose, which is unfinished then.
+    pub completed: bool,
+    /// Flow that still arrived after the stops, with those of earlier doses. `None` if no reading in motion told it.
+    pub after_stop: Option<AfterStop>,
+    /// Time by which this dose began to reckon with the flow after a stop, in s, and whether it was learned.
+    /// Otherwise it
+    /// is the model's. `None` where the motor is simulated, which no reading follows.
+    pub reckoned_s: Option<(f64, bool)>,
+    /// Carry of earlier doses that was dropped, in mL.
+    pub dropped_ml: f64,
+    /// Warnings for the user that came up in motion or after it.
+    pub warnings: Vec<Notice>,
+}

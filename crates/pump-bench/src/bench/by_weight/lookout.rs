@@ -1,0 +1,138 @@
+//! The lookout on a balance while the pump turns: it says when the motor must stop, and why.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use super::aim::Aim;
+use super::readings::Readings;
+use crate::dosing::WeightFault;
+
+/// Longest time without a reading while the pump turns, in s.
+pub(super) const QUIET_S: f64 = 2.0;
+
+/// Time after which the balance must have seen what the pump turned for. A balance's filter, the fall of drops and the
+/// line's settling take less.
+const SEEN_AFTER: Duration = Duration::from_secs(3);
+
+/// Time between two notes of how far the pump has turned.
+const NOTED: Duration = Duration::from_millis(20);
+
+/// Longest time for which the notes are kept, beyond what the readings lag behind.
+const KEPT: Duration = Duration::from_secs(5);
+
+/// Reason to stop the motor.
+#[derive(Debug)]
+pub(super) enum Stop {
+    /// What is on the balance and what still arrives make up the dose.
+    Enough,
+    /// The dose cannot go on.
+    Fault(WeightFault),
+}
+
+/// Lookout on the balance during one stretch.
+#[derive(Debug)]
+pub(super) struct Lookout<'a> {
+    pub(super) aim: &'a Aim,
+    pub(super) readings: &'a Readings,
+    /// Reading before the dose, in g.
+    pub(super) tare_g: f64,
+    /// Reading before the stretch, in g.
+    pub(super) begun_g: f64,
+    pub(super) z_ml_g: f64,
+    /// Time by which a reading lags behind the pump: what it turned for since then still arrives.
+    pub(super) lag: Duration,
+    /// Factor of the pump's volumes.
+    pub(super) factor: f64,
+    began: Instant,
+    most_g: f64,
+    /// Volume of the stretch by the model, and when.
+    turned: VecDeque<(Instant, f64)>,
+    judged: Option<Instant>,
+}
+
+impl<'a> Lookout<'a> {
+    /// Begins to look out, with the reading before the dose and that before the stretch, in g.
+    pub(super) fn new(
+        aim: &'a Aim,
+        readings: &'a Readings,
+        [tare_g, begun_g]: [f64; 2],
+        z_ml_g: f64,
+        lag: Duration,
+        factor: f64,
+    ) -> Self {
+        let (began, most_g) = (Instant::now(), begun_g);
+        Self {
+            aim,
+            readings,
+            tare_g,
+            begun_g,
+            z_ml_g,
+            lag,
+            factor,
+            began,
+            most_g,
+            turned: VecDeque::new(),
+            judged: None,
+        }
+    }
+
+    /// Returns the reason to stop the motor, once the stretch has turned for `turned_ml` by the model. `stop_ml` gives
+    /// what the motor delivers until it stands.
+    pub(super) fn look(&mut self, turned_ml: f64, stop_ml: impl FnOnce() -> f64) -> Option<Stop> {
+        let now = Instant::now();
+        if let Some(error) = self.readings.take_fault() {
+            return Some(Stop::Fault(WeightFault::Balance(error)));
+        }
+        self.note(now, turned_ml);
+        let last = self.readings.last();
+        let quiet_s = (now - last.map_or(self.began, |sample| sample.at.max(self.began))).as_secs_f64();
+        if quiet_s > QUIET_S {
+            return Some(Stop::Fault(WeightFault::Quiet { for_s: quiet_s, allowed_s: QUIET_S }));
+        }
+        let sample = last.filter(|sample| self.judged != Some(sample.at))?;
+        self.judged = Some(sample.at);
+        let mass_g = sample.reading.mass_g;
+        if let Some(fault) = self.fault_of(now, mass_g) {
+            return Some(Stop::Fault(fault));
+        }
+        self.most_g = self.most_g.max(mass_g);
+        let weighed_ml = (mass_g - self.tare_g) * self.z_ml_g;
+        let under_way_ml = turned_ml - self.turned_until(sample.at.checked_sub(self.lag)) + stop_ml();
+        let enough = weighed_ml + self.factor * under_way_ml >= self.aim.enough_ml();
+        enough.then_some(Stop::Enough)
+    }
+
+    /// Notes how far the pump has turned, and forgets what is long ago.
+    fn note(&mut self, now: Instant, turned_ml: f64) {
+        if self.turned.back().is_none_or(|(at, _)| now - *at >= NOTED) {
+            self.turned.push_back((now, turned_ml));
+        }
+        while self.turned.get(1).is_some_and(|(at, _)| now - *at >= KEPT + self.lag) {
+            self.turned.pop_front();
+        }
+    }
+
+    /// Returns the volume by the model that the stretch had turned for at an instant, in mL: 0 before its first note.
+    fn turned_until(&self, at: Option<Instant>) -> f64 {
+        let note = self.turned.iter().rev().find(|(noted, _)| at.is_some_and(|at| *noted <= at));
+        note.map_or(0.0, |(_, turned_ml)| *turned_ml)
+    }
+
+    /// Returns the notes of how far the pump had turned, in mL by the model, and when.
+    pub(super) fn notes(self) -> VecDeque<(Instant, f64)> {
+        self.turned
+    }
+
+    /// Returns the fault that a reading shows.
+    fn fault_of(&self, now: Instant, mass_g: f64) -> Option<WeightFault> {
+        let fallen_ml = (self.most_g - mass_g) * self.z_ml_g;
+        // A stream that lands presses on the vessel, and its end takes that away again: 5 mL/s from 0.3 m are 1.2 g.
+        if fallen_ml > 2.0 + self.aim.drop_ml + 10.0 * self.aim.digit_ml {
+            return Some(WeightFault::Fell { from_g: self.most_g, to_g: mass_g });
+        }
+        let long_ago_ml = self.turned_until(now.checked_sub(SEEN_AFTER.max(2 * self.lag)));
+        let rose_g = mass_g - self.begun_g;
+        (rose_g * self.z_ml_g < self.aim.least_rise_ml(long_ago_ml))
+            .then_some(WeightFault::NotRising { rose_g, turned_ml: long_ago_ml })
+    }
+}

@@ -1,0 +1,180 @@
+//! A dose by weight before it moves.
+
+use std::time::Duration;
+
+use libm::fabs;
+use pump_ctl::plan::Cruise;
+
+use crate::bench::bench::Bench;
+use crate::bench::session::Session;
+use crate::calibration::{AgainstSpeed, Weighing};
+use crate::dosing::{DoseError, DoseRequest, Prepared, Swept};
+use crate::pump_file::PumpFile;
+use crate::record::PumpState;
+use crate::units::Amount;
+use pump_model::units::rad_s;
+
+/// Speed of the slow stretches, as a part of the dose's own.
+const SLOWLY: f64 = 0.1;
+
+/// Usual longest wait for a balance to stand still.
+const STILL: Duration = Duration::from_secs(60);
+
+/// Order of a dose that a balance ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct OrderByWeight {
+    /// Request of the dose, with the volume that the balance is to show.
+    pub request: DoseRequest,
+    /// Most volume by the model that the pump may turn for, in mL. `None` takes the volume of the request with its
+    /// expanded uncertainty.
+    pub most_ml: Option<f64>,
+    /// Cruise of the slow stretches. `None` takes a tenth of the dose's own speed.
+    pub slow: Option<Cruise>,
+    /// Longest wait for the balance to stand still.
+    pub longest: Duration,
+}
+
+impl OrderByWeight {
+    /// Orders a dose with the usual ceiling, slow speed and patience.
+    pub const fn new(request: DoseRequest) -> Self {
+        Self { request, most_ml: None, slow: None, longest: STILL }
+    }
+
+    /// Returns the order with another ceiling, in mL by the model. `None` keeps the usual one.
+    #[must_use]
+    pub const fn with_most_ml(self, most_ml: Option<f64>) -> Self {
+        Self { most_ml, ..self }
+    }
+
+    /// Returns the order with another cruise of the slow stretches. `None` keeps the usual one.
+    #[must_use]
+    pub const fn with_slow(self, slow: Option<Cruise>) -> Self {
+        Self { slow, ..self }
+    }
+
+    /// Returns the order with another longest wait for the balance to stand still.
+    #[must_use]
+    pub const fn with_longest(self, longest: Duration) -> Self {
+        Self { longest, ..self }
+    }
+}
+
+/// Dose by weight that is planned and may run.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct PreparedByWeight {
+    /// Order that the dose was planned for.
+    pub order: OrderByWeight,
+    /// Plan of the whole dose, as it would be made by volume.
+    pub whole: Prepared,
+    /// Expanded uncertainty of the model's volume, in mL.
+    pub unsure_ml: f64,
+    /// Most volume by the model that the pump turns for, in mL.
+    pub most_ml: f64,
+    /// Volume for each gram that the balance shows, in mL/g.
+    pub z_ml_g: f64,
+    /// Cruise of the slow stretches.
+    pub slow: Cruise,
+    /// Carry of earlier doses that is dropped, in mL.
+    pub dropped_ml: f64,
+}
+
+impl PreparedByWeight {
+    /// Returns the mass that the balance is to show, in g.
+    pub fn target_g(&self) -> f64 {
+        self.order.request.volume_ml / self.z_ml_g
+    }
+}
+
+impl Session<'_> {
+    /// Plans a dose that a balance ends. Moves nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] if a dose is unfinished, the device cannot be used, or the dose cannot be planned.
+    /// [`DoseError::NotByWeight`] if no balance can end the dose.
+    pub fn prepare_by_weight(&mut self, order: &OrderByWeight) -> Result<PreparedByWeight, DoseError> {
+        if self.cut_off.is_none() {
+            self.finished()?;
+        }
+        self.check_confirmed()?;
+        self.connect()?;
+        let least_rad_s = self.speed_range_rad_s().0;
+        let (mut found, slow) = self.bench.plan_by_weight(self.file(), self.state, order, least_rad_s)?;
+        found.whole = self.checked(found.whole)?;
+        self.checked(slow)?;
+        Ok(found)
+    }
+}
+
+impl Bench {
+    /// Plans a dose that a balance ends from the record. Moves and writes nothing, and asks neither the device nor the
+    /// balance.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError`] as in [`Session::prepare_by_weight`].
+    pub fn prepare_by_weight(&self, order: &OrderByWeight) -> Result<PreparedByWeight, DoseError> {
+        let state = self.state_to_plan_from()?;
+        let (mut found, _) = self.plan_by_weight(self.file(), state, order, 0.0)?;
+        found.whole.warnings.extend(self.device_not_asked());
+        Ok(found)
+    }
+
+    /// Plans the dose, and what it would be if it were slow from its beginning: speeds are refused before anything
+    /// moves.
+    fn plan_by_weight(
+        &self,
+        file: &PumpFile,
+        state: Option<PumpState>,
+        order: &OrderByWeight,
+        least_rad_s: f64,
+    ) -> Result<(PreparedByWeight, Prepared), DoseError> {
+        let request = order.request;
+        let volume_ml = request.volume_ml;
+        let refused = |why| Err(DoseError::NotByWeight { why, volume_ml });
+        if volume_ml <= 0.0 {
+            return refused("runs forward, into the vessel");
+        }
+        if request.smooth || request.retract_ml.is_some() || request.finish.is_some() {
+            return refused("has no smooth flow, no retraction and no end at low flow");
+        }
+        if request.start_angle_rad.is_some() {
+            return refused("begins at the angle on record");
+        }
+        if matches!(request.cruise, Some(Cruise::Within { .. })) {
+            return refused("has no time in which it ends");
+        }
+        if order.most_ml.is_some_and(|most_ml| most_ml < volume_ml) {
+            return refused("turns the pump for its own volume at least");
+        }
+        // The balance shows what arrives, so that nothing of earlier doses is repaid.
+        let dropped_ml = state.map_or(0.0, |state| state.carry_ml);
+        let whole = self.prepare_from(file, state.map(PumpState::without_carry), request)?;
+        let swept = Swept::whole(&whole.model, &whole.plan);
+        let unsure_ml = whole.budget(file, &swept, whole.back_flow.backflow_ml).expanded_ml();
+        let most_ml = order.most_ml.unwrap_or(volume_ml + unsure_ml);
+        let z_ml_g = Weighing::of(file).amount_ml(Amount::Mass(1.0))?;
+        let slow = match order.slow {
+            Some(slow) => slow,
+            None => self.slowly(file, &whole, least_rad_s)?,
+        };
+        let state = state.map(PumpState::without_carry);
+        let slow_dose = self.plan_from(file, state, DoseRequest { cruise: Some(slow), ..request }, None)?;
+        let found = PreparedByWeight { order: *order, whole, unsure_ml, most_ml, z_ml_g, slow, dropped_ml };
+        Ok((found, slow_dose))
+    }
+
+    /// Returns a tenth of the speed of a dose, or the slowest that device and calibration allow.
+    fn slowly(&self, file: &PumpFile, whole: &Prepared, least_rad_s: f64) -> Result<Cruise, DoseError> {
+        let stored = self.calibrations().active()?;
+        let found = stored.as_ref().and_then(|stored| stored.calibration.displacement.as_ref());
+        let pump = file.speed_dependent_pump().map_err(pump_ctl::plan::PlanError::from)?;
+        let known = AgainstSpeed::of(found, &pump).and_then(|against| against.range_rpm());
+        let least_known_rad_s = known.map_or(0.0, |(least_rpm, _)| rad_s(least_rpm));
+        let cruise_rad_s = fabs(whole.plan.profile().cruise_rad_s());
+        let slow_rad_s = (SLOWLY * cruise_rad_s).max(1.01 * least_rad_s).max(least_known_rad_s);
+        Ok(Cruise::Speed { rad_s: slow_rad_s.min(cruise_rad_s) })
+    }
+}

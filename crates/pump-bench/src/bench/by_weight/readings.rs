@@ -1,0 +1,115 @@
+//! The readings of a balance while the pump turns, taken by a thread of their own.
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{scope, sleep};
+use std::time::{Duration, Instant};
+
+use crate::balance::{Balance, BalanceError, BalanceReading};
+use crate::drives::StopRequest;
+
+/// Pause between two readings.
+const BETWEEN: Duration = Duration::from_millis(25);
+
+/// Longest wait for one reading.
+const LONGEST: Duration = Duration::from_secs(1);
+
+/// Most readings that are kept: those of a minute and a half at the least pause.
+const MOST: usize = 4096;
+
+/// Reading with the instant at which it was had.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    pub(super) at: Instant,
+    pub(super) reading: BalanceReading,
+}
+
+/// Readings so far.
+#[derive(Debug, Default)]
+struct Seen {
+    samples: VecDeque<Sample>,
+    fault: Option<BalanceError>,
+}
+
+/// Readings of a balance while something else happens.
+#[derive(Debug, Default)]
+pub(super) struct Readings {
+    seen: Mutex<Seen>,
+}
+
+impl Readings {
+    fn seen(&self) -> MutexGuard<'_, Seen> {
+        self.seen.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Reads `balance` over and over while `during` runs. The user's `stop` ends a reading under way.
+    pub(super) fn while_running<T>(
+        balance: &mut dyn Balance,
+        stop: &StopRequest,
+        during: impl FnOnce(&Self) -> T,
+    ) -> T {
+        let (readings, ends) = (Self::default(), Arc::new(AtomicBool::new(false)));
+        scope(|scope| {
+            let ends_soon = Ends(Arc::clone(&ends));
+            let reader = &readings;
+            let (ended, stop) = (Arc::clone(&ends), stop.clone());
+            scope.spawn(move || {
+                let over = Arc::clone(&ended);
+                let stop = StopRequest::new(move || over.load(Ordering::Relaxed) || stop.is_made());
+                while !ended.load(Ordering::Relaxed) && reader.take(balance, &stop) {
+                    sleep(BETWEEN);
+                }
+            });
+            let found = during(&readings);
+            drop(ends_soon);
+            found
+        })
+    }
+
+    /// Takes one reading. Returns false after an error that ends the dose.
+    fn take(&self, balance: &mut dyn Balance, stop: &StopRequest) -> bool {
+        let read = balance.read_now(LONGEST, stop);
+        let mut seen = self.seen();
+        match read {
+            Ok(reading) => {
+                if seen.samples.len() == MOST {
+                    seen.samples.pop_front();
+                }
+                seen.samples.push_back(Sample { at: Instant::now(), reading });
+                true
+            }
+            // The age of the last reading tells how long the balance has been silent.
+            Err(BalanceError::Silent { .. } | BalanceError::NotStill { .. }) => true,
+            Err(BalanceError::Stopped) => false,
+            Err(error) => {
+                seen.fault = Some(error);
+                false
+            }
+        }
+    }
+
+    /// Returns the last reading.
+    pub(super) fn last(&self) -> Option<Sample> {
+        self.seen().samples.back().copied()
+    }
+
+    /// Returns the last reading up to an instant.
+    pub(super) fn last_until(&self, at: Instant) -> Option<Sample> {
+        self.seen().samples.iter().rev().find(|sample| sample.at <= at).copied()
+    }
+
+    /// Takes the error of the balance, if it has one.
+    pub(super) fn take_fault(&self) -> Option<BalanceError> {
+        self.seen().fault.take()
+    }
+}
+
+/// Ends the reading thread when it is dropped, also where the motion panics.
+struct Ends(Arc<AtomicBool>);
+
+impl Drop for Ends {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}

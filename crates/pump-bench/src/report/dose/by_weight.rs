@@ -1,0 +1,135 @@
+//! The report of a dose that a balance ended.
+
+use libm::log10;
+use pump_model::units::degrees;
+use serde::Serialize;
+
+use super::DoseReport;
+use crate::bench::{Bench, DeliveredByWeight, PreparedByWeight};
+use crate::dosing::weighed_shares;
+use crate::notice::Notice;
+use crate::numbers::{microlitres, significant};
+use crate::report::choices::VolumeBasis;
+
+/// The weighing of a dose that a balance ended.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct ByWeightReport {
+    /// Mass that the balance was to show, g.
+    pub target_g: f64,
+    /// Mass that the balance shows, g.
+    pub mass_g: f64,
+    /// Step of the balance's last digit, g.
+    pub digit_g: f64,
+    /// Volume that the pump turned for by the model, mL.
+    pub turned_ml: f64,
+    /// Most volume by the model that the pump might turn for, mL.
+    pub most_ml: f64,
+    /// Stretches of the motion. Each was weighed at rest.
+    pub stretches: u32,
+    /// Stretches that the balance stopped before the end of their plan.
+    pub stopped_by_balance: u32,
+    /// Time of flow by which the dose reckoned with what still arrives after a stop, s; null if the motor is simulated.
+    pub reckoned_s: Option<f64>,
+    /// True if that time was learned from earlier doses, false if it is the model's; null if the motor is simulated.
+    pub reckoned_learned: Option<bool>,
+    /// Mean time of flow that still arrived after a stop, s, over the stops on record; null if none told it.
+    pub after_stop_s: Option<f64>,
+    /// Standard deviation of these times, s.
+    pub after_stop_spread_s: Option<f64>,
+    /// Number of stops on record.
+    pub after_stop_stops: Option<u32>,
+    /// Carry of earlier doses that was dropped, mL.
+    pub dropped_ml: f64,
+}
+
+impl DoseReport {
+    /// Reports a dose that a balance ended, or was to end. The difference of two of its readings has the standard
+    /// uncertainty `difference_g`, in g.
+    pub fn by_weight(
+        bench: &Bench,
+        prepared: &PreparedByWeight,
+        delivered: &DeliveredByWeight,
+        difference_g: f64,
+    ) -> Self {
+        let report = Self::new(bench, &prepared.whole, None);
+        let (file, volume_ml) = (bench.file(), delivered.volume_ml);
+        let reading_ml = difference_g * prepared.z_ml_g;
+        // The density was known when the dose was planned.
+        let (uncertainty_budget, expanded_uncertainty_ml) =
+            weighed_shares(file, volume_ml, reading_ml, prepared.whole.drop_ml).unwrap_or_default();
+        let mut warnings = report.warnings;
+        warnings.extend(delivered.warnings.iter().cloned());
+        if delivered.dropped_ml != 0.0 {
+            let carry = microlitres(delivered.dropped_ml);
+            warnings
+                .push(Notice::from(format!("the carry of {carry} is dropped: the balance ended the dose")));
+        }
+        let after = delivered.after_stop;
+        Self {
+            carry_in_ml: 0.0,
+            planned_ml: delivered.turned_ml,
+            volume_least_ml: volume_ml,
+            volume_most_ml: volume_ml,
+            delivered_ml: Some(volume_ml),
+            balance_g: Some(delivered.mass_g),
+            volume_basis: VolumeBasis::Weighed,
+            expanded_uncertainty_ml,
+            uncertainty_budget,
+            end_angle_deg: degrees(delivered.end_angle_rad),
+            steps: delivered.made as i64,
+            steps_made: Some(delivered.made as i64),
+            carry_ml: 0.0,
+            carry_half_width_ml: 0.0,
+            motion_s: delivered.measured_s,
+            measured_motion_s: Some(delivered.measured_s),
+            warnings,
+            completed: delivered.completed,
+            by_weight: Some(ByWeightReport {
+                target_g: prepared.target_g(),
+                mass_g: delivered.mass_g,
+                digit_g: delivered.digit_g,
+                turned_ml: delivered.turned_ml,
+                most_ml: prepared.most_ml,
+                stretches: delivered.stretches,
+                stopped_by_balance: delivered.stopped_by_balance,
+                reckoned_s: delivered.reckoned_s.map(|(time_s, _)| time_s),
+                reckoned_learned: delivered.reckoned_s.map(|(_, is_learned)| is_learned),
+                after_stop_s: after.map(|after| after.mean_s),
+                after_stop_spread_s: after.map(|after| after.spread_s()),
+                after_stop_stops: after.map(|after| after.stops),
+                dropped_ml: delivered.dropped_ml,
+            }),
+            ..report
+        }
+    }
+}
+
+impl ByWeightReport {
+    /// The line of the weighing for people.
+    pub(in crate::report) fn line(&self) -> String {
+        let decimals = (-log10(self.digit_g)).clamp(0.0, 6.0).round() as usize;
+        let after = match (self.reckoned_s, self.reckoned_learned, self.after_stop_s, self.after_stop_stops) {
+            (Some(time_s), Some(is_learned), mean_s, stops) => {
+                let source = if is_learned { "learned" } else { "the model's first value" };
+                let now = mean_s.zip(stops).map_or(String::new(), |(mean_s, stops)| {
+                    format!(", on record now {} s of {stops} stops", significant(mean_s, 2))
+                });
+                format!(
+                    "; after a stop {} s of flow were reckoned with ({source}){now}",
+                    significant(time_s, 2)
+                )
+            }
+            _ => String::new(),
+        };
+        format!(
+            "by weight: {:.decimals$} g of {:.decimals$} g in {} stretches; the pump turned for {} mL by the model, \
+             {} mL at most{after}\n",
+            self.mass_g,
+            self.target_g,
+            self.stretches,
+            significant(self.turned_ml, 5),
+            significant(self.most_ml, 5),
+        )
+    }
+}

@@ -1,0 +1,73 @@
+//! `dose <VOLUME> --until-scale`: a dose that a balance ends.
+
+use pump_bench::notice::Notice;
+use pump_bench::{Bench, DoseReport, DoseRequest};
+
+use super::delivery::{STOPPED, report_once};
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::options::balance::{BalanceOptions, ByWeightOptions};
+use crate::options::dosing::DosingOptions;
+use crate::terminal::{announce, noted, progress_bar, warn};
+
+/// Makes one dose by weight, or with `--dry-run` plans it.
+pub(super) fn run(
+    bench: &Bench,
+    request: DoseRequest,
+    typed: &str,
+    options: &ByWeightOptions,
+    balance: &BalanceOptions,
+    dosing: &DosingOptions,
+) -> Result<(), Failure> {
+    if let Some((option, _)) = dosing.files().into_iter().find(|(_, path)| path.is_some()) {
+        return Err(Failure::refused(format!(
+            "{option} writes a plan, and a balance ends this dose; leave it out, or leave out --until-scale"
+        )));
+    }
+    let json = dosing.format.json();
+    let said = super::delivery::Said { json, verbose: dosing.verbose.verbose, asked: Some(typed) };
+    let order = options.order(request, balance);
+    if dosing.dry_run {
+        let prepared = bench.prepare_by_weight(&order)?;
+        let mut report = DoseReport::new(bench, &prepared.whole, None);
+        report.warnings.push(Notice::from(format!(
+            "a balance would end this dose: the pump would turn for {:.4} mL at most",
+            prepared.most_ml
+        )));
+        return report_once(bench, report, &said, None, Vec::new());
+    }
+    let mut scale = balance.open()?.ok_or_else(|| Failure::refused("--until-scale needs a balance"))?;
+    let interrupt = Interrupt::watch()?;
+    let mut session = bench.session()?;
+    let prepared = session.prepare_by_weight(&order);
+    let prepared = noted(&mut session, prepared)?;
+    announce(bench, json)?;
+    if !bench.is_simulated() {
+        warn(&prepared.whole.warnings);
+    }
+    let bar = progress_bar(prepared.whole.plan.steps().unsigned_abs(), json);
+    let (mut before, mut last) = (0, 0);
+    let made = session.run_by_weight(&prepared, scale.as_mut(), |made| {
+        // Each stretch counts its own steps.
+        if made < last {
+            before += last;
+        }
+        last = made;
+        bar.set_position(before + made);
+        interrupt.flow()
+    });
+    bar.finish_and_clear();
+    let delivered = noted(&mut session, made).map_err(|error| Failure::of(error).of_session(&session))?;
+    if !bench.is_simulated() {
+        warn(&delivered.warnings);
+    }
+    let density_kg_m3 = bench.file().fluid.density_kg_m3;
+    let difference_g = options.difference_g(delivered.digit_g, density_kg_m3);
+    let report = DoseReport::by_weight(bench, &prepared, &delivered, difference_g);
+    let printed = report_once(bench, report, &said, None, Vec::new());
+    match (printed, delivered.completed) {
+        (Err(failure), _) => Err(failure.after_motion()),
+        (Ok(()), true) => Ok(()),
+        (Ok(()), false) => Err(Failure::stopped(interrupt.signal().unwrap_or(0), true, STOPPED)),
+    }
+}
