@@ -116,6 +116,6 @@ pub(super) fn digits_said(step_g: f64, is_stated: bool) -> String {
     if is_stated {
         return String::new();
     }
-    let standard_g = pump_bench::balance::BalanceReading { mass_g: 0.0, step_g }.difference_standard_g();
+    let standard_g = BalanceReading { mass_g: 0.0, step_g }.difference_standard_g();
     format!("; by its last digit it is sure to {standard_g:.1e} g (--scale says it otherwise)")
 }
