@@ -15,6 +15,7 @@ use crate::commands::pumps::PumpsArgs;
 use crate::commands::purge::PurgeArgs;
 use crate::commands::release::ReleaseArgs;
 use crate::commands::resume::ResumeArgs;
+use crate::commands::setup::SetupArgs;
 use crate::commands::simulate::SimulateArgs;
 use crate::commands::status::StatusArgs;
 use crate::commands::tube::TubeArgs;
@@ -46,6 +47,8 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Set up a pump of your own, step by step
+    Setup(Box<SetupArgs>),
     /// Fill the line before a dose; the carry stays as it is
     Prime(PrimeArgs),
     /// Empty the line; a negative volume runs back
@@ -102,6 +105,7 @@ impl Cli {
                 }
                 self.dose.run()
             }
+            Some(Command::Setup(args)) => args.run(),
             Some(Command::Prime(args)) => args.run(),
             Some(Command::Purge(args)) => args.run(),
             Some(Command::Calibrate(args)) => args.run(),

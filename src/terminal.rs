@@ -73,7 +73,7 @@ pub(crate) fn say(text: &str) {
 }
 
 /// Says a message of one line, wrapped if standard error is a terminal; logs keep one line a message.
-fn say_line(line: &str) {
+pub(crate) fn say_line(line: &str) {
     let width = Term::stderr().size_checked().map(|(_, columns)| usize::from(columns));
     match width.filter(|_| io::stderr().is_terminal()) {
         Some(width) => say(&wrapped(line, width)),
