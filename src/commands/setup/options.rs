@@ -186,10 +186,6 @@ impl AnswerOptions {
         Ok(())
     }
 
-    /// The way in which the pump turns, if it is said.
-    pub(super) fn has_direction(&self) -> bool {
-        self.direction.is_some()
-    }
 
     fn head(&self) -> Result<Option<HeadAnswer>, Failure> {
         if self.bore.is_some() && self.ml_per_rev.is_none() {
