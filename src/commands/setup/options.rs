@@ -186,7 +186,6 @@ impl AnswerOptions {
         Ok(())
     }
 
-
     fn head(&self) -> Result<Option<HeadAnswer>, Failure> {
         if self.bore.is_some() && self.ml_per_rev.is_none() {
             return Err(Failure::refused("--bore stands beside --ml-per-rev; a head of the catalogue knows its own"));
