@@ -73,9 +73,19 @@ pub(crate) fn say(text: &str) {
 }
 
 /// Says a message of one line, wrapped if standard error is a terminal; logs keep one line a message.
-pub(crate) fn say_line(line: &str) {
+fn say_line(line: &str) {
     let width = Term::stderr().size_checked().map(|(_, columns)| usize::from(columns));
     match width.filter(|_| io::stderr().is_terminal()) {
+        Some(width) => say(&wrapped(line, width)),
+        None => say(line),
+    }
+}
+
+/// Says a line to a person who is led through questions. It is wrapped on a terminal, and where COLUMNS gives a width.
+pub(crate) fn say_wrapped(line: &str) {
+    let told = || std::env::var("COLUMNS").ok()?.parse().ok();
+    let terminal = Term::stderr().size_checked().map(|(_, columns)| usize::from(columns));
+    match terminal.or_else(told) {
         Some(width) => say(&wrapped(line, width)),
         None => say(line),
     }

@@ -7,14 +7,22 @@ use crate::truth::TruePump;
 
 /// Refused with exit code 2, and one message with these parts. Nothing is written.
 fn is_refused(desk: &Desk, words: &[&str], parts: &[&str]) {
-    let before = (desk.configured("config.toml"), desk.configured("pumps/acid.toml"), desk.configured("setup/acid.toml"));
+    let before = (
+        desk.configured("config.toml"),
+        desk.configured("pumps/acid.toml"),
+        desk.configured("setup/acid.toml"),
+    );
     let ended = desk.types(words);
     assert_eq!(ended.code, 2, "{words:?}: {}{}", ended.out, ended.err);
     for part in parts {
         assert!(ended.err.contains(part), "{part}: {}", ended.err);
     }
     assert!(ended.err.matches("error:").count() == 1 && ended.out.is_empty(), "{}", ended.err);
-    let after = (desk.configured("config.toml"), desk.configured("pumps/acid.toml"), desk.configured("setup/acid.toml"));
+    let after = (
+        desk.configured("config.toml"),
+        desk.configured("pumps/acid.toml"),
+        desk.configured("setup/acid.toml"),
+    );
     assert_eq!(before, after, "{words:?}");
 }
 
@@ -49,10 +57,15 @@ fn options_that_contradict_each_other_are_one_message() {
 fn an_answer_that_contradicts_is_asked_again_and_the_others_stay() {
     let desk = Desk::new();
     let mut heights = ["12m", "0.3m"].iter();
-    let answers = [("Rollers", "4"), ("Head:", "0.5mL"), ("Microsteps", "16"), ("Driver", "sim"), ("Altitude", "500m")];
+    let answers =
+        [("Rollers", "4"), ("Head:", "0.5mL"), ("Microsteps", "16"), ("Driver", "sim"), ("Altitude", "500m")];
     let mut react = by_part(&answers);
     let ended = desk.answers(&["setup", "acid"], &mut |question| {
-        if question.starts_with("Height of the pump") { heights.next().map(ToString::to_string) } else { react(question) }
+        if question.starts_with("Height of the pump") {
+            heights.next().map(ToString::to_string)
+        } else {
+            react(question)
+        }
     });
     assert_eq!(ended.code, 0, "{}", ended.err);
     assert!(ended.err.contains("water is not sucked up 12 m: the air of 95.5 kPa"), "{}", ended.err);
@@ -63,7 +76,8 @@ fn an_answer_that_contradicts_is_asked_again_and_the_others_stay() {
 fn a_name_that_another_pump_has_is_refused() {
     let desk = Desk::new();
     fs::create_dir_all(desk.path("config/pump-dose")).unwrap();
-    let text = pump_bench::built_in("three-roller").unwrap().to_toml().replace("\"three-roller\"", "\"acid\"");
+    let text =
+        pump_bench::built_in("three-roller").unwrap().to_toml().replace("\"three-roller\"", "\"acid\"");
     fs::write(desk.path("own.toml"), text).unwrap();
     let own = desk.path("own.toml");
     for name in ["acid", "base"] {
@@ -84,7 +98,8 @@ fn a_name_that_another_pump_has_is_refused() {
 #[test]
 fn a_pump_file_that_was_changed_by_hand_is_not_written_anew() {
     let desk = Desk::new();
-    let words = [&ACID[..], &["--microsteps", "16", "--driver", "sim", "--altitude", "500m", "--no-motion"]].concat();
+    let words =
+        [&ACID[..], &["--microsteps", "16", "--driver", "sim", "--altitude", "500m", "--no-motion"]].concat();
     assert_eq!(desk.types(&words).code, 0);
     let path = desk.path("config/pump-dose/pumps/acid.toml");
     let mine = fs::read_to_string(&path).unwrap().replace("count = 4", "count = 4 # seen");
@@ -99,7 +114,8 @@ fn a_weight_that_cannot_be_is_refused_and_the_dose_stays() {
     let desk = Desk::new();
     let pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);
     let port = pump.port();
-    let board = ["--microsteps", "16", "--driver", "grbl", "--port", &port, "--axis", "X", "--altitude", "500m"];
+    let board =
+        ["--microsteps", "16", "--driver", "grbl", "--port", &port, "--axis", "X", "--altitude", "500m"];
     let turn = ["--turned", "1", "--direction", "forward", "--prime", "0", "--volume", "5mL"];
     let dosed = desk.types(&[&ACID[..], &board, &turn].concat());
     assert_eq!(dosed.code, 0, "{}", dosed.err);

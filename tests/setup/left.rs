@@ -1,6 +1,12 @@
 //! Somebody who leaves at every question, and comes back.
 
+use std::process::Command;
+use std::sync::atomic::Ordering;
+use std::thread;
+use std::time::Duration;
+
 use crate::person::{Desk, by_part};
+use crate::truth::TruePump;
 
 /// Answers to everything on a simulated motor.
 const ANSWERS: [(&str, &str); 8] = [
@@ -73,4 +79,82 @@ fn a_second_weighing_joins_the_first() {
     assert_eq!(again.code, 0, "{}", again.err);
     assert!(again.err.contains("This pump is set up. Weigh one more dose?"), "{}", again.err);
     assert!(again.out.contains("2 runs at"), "{}", again.out);
+}
+
+/// Makes the course on a board, and sends `signal` to the command while the weighed dose runs. Returns the exit code.
+fn stopped_in_the_dose(desk: &Desk, pump: &TruePump, signal: &str) -> i32 {
+    let port = pump.port();
+    let words = [
+        "setup",
+        "acid",
+        "--ml-per-rev",
+        "0.5mL",
+        "--rollers",
+        "4",
+        "--microsteps",
+        "16",
+        "--driver",
+        "grbl",
+        "--port",
+        &port,
+        "--axis",
+        "X",
+        "--altitude",
+        "500m",
+        "--prime",
+        "0",
+        "--volume",
+        "10mL",
+        "--turned",
+        "1",
+        "--direction",
+        "forward",
+    ];
+    thread::scope(|scope| {
+        let ended = desk.answers(&words, &mut |question| {
+            if question.starts_with("Put a vessel") {
+                // The dose is 64000 steps long.
+                let from = pump.board.rest().steps;
+                scope.spawn(move || {
+                    while pump.board.truth().steps - from < 8000 {
+                        thread::sleep(Duration::from_millis(2));
+                    }
+                    let process = desk.process.load(Ordering::SeqCst).to_string();
+                    assert!(Command::new("kill").args([signal, &process]).status().unwrap().success());
+                });
+            }
+            Some(if question.starts_with("May the motor") { "yes".to_owned() } else { String::new() })
+        });
+        ended.code
+    })
+}
+
+#[test]
+fn a_dose_that_was_stopped_or_cut_off_is_on_record_and_made_again() {
+    for (signal, code) in [("-INT", 130), ("-KILL", -1)] {
+        let desk = Desk::new();
+        let mut pump = TruePump::new(0.54, 3200.0, (0.3, 60.0), 0.9);
+        assert_eq!(stopped_in_the_dose(&desk, &pump, signal), code, "{signal}");
+        let steps = pump.board.rest().steps;
+        assert!((8000..60_000).contains(&(steps - 3200)), "{signal}: {steps}");
+        let journal = desk.journal("acid", "grbl").unwrap();
+        let ended = desk.answers(&["setup", "acid"], &mut |question| {
+            Some(match question {
+                q if q.starts_with("Put a vessel") => {
+                    pump.tare();
+                    String::new()
+                }
+                q if q.starts_with("Reading") => pump.reading(),
+                _ => String::new(),
+            })
+        });
+        assert_eq!(ended.code, 0, "{signal}: {}", ended.err);
+        assert!(ended.asked[0].starts_with("A motion of this pump was stopped"), "{:?}", ended.asked);
+        assert!(!ended.err.contains("One revolution"), "{}", ended.err);
+        let after = desk.journal("acid", "grbl").unwrap();
+        assert!(after.starts_with(&journal) && after.len() > journal.len(), "the record goes on");
+        // The dose that was weighed is the whole one.
+        assert!((pump.turns() - 20.0).abs() < 1e-9, "{signal}: {}", pump.turns());
+        assert!(ended.out.contains("1 run at"), "{}", ended.out);
+    }
 }

@@ -8,6 +8,7 @@ mod contradictions;
 mod course;
 mod left;
 mod options;
+mod page;
 mod person;
 mod ports;
 mod second;

@@ -55,7 +55,11 @@ fn a_missing_answer_is_one_message_that_names_its_option() {
         let words = [&SIM[..at], &SIM[at + 2..]].concat();
         let ended = desk.types(&words);
         assert_eq!(ended.code, 2, "{option}: {}", ended.err);
-        assert!(ended.err.contains(names) && ended.err.matches("error:").count() == 1, "{option}: {}", ended.err);
+        assert!(
+            ended.err.contains(names) && ended.err.matches("error:").count() == 1,
+            "{option}: {}",
+            ended.err
+        );
         assert_eq!(ended.out, "", "{option}");
         assert_eq!(desk.configured("config.toml"), None);
         // The same without --yes and without a terminal.
@@ -81,7 +85,8 @@ fn a_real_motor_does_not_move_before_somebody_can_say_what_it_did() {
     assert!(file.code == 0 && file.err.contains("Nothing was moved"), "{}", file.err);
     assert_eq!(pump.board.rest().steps, 0);
 
-    let dosed = desk.types(&[&words[..], &["--turned", "1", "--direction", "forward", "--prime", "1mL"]].concat());
+    let dosed =
+        desk.types(&[&words[..], &["--turned", "1", "--direction", "forward", "--prime", "1mL"]].concat());
     assert_eq!(dosed.code, 0, "{}", dosed.err);
     assert!(dosed.err.contains("`dose setup acid --weight 4.93g`"), "{}", dosed.err);
     // One revolution, 1 mL of 0.5 mL each, then 5 mL.
@@ -97,8 +102,27 @@ fn a_real_motor_does_not_move_before_somebody_can_say_what_it_did() {
 fn a_pump_file_and_a_drawing_may_stand_in_place_of_the_head() {
     let desk = Desk::new();
     let drawn = [
-        "setup", "drawn", "--tube", "10x14mm", "--backplate", "63mm", "--roller", "20mm", "--offset", "40mm",
-        "--contact", "30deg", "--rollers", "3", "--microsteps", "64", "--driver", "sim", "--altitude", "1350m", "--yes",
+        "setup",
+        "drawn",
+        "--tube",
+        "10x14mm",
+        "--backplate",
+        "63mm",
+        "--roller",
+        "20mm",
+        "--offset",
+        "40mm",
+        "--contact",
+        "30deg",
+        "--rollers",
+        "3",
+        "--microsteps",
+        "64",
+        "--driver",
+        "sim",
+        "--altitude",
+        "1350m",
+        "--yes",
     ];
     let ended = desk.types(&drawn);
     assert_eq!(ended.code, 0, "{}", ended.err);

@@ -2,8 +2,9 @@
 
 use std::fs;
 use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -14,6 +15,8 @@ const LIMIT: Duration = Duration::from_secs(120);
 /// A desk with its configuration and its records.
 pub(crate) struct Desk {
     folder: tempfile::TempDir,
+    /// Process of the command that was typed last.
+    pub(crate) process: AtomicU32,
 }
 
 /// End of a command.
@@ -31,7 +34,7 @@ pub(crate) type Reaction<'a> = dyn FnMut(&str) -> Option<String> + 'a;
 
 impl Desk {
     pub(crate) fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap() }
+        Self { folder: tempfile::tempdir().unwrap(), process: AtomicU32::new(0) }
     }
 
     pub(crate) fn path(&self, name: &str) -> PathBuf {
@@ -63,6 +66,7 @@ impl Desk {
         let mut command = self.command(words);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().unwrap();
+        self.process.store(child.id(), Ordering::SeqCst);
         let out = pieces(child.stdout.take().unwrap());
         let err = pieces(child.stderr.take().unwrap());
         let mut input = child.stdin.take();
@@ -106,21 +110,14 @@ impl Desk {
 }
 
 /// Answers by parts of questions. A question without an answer takes the one that is suggested.
-pub(crate) fn by_part<'a>(
-    answers: &'a [(&'a str, &'a str)],
-) -> impl FnMut(&str) -> Option<String> + 'a {
+pub(crate) fn by_part<'a>(answers: &'a [(&'a str, &'a str)]) -> impl FnMut(&str) -> Option<String> + 'a {
     |question| {
         let answer = answers.iter().find(|(part, _)| question.contains(part));
         Some(answer.map_or(String::new(), |(_, answer)| (*answer).to_owned()))
     }
 }
 
-/// The name of a file as a word.
-pub(crate) fn word(path: &Path) -> &str {
-    path.to_str().unwrap()
-}
-
-fn pieces(mut from: impl Read + Send + 'static) -> Receiver<String> {
+pub(crate) fn pieces(mut from: impl Read + Send + 'static) -> Receiver<String> {
     let (sender, pieces) = channel();
     thread::spawn(move || {
         let (mut buffer, mut rest) = ([0; 4096], Vec::new());

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
-use crate::terminal::{say, say_line};
+use crate::terminal::{say, say_wrapped};
 
 /// Time between two looks for a signal.
 const LOOK: Duration = Duration::from_millis(100);
@@ -111,7 +111,7 @@ impl Asker {
             let answer = match (line.trim(), usual) {
                 ("", Some(usual)) => usual.answer.as_str(),
                 ("" | "?", _) => {
-                    say_line(&format!("  {}\n", question.help));
+                    say_wrapped(&format!("  {}\n", question.help));
                     continue;
                 }
                 ("quit", _) => return Err(Stop::Left),
@@ -119,7 +119,7 @@ impl Asker {
             };
             match read(answer) {
                 Ok(value) => return Ok(value),
-                Err(why) => say_line(&format!("  {why}\n")),
+                Err(why) => say_wrapped(&format!("  {why}\n")),
             }
         }
     }
@@ -136,6 +136,7 @@ impl Asker {
         let lines = self.lines.get_or_insert_with(lines);
         loop {
             if let Some(signal) = self.interrupt.signal() {
+                say("\n");
                 return Err(Failure::stopped(signal, false, "stopped by the user"));
             }
             match lines.recv_timeout(LOOK) {

@@ -2,16 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use pump_bench::notice::Notice;
+use pump_bench::notice::{Notice, Remedy};
 use pump_bench::pump_file::{DriverName, PumpFile};
 use pump_bench::setup::{Answers, Done, HeadAnswer, SetupFolder};
-use pump_bench::{Bench, Session};
+use pump_bench::{Bench, Prepared, Session};
 
 use super::asker::{Asked, Asker, Question, Usual};
 use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::terminal::{say, say_line, warn};
+use crate::terminal::{say, say_wrapped, warn};
 
 /// A first run.
 pub(super) struct Course {
@@ -68,10 +68,15 @@ impl Course {
     }
 
     /// The answer of the last pump as a suggestion, or else the usual one.
-    pub(super) fn suggested(&self, of: impl Fn(&Answers) -> Option<String>, usual: Option<&str>) -> Option<Usual> {
-        let last = self.last.as_ref().and_then(|last| {
-            Some(Usual { answer: of(last)?, of: Some(last.name.clone()) })
-        });
+    pub(super) fn suggested(
+        &self,
+        of: impl Fn(&Answers) -> Option<String>,
+        usual: Option<&str>,
+    ) -> Option<Usual> {
+        let last = self
+            .last
+            .as_ref()
+            .and_then(|last| Some(Usual { answer: of(last)?, of: Some(last.name.clone()) }));
         last.or_else(|| usual.map(Usual::new))
     }
 
@@ -140,6 +145,22 @@ fn still_done(before: &Answers, after: &Answers) -> Done {
     still
 }
 
+/// Leaves the warnings out that the course is there to answer: that nobody knows the angle or has weighed the pump.
+pub(super) fn quieten(prepared: &mut Prepared) {
+    const ANSWERED: [Remedy; 6] = [
+        Remedy::TurnAndSayAngle,
+        Remedy::FindAngle,
+        Remedy::FindOrSayAngle,
+        Remedy::Weigh,
+        Remedy::WeighToBeSurer,
+        Remedy::CalibrateRuns,
+    ];
+    prepared.warnings.retain(|warning| {
+        let is_of_angle = warning.text().starts_with("the rollers' angle is unknown");
+        !is_of_angle && !warning.remedies().iter().any(|remedy| ANSWERED.contains(remedy))
+    });
+}
+
 /// A heading of a part of the course.
 pub(super) fn heading(text: &str) {
     say(&format!("\n{text}\n"));
@@ -147,14 +168,14 @@ pub(super) fn heading(text: &str) {
 
 /// A line to the person.
 pub(super) fn tell_person(text: &str) {
-    say_line(&format!("{text}\n"));
+    say_wrapped(&format!("{text}\n"));
 }
 
 /// The head in words.
 pub(super) fn head_in_words(head: &HeadAnswer) -> String {
     match head {
         HeadAnswer::Catalogue(name) => name.clone(),
-        HeadAnswer::Volume { ml_per_rev, .. } => format!("{ml_per_rev} mL per revolution"),
+        HeadAnswer::Volume { ml_per_rev } => format!("{ml_per_rev} mL per revolution"),
         HeadAnswer::Drawing { bore_mm, outer_mm, .. } => format!("a drawing, tube {bore_mm} x {outer_mm} mm"),
         HeadAnswer::File(path) => format!("as in {}", path.display()),
     }

@@ -4,7 +4,7 @@ use pump_bench::record::Purpose;
 use pump_bench::{DoseReport, DoseRequest};
 
 use super::asker::{Asked, Question, Usual, yes_or_no};
-use super::course::{Course, heading};
+use super::course::{Course, heading, quieten, tell_person};
 use super::options::volume_or_0;
 use super::written::rounded;
 use crate::commands::delivery::deliver;
@@ -50,9 +50,11 @@ fn ask_volume(course: &mut Course) -> Asked<()> {
 /// Pumps a volume into the line.
 fn prime(course: &mut Course, volume_ml: f64) -> Asked<()> {
     let bench = course.bench()?;
-    let mut session = bench.session().map_err(Failure::from)?;
+    let mut session = bench.session()?;
     let prepared = session.prepare(DoseRequest::new(Purpose::Prime, volume_ml));
-    let prepared = noted(&mut session, prepared).map_err(Failure::from)?;
+    let mut prepared = noted(&mut session, prepared)?;
+    quieten(&mut prepared);
+    tell_person(&format!("  It takes {:.0} s.", prepared.motion_s()));
     let delivered = deliver(&bench, &mut session, &prepared, course.asker.interrupt(), false);
     course.note_motion(&session);
     let (delivered, signal) = delivered?;

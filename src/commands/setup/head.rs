@@ -5,7 +5,7 @@ use pump_bench::setup::HeadAnswer;
 use pump_bench::units;
 use pump_model::units::degrees;
 
-use super::asker::{Asked, Question, Stop, Usual};
+use super::asker::{Asked, Question, Stop};
 use super::course::{Course, heading, tell_person};
 use crate::failure::Failure;
 
@@ -25,6 +25,10 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
         ask_head(course)?;
     }
     tell_of_head(course);
+    let is_volume = matches!(course.answers.head, Some(HeadAnswer::Volume { .. }));
+    if is_volume && course.answers.tube_bore_mm.is_none() {
+        ask_bore(course)?;
+    }
     if !knows_rollers(course) {
         ask_rollers(course)?;
     }
@@ -40,22 +44,22 @@ fn ask_head(course: &mut Course) -> Asked<()> {
     let suggested = course.suggested(
         |last| match last.head.as_ref()? {
             HeadAnswer::Catalogue(name) => Some(name.clone()),
-            HeadAnswer::Volume { ml_per_rev, .. } => Some(format!("{ml_per_rev}mL")),
+            HeadAnswer::Volume { ml_per_rev } => Some(format!("{ml_per_rev}mL")),
             _ => None,
         },
         None,
     );
     let question = Question {
-        text: "Head: name in the catalogue, mL per revolution, a pump file, or `drawing`",
+        text: "Head: mL per revolution (as 0.5mL), a name of the catalogue, a pump file, or `drawing`",
         option: "--head masterflex-ls-16, --ml-per-rev 0.5mL, --from FILE, or the dimensions of a drawing",
         usual: suggested,
-        help: "mL per revolution stand in the manual, as 0.5mL; `dose pumps list --catalogue` lists the heads that \
-               have names; a pump file ends in .toml; `drawing` asks for the dimensions of a head that you built",
+        help: "the manual says mL per revolution, or divide its flow by its speed: 50 mL/min at 100 r/min is 0.5mL; \
+               `dose pumps list --catalogue` lists heads by name, as masterflex-ls-16; a pump file ends in .toml; \
+               `drawing` asks for the dimensions of a head that you built",
     };
     let named = course.asker.ask(&question, |answer| named(answer))?;
     match named {
         Named::Drawing => ask_drawing(course),
-        Named::Head(HeadAnswer::Volume { ml_per_rev, .. }) => ask_bore(course, ml_per_rev),
         Named::Head(head) => set(course, head),
     }
 }
@@ -83,27 +87,32 @@ fn named(answer: &str) -> Result<Named, String> {
     if answer.starts_with(|c: char| c.is_ascii_digit() || c == '.') {
         let bare = answer.trim_end_matches("/rev").trim_end_matches(" per revolution");
         let volume = units::volume_ml(bare).map_err(|error| error.to_string())?;
-        return Ok(Named::Head(HeadAnswer::Volume { ml_per_rev: volume, tube_bore_mm: None }));
+        return Ok(Named::Head(HeadAnswer::Volume { ml_per_rev: volume }));
     }
     let nearest = pump_bench::heads::nearest_heads(answer).join(", ");
     Err(format!("no head of the catalogue is `{answer}`; the nearest are {nearest}"))
 }
 
-fn ask_bore(course: &mut Course, ml_per_rev: f64) -> Asked<()> {
+fn ask_bore(course: &mut Course) -> Asked<()> {
     let question = Question {
         text: "Bore of the tube (inner diameter), or `unknown`",
         option: "--bore 1.6mm beside --ml-per-rev",
-        usual: Some(Usual::new("unknown")),
+        usual: course.suggested(
+            |last| last.tube_bore_mm.filter(|bore_mm| *bore_mm > 0.0).map(|bore_mm| format!("{bore_mm}mm")),
+            Some("unknown"),
+        ),
         help: "it is printed on the tube's bag, as 1.6mm; pumps with wide tubes differ less from one another, so it \
                tells how sure doses are before the first weighing",
     };
-    let read = |answer: &str| match answer {
-        "unknown" => Ok(None),
-        answer => units::length_mm(answer).map(Some).map_err(|error| error.to_string()),
-    };
-    course.settle(&question, read, |answers, tube_bore_mm| {
-        answers.head = Some(HeadAnswer::Volume { ml_per_rev, tube_bore_mm });
-    })
+    course.settle(&question, length_or_unknown, |answers, mm| answers.tube_bore_mm = Some(mm))
+}
+
+/// Reads a length, mm, or 0 for one that nobody knows.
+pub(super) fn length_or_unknown(answer: &str) -> Result<f64, String> {
+    match answer {
+        "unknown" => Ok(0.0),
+        answer => units::length_mm(answer).map_err(|error| error.to_string()),
+    }
 }
 
 fn ask_rollers(course: &mut Course) -> Asked<()> {
@@ -127,7 +136,12 @@ fn ask_drawing(course: &mut Course) -> Asked<()> {
     let roller_mm = length("Radius of a roller", "--roller 20mm", "as 20mm")?;
     let offset_mm = length("From the shaft to a roller's axis", "--offset 40mm", "as 40mm")?;
     let tube = course.asker.ask(
-        &Question { text: "Tube, bore x outer diameter", option: "--tube 10x14mm", usual: None, help: "as 10x14mm" },
+        &Question {
+            text: "Tube, bore x outer diameter",
+            option: "--tube 10x14mm",
+            usual: None,
+            help: "as 10x14mm",
+        },
         |answer| units::tube_size(answer).map_err(|error| error.to_string()),
     )?;
     let (bore_mm, outer_mm) = (tube.bore_mm, tube.outer_mm);
@@ -137,9 +151,8 @@ fn ask_drawing(course: &mut Course) -> Asked<()> {
         usual: None,
         help: "the backplate spans 180deg and twice this angle, as 30deg",
     };
-    let contact_rad = course.asker.ask(&question, |answer| {
-        units::angle_rad(answer).map_err(|error| error.to_string())
-    })?;
+    let contact_rad =
+        course.asker.ask(&question, |answer| units::angle_rad(answer).map_err(|error| error.to_string()))?;
     let contact_deg = degrees(contact_rad);
     set(course, HeadAnswer::Drawing { bore_mm, outer_mm, backplate_mm, roller_mm, offset_mm, contact_deg })
 }

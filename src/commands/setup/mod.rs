@@ -32,6 +32,9 @@ pub(crate) struct SetupArgs {
     /// Go on with the first run that was left last
     #[arg(long = "continue", conflicts_with = "anew")]
     goes_on: bool,
+    /// Take the answers of another pump that was set up, but its axis
+    #[arg(long, value_name = "NAME")]
+    like: Option<String>,
     /// Ask every question anew
     #[arg(long)]
     anew: bool,
@@ -88,7 +91,7 @@ impl SetupArgs {
             }
             None => ask_name(asker, config)?,
         };
-        let kept = folder.read(&name).map_err(Failure::from)?;
+        let kept = folder.read(&name)?;
         Ok(match kept {
             None if self.goes_on => {
                 let refused = format!("no first run of `{name}` was left; leave --continue out");
@@ -107,7 +110,7 @@ impl SetupArgs {
     /// Follows the course from where it was left to its end.
     fn follow(&self, course: &mut Course, config: &Config) -> Asked<()> {
         let is_new = course.answers.unix_s == 0;
-        course.answers.check_name(config).map_err(Failure::from)?;
+        course.answers.check_name(config)?;
         let record = course.state_dir().join(&course.answers.name);
         if course.answers.done.written.is_none() && record.exists() && is_new {
             let name = course.answers.name.clone();
@@ -115,7 +118,12 @@ impl SetupArgs {
         }
         let mut answers = course.answers.clone();
         self.answers.write_to(&mut answers)?;
-        answers.check().map_err(Failure::from)?;
+        if let Some(like) = &self.like {
+            let refused =
+                || Failure::refused(format!("no pump `{like}` was set up, so there are no answers of it"));
+            answers.take_missing(&course.folder.read(like)?.ok_or_else(refused)?);
+        }
+        answers.check()?;
         course.take(answers)?;
         introduce(course, is_new)?;
         written::write(course)?;
@@ -182,10 +190,15 @@ fn introduce(course: &Course, is_new: bool) -> Result<(), Failure> {
              on later."
         ));
     } else {
-        heading(&format!("Going on with `{name}`; the answers so far are on record. ? explains, quit leaves."));
+        heading(&format!(
+            "Going on with `{name}`; the answers so far are on record. ? explains, quit leaves."
+        ));
     }
     if let Some(last) = &course.last {
-        tell_person(&format!("Suggested answers are those of `{}`, the pump that was set up last.", last.name));
+        tell_person(&format!(
+            "Suggested answers are those of `{}`, the pump that was set up last.",
+            last.name
+        ));
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use pump_bench::pump_file::{Axis, DriverName};
+use pump_bench::pump_file::{Axis, DriverName, OutletEnd};
 use pump_bench::setup::{Answers, HeadAnswer};
 use pump_bench::units::{self, Pressure, StatedReading, TubeSize, stated_reading};
 use pump_model::units::{degrees, rpm};
@@ -100,6 +100,15 @@ pub(super) struct AnswerOptions {
     #[arg(long, value_name = "HEIGHT", help_heading = "Place", value_parser = units::height_mm)]
     #[arg(allow_hyphen_values = true)]
     discharge_lift: Option<f64>,
+    /// Where the outlet ends: in air, from which drops fall, or immersed in the vessel's liquid
+    #[arg(long, value_name = "air|immersed", help_heading = "Place", value_parser = choice(&[
+        (OutletEnd::Air, "Drops hang from it and fall"),
+        (OutletEnd::Immersed, "Below the surface of the liquid in the vessel"),
+    ]))]
+    outlet_end: Option<OutletEnd>,
+    /// Diameter of the outlet's end, as 1.6mm
+    #[arg(long, value_name = "LENGTH", help_heading = "Place", value_parser = units::length_mm)]
+    nozzle_bore: Option<f64>,
     /// Rate of a dose that names none, as 0.2mL/s
     #[arg(long, value_name = "FLOW", help_heading = "First dose", value_parser = units::flow_ml_s)]
     rate: Option<f64>,
@@ -157,7 +166,8 @@ impl AnswerOptions {
             answers.head = Some(head);
         }
         if self.steps_per_rev.is_some() {
-            (answers.steps_per_rev, answers.full_steps, answers.microsteps) = (self.steps_per_rev, None, None);
+            (answers.steps_per_rev, answers.full_steps, answers.microsteps) =
+                (self.steps_per_rev, None, None);
         }
         if self.microsteps.is_some() {
             answers.steps_per_rev = None;
@@ -167,6 +177,7 @@ impl AnswerOptions {
         }
         let ambient_kpa = self.ambient.map(ambient_kpa).transpose()?;
         put(&mut answers.rollers, self.rollers);
+        put(&mut answers.tube_bore_mm, self.bore);
         put(&mut answers.full_steps, self.full_steps);
         put(&mut answers.microsteps, self.microsteps);
         put(&mut answers.gear, self.gear);
@@ -180,6 +191,8 @@ impl AnswerOptions {
         put(&mut answers.ambient_kpa, ambient_kpa);
         put(&mut answers.suction_lift_mm, self.suction_lift);
         put(&mut answers.discharge_lift_mm, self.discharge_lift);
+        put(&mut answers.outlet_end, self.outlet_end);
+        put(&mut answers.nozzle_bore_mm, self.nozzle_bore);
         put(&mut answers.rate_ml_s, self.rate);
         put(&mut answers.prime_ml, self.prime);
         put(&mut answers.volume_ml, self.volume);
@@ -188,13 +201,15 @@ impl AnswerOptions {
 
     fn head(&self) -> Result<Option<HeadAnswer>, Failure> {
         if self.bore.is_some() && self.ml_per_rev.is_none() {
-            return Err(Failure::refused("--bore stands beside --ml-per-rev; a head of the catalogue knows its own"));
+            return Err(Failure::refused(
+                "--bore stands beside --ml-per-rev; a head of the catalogue knows its own",
+            ));
         }
         if let Some(name) = &self.head {
             return Ok(Some(HeadAnswer::Catalogue(name.clone())));
         }
         if let Some(ml_per_rev) = self.ml_per_rev {
-            return Ok(Some(HeadAnswer::Volume { ml_per_rev, tube_bore_mm: self.bore }));
+            return Ok(Some(HeadAnswer::Volume { ml_per_rev }));
         }
         if let Some(path) = &self.from {
             let path = std::path::absolute(path).map_err(|error| Failure::unread(path, &error))?;
@@ -222,8 +237,9 @@ pub(super) fn ambient_kpa(pressure: Pressure) -> Result<f64, Failure> {
     match pressure {
         Pressure::Absolute(kpa) => Ok(kpa),
         Pressure::Gauge(kpa) => {
-            let refused =
-                Failure::refused("the air's pressure is what gauge pressures are measured against; give it absolute");
+            let refused = Failure::refused(
+                "the air's pressure is what gauge pressures are measured against; give it absolute",
+            );
             Err(refused.value(format!("{kpa} kPa gauge")).allowed("an absolute pressure, as 98.2kPaa"))
         }
     }

@@ -1,9 +1,11 @@
 //! The questions about the place: the air's pressure, the heights of supply and vessel, and the usual rate.
 
+use pump_bench::pump_file::OutletEnd;
 use pump_bench::units::{self, Pressure};
 
 use super::asker::{Asked, Question, Usual};
 use super::course::{Course, heading};
+use super::head::length_or_unknown;
 use super::options::ambient_kpa;
 
 /// Asks where the pump stands, unless a file knows it, and for the rate of its doses.
@@ -15,6 +17,9 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
         heading("The place");
         ask_ambient(course)?;
         ask_lifts(course)?;
+    }
+    if !is_of_file {
+        ask_outlet(course)?;
     }
     if course.answers.rate_ml_s.is_none() {
         ask_rate(course)?;
@@ -41,7 +46,9 @@ fn ask_ambient(course: &mut Course) -> Asked<()> {
         if let Ok(altitude_mm) = units::height_mm(answer) {
             return Ok((Some(1e-3 * altitude_mm), None));
         }
-        let pressure: Pressure = units::pressure(answer).map_err(|error| error.to_string())?;
+        let pressure: Pressure = units::pressure(answer).map_err(|_| {
+            format!("`{answer}` is neither a height, as 500m, nor an absolute pressure, as 98.2kPaa")
+        })?;
         let kpa = ambient_kpa(pressure).map_err(|failure| failure.message().to_owned())?;
         Ok((None, Some(kpa)))
     };
@@ -73,6 +80,35 @@ fn ask_lifts(course: &mut Course) -> Asked<()> {
             help: "negative if the vessel stands below the pump, as -0.3m",
         };
         course.settle(&question, height, |answers, mm| answers.discharge_lift_mm = Some(mm))?;
+    }
+    Ok(())
+}
+
+/// Asks how the outlet ends: a drop that hangs there is part of each dose's uncertainty.
+fn ask_outlet(course: &mut Course) -> Asked<()> {
+    if course.answers.outlet_end.is_none() {
+        let question = Question {
+            text: "End of the outlet: in air, or immersed in the vessel's liquid (air, immersed)",
+            option: "--outlet-end air",
+            usual: course.suggested(|last| last.outlet_end.map(|end| end.as_str().to_owned()), Some("air")),
+            help: "a drop hangs from an end in air, and stays there or falls; it matters to doses below a millilitre",
+        };
+        let read = |answer: &str| answer.parse::<OutletEnd>().map_err(|error| error.to_string());
+        course.settle(&question, read, |answers, end| answers.outlet_end = Some(end))?;
+    }
+    if course.answers.outlet_end == Some(OutletEnd::Air) && course.answers.nozzle_bore_mm.is_none() {
+        let millimetres = |bore_mm: Option<f64>| bore_mm.filter(|mm| *mm > 0.0).map(|mm| format!("{mm}mm"));
+        let own = millimetres(course.answers.tube_bore_mm);
+        let question = Question {
+            text: "Inner diameter of the outlet's end, or `unknown`",
+            option: "--nozzle-bore 1.6mm",
+            usual: course.suggested(
+                |last| millimetres(last.nozzle_bore_mm),
+                Some(own.as_deref().unwrap_or("unknown")),
+            ),
+            help: "that of the tube if it ends without a nozzle, as 1.6mm; larger drops hang from a wider end",
+        };
+        course.settle(&question, length_or_unknown, |answers, mm| answers.nozzle_bore_mm = Some(mm))?;
     }
     Ok(())
 }

@@ -53,7 +53,8 @@ fn refuse_unseen(course: &Course, turned: Option<f64>) -> Result<(), Failure> {
         return Ok(());
     }
     let missing = |what: &str, option: &str| {
-        Err(Failure::refused(format!("nobody is asked, and {what} is not known; say {option}")).allowed(option))
+        Err(Failure::refused(format!("nobody is asked, and {what} is not known; say {option}"))
+            .allowed(option))
     };
     if !course.answers.done.turned && turned.is_none() {
         return missing("how far the head turns for one revolution", "--turned 1");
@@ -68,7 +69,7 @@ fn refuse_unseen(course: &Course, turned: Option<f64>) -> Result<(), Failure> {
 fn meet_board(course: &mut Course) -> Asked<()> {
     loop {
         let bench = course.bench()?;
-        let mut session = bench.session().map_err(Failure::from)?;
+        let mut session = bench.session()?;
         let connected = session.connect();
         let notes = session.notes();
         drop(session);
@@ -138,7 +139,7 @@ fn may_move(course: &mut Course) -> Asked<()> {
 /// Turns the head by one revolution, as far as its steps are right.
 fn turn(course: &mut Course) -> Asked<()> {
     let bench = course.bench()?;
-    let mut session = bench.session().map_err(Failure::from)?;
+    let mut session = bench.session()?;
     announce(&bench, false)?;
     let steps = session.steps_of(std::f64::consts::TAU);
     let interrupt = course.asker.interrupt();
@@ -147,7 +148,7 @@ fn turn(course: &mut Course) -> Asked<()> {
     let notes = session.notes();
     course.note_motion(&session);
     course.warn(&notes);
-    let made = made.map_err(Failure::from)?;
+    let made = made?;
     match course.asker.interrupt().flow() {
         ControlFlow::Break(()) if made < steps.unsigned_abs() => {
             let signal = course.asker.interrupt().signal().unwrap_or(0);
@@ -162,9 +163,10 @@ fn see_turn(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> {
     let question = Question {
         text: "Did the line come back to its place after exactly one turn? If not, how far did it turn (1/4, 90deg, 2)?",
         option: "--turned 1",
-        usual: turned.take().map(|turned| Usual::new(turned.to_string())).or_else(|| {
-            (!course.asker.is_silent()).then(|| Usual::new("yes"))
-        }),
+        usual: turned
+            .take()
+            .map(|turned| Usual::new(turned.to_string()))
+            .or_else(|| (!course.asker.is_silent()).then(|| Usual::new("yes"))),
         help: "yes if the line on the rotor meets the line on the housing again; otherwise the turns that it made, as \
                1/4 or 4, or an angle, as 90deg",
     };
@@ -205,7 +207,7 @@ fn see_turn(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> {
     } else {
         (answers.steps_per_rev, answers.full_steps, answers.microsteps) = (Some(steps), None, None);
     }
-    answers.check().map_err(Failure::from)?;
+    answers.check()?;
     course.take(answers)?;
     rewrite(course)
 }

@@ -6,7 +6,7 @@ use pump_bench::units::{StatedReading, stated_reading};
 use pump_bench::{Bench, DoseReport, DoseRequest, Session};
 
 use super::asker::{Asked, Question, Usual};
-use super::course::{Course, heading, tell_person};
+use super::course::{Course, heading, quieten, tell_person};
 use super::options::AnswerOptions;
 use super::written::rounded;
 use crate::advice;
@@ -46,7 +46,9 @@ pub(super) fn weigh(course: &mut Course, options: &AnswerOptions) -> Asked<bool>
         };
         match keep(course, &reading, options.temperature) {
             Ok(()) => return Ok(true),
-            Err(failure) if course.asker.is_silent() || options.weight.is_some() => return Err(failure.into()),
+            Err(failure) if course.asker.is_silent() || options.weight.is_some() => {
+                return Err(failure.into());
+            }
             Err(failure) => tell_person(&format!("  {}", failure.message())),
         }
     }
@@ -92,9 +94,11 @@ fn dose(course: &mut Course) -> Asked<Option<f64>> {
         "y" | "yes" => Ok(()),
         other => Err(format!("`{other}`: press Enter, or say quit")),
     })?;
-    let mut session = bench.session().map_err(Failure::from)?;
+    let mut session = bench.session()?;
     let prepared = session.prepare(DoseRequest::dose(volume_ml));
-    let prepared = noted(&mut session, prepared).map_err(Failure::from)?;
+    let mut prepared = noted(&mut session, prepared)?;
+    quieten(&mut prepared);
+    tell_person(&format!("  It takes {:.0} s.", prepared.motion_s()));
     let delivered = deliver(&bench, &mut session, &prepared, course.asker.interrupt(), false);
     course.note_motion(&session);
     let (delivered, signal) = delivered?;
@@ -155,7 +159,7 @@ fn keep(course: &mut Course, reading: &StatedReading, temperature_degc: Option<f
 /// Accepts a dose of the course that was stopped or cut off, so that another can be made. Its volume is on record.
 pub(super) fn accept_stopped(course: &mut Course) -> Asked<()> {
     let bench = course.bench()?;
-    if bench.story().map_err(Failure::from)?.state.is_none_or(|state| state.unfinished.is_none()) {
+    if bench.story()?.state.is_none_or(|state| state.unfinished.is_none()) {
         return Ok(());
     }
     let question = Question {
@@ -167,9 +171,9 @@ pub(super) fn accept_stopped(course: &mut Course) -> Asked<()> {
     if !course.asker.agrees(&question)? {
         return Err(super::asker::Stop::Left);
     }
-    let mut session: Session<'_> = bench.session().map_err(Failure::from)?;
+    let mut session: Session<'_> = bench.session()?;
     let accepted = session.accept();
-    noted(&mut session, accepted).map_err(Failure::from)?;
+    noted(&mut session, accepted)?;
     course.answers.done.dosed = false;
     Ok(course.keep()?)
 }

@@ -27,7 +27,12 @@ impl Config {
     /// # Errors
     /// Errors of [`Config::parse`]. [`ConfigError::Taken`] if the name leads to another file. [`ConfigError::NoRoom`] if
     /// the text has no place for a line, as where `[pumps]` is an inline table.
-    pub fn with_pump(text: Option<&str>, path: &Path, name: &str, file: &Path) -> Result<String, ConfigError> {
+    pub fn with_pump(
+        text: Option<&str>,
+        path: &Path,
+        name: &str,
+        file: &Path,
+    ) -> Result<String, ConfigError> {
         let text = text.unwrap_or(EMPTY);
         let before = Self::parse(text, path)?;
         let wanted = before.resolved(path, file);
@@ -85,7 +90,9 @@ fn quoted(path: &Path) -> String {
 /// Returns true for the header of a table.
 fn is_header(line: &str, table: &str) -> bool {
     let bare = line.split('#').next().unwrap_or_default().trim();
-    bare.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')).is_some_and(|inside| inside.trim() == table)
+    bare.strip_prefix('[')
+        .and_then(|rest| rest.strip_suffix(']'))
+        .is_some_and(|inside| inside.trim() == table)
 }
 
 #[cfg(test)]
@@ -98,7 +105,8 @@ mod tests {
 
     #[test]
     fn the_lines_of_a_person_stay() {
-        let text = "# mine\nschema = \"config/1\"\nstate_dir = \"/r\" # here\n\n[pumps] # all\nbase = \"b.toml\"";
+        let text =
+            "# mine\nschema = \"config/1\"\nstate_dir = \"/r\" # here\n\n[pumps] # all\nbase = \"b.toml\"";
         assert_eq!(
             added(text).unwrap(),
             "# mine\nschema = \"config/1\"\ndefault_pump = \"acid\"\nstate_dir = \"/r\" # here\n\n[pumps] # \

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::pump_file::{Axis, DriverName};
+use crate::pump_file::{Axis, DriverName, OutletEnd};
 
 /// Schema of the record of a first run.
 pub(super) const SCHEMA: &str = "setup/1";
@@ -15,7 +15,7 @@ pub(super) const SCHEMA: &str = "setup/1";
 /// use pump_bench::setup::{Answers, HeadAnswer};
 ///
 /// let mut answers = Answers::of("acid");
-/// answers.head = Some(HeadAnswer::Volume { ml_per_rev: 0.5, tube_bore_mm: None });
+/// answers.head = Some(HeadAnswer::Volume { ml_per_rev: 0.5 });
 /// assert_eq!(Answers::parse(&answers.to_toml()).unwrap(), answers);
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -30,6 +30,8 @@ pub struct Answers {
     pub unix_s: u64,
     /// Number of rollers.
     pub rollers: Option<u32>,
+    /// Diameter of the tube's bore beside a volume of a revolution, in mm. 0 for a bore that nobody knows.
+    pub tube_bore_mm: Option<f64>,
     /// Steps per revolution of the motor, microsteps included. `None` where full steps and microsteps are said.
     pub steps_per_rev: Option<u32>,
     /// Full steps per revolution of the motor.
@@ -58,6 +60,10 @@ pub struct Answers {
     pub suction_lift_mm: Option<f64>,
     /// Height of the vessel above the pump, in mm.
     pub discharge_lift_mm: Option<f64>,
+    /// Place of the outlet's end.
+    pub outlet_end: Option<OutletEnd>,
+    /// Diameter of the outlet's end in air, in mm. 0 for one that nobody knows.
+    pub nozzle_bore_mm: Option<f64>,
     /// Rate of a dose that names none, in mL/s.
     pub rate_ml_s: Option<f64>,
     /// Volume that fills the line, in mL. 0 for a line that is full.
@@ -81,8 +87,6 @@ pub enum HeadAnswer {
     Volume {
         /// Volume of a revolution, in mL.
         ml_per_rev: f64,
-        /// Diameter of the tube's bore, in mm, if it is known.
-        tube_bore_mm: Option<f64>,
     },
     /// Dimensions of a drawing.
     Drawing {
@@ -135,6 +139,7 @@ impl Answers {
             name: name.into(),
             unix_s: 0,
             rollers: None,
+            tube_bore_mm: None,
             steps_per_rev: None,
             full_steps: None,
             microsteps: None,
@@ -149,6 +154,8 @@ impl Answers {
             ambient_kpa: None,
             suction_lift_mm: None,
             discharge_lift_mm: None,
+            outlet_end: None,
+            nozzle_bore_mm: None,
             rate_ml_s: None,
             prime_ml: None,
             volume_ml: None,
@@ -173,6 +180,40 @@ impl Answers {
     /// Returns the text of the record.
     pub fn to_toml(&self) -> String {
         toml::to_string(self).unwrap_or_else(|error| unreachable!("answers are plain values: {error}"))
+    }
+
+    /// Takes the answers of another pump where these have none. Name, axis and direction are each pump's own.
+    pub fn take_missing(&mut self, other: &Self) {
+        fn missing<T: Clone>(answer: &mut Option<T>, other: &Option<T>) {
+            if answer.is_none() {
+                answer.clone_from(other);
+            }
+        }
+        if !self.has_steps() {
+            missing(&mut self.steps_per_rev, &other.steps_per_rev);
+            missing(&mut self.microsteps, &other.microsteps);
+            missing(&mut self.full_steps, &other.full_steps);
+        }
+        if !self.has_ambient() {
+            missing(&mut self.altitude_m, &other.altitude_m);
+            missing(&mut self.ambient_kpa, &other.ambient_kpa);
+        }
+        if self.head.is_none() {
+            missing(&mut self.head, &other.head);
+            missing(&mut self.rollers, &other.rollers);
+            missing(&mut self.tube_bore_mm, &other.tube_bore_mm);
+            missing(&mut self.rate_ml_s, &other.rate_ml_s);
+            missing(&mut self.volume_ml, &other.volume_ml);
+        }
+        missing(&mut self.gear, &other.gear);
+        missing(&mut self.max_speed_rpm, &other.max_speed_rpm);
+        missing(&mut self.driver, &other.driver);
+        missing(&mut self.port, &other.port);
+        missing(&mut self.suction_lift_mm, &other.suction_lift_mm);
+        missing(&mut self.discharge_lift_mm, &other.discharge_lift_mm);
+        missing(&mut self.outlet_end, &other.outlet_end);
+        missing(&mut self.nozzle_bore_mm, &other.nozzle_bore_mm);
+        missing(&mut self.prime_ml, &other.prime_ml);
     }
 
     /// Returns true if a pump file describes the pump, so that it knows the rollers, the motor and the place.

@@ -33,7 +33,8 @@ impl Answers {
         if self.head.is_none() || !is_known {
             return Ok(());
         }
-        match self.pump_file(|_| "") {
+        // The rate is looked at by itself, so that its message says what the head and the board allow.
+        match (Self { rate_ml_s: None, ..self.clone() }).pump_file(|_| "") {
             Err(SetupError::Missing { .. }) => Ok(()),
             Err(error) => Err(error),
             Ok((file, _)) => {
@@ -79,9 +80,8 @@ impl Answers {
         if !is_named || crate::catalogue::built_in(name).is_some() {
             return Err(SetupError::Name { name: name.clone() });
         }
-        let taken = |path: &std::path::Path| {
-            Err(SetupError::Taken { name: name.clone(), path: path.to_owned() })
-        };
+        let taken =
+            |path: &std::path::Path| Err(SetupError::Taken { name: name.clone(), path: path.to_owned() });
         for (other, path) in config.pumps() {
             let is_own = other == name && self.done.written.is_some();
             let has_id = || crate::PumpFile::read(path).is_ok_and(|file| file.pump.id == *name);
@@ -122,7 +122,6 @@ impl Answers {
         let lift_m = 1e-3 * lift_mm;
         if lift_m < most_m { Ok(()) } else { Err(SetupError::Lift { lift_m, most_m, ambient_kpa }) }
     }
-
 }
 
 /// Refuses a rate for which the head would turn faster than it may.

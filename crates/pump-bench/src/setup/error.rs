@@ -19,7 +19,9 @@ pub enum SetupError {
         what: &'static str,
     },
     /// The name cannot name a pump.
-    #[error("`{name}` cannot name a pump; allowed: 1 to 64 of a-z, 0-9, - and _, and no built-in pump's name")]
+    #[error(
+        "`{name}` cannot name a pump; allowed: 1 to 64 of a-z, 0-9, - and _, and no built-in pump's name"
+    )]
     Name {
         /// Name that was given.
         name: String,
@@ -41,7 +43,9 @@ pub enum SetupError {
         nearest: String,
     },
     /// The number of rollers is not that of the catalogue.
-    #[error("{head} has {published} rollers by its document, and {rollers} are said; count them, or name another head")]
+    #[error(
+        "{head} has {published} rollers by its document, and {rollers} are said; count them, or name another head"
+    )]
     Rollers {
         /// Name of the head.
         head: String,

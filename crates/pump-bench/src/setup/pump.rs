@@ -8,9 +8,7 @@ use super::error::SetupError;
 use crate::catalogue::{BoughtPump, CataloguedPump, DrawnPump, MotorSteps, StatedMotor};
 use crate::heads::{BoughtHead, bought_head, nearest_heads};
 use crate::notice::{Remedy, Wording};
-use crate::pump_file::{
-    AmbientTable, DriveTable, HeadTable, PumpFile, Reservoir, RollerVolumeTable,
-};
+use crate::pump_file::{AmbientTable, DriveTable, HeadTable, PumpFile, Reservoir, RollerVolumeTable};
 
 /// Full steps per revolution of a usual stepper motor, of 1.8 deg each.
 pub const USUAL_FULL_STEPS: u32 = 200;
@@ -47,7 +45,11 @@ impl Answers {
             Made::Catalogued(pump) => pump.toml_of(&file, words),
             Made::Drawn(pump) => pump.toml_of(&file, words),
             Made::Copied(file_before) => {
-                format!("# Written from the file of the pump {}.\n\n{}", file_before.pump.name, file.to_toml())
+                format!(
+                    "# Written from the file of the pump {}.\n\n{}",
+                    file_before.pump.name,
+                    file.to_toml()
+                )
             }
         };
         let file = PumpFile::parse(&text, &format!("of {}", self.name))?;
@@ -82,13 +84,14 @@ impl Answers {
         let rollers = || self.rollers.ok_or(SetupError::Missing { what: "how many rollers the head has" });
         Ok(match head {
             HeadAnswer::Catalogue(_) => {
-                let head = self.catalogued()?.ok_or(SetupError::Missing { what: "which head the pump has" })?;
+                let head =
+                    self.catalogued()?.ok_or(SetupError::Missing { what: "which head the pump has" })?;
                 let rollers = self.rollers.or(head.rollers).map_or_else(rollers, Ok)?;
                 Made::Catalogued(Box::new(CataloguedPump::new(id, head, rollers)))
             }
-            HeadAnswer::Volume { ml_per_rev, tube_bore_mm } => {
+            HeadAnswer::Volume { ml_per_rev } => {
                 let mut head = HeadTable::new(*ml_per_rev);
-                head.tube_bore_mm = *tube_bore_mm;
+                head.tube_bore_mm = self.tube_bore_mm.filter(|bore_mm| *bore_mm > 0.0);
                 Made::Bought(BoughtPump { id, head, rollers: rollers()? })
             }
             HeadAnswer::Drawing { bore_mm, outer_mm, backplate_mm, roller_mm, offset_mm, contact_deg } => {
@@ -121,7 +124,11 @@ impl Answers {
         if self.motor().is_some() || file.motor.confirmed != Some(false) {
             file.motor.confirmed = Some(true);
         }
-        file.motor.max_speed_rpm = self.max_speed_rpm.unwrap_or(file.motor.max_speed_rpm);
+        if let Some(most_rpm) = self.max_speed_rpm {
+            // A slower motor has a slower usual rate.
+            file.pump.default_rate_ml_s *= (most_rpm / file.motor.max_speed_rpm).min(1.0);
+            file.motor.max_speed_rpm = most_rpm;
+        }
         if let Some(driver) = self.driver {
             let mut drive = file.drive.clone().filter(|drive| drive.driver == driver);
             let table = drive.get_or_insert_with(|| DriveTable::of(driver));
@@ -142,6 +149,9 @@ impl Answers {
         if let Some(lift_mm) = self.discharge_lift_mm {
             file.outlet.line.reservoir = Reservoir::Lift(lift_mm);
         }
+        file.outlet.end = self.outlet_end.or(file.outlet.end);
+        file.outlet.nozzle_bore_mm =
+            self.nozzle_bore_mm.filter(|bore_mm| *bore_mm > 0.0).or(file.outlet.nozzle_bore_mm);
         file.pump.default_rate_ml_s = self.rate_ml_s.unwrap_or(file.pump.default_rate_ml_s);
     }
 }

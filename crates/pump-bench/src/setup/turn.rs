@@ -48,7 +48,8 @@ pub fn turns(text: &str) -> Result<f64, QuantityError> {
     let number = ["turns", "turn"].iter().find_map(|unit| bare.strip_suffix(unit)).unwrap_or(bare).trim();
     let plain = |text: &str| text.parse::<f64>().ok().filter(|number| number.is_finite());
     let fraction = |text: &str| {
-        let (whole, text) = text.rsplit_once(' ').map_or((Some(0.0), text), |(whole, rest)| (plain(whole.trim()), rest));
+        let (whole, text) =
+            text.rsplit_once(' ').map_or((Some(0.0), text), |(whole, rest)| (plain(whole.trim()), rest));
         let (over, under) = text.split_once('/')?;
         Some(whole? + plain(over.trim())? / plain(under.trim())?)
     };
@@ -97,7 +98,10 @@ impl Answers {
                 self.full_steps = Some(self.full_steps.unwrap_or(USUAL_FULL_STEPS));
                 (self.steps_per_rev, self.microsteps) = (None, Some(microsteps));
             }
-            None => (self.steps_per_rev, self.microsteps, self.full_steps) = (Some(corrected.steps_per_rev), None, None),
+            None => {
+                (self.steps_per_rev, self.microsteps, self.full_steps) =
+                    (Some(corrected.steps_per_rev), None, None)
+            }
         }
         self.done.turned = false;
     }
