@@ -45,12 +45,37 @@ fn options_that_contradict_each_other_are_one_message() {
     );
     // 100 r/min of 0.5 mL are 0.833 mL/s.
     is_refused(&desk, &[&ACID[..], &["--rate", "5mL/s"]].concat(), &["needs 600 r/min", "0.833 mL/s"]);
-    // 0.5 mL/s is a revolution a second, of 200 x 256 x 2 steps.
-    let fine = ["--microsteps", "256", "--gear", "2", "--driver", "grbl", "--rate", "0.5mL/s"];
-    is_refused(&desk, &[&ACID[..], &fine].concat(), &["102400.0 steps/s", "30000"]);
     is_refused(&desk, &[&ACID[..], &["--head", "kamoer-kphm400-25"]].concat(), &["cannot be used with"]);
     is_refused(&desk, &["setup", "Acid", "--yes"], &["`Acid` cannot name a pump", "a-z"]);
     is_refused(&desk, &["setup", "three-roller", "--yes"], &["no built-in pump's name"]);
+}
+
+#[test]
+fn a_rate_that_the_board_does_not_step_is_refused_before_anything_moves() {
+    let desk = Desk::new();
+    let pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);
+    let port = pump.port();
+    // 0.5 mL/s is a revolution a second, of 200 x 256 x 2 steps. The board makes 6000 mm/min of 250 steps, 25000 steps/s:
+    // 14.65 r/min.
+    let fine = [
+        "--microsteps",
+        "256",
+        "--gear",
+        "2",
+        "--rate",
+        "0.5mL/s",
+        "--turned",
+        "1",
+        "--direction",
+        "forward",
+    ];
+    let board = ["--driver", "grbl", "--port", &port, "--axis", "X", "--altitude", "500m"];
+    let refused = desk.types(&[&ACID[..], &fine, &board].concat());
+    assert_eq!(refused.code, 2, "{}", refused.err);
+    for part in ["0.5 mL/s needs 60.00 r/min", "to 14.65 r/min", "0.1221 mL/s"] {
+        assert!(refused.err.contains(part), "{part}: {}", refused.err);
+    }
+    assert_eq!(pump.board.rest().steps, 0);
 }
 
 #[test]

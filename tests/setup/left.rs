@@ -133,7 +133,7 @@ fn stopped_in_the_dose(desk: &Desk, pump: &TruePump, signal: &str) -> i32 {
 fn a_dose_that_was_stopped_or_cut_off_is_on_record_and_made_again() {
     for (signal, code) in [("-INT", 130), ("-KILL", -1)] {
         let desk = Desk::new();
-        let mut pump = TruePump::new(0.54, 3200.0, (0.3, 60.0), 0.9);
+        let mut pump = TruePump::left_alone(0.54, 3200.0, (0.3, 60.0), 0.9);
         assert_eq!(stopped_in_the_dose(&desk, &pump, signal), code, "{signal}");
         let steps = pump.board.rest().steps;
         assert!((8000..60_000).contains(&(steps - 3200)), "{signal}: {steps}");

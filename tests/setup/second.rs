@@ -60,11 +60,10 @@ fn a_second_pump_takes_what_is_known_of_the_first() {
     let none = desk.types(&["setup", "plum", "--like", "nobody", "--yes"]);
     assert!(none.code == 2 && none.err.contains("no pump `nobody` was set up"), "{}", none.err);
     // An axis that the first pump has is not taken.
-    let taken = desk.answers(&["setup", "salt", "--no-motion"], &mut |question| {
-        question
-            .starts_with("Axis")
-            .then(|| "X".to_owned())
-            .or_else(|| (!question.contains("Is this right")).then(String::new))
+    let mut is_first = true;
+    let taken = desk.answers(&["setup", "salt", "--no-motion"], &mut |question| match question {
+        q if q.starts_with("Axis") => std::mem::take(&mut is_first).then(|| "X".to_owned()),
+        _ => Some(String::new()),
     });
     assert!(taken.err.contains("X is that of acid; choose another axis"), "{}", taken.err);
 }

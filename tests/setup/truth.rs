@@ -28,7 +28,27 @@ impl TruePump {
     /// Starts a board with a pump of so many mL and steps per revolution. `pulse` is the roller's share of a pitch and its
     /// angle in deg; the rollers stand `zero_rad` from where a roller leaves the outlet.
     pub(crate) fn new(ml_per_rev: f64, steps_per_rev: f64, pulse: (f64, f64), zero_rad: f64) -> Self {
-        let options = Options { time_scale: 20.0, patient: true, ..Options::default() };
+        Self::at(
+            Options { time_scale: 20.0, patient: true, ..Options::default() },
+            ml_per_rev,
+            steps_per_rev,
+            pulse,
+            zero_rad,
+        )
+    }
+
+    /// Starts a board that goes on by itself once its command is gone.
+    pub(crate) fn left_alone(ml_per_rev: f64, steps_per_rev: f64, pulse: (f64, f64), zero_rad: f64) -> Self {
+        Self::at(
+            Options { time_scale: 4.0, ..Options::default() },
+            ml_per_rev,
+            steps_per_rev,
+            pulse,
+            zero_rad,
+        )
+    }
+
+    fn at(options: Options, ml_per_rev: f64, steps_per_rev: f64, pulse: (f64, f64), zero_rad: f64) -> Self {
         let pulse = DefaultPulse::new(pulse.0, pulse.1);
         let pump = Pump::from_ml_per_rev(ml_per_rev, 4, pulse, Line::PUBLISHED, Line::PUBLISHED).unwrap();
         Self { board: Simulated::start(options).unwrap(), pump, steps_per_rev, zero_rad, from: 0 }

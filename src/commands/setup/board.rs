@@ -38,7 +38,10 @@ fn ask_driver(course: &mut Course) -> Asked<()> {
     let question = Question {
         text: "Driver: grbl for a board, or sim to try it without one",
         option: "--driver grbl",
-        usual: course.suggested(|last| last.driver.map(|driver| driver.as_str().to_owned()), None),
+        // Nobody has named a real motor whose driver is that of another pump.
+        usual: course
+            .suggested(|last| last.driver.map(|driver| driver.as_str().to_owned()), None)
+            .filter(|_| !course.asker.is_silent()),
         help: "grbl: a board that speaks grbl 1.1's protocol over a USB cable (grbl, grblHAL, FluidNC); sim: a motor, \
                pump and vessel that exist in the program only",
     };

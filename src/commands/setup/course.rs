@@ -124,6 +124,12 @@ impl Course {
         }
     }
 
+    /// Says how long a motion lasts, before it begins.
+    pub(super) fn tell_time(&self, motion_s: f64) {
+        let takes = if self.is_simulated() { "A real pump would take" } else { "It takes" };
+        tell_person(&format!("  {takes} {motion_s:.0} s."));
+    }
+
     /// Notes that a session may have turned the motor.
     pub(super) fn note_motion(&mut self, session: &Session<'_>) {
         self.has_moved |= session.has_moved();

@@ -4,7 +4,7 @@ use pump_bench::record::Purpose;
 use pump_bench::{DoseReport, DoseRequest};
 
 use super::asker::{Asked, Question, Usual, yes_or_no};
-use super::course::{Course, heading, quieten, tell_person};
+use super::course::{Course, heading, quieten};
 use super::options::volume_or_0;
 use super::written::rounded;
 use crate::commands::delivery::deliver;
@@ -54,7 +54,7 @@ fn prime(course: &mut Course, volume_ml: f64) -> Asked<()> {
     let prepared = session.prepare(DoseRequest::new(Purpose::Prime, volume_ml));
     let mut prepared = noted(&mut session, prepared)?;
     quieten(&mut prepared);
-    tell_person(&format!("  It takes {:.0} s.", prepared.motion_s()));
+    course.tell_time(prepared.motion_s());
     let delivered = deliver(&bench, &mut session, &prepared, course.asker.interrupt(), false);
     course.note_motion(&session);
     let (delivered, signal) = delivered?;

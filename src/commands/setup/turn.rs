@@ -11,6 +11,7 @@ use pump_model::units::rad_s;
 use super::asker::{Asked, Question, Stop, Usual, yes_or_no};
 use super::course::{Course, heading, tell_person};
 use super::options::turns;
+use super::place;
 use super::written::{rewrite, rounded};
 use crate::failure::Failure;
 use crate::terminal::{announce, noted};
@@ -72,6 +73,7 @@ fn meet_board(course: &mut Course) -> Asked<()> {
         let mut session = bench.session()?;
         let connected = session.connect();
         let notes = session.notes();
+        let range_rad_s = session.speed_range_rad_s();
         drop(session);
         let fixes = |remedies: &[Remedy]| remedies.iter().any(|remedy| CONFIGURES.contains(remedy));
         let offers = course.answers.configure.is_none();
@@ -79,8 +81,11 @@ fn meet_board(course: &mut Course) -> Asked<()> {
             Ok(()) if offers && notes.iter().any(|note| fixes(note.remedies())) => None,
             Ok(()) => {
                 course.warn(&notes);
-                tell_person("  the board answers, and its settings fit the pump");
-                return Ok(());
+                if rate_fits(course, range_rad_s)? {
+                    tell_person("  the board answers, and its settings fit the pump");
+                    return Ok(());
+                }
+                continue;
             }
             Err(error) if fixes(&error.remedies()) && course.answers.configure != Some(true) => Some(error),
             Err(error) => return Err(Failure::from(error).into()),
@@ -92,7 +97,8 @@ fn meet_board(course: &mut Course) -> Asked<()> {
         tell_person(&format!("  {words}"));
         if course.asker.is_silent() {
             let Some(error) = error else {
-                return Ok(());
+                course.warn(&notes);
+                return rate_fits(course, range_rad_s).map(drop);
             };
             return Err(Failure::from(error).into());
         }
@@ -110,6 +116,21 @@ fn meet_board(course: &mut Course) -> Asked<()> {
             return Err(Failure::from(error).into());
         }
     }
+}
+
+/// True if the board makes the rate. Otherwise the rate is asked for anew, or refused where nobody is asked.
+fn rate_fits(course: &mut Course, range_rad_s: (f64, f64)) -> Asked<bool> {
+    let Err(error) = course.answers.check_board(range_rad_s) else { return Ok(true) };
+    if course.asker.is_silent() {
+        return Err(Failure::from(error).into());
+    }
+    tell_person(&format!("  {error}"));
+    let mut answers = course.answers.clone();
+    answers.rate_ml_s = None;
+    course.take(answers)?;
+    place::ask(course)?;
+    rewrite(course)?;
+    Ok(false)
 }
 
 /// Asks whether the motor may move: nobody else can agree.

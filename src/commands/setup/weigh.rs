@@ -98,7 +98,7 @@ fn dose(course: &mut Course) -> Asked<Option<f64>> {
     let prepared = session.prepare(DoseRequest::dose(volume_ml));
     let mut prepared = noted(&mut session, prepared)?;
     quieten(&mut prepared);
-    tell_person(&format!("  It takes {:.0} s.", prepared.motion_s()));
+    course.tell_time(prepared.motion_s());
     let delivered = deliver(&bench, &mut session, &prepared, course.asker.interrupt(), false);
     course.note_motion(&session);
     let (delivered, signal) = delivered?;

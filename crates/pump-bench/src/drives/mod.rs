@@ -5,6 +5,7 @@ mod borrowed;
 mod drive;
 #[cfg(feature = "grbl")]
 mod grbl;
+pub(crate) mod grbl_speeds;
 mod identity;
 mod opening;
 pub(crate) mod registry;

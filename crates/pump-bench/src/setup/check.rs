@@ -6,16 +6,8 @@ use pump_model::units::{rad_s, rpm};
 use super::answers::Answers;
 use super::error::SetupError;
 use crate::config::Config;
-use crate::pump_file::{AmbientTable, DriverName};
-
-/// Fewest steps per second of grbl 1.1: its 16-bit timer counts 2 MHz (16 MHz / 8).
-const LEAST_STEPS_S: f64 = 16e6 / 8.0 / 65_536.0;
-
-/// Most steps per second of grbl 1.1 (its documentation: 30 kHz).
-const MOST_STEPS_S: f64 = 30_000.0;
-
-/// Standard acceleration of free fall, in m/s² (3rd CGPM, 1901; ISO 80000-3).
-const GRAVITY_M_S2: f64 = 9.806_65;
+use crate::drives::grbl_speeds::{LEAST_STEPS_S, MOST_STEPS_S};
+use crate::pump_file::{AmbientTable, DriverName, most_lift_mm};
 
 /// Temperature of the water that is lifted, in °C.
 const WATER_DEGC: f64 = 25.0;
@@ -40,15 +32,33 @@ impl Answers {
             Ok((file, _)) => {
                 let ml_per_rev = file.model()?.revolution_ml();
                 let Some(rate_ml_s) = self.rate_ml_s else { return Ok(()) };
-                check_speed(rate_ml_s, ml_per_rev, file.motor.max_speed_rpm)?;
-                let steps = f64::from(file.motor.steps_per_rev) * file.motor.gear;
-                let is_stated = self.has_steps() || self.is_of_file();
-                match file.driver() {
-                    DriverName::Grbl if is_stated => check_steps(rate_ml_s, ml_per_rev, steps),
-                    DriverName::Grbl | DriverName::Sim => Ok(()),
-                }
+                check_speed(rate_ml_s, ml_per_rev, file.motor.max_speed_rpm)
             }
         }
+    }
+
+    /// Refuses a rate at which the board does not turn the head. `range_rad_s` are the slowest and the fastest speed of
+    /// the head that the board makes.
+    ///
+    /// # Errors
+    /// [`SetupError::Board`] with the rates that are allowed. Otherwise as [`Answers::pump_file`].
+    pub fn check_board(&self, range_rad_s: (f64, f64)) -> Result<(), SetupError> {
+        let (file, _) = self.pump_file(|_| "")?;
+        let (rate_ml_s, ml_per_rev) = (file.pump.default_rate_ml_s, file.model()?.revolution_ml());
+        let ml_rad = ml_per_rev / core::f64::consts::TAU;
+        let (least_rad_s, most_rad_s) = range_rad_s;
+        let needed_rad_s = rate_ml_s / ml_rad;
+        if (least_rad_s..=most_rad_s).contains(&needed_rad_s) {
+            return Ok(());
+        }
+        Err(SetupError::Board {
+            rate_ml_s,
+            needed_rpm: rpm(needed_rad_s),
+            least_rpm: rpm(least_rad_s),
+            most_rpm: rpm(most_rad_s),
+            least_ml_s: least_rad_s * ml_rad,
+            most_ml_s: most_rad_s * ml_rad,
+        })
     }
 
     /// Returns the rate to suggest, in mL/s: that of a new pump file, as far as a grbl board makes its steps.
@@ -107,7 +117,7 @@ impl Answers {
         }
     }
 
-    /// Refuses a height that the air's pressure less the vapour pressure does not lift water to: rho g h.
+    /// Refuses a height that the air's pressure less the vapour pressure does not lift water to.
     fn check_lift(&self) -> Result<(), SetupError> {
         let Some(lift_mm) = self.suction_lift_mm else { return Ok(()) };
         let ambient = match (self.ambient_kpa, self.altitude_m) {
@@ -117,8 +127,7 @@ impl Answers {
         };
         let ambient_kpa = ambient.pressure_kpa;
         let water = Fluid::water(WATER_DEGC)?;
-        let falls_kpa = ambient_kpa - water.vapour_kpa.unwrap_or(0.0);
-        let most_m = falls_kpa * 1e3 / (water.density_kg_m3 * GRAVITY_M_S2);
+        let most_m = 1e-3 * most_lift_mm(water.density_kg_m3, ambient_kpa, water.vapour_kpa);
         let lift_m = 1e-3 * lift_mm;
         if lift_m < most_m { Ok(()) } else { Err(SetupError::Lift { lift_m, most_m, ambient_kpa }) }
     }
@@ -132,22 +141,4 @@ fn check_speed(rate_ml_s: f64, ml_per_rev: f64, most_rpm: f64) -> Result<(), Set
     }
     let most_ml_s = ml_per_rev * rad_s(most_rpm) / core::f64::consts::TAU;
     Err(SetupError::Fast { rate_ml_s, needed_rpm, ml_per_rev, most_rpm, most_ml_s })
-}
-
-/// Refuses a rate whose steps no grbl board makes.
-fn check_steps(rate_ml_s: f64, ml_per_rev: f64, steps: f64) -> Result<(), SetupError> {
-    let needed_steps_s = rate_ml_s / ml_per_rev * steps;
-    if (LEAST_STEPS_S..=MOST_STEPS_S).contains(&needed_steps_s) {
-        return Ok(());
-    }
-    Err(SetupError::Steps {
-        rate_ml_s,
-        needed_steps_s,
-        ml_per_rev,
-        steps,
-        least_steps_s: LEAST_STEPS_S,
-        most_steps_s: MOST_STEPS_S,
-        least_ml_s: LEAST_STEPS_S / steps * ml_per_rev,
-        most_ml_s: MOST_STEPS_S / steps * ml_per_rev,
-    })
 }

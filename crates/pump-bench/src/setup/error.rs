@@ -84,25 +84,20 @@ pub enum SetupError {
         /// Fastest rate, in mL/s.
         most_ml_s: f64,
     },
-    /// The rate needs more steps or fewer steps per second than a board makes.
+    /// The board does not turn the head as fast or as slowly as the rate needs.
     #[error(
-        "{rate_ml_s} mL/s needs {needed_steps_s:.1} steps/s of a head of {ml_per_rev:.4} mL and {steps} steps per \
-         revolution, and a grbl board makes {least_steps_s:.1} to {most_steps_s:.0}: {least_ml_s:.4} to {most_ml_s:.4} \
-         mL/s"
+        "{rate_ml_s} mL/s needs {needed_rpm:.2} r/min of the head, and the board turns it at {least_rpm:.4} to \
+         {most_rpm:.2} r/min with these steps: {least_ml_s:.4} to {most_ml_s:.4} mL/s"
     )]
-    Steps {
+    Board {
         /// Rate that was said, in mL/s.
         rate_ml_s: f64,
-        /// Steps per second that the rate needs.
-        needed_steps_s: f64,
-        /// Volume of a revolution, in mL.
-        ml_per_rev: f64,
-        /// Steps per revolution of the head.
-        steps: f64,
-        /// Fewest steps per second.
-        least_steps_s: f64,
-        /// Most steps per second.
-        most_steps_s: f64,
+        /// Speed that the rate needs, in r/min.
+        needed_rpm: f64,
+        /// Slowest speed of the head, in r/min.
+        least_rpm: f64,
+        /// Fastest speed of the head, in r/min.
+        most_rpm: f64,
         /// Slowest rate, in mL/s.
         least_ml_s: f64,
         /// Fastest rate, in mL/s.

@@ -40,7 +40,7 @@ pub fn ask_ports(ports: &[PathBuf], stop: &StopRequest) -> Vec<(PathBuf, Result<
 }
 
 /// Returns the serial ports below `dev` (`/dev`) at which boards on a USB cable appear: those of `serial/by-id`, whose
-/// names stay, then `ttyUSB*` and `ttyACM*` that have no such name.
+/// names stay, then `ttyUSB*`, `ttyACM*` and `cu.usb*` that have no such name.
 pub fn serial_ports(dev: &Path) -> Vec<PathBuf> {
     let listed = |folder: PathBuf| {
         let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
@@ -50,7 +50,7 @@ pub fn serial_ports(dev: &Path) -> Vec<PathBuf> {
     };
     let is_usb = |path: &PathBuf| {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        ["ttyUSB", "ttyACM"].iter().any(|start| name.starts_with(start))
+        ["ttyUSB", "ttyACM", "cu.usb"].iter().any(|start| name.starts_with(start))
     };
     let named = listed(dev.join("serial").join("by-id"));
     let devices: Vec<_> = named.iter().filter_map(|path| path.canonicalize().ok()).collect();
