@@ -55,8 +55,8 @@ fn a_rate_that_the_board_does_not_step_is_refused_before_anything_moves() {
     let desk = Desk::new();
     let pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);
     let port = pump.port();
-    // 0.5 mL/s is a revolution a second, of 200 x 256 x 2 steps. The board makes 6000 mm/min of 250 steps, 25000 steps/s:
-    // 14.65 r/min.
+    // 0.5 mL/s is a revolution a second, of 200 x 256 x 2 steps. The board makes 6000 mm/min of 250 steps, 25000
+    // steps/s: 14.65 r/min.
     let fine = [
         "--microsteps",
         "256",

@@ -1,5 +1,5 @@
-//! `dose setup`, as somebody who has never seen it uses it: on a simulated board with another pump behind it, by answers,
-//! by options, left and continued.
+//! `dose setup`, as somebody who has never seen it uses it: on a simulated board with another pump behind it, by
+//! answers, by options, left and continued.
 
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 #![cfg(unix)]

@@ -25,8 +25,8 @@ pub(crate) struct TruePump {
 }
 
 impl TruePump {
-    /// Starts a board with a pump of so many mL and steps per revolution. `pulse` is the roller's share of a pitch and its
-    /// angle in deg; the rollers stand `zero_rad` from where a roller leaves the outlet.
+    /// Starts a board with a pump of so many mL and steps per revolution. `pulse` is the roller's share of a pitch
+    /// and its angle in deg; the rollers stand `zero_rad` from where a roller leaves the outlet.
     pub(crate) fn new(ml_per_rev: f64, steps_per_rev: f64, pulse: (f64, f64), zero_rad: f64) -> Self {
         Self::at(
             Options { time_scale: 20.0, patient: true, ..Options::default() },

@@ -186,8 +186,8 @@ fn introduce(course: &Course, is_new: bool) -> Result<(), Failure> {
     if is_new {
         tell_person(&format!(
             "Setting up `{name}`: some questions, one revolution, and one dose that you weigh. It takes about ten \
-             minutes. Enter takes the answer in brackets, ? explains the question, quit leaves; `dose setup {name}` goes \
-             on later."
+             minutes. Enter takes the answer in brackets, ? explains the question, quit leaves; `dose setup {name}` \
+             goes on later."
         ));
     } else {
         heading(&format!(

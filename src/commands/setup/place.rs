@@ -39,8 +39,8 @@ fn ask_ambient(course: &mut Course) -> Asked<()> {
         text: "Altitude of the place, as 500m, or the air's pressure, as 98.2kPaa",
         option: "--altitude 500m or --ambient 98.2kPaa",
         usual: course.suggested(last, None),
-        help: "100 m more or less do not matter; a map tells the altitude, a barometer in the room the pressure (not the \
-               one reduced to sea level of a weather report)",
+        help: "100 m more or less do not matter; a map tells the altitude, a barometer in the room the pressure (not \
+               the one of a weather report, which is reduced to sea level)",
     };
     let read = |answer: &str| {
         if let Ok(altitude_mm) = units::height_mm(answer) {

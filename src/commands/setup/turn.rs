@@ -182,7 +182,7 @@ fn turn(course: &mut Course) -> Asked<()> {
 /// Asks how far the head turned, and corrects the steps.
 fn see_turn(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> {
     let question = Question {
-        text: "Did the line come back to its place after exactly one turn? If not, how far did it turn (1/4, 90deg, 2)?",
+        text: "Did the line come back to its place after one turn? If not, how far did it turn (1/4, 90deg, 2)?",
         option: "--turned 1",
         usual: turned
             .take()
@@ -208,7 +208,7 @@ fn see_turn(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> {
     let corrected = course.answers.corrected_steps(steps, turned);
     let micro = corrected.microsteps.map_or(String::new(), |micro| format!(", that is {micro} microsteps,"));
     tell_person(&format!(
-        "  It turned {} of a turn for {steps} steps: one turn of the motor takes about {} steps{micro} and not {steps}.",
+        "  It made {} turns for {steps} steps: one turn of the motor takes about {} steps{micro} and not {steps}.",
         rounded(turned),
         corrected.steps_per_rev,
     ));

@@ -131,8 +131,8 @@ fn ask_weight(course: &mut Course, balance_g: Option<f64>) -> Asked<Option<State
         text: "Reading of the scale, as 4.93g (redo: dose again)",
         option: "--weight 4.93g",
         usual: balance_g.map(|grams| Usual::new(format!("{grams:.3}g"))),
-        help: "the reading with all digits of the scale: the last one says how sure it is. Water of 25 °C is weighed. redo \
-               doses again, if a drop fell beside the vessel",
+        help: "the reading with all digits of the scale: the last one says how sure it is. Water of 25 °C is weighed, \
+               --temperature says another. redo doses again, if a drop fell beside the vessel",
     };
     course.asker.ask(&question, |answer| match answer {
         "redo" => Ok(None),

@@ -9,8 +9,8 @@ use super::file::Config;
 const EMPTY: &str = "schema = \"config/1\"\n";
 
 impl Config {
-    /// Returns `text`, the text of the configuration at `path`, with the pump file `file` under `name`. The pump becomes
-    /// the usual one if the text names none. `None` stands for a configuration without a file.
+    /// Returns `text`, the text of the configuration at `path`, with the pump file `file` under `name`. The pump
+    /// becomes the usual one if the text names none. `None` stands for a configuration without a file.
     ///
     /// Remarks and the order of the lines stay. A name that leads to this file already changes nothing.
     ///
@@ -25,8 +25,8 @@ impl Config {
     /// ```
     ///
     /// # Errors
-    /// Errors of [`Config::parse`]. [`ConfigError::Taken`] if the name leads to another file. [`ConfigError::NoRoom`] if
-    /// the text has no place for a line, as where `[pumps]` is an inline table.
+    /// Errors of [`Config::parse`]. [`ConfigError::Taken`] if the name leads to another file. [`ConfigError::NoRoom`]
+    /// if the text has no place for a line, as where `[pumps]` is an inline table.
     pub fn with_pump(
         text: Option<&str>,
         path: &Path,

@@ -87,7 +87,10 @@ pub enum ConfigError {
         file: PathBuf,
     },
     /// The text has no place for the line of a new pump.
-    #[error("configuration {}: a pump cannot be written into it; write this line into [pumps]: {line}", .path.display())]
+    #[error(
+        "configuration {}: a pump cannot be written into it; write this line into [pumps]: {line}",
+        .path.display()
+    )]
     NoRoom {
         /// Path of the file.
         path: PathBuf,

@@ -41,8 +41,8 @@ pub struct SurerStep {
 impl Outlook {
     /// Returns the outlook of a dose of `volume_ml` from where the rollers stand. Moves and records nothing.
     ///
-    /// A share of the variance goes with its source, so the rest is U sqrt(1 - share): shares are independent (GUM, JCGM
-    /// 100:2008, 5.1.2).
+    /// A share of the variance goes with its source, so the rest is U sqrt(1 - share): shares are independent (GUM,
+    /// JCGM 100:2008, 5.1.2).
     ///
     /// # Errors
     /// [`DoseError`] if the dose cannot be planned.

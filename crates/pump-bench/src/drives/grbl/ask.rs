@@ -17,8 +17,8 @@ fn ask(table: &DriveTable, stop: &StopRequest) -> Result<String, DriveError> {
     Ok(board.state(|| ())?.word())
 }
 
-/// Asks every port for a grbl board, all at once and for some seconds at most. Nothing moves. Returns each port with the
-/// state of its board, as `Idle`, or the reason why there is none.
+/// Asks every port for a grbl board, all at once and for some seconds at most. Nothing moves. Returns each port with
+/// the state of its board, as `Idle`, or the reason why there is none.
 ///
 /// The first open of a port since the computer started may reset its board, as an Arduino's.
 ///

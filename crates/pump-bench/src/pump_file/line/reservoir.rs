@@ -94,8 +94,8 @@ impl Reservoir {
     }
 }
 
-/// Returns the height, in mm, from which on the air's pressure does not lift a fluid: its column then takes all of it but
-/// the vapour pressure.
+/// Returns the height, in mm, from which on the air's pressure does not lift a fluid: its column then takes all of it
+/// but the vapour pressure.
 pub(crate) fn most_lift_mm(density_kg_m3: f64, ambient_kpa: f64, vapour_kpa: Option<f64>) -> f64 {
     (ambient_kpa - vapour_kpa.unwrap_or(0.0)) / column_kpa(1.0, density_kg_m3)
 }
