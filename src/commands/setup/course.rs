@@ -103,7 +103,9 @@ impl Course {
 
     /// The bench of a pump file.
     pub(super) fn bench_of(&self, file: PumpFile) -> Result<Bench, Failure> {
-        let configures = !self.is_simulated() && self.answers.configure == Some(true);
+        // The settings follow from the motor's steps, which are right once a turn was seen.
+        let is_open = !self.answers.done.turned;
+        let configures = is_open && !self.is_simulated() && self.answers.configure == Some(true);
         let bench = Bench::new(file, None, &self.state_dir)?;
         Ok(bench.configuring(configures).stopping_on(interrupt::stop_request()))
     }
