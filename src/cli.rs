@@ -15,6 +15,7 @@ use crate::commands::pumps::PumpsArgs;
 use crate::commands::purge::PurgeArgs;
 use crate::commands::release::ReleaseArgs;
 use crate::commands::resume::ResumeArgs;
+use crate::commands::setup::SetupArgs;
 use crate::commands::simulate::SimulateArgs;
 use crate::commands::size::SizeArgs;
 use crate::commands::status::StatusArgs;
@@ -47,6 +48,8 @@ pub(crate) struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Set up a pump of your own, step by step
+    Setup(Box<SetupArgs>),
     /// Fill the line before a dose; the carry stays as it is
     Prime(PrimeArgs),
     /// Empty the line; a negative volume runs back
@@ -105,6 +108,7 @@ impl Cli {
                 }
                 self.dose.run()
             }
+            Some(Command::Setup(args)) => args.run(),
             Some(Command::Prime(args)) => args.run(),
             Some(Command::Purge(args)) => args.run(),
             Some(Command::Calibrate(args)) => args.run(),

@@ -6,6 +6,7 @@ use std::path::Path;
 use pump_bench::calibration::CalibrationError;
 use pump_bench::record::FolderError;
 use pump_bench::report::{Ending, ErrorFacts, ErrorKind, ErrorReport, Explain};
+use pump_bench::setup::SetupError;
 use pump_bench::{DoseError, Session};
 
 use crate::advice;
@@ -188,6 +189,12 @@ impl From<DoseError> for Failure {
 
 impl From<FolderError> for Failure {
     fn from(error: FolderError) -> Self {
+        Self::of(error)
+    }
+}
+
+impl From<SetupError> for Failure {
+    fn from(error: SetupError) -> Self {
         Self::of(error)
     }
 }

@@ -81,6 +81,16 @@ fn say_line(line: &str) {
     }
 }
 
+/// Says a line to a person who is led through questions. It is wrapped on a terminal, and where COLUMNS gives a width.
+pub(crate) fn say_wrapped(line: &str) {
+    let told = || std::env::var("COLUMNS").ok()?.parse().ok();
+    let terminal = Term::stderr().size_checked().map(|(_, columns)| usize::from(columns));
+    match terminal.or_else(told) {
+        Some(width) => say(&wrapped(line, width)),
+        None => say(line),
+    }
+}
+
 /// Says why the command failed: in words, or as one line of JSON if a program reads the report.
 pub(crate) fn say_error(failure: &Failure, json: bool) {
     if json {

@@ -38,6 +38,7 @@ pub mod record;
 pub mod report;
 #[cfg(test)]
 mod sampling;
+pub mod setup;
 pub mod simulation;
 pub mod sizing;
 pub mod units;

@@ -119,7 +119,11 @@ impl LastArgs {
 }
 
 /// Says how sure the volumes are now, and how many more doses like this one make them surer.
-fn next_weighing(bench: &Bench, stored: &Stored, run: &CalibrationRun) -> Result<String, Failure> {
+pub(in crate::commands) fn next_weighing(
+    bench: &Bench,
+    stored: &Stored,
+    run: &CalibrationRun,
+) -> Result<String, Failure> {
     let Some(found) = &stored.calibration.displacement else { return Ok(String::new()) };
     let standard = found.whole_standard_at(bench.model(), run.speed_rpm).map_err(Failure::of)?;
     let percent = |standard: f64| format!("{:.2} %", 200.0 * standard / found.factor);

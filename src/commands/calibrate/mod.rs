@@ -13,6 +13,8 @@ mod verify;
 
 use clap::{Args, Subcommand};
 
+pub(super) use self::last::next_weighing;
+
 use crate::failure::Failure;
 
 #[derive(Debug, Args)]

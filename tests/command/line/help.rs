@@ -23,7 +23,7 @@ fn the_short_help_lists_the_commands_and_ten_options_on_one_screen() {
     for command in
         ["prime", "purge", "calibrate", "identify", "simulate", "status", "resume", "discard", "release"]
             .into_iter()
-            .chain(["tube", "home", "completions", "pumps", "size"])
+            .chain(["tube", "home", "completions", "pumps", "setup", "size"])
     {
         assert!(lines.iter().any(|line| line.starts_with(&format!("  {command} "))), "{command}");
     }

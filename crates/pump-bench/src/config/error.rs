@@ -78,6 +78,25 @@ pub enum ConfigError {
         /// Pump file of the other name.
         other_file: PathBuf,
     },
+    /// The name leads to another pump file already.
+    #[error("the name `{name}` of the configuration is that of {} already", .file.display())]
+    Taken {
+        /// Name that was to be given.
+        name: String,
+        /// Pump file of that name.
+        file: PathBuf,
+    },
+    /// The text has no place for the line of a new pump.
+    #[error(
+        "configuration {}: a pump cannot be written into it; write this line into [pumps]: {line}",
+        .path.display()
+    )]
+    NoRoom {
+        /// Path of the file.
+        path: PathBuf,
+        /// Line that names the pump.
+        line: String,
+    },
     /// The pump file cannot be used.
     #[error(transparent)]
     Pump(#[from] PumpFileError),

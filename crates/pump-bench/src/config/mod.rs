@@ -1,5 +1,6 @@
 //! The configuration of a user: pumps by their names, the usual pump, and the folder of the records.
 
+mod entry;
 mod error;
 mod file;
 mod place;

@@ -5,6 +5,7 @@ mod borrowed;
 mod drive;
 #[cfg(feature = "grbl")]
 mod grbl;
+pub(crate) mod grbl_speeds;
 mod identity;
 mod opening;
 pub(crate) mod registry;
@@ -23,7 +24,7 @@ pub use grbl::reply as grbl_reply;
 #[cfg(feature = "grbl")]
 pub use grbl::wire as grbl_wire;
 #[cfg(feature = "grbl")]
-pub use grbl::{Grbl, GrblError};
+pub use grbl::{Grbl, GrblError, ask_ports, serial_ports};
 pub(crate) use identity::Identity;
 pub use opening::Opening;
 pub use sim::Sim;

@@ -85,6 +85,7 @@ pub enum Axis {
 }
 
 words!(DriverName { Sim = "sim", Grbl = "grbl" });
+words!(Axis { X = "X", Y = "Y", Z = "Z", A = "A", B = "B", C = "C" });
 
 impl DriveTable {
     /// Returns the table of a driver with the usual settings.

@@ -28,6 +28,7 @@ pub use head::{BackplateTable, CurveFit, HeadTable, RollerVolumeTable, RollersTa
 pub use limits::LimitsTable;
 pub use line::outlet::{OutletEnd, OutletTable};
 pub use line::reservoir::Reservoir;
+pub(crate) use line::reservoir::most_lift_mm;
 pub use line::{HoseTable, LineSource, LineTable};
 pub use motor::MotorTable;
 pub use pump::PumpTable;

@@ -1,5 +1,6 @@
 //! The drive for controllers that speak grbl 1.1's protocol over a serial port: grbl, grblHAL, FluidNC.
 
+mod ask;
 mod axis;
 mod axis_name;
 mod board;
@@ -14,6 +15,7 @@ mod search;
 mod settings;
 pub mod wire;
 
+pub use ask::{ask_ports, serial_ports};
 pub use axis::Grbl;
 pub(super) use axis::open;
 pub use error::GrblError;

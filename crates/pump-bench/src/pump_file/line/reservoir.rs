@@ -79,9 +79,9 @@ impl Reservoir {
         vapour_kpa: Option<f64>,
     ) -> Result<(), WrongValue> {
         let Self::Lift(lift_mm) = self else { return Ok(()) };
-        let vapour_kpa = vapour_kpa.unwrap_or(0.0);
         // Lifting at the inlet takes pressure away, and so does a vessel below the pump.
-        let falls = (ambient_kpa - vapour_kpa) / column_kpa(1.0, density_kg_m3);
+        let falls = most_lift_mm(density_kg_m3, ambient_kpa, vapour_kpa);
+        let vapour_kpa = vapour_kpa.unwrap_or(0.0);
         let (key, least_mm, most_mm) = match side {
             Side::Inlet => ("[inlet] lift_mm", -MOST_LIFT_MM, falls.min(MOST_LIFT_MM)),
             Side::Outlet => ("[outlet] lift_mm", -falls.min(MOST_LIFT_MM), MOST_LIFT_MM),
@@ -92,6 +92,12 @@ impl Reservoir {
         );
         allow(lift_mm > least_mm && lift_mm < most_mm, key, lift_mm, &allowed)
     }
+}
+
+/// Returns the height, in mm, from which on the air's pressure does not lift a fluid: its column then takes all of it
+/// but the vapour pressure.
+pub(crate) fn most_lift_mm(density_kg_m3: f64, ambient_kpa: f64, vapour_kpa: Option<f64>) -> f64 {
+    (ambient_kpa - vapour_kpa.unwrap_or(0.0)) / column_kpa(1.0, density_kg_m3)
 }
 
 /// Returns the pressure of a column of fluid, in kPa: rho g h.

@@ -73,6 +73,8 @@ impl Explain for ConfigError {
             Self::UnknownPump { name, configured, built_in, .. } => {
                 ErrorFacts::of(ErrorKind::PumpFile).value(name).allowed(format!("{configured}, {built_in}"))
             }
+            Self::Taken { name, .. } => facts.value(name).allowed("a name that no pump has"),
+            Self::NoRoom { line, .. } => facts.value(line),
             Self::SameId { id, .. } => facts.value(id).allowed("an id of its own for each name"),
             Self::Pump(error) => error.facts(),
         }

@@ -12,16 +12,12 @@ use super::error::GrblError;
 use super::reply::{Reply, leading_version, version_of};
 use super::scale::Scale;
 use crate::drives::Opening;
+use crate::drives::grbl_speeds::LEAST_STEPS_S;
+pub(super) use crate::drives::grbl_speeds::MOST_STEPS_S;
 use crate::pump_file::{Axis, DriveTable};
-
-/// Fewest steps per second of grbl 1.1: its 16-bit timer counts 2 MHz (16 MHz / 8).
-const LEAST_STEPS_S: f64 = 16e6 / 8.0 / 65_536.0;
 
 /// Slowest feed of every planner of this family, in units/min (MINIMUM_FEED_RATE in grbl's planner).
 const LEAST_FEED_UNITS_MIN: f64 = 1.0;
-
-/// Most steps per second of grbl 1.1 (its documentation: 30 kHz).
-pub(super) const MOST_STEPS_S: f64 = 30_000.0;
 
 /// Value of `$1` with which the motor is never released.
 pub(super) const NEVER_LET_GO: f64 = 255.0;

@@ -1,0 +1,60 @@
+//! The question to a serial port: is a grbl board there? Nothing moves, and no setting is read or written.
+
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use super::board::Board;
+use super::connect;
+use super::wire::BoardPort;
+use crate::drives::{DriveError, StopRequest};
+use crate::pump_file::{DriveTable, DriverName};
+
+/// Asks the port of `table` for a grbl board, for some seconds at most. Returns the board's state, as `Idle`.
+fn ask(table: &DriveTable, stop: &StopRequest) -> Result<String, DriveError> {
+    let wire = BoardPort::open(table)?;
+    let mut board = Board::new(Box::new(wire), table.axis.number(), stop.clone());
+    connect::find(&mut board, table)?;
+    Ok(board.state(|| ())?.word())
+}
+
+/// Asks every port for a grbl board, all at once and for some seconds at most. Nothing moves. Returns each port with
+/// the state of its board, as `Idle`, or the reason why there is none.
+///
+/// The first open of a port since the computer started may reset its board, as an Arduino's.
+///
+/// # Errors
+/// Each port has an error of its own: [`DriveError::Busy`] where another process holds it.
+pub fn ask_ports(ports: &[PathBuf], stop: &StopRequest) -> Vec<(PathBuf, Result<String, DriveError>)> {
+    thread::scope(|scope| {
+        let asked = ports.iter().map(|port| {
+            let table = DriveTable::of(DriverName::Grbl).with_port(port);
+            (port, scope.spawn(move || ask(&table, stop)))
+        });
+        let asked: Vec<_> = asked.collect();
+        let answers = asked.into_iter().map(|(port, thread)| {
+            let answer = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            (port.clone(), answer)
+        });
+        answers.collect()
+    })
+}
+
+/// Returns the serial ports below `dev` (`/dev`) at which boards on a USB cable appear: those of `serial/by-id`, whose
+/// names stay, then `ttyUSB*`, `ttyACM*` and `cu.usb*` that have no such name.
+pub fn serial_ports(dev: &Path) -> Vec<PathBuf> {
+    let listed = |folder: PathBuf| {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+        paths.sort();
+        paths
+    };
+    let is_usb = |path: &PathBuf| {
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        ["ttyUSB", "ttyACM", "cu.usb"].iter().any(|start| name.starts_with(start))
+    };
+    let named = listed(dev.join("serial").join("by-id"));
+    let devices: Vec<_> = named.iter().filter_map(|path| path.canonicalize().ok()).collect();
+    let others = listed(dev.to_owned()).into_iter().filter(is_usb);
+    let others = others.filter(|path| path.canonicalize().is_ok_and(|device| !devices.contains(&device)));
+    named.into_iter().chain(others).collect()
+}

@@ -1,0 +1,43 @@
+//! The facts of the errors of a first run, for programs.
+
+use super::error::SetupError;
+use crate::notice::Remedy;
+use crate::report::{ErrorFacts, ErrorKind, Explain};
+
+impl Explain for SetupError {
+    fn facts(&self) -> ErrorFacts {
+        let facts = ErrorFacts::of(ErrorKind::Usage);
+        match self {
+            Self::Missing { what } => facts.value("nothing").allowed(what),
+            Self::Name { name } => facts.value(name).allowed("1 to 64 of a-z, 0-9, - and _"),
+            Self::Taken { name, .. } => facts.value(name).allowed("a name that no pump has"),
+            Self::UnknownHead { name, nearest } => facts.value(name).allowed(nearest),
+            Self::Rollers { published, rollers, .. } => facts.value(rollers).allowed(published),
+            Self::Lift { lift_m, most_m, .. } => {
+                facts.value(format!("{lift_m} m")).allowed(format!("less than {most_m:.2} m"))
+            }
+            Self::Fast { rate_ml_s, most_ml_s, .. } => {
+                facts.value(format!("{rate_ml_s} mL/s")).allowed(format!("{most_ml_s} mL/s at most"))
+            }
+            Self::Board { rate_ml_s, least_ml_s, most_ml_s, .. } => {
+                facts.value(format!("{rate_ml_s} mL/s")).allowed(format!("{least_ml_s} to {most_ml_s} mL/s"))
+            }
+            Self::NoPlace => ErrorFacts::of(ErrorKind::Config),
+            Self::File { path, source, .. } => ErrorFacts::of_file(ErrorKind::Output, path, source),
+            Self::Damaged { path, .. } => ErrorFacts::of(ErrorKind::Input).value(path.display()),
+            Self::Changed { path } => ErrorFacts::of(ErrorKind::Output).value(path.display()),
+            Self::Model(error) => error.facts(),
+            Self::PumpFile(error) => error.facts(),
+            Self::Config(error) => error.facts(),
+        }
+    }
+
+    fn remedies(&self) -> Vec<Remedy> {
+        match self {
+            Self::UnknownHead { .. } => vec![Remedy::ListHeads],
+            Self::PumpFile(error) => error.remedies(),
+            Self::Config(error) => error.remedies(),
+            _ => Vec::new(),
+        }
+    }
+}

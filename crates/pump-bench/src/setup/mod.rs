@@ -1,0 +1,20 @@
+//! The first run of a pump: the answers of its owner, the files that they make, and what is still to do.
+//!
+//! A front end asks the questions and moves the motor. This room keeps the answers, finds those that contradict one
+//! another, and writes the pump file.
+
+mod answers;
+mod check;
+mod error;
+mod explain;
+mod folder;
+mod outlook;
+mod pump;
+mod turn;
+
+pub use answers::{Answers, Done, HeadAnswer};
+pub use error::SetupError;
+pub use folder::SetupFolder;
+pub use outlook::{Outlook, SurerStep};
+pub use pump::USUAL_FULL_STEPS;
+pub use turn::{CorrectedSteps, turns};

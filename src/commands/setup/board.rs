@@ -1,0 +1,125 @@
+//! The questions about the board: what turns the motor, its port and its axis.
+
+use std::path::{Path, PathBuf};
+
+use pump_bench::drives::{DriveError, ask_ports, serial_ports};
+use pump_bench::pump_file::{Axis, DriverName};
+
+use super::asker::{Asked, Question, Usual};
+use super::course::{Course, heading, tell_person};
+use super::options::axis;
+use crate::advice;
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::terminal::say;
+
+/// Folder of the devices.
+const DEVICES: &str = "/dev";
+
+/// Asks what turns the motor, and where it is.
+pub(super) fn ask(course: &mut Course) -> Asked<()> {
+    if course.answers.driver.is_none() {
+        heading("The board");
+        ask_driver(course)?;
+    }
+    if course.answers.driver == Some(DriverName::Sim) {
+        return Ok(());
+    }
+    if course.answers.port.is_none() {
+        ask_port(course)?;
+    }
+    if course.answers.axis.is_none() {
+        ask_axis(course)?;
+    }
+    Ok(())
+}
+
+fn ask_driver(course: &mut Course) -> Asked<()> {
+    let question = Question {
+        text: "Driver: grbl for a board, or sim to try it without one",
+        option: "--driver grbl",
+        // Nobody has named a real motor whose driver is that of another pump.
+        usual: course
+            .suggested(|last| last.driver.map(|driver| driver.as_str().to_owned()), None)
+            .filter(|_| !course.asker.is_silent()),
+        help: "grbl: a board that speaks grbl 1.1's protocol over a USB cable (grbl, grblHAL, FluidNC); sim: a motor, \
+               pump and vessel that exist in the program only",
+    };
+    let read = |answer: &str| answer.parse::<DriverName>().map_err(|error| error.to_string());
+    course.settle(&question, read, |answers, driver| answers.driver = Some(driver))
+}
+
+fn ask_port(course: &mut Course) -> Asked<()> {
+    let found = if course.asker.is_silent() { Vec::new() } else { search()? };
+    let of_last = course.suggested(|last| Some(last.port.as_ref()?.display().to_string()), None);
+    let only = match found.as_slice() {
+        [port] => Some(Usual::new(port.display().to_string())),
+        _ => None,
+    };
+    let is_there = |usual: &Usual| found.iter().any(|port| Path::new(&usual.answer) == port);
+    let question = Question {
+        text: "Port of the board",
+        option: "--port /dev/ttyUSB0",
+        usual: of_last.clone().filter(is_there).or(only).or(of_last),
+        help: "the device that appears when you plug the board's cable in, as /dev/ttyUSB0",
+    };
+    let read = |answer: &str| match Path::new(answer) {
+        port if port.exists() => Ok(port.to_owned()),
+        _ => Err(format!("there is no {answer}; is the board plugged in?")),
+    };
+    course.settle(&question, read, |answers, port| answers.port = Some(port))
+}
+
+/// Asks every port who is there, and says it. Returns the ports with a board.
+fn search() -> Result<Vec<PathBuf>, Failure> {
+    let ports = serial_ports(Path::new(DEVICES));
+    if ports.is_empty() {
+        tell_person("  no serial port of a USB cable is there");
+        return Ok(Vec::new());
+    }
+    let count = ports.len();
+    say(&format!("  asking {count} port{} (nothing moves)\n", if count == 1 { "" } else { "s" }));
+    let mut found = Vec::new();
+    for (port, answer) in ask_ports(&ports, &interrupt::stop_request()) {
+        let said = match answer {
+            Ok(state) => {
+                found.push(port.clone());
+                format!("a grbl board, {state}")
+            }
+            Err(DriveError::Interrupted) => {
+                let signal = interrupt::signal().unwrap_or(0);
+                return Err(Failure::stopped(signal, false, "stopped by the user"));
+            }
+            Err(error) => advice::told(&error),
+        };
+        tell_person(&format!("  {}: {said}", port.display()));
+    }
+    Ok(found)
+}
+
+fn ask_axis(course: &mut Course) -> Asked<()> {
+    let port = course.answers.port.clone().unwrap_or_default();
+    let others: Vec<(String, Axis)> = course
+        .others_at(&port)
+        .into_iter()
+        .filter_map(|other| Some((other.name.clone(), other.axis?)))
+        .collect();
+    for (name, axis) in &others {
+        tell_person(&format!("  {name} has the axis {axis} of this board"));
+    }
+    let free = Axis::ALL.iter().find(|axis| others.iter().all(|(_, taken)| taken != *axis));
+    let question = Question {
+        text: "Axis of the board that turns this pump",
+        option: "--axis X",
+        usual: free.map(|axis| Usual::new(axis.as_str())),
+        help: "the letter at the board's plug, X, Y, Z, A, B or C",
+    };
+    let read = |answer: &str| {
+        let axis = axis(answer)?;
+        match others.iter().find(|(_, taken)| *taken == axis) {
+            Some((name, _)) => Err(format!("{axis} is that of {name}; choose another axis")),
+            None => Ok(axis),
+        }
+    };
+    course.settle(&question, read, |answers, axis| answers.axis = Some(axis))
+}

@@ -1,0 +1,190 @@
+//! The course of a first run: its answers on record, and the pump that they make.
+
+use std::path::{Path, PathBuf};
+
+use pump_bench::notice::{Notice, Remedy};
+use pump_bench::pump_file::{DriverName, PumpFile};
+use pump_bench::setup::{Answers, Done, HeadAnswer, SetupFolder};
+use pump_bench::{Bench, Prepared, Session};
+
+use super::asker::{Asked, Asker, Question, Usual};
+use crate::advice;
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::terminal::{say, say_wrapped, warn};
+
+/// A first run.
+pub(super) struct Course {
+    pub(super) asker: Asker,
+    pub(super) answers: Answers,
+    pub(super) folder: SetupFolder,
+    state_dir: PathBuf,
+    /// Answers of the pump that was set up last, from which answers are suggested.
+    pub(super) last: Option<Answers>,
+    /// Answers of all other pumps.
+    others: Vec<Answers>,
+    /// True if the motor has turned in this call.
+    pub(super) has_moved: bool,
+    /// Warnings that were said already.
+    warned: Vec<String>,
+}
+
+impl Course {
+    pub(super) fn new(asker: Asker, answers: Answers, folder: SetupFolder, state_dir: &Path) -> Self {
+        let mut others = folder.all();
+        others.retain(|other| other.name != answers.name);
+        let last = others.first().cloned();
+        let state_dir = state_dir.to_owned();
+        Self { asker, answers, folder, state_dir, last, others, has_moved: false, warned: Vec::new() }
+    }
+
+    /// Puts the answers on record.
+    pub(super) fn keep(&mut self) -> Result<(), Failure> {
+        Ok(self.folder.keep(&mut self.answers)?)
+    }
+
+    /// Takes new answers: they are on record, and what was done with others counts no more.
+    pub(super) fn take(&mut self, answers: Answers) -> Result<(), Failure> {
+        let before = std::mem::replace(&mut self.answers, answers);
+        self.answers.done = still_done(&before, &self.answers);
+        if self.answers == before { Ok(()) } else { self.keep() }
+    }
+
+    /// Asks a question until its answer contradicts no other, and keeps it.
+    pub(super) fn settle<T>(
+        &mut self,
+        question: &Question<'_>,
+        mut read: impl FnMut(&str) -> Result<T, String>,
+        mut set: impl FnMut(&mut Answers, T),
+    ) -> Asked<()> {
+        let before = self.answers.clone();
+        let answers = self.asker.ask(question, |answer| {
+            let mut answers = before.clone();
+            set(&mut answers, read(answer)?);
+            answers.check().map_err(|error| advice::told(&error))?;
+            Ok(answers)
+        })?;
+        Ok(self.take(answers)?)
+    }
+
+    /// The answer of the last pump as a suggestion, or else the usual one.
+    pub(super) fn suggested(
+        &self,
+        of: impl Fn(&Answers) -> Option<String>,
+        usual: Option<&str>,
+    ) -> Option<Usual> {
+        let last = self
+            .last
+            .as_ref()
+            .and_then(|last| Some(Usual { answer: of(last)?, of: Some(last.name.clone()) }));
+        last.or_else(|| usual.map(Usual::new))
+    }
+
+    /// The pumps that were set up on a port, with their axes.
+    pub(super) fn others_at(&self, port: &Path) -> Vec<&Answers> {
+        self.others.iter().filter(|other| other.port.as_deref() == Some(port)).collect()
+    }
+
+    /// True if no motor moves.
+    pub(super) fn is_simulated(&self) -> bool {
+        self.answers.driver.is_none_or(|driver| driver == DriverName::Sim)
+    }
+
+    /// The pump file and its text.
+    pub(super) fn pump_file(&self) -> Result<(PumpFile, String), Failure> {
+        Ok(self.answers.pump_file(advice::words)?)
+    }
+
+    /// The bench of the pump file that was written.
+    pub(super) fn bench(&self) -> Result<Bench, Failure> {
+        let file = PumpFile::read(&self.folder.pump_file(&self.answers.name)).map_err(Failure::of)?;
+        self.bench_of(file)
+    }
+
+    /// The bench of a pump file.
+    pub(super) fn bench_of(&self, file: PumpFile) -> Result<Bench, Failure> {
+        // The settings follow from the motor's steps, which are right once a turn was seen.
+        let is_open = !self.answers.done.turned;
+        let configures = is_open && !self.is_simulated() && self.answers.configure == Some(true);
+        let bench = Bench::new(file, None, &self.state_dir)?;
+        Ok(bench.configuring(configures).stopping_on(interrupt::stop_request()))
+    }
+
+    /// The folder of all records.
+    pub(super) fn state_dir(&self) -> &Path {
+        &self.state_dir
+    }
+
+    /// Says the notes of a session that were not said yet.
+    pub(super) fn warn(&mut self, notes: &[Notice]) {
+        for note in notes {
+            let text = note.text().to_owned();
+            if !self.warned.contains(&text) {
+                warn(&[note.clone()]);
+                self.warned.push(text);
+            }
+        }
+    }
+
+    /// Says how long a motion lasts, before it begins.
+    pub(super) fn tell_time(&self, motion_s: f64) {
+        let takes = if self.is_simulated() { "A real pump would take" } else { "It takes" };
+        tell_person(&format!("  {takes} {motion_s:.0} s."));
+    }
+
+    /// Notes that a session may have turned the motor.
+    pub(super) fn note_motion(&mut self, session: &Session<'_>) {
+        self.has_moved |= session.has_moved();
+    }
+}
+
+/// The steps that are still done after answers were changed.
+fn still_done(before: &Answers, after: &Answers) -> Done {
+    let done = after.done;
+    let is_head = (&before.head, before.rollers) == (&after.head, after.rollers);
+    let is_motor = (before.steps_per_rev, before.full_steps, before.microsteps, before.gear)
+        == (after.steps_per_rev, after.full_steps, after.microsteps, after.gear);
+    let is_drive = (before.driver, &before.port, before.axis) == (after.driver, &after.port, after.axis);
+    let turned = done.turned && is_motor && is_drive;
+    let directed = done.directed && is_drive && before.invert == after.invert;
+    let mut still = done;
+    (still.turned, still.directed) = (turned, directed);
+    (still.primed, still.dosed) = (done.primed && is_drive, done.dosed && is_head && is_motor && is_drive);
+    still
+}
+
+/// Leaves the warnings out that the course is there to answer: that nobody knows the angle or has weighed the pump.
+pub(super) fn quieten(prepared: &mut Prepared) {
+    const ANSWERED: [Remedy; 6] = [
+        Remedy::TurnAndSayAngle,
+        Remedy::FindAngle,
+        Remedy::FindOrSayAngle,
+        Remedy::Weigh,
+        Remedy::WeighToBeSurer,
+        Remedy::CalibrateRuns,
+    ];
+    prepared.warnings.retain(|warning| {
+        let is_of_angle = warning.text().starts_with("the rollers' angle is unknown");
+        !is_of_angle && !warning.remedies().iter().any(|remedy| ANSWERED.contains(remedy))
+    });
+}
+
+/// A heading of a part of the course.
+pub(super) fn heading(text: &str) {
+    say(&format!("\n{text}\n"));
+}
+
+/// A line to the person.
+pub(super) fn tell_person(text: &str) {
+    say_wrapped(&format!("{text}\n"));
+}
+
+/// The head in words.
+pub(super) fn head_in_words(head: &HeadAnswer) -> String {
+    match head {
+        HeadAnswer::Catalogue(name) => name.clone(),
+        HeadAnswer::Volume { ml_per_rev } => format!("{ml_per_rev} mL per revolution"),
+        HeadAnswer::Drawing { bore_mm, outer_mm, .. } => format!("a drawing, tube {bore_mm} x {outer_mm} mm"),
+        HeadAnswer::File(path) => format!("as in {}", path.display()),
+    }
+}

@@ -1,0 +1,168 @@
+//! The questions about the pump head: what a revolution delivers, and how many rollers there are.
+
+use pump_bench::heads::bought_head;
+use pump_bench::setup::HeadAnswer;
+use pump_bench::units;
+use pump_model::units::degrees;
+
+use super::asker::{Asked, Question, Stop};
+use super::course::{Course, heading, tell_person};
+use crate::failure::Failure;
+
+/// Answer to the question for a head.
+enum Named {
+    Head(HeadAnswer),
+    /// The dimensions are to be asked.
+    Drawing,
+}
+
+/// Asks which head the pump has, and how many rollers.
+pub(super) fn ask(course: &mut Course) -> Asked<()> {
+    if course.answers.head.is_none() || !knows_rollers(course) {
+        heading("The pump head");
+    }
+    if course.answers.head.is_none() {
+        ask_head(course)?;
+    }
+    tell_of_head(course);
+    let is_volume = matches!(course.answers.head, Some(HeadAnswer::Volume { .. }));
+    if is_volume && course.answers.tube_bore_mm.is_none() {
+        ask_bore(course)?;
+    }
+    if !knows_rollers(course) {
+        ask_rollers(course)?;
+    }
+    Ok(())
+}
+
+fn knows_rollers(course: &Course) -> bool {
+    let published = course.answers.catalogued().ok().flatten().and_then(|head| head.rollers);
+    course.answers.rollers.is_some() || published.is_some() || course.answers.is_of_file()
+}
+
+fn ask_head(course: &mut Course) -> Asked<()> {
+    let suggested = course.suggested(
+        |last| match last.head.as_ref()? {
+            HeadAnswer::Catalogue(name) => Some(name.clone()),
+            HeadAnswer::Volume { ml_per_rev } => Some(format!("{ml_per_rev}mL")),
+            _ => None,
+        },
+        None,
+    );
+    let question = Question {
+        text: "Head: mL per revolution (as 0.5mL), a name of the catalogue, a pump file, or `drawing`",
+        option: "--head masterflex-ls-16, --ml-per-rev 0.5mL, --from FILE, or the dimensions of a drawing",
+        usual: suggested,
+        help: "the manual says mL per revolution, or divide its flow by its speed: 50 mL/min at 100 r/min is 0.5mL; \
+               `dose pumps list --catalogue` lists heads by name, as masterflex-ls-16; a pump file ends in .toml; \
+               `drawing` asks for the dimensions of a head that you built",
+    };
+    let named = course.asker.ask(&question, |answer| named(answer))?;
+    match named {
+        Named::Drawing => ask_drawing(course),
+        Named::Head(head) => set(course, head),
+    }
+}
+
+fn set(course: &mut Course, head: HeadAnswer) -> Asked<()> {
+    let mut answers = course.answers.clone();
+    answers.head = Some(head);
+    answers.check().map_err(Failure::of)?;
+    Ok(course.take(answers)?)
+}
+
+/// Reads a head: a volume, a name, a file, or the word `drawing`.
+fn named(answer: &str) -> Result<Named, String> {
+    if answer == "drawing" {
+        return Ok(Named::Drawing);
+    }
+    if answer.ends_with(".toml") || answer.contains('/') {
+        let path = std::path::absolute(answer).map_err(|error| error.to_string())?;
+        pump_bench::PumpFile::read(&path).map_err(|error| crate::advice::told(&error))?;
+        return Ok(Named::Head(HeadAnswer::File(path)));
+    }
+    if bought_head(answer).is_some() {
+        return Ok(Named::Head(HeadAnswer::Catalogue(answer.to_owned())));
+    }
+    if answer.starts_with(|c: char| c.is_ascii_digit() || c == '.') {
+        let bare = answer.trim_end_matches("/rev").trim_end_matches(" per revolution");
+        let volume = units::volume_ml(bare).map_err(|error| error.to_string())?;
+        return Ok(Named::Head(HeadAnswer::Volume { ml_per_rev: volume }));
+    }
+    let nearest = pump_bench::heads::nearest_heads(answer).join(", ");
+    Err(format!("no head of the catalogue is `{answer}`; the nearest are {nearest}"))
+}
+
+fn ask_bore(course: &mut Course) -> Asked<()> {
+    let question = Question {
+        text: "Bore of the tube (inner diameter), or `unknown`",
+        option: "--bore 1.6mm beside --ml-per-rev",
+        usual: course.suggested(
+            |last| last.tube_bore_mm.filter(|bore_mm| *bore_mm > 0.0).map(|bore_mm| format!("{bore_mm}mm")),
+            Some("unknown"),
+        ),
+        help: "it is printed on the tube's bag, as 1.6mm; pumps with wide tubes differ less from one another, so it \
+               tells how sure doses are before the first weighing",
+    };
+    course.settle(&question, length_or_unknown, |answers, mm| answers.tube_bore_mm = Some(mm))
+}
+
+/// Reads a length, mm, or 0 for one that nobody knows.
+pub(super) fn length_or_unknown(answer: &str) -> Result<f64, String> {
+    match answer {
+        "unknown" => Ok(0.0),
+        answer => units::length_mm(answer).map_err(|error| error.to_string()),
+    }
+}
+
+fn ask_rollers(course: &mut Course) -> Asked<()> {
+    let question = Question {
+        text: "Rollers, counted",
+        option: "--rollers 4",
+        usual: course.suggested(|last| last.rollers.map(|rollers| rollers.to_string()), None),
+        help: "open the head and count the rollers that squeeze the tube, as 4",
+    };
+    let read = |answer: &str| answer.parse().map_err(|_| format!("`{answer}` is no number of rollers"));
+    course.settle(&question, read, |answers, rollers| answers.rollers = Some(rollers))
+}
+
+fn ask_drawing(course: &mut Course) -> Asked<()> {
+    tell_person("Dimensions as a caliper gives them; `dose pumps new -h` says more of each.");
+    let mut length = |text: &str, option: &str, help: &str| -> Result<f64, Stop> {
+        let question = Question { text, option, usual: None, help };
+        course.asker.ask(&question, |answer| units::length_mm(answer).map_err(|error| error.to_string()))
+    };
+    let backplate_mm = length("Radius of the backplate (raceway)", "--backplate 63mm", "as 63mm")?;
+    let roller_mm = length("Radius of a roller", "--roller 20mm", "as 20mm")?;
+    let offset_mm = length("From the shaft to a roller's axis", "--offset 40mm", "as 40mm")?;
+    let tube = course.asker.ask(
+        &Question {
+            text: "Tube, bore x outer diameter",
+            option: "--tube 10x14mm",
+            usual: None,
+            help: "as 10x14mm",
+        },
+        |answer| units::tube_size(answer).map_err(|error| error.to_string()),
+    )?;
+    let (bore_mm, outer_mm) = (tube.bore_mm, tube.outer_mm);
+    let question = Question {
+        text: "Contact angle",
+        option: "--contact 30deg",
+        usual: None,
+        help: "the backplate spans 180deg and twice this angle, as 30deg",
+    };
+    let contact_rad =
+        course.asker.ask(&question, |answer| units::angle_rad(answer).map_err(|error| error.to_string()))?;
+    let contact_deg = degrees(contact_rad);
+    set(course, HeadAnswer::Drawing { bore_mm, outer_mm, backplate_mm, roller_mm, offset_mm, contact_deg })
+}
+
+/// Says what the catalogue knows of the head.
+fn tell_of_head(course: &Course) {
+    if let Ok(Some(head)) = course.answers.catalogued()
+        && course.answers.done.written.is_none()
+    {
+        let rollers = head.rollers.map_or(String::new(), |rollers| format!(", {rollers} rollers"));
+        tell_person(&format!("  {} {}, {}: {}{rollers}", head.maker, head.head, head.tubing, head.published));
+    }
+}

@@ -1,0 +1,204 @@
+//! `dose setup`: a guided first run of a pump, from its head to a dose that was weighed.
+
+mod asker;
+mod board;
+mod course;
+mod fill;
+mod head;
+mod motor;
+mod options;
+mod outlook;
+mod place;
+mod turn;
+mod weigh;
+mod written;
+
+use clap::Args;
+use pump_bench::config::Config;
+use pump_bench::setup::{Answers, SetupError, SetupFolder};
+
+use self::asker::{Asked, Asker, Question, Stop, Usual};
+use self::course::{Course, heading, tell_person};
+use self::options::AnswerOptions;
+use crate::failure::Failure;
+use crate::options::pump::{ConfigOption, RecordOption};
+use crate::terminal::say;
+
+#[derive(Debug, Args)]
+pub(crate) struct SetupArgs {
+    /// Name of the pump, as acid; it stands for the pump in --pump NAME
+    #[arg(value_name = "NAME")]
+    name: Option<String>,
+    /// Go on with the first run that was left last
+    #[arg(long = "continue", conflicts_with = "anew")]
+    goes_on: bool,
+    /// Take the answers of another pump that was set up, but its axis
+    #[arg(long, value_name = "NAME")]
+    like: Option<String>,
+    /// Ask every question anew
+    #[arg(long)]
+    anew: bool,
+    /// Ask nothing: take the suggested answers, and let the motor move
+    #[arg(long)]
+    yes: bool,
+    /// Write the pump file, and move nothing
+    #[arg(long)]
+    no_motion: bool,
+    #[command(flatten)]
+    answers: AnswerOptions,
+    #[command(flatten)]
+    config: ConfigOption,
+    #[command(flatten)]
+    record: RecordOption,
+}
+
+impl SetupArgs {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let config = self.config.config()?;
+        let path = self.config.path().ok_or(SetupError::NoPlace)?;
+        let folder = SetupFolder::of(&path);
+        let mut asker = Asker::new(self.yes)?;
+        let answers = match self.begin(&mut asker, &folder, &config) {
+            Ok(answers) => answers,
+            Err(Stop::Left) => return Ok(()),
+            Err(Stop::Failed(failure)) => return Err(failure),
+        };
+        let mut course = Course::new(asker, answers, folder, &self.record.folder(&config)?);
+        let ended = self.follow(&mut course, &config);
+        let name = course.answers.name.clone();
+        match ended {
+            Ok(()) => Ok(()),
+            Err(Stop::Left) => {
+                say(&format!("The answers are on record; `dose setup {name}` goes on.\n"));
+                Ok(())
+            }
+            Err(Stop::Failed(failure)) => {
+                let failure = if course.has_moved { failure.after_motion() } else { failure };
+                let is_kept = course.folder.read(&name).is_ok_and(|kept| kept.is_some());
+                Err(if is_kept { failure.with(&format!("; `dose setup {name}` goes on")) } else { failure })
+            }
+        }
+    }
+
+    /// The answers on record, or those of a new pump.
+    fn begin(&self, asker: &mut Asker, folder: &SetupFolder, config: &Config) -> Asked<Answers> {
+        let name = match &self.name {
+            Some(name) => name.clone(),
+            None if self.goes_on => {
+                let unfinished = folder.all().into_iter().find(|answers| answers.done.weighed == 0);
+                let refused = || Failure::refused("no first run was left: there is nothing to go on with");
+                unfinished.ok_or_else(refused)?.name
+            }
+            None => ask_name(asker, config)?,
+        };
+        let kept = folder.read(&name)?;
+        Ok(match kept {
+            None if self.goes_on => {
+                let refused = format!("no first run of `{name}` was left; leave --continue out");
+                return Err(Failure::refused(refused).into());
+            }
+            None => Answers::of(name),
+            Some(before) if self.anew => {
+                let mut answers = Answers::of(name);
+                answers.done.written = before.done.written;
+                answers
+            }
+            Some(before) => before,
+        })
+    }
+
+    /// Follows the course from where it was left to its end.
+    fn follow(&self, course: &mut Course, config: &Config) -> Asked<()> {
+        let is_new = course.answers.unix_s == 0;
+        course.answers.check_name(config)?;
+        let record = course.state_dir().join(&course.answers.name);
+        if course.answers.done.written.is_none() && record.exists() && is_new {
+            let name = course.answers.name.clone();
+            return Err(Failure::from(SetupError::Taken { name, path: record }).into());
+        }
+        let mut answers = course.answers.clone();
+        self.answers.write_to(&mut answers)?;
+        if let Some(like) = &self.like {
+            let refused =
+                || Failure::refused(format!("no pump `{like}` was set up, so there are no answers of it"));
+            answers.take_missing(&course.folder.read(like)?.ok_or_else(refused)?);
+        }
+        answers.check()?;
+        course.take(answers)?;
+        introduce(course, is_new)?;
+        written::write(course)?;
+        if self.no_motion {
+            say("Nothing was moved: this pump was not tried yet.\n");
+            return Ok(());
+        }
+        if course.answers.done.weighed > 0 && !self.weighs_more(course)? {
+            return outlook::tell_outlook(course);
+        }
+        weigh::accept_stopped(course)?;
+        turn::watch(course, &mut self.answers.turned.clone())?;
+        fill::fill(course)?;
+        if weigh::weigh(course, &self.answers)? {
+            outlook::tell_outlook(course)
+        } else {
+            let name = &course.answers.name;
+            say(&format!("Weigh the dose, then say `dose setup {name} --weight 4.93g`.\n"));
+            Ok(())
+        }
+    }
+
+    /// Asks if one more dose is to be weighed, of a pump that is set up.
+    fn weighs_more(&self, course: &mut Course) -> Asked<bool> {
+        if course.answers.done.dosed || self.answers.weight.is_some() {
+            return Ok(true);
+        }
+        if course.asker.is_silent() {
+            return Ok(false);
+        }
+        let question = Question {
+            text: "This pump is set up. Weigh one more dose?",
+            option: "--yes",
+            usual: Some(Usual::new("yes")),
+            help: "a second dose shows how much doses scatter, and makes them surer",
+        };
+        course.asker.agrees(&question)
+    }
+}
+
+fn ask_name(asker: &mut Asker, config: &Config) -> Asked<String> {
+    let question = Question {
+        text: "Name of the pump, as acid",
+        option: "a name, as in `dose setup acid`",
+        usual: None,
+        help: "a short word for what it doses; `dose 5mL --pump NAME` then doses with it. Letters a-z, digits, - and _",
+    };
+    asker.ask(&question, |name| {
+        Answers::of(name).check_name(config).map_err(|error| error.to_string())?;
+        Ok(name.to_owned())
+    })
+}
+
+/// Says what the course does, and what is on record.
+fn introduce(course: &Course, is_new: bool) -> Result<(), Failure> {
+    let name = &course.answers.name;
+    if course.asker.is_silent() {
+        return Ok(());
+    }
+    if is_new {
+        tell_person(&format!(
+            "Setting up `{name}`: some questions, one revolution, and one dose that you weigh. It takes about ten \
+             minutes. Enter takes the answer in brackets, ? explains the question, quit leaves; `dose setup {name}` \
+             goes on later."
+        ));
+    } else {
+        heading(&format!(
+            "Going on with `{name}`; the answers so far are on record. ? explains, quit leaves."
+        ));
+    }
+    if let Some(last) = &course.last {
+        tell_person(&format!(
+            "Suggested answers are those of `{}`, the pump that was set up last.",
+            last.name
+        ));
+    }
+    Ok(())
+}

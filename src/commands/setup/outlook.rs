@@ -1,0 +1,50 @@
+//! The end of a first run: how sure doses are now, and what one more step would bring.
+
+use std::fmt::Write;
+
+use pump_bench::setup::Outlook;
+
+use super::asker::Asked;
+use super::course::{Course, heading};
+use super::written::rounded;
+use crate::advice;
+use crate::terminal::tell;
+
+/// Most steps that are said.
+const MOST_STEPS: usize = 3;
+
+/// Says how sure doses are, and what makes them surer.
+pub(super) fn tell_outlook(course: &Course) -> Asked<()> {
+    let bench = course.bench()?;
+    let name = &course.answers.name;
+    let volume_ml = course.answers.volume_ml.unwrap_or(10.0);
+    heading("How sure doses are now");
+    let [outlook, small] = [Outlook::of(&bench, volume_ml)?, Outlook::of(&bench, 0.1 * volume_ml)?];
+    let mut text = line(&outlook) + &line(&small);
+    let volume = rounded(volume_ml);
+    if !outlook.steps.is_empty() {
+        let _ = writeln!(text, "One more step makes a dose of {volume} mL surer, at best to");
+    }
+    for step in outlook.steps.iter().take(MOST_STEPS) {
+        let best = 100.0 * step.at_best_ml / outlook.volume_ml;
+        let source = step.source.replace('_', " ");
+        let _ = writeln!(text, "  ± {best:.1} %  ({source}) {}", step.notice.worded(advice::words));
+    }
+    let _ = writeln!(
+        text,
+        "`{name}` is set up: `dose {volume}mL --pump {name}` doses, `dose setup {name}` weighs again"
+    );
+    Ok(tell(&text)?)
+}
+
+/// The interval of a dose, with the digits that its width allows.
+fn line(outlook: &Outlook) -> String {
+    let decimals = (1.0 - outlook.expanded_ml.log10().floor()).clamp(0.0, 6.0) as usize;
+    let percent = 100.0 * outlook.expanded_ml / outlook.volume_ml;
+    format!(
+        "  a dose of {} mL lies between {:.decimals$} and {:.decimals$} mL in 95 % of cases (± {percent:.1} %)\n",
+        rounded(outlook.volume_ml),
+        outlook.least_ml,
+        outlook.most_ml,
+    )
+}

@@ -1,0 +1,268 @@
+//! One revolution that a person watches: it shows the motor's steps and the way in which the pump turns.
+
+use std::ops::ControlFlow;
+
+use pump_bench::Bench;
+use pump_bench::notice::{Notice, Remedy};
+use pump_bench::report::Explain;
+use pump_bench::setup::Answers;
+use pump_model::units::rad_s;
+
+use super::asker::{Asked, Question, Stop, Usual, yes_or_no};
+use super::course::{Course, heading, tell_person};
+use super::options::turns;
+use super::place;
+use super::written::{rewrite, rounded};
+use crate::failure::Failure;
+use crate::terminal::{announce, noted};
+
+/// Speed of the revolution, r/min: slow enough to follow with the eyes.
+const WATCHED_RPM: f64 = 10.0;
+
+/// Remedies that write the board's settings.
+const CONFIGURES: [Remedy; 2] = [Remedy::Configure, Remedy::ConfigureOrRaise];
+
+/// Turns the pump until its steps and its direction are those of the motor.
+pub(super) fn watch(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> {
+    if course.answers.done.turned && course.answers.done.directed {
+        return Ok(());
+    }
+    heading("One revolution");
+    if course.is_simulated() {
+        tell_person("  SIMULATED: no motor moves, so the mark comes back");
+        turn(course)?;
+        return Ok(seen(course, |answers| (answers.done.turned, answers.done.directed) = (true, true))?);
+    }
+    refuse_unseen(course, *turned)?;
+    meet_board(course)?;
+    may_move(course)?;
+    while !(course.answers.done.turned && course.answers.done.directed) {
+        turn(course)?;
+        if !course.answers.done.turned {
+            see_turn(course, turned)?;
+        }
+        if course.answers.done.turned && !course.answers.done.directed {
+            see_direction(course)?;
+        }
+    }
+    Ok(())
+}
+
+/// Refuses to turn a real motor while nobody can say what it did.
+fn refuse_unseen(course: &Course, turned: Option<f64>) -> Result<(), Failure> {
+    if !course.asker.is_silent() {
+        return Ok(());
+    }
+    let missing = |what: &str, option: &str| {
+        Err(Failure::refused(format!("nobody is asked, and {what} is not known; say {option}"))
+            .allowed(option))
+    };
+    if !course.answers.done.turned && turned.is_none() {
+        return missing("how far the head turns for one revolution", "--turned 1");
+    }
+    if !course.answers.done.directed && course.answers.invert.is_none() {
+        return missing("which way it turns", "--direction forward");
+    }
+    Ok(())
+}
+
+/// Connects the board, which moves nothing, and offers to write the settings that do not fit the pump.
+fn meet_board(course: &mut Course) -> Asked<()> {
+    loop {
+        let bench = course.bench()?;
+        let mut session = bench.session()?;
+        let connected = session.connect();
+        let notes = session.notes();
+        let range_rad_s = session.speed_range_rad_s();
+        drop(session);
+        let fixes = |remedies: &[Remedy]| remedies.iter().any(|remedy| CONFIGURES.contains(remedy));
+        let offers = course.answers.configure.is_none();
+        let error = match connected {
+            Ok(()) if offers && notes.iter().any(|note| fixes(note.remedies())) => None,
+            Ok(()) => {
+                course.warn(&notes);
+                if rate_fits(course, range_rad_s)? {
+                    tell_person("  the board answers, and its settings fit the pump");
+                    return Ok(());
+                }
+                continue;
+            }
+            Err(error) if fixes(&error.remedies()) && course.answers.configure != Some(true) => Some(error),
+            Err(error) => return Err(Failure::from(error).into()),
+        };
+        let words = match &error {
+            Some(error) => pump_bench::report::with_sources(error),
+            None => notes.iter().map(Notice::text).collect::<Vec<_>>().join("; "),
+        };
+        tell_person(&format!("  {words}"));
+        if course.asker.is_silent() {
+            let Some(error) = error else {
+                course.warn(&notes);
+                return rate_fits(course, range_rad_s).map(drop);
+            };
+            return Err(Failure::from(error).into());
+        }
+        let question = Question {
+            text: "May the board's settings be written, so that they fit the pump?",
+            option: "--configure",
+            usual: Some(Usual::new("yes")),
+            help: "the settings that change are said, each with its value before; docs/motor.md lists them",
+        };
+        let agreed = course.asker.agrees(&question)?;
+        let mut answers = course.answers.clone();
+        answers.configure = Some(agreed);
+        course.take(answers)?;
+        if let (Some(error), false) = (error, agreed) {
+            return Err(Failure::from(error).into());
+        }
+    }
+}
+
+/// True if the board makes the rate. Otherwise the rate is asked for anew, or refused where nobody is asked.
+fn rate_fits(course: &mut Course, range_rad_s: (f64, f64)) -> Asked<bool> {
+    let Err(error) = course.answers.check_board(range_rad_s) else { return Ok(true) };
+    if course.asker.is_silent() {
+        return Err(Failure::from(error).into());
+    }
+    tell_person(&format!("  {error}"));
+    let mut answers = course.answers.clone();
+    answers.rate_ml_s = None;
+    course.take(answers)?;
+    place::ask(course)?;
+    rewrite(course)?;
+    Ok(false)
+}
+
+/// Asks whether the motor may move: nobody else can agree.
+fn may_move(course: &mut Course) -> Asked<()> {
+    let revolution_ml = course.bench()?.model().revolution_ml();
+    tell_person(&format!(
+        "  The pump turns one revolution in {:.0} s and pumps about {} mL. Put both hoses into water, close the head, \
+         and draw a line across rotor and housing.",
+        60.0 / WATCHED_RPM,
+        rounded(revolution_ml)
+    ));
+    if course.asker.is_silent() {
+        return Ok(());
+    }
+    let question = Question {
+        text: "May the motor move? (yes, quit)",
+        option: "--yes",
+        usual: None,
+        help: "yes turns it; quit leaves, and the answers stay on record",
+    };
+    match course.asker.agrees(&question)? {
+        true => Ok(()),
+        false => Err(Stop::Left),
+    }
+}
+
+/// Turns the head by one revolution, as far as its steps are right.
+fn turn(course: &mut Course) -> Asked<()> {
+    let bench = course.bench()?;
+    let mut session = bench.session()?;
+    announce(&bench, false)?;
+    let steps = session.steps_of(std::f64::consts::TAU);
+    let interrupt = course.asker.interrupt();
+    let made = session.jog(steps, rad_s(WATCHED_RPM), |_| interrupt.flow());
+    let made = noted(&mut session, made);
+    let notes = session.notes();
+    course.note_motion(&session);
+    course.warn(&notes);
+    let made = made?;
+    match course.asker.interrupt().flow() {
+        ControlFlow::Break(()) if made < steps.unsigned_abs() => {
+            let signal = course.asker.interrupt().signal().unwrap_or(0);
+            Err(Failure::stopped(signal, true, "stopped by the user in the revolution").into())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Asks how far the head turned, and corrects the steps.
+fn see_turn(course: &mut Course, turned: &mut Option<f64>) -> Asked<()> {
+    let question = Question {
+        text: "Did the line come back to its place after one turn? If not, how far did it turn (1/4, 90deg, 2)?",
+        option: "--turned 1",
+        usual: turned
+            .take()
+            .map(|turned| Usual::new(turned.to_string()))
+            .or_else(|| (!course.asker.is_silent()).then(|| Usual::new("yes"))),
+        help: "yes if the line on the rotor meets the line on the housing again; otherwise the turns that it made, as \
+               1/4 or 4, or an angle, as 90deg",
+    };
+    let given = question.usual.clone().filter(|usual| usual.answer != "yes");
+    let read = |answer: &str| match yes_or_no(answer) {
+        Some(true) => Ok(1.0),
+        Some(false) => Err("how far did it turn, as 1/4, 90deg or 2?".to_owned()),
+        None => turns(answer),
+    };
+    let turned = match given {
+        Some(usual) => turns(&usual.answer).map_err(Failure::refused)?,
+        None => course.asker.ask(&question, read)?,
+    };
+    if Answers::is_one_turn(turned) {
+        return Ok(seen(course, |answers| answers.done.turned = true)?);
+    }
+    let steps = steps_of(&course.bench()?);
+    let corrected = course.answers.corrected_steps(steps, turned);
+    let micro = corrected.microsteps.map_or(String::new(), |micro| format!(", that is {micro} microsteps,"));
+    tell_person(&format!(
+        "  It made {} turns for {steps} steps: one turn of the motor takes about {} steps{micro} and not {steps}.",
+        rounded(turned),
+        corrected.steps_per_rev,
+    ));
+    let question = Question {
+        text: "Steps per revolution of the motor from now on",
+        option: "--steps-per-rev",
+        usual: Some(Usual::new(corrected.steps_per_rev.to_string())),
+        help: "Enter takes them; another number goes before them. The next revolution shows if they are right",
+    };
+    let steps = course.asker.ask(&question, |answer| match answer.parse::<u32>() {
+        Ok(steps) if steps > 0 => Ok(steps),
+        _ => Err(format!("`{answer}` is no whole number of steps")),
+    })?;
+    let mut answers = course.answers.clone();
+    if steps == corrected.steps_per_rev {
+        answers.correct_steps(corrected);
+    } else {
+        (answers.steps_per_rev, answers.full_steps, answers.microsteps) = (Some(steps), None, None);
+    }
+    answers.check()?;
+    course.take(answers)?;
+    rewrite(course)
+}
+
+fn steps_of(bench: &Bench) -> u32 {
+    bench.file().motor.steps_per_rev
+}
+
+/// Asks which way the liquid went, and turns the direction round.
+fn see_direction(course: &mut Course) -> Asked<()> {
+    if course.asker.is_silent() {
+        return Ok(seen(course, |answers| answers.done.directed = true)?);
+    }
+    let question = Question {
+        text: "Did the rotor push the liquid from the supply to the vessel?",
+        option: "--direction forward",
+        usual: Some(Usual::new("yes")),
+        help: "no turns the direction round and makes one more revolution",
+    };
+    let forward = course.asker.agrees(&question)?;
+    let mut answers = course.answers.clone();
+    if forward {
+        (answers.invert, answers.done.directed) = (Some(answers.invert == Some(true)), true);
+        course.answers = answers;
+        course.keep()?;
+        return rewrite(course);
+    }
+    answers.invert = Some(answers.invert != Some(true));
+    course.take(answers)?;
+    rewrite(course)
+}
+
+/// Notes what was seen.
+fn seen(course: &mut Course, note: impl Fn(&mut Answers)) -> Result<(), Failure> {
+    note(&mut course.answers);
+    course.keep()
+}

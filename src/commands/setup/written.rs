@@ -1,0 +1,150 @@
+//! The summary of the answers, and the pump file that they make.
+
+use pump_bench::pump_file::{DriverName, OutletEnd, PumpFile, Reservoir};
+use pump_bench::setup::Answers;
+
+use super::asker::{Asked, Question, Stop, Usual};
+use super::course::{Course, head_in_words, heading, tell_person};
+use super::{board, head, motor, place};
+use crate::failure::Failure;
+
+/// Words that change a part of the answers.
+const PARTS: &str = "head, motor, board, place or rate";
+
+/// Answer to the question whether the answers are right.
+enum Verdict {
+    Right,
+    Forget(fn(&mut Answers)),
+}
+
+/// Asks every question that has no answer yet, and writes the pump file once the answers are right.
+pub(super) fn write(course: &mut Course) -> Asked<()> {
+    loop {
+        head::ask(course)?;
+        motor::ask(course)?;
+        board::ask(course)?;
+        place::ask(course)?;
+        course.answers.check()?;
+        let (file, text) = course.pump_file()?;
+        if is_written(course, &text) {
+            return Ok(());
+        }
+        heading(&format!("The pump `{}`", course.answers.name));
+        summary(course, &file)?.iter().for_each(|line| tell_person(line));
+        let question = Question {
+            text: "Is this right? Enter writes the pump file; the word of a line changes it",
+            option: "--yes",
+            usual: Some(Usual::new("yes")),
+            help: "the word of a line asks that part again: head, motor, board, place or rate",
+        };
+        match course.asker.ask(&question, verdict)? {
+            Verdict::Right => return put(course, &text),
+            Verdict::Forget(forget) => {
+                let mut answers = course.answers.clone();
+                forget(&mut answers);
+                course.take(answers)?;
+            }
+        }
+    }
+}
+
+/// Writes the file anew after an answer changed, without a question.
+pub(super) fn rewrite(course: &mut Course) -> Asked<()> {
+    let (_, text) = course.pump_file()?;
+    put(course, &text)
+}
+
+/// True if the file on the disk is the one of these answers.
+fn is_written(course: &Course, text: &str) -> bool {
+    let path = course.folder.pump_file(&course.answers.name);
+    course.answers.done.written.is_some() && std::fs::read_to_string(path).is_ok_and(|found| found == text)
+}
+
+fn put(course: &mut Course, text: &str) -> Result<(), Stop> {
+    let is_new = !is_written(course, text);
+    let path = course.folder.write_pump(&mut course.answers, text)?;
+    if is_new {
+        tell_person(&format!("  {} is written", path.display()));
+    }
+    Ok(())
+}
+
+fn verdict(answer: &str) -> Result<Verdict, String> {
+    Ok(match answer {
+        "y" | "yes" => Verdict::Right,
+        "head" | "rollers" => Verdict::Forget(|answers| {
+            (answers.head, answers.rollers, answers.tube_bore_mm) = (None, None, None);
+        }),
+        "motor" => Verdict::Forget(|answers| {
+            (answers.steps_per_rev, answers.full_steps, answers.microsteps, answers.gear) =
+                (None, None, None, None);
+        }),
+        "board" => Verdict::Forget(|answers| {
+            (answers.driver, answers.port, answers.axis, answers.configure) = (None, None, None, None);
+        }),
+        "place" => Verdict::Forget(|answers| {
+            (answers.altitude_m, answers.ambient_kpa) = (None, None);
+            (answers.suction_lift_mm, answers.discharge_lift_mm) = (None, None);
+            (answers.outlet_end, answers.nozzle_bore_mm) = (None, None);
+        }),
+        "rate" => Verdict::Forget(|answers| answers.rate_ml_s = None),
+        other => return Err(format!("`{other}` is none of yes, {PARTS}")),
+    })
+}
+
+/// The answers, a line for each part.
+fn summary(course: &Course, file: &PumpFile) -> Result<Vec<String>, Failure> {
+    let answers = &course.answers;
+    let model = file.model().map_err(Failure::of)?;
+    let mut lines = Vec::new();
+    let mut line = |name: &str, words: &str| lines.push(format!("  {name:<8}{words}"));
+    let head = answers.head.as_ref().map(head_in_words).unwrap_or_default();
+    let known = if head.contains("per revolution") {
+        String::new()
+    } else {
+        format!(", {} mL per revolution", rounded(model.revolution_ml()))
+    };
+    line("head", &format!("{head}{known}, {} rollers", file.rollers.count));
+    let steps = answers.motor().map_or_else(
+        || {
+            format!(
+                "{} steps per revolution of the motor, gear {}",
+                file.motor.steps_per_rev, file.motor.gear
+            )
+        },
+        |motor| motor.to_string(),
+    );
+    line("motor", &steps);
+    let board = match &file.drive {
+        Some(drive) if drive.driver == DriverName::Grbl => {
+            let port =
+                drive.port.as_ref().map_or_else(|| "no port".to_owned(), |port| port.display().to_string());
+            format!("grbl at {port}, axis {}", drive.axis)
+        }
+        _ => "sim: no motor moves".to_owned(),
+    };
+    line("board", &board);
+    let lift = |reservoir: Reservoir, what: &str| match reservoir {
+        Reservoir::Lift(mm) if mm == 0.0 => String::new(),
+        Reservoir::Lift(mm) => format!(", {what} {} m", rounded(1e-3 * mm)),
+        Reservoir::Pressure(kpa) => format!(", {what} by {kpa} kPa"),
+    };
+    let (inlet, outlet) = (file.inlet.reservoir, file.outlet.line.reservoir);
+    let lifts = format!("{}{}", lift(inlet, "sucks up"), lift(outlet, "lifts"));
+    let end = match (file.outlet.end, file.outlet.nozzle_bore_mm) {
+        (Some(OutletEnd::Immersed), _) => ", outlet immersed".to_owned(),
+        (_, Some(mm)) => format!(", outlet of {mm} mm in air"),
+        (_, None) => ", outlet in air".to_owned(),
+    };
+    line("place", &format!("air of {:.1} kPa{lifts}{end}", file.ambient.pressure_kpa));
+    let rate_ml_s = file.pump.default_rate_ml_s;
+    let speed_rpm = 60.0 * rate_ml_s / model.revolution_ml();
+    line("rate", &format!("{rate_ml_s} mL/s, {speed_rpm:.1} r/min of the head"));
+    Ok(lines)
+}
+
+/// A number with four digits at most.
+pub(super) fn rounded(value: f64) -> String {
+    let digits = format!("{value:.3e}").parse::<f64>().unwrap_or(value);
+    format!("{digits}")
+}

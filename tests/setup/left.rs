@@ -1,0 +1,160 @@
+//! Somebody who leaves at every question, and comes back.
+
+use std::process::Command;
+use std::sync::atomic::Ordering;
+use std::thread;
+use std::time::Duration;
+
+use crate::person::{Desk, by_part};
+use crate::truth::TruePump;
+
+/// Answers to everything on a simulated motor.
+const ANSWERS: [(&str, &str); 8] = [
+    ("Name", "acid"),
+    ("Head:", "0.5mL"),
+    ("Rollers", "4"),
+    ("Microsteps", "16"),
+    ("Driver", "sim"),
+    ("Altitude", "500m"),
+    ("Volume of the dose", "5mL"),
+    ("Reading", "4.93g"),
+];
+
+#[test]
+fn answers_survive_that_the_person_leaves_at_every_question() {
+    let desk = Desk::new();
+    let mut answered: Vec<String> = Vec::new();
+    for call in 0..40 {
+        // Each time one question more is answered, and then the input ends.
+        let mut count = 0;
+        let mut react = by_part(&ANSWERS);
+        let ended = desk.answers(&["setup", "acid"], &mut |question| {
+            count += 1;
+            if count == 1 { react(question) } else { None }
+        });
+        if ended.code == 0 {
+            assert!(call > 10, "{call} calls: {}", ended.err);
+            assert!(ended.out.contains("a dose of 5 mL lies between"), "{}", ended.out);
+            assert_eq!(desk.configured("setup/acid.toml").unwrap().matches("weighed = 1").count(), 1);
+            return;
+        }
+        assert!(ended.err.contains("; say --") || ended.err.contains("say a name"), "{}", ended.err);
+        assert!(ended.err.contains("`dose setup acid` goes on"), "{}", ended.err);
+        assert!(!ended.err.contains("panicked"), "{}", ended.err);
+        // What decides the pump file is asked once.
+        let first = ended.asked[0].clone();
+        assert!(!answered.contains(&first) || is_repeated(&first), "{first} again: {answered:?}");
+        answered.push(first);
+    }
+    panic!("no end: {answered:?}");
+}
+
+/// True for a question whose answer is no fact: it is asked whenever the run comes to it.
+fn is_repeated(question: &str) -> bool {
+    ["Is this right", "Is the line full", "Put a vessel"].iter().any(|start| question.starts_with(start))
+}
+
+#[test]
+fn quit_leaves_without_an_error_and_continue_finds_the_run_that_was_left() {
+    let desk = Desk::new();
+    let mut react = by_part(&ANSWERS);
+    let left = desk.answers(&["setup", "acid"], &mut |question| {
+        if question.starts_with("Driver") { Some("quit".to_owned()) } else { react(question) }
+    });
+    assert_eq!(left.code, 0, "{}", left.err);
+    assert!(left.err.contains("The answers are on record; `dose setup acid` goes on"), "{}", left.err);
+    assert_eq!(desk.configured("pumps/acid.toml"), None);
+    let ended = desk.answers(&["setup", "--continue"], &mut by_part(&ANSWERS));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(!ended.err.contains("Rollers, counted"), "{}", ended.err);
+    let none = desk.types(&["setup", "--continue"]);
+    assert!(none.code == 2 && none.err.contains("nothing to go on with"), "{}", none.err);
+}
+
+#[test]
+fn a_second_weighing_joins_the_first() {
+    let desk = Desk::new();
+    assert_eq!(desk.answers(&["setup", "acid"], &mut by_part(&ANSWERS)).code, 0);
+    let again = desk.answers(&["setup", "acid"], &mut by_part(&ANSWERS));
+    assert_eq!(again.code, 0, "{}", again.err);
+    assert!(again.err.contains("This pump is set up. Weigh one more dose?"), "{}", again.err);
+    assert!(again.out.contains("2 runs at"), "{}", again.out);
+}
+
+/// Makes the course on a board, and sends `signal` to the command while the weighed dose runs. Returns the exit code.
+fn stopped_in_the_dose(desk: &Desk, pump: &TruePump, signal: &str) -> i32 {
+    let port = pump.port();
+    let words = [
+        "setup",
+        "acid",
+        "--ml-per-rev",
+        "0.5mL",
+        "--rollers",
+        "4",
+        "--microsteps",
+        "16",
+        "--driver",
+        "grbl",
+        "--port",
+        &port,
+        "--axis",
+        "X",
+        "--altitude",
+        "500m",
+        "--prime",
+        "0",
+        "--volume",
+        "10mL",
+        "--turned",
+        "1",
+        "--direction",
+        "forward",
+    ];
+    thread::scope(|scope| {
+        let ended = desk.answers(&words, &mut |question| {
+            if question.starts_with("Put a vessel") {
+                // The dose is 64000 steps long.
+                let from = pump.board.rest().steps;
+                scope.spawn(move || {
+                    while pump.board.truth().steps - from < 8000 {
+                        thread::sleep(Duration::from_millis(2));
+                    }
+                    let process = desk.process.load(Ordering::SeqCst).to_string();
+                    assert!(Command::new("kill").args([signal, &process]).status().unwrap().success());
+                });
+            }
+            Some(if question.starts_with("May the motor") { "yes".to_owned() } else { String::new() })
+        });
+        ended.code
+    })
+}
+
+#[test]
+fn a_dose_that_was_stopped_or_cut_off_is_on_record_and_made_again() {
+    for (signal, code) in [("-INT", 130), ("-KILL", -1)] {
+        let desk = Desk::new();
+        let mut pump = TruePump::left_alone(0.54, 3200.0, (0.3, 60.0), 0.9);
+        assert_eq!(stopped_in_the_dose(&desk, &pump, signal), code, "{signal}");
+        let steps = pump.board.rest().steps;
+        assert!((8000..60_000).contains(&(steps - 3200)), "{signal}: {steps}");
+        let journal = desk.journal("acid", "grbl").unwrap();
+        let ended = desk.answers(&["setup", "acid"], &mut |question| {
+            Some(match question {
+                q if q.starts_with("Put a vessel") => {
+                    pump.tare();
+                    String::new()
+                }
+                q if q.starts_with("Reading") => pump.reading(),
+                _ => String::new(),
+            })
+        });
+        assert_eq!(ended.code, 0, "{signal}: {}", ended.err);
+        assert!(ended.asked[0].starts_with("A motion of this pump was stopped"), "{:?}", ended.asked);
+        assert!(!ended.err.contains("One revolution"), "{}", ended.err);
+        let after = desk.journal("acid", "grbl").unwrap();
+        assert!(after.starts_with(&journal) && after.len() > journal.len(), "the record goes on");
+        // The dose that was weighed is the whole one.
+        assert!((pump.turns() - 20.0).abs() < 1e-9, "{signal}: {}", pump.turns());
+        assert!(ended.out.contains("1 run at"), "{}", ended.out);
+    }
+}

@@ -1,0 +1,18 @@
+//! `dose setup`, as somebody who has never seen it uses it: on a simulated board with another pump behind it, by
+//! answers, by options, left and continued.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![cfg(unix)]
+
+mod contradictions;
+mod course;
+mod left;
+mod options;
+mod page;
+mod person;
+mod ports;
+mod second;
+#[allow(dead_code, reason = "the board of other tests, with more to look at")]
+#[path = "../../examples/simulated_grbl/simulated/mod.rs"]
+mod simulated;
+mod truth;

@@ -1,0 +1,39 @@
+//! Ports that are found by asking them.
+
+use std::fs;
+use std::os::unix::fs::symlink;
+
+use pump_bench::drives::{DriveError, Grbl, Opening, StopRequest, ask_ports, serial_ports};
+use pump_bench::pump_file::{DriveTable, DriverName};
+
+use crate::simulated::Simulated;
+use crate::simulated::options::Options;
+
+#[test]
+fn each_port_is_asked_and_nothing_moves() {
+    let board = Simulated::start(Options::default()).unwrap();
+    let held = Simulated::start(Options::default()).unwrap();
+    let dev = tempfile::tempdir().unwrap();
+    fs::create_dir_all(dev.path().join("serial/by-id")).unwrap();
+    symlink(board.path(), dev.path().join("ttyUSB0")).unwrap();
+    symlink(board.path(), dev.path().join("serial/by-id/usb-arduino")).unwrap();
+    symlink(held.path(), dev.path().join("ttyACM3")).unwrap();
+    symlink("/dev/null", dev.path().join("ttyUSB7")).unwrap();
+    fs::write(dev.path().join("sda"), "").unwrap();
+    let ports = serial_ports(dev.path());
+    // A board has one name, and it is the one that stays.
+    let names: Vec<_> = ports.iter().map(|port| port.file_name().unwrap().to_str().unwrap()).collect();
+    assert_eq!(names, ["usb-arduino", "ttyACM3", "ttyUSB7"]);
+    let table = DriveTable::of(DriverName::Grbl).with_port(held.path());
+    let motor = pump_bench::built_in("three-roller").unwrap().motor;
+    let holding = Grbl::open(&table, &motor, &Opening::default()).unwrap();
+    let answers = ask_ports(&ports, &StopRequest::new(|| false));
+    assert_eq!(answers[0].1.as_ref().unwrap(), "Idle");
+    assert!(matches!(answers[1].1, Err(DriveError::Busy { .. })), "{:?}", answers[1]);
+    assert!(answers[2].1.is_err());
+    drop(holding);
+    for board in [board, held] {
+        let truth = board.rest();
+        assert_eq!((truth.steps, truth.starts), (0, 0));
+    }
+}
