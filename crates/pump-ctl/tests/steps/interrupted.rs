@@ -137,6 +137,7 @@ proptest! {
             add: 0,
             frac: 0,
         };
+        stepper.set_end(junction.position + i64::from(segment.count)).unwrap();
         stepper.push(segment, case.tick_rate).unwrap();
         stepper.finish();
         let (rest, end) = run(&mut stepper, due);

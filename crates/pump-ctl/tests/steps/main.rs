@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod brakes;
+mod ends;
 mod executed;
 mod interrupted;
 mod refused;
