@@ -145,6 +145,10 @@ impl<const Q: usize> Stepper<Q> {
     pub fn finish(&mut self) {
         if self.takes_segments().is_ok() {
             self.finished = self.is_moving() || !self.queue.is_empty();
+            if self.finished {
+                // A new plan may lead farther only when its end is told.
+                self.end = self.end.map(|_| self.queued_to);
+            }
         }
     }
 

@@ -7,6 +7,7 @@ mod ends;
 mod executed;
 mod interrupted;
 mod refused;
+mod sequences;
 mod times;
 
 use proptest::prelude::*;
