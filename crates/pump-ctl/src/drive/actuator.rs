@@ -6,6 +6,7 @@ use crate::step::{Action, Stepper, StopPlan};
 
 /// The treatment of the motor when its back end fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum OnFault {
     /// The motor stays energised. It holds its angle and the line's pressure.
@@ -18,6 +19,7 @@ pub enum OnFault {
 ///
 /// The enum is exhaustive on purpose: a timer that misses a task loses steps, so a new one is a breaking change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use]
 pub enum Timer {

@@ -7,6 +7,7 @@ use super::ticks::Ticks;
 
 /// The point at which a new plan takes over from the old one, just after the step at `at`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Junction {
     /// Position after the junction's step, signed steps.

@@ -9,6 +9,7 @@ use super::ticks::Ticks;
 
 /// The end of a stop, known when the stop begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StopPlan {
     /// Time at which the last step is due, ticks. It is the start of the move if no step is made.
