@@ -285,6 +285,16 @@ impl<const Q: usize> Stepper<Q> {
         if self.queue.is_empty() {
             self.run_dry();
         }
+        if matches!(self.state, StepperState::Braking { .. }) {
+            self.walk_down();
+        }
+        self.take();
+    }
+
+    /// Goes on with the next segment of the way to rest, or stands.
+    #[cold]
+    #[inline(never)]
+    fn walk_down(&mut self) {
         if let StepperState::Braking { way, starved } = &mut self.state {
             if let Some(mut segment) = way.next_down(&self.brake) {
                 segment.count *= i32::from(self.direction.sign());
@@ -293,10 +303,11 @@ impl<const Q: usize> Stepper<Q> {
                 self.state = if *starved { StepperState::Starved } else { StepperState::Stopped };
             }
         }
-        self.take();
     }
 
     /// Ends the move where the queue does, or finds the way to rest from there.
+    #[cold]
+    #[inline(never)]
     fn run_dry(&mut self) {
         let starved = match self.state {
             StepperState::Moving => !self.is_whole(),
