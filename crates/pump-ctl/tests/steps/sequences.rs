@@ -370,13 +370,13 @@ impl<'a, const Q: usize> Sequence<'a, Q> {
             }
             let started = self.stepper.start(self.last_due + self.random.below(1000)).is_ok();
             assert_eq!(started, self.promise.is_none());
-            self.to_the_end();
+            self.until_it_stands();
             assert!(self.stepper.clear());
         }
     }
 
     /// Does anything until the motor stands.
-    fn to_the_end(&mut self) {
+    fn until_it_stands(&mut self) {
         let starves = self.random.one_in(3);
         let mut made_before_stop = self.made;
         loop {
