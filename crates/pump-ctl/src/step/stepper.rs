@@ -37,19 +37,18 @@ use super::ticks::Ticks;
 /// assert_eq!(stepper.position(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+// The fields of every step come first: an instruction reaches only the first 4 kB behind a pointer.
 #[derive(Debug, Clone)]
+#[repr(C)]
 pub struct Stepper<const Q: usize> {
-    pub(super) brake: Brake,
-    pub(super) queue: Queue<Q>,
-    pub(super) state: StepperState,
-    /// Position: the steps made, signed.
-    pub(super) position: i64,
     /// Time at which the next step is due. While the motor stands, it is the time of the last step.
     pub(super) next: Ticks,
     /// Interval from the last step to the next.
     pub(super) interval: Ticks,
     /// Change of the interval from step to step, 2^-32 tick.
     pub(super) add: i64,
+    /// Position: the steps made, signed.
+    pub(super) position: i64,
     /// Steps left of the segment, the step due included. It is 0 while the motor stands.
     pub(super) left: u32,
     pub(super) direction: Direction,
@@ -58,10 +57,13 @@ pub struct Stepper<const Q: usize> {
     pub(super) last_direction: Option<Direction>,
     /// True if no segment will follow the queued segments.
     pub(super) finished: bool,
+    pub(super) state: StepperState,
     /// Position after the queued segments of the plan.
     pub(super) queued_to: i64,
     /// Position at which the plan comes to rest, if it was told.
     pub(super) end: Option<i64>,
+    pub(super) brake: Brake,
+    pub(super) queue: Queue<Q>,
 }
 
 impl<const Q: usize> Stepper<Q> {
