@@ -125,8 +125,9 @@ embedded:
 	cd examples/firmware && cargo fmt --check
 	cd examples/firmware && cargo clippy --locked --release --target-dir ../../target -- -D warnings
 	cd examples/firmware && cargo build --locked --release --target-dir ../../target
+	cd examples/firmware && timeout 60 cargo run --locked --release --target-dir ../../target --bin by_interrupt
 	cd examples/firmware && timeout 300 cargo run --locked --release --target-dir ../../target >../../target/firmware.txt
-	cargo run --locked --example check_firmware target/firmware.txt
+	cargo run --locked -p check-firmware target/firmware.txt
 
 docs:
 	cargo doc --locked --workspace --no-deps --open

@@ -1,7 +1,7 @@
 //! Doses on the host as the firmware does, with the same crates, and compares: every bit of the plan, every
 //! deadline, every time at which the step pin rose.
 //!
-//! `cargo run --example check_firmware target/firmware.txt`
+//! `cargo run -p check-firmware target/firmware.txt`
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program says what it found")]
 

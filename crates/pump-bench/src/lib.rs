@@ -18,6 +18,44 @@
 //! assert!((report.expanded_uncertainty_ml - 1.38).abs() < 0.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! # In a service
+//!
+//! A service gives each pump a thread. A [`Bench`] is `Send` and `Sync`. A [`Session`] is `Send`, and it borrows its
+//! bench: move the bench into the thread and open the session there. Orders and answers go through channels. Errors
+//! are `Send` and `Sync`, and their texts name no command. A dose stops when the closure that is given to
+//! [`Session::run`] returns `Break`, as another thread may have asked for.
+//!
+//! ```
+//! use std::ops::ControlFlow;
+//! use std::sync::mpsc::channel;
+//! use std::thread;
+//!
+//! use pump_bench::{Bench, DoseError, DoseRequest, built_in};
+//!
+//! let state = tempfile::tempdir()?;
+//! let bench = Bench::new(built_in("three-roller").unwrap(), None, state.path())?;
+//! let (orders, received) = channel::<DoseRequest>();
+//! let (answers, delivered) = channel();
+//! let pump = thread::spawn(move || -> Result<(), DoseError> {
+//!     let mut session = bench.session()?;
+//!     for request in received {
+//!         let prepared = session.prepare(request)?;
+//!         let dose = session.run(&prepared, |_steps| ControlFlow::Continue(()))?;
+//!         if answers.send(dose.volume_ml).is_err() {
+//!             break;
+//!         }
+//!     }
+//!     Ok(())
+//! });
+//! orders.send(DoseRequest::dose(5.0))?;
+//! orders.send(DoseRequest::dose(2.0))?;
+//! drop(orders);
+//! let volumes_ml: Vec<f64> = delivered.iter().collect();
+//! pump.join().expect("the thread does not panic")?;
+//! assert!((volumes_ml[0] - 5.0).abs() < 0.002 && (volumes_ml[1] - 2.0).abs() < 0.002);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod balance;
 mod bench;

@@ -202,6 +202,11 @@ impl Machine {
         Some(Junction { at: junction.at - self.started, ..junction })
     }
 
+    /// Says where the plan ends, which no step goes beyond.
+    pub fn set_end(&mut self, end: i64) {
+        self.actuator.stepper().set_end(end).expect("the motor is not stopping");
+    }
+
     pub fn push(&mut self, segment: Segment) {
         self.actuator
             .stepper()

@@ -75,6 +75,7 @@ pub fn changed(out: &mut impl Write, plan: &Plan) -> Result {
     });
     let (taken_over, cost) = with(|machine| counting(|| machine.retarget(junction.at)));
     assert!(taken_over == Some(junction), "planning took longer than the motor could wait");
+    with(|machine| machine.set_end(junction.position + changed.steps()));
     for segment in segments.into_iter().take(count) {
         with(|machine| machine.push(segment));
     }

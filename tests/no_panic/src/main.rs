@@ -312,7 +312,8 @@ fn moves(motor: Motor, mut feed: Feed<impl Iterator<Item = Segment>>) -> Result<
         }
     }
     let mut stepper = Stepper::<8>::new(brake);
-    black_box((feed.peek().copied(), feed.next()));
+    black_box((feed.peek().copied(), feed.next(), feed.steps()));
+    black_box((stepper.set_end(black_box(1)).is_ok(), stepper.end()));
     black_box(stepper.push(any_segment(), stepper.tick_rate()).is_ok());
     black_box((stepper.set_position(black_box(1)), stepper.clear()));
 
@@ -330,11 +331,13 @@ fn moves(motor: Motor, mut feed: Feed<impl Iterator<Item = Segment>>) -> Result<
         if black_box(false) {
             stepper.halt(black_box(true));
             stepper.finish();
+            black_box(stepper.set_end(black_box(1)).is_ok());
         }
         if black_box(false) {
             black_box(actuator.stop(black_box(1)));
         }
     }
+    let mut feed = feed.with_steps(black_box(1));
     black_box(actuator.run(&mut &mut Any, &mut feed, || black_box(false)).is_ok());
     black_box(actuator.disable().is_ok());
     let (mut pins, mut stepper) = actuator.release();

@@ -6,6 +6,7 @@ use crate::step::{Action, Stepper, StopPlan};
 
 /// The treatment of the motor when its back end fails.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum OnFault {
     /// The motor stays energised. It holds its angle and the line's pressure.
@@ -18,6 +19,7 @@ pub enum OnFault {
 ///
 /// The enum is exhaustive on purpose: a timer that misses a task loses steps, so a new one is a breaking change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use]
 pub enum Timer {
@@ -63,18 +65,20 @@ pub enum Timer {
 /// assert_eq!((axis.made, stepper.position(), due), (5, 5, 10_000));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+// The executor comes last, because its queue is long, and an instruction reaches only the first 4 kB behind a pointer.
 #[derive(Debug)]
+#[repr(C)]
 pub struct Actuator<M, const Q: usize> {
-    motor: M,
-    stepper: Stepper<Q>,
-    on_fault: OnFault,
-    pub(super) enabled: bool,
     /// Delay of the late call that made the motor stop, ticks.
     late_ticks: Option<u64>,
-    /// Last state of the index sensor, if the sensor is read after every step.
-    watching: Option<bool>,
     /// Position at which the index sensor last became active.
     index_at: Option<i64>,
+    /// Last state of the index sensor, if the sensor is read after every step.
+    watching: Option<bool>,
+    pub(super) enabled: bool,
+    on_fault: OnFault,
+    motor: M,
+    stepper: Stepper<Q>,
 }
 
 impl<M: StepMotor, const Q: usize> Actuator<M, Q> {

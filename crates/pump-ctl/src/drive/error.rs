@@ -6,6 +6,7 @@ use crate::step::{PushError, StartError};
 
 /// A move that ended early, or did not begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Fault<E> {

@@ -68,8 +68,12 @@ impl Segments {
     }
 
     /// Returns the segments as a feed for the executor, which keeps their tick rate.
+    ///
+    /// The feed knows how many steps are to come, so the executor never goes beyond the plan.
     pub fn feed(self) -> Feed<Self> {
-        Feed::new(self.tick_rate, self)
+        let steps = i64::try_from(self.steps.saturating_sub(self.made)).unwrap_or(i64::MAX);
+        let steps = i64::from(self.direction.sign()) * steps;
+        Feed::new(self.tick_rate, self).with_steps(steps)
     }
 
     /// Counts the steps of the segments not yet taken that are due by tick `since_start`. Ticks count from a

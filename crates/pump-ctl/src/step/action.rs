@@ -6,6 +6,7 @@ use super::direction::Direction;
 ///
 /// The enum is exhaustive on purpose: an interrupt must handle every action, so a new one is a breaking change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[must_use]
 pub enum Action {

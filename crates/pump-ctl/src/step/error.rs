@@ -1,55 +1,13 @@
 //! Refusals of the executor.
 
-use pump_model::Allowed;
 use thiserror::Error;
-
-use crate::parameter::Parameter;
 
 use super::segment::Segment;
 use super::tick_rate::TickRate;
 
-/// The refusal of a brake. A motor without a brake would stop dead from full speed.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum BrakeError {
-    /// There is no segment.
-    #[error("a brake of no segments would stop a motor dead; give it at least one that speeds up from rest")]
-    Empty,
-    /// There are more segments than a brake has entries.
-    #[error("a brake has at most {} segments; join some of them", super::BRAKE_ENTRIES)]
-    TooMany,
-    /// A segment does not speed up, or cannot be made.
-    #[error(
-        "segment {number} of the brake is {segment:?}; allowed: segments that go forward and never slow down, \
-         with intervals of 1 to 2^48 ticks"
-    )]
-    Segment {
-        /// Number of the segment, 1 for the first.
-        number: usize,
-        /// Segment as it was given.
-        segment: Segment,
-    },
-    /// A value of the motor is out of range.
-    #[error("{parameter} is {value}; allowed: {allowed}")]
-    OutOfRange {
-        /// Name of the value.
-        parameter: Parameter,
-        /// Value as it was given.
-        value: f64,
-        /// Range that is allowed.
-        allowed: Allowed,
-    },
-    /// The motor's first steps come less than a tick apart.
-    #[error("the motor's first step from rest takes less than a tick at {tick_rate}; use a faster timer")]
-    SlowTimer {
-        /// Rate of the timer.
-        tick_rate: TickRate,
-    },
-}
-
 /// The refusal of a segment. The executor is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum PushError {
@@ -72,6 +30,17 @@ pub enum PushError {
         /// Rate of the timer that the brake is made for.
         brake: TickRate,
     },
+    /// The segment leads away from the end of the plan or beyond it.
+    #[error(
+        "the segment leads to position {reaches}, and the plan ends at {end}; push segments up to the end, or \
+         tell another end with set_end() first"
+    )]
+    Beyond {
+        /// Position at which the plan comes to rest, signed steps.
+        end: i64,
+        /// Position after the segment, signed steps.
+        reaches: i64,
+    },
     /// The move was marked as complete by `finish`.
     #[error(
         "the move is complete, so no segment can be added after finish(); retarget the move, or wait for its \
@@ -87,6 +56,7 @@ pub enum PushError {
 
 /// The refusal to start a move. The executor is unchanged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum StartError {

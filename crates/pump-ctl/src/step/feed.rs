@@ -27,12 +27,28 @@ use super::tick_rate::TickRate;
 pub struct Feed<I: Iterator<Item = Segment>> {
     tick_rate: TickRate,
     segments: Peekable<I>,
+    /// Steps of the segments still to come, signed, if they are known.
+    steps: Option<i64>,
 }
 
 impl<I: Iterator<Item = Segment>> Feed<I> {
     /// Makes a feed of segments that are made for a timer of this rate.
     pub fn new(tick_rate: TickRate, segments: impl IntoIterator<IntoIter = I>) -> Self {
-        Self { tick_rate, segments: segments.into_iter().peekable() }
+        Self { tick_rate, segments: segments.into_iter().peekable(), steps: None }
+    }
+
+    /// Returns the feed of segments that make `steps` in all, signed and in one direction.
+    ///
+    /// [`super::Stepper::fill`] tells the executor from them where the plan ends. A feed that several plans are
+    /// joined in has no such number: each plan ends for itself.
+    #[must_use]
+    pub fn with_steps(self, steps: i64) -> Self {
+        Self { steps: Some(steps), ..self }
+    }
+
+    /// Returns the steps of the segments still to come, signed, if they are known.
+    pub fn steps(&self) -> Option<i64> {
+        self.steps
     }
 
     /// Returns the rate of the timer that the segments are made for.
@@ -50,6 +66,8 @@ impl<I: Iterator<Item = Segment>> Iterator for Feed<I> {
     type Item = Segment;
 
     fn next(&mut self) -> Option<Segment> {
-        self.segments.next()
+        let segment = self.segments.next()?;
+        self.steps = self.steps.map(|steps| steps.saturating_sub(i64::from(segment.count)));
+        Some(segment)
     }
 }

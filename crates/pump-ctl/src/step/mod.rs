@@ -28,8 +28,9 @@
 //! ```
 
 mod action;
-mod brake;
+mod braking;
 mod direction;
+mod end;
 mod error;
 mod feed;
 mod position;
@@ -43,9 +44,9 @@ mod tick_rate;
 mod ticks;
 
 pub use action::Action;
-pub use brake::{BRAKE_ENTRIES, Brake};
+pub use braking::{BRAKE_ENTRIES, Brake, BrakeError};
 pub use direction::Direction;
-pub use error::{BrakeError, PushError, StartError};
+pub use error::{PushError, StartError};
 pub use feed::Feed;
 pub use retarget::Junction;
 pub use segment::{Intervals, Segment};

@@ -26,15 +26,17 @@ impl Slot {
 }
 
 /// A ring of `Q` segments. A segment that is done stays until its place is needed.
+// The slots come last, for the reason that is given at [`super::Stepper`].
 #[derive(Debug, Clone)]
+#[repr(C)]
 pub(super) struct Queue<const Q: usize> {
-    slots: [Slot; Q],
     /// Place of the oldest segment.
     oldest: usize,
     /// Number of segments taken, the segment under way included.
     taken: usize,
     /// Number of segments to come.
     pending: usize,
+    slots: [Slot; Q],
 }
 
 impl<const Q: usize> Queue<Q> {

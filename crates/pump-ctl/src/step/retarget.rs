@@ -7,6 +7,7 @@ use super::ticks::Ticks;
 
 /// The point at which a new plan takes over from the old one, just after the step at `at`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Junction {
     /// Position after the junction's step, signed steps.
@@ -26,7 +27,7 @@ impl<const Q: usize> Stepper<Q> {
     pub fn junction(&self, not_before: u64) -> Option<Junction> {
         let (passed, slot, k) = self.first_step_from(not_before)?;
         let ends = passed == self.queue.len() && k == slot.segment.steps();
-        (!(ends && self.finished)).then(|| Junction {
+        (!(ends && self.is_whole())).then(|| Junction {
             position: slot.position_after(k),
             at: slot.due(k).whole,
             interval: Ticks::of_fixed(slot.segment.interval_of(k)).whole,
@@ -35,8 +36,9 @@ impl<const Q: usize> Stepper<Q> {
 
     /// Drops the steps after the [`Self::junction`] for `not_before`, and returns that junction.
     ///
-    /// Push the new plan's segments, and none of the old plan, before the junction comes. Then call
-    /// [`Self::finish`]. Otherwise the motor decelerates and stands ([`super::Action::Starved`]).
+    /// Tell the new plan's end with [`Self::set_end`]. Until then the end of the old plan holds, if it was told.
+    /// [`Self::fill`] does so by itself. Push the new plan's segments, and none of the old plan, before the junction
+    /// comes. Then call [`Self::finish`]. Otherwise the motor decelerates and stands ([`super::Action::Starved`]).
     ///
     /// Plan first, from [`Self::junction`]. When there is a new plan, drop the old plan at the junction's
     /// `at`. The result is `None`, and nothing changes, if there is no junction then.
@@ -50,6 +52,7 @@ impl<const Q: usize> Stepper<Q> {
             self.left = k - made;
         }
         self.finished = false;
+        self.queued_to = junction.position;
         Some(junction)
     }
 

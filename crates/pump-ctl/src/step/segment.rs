@@ -104,12 +104,12 @@ impl Segment {
 
     /// Returns the first interval.
     #[inline]
-    pub(super) fn first(&self) -> Ticks {
+    pub(in crate::step) fn first(&self) -> Ticks {
         Ticks { whole: self.interval, frac: self.frac }
     }
 
     /// Returns the interval before step `k` (from 1), 2^-32 tick.
-    pub(super) fn interval_of(&self, k: u32) -> i128 {
+    pub(in crate::step) fn interval_of(&self, k: u32) -> i128 {
         self.first().fixed() + i128::from(self.add) * (i128::from(k) - 1)
     }
 
@@ -146,7 +146,7 @@ pub struct Intervals<'a> {
 }
 
 impl<'a> Intervals<'a> {
-    pub(super) fn new(segment: &Segment, carry: &'a mut u32) -> Self {
+    pub(in crate::step) fn new(segment: &Segment, carry: &'a mut u32) -> Self {
         Self { interval: segment.first(), add: segment.add, left: segment.steps(), carry }
     }
 }

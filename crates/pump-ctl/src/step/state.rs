@@ -1,6 +1,6 @@
 //! The state of the executor.
 
-use super::brake::Descent;
+use super::braking::WayDown;
 
 /// The state of the executor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -9,14 +9,14 @@ pub(super) enum StepperState {
     Ready,
     /// The motor walks the queue.
     Moving,
-    /// The motor walks down the brake.
+    /// The motor walks down to rest.
     Braking {
         /// Remainder of the way down.
-        descent: Descent,
+        way: WayDown,
         /// True if the queue ran dry. False after a stop.
         starved: bool,
     },
-    /// The motor walks the queue to its end after a stop, then down the brake unless it rests there.
+    /// The motor walks the queue to its end after a stop, then down to rest unless it rests there.
     Ending {
         /// True if the queue ends at rest.
         rests: bool,

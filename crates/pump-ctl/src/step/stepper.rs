@@ -1,7 +1,7 @@
 //! The executor: the steps that are made when the timer fires.
 
 use super::action::Action;
-use super::brake::Brake;
+use super::braking::Brake;
 use super::direction::Direction;
 use super::error::{PushError, StartError};
 use super::feed::Feed;
@@ -37,19 +37,18 @@ use super::ticks::Ticks;
 /// assert_eq!(stepper.position(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+// The fields of every step come first: an instruction reaches only the first 4 kB behind a pointer.
 #[derive(Debug, Clone)]
+#[repr(C)]
 pub struct Stepper<const Q: usize> {
-    pub(super) brake: Brake,
-    pub(super) queue: Queue<Q>,
-    pub(super) state: StepperState,
-    /// Position: the steps made, signed.
-    pub(super) position: i64,
     /// Time at which the next step is due. While the motor stands, it is the time of the last step.
     pub(super) next: Ticks,
     /// Interval from the last step to the next.
     pub(super) interval: Ticks,
     /// Change of the interval from step to step, 2^-32 tick.
     pub(super) add: i64,
+    /// Position: the steps made, signed.
+    pub(super) position: i64,
     /// Steps left of the segment, the step due included. It is 0 while the motor stands.
     pub(super) left: u32,
     pub(super) direction: Direction,
@@ -58,6 +57,13 @@ pub struct Stepper<const Q: usize> {
     pub(super) last_direction: Option<Direction>,
     /// True if no segment will follow the queued segments.
     pub(super) finished: bool,
+    pub(super) state: StepperState,
+    /// Position after the queued segments of the plan.
+    pub(super) queued_to: i64,
+    /// Position at which the plan comes to rest, if it was told.
+    pub(super) end: Option<i64>,
+    pub(super) brake: Brake,
+    pub(super) queue: Queue<Q>,
 }
 
 impl<const Q: usize> Stepper<Q> {
@@ -75,6 +81,8 @@ impl<const Q: usize> Stepper<Q> {
             direction: Direction::Forward,
             last_direction: None,
             finished: false,
+            queued_to: 0,
+            end: None,
         }
     }
 
@@ -94,20 +102,22 @@ impl<const Q: usize> Stepper<Q> {
     /// # Errors
     ///
     /// Fails with [`PushError::Full`] if there is no room, and with [`PushError::Segment`] if the segment is
-    /// not valid. Fails with [`PushError::TickRate`] if `tick_rate` is not that of the brake, by which the
-    /// motor could not stop. After [`Self::finish`] it fails with [`PushError::Finished`], after a stop with
+    /// not valid. Fails with [`PushError::Beyond`] if it leads beyond the plan's end ([`Self::set_end`]) or away
+    /// from it. Fails with [`PushError::TickRate`] if `tick_rate` is not that of the brake, by which the motor
+    /// could not stop. After [`Self::finish`] it fails with [`PushError::Finished`], after a stop with
     /// [`PushError::Stopped`].
     pub fn push(&mut self, segment: Segment, tick_rate: TickRate) -> Result<(), PushError> {
-        match self.state {
-            StepperState::Ending { .. }
-            | StepperState::Braking { .. }
-            | StepperState::Stopped
-            | StepperState::Starved => {
-                return Err(PushError::Stopped);
-            }
-            StepperState::Ready | StepperState::Moving if self.finished => return Err(PushError::Finished),
-            StepperState::Ready | StepperState::Moving => {}
-        }
+        self.push_before(self.end, segment, tick_rate)
+    }
+
+    /// Queues a segment of a plan that comes to rest at `end`.
+    fn push_before(
+        &mut self,
+        end: Option<i64>,
+        segment: Segment,
+        tick_rate: TickRate,
+    ) -> Result<(), PushError> {
+        self.takes_segments()?;
         let brake = self.brake.tick_rate();
         if tick_rate != brake {
             return Err(PushError::TickRate { segments: tick_rate, brake });
@@ -115,21 +125,38 @@ impl<const Q: usize> Stepper<Q> {
         if !segment.is_valid() {
             return Err(PushError::Segment(segment));
         }
+        let reaches = self.queued_to.wrapping_add(i64::from(segment.count));
+        if let Some(end) = end {
+            let (way, count) = (end.wrapping_sub(self.queued_to), i64::from(segment.count));
+            if way.signum() != count.signum() || way.unsigned_abs() < count.unsigned_abs() {
+                return Err(PushError::Beyond { end, reaches });
+            }
+        }
         if self.room() == 0 {
             return Err(PushError::Full);
         }
         self.queue.push(segment);
+        self.queued_to = reaches;
+        self.end = end;
         Ok(())
     }
 
     /// Marks the move as complete with the segments queued so far. Without this call, a queue that runs out
-    /// is a fault ([`Action::Starved`]). At rest with nothing queued, the call does nothing.
+    /// is a fault ([`Action::Starved`]), unless it leads to the plan's end. At rest with nothing queued, and
+    /// after a stop, the call does nothing.
     pub fn finish(&mut self) {
-        self.finished = self.is_moving() || !self.queue.is_empty();
+        if self.takes_segments().is_ok() {
+            self.finished = self.is_moving() || !self.queue.is_empty();
+            if self.finished {
+                // A new plan may lead farther only when its end is told.
+                self.end = self.end.map(|_| self.queued_to);
+            }
+        }
     }
 
     /// Queues segments as far as there is room, and marks the move as complete when there are no more.
-    /// Returns true when all segments are queued.
+    /// Returns true when all segments are queued. The executor learns from the feed where the plan ends
+    /// ([`Feed::steps`]), and goes no farther.
     ///
     /// The call computes the segments itself. Each takes some 20,000 instructions where f64 is done in
     /// software. In a critical section, push segments that were computed before.
@@ -140,8 +167,9 @@ impl<const Q: usize> Stepper<Q> {
     /// `segments`.
     pub fn fill(&mut self, segments: &mut Feed<impl Iterator<Item = Segment>>) -> Result<bool, PushError> {
         let tick_rate = segments.tick_rate();
+        let end = segments.steps().map(|steps| self.queued_to.wrapping_add(steps)).or(self.end);
         while let Some(segment) = segments.peek() {
-            match self.push(*segment, tick_rate) {
+            match self.push_before(end, *segment, tick_rate) {
                 Ok(()) => segments.next(),
                 Err(PushError::Full) => return Ok(false),
                 Err(refused) => return Err(refused),
@@ -220,6 +248,8 @@ impl<const Q: usize> Stepper<Q> {
         }
         self.queue.keep_pending(0);
         self.finished = false;
+        self.queued_to = self.position;
+        self.end = None;
         self.state = StepperState::Ready;
         true
     }
@@ -232,6 +262,7 @@ impl<const Q: usize> Stepper<Q> {
         if cleared {
             self.queue.clear();
             self.position = position;
+            self.queued_to = position;
         }
         cleared
     }
@@ -254,32 +285,54 @@ impl<const Q: usize> Stepper<Q> {
     /// Goes on with the next segment, from the queue or down the brake, or ends the move.
     pub(super) fn load(&mut self) {
         if self.queue.is_empty() {
-            self.state = match self.state {
-                StepperState::Moving if self.finished => StepperState::Ready,
-                StepperState::Moving => {
-                    self.brake.descent_from(self.interval.fixed()).map_or(StepperState::Starved, |descent| {
-                        StepperState::Braking { descent, starved: true }
-                    })
-                }
-                StepperState::Ending { rests: false } => {
-                    self.brake.descent_from(self.interval.fixed()).map_or(StepperState::Stopped, |descent| {
-                        StepperState::Braking { descent, starved: false }
-                    })
-                }
-                StepperState::Ending { rests: true } => StepperState::Stopped,
-                other => other,
-            };
-            self.finished = false;
+            self.run_dry();
         }
-        if let StepperState::Braking { descent, starved } = &mut self.state {
-            if let Some(mut segment) = self.brake.next_down(descent) {
+        if matches!(self.state, StepperState::Braking { .. }) {
+            self.walk_down();
+        }
+        self.take();
+    }
+
+    /// Goes on with the next segment of the way to rest, or stands.
+    #[cold]
+    #[inline(never)]
+    fn walk_down(&mut self) {
+        if let StepperState::Braking { way, starved } = &mut self.state {
+            if let Some(mut segment) = way.next_down(&self.brake) {
                 segment.count *= i32::from(self.direction.sign());
                 self.queue.push(segment);
             } else {
                 self.state = if *starved { StepperState::Starved } else { StepperState::Stopped };
             }
         }
-        self.take();
+    }
+
+    /// Ends the move where the queue does, or finds the way to rest from there.
+    #[cold]
+    #[inline(never)]
+    fn run_dry(&mut self) {
+        let starved = match self.state {
+            StepperState::Moving => !self.is_whole(),
+            StepperState::Ending { rests } => {
+                if rests {
+                    self.state = StepperState::Stopped;
+                    return;
+                }
+                false
+            }
+            _ => return,
+        };
+        self.finished = false;
+        if self.state == StepperState::Moving && !starved {
+            self.end = None;
+            self.state = StepperState::Ready;
+            return;
+        }
+        self.state = match self.way_down(self.interval.fixed(), self.position, self.direction) {
+            Some(way) => StepperState::Braking { way, starved },
+            None if starved => StepperState::Starved,
+            None => StepperState::Stopped,
+        };
     }
 
     /// Goes on with the next segment of the queue.

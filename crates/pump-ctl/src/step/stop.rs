@@ -1,5 +1,6 @@
 //! A stop in the midst of a move.
 
+use super::braking::WayDown;
 use super::queue::Slot;
 use super::segment::Segment;
 use super::state::StepperState;
@@ -8,6 +9,7 @@ use super::ticks::Ticks;
 
 /// The end of a stop, known when the stop begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct StopPlan {
     /// Time at which the last step is due, ticks. It is the start of the move if no step is made.
@@ -42,8 +44,8 @@ impl<const Q: usize> Stepper<Q> {
                 self.refuse_what_is_queued()
             }
             StepperState::Ending { .. } => self.planned_end(&self.planned_run()),
-            StepperState::Braking { descent, .. } => {
-                let (steps, span) = self.brake.length(descent);
+            StepperState::Braking { way, .. } => {
+                let (steps, span) = way.length(&self.brake);
                 let current = self.queue.current().copied().unwrap_or_default();
                 self.after_step(&current, current.segment.steps(), steps, span)
             }
@@ -75,7 +77,7 @@ impl<const Q: usize> Stepper<Q> {
             return self.planned_end(&run);
         }
 
-        self.state = StepperState::Braking { descent, starved: false };
+        self.state = StepperState::Braking { way: WayDown::Brake(descent), starved: false };
         self.queue.keep_pending(0);
         let made = self.made_of_current();
         if now > self.next.whole {
@@ -135,7 +137,7 @@ impl<const Q: usize> Stepper<Q> {
             steps: u64::from(self.left),
             ends: last.due(last.segment.steps()),
             segments: 0,
-            rests: self.finished || self.state == StepperState::Ending { rests: true },
+            rests: self.is_whole() || self.state == StepperState::Ending { rests: true },
         };
         for segment in self.queue.pending() {
             if segment.direction() != self.direction {
@@ -147,9 +149,13 @@ impl<const Q: usize> Stepper<Q> {
             run.ends = Ticks::of_fixed(run.ends.fixed() + segment.span(segment.steps()));
             run.segments += 1;
         }
+        if run.rests {
+            return run;
+        }
         let last_interval = last.segment.interval_of(last.segment.steps());
-        if let Some(descent) = self.brake.descent_from(last_interval).filter(|_| !run.rests) {
-            let (steps, span) = self.brake.length(descent);
+        let ends_at = self.after_steps(run.steps);
+        if let Some(way) = self.way_down(last_interval, ends_at, self.direction) {
+            let (steps, span) = way.length(&self.brake);
             run.steps += u64::from(steps);
             run.ends = Ticks::of_fixed(run.ends.fixed() + span);
         }
@@ -157,7 +163,12 @@ impl<const Q: usize> Stepper<Q> {
     }
 
     fn planned_end(&self, run: &PlannedEnd) -> StopPlan {
-        let way = i64::from(self.direction.sign()) * i64::try_from(run.steps).unwrap_or(i64::MAX);
-        StopPlan { last_step_at: run.ends.whole, final_count: self.position.wrapping_add(way) }
+        StopPlan { last_step_at: run.ends.whole, final_count: self.after_steps(run.steps) }
+    }
+
+    /// Returns the position after `steps` more steps in the direction of the motor.
+    fn after_steps(&self, steps: u64) -> i64 {
+        let way = i64::from(self.direction.sign()) * i64::try_from(steps).unwrap_or(i64::MAX);
+        self.position.wrapping_add(way)
     }
 }

@@ -13,33 +13,33 @@ pub struct Ticks {
 }
 
 impl Ticks {
-    pub(super) const ZERO: Self = Self { whole: 0, frac: 0 };
+    pub(in crate::step) const ZERO: Self = Self { whole: 0, frac: 0 };
 
     /// Returns the middle of tick `whole`. A sum that starts there and is cut to whole ticks is rounded.
-    pub(super) fn middle_of(whole: u64) -> Self {
+    pub(in crate::step) fn middle_of(whole: u64) -> Self {
         Self { whole, frac: 1 << 31 }
     }
 
     #[inline]
-    pub(super) fn plus(self, other: Self) -> Self {
+    pub(in crate::step) fn plus(self, other: Self) -> Self {
         let (frac, carry) = self.frac.overflowing_add(other.frac);
         Self { whole: self.whole.wrapping_add(other.whole).wrapping_add(u64::from(carry)), frac }
     }
 
     /// Adds `change`, in 2^-32 tick.
     #[inline]
-    pub(super) fn plus_fixed(self, change: i64) -> Self {
+    pub(in crate::step) fn plus_fixed(self, change: i64) -> Self {
         let (frac, carry) = self.frac.overflowing_add(change as u32);
         Self { whole: self.whole.wrapping_add_signed(change >> 32).wrapping_add(u64::from(carry)), frac }
     }
 
     /// Returns the time in 2^-32 tick.
-    pub(super) fn fixed(self) -> i128 {
+    pub(in crate::step) fn fixed(self) -> i128 {
         (i128::from(self.whole) << 32) | i128::from(self.frac)
     }
 
     /// Makes a time from a number of 2^-32 ticks, which is not negative.
-    pub(super) fn of_fixed(fixed: i128) -> Self {
+    pub(in crate::step) fn of_fixed(fixed: i128) -> Self {
         Self { whole: (fixed >> 32) as u64, frac: fixed as u32 }
     }
 }

@@ -7,7 +7,7 @@ use super::{Case, Executor, any_case, run};
 
 /// Returns the largest deceleration, steps/s², of steps made at `ticks`, by the mean speeds of neighbouring
 /// intervals.
-fn steepest(ticks: &[u64], tick_hz: u32) -> f64 {
+pub(crate) fn steepest(ticks: &[u64], tick_hz: u32) -> f64 {
     let hz = f64::from(tick_hz);
     ticks
         .windows(3)
@@ -137,6 +137,7 @@ proptest! {
             add: 0,
             frac: 0,
         };
+        stepper.set_end(junction.position + i64::from(segment.count)).unwrap();
         stepper.push(segment, case.tick_rate).unwrap();
         stepper.finish();
         let (rest, end) = run(&mut stepper, due);

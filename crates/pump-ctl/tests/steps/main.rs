@@ -3,9 +3,11 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod brakes;
+mod ends;
 mod executed;
 mod interrupted;
 mod refused;
+mod sequences;
 mod times;
 
 use proptest::prelude::*;

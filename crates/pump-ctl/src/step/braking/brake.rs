@@ -1,10 +1,10 @@
 //! The brake: the way to rest from any speed, as a table of integers.
 
-use super::direction::Direction;
 use super::error::BrakeError;
-use super::segment::Segment;
-use super::tick_rate::TickRate;
-use super::ticks::Ticks;
+use crate::step::direction::Direction;
+use crate::step::segment::Segment;
+use crate::step::tick_rate::TickRate;
+use crate::step::ticks::Ticks;
 
 /// Largest number of entries of a [`Brake`].
 pub const BRAKE_ENTRIES: usize = 32;
@@ -70,7 +70,7 @@ impl TryFrom<StoredBrake> for Brake {
 
 /// The remainder of a way down.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Descent {
+pub(in crate::step) struct Descent {
     /// Number of entries still to be walked, the last of them first.
     entries: usize,
     /// Steps of the entry that is walked first.
@@ -140,7 +140,7 @@ impl Brake {
     /// Returns the segments by which a motor that turns in `direction` comes to rest. The interval before its
     /// last step was `interval`.
     ///
-    /// Use them where steps come from hardware, and not from [`super::Stepper`], which stops by itself. There
+    /// Use them where steps come from hardware, and not from [`crate::step::Stepper`], which stops by itself. There
     /// are none if the motor is so slow that it can stand at once.
     ///
     /// ```
@@ -166,7 +166,7 @@ impl Brake {
 
     /// Returns the way down for a motor whose last interval was `interval`, 2^-32 tick. The first interval of
     /// the way down is no shorter. The result is `None` if the motor is so slow that it can stand at once.
-    pub(super) fn descent_from(&self, interval: i128) -> Option<Descent> {
+    pub(in crate::step) fn descent_from(&self, interval: i128) -> Option<Descent> {
         let entries = self.climb().take_while(|segment| segment.interval_of(1) >= interval).count();
         let top = self.climb.get(entries.checked_sub(1)?)?;
         let shorter = u64::try_from(top.interval_of(1) - interval).unwrap_or(u64::MAX);
@@ -176,8 +176,14 @@ impl Brake {
         Some(Descent { entries, steps })
     }
 
+    /// Returns the steps of a way down.
+    pub(in crate::step) fn steps_down(&self, descent: &Descent) -> u32 {
+        let below = self.climb.iter().take(descent.entries.saturating_sub(1)).map(Segment::steps);
+        below.fold(descent.steps, u32::saturating_add)
+    }
+
     /// Returns the steps of a way down and its time, 2^-32 tick.
-    pub(super) fn length(&self, mut descent: Descent) -> (u32, i128) {
+    pub(in crate::step) fn length(&self, mut descent: Descent) -> (u32, i128) {
         let (mut steps, mut span) = (0_u32, 0);
         while let Some(segment) = self.next_down(&mut descent) {
             steps = steps.saturating_add(segment.steps());
