@@ -23,6 +23,9 @@ pub use request::{MoveOrder, Request};
 /// Largest number of axes of a node.
 pub const AXES: usize = 4;
 
+/// Largest number of bytes of packed segments or entries in a request.
+pub const MAX_PACKED: usize = 208;
+
 /// Shortest dead-man time that a host may set, ms.
 pub const SHORTEST_DEAD_MAN_MS: u16 = 100;
 
