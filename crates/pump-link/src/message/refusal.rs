@@ -91,8 +91,8 @@ pub enum Refusal {
     /// Intervals of the move are shorter than a pulse of the driver.
     #[error("the move's shortest interval is shorter than a step pulse and its pause; dose more slowly")]
     Pulse,
-    /// No segment of the move has come.
-    #[error("no segment of the move has come")]
+    /// The move has no steps, or none of its segments has come.
+    #[error("the move has no steps, or none of its segments has come")]
     Empty,
     /// The tick has passed, or comes before the motor is energised, or is more than 10 s away.
     #[error("the move cannot begin at this tick; allowed: tick {earliest} to 10 s later")]

@@ -129,5 +129,6 @@ fn fixed(segment: &Segment) -> i128 {
 /// Returns the value that is `units` of `1 << bits` above a prediction.
 fn restored(predicted: i128, units: i128, bits: u32) -> Result<i128, PackError> {
     let units = (predicted >> bits).checked_add(units).ok_or(PackError::Bytes)?;
-    units.checked_mul(1 << bits).ok_or(PackError::Bytes)
+    let value = units << bits;
+    if value >> bits == units { Ok(value) } else { Err(PackError::Bytes) }
 }

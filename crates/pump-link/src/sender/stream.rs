@@ -131,7 +131,8 @@ impl<const N: usize> Stream<N> {
         })
     }
 
-    /// Takes the node's word: segment `next` comes next, and `room` segments fit from there on.
+    /// Takes the node's word: segment `next` comes next, and `room` segments fit from there on. Both answers to
+    /// segments and statuses of the move say so. A stream that has used its room learns of more from a status alone.
     ///
     /// # Errors
     ///

@@ -272,7 +272,7 @@ impl Host {
             }
             Phase::Run => {
                 self.feed();
-                self.status_every(now_ns, 15_000_000);
+                self.status_every(now_ns, 20_000_000);
                 let over = |axis: &HostAxis| {
                     axis.status.is_some_and(|status| {
                         matches!(
@@ -312,7 +312,8 @@ impl Host {
             }
         }
         let ended = self.axes.iter().any(|axis| matches!(axis.status.unwrap().state, AxisState::Ended(_)));
-        self.phase = if ended && known > 0 {
+        let stopped = self.axes.iter().any(|axis| axis.stopping.is_some());
+        self.phase = if stopped || (ended && known > 0) {
             // Whatever has not ended is stopped.
             self.stop = true;
             Phase::Run

@@ -8,6 +8,9 @@ use crate::rng::Rng;
 /// Time of a byte at 460,800 baud, us, rounded up.
 const BYTE_US: u64 = 22;
 
+/// Bytes arrive in bunches so far apart, us, as those of a serial port do.
+const BUNCH_US: u64 = 250;
+
 /// How bad a line is. All but the latency are probabilities of a frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Badness {
@@ -56,7 +59,8 @@ impl Line {
 
     pub(crate) fn put(&mut self, bytes: &[u8], from_us: u64) {
         for (n, byte) in (1..).zip(bytes) {
-            self.arriving.push(Reverse((from_us + n * BYTE_US, self.order, *byte)));
+            let at_us = (from_us + n * BYTE_US).next_multiple_of(BUNCH_US);
+            self.arriving.push(Reverse((at_us, self.order, *byte)));
             self.order += 1;
         }
     }
