@@ -45,8 +45,12 @@ fuzz_target!(|data: &[u8]| {
             let Ok((header, rest)) = AnswerHeader::split(payload) else { continue };
             let Ok(answer) = body::<Answer>(rest) else { continue };
             match answer {
-                Answer::Accepted { next, room } if kind % 2 == 0 => drop(stream.accepted(next, room)),
-                Answer::Accepted { next, room } => drop(stream.resume(next, room)),
+                Answer::Accepted { next, room } if kind % 2 == 0 => {
+                    let _ = stream.accepted(next, room);
+                }
+                Answer::Accepted { next, room } => {
+                    let _ = stream.resume(next, room);
+                }
                 Answer::Refused(_) => window.gap(header.number),
                 Answer::Status(status) => bracket.reported(status.position),
                 _ => {}
@@ -68,7 +72,9 @@ fuzz_target!(|data: &[u8]| {
             while let Ok(segment) = codec.read(&mut packed) {
                 assert!(segment.is_valid());
                 let mut again = [0; 64];
-                Codec::new(grain).write(&segment, &mut &mut again[..]).expect("a segment that was read can be written");
+                Codec::new(grain)
+                    .write(&segment, &mut &mut again[..])
+                    .expect("a segment that was read can be written");
             }
         }
     }

@@ -1,5 +1,5 @@
-//! Any bytes to a node: raw, or as bodies of frames whose checksum fits. No step is made outside a move, none by a motor
-//! that is let go, and the count is that of the steps.
+//! Any bytes to a node: raw, or as bodies of frames whose checksum fits. No pin is set before it is an output, and no
+//! step is counted that had no edge.
 
 #![no_main]
 
@@ -53,7 +53,7 @@ impl Pins for AxisPins {
     fn set_step(&mut self, high: bool) {
         let before = self.0.0.borrow().outputs[self.1];
         self.change(|levels| levels.step = high);
-        // The fuzzer's configurations are active high or low; a step is any change away from rest, counted below.
+        // The pin may be active high or low, so both edges of a pulse count.
         if before.is_some_and(|levels| levels.step != high) {
             self.0.0.borrow_mut().count[self.1] += 1;
         }
@@ -117,7 +117,10 @@ fuzz_target!(|data: &[u8]| {
             let position = axes.status(axis as u8).unwrap().position;
             let edges = core::mem::take(&mut hardware.0.borrow_mut().count[axis]);
             // A pulse has two edges; one may be open, or put to rest by a new configuration.
-            assert!(position.abs_diff(*before) <= edges.unsigned_abs(), "{position} after {before}: {edges} edges");
+            assert!(
+                position.abs_diff(*before) <= edges.unsigned_abs(),
+                "{position} after {before}: {edges} edges"
+            );
             *before = position;
         }
     }

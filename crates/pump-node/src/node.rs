@@ -85,7 +85,7 @@ impl Node {
         let mut payload = [0; pump_link::frame::MAX_PAYLOAD];
         let received = self.deframer.push(byte)?.ok()?;
         let payload = payload.get_mut(..received.len())?;
-        payload.copy_from_slice(received);
+        payload.iter_mut().zip(received).for_each(|(to, from)| *to = *from);
         self.on_payload(payload, now, shared)
     }
 

@@ -1,11 +1,13 @@
 //! Frames out of a stream of bytes.
 
+use cobs::{DecodeResult, DecoderState};
+
 use super::error::FrameError;
 use super::header::RequestHeader;
-use super::{CRC, CRC_BYTES, MAX_FRAME};
+use super::{CRC, CRC_BYTES, MAX_PAYLOAD};
 
-/// Longest frame between its zeros, bytes.
-const MAX_INSIDE: usize = MAX_FRAME - 2;
+/// Longest header, body and CRC, bytes.
+const MAX_PLAIN: usize = MAX_PAYLOAD + CRC_BYTES;
 
 /// A machine that finds frames in a stream of bytes.
 ///
@@ -19,11 +21,12 @@ const MAX_INSIDE: usize = MAX_FRAME - 2;
 /// assert!([9, 9, 9].into_iter().all(|byte| deframer.push(byte).is_none()));
 /// assert_eq!(deframer.push(0), Some(Err(FrameError::Shape)));
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Deframer {
-    bytes: [u8; MAX_INSIDE],
-    /// Number of bytes since the last zero. It is larger than `MAX_INSIDE` if they are too many for a frame.
+    plain: [u8; MAX_PLAIN],
+    /// Number of bytes of `plain` since the last zero. It is larger than `MAX_PLAIN` if they are too many for a frame.
     len: usize,
+    coding: DecoderState,
 }
 
 impl Default for Deframer {
@@ -35,29 +38,32 @@ impl Default for Deframer {
 impl Deframer {
     /// Makes a machine that has seen no byte.
     pub const fn new() -> Self {
-        Self { bytes: [0; MAX_INSIDE], len: 0 }
+        Self { plain: [0; MAX_PLAIN], len: 0, coding: DecoderState::Idle }
     }
 
     /// Takes a byte. Returns a frame's header and body when the byte ends a frame. The result is an error if the
     /// bytes since the last zero are no frame.
     pub fn push(&mut self, byte: u8) -> Option<Result<&[u8], FrameError>> {
-        if byte != 0 {
-            if let Some(place) = self.bytes.get_mut(self.len) {
-                *place = byte;
+        match self.coding.feed(byte) {
+            Ok(DecodeResult::NoData) => None,
+            Ok(DecodeResult::DataStart) => {
+                self.len = 0;
+                None
             }
-            self.len = (self.len + 1).min(MAX_INSIDE + 1);
-            return None;
-        }
-        match core::mem::take(&mut self.len) {
-            0 => None,
-            len => Some(self.payload(len)),
+            Ok(DecodeResult::DataContinue(plain)) => {
+                if let Some(place) = self.plain.get_mut(self.len) {
+                    *place = plain;
+                }
+                self.len = (self.len + 1).min(MAX_PLAIN + 1);
+                None
+            }
+            Ok(DecodeResult::DataComplete) => Some(self.payload()),
+            Err(_) => Some(Err(FrameError::Shape)),
         }
     }
 
-    fn payload(&mut self, len: usize) -> Result<&[u8], FrameError> {
-        let coded = self.bytes.get_mut(..len).ok_or(FrameError::Shape)?;
-        let plain = cobs::decode_in_place(coded).map_err(|_| FrameError::Shape)?;
-        let plain = self.bytes.get(..plain).ok_or(FrameError::Shape)?;
+    fn payload(&self) -> Result<&[u8], FrameError> {
+        let plain = self.plain.get(..self.len).ok_or(FrameError::Shape)?;
         let (payload, sum) = plain.split_last_chunk::<CRC_BYTES>().ok_or(FrameError::Shape)?;
         if payload.len() < RequestHeader::BYTES {
             return Err(FrameError::Shape);

@@ -41,7 +41,7 @@ impl Encoded {
     fn of(header: &[u8], message: &impl Serialize) -> Result<Self, FrameError> {
         let mut plain = [0; MAX_PAYLOAD + CRC_BYTES];
         let (front, rest) = plain.split_at_mut_checked(header.len()).ok_or(FrameError::TooLong)?;
-        front.copy_from_slice(header);
+        front.iter_mut().zip(header).for_each(|(to, from)| *to = *from);
         let room = rest.get_mut(..MAX_PAYLOAD - header.len()).ok_or(FrameError::TooLong)?;
         let body = postcard::to_slice(message, room).map_err(|_| FrameError::TooLong)?.len();
         let payload = header.len() + body;

@@ -93,7 +93,7 @@ pub struct MoveOrder {
     pub from: i64,
     /// Position after the move's last step, signed steps. Nothing makes the motor go beyond it.
     pub last: i64,
-    /// Shortest interval between two steps of the move, whole ticks, in the segments as they are sent. It reserves the axis's share of the steps
-    /// that the node can make.
+    /// Shortest interval between two steps of the move, whole ticks, in the segments as they are sent. It reserves
+    /// the axis's share of the steps that the node can make.
     pub shortest_interval: u32,
 }

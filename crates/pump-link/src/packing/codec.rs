@@ -77,12 +77,11 @@ impl Codec {
             varint::write(i128::from(add >> add_bits) - i128::from(self.add >> add_bits), &mut rest)?;
         }
         let used = room - rest.len();
-        let packed = packed.get(..used).unwrap_or_default();
         if to.len() < used {
             return Err(PackError::Full);
         }
         let (front, others) = core::mem::take(to).split_at_mut_checked(used).ok_or(PackError::Full)?;
-        front.copy_from_slice(packed);
+        front.iter_mut().zip(packed).for_each(|(to, from)| *to = from);
         *to = others;
         self.follow(segment);
         Ok(())

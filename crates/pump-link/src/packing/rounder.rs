@@ -35,7 +35,8 @@ impl Rounder {
         // The rounded segment ends when the plan's does.
         let due = n * first + bends(segment.add.into()) - self.late;
         let unit = n << interval_bits;
-        let interval = (due - bends(add) + unit / 2).div_euclid(unit) << interval_bits;
+        let interval = (due - bends(add) + unit / 2).checked_div_euclid(unit).ok_or(PackError::Segment)?
+            << interval_bits;
         let rounded = Segment {
             count: segment.count,
             interval: u64::try_from(interval >> 32).map_err(|_| PackError::Segment)?,

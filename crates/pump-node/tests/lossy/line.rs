@@ -47,7 +47,9 @@ impl Line {
                 match rng.within(0, 2) {
                     0 => bytes[place] ^= 1 << rng.within(0, 7),
                     1 => bytes[place] = rng.next() as u8,
-                    _ => drop(bytes.remove(place)),
+                    _ => {
+                        let _ = bytes.remove(place);
+                    }
                 }
             }
         }
