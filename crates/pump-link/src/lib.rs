@@ -32,3 +32,7 @@ pub mod message;
 pub mod packing;
 pub mod receiver;
 pub mod sender;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
