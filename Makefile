@@ -42,7 +42,7 @@ FUZZ := PATH="$(CURDIR)/target/tools/bin:$$PATH" cargo +nightly fuzz
 fuzz:
 	rustup toolchain install nightly --profile minimal
 	test -x target/tools/bin/cargo-fuzz || cargo install cargo-fuzz --locked --root target/tools
-	for target in quantities pump_files journals grbl_replies grbl_motions; do \
+	for target in quantities pump_files journals grbl_replies grbl_motions node_frames host_frames; do \
 		mkdir -p target/fuzz/$$target && \
 		$(FUZZ) run --target-dir target/fuzz-build $$target target/fuzz/$$target fuzz/corpus/$$target -- -max_total_time=$(FUZZ_SECONDS) || exit 1; \
 	done
@@ -69,18 +69,20 @@ features:
 	cargo clippy --locked -p pump-model --all-targets --all-features -- -D warnings
 	cargo clippy --locked -p pump-ctl -- -D warnings
 	cargo clippy --locked -p pump-ctl --features serde,defmt -- -D warnings
+	cargo clippy --locked -p pump-link --all-targets -- -D warnings
+	cargo clippy --locked -p pump-node --all-targets -- -D warnings
 	cargo clippy --locked -p pump-bench -- -D warnings
 	for feature in balance grbl plot; do cargo clippy --locked -p pump-bench --features $$feature -- -D warnings || exit 1; done
 
 # The oldest Rust that is promised builds the libraries and the command.
 oldest:
 	rustup toolchain install $(OLDEST) --profile minimal
-	cargo +$(OLDEST) check --locked -p pump-model -p pump-ctl -p pump-bench -p pump-dose
+	cargo +$(OLDEST) check --locked -p pump-model -p pump-ctl -p pump-link -p pump-node -p pump-bench -p pump-dose
 
 # Programs outside the workspace, built from the crates as they are published. Each crate must build from its package
 # alone.
 # Cargo takes a version that it has unpacked or built once for the same for ever, so each run has a folder of its own.
-PACKAGED := pump-model pump-ctl pump-bench
+PACKAGED := pump-model pump-ctl pump-link pump-node pump-bench
 OUTSIDE := --manifest-path examples/outside/Cargo.toml --target-dir target/outside
 packages:
 	mkdir -p target && rm -rf target/package target/packaging.*
@@ -118,6 +120,7 @@ embedded:
 	rustup target add $(TARGETS)
 	for target in $(TARGETS); do cargo build --locked -p pump-model --features experimental,identification --target $$target || exit 1; done
 	cargo build --locked -p pump-ctl --features serde,defmt --target thumbv7em-none-eabihf
+	for target in $(TARGETS); do cargo build --locked -p pump-node --target $$target || exit 1; done
 	for target in $(TARGETS); do $(NO_PANIC) --release --target $$target || exit 1; done
 	for target in $(TARGETS); do $(NO_PANIC) --profile fast --target $$target || exit 1; done
 	$(NO_PANIC) --release --target thumbv7em-none-eabihf --features index 2>&1 | grep 'undefined symbol: a_panic_is_reachable'

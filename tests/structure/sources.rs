@@ -20,12 +20,14 @@ pub(crate) struct Sources {
 }
 
 /// A crate that has no library is called after its folder.
-const CRATES: [(&str, &str); 7] = [
+const CRATES: [(&str, &str); 9] = [
     ("dose", "src/main.rs"),
     ("pump_dose", "src/lib.rs"),
     ("pump_bench", "crates/pump-bench/src/lib.rs"),
     ("pump_model", "crates/pump-model/src/lib.rs"),
     ("pump_ctl", "crates/pump-ctl/src/lib.rs"),
+    ("pump_link", "crates/pump-link/src/lib.rs"),
+    ("pump_node", "crates/pump-node/src/lib.rs"),
     ("_pumpmodel", "crates/pump-py/src/lib.rs"),
     ("benches", "benches/src/main.rs"),
 ];

@@ -6,6 +6,8 @@
 #![no_std]
 #![no_main]
 
+mod node;
+
 use core::hint::black_box;
 use core::panic::PanicInfo;
 
@@ -63,6 +65,8 @@ fn any_leg() -> Leg {
 
 fn everything() -> Result<(), PlanError> {
     numbers();
+    node::node();
+    node::host();
     let generated = generated_pump().unwrap_or(Pump::three_roller());
     for pump in [own_pump()?, preset()?, generated, Pump::three_roller(), Pump::two_roller()] {
         let pump = black_box(pump);

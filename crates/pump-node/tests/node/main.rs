@@ -1,0 +1,8 @@
+//! A node that is asked directly, rule by rule.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod direct;
+mod faults;
+mod moves;
+mod power_up;
