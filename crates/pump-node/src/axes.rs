@@ -1,0 +1,219 @@
+//! The axes of a node on one timer.
+
+use pump_ctl::step::{Brake, Segment};
+use pump_link::message::{AXES, AxisConfig, AxisStatus, End, FaultCounts, MoveOrder, Refusal, Stopping};
+
+use crate::axis::{Axis, ns_in_ticks, rate_hz};
+use crate::board::{Board, Pins};
+
+/// Largest sum of the step rates of all axes, Hz.
+pub const MAX_STEP_HZ: u32 = 100_000;
+
+/// Time from a request to begin to the earliest tick at which a move can begin, ns: 1 ms.
+const BEGIN_LEAD_NS: u32 = 1_000_000;
+
+/// The axes of a node, `A` of them, with queues of `Q` segments each. The timer's interrupt calls
+/// [`Self::on_timer`], and everything else is the [`crate::Node`]'s.
+#[derive(Debug)]
+pub struct Axes<P, B, const Q: usize, const A: usize> {
+    axes: [Axis<P, Q>; A],
+    board: B,
+    tick_hz: u32,
+    /// True while the emergency stop is pressed.
+    estop: bool,
+}
+
+impl<P: Pins, B: Board, const Q: usize, const A: usize> Axes<P, B, Q, A> {
+    /// Makes the axes of a board whose timer has this rate, Hz. Pins stay inputs.
+    pub fn new(pins: [P; A], board: B, tick_hz: u32) -> Self {
+        const { assert!(A >= 1 && A <= AXES, "a node has one to four axes") };
+        Self { axes: pins.map(|pins| Axis::new(pins, tick_hz)), board, tick_hz, estop: false }
+    }
+
+    /// Makes the steps that are due. Returns the tick at which the timer must fire next, or `None` if all motors
+    /// stand. If the tick has passed, call again at once.
+    ///
+    /// Pulses of axes that are due together overlap.
+    pub fn on_timer(&mut self) -> Option<u64> {
+        self.look_at_estop();
+        let mut high_ns = None;
+        for axis in &mut self.axes {
+            let now = self.board.now();
+            high_ns = high_ns.max(axis.on_timer(now, |ns| self.board.wait_ns(ns)));
+        }
+        if let Some(high_ns) = high_ns {
+            self.board.wait_ns(high_ns);
+            let now = self.board.now();
+            self.axes.iter_mut().for_each(|axis| axis.lower(now));
+        }
+        self.next_deadline()
+    }
+
+    /// Returns the tick at which the timer must fire next, or `None` if all motors stand.
+    pub fn next_deadline(&mut self) -> Option<u64> {
+        self.axes.iter_mut().filter_map(Axis::next_deadline).min()
+    }
+
+    /// Returns the board.
+    pub fn board(&mut self) -> &mut B {
+        &mut self.board
+    }
+
+    /// Returns the state of an axis, or `None` if there is no such axis.
+    pub fn status(&mut self, axis: u8) -> Option<AxisStatus> {
+        self.axis(axis).ok().map(Axis::status)
+    }
+
+    /// Returns true if any axis moves, or has a tick at which it begins.
+    pub fn is_moving(&self) -> bool {
+        self.axes.iter().any(Axis::is_moving)
+    }
+
+    /// Looks at the emergency stop, at the drivers' faults and at motors that have rested long enough. Call it every
+    /// ms.
+    pub(crate) fn look(&mut self) {
+        self.look_at_estop();
+        let now = self.board.now();
+        for axis in &mut self.axes {
+            axis.look_at_driver(now);
+            axis.rest(now);
+        }
+    }
+
+    fn look_at_estop(&mut self) {
+        let pressed = self.board.estop_is_pressed();
+        if pressed && !self.estop {
+            let now = self.board.now();
+            self.axes.iter_mut().for_each(|axis| axis.estop(now));
+        }
+        self.estop = pressed;
+    }
+
+    /// Decelerates every axis, because the host was not heard for too long.
+    pub(crate) fn dead_man(&mut self) {
+        let now = self.board.now();
+        self.axes.iter_mut().for_each(|axis| axis.dead_man(now));
+    }
+
+    pub(crate) fn forget_session(&mut self) {
+        self.axes.iter_mut().for_each(Axis::forget_session);
+    }
+
+    /// Returns the revision of an axis's configuration, if its motor stands or `revision` is that one.
+    pub(crate) fn may_configure(&mut self, axis: u8, revision: u32) -> Result<bool, Refusal> {
+        let axis = self.axis(axis)?;
+        let newest = axis.revision();
+        match revision {
+            _ if revision == newest && revision != 0 => Ok(true),
+            _ if revision <= newest => Err(Refusal::Old { newest }),
+            _ if axis.is_moving() => Err(Refusal::Moving),
+            _ => Ok(false),
+        }
+    }
+
+    pub(crate) fn configure(
+        &mut self,
+        axis: u8,
+        revision: u32,
+        config: AxisConfig,
+        brake: Brake,
+    ) -> Result<(), Refusal> {
+        let there = self.may_configure(axis, revision)?;
+        self.estop_is_released()?;
+        let now = self.board.now();
+        if !there {
+            self.axis(axis)?.configure(revision, config, brake, now);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn prepare(&mut self, axis: u8, move_number: u32, order: MoveOrder) -> Result<(u32, u16), Refusal> {
+        let (number, tick_hz) = (axis, self.tick_hz);
+        if !self.axis(axis)?.may_prepare(move_number, &order)? {
+            self.estop_is_released()?;
+            let others = self.axes.iter().enumerate().filter(|(n, _)| *n != usize::from(number));
+            let rates = others.filter_map(|(_, axis)| axis.reserved_interval()).map(|ticks| rate_hz(ticks, tick_hz));
+            let sum_hz = rates.fold(rate_hz(order.shortest_interval, tick_hz), u32::saturating_add);
+            if sum_hz > MAX_STEP_HZ {
+                return Err(Refusal::StepRate { sum_hz, allowed_hz: MAX_STEP_HZ });
+            }
+            let now = self.board.now();
+            self.axis(axis)?.prepare(move_number, order, now)?;
+        }
+        self.accepted(axis)
+    }
+
+    /// Returns the number of the segment that comes next, and the room for segments.
+    pub(crate) fn accepted(&mut self, axis: u8) -> Result<(u32, u16), Refusal> {
+        let axis = self.axis(axis)?;
+        Ok((axis.next_segment(), axis.room()))
+    }
+
+    pub(crate) fn takes(&mut self, axis: u8, move_number: u32, first: u32) -> Result<(), Refusal> {
+        self.axis(axis)?.takes(move_number, first)
+    }
+
+    pub(crate) fn take(
+        &mut self,
+        axis: u8,
+        move_number: u32,
+        number: u32,
+        segment: Segment,
+    ) -> Result<bool, Refusal> {
+        self.axis(axis)?.take(move_number, number, segment)
+    }
+
+    /// Begins the moves that are named, all or none of them.
+    pub(crate) fn begin(&mut self, at: u64, moves: [u32; AXES]) -> Result<(), Refusal> {
+        self.named(moves)?;
+        self.estop_is_released()?;
+        let soonest = self.board.now().saturating_add(ns_in_ticks(BEGIN_LEAD_NS, self.tick_hz));
+        let mut there = [true; AXES];
+        for ((axis, number), there) in self.axes.iter_mut().zip(moves).zip(&mut there) {
+            if number != 0 {
+                *there = axis.may_begin(number, at, soonest)?;
+            }
+        }
+        for ((axis, _), there) in self.axes.iter_mut().zip(moves).zip(there) {
+            if !there {
+                axis.begin(at)?;
+            }
+        }
+        Ok(())
+    }
+
+    pub(crate) fn stop(&mut self, moves: [u32; AXES]) -> Result<[Option<Stopping>; AXES], Refusal> {
+        self.named(moves)?;
+        let now = self.board.now();
+        let mut ends = [None; AXES];
+        for ((axis, number), end) in self.axes.iter_mut().zip(moves).zip(&mut ends) {
+            if number != 0 {
+                *end = axis.stop(number, End::Stopped, now);
+            }
+        }
+        Ok(ends)
+    }
+
+    pub(crate) fn confirm(&mut self, axis: u8, read: FaultCounts) -> Result<FaultCounts, Refusal> {
+        Ok(self.axis(axis)?.confirm(read))
+    }
+
+    /// Checks that moves are named for axes that are there, and for one at least.
+    fn named(&self, moves: [u32; AXES]) -> Result<(), Refusal> {
+        let missing = moves.iter().skip(A).any(|number| *number != 0);
+        if missing || moves == [0; AXES] { Err(no_such_axis::<A>()) } else { Ok(()) }
+    }
+
+    fn estop_is_released(&mut self) -> Result<(), Refusal> {
+        self.look_at_estop();
+        if self.estop { Err(Refusal::Estop) } else { Ok(()) }
+    }
+
+    fn axis(&mut self, axis: u8) -> Result<&mut Axis<P, Q>, Refusal> {
+        self.axes.get_mut(usize::from(axis)).ok_or(no_such_axis::<A>())
+    }
+}
+
+fn no_such_axis<const A: usize>() -> Refusal {
+    Refusal::Axis { axes: A as u8 }
+}

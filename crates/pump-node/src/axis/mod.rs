@@ -1,0 +1,9 @@
+//! An axis: a motor, its executor, its moves and its faults.
+
+mod axis;
+mod faults;
+mod moves;
+mod timing;
+
+pub(crate) use axis::Axis;
+pub(crate) use timing::{ns_in_ticks, rate_hz};

@@ -1,0 +1,98 @@
+//! The motor of an axis: a stepper driver on pins whose pulses overlap with those of other axes.
+
+use core::convert::Infallible;
+
+use pump_ctl::drive::StepMotor;
+use pump_ctl::step::Direction;
+use pump_link::message::AxisConfig;
+
+use crate::board::{Levels, Pins};
+
+/// A stepper driver. A step raises the pin, and [`Self::lower`] ends the pulse: several axes wait together.
+#[derive(Debug)]
+pub(crate) struct Driver<P> {
+    pins: P,
+    config: AxisConfig,
+    /// Direction in which the direction pin points.
+    facing: Direction,
+    /// True while the step pin is active.
+    raised: bool,
+    energised: bool,
+}
+
+impl<P: Pins> Driver<P> {
+    /// Makes a driver, and its pins outputs. The levels are set before. An energised motor stays so on the way.
+    pub(crate) fn new(mut pins: P, config: AxisConfig, energised: bool) -> Self {
+        pins.make_outputs(Levels {
+            step: config.step_active_low,
+            direction: !config.reversed,
+            enable: energised != config.enable_active_low,
+        });
+        Self { pins, config, facing: Direction::Forward, raised: false, energised }
+    }
+
+    /// Gives the pins back as they are.
+    pub(crate) fn release(self) -> P {
+        self.pins
+    }
+
+    pub(crate) fn config(&self) -> &AxisConfig {
+        &self.config
+    }
+
+    pub(crate) fn is_energised(&self) -> bool {
+        self.energised
+    }
+
+    /// Sets the direction pin. Returns true if that changed it.
+    pub(crate) fn face(&mut self, direction: Direction) -> bool {
+        let turned = direction != self.facing;
+        if turned {
+            self.facing = direction;
+            self.pins.set_direction((direction == Direction::Forward) != self.config.reversed);
+        }
+        turned
+    }
+
+    /// Ends the pulse of a step. Returns true if there was one.
+    pub(crate) fn lower(&mut self) -> bool {
+        let raised = core::mem::take(&mut self.raised);
+        if raised {
+            self.pins.set_step(self.config.step_active_low);
+        }
+        raised
+    }
+
+    /// Returns true if the driver reports a fault.
+    pub(crate) fn has_fault(&mut self) -> bool {
+        self.config.has_driver_fault && !self.pins.driver_fault_is_high()
+    }
+}
+
+impl<P: Pins> StepMotor for Driver<P> {
+    type Error = Infallible;
+
+    fn step(&mut self, _: Direction) -> Result<(), Infallible> {
+        // The direction pin was set before the move began, and a move never turns round.
+        self.pins.set_step(!self.config.step_active_low);
+        self.raised = true;
+        Ok(())
+    }
+
+    fn enable(&mut self) -> Result<(), Infallible> {
+        self.pins.set_enable(!self.config.enable_active_low);
+        self.energised = true;
+        Ok(())
+    }
+
+    fn disable(&mut self) -> Result<(), Infallible> {
+        self.lower();
+        self.pins.set_enable(self.config.enable_active_low);
+        self.energised = false;
+        Ok(())
+    }
+
+    fn index(&mut self) -> Result<Option<bool>, Infallible> {
+        Ok(self.config.has_index.then(|| self.pins.index_is_high() != self.config.index_active_low))
+    }
+}

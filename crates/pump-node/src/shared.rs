@@ -1,0 +1,19 @@
+//! The axes, shared between the thread and the timer's interrupt.
+
+use crate::axes::Axes;
+use crate::board::{Board, Pins};
+
+/// The axes, shared between the thread and the timer's interrupt.
+///
+/// A firmware takes its critical section around `act`, and sets the timer to [`Axes::next_deadline`] afterwards. Each
+/// call is short: one segment, one stop, one status.
+pub trait Shared<P: Pins, B: Board, const Q: usize, const A: usize> {
+    /// Calls `act` with the axes, while the interrupt is kept off.
+    fn with<R>(&mut self, act: impl FnOnce(&mut Axes<P, B, Q, A>) -> R) -> R;
+}
+
+impl<P: Pins, B: Board, const Q: usize, const A: usize> Shared<P, B, Q, A> for Axes<P, B, Q, A> {
+    fn with<R>(&mut self, act: impl FnOnce(&mut Self) -> R) -> R {
+        act(self)
+    }
+}
