@@ -1,0 +1,132 @@
+//! The timer that makes the steps: 64 bits at 1 MHz, and its alarm 0.
+#![allow(unsafe_code)]
+
+use core::cell::RefCell;
+
+use critical_section::Mutex;
+use pump_node::{Axes, Shared};
+use rp2040_hal::pac::{self, Interrupt, NVIC, RESETS, TIMER, interrupt};
+
+use crate::axis_pins::AxisPins;
+use crate::pico::Pico;
+use crate::{AXES, QUEUE};
+
+/// Rate of the timer, Hz.
+pub(crate) const TICK_HZ: u32 = 1_000_000;
+
+/// Time before a step at which the interrupt begins, ticks. It then waits for the step's own tick, so that neither the
+/// way into the interrupt nor a critical section of the thread moves the step.
+const LEAD: u64 = 6;
+
+/// Farthest tick for which the alarm is set. It compares 32 bits.
+const FARTHEST: u64 = 1 << 30;
+
+type NodeAxes = Axes<AxisPins, Pico, QUEUE, AXES>;
+
+static AXES_OF_NODE: Mutex<RefCell<Option<NodeAxes>>> = Mutex::new(RefCell::new(None));
+
+/// Timer with its alarms off.
+pub(crate) struct StepTimer(());
+
+impl StepTimer {
+    /// Takes the timer, which counts µs.
+    pub(crate) fn new(timer: TIMER, resets: &mut RESETS) -> Self {
+        resets.reset().modify(|_, word| word.timer().clear_bit());
+        while resets.reset_done().read().timer().bit_is_clear() {}
+        timer.inte().write(|word| word.alarm_0().set_bit().alarm_1().set_bit());
+        Self(())
+    }
+}
+
+fn timer() -> &'static pac::timer::RegisterBlock {
+    // SAFETY: the registers used here are read, or written by the interrupt and within critical sections.
+    unsafe { &*TIMER::ptr() }
+}
+
+/// Returns the tick, µs since the reset.
+#[inline(always)]
+pub(crate) fn now() -> u64 {
+    let timer = timer();
+    loop {
+        let high = timer.timerawh().read().bits();
+        let low = timer.timerawl().read().bits();
+        if timer.timerawh().read().bits() == high {
+            return (u64::from(high) << 32) | u64::from(low);
+        }
+    }
+}
+
+/// Sleeps until a tick or the next interrupt, whichever comes first.
+pub(crate) fn sleep_until(tick: u64) {
+    timer().alarm1().write(|word| unsafe { word.bits(tick as u32) });
+    // The alarm compares for equality, so a tick that has passed would not wake.
+    if now() < tick {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// Axes that the thread and the interrupt share.
+pub(crate) struct SharedAxes(());
+
+impl SharedAxes {
+    /// Gives the axes to the interrupt.
+    pub(crate) fn new(_: StepTimer, make: impl FnOnce(Pico) -> NodeAxes) -> Self {
+        critical_section::with(|section| AXES_OF_NODE.borrow_ref_mut(section).replace(make(Pico)));
+        // SAFETY: the interrupts find what they need from here on.
+        unsafe {
+            NVIC::unmask(Interrupt::TIMER_IRQ_0);
+            NVIC::unmask(Interrupt::TIMER_IRQ_1);
+        }
+        Self(())
+    }
+
+    /// Returns true if any motor moves.
+    pub(crate) fn is_moving(&mut self) -> bool {
+        self.with(|axes| axes.is_moving())
+    }
+}
+
+impl Shared<AxisPins, Pico, QUEUE, AXES> for SharedAxes {
+    fn with<R>(&mut self, act: impl FnOnce(&mut NodeAxes) -> R) -> R {
+        critical_section::with(|section| {
+            let mut axes = AXES_OF_NODE.borrow_ref_mut(section);
+            let Some(axes) = axes.as_mut() else { unreachable!("made before the thread has it") };
+            let result = act(axes);
+            set_alarm(axes.next_deadline());
+            result
+        })
+    }
+}
+
+/// Sets the alarm for a deadline, or has the interrupt come at once.
+fn set_alarm(deadline: Option<u64>) {
+    let Some(deadline) = deadline else { return };
+    let begins = deadline.saturating_sub(LEAD).min(now() + FARTHEST);
+    timer().alarm0().write(|word| unsafe { word.bits(begins as u32) });
+    if begins <= now() {
+        NVIC::pend(Interrupt::TIMER_IRQ_0);
+    }
+}
+
+#[interrupt]
+fn TIMER_IRQ_0() {
+    timer().intr().write(|word| word.alarm_0().clear_bit_by_one());
+    critical_section::with(|section| {
+        let mut axes = AXES_OF_NODE.borrow_ref_mut(section);
+        let Some(axes) = axes.as_mut() else { return };
+        let mut deadline = axes.next_deadline();
+        while let Some(tick) = deadline {
+            if now() + LEAD < tick {
+                break;
+            }
+            while now() < tick {}
+            deadline = axes.on_timer();
+        }
+        set_alarm(deadline);
+    });
+}
+
+#[interrupt]
+fn TIMER_IRQ_1() {
+    timer().intr().write(|word| word.alarm_1().clear_bit_by_one());
+}
