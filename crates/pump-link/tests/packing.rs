@@ -62,8 +62,11 @@ fn measure() {
                 let most = windows.values().map(|w| w.1).max().unwrap();
                 println!(
                     "{name} smooth {smooth} {ml_s} mL/s: {} segments {:.2} bytes each, max {}, mean {:.2} kB/s, peak {:.2} kB/s, {most} in 100 ms",
-                    segments.len(), all as f64 / segments.len() as f64, sizes.iter().max().unwrap(),
-                    all as f64 / (at as f64 / 1e6) / 1e3, peak.0 as f64 / 0.1 / 1e3
+                    segments.len(),
+                    all as f64 / segments.len() as f64,
+                    sizes.iter().max().unwrap(),
+                    all as f64 / (at as f64 / 1e6) / 1e3,
+                    peak.0 as f64 / 0.1 / 1e3
                 );
             }
         }

@@ -127,12 +127,18 @@ impl<P: Pins, B: Board, const Q: usize, const A: usize> Axes<P, B, Q, A> {
         Ok(())
     }
 
-    pub(crate) fn prepare(&mut self, axis: u8, move_number: u32, order: MoveOrder) -> Result<(u32, u16), Refusal> {
+    pub(crate) fn prepare(
+        &mut self,
+        axis: u8,
+        move_number: u32,
+        order: MoveOrder,
+    ) -> Result<(u32, u16), Refusal> {
         let (number, tick_hz) = (axis, self.tick_hz);
         if !self.axis(axis)?.may_prepare(move_number, &order)? {
             self.estop_is_released()?;
             let others = self.axes.iter().enumerate().filter(|(n, _)| *n != usize::from(number));
-            let rates = others.filter_map(|(_, axis)| axis.reserved_interval()).map(|ticks| rate_hz(ticks, tick_hz));
+            let rates =
+                others.filter_map(|(_, axis)| axis.reserved_interval()).map(|ticks| rate_hz(ticks, tick_hz));
             let sum_hz = rates.fold(rate_hz(order.shortest_interval, tick_hz), u32::saturating_add);
             if sum_hz > MAX_STEP_HZ {
                 return Err(Refusal::StepRate { sum_hz, allowed_hz: MAX_STEP_HZ });

@@ -12,7 +12,11 @@ use crate::shared::Shared;
 
 /// Returns the identity of a board with a number of its own, from the firmware's version and the timer's rate, Hz.
 /// `A` is the number of its axes, `Q` that of the segments in a queue.
-pub const fn identity<const Q: usize, const A: usize>(board: u64, firmware: [u16; 3], tick_hz: u32) -> Identity {
+pub const fn identity<const Q: usize, const A: usize>(
+    board: u64,
+    firmware: [u16; 3],
+    tick_hz: u32,
+) -> Identity {
     Identity::new(board, firmware, A as u8, Q as u16, tick_hz, MAX_STEP_HZ)
 }
 
@@ -48,7 +52,8 @@ impl Node {
     pub fn new(identity: Identity) -> Self {
         Self {
             identity,
-            tick_rate: TickRate::from_hz(identity.tick_hz).unwrap_or(TickRate::new(core::num::NonZeroU32::MIN)),
+            tick_rate: TickRate::from_hz(identity.tick_hz)
+                .unwrap_or(TickRate::new(core::num::NonZeroU32::MIN)),
             deframer: Deframer::new(),
             session: 0,
             dead_man: DeadMan::new(identity.tick_hz),
@@ -143,7 +148,9 @@ impl Node {
         }
         match *request {
             Request::Configure { axis, revision, config } => self.configure(axis, revision, config, shared),
-            Request::Brake { axis, revision, first, entries } => self.brake(axis, revision, first, entries, shared),
+            Request::Brake { axis, revision, first, entries } => {
+                self.brake(axis, revision, first, entries, shared)
+            }
             Request::Prepare { axis, move_number, order } => {
                 let (next, room) = shared.with(|axes| axes.prepare(axis, move_number, order))?;
                 Ok(Answer::Accepted { next, room })
@@ -152,7 +159,9 @@ impl Node {
                 segments(axis, move_number, first, packed, shared)
             }
             Request::Begin { at, moves } => shared.with(|axes| axes.begin(at, moves)).map(|()| Answer::Begun),
-            Request::Stop { moves } => shared.with(|axes| axes.stop(moves)).map(|ends| Answer::Stopped { ends }),
+            Request::Stop { moves } => {
+                shared.with(|axes| axes.stop(moves)).map(|ends| Answer::Stopped { ends })
+            }
             Request::FaultsRead { axis, read } => {
                 shared.with(|axes| axes.confirm(axis, read)).map(|unread| Answer::Faults { unread })
             }

@@ -68,8 +68,7 @@ impl AxisConfig {
     /// Returns true if a node can use the configuration: pulses and set-up times of the direction pin of 100 us
     /// at most, 1 s at most from enable to the first step, and a brake of 1 to 32 entries.
     pub fn is_valid(&self) -> bool {
-        let short =
-            [self.step_high_ns, self.step_low_ns, self.direction_setup_ns, self.direction_hold_ns];
+        let short = [self.step_high_ns, self.step_low_ns, self.direction_setup_ns, self.direction_hold_ns];
         short.iter().all(|ns| *ns <= LONGEST_PULSE_NS)
             && self.enable_setup_ns <= LONGEST_SETUP_NS
             && (1..=pump_ctl::step::BRAKE_ENTRIES).contains(&usize::from(self.brake_entries))

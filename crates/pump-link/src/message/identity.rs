@@ -22,7 +22,14 @@ pub struct Identity {
 
 impl Identity {
     /// Makes the identity of a board.
-    pub const fn new(board: u64, firmware: [u16; 3], axes: u8, queue: u16, tick_hz: u32, max_step_hz: u32) -> Self {
+    pub const fn new(
+        board: u64,
+        firmware: [u16; 3],
+        axes: u8,
+        queue: u16,
+        tick_hz: u32,
+        max_step_hz: u32,
+    ) -> Self {
         Self { board, firmware, axes, queue, tick_hz, max_step_hz }
     }
 }

@@ -63,7 +63,9 @@ impl Codec {
         let (interval_bits, add_bits) = self.grain.zero_bits(steps);
         let interval = fixed(segment);
         let add = if steps > 1 { segment.add } else { 0 };
-        if (interval >> interval_bits) << interval_bits != interval || (add >> add_bits) << add_bits != segment.add {
+        if (interval >> interval_bits) << interval_bits != interval
+            || (add >> add_bits) << add_bits != segment.add
+        {
             return Err(PackError::Grain);
         }
         let mut packed = [0; 3 * varint::MAX_BYTES];

@@ -14,7 +14,9 @@ pub const FRAME_OVERHEAD: usize = 32;
 #[non_exhaustive]
 pub enum TooFast {
     /// The plan needs more bytes a second than the link carries.
-    #[error("the plan needs {needed_bytes_s} bytes a second, and the link carries {allowed_bytes_s}; dose more slowly")]
+    #[error(
+        "the plan needs {needed_bytes_s} bytes a second, and the link carries {allowed_bytes_s}; dose more slowly"
+    )]
     Link {
         /// Rate that the plan needs where it needs most, bytes a second.
         needed_bytes_s: u64,

@@ -123,7 +123,12 @@ impl<const N: usize> Stream<N> {
             self.sent += 1;
         }
         let segments = self.sent - first;
-        (segments > 0).then(|| Chunk { first, segments, bytes: room - rest.len(), end: self.end_of(self.sent) })
+        (segments > 0).then(|| Chunk {
+            first,
+            segments,
+            bytes: room - rest.len(),
+            end: self.end_of(self.sent),
+        })
     }
 
     /// Takes the node's word: segment `next` comes next, and `room` segments fit from there on.

@@ -139,7 +139,8 @@ impl<const N: usize> Window<N> {
     /// Takes note of a valid answer. Returns the request that it answers, or `None` if that was answered before.
     pub fn answered(&mut self, number: u16) -> Option<Answered> {
         self.heard();
-        let place = self.pending.iter_mut().find(|place| place.is_some_and(|pending| pending.number == number))?;
+        let place =
+            self.pending.iter_mut().find(|place| place.is_some_and(|pending| pending.number == number))?;
         let pending = place.take()?;
         let once = pending.sends == 1 && !pending.due;
         Some(Answered { sent_at_ns: once.then_some(pending.sent_at_ns), lane: pending.lane })
@@ -149,7 +150,8 @@ impl<const N: usize> Window<N> {
     /// and this one after them.
     pub fn gap(&mut self, number: u16) {
         self.heard();
-        let asked = self.pending.iter().flatten().find(|pending| pending.number == number && pending.sends > 0);
+        let asked =
+            self.pending.iter().flatten().find(|pending| pending.number == number && pending.sends > 0);
         let Some(Pending { order, lane, sent_at_ns, .. }) = asked.copied() else {
             return;
         };

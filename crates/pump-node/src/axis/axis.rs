@@ -87,7 +87,8 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         let keep = energised && config.energised;
         let mut stepper = Stepper::new(brake);
         let _ = stepper.set_position(position);
-        let actuator = self.actuator.insert(Actuator::new(Driver::new(pins, config, keep), stepper, OnFault::Hold));
+        let actuator =
+            self.actuator.insert(Actuator::new(Driver::new(pins, config, keep), stepper, OnFault::Hold));
         if config.energised {
             enable(actuator);
         }

@@ -117,7 +117,8 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         };
         let shortest = segment.interval_before(1).whole.min(segment.interval_before(segment.steps()).whole);
         let refused = Refusal::Segment { number };
-        let end = end.filter(within).filter(|_| shortest >= self.order.shortest_interval.into()).ok_or(refused)?;
+        let end =
+            end.filter(within).filter(|_| shortest >= self.order.shortest_interval.into()).ok_or(refused)?;
         let last = self.order.last;
         let actuator = self.configured()?;
         let tick_rate = actuator.stepper().tick_rate();
