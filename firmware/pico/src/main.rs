@@ -41,7 +41,7 @@ const POLL_TICKS: u64 = 1_000;
 
 #[entry]
 fn main() -> ! {
-    let Some(mut registers) = pac::Peripherals::take() else { halt() };
+    let Some((mut registers, mut cores)) = pac::Peripherals::take().zip(pac::CorePeripherals::take()) else { halt() };
     let mut watchdog = Watchdog::new(registers.WATCHDOG);
     let clocks = init_clocks_and_plls(
         CRYSTAL_HZ,
@@ -61,14 +61,11 @@ fn main() -> ! {
         &mut registers.RESETS,
     );
     axis_pins::make_inputs();
+    step_timer::put_steps_first(&mut cores.NVIC);
     let mut light = Light::new(gpio.gpio25);
     let timer = StepTimer::new(registers.TIMER, &mut registers.RESETS);
-    let mut serial = Serial::new(
-        registers.UART0,
-        (gpio.gpio0, gpio.gpio1),
-        &mut registers.RESETS,
-        clocks.peripheral_clock.freq(),
-    );
+    let line = clocks.peripheral_clock.freq();
+    let Some(mut serial) = Serial::new(registers.UART0, (gpio.gpio0, gpio.gpio1), &mut registers.RESETS, line) else { halt() };
     let mut shared = SharedAxes::new(timer, |pico| Axes::new(AxisPins::ALL, pico, TICK_HZ));
     let mut node = Node::new(identity::<QUEUE, AXES>(pico::board_number(), firmware_version(), TICK_HZ));
     let mut poll_at = 0;

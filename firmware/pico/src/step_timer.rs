@@ -1,9 +1,9 @@
 //! The timer that makes the steps: 64 bits at 1 MHz, and its alarm 0.
 #![allow(unsafe_code)]
 
-use core::cell::RefCell;
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
 
-use critical_section::Mutex;
 use pump_node::{Axes, Shared};
 use rp2040_hal::pac::{self, Interrupt, NVIC, RESETS, TIMER, interrupt};
 
@@ -23,7 +23,18 @@ const FARTHEST: u64 = 1 << 30;
 
 type NodeAxes = Axes<AxisPins, Pico, QUEUE, AXES>;
 
-static AXES_OF_NODE: Mutex<RefCell<Option<NodeAxes>>> = Mutex::new(RefCell::new(None));
+/// Place of the axes. It is not part of the firmware's image, unlike a value would be.
+struct Place(UnsafeCell<MaybeUninit<NodeAxes>>);
+
+// SAFETY: the thread uses the axes within critical sections alone. The interrupt uses them, has the highest priority
+// and is on from the moment when they are there.
+unsafe impl Sync for Place {}
+
+static AXES_OF_NODE: Place = Place(UnsafeCell::new(MaybeUninit::uninit()));
+
+/// Priorities of the interrupts: that of the steps comes before all others (ARMv6-M has four, in the upper bits).
+const FIRST: u8 = 0;
+const SECOND: u8 = 1 << 6;
 
 /// Timer with its alarms off.
 pub(crate) struct StepTimer(());
@@ -35,6 +46,16 @@ impl StepTimer {
         while resets.reset_done().read().timer().bit_is_clear() {}
         timer.inte().write(|word| word.alarm_0().set_bit().alarm_1().set_bit());
         Self(())
+    }
+}
+
+/// Lets the interrupt of the steps interrupt the others.
+pub(crate) fn put_steps_first(interrupts: &mut NVIC) {
+    // SAFETY: no critical section relies on priorities.
+    unsafe {
+        interrupts.set_priority(Interrupt::TIMER_IRQ_0, FIRST);
+        interrupts.set_priority(Interrupt::TIMER_IRQ_1, SECOND);
+        interrupts.set_priority(Interrupt::UART0_IRQ, SECOND);
     }
 }
 
@@ -71,9 +92,9 @@ pub(crate) struct SharedAxes(());
 impl SharedAxes {
     /// Gives the axes to the interrupt.
     pub(crate) fn new(_: StepTimer, make: impl FnOnce(Pico) -> NodeAxes) -> Self {
-        critical_section::with(|section| AXES_OF_NODE.borrow_ref_mut(section).replace(make(Pico)));
-        // SAFETY: the interrupts find what they need from here on.
+        // SAFETY: the interrupts are off, and find what they need from here on.
         unsafe {
+            (*AXES_OF_NODE.0.get()).write(make(Pico));
             NVIC::unmask(Interrupt::TIMER_IRQ_0);
             NVIC::unmask(Interrupt::TIMER_IRQ_1);
         }
@@ -88,9 +109,9 @@ impl SharedAxes {
 
 impl Shared<AxisPins, Pico, QUEUE, AXES> for SharedAxes {
     fn with<R>(&mut self, act: impl FnOnce(&mut NodeAxes) -> R) -> R {
-        critical_section::with(|section| {
-            let mut axes = AXES_OF_NODE.borrow_ref_mut(section);
-            let Some(axes) = axes.as_mut() else { unreachable!("made before the thread has it") };
+        cortex_m::interrupt::free(|_| {
+            // SAFETY: `new` has put the axes there, and the interrupt is kept off.
+            let axes = unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() };
             let result = act(axes);
             set_alarm(axes.next_deadline());
             result
@@ -111,19 +132,17 @@ fn set_alarm(deadline: Option<u64>) {
 #[interrupt]
 fn TIMER_IRQ_0() {
     timer().intr().write(|word| word.alarm_0().clear_bit_by_one());
-    critical_section::with(|section| {
-        let mut axes = AXES_OF_NODE.borrow_ref_mut(section);
-        let Some(axes) = axes.as_mut() else { return };
-        let mut deadline = axes.next_deadline();
-        while let Some(tick) = deadline {
-            if now() + LEAD < tick {
-                break;
-            }
-            while now() < tick {}
-            deadline = axes.on_timer();
+    // SAFETY: `SharedAxes::new` has put the axes there before the interrupt was on, and nothing interrupts this one.
+    let axes = unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() };
+    let mut deadline = axes.next_deadline();
+    while let Some(tick) = deadline {
+        if now() + LEAD < tick {
+            break;
         }
-        set_alarm(deadline);
-    });
+        while now() < tick {}
+        deadline = axes.on_timer();
+    }
+    set_alarm(deadline);
 }
 
 #[interrupt]
