@@ -19,6 +19,11 @@ impl Board for Pico {
     }
 
     #[inline(always)]
+    fn wait_until(&mut self, tick: u64) {
+        step_timer::wait_until(tick);
+    }
+
+    #[inline(always)]
     fn wait_ns(&mut self, ns: u32) {
         cortex_m::asm::delay(ns * CYCLES_PER_US / 1_000);
     }

@@ -14,10 +14,6 @@ use crate::{AXES, QUEUE};
 /// Rate of the timer, Hz.
 pub(crate) const TICK_HZ: u32 = 1_000_000;
 
-/// Time before a step at which the interrupt begins, ticks. It then waits for the step's own tick, so that neither the
-/// way into the interrupt nor a critical section of the thread moves the step.
-const LEAD: u64 = 6;
-
 /// Farthest tick for which the alarm is set. It compares 32 bits.
 const FARTHEST: u64 = 1 << 30;
 
@@ -77,6 +73,14 @@ pub(crate) fn now() -> u64 {
     }
 }
 
+/// Waits for a tick that is near, if it has not passed.
+#[inline(always)]
+pub(crate) fn wait_until(tick: u64) {
+    let timer = timer();
+    // The difference of the lower halves is small and positive until the tick.
+    while (tick as u32).wrapping_sub(timer.timerawl().read().bits()) as i32 > 0 {}
+}
+
 /// Sleeps until a tick or the next interrupt, whichever comes first.
 pub(crate) fn sleep_until(tick: u64) {
     timer().alarm1().write(|word| unsafe { word.bits(tick as u32) });
@@ -113,18 +117,18 @@ impl Shared<AxisPins, Pico, QUEUE, AXES> for SharedAxes {
             // SAFETY: `new` has put the axes there, and the interrupt is kept off.
             let axes = unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() };
             let result = act(axes);
-            set_alarm(axes.next_deadline());
+            set_alarm(axes.next_alarm());
             result
         })
     }
 }
 
-/// Sets the alarm for a deadline, or has the interrupt come at once.
-fn set_alarm(deadline: Option<u64>) {
-    let Some(deadline) = deadline else { return };
-    let begins = deadline.saturating_sub(LEAD).min(now() + FARTHEST);
-    timer().alarm0().write(|word| unsafe { word.bits(begins as u32) });
-    if begins <= now() {
+/// Sets the alarm for a tick, or has the interrupt come at once.
+fn set_alarm(tick: Option<u64>) {
+    let Some(tick) = tick else { return };
+    let tick = tick.min(now() + FARTHEST);
+    timer().alarm0().write(|word| unsafe { word.bits(tick as u32) });
+    if tick <= now() {
         NVIC::pend(Interrupt::TIMER_IRQ_0);
     }
 }
@@ -134,15 +138,7 @@ fn TIMER_IRQ_0() {
     timer().intr().write(|word| word.alarm_0().clear_bit_by_one());
     // SAFETY: `SharedAxes::new` has put the axes there before the interrupt was on, and nothing interrupts this one.
     let axes = unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() };
-    let mut deadline = axes.next_deadline();
-    while let Some(tick) = deadline {
-        if now() + LEAD < tick {
-            break;
-        }
-        while now() < tick {}
-        deadline = axes.on_timer();
-    }
-    set_alarm(deadline);
+    set_alarm(axes.on_timer());
 }
 
 #[interrupt]
