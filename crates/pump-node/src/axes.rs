@@ -9,6 +9,10 @@ use crate::board::{Board, Pins};
 /// Largest sum of the step rates of all axes, Hz.
 pub const MAX_STEP_HZ: u32 = 100_000;
 
+/// Time before a step at which the interrupt begins, ns. It covers the way into the interrupt, the critical sections of
+/// the thread and the arithmetic of the step, so that none of them moves it.
+pub const LEAD_NS: u32 = 20_000;
+
 /// Time from a request to begin to the earliest tick at which a move can begin, ns: 1 ms.
 const BEGIN_LEAD_NS: u32 = 1_000_000;
 
@@ -30,26 +34,44 @@ impl<P: Pins, B: Board, const Q: usize, const A: usize> Axes<P, B, Q, A> {
         Self { axes: pins.map(|pins| Axis::new(pins, tick_hz)), board, tick_hz, estop: false }
     }
 
-    /// Makes the steps that are due. Returns the tick at which the timer must fire next, or `None` if all motors
-    /// stand. If the tick has passed, call again at once.
+    /// Makes the steps that are due within [`LEAD_NS`], each at its own tick. Returns the tick at which the timer must
+    /// fire next, or `None` if all motors stand. If the tick has passed, call again at once.
     ///
-    /// Pulses of axes that are due together overlap.
+    /// What a step takes to compute is done before its tick, so that the steps of several axes come together. Their
+    /// pulses overlap.
     pub fn on_timer(&mut self) -> Option<u64> {
         self.look_at_estop();
-        let mut high_ns = None;
+        let now = self.board.now();
+        let within = now.saturating_add(self.lead());
+        let mut raised_ns = None;
         for axis in &mut self.axes {
-            let now = self.board.now();
-            high_ns = high_ns.max(axis.on_timer(now, |ns| self.board.wait_ns(ns)));
+            axis.take_step(now, within);
         }
-        if let Some(high_ns) = high_ns {
+        while let Some(axis) = self.axes.iter_mut().filter(|axis| axis.rises_at().is_some()).min_by_key(|a| a.rises_at()) {
+            self.board.wait_until(axis.rises_at().unwrap_or(now));
+            let high_ns = axis.rise();
+            raised_ns = raised_ns.max(Some(high_ns));
+        }
+        if let Some(high_ns) = raised_ns {
             self.board.wait_ns(high_ns);
             let now = self.board.now();
             self.axes.iter_mut().for_each(|axis| axis.lower(now));
         }
-        self.next_deadline()
+        self.next_alarm()
     }
 
-    /// Returns the tick at which the timer must fire next, or `None` if all motors stand.
+    /// Returns the tick at which the timer must fire next, or `None` if all motors stand. It is [`LEAD_NS`] before the
+    /// next step.
+    pub fn next_alarm(&mut self) -> Option<u64> {
+        let lead = self.lead();
+        self.next_deadline().map(|tick| tick.saturating_sub(lead))
+    }
+
+    fn lead(&self) -> u64 {
+        ns_in_ticks(LEAD_NS, self.tick_hz)
+    }
+
+    /// Returns the tick of the next step, or `None` if all motors stand.
     pub fn next_deadline(&mut self) -> Option<u64> {
         self.axes.iter_mut().filter_map(Axis::next_deadline).min()
     }

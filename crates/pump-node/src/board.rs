@@ -38,6 +38,9 @@ pub trait Board {
     /// Returns the tick of the timer. It never falls, and has 64 bits.
     fn now(&mut self) -> u64;
 
+    /// Waits until the timer is at `tick`, if it is not beyond. It is called in the interrupt, before a step.
+    fn wait_until(&mut self, tick: u64);
+
     /// Waits so many ns at least. It is called in the interrupt, for the pulse of a step.
     fn wait_ns(&mut self, ns: u32);
 

@@ -8,7 +8,8 @@ use pump_link::message::AxisConfig;
 
 use crate::board::{Levels, Pins};
 
-/// A stepper driver. A step raises the pin, and [`Self::lower`] ends the pulse: several axes wait together.
+/// A stepper driver. [`Self::rise`] and [`Self::lower`] make the pulse of a step: several axes wait
+/// together.
 #[derive(Debug)]
 pub(crate) struct Driver<P> {
     pins: P,
@@ -54,6 +55,12 @@ impl<P: Pins> Driver<P> {
         turned
     }
 
+    /// Begins the pulse of a step.
+    pub(crate) fn rise(&mut self) {
+        self.pins.set_step(!self.config.step_active_low);
+        self.raised = true;
+    }
+
     /// Ends the pulse of a step. Returns true if there was one.
     pub(crate) fn lower(&mut self) -> bool {
         let raised = core::mem::take(&mut self.raised);
@@ -73,9 +80,8 @@ impl<P: Pins> StepMotor for Driver<P> {
     type Error = Infallible;
 
     fn step(&mut self, _: Direction) -> Result<(), Infallible> {
-        // The direction pin was set before the move began, and a move never turns round.
-        self.pins.set_step(!self.config.step_active_low);
-        self.raised = true;
+        // `rise` begins the pulse at its tick. The direction pin was set before the move began, and a move never
+        // turns round.
         Ok(())
     }
 

@@ -19,7 +19,7 @@ mod driver;
 mod node;
 mod shared;
 
-pub use axes::{Axes, MAX_STEP_HZ};
+pub use axes::{Axes, LEAD_NS, MAX_STEP_HZ};
 pub use board::{Board, Levels, Pins};
 pub use node::{Node, identity};
 pub use shared::Shared;

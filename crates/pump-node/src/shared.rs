@@ -5,7 +5,7 @@ use crate::board::{Board, Pins};
 
 /// The axes, shared between the thread and the timer's interrupt.
 ///
-/// A firmware takes its critical section around `act`, and sets the timer to [`Axes::next_deadline`] afterwards. Each
+/// A firmware takes its critical section around `act`, and sets the timer to [`Axes::next_alarm`] afterwards. Each
 /// call is short: one segment, one stop, one status.
 pub trait Shared<P: Pins, B: Board, const Q: usize, const A: usize> {
     /// Calls `act` with the axes, while the interrupt is kept off.

@@ -35,6 +35,8 @@ pub(crate) struct Axis<P, const Q: usize> {
     pub(super) rests_from: u64,
     /// Tick from which the step pin may rise again.
     low_until: u64,
+    /// Tick at which the step pin rises for a step that was taken.
+    rises_at: Option<u64>,
     pub(super) angle_lost: bool,
     pub(super) faults: Faults,
 }
@@ -60,6 +62,7 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
             ready_at: 0,
             rests_from: 0,
             low_until: 0,
+            rises_at: None,
             angle_lost: false,
             faults: Faults::default(),
         }
@@ -147,28 +150,41 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         self.actuator.as_mut()?.stepper().next_deadline()
     }
 
-    /// Makes the step that is due at `now`, up to the rise of its pulse. Returns the length of the pulse, ns, or
-    /// `None` if no step was made. `wait_ns` waits where the pulse before is too near.
-    pub(crate) fn on_timer(&mut self, now: u64, wait_ns: impl FnOnce(u32)) -> Option<u32> {
-        let actuator = self.actuator.as_mut()?;
-        if actuator.stepper().next_deadline().is_none_or(|due| now < due) {
-            return None;
+    /// Takes the step that is due at `within` or before. [`Self::rises_at`] then says when its pulse begins. A step that
+    /// is due before `now` is late.
+    pub(crate) fn take_step(&mut self, now: u64, within: u64) {
+        let Some(actuator) = &mut self.actuator else {
+            return;
+        };
+        let Some(due) = actuator.stepper().next_deadline().filter(|due| *due <= within) else {
+            return;
+        };
+        let (at, before) = (due.max(now), actuator.stepper().position());
+        let mut said = actuator.on_timer(at);
+        if actuator.stepper().position() != before {
+            self.rises_at = Some(at.max(self.low_until));
         }
-        let config = *actuator.motor().config();
-        if now < self.low_until {
-            wait_ns(config.step_low_ns);
-        }
-        let before = actuator.stepper().position();
-        let mut said = actuator.on_timer(now);
-        let stepped = actuator.stepper().position() != before;
         if said.is_ok() && !actuator.stepper().is_moving() {
             // The step was the last. The next call says how the move ended.
-            said = actuator.on_timer(now);
+            said = actuator.on_timer(at);
         }
         if !actuator.stepper().is_moving() {
-            self.ended_by_timer(said, now);
+            self.ended_by_timer(said, at);
         }
-        stepped.then_some(config.step_high_ns)
+    }
+
+    /// Returns the tick at which the pulse of the step that was taken begins, or `None` if none was taken.
+    pub(crate) fn rises_at(&self) -> Option<u64> {
+        self.rises_at
+    }
+
+    /// Begins the pulse of the step that was taken. Returns its length, ns.
+    pub(crate) fn rise(&mut self) -> u32 {
+        self.rises_at = None;
+        self.actuator.as_mut().map_or(0, |actuator| {
+            actuator.motor().rise();
+            actuator.motor().config().step_high_ns
+        })
     }
 
     /// Ends the pulse of a step, if there is one.

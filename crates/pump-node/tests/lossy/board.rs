@@ -33,6 +33,11 @@ impl Board for SharedHardware {
         self.0.borrow().now
     }
 
+    fn wait_until(&mut self, tick: u64) {
+        let now = &mut self.0.borrow_mut().now;
+        *now = tick.max(*now);
+    }
+
     fn wait_ns(&mut self, ns: u32) {
         self.0.borrow_mut().now += u64::from(ns).div_ceil(1000);
     }

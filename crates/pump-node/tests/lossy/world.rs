@@ -90,7 +90,7 @@ impl World {
 
     /// Goes on to the next event, at `until_us` at the latest.
     pub(crate) fn go_on(&mut self, host: Option<&mut Host>, until_us: u64) {
-        let timer_us = self.axes.next_deadline().map(|tick| tick + self.booted_us);
+        let timer_us = self.axes.next_alarm().map(|tick| tick + self.booted_us);
         let events = [self.to_node.next_at(), timer_us, Some(self.next_poll_us), Some(until_us)];
         let awake = host.is_some() && self.now_us >= self.held_up_until_us;
         let hosts = if awake { [self.to_host.next_at(), Some(self.next_act_us)] } else { [None; 2] };

@@ -1,0 +1,130 @@
+// An emulated Raspberry Pi Pico with the node's firmware: bytes and input levels in, bytes and edges out.
+
+import { readFileSync } from 'node:fs';
+import { GPIOPinState, Simulator } from 'rp2040js';
+
+/** Time of one cycle at 125 MHz, in ns. */
+const CYCLE_NS = 8;
+/** Start of the flash (RP2040 datasheet, section 2.2). */
+const FLASH = 0x10000000;
+/** Start of the vector table: the 256 bytes before it are the second boot stage. */
+const VECTORS = FLASH + 0x100;
+/** Exception number of the first interrupt (ARMv6-M, table B1-1), and the interrupts of the timer's four alarms. */
+const FIRST_INTERRUPT = 16;
+const TIMER_INTERRUPTS = 4;
+/** Type of a loadable segment in an ELF file. */
+const PT_LOAD = 1;
+/** Level of a pin that the board does not drive. */
+const UNDRIVEN = 2;
+/** Bits of a byte on the line: start, eight data, stop. */
+const BITS_PER_BYTE = 10;
+
+/** Board whose time passes only in `advance`. */
+export class Board {
+  /**
+   * @param {string} firmware path of the ELF file
+   * @param {number} baud rate of the bytes that are fed, in bit/s
+   */
+  constructor(firmware, baud) {
+    this.image = readFileSync(firmware);
+    this.byteNs = (BITS_PER_BYTE * 1e9) / baud;
+    this.sent = [];
+    this.edges = [];
+    this.counts = { all: 0, alarms: 0, alarm: 0, worst: 0, before: 0, within: false };
+    this.lived = 0;
+    this.power();
+  }
+
+  /** Time since the board was made, in ns. A reset does not turn it back, although the board's timer begins anew. */
+  get now() {
+    return this.lived + this.chip.clock.nanos;
+  }
+
+  /** Puts a new chip in the old one's place and starts the firmware at its reset vector. The boot ROM is not needed. */
+  power() {
+    if (this.chip) {
+      this.lived = this.now;
+      this.chip.gpio.forEach((_, pin) => this.edges.push({ ns: this.lived, pin, level: UNDRIVEN }));
+    }
+    const { image } = this;
+    const chip = new Simulator().rp2040;
+    this.chip = chip;
+    this.fed = [];
+    this.nextByteNs = 0;
+    chip.logger = { debug() {}, info() {}, warn() {}, error() {} };
+    chip.uart[0].onByte = (byte) => this.sent.push(byte);
+    chip.gpio.forEach((pin, number) => {
+      pin.addListener((state) => this.edges.push({ ns: this.now, pin: number, level: level(state) }));
+    });
+    const elf = new DataView(image.buffer, image.byteOffset, image.byteLength);
+    const [first, size, number] = [elf.getUint32(28, true), elf.getUint16(42, true), elf.getUint16(44, true)];
+    for (let header = first; header < first + number * size; header += size) {
+      if (elf.getUint32(header, true) !== PT_LOAD) continue;
+      const [at, address, length] = [4, 12, 16].map((field) => elf.getUint32(header + field, true));
+      if (length) chip.flash.set(image.subarray(at, at + length), address - FLASH);
+    }
+    chip.core.VTOR = VECTORS;
+    chip.core.reset();
+  }
+
+  /** Feeds bytes from now on, each in the time that the line takes for it. */
+  feed(bytes) {
+    this.nextByteNs = Math.max(this.nextByteNs, this.chip.clock.nanos + this.byteNs);
+    for (const byte of bytes) this.fed.push(byte);
+  }
+
+  /** Runs until a time, in ns, or until the board has sent a frame's last byte (zero) if `untilFrame` is true. */
+  advance(untilNs, untilFrame) {
+    const { chip, fed, lived } = this;
+    const { core, clock } = chip;
+    const endNs = untilNs - lived;
+    while (clock.nanos < endNs) {
+      if (fed.length && clock.nanos >= this.nextByteNs) {
+        chip.uart[0].feedByte(fed.shift());
+        this.nextByteNs += this.byteNs;
+      }
+      if (core.waiting) {
+        const byteNs = fed.length ? this.nextByteNs : endNs;
+        const alarmNs = clock.nextAlarm ? clock.nextAlarm.nanos : endNs;
+        clock.tick(Math.max(CYCLE_NS, Math.min(byteNs, alarmNs, endNs) - clock.nanos));
+      } else {
+        clock.tick(core.executeInstruction() * CYCLE_NS);
+        this.count(core.IPSR);
+      }
+      if (untilFrame && this.sent.length && this.sent[this.sent.length - 1] === 0) return;
+    }
+  }
+
+  /** Counts the instruction just executed: in all, and within the interrupts of the timer's alarms. */
+  count(exception) {
+    const { counts } = this;
+    counts.all += 1;
+    const within = exception >= FIRST_INTERRUPT && exception < FIRST_INTERRUPT + TIMER_INTERRUPTS;
+    if (within) {
+      counts.alarm += 1;
+    } else if (counts.within) {
+      counts.alarms += 1;
+      counts.worst = Math.max(counts.worst, counts.alarm - counts.before);
+    }
+    if (within && !counts.within) counts.before = counts.alarm - 1;
+    counts.within = within;
+  }
+
+  /** Sets the level of an input pin. */
+  input(pin, high) {
+    this.chip.gpio[pin].setInputValue(high);
+  }
+
+  /** Takes what the board has sent and the edges of its pins since the last call. */
+  take() {
+    const taken = { bytes: this.sent, edges: this.edges };
+    [this.sent, this.edges] = [[], []];
+    return taken;
+  }
+}
+
+/** Level of a pin: 0 low, 1 high, or `UNDRIVEN`. */
+function level(state) {
+  if (state === GPIOPinState.Low) return 0;
+  return state === GPIOPinState.High ? 1 : UNDRIVEN;
+}

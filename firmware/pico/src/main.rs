@@ -1,0 +1,114 @@
+//! The node on a Raspberry Pi Pico.
+//!
+//! The pins are fixed (docs/node.md). GP0 and GP1 are the serial port, 460,800 baud. Axis k has step on GP(2 + 4k),
+//! direction on GP(3 + 4k), enable on GP(4 + 4k), its index sensor on GP(5 + 4k), and its driver's fault output on
+//! GP(18 + k). GP22 is the emergency stop: low while it is released.
+//!
+//! Two interrupts run. The timer's alarm 0 makes the steps. The serial port's takes and sends bytes. Everything else is
+//! in the loop below.
+#![no_std]
+#![no_main]
+
+mod axis_pins;
+mod boot;
+mod lights;
+mod pico;
+mod serial;
+mod step_timer;
+
+use core::panic::PanicInfo;
+
+use pump_node::{Axes, Node, identity};
+use rp2040_hal::clocks::{Clock, init_clocks_and_plls};
+use rp2040_hal::{Sio, Watchdog, entry, pac};
+
+use axis_pins::AxisPins;
+use lights::Light;
+use serial::Serial;
+use step_timer::{SharedAxes, StepTimer, TICK_HZ};
+
+/// Number of axes.
+const AXES: usize = 4;
+
+/// Number of segments that the queue of an axis holds.
+const QUEUE: usize = 256;
+
+/// Rate of the crystal, Hz.
+const CRYSTAL_HZ: u32 = 12_000_000;
+
+/// Time between two looks at the dead-man time, ticks: 1 ms.
+const POLL_TICKS: u64 = 1_000;
+
+#[entry]
+fn main() -> ! {
+    let Some((mut registers, mut cores)) = pac::Peripherals::take().zip(pac::CorePeripherals::take()) else { halt() };
+    let mut watchdog = Watchdog::new(registers.WATCHDOG);
+    let clocks = init_clocks_and_plls(
+        CRYSTAL_HZ,
+        registers.XOSC,
+        registers.CLOCKS,
+        registers.PLL_SYS,
+        registers.PLL_USB,
+        &mut registers.RESETS,
+        &mut watchdog,
+    );
+    let Ok(clocks) = clocks else { halt() };
+    let sio = Sio::new(registers.SIO);
+    let gpio = rp2040_hal::gpio::Pins::new(
+        registers.IO_BANK0,
+        registers.PADS_BANK0,
+        sio.gpio_bank0,
+        &mut registers.RESETS,
+    );
+    axis_pins::make_inputs();
+    step_timer::put_steps_first(&mut cores.NVIC);
+    let mut light = Light::new(gpio.gpio25);
+    let timer = StepTimer::new(registers.TIMER, &mut registers.RESETS);
+    let line = clocks.peripheral_clock.freq();
+    let Some(mut serial) = Serial::new(registers.UART0, (gpio.gpio0, gpio.gpio1), &mut registers.RESETS, line) else { halt() };
+    let mut shared = SharedAxes::new(timer, |pico| Axes::new(AxisPins::ALL, pico, TICK_HZ));
+    let mut node = Node::new(identity::<QUEUE, AXES>(pico::board_number(), firmware_version(), TICK_HZ));
+    let mut poll_at = 0;
+    loop {
+        while let Some(byte) = serial.take() {
+            if let Some(answer) = node.on_byte(byte, step_timer::now(), &mut shared) {
+                serial.send(answer.bytes());
+            }
+        }
+        let now = step_timer::now();
+        if now >= poll_at {
+            poll_at = now + POLL_TICKS;
+            node.poll(now, &mut shared);
+            light.show(now, node.session() != 0, shared.is_moving());
+        }
+        step_timer::sleep_until(poll_at);
+    }
+}
+
+/// Version of this firmware.
+const fn firmware_version() -> [u16; 3] {
+    [number(env!("CARGO_PKG_VERSION_MAJOR")), number(env!("CARGO_PKG_VERSION_MINOR")), number(env!("CARGO_PKG_VERSION_PATCH"))]
+}
+
+/// Number that decimal digits write.
+const fn number(digits: &str) -> u16 {
+    let (bytes, mut value, mut at) = (digits.as_bytes(), 0, 0);
+    while at < bytes.len() {
+        value = 10 * value + (bytes[at] - b'0') as u16;
+        at += 1;
+    }
+    value
+}
+
+/// Stops for good. Interrupts are off, and motors hold.
+fn halt() -> ! {
+    cortex_m::interrupt::disable();
+    loop {
+        cortex_m::asm::wfi();
+    }
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo<'_>) -> ! {
+    halt()
+}

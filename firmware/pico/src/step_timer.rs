@@ -1,0 +1,147 @@
+//! The timer that makes the steps: 64 bits at 1 MHz, and its alarm 0.
+#![allow(unsafe_code)]
+
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
+
+use pump_node::{Axes, Shared};
+use rp2040_hal::pac::{self, Interrupt, NVIC, RESETS, TIMER, interrupt};
+
+use crate::axis_pins::AxisPins;
+use crate::pico::Pico;
+use crate::{AXES, QUEUE};
+
+/// Rate of the timer, Hz.
+pub(crate) const TICK_HZ: u32 = 1_000_000;
+
+/// Farthest tick for which the alarm is set. It compares 32 bits.
+const FARTHEST: u64 = 1 << 30;
+
+type NodeAxes = Axes<AxisPins, Pico, QUEUE, AXES>;
+
+/// Place of the axes. It is not part of the firmware's image, unlike a value would be.
+struct Place(UnsafeCell<MaybeUninit<NodeAxes>>);
+
+// SAFETY: the thread uses the axes within critical sections alone. The interrupt uses them, has the highest priority
+// and is on from the moment when they are there.
+unsafe impl Sync for Place {}
+
+static AXES_OF_NODE: Place = Place(UnsafeCell::new(MaybeUninit::uninit()));
+
+/// Priorities of the interrupts: that of the steps comes before all others (ARMv6-M has four, in the upper bits).
+const FIRST: u8 = 0;
+const SECOND: u8 = 1 << 6;
+
+/// Timer with its alarms off.
+pub(crate) struct StepTimer(());
+
+impl StepTimer {
+    /// Takes the timer, which counts µs.
+    pub(crate) fn new(timer: TIMER, resets: &mut RESETS) -> Self {
+        resets.reset().modify(|_, word| word.timer().clear_bit());
+        while resets.reset_done().read().timer().bit_is_clear() {}
+        timer.inte().write(|word| word.alarm_0().set_bit().alarm_1().set_bit());
+        Self(())
+    }
+}
+
+/// Lets the interrupt of the steps interrupt the others.
+pub(crate) fn put_steps_first(interrupts: &mut NVIC) {
+    // SAFETY: no critical section relies on priorities.
+    unsafe {
+        interrupts.set_priority(Interrupt::TIMER_IRQ_0, FIRST);
+        interrupts.set_priority(Interrupt::TIMER_IRQ_1, SECOND);
+        interrupts.set_priority(Interrupt::UART0_IRQ, SECOND);
+    }
+}
+
+fn timer() -> &'static pac::timer::RegisterBlock {
+    // SAFETY: the registers used here are read, or written by the interrupt and within critical sections.
+    unsafe { &*TIMER::ptr() }
+}
+
+/// Returns the tick, µs since the reset.
+#[inline(always)]
+pub(crate) fn now() -> u64 {
+    let timer = timer();
+    loop {
+        let high = timer.timerawh().read().bits();
+        let low = timer.timerawl().read().bits();
+        if timer.timerawh().read().bits() == high {
+            return (u64::from(high) << 32) | u64::from(low);
+        }
+    }
+}
+
+/// Waits for a tick that is near, if it has not passed.
+#[inline(always)]
+pub(crate) fn wait_until(tick: u64) {
+    let timer = timer();
+    // The difference of the lower halves is small and positive until the tick.
+    while (tick as u32).wrapping_sub(timer.timerawl().read().bits()) as i32 > 0 {}
+}
+
+/// Sleeps until a tick or the next interrupt, whichever comes first.
+pub(crate) fn sleep_until(tick: u64) {
+    timer().alarm1().write(|word| unsafe { word.bits(tick as u32) });
+    // The alarm compares for equality, so a tick that has passed would not wake.
+    if now() < tick {
+        cortex_m::asm::wfi();
+    }
+}
+
+/// Axes that the thread and the interrupt share.
+pub(crate) struct SharedAxes(());
+
+impl SharedAxes {
+    /// Gives the axes to the interrupt.
+    pub(crate) fn new(_: StepTimer, make: impl FnOnce(Pico) -> NodeAxes) -> Self {
+        // SAFETY: the interrupts are off, and find what they need from here on.
+        unsafe {
+            (*AXES_OF_NODE.0.get()).write(make(Pico));
+            NVIC::unmask(Interrupt::TIMER_IRQ_0);
+            NVIC::unmask(Interrupt::TIMER_IRQ_1);
+        }
+        Self(())
+    }
+
+    /// Returns true if any motor moves.
+    pub(crate) fn is_moving(&mut self) -> bool {
+        self.with(|axes| axes.is_moving())
+    }
+}
+
+impl Shared<AxisPins, Pico, QUEUE, AXES> for SharedAxes {
+    fn with<R>(&mut self, act: impl FnOnce(&mut NodeAxes) -> R) -> R {
+        cortex_m::interrupt::free(|_| {
+            // SAFETY: `new` has put the axes there, and the interrupt is kept off.
+            let axes = unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() };
+            let result = act(axes);
+            set_alarm(axes.next_alarm());
+            result
+        })
+    }
+}
+
+/// Sets the alarm for a tick, or has the interrupt come at once.
+fn set_alarm(tick: Option<u64>) {
+    let Some(tick) = tick else { return };
+    let tick = tick.min(now() + FARTHEST);
+    timer().alarm0().write(|word| unsafe { word.bits(tick as u32) });
+    if tick <= now() {
+        NVIC::pend(Interrupt::TIMER_IRQ_0);
+    }
+}
+
+#[interrupt]
+fn TIMER_IRQ_0() {
+    timer().intr().write(|word| word.alarm_0().clear_bit_by_one());
+    // SAFETY: `SharedAxes::new` has put the axes there before the interrupt was on, and nothing interrupts this one.
+    let axes = unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() };
+    set_alarm(axes.on_timer());
+}
+
+#[interrupt]
+fn TIMER_IRQ_1() {
+    timer().intr().write(|word| word.alarm_1().clear_bit_by_one());
+}
