@@ -27,6 +27,11 @@ impl Board for Shared {
         self.0.borrow().now
     }
 
+    fn wait_until(&mut self, tick: u64) {
+        let now = &mut self.0.borrow_mut().now;
+        *now = tick.max(*now);
+    }
+
     fn wait_ns(&mut self, ns: u32) {
         self.0.borrow_mut().now += u64::from(ns) / 1000;
     }
@@ -102,7 +107,7 @@ fuzz_target!(|data: &[u8]| {
         hardware.0.borrow_mut().estop = *kind == 255;
         // Up to 20 steps, each at its time or late.
         for _ in 0..20 {
-            let Some(due) = axes.next_deadline() else { break };
+            let Some(due) = axes.next_alarm() else { break };
             let now = due.max(hardware.0.borrow().now) + u64::from(kind >> 6) * 50;
             if now > 1 << 40 {
                 return;

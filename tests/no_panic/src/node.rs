@@ -44,6 +44,10 @@ impl Board for AnyBoard {
         black_box(0)
     }
 
+    fn wait_until(&mut self, tick: u64) {
+        black_box(tick);
+    }
+
     fn wait_ns(&mut self, ns: u32) {
         black_box(ns);
     }
@@ -66,6 +70,7 @@ pub fn node() {
         black_box((
             axes.on_timer(),
             axes.next_deadline(),
+            axes.next_alarm(),
             axes.is_moving(),
             axes.status(black_box(1)),
             node.session(),

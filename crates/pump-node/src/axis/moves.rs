@@ -64,7 +64,8 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
     pub(crate) fn prepare(&mut self, move_number: u32, order: MoveOrder, now: u64) -> Result<(), Refusal> {
         let tick_hz = self.tick_hz;
         let actuator = self.configured()?;
-        if !actuator.stepper().clear() {
+        // From here on the executor knows where the move ends, and never goes beyond.
+        if !actuator.stepper().clear() || actuator.stepper().set_end(order.last).is_err() {
             return Err(Refusal::Moving);
         }
         if let Err(Fault::Motor { error, .. }) = actuator.watch_index() {
@@ -119,7 +120,6 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         let refused = Refusal::Segment { number };
         let end =
             end.filter(within).filter(|_| shortest >= self.order.shortest_interval.into()).ok_or(refused)?;
-        let last = self.order.last;
         let actuator = self.configured()?;
         let tick_rate = actuator.stepper().tick_rate();
         match actuator.stepper().push(segment, tick_rate) {
@@ -129,7 +129,6 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
             Err(PushError::Stopped) => return Err(Refusal::NoSuchMove { newest: move_number }),
             Err(_) => return Err(refused),
         }
-        tell_end(actuator, end, last);
         self.taken_end = end;
         self.expected.taken();
         Ok(true)
@@ -242,13 +241,3 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
 
 /// Longest time from the earliest tick at which a move can begin to the tick at which it does, s.
 const LATEST_BEGIN_S: u64 = 10;
-
-/// Tells the executor where the move ends: `end` is the position after the last segment taken, `last` that of the
-/// whole move.
-///
-/// This is the only place where the executor learns it.
-fn tell_end<P: Pins, const Q: usize>(actuator: &mut Actuator<Driver<P>, Q>, end: i64, last: i64) {
-    if end == last {
-        actuator.stepper().finish();
-    }
-}

@@ -39,6 +39,11 @@ impl Board for Shared {
         self.0.borrow().now
     }
 
+    fn wait_until(&mut self, tick: u64) {
+        let now = &mut self.0.borrow_mut().now;
+        *now = tick.max(*now);
+    }
+
     fn wait_ns(&mut self, ns: u32) {
         self.0.borrow_mut().now += u64::from(ns).div_ceil(1000);
     }
@@ -233,9 +238,9 @@ impl Direct {
     pub(crate) fn run_to(&mut self, tick: u64) {
         while self.now() < tick {
             let poll = (self.now() / 1000 + 1) * 1000;
-            let next = self.axes.next_deadline().unwrap_or(u64::MAX).min(poll).min(tick);
+            let next = self.axes.next_alarm().unwrap_or(u64::MAX).min(poll).min(tick);
             self.with(|hardware| hardware.now = next.max(hardware.now));
-            while self.axes.next_deadline().is_some_and(|due| due <= self.now()) {
+            while self.axes.next_alarm().is_some_and(|due| due <= self.now()) {
                 let _ = self.axes.on_timer();
             }
             if self.now() >= poll {
