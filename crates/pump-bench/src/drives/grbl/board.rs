@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use super::error::GrblError;
 use super::reply::{BoardState, BoardStatus, Replies, Reply};
-use super::wire::Wire;
+use crate::drives::wire::Wire;
 use crate::drives::StopRequest;
 
 /// Time between two questions for the position. grbl's documentation asks for at most five to ten a second of

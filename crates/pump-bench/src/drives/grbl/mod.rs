@@ -12,7 +12,6 @@ pub mod reply;
 mod scale;
 mod search;
 mod settings;
-pub mod wire;
 
 pub use axis::Grbl;
 pub(super) use axis::open;
