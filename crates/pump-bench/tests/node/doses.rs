@@ -8,9 +8,14 @@ use crate::world::TICK_HZ;
 
 #[test]
 fn every_step_comes_within_a_microsecond_of_its_time() {
-    for (volume_ml, ml_s, smooth) in
-        [(2.0, 1.0, false), (2.0, 1.0, true), (4.0, 4.0, true), (6.0, 8.0, true), (-3.0, 4.0, true), (5.0, 8.0, false)]
-    {
+    for (volume_ml, ml_s, smooth) in [
+        (2.0, 1.0, false),
+        (2.0, 1.0, true),
+        (4.0, 4.0, true),
+        (6.0, 8.0, true),
+        (-3.0, 4.0, true),
+        (5.0, 8.0, false),
+    ] {
         let rig = Rig::new();
         let plan = dose(volume_ml, ml_s, smooth);
         let mut drive = rig.open();

@@ -83,8 +83,8 @@ fn a_user_who_asks_to_stop_is_heard_while_a_board_is_sought() {
 #[test]
 fn a_dose_that_the_line_cannot_carry_is_refused_before_anything_moves() {
     let rig = Rig::new();
-    let mut drive = rig.open_by(&Rig::table().with_baud(9600), &rig.opening()).unwrap();
-    let refused = drive.check(&dose(25.0, 8.0, true)).unwrap_err();
+    let mut drive = rig.open_by(&Rig::table().with_baud(1200), &rig.opening()).unwrap();
+    let refused = drive.check(&dose(100.0, 8.0, true)).unwrap_err();
     assert!(matches!(node_error(&refused), NodeError::Demand(_)), "{refused:?}");
     assert!(rig.world.rises().is_empty());
     drive.connect().unwrap();

@@ -3,9 +3,9 @@
 use std::error::Error;
 use std::path::PathBuf;
 
+use pump_bench::built_in;
 use pump_bench::drives::{Drive, DriveError, Leave, Node, NodeError, Opening};
 use pump_bench::pump_file::{DriveTable, DriverName};
-use pump_bench::built_in;
 use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
 use pump_ctl::step::TickRate;
 
@@ -71,13 +71,14 @@ pub(crate) fn times(plan: &Plan) -> Vec<f64> {
     times
 }
 
-/// Returns the largest distance of a rise from the plan's time after the tick of the begin, in ticks. The begin is
-/// the tick from which the first step comes at its time.
+/// Returns the largest distance of a rise from the plan's time, in ticks, after the begin from which it is smallest.
 pub(crate) fn worst(rises: &[u64], plan: &Plan) -> f64 {
     let times = times(plan);
     assert_eq!(rises.len(), times.len());
-    let begin = rises[0] as f64 - times[0].floor();
-    rises.iter().zip(&times).map(|(rise, time)| (*rise as f64 - begin - time).abs()).fold(0.0, f64::max)
+    let late = rises.iter().zip(&times).map(|(rise, time)| *rise as f64 - time);
+    let (least, most) =
+        late.fold((f64::MAX, f64::MIN), |(least, most), late| (late.min(least), late.max(most)));
+    (most - least) / 2.0
 }
 
 /// Returns the drive's own error.

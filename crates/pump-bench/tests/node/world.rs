@@ -167,7 +167,8 @@ impl World {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
         self.random ^= self.random << 17;
-        self.is_cut || (self.random >> 11) as f64 / (1_u64 << 53) as f64 < self.lost
+        let random = (self.random >> 11) as f64 / (1_u64 << 53) as f64;
+        self.is_cut || random < self.lost
     }
 
     fn send(&mut self, way: usize, bytes: &[u8]) {
@@ -202,7 +203,8 @@ impl World {
     /// Goes on to the next event, at `until_us` at the latest.
     fn go_on(&mut self, until_us: u64) {
         let timer_us = self.axes.next_deadline().map(|tick| tick + self.booted_us);
-        let nexts = [timer_us, self.to_node.front().map(|(at, _)| *at), self.events.front().map(|(at, _)| *at)];
+        let nexts =
+            [timer_us, self.to_node.front().map(|(at, _)| *at), self.events.front().map(|(at, _)| *at)];
         let next = nexts.into_iter().flatten().chain([self.next_poll_us, until_us]).min().unwrap();
         self.now_us = self.now_us.max(next);
         if self.events.front().is_some_and(|(at, _)| *at <= self.now_us) {

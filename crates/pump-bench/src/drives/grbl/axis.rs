@@ -16,10 +16,10 @@ use super::recovery::Made;
 use super::reply::Reply;
 use super::scale::Scale;
 use super::settings::{self, Flavour, MOST_STEPS_S, Settings};
+use crate::drives::wire::{BoardPort, Wire};
 use crate::drives::{
     Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Opening, Watch,
 };
-use crate::drives::wire::{BoardPort, Wire};
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::{DriveTable, DriverName, MotorTable, PumpFile};
 

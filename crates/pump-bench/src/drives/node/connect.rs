@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use pump_ctl::step::{Brake, TickRate};
-use pump_link::message::{Answer, AxisConfig, AxisState, AxisStatus, FaultCounts, Identity, MAX_PACKED, Refusal, Request};
+use pump_link::message::{
+    Answer, AxisConfig, AxisState, AxisStatus, FaultCounts, Identity, MAX_PACKED, Refusal, Request,
+};
 use pump_link::packing::{Codec, Grain};
 
 use super::board::Board;
@@ -107,8 +109,7 @@ pub(super) fn meet(
     let (record, holds) = given!(session(&identity, held, terms));
     link.begin(record.session);
     let (baud, dead_man_ms) = (terms.baud, DEAD_MAN_MS);
-    let mut board =
-        Board { link, identity, tick_rate, axis, move_number: 0, revision: 0, baud, dead_man_ms };
+    let mut board = Board { link, identity, tick_rate, axis, move_number: 0, revision: 0, baud, dead_man_ms };
     match take_over(&mut board, terms, &brake, holds) {
         Ok((status, disturbed)) => {
             Ok(Met { board, brake, position: status.position, disturbed, unread: status.unread })
@@ -255,21 +256,25 @@ pub(super) fn configure(
     };
     let mut first = taken(board.ask(&Request::Configure { axis, revision, config })?.answer)?;
     let entries: Vec<_> = brake.climb().copied().collect();
-    while let Some(rest) = entries.get(usize::from(first)..).filter(|rest| !rest.is_empty()) {
+    // A board that holds all entries of an attempt that it refused takes the configuration by an empty rest.
+    loop {
+        let rest = entries.get(usize::from(first)..).unwrap_or_default();
         let mut packed = [0; MAX_PACKED];
         let mut room = &mut packed[..];
         let mut codec = Codec::new(Grain::Exact);
         let written = rest.iter().take_while(|entry| codec.write(entry, &mut room).is_ok()).count();
         let used = MAX_PACKED - room.len();
-        let entries = packed.get(..used).unwrap_or_default();
-        let there = taken(board.ask(&Request::Brake { axis, revision, first, entries })?.answer)?;
+        let part = packed.get(..used).unwrap_or_default();
+        let there = taken(board.ask(&Request::Brake { axis, revision, first, entries: part })?.answer)?;
+        if usize::from(there) >= entries.len() {
+            board.revision = revision;
+            return Ok(());
+        }
         if written == 0 || there <= first {
             return Err(NodeError::Answer);
         }
         first = there;
     }
-    board.revision = revision;
-    Ok(())
 }
 
 /// Confirms the faults that were read, so that the board forgets them.

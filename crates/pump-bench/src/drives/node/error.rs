@@ -150,7 +150,9 @@ pub enum NodeError {
         expected: i64,
     },
     /// Something else moves the board.
-    #[error("the board has been moving for {waited_s:.0} s without being told to by this program; stop what moves it")]
+    #[error(
+        "the board has been moving for {waited_s:.0} s without being told to by this program; stop what moves it"
+    )]
     Moving {
         /// Time waited, in s.
         waited_s: f64,

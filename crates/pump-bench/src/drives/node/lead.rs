@@ -41,7 +41,8 @@ impl SentLead {
         let goal = self.goal(plan, made);
         let part = (goal.saturating_sub(made) / PARTS).max(1);
         loop {
-            let wants = self.left < goal && (goal == self.all || goal - self.left >= part || self.reach() <= made);
+            let wants =
+                self.left < goal && (goal == self.all || goal - self.left >= part || self.reach() <= made);
             let about_to = if wants { (self.left.max(made) + part).min(goal) } else { self.left };
             match gate(made, about_to) {
                 Leave::Go => self.left = self.left.max(about_to),

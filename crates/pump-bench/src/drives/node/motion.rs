@@ -101,8 +101,7 @@ impl<'a> Motion<'a> {
         };
         let steps = Steps::new(self.plan, board.tick_rate, &free, self.made);
         let hz = board.tick_rate.hz();
-        let mut feed =
-            MoveFeed::new(board.move_number, order, steps, self.made, self.task.brake_steps, hz);
+        let mut feed = MoveFeed::new(board.move_number, order, steps, self.made, self.task.brake_steps, hz);
         loop {
             let ended = match self.turn(&mut feed, gate) {
                 Err(NodeError::Quiet { .. }) => self.find_again(&mut feed),

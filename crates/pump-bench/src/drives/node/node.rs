@@ -138,7 +138,12 @@ impl Node {
     }
 
     /// Makes the steps of `plan`. Returns the number of steps made, with the step at which the index was found.
-    fn travel(&mut self, plan: &Plan, gate: &mut Gate<'_>, seeks: bool) -> Result<(u64, Option<u64>), DriveFault> {
+    fn travel(
+        &mut self,
+        plan: &Plan,
+        gate: &mut Gate<'_>,
+        seeks: bool,
+    ) -> Result<(u64, Option<u64>), DriveFault> {
         // From here on the gate hears the user.
         self.be_deaf(true);
         let task = self.task(plan);

@@ -48,8 +48,7 @@ impl SessionRecord {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
             read => read.map_err(|error| unread(error.to_string()))?,
         };
-        let recorded: Recorded =
-            serde_json::from_slice(&bytes).map_err(|error| unread(error.to_string()))?;
+        let recorded: Recorded = serde_json::from_slice(&bytes).map_err(|error| unread(error.to_string()))?;
         if recorded.schema != SCHEMA {
             return Err(unread(format!("its schema is {:?}; allowed: {SCHEMA:?}", recorded.schema)));
         }
