@@ -89,12 +89,12 @@ pub(super) fn meet(
     mut link: Link,
     terms: &Terms,
     make_brake: impl FnOnce(TickRate) -> Result<Brake, NodeError>,
-) -> Result<Met, (Link, NodeError)> {
+) -> Result<Met, (Box<Link>, NodeError)> {
     macro_rules! given {
         ($result:expr) => {
             match $result {
                 Ok(value) => value,
-                Err(error) => return Err((link, error)),
+                Err(error) => return Err((Box::new(link), error)),
             }
         };
     }
@@ -102,7 +102,7 @@ pub(super) fn meet(
     let axis = terms.axis as u8;
     if axis >= identity.axes {
         let (axis, axes) = (format!("{:?}", terms.axis).chars().next().unwrap_or('?'), identity.axes);
-        return Err((link, NodeError::NoAxis { axis, axes }));
+        return Err((Box::new(link), NodeError::NoAxis { axis, axes }));
     }
     let tick_rate = given!(TickRate::from_hz(identity.tick_hz).ok_or(NodeError::NoTimer));
     let brake = given!(make_brake(tick_rate));
@@ -114,7 +114,7 @@ pub(super) fn meet(
         Ok((status, disturbed)) => {
             Ok(Met { board, brake, position: status.position, disturbed, unread: status.unread })
         }
-        Err(error) => Err((board.link, error)),
+        Err(error) => Err((Box::new(board.link), error)),
     }
 }
 

@@ -109,7 +109,7 @@ impl Node {
                 Ok(())
             }
             Err((link, error)) => {
-                self.at = At::Apart(Box::new(link));
+                self.at = At::Apart(link);
                 Err(error)
             }
         }
