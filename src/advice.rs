@@ -110,6 +110,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::AcceptSettings => {
             "if you changed them, say `--accept-settings` once, otherwise set them back"
         }
+        Remedy::AcceptBoard => "if the board was replaced, say `--accept-settings` once",
         Remedy::WriteSettingsAnew => "`--accept-settings` writes it anew",
         Remedy::SeekOffset => "seek it with --offset",
         Remedy::CheckPump => "`dose pumps check` says what they give",

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use pump_bench::built_in;
-use pump_bench::drives::grbl_wire::Wire;
+use pump_bench::drives::wire::Wire;
 use pump_bench::drives::{Drive, Grbl, Leave, Opening};
 use pump_bench::pump_file::{DriveTable, DriverName};
 use pump_ctl::plan::{Cruise, Doser, Phase, Request};

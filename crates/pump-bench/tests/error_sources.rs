@@ -113,6 +113,8 @@ fn with_causes() -> Vec<Box<dyn Error>> {
         Box::new(DriveFault::at(3, stalled())),
         #[cfg(feature = "grbl")]
         Box::new(DriveError::from(pump_bench::drives::GrblError::Gone(gone()))),
+        #[cfg(feature = "node")]
+        Box::new(DriveError::from(pump_bench::drives::NodeError::Gone(gone()))),
         Box::new(DoseError::from(pump_file())),
         Box::new(DoseError::from(PlanError::from(WRONG))),
         Box::new(DoseError::from(folder())),

@@ -116,10 +116,10 @@ fn summary(course: &Course, file: &PumpFile) -> Result<Vec<String>, Failure> {
     );
     line("motor", &steps);
     let board = match &file.drive {
-        Some(drive) if drive.driver == DriverName::Grbl => {
+        Some(drive) if drive.driver != DriverName::Sim => {
             let port =
                 drive.port.as_ref().map_or_else(|| "no port".to_owned(), |port| port.display().to_string());
-            format!("grbl at {port}, axis {}", drive.axis)
+            format!("{} at {port}, axis {}", drive.driver, drive.axis)
         }
         _ => "sim: no motor moves".to_owned(),
     };

@@ -5,7 +5,7 @@ use std::io;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use pump_bench::drives::grbl_wire::Wire;
+use pump_bench::drives::wire::Wire;
 use pump_bench::drives::{Grbl, Opening};
 use pump_bench::pump_file::{DriveTable, DriverName};
 

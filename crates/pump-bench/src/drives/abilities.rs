@@ -28,6 +28,9 @@ impl Abilities {
     /// Abilities of a board that speaks grbl's protocol.
     pub(super) const GRBL: Self = Self::new().with_index(true).with_readback(true).with_release(true);
 
+    /// Abilities of a node: a board that makes each step at the plan's time.
+    pub(super) const NODE: Self = Self::GRBL.with_step_times(true).with_angle_dependent_speed(true);
+
     /// Returns the abilities of a drive that runs at constant speed on ramps of its own, and has neither a sensor
     /// nor a count.
     pub const fn new() -> Self {

@@ -7,25 +7,29 @@ mod drive;
 mod grbl;
 pub(crate) mod grbl_speeds;
 mod identity;
+#[cfg(feature = "node")]
+mod node;
+#[cfg(not(all(feature = "grbl", feature = "node")))]
+mod not_built;
 mod opening;
 pub(crate) mod registry;
 mod sim;
 mod stepped;
 mod stop_request;
-#[cfg(not(feature = "grbl"))]
-mod without_grbl;
+#[doc(hidden)]
+#[cfg(any(feature = "grbl", feature = "node"))]
+pub mod wire;
 
 pub use abilities::Abilities;
 pub use drive::{Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Leave, Watch};
 #[doc(hidden)]
 #[cfg(feature = "grbl")]
 pub use grbl::reply as grbl_reply;
-#[doc(hidden)]
-#[cfg(feature = "grbl")]
-pub use grbl::wire as grbl_wire;
 #[cfg(feature = "grbl")]
 pub use grbl::{Grbl, GrblError, ask_ports, serial_ports};
 pub(crate) use identity::Identity;
+#[cfg(feature = "node")]
+pub use node::{Node, NodeError};
 pub use opening::Opening;
 pub use sim::Sim;
 pub use stepped::{MonotonicClock, Stepped, SteppedError};

@@ -8,10 +8,14 @@ use super::drive::{Drive, DriveError};
 #[cfg(feature = "grbl")]
 use super::grbl;
 use super::identity::Identity;
+#[cfg(feature = "node")]
+use super::node;
+#[cfg(not(feature = "grbl"))]
+use super::not_built as grbl;
+#[cfg(not(feature = "node"))]
+use super::not_built as node;
 use super::opening::Opening;
 use super::sim;
-#[cfg(not(feature = "grbl"))]
-use super::without_grbl as grbl;
 use crate::pump_file::{DriveTable, DriverName, PumpFile};
 
 /// Returns the identity of a drive, whatever device it finds.
@@ -19,6 +23,7 @@ pub(crate) fn identity(driver: DriverName) -> Identity {
     let (is_simulated, abilities) = match driver {
         DriverName::Sim => (true, sim::ABILITIES),
         DriverName::Grbl => (false, Abilities::GRBL),
+        DriverName::Node => (false, Abilities::NODE),
     };
     Identity { id: driver.as_str().to_owned(), is_simulated, abilities }
 }
@@ -37,5 +42,6 @@ pub(crate) fn open<'a>(
     Ok(match table.driver {
         DriverName::Sim => Box::new(sim::Sim::new(model)?),
         DriverName::Grbl => grbl::open(table, file, opening)?,
+        DriverName::Node => node::open(table, file, opening)?,
     })
 }

@@ -132,6 +132,8 @@ pub enum Remedy {
     AcceptSettings,
     /// Have the record of the board's settings written anew.
     WriteSettingsAnew,
+    /// Connect the board on record, or accept the one at the port from now on.
+    AcceptBoard,
     /// Seek the offset of the points too.
     SeekOffset,
     /// See what follows from the pump file.
@@ -211,6 +213,7 @@ impl Remedy {
         Self::ConfigureOrRaise,
         Self::AcceptSettings,
         Self::WriteSettingsAnew,
+        Self::AcceptBoard,
         Self::SeekOffset,
         Self::CheckPump,
         Self::PrintSource,

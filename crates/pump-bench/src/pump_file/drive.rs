@@ -13,7 +13,7 @@ use crate::words::words;
 /// use pump_bench::pump_file::{Axis, DriveTable, DriverName};
 ///
 /// let table = DriveTable::of(DriverName::Grbl).with_port("/dev/ttyUSB0").with_axis(Axis::Y);
-/// assert_eq!((table.baud, table.axis), (115_200, Axis::Y));
+/// assert_eq!((table.rate_baud(), table.axis), (115_200, Axis::Y));
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -24,9 +24,9 @@ pub struct DriveTable {
     /// Serial port of the controller, such as `/dev/ttyUSB0`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub port: Option<PathBuf>,
-    /// Rate of the serial port, in bits per second. Most boards on a USB cable speak 115200.
-    #[serde(default = "usual_baud")]
-    pub baud: u32,
+    /// Rate of the serial port, in bits per second. `None` takes the driver's usual rate.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub baud: Option<u32>,
     /// Axis of the controller that turns the pump head.
     #[serde(default)]
     pub axis: Axis,
@@ -46,11 +46,6 @@ pub struct DriveTable {
     pub index_width_deg: f64,
 }
 
-/// Returns the usual rate of a serial port, in bits per second.
-fn usual_baud() -> u32 {
-    115_200
-}
-
 /// Returns the width that a forked light barrier on a disc of a few centimetres keeps to, in deg.
 fn usual_index_width_deg() -> f64 {
     0.5
@@ -64,9 +59,11 @@ pub enum DriverName {
     Sim,
     /// Axis of a controller that speaks the protocol of grbl 1.1 over a serial port: grbl, grblHAL, FluidNC.
     Grbl,
+    /// Axis of a board that runs this project's own firmware and makes each step at the plan's time.
+    Node,
 }
 
-/// An axis of a controller. grbl 1.1 has the first three.
+/// An axis of a controller. grbl 1.1 has the first three, a node the first four: its axes 0 to 3.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Axis {
     /// Axis with the settings 100, 110 and 120.
@@ -84,7 +81,7 @@ pub enum Axis {
     C,
 }
 
-words!(DriverName { Sim = "sim", Grbl = "grbl" });
+words!(DriverName { Sim = "sim", Grbl = "grbl", Node = "node" });
 words!(Axis { X = "X", Y = "Y", Z = "Z", A = "A", B = "B", C = "C" });
 
 impl DriveTable {
@@ -93,7 +90,7 @@ impl DriveTable {
         Self {
             driver,
             port: None,
-            baud: usual_baud(),
+            baud: None,
             axis: Axis::default(),
             invert: false,
             hold_timeout_s: None,
@@ -111,7 +108,7 @@ impl DriveTable {
     /// Returns the table with a rate of the serial port, in bits per second.
     #[must_use]
     pub fn with_baud(self, baud: u32) -> Self {
-        Self { baud, ..self }
+        Self { baud: Some(baud), ..self }
     }
 
     /// Returns the table with the axis that turns the pump head.
@@ -138,11 +135,21 @@ impl DriveTable {
         Self { index_angle_deg: Some(index_angle_deg), ..self }
     }
 
+    /// Returns the rate of the serial port, in bits per second: the one that is given, or the driver's usual one.
+    ///
+    /// Most grbl boards on a USB cable speak 115200. A node needs more for a smooth flow.
+    pub fn rate_baud(&self) -> u32 {
+        self.baud.unwrap_or(match self.driver {
+            DriverName::Sim | DriverName::Grbl => 115_200,
+            DriverName::Node => 460_800,
+        })
+    }
+
     /// Refuses a table without the port that its driver needs.
     pub(super) fn check_port(&self) -> Result<(), WrongValue> {
         let needs_port = match self.driver {
             DriverName::Sim => false,
-            DriverName::Grbl => true,
+            DriverName::Grbl | DriverName::Node => true,
         };
         if needs_port && self.port.is_none() {
             let allowed = "a serial port, as \"/dev/ttyUSB0\"";
@@ -153,7 +160,9 @@ impl DriveTable {
 
     /// Refuses the first value outside its range.
     pub(super) fn check(&self) -> Result<(), WrongValue> {
-        within("[drive] baud", self.baud, 300..=4_000_000)?;
+        if let Some(baud) = self.baud {
+            within("[drive] baud", baud, 300..=4_000_000)?;
+        }
         if let Some(time_s) = self.hold_timeout_s {
             allow(time_s >= 0.0 && time_s.is_finite(), "[drive] hold_timeout_s", time_s, "0 or more")?;
         }

@@ -106,6 +106,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::AcceptSettings => {
             "if you changed them, open the bench with accept_settings=True once, otherwise set them back"
         }
+        Remedy::AcceptBoard => "if the board was replaced, open the bench with accept_settings=True once",
         Remedy::WriteSettingsAnew => "Bench.open() with accept_settings=True writes it anew",
         Remedy::SeekOffset => "seek it with offset=True",
         Remedy::CheckPump => "Pump.from_toml() shows what they give",

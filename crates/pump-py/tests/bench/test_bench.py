@@ -250,7 +250,7 @@ def test_release_and_a_new_tube_are_on_record(bench: pm.Bench) -> None:
 @pytest.mark.parametrize(
     ("keywords", "message"),
     [
-        ({"driver": "stepper"}, "driver is 'stepper'; allowed: 'sim', 'grbl'"),
+        ({"driver": "stepper"}, "driver is 'stepper'; allowed: 'sim', 'grbl', 'node'"),
         ({"port": "/dev/null"}, "port is given, but the motor is simulated"),
         ({"configure": True}, "configure is given, but the motor is simulated"),
         ({"tube_limit": "-1L"}, "is negative"),

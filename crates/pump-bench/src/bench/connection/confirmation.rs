@@ -49,7 +49,7 @@ impl Bench {
         let (file, motor) = (self.file(), &self.file().motor);
         let mut values =
             vec![format!("{} steps per revolution of the motor, gear {}", motor.steps_per_rev, motor.gear)];
-        if file.drive.is_none() && self.drive().driver == DriverName::Grbl {
+        if file.drive.is_none() && self.drive().driver != DriverName::Sim {
             values.push(format!("forward as axis {:?} counts up", self.drive().axis));
         }
         let is_head = |known: &PumpFile| {

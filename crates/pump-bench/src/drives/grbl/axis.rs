@@ -16,7 +16,7 @@ use super::recovery::Made;
 use super::reply::Reply;
 use super::scale::Scale;
 use super::settings::{self, Flavour, MOST_STEPS_S, Settings};
-use super::wire::{BoardPort, Wire};
+use crate::drives::wire::{BoardPort, Wire};
 use crate::drives::{
     Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Opening, Watch,
 };
@@ -63,7 +63,8 @@ impl Grbl {
     /// [`DriveError`] if the port is missing or in use, no grbl board answers, or its settings do not fit the
     /// pump or differ from those on record.
     pub fn open(table: &DriveTable, motor: &MotorTable, opening: &Opening) -> Result<Self, DriveError> {
-        Self::over(Box::new(BoardPort::open(table)?), table, motor, opening)
+        let port = BoardPort::open(table.port.as_deref(), table.rate_baud())?;
+        Self::over(Box::new(port), table, motor, opening)
     }
 
     /// Opens the board at the other end of `wire`, as [`Self::open`] does.

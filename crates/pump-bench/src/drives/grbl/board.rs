@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use super::error::GrblError;
 use super::reply::{BoardState, BoardStatus, Replies, Reply};
-use super::wire::Wire;
 use crate::drives::StopRequest;
+use crate::drives::wire::Wire;
 
 /// Time between two questions for the position. grbl's documentation asks for at most five to ten a second of
 /// a slow machine's user interface. A board answers hundreds.

@@ -60,7 +60,7 @@ pub(super) fn find(board: &mut Board, table: &DriveTable) -> Result<bool, GrblEr
     let port = table.port.clone().unwrap_or_default();
     let heard: String = noise.chars().take(60).collect();
     let heard = if heard.is_empty() { heard } else { format!(" (it said {heard:?})") };
-    Err(GrblError::NoGrbl { port, baud: table.baud, waited_s: ANSWER_LIMIT.as_secs_f64(), heard })
+    Err(GrblError::NoGrbl { port, baud: table.rate_baud(), waited_s: ANSWER_LIMIT.as_secs_f64(), heard })
 }
 
 /// Waits until the board says nothing but status reports. Returns true if a banner was among its lines.

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::drives::DriveError;
+use crate::drives::wire::PortError;
 
 use super::code::{alarm_text, error_text, stops_at_once};
 
@@ -317,6 +318,16 @@ impl From<GrblError> for DriveError {
         match error {
             GrblError::Interrupted => Self::Interrupted,
             error => Self::Device(Box::new(error)),
+        }
+    }
+}
+
+impl From<PortError> for DriveError {
+    fn from(error: PortError) -> Self {
+        match error {
+            PortError::Unnamed => GrblError::NoPort.into(),
+            PortError::Busy { device, holder } => Self::Busy { device, holder },
+            PortError::Open { port, reason } => GrblError::Open { port, reason }.into(),
         }
     }
 }

@@ -13,7 +13,6 @@ pub mod reply;
 mod scale;
 mod search;
 mod settings;
-pub mod wire;
 
 pub use ask::{ask_ports, serial_ports};
 pub use axis::Grbl;

@@ -8,5 +8,10 @@ mod pace;
 mod stepped;
 mod watched_motor;
 
+#[cfg(feature = "node")]
+pub(super) use lead::Lead;
+#[cfg(feature = "node")]
+pub(super) use pace::steps_from;
+
 pub use clock::MonotonicClock;
 pub use stepped::{Stepped, SteppedError};

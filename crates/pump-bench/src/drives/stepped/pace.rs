@@ -74,7 +74,7 @@ impl Pace<'_> {
 
 /// Returns the steps of `plan` after the first `made`, from rest, for a timer of this rate. The steps end where the
 /// motor comes to rest.
-pub(super) fn steps_from<'a>(
+pub(in crate::drives) fn steps_from<'a>(
     plan: &'a Plan,
     tick_rate: TickRate,
     lead: &'a Lead,

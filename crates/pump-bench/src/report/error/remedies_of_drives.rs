@@ -1,8 +1,12 @@
 //! The remedies of the errors of drives.
 
+use std::error::Error as StdError;
+
 use crate::drives::DriveError;
 #[cfg(feature = "grbl")]
 use crate::drives::GrblError;
+#[cfg(feature = "node")]
+use crate::drives::NodeError;
 use crate::notice::Remedy;
 
 impl DriveError {
@@ -10,10 +14,7 @@ impl DriveError {
     pub(super) fn known_remedies(&self) -> Vec<Remedy> {
         match self {
             Self::Unable { instead, .. } => vec![*instead],
-            #[cfg(feature = "grbl")]
-            Self::Device(error) => error.downcast_ref::<GrblError>().and_then(of_grbl).into_iter().collect(),
-            #[cfg(not(feature = "grbl"))]
-            Self::Device(_) => Vec::new(),
+            Self::Device(error) => of_device(error.as_ref()).into_iter().collect(),
             Self::Busy { .. }
             | Self::Interrupted
             | Self::Name { .. }
@@ -22,6 +23,34 @@ impl DriveError {
             | Self::NotBuilt { .. }
             | Self::Sim(_) => Vec::new(),
         }
+    }
+}
+
+/// Returns the remedy of a device's own error.
+fn of_device(error: &(dyn StdError + Send + Sync + 'static)) -> Option<Remedy> {
+    #[cfg(feature = "grbl")]
+    if let Some(error) = error.downcast_ref::<GrblError>() {
+        return of_grbl(error);
+    }
+    #[cfg(feature = "node")]
+    if let Some(error) = error.downcast_ref::<NodeError>() {
+        return of_node(error);
+    }
+    let _ = error;
+    None
+}
+
+/// Returns the remedy of an error of a node, where the text of the error does not say it.
+#[cfg(feature = "node")]
+fn of_node(error: &NodeError) -> Option<Remedy> {
+    match error {
+        NodeError::NoPort => Some(Remedy::NamePort),
+        NodeError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
+        NodeError::SessionRecord { .. } => Some(Remedy::WriteSettingsAnew),
+        NodeError::Gone(_) => Some(Remedy::CheckCable),
+        NodeError::Count { .. } => Some(Remedy::FindAngle),
+        NodeError::Estop | NodeError::Driver => Some(Remedy::ThenFindAngle),
+        _ => None,
     }
 }
 

@@ -1,5 +1,6 @@
 //! The wire to a board: its bytes, and the clock of every wait for them.
 
+mod error;
 mod holder;
 mod port;
 
@@ -7,6 +8,7 @@ use std::fmt::Debug;
 use std::io;
 use std::time::Duration;
 
+pub(super) use error::PortError;
 pub(super) use port::BoardPort;
 
 /// Wire to a board.

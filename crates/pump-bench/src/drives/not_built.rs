@@ -1,4 +1,4 @@
-//! The drive of grbl boards, in a program that is built without it.
+//! The drive of a board, in a program that is built without it.
 
 use super::drive::{Drive, DriveError};
 use super::opening::Opening;

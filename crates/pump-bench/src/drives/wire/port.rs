@@ -6,10 +6,8 @@ use std::time::{Duration, Instant};
 
 use serialport::SerialPort;
 
-use super::super::error::GrblError;
+use super::error::PortError;
 use super::{Wire, holder};
-use crate::drives::DriveError;
-use crate::pump_file::DriveTable;
 
 /// Longest wait for the system to take bytes.
 const WRITE_LIMIT: Duration = Duration::from_secs(2);
@@ -20,30 +18,30 @@ const LONGEST_PAUSE: Duration = Duration::from_millis(500);
 
 /// Serial port that no other process has.
 #[derive(Debug)]
-pub(in super::super) struct BoardPort {
+pub(in crate::drives) struct BoardPort {
     serial: Box<dyn SerialPort>,
     /// Time on the clock, and the instant at which it was read.
     clock: (Duration, Instant),
 }
 
 impl BoardPort {
-    /// Opens the port of `table` for this process alone.
-    pub(in super::super) fn open(table: &DriveTable) -> Result<Self, DriveError> {
-        let path = table.port.as_deref().ok_or(GrblError::NoPort)?;
-        let fails = |reason: String| GrblError::Open { port: path.to_owned(), reason };
-        let busy = || DriveError::Busy { device: path.to_owned(), holder: holder::of(path) };
+    /// Opens the port at `path` for this process alone, at a rate in bits per second.
+    pub(in crate::drives) fn open(path: Option<&Path>, baud: u32) -> Result<Self, PortError> {
+        let path = path.ok_or(PortError::Unnamed)?;
+        let fails = |reason: String| PortError::Open { port: path.to_owned(), reason };
+        let busy = || PortError::Busy { device: path.to_owned(), holder: holder::of(path) };
         // This handle is opened first: once serialport has the device, no other open succeeds.
         let line = match SerialHandle::open(path) {
             Ok(line) => line,
             Err(error) if error.kind() == io::ErrorKind::ResourceBusy => return Err(busy()),
-            Err(error) => return Err(fails(error.to_string()).into()),
+            Err(error) => return Err(fails(error.to_string())),
         };
         // serialport takes a lock of the system (flock) and forbids further opens (TIOCEXCL).
-        let builder = serialport::new(path.to_string_lossy(), table.baud).timeout(Duration::from_millis(1));
+        let builder = serialport::new(path.to_string_lossy(), baud).timeout(Duration::from_millis(1));
         let serial = match builder.open() {
             Ok(serial) => serial,
             Err(error) if holder::has_it(&error, path) => return Err(busy()),
-            Err(error) => return Err(fails(error.to_string()).into()),
+            Err(error) => return Err(fails(error.to_string())),
         };
         line.stays_awake().map_err(|error| fails(error.to_string()))?;
         serial.clear(serialport::ClearBuffer::Input).map_err(|error| fails(error.to_string()))?;

@@ -1,0 +1,236 @@
+//! The errors of a node.
+
+use std::io;
+use std::path::PathBuf;
+
+use pump_ctl::step::BrakeError;
+use pump_link::frame::VERSION;
+use pump_link::message::Refusal;
+use pump_link::sender::{StreamError, TooFast, WindowError};
+use thiserror::Error;
+
+use crate::drives::DriveError;
+use crate::drives::wire::PortError;
+
+/// Error of a node: a board that makes each step at the plan's time.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum NodeError {
+    /// No serial port is named.
+    #[error("no serial port is named for the board")]
+    NoPort,
+    /// The port cannot be opened.
+    #[error("{} cannot be opened as a serial port: {reason}", .port.display())]
+    Open {
+        /// Path of the port.
+        port: PathBuf,
+        /// Cause of the failure, as the system tells it.
+        reason: String,
+    },
+    /// Nothing answers at the port.
+    #[error(
+        "no board answers at {} within {waited_s:.0} s at {baud} baud; check the port, the board's power, and \
+         [drive] baud", .port.display()
+    )]
+    Silent {
+        /// Path of the port.
+        port: PathBuf,
+        /// Rate of the port, in bits per second.
+        baud: u32,
+        /// Time for which the board was asked, in s.
+        waited_s: f64,
+    },
+    /// Something else than a node is at the port.
+    #[error(
+        "something answers at {} with {bytes} bytes at {baud} baud, and they are no frame of the board's \
+         firmware; check the port, [drive] baud, and that the board runs the firmware of the driver node",
+        .port.display()
+    )]
+    Foreign {
+        /// Path of the port.
+        port: PathBuf,
+        /// Rate of the port, in bits per second.
+        baud: u32,
+        /// Number of bytes that came.
+        bytes: usize,
+    },
+    /// The firmware speaks another version of the protocol.
+    #[error(
+        "the board's firmware speaks version {theirs} of the protocol, and this program speaks {VERSION}; update \
+         the older of the two"
+    )]
+    Version {
+        /// Version that the board speaks.
+        theirs: u8,
+    },
+    /// Another board is at the port than the one on record.
+    #[error(
+        "the board at {} is number {found:016x}, and the pump's record is of board {recorded:016x}; connect that \
+         board, or name its port", .port.display()
+    )]
+    OtherBoard {
+        /// Path of the port.
+        port: PathBuf,
+        /// Number of the board at the port.
+        found: u64,
+        /// Number of the board on record.
+        recorded: u64,
+    },
+    /// The board lacks the axis.
+    #[error("the board has {axes} axes, and [drive] axis is {axis:?}; its axes 0 to 3 are X, Y, Z and A")]
+    NoAxis {
+        /// Letter of the axis.
+        axis: char,
+        /// Number of axes of the board.
+        axes: u8,
+    },
+    /// The board says that its timer stands.
+    #[error("the board says that its timer has 0 ticks a second; load its firmware anew")]
+    NoTimer,
+    /// The record of the board and its session cannot be used.
+    #[error("the record of the board's session cannot be {action}: {reason} ({})", .record.display())]
+    SessionRecord {
+        /// Operation that failed, as the message words it.
+        action: &'static str,
+        /// Path of the record.
+        record: PathBuf,
+        /// Cause of the failure.
+        reason: String,
+    },
+    /// The motor's way to rest cannot be computed for the board's timer.
+    #[error("the motor's brake cannot be made for the board's timer")]
+    Brake(#[from] BrakeError),
+    /// The dose needs more steps per second than the board makes.
+    #[error(
+        "the dose needs up to {steps_s:.0} steps/s, and the board makes {most_s} at most; dose slower, or with \
+         fewer microsteps"
+    )]
+    Fast {
+        /// Most steps per second of the plan.
+        steps_s: f64,
+        /// Most steps per second of the board.
+        most_s: u32,
+    },
+    /// The segments of the plan cannot reach the board in time.
+    #[error(transparent)]
+    Demand(#[from] TooFast),
+    /// A segment of the plan cannot be sent.
+    #[error("the plan cannot be sent to the board")]
+    Stream(#[from] StreamError),
+    /// A request cannot be sent.
+    #[error("a request cannot be sent to the board")]
+    Request(#[from] WindowError),
+    /// The board refused a request.
+    #[error("the board refused a request: {0}")]
+    Refused(Refusal),
+    /// The board answered something that does not fit the request.
+    #[error("the board answered something that does not fit; load its firmware anew")]
+    Answer,
+    /// The connection to the board broke.
+    #[error("the connection to the board broke")]
+    Gone(#[source] io::Error),
+    /// The board does not answer.
+    #[error("the board has not answered for {waited_s:.1} s; check its cable and power")]
+    Quiet {
+        /// Time without an answer, in s.
+        waited_s: f64,
+    },
+    /// The board was reset, or another program has taken it.
+    #[error("the board was reset, or another program has taken it; its motor may have moved")]
+    Reset,
+    /// The board let go of its motor.
+    #[error("the board has let go of the motor since it was last told to hold it")]
+    LetGo,
+    /// The board's count differs from the steps made.
+    #[error("the board counts {counted} steps where {expected} were expected: the rotor's angle is unknown")]
+    Count {
+        /// Count that the board reports, in steps.
+        counted: i64,
+        /// Count that was expected, in steps.
+        expected: i64,
+    },
+    /// Something else moves the board.
+    #[error(
+        "the board has been moving for {waited_s:.0} s without being told to by this program; stop what moves it"
+    )]
+    Moving {
+        /// Time waited, in s.
+        waited_s: f64,
+    },
+    /// The board heard nothing of this program for too long, and stopped.
+    #[error(
+        "the board stopped because it heard nothing of this program for {dead_man_ms} ms; check its cable, and \
+         what held this computer up"
+    )]
+    DeadMan {
+        /// Time without a word, in ms.
+        dead_man_ms: u16,
+    },
+    /// A step came too late.
+    #[error("the board stopped because a step came when the next one was due already; dose slower")]
+    Late,
+    /// The motor's driver reported a fault.
+    #[error("the motor's driver reported a fault; check its temperature, its supply and the motor's cable")]
+    Driver,
+    /// The emergency stop was pressed.
+    #[error("the emergency stop is pressed, or was pressed in motion; see that it is safe, and release it")]
+    Estop,
+    /// The board was stopped by somebody else.
+    #[error("the board was stopped by another program; find out why before the rest is made")]
+    StoppedElsewhere,
+    /// The board does not stop.
+    #[error("the board has not come to rest for {waited_s:.0} s after it was told to stop; switch it off")]
+    Unstoppable {
+        /// Time waited, in s.
+        waited_s: f64,
+    },
+    /// The user asked to stop while the board was at rest.
+    #[error("stopped by the user before anything moved")]
+    Interrupted,
+}
+
+impl NodeError {
+    /// Returns true if nothing more can be heard from the board.
+    pub(super) fn ends_link(&self) -> bool {
+        matches!(self, Self::Gone(_) | Self::Quiet { .. } | Self::Reset)
+    }
+
+    /// Returns true if the rotor's angle is unknown after this error.
+    pub(super) fn loses(&self) -> bool {
+        matches!(self, Self::Count { .. } | Self::Driver | Self::Estop)
+    }
+
+    /// Returns the error of a refusal.
+    pub(super) fn of(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::Session => Self::Reset,
+            Refusal::Version { known } => Self::Version { theirs: known },
+            Refusal::Estop => Self::Estop,
+            Refusal::Driver => Self::Driver,
+            Refusal::AngleLost => Self::LetGo,
+            refusal => Self::Refused(refusal),
+        }
+    }
+}
+
+impl From<NodeError> for DriveError {
+    fn from(error: NodeError) -> Self {
+        match error {
+            NodeError::Interrupted => Self::Interrupted,
+            error => Self::Device(Box::new(error)),
+        }
+    }
+}
+
+impl From<PortError> for NodeOpening {
+    fn from(error: PortError) -> Self {
+        Self(match error {
+            PortError::Unnamed => NodeError::NoPort.into(),
+            PortError::Busy { device, holder } => DriveError::Busy { device, holder },
+            PortError::Open { port, reason } => NodeError::Open { port, reason }.into(),
+        })
+    }
+}
+
+/// Error of a port, in the words of this drive.
+pub(super) struct NodeOpening(pub(super) DriveError);

@@ -1,0 +1,268 @@
+//! One axis of a node, as the drive of a pump.
+
+use std::time::Duration;
+
+use pump_ctl::plan::{Motor, Plan};
+use pump_ctl::step::Brake;
+use pump_link::message::FaultCounts;
+
+use super::board::Board;
+use super::connect::{self, Met, Terms};
+use super::error::{NodeError, NodeOpening};
+use super::link::Link;
+use super::motion::Motion;
+use super::outcome::Fault;
+use super::task::Task;
+use crate::drives::wire::{BoardPort, Wire};
+use crate::drives::{
+    Abilities, Disturbance, Drive, DriveError, DriveFault, Gate, IndexSearch, Opening, Watch,
+};
+use crate::notice::Notice;
+use crate::pump_file::{DriveTable, DriverName, MotorTable, PumpFile};
+
+/// Time between two questions of a wait at rest.
+const POLL: Duration = Duration::from_millis(20);
+
+/// Opens the axis that `table` names, for the pump of `file`.
+pub(crate) fn open(
+    table: &DriveTable,
+    file: &PumpFile,
+    opening: &Opening,
+) -> Result<Box<dyn Drive>, DriveError> {
+    Ok(Box::new(Node::open(table, &file.motor, opening)?))
+}
+
+/// One axis of a node: a board with this project's own firmware, which makes each step at the plan's time.
+#[derive(Debug)]
+pub struct Node {
+    motor: Motor,
+    terms: Terms,
+    /// Board, or the link to it while it has to be met anew.
+    at: At,
+    /// Count of the board at rest. `None` if nobody knows it until the board is met anew.
+    stands: Option<i64>,
+    disturbed: Option<Disturbance>,
+    notes: Vec<Notice>,
+}
+
+/// Place of the link to the board.
+#[derive(Debug)]
+enum At {
+    /// The board was met, and its axis is configured.
+    Met { board: Box<Board>, brake: Box<Brake> },
+    /// The board has to be met anew.
+    Apart(Box<Link>),
+    /// The link is handed on.
+    Nowhere,
+}
+
+impl Node {
+    /// Opens the port that `table` names, meets the board, and configures its axis. Moves nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`DriveError`] if the port is missing or in use, no node answers, it is another board than the one on record,
+    /// or it lacks the axis.
+    pub fn open(table: &DriveTable, motor: &MotorTable, opening: &Opening) -> Result<Self, DriveError> {
+        let port = BoardPort::open(table.port.as_deref(), table.rate_baud());
+        let port = port.map_err(|error| NodeOpening::from(error).0)?;
+        Self::over(Box::new(port), table, motor, opening)
+    }
+
+    /// Opens the board at the other end of `wire`, as [`Self::open`] does.
+    #[doc(hidden)]
+    pub fn over(
+        wire: Box<dyn Wire>,
+        table: &DriveTable,
+        motor: &MotorTable,
+        opening: &Opening,
+    ) -> Result<Self, DriveError> {
+        let link = Link::new(wire, opening.stop.clone());
+        let mut node = Self {
+            motor: motor.at_pump_head(),
+            terms: Terms::new(table, opening.settings_record.as_deref(), opening.accept_settings),
+            at: At::Apart(Box::new(link)),
+            stands: None,
+            disturbed: None,
+            notes: Vec::new(),
+        };
+        node.meet()?;
+        Ok(node)
+    }
+
+    /// Meets the board, unless it was met.
+    fn meet(&mut self) -> Result<(), NodeError> {
+        let link = match std::mem::replace(&mut self.at, At::Nowhere) {
+            At::Apart(link) => *link,
+            met => {
+                self.at = met;
+                return Ok(());
+            }
+        };
+        let motor = self.motor;
+        match connect::meet(link, &self.terms, |tick_rate| Ok(motor.brake(tick_rate)?)) {
+            Ok(Met { board, brake, position, disturbed, unread }) => {
+                self.at = At::Met { board: Box::new(board), brake: Box::new(brake) };
+                self.stands = Some(position);
+                self.disturbed = disturbed;
+                self.notes.extend(faults_noted(unread));
+                Ok(())
+            }
+            Err((link, error)) => {
+                self.at = At::Apart(link);
+                Err(error)
+            }
+        }
+    }
+
+    /// Has the board met anew before it moves again.
+    fn part(&mut self) {
+        self.at = match std::mem::replace(&mut self.at, At::Nowhere) {
+            At::Met { board, .. } => At::Apart(Box::new(board.link)),
+            apart => apart,
+        };
+    }
+
+    /// Returns the task of `plan` for the board, or refuses it before anything moves.
+    fn task(&mut self, plan: &Plan) -> Result<Task, NodeError> {
+        let At::Met { board, brake } = &mut self.at else { return Err(NodeError::Reset) };
+        let (status, _) = board.status()?;
+        if status.angle_lost || !status.energised {
+            return Err(NodeError::LetGo);
+        }
+        let expected = self.stands.replace(status.position);
+        if let Some(expected) = expected.filter(|expected| *expected != status.position) {
+            return Err(NodeError::Count { counted: status.position, expected });
+        }
+        Task::new(plan, brake, &board.identity, self.terms.baud)
+    }
+
+    /// Makes the steps of `plan`. Returns the number of steps made, with the step at which the index was found.
+    fn travel(
+        &mut self,
+        plan: &Plan,
+        gate: &mut Gate<'_>,
+        seeks: bool,
+    ) -> Result<(u64, Option<u64>), DriveFault> {
+        // From here on the gate hears the user.
+        self.be_deaf(true);
+        let task = self.task(plan);
+        let made = task.map_err(|error| Fault { error, least: 0, most: 0 }).and_then(|task| {
+            let before = self.stands.unwrap_or(0);
+            match &mut self.at {
+                At::Met { board, .. } => Motion::new(board, plan, task, before, seeks).make(gate),
+                _ => Err(Fault { error: NodeError::Reset, least: 0, most: 0 }),
+            }
+        });
+        self.be_deaf(false);
+        let known = match &made {
+            Ok((made, _)) => Some(*made as i64),
+            Err(fault) => fault.known(),
+        };
+        let direction = i64::from(plan.direction().sign());
+        self.stands = self.stands.zip(known).map(|(before, made)| before + direction * made);
+        made.map_err(|fault| {
+            self.part();
+            fault.of_drive()
+        })
+    }
+
+    /// Has the link hear no request to stop while a gate does.
+    fn be_deaf(&mut self, is_deaf: bool) {
+        match &mut self.at {
+            At::Met { board, .. } => board.link.is_deaf = is_deaf,
+            At::Apart(link) => link.is_deaf = is_deaf,
+            At::Nowhere => {}
+        }
+    }
+}
+
+impl Drive for Node {
+    fn id(&self) -> &str {
+        DriverName::Node.as_str()
+    }
+
+    fn abilities(&self) -> Abilities {
+        Abilities::NODE
+    }
+
+    fn count(&self) -> Option<i64> {
+        self.stands
+    }
+
+    fn disturbed(&mut self) -> Option<Disturbance> {
+        self.disturbed.take()
+    }
+
+    fn connect(&mut self) -> Result<(), DriveError> {
+        Ok(self.meet()?)
+    }
+
+    fn check(&mut self, plan: &Plan) -> Result<(), DriveError> {
+        let checked = self.task(plan);
+        if checked.is_err() {
+            self.part();
+        }
+        Ok(checked.map(drop)?)
+    }
+
+    fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
+        self.travel(plan, gate, false).map(|(made, _)| made)
+    }
+
+    fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<IndexSearch, DriveFault> {
+        if !self.terms.has_index {
+            return Err(DriveFault::at(0, DriveError::no_index(self.id())));
+        }
+        let (made, index_at) = self.travel(plan, gate, true)?;
+        Ok(IndexSearch { made, beyond: index_at.map(|at| made.saturating_sub(at)) })
+    }
+
+    fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {
+        let wait = Duration::try_from_secs_f64(settle_s).unwrap_or_default();
+        let link = match &mut self.at {
+            At::Met { board, .. } => &mut board.link,
+            At::Apart(link) => link,
+            At::Nowhere => return Ok(None),
+        };
+        let until = link.now() + wait;
+        loop {
+            let left = until.saturating_sub(link.now());
+            if left.is_zero() || watch().is_break() || link.heed().is_err() {
+                return Ok(None);
+            }
+            // A connection that broke at rest is the next motion's fault: the steps made are known.
+            if link.pass(left.min(POLL)).is_err() {
+                link.sleep(left.min(POLL));
+            }
+        }
+    }
+
+    fn notes(&mut self) -> Vec<Notice> {
+        std::mem::take(&mut self.notes)
+    }
+
+    fn release(&mut self) -> Result<(), DriveError> {
+        let At::Met { board, brake } = &mut self.at else { return Err(NodeError::Reset.into()) };
+        connect::configure(board, &self.terms, brake, false)?;
+        self.disturbed = Some(Disturbance::Disabled);
+        self.part();
+        Ok(())
+    }
+}
+
+/// Returns the note on faults that the board has counted since they were last read.
+fn faults_noted(unread: FaultCounts) -> Option<Notice> {
+    let kinds = [
+        (unread.late, "late steps"),
+        (unread.starved, "empty queues"),
+        (unread.driver, "faults of the motor's driver"),
+        (unread.link, "stops for want of a word from the computer"),
+        (unread.estop, "emergency stops"),
+    ];
+    let named: Vec<String> =
+        kinds.iter().filter(|(count, _)| *count > 0).map(|(count, kind)| format!("{count} {kind}")).collect();
+    (!named.is_empty()).then(|| {
+        Notice::from(format!("the board has counted faults since they were last read: {}", named.join(", ")))
+    })
+}

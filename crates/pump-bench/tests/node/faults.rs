@@ -1,0 +1,103 @@
+//! Links that break, boards that are reset, and emergency stops.
+
+use pump_bench::drives::{Disturbance, Drive, NodeError};
+
+use crate::rig::{Rig, dose, go, node_error, run, worst};
+use crate::world::Event;
+
+#[test]
+fn a_reset_in_mid_dose_leaves_a_bracket_that_holds_the_truth() {
+    for in_ms in [50, 300, 900, 1500] {
+        let rig = Rig::new();
+        let plan = dose(10.0, 4.0, true);
+        let mut drive = rig.open();
+        drive.check(&plan).unwrap();
+        rig.world.plan(in_ms, Event::Reset);
+        let fault = drive.run(&plan, &mut go).unwrap_err();
+        let count = rig.world.count();
+        assert!(matches!(node_error(&fault.error), NodeError::Reset), "{:?}", fault.error);
+        assert!((fault.made_least..=fault.made_most).contains(&count), "{count} {fault:?}");
+        assert!(fault.made_most <= plan.steps());
+        assert_eq!(drive.count(), None);
+        rig.world.pass(1000);
+        assert_eq!(rig.world.count(), count, "nothing moves after a reset");
+        drop(drive);
+        assert_eq!(rig.open().disturbed(), Some(Disturbance::Reset));
+    }
+}
+
+#[test]
+fn a_link_that_is_cut_for_a_second_costs_the_dose_and_no_step_of_the_count() {
+    let rig = Rig::new();
+    let plan = dose(20.0, 4.0, true);
+    let mut drive = rig.open();
+    drive.check(&plan).unwrap();
+    rig.world.plan(800, Event::Cut);
+    rig.world.plan(1800, Event::Mend);
+    let fault = drive.run(&plan, &mut go).unwrap_err();
+    assert!(matches!(node_error(&fault.error), NodeError::DeadMan { .. }), "{:?}", fault.error);
+    assert_eq!((fault.made_least, fault.made_most), (rig.world.count(), rig.world.count()));
+    assert!(fault.made_least > 0 && fault.made_most < plan.steps());
+    // The session and the count live on.
+    drive.connect().unwrap();
+    assert_eq!(drive.count(), Some(rig.world.count()));
+    assert_eq!(drive.disturbed(), None);
+    run(&mut drive, &dose(1.0, 4.0, true));
+}
+
+#[test]
+fn a_link_that_is_cut_for_a_fifth_of_a_second_is_unseen() {
+    let rig = Rig::new();
+    let plan = dose(10.0, 4.0, true);
+    let mut drive = rig.open();
+    rig.world.plan(1000, Event::Cut);
+    rig.world.plan(1200, Event::Mend);
+    assert_eq!(run(&mut drive, &plan), plan.steps().unsigned_abs());
+    assert!(worst(&rig.world.rises(), &plan) <= 1.0);
+}
+
+#[test]
+fn a_board_that_stays_silent_leaves_a_bracket_and_its_count_is_read_later() {
+    let rig = Rig::new();
+    let plan = dose(20.0, 4.0, true);
+    let mut drive = rig.open();
+    drive.check(&plan).unwrap();
+    rig.world.plan(800, Event::Cut);
+    let fault = drive.run(&plan, &mut go).unwrap_err();
+    assert!(matches!(node_error(&fault.error), NodeError::Quiet { .. }), "{:?}", fault.error);
+    let count = rig.world.count();
+    assert!((fault.made_least..=fault.made_most).contains(&count), "{count} {fault:?}");
+    assert!(drive.connect().is_err());
+    rig.world.plan(0, Event::Mend);
+    drop(drive);
+    let mut drive = rig.open();
+    assert_eq!((drive.count(), drive.disturbed()), (Some(count), None));
+}
+
+#[test]
+fn an_emergency_stop_loses_the_angle() {
+    let rig = Rig::new();
+    let plan = dose(10.0, 4.0, true);
+    let mut drive = rig.open();
+    drive.check(&plan).unwrap();
+    rig.world.plan(700, Event::Estop);
+    let fault = drive.run(&plan, &mut go).unwrap_err();
+    assert!(fault.lost && matches!(node_error(&fault.error), NodeError::Estop), "{:?}", fault.error);
+    let refused = drive.connect().unwrap_err();
+    assert!(matches!(node_error(&refused), NodeError::Estop), "{refused:?}");
+    rig.world.hardware(|hardware| hardware.estop = false);
+    drive.connect().unwrap();
+    assert_eq!(drive.disturbed(), Some(Disturbance::Disabled));
+    run(&mut drive, &dose(1.0, 4.0, false));
+}
+
+#[test]
+fn a_released_motor_is_met_anew() {
+    let rig = Rig::new();
+    let mut drive = rig.open();
+    assert_eq!(drive.disturbed(), Some(Disturbance::Reset));
+    drive.release().unwrap();
+    drive.connect().unwrap();
+    assert_eq!(drive.disturbed(), Some(Disturbance::Disabled));
+    run(&mut drive, &dose(1.0, 4.0, false));
+}

@@ -1,0 +1,10 @@
+//! Claims about the drive of a node, over a line in virtual time to the board's own logic.
+
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
+
+mod doses;
+mod faults;
+mod meeting;
+mod rig;
+mod sessions;
+mod world;

@@ -1,0 +1,104 @@
+//! Boards that are met: the right one, another one, and something else.
+
+use pump_bench::drives::{Disturbance, Drive, DriveError, NodeError, Opening, StopRequest};
+use pump_bench::pump_file::Axis;
+
+use crate::rig::{Rig, dose, node_error, run};
+use crate::world::SharedWorld;
+
+#[test]
+fn a_board_keeps_its_session_and_its_count_from_process_to_process() {
+    let rig = Rig::new();
+    let mut drive = rig.open();
+    assert_eq!(drive.disturbed(), Some(Disturbance::Reset), "it was just switched on");
+    let plan = dose(1.0, 4.0, true);
+    run(&mut drive, &plan);
+    drop(drive);
+    let mut drive = rig.open();
+    assert_eq!((drive.disturbed(), drive.count()), (None, Some(plan.steps())));
+    run(&mut drive, &plan);
+    assert_eq!(rig.world.count(), 2 * plan.steps());
+}
+
+#[test]
+fn another_board_on_the_port_is_refused_until_it_is_accepted() {
+    let mut rig = Rig::new();
+    drop(rig.open());
+    rig.world = SharedWorld::of_board(0x5ec0d);
+    let refused = rig.open_by(&Rig::table(), &rig.opening()).unwrap_err();
+    assert!(matches!(node_error(&refused), NodeError::OtherBoard { found: 0x5ec0d, recorded: 0xb0a2d, .. }));
+    let said = node_error(&refused).to_string();
+    assert!(said.contains("000000000005ec0d") && said.contains("00000000000b0a2d"), "{said}");
+    let accepting = Opening { accept_settings: true, ..rig.opening() };
+    drop(rig.open_by(&Rig::table(), &accepting).unwrap());
+    drop(rig.open());
+}
+
+#[test]
+fn whatever_else_is_at_the_port_is_named_within_seconds() {
+    let no_version = {
+        // A frame of version 9, as this version of the protocol frames it.
+        let mut plain = vec![9; 19];
+        plain.push(0);
+        let sum = crc32(&plain).to_le_bytes();
+        plain.extend(sum);
+        let mut frame = vec![0];
+        frame.extend(cobs(&plain));
+        frame.push(0);
+        frame
+    };
+    type Is = fn(&NodeError) -> bool;
+    let cases: [(Vec<u8>, Is); 3] = [
+        (Vec::new(), |error| matches!(error, NodeError::Silent { .. })),
+        (b"Grbl 1.1h ['$' for help]\r\n".to_vec(), |error| matches!(error, NodeError::Foreign { .. })),
+        (no_version, |error| matches!(error, NodeError::Version { theirs: 9 })),
+    ];
+    for (bytes, is) in cases {
+        let rig = Rig::new();
+        rig.world.0.lock().unwrap().foreign = Some(bytes);
+        let began_us = rig.world.now_us();
+        let refused = rig.open_by(&Rig::table(), &rig.opening()).unwrap_err();
+        assert!(is(node_error(&refused)), "{refused:?}");
+        assert!(rig.world.now_us() - began_us < 4_000_000);
+        assert!(!rig.record().exists() && rig.world.rises().is_empty());
+    }
+}
+
+#[test]
+fn an_axis_that_is_not_there_is_refused() {
+    let rig = Rig::new();
+    let refused = rig.open_by(&Rig::table().with_axis(Axis::B), &rig.opening()).unwrap_err();
+    assert!(matches!(node_error(&refused), NodeError::NoAxis { axis: 'B', axes: 4 }), "{refused:?}");
+}
+
+#[test]
+fn a_user_who_asks_to_stop_is_heard_while_a_board_is_sought() {
+    let rig = Rig::new();
+    rig.world.0.lock().unwrap().foreign = Some(Vec::new());
+    let opening = Opening { stop: StopRequest::new(|| true), ..rig.opening() };
+    let refused = rig.open_by(&Rig::table(), &opening).unwrap_err();
+    assert!(matches!(refused, DriveError::Interrupted), "{refused:?}");
+}
+
+#[test]
+fn a_dose_that_the_line_cannot_carry_is_refused_before_anything_moves() {
+    let rig = Rig::new();
+    let mut drive = rig.open_by(&Rig::table().with_baud(1200), &rig.opening()).unwrap();
+    let refused = drive.check(&dose(100.0, 8.0, true)).unwrap_err();
+    assert!(matches!(node_error(&refused), NodeError::Demand(_)), "{refused:?}");
+    assert!(rig.world.rises().is_empty());
+    drive.connect().unwrap();
+    drive.check(&dose(1.0, 0.2, false)).unwrap();
+}
+
+/// CRC-32/ISO-HDLC, bit by bit (the table of check values in Greg Cook's catalogue of CRCs).
+fn crc32(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, _| (crc >> 1) ^ (0xedb8_8320 & 0_u32.wrapping_sub(crc & 1));
+    !bytes.iter().fold(!0, |crc, byte| (0..8).fold(crc ^ u32::from(*byte), step))
+}
+
+/// COBS of Cheshire and Baker, for fewer than 254 bytes.
+fn cobs(bytes: &[u8]) -> Vec<u8> {
+    let runs = bytes.split(|byte| *byte == 0);
+    runs.flat_map(|run| [run.len() as u8 + 1].into_iter().chain(run.iter().copied())).collect()
+}

@@ -1,0 +1,332 @@
+//! A board in software at the end of a line, on one clock.
+
+use std::collections::VecDeque;
+use std::io;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use pump_bench::drives::wire::Wire;
+use pump_node::{Axes, Board, Levels, Node, Pins, identity};
+
+/// Ticks per second of the board's timer.
+pub(crate) const TICK_HZ: u32 = 1_000_000;
+
+/// Time of a byte at 460,800 baud, us, rounded up.
+const BYTE_US: u64 = 22;
+
+/// Time of a frame on its way besides that of its bytes, us.
+const LATENCY_US: u64 = 500;
+
+type NodeAxes = Axes<SimulatedPins, Shared, 256, 4>;
+
+/// Pins of an axis, and the motor behind them, which keeps its place through a reset of the board.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Motor {
+    levels: Option<Levels>,
+    /// Steps that the motor has made, signed.
+    pub(crate) count: i64,
+    /// Ticks at which the step pin rose.
+    pub(crate) rises: Vec<u64>,
+    /// Rises while the motor has no current.
+    pub(crate) stray: u32,
+}
+
+#[derive(Debug, Default)]
+pub(crate) struct Hardware {
+    now: u64,
+    pub(crate) estop: bool,
+    /// Count of the motor at which the index sensor becomes active.
+    pub(crate) index_at: Option<i64>,
+    pub(crate) motors: [Motor; 4],
+}
+
+#[derive(Debug, Clone, Default)]
+struct Shared(Arc<Mutex<Hardware>>);
+
+impl Board for Shared {
+    fn now(&mut self) -> u64 {
+        self.0.lock().unwrap().now
+    }
+
+    fn wait_until(&mut self, tick: u64) {
+        let now = &mut self.0.lock().unwrap().now;
+        *now = tick.max(*now);
+    }
+
+    fn wait_ns(&mut self, ns: u32) {
+        self.0.lock().unwrap().now += u64::from(ns).div_ceil(1000);
+    }
+
+    fn estop_is_pressed(&mut self) -> bool {
+        self.0.lock().unwrap().estop
+    }
+}
+
+#[derive(Debug)]
+struct SimulatedPins(Shared, usize);
+
+impl SimulatedPins {
+    fn change(&mut self, change: impl FnOnce(&mut Levels)) {
+        let hardware = &mut *self.0.0.lock().unwrap();
+        let motor = &mut hardware.motors[self.1];
+        let levels = motor.levels.as_mut().unwrap();
+        let before = *levels;
+        change(levels);
+        if levels.step && !before.step {
+            // Enable is active low, and a high direction pin is forward. The emergency stop cuts enable.
+            motor.stray += u32::from(levels.enable || hardware.estop);
+            motor.count += if levels.direction { 1 } else { -1 };
+            motor.rises.push(hardware.now);
+        }
+    }
+}
+
+impl Pins for SimulatedPins {
+    fn make_outputs(&mut self, levels: Levels) {
+        self.0.0.lock().unwrap().motors[self.1].levels = Some(levels);
+    }
+
+    fn set_step(&mut self, high: bool) {
+        self.change(|levels| levels.step = high);
+    }
+
+    fn set_direction(&mut self, high: bool) {
+        self.change(|levels| levels.direction = high);
+    }
+
+    fn set_enable(&mut self, high: bool) {
+        self.change(|levels| levels.enable = high);
+    }
+
+    fn index_is_high(&mut self) -> bool {
+        let hardware = self.0.0.lock().unwrap();
+        hardware.index_at.is_some_and(|at| hardware.motors[self.1].count >= at)
+    }
+
+    fn driver_fault_is_high(&mut self) -> bool {
+        true
+    }
+}
+
+/// Event of the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Event {
+    Cut,
+    Mend,
+    Reset,
+    Estop,
+}
+
+/// Board, line and clock.
+pub(crate) struct World {
+    pub(crate) now_us: u64,
+    booted_us: u64,
+    number: u64,
+    hardware: Shared,
+    node: Node,
+    axes: NodeAxes,
+    to_node: VecDeque<(u64, u8)>,
+    to_host: VecDeque<(u64, u8)>,
+    free_us: [u64; 2],
+    next_poll_us: u64,
+    is_cut: bool,
+    /// Part of the frames that are lost on the way.
+    pub(crate) lost: f64,
+    random: u64,
+    /// What happens next, and when.
+    pub(crate) events: VecDeque<(u64, Event)>,
+    /// Bytes that something else than a node says to each frame.
+    pub(crate) foreign: Option<Vec<u8>>,
+}
+
+fn board(number: u64, hardware: &Shared) -> (Node, NodeAxes) {
+    let pins = [0, 1, 2, 3].map(|axis| SimulatedPins(hardware.clone(), axis));
+    (Node::new(identity::<256, 4>(number, [0, 1, 0], TICK_HZ)), Axes::new(pins, hardware.clone(), TICK_HZ))
+}
+
+impl World {
+    fn new(number: u64) -> Self {
+        let hardware = Shared::default();
+        let (node, axes) = board(number, &hardware);
+        Self {
+            now_us: 5_000_000,
+            booted_us: 4_000_000,
+            number,
+            hardware,
+            node,
+            axes,
+            to_node: VecDeque::new(),
+            to_host: VecDeque::new(),
+            free_us: [0; 2],
+            next_poll_us: 0,
+            is_cut: false,
+            lost: 0.0,
+            random: 1,
+            events: VecDeque::new(),
+            foreign: None,
+        }
+    }
+
+    fn is_lost(&mut self) -> bool {
+        // Marsaglia's xorshift, Journal of Statistical Software 8(14), 2003.
+        self.random ^= self.random << 13;
+        self.random ^= self.random >> 7;
+        self.random ^= self.random << 17;
+        let random = (self.random >> 11) as f64 / (1_u64 << 53) as f64;
+        self.is_cut || random < self.lost
+    }
+
+    fn send(&mut self, way: usize, bytes: &[u8]) {
+        let from = self.now_us.max(self.free_us[way]);
+        self.free_us[way] = from + bytes.len() as u64 * BYTE_US;
+        if self.is_lost() {
+            return;
+        }
+        let line = if way == 0 { &mut self.to_node } else { &mut self.to_host };
+        line.extend((1..).zip(bytes).map(|(n, byte)| (from + LATENCY_US + n * BYTE_US, *byte)));
+    }
+
+    fn befall(&mut self, event: Event) {
+        match event {
+            Event::Cut => {
+                self.is_cut = true;
+                self.to_node.clear();
+                self.to_host.clear();
+            }
+            Event::Mend => self.is_cut = false,
+            Event::Estop => self.hardware.0.lock().unwrap().estop = true,
+            Event::Reset => {
+                let hardware = &mut *self.hardware.0.lock().unwrap();
+                hardware.now = 0;
+                hardware.motors.iter_mut().for_each(|motor| motor.levels = None);
+                self.booted_us = self.now_us;
+                (self.node, self.axes) = board(self.number, &self.hardware);
+            }
+        }
+    }
+
+    /// Goes on to the next event, at `until_us` at the latest.
+    fn go_on(&mut self, until_us: u64) {
+        let timer_us = self.axes.next_alarm().map(|tick| tick + self.booted_us);
+        let nexts =
+            [timer_us, self.to_node.front().map(|(at, _)| *at), self.events.front().map(|(at, _)| *at)];
+        let next = nexts.into_iter().flatten().chain([self.next_poll_us, until_us]).min().unwrap();
+        self.now_us = self.now_us.max(next);
+        if self.events.front().is_some_and(|(at, _)| *at <= self.now_us) {
+            let (_, event) = self.events.pop_front().unwrap();
+            self.befall(event);
+        }
+        let tick = self.now_us - self.booted_us;
+        self.hardware.0.lock().unwrap().now = tick;
+        if self.axes.next_alarm().is_some_and(|at| at <= tick) {
+            let _ = self.axes.on_timer();
+            self.now_us = self.now_us.max(self.hardware.0.lock().unwrap().now + self.booted_us);
+        }
+        while let Some((_, byte)) = self.to_node.front().copied().filter(|(at, _)| *at <= self.now_us) {
+            self.to_node.pop_front();
+            if let Some(foreign) = &self.foreign {
+                if byte == 0 {
+                    let bytes = foreign.clone();
+                    self.send(1, &bytes);
+                }
+                continue;
+            }
+            if let Some(answer) = self.node.on_byte(byte, self.now_us - self.booted_us, &mut self.axes) {
+                self.send(1, answer.bytes());
+            }
+        }
+        if self.now_us >= self.next_poll_us {
+            self.next_poll_us = self.now_us + 1000;
+            self.node.poll(self.now_us - self.booted_us, &mut self.axes);
+        }
+    }
+}
+
+/// World that a test and a drive share.
+#[derive(Clone)]
+pub(crate) struct SharedWorld(pub(crate) Arc<Mutex<World>>);
+
+impl std::fmt::Debug for SharedWorld {
+    fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        to.write_str("SharedWorld")
+    }
+}
+
+impl SharedWorld {
+    pub(crate) fn new() -> Self {
+        Self::of_board(0xb0a2d)
+    }
+
+    pub(crate) fn of_board(number: u64) -> Self {
+        Self(Arc::new(Mutex::new(World::new(number))))
+    }
+
+    pub(crate) fn hardware<T>(&self, look: impl FnOnce(&mut Hardware) -> T) -> T {
+        let hardware = self.0.lock().unwrap().hardware.clone();
+        look(&mut hardware.0.lock().unwrap())
+    }
+
+    /// Returns the steps that the motor of axis X has made.
+    pub(crate) fn count(&self) -> i64 {
+        self.hardware(|hardware| hardware.motors[0].count)
+    }
+
+    pub(crate) fn rises(&self) -> Vec<u64> {
+        self.hardware(|hardware| hardware.motors[0].rises.clone())
+    }
+
+    pub(crate) fn now_us(&self) -> u64 {
+        self.0.lock().unwrap().now_us
+    }
+
+    /// Has something happen so many ms from now.
+    pub(crate) fn plan(&self, in_ms: u64, event: Event) {
+        let mut world = self.0.lock().unwrap();
+        let at = world.now_us + in_ms * 1000;
+        world.events.push_back((at, event));
+    }
+
+    /// Lets time pass without a host.
+    pub(crate) fn pass(&self, ms: u64) {
+        let mut world = self.0.lock().unwrap();
+        let until = world.now_us + ms * 1000;
+        while world.now_us < until {
+            world.go_on(until);
+        }
+        world.to_host.clear();
+    }
+}
+
+impl Wire for SharedWorld {
+    fn read(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize> {
+        let mut world = self.0.lock().unwrap();
+        // A look at the line takes time, too.
+        let until = world.now_us + (wait.as_micros() as u64).max(1);
+        loop {
+            let now = world.now_us;
+            let here = world.to_host.iter().take(buffer.len()).take_while(|(at, _)| *at <= now).count();
+            if here > 0 {
+                buffer.iter_mut().zip(world.to_host.drain(..here)).for_each(|(to, (_, byte))| *to = byte);
+                return Ok(here);
+            }
+            if now >= until {
+                return Ok(0);
+            }
+            let arrives = world.to_host.front().map_or(until, |(at, _)| *at);
+            world.go_on(until.min(arrives));
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.0.lock().unwrap().send(0, bytes);
+        Ok(())
+    }
+
+    fn now(&mut self) -> Duration {
+        Duration::from_micros(self.0.lock().unwrap().now_us)
+    }
+
+    fn sleep(&mut self, time: Duration) {
+        self.pass(time.as_millis() as u64);
+    }
+}
