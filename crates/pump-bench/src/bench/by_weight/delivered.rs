@@ -29,9 +29,8 @@ pub struct DeliveredByWeight {
     pub completed: bool,
     /// Flow that still arrived after the stops, with those of earlier doses. `None` if no reading in motion told it.
     pub after_stop: Option<AfterStop>,
-    /// Time by which this dose began to reckon with the flow after a stop, in s, and whether it was learned.
-    /// Otherwise it
-    /// is the model's. `None` where the motor is simulated, which no reading follows.
+    /// Time by which this dose began to reckon with the flow after a stop, in s, and whether it was learned. Otherwise
+    /// it is the model's. `None` where the motor is simulated, which no reading follows.
     pub reckoned_s: Option<(f64, bool)>,
     /// Carry of earlier doses that was dropped, in mL.
     pub dropped_ml: f64,

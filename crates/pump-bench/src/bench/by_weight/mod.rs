@@ -2,8 +2,7 @@
 //!
 //! The journal has it as one dose that stays unfinished until the balance shows what was asked for. The pump turns in
 //! stretches, fast ones and then slow ones. Each is planned to end below the target however far the pump may be off,
-//! and
-//! the balance stops it sooner where it delivers more. The vessel is weighed at rest after each.
+//! and the balance stops it sooner where it delivers more. The vessel is weighed at rest after each.
 
 mod aim;
 mod delivered;

@@ -33,10 +33,13 @@ const FALLEN_AFTER: Duration = Duration::from_millis(800);
 /// Time in which a drop falls 0.1 m: sqrt(2 h/g).
 const FALL_S: f64 = 0.143;
 
-/// Delay of a balance's filter where nobody knows it, in s. Makers state settling times of 1 to 3 s for a load that
-/// is put
-/// on at once (Mettler-Toledo, data sheets of the MS-TS and ME lines), a few time constants.
+/// Delay of a balance's filter where nobody knows it, in s. Makers state settling times of 1 to 3 s for a load that is
+/// put on at once (Mettler-Toledo, data sheets of the MS-TS and ME lines), a few time constants.
 const FILTER_S: f64 = 0.5;
+
+/// Volume that is expected after a stop, in drops and digits, from which on its time is learned: a drop more or less is
+/// then a quarter of it.
+const CLEARLY: f64 = 4.0;
 
 /// Steps beyond the ceiling to which the journal's announced plan leads. They are never made: the dose stays unfinished
 /// until the balance ends it.
@@ -102,8 +105,7 @@ impl Session<'_> {
     /// Makes a dose that `balance` ends, and records its end. The vessel stands on the balance with whatever it holds.
     ///
     /// `watch` is called now and then with the steps of the stretch under way. When it breaks, the motor decelerates
-    /// and
-    /// holds, and the dose stays unfinished. A simulated motor takes no time, so no reading follows it: each of its
+    /// and holds, and the dose stays unfinished. A simulated motor takes no time, so no reading follows it: each of its
     /// stretches is weighed at its end.
     ///
     /// # Errors
@@ -314,9 +316,8 @@ impl<'p> Course<'p> {
         }
     }
 
-    /// Returns the time of flow that still arrives after a stop, in s, and whether it was learned: mean and spread
-    /// of what
-    /// doses have found, or the model's. The line empties with its time constant R C; then come fall and filter.
+    /// Returns the time of flow that still arrives after a stop, in s, and whether it was learned: mean and spread of
+    /// what doses have found, or the model's. The line empties with its time constant R C; then come fall and filter.
     fn reckoned(&self) -> (f64, bool) {
         match self.after_stop {
             Some(found) => (found.mean_s + found.spread_s(), true),
@@ -355,7 +356,11 @@ impl<'p> Course<'p> {
         // The flow pulsates, so the model tells how long ago the pump had turned for what was still missing.
         let missing_ml = (reading.mass_g - at_rest_g) * self.prepared.z_ml_g * turned_ml / arrived_ml;
         let before = end.notes.iter().rev().find(|(_, noted_ml)| turned_ml - noted_ml >= missing_ml);
-        let is_clear = missing_ml > 2.0 * (self.aim.drop_ml + self.aim.digit_ml);
+        // Drops and digits hide what follows a slow stretch. The expected volume decides: the one found has their scatter.
+        let lag_ago = end.stood.checked_sub(Duration::from_secs_f64(self.reckoned().0));
+        let then = end.notes.iter().rev().find(|(at, _)| lag_ago.is_some_and(|ago| *at <= ago));
+        let expected_ml = turned_ml - then.map_or(0.0, |(_, noted_ml)| *noted_ml);
+        let is_clear = expected_ml > CLEARLY * (self.aim.drop_ml + self.aim.digit_ml);
         if let Some((at, _)) = before.filter(|_| is_clear) {
             let after_s = end.stood.saturating_duration_since(*at).as_secs_f64();
             self.after_stop = Some(AfterStop::with(self.after_stop, after_s));
