@@ -5,13 +5,13 @@ use std::thread;
 
 use super::board::Board;
 use super::connect;
-use super::wire::BoardPort;
+use crate::drives::wire::BoardPort;
 use crate::drives::{DriveError, StopRequest};
 use crate::pump_file::{DriveTable, DriverName};
 
 /// Asks the port of `table` for a grbl board, for some seconds at most. Returns the board's state, as `Idle`.
 fn ask(table: &DriveTable, stop: &StopRequest) -> Result<String, DriveError> {
-    let wire = BoardPort::open(table)?;
+    let wire = BoardPort::open(table.port.as_deref(), table.rate_baud())?;
     let mut board = Board::new(Box::new(wire), table.axis.number(), stop.clone());
     connect::find(&mut board, table)?;
     Ok(board.state(|| ())?.word())
