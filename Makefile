@@ -8,7 +8,7 @@ NO_PANIC := cargo build --locked --manifest-path tests/no_panic/Cargo.toml --tar
 OLDEST := $(shell sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml)
 MODEL_FEATURES := integrator construction identification experimental serde defmt
 
-.PHONY: test test-rust test-python faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded docs
+.PHONY: test test-rust test-python faults long fuzz lint features oldest packages bench validate accuracy pulse-prior embedded firmware node docs
 
 test: test-rust test-python
 
@@ -131,6 +131,24 @@ embedded:
 	cd examples/firmware && timeout 60 cargo run --locked --release --target-dir ../../target --bin by_interrupt
 	cd examples/firmware && timeout 300 cargo run --locked --release --target-dir ../../target >../../target/firmware.txt
 	cargo run --locked -p check-firmware target/firmware.txt
+
+# The node's firmware for the Raspberry Pi Pico, to be dragged onto its drive.
+FIRMWARE := target/thumbv6m-none-eabi/release/pump-node-pico
+firmware:
+	rustup target add thumbv6m-none-eabi
+	cd firmware/pico && cargo build --locked --release --target-dir ../../target
+	test -x target/tools/bin/elf2uf2-rs || cargo install elf2uf2-rs --locked --no-default-features --root target/tools
+	target/tools/bin/elf2uf2-rs $(FIRMWARE) target/pump-node.uf2
+
+# Doses by the drive of the node with the Pico's firmware in an emulator, and holds the edges of its pins against the plan.
+node:
+	rustup target add thumbv6m-none-eabi
+	command -v npm || (apt-get update && apt-get install -y --no-install-recommends nodejs npm)
+	cd firmware/emulator && npm ci --no-audit --no-fund
+	cd firmware/pico && cargo fmt --check
+	cd firmware/pico && cargo clippy --locked --release --target-dir ../../target -- -D warnings
+	cd firmware/pico && cargo build --locked --release --target-dir ../../target
+	cargo run --locked --release -p check-node $(FIRMWARE)
 
 docs:
 	cargo doc --locked --workspace --no-deps --open

@@ -108,8 +108,8 @@ pub(crate) fn warn<N: Clone + Into<Notice>>(warnings: &[N]) {
     }
 }
 
-/// Warns before guided doses of a fluid that the lines' resistance does not follow. Before a real motor moves, each dose
-/// warns of its own.
+/// Warns before guided doses of a fluid that the lines' resistance does not follow. Before a real motor moves, each
+/// dose warns of its own.
 pub(crate) fn warn_of_fluid(bench: &Bench) {
     if bench.is_simulated() {
         warn(bench.file().resistance_warning().as_slice());

@@ -148,8 +148,10 @@ fn page() -> Result<String, Box<dyn Error>> {
          roughly\n\
          (Student's t of 5 degrees of freedom, over that of many).\n\n\
          Geometry bounds the pulse, whatever the head. Pulses beyond the bounds are left out of the law:\n\n\
-         - 2 phi + pitch <= 360°: a roller seals until the next one does, and engages and leaves within the same turn.\n\
-         - V_r/(a phi) <= 2/3: what a roller squeezes passes the backplate's end while it leaves, so phi is its width at\n  \
+         - 2 phi + pitch <= 360°: a roller seals until the next one does, and engages and leaves within the same \
+         turn.\n\
+         - V_r/(a phi) <= 2/3: what a roller squeezes passes the backplate's end while it leaves, so phi is its width \
+         at\n  \
          least. A round roller that closes the bore takes two thirds of it over its own width at most, as a\n  \
          flattened bore of unchanged perimeter has lost (h/D)² of its area.\n\
          - The share of a pitch <= 2/3: rollers stand side by side, so the width of each is a pitch at most.\n\n\

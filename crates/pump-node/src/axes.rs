@@ -47,8 +47,10 @@ impl<P: Pins, B: Board, const Q: usize, const A: usize> Axes<P, B, Q, A> {
         for axis in &mut self.axes {
             axis.take_step(now, within);
         }
-        while let Some(axis) = self.axes.iter_mut().filter(|axis| axis.rises_at().is_some()).min_by_key(|a| a.rises_at()) {
-            self.board.wait_until(axis.rises_at().unwrap_or(now));
+        loop {
+            let taken = self.axes.iter_mut().filter_map(|axis| Some((axis.rises_at()?, axis)));
+            let Some((tick, axis)) = taken.min_by_key(|(tick, _)| *tick) else { break };
+            self.board.wait_until(tick);
             let high_ns = axis.rise();
             raised_ns = raised_ns.max(Some(high_ns));
         }

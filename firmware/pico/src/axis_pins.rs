@@ -71,8 +71,11 @@ pub(crate) fn make_inputs() {
     for pin in FIRST..=ESTOP {
         let sensor = pin >= FIRST_FAULT || (pin - FIRST) % APART == 3;
         sio.gpio_oe_clr().write(|word| unsafe { word.bits(1 << pin) });
-        pads.gpio(pin as usize).modify(|_, pad| pad.pue().bit(sensor).pde().clear_bit().ie().set_bit().od().clear_bit());
-        io.gpio(pin as usize).gpio_ctrl().modify(|_, control| unsafe { control.funcsel().bits(SIO_FUNCTION) });
+        pads.gpio(pin as usize)
+            .modify(|_, pad| pad.pue().bit(sensor).pde().clear_bit().ie().set_bit().od().clear_bit());
+        io.gpio(pin as usize)
+            .gpio_ctrl()
+            .modify(|_, control| unsafe { control.funcsel().bits(SIO_FUNCTION) });
     }
 }
 

@@ -41,7 +41,9 @@ const POLL_TICKS: u64 = 1_000;
 
 #[entry]
 fn main() -> ! {
-    let Some((mut registers, mut cores)) = pac::Peripherals::take().zip(pac::CorePeripherals::take()) else { halt() };
+    let Some((mut registers, mut cores)) = pac::Peripherals::take().zip(pac::CorePeripherals::take()) else {
+        halt()
+    };
     let mut watchdog = Watchdog::new(registers.WATCHDOG);
     let clocks = init_clocks_and_plls(
         CRYSTAL_HZ,
@@ -65,7 +67,11 @@ fn main() -> ! {
     let mut light = Light::new(gpio.gpio25);
     let timer = StepTimer::new(registers.TIMER, &mut registers.RESETS);
     let line = clocks.peripheral_clock.freq();
-    let Some(mut serial) = Serial::new(registers.UART0, (gpio.gpio0, gpio.gpio1), &mut registers.RESETS, line) else { halt() };
+    let Some(mut serial) =
+        Serial::new(registers.UART0, (gpio.gpio0, gpio.gpio1), &mut registers.RESETS, line)
+    else {
+        halt()
+    };
     let mut shared = SharedAxes::new(timer, |pico| Axes::new(AxisPins::ALL, pico, TICK_HZ));
     let mut node = Node::new(identity::<QUEUE, AXES>(pico::board_number(), firmware_version(), TICK_HZ));
     let mut poll_at = 0;
@@ -87,7 +93,11 @@ fn main() -> ! {
 
 /// Version of this firmware.
 const fn firmware_version() -> [u16; 3] {
-    [number(env!("CARGO_PKG_VERSION_MAJOR")), number(env!("CARGO_PKG_VERSION_MINOR")), number(env!("CARGO_PKG_VERSION_PATCH"))]
+    [
+        number(env!("CARGO_PKG_VERSION_MAJOR")),
+        number(env!("CARGO_PKG_VERSION_MINOR")),
+        number(env!("CARGO_PKG_VERSION_PATCH")),
+    ]
 }
 
 /// Number that decimal digits write.

@@ -1,7 +1,7 @@
 //! One motion that is on record before it begins, while it lasts, and after it.
 
 use std::ops::ControlFlow;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use pump_ctl::plan::Plan;
 use pump_model::Pump;
@@ -18,8 +18,11 @@ use super::ended_motion::EndedMotion;
 use super::session::{Session, unix_s};
 use super::stretches::AnnouncedStretches;
 
-/// Number of steps between two calls of `watch`.
+/// Number of steps between two calls of `watch`, at most.
 const WATCH_EVERY: u64 = 256;
+
+/// Longest time between two calls of `watch` while steps are made.
+const WATCH_WITHIN: Duration = Duration::from_millis(20);
 
 /// Motion to make and to record.
 pub(super) struct RecordedMotion<'p> {
@@ -168,9 +171,16 @@ fn drive(
     let drive = device.drive.as_mut();
     let stretches = AnnouncedStretches::new(motion.plan, motion.model, !drive.is_simulated());
     let mut announced = AnnouncedSteps::new(stretches, announcer, motion.may_pause);
+    let mut looked = Instant::now();
     let mut gate = |made: u64, about_to: u64| {
         // Drives that make many steps at a time ask seldom enough to call `watch` every time.
-        let looks = about_to > announced.end || about_to > made + 1 || made.is_multiple_of(WATCH_EVERY);
+        let looks = about_to > announced.end
+            || about_to > made + 1
+            || made.is_multiple_of(WATCH_EVERY)
+            || looked.elapsed() >= WATCH_WITHIN;
+        if looks {
+            looked = Instant::now();
+        }
         if looks && watch(made).is_break() { Leave::Stop } else { announced.leave(made, about_to) }
     };
     drive.displaces(motion.correction);

@@ -12,7 +12,7 @@ use super::error::PumpFileError;
 use super::fluid::FluidTable;
 use super::head::{BackplateTable, HeadTable, RollerVolumeTable, RollersTable, TubeTable};
 use super::limits::LimitsTable;
-use super::line::LineTable;
+use super::line::{LineSource, LineTable};
 use super::line::outlet::OutletTable;
 use super::line::reservoir::Side;
 use super::motor::MotorTable;
@@ -21,6 +21,7 @@ use super::speed_law::SpeedLawTable;
 use super::uncertainty::UncertaintyTable;
 use crate::displacement::{DisplacementLaw, PulsePrior, SpeedDependentPump};
 use crate::files::{MOST_PUMP_FILE_BYTES, read_text};
+use crate::notice::Notice;
 
 /// Schema of pump files.
 pub(crate) const SCHEMA: &str = "pump/1";
@@ -90,6 +91,21 @@ pub struct PumpFile {
 }
 
 impl PumpFile {
+    /// Returns the warning of a fluid whose viscosity the resistance of a line does not follow. `None` where the fluid
+    /// is the file's, flows as that one does, or where every line is a hose or unknown.
+    ///
+    /// ```
+    /// let mut file = pump_bench::built_in("three-roller").unwrap();
+    /// assert_eq!(file.resistance_warning(), None);
+    /// file.fluid = file.fluid.changed_to(Some("glycerol 50%"), Some(20.0)).unwrap();
+    /// let warning = file.resistance_warning().unwrap();
+    /// assert!(warning.text().contains("stay those of water at 25 °C"), "{warning}");
+    /// ```
+    pub fn resistance_warning(&self) -> Option<Notice> {
+        let is_given = |source| matches!(source, &LineSource::Given { .. });
+        self.fluid.resistance_warning([&self.inlet.source, &self.outlet.line.source].map(is_given))
+    }
+
     /// Reads and checks a pump file.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::range::{WrongValue, within, within_if_given};
+use crate::notice::Notice;
 use replaced::Replaced;
 
 /// Largest temperature difference over which a fluid unknown to the model keeps its density, in °C.
@@ -118,7 +119,7 @@ impl FluidTable {
             return Ok(self.clone());
         }
         let asked = name.unwrap_or(&self.name);
-        let replaced = self.replaced.clone().or_else(|| Some(Replaced::of(self)));
+        let replaced = self.replaced.clone().or_else(|| Some(self.as_it_flows()));
         if let Some(fluid) = known(asked, degc) {
             return Ok(Self {
                 name: asked.trim().to_lowercase(),
@@ -141,6 +142,19 @@ impl FluidTable {
                 FluidError::Temperature { name: own, asked_degc: degc, known_degc: self.temperature_degc }
             }
         })
+    }
+
+    /// Returns the fluid with its viscosity, as far as the table or the model knows it.
+    fn as_it_flows(&self) -> Replaced {
+        let of_model = || known(&self.name, self.temperature_degc)?.ok();
+        let viscosity_mpa_s = self.viscosity_mpa_s.or_else(|| Some(of_model()?.viscosity_mpa_s));
+        Replaced::new(&self.name, self.temperature_degc, viscosity_mpa_s)
+    }
+
+    /// Returns the warning of resistances that are given, of inlet and outlet, and do not follow this fluid. `None` for
+    /// the pump file's own fluid.
+    pub(super) fn resistance_warning(&self, are_given: [bool; 2]) -> Option<Notice> {
+        self.replaced.as_ref()?.warning(&self.as_it_flows(), are_given)
     }
 
     /// Refuses the first value outside its range. Where a line is a hose, refuses a fluid without the values

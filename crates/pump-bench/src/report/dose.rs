@@ -9,14 +9,15 @@ use serde::Serialize;
 
 pub use self::by_weight::ByWeightReport;
 use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
-use crate::bench::{Bench, Delivered};
+use crate::bench::{Bench, Delivered, DeliveredByWeight, PreparedByWeight};
 use crate::calibration::{Applied, Made, Weighing};
 use crate::dosing::{
     Prepared, PulseErrors, RippleAt, RippleReport, Share, SureRipples, Swept, pressure_uncertainty_kpa,
-    sure_ripples,
+    sure_ripples, weighed_shares,
 };
 use crate::drives::{Identity, registry};
 use crate::notice::{Notice, Wording};
+use crate::numbers::microlitres;
 use crate::pump_file::{DriverName, PumpFile, UncheckedLimit};
 use crate::record::{PhaseSource, Purpose};
 
@@ -378,6 +379,53 @@ fn made(prepared: &Prepared, delivered: Option<&Delivered>) -> u64 {
 /// The carry to the next dose, mL.
 fn carry_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> f64 {
     delivered.map_or(prepared.owes_ml(), |delivered| prepared.carry_out_ml + delivered.retracted_ml)
+}
+
+impl DoseReport {
+    /// Reports a dose that a balance ended, or was to end. The difference of two of its readings has the standard
+    /// uncertainty `difference_g`, in g.
+    pub fn by_weight(
+        bench: &Bench,
+        prepared: &PreparedByWeight,
+        delivered: &DeliveredByWeight,
+        difference_g: f64,
+    ) -> Self {
+        let report = Self::new(bench, &prepared.whole, None);
+        let (file, volume_ml) = (bench.file(), delivered.volume_ml);
+        let reading_ml = difference_g * prepared.z_ml_g;
+        // The density was known when the dose was planned.
+        let (uncertainty_budget, expanded_uncertainty_ml) =
+            weighed_shares(file, volume_ml, reading_ml, prepared.whole.drop_ml).unwrap_or_default();
+        let mut warnings = report.warnings;
+        warnings.extend(delivered.warnings.iter().cloned());
+        if delivered.dropped_ml != 0.0 {
+            let carry = microlitres(delivered.dropped_ml);
+            warnings
+                .push(Notice::from(format!("the carry of {carry} is dropped: the balance ended the dose")));
+        }
+        Self {
+            carry_in_ml: 0.0,
+            planned_ml: delivered.turned_ml,
+            volume_least_ml: volume_ml,
+            volume_most_ml: volume_ml,
+            delivered_ml: Some(volume_ml),
+            balance_g: Some(delivered.mass_g),
+            volume_basis: VolumeBasis::Weighed,
+            expanded_uncertainty_ml,
+            uncertainty_budget,
+            end_angle_deg: degrees(delivered.end_angle_rad),
+            steps: delivered.made as i64,
+            steps_made: Some(delivered.made as i64),
+            carry_ml: 0.0,
+            carry_half_width_ml: 0.0,
+            motion_s: delivered.measured_s,
+            measured_motion_s: Some(delivered.measured_s),
+            warnings,
+            completed: delivered.completed,
+            by_weight: Some(ByWeightReport::of(prepared, delivered)),
+            ..report
+        }
+    }
 }
 
 impl CalibrationReport {

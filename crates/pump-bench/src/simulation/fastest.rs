@@ -32,9 +32,9 @@ pub struct FastestRun {
 /// Finds the fastest constant speed at which a run from lines at rest and the steady state after it hold every limit,
 /// and below which every slower speed holds them.
 ///
-/// Speeds are tried upwards, each 1 % faster, up to the motor's largest and to that of the speed law. The first one that
-/// breaks a limit ends the search, and bisection refines it to 1e-6. Start-up is that of a run whose speed stands at
-/// once. `steady` gives the steady state where hoses resist more at more flow; the torque is that of a dose of five
+/// Speeds are tried upwards, each 1 % faster, up to the motor's largest and to that of the speed law. The first one
+/// that breaks a limit ends the search, and bisection refines it to 1e-6. Start-up is that of a run whose speed stands
+/// at once. `steady` gives the steady state where hoses resist more at more flow; the torque is that of a dose of five
 /// revolutions. Pressures are not checked where a line is not known, as in a dose.
 ///
 /// # Errors

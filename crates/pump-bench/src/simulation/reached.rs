@@ -18,8 +18,8 @@ pub(crate) struct Reached {
 }
 
 impl Reached {
-    /// Returns the pressures of a run of `duration_s` at `speed_rad_s`, negative in reverse. A run that goes on for ever
-    /// reaches no more once start-up is over and the rollers have turned a pitch.
+    /// Returns the pressures of a run of `duration_s` at `speed_rad_s`, negative in reverse. A run that goes on for
+    /// ever reaches no more once start-up is over and the rollers have turned a pitch.
     pub(crate) fn of(pump: &Pump, speed_rad_s: f64, duration_s: f64) -> Self {
         let period_s = pump.pitch_rad() / speed_rad_s.abs();
         let range = |port| {

@@ -126,7 +126,8 @@ mod picture {
         chart.svg()
     }
 
-    /// Returns the line of a limit in kPa absolute. `None` for one so far away that nothing else could be seen beside it.
+    /// Returns the line of a limit in kPa absolute. `None` for one so far away that nothing else could be seen beside
+    /// it.
     fn limit(curves: &[Curve], kpa: f64, end_rpm: f64) -> Option<Curve> {
         let values = || curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.1));
         let (least, most) =

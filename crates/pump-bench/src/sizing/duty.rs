@@ -92,8 +92,8 @@ impl Duty {
         Self { max_outlet, ..self }
     }
 
-    /// Returns a pump file with the duty's fluid, hoses, lifts and surroundings in place of its own. The resistance of a
-    /// hose is taken at the duty's flow.
+    /// Returns a pump file with the duty's fluid, hoses, lifts and surroundings in place of its own. The resistance of
+    /// a hose is taken at the duty's flow.
     pub(super) fn file(&self, mut file: PumpFile) -> Result<PumpFile, SizingError> {
         file.fluid = file.fluid.changed_to(self.fluid.as_deref(), self.temperature_degc)?;
         file.ambient = self.ambient.unwrap_or(file.ambient);

@@ -54,8 +54,8 @@ impl Operating {
         })
     }
 
-    /// Returns the method of the steady state: the closed form where the resistances are those of the mean flow within 1
-    /// % up to twice that flow, and the integrator with the friction at every flow elsewhere.
+    /// Returns the method of the steady state: the closed form where the resistances are those of the mean flow within
+    /// 1 % up to twice that flow, and the integrator with the friction at every flow elsewhere.
     pub(super) fn method(&self, flow_ml_s: f64) -> Result<Method, SizingError> {
         let frictions = self.file.frictions()?;
         let bends = frictions.iter().flatten().any(|friction| {

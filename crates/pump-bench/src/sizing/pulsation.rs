@@ -15,8 +15,8 @@ pub struct Pulsation {
     pub rollers: Ripple,
     /// Ripple at the end of the outlet's hose. `None` at a resonance that nothing damps.
     pub end: Option<Ripple>,
-    /// Peak-to-peak ripples at the hose's end between which 95 % of the pulses lie that such a head may have. `None` for
-    /// a head that is drawn or measured.
+    /// Peak-to-peak ripples at the hose's end between which 95 % of the pulses lie that such a head may have. `None`
+    /// for a head that is drawn or measured.
     pub end_between: Option<[f64; 2]>,
 }
 

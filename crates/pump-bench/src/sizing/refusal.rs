@@ -161,7 +161,8 @@ fn most_lift_mm(
     None
 }
 
-/// Returns the smallest bore of a port's hose with which the duty is served, in steps of 0.5 mm. The wall stays as thick.
+/// Returns the smallest bore of a port's hose with which the duty is served, in steps of 0.5 mm. The wall stays as
+/// thick.
 fn least_bore_mm(file: &PumpFile, most: Option<LargestPressure>, duty: &Duty, port: Port) -> Option<f64> {
     let mut other = file.clone();
     let LineSource::Hose(hose) = line_of(&mut other, port).source else { return None };

@@ -7,8 +7,8 @@ use super::error::SizingError;
 /// Angles of a pitch at which the rollers are stopped.
 const STOPS: u32 = 24;
 
-/// Returns the time in s after which less than 1 µL is still to come, for the rollers that stop at the worst angle of the
-/// steady state.
+/// Returns the time in s after which less than 1 µL is still to come, for the rollers that stop at the worst angle of
+/// the steady state.
 pub(super) fn settling_s(pump: &Pump, speed_rad_s: f64) -> Result<f64, SizingError> {
     let state = pump.periodic_state(Port::Outlet, speed_rad_s)?;
     let period_s = pump.pitch_rad() / speed_rad_s.abs();

@@ -26,7 +26,8 @@ use super::suction::{Suction, suction};
 const TRIED: usize = 12;
 const NAMED: usize = 3;
 
-/// Viscosity from which on a fluid is thicker than the water of published flows, in mPa s: twice that of water at 20 °C.
+/// Viscosity from which on a fluid is thicker than the water of published flows, in mPa s: twice that of water at 20
+/// °C.
 const THICK_MPA_S: f64 = 2.0;
 
 /// A pump with its speed, pressures, margins and pulsation at a duty.
@@ -245,8 +246,10 @@ fn swings(at: &Operating, pulsation: &Pulsation) -> Option<Notice> {
         let pulses_hz = at.speed_rad_s / at.pump.pitch_rad();
         let line_hz = at.pump.line(Port::Outlet).natural_rad_s() / std::f64::consts::TAU;
         Notice::from(format!(
-            "the outlet's line swings by itself at {line_hz:.2} Hz, and the rollers' {pulses_hz:.2} pulses a second, or a \
-             multiple of them, drive it; the friction of the mean flow alone damps it here, so a real hose swings less; \
+            "the outlet's line swings by itself at {line_hz:.2} Hz, and the rollers' {pulses_hz:.2} pulses a second, \
+             or a \
+             multiple of them, drive it; the friction of the mean flow alone damps it here, so a real hose swings \
+             less; \
              another length or another speed avoids it"
         ))
     })

@@ -115,8 +115,8 @@ fn pulsation_far_above_the_lines_own_frequency_falls_as_a_low_pass_tells() {
 
 #[test]
 fn a_turbulent_hose_has_the_friction_of_the_moody_chart() {
-    // Water at 20 °C: 998.2 kg/m³, 1.0016 mPa s. 25 mL/s in a bore of 4 mm: Re = 7932, smooth f = 0.0331 (Prandtl and von
-    // Karman: 1/sqrt f = 2 log10(Re sqrt f) - 0.8), and 1.5 velocity heads at the ends.
+    // Water at 20 °C: 998.2 kg/m³, 1.0016 mPa s. 25 mL/s in a bore of 4 mm: Re = 7932, smooth f = 0.0331 (Prandtl and
+    // von Karman: 1/sqrt f = 2 log10(Re sqrt f) - 0.8), and 1.5 velocity heads at the ends.
     let file = built_in("three-roller").unwrap();
     let duty = Duty::new(25.0)
         .with_fluid(None, Some(20.0))

@@ -13,8 +13,8 @@ const SUGGESTED: [(f64, f64); 7] = [
     (1.0, 482.0),
 ];
 
-/// Returns the working pressure in kPa above the air that is suggested for a tube, interpolated over wall/bore. A thicker
-/// tube has that of the thickest in the table. `None` for one thinner than the table's.
+/// Returns the working pressure in kPa above the air that is suggested for a tube, interpolated over wall/bore. A
+/// thicker tube has that of the thickest in the table. `None` for one thinner than the table's.
 pub(super) fn suggested_kpa(bore_mm: f64, wall_mm: f64) -> Option<f64> {
     let ratio = wall_mm / bore_mm;
     let between = SUGGESTED.windows(2).find(|pair| ratio >= pair[0].0 && ratio <= pair[1].0);

@@ -1,7 +1,7 @@
 //! An axis and the state that it is in.
 
 use pump_ctl::drive::{Actuator, Fault, OnFault};
-use pump_ctl::step::{Brake, Stepper};
+use pump_ctl::step::{Brake, Direction, Stepper};
 use pump_link::message::{AxisConfig, AxisState, AxisStatus, End, MoveOrder, Stopping};
 use pump_link::receiver::Expected;
 
@@ -129,7 +129,9 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
     }
 
     pub(crate) fn status(&mut self) -> AxisStatus {
-        let index_at = self.actuator.as_ref().and_then(Actuator::index_at);
+        // The sensor is read when a step is taken, before its pulse: it tells where the step before has led.
+        let way = i64::from(Direction::of(self.order.last.saturating_sub(self.order.from)).sign());
+        let index_at = self.actuator.as_ref().and_then(Actuator::index_at).map(|at| at.saturating_sub(way));
         AxisStatus {
             position: self.position(),
             state: self.state,
@@ -150,8 +152,8 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         self.actuator.as_mut()?.stepper().next_deadline()
     }
 
-    /// Takes the step that is due at `within` or before. [`Self::rises_at`] then says when its pulse begins. A step that
-    /// is due before `now` is late.
+    /// Takes the step that is due at `within` or before. [`Self::rises_at`] then says when its pulse begins. A step
+    /// that is due before `now` is late.
     pub(crate) fn take_step(&mut self, now: u64, within: u64) {
         let Some(actuator) = &mut self.actuator else {
             return;

@@ -186,7 +186,8 @@ fn the_index_is_where_its_sensor_became_active() {
     direct.run_to(at + 12_500);
     direct.with(|hardware| hardware.index[0] = true);
     direct.run_with_host(100_000);
-    assert_eq!(direct.status(0).index_at, Some(13));
+    // It stood at step 12 when the sensor became active.
+    assert_eq!(direct.status(0).index_at, Some(12));
 }
 
 #[test]

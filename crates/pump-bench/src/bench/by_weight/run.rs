@@ -356,7 +356,8 @@ impl<'p> Course<'p> {
         // The flow pulsates, so the model tells how long ago the pump had turned for what was still missing.
         let missing_ml = (reading.mass_g - at_rest_g) * self.prepared.z_ml_g * turned_ml / arrived_ml;
         let before = end.notes.iter().rev().find(|(_, noted_ml)| turned_ml - noted_ml >= missing_ml);
-        // Drops and digits hide what follows a slow stretch. The expected volume decides: the one found has their scatter.
+        // Drops and digits hide what follows a slow stretch. The expected volume decides: the one found has their
+        // scatter.
         let lag_ago = end.stood.checked_sub(Duration::from_secs_f64(self.reckoned().0));
         let then = end.notes.iter().rev().find(|(at, _)| lag_ago.is_some_and(|ago| *at <= ago));
         let expected_ml = turned_ml - then.map_or(0.0, |(_, noted_ml)| *noted_ml);

@@ -24,8 +24,9 @@ impl Budget {
     /// no short doses have found its pulse.
     ///
     /// The share is the root of the mean square difference of the turn's volume over the pulses that heads may have. A
-    /// revolution keeps its volume. After a calibration the weighed runs keep theirs, which are parts of a pitch too. The differences are neither linear in the pulse nor normal, so the expanded
-    /// uncertainty propagates their distribution together with that of the angle (JCGM 101:2008).
+    /// revolution keeps its volume. After a calibration the weighed runs keep theirs, which are parts of a pitch too.
+    /// The differences are neither linear in the pulse nor normal, so the expanded uncertainty propagates their
+    /// distribution together with that of the angle (JCGM 101:2008).
     #[must_use]
     pub(crate) fn with_default_pulse(
         mut self,

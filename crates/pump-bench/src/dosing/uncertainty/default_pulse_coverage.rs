@@ -134,8 +134,8 @@ impl<'a> Head<'a> {
     }
 }
 
-/// Returns the pump file of a head. Its doses scatter by the same part at every volume, as the heads here do. Nobody has
-/// described a nozzle in air.
+/// Returns the pump file of a head. Its doses scatter by the same part at every volume, as the heads here do. Nobody
+/// has described a nozzle in air.
 fn pump_file(ml_per_rev: f64, rollers: u32, end: OutletEnd) -> PumpFile {
     let head = HeadTable::new(ml_per_rev);
     let mut file = BoughtPump { id: "bought".to_owned(), head, rollers }.pump_file();
@@ -307,7 +307,8 @@ fn doses_of_a_few_pitches_lie_within_bounds_that_are_no_wider_than_they_must_be(
     for rollers in [2, 3, 4, 6, 8, 12] {
         let ml_per_rev = (4.0, 20.0);
         let case = |wider| Case { ml_per_rev, end: OutletEnd::Immersed, ..Case::of(rollers, wider) };
-        // The law of the interval lies between the two: Student's t of six drawings makes the prior 1.325 times as wide.
+        // The law of the interval lies between the two: Student's t of six drawings makes the prior 1.325 times as
+        // wide.
         for (wider, most) in [(1.0, 0.995), (1.5, 0.99)] {
             let found = found(&Case { doses_ml: (0.5, 25.0), ..case(wider) });
             assert!((0.93..most).contains(&found.covered), "{rollers} rollers: {}", found.covered);

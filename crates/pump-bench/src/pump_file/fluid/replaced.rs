@@ -1,13 +1,11 @@
 //! Another fluid than the pump file's, and the lines whose resistance does not follow it.
 
-use super::{FluidTable, known};
 use crate::notice::{Notice, Remedy};
-use crate::pump_file::{LineSource, PumpFile};
 
 /// Part by which a viscosity may differ before the resistance of the file's own fluid is warned of.
 const ALIKE: f64 = 0.1;
 
-/// The fluid that a pump file states, where another one stands in for it.
+/// A fluid as it flows: the one that a pump file states, where another one stands in for it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Replaced {
     name: String,
@@ -16,13 +14,9 @@ pub(crate) struct Replaced {
 }
 
 impl Replaced {
-    /// Returns what a fluid leaves behind when another takes its place.
-    pub(super) fn of(fluid: &FluidTable) -> Self {
-        Self {
-            name: fluid.name.clone(),
-            temperature_degc: fluid.temperature_degc,
-            viscosity_mpa_s: viscosity_mpa_s(fluid),
-        }
+    /// Returns a fluid of this name, temperature and viscosity, as far as the latter is known.
+    pub(super) fn new(name: &str, temperature_degc: f64, viscosity_mpa_s: Option<f64>) -> Self {
+        Self { name: name.to_owned(), temperature_degc, viscosity_mpa_s }
     }
 
     /// Returns the fluid in words, as `water at 25 °C`.
@@ -30,52 +24,35 @@ impl Replaced {
         format!("{} at {} °C", self.name, self.temperature_degc)
     }
 
-    /// Returns true if the fluid flows as `fluid` does. A viscosity that nobody knows counts as another one, unless the
+    /// Returns true if the fluid flows as `other` does. A viscosity that nobody knows counts as another one, unless the
     /// fluid has kept its name.
-    fn flows_as(&self, fluid: &FluidTable) -> bool {
-        match self.viscosity_mpa_s.zip(viscosity_mpa_s(fluid)) {
+    fn flows_as(&self, other: &Self) -> bool {
+        match self.viscosity_mpa_s.zip(other.viscosity_mpa_s) {
             Some((own, other)) => (other / own - 1.0).abs() <= ALIKE,
-            None => self.name.eq_ignore_ascii_case(&fluid.name),
+            None => self.name.eq_ignore_ascii_case(&other.name),
         }
     }
-}
 
-/// Returns the viscosity in mPa s, or `None` if neither the table nor the model knows it.
-fn viscosity_mpa_s(fluid: &FluidTable) -> Option<f64> {
-    let of_model = || known(&fluid.name, fluid.temperature_degc)?.ok();
-    fluid.viscosity_mpa_s.or_else(|| Some(of_model()?.viscosity_mpa_s))
-}
-
-impl PumpFile {
-    /// Returns the warning of a fluid whose viscosity the resistance of a line does not follow. `None` where the fluid
-    /// is the file's, flows as that one does, or where every line is a hose or unknown.
-    ///
-    /// ```
-    /// let mut file = pump_bench::built_in("three-roller").unwrap();
-    /// assert_eq!(file.resistance_warning(), None);
-    /// file.fluid = file.fluid.changed_to(Some("glycerol 50%"), Some(20.0)).unwrap();
-    /// let warning = file.resistance_warning().unwrap();
-    /// assert!(warning.text().contains("stay those of water at 25 °C"), "{warning}");
-    /// ```
-    pub fn resistance_warning(&self) -> Option<Notice> {
-        let own = self.fluid.replaced.as_ref().filter(|own| !own.flows_as(&self.fluid))?;
-        let is_given = |source| matches!(source, &LineSource::Given { .. });
-        let lines = match [&self.inlet.source, &self.outlet.line.source].map(is_given) {
+    /// Returns the warning that the resistances that are given, of inlet and outlet, stay those of this fluid and not of
+    /// `now`. `None` where both flow alike or no resistance is given.
+    pub(super) fn warning(&self, now: &Self, are_given: [bool; 2]) -> Option<Notice> {
+        if self.flows_as(now) {
+            return None;
+        }
+        let lines = match are_given {
             [true, true] => "the resistances of [inlet] and [outlet] are fixed numbers",
             [true, false] => "the resistance of [inlet] is a fixed number",
             [false, true] => "the resistance of [outlet] is a fixed number",
             [false, false] => return None,
         };
-        let fluid = &self.fluid;
-        let thicker = match own.viscosity_mpa_s.zip(viscosity_mpa_s(fluid)) {
+        let thicker = match self.viscosity_mpa_s.zip(now.viscosity_mpa_s) {
             Some((own, other)) => format!("has {:.2} times the viscosity", other / own),
             None => "has another viscosity".to_owned(),
         };
         let text = format!(
-            "{lines} in the pump file, so pressures, settling and back flow stay those of {}; {} at {} °C {thicker}",
-            own.told(),
-            fluid.name,
-            fluid.temperature_degc
+            "{lines} in the pump file, so pressures, settling and back flow stay those of {}; {} {thicker}",
+            self.told(),
+            now.told()
         );
         Some(Notice::from(text).with_remedy(Remedy::DescribeHose))
     }
@@ -106,7 +83,8 @@ mod tests {
     fn a_fixed_resistance_is_said_to_stay_that_of_the_files_own_fluid() {
         let file = built_in("three-roller").unwrap();
         let warning = with(&file, Some("glycerol 50%"), Some(20.0)).resistance_warning().unwrap();
-        // Segur and Oberstar: 6.00 mPa s at 20 °C; IAPWS: 0.890 mPa s for water at 25 °C. Cheng's formula is within 5 %.
+        // Segur and Oberstar: 6.00 mPa s at 20 °C; IAPWS: 0.890 mPa s for water at 25 °C. Cheng's formula is within 5
+        // %.
         let times: f64 =
             warning.text().split("has ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
         assert!((times / (6.00 / 0.890) - 1.0).abs() < 0.05, "{warning}");

@@ -1,15 +1,10 @@
-//! The report of a dose that a balance ended.
+//! The weighing of a dose that a balance ended.
 
 use libm::log10;
-use pump_model::units::degrees;
 use serde::Serialize;
 
-use super::DoseReport;
-use crate::bench::{Bench, DeliveredByWeight, PreparedByWeight};
-use crate::dosing::weighed_shares;
-use crate::notice::Notice;
-use crate::numbers::{microlitres, significant};
-use crate::report::choices::VolumeBasis;
+use crate::bench::{DeliveredByWeight, PreparedByWeight};
+use crate::numbers::significant;
 
 /// The weighing of a dose that a balance ended.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -43,69 +38,27 @@ pub struct ByWeightReport {
     pub dropped_ml: f64,
 }
 
-impl DoseReport {
-    /// Reports a dose that a balance ended, or was to end. The difference of two of its readings has the standard
-    /// uncertainty `difference_g`, in g.
-    pub fn by_weight(
-        bench: &Bench,
-        prepared: &PreparedByWeight,
-        delivered: &DeliveredByWeight,
-        difference_g: f64,
-    ) -> Self {
-        let report = Self::new(bench, &prepared.whole, None);
-        let (file, volume_ml) = (bench.file(), delivered.volume_ml);
-        let reading_ml = difference_g * prepared.z_ml_g;
-        // The density was known when the dose was planned.
-        let (uncertainty_budget, expanded_uncertainty_ml) =
-            weighed_shares(file, volume_ml, reading_ml, prepared.whole.drop_ml).unwrap_or_default();
-        let mut warnings = report.warnings;
-        warnings.extend(delivered.warnings.iter().cloned());
-        if delivered.dropped_ml != 0.0 {
-            let carry = microlitres(delivered.dropped_ml);
-            warnings
-                .push(Notice::from(format!("the carry of {carry} is dropped: the balance ended the dose")));
-        }
+impl ByWeightReport {
+    /// Reports the weighing of a dose that was delivered.
+    pub(in crate::report) fn of(prepared: &PreparedByWeight, delivered: &DeliveredByWeight) -> Self {
         let after = delivered.after_stop;
         Self {
-            carry_in_ml: 0.0,
-            planned_ml: delivered.turned_ml,
-            volume_least_ml: volume_ml,
-            volume_most_ml: volume_ml,
-            delivered_ml: Some(volume_ml),
-            balance_g: Some(delivered.mass_g),
-            volume_basis: VolumeBasis::Weighed,
-            expanded_uncertainty_ml,
-            uncertainty_budget,
-            end_angle_deg: degrees(delivered.end_angle_rad),
-            steps: delivered.made as i64,
-            steps_made: Some(delivered.made as i64),
-            carry_ml: 0.0,
-            carry_half_width_ml: 0.0,
-            motion_s: delivered.measured_s,
-            measured_motion_s: Some(delivered.measured_s),
-            warnings,
-            completed: delivered.completed,
-            by_weight: Some(ByWeightReport {
-                target_g: prepared.target_g(),
-                mass_g: delivered.mass_g,
-                digit_g: delivered.digit_g,
-                turned_ml: delivered.turned_ml,
-                most_ml: prepared.most_ml,
-                stretches: delivered.stretches,
-                stopped_by_balance: delivered.stopped_by_balance,
-                reckoned_s: delivered.reckoned_s.map(|(time_s, _)| time_s),
-                reckoned_learned: delivered.reckoned_s.map(|(_, is_learned)| is_learned),
-                after_stop_s: after.map(|after| after.mean_s),
-                after_stop_spread_s: after.map(|after| after.spread_s()),
-                after_stop_stops: after.map(|after| after.stops),
-                dropped_ml: delivered.dropped_ml,
-            }),
-            ..report
+            target_g: prepared.target_g(),
+            mass_g: delivered.mass_g,
+            digit_g: delivered.digit_g,
+            turned_ml: delivered.turned_ml,
+            most_ml: prepared.most_ml,
+            stretches: delivered.stretches,
+            stopped_by_balance: delivered.stopped_by_balance,
+            reckoned_s: delivered.reckoned_s.map(|(time_s, _)| time_s),
+            reckoned_learned: delivered.reckoned_s.map(|(_, is_learned)| is_learned),
+            after_stop_s: after.map(|after| after.mean_s),
+            after_stop_spread_s: after.map(|after| after.spread_s()),
+            after_stop_stops: after.map(|after| after.stops),
+            dropped_ml: delivered.dropped_ml,
         }
     }
-}
 
-impl ByWeightReport {
     /// The line of the weighing for people.
     pub(in crate::report) fn line(&self) -> String {
         let decimals = (-log10(self.digit_g)).clamp(0.0, 6.0).round() as usize;

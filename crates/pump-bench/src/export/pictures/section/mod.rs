@@ -37,7 +37,8 @@ pub fn section_svg(title: &str, geometry: &Geometry) -> String {
     let walls_mm = 2.0 * (geometry.tube_outer_radius_mm - geometry.bore_radius_mm);
     let gap_mm = geometry.backplate_radius_mm - geometry.roller_offset_mm - geometry.roller_radius_mm;
     let note = format!(
-        "A roller leaves {} mm to the backplate (backplate - offset - roller), and two walls of the tube are {} mm. The \
+        "A roller leaves {} mm to the backplate (backplate - offset - roller), and two walls of the tube are {} mm. \
+         The \
          backplate spans {}°.",
         millimetres(gap_mm),
         millimetres(walls_mm),

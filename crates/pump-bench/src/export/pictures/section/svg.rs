@@ -66,7 +66,8 @@ impl Svg {
         let ink = hex(INK);
         let _ = writeln!(
             self.text,
-            "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{radius:.2}\" fill=\"{fill}\" stroke=\"{ink}\" stroke-width=\"1.2\"/>"
+            "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"{radius:.2}\" fill=\"{fill}\" stroke=\"{ink}\" \
+             stroke-width=\"1.2\"/>"
         );
     }
 

@@ -1,0 +1,184 @@
+//! The emulated board, which runs only as far as the host waits.
+
+use std::fmt;
+use std::io::{self, Read, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use pump_bench::drives::wire::Wire;
+
+/// Longest time for which the board runs before the host looks again, in ns.
+const SLICE_NS: f64 = 1e6;
+
+/// Change of a pin.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Edge {
+    /// Time of the board, in ns.
+    pub(crate) at_ns: f64,
+    /// Number of the pin.
+    pub(crate) pin: u8,
+    /// Level: 0 low, 1 high, 2 not driven.
+    pub(crate) level: u8,
+}
+
+/// Instructions of the board since it was made.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Counts {
+    /// Interrupts of the timer.
+    pub(crate) interrupts: f64,
+    /// Instructions in these interrupts.
+    pub(crate) instructions: f64,
+    /// Most instructions in one of them.
+    pub(crate) most: f64,
+}
+
+/// Board in a process of its own.
+struct Board {
+    process: Child,
+    to: ChildStdin,
+    from: ChildStdout,
+    now_ns: f64,
+    /// Bytes of the host that the board has not been given.
+    written: Vec<u8>,
+    /// Bytes of the board that the host has not read.
+    said: Vec<u8>,
+    edges: Vec<Edge>,
+}
+
+/// Emulated board. Clones are the same board.
+#[derive(Clone)]
+pub(crate) struct Emulator(Arc<Mutex<Board>>);
+
+impl fmt::Debug for Emulator {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.debug_struct("Emulator").field("now", &self.board().now_ns).finish_non_exhaustive()
+    }
+}
+
+impl Emulator {
+    /// Starts the emulator with this firmware, an ELF file.
+    pub(crate) fn new(firmware: &Path) -> io::Result<Self> {
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../emulator/serve.mjs");
+        let mut process = Command::new("node")
+            .arg(script)
+            .arg(firmware)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()?;
+        let (Some(to), Some(from)) = (process.stdin.take(), process.stdout.take()) else {
+            return Err(io::Error::other("the emulator has no pipes"));
+        };
+        let (written, said, edges) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(Self(Arc::new(Mutex::new(Board { process, to, from, now_ns: 0.0, written, said, edges }))))
+    }
+
+    fn board(&self) -> MutexGuard<'_, Board> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Takes the edges since the last call.
+    pub(crate) fn take_edges(&self) -> Vec<Edge> {
+        std::mem::take(&mut self.board().edges)
+    }
+
+    /// Resets the board. Its motor keeps its place.
+    pub(crate) fn reset(&self) -> io::Result<()> {
+        let board = &mut *self.board();
+        board.said.clear();
+        board.written.clear();
+        board.ask(b"R").map(drop)
+    }
+
+    /// Returns the instructions of the board's interrupts.
+    pub(crate) fn counts(&self) -> io::Result<Counts> {
+        let board = &mut *self.board();
+        board.to.write_all(b"C")?;
+        let [_, interrupts, instructions, most, _] = board.numbers()?;
+        Ok(Counts { interrupts, instructions, most })
+    }
+}
+
+impl Board {
+    /// Sends a request whose answer is the time.
+    fn ask(&mut self, request: &[u8]) -> io::Result<()> {
+        self.to.write_all(request)?;
+        [self.now_ns] = self.numbers()?;
+        Ok(())
+    }
+
+    fn numbers<const N: usize>(&mut self) -> io::Result<[f64; N]> {
+        let mut numbers = [0.0; N];
+        for number in &mut numbers {
+            let mut bytes = [0; 8];
+            self.from.read_exact(&mut bytes)?;
+            *number = f64::from_le_bytes(bytes);
+        }
+        Ok(numbers)
+    }
+
+    fn length(&mut self) -> io::Result<usize> {
+        let mut bytes = [0; 4];
+        self.from.read_exact(&mut bytes)?;
+        Ok(u32::from_le_bytes(bytes) as usize)
+    }
+
+    /// Runs until a time, or until the board has sent the end of a frame.
+    fn advance(&mut self, until_ns: f64) -> io::Result<()> {
+        let bytes = std::mem::take(&mut self.written);
+        let mut request = vec![b'A'];
+        request.extend(until_ns.to_le_bytes());
+        request.push(1);
+        request.extend((bytes.len() as u32).to_le_bytes());
+        request.extend(bytes);
+        self.ask(&request)?;
+        let mut said = vec![0; self.length()?];
+        self.from.read_exact(&mut said)?;
+        self.said.extend(said);
+        for _ in 0..self.length()? {
+            let [at_ns] = self.numbers()?;
+            let mut pin_and_level = [0; 2];
+            self.from.read_exact(&mut pin_and_level)?;
+            let [pin, level] = pin_and_level;
+            self.edges.push(Edge { at_ns, pin, level });
+        }
+        Ok(())
+    }
+}
+
+impl Wire for Emulator {
+    fn read(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize> {
+        let board = &mut *self.board();
+        let until_ns = board.now_ns + (wait.as_nanos() as f64).max(1e3);
+        while board.said.is_empty() && board.now_ns < until_ns {
+            board.advance(until_ns.min(board.now_ns + SLICE_NS))?;
+        }
+        let read = buffer.len().min(board.said.len());
+        buffer.iter_mut().zip(board.said.drain(..read)).for_each(|(to, byte)| *to = byte);
+        Ok(read)
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.board().written.extend(bytes);
+        Ok(())
+    }
+
+    fn now(&mut self) -> Duration {
+        Duration::from_nanos(self.board().now_ns as u64)
+    }
+
+    fn sleep(&mut self, time: Duration) {
+        let board = &mut *self.board();
+        let until_ns = board.now_ns + time.as_nanos() as f64;
+        // A board that is gone is the next read's error.
+        while board.now_ns < until_ns && board.advance(until_ns).is_ok() {}
+    }
+}
+
+impl Drop for Board {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
