@@ -33,8 +33,8 @@ impl Replaced {
         }
     }
 
-    /// Returns the warning that the resistances that are given, of inlet and outlet, stay those of this fluid and not of
-    /// `now`. `None` where both flow alike or no resistance is given.
+    /// Returns the warning that the resistances that are given, of inlet and outlet, stay those of this fluid and not
+    /// of `now`. `None` where both flow alike or no resistance is given.
     pub(super) fn warning(&self, now: &Self, are_given: [bool; 2]) -> Option<Notice> {
         if self.flows_as(now) {
             return None;

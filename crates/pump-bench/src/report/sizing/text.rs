@@ -168,16 +168,16 @@ fn discharge(sizing: &Sizing) -> String {
 fn pulsation(sizing: &Sizing) -> String {
     let pulsation = &sizing.pulsation;
     let percent = |part: f64| significant(100.0 * part, 3);
+    let between = pulsation.end_between.map_or(String::new(), |[least, most]| {
+        format!(" ({} to {} % peak to peak for 95 % of such heads)", percent(least), percent(most))
+    });
     let end = match pulsation.end {
         Some(ripple) => format!(
-            "{} % peak to peak, {} % RMS at the hose's end; ",
+            "{} % peak to peak, {} % RMS at the hose's end{between}; ",
             percent(ripple.peak_to_peak),
             percent(ripple.rms)
         ),
         None => "the line resonates, and nothing damps it; ".to_owned(),
     };
-    let between = pulsation.end_between.map_or(String::new(), |[least, most]| {
-        format!("; {} to {} % over the pulses of drawn heads", percent(least), percent(most))
-    });
-    format!("{end}{} % peak to peak at the rollers{between}", percent(pulsation.rollers.peak_to_peak))
+    format!("{end}{} % peak to peak at the rollers", percent(pulsation.rollers.peak_to_peak))
 }
