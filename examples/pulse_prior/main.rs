@@ -108,6 +108,42 @@ fn deviation(values: &[f64]) -> f64 {
     (squares / (values.len() - 1) as f64).sqrt()
 }
 
+/// Writes what the drawings say of all heads.
+fn law(page: &mut String, figures: &Figures, drawings: usize) -> Result<(), Box<dyn Error>> {
+    writeln!(
+        page,
+        "\nPhi is {:.1}° (geometric mean), or {:.3} of the pitch where that is less: more rollers leave \
+         less room for each.\n\
+         The standard uncertainty is twice the scatter of the drawings: a factor of {:.3} either way (ln \
+         phi ± {:.3}). The\n\
+         fullness is {:.3} ± {:.3}, twice its scatter too.\n\
+         The intervals of doses take both {:.3} times as wide again, because six drawings show the scatter only \
+         roughly\n\
+         (Student's t of 5 degrees of freedom, over that of many).\n\n\
+         Geometry bounds the pulse, whatever the head. Pulses beyond the bounds are left out of the law:\n\n\
+         - 2 phi + pitch <= 360°: a roller seals until the next one does, and engages and leaves within the same \
+         turn.\n\
+         - V_r/(a phi) <= 2/3: what a roller squeezes passes the backplate's end while it leaves, so phi is its width \
+         at\n  \
+         least. A round roller that closes the bore takes two thirds of it over its own width at most, as a\n  \
+         flattened bore of unchanged perimeter has lost (h/D)² of its area.\n\
+         - The share of a pitch <= 2/3: rollers stand side by side, so the width of each is a pitch at most.\n\n\
+         A seventh head, github.com/bgamari/peristaltic-pump, names no wall, so that its fullness is not \
+         known. Its phi is\n\
+         {:.1}°, within two standard uncertainties of the mean.\n\n\
+         | x/phi | V/V_r | slope |\n| --- | --- | --- |",
+        figures.engagement_deg,
+        figures.widest_part,
+        figures.engagement_spread.exp(),
+        figures.engagement_spread,
+        figures.fullness,
+        figures.fullness_standard,
+        widening(drawings as u32 - 1),
+        angle_of_an_unknown_wall_deg(),
+    )?;
+    Ok(())
+}
+
 /// Returns the page.
 fn page() -> Result<String, Box<dyn Error>> {
     let drawn = designs().iter().map(Drawn::of).collect::<Result<Vec<_>, _>>()?;
@@ -137,37 +173,7 @@ fn page() -> Result<String, Box<dyn Error>> {
             one.source,
         )?;
     }
-    writeln!(
-        page,
-        "\nPhi is {:.1}° (geometric mean), or {:.3} of the pitch where that is less: more rollers leave \
-         less room for each.\n\
-         The standard uncertainty is twice the scatter of the drawings: a factor of {:.3} either way (ln \
-         phi ± {:.3}). The\n\
-         fullness is {:.3} ± {:.3}, twice its scatter too.\n\
-         The intervals of doses take both {:.3} times as wide again, because six drawings show the scatter only \
-         roughly\n\
-         (Student's t of 5 degrees of freedom, over that of many).\n\n\
-         Geometry bounds the pulse, whatever the head. Pulses beyond the bounds are left out of the law:\n\n\
-         - 2 phi + pitch <= 360°: a roller seals until the next one does, and engages and leaves within the same \
-         turn.\n\
-         - V_r/(a phi) <= 2/3: what a roller squeezes passes the backplate's end while it leaves, so phi is its width \
-         at\n  \
-         least. A round roller that closes the bore takes two thirds of it over its own width at most, as a\n  \
-         flattened bore of unchanged perimeter has lost (h/D)² of its area.\n\
-         - The share of a pitch <= 2/3: rollers stand side by side, so the width of each is a pitch at most.\n\n\
-         A seventh head, github.com/bgamari/peristaltic-pump, names no wall, so that its fullness is not \
-         known. Its phi is\n\
-         {:.1}°, within two standard uncertainties of the mean.\n\n\
-         | x/phi | V/V_r | slope |\n| --- | --- | --- |",
-        figures.engagement_deg,
-        figures.widest_part,
-        figures.engagement_spread.exp(),
-        figures.engagement_spread,
-        figures.fullness,
-        figures.fullness_standard,
-        widening(drawn.len() as u32 - 1),
-        angle_of_an_unknown_wall_deg(),
-    )?;
+    law(&mut page, &figures, drawn.len())?;
     for (n, (volume, slope)) in figures.shape.iter().enumerate() {
         writeln!(page, "| {:.1} | {volume:.4} | {slope:.4} |", n as f64 / PARTS as f64)?;
     }

@@ -120,7 +120,7 @@ impl Course {
         for note in notes {
             let text = note.text().to_owned();
             if !self.warned.contains(&text) {
-                warn(&[note.clone()]);
+                warn(std::slice::from_ref(note));
                 self.warned.push(text);
             }
         }

@@ -57,7 +57,7 @@ fn ask_head(course: &mut Course) -> Asked<()> {
                `dose pumps list --catalogue` lists heads by name, as masterflex-ls-16; a pump file ends in .toml; \
                `drawing` asks for the dimensions of a head that you built",
     };
-    let named = course.asker.ask(&question, |answer| named(answer))?;
+    let named = course.asker.ask(&question, named)?;
     match named {
         Named::Drawing => ask_drawing(course),
         Named::Head(head) => set(course, head),

@@ -13,7 +13,8 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
     let is_of_file = course.answers.is_of_file();
     let answers = &course.answers;
     let knows_lifts = answers.suction_lift_mm.is_some() && answers.discharge_lift_mm.is_some();
-    if !is_of_file && !(answers.has_ambient() && knows_lifts) {
+    let knows_place = is_of_file || answers.has_ambient() && knows_lifts;
+    if !knows_place {
         heading("The place");
         ask_ambient(course)?;
         ask_lifts(course)?;

@@ -125,7 +125,7 @@ fn summary(course: &Course, file: &PumpFile) -> Result<Vec<String>, Failure> {
     };
     line("board", &board);
     let lift = |reservoir: Reservoir, what: &str| match reservoir {
-        Reservoir::Lift(mm) if mm == 0.0 => String::new(),
+        Reservoir::Lift(0.0) => String::new(),
         Reservoir::Lift(mm) => format!(", {what} {} m", rounded(1e-3 * mm)),
         Reservoir::Pressure(kpa) => format!(", {what} by {kpa} kPa"),
     };

@@ -100,7 +100,7 @@ impl Answers {
             }
             None => {
                 (self.steps_per_rev, self.microsteps, self.full_steps) =
-                    (Some(corrected.steps_per_rev), None, None)
+                    (Some(corrected.steps_per_rev), None, None);
             }
         }
         self.done.turned = false;

@@ -1,6 +1,5 @@
 //! Claims about doses that arrive.
 
-use std::sync::Mutex;
 use std::thread::scope;
 
 use proptest::prelude::*;
@@ -78,10 +77,8 @@ fn draw(n: usize) -> Vec<(f64, f64, f64, Truth)> {
 
 #[test]
 fn forty_random_doses_end_within_a_drop_and_never_above_the_ceiling() {
-    let worst = Mutex::new((0.0_f64, 0.0_f64));
     scope(|scope| {
         for (bore_mm, density_kg_m3, volume_ml, truth) in draw(40) {
-            let worst = &worst;
             scope.spawn(move || {
                 let folder = tempfile::tempdir().unwrap();
                 let file = file(bore_mm, density_kg_m3);
@@ -101,11 +98,7 @@ fn forty_random_doses_end_within_a_drop_and_never_above_the_ceiling() {
                 assert!(off_ml.abs() <= allowed_ml, "{off_ml} mL off: {truth:?}: {made:?}");
                 assert!(plant.left_ml() <= truth.factor * prepared.most_ml, "{truth:?}: {made:?}");
                 assert!(landed_ml <= prepared.most_ml, "{truth:?}: {made:?}");
-                let mut worst = worst.lock().unwrap();
-                *worst = (worst.0.min(off_ml), worst.1.max(off_ml));
             });
         }
     });
-    let (least_ml, most_ml) = *worst.lock().unwrap();
-    println!("from {least_ml:.4} to {most_ml:.4} mL off");
 }
