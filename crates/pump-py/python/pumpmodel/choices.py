@@ -46,8 +46,8 @@ Panel: TypeAlias = Literal["flow", "pressure", "speed", "delivered"]
 PhaseSource: TypeAlias = Literal["home", "mark", "recorded", "given", "assumed"]
 #: Port of a pump.
 Port: TypeAlias = Literal["inlet", "outlet"]
-#: Kind of the document that a head's figures are from: the maker's own, one that quotes the maker's figures, or
-#: the table of a program.
+#: Kind of the document that a head's figures are from: the maker's own, one that quotes the maker's
+#: figures, or the table of a program.
 Provenance: TypeAlias = Literal["maker", "quoted", "program"]
 #: Purpose of a motion.
 Purpose: TypeAlias = Literal["dose", "prime", "purge", "calibrate", "retract", "jog"]
@@ -91,8 +91,8 @@ UncheckedLimit: TypeAlias = Literal[
 ]
 #: Variant of a built-in pump.
 Variant: TypeAlias = Literal["measured", "published", "as-built"]
-#: Basis of a dose's volume: the model, the model of a drawing, the volumes that were weighed, or the balance that
-#: ended the dose.
+#: Basis of a dose's volume: the model, the model of a drawing, the volumes that were weighed, or the
+#: balance that ended the dose.
 VolumeBasis: TypeAlias = Literal["model", "estimated", "calibrated", "weighed"]
 #: Curve through the measured points of a roller volume.
 VolumeMethod: TypeAlias = Literal["spline", "quintic"]
