@@ -72,7 +72,7 @@ features:
 	cargo clippy --locked -p pump-link --all-targets -- -D warnings
 	cargo clippy --locked -p pump-node --all-targets -- -D warnings
 	cargo clippy --locked -p pump-bench -- -D warnings
-	for feature in balance grbl plot; do cargo clippy --locked -p pump-bench --features $$feature -- -D warnings || exit 1; done
+	for feature in balance grbl node plot; do cargo clippy --locked -p pump-bench --features $$feature -- -D warnings || exit 1; done
 
 # The oldest Rust that is promised builds the libraries and the command.
 oldest:

@@ -53,6 +53,8 @@ class Head(Record):
         Thickness of the tube's wall, mm.
     ml_per_rev : float
         Volume of a revolution, mL: as published, or the published flow divided by its speed.
+    least_rpm, most_rpm : float or None
+        Smallest and largest speed of the head, r/min.
     published : str
         Figures as the document states them.
     note : str or None
@@ -71,6 +73,8 @@ class Head(Record):
     bore_mm: float | None
     wall_mm: float | None
     ml_per_rev: float
+    least_rpm: float | None
+    most_rpm: float | None
     published: str
     note: str | None
     source: HeadSource

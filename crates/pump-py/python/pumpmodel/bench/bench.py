@@ -57,7 +57,7 @@ class Bench(BenchDoses, BenchRecord, BenchCalibration):
         ----------
         pump : Pump, str or os.PathLike
             Pump, path of a pump file, name in `[pumps]` of the configuration, or name of a built-in pump.
-        driver : {"sim", "grbl"}, optional
+        driver : {"sim", "grbl", "node"}, optional
             Driver of the motor; by default the pump file's `[drive]`, otherwise "sim".
         port : str or os.PathLike, optional
             Serial port of the controller, as "/dev/ttyUSB0"; by default the pump file's.
