@@ -41,7 +41,7 @@ fn answers_survive_that_the_person_leaves_at_every_question() {
         assert!(ended.err.contains("; say --") || ended.err.contains("say a name"), "{}", ended.err);
         assert!(ended.err.contains("`dose setup acid` goes on"), "{}", ended.err);
         assert!(!ended.err.contains("panicked"), "{}", ended.err);
-        // What decides the pump file is asked once.
+        // Questions that decide the pump file are asked once.
         let first = ended.asked[0].clone();
         assert!(!answered.contains(&first) || is_repeated(&first), "{first} again: {answered:?}");
         answered.push(first);

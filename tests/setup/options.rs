@@ -62,7 +62,7 @@ fn a_missing_answer_is_one_message_that_names_its_option() {
         );
         assert_eq!(ended.out, "", "{option}");
         assert_eq!(desk.configured("config.toml"), None);
-        // The same without --yes and without a terminal.
+        // A call without --yes and without a terminal says it too.
         let ended = desk.types(&words[..words.len() - 1]);
         assert!(ended.code == 2 && ended.err.contains(names), "{option}: {}", ended.err);
     }

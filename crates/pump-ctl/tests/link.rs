@@ -1,4 +1,4 @@
-//! What crosses a link to an executor comes back from postcard's bytes as it was, without an allocator.
+//! Values that cross a link to an executor come back from postcard's bytes as they were, without an allocator.
 #![cfg(feature = "serde")]
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 

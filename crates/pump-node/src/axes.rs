@@ -37,7 +37,7 @@ impl<P: Pins, B: Board, const Q: usize, const A: usize> Axes<P, B, Q, A> {
     /// Makes the steps that are due within [`LEAD_NS`], each at its own tick. Returns the tick at which the timer must
     /// fire next, or `None` if all motors stand. If the tick has passed, call again at once.
     ///
-    /// What a step takes to compute is done before its tick, so that the steps of several axes come together. Their
+    /// A step is computed before its tick, so that the steps of several axes come together. Their
     /// pulses overlap.
     pub fn on_timer(&mut self) -> Option<u64> {
         self.look_at_estop();

@@ -57,7 +57,7 @@ impl Config {
             lines.insert(at.map_or(0, |at| at + 1), format!("default_pump = \"{name}\"\n"));
         }
         let text = lines.concat();
-        // What was written must mean what was there, and the new pump.
+        // The file written must mean the pumps that were there, and the new one.
         let after = Self::parse(&text, path).ok().filter(|after| {
             let mut pumps = before.pumps.clone();
             pumps.insert(name.to_owned(), wanted);

@@ -9,7 +9,7 @@ use pump_bench::drives::{Drive, DriveFault, Gate, Leave, StopRequest};
 use pump_ctl::plan::Plan;
 use pump_model::Pump;
 
-/// What goes wrong with the balance once the pump has delivered a part.
+/// Fault of the balance once the pump has delivered a part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Defect {
     None,

@@ -133,7 +133,7 @@ pub(crate) struct World {
     /// Part of the frames that are lost on the way.
     pub(crate) lost: f64,
     random: u64,
-    /// What happens next, and when.
+    /// Events to come, each with its time.
     pub(crate) events: VecDeque<(u64, Event)>,
     /// Bytes that something else than a node says to each frame.
     pub(crate) foreign: Option<Vec<u8>>,

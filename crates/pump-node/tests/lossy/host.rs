@@ -12,7 +12,7 @@ use pump_link::sender::{Bracket, Clocks, Stream, Window};
 use crate::plans::{PlanData, TICK_HZ};
 use crate::world::QUEUE;
 
-/// What the next request of the host is about.
+/// Subject of the host's next request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Phase {
     Identify,

@@ -20,7 +20,7 @@ use pump_link::packing::Rounder;
 use rng::Rng;
 use world::World;
 
-/// What befalls the dose.
+/// Event that befalls the dose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Event {
     Nothing,

@@ -18,7 +18,7 @@ fn a_silent_host_makes_the_motor_stop_within_its_move_after_the_dead_man_time() 
     let decelerates = (fed + 200_000 - at) / 1000;
     assert!((decelerates as i64..300).contains(&status.position), "{}", status.position);
     assert!(status.energised && !status.angle_lost);
-    // What was prepared before is not begun later.
+    // A move that was prepared before is not begun later.
     assert_eq!(direct.segments(0, 1, 30, &[EVEN]), Answer::Refused(Refusal::NoSuchMove { newest: 1 }));
     // A foreign session does not feed the timer, and neither does noise.
     let at = direct.go(0, 2, 30);

@@ -23,7 +23,7 @@ const KEPT: Duration = Duration::from_secs(5);
 /// Reason to stop the motor.
 #[derive(Debug)]
 pub(super) enum Stop {
-    /// What is on the balance and what still arrives make up the dose.
+    /// The mass on the balance and the flow that still arrives make up the dose.
     Enough,
     /// The dose cannot go on.
     Fault(WeightFault),
