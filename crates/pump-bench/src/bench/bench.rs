@@ -409,7 +409,7 @@ impl Bench {
     /// # Errors
     ///
     /// [`DoseError::Calibration`] if the drop cannot be computed.
-    pub fn with_drop(&self, expected: &Expected) -> Result<Expected, DoseError> {
+    pub(crate) fn with_drop(&self, expected: &Expected) -> Result<Expected, DoseError> {
         let drop_ml = drop_ml(&self.file).map_err(CalibrationError::Model)?;
         Ok(expected.with_drop_ml(drop_ml / sqrt(6.0)))
     }

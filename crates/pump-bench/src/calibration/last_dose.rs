@@ -20,7 +20,7 @@ const UNSURE: f64 = 1e-3;
 const ONE_SPEED: f64 = 1.5;
 
 /// Returns the shape to fit to doses that were weighed: one factor, unless their speeds are far from each other.
-pub fn fit_of_doses(runs: &[CalibrationRun]) -> Fit {
+pub(crate) fn fit_of_doses(runs: &[CalibrationRun]) -> Fit {
     let speeds = || runs.iter().map(|run| run.speed_rpm);
     let (least_rpm, most_rpm) = (speeds().fold(f64::INFINITY, f64::min), speeds().fold(0.0, f64::max));
     if most_rpm <= ONE_SPEED * least_rpm { Fit::Factor } else { Fit::Best }
@@ -82,7 +82,11 @@ impl CalibrationRun {
     ///
     /// [`CalibrationError::WeighedOtherwise`] if the calibration in use has other runs than doses weighed like this
     /// one, and `earlier` does not name them.
-    pub fn beside(self, active: Option<&Stored>, earlier: Earlier) -> Result<Vec<Self>, CalibrationError> {
+    pub(crate) fn beside(
+        self,
+        active: Option<&Stored>,
+        earlier: Earlier,
+    ) -> Result<Vec<Self>, CalibrationError> {
         let joined =
             active.filter(|stored| earlier != Earlier::Left && stored.calibration.displacement.is_some());
         let Some(Stored { version, calibration }) = joined else { return Ok(vec![self]) };

@@ -25,7 +25,7 @@ pub use fit::{
     Displacement, Expected, FittedPulse, LawFit, PhaseFit, Scatter, ShortDose, SpeedBend, short_doses_of_csv,
 };
 pub(crate) use last_dose::LastWeighing;
-pub use last_dose::{Earlier, WeighedDose, fit_of_doses};
+pub use last_dose::{Earlier, WeighedDose};
 pub use making::Fit;
 pub use run::{CalibrationRun, Reading, runs_of_csv};
 pub(crate) use run::{PLAUSIBLE, turned_ml};

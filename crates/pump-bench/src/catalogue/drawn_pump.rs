@@ -105,16 +105,8 @@ impl DrawnPump {
         LineTable::of_hose_with_lift(0.0, hose)
     }
 
-    /// Returns the file as TOML. A remark on each table says if it is given, measured, estimated or assumed. A front
-    /// end words what checks the file and what makes it surer.
-    ///
-    /// # Errors
-    /// Returns the [`ModelError`] of a pump that cannot work.
-    pub fn toml(&self, words: Wording) -> Result<String, ModelError> {
-        Ok(self.toml_of(&self.pump_file()?, words))
-    }
-
-    /// Returns [`Self::pump_file`] as TOML after its owner has stated more of it, with the remarks of [`Self::toml`].
+    /// Returns [`Self::pump_file`] as TOML, when its owner has stated more of it too. A remark on each table says if it
+    /// is given, measured, estimated or assumed. A front end words what checks the file and what makes it surer.
     pub fn toml_of(&self, file: &PumpFile, words: Wording) -> String {
         let is_estimated = self.roller_volume.is_estimated();
         let check = words(Remedy::CheckPump);
@@ -313,7 +305,7 @@ mod tests {
         assert_eq!((file.uncertainty.model_percent, file.uncertainty.roller_volume_ml), (13.0, Some(0.045)));
         assert_eq!(file.uncertainty.speed_percent, Some(5.2));
         assert!(!file.is_estimated());
-        let text = measured.toml(|_| "weigh it").unwrap();
+        let text = measured.toml_of(&measured.pump_file().unwrap(), |_| "weigh it");
         assert_eq!(PumpFile::parse(&text, "text").unwrap(), file);
         assert!(text.contains("# Measured.\n[roller_volume]") && !text.contains("nobody has measured"));
     }
@@ -348,7 +340,7 @@ mod tests {
             hose_length_mm: 331.0,
             roller_volume: RollerVolumeTable::Drawing,
         };
-        let text = drawn.toml(|_| "weigh it").unwrap();
+        let text = drawn.toml_of(&drawn.pump_file().unwrap(), |_| "weigh it");
         assert_eq!(PumpFile::parse(&text, "text").unwrap(), drawn.pump_file().unwrap());
         assert!(text.contains("# Estimated from the dimensions") && text.contains("source = \"drawing\""));
         assert!(drawn.pump_file().unwrap().is_estimated());

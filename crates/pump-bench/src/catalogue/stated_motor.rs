@@ -50,7 +50,7 @@ impl StatedMotor {
 
     /// Returns the steps per revolution of the motor. Steps beyond `u32` are its largest number, which no pump file
     /// takes.
-    pub fn steps_per_rev(&self) -> u32 {
+    pub(crate) fn steps_per_rev(&self) -> u32 {
         match self.steps {
             MotorSteps::PerRevolution(steps) => steps,
             MotorSteps::Microsteps { full_steps, microsteps } => full_steps.saturating_mul(microsteps),

@@ -119,7 +119,7 @@ impl Config {
     }
 
     /// Returns the folder of the records that the file names, or `None` if it names none.
-    pub fn named_state_dir(&self) -> Option<&Path> {
+    pub(crate) fn named_state_dir(&self) -> Option<&Path> {
         self.state_dir.as_deref()
     }
 

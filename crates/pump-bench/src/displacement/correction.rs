@@ -10,12 +10,12 @@ use super::pulse::PulseCorrection;
 #[serde(deny_unknown_fields)]
 pub struct Correction {
     /// Factor of every flow and volume: kappa at the cruise speed.
-    pub factor: f64,
+    pub(crate) factor: f64,
     /// Model angle of the rollers at angle 0 of the record, in rad.
-    pub zero_rad: f64,
+    pub(crate) zero_rad: f64,
     /// Pulse of a roller; `None` leaves the pump's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub pulse: Option<PulseCorrection>,
+    pub(crate) pulse: Option<PulseCorrection>,
 }
 
 impl Default for Correction {

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct PulseCorrection {
     /// Roller volume V_r, in mL, before all volumes are scaled to keep that of a revolution.
-    pub roller_volume_ml: f64,
+    pub(crate) roller_volume_ml: f64,
     /// Engagement angle phi, in deg.
-    pub engagement_deg: f64,
+    pub(crate) engagement_deg: f64,
 }
 
 impl PulseCorrection {

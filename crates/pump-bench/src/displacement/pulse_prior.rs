@@ -72,12 +72,12 @@ impl PulsePrior {
     }
 
     /// Returns the pulse of the model.
-    pub fn pulse(&self) -> DefaultPulse {
+    pub(crate) fn pulse(&self) -> DefaultPulse {
         DefaultPulse::new(self.share(), self.engagement_deg)
     }
 
     /// Returns the bounds that geometry sets to the pulse.
-    pub fn bounds(&self) -> PulseBounds {
+    pub(crate) fn bounds(&self) -> PulseBounds {
         PulseBounds::of(self.rollers)
     }
 

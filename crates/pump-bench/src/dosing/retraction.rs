@@ -18,7 +18,7 @@ pub struct Retraction {
     /// Predicted pressures and settling of the way back.
     pub prediction: Prediction,
     /// Carry after the retraction, in mL: the carry of the dose and the volume sucked back.
-    pub carry_out_ml: f64,
+    pub(crate) carry_out_ml: f64,
     /// Warnings of the way back.
     pub(super) warnings: Vec<String>,
 }

@@ -131,7 +131,7 @@ impl Schedule {
     }
 
     /// Returns the time at which dose `number` is due, from the batch's start.
-    pub fn due(&self, number: u64) -> Duration {
+    pub(crate) fn due(&self, number: u64) -> Duration {
         self.every.map_or(Duration::ZERO, |every| {
             let nanoseconds = every.as_nanos() * u128::from(number.saturating_sub(1));
             let (seconds, rest) = (nanoseconds / 1_000_000_000, nanoseconds % 1_000_000_000);

@@ -5,9 +5,8 @@ mod staged;
 mod table;
 mod without_links;
 
-pub use plain::{
-    FileError, MOST_PUMP_FILE_BYTES, MOST_TABLE_BYTES, is_one_file, names_in, place_of, read_text,
-};
+pub(crate) use plain::MOST_PUMP_FILE_BYTES;
+pub use plain::{FileError, MOST_TABLE_BYTES, is_one_file, names_in, place_of, read_text};
 pub use staged::Staged;
 pub(crate) use staged::{folder_of, sync_folder};
 pub use table::TableError;

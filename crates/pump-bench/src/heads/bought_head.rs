@@ -75,7 +75,7 @@ impl Provenance {
     pub const ALL: [Self; 3] = [Self::Maker, Self::Quoted, Self::Program];
 
     /// Returns the word for the kind, as in JSON.
-    pub fn as_str(self) -> &'static str {
+    pub(crate) fn as_str(self) -> &'static str {
         match self {
             Self::Maker => "maker",
             Self::Quoted => "quoted",

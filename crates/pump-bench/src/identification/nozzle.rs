@@ -15,7 +15,7 @@ pub struct Nozzle {
 
 impl Nozzle {
     /// Returns the nozzle of `file`.
-    pub fn of(file: &PumpFile) -> Self {
+    pub(crate) fn of(file: &PumpFile) -> Self {
         let outlet = &file.outlet;
         let is_told = outlet.nozzle_bore_mm.is_some() || outlet.line.hose().is_some();
         Self { end: outlet.end, bore_mm: is_told.then(|| outlet.nozzle_mm()) }

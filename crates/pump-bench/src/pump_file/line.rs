@@ -144,7 +144,7 @@ impl LineTable {
     }
 
     /// Returns true if nothing is known of the line.
-    pub fn is_unknown(&self) -> bool {
+    pub(crate) fn is_unknown(&self) -> bool {
         self.source == LineSource::Unknown
     }
 

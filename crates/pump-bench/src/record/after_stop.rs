@@ -17,7 +17,7 @@ pub struct AfterStop {
     /// Mean time, in s.
     pub mean_s: f64,
     /// Variance of the times about their mean, in s², with `stops - 1` degrees of freedom.
-    pub variance_s2: f64,
+    pub(crate) variance_s2: f64,
 }
 
 impl AfterStop {
@@ -35,7 +35,7 @@ impl AfterStop {
     }
 
     /// Returns the standard deviation of the times, in s. 0 after the first stop.
-    pub fn spread_s(&self) -> f64 {
+    pub(crate) fn spread_s(&self) -> f64 {
         sqrt(self.variance_s2)
     }
 }

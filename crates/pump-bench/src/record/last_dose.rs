@@ -14,28 +14,28 @@ use super::{Intent, Purpose, Unfinished};
 #[non_exhaustive]
 pub struct LastDose {
     /// Time of the dose by the system clock, in seconds since 1970.
-    pub unix_s: u64,
+    pub(crate) unix_s: u64,
     /// Cruise speed of the pump head, in rad/s, positive.
-    pub speed_rad_s: f64,
+    pub(crate) speed_rad_s: f64,
     /// Angle of the rotor at the start, in rad.
     pub start_angle_rad: f64,
     /// Half width of the range around the start angle that holds the true angle, in rad.
-    pub half_width_rad: f64,
+    pub(crate) half_width_rad: f64,
     /// Angle turned, in rad. Negative in reverse.
     pub turned_rad: f64,
     /// Half width of the range around the angle turned that holds the true turn, in rad.
-    pub turned_half_width_rad: f64,
+    pub(crate) turned_half_width_rad: f64,
     /// Angle turned after the dose by its retraction, in rad.
     #[serde(default)]
-    pub retracted_rad: f64,
+    pub(crate) retracted_rad: f64,
     /// Half width of the range around the retraction's angle that holds the true one, in rad.
     #[serde(default)]
-    pub retracted_half_width_rad: f64,
+    pub(crate) retracted_half_width_rad: f64,
 }
 
 impl LastDose {
     /// Returns the angle at the start with its half width.
-    pub fn start(&self) -> Phase {
+    pub(crate) fn start(&self) -> Phase {
         Phase::within(self.start_angle_rad, self.half_width_rad)
     }
 

@@ -39,7 +39,7 @@ impl Purpose {
     }
 
     /// Returns true if a cut-off motion of this purpose is to be resumed or accepted.
-    pub fn is_delivery(self) -> bool {
+    pub(crate) fn is_delivery(self) -> bool {
         !matches!(self, Self::Calibrate | Self::Retract | Self::Jog)
     }
 }

@@ -183,7 +183,7 @@ impl PumpState {
 
     /// Returns the state with the rotor at `phase`.
     #[must_use]
-    pub fn at(self, phase: Phase) -> Self {
+    pub(crate) fn at(self, phase: Phase) -> Self {
         Self { angle_rad: wrap(phase.angle_rad(), TURN_RAD), half_width_rad: phase.half_width_rad(), ..self }
     }
 

@@ -34,7 +34,7 @@ impl SetupFolder {
     }
 
     /// Returns the path of the answers.
-    pub fn answers(&self, name: &str) -> PathBuf {
+    pub(crate) fn answers(&self, name: &str) -> PathBuf {
         self.records().join(format!("{name}.toml"))
     }
 
@@ -68,20 +68,6 @@ impl SetupFolder {
     pub fn keep(&self, answers: &mut Answers) -> Result<(), SetupError> {
         answers.unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs());
         write(&self.answers(&answers.name), &answers.to_toml())
-    }
-
-    /// Forgets the answers of a name.
-    ///
-    /// # Errors
-    /// [`SetupError::File`] if they cannot be removed.
-    pub fn forget(&self, name: &str) -> Result<(), SetupError> {
-        let path = self.answers(name);
-        match fs::remove_file(&path) {
-            Err(source) if source.kind() != ErrorKind::NotFound => {
-                Err(SetupError::File { action: "remove", path, source })
-            }
-            _ => Ok(()),
-        }
     }
 
     /// Returns all answers on record, the newest first. A record that cannot be understood is left out.

@@ -9,7 +9,8 @@ mod waveform;
 
 pub use fastest::{FastestRun, fastest_run};
 pub(crate) use reached::Reached;
-pub use sample::{COLUMNS, Columns, Sample};
+pub(crate) use sample::Columns;
+pub use sample::{COLUMNS, Sample};
 pub use simulation::{AskedMethod, MethodError, ModelName, Simulation, SteadyReport, choose_method};
 pub use times::{EqualTimes, times};
 pub use waveform::{Integration, Method, Waveform};

@@ -29,7 +29,7 @@ pub const COLUMNS: usize = 8;
 
 /// Columns for samples in order of time. Each field of [`Sample`] has its column, in order, and all have one
 /// length.
-pub type Columns<'c> = [&'c mut [f64]; COLUMNS];
+pub(crate) type Columns<'c> = [&'c mut [f64]; COLUMNS];
 
 impl Sample {
     /// Returns the sample as columns of length 1.

@@ -118,7 +118,7 @@ impl<'a, M: Iterator<Item = Leg> + Clone> Waveform<'a, M, EqualTimes> {
     ///
     /// # Errors
     /// Returns the [`ModelError`] of an integrator that cannot start.
-    pub fn every(
+    pub(crate) fn every(
         pump: &'a Pump,
         legs: impl IntoIterator<IntoIter = M>,
         method: Method,

@@ -25,14 +25,14 @@ const STILL: Duration = Duration::from_secs(60);
 #[non_exhaustive]
 pub struct OrderByWeight {
     /// Request of the dose, with the volume that the balance is to show.
-    pub request: DoseRequest,
+    pub(crate) request: DoseRequest,
     /// Most volume by the model that the pump may turn for, in mL. `None` takes the volume of the request with its
     /// expanded uncertainty.
-    pub most_ml: Option<f64>,
+    pub(crate) most_ml: Option<f64>,
     /// Cruise of the slow stretches. `None` takes a tenth of the dose's own speed.
-    pub slow: Option<Cruise>,
+    pub(crate) slow: Option<Cruise>,
     /// Longest wait for the balance to stand still.
-    pub longest: Duration,
+    pub(crate) longest: Duration,
 }
 
 impl OrderByWeight {
@@ -65,19 +65,19 @@ impl OrderByWeight {
 #[non_exhaustive]
 pub struct PreparedByWeight {
     /// Order that the dose was planned for.
-    pub order: OrderByWeight,
+    pub(crate) order: OrderByWeight,
     /// Plan of the whole dose, as it would be made by volume.
     pub whole: Prepared,
     /// Expanded uncertainty of the model's volume, in mL.
-    pub unsure_ml: f64,
+    pub(crate) unsure_ml: f64,
     /// Most volume by the model that the pump turns for, in mL.
     pub most_ml: f64,
     /// Volume for each gram that the balance shows, in mL/g.
-    pub z_ml_g: f64,
+    pub(crate) z_ml_g: f64,
     /// Cruise of the slow stretches.
-    pub slow: Cruise,
+    pub(crate) slow: Cruise,
     /// Carry of earlier doses that is dropped, in mL.
-    pub dropped_ml: f64,
+    pub(crate) dropped_ml: f64,
 }
 
 impl PreparedByWeight {

@@ -37,7 +37,7 @@ pub struct Displacement {
     /// Standard error of the slope, in min/r; 0 with one speed.
     pub slope_standard_per_rpm: f64,
     /// Bend over the speed, if the runs ask for one.
-    pub bend: Option<SpeedBend>,
+    pub(crate) bend: Option<SpeedBend>,
     /// Scatter of the runs, about the law if that was fitted.
     pub scatter: Scatter,
     /// Distance of the means at three speeds or more, four if kappa is bent, from the fit beyond the scatter,
@@ -80,7 +80,7 @@ impl Displacement {
     /// # Errors
     ///
     /// [`ModelError`] where the law cannot be computed for this pump and speed.
-    pub fn standard_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
+    pub(crate) fn standard_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
         let x_rpm = rpm.abs() - self.reference_rpm;
         let [factor, slope] = match &self.law {
             Some(fit) => fit.standards_at(base, rad_s(rpm))?,
@@ -128,12 +128,12 @@ impl Displacement {
     }
 
     /// True if kappa was weighed at several speeds, and so holds between them.
-    pub fn is_line(&self) -> bool {
+    pub(crate) fn is_line(&self) -> bool {
         self.speeds_rpm.len() > 1
     }
 
     /// Returns the slowest and the fastest speed, in r/min.
-    pub fn range_rpm(&self) -> (f64, f64) {
+    pub(crate) fn range_rpm(&self) -> (f64, f64) {
         let ends = (self.speeds_rpm.first(), self.speeds_rpm.last());
         (ends.0.copied().unwrap_or(self.reference_rpm), ends.1.copied().unwrap_or(self.reference_rpm))
     }
@@ -146,7 +146,7 @@ impl Displacement {
 
     /// True if a dose may cruise at this speed, in r/min. A line holds within its speeds; a calibration at
     /// one speed is used at every speed, with a warning.
-    pub fn covers(&self, rpm: f64) -> bool {
+    pub(crate) fn covers(&self, rpm: f64) -> bool {
         let [least_rpm, most_rpm] = self.dose_range_rpm();
         !self.is_line() || (least_rpm..=most_rpm).contains(&rpm)
     }

@@ -11,16 +11,16 @@ const STATED_REVOLUTIONS: f64 = 10.0;
 #[non_exhaustive]
 pub struct Expected {
     /// Standard deviation of repeated runs of [`Self::repeatability_at_ml`], as a part of the volume.
-    pub repeatability: f64,
+    pub(crate) repeatability: f64,
     /// Volume of the runs that scatter so, in mL. Smaller runs scatter by a larger part, as if their pitches were
     /// independent. With 0 the part is that of every run, and with `None` that of ten revolutions of the pump.
-    pub repeatability_at_ml: Option<f64>,
+    pub(crate) repeatability_at_ml: Option<f64>,
     /// Standard uncertainty of a reading of the scale or the vessel, in mL. It may be the same in every run,
     /// so no mean reduces it.
-    pub reading_ml: f64,
+    pub(crate) reading_ml: f64,
     /// Standard deviation of the drop at the nozzle, in mL: it hangs there before and after a run, each time as large
     /// as it may be.
-    pub drop_ml: f64,
+    pub(crate) drop_ml: f64,
 }
 
 impl Expected {
@@ -31,7 +31,7 @@ impl Expected {
 
     /// Returns this with the standard deviation of the drop at the nozzle, in mL.
     #[must_use]
-    pub const fn with_drop_ml(self, drop_ml: f64) -> Self {
+    pub(crate) const fn with_drop_ml(self, drop_ml: f64) -> Self {
         Self { drop_ml, ..self }
     }
 

@@ -34,16 +34,16 @@ pub struct LawFit {
     /// Standard uncertainty of D, in 1/kPa, widened so that twice it covers 95 % whatever the number of runs.
     pub distensibility_standard_per_kpa: f64,
     /// theta_c, in deg.
-    pub closure_deg: f64,
+    pub(crate) closure_deg: f64,
     /// P_atm, in kPa absolute.
-    pub ambient_kpa: f64,
+    pub(crate) ambient_kpa: f64,
     /// Weighted mean of the pressures at which segments were trapped, in kPa absolute. kappa and its slope
     /// are independent there.
     pub reference_kpa: f64,
     /// Standard error of kappa at the reference pressure.
-    pub factor_standard: f64,
+    pub(crate) factor_standard: f64,
     /// Standard error of the slope of kappa over the pressure, in 1/kPa.
-    pub slope_standard_per_kpa: f64,
+    pub(crate) slope_standard_per_kpa: f64,
 }
 
 /// A speed law of a pump whose s and D are sought.

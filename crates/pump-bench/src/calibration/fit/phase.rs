@@ -33,11 +33,11 @@ pub struct PhaseFit {
     /// Model angle of the rollers where the record says 0, in deg, within half a pitch either way.
     pub zero_deg: Estimate,
     /// Correlation coefficients of the estimates: V_r with phi, V_r with the zero, phi with the zero.
-    pub correlations: [f64; 3],
+    pub(crate) correlations: [f64; 3],
     /// Standard deviation of the doses about the fit, in mL.
     pub scatter_ml: f64,
     /// Number of doses less number of parameters.
-    pub degrees_of_freedom: u32,
+    pub(crate) degrees_of_freedom: u32,
 }
 
 impl PhaseFit {

@@ -24,13 +24,13 @@ const PARAMETERS: usize = 3;
 #[non_exhaustive]
 pub struct SpeedBend {
     /// Bend, in min²/r².
-    pub per_rpm2: f64,
+    pub(crate) per_rpm2: f64,
     /// Standard error of the bend, in min²/r², from the scatter of the runs.
-    pub standard_per_rpm2: f64,
+    pub(crate) standard_per_rpm2: f64,
     /// Weighted mean of x³ over that of x², in r/min.
-    pub skew_rpm: f64,
+    pub(crate) skew_rpm: f64,
     /// Weighted mean of x², in r²/min².
-    pub spread_rpm2: f64,
+    pub(crate) spread_rpm2: f64,
 }
 
 impl SpeedBend {

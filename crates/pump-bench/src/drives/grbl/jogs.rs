@@ -44,9 +44,9 @@ pub(super) struct Task {
     /// Steps per second at the cruise.
     pub(super) steps_s: f64,
     /// Steps per second² of the board's ramps.
-    pub steps_s2: f64,
+    pub(crate) steps_s2: f64,
     /// Most steps per second of the board.
-    pub most_steps_s: f64,
+    pub(crate) most_steps_s: f64,
 }
 
 impl Task {
@@ -126,13 +126,13 @@ pub(super) struct Jogs<'a> {
     pub(super) scale: &'a Scale,
     pub(super) task: Task,
     /// Last step that was sent.
-    pub sent: u64,
+    pub(crate) sent: u64,
     /// Last step of the lines that were acknowledged.
-    pub acknowledged: u64,
+    pub(crate) acknowledged: u64,
     /// Last step that was reported.
     pub(super) made: u64,
     /// Line that is not acknowledged yet, and the time at which it was sent.
-    pub awaited: Option<(String, Duration)>,
+    pub(crate) awaited: Option<(String, Duration)>,
     /// Time at which the first line was sent. Time that the gate takes does not count.
     begun: Option<Duration>,
     /// Time at which a step was last reported, or at which none were left to make.
@@ -144,17 +144,17 @@ pub(super) struct Jogs<'a> {
     /// Impossible reports in a row.
     odd: u32,
     /// Net steps of the last impossible report, and the time at which `made` was last confirmed.
-    pub strayed: Option<i64>,
-    pub confirmed: Duration,
+    pub(crate) strayed: Option<i64>,
+    pub(crate) confirmed: Duration,
     /// Alarm that came while the motor was stopped.
-    pub alarm: Option<u16>,
+    pub(crate) alarm: Option<u16>,
     /// Reports in a row of a rest before the last step that was acknowledged.
     short: u32,
     /// Time and step of the last look at the pace of the motor, and the steps by which it is behind.
     under_way: (Duration, u64),
     behind: f64,
     /// True if a rest that nobody asked for may be the end of the jogs, by a counter that jumped.
-    pub doubtful: bool,
+    pub(crate) doubtful: bool,
 }
 
 impl<'a> Jogs<'a> {

@@ -29,10 +29,10 @@ const STALE: Duration = Duration::from_millis(500);
 /// Bounds of the net steps that a motion made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Made {
-    pub least: i64,
-    pub most: i64,
+    pub(crate) least: i64,
+    pub(crate) most: i64,
     /// True if nobody knows where the rotor stands.
-    pub lost: bool,
+    pub(crate) lost: bool,
 }
 
 impl Made {

@@ -18,11 +18,11 @@ const FINE: u32 = 4;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Colour {
     /// Red.
-    pub red: u8,
+    pub(crate) red: u8,
     /// Green.
-    pub green: u8,
+    pub(crate) green: u8,
     /// Blue.
-    pub blue: u8,
+    pub(crate) blue: u8,
 }
 
 /// Blue that colour-blind readers tell from the other colours (Okabe and Ito, 2008).

@@ -21,11 +21,11 @@ pub struct FittedPulse {
     /// Standard uncertainty of phi, in deg.
     pub engagement_standard_deg: f64,
     /// Correlation coefficients of the estimates: V_r with phi, V_r with the zero, phi with the zero.
-    pub correlations: [f64; 3],
+    pub(crate) correlations: [f64; 3],
     /// Standard deviation that was expected of repeated short doses, as a part of the volume.
-    pub repeatability: f64,
+    pub(crate) repeatability: f64,
     /// Standard uncertainty of a reading of the short doses, in mL.
-    pub reading_ml: f64,
+    pub(crate) reading_ml: f64,
 }
 
 impl FittedPulse {
