@@ -30,7 +30,8 @@ fn a_hold_or_a_cancel_by_somebody_else_stops_the_dose_at_a_known_step() {
             }
             Err(fault) => fault,
         };
-        assert!(fault.made_least == made && made <= fault.made_most && made < plan.steps(), "{pressed:?}");
+        let bounds = fault.made_least == made && made <= fault.made_most && made < plan.steps();
+        assert!(bounds, "{pressed:?}: {made} made, {fault:?}");
         // On a busy machine a report may be too late to tell a stop from the end of the jogs.
         assert!(fault.made_most == made || fault.lost, "{pressed:?}: {fault:?}");
         exact.fetch_add(u32::from(fault.made_most == made && !fault.lost), Ordering::Relaxed);

@@ -25,6 +25,8 @@ pub(super) struct Truth {
     pub(super) now: Duration,
     /// Factor by which the motor is slower than its settings say, less one.
     pub(super) slower: f64,
+    /// Times for which the drive does not get to run: before its next look, and after the next line that it sends.
+    pub(super) stalls: [Duration; 2],
     /// Byte that somebody else sends now.
     pub(super) pressed: Option<u8>,
     /// True if the board says that it jogs, whatever it does.
@@ -42,6 +44,13 @@ struct InMemory {
 }
 
 impl InMemory {
+    fn stall(&mut self, which: usize) {
+        let stall = std::mem::take(&mut self.truth.lock().unwrap().stalls[which]);
+        for _ in 0..stall.div_duration_f64(TICK) as u32 {
+            self.tick(TICK);
+        }
+    }
+
     fn tick(&mut self, time: Duration) {
         let mut truth = self.truth.lock().unwrap();
         if let Some(byte) = truth.pressed.take() {
@@ -74,6 +83,7 @@ fn astray(text: &str, by_mm: f64) -> String {
 
 impl Wire for InMemory {
     fn read(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize> {
+        self.stall(0);
         let mut left = wait.max(TICK);
         while self.outgoing.is_empty() && !left.is_zero() {
             let tick = left.min(TICK);
@@ -89,6 +99,9 @@ impl Wire for InMemory {
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         bytes.iter().for_each(|byte| self.machine.receive(*byte));
+        if bytes.ends_with(b"\n") {
+            self.stall(1);
+        }
         Ok(())
     }
 

@@ -1,5 +1,7 @@
 //! Claims about counters that jump.
 
+use std::time::Duration;
+
 use pump_bench::drives::{Drive, DriveFault, GrblError, Leave};
 
 use super::board::open;
@@ -47,6 +49,34 @@ fn a_jump_beyond_what_was_sent_or_back_behind_the_last_report_is_noticed_whereve
             );
         }
     }
+}
+
+/// The counter jumps just before a jog is sent. The motor turns back to where the jog leads by the counter, and the
+/// drive does not get to run meanwhile.
+#[test]
+fn bounds_hold_the_truth_although_the_drive_does_not_get_to_run_after_a_jump() {
+    let mut turned_back = 0;
+    for place in (800..1_200).step_by(20) {
+        let defects = Defects { miscounts: Some((place, 5_000)), ..Defects::default() };
+        let (mut grbl, truth) = open(&Options { defects, ..Options::default() });
+        let plan = dose(&grbl, 6.0, 5.0);
+        let mut stalls = [50, 1_500].map(Duration::from_millis);
+        let mut sent = 0;
+        let mut gate = |_: u64, last: u64| {
+            let mut truth = truth.lock().unwrap();
+            if last > sent && truth.steps + 130 >= place as i64 {
+                truth.stalls = std::mem::take(&mut stalls);
+            }
+            sent = last;
+            Leave::Go
+        };
+        let fault = grbl.run(&plan, &mut gate).expect_err(&format!("at {place}"));
+        let made = truth.lock().unwrap().steps;
+        let within = (fault.made_least..=fault.made_most).contains(&made);
+        assert!(fault.lost && within, "at {place}: {made} made, {fault:?}");
+        turned_back += u32::from(made < 0);
+    }
+    assert!(turned_back > 0);
 }
 
 /// The reports are those of a motor whose feed is overridden for a moment, and the next jogs end where the counter

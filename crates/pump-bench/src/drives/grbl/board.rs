@@ -54,6 +54,8 @@ pub(super) struct Board {
     offset: Option<f64>,
     asked: Option<Duration>,
     unanswered: Option<Duration>,
+    /// Time at which the last status report was asked for. The report is not older.
+    answered: Duration,
     stop: StopRequest,
     /// True while waits go on although the user asked to stop: the motor turns, or its rest is looked at.
     deaf: bool,
@@ -70,6 +72,7 @@ impl Board {
             offset: None,
             asked: None,
             unanswered: None,
+            answered: Duration::ZERO,
             stop,
             deaf: false,
         }
@@ -78,6 +81,11 @@ impl Board {
     /// Returns the time since the wire was opened.
     pub(super) fn now(&mut self) -> Duration {
         self.wire.now()
+    }
+
+    /// Returns the time at which the last status report was asked for. What it tells is not older.
+    pub(super) fn reported_since(&self) -> Duration {
+        self.answered
     }
 
     /// Lets waits go on, or not, although the user asked to stop. Returns what they did before.
@@ -185,7 +193,7 @@ impl Board {
     fn understand(&mut self, reply: Reply) -> Heard {
         match reply {
             Reply::Status(status) => {
-                self.unanswered = None;
+                self.answered = self.unanswered.take().or(self.asked).unwrap_or(self.answered);
                 let place = self.place(&status);
                 Heard::Status(status.state, place)
             }

@@ -143,8 +143,9 @@ pub(super) struct Jogs<'a> {
     pub(super) probing: bool,
     /// Impossible reports in a row.
     odd: u32,
-    /// Net steps of the last impossible report, and the time at which `made` was last confirmed.
-    pub(crate) strayed: Option<i64>,
+    /// Net steps of the last impossible report, and the time at which it came.
+    pub(crate) strayed: Option<(i64, Duration)>,
+    /// Time since when `made` is confirmed, at the latest.
     pub(crate) confirmed: Duration,
     /// Alarm that came while the motor was stopped.
     pub(crate) alarm: Option<u16>,
@@ -339,7 +340,7 @@ impl<'a> Jogs<'a> {
         match self.possible(net) {
             Some(made) => {
                 self.odd = 0;
-                self.confirmed = now;
+                self.confirmed = self.board.reported_since();
                 if made > self.made {
                     self.made = made;
                     self.moved = now;
@@ -357,7 +358,7 @@ impl<'a> Jogs<'a> {
 
     /// Returns the error of a motor that stands after `net` steps, where no line that was sent leads.
     pub(super) fn astray(&mut self, net: i64) -> GrblError {
-        self.strayed = Some(net);
+        self.strayed = Some((net, self.board.now()));
         let nearest = if net < self.made as i64 { self.made } else { self.sent };
         let counted = self.task.start + self.task.direction * net;
         GrblError::Count { counted, expected: self.task.count_after(nearest) }

@@ -182,12 +182,15 @@ impl Jogs<'_> {
     /// where no line that was sent leads.
     ///
     /// If the motor went there, the count is right. If the counter jumped, the motor is as far from the count
-    /// as the report was from the way that was sent. The bounds hold both, as far as a motor comes in the
-    /// time.
+    /// as it was from the report. It was on the way that was sent then, or had gone from there to where the
+    /// counter led it since the last report that was right. The bounds hold both, as far as a motor comes in
+    /// the time.
     fn astray_bounds(&mut self, net: i64) -> Made {
         let (made, sent) = (self.made as i64, self.sent as i64);
-        let strayed = self.strayed.unwrap_or(net);
-        let (least, most) = (net.min(net - strayed + made), net.max(net - strayed + sent));
+        let (strayed, at) = self.strayed.unwrap_or((net, self.confirmed));
+        let unseen_s = at.saturating_sub(self.confirmed).as_secs_f64();
+        let way = (self.task.steps_s * unseen_s).min(1e12) as i64;
+        let (least, most) = (net.min(net - strayed + made - way), net.max(net - strayed + sent + way));
         let (slowest, farthest) = self.reach();
         let (least, most) = (least.max(slowest), most.min(farthest));
         if least > most {
@@ -207,7 +210,7 @@ impl Jogs<'_> {
     /// Returns the bounds of a motor that may be under way still, to where lines that were sent lead.
     fn unstopped(&self, between: Made) -> Made {
         match self.strayed {
-            Some(strayed) => {
+            Some((strayed, _)) => {
                 Made { least: between.least.min(strayed), most: between.most.max(strayed), lost: true }
             }
             None => between,
