@@ -1,8 +1,8 @@
 //! The pins of an axis, and the emergency stop.
 //!
 //! QEMU has no GPIO there: it takes the writes and says so in its log, and reads give 0. So the emergency stop is
-//! released, and a sensor's pin is low. A test reads the edges from the log. After each write the clock is read: the log
-//! has no other time.
+//! released, and a sensor's pin is low. A test reads the edges from the log. After each write the clock is read: the
+//! log has no other time.
 
 use pump_node::{Levels, Pins};
 

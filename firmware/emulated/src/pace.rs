@@ -26,6 +26,11 @@ impl Pace {
         Self { port, until: if STRAP.read() == 0 { u64::MAX } else { 0 } }
     }
 
+    /// Returns true if a test holds the board's time.
+    pub(crate) fn holds(&self) -> bool {
+        self.until != u64::MAX
+    }
+
     /// Returns the tick at which the leave ends.
     pub(crate) fn until(&self) -> u64 {
         self.until

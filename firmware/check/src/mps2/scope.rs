@@ -99,7 +99,7 @@ impl Scope {
             MAKE_OUTPUTS => self.outputs |= value,
             MAKE_INPUTS => self.outputs &= !value,
             LOW_BYTE..HIGH_BYTE => self.write_levels((offset - LOW_BYTE) / 4, value),
-            HIGH_BYTE..END => self.write_levels((offset - HIGH_BYTE) / 4 << 8, value),
+            HIGH_BYTE..END => self.write_levels(((offset - HIGH_BYTE) / 4) << 8, value),
             _ => {}
         }
         for pin in 0..16 {
