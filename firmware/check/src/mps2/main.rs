@@ -55,6 +55,8 @@ struct Met {
     pump: Pump,
     qemu: Qemu,
     node: Node,
+    /// Edges while the axis was configured.
+    configured: Vec<Edge>,
 }
 
 fn meet(firmware: &Path, axis: Axis) -> Result<Met, Box<dyn Error>> {
@@ -64,8 +66,9 @@ fn meet(firmware: &Path, axis: Axis) -> Result<Met, Box<dyn Error>> {
     let table = DriveTable::of(DriverName::Node).with_axis(axis);
     let mut node = Node::over(Box::new(qemu.clone()), &table, &file.motor, &Opening::default())?;
     node.connect()?;
-    qemu.take_edges();
-    Ok(Met { file, pump, qemu, node })
+    let configured = qemu.take_edges();
+    check(rises(&configured, axis).is_empty(), "that nothing moves before a dose")?;
+    Ok(Met { file, pump, qemu, node, configured })
 }
 
 impl Met {
@@ -95,10 +98,10 @@ fn dose(firmware: &Path, axis: Axis, volume_ml: f64, ml_s: f64, smooth: bool) ->
     check(made == plan.steps().unsigned_abs() && rises.len() as u64 == made, "the number of steps")?;
     check(half_us <= MOST_OFF_US, "the times of the steps")?;
     let direction = step_pin(axis) + TO_DIRECTION;
-    // A direction pin that does not change has pointed forward since its axis was configured.
-    let forward =
-        edges.iter().rev().find(|edge| edge.pin == direction).is_none_or(|edge| edge.level == Some(true));
-    check(forward == (volume_ml > 0.0), "the direction")?;
+    // A direction pin that does not change points where it did since its axis was configured.
+    let mut since_start = edges.iter().rev().chain(met.configured.iter().rev());
+    let forward = since_start.find(|edge| edge.pin == direction).and_then(|edge| edge.level);
+    check(forward == Some(volume_ml > 0.0), "the direction")?;
     let others = edges.iter().any(|edge| ![step_pin(axis), direction].contains(&edge.pin));
     check(!others, "that no other pin changes")
 }
