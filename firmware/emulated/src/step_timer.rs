@@ -129,7 +129,7 @@ impl StepTimer {
         CLOCK.control.write(TIMER_RUNS);
         // SAFETY: no critical section is under way.
         unsafe { NVIC::unmask(Interrupt::Alarm) };
-        axes.with(|_| ());
+        axes.set_alarm();
     }
 }
 
@@ -145,6 +145,14 @@ impl SharedAxes {
             NVIC::unmask(Interrupt::Alarm);
         }
         Self(())
+    }
+
+    /// Sets the alarm, which was off.
+    fn set_alarm(&mut self) {
+        cortex_m::interrupt::free(|_| {
+            // SAFETY: `new` has put the axes there, and the interrupt is kept off.
+            set_alarm(unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() }.next_alarm());
+        });
     }
 }
 
