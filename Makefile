@@ -131,6 +131,14 @@ embedded:
 	cd examples/firmware && timeout 60 cargo run --locked --release --target-dir ../../target --bin by_interrupt
 	cd examples/firmware && timeout 300 cargo run --locked --release --target-dir ../../target >../../target/firmware.txt
 	cargo run --locked -p check-firmware target/firmware.txt
+	cd firmware/emulated && cargo fmt --check
+	cd firmware/emulated && cargo clippy --locked --release --target-dir ../../target -- -D warnings
+	cd firmware/emulated && cargo build --locked --release --target-dir ../../target
+	cargo build --locked -p check-node --bin check-node-mps2
+	timeout 120 cargo run --locked -p check-node --bin check-node-mps2 $(EMULATED) one
+
+# The node's firmware for the mps2-an386, which QEMU emulates. `make embedded` makes one dose with it, `make node` more.
+EMULATED := target/thumbv7em-none-eabihf/release/pump-node-emulated
 
 # The node's firmware for the Raspberry Pi Pico, to be dragged onto its drive.
 FIRMWARE := target/thumbv6m-none-eabi/release/pump-node-pico
@@ -140,7 +148,8 @@ firmware:
 	test -x target/tools/bin/elf2uf2-rs || cargo install elf2uf2-rs --locked --no-default-features --root target/tools
 	target/tools/bin/elf2uf2-rs $(FIRMWARE) target/pump-node.uf2
 
-# Doses by the drive of the node with the Pico's firmware in an emulator, and holds the edges of its pins against the plan.
+# Doses by the drive of the node with the firmware of two boards in emulators, and holds the edges of their pins against
+# the plan.
 node:
 	rustup target add thumbv6m-none-eabi
 	command -v npm || (apt-get update && apt-get install -y --no-install-recommends nodejs npm)
@@ -149,6 +158,10 @@ node:
 	cd firmware/pico && cargo clippy --locked --release --target-dir ../../target -- -D warnings
 	cd firmware/pico && cargo build --locked --release --target-dir ../../target
 	cargo run --locked --release -p check-node $(FIRMWARE)
+	rustup target add thumbv7em-none-eabihf
+	command -v qemu-system-arm || (apt-get update && apt-get install -y --no-install-recommends qemu-system-arm)
+	cd firmware/emulated && cargo build --locked --release --target-dir ../../target
+	timeout 600 cargo run --locked --release -p check-node --bin check-node-mps2 $(EMULATED)
 
 docs:
 	cargo doc --locked --workspace --no-deps --open
