@@ -1,9 +1,61 @@
 //! The course on a node: from nothing to a dose that is calibrated, in real time.
 
+use std::process::Stdio;
+use std::time::Duration;
+
 use crate::course::{doses_within_its_interval, sees};
 use crate::person::Desk;
 use crate::simulated_node::SimulatedNode;
 use crate::truth::TruePump;
+
+/// Options that set a pump up without a question or a motion.
+const OPTIONS: [&str; 14] = [
+    "--ml-per-rev",
+    "0.5mL",
+    "--rollers",
+    "4",
+    "--microsteps",
+    "16",
+    "--altitude",
+    "500m",
+    "--driver",
+    "node",
+    "--rate",
+    "0.6mL/s",
+    "--no-motion",
+    "--yes",
+];
+
+#[test]
+fn two_commands_that_use_one_board_get_one_clear_message() {
+    let desk = Desk::new();
+    let board = SimulatedNode::start(7).unwrap();
+    let port = board.path().display().to_string();
+    for (name, axis) in [("acid", "X"), ("base", "Y")] {
+        let words = ["setup", name, "--port", &port, "--axis", axis];
+        let ended = desk.types(&[&words[..], &OPTIONS].concat());
+        assert_eq!(ended.code, 0, "{}", ended.err);
+    }
+    let mut long = desk.command(&["3mL", "--pump", "acid"]);
+    let mut long = long.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    while !board.truth().moving {
+        assert!(long.try_wait().unwrap().is_none());
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let refused = desk.types(&["0.2mL", "--pump", "base"]);
+    assert_eq!(refused.code, 3, "{}", refused.err);
+    let holder = format!("is in use by process {}", long.id());
+    assert!(refused.err.contains(&holder) && refused.err.matches("error:").count() == 1, "{}", refused.err);
+    assert!(long.wait().unwrap().success());
+    let steps = board.truth().steps;
+    assert!(steps[0] > 0 && steps[1] == 0, "{steps:?}");
+    // One after the other they keep their places.
+    let based = desk.json(&["0.2mL", "--pump", "base"]);
+    let again = desk.json(&["0.2mL", "--pump", "acid"]);
+    assert!(based["completed"] == true && again["completed"] == true);
+    assert!(!again.to_string().contains("was reset") && !again.to_string().contains("moved it"), "{again}");
+    assert_eq!(board.truth().steps[0], steps[0] + again["steps"].as_i64().unwrap());
+}
 
 #[test]
 fn a_pump_at_a_node_gets_from_nothing_to_a_calibrated_dose() {
@@ -39,6 +91,8 @@ fn a_pump_at_a_node_gets_from_nothing_to_a_calibrated_dose() {
     assert_eq!(dosed["completed"], true, "{dosed}");
     let truth = pump.board.truth();
     assert!(truth.steps[1] > 0 && truth.steps[0] == before, "{truth:?} at {port}");
+    let homed = desk.types(&["home", "--set", "30deg+-1deg", "--pump", "acid"]);
+    assert_eq!(homed.code, 0, "{}", homed.err);
     let state = desk.json(&["0.2mL", "--pump", "acid", "--smooth", "--rate", "0.6mL/s"]);
     assert!(!state.to_string().contains("was reset"), "{state}");
     let refused = desk.types(&["setup", "lime", "--like", "acid", "--axis", "B", "--no-motion", "--yes"]);

@@ -1,7 +1,7 @@
 //! Axes of one board that begin together.
 
 use pump_bench::built_in;
-use pump_bench::drives::{AxisRun, Drive, DriveError, Gate, Leave, NodeAxes, NodeAxis, NodeError, Opening};
+use pump_bench::drives::{AxisRun, DriveError, Gate, Leave, NodeAxes, NodeAxis, NodeError, Opening};
 use pump_bench::pump_file::{Axis, DriveTable};
 use pump_ctl::plan::Plan;
 

@@ -109,11 +109,12 @@ impl NodeAxes {
     /// link make, or a place is not there or named twice. Nothing has moved.
     pub fn run(&mut self, runs: &mut [AxisRun<'_, '_>]) -> Result<Vec<Result<u64, DriveFault>>, DriveError> {
         let mut tasks = Vec::new();
+        let sharers = runs.len() as u32;
         for (n, run) in runs.iter().enumerate() {
             let is_free = runs.iter().take(n).all(|other| other.place != run.place);
             let missing = NodeError::Place { place: run.place, axes: self.nodes.len() };
             let node = self.nodes.get_mut(run.place).filter(|_| is_free).ok_or(missing)?;
-            tasks.push(node.task(run.plan)?);
+            tasks.push(node.task(run.plan, sharers)?);
         }
         let leads: Vec<SentLead<'_>> =
             runs.iter().zip(&tasks).map(|(run, task)| SentLead::new(run.plan, task.brake_steps)).collect();

@@ -19,8 +19,6 @@ pub(super) struct Link {
     line: Arc<Mutex<Line>>,
     /// Number of the link among those of the line, by which its answers are told from others'.
     lane: u8,
-    /// Number of links that share the line.
-    pub(super) sharers: u32,
     stop: StopRequest,
     /// True while a gate hears the user in place of the link.
     pub(super) is_deaf: bool,
@@ -29,20 +27,14 @@ pub(super) struct Link {
 impl Link {
     /// Makes the link over `wire`, without a session.
     pub(super) fn new(wire: Box<dyn Wire>, stop: StopRequest) -> Self {
-        Self { line: Arc::new(Mutex::new(Line::new(wire))), lane: 0, sharers: 1, stop, is_deaf: false }
+        Self { line: Arc::new(Mutex::new(Line::new(wire))), lane: 0, stop, is_deaf: false }
     }
 
     /// Makes a link for each of so many axes over `wire`, one line for all.
     pub(super) fn several(wire: Box<dyn Wire>, stop: &StopRequest, axes: usize) -> Vec<Self> {
         let line = Arc::new(Mutex::new(Line::new(wire)));
         let axes = axes.min(AXES) as u8;
-        let link = |lane| Self {
-            line: Arc::clone(&line),
-            lane,
-            sharers: axes.into(),
-            stop: stop.clone(),
-            is_deaf: false,
-        };
+        let link = |lane| Self { line: Arc::clone(&line), lane, stop: stop.clone(), is_deaf: false };
         (0..axes).map(link).collect()
     }
 

@@ -131,8 +131,8 @@ impl Node {
         };
     }
 
-    /// Returns the task of `plan` for the board, or refuses it before anything moves.
-    pub(super) fn task(&mut self, plan: &Plan) -> Result<Task, NodeError> {
+    /// Returns the task of `plan` for a board whose line so many axes share, or refuses it before anything moves.
+    pub(super) fn task(&mut self, plan: &Plan, sharers: u32) -> Result<Task, NodeError> {
         let At::Met { board, brake } = &mut self.at else { return Err(NodeError::Reset) };
         let (status, _) = board.status()?;
         if status.angle_lost || !status.energised {
@@ -142,7 +142,7 @@ impl Node {
         if let Some(expected) = expected.filter(|expected| *expected != status.position) {
             return Err(NodeError::Count { counted: status.position, expected });
         }
-        Task::new(plan, brake, &board.identity, self.terms.baud / board.link.sharers)
+        Task::new(plan, brake, &board.identity, (self.terms.baud, sharers))
     }
 
     /// Returns the motion that makes the steps of `plan`, for a board that was met.
@@ -162,7 +162,7 @@ impl Node {
     fn travel(&mut self, plan: &Plan, gate: &mut Gate<'_>, seeks: bool) -> Result<Made, DriveFault> {
         // From here on the gate hears the user.
         self.be_deaf(true);
-        let made = self.task(plan).map_err(Fault::at_rest).and_then(|task| {
+        let made = self.task(plan, 1).map_err(Fault::at_rest).and_then(|task| {
             let (leads, free) = ([SentLead::new(plan, task.brake_steps)], Lead::free());
             let [lead] = &leads;
             let motion = self.motion(plan, task, (lead, &free), seeks);
@@ -219,7 +219,7 @@ impl Drive for Node {
     }
 
     fn check(&mut self, plan: &Plan) -> Result<(), DriveError> {
-        let checked = self.task(plan);
+        let checked = self.task(plan, 1);
         if checked.is_err() {
             self.part();
         }

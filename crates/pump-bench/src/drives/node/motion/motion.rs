@@ -179,7 +179,7 @@ impl<'a> Motion<'a> {
             self.limit = self.lead.sendable(self.limit);
             feed.push(self.limit)?;
             let bytes_s = self.board.baud / 10;
-            let most = (bytes_s / UNDER_WAY / link.sharers) as usize;
+            let most = (bytes_s / UNDER_WAY / self.task.sharers) as usize;
             let frames = (most / MAX_PACKED).clamp(1, MOST_FRAMES);
             let mut packed = [0; MAX_PACKED];
             while link.under_way(Subject::Segments) < frames {
