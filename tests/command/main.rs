@@ -14,6 +14,7 @@ mod home;
 mod hostile;
 mod identify;
 mod line;
+mod pins;
 mod pumps;
 mod record;
 mod simulate;

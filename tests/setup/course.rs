@@ -1,10 +1,10 @@
 //! The whole course on a board: from nothing to a dose that is calibrated.
 
 use crate::person::Desk;
-use crate::truth::TruePump;
+use crate::truth::{TrueBoard, TruePump};
 
 /// Answers of somebody whose motor's driver is set to `microsteps`, and who sees what the pump does.
-fn sees(pump: &mut TruePump, question: &str, microsteps: &str) -> String {
+pub(crate) fn sees<B: TrueBoard>(pump: &mut TruePump<B>, question: &str, microsteps: &str) -> String {
     let answer = |text: &str| text.to_owned();
     match question {
         q if q.starts_with("Head:") => answer("0.5mL"),
@@ -36,7 +36,7 @@ fn sees(pump: &mut TruePump, question: &str, microsteps: &str) -> String {
 }
 
 /// A dose of 5 mL after the course lies in its interval, and the interval is that of a weighed pump.
-fn doses_within_its_interval(desk: &Desk, pump: &mut TruePump) {
+pub(crate) fn doses_within_its_interval<B: TrueBoard>(desk: &Desk, pump: &mut TruePump<B>) {
     for volume in ["5mL", "4.93mL"] {
         pump.tare();
         let report = desk.json(&[volume, "--pump", "acid"]);

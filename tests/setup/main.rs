@@ -7,6 +7,7 @@
 mod contradictions;
 mod course;
 mod left;
+mod node;
 mod options;
 mod page;
 mod person;
@@ -15,4 +16,7 @@ mod second;
 #[allow(dead_code, reason = "the board of other tests, with more to look at")]
 #[path = "../../examples/simulated_grbl/simulated/mod.rs"]
 mod simulated;
+#[allow(dead_code, reason = "the board of an example, with more to look at")]
+#[path = "../../examples/simulated_node/simulated_node/mod.rs"]
+mod simulated_node;
 mod truth;

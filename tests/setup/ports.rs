@@ -3,11 +3,14 @@
 use std::fs;
 use std::os::unix::fs::symlink;
 
-use pump_bench::drives::{DriveError, Grbl, Opening, StopRequest, ask_ports, serial_ports};
+use pump_bench::drives::{
+    DriveError, FoundBoard, Grbl, Opening, StopRequest, ask_ports, find_boards, serial_ports,
+};
 use pump_bench::pump_file::{DriveTable, DriverName};
 
 use crate::simulated::Simulated;
 use crate::simulated::options::Options;
+use crate::simulated_node::SimulatedNode;
 
 #[test]
 fn each_port_is_asked_and_nothing_moves() {
@@ -36,4 +39,18 @@ fn each_port_is_asked_and_nothing_moves() {
         let truth = board.rest();
         assert_eq!((truth.steps, truth.starts), (0, 0));
     }
+}
+
+#[test]
+fn grbl_boards_and_nodes_are_told_apart_and_named() {
+    let (grbl, node) =
+        (Simulated::start(Options::default()).unwrap(), SimulatedNode::start(0x5ec0d).unwrap());
+    let ports = [grbl.path(), node.path(), std::path::Path::new("/dev/null")].map(std::path::Path::to_owned);
+    let found = find_boards(&ports, &StopRequest::new(|| false));
+    let said: Vec<_> = found.iter().map(|(_, board)| board.as_ref().map(FoundBoard::to_string)).collect();
+    assert_eq!(said[0].as_ref().unwrap(), "a grbl board, Idle");
+    assert_eq!(said[1].as_ref().unwrap(), "a node 000000000005ec0d, firmware 0.1.0, axes X, Y, Z, A");
+    assert!(said[2].is_err());
+    assert_eq!(found[1].1.as_ref().unwrap().driver(), DriverName::Node);
+    assert_eq!((grbl.rest().starts, node.truth().steps), (0, [0; 4]));
 }

@@ -6,6 +6,7 @@ use pump_model::{DefaultPulse, Line, Pump};
 
 use crate::simulated::Simulated;
 use crate::simulated::options::Options;
+use crate::simulated_node::SimulatedNode;
 
 /// Density of water at 25 °C, kg/m³ (Kell, 1975).
 const WATER_KG_M3: f64 = 997.047;
@@ -14,9 +15,41 @@ const WATER_KG_M3: f64 = 997.047;
 const AIR_KG_M3: f64 = 1.130;
 const WEIGHTS_KG_M3: f64 = 8000.0;
 
+/// Board with a motor on its axis X.
+pub(crate) trait TrueBoard {
+    /// Returns the steps of the motor once it stands.
+    fn steps(&self) -> i64;
+
+    /// Returns the device of the board.
+    fn device(&self) -> String;
+}
+
+impl TrueBoard for Simulated {
+    fn steps(&self) -> i64 {
+        self.rest().steps
+    }
+
+    fn device(&self) -> String {
+        self.path().display().to_string()
+    }
+}
+
+impl TrueBoard for SimulatedNode {
+    fn steps(&self) -> i64 {
+        while self.truth().moving {
+            std::thread::sleep(std::time::Duration::from_millis(10));
+        }
+        self.truth().steps[0]
+    }
+
+    fn device(&self) -> String {
+        self.path().display().to_string()
+    }
+}
+
 /// A pump behind a board.
-pub(crate) struct TruePump {
-    pub(crate) board: Simulated,
+pub(crate) struct TruePump<B = Simulated> {
+    pub(crate) board: B,
     pump: Pump,
     steps_per_rev: f64,
     zero_rad: f64,
@@ -49,26 +82,40 @@ impl TruePump {
     }
 
     fn at(options: Options, ml_per_rev: f64, steps_per_rev: f64, pulse: (f64, f64), zero_rad: f64) -> Self {
+        let board = Simulated::start(options).unwrap();
+        Self::behind(board, ml_per_rev, steps_per_rev, pulse, zero_rad)
+    }
+}
+
+impl<B: TrueBoard> TruePump<B> {
+    /// Puts a pump behind `board`, as [`TruePump::new`] does.
+    pub(crate) fn behind(
+        board: B,
+        ml_per_rev: f64,
+        steps_per_rev: f64,
+        pulse: (f64, f64),
+        zero_rad: f64,
+    ) -> Self {
         let pulse = DefaultPulse::new(pulse.0, pulse.1);
         let pump = Pump::from_ml_per_rev(ml_per_rev, 4, pulse, Line::PUBLISHED, Line::PUBLISHED).unwrap();
-        Self { board: Simulated::start(options).unwrap(), pump, steps_per_rev, zero_rad, from: 0 }
+        Self { board, pump, steps_per_rev, zero_rad, from: 0 }
     }
 
     /// Tares the vessel.
     pub(crate) fn tare(&mut self) {
-        self.from = self.board.rest().steps;
+        self.from = self.board.steps();
     }
 
     /// Turns of the head since the vessel was tared.
     pub(crate) fn turns(&self) -> f64 {
-        (self.board.rest().steps - self.from) as f64 / self.steps_per_rev
+        (self.board.steps() - self.from) as f64 / self.steps_per_rev
     }
 
     /// Volume that the vessel received since it was tared, mL.
     pub(crate) fn volume_ml(&self) -> f64 {
         let angle_rad = |steps: i64| self.zero_rad + steps as f64 * TAU / self.steps_per_rev;
         let curve = self.pump.outlet_curve();
-        curve.volume_ml(angle_rad(self.board.rest().steps)) - curve.volume_ml(angle_rad(self.from))
+        curve.volume_ml(angle_rad(self.board.steps())) - curve.volume_ml(angle_rad(self.from))
     }
 
     /// Reading of a balance of 0.01 g for that volume, with its buoyancy (OIML R 111-1, C.4).
@@ -79,6 +126,6 @@ impl TruePump {
 
     /// The device of the board.
     pub(crate) fn port(&self) -> String {
-        self.board.path().display().to_string()
+        self.board.device()
     }
 }

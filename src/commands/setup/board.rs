@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use pump_bench::drives::{DriveError, ask_ports, serial_ports};
+use pump_bench::drives::{DriveError, FoundBoard, find_boards, serial_ports};
 use pump_bench::pump_file::{Axis, DriverName};
 
 use super::asker::{Asked, Question, Usual};
@@ -36,14 +36,15 @@ pub(super) fn ask(course: &mut Course) -> Asked<()> {
 
 fn ask_driver(course: &mut Course) -> Asked<()> {
     let question = Question {
-        text: "Driver: grbl for a board, or sim to try it without one",
+        text: "Driver: grbl or node for a board, or sim to try it without one",
         option: "--driver grbl",
         // Nobody has named a real motor whose driver is that of another pump.
         usual: course
             .suggested(|last| last.driver.map(|driver| driver.as_str().to_owned()), None)
             .filter(|_| !course.asker.is_silent()),
-        help: "grbl: a board that speaks grbl 1.1's protocol over a USB cable (grbl, grblHAL, FluidNC); sim: a motor, \
-               pump and vessel that exist in the program only",
+        help: "grbl: a board that speaks grbl 1.1's protocol over a USB cable (grbl, grblHAL, FluidNC); node: a board \
+               with this project's own firmware (docs/node.md); sim: a motor, pump and vessel that exist in the \
+               program only",
     };
     let read = |answer: &str| answer.parse::<DriverName>().map_err(|error| error.to_string());
     course.settle(&question, read, |answers, driver| answers.driver = Some(driver))
@@ -52,11 +53,12 @@ fn ask_driver(course: &mut Course) -> Asked<()> {
 fn ask_port(course: &mut Course) -> Asked<()> {
     let found = if course.asker.is_silent() { Vec::new() } else { search()? };
     let of_last = course.suggested(|last| Some(last.port.as_ref()?.display().to_string()), None);
-    let only = match found.as_slice() {
-        [port] => Some(Usual::new(port.display().to_string())),
+    let of_driver = found.iter().filter(|(_, board)| Some(board.driver()) == course.answers.driver);
+    let only = match (of_driver.collect::<Vec<_>>().as_slice(), found.as_slice()) {
+        ([(port, _)], _) | (_, [(port, _)]) => Some(Usual::new(port.display().to_string())),
         _ => None,
     };
-    let is_there = |usual: &Usual| found.iter().any(|port| Path::new(&usual.answer) == port);
+    let is_there = |usual: &Usual| found.iter().any(|(port, _)| Path::new(&usual.answer) == port);
     let question = Question {
         text: "Port of the board",
         option: "--port /dev/ttyUSB0",
@@ -67,11 +69,26 @@ fn ask_port(course: &mut Course) -> Asked<()> {
         port if port.exists() => Ok(port.to_owned()),
         _ => Err(format!("there is no {answer}; is the board plugged in?")),
     };
-    course.settle(&question, read, |answers, port| answers.port = Some(port))
+    course.settle(&question, read, |answers, port| answers.port = Some(port))?;
+    let chosen = found.into_iter().find(|(port, _)| course.answers.port.as_ref() == Some(port));
+    chosen.map_or(Ok(()), |(_, board)| take_driver(course, &board))
+}
+
+/// Takes the driver of the board that answers at the port.
+fn take_driver(course: &mut Course, board: &FoundBoard) -> Asked<()> {
+    let driver = board.driver();
+    if course.answers.driver != Some(driver) {
+        tell_person(&format!("  {board} is at this port, so the driver is {driver}"));
+        let mut answers = course.answers.clone();
+        answers.driver = Some(driver);
+        answers.check().map_err(Failure::from)?;
+        course.take(answers)?;
+    }
+    Ok(())
 }
 
 /// Asks every port who is there, and says it. Returns the ports with a board.
-fn search() -> Result<Vec<PathBuf>, Failure> {
+fn search() -> Result<Vec<(PathBuf, FoundBoard)>, Failure> {
     let ports = serial_ports(Path::new(DEVICES));
     if ports.is_empty() {
         tell_person("  no serial port of a USB cable is there");
@@ -80,11 +97,12 @@ fn search() -> Result<Vec<PathBuf>, Failure> {
     let count = ports.len();
     say(&format!("  asking {count} port{} (nothing moves)\n", if count == 1 { "" } else { "s" }));
     let mut found = Vec::new();
-    for (port, answer) in ask_ports(&ports, &interrupt::stop_request()) {
+    for (port, answer) in find_boards(&ports, &interrupt::stop_request()) {
         let said = match answer {
-            Ok(state) => {
-                found.push(port.clone());
-                format!("a grbl board, {state}")
+            Ok(board) => {
+                let said = board.to_string();
+                found.push((port.clone(), board));
+                said
             }
             Err(DriveError::Interrupted) => {
                 let signal = interrupt::signal().unwrap_or(0);
@@ -107,15 +125,21 @@ fn ask_axis(course: &mut Course) -> Asked<()> {
     for (name, axis) in &others {
         tell_person(&format!("  {name} has the axis {axis} of this board"));
     }
-    let free = Axis::ALL.iter().find(|axis| others.iter().all(|(_, taken)| taken != *axis));
+    // A node has four axes.
+    let is_node = course.answers.driver == Some(DriverName::Node);
+    let axes = if is_node { Axis::ALL.get(..4).unwrap_or_default() } else { Axis::ALL };
+    let free = axes.iter().find(|axis| others.iter().all(|(_, taken)| taken != *axis));
     let question = Question {
         text: "Axis of the board that turns this pump",
         option: "--axis X",
         usual: free.map(|axis| Usual::new(axis.as_str())),
-        help: "the letter at the board's plug, X, Y, Z, A, B or C",
+        help: "the letter at the board's plug, X, Y, Z, A, B or C; a node's axes 0 to 3 are X, Y, Z and A",
     };
     let read = |answer: &str| {
         let axis = axis(answer)?;
+        if !axes.contains(&axis) {
+            return Err(format!("a node has the axes X, Y, Z and A, and not {axis}"));
+        }
         match others.iter().find(|(_, taken)| *taken == axis) {
             Some((name, _)) => Err(format!("{axis} is that of {name}; choose another axis")),
             None => Ok(axis),

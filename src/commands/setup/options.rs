@@ -67,10 +67,11 @@ pub(super) struct AnswerOptions {
     /// Fastest speed of the pump head [default: 100rpm]
     #[arg(long, value_name = "SPEED", help_heading = "Motor", value_parser = units::speed_rad_s)]
     max_speed: Option<f64>,
-    /// Driver of the motor: sim, or grbl for a board
-    #[arg(long, value_name = "sim|grbl", help_heading = "Motor", value_parser = choice(&[
+    /// Driver of the motor: sim, or grbl or node for a board
+    #[arg(long, value_name = "sim|grbl|node", help_heading = "Motor", value_parser = choice(&[
         (DriverName::Sim, "A simulated stepper, pump and vessel"),
         (DriverName::Grbl, "A board that speaks grbl 1.1's protocol over a serial port: grbl, grblHAL, FluidNC"),
+        (DriverName::Node, "A board with this project's own firmware, which makes each step at the plan's time"),
     ]))]
     driver: Option<DriverName>,
     /// Serial port of the board, as /dev/ttyUSB0

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use pump_bench::Bench;
 use pump_bench::notice::{Notice, Remedy};
+use pump_bench::pump_file::DriverName;
 use pump_bench::report::Explain;
 use pump_bench::setup::Answers;
 use pump_model::units::rad_s;
@@ -82,7 +83,11 @@ fn meet_board(course: &mut Course) -> Asked<()> {
             Ok(()) => {
                 course.warn(&notes);
                 if rate_fits(course, range_rad_s)? {
-                    tell_person("  the board answers, and its settings fit the pump");
+                    let fits = match course.answers.driver {
+                        Some(DriverName::Node) => "  the board answers, and makes what the pump needs",
+                        _ => "  the board answers, and its settings fit the pump",
+                    };
+                    tell_person(fits);
                     return Ok(());
                 }
                 continue;

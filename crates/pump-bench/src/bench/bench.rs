@@ -26,6 +26,9 @@ use crate::units::StatedReading;
 /// File in the journal's folder that holds the device settings of the last time.
 const SETTINGS_RECORD: &str = "board-settings.json";
 
+/// Folder beside those of the pumps that holds the records of boards which several pumps share. No pump has this name.
+const BOARDS: &str = "node.boards";
+
 /// Bench of one pump: its file, its model, its drive and the folder of its journal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bench {
@@ -59,7 +62,8 @@ impl Bench {
         let identity = registry::identity(driver);
         let folder = Folder::new(state_dir, &file.pump.id, &identity.id);
         let settings_record = Some(folder.path().join(SETTINGS_RECORD));
-        let opening = Opening { settings_record, ..Opening::default() };
+        let boards = Some(state_dir.join(BOARDS));
+        let opening = Opening { settings_record, boards, ..Opening::default() };
         let (is_given, unfinished, confirms_pump) = (false, false, false);
         Ok(Self { file, model, drive, identity, is_given, folder, opening, unfinished, confirms_pump })
     }
@@ -178,8 +182,8 @@ impl Bench {
         &self.drive
     }
 
-    /// Returns the terms on which the device is opened.
-    pub(crate) fn opening(&self) -> &Opening {
+    /// Returns the terms on which the device is opened. A program opens several axes of one board with them.
+    pub fn opening(&self) -> &Opening {
         &self.opening
     }
 

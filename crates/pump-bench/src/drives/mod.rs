@@ -3,6 +3,8 @@
 mod abilities;
 mod borrowed;
 mod drive;
+#[cfg(all(feature = "grbl", feature = "node"))]
+mod find;
 #[cfg(feature = "grbl")]
 mod grbl;
 pub(crate) mod grbl_speeds;
@@ -22,6 +24,8 @@ pub mod wire;
 
 pub use abilities::Abilities;
 pub use drive::{Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Leave, Watch};
+#[cfg(all(feature = "grbl", feature = "node"))]
+pub use find::{FoundBoard, find_boards};
 #[doc(hidden)]
 #[cfg(feature = "grbl")]
 pub use grbl::reply as grbl_reply;
@@ -29,7 +33,7 @@ pub use grbl::reply as grbl_reply;
 pub use grbl::{Grbl, GrblError, ask_ports, serial_ports};
 pub(crate) use identity::Identity;
 #[cfg(feature = "node")]
-pub use node::{Node, NodeError};
+pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeError};
 pub use opening::Opening;
 pub use sim::Sim;
 pub use stepped::{MonotonicClock, Stepped, SteppedError};

@@ -16,6 +16,9 @@ pub struct Opening {
     pub accept_settings: bool,
     /// File that holds the device settings of the last time. `None` keeps no record of them.
     pub settings_record: Option<PathBuf>,
+    /// Folder of the records of boards, each of which all pumps of a board share. `None` keeps the record of a board
+    /// beside that of its settings, so that two pumps of one board take it from each other.
+    pub boards: Option<PathBuf>,
     /// Request that ends every wait at rest.
     pub stop: StopRequest,
 }

@@ -1,8 +1,12 @@
 //! `[drive]`: the drive that turns the motor.
 
+mod pins;
+
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
+
+pub use pins::{Pins, PinsTable};
 
 use super::range::{WrongValue, allow, within, within_if_given};
 use crate::words::words;
@@ -44,7 +48,16 @@ pub struct DriveTable {
     /// Largest error of the index angle, in deg.
     #[serde(default = "usual_index_width_deg")]
     pub index_width_deg: f64,
+    /// Time without a word of this computer after which a node decelerates, in ms. `None` takes 500 ms.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dead_man_ms: Option<u16>,
+    /// Times and polarity of a step driver's pins, which a node keeps to. `None` takes those of a DRV8825.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pins: Option<PinsTable>,
 }
+
+/// Shortest and longest dead-man time, and the usual one, in ms. The board's queue holds 200 ms at least.
+const DEAD_MAN_MS: (u16, u16, u16) = (100, 10_000, 500);
 
 /// Returns the width that a forked light barrier on a disc of a few centimetres keeps to, in deg.
 fn usual_index_width_deg() -> f64 {
@@ -96,7 +109,31 @@ impl DriveTable {
             hold_timeout_s: None,
             index_angle_deg: None,
             index_width_deg: usual_index_width_deg(),
+            dead_man_ms: None,
+            pins: None,
         }
+    }
+
+    /// Returns the table with the times and the polarity of a step driver's pins.
+    #[must_use]
+    pub fn with_pins(self, pins: PinsTable) -> Self {
+        Self { pins: Some(pins), ..self }
+    }
+
+    /// Returns the table with the time without a word of this computer after which a node decelerates, in ms.
+    #[must_use]
+    pub fn with_dead_man_ms(self, dead_man_ms: u16) -> Self {
+        Self { dead_man_ms: Some(dead_man_ms), ..self }
+    }
+
+    /// Returns the times and the polarity of the step driver's pins: those that are given, or the usual ones.
+    pub fn pins_or_usual(&self) -> Pins {
+        self.pins.unwrap_or_default().or_usual()
+    }
+
+    /// Returns the dead-man time, in ms: the one that is given, or the usual one.
+    pub fn dead_man_or_usual_ms(&self) -> u16 {
+        self.dead_man_ms.unwrap_or(DEAD_MAN_MS.2)
     }
 
     /// Returns the table with the serial port of the controller.
@@ -167,6 +204,17 @@ impl DriveTable {
             allow(time_s >= 0.0 && time_s.is_finite(), "[drive] hold_timeout_s", time_s, "0 or more")?;
         }
         within_if_given("[drive] index_angle_deg", self.index_angle_deg, -360.0..=360.0)?;
-        within("[drive] index_width_deg", self.index_width_deg, 0.0..=180.0)
+        within("[drive] index_width_deg", self.index_width_deg, 0.0..=180.0)?;
+        let of_node =
+            [("[drive] dead_man_ms", self.dead_man_ms.is_some()), ("[drive.pins]", self.pins.is_some())];
+        for (key, is_given) in of_node {
+            let allowed = "beside driver = \"node\" only, since other boards have their own";
+            allow(!is_given || self.driver == DriverName::Node, key, "given", allowed)?;
+        }
+        if let Some(dead_man_ms) = self.dead_man_ms {
+            let (least, most, _) = DEAD_MAN_MS;
+            within("[drive] dead_man_ms", dead_man_ms, least..=most)?;
+        }
+        self.pins.map_or(Ok(()), |pins| pins.check())
     }
 }

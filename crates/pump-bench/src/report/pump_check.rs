@@ -1,5 +1,6 @@
 //! The check of a pump file in words: what the pump gives.
 
+mod pins;
 mod sources;
 
 use pump_model::units::{degrees, rad_s};
@@ -37,6 +38,7 @@ pub fn pump_check(file: &PumpFile) -> Result<String, DisplacementError> {
     ];
     let lines = lines
         .into_iter()
+        .chain(pins::pins_text(file).map(|text| ("pins", text)))
         .chain(sources::source_lines(file))
         .map(|(name, text)| format!("  {name:<9} {text}\n"));
     let text: String = catalogue_line(file).into_iter().chain(lines).chain(overlap(&pump)).collect();

@@ -77,7 +77,7 @@ fn a_stop_acts_at_once_and_its_count_is_exact() {
 
 #[test]
 fn a_motor_that_waits_for_the_disk_rests_within_its_leave_and_goes_on() {
-    for pause_ms in [200, 600, 2000] {
+    for pause_ms in [200, 1000, 3000] {
         let rig = Rig::new();
         let plan = dose(12.0, 4.0, true);
         let mut drive = rig.open();
@@ -99,9 +99,9 @@ fn a_motor_that_waits_for_the_disk_rests_within_its_leave_and_goes_on() {
         assert!(waited > 0);
         let rises = rig.world.rises();
         let longest_us = rises.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap();
-        // A pause of 0.2 s is unseen. A longer one has the motor rest.
-        assert_eq!(longest_us > u64::from(TICK_HZ) / 20, pause_ms > 200, "{pause_ms} ms: {longest_us} us");
-        if pause_ms == 200 {
+        // A pause of 1 s is unseen. A longer one has the motor rest.
+        assert_eq!(longest_us > u64::from(TICK_HZ) / 20, pause_ms > 1000, "{pause_ms} ms: {longest_us} us");
+        if pause_ms <= 1000 {
             assert!(worst(&rises, &plan) <= 1.0);
         }
         // Nowhere is the motor faster than the plan.

@@ -5,6 +5,10 @@
 mod doses;
 mod faults;
 mod meeting;
+mod onlooker;
 mod rig;
 mod sessions;
+mod sharing;
+mod streaming;
+mod together;
 mod world;

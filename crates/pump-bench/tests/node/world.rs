@@ -2,10 +2,11 @@
 
 use std::collections::VecDeque;
 use std::io;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::time::Duration;
 
-use pump_bench::drives::wire::Wire;
+use crate::onlooker::Onlooker;
+use pump_bench::drives::wire::{AskClock, Wire};
 use pump_node::{Axes, Board, Levels, Node, Pins, identity};
 
 /// Ticks per second of the board's timer.
@@ -137,6 +138,20 @@ pub(crate) struct World {
     pub(crate) events: VecDeque<(u64, Event)>,
     /// Bytes that something else than a node says to each frame.
     pub(crate) foreign: Option<Vec<u8>>,
+    asker: Asker,
+    /// Segments on their way to the board, as an onlooker reads them off the line.
+    pub(crate) onlooker: Onlooker,
+}
+
+/// Thread that asks for leave while another one has the wire. Only one of them goes on at a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Asker {
+    /// There is none, or the other thread has ended.
+    Gone,
+    /// It goes on, and time stands.
+    Awake,
+    /// It waits until this time, us.
+    Waits(u64),
 }
 
 fn board(number: u64, hardware: &Shared) -> (Node, NodeAxes) {
@@ -164,6 +179,8 @@ impl World {
             random: 1,
             events: VecDeque::new(),
             foreign: None,
+            asker: Asker::Gone,
+            onlooker: Onlooker::default(),
         }
     }
 
@@ -231,6 +248,7 @@ impl World {
                 }
                 continue;
             }
+            self.onlooker.sees(byte, self.now_us - self.booted_us);
             if let Some(answer) = self.node.on_byte(byte, self.now_us - self.booted_us, &mut self.axes) {
                 self.send(1, answer.bytes());
             }
@@ -244,7 +262,7 @@ impl World {
 
 /// World that a test and a drive share.
 #[derive(Clone)]
-pub(crate) struct SharedWorld(pub(crate) Arc<Mutex<World>>);
+pub(crate) struct SharedWorld(pub(crate) Arc<Mutex<World>>, Arc<Condvar>);
 
 impl std::fmt::Debug for SharedWorld {
     fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -258,7 +276,7 @@ impl SharedWorld {
     }
 
     pub(crate) fn of_board(number: u64) -> Self {
-        Self(Arc::new(Mutex::new(World::new(number))))
+        Self(Arc::new(Mutex::new(World::new(number))), Arc::default())
     }
 
     pub(crate) fn hardware<T>(&self, look: impl FnOnce(&mut Hardware) -> T) -> T {
@@ -297,12 +315,55 @@ impl SharedWorld {
     }
 }
 
+impl SharedWorld {
+    /// Returns the world once the thread that asks for leave waits.
+    fn alone(&self) -> MutexGuard<'_, World> {
+        let world = self.0.lock().unwrap();
+        self.1.wait_while(world, |world| world.asker == Asker::Awake).unwrap()
+    }
+
+    /// Has the thread that asks for leave wait. Returns false if the other thread has ended.
+    pub(crate) fn hold_up(&self, time: Duration) -> bool {
+        let mut world = self.0.lock().unwrap();
+        if world.asker == Asker::Gone {
+            return false;
+        }
+        world.asker = Asker::Waits(world.now_us + time.as_micros() as u64);
+        self.1.notify_all();
+        let world = self.1.wait_while(world, |world| matches!(world.asker, Asker::Waits(_))).unwrap();
+        world.asker == Asker::Awake
+    }
+}
+
+/// Clock of the thread that asks for leave.
+#[derive(Debug)]
+struct VirtualClock(SharedWorld);
+
+impl AskClock for VirtualClock {
+    fn wait(&self, time: Duration) -> bool {
+        self.0.hold_up(time)
+    }
+
+    fn end(&self) {
+        self.0.0.lock().unwrap().asker = Asker::Gone;
+        self.0.1.notify_all();
+    }
+}
+
 impl Wire for SharedWorld {
     fn read(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize> {
-        let mut world = self.0.lock().unwrap();
+        let mut world = self.alone();
         // A look at the line takes time, too.
         let until = world.now_us + (wait.as_micros() as u64).max(1);
         loop {
+            if let Asker::Waits(at) = world.asker
+                && at <= world.now_us
+            {
+                world.asker = Asker::Awake;
+                self.1.notify_all();
+                drop(world);
+                world = self.alone();
+            }
             let now = world.now_us;
             let here = world.to_host.iter().take(buffer.len()).take_while(|(at, _)| *at <= now).count();
             if here > 0 {
@@ -313,20 +374,26 @@ impl Wire for SharedWorld {
                 return Ok(0);
             }
             let arrives = world.to_host.front().map_or(until, |(at, _)| *at);
-            world.go_on(until.min(arrives));
+            let asks = if let Asker::Waits(at) = world.asker { at } else { until };
+            world.go_on(until.min(arrives).min(asks));
         }
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.0.lock().unwrap().send(0, bytes);
+        self.alone().send(0, bytes);
         Ok(())
     }
 
     fn now(&mut self) -> Duration {
-        Duration::from_micros(self.0.lock().unwrap().now_us)
+        Duration::from_micros(self.alone().now_us)
     }
 
     fn sleep(&mut self, time: Duration) {
         self.pass(time.as_millis() as u64);
+    }
+
+    fn ask_clock(&mut self) -> Box<dyn AskClock> {
+        self.0.lock().unwrap().asker = Asker::Awake;
+        Box::new(VirtualClock(self.clone()))
     }
 }

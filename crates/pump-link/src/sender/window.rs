@@ -195,6 +195,15 @@ impl<const N: usize> Window<N> {
         self.pending = [None; N];
     }
 
+    /// Forgets one request under way, by its number. An answer to it counts as late.
+    pub fn forget(&mut self, number: u16) {
+        for place in &mut self.pending {
+            if place.is_some_and(|pending| pending.number == number) {
+                *place = None;
+            }
+        }
+    }
+
     /// Takes note of the node: the link lives.
     fn heard(&mut self) {
         self.pending.iter_mut().flatten().for_each(|pending| pending.lost = 0);

@@ -4,7 +4,8 @@ use pump_ctl::step::TickRate;
 use pump_link::message::{AXES, Answer, AxisStatus, Identity, Request};
 
 use super::error::NodeError;
-use super::link::{Link, Reply};
+use super::line::Reply;
+use super::link::Link;
 
 /// Board that holds the session of its record.
 #[derive(Debug)]

@@ -10,11 +10,13 @@ use pump_link::message::{
 use pump_link::packing::{Codec, Grain};
 
 use super::board::Board;
+use super::board_record::BoardRecord;
 use super::error::NodeError;
+use super::line::Line;
 use super::link::Link;
 use super::session_record::SessionRecord;
-use crate::drives::Disturbance;
-use crate::pump_file::{Axis, DriveTable};
+use crate::drives::{Disturbance, Opening};
+use crate::pump_file::{Axis, DriveTable, Pins};
 
 /// Longest wait for a first answer.
 const ANSWER_LIMIT: Duration = Duration::from_secs(3);
@@ -24,9 +26,6 @@ const REST_LIMIT: Duration = Duration::from_secs(15);
 
 /// Time between two questions to a board that moves.
 const POLL: Duration = Duration::from_millis(20);
-
-/// Time without a word of this program after which the board decelerates, ms.
-const DEAD_MAN_MS: u16 = 500;
 
 /// Margin by which the board lets go of an idle motor later than the session does, which puts it on record, ms.
 const IDLE_MARGIN_MS: u32 = 5_000;
@@ -44,11 +43,17 @@ pub(super) struct Terms {
     pub(super) record: Option<PathBuf>,
     /// True if another board than that on record is accepted.
     pub(super) accept_board: bool,
+    /// Folder of the records of boards, which their pumps share.
+    pub(super) boards: Option<PathBuf>,
+    /// Times and polarity of the pins.
+    pins: Pins,
+    /// Time without a word of this program after which the board decelerates, ms.
+    dead_man_ms: u16,
 }
 
 impl Terms {
     /// Returns the terms of a drive table.
-    pub(super) fn new(table: &DriveTable, record: Option<&Path>, accept_board: bool) -> Self {
+    pub(super) fn new(table: &DriveTable, opening: &Opening) -> Self {
         Self {
             port: table.port.clone().unwrap_or_default(),
             baud: table.rate_baud(),
@@ -56,8 +61,11 @@ impl Terms {
             invert: table.invert,
             has_index: table.index_angle_deg.is_some(),
             hold_timeout_s: table.hold_timeout_s,
-            record: record.map(Path::to_owned),
-            accept_board,
+            record: opening.settings_record.clone(),
+            accept_board: opening.accept_settings,
+            boards: opening.boards.clone(),
+            pins: table.pins_or_usual(),
+            dead_man_ms: table.dead_man_or_usual_ms(),
         }
     }
 
@@ -65,6 +73,16 @@ impl Terms {
     fn config(&self, energised: bool, brake: &Brake) -> AxisConfig {
         let idle_ms = |hold_s: f64| (hold_s * 1e3).min(f64::from(u32::MAX / 2)) as u32 + IDLE_MARGIN_MS;
         let mut config = AxisConfig::new(brake.climb().count() as u8);
+        let (pins, ns) = (self.pins, |time_us: f64| (1e3 * time_us).round() as u32);
+        config.step_high_ns = ns(pins.step_pulse_us);
+        config.step_low_ns = ns(pins.step_pause_us);
+        config.direction_setup_ns = ns(pins.direction_setup_us);
+        config.direction_hold_ns = ns(pins.direction_hold_us);
+        config.enable_setup_ns = ns(1e3 * pins.enable_setup_ms);
+        config.step_active_low = pins.step_active_low;
+        config.enable_active_low = pins.enable_active_low;
+        config.index_active_low = pins.index_active_low;
+        config.has_driver_fault = pins.driver_fault;
         config.reversed = self.invert;
         config.has_index = self.has_index;
         config.energised = energised;
@@ -98,7 +116,7 @@ pub(super) fn meet(
             }
         };
     }
-    let (identity, held) = given!(identify(&mut link, terms));
+    let (identity, held) = given!(identify(&mut link, &terms.port, terms.baud, ANSWER_LIMIT));
     let axis = terms.axis as u8;
     if axis >= identity.axes {
         let (axis, axes) = (format!("{:?}", terms.axis).chars().next().unwrap_or('?'), identity.axes);
@@ -106,9 +124,10 @@ pub(super) fn meet(
     }
     let tick_rate = given!(TickRate::from_hz(identity.tick_hz).ok_or(NodeError::NoTimer));
     let brake = given!(make_brake(tick_rate));
-    let (record, holds) = given!(session(&identity, held, terms));
-    link.begin(record.session);
-    let (baud, dead_man_ms) = (terms.baud, DEAD_MAN_MS);
+    let found = session(&mut link.line(), &identity, held, terms);
+    let (session, holds) = given!(found);
+    link.begin(session);
+    let (baud, dead_man_ms) = (terms.baud, terms.dead_man_ms);
     let mut board = Board { link, identity, tick_rate, axis, move_number: 0, revision: 0, baud, dead_man_ms };
     match take_over(&mut board, terms, &brake, holds) {
         Ok((status, disturbed)) => {
@@ -118,8 +137,13 @@ pub(super) fn meet(
     }
 }
 
-/// Waits until a board says who it is. Returns that, and the session that it holds.
-fn identify(link: &mut Link, terms: &Terms) -> Result<(Identity, u64), NodeError> {
+/// Waits for as long as `limit` until a board says who it is. Returns that, and the session that it holds.
+pub(super) fn identify(
+    link: &mut Link,
+    port: &Path,
+    baud: u32,
+    limit: Duration,
+) -> Result<(Identity, u64), NodeError> {
     link.begin(0);
     let began = link.now();
     loop {
@@ -132,42 +156,57 @@ fn identify(link: &mut Link, terms: &Terms) -> Result<(Identity, u64), NodeError
             Err(NodeError::Quiet { .. }) => link.clear(),
             Err(error) => return Err(error),
         }
-        if let Some(theirs) = link.other_version {
+        let Line { other_version, bytes, .. } = *link.line();
+        if let Some(theirs) = other_version {
             return Err(NodeError::Version { theirs });
         }
         let waited = link.now() - began;
-        if waited < ANSWER_LIMIT {
+        if waited < limit {
             continue;
         }
-        let (port, baud) = (terms.port.clone(), terms.baud);
-        return Err(match link.bytes {
+        let port = port.to_owned();
+        return Err(match bytes {
             0 => NodeError::Silent { port, baud, waited_s: waited.as_secs_f64() },
             bytes => NodeError::Foreign { port, baud, bytes },
         });
     }
 }
 
-/// Returns the record of the board, and true if the board holds its session. The disk has a new session before the
-/// board does.
-fn session(identity: &Identity, held: u64, terms: &Terms) -> Result<(SessionRecord, bool), NodeError> {
-    let path = terms.record.as_deref();
-    let recorded = match path.map(SessionRecord::read).transpose() {
-        Err(_) if terms.accept_board => None,
-        read => read?.flatten(),
+/// Returns the session of the board, and true if the board holds it. The disk has a new session before the board does.
+/// All pumps of the board share it, so none takes the board from another.
+fn session(line: &mut Line, identity: &Identity, held: u64, terms: &Terms) -> Result<(u64, bool), NodeError> {
+    let lenient = |read: Result<Option<SessionRecord>, NodeError>| match read {
+        Err(_) if terms.accept_board => Ok(None),
+        read => read,
     };
-    let same = recorded.filter(|recorded| recorded.board == identity.board);
-    if let (Some(recorded), None, false) = (recorded, same, terms.accept_board) {
+    let path = terms.record.as_deref();
+    let of_pump = lenient(path.map_or(Ok(None), SessionRecord::read))?;
+    // Number 0 is that of a board whose firmware knew none.
+    let same = of_pump.filter(|recorded| [0, identity.board].contains(&recorded.board));
+    if let (Some(recorded), None, false) = (of_pump, same, terms.accept_board) {
         let (port, found, recorded) = (terms.port.clone(), identity.board, recorded.board);
         return Err(NodeError::OtherBoard { port, found, recorded });
     }
-    if let Some(same) = same.filter(|same| same.session == held) {
-        return Ok((same, true));
+    let boards = terms.boards.as_deref();
+    let record = boards.map(|folder| BoardRecord::of(folder, identity.board, &terms.port));
+    if let Some(record) = &record
+        && !line.hold.as_ref().is_some_and(|hold| hold.is_of(record))
+    {
+        line.hold = None;
+        line.hold = Some(record.hold(&terms.port)?);
     }
-    let record = SessionRecord::new(identity.board);
-    if let Some(path) = path {
-        record.write(path)?;
+    let of_board = lenient(record.as_ref().map_or(Ok(None), |record| SessionRecord::read(record.path())))?;
+    let known = [of_board, same].into_iter().flatten().map(|recorded| recorded.session).chain([line.given]);
+    let holds = held != 0 && known.into_iter().any(|session| session == held);
+    let session = if holds { held } else { SessionRecord::new(identity.board).session };
+    let now = SessionRecord { board: identity.board, session };
+    for (path, before) in [(record.as_ref().map(BoardRecord::path), of_board), (path, of_pump)] {
+        if let Some(path) = path.filter(|_| before != Some(now)) {
+            now.write(path)?;
+        }
     }
-    Ok((record, false))
+    line.given = session;
+    Ok((session, holds))
 }
 
 /// Brings the board to rest, gives it the session, and configures its axis.

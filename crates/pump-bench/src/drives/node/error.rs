@@ -11,6 +11,7 @@ use thiserror::Error;
 
 use crate::drives::DriveError;
 use crate::drives::wire::PortError;
+use crate::pump_file::Axis;
 
 /// Error of a node: a board that makes each step at the plan's time.
 #[derive(Debug, Error)]
@@ -76,6 +77,14 @@ pub enum NodeError {
         /// Number of the board on record.
         recorded: u64,
     },
+    /// Another process has the board, through another port.
+    #[error("{} is in use by {holder}; wait until it is done", .device.display())]
+    Busy {
+        /// Board, and its port.
+        device: PathBuf,
+        /// Holder of the board, as far as the system tells.
+        holder: String,
+    },
     /// The board lacks the axis.
     #[error("the board has {axes} axes, and [drive] axis is {axis:?}; its axes 0 to 3 are X, Y, Z and A")]
     NoAxis {
@@ -83,6 +92,31 @@ pub enum NodeError {
         axis: char,
         /// Number of axes of the board.
         axes: u8,
+    },
+    /// A plan is for an axis that was not opened, or for one that has a plan.
+    #[error("axis {place} of {axes} was not opened, or has a plan already; name each axis once, from 0")]
+    Place {
+        /// Place of the axis among those that were opened, from 0.
+        place: usize,
+        /// Number of axes.
+        axes: usize,
+    },
+    /// Two pumps name one axis.
+    #[error("two pumps name the axis {axis} of the board; give each pump an axis of its own")]
+    Twice {
+        /// Axis.
+        axis: Axis,
+    },
+    /// The pumps of a board name different ports.
+    #[error(
+        "the pump of axis {axis} is at {}, and others are at another port; axes that begin together are of one \
+         board", .port.display()
+    )]
+    Elsewhere {
+        /// Axis.
+        axis: Axis,
+        /// Path of the port.
+        port: PathBuf,
     },
     /// The board says that its timer stands.
     #[error("the board says that its timer has 0 ticks a second; load its firmware anew")]
@@ -217,6 +251,7 @@ impl From<NodeError> for DriveError {
     fn from(error: NodeError) -> Self {
         match error {
             NodeError::Interrupted => Self::Interrupted,
+            NodeError::Busy { device, holder } => Self::Busy { device, holder },
             error => Self::Device(Box::new(error)),
         }
     }

@@ -10,9 +10,8 @@ use super::board::Board;
 use super::connect::{self, Met, Terms};
 use super::error::{NodeError, NodeOpening};
 use super::link::Link;
-use super::motion::Motion;
-use super::outcome::Fault;
-use super::task::Task;
+use super::motion::{self, Fault, Made, Motion, SentLead, Task};
+use crate::drives::stepped::Lead;
 use crate::drives::wire::{BoardPort, Wire};
 use crate::drives::{
     Abilities, Disturbance, Drive, DriveError, DriveFault, Gate, IndexSearch, Opening, Watch,
@@ -81,10 +80,19 @@ impl Node {
         motor: &MotorTable,
         opening: &Opening,
     ) -> Result<Self, DriveError> {
-        let link = Link::new(wire, opening.stop.clone());
+        Self::linked(Link::new(wire, opening.stop.clone()), table, motor, opening)
+    }
+
+    /// Meets the board at the other end of `link`, and configures the axis.
+    pub(super) fn linked(
+        link: Link,
+        table: &DriveTable,
+        motor: &MotorTable,
+        opening: &Opening,
+    ) -> Result<Self, DriveError> {
         let mut node = Self {
             motor: motor.at_pump_head(),
-            terms: Terms::new(table, opening.settings_record.as_deref(), opening.accept_settings),
+            terms: Terms::new(table, opening),
             at: At::Apart(Box::new(link)),
             stands: None,
             disturbed: None,
@@ -127,8 +135,8 @@ impl Node {
         };
     }
 
-    /// Returns the task of `plan` for the board, or refuses it before anything moves.
-    fn task(&mut self, plan: &Plan) -> Result<Task, NodeError> {
+    /// Returns the task of `plan` for a board whose line so many axes share, or refuses it before anything moves.
+    pub(super) fn task(&mut self, plan: &Plan, sharers: u32) -> Result<Task, NodeError> {
         let At::Met { board, brake } = &mut self.at else { return Err(NodeError::Reset) };
         let (status, _) = board.status()?;
         if status.angle_lost || !status.energised {
@@ -138,29 +146,41 @@ impl Node {
         if let Some(expected) = expected.filter(|expected| *expected != status.position) {
             return Err(NodeError::Count { counted: status.position, expected });
         }
-        Task::new(plan, brake, &board.identity, self.terms.baud)
+        Task::new(plan, brake, &board.identity, (self.terms.baud, sharers))
+    }
+
+    /// Returns the motion that makes the steps of `plan`, for a board that was met.
+    pub(super) fn motion<'a>(
+        &'a mut self,
+        plan: &'a Plan,
+        task: Task,
+        leads: (&'a SentLead<'a>, &'a Lead),
+        seeks: bool,
+    ) -> Option<Motion<'a>> {
+        let start = self.stands.unwrap_or(0);
+        let At::Met { board, .. } = &mut self.at else { return None };
+        Some(Motion::new(board, plan, task, leads, start, seeks))
     }
 
     /// Makes the steps of `plan`. Returns the number of steps made, with the step at which the index was found.
-    fn travel(
-        &mut self,
-        plan: &Plan,
-        gate: &mut Gate<'_>,
-        seeks: bool,
-    ) -> Result<(u64, Option<u64>), DriveFault> {
+    fn travel(&mut self, plan: &Plan, gate: &mut Gate<'_>, seeks: bool) -> Result<Made, DriveFault> {
         // From here on the gate hears the user.
         self.be_deaf(true);
-        let task = self.task(plan);
-        let made = task.map_err(|error| Fault { error, least: 0, most: 0 }).and_then(|task| {
-            let before = self.stands.unwrap_or(0);
-            match &mut self.at {
-                At::Met { board, .. } => Motion::new(board, plan, task, before, seeks).make(gate),
-                _ => Err(Fault { error: NodeError::Reset, least: 0, most: 0 }),
-            }
+        let made = self.task(plan, 1).map_err(Fault::at_rest).and_then(|task| {
+            let (leads, free) = ([SentLead::new(plan, task.brake_steps)], Lead::free());
+            let [lead] = &leads;
+            let motion = self.motion(plan, task, (lead, &free), seeks);
+            let motions = motion.into_iter().collect();
+            motion::run(motions, &leads, &mut [gate]).pop().unwrap_or(Err(Fault::at_rest(NodeError::Reset)))
         });
+        self.after(plan, made)
+    }
+
+    /// Notes where a motion has led.
+    pub(super) fn after(&mut self, plan: &Plan, made: Result<Made, Fault>) -> Result<Made, DriveFault> {
         self.be_deaf(false);
         let known = match &made {
-            Ok((made, _)) => Some(*made as i64),
+            Ok(made) => Some(made.steps as i64),
             Err(fault) => fault.known(),
         };
         let direction = i64::from(plan.direction().sign());
@@ -172,7 +192,7 @@ impl Node {
     }
 
     /// Has the link hear no request to stop while a gate does.
-    fn be_deaf(&mut self, is_deaf: bool) {
+    pub(super) fn be_deaf(&mut self, is_deaf: bool) {
         match &mut self.at {
             At::Met { board, .. } => board.link.is_deaf = is_deaf,
             At::Apart(link) => link.is_deaf = is_deaf,
@@ -203,7 +223,7 @@ impl Drive for Node {
     }
 
     fn check(&mut self, plan: &Plan) -> Result<(), DriveError> {
-        let checked = self.task(plan);
+        let checked = self.task(plan, 1);
         if checked.is_err() {
             self.part();
         }
@@ -211,15 +231,15 @@ impl Drive for Node {
     }
 
     fn run(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<u64, DriveFault> {
-        self.travel(plan, gate, false).map(|(made, _)| made)
+        self.travel(plan, gate, false).map(|made| made.steps)
     }
 
     fn seek(&mut self, plan: &Plan, gate: &mut Gate<'_>) -> Result<IndexSearch, DriveFault> {
         if !self.terms.has_index {
             return Err(DriveFault::at(0, DriveError::no_index(self.id())));
         }
-        let (made, index_at) = self.travel(plan, gate, true)?;
-        Ok(IndexSearch { made, beyond: index_at.map(|at| made.saturating_sub(at)) })
+        let Made { steps, index_at } = self.travel(plan, gate, true)?;
+        Ok(IndexSearch { made: steps, beyond: index_at.map(|at| steps.saturating_sub(at)) })
     }
 
     fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {

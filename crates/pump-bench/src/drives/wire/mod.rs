@@ -1,5 +1,6 @@
 //! The wire to a board: its bytes, and the clock of every wait for them.
 
+mod ask_clock;
 mod error;
 mod holder;
 mod port;
@@ -8,6 +9,8 @@ use std::fmt::Debug;
 use std::io;
 use std::time::Duration;
 
+pub use ask_clock::AskClock;
+use ask_clock::SystemAskClock;
 pub(super) use error::PortError;
 pub(super) use port::BoardPort;
 
@@ -36,4 +39,9 @@ pub trait Wire: Debug + Send {
 
     /// Lets `time` pass.
     fn sleep(&mut self, time: Duration);
+
+    /// Returns the clock of a thread that asks for leave while another one has the wire.
+    fn ask_clock(&mut self) -> Box<dyn AskClock> {
+        Box::new(SystemAskClock::default())
+    }
 }

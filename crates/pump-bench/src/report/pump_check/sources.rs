@@ -1,5 +1,6 @@
 //! The sources of a pump's values: measured, given, estimated or assumed.
 
+use super::pins::pins_given;
 use crate::pump_file::{AmbientSource, LineSource, LineTable, PumpFile, Reservoir, RollerVolumeTable};
 
 /// Source of a value in a pump file.
@@ -19,7 +20,9 @@ enum Source {
 
 /// Returns a line for each source, with the values that it has.
 pub(super) fn source_lines(file: &PumpFile) -> Vec<(&'static str, String)> {
-    let values = values(file);
+    let pins = pins_given(file).into_iter();
+    let pins = pins.map(|(value, is_given)| (value, if is_given { Source::Given } else { Source::Assumed }));
+    let values: Vec<_> = values(file).into_iter().chain(pins).collect();
     let line = |(source, name): (Source, &'static str)| {
         let of: Vec<&str> = values.iter().filter(|(_, of)| *of == source).map(|(value, _)| *value).collect();
         (!of.is_empty()).then(|| (name, of.join(", ")))

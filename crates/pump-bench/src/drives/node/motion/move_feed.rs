@@ -5,8 +5,8 @@ use std::time::Duration;
 use pump_link::message::{AxisState, MoveOrder};
 use pump_link::sender::{Bracket, Stream};
 
-use super::error::NodeError;
 use super::steps::Steps;
+use crate::drives::node::error::NodeError;
 
 /// Segments that are held until the board has taken them.
 const HELD: usize = 256;

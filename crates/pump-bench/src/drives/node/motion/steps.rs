@@ -15,7 +15,7 @@ const FIT: i128 = 1 << 31;
 
 /// Segments of a motion, cut to the steps that may be sent.
 pub(super) struct Steps<'a> {
-    segments: Box<dyn Iterator<Item = Segment> + 'a>,
+    segments: Box<dyn Iterator<Item = Segment> + Send + 'a>,
     /// Rest of a segment that was cut.
     rest: Option<Segment>,
 }
@@ -23,7 +23,7 @@ pub(super) struct Steps<'a> {
 impl<'a> Steps<'a> {
     /// Returns the segments of `plan` after the first `made` steps, from rest. `lead` has leave for all steps.
     pub(super) fn new(plan: &'a Plan, tick_rate: TickRate, lead: &'a Lead, made: u64) -> Self {
-        let segments: Box<dyn Iterator<Item = Segment> + 'a> = if made == 0 {
+        let segments: Box<dyn Iterator<Item = Segment> + Send + 'a> = if made == 0 {
             Box::new(plan.segments(tick_rate))
         } else {
             Box::new(gathered(steps_from(plan, tick_rate, lead, made)))
@@ -47,7 +47,7 @@ impl<'a> Steps<'a> {
 }
 
 /// Gathers single steps into segments whose intervals change evenly.
-fn gathered(steps: impl Iterator<Item = Segment>) -> impl Iterator<Item = Segment> {
+fn gathered(steps: impl Iterator<Item = Segment> + Send) -> impl Iterator<Item = Segment> + Send {
     let mut steps = steps.fuse();
     let mut waiting: Vec<Segment> = Vec::with_capacity(MOST);
     iter::from_fn(move || {

@@ -6,7 +6,7 @@ use pump_link::message::{Identity, MAX_PACKED};
 use pump_link::packing::{Codec, Grain, MAX_PACKED_SEGMENT, Rounder};
 use pump_link::sender::{Demand, FRAME_OVERHEAD, StreamError, TooFast};
 
-use super::error::NodeError;
+use crate::drives::node::error::NodeError;
 
 /// Part of the line's rate that segments may take. The rest is for the state of the axis, which is asked for every
 /// 20 ms (some 2 kB/s), and for frames that are sent again.
@@ -21,17 +21,24 @@ const INTERVAL_SHARE: f64 = 0.98;
 
 /// Task of a plan for the board.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Task {
+pub(in crate::drives::node) struct Task {
     /// Shortest interval between two steps, ticks.
-    pub(super) shortest_interval: u32,
+    pub(in crate::drives::node) shortest_interval: u32,
+    /// Number of axes that share the line in this motion.
+    pub(in crate::drives::node) sharers: u32,
     /// Most steps in which the motor stops by its brake.
-    pub(super) brake_steps: u64,
+    pub(in crate::drives::node) brake_steps: u64,
 }
 
 impl Task {
-    /// Returns the task of `plan`, or refuses it before anything moves.
-    pub(super) fn new(plan: &Plan, brake: &Brake, board: &Identity, baud: u32) -> Result<Self, NodeError> {
-        let tick_rate = brake.tick_rate();
+    /// Returns the task of `plan` on a line of `baud` that so many axes share, or refuses it before anything moves.
+    pub(in crate::drives::node) fn new(
+        plan: &Plan,
+        brake: &Brake,
+        board: &Identity,
+        (baud, sharers): (u32, u32),
+    ) -> Result<Self, NodeError> {
+        let (tick_rate, baud) = (brake.tick_rate(), baud / sharers.max(1));
         let steps_s = plan.profile().peak_rad_s() / plan.step_rad();
         if steps_s > f64::from(board.max_step_hz) {
             return Err(NodeError::Fast { steps_s, most_s: board.max_step_hz });
@@ -49,7 +56,7 @@ impl Task {
         let shortest_interval = (shortest as u32).max(1);
         let fastest = Ticks { whole: shortest_interval.into(), frac: 0 };
         let way = brake.descent(fastest, plan.direction()).map(|segment| u64::from(segment.steps()));
-        Ok(Self { shortest_interval, brake_steps: way.sum() })
+        Ok(Self { shortest_interval, sharers, brake_steps: way.sum() })
     }
 }
 

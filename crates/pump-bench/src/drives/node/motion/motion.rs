@@ -1,38 +1,32 @@
-//! A motion by the board: moves from rest to rest until the plan is made, or ends before.
+//! A motion of one axis by the board: moves from rest to rest until the plan is made, or ends before.
+//!
+//! The thread that streams gives each motion its turn. A turn never waits longer than it is told to, so several
+//! motions of one board take turns.
 
 use std::time::Duration;
 
 use pump_ctl::plan::Plan;
 use pump_link::message::{Answer, AxisState, AxisStatus, End, MAX_PACKED, MoveOrder, Refusal, Request};
 
-use super::board::Board;
-use super::connect;
-use super::error::NodeError;
 use super::lead::SentLead;
-use super::link::{Reply, Subject};
 use super::move_feed::MoveFeed;
-use super::outcome::Fault;
+use super::outcome::{Fault, Made};
+use super::search::Search;
 use super::steps::Steps;
 use super::task::Task;
-use crate::drives::Gate;
+use crate::drives::node::board::Board;
+use crate::drives::node::connect;
+use crate::drives::node::error::NodeError;
+use crate::drives::node::line::{Reply, Subject};
 use crate::drives::stepped::Lead;
-
-/// Longest time between two questions to the gate.
-const LOOK: Duration = Duration::from_millis(5);
 
 /// Time between two questions for the state of the axis.
 const STATUS: Duration = Duration::from_millis(20);
 
-/// Longest time for which a board is sought that has fallen silent in motion.
-const SEARCH_LIMIT: Duration = Duration::from_secs(3);
-
-/// Time between two questions to a silent board.
-const KNOCK: Duration = Duration::from_millis(200);
-
 /// Longest wait for the end of a stop.
 const STOP_LIMIT: Duration = Duration::from_secs(15);
 
-/// Most frames of segments under way.
+/// Most frames of segments of an axis under way.
 const MOST_FRAMES: usize = 4;
 
 /// Parts of a second that frames under way may take on the line: 1/40 s, half the time after which they are sent
@@ -40,14 +34,17 @@ const MOST_FRAMES: usize = 4;
 const UNDER_WAY: u32 = 40;
 
 /// Motion by the board.
-pub(super) struct Motion<'a> {
-    board: &'a mut Board,
+pub(in crate::drives::node) struct Motion<'a> {
+    pub(in crate::drives::node) board: &'a mut Board,
     plan: &'a Plan,
     task: Task,
+    free: &'a Lead,
+    pub(super) lead: &'a SentLead<'a>,
     /// Count of the board before the motion.
     start: i64,
     seeks: bool,
-    lead: SentLead,
+    /// Last step that may be sent now.
+    limit: u64,
     /// Steps made, as the board told last.
     made: u64,
     /// Step at which the index sensor became active.
@@ -56,41 +53,78 @@ pub(super) struct Motion<'a> {
     heard_at: u64,
     /// Time of the last question for the state.
     status_at: Duration,
+    /// Move under way. There is none while the motor rests for want of leave.
+    pub(super) feed: Option<MoveFeed<'a>>,
+    /// True while the first move begins only with those of other axes.
+    pub(super) waits_for_others: bool,
+    /// Search for a board that has fallen silent.
+    search: Option<Search>,
+    /// Error for which the move is stopped.
+    failed: Option<NodeError>,
 }
 
 impl<'a> Motion<'a> {
-    /// Makes a motion of an axis that stands at `start`. A motion that `seeks` ends at the index mark.
-    pub(super) fn new(board: &'a mut Board, plan: &'a Plan, task: Task, start: i64, seeks: bool) -> Self {
-        let lead = SentLead::new(plan.steps().unsigned_abs(), task.brake_steps);
-        let (heard_at, status_at) = (0, Duration::ZERO);
-        Self { board, plan, task, start, seeks, lead, made: 0, index_at: None, heard_at, status_at }
-    }
-
-    /// Makes the steps of the plan. Returns the number of steps made, with the step at which the index was found.
-    pub(super) fn make(&mut self, gate: &mut Gate<'_>) -> Result<(u64, Option<u64>), Fault> {
-        let all = self.plan.steps().unsigned_abs();
-        while self.made < all && !self.lead.stops {
-            self.lead.ask(self.plan, self.made, gate);
-            if self.lead.stops {
-                break;
-            }
-            if self.lead.reach() <= self.made {
-                self.board.link.pass(LOOK).map_err(|error| self.exactly(error))?;
-                continue;
-            }
-            match self.one_move(gate)? {
-                End::Complete => {}
-                End::Starved => self.confirm().map_err(|error| self.exactly(error))?,
-                End::Stopped if self.lead.stops => {}
-                end => return Err(self.exactly(self.error_of(end))),
-            }
+    /// Makes a motion of an axis that stands at `start`. A motion that `seeks` ends at the index mark. `free` has leave
+    /// for all steps.
+    pub(in crate::drives::node) fn new(
+        board: &'a mut Board,
+        plan: &'a Plan,
+        task: Task,
+        (lead, free): (&'a SentLead<'a>, &'a Lead),
+        start: i64,
+        seeks: bool,
+    ) -> Self {
+        Self {
+            board,
+            plan,
+            task,
+            free,
+            lead,
+            start,
+            seeks,
+            limit: 0,
+            made: 0,
+            index_at: None,
+            heard_at: 0,
+            status_at: Duration::ZERO,
+            feed: None,
+            waits_for_others: false,
+            search: None,
+            failed: None,
         }
-        Ok((self.made, self.index_at))
     }
 
-    /// Makes a move from rest, until the board stands. Returns how it ended.
-    fn one_move(&mut self, gate: &mut Gate<'_>) -> Result<End, Fault> {
-        let free = Lead::free();
+    /// Goes on for as long as `wait` at most. Returns the steps made once the motion has ended.
+    pub(in crate::drives::node) fn turn(&mut self, wait: Duration) -> Option<Result<Made, Fault>> {
+        let Some(mut feed) = self.feed.take().or_else(|| self.next_move()) else {
+            if self.made >= self.plan.steps().unsigned_abs() || self.lead.stops() {
+                return Some(Ok(Made { steps: self.made, index_at: self.index_at }));
+            }
+            return self.board.link.pass(wait).err().map(|error| Err(self.exactly(error)));
+        };
+        let turned = match &mut self.search {
+            Some(_) => self.seek_board(&mut feed, wait),
+            None => self.stream(&mut feed, wait),
+        };
+        let ended = match (turned, feed.state) {
+            (Err(error), _) => self.fail(error, &mut feed),
+            (Ok(()), Some(AxisState::Ended(end))) => return self.end_move(end),
+            (Ok(()), _) => None,
+        };
+        self.feed = Some(feed);
+        ended.map(Err)
+    }
+
+    /// Prepares the next move from rest, if there is leave for one.
+    fn next_move(&mut self) -> Option<MoveFeed<'a>> {
+        let all = self.plan.steps().unsigned_abs();
+        if self.made >= all || self.lead.stops() {
+            return None;
+        }
+        self.limit = self.lead.sendable(self.limit.max(self.made));
+        if self.limit <= self.made {
+            return None;
+        }
         let board = &mut *self.board;
         board.move_number += 1;
         let direction = i64::from(self.plan.direction().sign());
@@ -99,40 +133,40 @@ impl<'a> Motion<'a> {
             last: self.start + self.plan.steps(),
             shortest_interval: self.task.shortest_interval,
         };
-        let steps = Steps::new(self.plan, board.tick_rate, &free, self.made);
+        let steps = Steps::new(self.plan, board.tick_rate, self.free, self.made);
         let hz = board.tick_rate.hz();
-        let mut feed = MoveFeed::new(board.move_number, order, steps, self.made, self.task.brake_steps, hz);
-        loop {
-            let ended = match self.turn(&mut feed, gate) {
-                Err(NodeError::Quiet { .. }) => self.find_again(&mut feed),
-                turned => turned,
-            };
-            match (ended, feed.state) {
-                (Ok(()), Some(AxisState::Ended(end))) => return Ok(end),
-                (Ok(()), _) => {}
-                (Err(error), _) => return Err(self.recover(error, &mut feed)),
-            }
+        Some(MoveFeed::new(board.move_number, order, steps, self.made, self.task.brake_steps, hz))
+    }
+
+    /// Ends a move from rest to rest. Returns the end of the motion if it is one.
+    fn end_move(&mut self, end: End) -> Option<Result<Made, Fault>> {
+        if let Some(error) = self.failed.take() {
+            return Some(Err(self.exactly(error)));
+        }
+        match end {
+            End::Complete => None,
+            End::Starved => self.confirm().err().map(|error| Err(self.exactly(error))),
+            End::Stopped if self.lead.stops() => None,
+            end => Some(Err(self.exactly(self.error_of(end)))),
         }
     }
 
-    /// Asks the gate, sends what is due, and takes in answers.
-    fn turn(&mut self, feed: &mut MoveFeed<'_>, gate: &mut Gate<'_>) -> Result<(), NodeError> {
-        if !self.lead.stops {
-            self.lead.ask(self.plan, self.made, gate);
+    /// Sends what is due, and takes in answers.
+    fn stream(&mut self, feed: &mut MoveFeed<'a>, wait: Duration) -> Result<(), NodeError> {
+        if self.seeks && self.index_at.is_some() {
+            self.lead.stop();
         }
-        self.lead.stops |= self.seeks && self.index_at.is_some();
-        if self.lead.stops {
+        if self.failed.is_some() || self.lead.stops() {
             self.stop(feed)?;
         } else {
             self.send(feed)?;
         }
-        self.exchange(feed)
+        self.exchange(feed, wait)
     }
 
     /// Sends what the move needs next.
-    fn send(&mut self, feed: &mut MoveFeed<'_>) -> Result<(), NodeError> {
-        let (axis, reach) = (self.board.axis, self.lead.reach());
-        let (queue, moves) = (self.board.identity.queue, self.board.moves());
+    fn send(&mut self, feed: &mut MoveFeed<'a>) -> Result<(), NodeError> {
+        let axis = self.board.axis;
         let link = &mut self.board.link;
         if !feed.is_prepared {
             if link.under_way(Subject::Single) == 0 {
@@ -142,9 +176,10 @@ impl<'a> Motion<'a> {
             return Ok(());
         }
         if feed.takes() {
-            feed.push(reach)?;
+            self.limit = self.lead.sendable(self.limit);
+            feed.push(self.limit)?;
             let bytes_s = self.board.baud / 10;
-            let most = (bytes_s / UNDER_WAY) as usize;
+            let most = (bytes_s / UNDER_WAY / self.task.sharers) as usize;
             let frames = (most / MAX_PACKED).clamp(1, MOST_FRAMES);
             let mut packed = [0; MAX_PACKED];
             while link.under_way(Subject::Segments) < frames {
@@ -156,10 +191,24 @@ impl<'a> Motion<'a> {
                 link.request(&Request::Segments { axis, move_number, first, packed }, Subject::Segments)?;
             }
         }
-        if !feed.is_begun && link.under_way(Subject::Begin) == 0 && feed.is_loaded(reach, queue) {
-            link.request(&Request::Begin { at: feed.begin_at(self.heard_at), moves }, Subject::Begin)?;
+        if !self.waits_for_others && !feed.is_begun && self.is_loaded(feed) {
+            let (at, moves) = (feed.begin_at(self.heard_at), self.board.moves());
+            let link = &mut self.board.link;
+            if link.under_way(Subject::Begin) == 0 {
+                link.request(&Request::Begin { at, moves }, Subject::Begin)?;
+            }
         }
         Ok(())
+    }
+
+    fn is_loaded(&self, feed: &MoveFeed<'_>) -> bool {
+        feed.is_loaded(self.limit, self.board.identity.queue)
+    }
+
+    /// Returns the first tick at which the move can begin, if the board holds enough of it.
+    pub(in crate::drives::node) fn ready_at(&self) -> Option<u64> {
+        let feed = self.feed.as_ref().filter(|feed| self.search.is_none() && self.is_loaded(feed))?;
+        Some(feed.begin_at(self.heard_at))
     }
 
     /// Tells the board to stop, once.
@@ -179,7 +228,7 @@ impl<'a> Motion<'a> {
     }
 
     /// Asks for the state of the axis when it is time, and takes in answers.
-    fn exchange(&mut self, feed: &mut MoveFeed<'_>) -> Result<(), NodeError> {
+    fn exchange(&mut self, feed: &mut MoveFeed<'_>, wait: Duration) -> Result<(), NodeError> {
         let link = &mut self.board.link;
         let now = link.now();
         if now.saturating_sub(self.status_at) >= STATUS && link.under_way(Subject::Status) == 0 {
@@ -187,7 +236,7 @@ impl<'a> Motion<'a> {
             link.request(&Request::Status { axis: self.board.axis }, Subject::Status)?;
         }
         let mut replies = Vec::new();
-        let turned = link.turn(LOOK, &mut replies);
+        let turned = link.turn(wait, &mut replies);
         replies.iter().try_for_each(|reply| self.hear(feed, reply))?;
         turned
     }
@@ -224,6 +273,7 @@ impl<'a> Motion<'a> {
         let way = |position: i64| u64::try_from((position - self.start) * direction).unwrap_or(0);
         feed.bracket.reported(status.position);
         self.made = self.made.max(way(status.position));
+        self.lead.note_made(self.made);
         if status.move_number > feed.number {
             return Err(NodeError::StoppedElsewhere);
         }
@@ -239,21 +289,31 @@ impl<'a> Motion<'a> {
     }
 
     /// Seeks a board that has fallen silent. All that is under way is asked again, in the same session.
-    fn find_again(&mut self, feed: &mut MoveFeed<'_>) -> Result<(), NodeError> {
-        let began = self.board.link.now();
-        let mut replies = Vec::new();
-        while replies.is_empty() {
-            let link = &mut self.board.link;
+    fn seek_board(&mut self, feed: &mut MoveFeed<'a>, wait: Duration) -> Result<(), NodeError> {
+        let Some(search) = &mut self.search else { return Ok(()) };
+        let link = &mut self.board.link;
+        let now = link.now();
+        let stops = self.lead.stops();
+        if search.is_over(now, stops) {
+            return Err(link.quiet());
+        }
+        if search.knocks(now, stops) {
             link.clear();
-            if link.now().saturating_sub(began) > SEARCH_LIMIT {
-                return Err(link.quiet());
-            }
             link.request(&Request::Status { axis: self.board.axis }, Subject::Status)?;
-            match link.turn(KNOCK, &mut replies) {
-                Ok(()) | Err(NodeError::Quiet { .. }) => {}
-                Err(error) => return Err(error),
+            if stops {
+                let moves = self.board.moves();
+                self.board.link.request(&Request::Stop { moves }, Subject::Stop)?;
             }
         }
+        let mut replies = Vec::new();
+        match self.board.link.turn(wait, &mut replies) {
+            Ok(()) | Err(NodeError::Quiet { .. }) => {}
+            Err(error) => return Err(error),
+        }
+        if replies.is_empty() {
+            return Ok(());
+        }
+        self.search = None;
         (feed.is_begun, feed.is_stopped) = (false, false);
         for reply in &replies {
             self.hear(feed, reply)?;
@@ -267,24 +327,28 @@ impl<'a> Motion<'a> {
         Ok(())
     }
 
-    /// Stops a board that can still be heard. Returns the fault, with the steps made.
-    fn recover(&mut self, error: NodeError, feed: &mut MoveFeed<'_>) -> Fault {
-        if !error.ends_link() {
-            self.board.link.clear();
-            feed.is_stopped = false;
-            loop {
-                let turned = self.stop(feed).and_then(|()| self.exchange(feed));
-                match (turned, feed.state) {
-                    (Ok(()), Some(AxisState::Ended(_))) => return self.exactly(error),
-                    (Ok(()), _) => {}
-                    (Err(_), _) => break,
-                }
-            }
+    /// Treats an error. Returns the fault if the motion ends with it. Otherwise a board that can still be heard is
+    /// sought or stopped first.
+    fn fail(&mut self, error: NodeError, feed: &mut MoveFeed<'a>) -> Option<Fault> {
+        let now = self.board.link.now();
+        if matches!(error, NodeError::Quiet { .. }) && self.search.is_none() && self.failed.is_none() {
+            self.search = Some(Search::new(now));
+            return None;
         }
+        let error = match self.failed.take() {
+            Some(first) => first,
+            None if error.ends_link() => error,
+            None => {
+                self.board.link.clear();
+                feed.is_stopped = false;
+                self.failed = Some(error);
+                return None;
+            }
+        };
         let direction = i64::from(self.plan.direction().sign());
         let (one, other) = feed.bracket.range();
         let [one, other] = [one, other].map(|position| (position - self.start) * direction);
-        Fault { error, least: one.min(other), most: one.max(other) }
+        Some(Fault { error, least: one.min(other), most: one.max(other) })
     }
 
     /// Returns the fault of a motor that stands, with the steps that the board counts.

@@ -1,0 +1,102 @@
+//! Boards that are found by asking the ports: grbl boards and nodes.
+
+use std::fmt::{self, Display, Formatter};
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use super::drive::DriveError;
+use super::stop_request::StopRequest;
+use super::{NodeError, ask_ports, node};
+use crate::pump_file::{Axis, DriveTable, DriverName};
+
+/// Board that was found at a port.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FoundBoard {
+    /// Board that speaks grbl's protocol.
+    Grbl {
+        /// State of the board, as `Idle`.
+        state: String,
+    },
+    /// Board with this project's own firmware.
+    Node {
+        /// Number of the board. It is 0 if the firmware knows none.
+        board: u64,
+        /// Version of the firmware: major, minor, patch.
+        firmware: [u16; 3],
+        /// Number of axes.
+        axes: u8,
+    },
+}
+
+impl FoundBoard {
+    /// Returns the name of the board's driver.
+    pub fn driver(&self) -> DriverName {
+        match self {
+            Self::Grbl { .. } => DriverName::Grbl,
+            Self::Node { .. } => DriverName::Node,
+        }
+    }
+}
+
+impl Display for FoundBoard {
+    fn fmt(&self, to: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Grbl { state } => write!(to, "a grbl board, {state}"),
+            Self::Node { board, firmware: [major, minor, patch], axes } => {
+                let axes: Vec<_> = Axis::ALL.iter().take((*axes).into()).map(|axis| axis.as_str()).collect();
+                let number = if *board == 0 { String::new() } else { format!(" {board:016x}") };
+                write!(to, "a node{number}, firmware {major}.{minor}.{patch}, axes {}", axes.join(", "))
+            }
+        }
+    }
+}
+
+/// Asks every port for a grbl board, and for a node where there is none, all ports at once and for some seconds at
+/// most. Nothing moves, and no board is taken. Returns each port with its board, or the reason why there is none.
+///
+/// The first open of a port since the computer started may reset its board, as an Arduino's.
+///
+/// # Errors
+/// Each port has an error of its own: [`DriveError::Busy`] where another process holds it.
+pub fn find_boards(ports: &[PathBuf], stop: &StopRequest) -> Vec<(PathBuf, Result<FoundBoard, DriveError>)> {
+    let asked = ask_ports(ports, stop);
+    thread::scope(|scope| {
+        let asked = asked.into_iter().map(|(port, answer)| {
+            let asks_node = matches!(answer, Err(DriveError::Device(_)));
+            let at = port.clone();
+            (port, answer, asks_node.then(|| scope.spawn(move || ask_node(&at, stop))))
+        });
+        let asked: Vec<_> = asked.collect();
+        let answers = asked.into_iter().map(|(port, answer, node)| {
+            let node =
+                node.map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+            let found = match (answer, node) {
+                (Ok(state), _) => Ok(FoundBoard::Grbl { state }),
+                (Err(_), Some(Ok(found))) => Ok(found),
+                // A node that cannot be used is said, and anything else is no node.
+                (Err(_), Some(Err(error))) if is_of_node(&error) => Err(error),
+                (Err(error), _) => Err(error),
+            };
+            (port, found)
+        });
+        answers.collect()
+    })
+}
+
+fn ask_node(port: &Path, stop: &StopRequest) -> Result<FoundBoard, DriveError> {
+    let identity = node::ask(port, DriveTable::of(DriverName::Node).rate_baud(), stop)?;
+    let (board, firmware, axes) = (identity.board, identity.firmware, identity.axes);
+    Ok(FoundBoard::Node { board, firmware, axes })
+}
+
+/// Returns true for an error that only a node gives, or that ends the search.
+fn is_of_node(error: &DriveError) -> bool {
+    match error {
+        DriveError::Interrupted => true,
+        DriveError::Device(error) => {
+            matches!(error.downcast_ref::<NodeError>(), Some(NodeError::Version { .. }))
+        }
+        _ => false,
+    }
+}

@@ -1,0 +1,113 @@
+//! Motions of one board in one thread, while another thread asks their gates.
+
+use std::panic::resume_unwind;
+use std::thread;
+use std::time::Duration;
+
+use pump_link::message::{AXES, Request};
+
+use super::lead::{Ends, SentLead};
+use super::motion::Motion;
+use super::outcome::{Fault, Made};
+use crate::drives::Gate;
+use crate::drives::node::error::NodeError;
+use crate::drives::node::line::Subject;
+use crate::drives::wire::AskClock;
+
+/// Longest time between two questions to the gates, and longest wait for an answer.
+const LOOK: Duration = Duration::from_millis(5);
+
+/// Outcome of each motion.
+type Outcomes = Vec<Result<Made, Fault>>;
+
+/// Makes the motions of one board, each with its lead and its gate, in a thread of its own. This thread asks the gates
+/// for leave meanwhile, and may be held up. Two motions or more begin at one tick, or none of them begins.
+pub(in crate::drives::node) fn run(
+    motions: Vec<Motion<'_>>,
+    leads: &[SentLead<'_>],
+    gates: &mut [&mut Gate<'_>],
+) -> Outcomes {
+    let mut motions = motions;
+    let Some(first) = motions.first_mut() else { return Vec::new() };
+    let clock = first.board.link.ask_clock();
+    let clock = clock.as_ref();
+    thread::scope(|scope| {
+        let _ends = Ends(leads, clock);
+        let mut ask = || leads.iter().zip(gates.iter_mut()).for_each(|(lead, gate)| lead.ask(gate));
+        // The thread begins with the leave that there is.
+        ask();
+        let streams = scope.spawn(move || {
+            let _told = Told(clock);
+            stream(motions)
+        });
+        while clock.wait(LOOK) {
+            ask();
+        }
+        streams.join().unwrap_or_else(|panic| resume_unwind(panic))
+    })
+}
+
+/// Guard of the thread that streams: however it ends, the other thread hears of it.
+struct Told<'a>(&'a dyn AskClock);
+
+impl Drop for Told<'_> {
+    fn drop(&mut self) {
+        self.0.end();
+    }
+}
+
+/// Gives the motions their turns until all have ended.
+fn stream(mut motions: Vec<Motion<'_>>) -> Outcomes {
+    let mut outcomes: Vec<Option<Result<Made, Fault>>> = motions.iter().map(|_| None).collect();
+    let mut is_together = motions.len() > 1;
+    motions.iter_mut().for_each(|motion| motion.waits_for_others = is_together);
+    while outcomes.iter().any(Option::is_none) {
+        if is_together {
+            is_together = !begin(&mut motions, outcomes.iter().any(Option::is_some));
+        }
+        let going = outcomes.iter().filter(|outcome| outcome.is_none()).count().max(1) as u32;
+        for (motion, outcome) in motions.iter_mut().zip(&mut outcomes) {
+            if outcome.is_none() {
+                *outcome = motion.turn(LOOK / going);
+                if outcome.is_some() {
+                    motion.lead.end();
+                }
+            }
+        }
+    }
+    outcomes.into_iter().flatten().collect()
+}
+
+/// Begins the first moves of all motions at one tick, once the board holds enough of each. If one motion ends before,
+/// the others end too. Returns true once there is nothing more to be done.
+fn begin(motions: &mut [Motion<'_>], one_has_ended: bool) -> bool {
+    let has_begun = motions.iter().any(|motion| motion.feed.as_ref().is_some_and(|feed| feed.is_begun));
+    if has_begun {
+        for motion in motions {
+            motion.waits_for_others = false;
+            if let Some(feed) = &mut motion.feed {
+                feed.is_begun = true;
+            }
+        }
+        return true;
+    }
+    if one_has_ended || motions.iter().any(|motion| motion.lead.stops()) {
+        motions.iter().for_each(|motion| motion.lead.stop());
+        return true;
+    }
+    let ready: Option<Vec<u64>> = motions.iter().map(Motion::ready_at).collect();
+    let (Some(ready), Some((first, others))) = (ready, motions.split_first_mut()) else { return false };
+    if first.board.link.under_way(Subject::Begin) > 0 {
+        return false;
+    }
+    let at = ready.into_iter().max().unwrap_or(0);
+    let mut moves: [u32; AXES] = first.board.moves();
+    for other in others.iter() {
+        moves.iter_mut().zip(other.board.moves()).for_each(|(all, own)| *all = (*all).max(own));
+    }
+    let asked: Result<(), NodeError> =
+        first.board.link.request(&Request::Begin { at, moves }, Subject::Begin);
+    // A full window has room in the next turn.
+    drop(asked);
+    false
+}

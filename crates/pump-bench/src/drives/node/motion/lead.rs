@@ -1,0 +1,153 @@
+//! The leave for the steps that are sent to the board, as the thread that asks the gate hands it to the thread that
+//! streams.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use pump_ctl::plan::Plan;
+
+use crate::drives::wire::AskClock;
+use crate::drives::{Gate, Leave};
+
+/// Time of the motion for which there is leave ahead of the motor, besides the way in which it stops, in s. The
+/// thread that asks for leave may be held up for 1 s, and the board's queue still holds 200 ms.
+const LEAVE_AHEAD_S: f64 = 1.6;
+
+/// Time of the motion that is sent ahead of the motor, in s. The board's queue then holds 200 ms at least while
+/// answers are under way.
+const SENT_AHEAD_S: f64 = 0.6;
+
+/// Number of parts in which leave is asked for, and in which steps are sent.
+const PARTS: u64 = 8;
+
+/// Leave for the steps of a motion.
+#[derive(Debug)]
+pub(in crate::drives::node) struct SentLead<'p> {
+    plan: &'p Plan,
+    /// Last step that has leave. It never falls.
+    left: AtomicU64,
+    /// Steps made, as the board told last.
+    made: AtomicU64,
+    /// Steps in which the motor stops by itself from its fastest speed.
+    brake_steps: u64,
+    /// True once the motion is to end before its plan.
+    stops: AtomicBool,
+    /// True once the motion has ended.
+    has_ended: AtomicBool,
+}
+
+impl<'p> SentLead<'p> {
+    /// Begins with no step that has leave.
+    pub(in crate::drives::node) fn new(plan: &'p Plan, brake_steps: u64) -> Self {
+        Self {
+            plan,
+            left: AtomicU64::new(0),
+            made: AtomicU64::new(0),
+            brake_steps,
+            stops: AtomicBool::new(false),
+            has_ended: AtomicBool::new(false),
+        }
+    }
+
+    fn all(&self) -> u64 {
+        self.plan.steps().unsigned_abs()
+    }
+
+    fn left(&self) -> u64 {
+        self.left.load(Ordering::Acquire)
+    }
+
+    /// Returns the last step that has leave to be sent. A motor that runs out of segments there stops within the
+    /// leave.
+    fn reach(&self) -> u64 {
+        let left = self.left();
+        if left >= self.all() { left } else { left.saturating_sub(self.brake_steps) }
+    }
+
+    /// Returns the last step that may be sent now, if those up to `sent` are: within the leave, and not too far ahead
+    /// of the motor. Some steps are sent at a time.
+    pub(in crate::drives::node) fn sendable(&self, sent: u64) -> u64 {
+        let made = self.made.load(Ordering::Acquire);
+        let goal = self.within(made, SENT_AHEAD_S).max(made + 1).min(self.all());
+        let part = (goal.saturating_sub(made) / PARTS).max(1);
+        let is_worth = goal == self.all() || goal >= sent.max(made) + part;
+        if is_worth { goal.min(self.reach()).max(sent) } else { sent }
+    }
+
+    /// Notes the number of steps made.
+    pub(in crate::drives::node) fn note_made(&self, made: u64) {
+        self.made.store(made, Ordering::Release);
+    }
+
+    /// Has the motion end.
+    pub(in crate::drives::node) fn stop(&self) {
+        self.stops.store(true, Ordering::Release);
+    }
+
+    /// Returns true once the motion is to end before its plan.
+    pub(in crate::drives::node) fn stops(&self) -> bool {
+        self.stops.load(Ordering::Acquire)
+    }
+
+    /// Notes that the motion has ended.
+    pub(in crate::drives::node) fn end(&self) {
+        self.has_ended.store(true, Ordering::Release);
+    }
+
+    /// Asks `gate` for leave ahead of the motor, some steps at a time. If nothing is to be asked for, the gate may
+    /// still say stop.
+    pub(in crate::drives::node) fn ask(&self, gate: &mut Gate<'_>) {
+        loop {
+            if self.stops() || self.has_ended.load(Ordering::Acquire) {
+                return;
+            }
+            let (made, left) = (self.made.load(Ordering::Acquire), self.left());
+            let goal = self.goal(made);
+            let part = (goal.saturating_sub(made) / PARTS).max(1);
+            let wants = left < goal && (goal == self.all() || goal - left >= part || self.reach() <= made);
+            let about_to = if wants { (left.max(made) + part).min(goal) } else { left };
+            match gate(made, about_to) {
+                Leave::Go => {
+                    self.left.fetch_max(about_to, Ordering::AcqRel);
+                }
+                Leave::Wait => return,
+                Leave::Stop => return self.stop(),
+            }
+            if !wants {
+                return;
+            }
+        }
+    }
+
+    /// Returns the last step to have leave for once `made` are made.
+    fn goal(&self, made: u64) -> u64 {
+        // A slow motor is asked for one step beyond, at least.
+        let ahead = self.within(made, LEAVE_AHEAD_S).max(made + 1);
+        ahead.saturating_add(self.brake_steps).min(self.all())
+    }
+
+    /// Returns the last step that the plan makes within `time_s` after the first `made`.
+    fn within(&self, made: u64, time_s: f64) -> u64 {
+        let time_of = |step: u64| self.plan.profile().time_of(step as f64 * self.plan.step_rad());
+        let latest_s = time_of(made) + time_s;
+        let (mut within, mut beyond) = (made, self.all() + 1);
+        while beyond - within > 1 {
+            let middle = within + (beyond - within) / 2;
+            if time_of(middle) <= latest_s {
+                within = middle;
+            } else {
+                beyond = middle;
+            }
+        }
+        within
+    }
+}
+
+/// Guard of motions: however the thread that asks their gates ends, their motors stop.
+pub(super) struct Ends<'a, 'p>(pub(super) &'a [SentLead<'p>], pub(super) &'a dyn AskClock);
+
+impl Drop for Ends<'_, '_> {
+    fn drop(&mut self) {
+        self.0.iter().for_each(SentLead::stop);
+        self.1.end();
+    }
+}

@@ -1,0 +1,16 @@
+//! Motions by the board: leave and segments out, steps made in.
+
+mod convoy;
+mod lead;
+mod motion;
+mod move_feed;
+mod outcome;
+mod search;
+mod steps;
+mod task;
+
+pub(super) use convoy::run;
+pub(super) use lead::SentLead;
+pub(super) use motion::Motion;
+pub(super) use outcome::{Fault, Made};
+pub(super) use task::Task;

@@ -1,0 +1,48 @@
+//! The search for a board that has fallen silent in motion.
+
+use std::time::Duration;
+
+/// Longest time for which a board is sought.
+const LIMIT: Duration = Duration::from_secs(3);
+
+/// Longest time for which a board is sought after the user asked to stop. It is enough for a last word to the board.
+const STOP_LIMIT: Duration = Duration::from_millis(100);
+
+/// Time between two questions to a silent board.
+const KNOCK: Duration = Duration::from_millis(200);
+
+/// Search for a board that has fallen silent.
+#[derive(Debug)]
+pub(super) struct Search {
+    began: Duration,
+    /// Time of the last question.
+    knocked_at: Option<Duration>,
+    /// Time at which the user had asked to stop.
+    stopped_at: Option<Duration>,
+}
+
+impl Search {
+    /// Begins a search at a time of the wire.
+    pub(super) fn new(now: Duration) -> Self {
+        Self { began: now, knocked_at: None, stopped_at: None }
+    }
+
+    /// Returns true if the search is given up at `now`. `stops` tells that the motion is to end.
+    pub(super) fn is_over(&self, now: Duration, stops: bool) -> bool {
+        let stopped = self.stopped_at.is_some_and(|at| stops && now.saturating_sub(at) > STOP_LIMIT);
+        stopped || now.saturating_sub(self.began) > LIMIT
+    }
+
+    /// Returns true if the board is to be asked now. A wish to stop is told to it at once.
+    pub(super) fn knocks(&mut self, now: Duration, stops: bool) -> bool {
+        let is_new = stops && self.stopped_at.is_none();
+        if is_new {
+            self.stopped_at = Some(now);
+        }
+        let is_due = self.knocked_at.is_none_or(|at| now.saturating_sub(at) >= KNOCK);
+        if is_new || is_due {
+            self.knocked_at = Some(now);
+        }
+        is_new || is_due
+    }
+}

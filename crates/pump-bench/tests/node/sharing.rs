@@ -1,0 +1,85 @@
+//! Pumps that share a board, one after the other.
+
+use std::path::{Path, PathBuf};
+
+use pump_bench::built_in;
+use pump_bench::drives::{Disturbance, Drive, DriveError, Node, Opening};
+use pump_bench::pump_file::{Axis, DriveTable};
+
+use crate::rig::{Rig, dose, run};
+use crate::world::{Event, SharedWorld};
+
+/// Folder of all records, and the opening of a pump in it.
+fn opening(state: &Path, pump: &str) -> Opening {
+    let folder = state.join(pump).join("node");
+    std::fs::create_dir_all(&folder).unwrap();
+    Opening {
+        settings_record: Some(folder.join("board-settings.json")),
+        boards: Some(state.join("node.boards")),
+        ..Opening::default()
+    }
+}
+
+fn open(world: &SharedWorld, table: &DriveTable, opening: &Opening) -> Result<Node, DriveError> {
+    Node::over(Box::new(world.clone()), table, &built_in("three-roller").unwrap().motor, opening)
+}
+
+#[test]
+fn two_pumps_of_one_board_keep_each_others_state() {
+    // A board that knows its number, and one that is known by its port.
+    for number in [0xb0a2d, 0] {
+        let (world, state) = (SharedWorld::of_board(number), tempfile::tempdir().unwrap());
+        let (acid, base) = (opening(state.path(), "acid"), opening(state.path(), "base"));
+        let (x, y) = (Rig::table(), Rig::table().with_axis(Axis::Y));
+        let (some, more) = (dose(1.0, 4.0, true), dose(-0.5, 1.0, false));
+        for (table, opening) in [(&x, &acid), (&y, &base)] {
+            let mut drive = open(&world, table, opening).unwrap();
+            assert_eq!(drive.disturbed(), Some(Disturbance::Reset), "its axis was never configured");
+        }
+        let mut counts = [0, 0];
+        for _ in 0..3 {
+            for (n, (table, opening, plan)) in
+                [(&x, &acid, &some), (&y, &base, &more)].into_iter().enumerate()
+            {
+                let mut drive = open(&world, table, opening).unwrap();
+                assert_eq!((drive.disturbed(), drive.count()), (None, Some(counts[n])), "{number}");
+                run(&mut drive, plan);
+                counts[n] += plan.steps();
+            }
+        }
+        assert_eq!(world.hardware(|hardware| [0, 1].map(|axis| hardware.motors[axis].count)), counts);
+        // A reset is seen by both.
+        world.plan(0, Event::Reset);
+        world.pass(10);
+        for (table, opening) in [(&x, &acid), (&y, &base)] {
+            let mut drive = open(&world, table, opening).unwrap();
+            assert_eq!((drive.disturbed(), drive.count()), (Some(Disturbance::Reset), Some(0)));
+        }
+    }
+}
+
+#[test]
+fn a_board_that_another_program_has_through_another_port_is_refused_with_one_message() {
+    let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+    let (acid, base) = (opening(state.path(), "acid"), opening(state.path(), "base"));
+    let holding = open(&world, &Rig::table(), &acid).unwrap();
+    let other = Rig::table().with_axis(Axis::Y).with_port("/dev/ttyUSB9");
+    let refused = open(&world, &other, &base).unwrap_err();
+    let holder = format!("process {}", std::process::id());
+    let device = PathBuf::from("board 00000000000b0a2d at /dev/ttyUSB9");
+    assert!(
+        matches!(&refused, DriveError::Busy { device: at, holder: by } if *at == device && *by == holder),
+        "{refused:?}"
+    );
+    drop(holding);
+    drop(open(&world, &other, &base).unwrap());
+}
+
+#[test]
+fn a_pump_whose_record_is_from_before_boards_had_one_keeps_its_session() {
+    let (world, state) = (SharedWorld::new(), tempfile::tempdir().unwrap());
+    let acid = opening(state.path(), "acid");
+    let before = Opening { boards: None, ..acid.clone() };
+    drop(open(&world, &Rig::table(), &before).unwrap());
+    assert_eq!(open(&world, &Rig::table(), &acid).unwrap().disturbed(), None);
+}

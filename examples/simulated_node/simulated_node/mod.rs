@@ -1,0 +1,162 @@
+//! A simulated node at the end of a pseudo-terminal: the board's own logic (`pump-node`), with pins and motors in
+//! software.
+
+mod hardware;
+mod line;
+
+use std::collections::VecDeque;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::{JoinHandle, sleep};
+use std::time::{Duration, Instant};
+
+use hardware::{Hardware, SimulatedPins, TICK_HZ};
+use line::Line;
+use pump_node::{Axes, Node, identity};
+
+/// Time between two looks at the line.
+const LOOK: Duration = Duration::from_millis(1);
+
+/// Longest time, us, for which the board goes on without a byte of its host while a motor turns. A slow computer is
+/// then no lost link. The board's time stands until the host is heard.
+const PATIENCE_US: u64 = 150_000;
+
+/// Rate of the line, bytes a second, as at 460,800 baud.
+const BYTES_S: u64 = 46_080;
+
+/// Truth about a board, whatever the board says.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Truth {
+    /// Steps that each motor has made, those in reverse taken off.
+    pub(crate) steps: [i64; 4],
+    /// True if a motor turns.
+    pub(crate) moving: bool,
+    /// Rises of the step pins while their motors had no current.
+    pub(crate) stray: u32,
+    /// True ends the simulation.
+    pub(crate) over: bool,
+}
+
+/// Simulated node that runs in a thread of its own until it is dropped.
+#[derive(Debug)]
+pub(crate) struct SimulatedNode {
+    path: PathBuf,
+    truth: Arc<Mutex<Truth>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl SimulatedNode {
+    /// Switches a board of this number on.
+    pub(crate) fn start(number: u64) -> io::Result<Self> {
+        let truth = Arc::new(Mutex::new(Truth::default()));
+        let (line, path) = Line::new()?;
+        let shared = Arc::clone(&truth);
+        let thread = std::thread::spawn(move || Simulation::new(number, line).run(&shared));
+        Ok(Self { path, truth, thread: Some(thread) })
+    }
+
+    /// Returns the device that the board is connected to.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns the truth about the board now.
+    pub(crate) fn truth(&self) -> Truth {
+        lock(&self.truth).clone()
+    }
+}
+
+impl Drop for SimulatedNode {
+    fn drop(&mut self) {
+        lock(&self.truth).over = true;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+fn lock(truth: &Mutex<Truth>) -> MutexGuard<'_, Truth> {
+    truth.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Board, its line, and its clock.
+struct Simulation {
+    hardware: Hardware,
+    node: Node,
+    axes: Axes<SimulatedPins, Hardware, 256, 4>,
+    line: Line,
+    now_us: u64,
+    /// Time of the board at which its host was heard last.
+    heard_us: u64,
+    next_poll_us: u64,
+    /// Answers on their way, each with the time at which it is through.
+    answers: VecDeque<(u64, Vec<u8>)>,
+}
+
+impl Simulation {
+    fn new(number: u64, line: Line) -> Self {
+        let hardware = Hardware::default();
+        let pins = [0, 1, 2, 3].map(|axis| SimulatedPins::new(&hardware, axis));
+        let axes = Axes::new(pins, hardware.clone(), TICK_HZ);
+        let node = Node::new(identity::<256, 4>(number, [0, 1, 0], TICK_HZ));
+        let answers = VecDeque::new();
+        Self { hardware, node, axes, line, now_us: 0, heard_us: 0, next_poll_us: 0, answers }
+    }
+
+    fn run(&mut self, truth: &Mutex<Truth>) {
+        let mut before = Instant::now();
+        loop {
+            sleep(LOOK);
+            let now = Instant::now();
+            let passed_us = (now - before).as_micros() as u64;
+            before = now;
+            self.hear();
+            let mut until_us = self.now_us + passed_us;
+            if self.axes.is_moving() {
+                until_us = until_us.min(self.heard_us + PATIENCE_US).max(self.now_us);
+            }
+            self.go_on(until_us);
+            while self.answers.front().is_some_and(|(at, _)| *at <= self.now_us)
+                && let Some((_, answer)) = self.answers.pop_front()
+            {
+                self.line.write(&answer);
+            }
+            let mut truth = lock(truth);
+            (truth.steps, truth.stray) = self.hardware.counts();
+            truth.moving = self.axes.is_moving();
+            if truth.over {
+                return;
+            }
+        }
+    }
+
+    /// Takes in what the host has said.
+    fn hear(&mut self) {
+        for byte in self.line.read() {
+            self.heard_us = self.now_us;
+            if let Some(answer) = self.node.on_byte(byte, self.now_us, &mut self.axes) {
+                let bytes = answer.bytes().to_vec();
+                let through_us = self.now_us + bytes.len() as u64 * 1_000_000 / BYTES_S;
+                self.answers.push_back((through_us, bytes));
+            }
+        }
+    }
+
+    /// Goes on from event to event.
+    fn go_on(&mut self, until_us: u64) {
+        while self.now_us < until_us {
+            let alarm_us = self.axes.next_alarm().unwrap_or(u64::MAX);
+            self.now_us = self.now_us.max(alarm_us.min(self.next_poll_us).min(until_us));
+            self.hardware.set_now(self.now_us);
+            if alarm_us <= self.now_us {
+                let _ = self.axes.on_timer();
+                self.now_us = self.now_us.max(self.hardware.now());
+            }
+            if self.now_us >= self.next_poll_us {
+                self.next_poll_us = self.now_us + 1000;
+                self.node.poll(self.now_us, &mut self.axes);
+            }
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! The pins of a step driver at a node, as a pump file gives them.
+
+use std::fs;
+
+use crate::user::User;
+
+/// Writes a pump file with these lines after `[drive]`. Returns what `dose pumps check` says.
+fn check(user: &User, drive: &str) -> (i32, String) {
+    let shown = user.types(&["pumps", "show", "three-roller"]).out;
+    fs::write(user.path("own.toml"), format!("{shown}\n[drive]\n{drive}")).unwrap();
+    let answer = user.types(&["pumps", "check", "own.toml"]);
+    (answer.code, answer.out + &answer.err)
+}
+
+const NODE: &str = "driver = \"node\"\nport = \"/dev/ttyUSB0\"\n";
+
+#[test]
+fn the_pins_are_those_of_a_drv8825_unless_the_file_gives_others() {
+    let user = User::new();
+    // Texas Instruments, SLVSA73F, section 6.6: 1.9 us high and low, 650 ns set-up and hold, 1.7 ms to wake.
+    let (code, said) = check(&user, NODE);
+    assert_eq!(code, 0, "{said}");
+    let usual = "step high for 1.9 us, then 1.9 us off; direction 0.65 us before and 0.65 us after a step; enable low, \
+                 1.7 ms before a step; index high; driver's fault not connected; dead-man 500 ms";
+    assert!(said.contains(usual), "{said}");
+    let assumed = said.lines().find(|line| line.trim_start().starts_with("assumed")).unwrap();
+    assert!(assumed.contains("step pulse, step pause") && assumed.contains("dead-man time"), "{assumed}");
+
+    let pins = "dead_man_ms = 300\n[drive.pins]\nstep_pulse_us = 0.2\nenable_active_low = false\ndriver_fault = true\n";
+    let (code, said) = check(&user, &format!("{NODE}{pins}"));
+    assert_eq!(code, 0, "{said}");
+    for text in ["step high for 0.2 us", "enable high", "driver's fault low in a fault", "dead-man 300 ms"] {
+        assert!(said.contains(text), "{text}: {said}");
+    }
+    let given = said.lines().find(|line| line.trim_start().starts_with("given")).unwrap();
+    for value in ["step pulse", "enable level", "driver's fault", "dead-man time"] {
+        assert!(given.contains(value), "{value}: {given}");
+    }
+}
+
+#[test]
+fn a_value_of_the_pins_out_of_range_is_one_message() {
+    let user = User::new();
+    for (drive, said) in [
+        (
+            format!("{NODE}[drive.pins]\nstep_pulse_us = 200.0\n"),
+            "[drive.pins] step_pulse_us is 200; allowed: 0.1 to 100",
+        ),
+        (
+            format!("{NODE}[drive.pins]\nstep_pause_us = 0.0\n"),
+            "[drive.pins] step_pause_us is 0; allowed: 0.1 to 100",
+        ),
+        (
+            format!("{NODE}[drive.pins]\nenable_setup_ms = -1.0\n"),
+            "[drive.pins] enable_setup_ms is -1; allowed: 0 to 1000",
+        ),
+        (format!("{NODE}dead_man_ms = 50\n"), "[drive] dead_man_ms is 50; allowed: 100 to 10000"),
+        (format!("{NODE}[drive.pins]\nstep_us = 1.0\n"), "step_us"),
+        (
+            "driver = \"sim\"\n[drive.pins]\nstep_pulse_us = 2.0\n".to_owned(),
+            "[drive.pins] is given; allowed: beside driver = \"node\"",
+        ),
+    ] {
+        let (code, answer) = check(&user, &drive);
+        assert!(code == 2 && answer.contains(said), "{said}: {answer}");
+    }
+}

@@ -1,0 +1,124 @@
+//! The course on a node: from nothing to a dose that is calibrated, in real time.
+
+use std::process::Stdio;
+use std::time::Duration;
+
+use crate::course::{doses_within_its_interval, sees};
+use crate::person::Desk;
+use crate::simulated_node::SimulatedNode;
+use crate::truth::TruePump;
+
+/// Options that set a pump up without a question or a motion.
+const OPTIONS: [&str; 14] = [
+    "--ml-per-rev",
+    "0.5mL",
+    "--rollers",
+    "4",
+    "--microsteps",
+    "16",
+    "--altitude",
+    "500m",
+    "--driver",
+    "node",
+    "--rate",
+    "0.6mL/s",
+    "--no-motion",
+    "--yes",
+];
+
+#[test]
+fn two_commands_that_use_one_board_get_one_clear_message() {
+    let desk = Desk::new();
+    let board = SimulatedNode::start(7).unwrap();
+    let port = board.path().display().to_string();
+    for (name, axis) in [("acid", "X"), ("base", "Y")] {
+        let words = ["setup", name, "--port", &port, "--axis", axis];
+        let ended = desk.types(&[&words[..], &OPTIONS].concat());
+        assert_eq!(ended.code, 0, "{}", ended.err);
+    }
+    let mut long = desk.command(&["3mL", "--pump", "acid"]);
+    let mut long = long.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    while !board.truth().moving {
+        assert!(long.try_wait().unwrap().is_none());
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let refused = desk.types(&["0.2mL", "--pump", "base"]);
+    assert_eq!(refused.code, 3, "{}", refused.err);
+    let holder = format!("is in use by process {}", long.id());
+    assert!(refused.err.contains(&holder) && refused.err.matches("error:").count() == 1, "{}", refused.err);
+    assert!(long.wait().unwrap().success());
+    let steps = board.truth().steps;
+    assert!(steps[0] > 0 && steps[1] == 0, "{steps:?}");
+    // One after the other they keep their places.
+    let based = desk.json(&["0.2mL", "--pump", "base"]);
+    let again = desk.json(&["0.2mL", "--pump", "acid"]);
+    assert!(based["completed"] == true && again["completed"] == true);
+    assert!(!again.to_string().contains("was reset") && !again.to_string().contains("moved it"), "{again}");
+    assert_eq!(board.truth().steps[0], steps[0] + again["steps"].as_i64().unwrap());
+}
+
+#[test]
+fn a_pump_at_a_node_gets_from_nothing_to_a_calibrated_dose() {
+    let desk = Desk::new();
+    let board = SimulatedNode::start(7).unwrap();
+    let mut pump = TruePump::behind(board, 0.55, 3200.0, (0.3, 60.0), 0.4);
+    let ended = desk.answers(&["setup", "acid"], &mut |question| {
+        Some(match question {
+            q if q.starts_with("Driver") => "node".to_owned(),
+            q if q.starts_with("Volume that fills") => "0.2mL".to_owned(),
+            // The board is asked in its own time.
+            q if q.starts_with("Rate") => "0.6mL/s".to_owned(),
+            q => sees(&mut pump, q, "16"),
+        })
+    });
+    assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+    assert!(ended.out.contains("a dose of 5 mL lies between"), "{}", ended.out);
+    assert!(ended.err.contains("the board answers, and makes what the pump needs"), "{}", ended.err);
+    let file = desk.configured("pumps/acid.toml").unwrap();
+    for line in ["driver = \"node\"", "axis = \"X\"", "confirmed = true"] {
+        assert!(file.contains(line), "{line}: {file}");
+    }
+    doses_within_its_interval(&desk, &mut pump);
+    let truth = pump.board.truth();
+    assert_eq!((truth.stray, truth.steps[1]), (0, 0));
+    // A second pump takes the next axis, and leaves the first its place.
+    let before = pump.board.truth().steps[0];
+    let port = pump.port();
+    let words = ["--axis", "Y", "--turned", "1", "--direction", "forward", "--no-motion"];
+    let base = desk.types(&[&["setup", "base", "--like", "acid", "--yes"][..], &words].concat());
+    assert_eq!(base.code, 0, "{}", base.err);
+    let dosed = desk.json(&["0.2mL", "--pump", "base", "--rate", "0.6mL/s"]);
+    assert_eq!(dosed["completed"], true, "{dosed}");
+    let truth = pump.board.truth();
+    assert!(truth.steps[1] > 0 && truth.steps[0] == before, "{truth:?} at {port}");
+    let homed = desk.types(&["home", "--set", "30deg+-1deg", "--pump", "acid"]);
+    assert_eq!(homed.code, 0, "{}", homed.err);
+    let state = desk.json(&["0.2mL", "--pump", "acid", "--smooth", "--rate", "0.6mL/s"]);
+    assert!(!state.to_string().contains("was reset"), "{state}");
+    let refused = desk.types(&["setup", "lime", "--like", "acid", "--axis", "B", "--no-motion", "--yes"]);
+    assert_eq!(refused.code, 0, "{}", refused.err);
+    let missing = desk.types(&["0.2mL", "--pump", "lime"]);
+    assert!(
+        missing.code != 0 && missing.err.contains("its axes 0 to 3 are X, Y, Z and A"),
+        "{}",
+        missing.err
+    );
+}
+
+#[test]
+fn an_axis_that_no_node_has_is_refused_where_it_is_asked() {
+    let desk = Desk::new();
+    let board = SimulatedNode::start(7).unwrap();
+    let mut pump = TruePump::behind(board, 0.55, 3200.0, (0.3, 60.0), 0.4);
+    let mut is_first = true;
+    let ended = desk.answers(&["setup", "acid", "--no-motion"], &mut |question| {
+        Some(match question {
+            q if q.starts_with("Driver") => "node".to_owned(),
+            q if q.starts_with("Axis") && std::mem::take(&mut is_first) => "B".to_owned(),
+            q => sees(&mut pump, q, "16"),
+        })
+    });
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.err.contains("a node has the axes X, Y, Z and A, and not B"), "{}", ended.err);
+    assert_eq!(pump.board.truth().steps, [0; 4]);
+}
