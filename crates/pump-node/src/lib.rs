@@ -17,9 +17,11 @@ mod axis;
 mod board;
 mod driver;
 mod node;
+mod ports;
 mod shared;
 
 pub use axes::{Axes, LEAD_NS, MAX_STEP_HZ};
 pub use board::{Board, Levels, Pins};
 pub use node::{Node, identity};
+pub use ports::PORTS;
 pub use shared::Shared;

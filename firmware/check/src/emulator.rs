@@ -58,12 +58,18 @@ impl fmt::Debug for Emulator {
 }
 
 impl Emulator {
-    /// Starts the emulator with this firmware, an ELF file.
+    /// Starts the emulator with this firmware, an ELF file. It is reached over its UART.
     pub(crate) fn new(firmware: &Path) -> io::Result<Self> {
+        Self::with_options(firmware, &[])
+    }
+
+    /// Starts the emulator with this firmware and more options (firmware/emulator/serve.mjs).
+    pub(crate) fn with_options(firmware: &Path, options: &[&str]) -> io::Result<Self> {
         let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../emulator/serve.mjs");
         let mut process = Command::new("node")
             .arg(script)
             .arg(firmware)
+            .args(options)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()?;
@@ -89,6 +95,23 @@ impl Emulator {
         board.said.clear();
         board.written.clear();
         board.ask(b"R").map(drop)
+    }
+
+    /// Returns the longest time for which interrupts were off, in ns, and the deepest place of the stack.
+    pub(crate) fn extremes(&self) -> io::Result<(f64, u32)> {
+        let board = &mut *self.board();
+        board.to.write_all(b"X")?;
+        let [off_ns, stack] = board.numbers()?;
+        Ok((off_ns, stack as u32))
+    }
+
+    /// Returns the names of the USB device: its ids, manufacturer, product and serial number.
+    pub(crate) fn usb_names(&self) -> io::Result<Vec<String>> {
+        let board = &mut *self.board();
+        board.to.write_all(b"S")?;
+        let mut text = vec![0; board.length()?];
+        board.from.read_exact(&mut text)?;
+        Ok(String::from_utf8_lossy(&text).lines().map(str::to_owned).collect())
     }
 
     /// Returns the instructions of the board's interrupts.

@@ -52,6 +52,7 @@ pub(crate) fn put_steps_first(interrupts: &mut NVIC) {
         interrupts.set_priority(Interrupt::TIMER_IRQ_0, FIRST);
         interrupts.set_priority(Interrupt::TIMER_IRQ_1, SECOND);
         interrupts.set_priority(Interrupt::UART0_IRQ, SECOND);
+        interrupts.set_priority(Interrupt::USBCTRL_IRQ, SECOND);
     }
 }
 
