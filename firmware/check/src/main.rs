@@ -137,7 +137,7 @@ fn reset(firmware: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// Returns the times of the rises of an axis's step pin, in ns. A pin that becomes an output is no rise.
-fn rises(edges: &[Edge], axis: Axis) -> Vec<f64> {
+pub(crate) fn rises(edges: &[Edge], axis: Axis) -> Vec<f64> {
     let pin = step_pin(axis);
     edges.iter().filter(|edge| edge.pin == pin && edge.level == 1).map(|edge| edge.at_ns).collect()
 }

@@ -83,7 +83,9 @@ fn main() -> ! {
         halt()
     };
     let (bus, memory) = (registers.USBCTRL_REGS, registers.USBCTRL_DPRAM);
-    let Some(mut usb) = Usb::new(bus, memory, clocks.usb_clock, &mut registers.RESETS, number) else { halt() };
+    let Some(mut usb) = Usb::new(bus, memory, clocks.usb_clock, &mut registers.RESETS, number) else {
+        halt()
+    };
     let mut shared = SharedAxes::new(timer, |pico| Axes::new(AxisPins::ALL, pico, TICK_HZ));
     let mut node = Node::new(identity::<QUEUE, AXES>(number, firmware_version(), TICK_HZ));
     let mut poll_at = 0;

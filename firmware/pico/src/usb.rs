@@ -65,7 +65,8 @@ impl Usb {
             _ => strings,
         };
         let class = CdcAcmClass::new(bus, PACKET as u16);
-        let device = UsbDeviceBuilder::new(bus, ID).strings(&[strings]).ok()?.max_packet_size_0(PACKET as u8).ok()?;
+        let device =
+            UsbDeviceBuilder::new(bus, ID).strings(&[strings]).ok()?.max_packet_size_0(PACKET as u8).ok()?;
         let device = device.device_class(USB_CLASS_CDC).build();
         let (packet, rest) = ([0; PACKET], 0..0);
         // SAFETY: the interrupt shares nothing but the flag.

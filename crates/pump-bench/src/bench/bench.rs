@@ -15,7 +15,7 @@ use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
 use crate::dosing::drop_ml;
 use crate::dosing::{DoseRequest, Prepared, Stands};
-use crate::drives::{Drive, DriveError, Identity, Opening, StopRequest, registry};
+use crate::drives::{Drive, DriveError, Identity, Opening, PORT_NAMES, StopRequest, registry};
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::{DriveTable, DriverName, PumpFile};
 use crate::record::Folder;
@@ -59,7 +59,8 @@ impl Bench {
         let identity = registry::identity(driver);
         let folder = Folder::new(state_dir, &file.pump.id, &identity.id);
         let settings_record = Some(folder.path().join(SETTINGS_RECORD));
-        let opening = Opening { settings_record, ..Opening::default() };
+        let port_names = Some(PathBuf::from(PORT_NAMES));
+        let opening = Opening { settings_record, port_names, ..Opening::default() };
         let (is_given, unfinished, confirms_pump) = (false, false, false);
         Ok(Self { file, model, drive, identity, is_given, folder, opening, unfinished, confirms_pump })
     }

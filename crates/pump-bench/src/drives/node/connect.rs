@@ -1,6 +1,6 @@
 //! Meeting a board: who it is, which session it holds, and how its axis is configured.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use pump_ctl::step::{Brake, TickRate};
@@ -13,7 +13,8 @@ use super::board::Board;
 use super::error::NodeError;
 use super::link::Link;
 use super::session_record::SessionRecord;
-use crate::drives::Disturbance;
+use crate::drives::known_board::KnownBoard;
+use crate::drives::{Disturbance, Opening};
 use crate::pump_file::{Axis, DriveTable};
 
 /// Longest wait for a first answer.
@@ -42,13 +43,15 @@ pub(super) struct Terms {
     pub(super) hold_timeout_s: Option<f64>,
     /// File that holds the board's number and its session.
     pub(super) record: Option<PathBuf>,
-    /// True if another board than that on record is accepted.
-    pub(super) accept_board: bool,
+    /// Terms on which the device is opened.
+    pub(super) opening: Opening,
+    /// Marks of the board that its port tells.
+    at_port: KnownBoard,
 }
 
 impl Terms {
     /// Returns the terms of a drive table.
-    pub(super) fn new(table: &DriveTable, record: Option<&Path>, accept_board: bool) -> Self {
+    pub(super) fn new(table: &DriveTable, opening: &Opening) -> Self {
         Self {
             port: table.port.clone().unwrap_or_default(),
             baud: table.rate_baud(),
@@ -56,8 +59,9 @@ impl Terms {
             invert: table.invert,
             has_index: table.index_angle_deg.is_some(),
             hold_timeout_s: table.hold_timeout_s,
-            record: record.map(Path::to_owned),
-            accept_board,
+            record: opening.settings_record.clone(),
+            at_port: KnownBoard::at_port(table.port.as_deref(), opening),
+            opening: opening.clone(),
         }
     }
 
@@ -82,6 +86,8 @@ pub(super) struct Met {
     pub(super) disturbed: Option<Disturbance>,
     /// Faults that nobody had read.
     pub(super) unread: FaultCounts,
+    /// Words for the board that was on record, if this one was accepted in its place.
+    pub(super) replaced: Option<String>,
 }
 
 /// Meets the board at the other end of `link`, and configures its axis. Nothing moves.
@@ -106,13 +112,15 @@ pub(super) fn meet(
     }
     let tick_rate = given!(TickRate::from_hz(identity.tick_hz).ok_or(NodeError::NoTimer));
     let brake = given!(make_brake(tick_rate));
+    let replaced = given!(recognise(&identity, terms));
     let (record, holds) = given!(session(&identity, held, terms));
     link.begin(record.session);
     let (baud, dead_man_ms) = (terms.baud, DEAD_MAN_MS);
     let mut board = Board { link, identity, tick_rate, axis, move_number: 0, revision: 0, baud, dead_man_ms };
     match take_over(&mut board, terms, &brake, holds) {
         Ok((status, disturbed)) => {
-            Ok(Met { board, brake, position: status.position, disturbed, unread: status.unread })
+            let (position, unread) = (status.position, status.unread);
+            Ok(Met { board, brake, position, disturbed, unread, replaced })
         }
         Err(error) => Err((Box::new(board.link), error)),
     }
@@ -147,19 +155,23 @@ fn identify(link: &mut Link, terms: &Terms) -> Result<(Identity, u64), NodeError
     }
 }
 
+/// Refuses another board than the one on record, unless it is accepted. Returns words for that one then.
+fn recognise(identity: &Identity, terms: &Terms) -> Result<Option<String>, NodeError> {
+    // A board whose flash chip tells no number says 0.
+    let number = Some(identity.board).filter(|number| *number != 0);
+    let found = KnownBoard { number, ..terms.at_port.clone() };
+    Ok(found.recognise(Some(&terms.port), &terms.opening)?)
+}
+
 /// Returns the record of the board, and true if the board holds its session. The disk has a new session before the
 /// board does.
 fn session(identity: &Identity, held: u64, terms: &Terms) -> Result<(SessionRecord, bool), NodeError> {
     let path = terms.record.as_deref();
     let recorded = match path.map(SessionRecord::read).transpose() {
-        Err(_) if terms.accept_board => None,
+        Err(_) if terms.opening.accept_settings => None,
         read => read?.flatten(),
     };
     let same = recorded.filter(|recorded| recorded.board == identity.board);
-    if let (Some(recorded), None, false) = (recorded, same, terms.accept_board) {
-        let (port, found, recorded) = (terms.port.clone(), identity.board, recorded.board);
-        return Err(NodeError::OtherBoard { port, found, recorded });
-    }
     if let Some(same) = same.filter(|same| same.session == held) {
         return Ok((same, true));
     }

@@ -10,6 +10,7 @@ use pump_link::sender::{StreamError, TooFast, WindowError};
 use thiserror::Error;
 
 use crate::drives::DriveError;
+use crate::drives::known_board::BoardError;
 use crate::drives::wire::PortError;
 
 /// Error of a node: a board that makes each step at the plan's time.
@@ -65,16 +66,26 @@ pub enum NodeError {
     },
     /// Another board is at the port than the one on record.
     #[error(
-        "the board at {} is number {found:016x}, and the pump's record is of board {recorded:016x}; connect that \
-         board, or name its port", .port.display()
+        "the board at {} is {found}, and the pump's record is of {recorded}; connect that board, or name its port",
+        .port.display()
     )]
     OtherBoard {
         /// Path of the port.
         port: PathBuf,
-        /// Number of the board at the port.
-        found: u64,
-        /// Number of the board on record.
-        recorded: u64,
+        /// Board at the port, as the message words it.
+        found: String,
+        /// Board on record, as the message words it.
+        recorded: String,
+    },
+    /// The record of the pump's board cannot be used.
+    #[error("the record of the pump's board cannot be {action}: {reason} ({})", .record.display())]
+    BoardRecord {
+        /// Operation that failed, as the message words it.
+        action: &'static str,
+        /// Path of the record.
+        record: PathBuf,
+        /// Cause of the failure.
+        reason: String,
     },
     /// The board lacks the axis.
     #[error("the board has {axes} axes, and [drive] axis is {axis:?}; its axes 0 to 3 are X, Y, Z and A")]
@@ -209,6 +220,15 @@ impl NodeError {
             Refusal::Driver => Self::Driver,
             Refusal::AngleLost => Self::LetGo,
             refusal => Self::Refused(refusal),
+        }
+    }
+}
+
+impl From<BoardError> for NodeError {
+    fn from(error: BoardError) -> Self {
+        match error {
+            BoardError::Other { port, found, recorded } => Self::OtherBoard { port, found, recorded },
+            BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
         }
     }
 }

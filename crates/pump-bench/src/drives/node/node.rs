@@ -80,7 +80,7 @@ impl Node {
         let link = Link::new(wire, opening.stop.clone());
         let mut node = Self {
             motor: motor.at_pump_head(),
-            terms: Terms::new(table, opening.settings_record.as_deref(), opening.accept_settings),
+            terms: Terms::new(table, opening),
             at: At::Apart(Box::new(link)),
             stands: None,
             disturbed: None,
@@ -101,7 +101,10 @@ impl Node {
         };
         let motor = self.motor;
         match connect::meet(link, &self.terms, |tick_rate| Ok(motor.brake(tick_rate)?)) {
-            Ok(Met { board, brake, position, disturbed, unread }) => {
+            Ok(Met { board, brake, position, disturbed, unread, replaced }) => {
+                self.notes.extend(
+                    replaced.map(|board| format!("another board was on record, {board}: accepted").into()),
+                );
                 self.at = At::Met { board: Box::new(board), brake: Box::new(brake) };
                 self.stands = Some(position);
                 self.disturbed = disturbed;

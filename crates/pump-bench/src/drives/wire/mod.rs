@@ -3,6 +3,7 @@
 mod error;
 mod holder;
 mod port;
+mod port_name;
 
 use std::fmt::Debug;
 use std::io;
@@ -10,6 +11,7 @@ use std::time::Duration;
 
 pub(super) use error::PortError;
 pub(super) use port::BoardPort;
+pub(super) use port_name::port_name;
 
 /// Wire to a board.
 pub trait Wire: Debug + Send {
