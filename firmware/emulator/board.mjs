@@ -33,9 +33,11 @@ export class Board {
   constructor(firmware, baud, number, overUsb) {
     this.number = number;
     this.overUsb = overUsb;
-    /** Longest time with interrupts off, in ns, and deepest place of the stack. */
-    this.extremes = { offNs: 0, stack: 0xffffffff };
+    /** Longest time with interrupts off, longest one in which the USB controller is used, in ns, and deepest stack. */
+    this.extremes = { offNs: 0, usbOffNs: 0, stack: 0xffffffff };
+    /** Time from which interrupts are off, and true if the USB controller was used since. */
     this.offFrom = undefined;
+    this.usesUsb = false;
     this.image = readFileSync(firmware);
     this.byteNs = (BITS_PER_BYTE * 1e9) / baud;
     this.sent = [];
@@ -64,6 +66,13 @@ export class Board {
     chip.logger = { debug() {}, info() {}, warn() {}, error() {} };
     chip.uart[0].onByte = (byte) => this.overUsb || this.sent.push(byte);
     this.usb = new UsbHost(chip.usbCtrl, (byte) => this.overUsb && this.sent.push(byte));
+    for (const name of ['readUint32', 'writeUint32', 'DPRAMUpdated']) {
+      const plain = chip.usbCtrl[name].bind(chip.usbCtrl);
+      chip.usbCtrl[name] = (...values) => {
+        this.usesUsb = true;
+        return plain(...values);
+      };
+    }
     this.flash = new Flash(chip, this.number);
     chip.gpio.forEach((pin, number) => {
       pin.addListener((state) => this.edges.push({ ns: this.now, pin: number, level: level(state) }));
@@ -127,17 +136,20 @@ export class Board {
     counts.within = within;
   }
 
-  /** Notes how long interrupts are off, and how deep the stack is. The start of the firmware has no step to make. */
+  /** Notes how long interrupts are off, and how deep the stack is. */
   watch(core) {
     const { extremes } = this;
     if (core.SP < extremes.stack && core.SP >>> 28 === 2) extremes.stack = core.SP;
     if (!core.PM) {
-      if (this.offFrom !== undefined && this.usb.isOpen) {
-        extremes.offNs = Math.max(extremes.offNs, this.chip.clock.nanos - this.offFrom);
-      }
+      if (this.offFrom === undefined) return;
+      const offNs = this.chip.clock.nanos - this.offFrom;
+      // The start of the firmware, which asks the flash chip, has no step to make.
+      if (this.usb.ids) extremes.offNs = Math.max(extremes.offNs, offNs);
+      if (this.usesUsb) extremes.usbOffNs = Math.max(extremes.usbOffNs, offNs);
       this.offFrom = undefined;
     } else if (this.offFrom === undefined) {
       this.offFrom = this.chip.clock.nanos;
+      this.usesUsb = false;
     }
   }
 

@@ -12,8 +12,8 @@
 //   X                                                       extremes
 //   S                                                       names of the USB device
 // Answers: to A, now_ns: f64, length: u32, bytes, edges: u32, of each ns: f64, pin: u8, level: u8; to C five f64
-// (all instructions, alarms served, instructions in them, the most in one, now_ns); to X two f64 (longest time with
-// interrupts off in ns, deepest place of the stack); to S, length: u32, lines of text (ids, manufacturer, product, serial
+// (all instructions, alarms served, instructions in them, the most in one, now_ns); to X three f64 (longest time with
+// interrupts off, longest one in which the USB controller is used, both in ns, deepest place of the stack); to S, length: u32, lines of text (ids, manufacturer, product, serial
 // number); to I and R, now_ns: f64.
 
 import { parseArgs } from 'node:util';
@@ -64,7 +64,7 @@ function serve(input) {
     return 1;
   }
   if (kind === 'X') {
-    process.stdout.write(numbers(board.extremes.offNs, board.extremes.stack));
+    process.stdout.write(numbers(board.extremes.offNs, board.extremes.usbOffNs, board.extremes.stack));
     return 1;
   }
   if (kind === 'S') {

@@ -31,17 +31,16 @@ export class UsbHost {
     this.onByte = onByte;
     this.strings = [];
     this.isOpen = false;
-    /** Bytes for the board, and the number of them that it takes now. */
+    /** Bytes for the board, and the number of bytes that each of its endpoints takes now. */
     this.fed = [];
-    this.room = 0;
+    this.room = {};
     this.inward = -1;
     this.outward = -1;
     usb.onUSBEnabled = () => usb.resetDevice();
     usb.onResetReceived = () => this.meet();
     usb.onEndpointWrite = (endpoint, packet) => this.take(endpoint, packet);
     usb.onEndpointRead = (endpoint, size) => {
-      if (endpoint !== this.outward) return;
-      this.room = size;
+      this.room[endpoint] = size;
       this.deliver();
     };
   }
@@ -53,9 +52,10 @@ export class UsbHost {
   }
 
   deliver() {
-    if (!this.isOpen || !this.room || !this.fed.length) return;
-    const packet = Uint8Array.from(this.fed.splice(0, Math.min(this.room, PACKET)));
-    this.room = 0;
+    const room = this.room[this.outward];
+    if (!this.isOpen || !room || !this.fed.length) return;
+    const packet = Uint8Array.from(this.fed.splice(0, Math.min(room, PACKET)));
+    this.room[this.outward] = 0;
     this.usb.endpointReadDone(this.outward, packet, PACKET_US);
   }
 

@@ -34,6 +34,17 @@ pub(crate) struct Counts {
     pub(crate) most: f64,
 }
 
+/// Extremes that a board has come to since it was made.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extremes {
+    /// Longest time with interrupts off, in ns.
+    pub(crate) off_ns: f64,
+    /// Longest time with interrupts off in which the USB controller was used, in ns.
+    pub(crate) usb_off_ns: f64,
+    /// Deepest place of the stack.
+    pub(crate) stack: u32,
+}
+
 /// Board in a process of its own.
 struct Board {
     process: Child,
@@ -97,12 +108,12 @@ impl Emulator {
         board.ask(b"R").map(drop)
     }
 
-    /// Returns the longest time for which interrupts were off, in ns, and the deepest place of the stack.
-    pub(crate) fn extremes(&self) -> io::Result<(f64, u32)> {
+    /// Returns the extremes that the board has come to.
+    pub(crate) fn extremes(&self) -> io::Result<Extremes> {
         let board = &mut *self.board();
         board.to.write_all(b"X")?;
-        let [off_ns, stack] = board.numbers()?;
-        Ok((off_ns, stack as u32))
+        let [off_ns, usb_off_ns, stack] = board.numbers()?;
+        Ok(Extremes { off_ns, usb_off_ns, stack: stack as u32 })
     }
 
     /// Returns the names of the USB device: its ids, manufacturer, product and serial number.

@@ -5,9 +5,10 @@ use std::path::Path;
 
 use crate::check;
 
-/// Most flash and most memory of the firmware, in bytes.
+/// Most flash and most memory of the firmware, in bytes, and most stack. The chip has 264 kB of memory.
 const MOST_FLASH: u32 = 48_000;
 const MOST_MEMORY: u32 = 96_000;
+const MOST_STACK: u32 = 64_000;
 
 /// Start of the memory, and its end, where the stack begins (RP2040 datasheet, section 2.2).
 const MEMORY: u32 = 0x2000_0000;
@@ -28,7 +29,8 @@ pub(crate) fn hold(firmware: &Path, stack: u32) -> Result<(), Box<dyn Error>> {
     }
     println!("{flash} bytes of flash; {memory} bytes of memory, and {stack} of stack");
     check(flash > 0 && flash < MOST_FLASH, "the size of the flash")?;
-    check(stack > 0 && memory + stack < MOST_MEMORY, "the size of the memory")
+    check(memory > 0 && memory < MOST_MEMORY, "the size of the memory")?;
+    check(stack > 0 && stack < MOST_STACK, "the size of the stack")
 }
 
 /// Segment that is loaded.

@@ -6,7 +6,7 @@ use std::path::Path;
 use pump_bench::drives::{Drive, Leave, Opening};
 use pump_bench::pump_file::Axis;
 
-use crate::emulator::Emulator;
+use crate::emulator::{Emulator, Extremes};
 use crate::size::STACK;
 use crate::{MOST_OFF_US, check, distances_us, meet_at, rises};
 
@@ -14,11 +14,12 @@ use crate::{MOST_OFF_US, check, distances_us, meet_at, rises};
 const NUMBER: &str = "e6605838834c17af";
 const NO_NUMBERS: [&str; 2] = ["ffffffffffffffff", "0000000000000000"];
 
-/// Most time for which interrupts are off once the board runs, in ns: the longest take of a segment.
-const MOST_OFF_NS: f64 = 12_700.0;
+/// Most time for which the USB port may keep interrupts off, in ns. The take of a segment does so for up to 17 us, so steps
+/// wait no longer than without the port. A reset of the bus, when a cable is plugged in, takes longest.
+const MOST_USB_OFF_NS: f64 = 16_000.0;
 
 /// Makes a dose over USB. Holds the names of the device, the number of the board, the times of the steps and the time
-/// for which interrupts are off. Returns the bytes of stack that were used.
+/// for which the port keeps interrupts off. Returns the bytes of stack that were used.
 pub(crate) fn dose(firmware: &Path) -> Result<u32, Box<dyn Error>> {
     for number in NO_NUMBERS {
         let (record, names) = met(firmware, number)?;
@@ -39,17 +40,21 @@ pub(crate) fn dose(firmware: &Path) -> Result<u32, Box<dyn Error>> {
     let off_us = distances_us(&plan, &rises);
     let (least, most) = off_us.iter().fold((f64::MAX, f64::MIN), |(a, b), off| (a.min(*off), b.max(*off)));
     let half_us = 0.5 * (most - least);
-    let (off_ns, deepest) = met.emulator.extremes()?;
+    let Extremes { off_ns, usb_off_ns, stack } = met.emulator.extremes()?;
     println!(
         "2 mL at 4 mL/s, smooth, over USB: {} steps, rises within {half_us:.3} us of the plan; interrupts off for \
-         {:.1} us at most",
+         {:.1} us at most, for the port's sake {:.1} us",
         rises.len(),
-        1e-3 * off_ns
+        1e-3 * off_ns,
+        1e-3 * usb_off_ns
     );
     check(made == plan.steps().unsigned_abs() && rises.len() as u64 == made, "the number of steps over USB")?;
     check(half_us <= MOST_OFF_US, "the times of the steps over USB")?;
-    check(off_ns > 0.0 && off_ns <= MOST_OFF_NS, "the time for which interrupts are off")?;
-    Ok(STACK - deepest)
+    check(
+        usb_off_ns > 0.0 && usb_off_ns <= MOST_USB_OFF_NS,
+        "the time for which the USB port keeps interrupts off",
+    )?;
+    Ok(STACK - stack)
 }
 
 /// Meets a board whose flash chip has this number. Returns the record of it, and the names of its USB device.

@@ -101,6 +101,7 @@ impl KnownBoard {
     }
 
     /// Refuses a port whose name shows that another board is there, before anything is said to it.
+    #[cfg(feature = "grbl")]
     pub(super) fn look_at_port(port: Option<&Path>, opening: &Opening) -> Result<(), BoardError> {
         let (Some(path), Some(port)) = (record_path(opening), port) else { return Ok(()) };
         if opening.accept_settings || !port.exists() {
