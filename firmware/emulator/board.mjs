@@ -1,5 +1,5 @@
-// An emulated Raspberry Pi Pico with the node's firmware: bytes and input levels in, bytes and edges out. Its flash chip
-// has a number of its own, and its USB cable leads to a host.
+// An emulated Raspberry Pi Pico with the node's firmware: bytes and input levels in, bytes and edges out. Its flash
+// chip has a number of its own, and its USB cable leads to a host.
 
 import { readFileSync } from 'node:fs';
 import { GPIOPinState, Simulator } from 'rp2040js';

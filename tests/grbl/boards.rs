@@ -1,12 +1,15 @@
 //! Claims about boards that are told apart, by the names that their ports keep and by the texts that they were given.
 
 use std::fs;
+use std::ops::ControlFlow;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 
 use pump_bench::drives::{Disturbance, Drive, DriveError, Grbl, GrblError, Opening};
 use pump_bench::notice::Remedy;
 use pump_bench::pump_file::{DriveTable, DriverName};
+use pump_bench::report::{Explain, with_sources};
+use pump_bench::{Bench, DoseError, DoseRequest, built_in};
 
 use crate::rig::{grbl_error, motor, start};
 use crate::simulated::Simulated;
@@ -142,4 +145,29 @@ fn a_damaged_record_of_the_board_is_refused_and_written_anew_on_request() {
         computer.open("ttyUSB0", &computer.accepting()).unwrap();
         computer.open("ttyUSB0", &computer.opening()).unwrap();
     }
+}
+
+#[test]
+fn a_dose_of_a_bench_is_refused_before_motion_after_a_reboot() {
+    let computer = Computer::new();
+    let boards = [(); 2].map(|()| start(Options::default()));
+    let dose = || {
+        let table = DriveTable::of(DriverName::Grbl).with_port(computer.path("ttyUSB0"));
+        let mut file = built_in("three-roller").unwrap();
+        (file.drive, file.motor.confirmed) = (Some(table), None);
+        let bench = Bench::new(file, None, computer.folder.path()).unwrap();
+        let bench = bench.naming_ports_in(computer.path("serial/by-id"));
+        let mut session = bench.session()?;
+        let prepared = session.prepare(DoseRequest::dose(0.2))?;
+        session.run(&prepared, |_| ControlFlow::Continue(()))
+    };
+    computer.plug(&boards[0], "ttyUSB0", LEFT);
+    assert!(dose().unwrap().completed);
+    let made = boards[0].rest().steps;
+    computer.plug(&boards[1], "ttyUSB0", RIGHT);
+    let refused = dose().unwrap_err();
+    assert!(matches!(refused, DoseError::Connection(_)), "{refused}");
+    let said = with_sources(&refused);
+    assert!(said.contains(LEFT) && said.contains(RIGHT), "{said}");
+    assert!(made != 0 && boards[0].rest().steps == made && boards[1].rest().steps == 0);
 }

@@ -100,7 +100,15 @@ impl Bench {
         self
     }
 
-    /// Returns the bench with or without leave for device settings that differ from those on record.
+    /// Returns the bench that looks for the names of serial ports in `folder`, in place of /dev/serial/by-id.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn naming_ports_in(mut self, folder: PathBuf) -> Self {
+        self.opening.port_names = Some(folder);
+        self
+    }
+
+    /// Returns the bench with or without leave for a device, and device settings, that differ from those on record.
     #[must_use]
     pub fn accepting_settings(mut self, accept: bool) -> Self {
         self.opening.accept_settings = accept;
