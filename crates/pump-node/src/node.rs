@@ -39,7 +39,7 @@ pub struct Node {
 
 /// The place and time that a request comes from.
 #[derive(Debug, Clone, Copy)]
-struct From {
+struct Origin {
     port: usize,
     session: u64,
     /// Tick at which the request arrived.
@@ -139,7 +139,7 @@ impl Node {
         let request = RequestHeader::split(payload).and_then(|(_, rest)| body::<Request<'_>>(rest));
         let answer = match request {
             Ok(request) => {
-                let from = From { port, session: header.session, now };
+                let from = Origin { port, session: header.session, now };
                 let answer = self.answer(from, &request, shared).unwrap_or_else(Answer::Refused);
                 if self.holds(from) {
                     self.dead_man.fed(now);
@@ -155,13 +155,13 @@ impl Node {
     }
 
     /// Returns true if a request comes from the host that has the session.
-    fn holds(&self, from: From) -> bool {
+    fn holds(&self, from: Origin) -> bool {
         from.session != 0 && from.session == self.session && self.ports.is_home(from.port)
     }
 
     fn answer<P: Pins, B: Board, const Q: usize, const A: usize>(
         &mut self,
-        from: From,
+        from: Origin,
         request: &Request<'_>,
         shared: &mut impl Shared<P, B, Q, A>,
     ) -> Result<Answer, Refusal> {
@@ -200,11 +200,11 @@ impl Node {
 
     fn adopt<P: Pins, B: Board, const Q: usize, const A: usize>(
         &mut self,
-        from: From,
+        from: Origin,
         dead_man_ms: u16,
         shared: &mut impl Shared<P, B, Q, A>,
     ) -> Result<Answer, Refusal> {
-        let From { port, session, now } = from;
+        let Origin { port, session, now } = from;
         if session == 0 {
             return Err(Refusal::Session);
         }
