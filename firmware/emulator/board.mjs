@@ -1,7 +1,10 @@
-// An emulated Raspberry Pi Pico with the node's firmware: bytes and input levels in, bytes and edges out.
+// An emulated Raspberry Pi Pico with the node's firmware: bytes and input levels in, bytes and edges out. Its flash
+// chip has a number of its own, and its USB cable leads to a host.
 
 import { readFileSync } from 'node:fs';
 import { GPIOPinState, Simulator } from 'rp2040js';
+import { Flash } from './flash.mjs';
+import { UsbHost } from './usb_host.mjs';
 
 /** Time of one cycle at 125 MHz, in ns. */
 const CYCLE_NS = 8;
@@ -24,8 +27,17 @@ export class Board {
   /**
    * @param {string} firmware path of the ELF file
    * @param {number} baud rate of the bytes that are fed, in bit/s
+   * @param {string} number number of the board, 16 hexadecimal digits
+   * @param {boolean} overUsb true if bytes come and go over the USB port
    */
-  constructor(firmware, baud) {
+  constructor(firmware, baud, number, overUsb) {
+    this.number = number;
+    this.overUsb = overUsb;
+    /** Longest time with interrupts off, longest one in which the USB controller is used, in ns, and deepest stack. */
+    this.extremes = { offNs: 0, usbOffNs: 0, stack: 0xffffffff };
+    /** Time from which interrupts are off, and true if the USB controller was used since. */
+    this.offFrom = undefined;
+    this.usesUsb = false;
     this.image = readFileSync(firmware);
     this.byteNs = (BITS_PER_BYTE * 1e9) / baud;
     this.sent = [];
@@ -52,7 +64,16 @@ export class Board {
     this.fed = [];
     this.nextByteNs = 0;
     chip.logger = { debug() {}, info() {}, warn() {}, error() {} };
-    chip.uart[0].onByte = (byte) => this.sent.push(byte);
+    chip.uart[0].onByte = (byte) => this.overUsb || this.sent.push(byte);
+    this.usb = new UsbHost(chip.usbCtrl, (byte) => this.overUsb && this.sent.push(byte));
+    for (const name of ['readUint32', 'writeUint32', 'DPRAMUpdated']) {
+      const plain = chip.usbCtrl[name].bind(chip.usbCtrl);
+      chip.usbCtrl[name] = (...values) => {
+        this.usesUsb = true;
+        return plain(...values);
+      };
+    }
+    this.flash = new Flash(chip, this.number);
     chip.gpio.forEach((pin, number) => {
       pin.addListener((state) => this.edges.push({ ns: this.now, pin: number, level: level(state) }));
     });
@@ -69,6 +90,10 @@ export class Board {
 
   /** Feeds bytes from now on, each in the time that the line takes for it. */
   feed(bytes) {
+    if (this.overUsb) {
+      this.usb.feed(bytes);
+      return;
+    }
     this.nextByteNs = Math.max(this.nextByteNs, this.chip.clock.nanos + this.byteNs);
     for (const byte of bytes) this.fed.push(byte);
   }
@@ -90,6 +115,7 @@ export class Board {
       } else {
         clock.tick(core.executeInstruction() * CYCLE_NS);
         this.count(core.IPSR);
+        this.watch(core);
       }
       if (untilFrame && this.sent.length && this.sent[this.sent.length - 1] === 0) return;
     }
@@ -108,6 +134,23 @@ export class Board {
     }
     if (within && !counts.within) counts.before = counts.alarm - 1;
     counts.within = within;
+  }
+
+  /** Notes how long interrupts are off, and how deep the stack is. */
+  watch(core) {
+    const { extremes } = this;
+    if (core.SP < extremes.stack && core.SP >>> 28 === 2) extremes.stack = core.SP;
+    if (!core.PM) {
+      if (this.offFrom === undefined) return;
+      const offNs = this.chip.clock.nanos - this.offFrom;
+      // The start of the firmware, which asks the flash chip, has no step to make.
+      if (this.usb.ids) extremes.offNs = Math.max(extremes.offNs, offNs);
+      if (this.usesUsb) extremes.usbOffNs = Math.max(extremes.usbOffNs, offNs);
+      this.offFrom = undefined;
+    } else if (this.offFrom === undefined) {
+      this.offFrom = this.chip.clock.nanos;
+      this.usesUsb = false;
+    }
   }
 
   /** Sets the level of an input pin. */

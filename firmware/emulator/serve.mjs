@@ -1,19 +1,31 @@
 // Serves an emulated board on standard input and output, in its own time: it runs only as far as it is told.
 //
-// node serve.mjs FIRMWARE.elf [BAUD]
+// node serve.mjs FIRMWARE.elf [--number HEX] [--usb] [--baud RATE]
+//
+// The board has this number, and is reached over its USB port or its UART.
 //
 // A request is one byte and its fields, little-endian:
 //   A  until_ns: f64, until_frame: u8, length: u32, bytes   feed the bytes, run
 //   I  pin: u8, high: u8                                    set an input
 //   R                                                       reset the board
 //   C                                                       counts of instructions
-// Answers: to A, now_ns: f64, length: u32, bytes, edges: u32, of each ns: f64, pin: u8, level: u8; to C five f64
-// (all instructions, alarms served, instructions in them, the most in one, now_ns); to I and R, now_ns: f64.
+//   X                                                       extremes
+//   S                                                       names of the USB device
+// Answers: to A, now_ns: f64, length: u32, bytes, edges: u32, of each ns: f64, pin: u8, level: u8; to C five f64 (all
+// instructions, alarms served, instructions in them, the most in one, now_ns); to X three f64 (longest time with
+// interrupts off, longest one in which the USB controller is used, both in ns, deepest place of the stack); to S,
+// length: u32, lines of text (ids, manufacturer, product, serial number); to I and R, now_ns: f64.
 
+import { parseArgs } from 'node:util';
 import { Board } from './board.mjs';
 
-const [firmware, baud = '460800'] = process.argv.slice(2);
-const board = new Board(firmware, Number(baud));
+const options = {
+  number: { type: 'string', default: 'e66058388372b0a2' },
+  usb: { type: 'boolean', default: false },
+  baud: { type: 'string', default: '460800' },
+};
+const { values, positionals } = parseArgs({ options, allowPositionals: true });
+const board = new Board(positionals[0], Number(values.baud), values.number, values.usb);
 let input = Buffer.alloc(0);
 
 process.stdin.on('data', (chunk) => {
@@ -51,7 +63,20 @@ function serve(input) {
     process.stdout.write(numbers(all, alarms, alarm, worst, board.now));
     return 1;
   }
-  process.stderr.write(`unknown request ${JSON.stringify(kind)}; A, I, R and C are known\n`);
+  if (kind === 'X') {
+    process.stdout.write(numbers(board.extremes.offNs, board.extremes.usbOffNs, board.extremes.stack));
+    return 1;
+  }
+  if (kind === 'S') {
+    const { ids, strings } = board.usb;
+    const named = ids ? `${hex(ids.vendor)}:${hex(ids.product)}` : '';
+    const text = Buffer.from([named, ...strings].join('\n'));
+    const length = Buffer.alloc(4);
+    length.writeUInt32LE(text.length);
+    process.stdout.write(Buffer.concat([length, text]));
+    return 1;
+  }
+  process.stderr.write(`unknown request ${JSON.stringify(kind)}; A, I, R, C, X and S are known\n`);
   process.exit(2);
 }
 
@@ -68,6 +93,11 @@ function told({ bytes, edges }) {
     at = answer.writeUInt8(level, at);
   }
   return answer;
+}
+
+/** Four hexadecimal digits. */
+function hex(number) {
+  return number.toString(16).padStart(4, '0');
 }
 
 /** Numbers as an answer. */

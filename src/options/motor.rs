@@ -47,7 +47,7 @@ pub(crate) struct MotorOptions {
     /// Write the controller's settings where they do not fit the pump, and say which
     #[arg(long)]
     pub(crate) configure: bool,
-    /// Accept controller settings that have changed since the last time
+    /// Accept another controller than the last time, or other settings of it
     #[arg(long)]
     pub(crate) accept_settings: bool,
     /// Say that the pump's values are those of your pump, where nobody wrote them

@@ -1,13 +1,14 @@
 //! The node's half of the link: bytes in, answers out.
 
 use pump_ctl::step::{BRAKE_ENTRIES, Brake, Segment, TickRate};
-use pump_link::frame::{AnswerHeader, Deframer, Encoded, FrameError, RequestHeader, VERSION, body};
+use pump_link::frame::{AnswerHeader, Encoded, FrameError, RequestHeader, VERSION, body};
 use pump_link::message::{Answer, AxisConfig, Identity, Refusal, Request};
 use pump_link::packing::{Codec, Grain};
 use pump_link::receiver::{Arrival, DeadMan, Expected};
 
 use crate::axes::{Axes, MAX_STEP_HZ};
 use crate::board::{Board, Pins};
+use crate::ports::Ports;
 use crate::shared::Shared;
 
 /// Returns the identity of a board with a number of its own, from the firmware's version and the timer's rate, Hz.
@@ -27,13 +28,22 @@ pub const fn identity<const Q: usize, const A: usize>(
 pub struct Node {
     identity: Identity,
     tick_rate: TickRate,
-    deframer: Deframer,
+    ports: Ports,
     /// Session number of the host. It is 0 after a reset.
     session: u64,
     dead_man: DeadMan,
     /// True if the dead-man time has passed since the last valid frame, and the axes know it.
     dead: bool,
     brake: BrakeParts,
+}
+
+/// The place and time that a request comes from.
+#[derive(Debug, Clone, Copy)]
+struct Origin {
+    port: usize,
+    session: u64,
+    /// Tick at which the request arrived.
+    now: u64,
 }
 
 /// A configuration whose brake is not complete.
@@ -54,7 +64,7 @@ impl Node {
             identity,
             tick_rate: TickRate::from_hz(identity.tick_hz)
                 .unwrap_or(TickRate::new(core::num::NonZeroU32::MIN)),
-            deframer: Deframer::new(),
+            ports: Ports::new(),
             session: 0,
             dead_man: DeadMan::new(identity.tick_hz),
             dead: false,
@@ -82,11 +92,27 @@ impl Node {
         now: u64,
         shared: &mut impl Shared<P, B, Q, A>,
     ) -> Option<Encoded> {
+        self.on_byte_of(0, byte, now, shared)
+    }
+
+    /// Takes a byte that arrived at one of the [`crate::PORTS`], as [`Self::on_byte`] does. The answer goes to that
+    /// port.
+    ///
+    /// The first port that adopts a session has it. Another port takes it only while all motors stand and the session's
+    /// host has been quiet for the dead-man time. Until then it may ask who the node is and how an axis is, and nothing
+    /// else.
+    pub fn on_byte_of<P: Pins, B: Board, const Q: usize, const A: usize>(
+        &mut self,
+        port: usize,
+        byte: u8,
+        now: u64,
+        shared: &mut impl Shared<P, B, Q, A>,
+    ) -> Option<Encoded> {
         let mut payload = [0; pump_link::frame::MAX_PAYLOAD];
-        let received = self.deframer.push(byte)?.ok()?;
+        let received = self.ports.deframer(port)?.push(byte)?.ok()?;
         let payload = payload.get_mut(..received.len())?;
         payload.iter_mut().zip(received).for_each(|(to, from)| *to = *from);
-        self.on_payload(payload, now, shared)
+        self.on_payload(port, payload, now, shared)
     }
 
     /// Looks at the dead-man time, at the emergency stop and at the drivers. Call it every ms.
@@ -104,6 +130,7 @@ impl Node {
 
     fn on_payload<P: Pins, B: Board, const Q: usize, const A: usize>(
         &mut self,
+        port: usize,
         payload: &[u8],
         now: u64,
         shared: &mut impl Shared<P, B, Q, A>,
@@ -112,8 +139,9 @@ impl Node {
         let request = RequestHeader::split(payload).and_then(|(_, rest)| body::<Request<'_>>(rest));
         let answer = match request {
             Ok(request) => {
-                let answer = self.answer(header.session, &request, shared).unwrap_or_else(Answer::Refused);
-                if self.holds(header.session) {
+                let from = Origin { port, session: header.session, now };
+                let answer = self.answer(from, &request, shared).unwrap_or_else(Answer::Refused);
+                if self.holds(from) {
                     self.dead_man.fed(now);
                     self.dead = false;
                 }
@@ -126,13 +154,14 @@ impl Node {
         Encoded::answer(header, &answer).ok()
     }
 
-    fn holds(&self, session: u64) -> bool {
-        session != 0 && session == self.session
+    /// Returns true if a request comes from the host that has the session.
+    fn holds(&self, from: Origin) -> bool {
+        from.session != 0 && from.session == self.session && self.ports.is_home(from.port)
     }
 
     fn answer<P: Pins, B: Board, const Q: usize, const A: usize>(
         &mut self,
-        session: u64,
+        from: Origin,
         request: &Request<'_>,
         shared: &mut impl Shared<P, B, Q, A>,
     ) -> Result<Answer, Refusal> {
@@ -142,8 +171,8 @@ impl Node {
                 let status = shared.with(|axes| axes.status(axis));
                 return status.map(Answer::Status).ok_or(Refusal::Axis { axes: A as u8 });
             }
-            Request::Adopt { dead_man_ms } => return self.adopt(session, dead_man_ms, shared),
-            _ if !self.holds(session) => return Err(Refusal::Session),
+            Request::Adopt { dead_man_ms } => return self.adopt(from, dead_man_ms, shared),
+            _ if !self.holds(from) => return Err(Refusal::Session),
             _ => {}
         }
         match *request {
@@ -171,15 +200,21 @@ impl Node {
 
     fn adopt<P: Pins, B: Board, const Q: usize, const A: usize>(
         &mut self,
-        session: u64,
+        from: Origin,
         dead_man_ms: u16,
         shared: &mut impl Shared<P, B, Q, A>,
     ) -> Result<Answer, Refusal> {
+        let Origin { port, session, now } = from;
         if session == 0 {
             return Err(Refusal::Session);
         }
         let another = session != self.session;
-        if another && shared.with(|axes| axes.is_moving()) {
+        let elsewhere = self.session != 0 && !self.ports.is_home(port);
+        if (another || elsewhere) && shared.with(|axes| axes.is_moving()) {
+            return Err(Refusal::Moving);
+        }
+        if elsewhere && !self.dead_man.is_over(now) {
+            // The session's host is about to move.
             return Err(Refusal::Moving);
         }
         if !self.dead_man.set_ms(dead_man_ms) {
@@ -190,6 +225,7 @@ impl Node {
             self.brake.revision = 0;
             self.session = session;
         }
+        self.ports.move_to(port);
         Ok(Answer::Adopted)
     }
 

@@ -91,12 +91,13 @@ impl Machine {
     }
 
     fn say_version(&mut self) {
-        self.say(match self.firmware {
-            Firmware::Grbl => "[VER:1.1h.20190830:]",
-            Firmware::Grbl09 => "[0.9j.20160303:]",
-            Firmware::GrblHal => "[VER:1.1f.20240205:]",
-            Firmware::FluidNc => "[VER:3.7 FluidNC v3.7.8:]",
-        });
+        let version = match self.firmware {
+            Firmware::Grbl => "VER:1.1h.20190830",
+            Firmware::Grbl09 => "0.9j.20160303",
+            Firmware::GrblHal => "VER:1.1f.20240205",
+            Firmware::FluidNc => "VER:3.7 FluidNC v3.7.8",
+        };
+        self.say(&format!("[{version}:{}]", self.text));
         self.say("[OPT:V,15,128]");
         if self.firmware == Firmware::GrblHal {
             self.say("[FIRMWARE:grblHAL]");

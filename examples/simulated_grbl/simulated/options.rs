@@ -10,6 +10,8 @@ pub(crate) struct Options {
     pub time_scale: f64,
     /// Firmware that the board says it has.
     pub firmware: Firmware,
+    /// Text that somebody gave the board with `$I=`.
+    pub text: &'static str,
     /// True if opening the port resets the board, as the DTR line does to an Arduino. A DTR that the last
     /// user of the port left up resets nothing.
     pub resets_on_open: bool,
@@ -123,6 +125,7 @@ impl Default for Options {
         Self {
             time_scale: 1.0,
             firmware: Firmware::Grbl,
+            text: "",
             resets_on_open: false,
             boot: Duration::from_millis(60),
             settings: Vec::new(),

@@ -34,6 +34,17 @@ pub(crate) struct Counts {
     pub(crate) most: f64,
 }
 
+/// Extremes that a board has come to since it was made.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extremes {
+    /// Longest time with interrupts off, in ns.
+    pub(crate) off_ns: f64,
+    /// Longest time with interrupts off in which the USB controller was used, in ns.
+    pub(crate) usb_off_ns: f64,
+    /// Deepest place of the stack.
+    pub(crate) stack: u32,
+}
+
 /// Board in a process of its own.
 struct Board {
     process: Child,
@@ -58,12 +69,18 @@ impl fmt::Debug for Emulator {
 }
 
 impl Emulator {
-    /// Starts the emulator with this firmware, an ELF file.
+    /// Starts the emulator with this firmware, an ELF file. It is reached over its UART.
     pub(crate) fn new(firmware: &Path) -> io::Result<Self> {
+        Self::with_options(firmware, &[])
+    }
+
+    /// Starts the emulator with this firmware and more options (firmware/emulator/serve.mjs).
+    pub(crate) fn with_options(firmware: &Path, options: &[&str]) -> io::Result<Self> {
         let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../emulator/serve.mjs");
         let mut process = Command::new("node")
             .arg(script)
             .arg(firmware)
+            .args(options)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()?;
@@ -89,6 +106,23 @@ impl Emulator {
         board.said.clear();
         board.written.clear();
         board.ask(b"R").map(drop)
+    }
+
+    /// Returns the extremes that the board has come to.
+    pub(crate) fn extremes(&self) -> io::Result<Extremes> {
+        let board = &mut *self.board();
+        board.to.write_all(b"X")?;
+        let [off_ns, usb_off_ns, stack] = board.numbers()?;
+        Ok(Extremes { off_ns, usb_off_ns, stack: stack as u32 })
+    }
+
+    /// Returns the names of the USB device: its ids, manufacturer, product and serial number.
+    pub(crate) fn usb_names(&self) -> io::Result<Vec<String>> {
+        let board = &mut *self.board();
+        board.to.write_all(b"S")?;
+        let mut text = vec![0; board.length()?];
+        board.from.read_exact(&mut text)?;
+        Ok(String::from_utf8_lossy(&text).lines().map(str::to_owned).collect())
     }
 
     /// Returns the instructions of the board's interrupts.

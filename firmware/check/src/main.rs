@@ -5,6 +5,8 @@
 #![allow(clippy::print_stdout, reason = "this program prints what it measured")]
 
 mod emulator;
+mod size;
+mod usb;
 
 use std::error::Error;
 use std::path::Path;
@@ -42,7 +44,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     dose(firmware, Axis::A, 1.0, 4.0, true)?;
     stop(firmware)?;
-    reset(firmware)
+    reset(firmware)?;
+    let stack_bytes = usb::dose(firmware)?;
+    size::hold(firmware, stack_bytes)
 }
 
 /// A board that was met, with the pump of the plans.
@@ -54,11 +58,14 @@ struct Met {
 }
 
 fn meet(firmware: &Path, axis: Axis) -> Result<Met, Box<dyn Error>> {
+    meet_at(Emulator::new(firmware)?, axis, &Opening::default())
+}
+
+fn meet_at(emulator: Emulator, axis: Axis, opening: &Opening) -> Result<Met, Box<dyn Error>> {
     let file = built_in("three-roller").ok_or("no such pump")?;
     let pump = file.model()?;
-    let emulator = Emulator::new(firmware)?;
     let table = DriveTable::of(DriverName::Node).with_axis(axis);
-    let mut node = Node::over(Box::new(emulator.clone()), &table, &file.motor, &Opening::default())?;
+    let mut node = Node::over(Box::new(emulator.clone()), &table, &file.motor, opening)?;
     node.connect()?;
     emulator.take_edges();
     Ok(Met { file, pump, emulator, node })
@@ -130,7 +137,7 @@ fn reset(firmware: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// Returns the times of the rises of an axis's step pin, in ns. A pin that becomes an output is no rise.
-fn rises(edges: &[Edge], axis: Axis) -> Vec<f64> {
+pub(crate) fn rises(edges: &[Edge], axis: Axis) -> Vec<f64> {
     let pin = step_pin(axis);
     edges.iter().filter(|edge| edge.pin == pin && edge.level == 1).map(|edge| edge.at_ns).collect()
 }

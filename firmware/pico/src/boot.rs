@@ -4,4 +4,4 @@
 /// Boot stage of the Pico's flash chip, a W25Q16 (Raspberry Pi Pico datasheet, section 1).
 #[unsafe(link_section = ".boot2")]
 #[used]
-static BOOT2_FIRMWARE: [u8; 256] = rp2040_boot2::BOOT_LOADER_W25Q080;
+pub(crate) static BOOT2_FIRMWARE: [u8; 256] = rp2040_boot2::BOOT_LOADER_W25Q080;

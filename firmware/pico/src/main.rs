@@ -4,17 +4,21 @@
 //! direction on GP(3 + 4k), enable on GP(4 + 4k), its index sensor on GP(5 + 4k), and its driver's fault output on
 //! GP(18 + k). GP22 is the emergency stop: low while it is released.
 //!
-//! Two interrupts run. The timer's alarm 0 makes the steps. The serial port's takes and sends bytes. Everything else is
-//! in the loop below.
+//! The board's own USB port is a second serial port.
+//!
+//! Three interrupts run. The timer's alarm 0 makes the steps. The serial port's takes and sends bytes. That of the USB
+//! port wakes the loop below, which does everything else.
 #![no_std]
 #![no_main]
 
 mod axis_pins;
 mod boot;
+mod flash_id;
 mod lights;
 mod pico;
 mod serial;
 mod step_timer;
+mod usb;
 
 use core::panic::PanicInfo;
 
@@ -26,6 +30,7 @@ use axis_pins::AxisPins;
 use lights::Light;
 use serial::Serial;
 use step_timer::{SharedAxes, StepTimer, TICK_HZ};
+use usb::Usb;
 
 /// Number of axes.
 const AXES: usize = 4;
@@ -36,6 +41,10 @@ const QUEUE: usize = 256;
 /// Rate of the crystal, Hz.
 const CRYSTAL_HZ: u32 = 12_000_000;
 
+/// Ports of the node: the UART, and the board's own USB port.
+const UART: usize = 0;
+const USB: usize = 1;
+
 /// Time between two looks at the dead-man time, ticks: 1 ms.
 const POLL_TICKS: u64 = 1_000;
 
@@ -44,6 +53,7 @@ fn main() -> ! {
     let Some((mut registers, mut cores)) = pac::Peripherals::take().zip(pac::CorePeripherals::take()) else {
         halt()
     };
+    let number = flash_id::read();
     let mut watchdog = Watchdog::new(registers.WATCHDOG);
     let clocks = init_clocks_and_plls(
         CRYSTAL_HZ,
@@ -72,22 +82,37 @@ fn main() -> ! {
     else {
         halt()
     };
+    let (bus, memory) = (registers.USBCTRL_REGS, registers.USBCTRL_DPRAM);
+    let Some(mut usb) = Usb::new(bus, memory, clocks.usb_clock, &mut registers.RESETS, number) else {
+        halt()
+    };
     let mut shared = SharedAxes::new(timer, |pico| Axes::new(AxisPins::ALL, pico, TICK_HZ));
-    let mut node = Node::new(identity::<QUEUE, AXES>(pico::board_number(), firmware_version(), TICK_HZ));
+    let mut node = Node::new(identity::<QUEUE, AXES>(number, firmware_version(), TICK_HZ));
     let mut poll_at = 0;
     loop {
         while let Some(byte) = serial.take() {
-            if let Some(answer) = node.on_byte(byte, step_timer::now(), &mut shared) {
+            if let Some(answer) = node.on_byte_of(UART, byte, step_timer::now(), &mut shared) {
                 serial.send(answer.bytes());
+            }
+        }
+        if Usb::asks() {
+            usb.serve();
+        }
+        while let Some(byte) = usb.take() {
+            if let Some(answer) = node.on_byte_of(USB, byte, step_timer::now(), &mut shared) {
+                usb.send(answer.bytes());
             }
         }
         let now = step_timer::now();
         if now >= poll_at {
             poll_at = now + POLL_TICKS;
             node.poll(now, &mut shared);
+            usb.serve();
             light.show(now, node.session() != 0, shared.is_moving());
         }
-        step_timer::sleep_until(poll_at);
+        if !Usb::asks() {
+            step_timer::sleep_until(poll_at);
+        }
     }
 }
 

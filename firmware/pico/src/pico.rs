@@ -33,8 +33,3 @@ impl Board for Pico {
         is_high(1 << ESTOP)
     }
 }
-
-/// Number of this board. It is 0 where the flash does not tell its own.
-pub(crate) fn board_number() -> u64 {
-    0
-}

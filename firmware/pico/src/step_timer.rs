@@ -52,6 +52,7 @@ pub(crate) fn put_steps_first(interrupts: &mut NVIC) {
         interrupts.set_priority(Interrupt::TIMER_IRQ_0, FIRST);
         interrupts.set_priority(Interrupt::TIMER_IRQ_1, SECOND);
         interrupts.set_priority(Interrupt::UART0_IRQ, SECOND);
+        interrupts.set_priority(Interrupt::USBCTRL_IRQ, SECOND);
     }
 }
 
@@ -94,7 +95,8 @@ pub(crate) fn sleep_until(tick: u64) {
 pub(crate) struct SharedAxes(());
 
 impl SharedAxes {
-    /// Gives the axes to the interrupt.
+    /// Gives the axes to the interrupt. They are made on the stack, which is free again when this function is left.
+    #[inline(never)]
     pub(crate) fn new(_: StepTimer, make: impl FnOnce(Pico) -> NodeAxes) -> Self {
         // SAFETY: the interrupts are off, and find what they need from here on.
         unsafe {

@@ -15,7 +15,7 @@ use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
 use crate::dosing::drop_ml;
 use crate::dosing::{DoseRequest, Prepared, Stands};
-use crate::drives::{Drive, DriveError, Identity, Opening, StopRequest, registry};
+use crate::drives::{Drive, DriveError, Identity, Opening, PORT_NAMES, StopRequest, registry};
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::{DriveTable, DriverName, PumpFile};
 use crate::record::Folder;
@@ -63,7 +63,8 @@ impl Bench {
         let folder = Folder::new(state_dir, &file.pump.id, &identity.id);
         let settings_record = Some(folder.path().join(SETTINGS_RECORD));
         let boards = Some(state_dir.join(BOARDS));
-        let opening = Opening { settings_record, boards, ..Opening::default() };
+        let port_names = Some(PathBuf::from(PORT_NAMES));
+        let opening = Opening { settings_record, boards, port_names, ..Opening::default() };
         let (is_given, unfinished, confirms_pump) = (false, false, false);
         Ok(Self { file, model, drive, identity, is_given, folder, opening, unfinished, confirms_pump })
     }
@@ -103,7 +104,15 @@ impl Bench {
         self
     }
 
-    /// Returns the bench with or without leave for device settings that differ from those on record.
+    /// Returns the bench that looks for the names of serial ports in `folder`, in place of /dev/serial/by-id.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn naming_ports_in(mut self, folder: PathBuf) -> Self {
+        self.opening.port_names = Some(folder);
+        self
+    }
+
+    /// Returns the bench with or without leave for a device, and device settings, that differ from those on record.
     #[must_use]
     pub fn accepting_settings(mut self, accept: bool) -> Self {
         self.opening.accept_settings = accept;

@@ -9,6 +9,8 @@ mod find;
 mod grbl;
 pub(crate) mod grbl_speeds;
 mod identity;
+#[cfg(any(feature = "grbl", feature = "node"))]
+mod known_board;
 #[cfg(feature = "node")]
 mod node;
 #[cfg(not(all(feature = "grbl", feature = "node")))]
@@ -35,6 +37,7 @@ pub(crate) use identity::Identity;
 #[cfg(feature = "node")]
 pub use node::{AxisRun, Node, NodeAxes, NodeAxis, NodeError};
 pub use opening::Opening;
+pub(crate) use opening::PORT_NAMES;
 pub use sim::Sim;
 pub use stepped::{MonotonicClock, Stepped, SteppedError};
 pub use stop_request::StopRequest;

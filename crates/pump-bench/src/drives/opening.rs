@@ -4,6 +4,9 @@ use std::path::PathBuf;
 
 use super::stop_request::StopRequest;
 
+/// Folder in which Linux keeps a name for each serial port on a USB cable.
+pub(crate) const PORT_NAMES: &str = "/dev/serial/by-id";
+
 /// Terms on which a device is opened.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Opening {
@@ -12,13 +15,16 @@ pub struct Opening {
     /// Acceleration at the pump head that a device is configured with, if it has one for every dose, rad/s².
     /// `None` takes the motor's largest.
     pub acceleration_rad_s2: Option<f64>,
-    /// True if device settings may differ from those on record. They are on record from then on.
+    /// True if the board and its settings may differ from those on record. They are on record from then on.
     pub accept_settings: bool,
-    /// File that holds the device settings of the last time. `None` keeps no record of them.
+    /// File that holds the device settings of the last time. The record of the board is beside it. `None` keeps no
+    /// record of either.
     pub settings_record: Option<PathBuf>,
     /// Folder of the records of boards, each of which all pumps of a board share. `None` keeps the record of a board
     /// beside that of its settings, so that two pumps of one board take it from each other.
     pub boards: Option<PathBuf>,
+    /// Folder of the names that serial ports keep, as /dev/serial/by-id. `None` tells no ports apart.
+    pub port_names: Option<PathBuf>,
     /// Request that ends every wait at rest.
     pub stop: StopRequest,
 }

@@ -95,6 +95,8 @@ pub(crate) struct Direct {
     pub(crate) axes: Axes<AxisPins, Shared, 32, 4>,
     number: u16,
     revision: u32,
+    /// Port over which the node is asked.
+    pub(crate) port: usize,
 }
 
 /// Even steps, 1 ms apart.
@@ -117,7 +119,7 @@ impl Direct {
         let pins = [0, 1, 2, 3].map(|axis| AxisPins(hardware.clone(), axis));
         let axes = Axes::new(pins, hardware.clone(), TICK_HZ);
         let node = Node::new(identity::<32, 4>(7, [1, 2, 3], TICK_HZ));
-        Self { hardware, node, axes, number: 0, revision: 0 }
+        Self { hardware, node, axes, number: 0, revision: 0, port: 0 }
     }
 
     /// Makes a node whose session is [`SESSION`] and whose first axes are configured.
@@ -132,7 +134,7 @@ impl Direct {
         let now = self.now();
         let mut answers = Vec::new();
         for byte in bytes {
-            let Some(frame) = self.node.on_byte(*byte, now, &mut self.axes) else { continue };
+            let Some(frame) = self.node.on_byte_of(self.port, *byte, now, &mut self.axes) else { continue };
             let mut deframer = Deframer::new();
             let said =
                 frame.bytes().iter().filter_map(|byte| deframer.push(*byte).map(|s| s.map(<[u8]>::to_vec)));

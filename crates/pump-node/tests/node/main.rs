@@ -5,4 +5,5 @@
 mod direct;
 mod faults;
 mod moves;
+mod ports;
 mod power_up;

@@ -15,7 +15,8 @@ use super::jogs::{Jogs, Task};
 use super::recovery::Made;
 use super::reply::Reply;
 use super::scale::Scale;
-use super::settings::{self, Flavour, MOST_STEPS_S, Settings};
+use super::settings::{self, Flavour, MOST_STEPS_S, SelfDescription, Settings};
+use crate::drives::known_board::KnownBoard;
 use crate::drives::wire::{BoardPort, Wire};
 use crate::drives::{
     Abilities, Disturbance, Drive, DriveError, DriveFault, DriveLimits, Gate, IndexSearch, Opening, Watch,
@@ -61,8 +62,9 @@ impl Grbl {
     /// # Errors
     ///
     /// [`DriveError`] if the port is missing or in use, no grbl board answers, or its settings do not fit the
-    /// pump or differ from those on record.
+    /// pump or differ from those on record, or it is another board than the one on record.
     pub fn open(table: &DriveTable, motor: &MotorTable, opening: &Opening) -> Result<Self, DriveError> {
+        KnownBoard::look_at_port(table.port.as_deref(), opening).map_err(GrblError::from)?;
         let port = BoardPort::open(table.port.as_deref(), table.rate_baud())?;
         Self::over(Box::new(port), table, motor, opening)
     }
@@ -88,7 +90,10 @@ impl Grbl {
         opening: &Opening,
         mut reset: bool,
     ) -> Result<Self, GrblError> {
-        let (settings, told) = settings::agreed(&mut board, table.axis, motor, opening)?;
+        let SelfDescription { flavour, text } = settings::described(&mut board)?;
+        let found = KnownBoard { text, ..KnownBoard::at_port(table.port.as_deref(), opening) };
+        let replaced = found.recognise(table.port.as_deref(), opening)?;
+        let (settings, told) = settings::agreed(&mut board, flavour, table.axis, motor, opening)?;
         if settings.soft_limits() {
             return Err(GrblError::SoftLimits);
         }
@@ -106,7 +111,10 @@ impl Grbl {
         }
         connect::rest(&mut board, &mut reset)?;
         let place = board.rests_at()?;
-        let told = told.into_iter().map(Notice::from);
+        // The counter of another board says nothing about the rotor.
+        reset |= replaced.is_some();
+        let replaced = replaced.map(|board| format!("another board was on record, {board}: accepted"));
+        let told = replaced.into_iter().chain(told).map(Notice::from);
         let notes = told.chain(remarks(&settings, &scale)).collect();
         Ok(Self {
             least_steps_s: settings.least_steps_s(&scale),

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use crate::drives::DriveError;
+use crate::drives::known_board::BoardError;
 use crate::drives::wire::PortError;
 
 use super::code::{alarm_text, error_text, stops_at_once};
@@ -192,6 +193,29 @@ pub enum GrblError {
         /// Cause of the failure.
         reason: String,
     },
+    /// Another board is at the port than the one on record.
+    #[error(
+        "the board at {} is {found}, and the pump's record is of {recorded}; connect that board, or name its port",
+        .port.display()
+    )]
+    OtherBoard {
+        /// Path of the port.
+        port: PathBuf,
+        /// Board at the port, as the message words it.
+        found: String,
+        /// Board on record, as the message words it.
+        recorded: String,
+    },
+    /// The record of the pump's board cannot be used.
+    #[error("the record of the pump's board cannot be {action}: {reason} ({})", .record.display())]
+    BoardRecord {
+        /// Operation that failed, as the message words it.
+        action: &'static str,
+        /// Path of the record.
+        record: PathBuf,
+        /// Cause of the failure.
+        reason: String,
+    },
     /// The board refused a line.
     #[error("the board refused {} with error:{code}: {}", named(line), error_text(*code))]
     Refused {
@@ -310,6 +334,15 @@ impl GrblError {
     /// Returns true if nothing more can be heard from the board.
     pub(super) fn ends_link(&self) -> bool {
         matches!(self, Self::Gone(_) | Self::Quiet { .. })
+    }
+}
+
+impl From<BoardError> for GrblError {
+    fn from(error: BoardError) -> Self {
+        match error {
+            BoardError::Other { port, found, recorded } => Self::OtherBoard { port, found, recorded },
+            BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
+        }
     }
 }
 

@@ -15,6 +15,7 @@ use super::error::NodeError;
 use super::line::Line;
 use super::link::Link;
 use super::session_record::SessionRecord;
+use crate::drives::known_board::KnownBoard;
 use crate::drives::{Disturbance, Opening};
 use crate::pump_file::{Axis, DriveTable, Pins};
 
@@ -41,10 +42,10 @@ pub(super) struct Terms {
     pub(super) hold_timeout_s: Option<f64>,
     /// File that holds the board's number and its session.
     pub(super) record: Option<PathBuf>,
-    /// True if another board than that on record is accepted.
-    pub(super) accept_board: bool,
-    /// Folder of the records of boards, which their pumps share.
-    pub(super) boards: Option<PathBuf>,
+    /// Terms on which the device is opened.
+    pub(super) opening: Opening,
+    /// Marks of the board that its port tells.
+    at_port: KnownBoard,
     /// Times and polarity of the pins.
     pins: Pins,
     /// Time without a word of this program after which the board decelerates, ms.
@@ -62,8 +63,8 @@ impl Terms {
             has_index: table.index_angle_deg.is_some(),
             hold_timeout_s: table.hold_timeout_s,
             record: opening.settings_record.clone(),
-            accept_board: opening.accept_settings,
-            boards: opening.boards.clone(),
+            at_port: KnownBoard::at_port(table.port.as_deref(), opening),
+            opening: opening.clone(),
             pins: table.pins_or_usual(),
             dead_man_ms: table.dead_man_or_usual_ms(),
         }
@@ -100,6 +101,8 @@ pub(super) struct Met {
     pub(super) disturbed: Option<Disturbance>,
     /// Faults that nobody had read.
     pub(super) unread: FaultCounts,
+    /// Words for the board that was on record, if this one was accepted in its place.
+    pub(super) replaced: Option<String>,
 }
 
 /// Meets the board at the other end of `link`, and configures its axis. Nothing moves.
@@ -124,6 +127,7 @@ pub(super) fn meet(
     }
     let tick_rate = given!(TickRate::from_hz(identity.tick_hz).ok_or(NodeError::NoTimer));
     let brake = given!(make_brake(tick_rate));
+    let replaced = given!(recognise(&identity, terms));
     let found = session(&mut link.line(), &identity, held, terms);
     let (session, holds) = given!(found);
     link.begin(session);
@@ -131,7 +135,8 @@ pub(super) fn meet(
     let mut board = Board { link, identity, tick_rate, axis, move_number: 0, revision: 0, baud, dead_man_ms };
     match take_over(&mut board, terms, &brake, holds) {
         Ok((status, disturbed)) => {
-            Ok(Met { board, brake, position: status.position, disturbed, unread: status.unread })
+            let (position, unread) = (status.position, status.unread);
+            Ok(Met { board, brake, position, disturbed, unread, replaced })
         }
         Err(error) => Err((Box::new(board.link), error)),
     }
@@ -172,22 +177,26 @@ pub(super) fn identify(
     }
 }
 
+/// Refuses another board than the one on record, unless it is accepted. Returns words for that one then.
+fn recognise(identity: &Identity, terms: &Terms) -> Result<Option<String>, NodeError> {
+    // A board whose flash chip tells no number says 0.
+    let number = Some(identity.board).filter(|number| *number != 0);
+    let found = KnownBoard { number, ..terms.at_port.clone() };
+    Ok(found.recognise(Some(&terms.port), &terms.opening)?)
+}
+
 /// Returns the session of the board, and true if the board holds it. The disk has a new session before the board does.
 /// All pumps of the board share it, so none takes the board from another.
 fn session(line: &mut Line, identity: &Identity, held: u64, terms: &Terms) -> Result<(u64, bool), NodeError> {
     let lenient = |read: Result<Option<SessionRecord>, NodeError>| match read {
-        Err(_) if terms.accept_board => Ok(None),
+        Err(_) if terms.opening.accept_settings => Ok(None),
         read => read,
     };
     let path = terms.record.as_deref();
     let of_pump = lenient(path.map_or(Ok(None), SessionRecord::read))?;
     // Number 0 is that of a board whose firmware knew none.
     let same = of_pump.filter(|recorded| [0, identity.board].contains(&recorded.board));
-    if let (Some(recorded), None, false) = (of_pump, same, terms.accept_board) {
-        let (port, found, recorded) = (terms.port.clone(), identity.board, recorded.board);
-        return Err(NodeError::OtherBoard { port, found, recorded });
-    }
-    let boards = terms.boards.as_deref();
+    let boards = terms.opening.boards.as_deref();
     let record = boards.map(|folder| BoardRecord::of(folder, identity.board, &terms.port));
     if let Some(record) = &record
         && !line.hold.as_ref().is_some_and(|hold| hold.is_of(record))

@@ -10,6 +10,7 @@ use pump_link::sender::{StreamError, TooFast, WindowError};
 use thiserror::Error;
 
 use crate::drives::DriveError;
+use crate::drives::known_board::BoardError;
 use crate::drives::wire::PortError;
 use crate::pump_file::Axis;
 
@@ -66,16 +67,26 @@ pub enum NodeError {
     },
     /// Another board is at the port than the one on record.
     #[error(
-        "the board at {} is number {found:016x}, and the pump's record is of board {recorded:016x}; connect that \
-         board, or name its port", .port.display()
+        "the board at {} is {found}, and the pump's record is of {recorded}; connect that board, or name its port",
+        .port.display()
     )]
     OtherBoard {
         /// Path of the port.
         port: PathBuf,
-        /// Number of the board at the port.
-        found: u64,
-        /// Number of the board on record.
-        recorded: u64,
+        /// Board at the port, as the message words it.
+        found: String,
+        /// Board on record, as the message words it.
+        recorded: String,
+    },
+    /// The record of the pump's board cannot be used.
+    #[error("the record of the pump's board cannot be {action}: {reason} ({})", .record.display())]
+    BoardRecord {
+        /// Operation that failed, as the message words it.
+        action: &'static str,
+        /// Path of the record.
+        record: PathBuf,
+        /// Cause of the failure.
+        reason: String,
     },
     /// Another process has the board, through another port.
     #[error("{} is in use by {holder}; wait until it is done", .device.display())]
@@ -243,6 +254,15 @@ impl NodeError {
             Refusal::Driver => Self::Driver,
             Refusal::AngleLost => Self::LetGo,
             refusal => Self::Refused(refusal),
+        }
+    }
+}
+
+impl From<BoardError> for NodeError {
+    fn from(error: BoardError) -> Self {
+        match error {
+            BoardError::Other { port, found, recorded } => Self::OtherBoard { port, found, recorded },
+            BoardError::Record { action, record, reason } => Self::BoardRecord { action, record, reason },
         }
     }
 }

@@ -113,7 +113,10 @@ impl Node {
         };
         let motor = self.motor;
         match connect::meet(link, &self.terms, |tick_rate| Ok(motor.brake(tick_rate)?)) {
-            Ok(Met { board, brake, position, disturbed, unread }) => {
+            Ok(Met { board, brake, position, disturbed, unread, replaced }) => {
+                self.notes.extend(
+                    replaced.map(|board| format!("another board was on record, {board}: accepted").into()),
+                );
                 self.at = At::Met { board: Box::new(board), brake: Box::new(brake) };
                 self.stands = Some(position);
                 self.disturbed = disturbed;

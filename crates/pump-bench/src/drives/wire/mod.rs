@@ -4,6 +4,7 @@ mod ask_clock;
 mod error;
 mod holder;
 mod port;
+mod port_name;
 
 use std::fmt::Debug;
 use std::io;
@@ -13,6 +14,7 @@ pub use ask_clock::AskClock;
 use ask_clock::SystemAskClock;
 pub(super) use error::PortError;
 pub(super) use port::BoardPort;
+pub(super) use port_name::port_name;
 
 /// Wire to a board.
 pub trait Wire: Debug + Send {

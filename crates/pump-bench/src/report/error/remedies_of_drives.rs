@@ -46,7 +46,7 @@ fn of_node(error: &NodeError) -> Option<Remedy> {
     match error {
         NodeError::NoPort => Some(Remedy::NamePort),
         NodeError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
-        NodeError::SessionRecord { .. } => Some(Remedy::WriteSettingsAnew),
+        NodeError::SessionRecord { .. } | NodeError::BoardRecord { .. } => Some(Remedy::WriteSettingsAnew),
         NodeError::Gone(_) => Some(Remedy::CheckCable),
         NodeError::Count { .. } => Some(Remedy::FindAngle),
         NodeError::Estop | NodeError::Driver => Some(Remedy::ThenFindAngle),
@@ -62,7 +62,8 @@ fn of_grbl(error: &GrblError) -> Option<Remedy> {
         GrblError::Steep { .. } => Some(Remedy::ConfigureOrRaise),
         GrblError::SoftLimits => Some(Remedy::Configure),
         GrblError::SettingsChanged { .. } => Some(Remedy::AcceptSettings),
-        GrblError::SettingsRecord { .. } => Some(Remedy::WriteSettingsAnew),
+        GrblError::OtherBoard { .. } => Some(Remedy::AcceptBoard),
+        GrblError::SettingsRecord { .. } | GrblError::BoardRecord { .. } => Some(Remedy::WriteSettingsAnew),
         GrblError::Gone(_) => Some(Remedy::CheckCable),
         GrblError::Count { .. } => Some(Remedy::FindAngle),
         _ => None,

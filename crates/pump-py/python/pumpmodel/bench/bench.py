@@ -67,7 +67,7 @@ class Bench(BenchDoses, BenchRecord, BenchCalibration):
         configure : bool
             Write the controller's settings that do not fit the pump.
         accept_settings : bool
-            Accept controller settings that have changed since the last time.
+            Accept another controller than the last time, or other settings of it.
         confirm_pump : bool
             Say that the pump's values are those of the pump at the motor. A real motor does not move while
             its steps per revolution, its direction or its head are filled in, as those of a built-in pump.

@@ -45,8 +45,15 @@ pub(super) struct Settings {
     pub(super) values: BTreeMap<u16, f64>,
 }
 
-/// Asks a board for its firmware. Refuses firmware older than 1.1.
-fn flavour(board: &mut Board) -> Result<Flavour, GrblError> {
+/// Board by its own words.
+pub(super) struct SelfDescription {
+    pub(super) flavour: Flavour,
+    /// Text that somebody has given the board, with `$I=` or in its configuration.
+    pub(super) text: Option<String>,
+}
+
+/// Asks a board for its firmware and its text. Refuses firmware older than 1.1.
+pub(super) fn described(board: &mut Board) -> Result<SelfDescription, GrblError> {
     let said = board.command("$I")?;
     let text = |reply: &Reply| match reply {
         Reply::Version(text) | Reply::Message(text) | Reply::Banner(text) => Some(text.to_lowercase()),
@@ -64,24 +71,30 @@ fn flavour(board: &mut Board) -> Result<Flavour, GrblError> {
     if (major, minor) < (1, 1) {
         return Err(GrblError::Old { major, minor });
     }
-    Ok(if says("grblhal") {
+    // As in `[VER:1.1h.20190830:text]`.
+    let text = said.iter().find_map(|reply| match reply {
+        Reply::Version(version) => version.split_once(':').map(|(_, text)| text.trim().to_owned()),
+        _ => None,
+    });
+    let flavour = if says("grblhal") {
         Flavour::GrblHal
     } else if says("fluidnc") || (major, minor) > (1, 1) {
         Flavour::FluidNc
     } else {
         Flavour::Grbl
-    })
+    };
+    Ok(SelfDescription { flavour, text: text.filter(|text| !text.is_empty()) })
 }
 
 /// Reads the settings of a board twice, and compares them with each other and with those on record. Writes
 /// them first if `opening` allows it. Returns notes of what was written or accepted.
 pub(super) fn agreed(
     board: &mut Board,
+    flavour: Flavour,
     axis: Axis,
     motor: &Motor,
     opening: &Opening,
 ) -> Result<(Settings, Vec<String>), GrblError> {
-    let flavour = flavour(board)?;
     let mut settings = read(board, flavour, axis)?;
     let (mut notes, mut written) = (Vec::new(), Vec::new());
     if opening.configure {

@@ -1,0 +1,60 @@
+//! The sizes of the firmware: its flash, and its memory with the deepest stack that was seen.
+
+use std::error::Error;
+use std::path::Path;
+
+use crate::check;
+
+/// Most flash and most memory of the firmware, in bytes, and most stack. The chip has 264 kB of memory.
+const MOST_FLASH: u32 = 48_000;
+const MOST_MEMORY: u32 = 96_000;
+const MOST_STACK: u32 = 64_000;
+
+/// Start of the memory, and its end, where the stack begins (RP2040 datasheet, section 2.2).
+const MEMORY: u32 = 0x2000_0000;
+pub(crate) const STACK: u32 = 0x2004_0000;
+
+/// Type of a loadable segment in an ELF file (ELF-32, figure 2-2).
+const LOADED: u32 = 1;
+
+/// Prints the sizes of the firmware and holds them below their limits.
+pub(crate) fn hold(firmware: &Path, stack: u32) -> Result<(), Box<dyn Error>> {
+    let elf = std::fs::read(firmware)?;
+    let (mut flash, mut memory) = (0, 0);
+    for segment in segments(&elf).ok_or("the firmware is no ELF file of 32 bits")? {
+        flash += segment.in_file;
+        if segment.address >= MEMORY {
+            memory += segment.in_memory;
+        }
+    }
+    println!("{flash} bytes of flash; {memory} bytes of memory, and {stack} of stack");
+    check(flash > 0 && flash < MOST_FLASH, "the size of the flash")?;
+    check(memory > 0 && memory < MOST_MEMORY, "the size of the memory")?;
+    check(stack > 0 && stack < MOST_STACK, "the size of the stack")
+}
+
+/// Segment that is loaded.
+struct Segment {
+    /// Address at which it is used.
+    address: u32,
+    /// Bytes that the flash holds.
+    in_file: u32,
+    /// Bytes at that address.
+    in_memory: u32,
+}
+
+/// Returns the segments of an ELF file that are loaded (ELF-32, figures 1-3 and 2-1).
+fn segments(elf: &[u8]) -> Option<Vec<Segment>> {
+    elf.starts_with(b"\x7fELF\x01").then_some(())?;
+    let short = |at: usize| Some(u16::from_le_bytes(*elf.get(at..)?.first_chunk()?));
+    let word = |at: usize| Some(u32::from_le_bytes(*elf.get(at..)?.first_chunk()?));
+    let (first, size, number) = (word(28)? as usize, usize::from(short(42)?), usize::from(short(44)?));
+    let mut segments = Vec::new();
+    for at in (0..number).map(|number| first + number * size) {
+        if word(at)? == LOADED {
+            let (address, in_file, in_memory) = (word(at + 8)?, word(at + 16)?, word(at + 20)?);
+            segments.push(Segment { address, in_file, in_memory });
+        }
+    }
+    Some(segments)
+}
