@@ -3,12 +3,16 @@
 use pump_bench::notice::Notice;
 use pump_bench::{Bench, DoseReport, DoseRequest};
 
-use super::delivery::{STOPPED, report_once};
+use super::delivery::report_once;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::balance::{BalanceOptions, ByWeightOptions};
 use crate::options::dosing::DosingOptions;
-use crate::terminal::{announce, noted, progress_bar, warn};
+use crate::terminal::{announce, noted, progress_bar, waiting, warn};
+
+/// The message after a signal.
+const STOPPED: &str = "stopped by the user; `dose resume` makes the rest by volume, `dose discard` accepts the dose as it \
+                       is";
 
 /// Makes one dose by weight, or with `--dry-run` plans it.
 pub(super) fn run(
@@ -41,13 +45,20 @@ pub(super) fn run(
     let mut session = bench.session()?;
     let prepared = session.prepare_by_weight(&order);
     let prepared = noted(&mut session, prepared)?;
+    // A balance waits for its load to stand still, and is read before the motor is said to move.
+    let sign = (!json).then(|| waiting("waiting for the balance to stand still"));
+    let tare = session.tare_by_weight(&prepared, scale.as_mut());
+    if let Some(sign) = sign {
+        sign.finish_and_clear();
+    }
+    let tare = noted(&mut session, tare).map_err(|error| Failure::of(error).of_session(&session))?;
     announce(bench, json)?;
     if !bench.is_simulated() {
         warn(&prepared.whole.warnings);
     }
     let bar = progress_bar(prepared.whole.plan.steps().unsigned_abs(), json);
     let (mut before, mut last) = (0, 0);
-    let made = session.run_by_weight(&prepared, scale.as_mut(), |made| {
+    let made = session.run_from_tare(&prepared, tare, scale.as_mut(), |made| {
         // Each stretch counts its own steps.
         if made < last {
             before += last;

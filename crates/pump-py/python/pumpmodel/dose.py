@@ -189,6 +189,25 @@ class Unfinished(Record):
     steps_made_least: int
     steps_made_most: int
     began_unix_s: int
+    by_weight: bool
+    target_g: float | None
+
+
+@dataclass(frozen=True)
+class LastByWeight(Record):
+    """The weighing of the last dose, which a balance ended: masses in g, volumes in mL.
+
+    The balance was to show `target_g` and showed `mass_g`. The pump turned for `turned_ml` by the model.
+    `dropped_ml` is the carry of earlier doses that was dropped.
+    """
+
+    target_g: float
+    mass_g: float
+    digit_g: float
+    volume_ml: float
+    turned_ml: float
+    dropped_ml: float
+    began_unix_s: int
 
 
 @dataclass(frozen=True)
@@ -223,6 +242,7 @@ class Status(Record):
         "wear": Wear,
         "calibration": CalibrationInUse,
         "unfinished": Unfinished,
+        "last_by_weight": LastByWeight,
         "unfinished_calibration": UnfinishedCalibration,
     }
 
@@ -242,6 +262,7 @@ class Status(Record):
     tube_life_ml: float | None
     calibration: CalibrationInUse | None
     unfinished: Unfinished | None
+    last_by_weight: LastByWeight | None
     unfinished_calibration: UnfinishedCalibration | None
     in_use_by: str | None
     folder: str
