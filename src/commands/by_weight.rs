@@ -1,6 +1,5 @@
 //! `dose <VOLUME> --until-scale`: a dose that a balance ends.
 
-use pump_bench::notice::Notice;
 use pump_bench::{Bench, DoseReport, DoseRequest};
 
 use super::delivery::report_once;
@@ -33,11 +32,7 @@ pub(super) fn run(
     let order = options.order(request, balance);
     if dosing.dry_run {
         let prepared = bench.prepare_by_weight(&order)?;
-        let mut report = DoseReport::new(bench, &prepared.whole, None);
-        report.warnings.push(Notice::from(format!(
-            "a balance would end this dose: the pump would turn for {:.4} mL at most",
-            prepared.most_ml
-        )));
+        let report = DoseReport::planned_by_weight(bench, &prepared);
         return report_once(bench, report, &said, None, Vec::new());
     }
     let mut scale = balance.open()?.ok_or_else(|| Failure::refused("--until-scale needs a balance"))?;
@@ -72,8 +67,7 @@ pub(super) fn run(
     if !bench.is_simulated() {
         warn(&delivered.warnings);
     }
-    let density_kg_m3 = bench.file().fluid.density_kg_m3;
-    let difference_g = options.difference_g(delivered.digit_g, density_kg_m3);
+    let difference_g = delivered.difference_standard_g(options.scale, bench.file());
     let report = DoseReport::by_weight(bench, &prepared, &delivered, difference_g);
     let printed = report_once(bench, report, &said, None, Vec::new());
     match (printed, delivered.completed) {

@@ -78,13 +78,39 @@ class CalibrationUsed(Record):
 
 
 @dataclass(frozen=True)
+class ByWeight(Record):
+    """The weighing of a dose that a balance ended: masses in g, volumes in mL, times in s.
+
+    The balance was to show `target_g` and showed `mass_g`, in steps of `digit_g`. The pump turned for
+    `turned_ml` by the model, and might turn for `most_ml`, in `stretches` that were weighed each. The balance
+    stopped `stopped_by_balance` of them before the end of their plan. The dose reckoned with `reckoned_s` of flow
+    that still arrives after a stop; `after_stop_s` is the mean over the stops on record. `dropped_ml` is the carry
+    of earlier doses that was dropped.
+    """
+
+    target_g: float
+    mass_g: float
+    digit_g: float
+    turned_ml: float
+    most_ml: float
+    stretches: int
+    stopped_by_balance: int
+    reckoned_s: float | None
+    reckoned_learned: bool | None
+    after_stop_s: float | None
+    after_stop_spread_s: float | None
+    after_stop_stops: int | None
+    dropped_ml: float
+
+
+@dataclass(frozen=True)
 class Dose(Record):
     """A dose of a bench, run or planned: the fields of the command's JSON `dose/1`.
 
     Volumes are in mL and negative in reverse, angles in deg of the pump head, pressures in kPa absolute,
     times in s. `delivered_ml` is the volume that the vessel of a simulation received, or the model's volume
     of the steps that a motor made. It is None for a dose that was only planned. `completed` is True if the
-    dose was delivered in full.
+    dose was delivered in full. `by_weight` is the weighing of a dose that a balance ended, and None of any other.
     """
 
     _records: ClassVar[dict[str, type[Record]]] = {
@@ -95,6 +121,7 @@ class Dose(Record):
         "ripple_after": Ripple,
         "ripple_at_rollers": RippleAt,
         "ripple_at_line_end": RippleAt,
+        "by_weight": ByWeight,
     }
 
     schema: str
@@ -155,6 +182,7 @@ class Dose(Record):
     limits_not_checked: tuple[UncheckedLimit, ...]
     warnings: tuple[str, ...]
     completed: bool
+    by_weight: ByWeight | None = None
 
     def __repr__(self) -> str:
         """Tell the requested and the delivered volume, from an unknown angle the range of it."""
