@@ -83,9 +83,9 @@ class ByWeight(Record):
 
     The balance was to show `target_g` and showed `mass_g`, in steps of `digit_g`. The pump turned for
     `turned_ml` by the model, and might turn for `most_ml`, in `stretches` that were weighed each. The balance
-    stopped `stopped_by_balance` of them before the end of their plan. The dose reckoned with `reckoned_s` of flow
-    that still arrives after a stop; `after_stop_s` is the mean over the stops on record. `dropped_ml` is the carry
-    of earlier doses that was dropped.
+    stopped `stopped_by_balance` of them before the end of their plan. The dose reckoned with `reckoned_s` of
+    flow that still arrives after a stop; `after_stop_s` is the mean over the stops on record. `dropped_ml` is
+    the carry of earlier doses that was dropped.
     """
 
     target_g: float
@@ -110,7 +110,8 @@ class Dose(Record):
     Volumes are in mL and negative in reverse, angles in deg of the pump head, pressures in kPa absolute,
     times in s. `delivered_ml` is the volume that the vessel of a simulation received, or the model's volume
     of the steps that a motor made. It is None for a dose that was only planned. `completed` is True if the
-    dose was delivered in full. `by_weight` is the weighing of a dose that a balance ended, and None of any other.
+    dose was delivered in full. `by_weight` is the weighing of a dose that a balance ended, and None of any
+    other.
     """
 
     _records: ClassVar[dict[str, type[Record]]] = {

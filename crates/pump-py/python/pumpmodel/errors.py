@@ -27,8 +27,8 @@ class DriveError(PumpError):
 class BalanceError(PumpError):
     """A balance cannot be read, or a dose by weight ended before the balance showed what was asked for.
 
-    If the pump turned, `turned_ml` is the volume delivered by the model (mL) and `weighed_g` the mass delivered
-    by the last reading (g). The dose is unfinished then. Without motion both are None.
+    If the pump turned, `turned_ml` is the volume delivered by the model (mL) and `weighed_g` the mass
+    delivered by the last reading (g). The dose is unfinished then. Without motion both are None.
     """
 
     turned_ml: float | None = None

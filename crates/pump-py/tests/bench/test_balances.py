@@ -54,7 +54,10 @@ class SerialBalance:
         if self.garbage:
             return b"S S  12,3,4 oz\r\n"
         mass_g = self.mass_g()
-        known = {b"\x1bP\r": f"+ {mass_g:9.2f} g  \r\n"} if self.sbi else {b"SI\r": f"S S {mass_g:10.2f} g\r\n"}
+        if self.sbi:
+            known = {b"\x1bP\r": f"+ {mass_g:9.2f} g  \r\n"}
+        else:
+            known = {b"SI\r": f"S S {mass_g:10.2f} g\r\n"}
         return known.get(question, "ES\r\n").encode()
 
     def close(self) -> None:
@@ -135,7 +138,7 @@ def test_a_function_and_a_command_serve_as_balances(bench: pm.Bench, tmp_path: P
     journal = Path(bench.folder) / "journal.jsonl"
     script = (
         f"v=$(grep -o '\"volume_ml\":[0-9.e-]*' '{journal}' | tail -1 | cut -d: -f2); "
-        f"awk \"BEGIN {{ printf \\\"%.2f g\\\\n\\\", 50 + $v * {KAPPA} / {Z_ML_G} }}\""
+        f'awk "BEGIN {{ printf \\"%.2f g\\\\n\\", 50 + $v * {KAPPA} / {Z_ML_G} }}"'
     )
     check_weighed(bench.dose("10g", until_scale=pm.Balance.command(script), scale="0.02g"), bench)
 
@@ -200,7 +203,7 @@ def test_words_that_no_dose_by_weight_takes_are_refused(bench: pm.Bench) -> None
         bench.dose("5mL", until_scale=balance, scale=0.01)  # type: ignore[arg-type]
     for keywords in ({"smooth": True}, {"retract": "0.1mL"}, {"within": "9s"}, {"max_volume": "4mL"}):
         with pytest.raises(pm.PlanError, match="a dose by weight"):
-            bench.dose("5mL", until_scale=balance, **keywords)  # type: ignore[arg-type]
+            bench.dose("5mL", until_scale=balance, **keywords)
     with pytest.raises(pm.PlanError, match="forward"):
         bench.dose("-5mL", until_scale=balance)
     with pytest.raises(ValueError, match="protocol is 'rs232'; allowed: 'mt-sics', 'sbi'"):

@@ -36,7 +36,9 @@ class Board:
             if byte == b"q":
                 return
             if byte == b"?":
-                self._say(f"<{self._state()}|MPos:{self.place_mm:.3f},0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000>")
+                self._say(
+                    f"<{self._state()}|MPos:{self.place_mm:.3f},0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000>"
+                )
             elif byte == b"\x85":
                 self._cancel()
             elif byte == b"\n":

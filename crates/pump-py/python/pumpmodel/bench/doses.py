@@ -114,9 +114,9 @@ class BenchDoses:
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
         BalanceError
-            If the balance cannot be read: nothing moves then. If it fails while the pump turns, or never shows
-            what was asked for, the motor decelerates and the dose is unfinished; `resume` makes its rest by
-            volume, `discard` accepts it.
+            If the balance cannot be read: nothing moves then. If it fails while the pump turns, or never
+            shows what was asked for, the motor decelerates and the dose is unfinished; `resume` makes its
+            rest by volume, `discard` accepts it.
 
         Examples
         --------
