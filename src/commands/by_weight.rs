@@ -10,8 +10,8 @@ use crate::options::dosing::DosingOptions;
 use crate::terminal::{announce, noted, progress_bar, waiting, warn};
 
 /// The message after a signal.
-const STOPPED: &str = "stopped by the user; `dose resume` makes the rest by volume, `dose discard` accepts the dose as it \
-                       is";
+const STOPPED: &str =
+    "stopped by the user; `dose resume` makes the rest by volume, `dose discard` accepts the dose as it is";
 
 /// Makes one dose by weight, or with `--dry-run` plans it.
 pub(super) fn run(

@@ -14,7 +14,7 @@ pub struct DoseByWeight {
     /// Step of the balance's last digit, in g.
     pub digit_g: f64,
     /// Volume of the mass that the balance showed, in mL.
-    pub volume_ml: f64,
+    pub weighed_ml: f64,
     /// Volume that the pump turned for by the model, in mL.
     pub turned_ml: f64,
     /// Carry of earlier doses that was dropped, in mL.

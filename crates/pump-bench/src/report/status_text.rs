@@ -72,8 +72,8 @@ impl Status {
         let by_model = if dose.by_weight { " by the model" } else { "" };
         match &self.in_use_by {
             Some(holder) => format!(
-                "in motion, by {holder}: a dose of {asked_ml} mL{weighed}, of which {made} are delivered{by_model} by the end \
-                 of this stretch"
+                "in motion, by {holder}: a dose of {asked_ml} mL{weighed}, of which {made} are delivered{by_model} by \
+                 the end of this stretch"
             ),
             None => format!(
                 "unfinished: a dose of {asked_ml} mL{weighed}, of which {made} were delivered{by_model}; {}",

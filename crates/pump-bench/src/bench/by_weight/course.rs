@@ -171,7 +171,7 @@ impl<'p> Course<'p> {
             target_g: self.prepared.target_g(),
             mass_g: self.weighed_g(),
             digit_g: self.digit_g,
-            volume_ml: self.weighed_ml(),
+            weighed_ml: self.weighed_ml(),
             turned_ml: self.turned_ml,
             dropped_ml: self.prepared.dropped_ml,
         }

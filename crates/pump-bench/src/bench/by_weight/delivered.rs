@@ -44,7 +44,8 @@ pub struct DeliveredByWeight {
 
 impl DeliveredByWeight {
     /// Returns the standard uncertainty of the difference of two readings, in g. `scale` is that of one reading, and a
-    /// volume is one of the fluid of `file`. Without it the last digit tells it: each reading is rounded (GUM, F.2.2.1).
+    /// volume is one of the fluid of `file`. Without it the last digit tells it: each reading is rounded (GUM,
+    /// F.2.2.1).
     pub fn difference_standard_g(&self, scale: Option<Amount>, file: &PumpFile) -> f64 {
         match scale {
             Some(Amount::Mass(mass_g)) => sqrt(2.0) * mass_g,

@@ -38,7 +38,8 @@ impl Session<'_> {
     ///
     /// # Errors
     ///
-    /// [`DoseError::Balance`] if the balance cannot be read, [`DoseError::NotByWeight`] if the dose is too small for it.
+    /// [`DoseError::Balance`] if the balance cannot be read. [`DoseError::NotByWeight`] if the dose is too small for
+    /// it.
     /// [`DoseError::Connection`] if the user stops it, or the device cannot be used.
     pub fn tare_by_weight(
         &mut self,
@@ -88,7 +89,8 @@ impl Session<'_> {
     /// # Errors
     ///
     /// [`DoseError::ByWeight`] if the dose was stopped before the balance showed what was asked for: it is then
-    /// unfinished on record. Other [`DoseError`]s if the device cannot be used or fails, or the dose cannot be recorded.
+    /// unfinished on record. Other [`DoseError`]s if the device cannot be used or fails, or the dose cannot be
+    /// recorded.
     pub fn run_from_tare(
         &mut self,
         prepared: &PreparedByWeight,

@@ -30,8 +30,8 @@ impl LastByWeight {
     /// Returns the weighing on record, unless another dose has begun since.
     pub(super) fn of(state: &PumpState) -> Option<Self> {
         let dose = state.last.filter(|_| state.unfinished.is_none())?;
-        let DoseByWeight { target_g, mass_g, digit_g, volume_ml, turned_ml, dropped_ml } = dose.by_weight?;
-        let began_unix_s = dose.unix_s;
+        let DoseByWeight { target_g, mass_g, digit_g, weighed_ml, turned_ml, dropped_ml } = dose.by_weight?;
+        let (volume_ml, began_unix_s) = (weighed_ml, dose.unix_s);
         Some(Self { target_g, mass_g, digit_g, volume_ml, turned_ml, dropped_ml, began_unix_s })
     }
 
@@ -43,8 +43,8 @@ impl LastByWeight {
             dropped_ml => format!(", and {} of earlier doses were dropped", microlitres(dropped_ml)),
         };
         format!(
-            "last dose by weight: {:.decimals$} g of {:.decimals$} g asked for, {} mL; the pump turned for {} mL by the \
-             model; it carries nothing to the next dose{dropped}",
+            "last dose by weight: {:.decimals$} g of {:.decimals$} g asked for, {} mL; the pump turned for {} mL by \
+             the model; it carries nothing to the next dose{dropped}",
             self.mass_g,
             self.target_g,
             significant(self.volume_ml, 5),
