@@ -1,7 +1,7 @@
 """The reports of a bench: a dose, the status of the record, and a verification."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from pumpmodel._results.record import Record
 from pumpmodel.choices import (
@@ -184,6 +184,19 @@ class Dose(Record):
     warnings: tuple[str, ...]
     completed: bool
     by_weight: ByWeight | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the dose as plain data: the key `by_weight` is that of a dose that a balance ended.
+
+        Returns
+        -------
+        dict
+            Numbers, texts, lists and dicts only, as in the command's JSON.
+        """
+        data = super().to_dict()
+        if self.by_weight is None:
+            del data["by_weight"]
+        return data
 
     def __repr__(self) -> str:
         """Tell the requested and the delivered volume, from an unknown angle the range of it."""
