@@ -77,6 +77,10 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::HomeBySensorOrMark => "say `dose home`",
         Remedy::SayUnknownAngle => "if nobody knows the angle, say `dose home --unknown`",
         Remedy::FinishOrLeave => "`dose resume` makes the rest, `dose discard` leaves it",
+        Remedy::FinishByVolumeOrWeigh => {
+            "`dose resume` makes the rest by volume; `dose discard` accepts it, then weigh the vessel and dose what it \
+             lacks"
+        }
         Remedy::AcceptInstead => "`dose discard` accepts the dose as it is instead",
         Remedy::AcceptAndWeigh => {
             "`dose discard` accepts it instead; then weigh the vessel, and dose by weight what it lacks"

@@ -1,14 +1,17 @@
 //! `dose <VOLUME> --until-scale`: a dose that a balance ends.
 
-use pump_bench::notice::Notice;
 use pump_bench::{Bench, DoseReport, DoseRequest};
 
-use super::delivery::{STOPPED, report_once};
+use super::delivery::report_once;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::balance::{BalanceOptions, ByWeightOptions};
 use crate::options::dosing::DosingOptions;
-use crate::terminal::{announce, noted, progress_bar, warn};
+use crate::terminal::{announce, noted, progress_bar, waiting, warn};
+
+/// The message after a signal.
+const STOPPED: &str =
+    "stopped by the user; `dose resume` makes the rest by volume, `dose discard` accepts the dose as it is";
 
 /// Makes one dose by weight, or with `--dry-run` plans it.
 pub(super) fn run(
@@ -29,11 +32,7 @@ pub(super) fn run(
     let order = options.order(request, balance);
     if dosing.dry_run {
         let prepared = bench.prepare_by_weight(&order)?;
-        let mut report = DoseReport::new(bench, &prepared.whole, None);
-        report.warnings.push(Notice::from(format!(
-            "a balance would end this dose: the pump would turn for {:.4} mL at most",
-            prepared.most_ml
-        )));
+        let report = DoseReport::planned_by_weight(bench, &prepared);
         return report_once(bench, report, &said, None, Vec::new());
     }
     let mut scale = balance.open()?.ok_or_else(|| Failure::refused("--until-scale needs a balance"))?;
@@ -41,13 +40,20 @@ pub(super) fn run(
     let mut session = bench.session()?;
     let prepared = session.prepare_by_weight(&order);
     let prepared = noted(&mut session, prepared)?;
+    // A balance waits for its load to stand still, and is read before the motor is said to move.
+    let sign = (!json).then(|| waiting("waiting for the balance to stand still"));
+    let tare = session.tare_by_weight(&prepared, scale.as_mut());
+    if let Some(sign) = sign {
+        sign.finish_and_clear();
+    }
+    let tare = noted(&mut session, tare).map_err(|error| Failure::of(error).of_session(&session))?;
     announce(bench, json)?;
     if !bench.is_simulated() {
         warn(&prepared.whole.warnings);
     }
     let bar = progress_bar(prepared.whole.plan.steps().unsigned_abs(), json);
     let (mut before, mut last) = (0, 0);
-    let made = session.run_by_weight(&prepared, scale.as_mut(), |made| {
+    let made = session.run_from_tare(&prepared, tare, scale.as_mut(), |made| {
         // Each stretch counts its own steps.
         if made < last {
             before += last;
@@ -61,8 +67,7 @@ pub(super) fn run(
     if !bench.is_simulated() {
         warn(&delivered.warnings);
     }
-    let density_kg_m3 = bench.file().fluid.density_kg_m3;
-    let difference_g = options.difference_g(delivered.digit_g, density_kg_m3);
+    let difference_g = delivered.difference_standard_g(options.scale, bench.file());
     let report = DoseReport::by_weight(bench, &prepared, &delivered, difference_g);
     let printed = report_once(bench, report, &said, None, Vec::new());
     match (printed, delivered.completed) {

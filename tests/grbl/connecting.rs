@@ -1,5 +1,6 @@
 //! Claims about the search for a board, and the boards that are refused.
 
+use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
 use pump_bench::drives::GrblError;
@@ -10,6 +11,23 @@ use pump_bench::report::Explain;
 
 use crate::rig::{defective, dose, grbl_error, motor, open, refusal, run, start, table};
 use crate::simulated::options::{Defects, Firmware, Options};
+
+#[test]
+fn a_line_that_never_settles_is_not_waited_for() {
+    let board = start(Options::default());
+    let mut grbl = open(&board);
+    let began = Instant::now();
+    for settle_s in [f64::INFINITY, f64::NAN, -1.0, 1e19] {
+        assert!(grbl.settle(settle_s, &mut || ControlFlow::Break(())).unwrap().is_none());
+    }
+    for settle_s in [f64::INFINITY, f64::NAN] {
+        assert!(grbl.settle(settle_s, &mut || ControlFlow::Continue(())).unwrap().is_none());
+    }
+    assert!(began.elapsed() < Duration::from_secs(5));
+    let began = Instant::now();
+    grbl.settle(0.3, &mut || ControlFlow::Continue(())).unwrap();
+    assert!(began.elapsed() >= Duration::from_millis(300));
+}
 
 #[test]
 fn a_board_that_resets_on_open_is_waited_for_unlocked_and_the_reset_told_once() {

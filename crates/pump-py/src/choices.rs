@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 
+use pump_bench::balance::Protocol;
 use pump_bench::calibration::Fit;
 use pump_bench::dosing::{Missed, ShareSource};
 use pump_bench::heads::Provenance;
@@ -21,6 +22,7 @@ use crate::simulation::INITIALS;
 pub(crate) fn _choices() -> Vec<(&'static str, Vec<String>)> {
     vec![
         ("Begin", words(&BEGINS)),
+        ("BalanceProtocol", words(Protocol::ALL)),
         ("CalibrationFit", words(Fit::ALL)),
         ("Driver", words(DriverName::ALL)),
         ("Finish", words(&Finish::ALL)),

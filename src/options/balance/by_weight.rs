@@ -1,7 +1,6 @@
 //! A dose that a balance ends.
 
 use clap::Args;
-use libm::sqrt;
 use pump_bench::units::{self, Amount};
 use pump_bench::{DoseRequest, OrderByWeight};
 use pump_ctl::plan::Cruise;
@@ -29,7 +28,7 @@ pub(crate) struct ByWeightOptions {
     slow_rate: Option<Cruise>,
     /// Standard uncertainty of a reading, as 0.01g [default: of its last digit]
     #[arg(long, value_name = "MASS|VOLUME", value_parser = units::amount, requires = "until_scale")]
-    scale: Option<Amount>,
+    pub(crate) scale: Option<Amount>,
 }
 
 impl ByWeightOptions {
@@ -53,16 +52,5 @@ impl ByWeightOptions {
             "--until-scale needs a balance; name its port with --scale-port, or a command that prints what it shows \
              with --scale-command",
         ))
-    }
-
-    /// The standard uncertainty of the difference of two readings with this step of the last digit, g. A volume is
-    /// that of the fluid.
-    pub(crate) fn difference_g(&self, digit_g: f64, density_kg_m3: f64) -> f64 {
-        match self.scale {
-            Some(Amount::Mass(mass_g)) => sqrt(2.0) * mass_g,
-            Some(Amount::Volume(volume_ml)) => sqrt(2.0) * volume_ml * density_kg_m3 / 1e3,
-            // Each reading is rounded to the digit (GUM, F.2.2.1).
-            None => digit_g * sqrt(2.0 / 12.0),
-        }
     }
 }

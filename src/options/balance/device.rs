@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use pump_bench::balance::{Balance, Framing, ProgramBalance, Protocol, SerialBalance, SerialLine};
+use pump_bench::balance::{Balance, ProgramBalance, Protocol, SerialBalance, SerialLine};
 
 use pump_bench::units;
 
@@ -69,11 +69,7 @@ impl BalanceOptions {
         }
         let Some(port) = &self.scale_port else { return Ok(None) };
         let protocol = self.scale_protocol.unwrap_or(Protocol::MtSics);
-        let framing = match protocol {
-            Protocol::MtSics => Framing::EightNone,
-            Protocol::Sbi => Framing::SevenOdd,
-        };
-        let line = self.scale_line.unwrap_or(SerialLine { baud: 9600, framing });
+        let line = self.scale_line.unwrap_or(protocol.usual_line());
         let balance = SerialBalance::open(port, line, protocol).map_err(Failure::of)?;
         Ok(Some(Box::new(balance)))
     }

@@ -66,7 +66,7 @@ impl Session<'_> {
             retract_ml: prepared.request.retract_ml,
             whole: self.whole_of_rest(prepared),
             terms: prepared.terms(self.file()),
-            settle_s: prepared.prediction.settle_s,
+            settle_s: Some(prepared.prediction.settle_s),
             seeks: false,
             may_pause: !lateness::is_critical(&prepared.request),
         };
@@ -112,7 +112,7 @@ impl Session<'_> {
             retract_ml: None,
             whole: None,
             terms: DoseTerms::default(),
-            settle_s: retraction.prediction.settle_s,
+            settle_s: Some(retraction.prediction.settle_s),
             seeks: false,
             may_pause: true,
         };

@@ -8,8 +8,9 @@ use super::announced_steps::{Halt, Pace};
 use super::device::Device;
 use super::recorded_motion::{Moved, RecordedMotion};
 use super::session::Session;
-use crate::dosing::DoseError;
+use crate::dosing::{DoseError, settle_of_s};
 use crate::drives::{Disturbance, Watch};
+use crate::notice::Notice;
 use crate::numbers::significant;
 use crate::record::{Intent, PumpState, Why};
 
@@ -52,9 +53,10 @@ impl<'a> Session<'a> {
             None => Why::Stopped,
         };
         let mut rested = self.rest(why, state);
+        let settle_s = self.settles_within_s(motion, made);
         let began = Instant::now();
-        let read_ml = device.drive.settle(motion.settle_s, watch);
-        let left_s = motion.settle_s - began.elapsed().as_secs_f64();
+        let read_ml = device.drive.settle(settle_s, watch);
+        let left_s = settle_s - began.elapsed().as_secs_f64();
         if whole && !device.drive.is_simulated() && left_s > NEARLY_S {
             self.notes.push(format!(
                 "stopped by the user {} s before the line has settled: the last of the volume still flows",
@@ -100,6 +102,20 @@ impl<'a> Session<'a> {
             source,
         })?;
         Ok(Moved { made, beyond, volume_ml, measured_s, pace })
+    }
+
+    /// Returns the time that the line takes to settle after the first `made` steps of a motion, in s, and 0 where
+    /// nobody waits for it. A stop is steeper than the end of the plan, so its line settles later.
+    fn settles_within_s(&mut self, motion: &RecordedMotion<'_>, made: u64) -> f64 {
+        let Some(whole_s) = motion.settle_s else { return 0.0 };
+        let settle_s = settle_of_s(motion.plan, motion.model, whole_s, made);
+        if settle_s.is_finite() {
+            return settle_s;
+        }
+        self.notes.push(Notice::from(
+            "the line does not come to rest within an hour, so nobody waits for it: the last of the volume still flows",
+        ));
+        0.0
     }
 
     /// Returns the state with the device's count and disturbances. `pauses` is how often a motion just made has

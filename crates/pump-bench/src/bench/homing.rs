@@ -261,7 +261,7 @@ impl Session<'_> {
             retract_ml: None,
             whole: None,
             terms: DoseTerms::default(),
-            settle_s: 0.0,
+            settle_s: None,
             seeks,
             may_pause: true,
         };

@@ -44,8 +44,8 @@ pub(super) struct RecordedMotion<'p> {
     pub(super) whole: Option<Whole>,
     /// Terms of the dose besides its volume.
     pub(super) terms: DoseTerms,
-    /// Settling time of the line, in s.
-    pub(super) settle_s: f64,
+    /// Settling time of the line after the whole plan, in s. `None` if nobody waits for the line.
+    pub(super) settle_s: Option<f64>,
     /// True if the motion ends at the index mark.
     pub(super) seeks: bool,
     /// True if the motor may pause until the disk has the next stretch.

@@ -20,6 +20,7 @@ mod warnings;
 pub(crate) use displaced_pumps::DisplacedPumps;
 pub use error::{DoseError, WeightFault};
 pub use prepared::Prepared;
+pub(crate) use prepared::settle_of_s;
 pub use request::DoseRequest;
 pub use retraction::Retraction;
 pub(crate) use ripple::{PulseErrors, SureRipples, sure_ripples};

@@ -9,6 +9,8 @@ use pump_ctl::plan::{
 use pump_model::units::degrees;
 use pump_model::{BackFlow, Pump};
 
+pub(crate) use stopped::settle_of_s;
+
 use super::displaced_pumps::DisplacedPumps;
 use super::error::DoseError;
 use super::planner::{Planner, SpeedPlan};

@@ -18,6 +18,12 @@ use crate::notice::{Notice, Remedy};
 /// Time between two questions of a wait at rest.
 const POLL: Duration = Duration::from_millis(20);
 
+/// Returns the time to wait for a line that settles within `settle_s`. A time that is negative or no finite number is
+/// none, as [`Drive::settle`] says.
+pub(in crate::drives) fn wait_of(settle_s: f64) -> Duration {
+    Duration::try_from_secs_f64(settle_s).unwrap_or_default()
+}
+
 /// Leave of a gate for the steps that a drive is about to make. A drive treats each answer, so there will be no
 /// further one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -226,7 +232,7 @@ pub trait Drive: Debug + Send {
     }
 
     /// Waits for at least `settle_s`, until nothing noticeable can still arrive in the vessel. The wait ends
-    /// early when `watch` breaks.
+    /// early when `watch` breaks. A time that is negative or no finite number is none.
     ///
     /// Returns the volume that the vessel received since the last plan was begun, in mL. Returns `None` if
     /// nobody can read it, or if the wait ended early.
@@ -235,7 +241,7 @@ pub trait Drive: Debug + Send {
     ///
     /// [`DriveError`] if the drive failed meanwhile.
     fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {
-        let wait = Duration::try_from_secs_f64(settle_s).unwrap_or_default();
+        let wait = wait_of(settle_s);
         let began = Instant::now();
         while began.elapsed() < wait && watch().is_continue() {
             sleep(POLL.min(wait.saturating_sub(began.elapsed())));
@@ -394,5 +400,18 @@ impl DriveError {
     /// Returns the refusal of a drive without an index sensor.
     pub(crate) fn no_index(driver: &str) -> Self {
         Self::Unable { driver: driver.to_owned(), ability: "index sensor", instead: Remedy::SayAngleOrMark }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_waited_for_as_long_as_it_settles_and_never_for_a_time_that_does_not_end() {
+        assert_eq!(wait_of(1.5), Duration::from_millis(1500));
+        for settle_s in [0.0, -1.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 1e300] {
+            assert_eq!(wait_of(settle_s), Duration::ZERO, "{settle_s}");
+        }
     }
 }

@@ -11,7 +11,7 @@ use crate::displacement::Correction;
 use crate::pump_file::DriverName;
 
 use super::abilities::Abilities;
-use super::drive::{Drive, DriveError, DriveFault, Gate, Leave, Watch};
+use super::drive::{Drive, DriveError, DriveFault, Gate, Leave, Watch, wait_of};
 
 /// Error allowed in a step, relative to 1 kPa plus |P - P_res|. The volume does not depend on it. At any
 /// tolerance, the volume that leaves the line is the volume that the rollers pushed less the volume that the
@@ -227,7 +227,7 @@ impl Drive for Sim<'_> {
     fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {
         let mut unwanted: Option<Instant> = None;
         // The line is at rest within milliseconds of real time, so a stop only ends a wait that takes longer.
-        let rests = self.wait_for_rest(settle_s, &mut || {
+        let rests = self.wait_for_rest(wait_of(settle_s).as_secs_f64(), &mut || {
             watch().is_break() && unwanted.get_or_insert_with(Instant::now).elapsed() > LONGEST_ANSWER
         })?;
         Ok(rests.then(|| self.received_ml() - self.begun_ml))

@@ -78,6 +78,8 @@ pub enum Remedy {
     SayUnknownAngle,
     /// Make the rest of the unfinished dose, or leave it.
     FinishOrLeave,
+    /// Make the rest of an unfinished dose by weight by volume, or accept the dose and weigh it.
+    FinishByVolumeOrWeigh,
     /// Accept the unfinished dose in place of its rest.
     AcceptInstead,
     /// Accept the unfinished dose, and dose by weight what the vessel lacks.
@@ -186,6 +188,7 @@ impl Remedy {
         Self::HomeBySensorOrMark,
         Self::SayUnknownAngle,
         Self::FinishOrLeave,
+        Self::FinishByVolumeOrWeigh,
         Self::AcceptInstead,
         Self::AcceptAndWeigh,
         Self::NoteNewTube,

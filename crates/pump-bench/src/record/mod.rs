@@ -2,6 +2,7 @@
 
 mod account;
 mod after_stop;
+mod dose_by_weight;
 mod folder;
 mod intent;
 mod journal;
@@ -16,6 +17,7 @@ mod whole;
 
 pub(crate) use account::Account;
 pub use after_stop::AfterStop;
+pub use dose_by_weight::DoseByWeight;
 pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use intent::Intent;
 pub(crate) use journal::{Announcer, Entry, Journal, Why, decode, encode};

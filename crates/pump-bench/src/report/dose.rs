@@ -382,6 +382,16 @@ fn carry_ml(prepared: &Prepared, delivered: Option<&Delivered>) -> f64 {
 }
 
 impl DoseReport {
+    /// Reports a dry run of a dose that a balance would end.
+    pub fn planned_by_weight(bench: &Bench, prepared: &PreparedByWeight) -> Self {
+        let mut report = Self::new(bench, &prepared.whole, None);
+        let most_ml = prepared.most_ml;
+        report.warnings.push(Notice::from(format!(
+            "a balance would end this dose: the pump would turn for {most_ml:.4} mL at most"
+        )));
+        report
+    }
+
     /// Reports a dose that a balance ended, or was to end. The difference of two of its readings has the standard
     /// uncertainty `difference_g`, in g.
     pub fn by_weight(

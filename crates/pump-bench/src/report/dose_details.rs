@@ -119,6 +119,9 @@ impl DoseReport {
 
     fn time(&self) -> String {
         let settles = match self.settle_s {
+            Some(settle_s) if settle_s.is_infinite() => {
+                "and the line does not come to rest within an hour".to_owned()
+            }
             Some(settle_s) => format!("{settle_s:.3} s to settle within 1 µL"),
             None => "settling not known, as the outlet's line is not".to_owned(),
         };

@@ -31,4 +31,4 @@ pub use pump_check::pump_check;
 pub use rotor::{AcceptedReport, accepted_text, carry_dropped_text, rotor_text};
 pub use simulation::SimulationReport;
 pub use sizing::{sizing_json, sizing_text, sizing_title};
-pub use status::{CalibrationStatus, Status, UnfinishedCalibration, UnfinishedStatus};
+pub use status::{CalibrationStatus, LastByWeight, Status, UnfinishedCalibration, UnfinishedStatus};

@@ -1,10 +1,13 @@
 //! The record of a pump, and its JSON for programs. `status_text.rs` has its words for people.
 
+mod by_weight;
+
 use pump_model::units::degrees;
 use serde::Serialize;
 
+pub use self::by_weight::LastByWeight;
 use crate::bench::Bench;
-use crate::calibration::{RunLog, Stored};
+use crate::calibration::{RunLog, Stored, Weighing};
 use crate::dosing::DoseError;
 use crate::record::{PhaseSource, Wear};
 
@@ -45,6 +48,8 @@ pub struct Status {
     pub calibration: Option<CalibrationStatus>,
     /// Dose that was begun and not finished; null if there is none.
     pub unfinished: Option<UnfinishedStatus>,
+    /// Weighing of the last dose, if a balance ended it; null otherwise.
+    pub last_by_weight: Option<LastByWeight>,
     /// Guided calibration that was begun and not finished; null if there is none.
     pub unfinished_calibration: Option<UnfinishedCalibration>,
     /// Process that holds the pump, so that the unfinished dose is in motion; null if none does.
@@ -110,6 +115,10 @@ pub struct UnfinishedStatus {
     pub steps_made_most: i64,
     /// Time at which it began, seconds since 1970 by the clock of that day.
     pub began_unix_s: u64,
+    /// True if a balance was to end it. Its rest is made by volume.
+    pub by_weight: bool,
+    /// Mass that the balance was to show, g; null if no balance was to end it.
+    pub target_g: Option<f64>,
 }
 
 /// A guided calibration that was begun and not finished.
@@ -156,6 +165,10 @@ impl Status {
                 steps_made_least: dose.made_least,
                 steps_made_most: dose.made_most,
                 began_unix_s: dose.intent.unix_s,
+                by_weight: dose.intent.terms.by_weight,
+                target_g: Weighing::of(bench.file())
+                    .reading_g(dose.intent.whole_requested_ml())
+                    .filter(|_| dose.intent.terms.by_weight),
             }
         });
         let angle_known = state.phase().is_known(bench.model().pitch_rad());
@@ -176,6 +189,7 @@ impl Status {
             tube_life_ml: bench.file().tube.life_ml,
             calibration: bench.calibrations().active()?.map(CalibrationStatus::of),
             unfinished,
+            last_by_weight: LastByWeight::of(&state),
             unfinished_calibration: UnfinishedCalibration::of(bench),
             in_use_by: bench.folder().holder(),
             folder: bench.folder().path().display().to_string(),

@@ -24,6 +24,7 @@ impl Status {
             self.disturbed(),
             Some(self.tube()),
             self.calibration.as_ref().map(CalibrationStatus::text),
+            self.last_by_weight.map(|weighed| weighed.text()),
             self.unfinished.as_ref().map(|dose| self.unfinished_dose(dose, words)),
             self.unfinished_calibration.map(|calibration| calibration.text(words)),
         ];
@@ -61,14 +62,22 @@ impl Status {
     fn unfinished_dose(&self, dose: &UnfinishedStatus, words: Wording) -> String {
         let (asked_ml, made) =
             (significant(dose.requested_ml, 6), between(dose.delivered_least_ml, dose.delivered_most_ml));
+        let (weighed, remedy) = match (dose.by_weight, dose.target_g) {
+            (false, _) => (String::new(), Remedy::FinishOrLeave),
+            (true, None) => (" by weight".to_owned(), Remedy::FinishByVolumeOrWeigh),
+            (true, Some(target_g)) => {
+                (format!(" by weight ({} g)", significant(target_g, 6)), Remedy::FinishByVolumeOrWeigh)
+            }
+        };
+        let by_model = if dose.by_weight { " by the model" } else { "" };
         match &self.in_use_by {
             Some(holder) => format!(
-                "in motion, by {holder}: a dose of {asked_ml} mL, of which {made} are delivered by the end of this \
-                 stretch"
+                "in motion, by {holder}: a dose of {asked_ml} mL{weighed}, of which {made} are delivered{by_model} by \
+                 the end of this stretch"
             ),
             None => format!(
-                "unfinished: a dose of {asked_ml} mL, of which {made} were delivered; {}",
-                words(Remedy::FinishOrLeave)
+                "unfinished: a dose of {asked_ml} mL{weighed}, of which {made} were delivered{by_model}; {}",
+                words(remedy)
             ),
         }
     }

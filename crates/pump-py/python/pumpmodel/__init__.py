@@ -17,6 +17,7 @@ Examples
 
 from pumpmodel import choices
 from pumpmodel._pumpmodel import (
+    Balance,
     Calibration,
     Doser,
     Limits,
@@ -32,7 +33,7 @@ from pumpmodel._pumpmodel import (
 )
 from pumpmodel.bench import Bench
 from pumpmodel.dose import Dose, Status, Verification
-from pumpmodel.errors import DriveError, PlanError, PumpError, PumpFileError, UnfinishedError
+from pumpmodel.errors import BalanceError, DriveError, PlanError, PumpError, PumpFileError, UnfinishedError
 from pumpmodel.fluid import Fluid
 from pumpmodel.heads import Head, HeadSource, heads
 from pumpmodel.hose import Hose
@@ -50,6 +51,8 @@ from pumpmodel.volume_fit import VolumeFit
 from pumpmodel.weighed import PhaseFit, ShortDose, WeighedRun
 
 __all__ = [
+    "Balance",
+    "BalanceError",
     "Bench",
     "Calibration",
     "Dose",

@@ -5,6 +5,8 @@ Each type is a `Literal`. `typing.get_args(choices.Finish)` lists its words.
 
 from typing import Literal, TypeAlias
 
+#: Protocol of a balance at a serial port.
+BalanceProtocol: TypeAlias = Literal["mt-sics", "sbi"]
 #: Motion at the start of a record, for `identify_line`.
 Begin: TypeAlias = Literal["ramp", "step", "steady"]
 #: Curve that weighed runs are fitted with.

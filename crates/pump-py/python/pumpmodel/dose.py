@@ -1,7 +1,7 @@
 """The reports of a bench: a dose, the status of the record, and a verification."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from pumpmodel._results.record import Record
 from pumpmodel.choices import (
@@ -78,13 +78,40 @@ class CalibrationUsed(Record):
 
 
 @dataclass(frozen=True)
+class ByWeight(Record):
+    """The weighing of a dose that a balance ended: masses in g, volumes in mL, times in s.
+
+    The balance was to show `target_g` and showed `mass_g`, in steps of `digit_g`. The pump turned for
+    `turned_ml` by the model, and might turn for `most_ml`, in `stretches` that were weighed each. The balance
+    stopped `stopped_by_balance` of them before the end of their plan. The dose reckoned with `reckoned_s` of
+    flow that still arrives after a stop; `after_stop_s` is the mean over the stops on record. `dropped_ml` is
+    the carry of earlier doses that was dropped.
+    """
+
+    target_g: float
+    mass_g: float
+    digit_g: float
+    turned_ml: float
+    most_ml: float
+    stretches: int
+    stopped_by_balance: int
+    reckoned_s: float | None
+    reckoned_learned: bool | None
+    after_stop_s: float | None
+    after_stop_spread_s: float | None
+    after_stop_stops: int | None
+    dropped_ml: float
+
+
+@dataclass(frozen=True)
 class Dose(Record):
     """A dose of a bench, run or planned: the fields of the command's JSON `dose/1`.
 
     Volumes are in mL and negative in reverse, angles in deg of the pump head, pressures in kPa absolute,
     times in s. `delivered_ml` is the volume that the vessel of a simulation received, or the model's volume
     of the steps that a motor made. It is None for a dose that was only planned. `completed` is True if the
-    dose was delivered in full.
+    dose was delivered in full. `by_weight` is the weighing of a dose that a balance ended, and None of any
+    other.
     """
 
     _records: ClassVar[dict[str, type[Record]]] = {
@@ -95,6 +122,7 @@ class Dose(Record):
         "ripple_after": Ripple,
         "ripple_at_rollers": RippleAt,
         "ripple_at_line_end": RippleAt,
+        "by_weight": ByWeight,
     }
 
     schema: str
@@ -155,6 +183,20 @@ class Dose(Record):
     limits_not_checked: tuple[UncheckedLimit, ...]
     warnings: tuple[str, ...]
     completed: bool
+    by_weight: ByWeight | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the dose as plain data: the key `by_weight` is that of a dose that a balance ended.
+
+        Returns
+        -------
+        dict
+            Numbers, texts, lists and dicts only, as in the command's JSON.
+        """
+        data = super().to_dict()
+        if self.by_weight is None:
+            del data["by_weight"]
+        return data
 
     def __repr__(self) -> str:
         """Tell the requested and the delivered volume, from an unknown angle the range of it."""
@@ -188,6 +230,25 @@ class Unfinished(Record):
     steps: int
     steps_made_least: int
     steps_made_most: int
+    began_unix_s: int
+    by_weight: bool
+    target_g: float | None
+
+
+@dataclass(frozen=True)
+class LastByWeight(Record):
+    """The weighing of the last dose, which a balance ended: masses in g, volumes in mL.
+
+    The balance was to show `target_g` and showed `mass_g`. The pump turned for `turned_ml` by the model.
+    `dropped_ml` is the carry of earlier doses that was dropped.
+    """
+
+    target_g: float
+    mass_g: float
+    digit_g: float
+    volume_ml: float
+    turned_ml: float
+    dropped_ml: float
     began_unix_s: int
 
 
@@ -223,6 +284,7 @@ class Status(Record):
         "wear": Wear,
         "calibration": CalibrationInUse,
         "unfinished": Unfinished,
+        "last_by_weight": LastByWeight,
         "unfinished_calibration": UnfinishedCalibration,
     }
 
@@ -242,6 +304,7 @@ class Status(Record):
     tube_life_ml: float | None
     calibration: CalibrationInUse | None
     unfinished: Unfinished | None
+    last_by_weight: LastByWeight | None
     unfinished_calibration: UnfinishedCalibration | None
     in_use_by: str | None
     folder: str

@@ -24,6 +24,17 @@ class DriveError(PumpError):
     delivered_most_ml: float | None = None
 
 
+class BalanceError(PumpError):
+    """A balance cannot be read, or a dose by weight ended before the balance showed what was asked for.
+
+    If the pump turned, `turned_ml` is the volume delivered by the model (mL) and `weighed_g` the mass
+    delivered by the last reading (g). The dose is unfinished then. Without motion both are None.
+    """
+
+    turned_ml: float | None = None
+    weighed_g: float | None = None
+
+
 class UnfinishedError(PumpError):
     """An earlier dose is unfinished: `Bench.resume` makes the rest, `Bench.discard` accepts it as it is.
 

@@ -193,7 +193,7 @@ impl Bench {
 }
 
 impl Bench {
-    fn weighing(&self) -> Weighing<'_> {
+    pub(super) fn weighing(&self) -> Weighing<'_> {
         Weighing::of(self.bench.file())
     }
 

@@ -1,6 +1,8 @@
 //! Benches: the compiled half of `pumpmodel.Bench`.
 
+mod balance;
 mod bench;
+mod by_weight;
 mod calibration;
 mod homing;
 mod request;
@@ -8,5 +10,6 @@ mod schedule;
 mod verification;
 mod worker;
 
+pub(crate) use balance::Balance;
 pub(crate) use bench::Bench;
 pub(crate) use schedule::Schedule;

@@ -62,6 +62,10 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::HomeBySensorOrMark => "call bench.home_sensor() or bench.home_mark()",
         Remedy::SayUnknownAngle => "if nobody knows the angle, call bench.home_set(None)",
         Remedy::FinishOrLeave => "bench.resume() makes the rest, bench.discard() leaves it",
+        Remedy::FinishByVolumeOrWeigh => {
+            "bench.resume() makes the rest by volume; bench.discard() accepts it, then weigh the vessel and dose what \
+             it lacks"
+        }
         Remedy::AcceptInstead => "bench.discard() accepts the dose as it is instead",
         Remedy::AcceptAndWeigh => {
             "bench.discard() accepts it instead; then weigh the vessel, and dose what it lacks"

@@ -4,6 +4,7 @@ use std::io;
 use std::path::Path;
 
 use pump_bench::DoseError;
+use pump_bench::balance::BalanceError as DoseBalanceError;
 use pump_bench::calibration::CalibrationError;
 use pump_bench::config::ConfigError;
 use pump_bench::displacement::DisplacementError;
@@ -18,6 +19,7 @@ use pyo3::prelude::*;
 
 use super::advice;
 
+import_exception!(pumpmodel.errors, BalanceError);
 import_exception!(pumpmodel.errors, DriveError);
 import_exception!(pumpmodel.errors, PlanError);
 import_exception!(pumpmodel.errors, PumpError);
@@ -113,6 +115,11 @@ pub(crate) fn displacement(error: DisplacementError) -> PyErr {
     }
 }
 
+/// Maps an error of a balance.
+pub(crate) fn balance(error: &DoseBalanceError) -> PyErr {
+    BalanceError::new_err(advice::told(error))
+}
+
 /// Maps an error of a bench. A failing motor, and a pump or device in use, are a `DriveError`.
 pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
     let message = advice::told(&error);
@@ -149,6 +156,15 @@ pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
             DriveError::new_err(message),
             &[("delivered_least_ml", least_ml), ("delivered_most_ml", most_ml)],
         ),
+        DoseError::Balance(_) => BalanceError::new_err(message),
+        DoseError::ByWeight { turned_ml, weighed_g, .. } => {
+            let of = with(BalanceError::new_err(message), &[("turned_ml", turned_ml)]);
+            match weighed_g {
+                Some(mass_g) => with(of, &[("weighed_g", mass_g)]),
+                None => of,
+            }
+        }
+        DoseError::NotByWeight { .. } => PlanError::new_err(message),
         DoseError::Folder(FolderError::Busy { .. })
         | DoseError::Connection(_)
         | DoseError::NoIndex { .. }

@@ -36,13 +36,23 @@ class Board:
             if byte == b"q":
                 return
             if byte == b"?":
-                self._say(f"<Idle|MPos:{self.place_mm:.3f},0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000>")
+                self._say(
+                    f"<{self._state()}|MPos:{self.place_mm:.3f},0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000>"
+                )
+            elif byte == b"\x85":
+                self._cancel()
             elif byte == b"\n":
                 for answer in self._answers(line.decode()):
                     self._say(answer)
                 line = b""
             elif byte < b"\x80":
                 line += byte
+
+    def _state(self) -> str:
+        return "Idle"
+
+    def _cancel(self) -> None:
+        """Cancel a jog. This board makes none."""
 
     def _answers(self, line: str) -> list[str]:
         known = {

@@ -1,5 +1,6 @@
 //! The questions and answers of balances over a serial line.
 
+use super::line::{Framing, SerialLine};
 use crate::balance::words::shown_line;
 use crate::balance::{BalanceError, BalanceReading, printed_reading};
 use crate::words::words;
@@ -28,6 +29,15 @@ pub(super) enum Answer {
 }
 
 impl Protocol {
+    /// Returns the speed and framing that balances of this protocol usually have.
+    pub fn usual_line(self) -> SerialLine {
+        let framing = match self {
+            Self::MtSics => Framing::EightNone,
+            Self::Sbi => Framing::SevenOdd,
+        };
+        SerialLine { baud: 9600, framing }
+    }
+
     /// Returns the question for the present mass.
     pub(super) fn question(self) -> &'static [u8] {
         match self {

@@ -1,7 +1,11 @@
 //! A dose by weight after it was made.
 
+use libm::sqrt;
+
 use crate::notice::Notice;
+use crate::pump_file::PumpFile;
 use crate::record::AfterStop;
+use crate::units::Amount;
 
 /// Result of a dose by weight.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,4 +40,17 @@ pub struct DeliveredByWeight {
     pub dropped_ml: f64,
     /// Warnings for the user that came up in motion or after it.
     pub warnings: Vec<Notice>,
+}
+
+impl DeliveredByWeight {
+    /// Returns the standard uncertainty of the difference of two readings, in g. `scale` is that of one reading, and a
+    /// volume is one of the fluid of `file`. Without it the last digit tells it: each reading is rounded (GUM,
+    /// F.2.2.1).
+    pub fn difference_standard_g(&self, scale: Option<Amount>, file: &PumpFile) -> f64 {
+        match scale {
+            Some(Amount::Mass(mass_g)) => sqrt(2.0) * mass_g,
+            Some(Amount::Volume(volume_ml)) => sqrt(2.0) * volume_ml * file.fluid.density_kg_m3 / 1e3,
+            None => self.digit_g * sqrt(2.0 / 12.0),
+        }
+    }
 }

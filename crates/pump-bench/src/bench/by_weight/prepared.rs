@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use libm::fabs;
-use pump_ctl::plan::Cruise;
+use pump_ctl::plan::{Cruise, Finish};
 
 use crate::bench::bench::Bench;
 use crate::bench::session::Session;
@@ -137,7 +137,7 @@ impl Bench {
         if volume_ml <= 0.0 {
             return refused("runs forward, into the vessel");
         }
-        if request.smooth || request.retract_ml.is_some() || request.finish.is_some() {
+        if request.smooth || request.retract_ml.is_some() || request.finish == Some(Finish::LowFlow) {
             return refused("has no smooth flow, no retraction and no end at low flow");
         }
         if request.start_angle_rad.is_some() {

@@ -1,6 +1,7 @@
 //! The back flow and the settling of a dose that was stopped on its way.
 
 use pump_ctl::plan::Plan;
+use pump_model::Pump;
 
 use super::Prepared;
 
@@ -8,42 +9,45 @@ impl Prepared {
     /// Returns the back flow of the first `made` steps, in mL: that of the plan, or of the stop that made these
     /// steps the last. `None` if the line does not come to rest within an hour.
     pub(crate) fn backflow_of_ml(&self, made: u64) -> Option<f64> {
-        if self.is_whole(made) {
+        if is_whole(&self.plan, made) {
             return Some(self.back_flow.backflow_ml);
         }
         let backflow_ml = |stop: Plan| Some(stop.back_flow(&self.model).ok()?.backflow_ml);
-        self.stop_after(made).map_or(Some(0.0), backflow_ml)
+        stop_after(&self.plan, &self.model, made).map_or(Some(0.0), backflow_ml)
     }
 
-    /// Returns the time from the last of the first `made` steps until the line has settled, in s: that of the plan, or
-    /// of the stop that made these steps the last. It is infinite if the line does not come to rest within an hour.
+    /// Returns the time from the last of the first `made` steps until the line has settled, in s, as [`settle_of_s`].
     pub(crate) fn settle_of_s(&self, made: u64) -> f64 {
-        if self.is_whole(made) {
-            return self.prediction.settle_s;
-        }
-        let settle_s =
-            |stop: Plan| stop.predict(&self.model).map_or(f64::INFINITY, |predicted| predicted.settle_s);
-        self.stop_after(made).map_or(0.0, settle_s)
+        settle_of_s(&self.plan, &self.model, self.prediction.settle_s, made)
     }
+}
 
-    /// Returns true if these steps are all of the plan.
-    fn is_whole(&self, made: u64) -> bool {
-        made >= self.plan.steps().unsigned_abs()
+/// Returns the time from the last of the first `made` steps of `plan` until the line has settled, in s: `whole_s`, that
+/// of the plan, or that of the stop that made these steps the last. It is infinite if the line does not come to rest
+/// within an hour.
+pub(crate) fn settle_of_s(plan: &Plan, model: &Pump, whole_s: f64, made: u64) -> f64 {
+    if is_whole(plan, made) {
+        return whole_s;
     }
+    let settle_s = |stop: Plan| stop.predict(model).map_or(f64::INFINITY, |predicted| predicted.settle_s);
+    stop_after(plan, model, made).map_or(0.0, settle_s)
+}
 
-    /// Returns the stop, the motor's fastest, that ends with the first `made` steps. `None` if the motor stands there.
-    fn stop_after(&self, made: u64) -> Option<Plan> {
-        let (plan, model) = (&self.plan, &self.model);
-        let ends_at =
-            |asked: u64| asked + plan.stop(model, asked).map_or(0, |stop| stop.steps().unsigned_abs());
-        // A later stop ends later. Bisection finds the first that ends with the steps that were made.
-        let (mut early, mut late) = (0, made);
-        while early < late {
-            let middle = early + (late - early) / 2;
-            if ends_at(middle) >= made { late = middle } else { early = middle + 1 }
-        }
-        plan.stop(model, late)
+/// Returns true if these steps are all of the plan.
+fn is_whole(plan: &Plan, made: u64) -> bool {
+    made >= plan.steps().unsigned_abs()
+}
+
+/// Returns the stop, the motor's fastest, that ends with the first `made` steps. `None` if the motor stands there.
+fn stop_after(plan: &Plan, model: &Pump, made: u64) -> Option<Plan> {
+    let ends_at = |asked: u64| asked + plan.stop(model, asked).map_or(0, |stop| stop.steps().unsigned_abs());
+    // A later stop ends later. Bisection finds the first that ends with the steps that were made.
+    let (mut early, mut late) = (0, made);
+    while early < late {
+        let middle = early + (late - early) / 2;
+        if ends_at(middle) >= made { late = middle } else { early = middle + 1 }
     }
+    plan.stop(model, late)
 }
 
 #[cfg(test)]

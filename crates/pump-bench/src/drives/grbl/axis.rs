@@ -16,6 +16,7 @@ use super::recovery::Made;
 use super::reply::Reply;
 use super::scale::Scale;
 use super::settings::{self, Flavour, MOST_STEPS_S, SelfDescription, Settings};
+use crate::drives::drive::wait_of;
 use crate::drives::known_board::KnownBoard;
 use crate::drives::wire::{BoardPort, Wire};
 use crate::drives::{
@@ -286,7 +287,7 @@ impl Drive for Grbl {
     }
 
     fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {
-        let until = self.board.now() + Duration::from_secs_f64(settle_s.max(0.0));
+        let until = self.board.now().saturating_add(wait_of(settle_s));
         loop {
             let left = until.saturating_sub(self.board.now());
             // The steps are made and counted. A user who asks to stop need not wait for the line.

@@ -11,6 +11,7 @@ use super::connect::{self, Met, Terms};
 use super::error::{NodeError, NodeOpening};
 use super::link::Link;
 use super::motion::{self, Fault, Made, Motion, SentLead, Task};
+use crate::drives::drive::wait_of;
 use crate::drives::stepped::Lead;
 use crate::drives::wire::{BoardPort, Wire};
 use crate::drives::{
@@ -246,13 +247,12 @@ impl Drive for Node {
     }
 
     fn settle(&mut self, settle_s: f64, watch: &mut Watch<'_>) -> Result<Option<f64>, DriveError> {
-        let wait = Duration::try_from_secs_f64(settle_s).unwrap_or_default();
         let link = match &mut self.at {
             At::Met { board, .. } => &mut board.link,
             At::Apart(link) => link,
             At::Nowhere => return Ok(None),
         };
-        let until = link.now() + wait;
+        let until = link.now().saturating_add(wait_of(settle_s));
         loop {
             let left = until.saturating_sub(link.now());
             if left.is_zero() || watch().is_break() || link.heed().is_err() {

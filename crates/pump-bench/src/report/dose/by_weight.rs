@@ -62,27 +62,25 @@ impl ByWeightReport {
     /// The line of the weighing for people.
     pub(in crate::report) fn line(&self) -> String {
         let decimals = (-log10(self.digit_g)).clamp(0.0, 6.0).round() as usize;
-        let after = match (self.reckoned_s, self.reckoned_learned, self.after_stop_s, self.after_stop_stops) {
-            (Some(time_s), Some(is_learned), mean_s, stops) => {
-                let source = if is_learned { "learned" } else { "the model's first value" };
-                let now = mean_s.zip(stops).map_or(String::new(), |(mean_s, stops)| {
-                    format!(", on record now {} s of {stops} stops", significant(mean_s, 2))
-                });
-                format!(
-                    "; after a stop {} s of flow were reckoned with ({source}){now}",
-                    significant(time_s, 2)
-                )
-            }
-            _ => String::new(),
-        };
-        format!(
-            "by weight: {:.decimals$} g of {:.decimals$} g in {} stretches; the pump turned for {} mL by the model, \
-             {} mL at most{after}\n",
+        let weighed = format!(
+            "by weight: {:.decimals$} g of {:.decimals$} g in {} {}; the pump turned for {} mL by the model, {} mL at \
+             most\n",
             self.mass_g,
             self.target_g,
             self.stretches,
+            if self.stretches == 1 { "stretch" } else { "stretches" },
             significant(self.turned_ml, 5),
             significant(self.most_ml, 5),
+        );
+        let Some((time_s, is_learned)) = self.reckoned_s.zip(self.reckoned_learned) else { return weighed };
+        let source = if is_learned { "learned before" } else { "the model's first value" };
+        let now = self.after_stop_s.zip(self.after_stop_stops).map_or(String::new(), |(mean_s, stops)| {
+            let plural = if stops == 1 { "" } else { "s" };
+            format!("; {stops} stop{plural} on record now tell {} s", significant(mean_s, 2))
+        });
+        format!(
+            "{weighed}after a stop {} s of flow were expected to arrive still, {source}{now}\n",
+            significant(time_s, 2)
         )
     }
 }

@@ -1,5 +1,6 @@
 from typing import Final
 
+from .bench import Balance as Balance
 from .bench import _Bench as _Bench
 from .bench import _Schedule as _Schedule
 from .doser import Calibration as Calibration
@@ -36,6 +37,7 @@ from .results import Run as Run
 from .results import SteadyState as SteadyState
 
 __all__ = [
+    "Balance",
     "Calibration",
     "Doser",
     "Limits",

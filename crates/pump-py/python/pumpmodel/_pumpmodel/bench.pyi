@@ -1,8 +1,9 @@
 import os
 from collections.abc import Callable, Sequence
+from types import TracebackType
 from typing import Any, TypeAlias, final
 
-from pumpmodel.choices import CalibrationFit, Driver, Missed
+from pumpmodel.choices import BalanceProtocol, CalibrationFit, Driver, Missed
 from pumpmodel.weighed import WeighedRun
 
 from .doser import Calibration
@@ -11,6 +12,30 @@ from .pump import Pump
 _Progress: TypeAlias = Callable[[int, int], object]
 _Told: TypeAlias = tuple[str, list[str]]
 _Found: TypeAlias = tuple[float, float]
+
+@final
+class Balance:
+    @staticmethod
+    def open(
+        port: str | os.PathLike[str],
+        *,
+        protocol: BalanceProtocol = "mt-sics",
+        line: str | None = None,
+        wait: str | None = None,
+    ) -> Balance: ...
+    @staticmethod
+    def command(command: str, *, wait: str | None = None) -> Balance: ...
+    @staticmethod
+    def function(read: Callable[[], str], *, wait: str | None = None) -> Balance: ...
+    def read(self) -> str: ...
+    def close(self) -> None: ...
+    def __enter__(self) -> Balance: ...
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None: ...
 
 # Compiled half of pumpmodel.Bench. Texts are the command's JSON.
 @final
@@ -47,6 +72,10 @@ class _Bench:
     def prepare(self, purpose: str, asked: dict[str, Any]) -> str: ...
     def connect(self) -> None: ...
     def dose(self, purpose: str, asked: dict[str, Any], progress: _Progress | None) -> str: ...
+    def prepare_by_weight(self, asked: dict[str, Any], by_weight: dict[str, Any]) -> str: ...
+    def dose_by_weight(
+        self, asked: dict[str, Any], by_weight: dict[str, Any], progress: _Progress | None
+    ) -> str: ...
     def resume(self, asked: dict[str, Any], progress: _Progress | None) -> str: ...
     def stop(self) -> None: ...
     def close(self) -> None: ...

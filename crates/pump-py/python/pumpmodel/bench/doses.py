@@ -3,8 +3,8 @@
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from pumpmodel._pumpmodel import Calibration, Doser, Limits, Plan, Pump, _Bench
-from pumpmodel.bench.request import asked
+from pumpmodel._pumpmodel import Balance, Calibration, Doser, Limits, Plan, Pump, _Bench
+from pumpmodel.bench.request import asked, by_weight
 from pumpmodel.bench.schedule import due
 from pumpmodel.choices import Finish, Missed, Ramps
 from pumpmodel.dose import Dose
@@ -41,6 +41,10 @@ class BenchDoses:
         start_angle_rad: float | None = None,
         start_half_width_rad: float = 0.0,
         limits: Limits | None = None,
+        until_scale: Balance | None = None,
+        max_volume: str | None = None,
+        slow_rate: str | None = None,
+        scale: str | None = None,
         dry_run: bool = False,
         progress: Progress | None = None,
     ) -> Dose:
@@ -73,6 +77,18 @@ class BenchDoses:
             Half width of that angle, rad: the true angle lies within it on either side. 0 is an exact angle.
         limits : Limits, optional
             Pressure limits that replace the pump file's.
+        until_scale : Balance, optional
+            Balance under the vessel that ends the dose in place of the model. The vessel need not be tared.
+            The last part is dosed slowly, and the motor stops so that what still falls makes up the rest.
+            The dose runs forward, with no `within`, `smooth`, `finish`, `retract` or `start_angle_rad`.
+        max_volume : str, optional
+            Most that the pump may turn for in a dose by weight, by the model, as "27mL": the volume of the
+            dose or more. The default is the dose and its uncertainty.
+        slow_rate : str, optional
+            Flow of the last part of a dose by weight, as "0.5 mL/s". The default is a tenth of the dose's.
+        scale : str, optional
+            Standard uncertainty of a reading of the balance, as "0.01g" or "0.01mL". The default is that of
+            its last digit.
         dry_run : bool
             Plan and predict; move nothing, record nothing.
         progress : callable, optional
@@ -82,20 +98,37 @@ class BenchDoses:
         Returns
         -------
         Dose
-            The planned dose and its result. `completed` is False if `stop` stopped it.
+            The planned dose and its result. `completed` is False if `stop` stopped it. A dose by weight has
+            the `volume_basis` "weighed", carries nothing, and has its weighing in `by_weight`.
 
         Raises
         ------
         TypeError
-            If a quantity is a bare number.
+            If a quantity is a bare number, or `until_scale` no Balance.
         ValueError
-            If a text is not the expected quantity.
+            If a text is not the expected quantity, or a keyword of a dose by weight lacks `until_scale`.
         PlanError
-            If the pump cannot make the dose.
+            If the pump cannot make the dose, or no balance can end it.
         UnfinishedError
             If an earlier dose is unfinished.
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
+        BalanceError
+            If the balance cannot be read: nothing moves then. If it fails while the pump turns, or never
+            shows what was asked for, the motor decelerates and the dose is unfinished; `resume` makes its
+            rest by volume, `discard` accepts it.
+
+        Examples
+        --------
+        A function stands in for the balance here, and reads the volume of the simulated pump on record.
+
+        >>> import tempfile
+        >>> import pumpmodel as pm
+        >>> with tempfile.TemporaryDirectory() as tmp, pm.Bench.open("three-roller", state_dir=tmp) as bench:
+        ...     balance = pm.Balance.function(lambda: f"{bench.status().wear.volume_ml:.2f} g")
+        ...     dose = bench.dose("25g", until_scale=balance)
+        ...     print(f"{dose.volume_basis}: {dose.by_weight.mass_g:.2f} g")
+        weighed: 25.00 g
         """
         request = asked(
             volume,
@@ -110,7 +143,12 @@ class BenchDoses:
             start_half_width_rad,
             limits,
         )
-        return self._run("dose", request, dry_run, progress)
+        weighed = by_weight(until_scale, max_volume, slow_rate, scale)
+        if weighed is None:
+            return self._run("dose", request, dry_run, progress)
+        if dry_run:
+            return Dose._from_json(self._core.prepare_by_weight(request, weighed))
+        return Dose._from_json(self._core.dose_by_weight(request, weighed, progress))
 
     def prime(
         self,

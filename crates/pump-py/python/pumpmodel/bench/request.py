@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from pumpmodel._pumpmodel import Limits
+from pumpmodel._pumpmodel import Balance, Limits
 from pumpmodel.choices import Finish, Ramps
 
 
@@ -33,3 +33,18 @@ def asked(
         "start_half_width_rad": start_half_width_rad,
         "limits": limits,
     }
+
+
+def by_weight(
+    until_scale: Balance | None, max_volume: str | None, slow_rate: str | None, scale: str | None
+) -> dict[str, Any] | None:
+    """Return the keywords of a dose by weight as a dict, and None for a dose that no balance ends."""
+    if until_scale is None:
+        given = {"max_volume": max_volume, "slow_rate": slow_rate, "scale": scale}
+        for name, value in given.items():
+            if value is not None:
+                raise ValueError(f"{name} is given without until_scale, the balance that ends the dose")
+        return None
+    if not isinstance(until_scale, Balance):
+        raise TypeError(f"until_scale must be a Balance, not {type(until_scale).__name__}")
+    return {"balance": until_scale, "max_volume": max_volume, "slow_rate": slow_rate, "scale": scale}

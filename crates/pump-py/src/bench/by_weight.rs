@@ -1,0 +1,114 @@
+//! Doses that a balance ends.
+
+use pump_bench::balance::BalanceError;
+use pump_bench::record::Purpose;
+use pump_bench::units::{self, Amount};
+use pump_bench::{DeliveredByWeight, DoseReport, DoseRequest, OrderByWeight};
+use pyo3::prelude::*;
+
+use super::balance::{Balance, lock};
+use super::bench::Bench;
+use super::request::AskedDose;
+use crate::argument::{cruise, text};
+use crate::python::advice;
+use crate::python::errors::{self, value};
+
+/// Keywords of a dose by weight, read from a dict.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct AskedByWeight<'py> {
+    balance: Py<Balance>,
+    max_volume: Option<Bound<'py, PyAny>>,
+    slow_rate: Option<Bound<'py, PyAny>>,
+    scale: Option<Bound<'py, PyAny>>,
+}
+
+impl AskedByWeight<'_> {
+    /// Returns the order of a dose.
+    fn order(&self, request: DoseRequest) -> PyResult<OrderByWeight> {
+        let most_ml = self.max_volume.as_ref();
+        let most_ml = most_ml
+            .map(|most| units::volume_ml(text("max_volume", "27mL", most)?).map_err(value))
+            .transpose()?;
+        let slow = cruise(self.slow_rate.as_ref(), None, None)?;
+        let wait = self.balance.get().wait;
+        Ok(OrderByWeight::new(request).with_most_ml(most_ml).with_slow(slow).with_longest(wait))
+    }
+
+    /// Returns the standard uncertainty of a reading, if it is given.
+    fn scale(&self) -> PyResult<Option<Amount>> {
+        let scale = self.scale.as_ref();
+        scale.map(|scale| units::amount(text("scale", "0.01g", scale)?).map_err(value)).transpose()
+    }
+}
+
+#[pymethods]
+impl Bench {
+    /// Plans a dose by weight from the record without moving. Returns the JSON of a dry run.
+    fn prepare_by_weight(
+        &self,
+        py: Python<'_>,
+        asked: AskedDose<'_>,
+        by_weight: AskedByWeight<'_>,
+    ) -> PyResult<String> {
+        let order = by_weight.order(asked.request(Purpose::Dose, &self.weighing())?)?;
+        by_weight.scale()?;
+        let bench = &self.bench;
+        let prepared =
+            py.detach(|| bench.prepare_by_weight(&order)).map_err(|error| errors::dose(py, error))?;
+        Ok(DoseReport::planned_by_weight(bench, &prepared).worded(advice::words).json())
+    }
+
+    /// Runs a dose that a balance ends. Returns the JSON of the command.
+    #[pyo3(signature = (asked, by_weight, progress))]
+    fn dose_by_weight(
+        &self,
+        py: Python<'_>,
+        asked: AskedDose<'_>,
+        by_weight: AskedByWeight<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let order = by_weight.order(asked.request(Purpose::Dose, &self.weighing())?)?;
+        let (scale, device) = (by_weight.scale()?, by_weight.balance.get().device()?);
+        let (json, _) = self.worker.call(
+            py,
+            progress,
+            |(_, delivered): &(String, DeliveredByWeight)| note(delivered),
+            move |held, signal| {
+                let bench = held.bench;
+                let session = held.session()?;
+                let prepared = session.prepare_by_weight(&order)?;
+                let mut device = lock(&device);
+                // The balance was open when the call began.
+                let Some(balance) = device.as_mut() else { return Err(BalanceError::Stopped.into()) };
+                signal.plans(prepared.whole.plan.steps().unsigned_abs());
+                let (mut before, mut last) = (0, 0);
+                let delivered = session.run_by_weight(&prepared, balance.as_mut(), |made| {
+                    // Each stretch counts its own steps.
+                    if made < last {
+                        before += last;
+                    }
+                    last = made;
+                    signal.made(before + made)
+                })?;
+                let difference_g = delivered.difference_standard_g(scale, bench.file());
+                let report = DoseReport::by_weight(bench, &prepared, &delivered, difference_g);
+                Ok((report.worded(advice::words).json(), delivered))
+            },
+        )?;
+        Ok(json)
+    }
+}
+
+/// Returns the note on an interrupted caller's exception: the mass that was delivered.
+fn note(delivered: &DeliveredByWeight) -> String {
+    let DeliveredByWeight { mass_g, turned_ml, completed, .. } = *delivered;
+    let made = format!("{mass_g:.3} g by the balance and {turned_ml:.4} mL by the model were delivered");
+    match completed {
+        true => format!("{made}, the whole dose"),
+        false => format!(
+            "{made} and are on record; bench.resume() makes the rest by volume, bench.discard() accepts the dose as \
+             it is"
+        ),
+    }
+}
