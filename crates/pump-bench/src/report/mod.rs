@@ -9,6 +9,7 @@ mod dose_text;
 mod ending;
 mod error;
 mod identified;
+mod next_weighing;
 mod phase;
 mod pump_check;
 mod rotor;
