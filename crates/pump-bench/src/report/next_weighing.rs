@@ -30,6 +30,22 @@ pub(super) struct NextWeighing {
     then_dose_percent: Option<f64>,
 }
 
+/// Standard uncertainties as parts of the volume.
+#[derive(Debug, Clone, Copy)]
+struct Sure {
+    /// Standard uncertainty of the mean of many doses.
+    mean: f64,
+    /// Standard uncertainty of a dose, if it rests on a prior.
+    dose: Option<f64>,
+}
+
+impl Sure {
+    /// Returns the uncertainty of a dose, or of the mean where the scatter is known otherwise.
+    fn of_most_use(&self) -> f64 {
+        self.dose.unwrap_or(self.mean)
+    }
+}
+
 impl NextWeighing {
     /// Returns the certainty by weighed doses. `None` of a calibration by other runs.
     ///
@@ -44,33 +60,31 @@ impl NextWeighing {
         if calibration.source != Source::Last {
             return Ok(None);
         }
-        let standard = found.whole_standard_at(base, run.speed_rpm)?;
+        let sure_of = |found: &Displacement| -> Result<Sure, CalibrationError> {
+            let mean = found.whole_standard_at(base, run.speed_rpm)?;
+            Ok(Sure { mean, dose: found.prior.map(|prior| hypot(mean, prior.of_dose())) })
+        };
+        let now = sure_of(found)?;
+        let mut after = Vec::new();
+        if found.prior.is_some() {
+            let mut then = found.clone();
+            while let Some(more) = then.after_one_more().filter(|_| after.len() < MOST_MORE) {
+                after.push(sure_of(&more)?);
+                then = more;
+            }
+        } else {
+            let means = standards_of_more(found, now.mean, calibration.runs.len());
+            after.extend(means.into_iter().map(|mean| Sure { mean, dose: None }));
+        }
+        let next = (1..).zip(after).find(|(_, then)| then.of_most_use() < SURER * now.of_most_use());
+        let (more, then) = next.unwrap_or((0, now));
         let percent = |standard: f64| 200.0 * standard / found.factor;
-        let of_dose =
-            |found: &Displacement, standard: f64| found.prior.map(|prior| hypot(standard, prior.of_dose()));
-        let now = [Some(standard), of_dose(found, standard)];
-        let mut after = vec![(0, now)];
-        let mut then = found.after_one_more();
-        while let Some(more) = then.take().filter(|_| after.len() <= MOST_MORE) {
-            let standard = more.whole_standard_at(base, run.speed_rpm)?;
-            after.push((after.len(), [Some(standard), of_dose(&more, standard)]));
-            then = more.after_one_more();
-        }
-        if found.prior.is_none() {
-            let more = standards_of_more(found, standard, calibration.runs.len());
-            after.extend(more.into_iter().map(|(more, standard)| (more, [Some(standard), None])));
-        }
-        // A dose is what people want to be sure of; its mean where the scatter is known otherwise.
-        let sure = |[mean, dose]: [Option<f64>; 2]| dose.or(mean).unwrap_or(0.0);
-        let is_surer = |then: [Option<f64>; 2]| sure(then) < SURER * sure(now);
-        let next = after.iter().copied().find(|(more, then)| *more > 0 && is_surer(*then));
-        let (more, [then_mean, then_dose]) = next.unwrap_or((0, now));
         Ok(Some(Self {
-            mean_percent: percent(standard),
-            dose_percent: now[1].map(percent),
+            mean_percent: percent(now.mean),
+            dose_percent: now.dose.map(percent),
             more,
-            then_mean_percent: percent(then_mean.unwrap_or(standard)),
-            then_dose_percent: then_dose.map(percent),
+            then_mean_percent: percent(then.mean),
+            then_dose_percent: then.dose.map(percent),
         }))
     }
 
@@ -81,22 +95,28 @@ impl NextWeighing {
     }
 
     fn offer(&self, words: Wording) -> String {
-        let said = |mean: f64, dose: Option<f64>| match dose {
-            Some(dose) => format!("a dose like this \u{b1} {dose:.2} %, the mean of many \u{b1} {mean:.2} %"),
-            None => format!("\u{b1} {mean:.2} % before the scatter of a single dose"),
+        let (now, then) = (self.mean_percent, self.then_mean_percent);
+        let [now, then] = match self.dose_percent.zip(self.then_dose_percent) {
+            Some((dose, then_dose)) => [
+                format!(
+                    "a dose like this to \u{b1} {dose:.2} %, the mean of many to \u{b1} {now:.2} % (k = 2)"
+                ),
+                format!("\u{b1} {then_dose:.2} % and \u{b1} {then:.2} %"),
+            ],
+            None => [
+                format!(
+                    "volumes at this speed to \u{b1} {now:.2} % (k = 2), before the scatter of a single dose"
+                ),
+                format!("\u{b1} {then:.2} %"),
+            ],
         };
-        let now = said(self.mean_percent, self.dose_percent);
-        if self.more == 0 {
-            return format!("  sure now    {now} (k = 2)\n");
-        }
-        let doses =
-            if self.more == 1 { "one more dose".to_owned() } else { format!("{} more doses", self.more) };
-        let then = said(self.then_mean_percent, self.then_dose_percent);
+        let doses = match self.more {
+            0 => return format!("  sure now    {now}\n"),
+            1 => "one more dose".to_owned(),
+            more => format!("{more} more doses"),
+        };
         let way = words(Remedy::WeighOneMore);
-        format!(
-            "  sure now    {now} (k = 2)\n  next        weigh {doses}, which bring{} about {then}: {way}\n",
-            if self.more == 1 { "s" } else { "" }
-        )
+        format!("  sure now    {now}\n  next        weigh {doses} first: then about {then}; {way}\n")
     }
 }
 
@@ -117,10 +137,10 @@ fn stated(prior: &ScatterPrior, factor: f64) -> String {
     )
 }
 
-/// Returns the standard uncertainties of the factor that more weighed doses are expected to bring, each with its number
-/// of doses, where no prior stands beside them. So few doses show their scatter badly, and Student's t widens it (GUM,
+/// Returns the standard uncertainties of the factor that one more weighed dose and more are expected to bring, where no
+/// prior stands beside them. So few doses show their scatter badly, and Student's t widens it (GUM,
 /// table G.2): a second one alone brings nothing.
-fn standards_of_more(found: &Displacement, standard: f64, weighed: usize) -> Vec<(usize, f64)> {
+fn standards_of_more(found: &Displacement, standard: f64, weighed: usize) -> Vec<f64> {
     let reading = found.reading;
     let of_mean = sqrt((standard * standard - reading * reading).max(0.0));
     let of_one = found.scatter.standard().unwrap_or(of_mean * sqrt(weighed as f64));
@@ -128,7 +148,7 @@ fn standards_of_more(found: &Displacement, standard: f64, weighed: usize) -> Vec
         .map(|more| {
             let doses = weighed + more;
             let scattered = widening((doses - 1) as u32) * of_one / sqrt(doses as f64);
-            (more, sqrt(scattered * scattered + reading * reading))
+            sqrt(scattered * scattered + reading * reading)
         })
         .collect()
 }
