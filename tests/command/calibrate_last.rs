@@ -86,8 +86,8 @@ fn one_weighed_dose_rests_on_a_stated_prior_and_a_second_is_offered_first() {
     assert!(offered < at("warning") && offered < at("goes back to the model"), "{said}");
     let found = user.json(&["calibrate", "last", "213.0g"]);
     let next = &found["next_weighing"];
-    // Student's t of 3 degrees of freedom is 3.31, of 4 it is 2.87 (GUM, table G.2): of a dose and its mean, with a drop
-    // of 60 µL from an outlet that nobody described. The second scatters as the file says.
+    // Student's t of 3 degrees of freedom is 3.31, of 4 it is 2.87 (GUM, table G.2): of a dose and its mean, with a
+    // drop of 60 µL from an outlet that nobody described. The second scatters as the file says.
     let drop = 0.05995 / 6_f64.sqrt() / 213.0;
     let of_mean = |t: f64, pooled: f64, doses: f64| {
         100.0 * ((t * pooled).powi(2) + (2.0 * drop).powi(2)).sqrt() / doses.sqrt()

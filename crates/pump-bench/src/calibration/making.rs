@@ -51,8 +51,8 @@ impl Expected {
 impl Calibration {
     /// Returns a calibration of the displacement of the pump of `file` by weighed runs. The zero of `before`
     /// stays, since other doses found it. A pulse of `before` is fitted again to its short doses, with the
-    /// volume of a revolution that the runs show. Doses that were weighed ([`Source::Last`]) are few, so `expected` is a
-    /// prior of their scatter.
+    /// volume of a revolution that the runs show. Doses that were weighed ([`Source::Last`]) are few, so `expected`
+    /// is a prior of their scatter.
     ///
     /// ```
     /// use pump_bench::calibration::{Calibration, Expected, Fit, Source, runs_of_csv};

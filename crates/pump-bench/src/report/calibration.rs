@@ -1,11 +1,13 @@
 //! Calibrations of the displacement in words and as JSON.
 
+mod next_weighing;
+
 use std::fmt::Write;
 
 use pump_model::Pump;
 use serde_json::json;
 
-use super::next_weighing::NextWeighing;
+use self::next_weighing::NextWeighing;
 use super::status::UnfinishedCalibration;
 use crate::bench::Bench;
 use crate::calibration::{AgainstSpeed, CalibrationError, Displacement, Stored, default_rate_uncovered};

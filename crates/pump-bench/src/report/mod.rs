@@ -9,7 +9,6 @@ mod dose_text;
 mod ending;
 mod error;
 mod identified;
-mod next_weighing;
 mod phase;
 mod pump_check;
 mod rotor;

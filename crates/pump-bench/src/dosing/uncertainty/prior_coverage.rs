@@ -1,8 +1,8 @@
 //! Coverage of doses after one to three weighed doses, whose scatter rests on a stated prior.
 //!
 //! The pumps here are drawn from what the prior states, and from pumps that scatter otherwise. Every pitch errs on its
-//! own, a balance of 10 mg shows the vessel before and after, a drop hangs at the nozzle before and after, and the angle
-//! is known to a degree.
+//! own, a balance of 10 mg shows the vessel before and after, a drop hangs at the nozzle before and after, and the
+//! angle is known to a degree.
 
 use pump_ctl::plan::{Cruise, Phase, Ramps, Request};
 use pump_model::Pump;
@@ -117,8 +117,8 @@ fn found(case: Case) -> Found {
     Found { covered: f64::from(inside) / f64::from(PLANTS), half_width: half_widths[half_widths.len() / 2] }
 }
 
-/// Doses and weighs what arrives, from an angle anywhere that is read to a degree. A reading that is refused as a mistake
-/// is left, and the dose made again.
+/// Doses and weighs what arrives, from an angle anywhere that is read to a degree. A reading that is refused as a
+/// mistake is left, and the dose made again.
 fn weigh(
     case: &Case,
     file: &PumpFile,
