@@ -144,7 +144,7 @@ fn a_scatter_that_was_measured_is_no_prior() {
 #[test]
 fn a_dose_that_says_less_than_the_model_is_warned_of() {
     let user = User::new();
-    let mut warns = |volume: &str, reading: &str| {
+    let warns = |volume: &str, reading: &str| {
         user.json(&[volume]);
         let found = user.json(&["calibrate", "last", reading, "--dry-run"]);
         found["warnings"]
