@@ -89,6 +89,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::Weigh => "`dose calibrate run` weighs what it delivers",
         Remedy::CalibrateRuns => "say `dose calibrate run`",
         Remedy::WeighToBeSurer => "`dose calibrate run` makes it surer",
+        Remedy::WeighOneMore => "make the dose again, then say `dose calibrate last` and its weight",
         Remedy::Verify => "say `dose calibrate verify`",
         Remedy::FindPhase => "say `dose calibrate phase`",
         Remedy::UseShortDoses => "say `dose calibrate phase --use`",

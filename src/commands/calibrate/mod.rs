@@ -13,8 +13,6 @@ mod verify;
 
 use clap::{Args, Subcommand};
 
-pub(super) use self::last::next_weighing;
-
 use crate::failure::Failure;
 
 #[derive(Debug, Args)]

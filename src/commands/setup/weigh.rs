@@ -1,6 +1,6 @@
 //! A dose into a tared vessel, and its weight: the first calibration.
 
-use pump_bench::calibration::{Earlier, Expected, Stored, WeighedDose};
+use pump_bench::calibration::{Earlier, Expected, Stored};
 use pump_bench::report::calibration_text;
 use pump_bench::units::{StatedReading, stated_reading};
 use pump_bench::{Bench, DoseReport, DoseRequest, Session};
@@ -146,11 +146,9 @@ fn keep(course: &mut Course, reading: &StatedReading, temperature_degc: Option<f
     let held = bench.folder().lock()?;
     let expected = Expected::of_digits(bench.file(), reading);
     let weighed = bench.weigh_last_dose(reading, temperature_degc, Earlier::Joined, &expected)?;
-    let WeighedDose { run, calibration, .. } = weighed;
-    let stored: Stored = bench.keep_calibration(calibration)?;
+    let stored: Stored = bench.keep_calibration(weighed.calibration)?;
     drop(held);
     tell(&calibration_text(&bench, &stored, advice::words)?)?;
-    tell(&crate::commands::calibrate::next_weighing(&bench, &stored, &run)?)?;
     course.answers.done.dosed = false;
     course.answers.done.weighed += 1;
     course.keep()

@@ -2,7 +2,7 @@
 
 use libm::sqrt;
 
-use super::fit::{Displacement, PulseSureness};
+use super::fit::{Displacement, PulseSureness, ScatterPrior};
 use crate::displacement::Correction;
 use crate::numbers::significant;
 
@@ -21,6 +21,8 @@ pub(crate) struct Applied {
     pub(crate) pulse: Option<PulseSureness>,
     /// Turns of the runs that were weighed.
     pub(crate) turns: Vec<WeighedTurn>,
+    /// Warning of a speed at which nothing was weighed, for a dose whose uncertainty it widens notably.
+    pub(crate) unweighed_speed: Option<String>,
 }
 
 /// Turn of a run that was weighed.
@@ -63,6 +65,8 @@ pub(crate) struct Sureness {
     pub(crate) repeatability: f64,
     /// Volume of a run, in mL: the largest of all; 0 if the runs do not show their scatter.
     pub(crate) run_ml: f64,
+    /// Prior that the pump file's scatter counts by. `None` if the runs or the file show the scatter.
+    pub(crate) prior: Option<ScatterPrior>,
     /// Temperature of the fluid of the dose less that of the runs, in °C.
     pub(crate) warmer_degc: f64,
 }

@@ -181,6 +181,7 @@ impl Calibration {
             },
             repeatability: displacement.repeatability(),
             run_ml: displacement.scatter.standard().map_or(0.0, |_| self.run_ml()),
+            prior: displacement.prior.filter(|_| file.uncertainty.repeatability_at_ml.is_none()),
             warmer_degc: file.fluid.temperature_degc - self.temperature_degc,
         }))
     }

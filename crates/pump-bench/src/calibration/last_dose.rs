@@ -1,11 +1,14 @@
 //! A calibration by the dose that was just made: its reading, beside those of the doses before it.
 
-use libm::round;
+use libm::{round, sqrt};
+use pump_ctl::plan::Phase;
 use pump_model::Pump;
-use pump_model::units::{degrees, rpm};
+use pump_model::units::{degrees, radians, rpm};
 
 use super::date::of_unix;
-use super::{Calibration, CalibrationError, CalibrationRun, Expected, Fit, Reading, Source, Stored};
+use super::{
+    Calibration, CalibrationError, CalibrationRun, Expected, Fit, Reading, Source, Stored, Weighing,
+};
 use crate::pump_file::PumpFile;
 use crate::record::LastDose;
 use crate::units::{Amount, StatedReading};
@@ -101,6 +104,21 @@ impl CalibrationRun {
     }
 }
 
+/// Returns the standard deviation of the volume of a turn, in mL, over the start angles that `start` allows. They are
+/// equally likely.
+fn angle_ml(pump: &Pump, start: Phase, turned_rad: f64) -> f64 {
+    const ANGLES: i32 = 32;
+    let curve = pump.outlet_curve();
+    let volume_ml = |from_rad: f64| curve.volume_ml(from_rad + turned_rad) - curve.volume_ml(from_rad);
+    let planned_ml = volume_ml(start.angle_rad());
+    let square = |n: i32| {
+        let part = f64::from(2 * n + 1) / f64::from(ANGLES) - 1.0;
+        let error_ml = volume_ml(start.angle_rad() + start.half_width_rad() * part) - planned_ml;
+        error_ml * error_ml
+    };
+    sqrt((0..ANGLES).map(square).sum::<f64>() / f64::from(ANGLES))
+}
+
 /// Returns true for turns that are equal to a millionth of a degree.
 fn same_turn(one_deg: f64, other_deg: f64) -> bool {
     round(1e6 * one_deg) == round(1e6 * other_deg)
@@ -132,11 +150,19 @@ impl WeighedDose {
             Amount::Mass(grams) => Reading::MassG(grams),
             Amount::Volume(volume_ml) => Reading::VolumeMl(volume_ml),
         };
-        let run = CalibrationRun::of_last_dose(last, &file.model()?, reading, weighing.temperature_degc)?;
+        let pump = file.model()?;
+        let run = CalibrationRun::of_last_dose(last, &pump, reading, weighing.temperature_degc)?;
+        let start = last.filter(|_| run.start_angle_deg.is_some()).map(|dose| dose.start());
+        let angle_ml = start.map_or(0.0, |start| angle_ml(&pump, start, radians(run.turned_deg)));
+        let density = match reading {
+            Reading::MassG(_) => Weighing::of(file).density_standard()?,
+            Reading::VolumeMl(_) => 0.0,
+        };
+        let expected = weighing.expected.with_angle_ml(angle_ml).with_density(density);
         let runs = run.clone().beside(active, weighing.earlier)?;
         let before = active.map(|active| &active.calibration);
         let fit = fit_of_doses(&runs);
-        let mut calibration = Calibration::of_runs(file, Source::Last, runs, fit, weighing.expected, before)?;
+        let mut calibration = Calibration::of_runs(file, Source::Last, runs, fit, &expected, before)?;
         calibration.tube = before.and_then(|before| before.tube.clone());
         Ok(Self { run, calibration })
     }

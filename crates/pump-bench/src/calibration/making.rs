@@ -51,7 +51,8 @@ impl Expected {
 impl Calibration {
     /// Returns a calibration of the displacement of the pump of `file` by weighed runs. The zero of `before`
     /// stays, since other doses found it. A pulse of `before` is fitted again to its short doses, with the
-    /// volume of a revolution that the runs show.
+    /// volume of a revolution that the runs show. Doses that were weighed ([`Source::Last`]) are few, so `expected`
+    /// is a prior of their scatter.
     ///
     /// ```
     /// use pump_bench::calibration::{Calibration, Expected, Fit, Source, runs_of_csv};
@@ -86,6 +87,7 @@ impl Calibration {
         }
         let base = file.model()?;
         let pump = calibration.shape().of(&base)?;
+        let expected = &if source == Source::Last { expected.with_prior() } else { *expected };
         calibration.displacement = Some(match fit {
             Fit::Best => Displacement::fit_best(&pump, &runs, &weighing, expected)?,
             Fit::Line => Displacement::fit(&pump, &runs, &weighing, expected)?,

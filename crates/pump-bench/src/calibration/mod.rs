@@ -22,7 +22,8 @@ pub(crate) use default_rate::default_rate_uncovered;
 pub use error::CalibrationError;
 pub(crate) use fit::{AgainstSpeed, LawToFit, PulseSureness, Revolution, scatter_ml};
 pub use fit::{
-    Displacement, Expected, FittedPulse, LawFit, PhaseFit, Scatter, ShortDose, SpeedBend, short_doses_of_csv,
+    Displacement, Expected, FittedPulse, LawFit, PhaseFit, Scatter, ScatterPrior, ShortDose, SpeedBend,
+    short_doses_of_csv,
 };
 pub(crate) use last_dose::LastWeighing;
 pub use last_dose::{Earlier, WeighedDose};
@@ -32,4 +33,5 @@ pub(crate) use run::{PLAUSIBLE, turned_ml};
 pub use run_log::{PlannedRuns, RunLog, UnfinishedRuns};
 pub use store::{Calibrations, Stored};
 pub use verification::{Tolerance, Verification, readings_of_csv};
+pub(crate) use weighing::READ_DEGC;
 pub use weighing::Weighing;

@@ -1,6 +1,6 @@
 //! The volume of a mass that a scale shows: densities of fluid and air, and the factor Z of ISO 8655-6.
 
-use libm::exp;
+use libm::{exp, hypot};
 
 use super::CalibrationError;
 use crate::pump_file::{FluidTable, PumpFile, SAME_TEMPERATURE_DEGC};
@@ -13,6 +13,20 @@ const WEIGHTS_KG_M3: f64 = 8000.0;
 /// Relative humidity where nobody measured it, in percent: ISO 8655-6 asks for more than 50. From 30 to 80 %
 /// Z changes by 4e-6.
 const HUMIDITY_PERCENT: f64 = 50.0;
+
+/// Standard uncertainty of the difference between two temperatures, in °C, each read to a degree.
+pub(crate) const READ_DEGC: f64 = 0.8;
+
+/// Standard uncertainty of the density of a fluid of which only the pump file's number is known, as a part of it. The
+/// file's number has three or four digits.
+const STATED_DENSITY: f64 = 1e-3;
+
+/// Standard uncertainty of the density of air, as a part of it: pressure to 1 kPa and 1 °C of 100 kPa and 300 K.
+/// Humidity adds 0.4 % (OIML R 111-1:2004, E.3, from 30 to 80 %).
+const AIR: f64 = 0.012;
+
+/// Density of air over that of water, at 20 °C and 101.3 kPa: the part of a reading that buoyancy makes.
+const BUOYANCY: f64 = 1.2e-3;
 
 /// Fluid that is weighed, and the air around the scale.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +63,22 @@ impl<'a> Weighing<'a> {
             Amount::Volume(volume_ml) => Ok(volume_ml),
             Amount::Mass(mass_g) => self.volume_ml(mass_g, self.fluid.temperature_degc),
         }
+    }
+
+    /// Returns the standard uncertainty of the volume of a gram, as a part of it: density of the fluid at the pump
+    /// file's temperature, and buoyancy.
+    ///
+    /// # Errors
+    ///
+    /// Errors of [`Self::volume_ml`].
+    pub(crate) fn density_standard(&self) -> Result<f64, CalibrationError> {
+        let degc = self.fluid.temperature_degc;
+        let of_fluid = if self.fluid.density_at_kg_m3(degc).is_some() {
+            (self.volume_ml(1.0, degc + READ_DEGC)? / self.volume_ml(1.0, degc)? - 1.0).abs()
+        } else {
+            STATED_DENSITY
+        };
+        Ok(hypot(of_fluid, AIR * BUOYANCY))
     }
 
     /// Returns the reading, in g, of a balance in this air for a volume in mL of fluid at the pump file's

@@ -31,7 +31,8 @@ pub(crate) use swept::Swept;
 pub(crate) use tube_life::TubeLife;
 #[cfg(test)]
 pub(crate) use uncertainty::Budget;
+pub(crate) use uncertainty::one_more;
 pub(crate) use uncertainty::outlet::drop_ml;
 pub(crate) use uncertainty::pressure_uncertainty_kpa;
 pub(crate) use uncertainty::weighed_shares;
-pub use uncertainty::{Share, ShareSource};
+pub use uncertainty::{Share, SharePrior, ShareSource};

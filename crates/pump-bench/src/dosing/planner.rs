@@ -25,6 +25,7 @@ pub(crate) struct SpeedPlan {
     pub(crate) plan: Plan,
     /// Calibration or law that was applied; `None` of a pump as its model is.
     pub(crate) applied: Option<Applied>,
+    /// Warning of a speed that the calibration or law limits.
     pub(crate) warning: Option<String>,
 }
 
@@ -102,23 +103,22 @@ impl Planner<'_> {
         start: Phase,
         request: &Request,
     ) -> Result<SpeedPlan, DoseError> {
-        let (applied, warning) = self.applied(against, rpm, request).map_err(CalibrationError::from)?;
+        let applied = self.applied(against, rpm, request).map_err(CalibrationError::from)?;
         let correction = applied.as_ref().map_or(Correction::NONE, |applied| applied.correction);
         let model = correction.of(self.pump.base()).map_err(CalibrationError::from)?;
         let plan = Doser::new(&model, *self.limits)?.plan(start, request)?;
-        Ok(SpeedPlan { model, plan, applied, warning })
+        Ok(SpeedPlan { model, plan, applied, warning: None })
     }
 
-    /// Returns the calibration or law as applied at a speed in r/min, positive, and the warning of that
-    /// speed.
+    /// Returns the calibration or law as applied at a speed in r/min, positive.
     fn applied(
         &self,
         against: Option<&AgainstSpeed<'_>>,
         rpm: f64,
         request: &Request,
-    ) -> Result<(Option<Applied>, Option<String>), ModelError> {
+    ) -> Result<Option<Applied>, ModelError> {
         if against.is_none() && self.stored.is_none() {
-            return Ok((None, None));
+            return Ok(None);
         }
         let calibration = self.stored.map(|stored| &stored.calibration);
         let signed_rpm = signed(rpm, request);
@@ -127,7 +127,7 @@ impl Planner<'_> {
             None => None,
         };
         let known = self.stored.zip(displacement);
-        let warning = known.and_then(|(stored, sureness)| {
+        let unweighed_speed = known.and_then(|(stored, sureness)| {
             sureness.warning(stored.version, stored.calibration.displacement.as_ref()?, rpm)
         });
         let applied = Applied {
@@ -146,8 +146,9 @@ impl Planner<'_> {
             zero_standard_rad: calibration.map_or(0.0, |calibration| radians(calibration.zero_standard_deg)),
             pulse: calibration.and_then(|calibration| calibration.pulse_sureness()),
             turns: calibration.map_or_else(Vec::new, |calibration| calibration.turns()),
+            unweighed_speed,
         };
-        Ok((Some(applied), warning))
+        Ok(Some(applied))
     }
 }
 

@@ -318,15 +318,17 @@ impl PlanningBasis<'_> {
             let wider = warnings::wider_inlet_swing(model, plan, prediction, prepared.limits.motor)?;
             warnings.extend(wider.map(Notice::from));
         }
+        let budget =
+            || prepared.budget(self.file, &Swept::whole(model, plan), prepared.back_flow.backflow_ml);
         if prepared.request.purpose == Purpose::Dose {
             let half_width_ml = prepared.carry_in_within_ml();
             warnings.extend(warnings::unsure_carry(plan.requested_ml(), plan.carry_in_ml(), half_width_ml));
-            let swept = Swept::whole(model, plan);
-            let budget = prepared.budget(self.file, &swept, prepared.back_flow.backflow_ml);
-            warnings.extend(self.back_flow_warning(prepared, &budget));
+            warnings.extend(self.back_flow_warning(prepared, &budget()));
             warnings.extend(warnings::unweighed_pump(self.file, applied.as_ref()));
         }
         warnings.extend(self.file.resistance_warning());
+        let unweighed = applied.as_ref().and_then(|applied| applied.unweighed_speed.as_deref());
+        warnings.extend(unweighed.and_then(|text| warnings::unweighed_speed(text, &budget())));
         let of_retraction = retraction.iter().flat_map(|retraction| retraction.warnings.clone());
         warnings.extend(of_speed.into_iter().chain(of_retraction).map(Notice::from));
         Ok(warnings)

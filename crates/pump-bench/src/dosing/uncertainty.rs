@@ -7,6 +7,8 @@ mod default_pulse_coverage;
 pub(super) mod outlet;
 mod pressure;
 #[cfg(test)]
+mod prior_coverage;
+#[cfg(test)]
 mod pulse_coverage;
 mod pulse_share;
 mod repeatability;
@@ -19,10 +21,11 @@ use pump_model::Pump;
 use self::angle::AngleErrors;
 pub(crate) use self::pressure::pressure_uncertainty_kpa;
 use self::pulse_share::pulse_share_ml;
-pub use self::share::{Share, ShareSource};
+pub(crate) use self::share::one_more;
+pub use self::share::{Share, SharePrior, ShareSource};
 pub(crate) use self::weighed::weighed_shares;
 use super::swept::Swept;
-use crate::calibration::{Applied, Sureness};
+use crate::calibration::{Applied, READ_DEGC, ScatterPrior, Sureness};
 use crate::pump_file::UncertaintyTable;
 
 /// Coverage factor of the expanded uncertainty where all errors are normal (about 95 % of doses).
@@ -31,9 +34,6 @@ const COVERAGE_FACTOR: f64 = 2.0;
 /// Growth of the cross section of a tube's bore, in 1/°C: twice the linear expansion of silicone rubber,
 /// 3e-4. Natural rubber has 2.2e-4, a third of its expansion in volume, 6.6e-4 (Polymer Handbook).
 const BORE_PER_DEGC: f64 = 6e-4;
-
-/// Standard uncertainty of the difference between two temperatures, in °C, each read to a degree.
-const READ_DEGC: f64 = 0.8;
 
 /// Uncertainty budget of a dose. Its shares are independent.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,7 +106,18 @@ impl Budget {
         if let Some((pulse, zero_rad)) = pulse {
             share(ShareSource::Pulse, pulse_share_ml(pump, swept, &pulse, zero_rad));
         }
+        if let Some(prior) = sureness.and_then(|sureness| sureness.prior) {
+            budget.rest_on(&prior, repeatability::stated_ml(pump, table, &prior, volume_ml));
+        }
         budget.with_percentages()
+    }
+
+    /// Says of the shares of scatter and calibration that they rest on a prior of `standard_ml` of this dose.
+    fn rest_on(&mut self, prior: &ScatterPrior, standard_ml: f64) {
+        let sources = [ShareSource::Repeatability, ShareSource::Calibration];
+        for share in self.shares.iter_mut().filter(|share| sources.contains(&share.source)) {
+            *share = share.clone().resting_on(prior, standard_ml);
+        }
     }
 
     /// Returns the budget with a carry of `carry_ml` that is known within `half_width_ml`, rectangular:

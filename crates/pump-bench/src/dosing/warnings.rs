@@ -8,7 +8,7 @@ use pump_ctl::step::Direction;
 use pump_model::units::rpm;
 use pump_model::{Extremes, Pump};
 
-use super::uncertainty::pressure_uncertainty_kpa;
+use super::uncertainty::{Budget, Share, ShareSource, pressure_uncertainty_kpa};
 use super::unknown_angle;
 use crate::calibration::Applied;
 use crate::catalogue::{built_in, overlap_warning};
@@ -33,6 +33,10 @@ const UNSURE: f64 = 0.001;
 
 /// Swing of pressure by a single step from which on a dose is warned of, in kPa.
 const SWING_KPA: f64 = 1.0;
+
+/// Part of the budget's variance from which on an unweighed speed is warned of, in percent. Without it the interval is
+/// sqrt(0.9) as wide, so it makes 5 % of the interval.
+const NOTABLE_PERCENT: f64 = 10.0;
 
 /// Returns the warnings of a plan, in the order in which the user reads them.
 pub(super) fn of_plan(
@@ -205,6 +209,13 @@ pub(super) fn unweighed_pump(file: &PumpFile, applied: Option<&Applied>) -> Opti
     };
     let text = format!("{fact}: pumps of one kind differ by 10 to 25 %");
     Some(Notice::from(text).with_remedy(Remedy::Weigh))
+}
+
+/// Warns by `text` of a speed at which nothing was weighed, where that makes the interval of the dose notably wider.
+pub(super) fn unweighed_speed(text: &str, budget: &Budget) -> Option<Notice> {
+    let of_speed = |share: &&Share| share.source == ShareSource::SpeedDependence;
+    let part = budget.shares.iter().find(of_speed)?.variance_percent;
+    (part >= NOTABLE_PERCENT).then(|| Notice::from(text))
 }
 
 /// Warns of a dose that is too short to reach its cruise speed.

@@ -92,6 +92,8 @@ pub enum Remedy {
     CalibrateRuns,
     /// Calibrate the pump of a file, which makes its uncertainty smaller.
     WeighToBeSurer,
+    /// Make one more dose like the one that was weighed, and weigh it.
+    WeighOneMore,
     /// Verify the scatter of doses.
     Verify,
     /// Find roller volume and zero with short doses.
@@ -195,6 +197,7 @@ impl Remedy {
         Self::Weigh,
         Self::CalibrateRuns,
         Self::WeighToBeSurer,
+        Self::WeighOneMore,
         Self::Verify,
         Self::FindPhase,
         Self::UseShortDoses,

@@ -1,10 +1,13 @@
 //! Calibrations of the displacement in words and as JSON.
 
+mod next_weighing;
+
 use std::fmt::Write;
 
 use pump_model::Pump;
 use serde_json::json;
 
+use self::next_weighing::NextWeighing;
 use super::status::UnfinishedCalibration;
 use crate::bench::Bench;
 use crate::calibration::{AgainstSpeed, CalibrationError, Displacement, Stored, default_rate_uncovered};
@@ -25,6 +28,9 @@ pub fn calibration_json(bench: &Bench, stored: &Stored) -> Result<String, Calibr
     };
     let mut report = json!(stored);
     report["warnings"] = json!(warnings);
+    if let Some(next) = NextWeighing::of(bench.model(), stored)? {
+        report["next_weighing"] = json!(next);
+    }
     Ok(format!("{report}\n"))
 }
 
@@ -43,6 +49,8 @@ pub fn calibration_text(bench: &Bench, stored: &Stored, words: Wording) -> Resul
     let (file, base) = (bench.file(), bench.model());
     let mut text = heading(bench, stored, found);
     text += &factors(base, stored, found)?;
+    let next = NextWeighing::of(base, stored)?;
+    text += &next.map_or(String::new(), |next| next.text(found, words));
     text += &scatter(file, found).unwrap_or_default();
     for warning in warnings(file, base, found)? {
         text += &format!("  warning: {warning}\n");
@@ -187,6 +195,7 @@ fn warnings(file: &PumpFile, base: &Pump, found: &Displacement) -> Result<Vec<St
             "the speeds depart from the fit by far more than the runs scatter; it is not their shape{instead}"
         ));
     }
+    warnings.extend(less_sure_than_the_model(file, base, found)?);
     let (limit_rpm, fastest_rpm) = (file.motor.max_speed_rpm, found.range_rpm().1);
     if fastest_rpm > 1.01 * limit_rpm {
         let (fastest, limit) = (short(fastest_rpm), short(limit_rpm));
@@ -201,6 +210,23 @@ fn warnings(file: &PumpFile, base: &Pump, found: &Displacement) -> Result<Vec<St
     });
     warnings.extend(default_rate_uncovered(file, base, found)?);
     Ok(warnings)
+}
+
+/// Warns of a few weighed doses that show the volume less well than the model that they replace.
+fn less_sure_than_the_model(
+    file: &PumpFile,
+    base: &Pump,
+    found: &Displacement,
+) -> Result<Option<String>, CalibrationError> {
+    let (of_model, of_doses) = (file.model_standard(), found.whole_standard_at(base, found.reference_rpm)?);
+    let is_less = found.prior.is_some() && of_doses > of_model;
+    Ok(is_less.then(|| {
+        format!(
+            "the weighed volume is less sure than that of the model, by which \u{b1} {:.1} % held (k = 2): weigh more \
+             doses, or doses of more revolutions",
+            200.0 * of_model
+        )
+    }))
 }
 
 /// The flows of the doses that use the calibration.

@@ -5,7 +5,7 @@ use pump_model::units::wrap;
 
 use super::choices::VolumeBasis;
 use super::dose::{CalibrationReport, DoseReport};
-use crate::dosing::RippleAt;
+use crate::dosing::{RippleAt, Share, ShareSource};
 use crate::numbers::{microlitres, significant};
 use crate::record::PhaseSource;
 
@@ -190,7 +190,8 @@ impl DoseReport {
             .filter(|share| share.variance_percent >= TELLING_PERCENT)
             .map(|share| {
                 let percent = 100.0 * share.standard_ml / volume_ml;
-                format!("{} {}", spoken(share.source.as_str()), significant(percent, 2))
+                let prior = prior(share, volume_ml).unwrap_or_default();
+                format!("{} {}{prior}", spoken(share.source.as_str()), significant(percent, 2))
             })
             .collect();
         let variance: f64 =
@@ -233,6 +234,20 @@ impl DoseReport {
         let (source, percent) = (spoken(largest.source.as_str()), largest.variance_percent);
         (percent > 0.0).then(|| format!("{source} makes {percent:.0} % of the variance: {}", largest.remedy))
     }
+}
+
+/// The prior that the share of repeatability rests on.
+fn prior(share: &Share, volume_ml: f64) -> Option<String> {
+    let prior = share.prior.filter(|_| share.source == ShareSource::Repeatability)?;
+    let percent = significant(100.0 * prior.standard_ml / volume_ml, 2);
+    let weighed = match prior.weighed {
+        1 => "1 weighed dose".to_owned(),
+        count => format!("{count} weighed doses"),
+    };
+    Some(format!(
+        " (on a stated prior of {percent}, {} times the pump file's, beside {weighed})",
+        prior.over_pump_file
+    ))
 }
 
 /// The pulse of a calibration that found one.

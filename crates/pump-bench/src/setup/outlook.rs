@@ -1,9 +1,11 @@
 //! The outlook of a pump that was set up: how sure a dose is now, and what one more step would bring.
 
 use libm::sqrt;
+use pump_model::{ModelError, Pump};
 
 use crate::bench::Bench;
-use crate::dosing::{DoseError, DoseRequest};
+use crate::calibration::{CalibrationError, Displacement, ScatterPrior};
+use crate::dosing::{DoseError, DoseRequest, Share, ShareSource, one_more};
 use crate::notice::Notice;
 use crate::report::DoseReport;
 
@@ -26,15 +28,51 @@ pub struct Outlook {
     pub steps: Vec<SurerStep>,
 }
 
+/// Returns the step of one more weighed dose, if few were weighed and another is worth its time.
+///
+/// # Errors
+///
+/// [`ModelError`] where a law cannot be computed for this pump.
+fn weighing_step(
+    base: &Pump,
+    found: &Displacement,
+    shares: &[Share],
+    expanded_ml: f64,
+) -> Result<Option<SurerStep>, ModelError> {
+    let Some((prior, then)) = found.prior.filter(ScatterPrior::rests_on_few).zip(found.after_one_more())
+    else {
+        return Ok(None);
+    };
+    let rpm = found.reference_rpm;
+    let of_mean = then.standard_at(base, rpm)? / found.standard_at(base, rpm)?;
+    let of_scatter = then.prior.map_or(1.0, |then| then.widened() / prior.widened());
+    let (mut now, mut after) = (0.0, 0.0);
+    for share in shares {
+        let variance = share.standard_ml * share.standard_ml;
+        let part = match share.source {
+            _ if share.prior.is_none() => 1.0,
+            ShareSource::Repeatability => of_scatter,
+            _ => of_mean,
+        };
+        now += variance;
+        after += part * part * variance;
+    }
+    let at_best_ml = expanded_ml * sqrt(after / now);
+    let is_worth = at_best_ml * at_best_ml < (1.0 - WORTH_PERCENT / 100.0) * expanded_ml * expanded_ml;
+    Ok(is_worth.then(|| SurerStep { source: "weighing", notice: one_more(), at_best_ml }))
+}
+
 /// Step that makes doses surer.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SurerStep {
-    /// Source of the uncertainty that the step reduces, as reports name it.
+    /// Source of the uncertainty that the step reduces, as reports name it; `weighing` for one more weighed dose, which
+    /// reduces calibration and repeatability.
     pub source: &'static str,
     /// Step in words, with its remedies.
     pub notice: Notice,
-    /// Half width of the interval once the source is gone, in mL: the step brings this at best.
+    /// Half width of the interval once the source is gone, in mL: the step brings this at best. One more weighed dose
+    /// brings it if it scatters as the pump file says.
     pub at_best_ml: f64,
 }
 
@@ -51,6 +89,15 @@ impl Outlook {
         let report = DoseReport::new(bench, &prepared, None);
         let expanded_ml = report.expanded_uncertainty_ml;
         let mut shares = report.uncertainty_budget;
+        let found = bench.calibrations().active()?.and_then(|stored| stored.calibration.displacement);
+        let weighing = match &found {
+            Some(found) => {
+                weighing_step(bench.model(), found, &shares, expanded_ml).map_err(CalibrationError::from)?
+            }
+            None => None,
+        };
+        // A dose more to weigh is the way to these, too.
+        shares.retain(|share| weighing.is_none() || share.prior.is_none());
         shares.retain(|share| share.variance_percent >= WORTH_PERCENT);
         shares.sort_by(|one, other| other.variance_percent.total_cmp(&one.variance_percent));
         let steps = shares.into_iter().map(|share| SurerStep {
@@ -63,7 +110,7 @@ impl Outlook {
             expanded_ml,
             least_ml: report.planned_ml - expanded_ml,
             most_ml: report.planned_ml + expanded_ml,
-            steps: steps.collect(),
+            steps: weighing.into_iter().chain(steps).collect(),
         })
     }
 }

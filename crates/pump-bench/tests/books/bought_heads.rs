@@ -180,6 +180,7 @@ fn heads() -> u64 {
 fn doses_of_a_bought_head_lie_in_their_intervals_after_one_weighing() {
     let file = file(0.5, 4);
     let parts = covered(&file, heads(), |dice| vec![5.0, 0.06 * (25.0_f64 / 0.06).powf(dice.part())]);
+    println!("{} heads of 0.5 mL: {parts:?} of their doses within the interval", heads());
     assert!(parts.iter().all(|part| *part >= 0.93), "{parts:?}");
 }
 
@@ -189,6 +190,7 @@ fn doses_of_other_bought_heads_lie_in_their_intervals_after_one_weighing() {
     for (ml_per_rev, rollers) in [(0.05, 12), (0.2, 8), (1.0, 6), (3.0, 3), (20.0, 2), (20.0, 4)] {
         let file = file(ml_per_rev, rollers);
         let parts = covered(&file, heads() / 5, |dice| vec![5.0, 0.06 * (25.0_f64 / 0.06).powf(dice.part())]);
+        println!("{} heads of {ml_per_rev} mL and {rollers} rollers: {parts:?}", heads() / 5);
         sum += parts.iter().sum::<f64>();
         count += parts.len() as f64;
     }

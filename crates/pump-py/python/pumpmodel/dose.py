@@ -17,13 +17,34 @@ from pumpmodel.choices import (
 
 
 @dataclass(frozen=True)
+class SharePrior(Record):
+    """Prior of the pump's scatter that a share rests on, as weighed doses are too few to show it.
+
+    `standard_ml` is the standard deviation of a dose of this volume by the prior, `over_pump_file` times that
+    of the pump file. The prior is known to 1/sqrt(2 `degrees_of_freedom`) of itself.
+    """
+
+    weighed: int
+    standard_ml: float
+    over_pump_file: float
+    degrees_of_freedom: int
+
+
+@dataclass(frozen=True)
 class Share(Record):
-    """A source of uncertainty: standard uncertainty, share of the variance, and a remedy."""
+    """A source of uncertainty: standard uncertainty, share of the variance, and a remedy.
+
+    `prior` is the prior that the share rests on; None if it was measured or is known otherwise.
+    """
+
+    _records: ClassVar[dict[str, type[Record]]] = {"prior": SharePrior}
+
 
     source: UncertaintySource
     standard_ml: float
     variance_percent: float
     remedy: str
+    prior: SharePrior | None
 
 
 @dataclass(frozen=True)

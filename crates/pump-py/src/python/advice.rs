@@ -74,6 +74,7 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::Weigh => "bench.calibration_run() delivers a run to be weighed",
         Remedy::CalibrateRuns => "see bench.calibration_run()",
         Remedy::WeighToBeSurer => "bench.calibrate() makes it surer",
+        Remedy::WeighOneMore => "make the dose again, then call bench.calibrate_last()",
         Remedy::Verify => "see bench.verify()",
         Remedy::FindPhase => "see bench.calibrate_phase()",
         Remedy::UseShortDoses => "see bench.calibrate_phase()",

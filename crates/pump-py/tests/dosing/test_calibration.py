@@ -166,7 +166,13 @@ def test_the_weight_of_the_last_dose_calibrates_the_next(tmp_path: Path) -> None
         bench.dose("10mL")
         found = bench.calibrate_last("10.20mL")
         assert found.displacement_factor(speed_rpm=14) == pytest.approx(1.02, abs=1e-4)
-        assert bench.dose("10mL").volume_basis == "calibrated"
+        dose = bench.dose("10mL")
+        assert dose.volume_basis == "calibrated"
+        # One weighed dose shows no scatter: a prior of 3 degrees of freedom stands for it.
+        priors = {share.source: share.prior for share in dose.uncertainty_budget if share.prior is not None}
+        assert set(priors) == {"repeatability", "calibration"}
+        assert (priors["repeatability"].weighed, priors["repeatability"].degrees_of_freedom) == (1, 3)
+        assert type(dose).from_dict(dose.to_dict()) == dose
         bench.calibrate_last("10.00mL", anew=True)
         with pytest.raises(ValueError, match="exclude each other"):
             bench.calibrate_last("10.00mL", add=True, anew=True)

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::law_fit::LawFit;
 use super::points::SAME_SPEED;
+use super::prior::ScatterPrior;
 use super::scatter::Scatter;
 use super::speed_bend::SpeedBend;
 use crate::displacement::DisplacementLaw;
@@ -40,6 +41,8 @@ pub struct Displacement {
     pub(crate) bend: Option<SpeedBend>,
     /// Scatter of the runs, about the law if that was fitted.
     pub scatter: Scatter,
+    /// Prior that stands beside the scatter, if the runs are weighed doses of a pump whose scatter nobody measured.
+    pub prior: Option<ScatterPrior>,
     /// Distance of the means at three speeds or more, four if kappa is bent, from the fit beyond the scatter,
     /// RMS, as a part of the volume.
     pub lack_of_fit: f64,
@@ -88,15 +91,36 @@ impl Displacement {
         };
         let bend = self.bend.map_or(0.0, |bend| bend.standard_at(x_rpm));
         let scattered = sqrt(factor * factor + slope * slope + bend * bend);
-        let errors = widening(self.scatter.degrees_of_freedom()) * scattered;
+        let errors = self.widening() * scattered;
         Ok(sqrt(errors * errors + self.reading * self.reading))
     }
 
+    /// Returns the widening of standard errors: Student's t over 2, of the prior too if there is one.
+    fn widening(&self) -> f64 {
+        let of_scatter = || widening(self.scatter.degrees_of_freedom());
+        self.prior.map_or_else(of_scatter, |prior| prior.growth())
+    }
+
     /// Returns the standard deviation of repeated runs as a part of the volume, widened as the runs are few. It is 0
-    /// if they do not show it.
+    /// if they do not show it. Beside a prior it is what the runs add to that.
     pub(crate) fn repeatability(&self) -> f64 {
         let widened = |standard| widening(self.scatter.degrees_of_freedom()) * standard;
-        self.scatter.standard().map_or(0.0, widened)
+        let of_scatter = || self.scatter.standard().map_or(0.0, widened);
+        self.prior.map_or_else(of_scatter, |prior| prior.shown_standard())
+    }
+
+    /// Returns this displacement as one more dose, weighed like the others, is expected to leave it. `None` without a
+    /// prior, or at several speeds.
+    pub(crate) fn after_one_more(&self) -> Option<Self> {
+        let now = self.prior.filter(|_| !self.is_line())?;
+        let prior = now.after_one_more();
+        let fewer = sqrt(f64::from(now.weighed) / f64::from(prior.weighed));
+        let error = if now.error_of_one() > 0.0 { prior.error_of_one() / now.error_of_one() } else { 1.0 };
+        Some(Self {
+            factor_standard: error * fewer * self.factor_standard,
+            prior: Some(prior),
+            ..self.clone()
+        })
     }
 
     /// Returns the standard uncertainty of kappa at a speed of the runs in r/min: [`Self::standard_at`] with the
@@ -112,7 +136,7 @@ impl Displacement {
 
     /// Returns the standard uncertainty of the bend, in min²/r², widened as that of kappa; 0 without a bend.
     pub(crate) fn bend_standard_per_rpm2(&self) -> f64 {
-        widening(self.scatter.degrees_of_freedom()) * self.bend.map_or(0.0, |bend| bend.standard_per_rpm2)
+        self.widening() * self.bend.map_or(0.0, |bend| bend.standard_per_rpm2)
     }
 
     /// Returns the slowest and the fastest speed of a dose, in r/min: those of the runs, but for a difference

@@ -1,6 +1,6 @@
 //! Uncertainty that runs are expected to have before they are looked at.
 
-use libm::sqrt;
+use libm::{hypot, sqrt};
 use pump_model::Pump;
 
 /// Revolutions of a dose whose scatter a pump file states, unless it names their volume: those of McIntyre et al.
@@ -21,12 +21,27 @@ pub struct Expected {
     /// Standard deviation of the drop at the nozzle, in mL: it hangs there before and after a run, each time as large
     /// as it may be.
     pub(crate) drop_ml: f64,
+    /// Standard deviation that the tolerance of the start angle makes in the volume of a run, in mL.
+    pub angle_ml: f64,
+    /// Standard uncertainty of the volume of a gram, as a part of it: density of the fluid and buoyancy. It is the same
+    /// in every run.
+    pub density: f64,
+    /// True if the repeatability is a prior of few degrees of freedom and not a figure to rely on.
+    pub(in crate::calibration) is_prior: bool,
 }
 
 impl Expected {
     /// Makes the uncertainty of runs that scatter by the part `repeatability` of any volume.
     pub const fn new(repeatability: f64, reading_ml: f64) -> Self {
-        Self { repeatability, repeatability_at_ml: Some(0.0), reading_ml, drop_ml: 0.0 }
+        Self {
+            repeatability,
+            repeatability_at_ml: Some(0.0),
+            reading_ml,
+            drop_ml: 0.0,
+            angle_ml: 0.0,
+            density: 0.0,
+            is_prior: false,
+        }
     }
 
     /// Returns this with the standard deviation of the drop at the nozzle, in mL.
@@ -35,10 +50,33 @@ impl Expected {
         Self { drop_ml, ..self }
     }
 
-    /// Returns the standard deviation of repeated runs of `volume_ml` of `pump`, as a part of the volume.
+    /// Returns this with the standard deviation that the tolerance of the start angle makes, in mL.
+    #[must_use]
+    pub const fn with_angle_ml(self, angle_ml: f64) -> Self {
+        Self { angle_ml, ..self }
+    }
+
+    /// Returns this with the standard uncertainty of the volume of a gram, as a part of it.
+    #[must_use]
+    pub const fn with_density(self, density: f64) -> Self {
+        Self { density, ..self }
+    }
+
+    /// Returns this with the repeatability as a prior, which a few runs show too little to replace. A repeatability
+    /// whose volume is named was measured, and stays.
+    #[must_use]
+    pub(crate) const fn with_prior(self) -> Self {
+        Self { is_prior: self.repeatability_at_ml.is_none(), ..self }
+    }
+
+    /// Returns the standard deviation that the pump itself makes in repeated runs of `volume_ml`, as a part of it.
     pub(super) fn repeatability_of(&self, pump: &Pump, volume_ml: f64) -> f64 {
-        let scatter_ml = scatter_ml(pump, self.repeatability, self.repeatability_at_ml, volume_ml);
-        sqrt(scatter_ml * scatter_ml + self.drop_ml * self.drop_ml) / volume_ml
+        scatter_ml(pump, self.repeatability, self.repeatability_at_ml, volume_ml) / volume_ml
+    }
+
+    /// Returns the standard deviation that drop and start angle make in repeated runs of `volume_ml`, as a part of it.
+    pub(super) fn known_of(&self, volume_ml: f64) -> f64 {
+        hypot(self.drop_ml, self.angle_ml) / volume_ml
     }
 }
 

@@ -1,6 +1,6 @@
 //! Weighed runs as points of a fit: measured over model volume against the speed.
 
-use libm::sqrt;
+use libm::{hypot, sqrt};
 use pump_model::Pump;
 use pump_model::identification::least_squares::{StraightLine, Terms};
 use pump_model::units::rad_s;
@@ -22,8 +22,10 @@ struct Point {
     ratio: f64,
     /// Standard uncertainty that is expected of the ratio.
     sigma: f64,
-    /// Part of that uncertainty that the scatter of runs makes.
+    /// Part of that uncertainty that the pump's scatter makes.
     repeatability: f64,
+    /// Part of that uncertainty that drop and start angle make.
+    known: f64,
 }
 
 /// Weighed runs as points of a fit. There is at least one.
@@ -33,6 +35,8 @@ pub(super) struct Points {
     pub(super) speeds_rpm: Vec<f64>,
     /// Standard uncertainty of a reading, as a part of the volume, mean of the runs.
     pub(super) reading: f64,
+    /// True if the pump's scatter is a prior.
+    pub(super) is_prior: bool,
 }
 
 impl Points {
@@ -52,9 +56,10 @@ impl Points {
         for (n, run) in runs.iter().enumerate() {
             let (measured_ml, model_ml) = run.volumes_ml(pump, weighing, n + 1)?;
             let reading = expected.reading_ml / model_ml;
-            let repeatability = expected.repeatability_of(pump, model_ml);
-            let sigma = sqrt(repeatability * repeatability + reading * reading);
-            reading_sum += reading;
+            let (repeatability, known) =
+                (expected.repeatability_of(pump, model_ml), expected.known_of(model_ml));
+            let sigma = sqrt(repeatability * repeatability + known * known + reading * reading);
+            reading_sum += hypot(reading, expected.density);
             points.push(Point {
                 rpm: run.speed_rpm,
                 speed_rad_s: rad_s(run.speed_rpm).copysign(run.turned_deg),
@@ -62,6 +67,7 @@ impl Points {
                 // Nothing is ever repeated exactly: this keeps the weights of a pump that claims so finite.
                 sigma: sigma.max(1e-9),
                 repeatability,
+                known,
             });
         }
         if points.is_empty() {
@@ -69,7 +75,7 @@ impl Points {
         }
         let speeds_rpm = distinct(points.iter().map(|point| point.rpm));
         let reading = reading_sum / points.len() as f64;
-        Ok(Self { points, speeds_rpm, reading })
+        Ok(Self { points, speeds_rpm, reading, is_prior: expected.is_prior })
     }
 
     /// Number of parameters of a line through the points: factor and slope, or the factor alone at one speed.
@@ -102,10 +108,21 @@ impl Points {
         let (mut squares, mut weights) = (0.0, 0.0);
         for point in &self.points {
             let weight = 1.0 / (point.sigma * point.sigma);
-            squares += weight * weight * point.repeatability * point.repeatability;
+            let scatter = hypot(point.repeatability, point.known);
+            squares += weight * weight * scatter * scatter;
             weights += weight;
         }
         sqrt(squares / weights)
+    }
+
+    /// Returns the parts of the expected variance that the pump's scatter makes, and that drop and start angle make:
+    /// means of the runs.
+    pub(super) fn parts(&self) -> [f64; 2] {
+        let count = self.points.len() as f64;
+        let part = |of: fn(&Point) -> f64| {
+            self.points.iter().map(|point| (of(point) / point.sigma).powi(2)).sum::<f64>() / count
+        };
+        [part(|point| point.repeatability), part(|point| point.known)]
     }
 
     /// Cruise speed of each run, in r/min, measured over model volume, and weight.

@@ -67,9 +67,9 @@ impl Planner<'_> {
             let same = if round < MOST_ROUNDS { SAME_FACTOR } else { same_volume(&planned) };
             if (found - with).abs() <= same {
                 self.covers(against, speed_rpm, request, || slowest(speed_rpm, time_s))?;
-                let (applied, warning) =
+                let applied =
                     self.applied(Some(against), speed_rpm, request).map_err(CalibrationError::from)?;
-                return Ok(SpeedPlan { applied, warning, ..planned });
+                return Ok(SpeedPlan { applied, ..planned });
             }
         }
         self.raised(against, speed_rpm, time_s, start, request)
@@ -186,17 +186,14 @@ impl Planner<'_> {
         let found_rpm = rpm(planned.plan.profile().cruise_rad_s());
         let least_rpm = against.range_rpm().map(|(least, _)| least).filter(|least| found_rpm < *least);
         if let Some(least_rpm) = least_rpm.filter(|_| is_short) {
-            let (applied, warning) =
-                self.applied(Some(against), least_rpm, request).map_err(CalibrationError::from)?;
-            let warning = warning.or_else(|| Some(too_short(against, found_rpm, least_rpm)));
+            let applied = self.applied(Some(against), least_rpm, request).map_err(CalibrationError::from)?;
+            let warning = Some(too_short(against, found_rpm, least_rpm));
             return Ok(SpeedPlan { applied, warning, ..planned });
         }
         self.covers(against, found_rpm, request, || format!("{found_rpm:.4} r/min, the fastest,"))?;
-        let (applied, mut warning) =
-            self.applied(Some(against), found_rpm, request).map_err(CalibrationError::from)?;
-        if let Some(end_rpm) = end_rpm.filter(|end| found_rpm > end * (1.0 - FASTER)) {
-            warning = Some(slower_than_motor(against, end_rpm));
-        }
+        let applied = self.applied(Some(against), found_rpm, request).map_err(CalibrationError::from)?;
+        let is_at_end = |end: &f64| found_rpm > end * (1.0 - FASTER);
+        let warning = end_rpm.filter(is_at_end).map(|end_rpm| slower_than_motor(against, end_rpm));
         Ok(SpeedPlan { applied, warning, ..planned })
     }
 }

@@ -1,8 +1,9 @@
 //! Repeatability of doses of any volume.
 
+use libm::hypot;
 use pump_model::Pump;
 
-use crate::calibration::{Sureness, scatter_ml};
+use crate::calibration::{ScatterPrior, Sureness, scatter_ml};
 use crate::pump_file::UncertaintyTable;
 
 /// Returns the standard deviation of repeated doses of `volume_ml`, in mL.
@@ -13,6 +14,7 @@ use crate::pump_file::UncertaintyTable;
 ///   most, so V_m is ten revolutions where the file names none.
 /// - Runs that were weighed show their own s and V_m. They stand for the pump at volumes below V_m, and the file's
 ///   part of the volume remains the floor.
+/// - A few weighed doses show s too little. The file's scatter then counts as a prior, widened, beside what they show.
 pub(super) fn standard_ml(
     pump: &Pump,
     table: &UncertaintyTable,
@@ -28,7 +30,21 @@ pub(super) fn standard_ml(
     };
     let of_runs = weighed
         .map_or(0.0, |sureness| scatter_ml(pump, sureness.repeatability, Some(sureness.run_ml), volume_ml));
-    scatter_ml(pump, of_file, at_ml, volume_ml).max(of_runs)
+    let floor_ml = scatter_ml(pump, of_file, at_ml, volume_ml);
+    let stated_ml = sureness.map_or(0.0, |sureness| prior_ml(pump, table, sureness, volume_ml));
+    floor_ml.max(hypot(of_runs, stated_ml))
+}
+
+/// Returns the part of the standard deviation that rests on a prior, in mL; 0 without one.
+fn prior_ml(pump: &Pump, table: &UncertaintyTable, sureness: &Sureness, volume_ml: f64) -> f64 {
+    sureness.prior.map_or(0.0, |prior| {
+        prior.over_file() / prior.over_expected * stated_ml(pump, table, &prior, volume_ml)
+    })
+}
+
+/// Returns the standard deviation that a prior states for doses of `volume_ml`, in mL.
+pub(super) fn stated_ml(pump: &Pump, table: &UncertaintyTable, prior: &ScatterPrior, volume_ml: f64) -> f64 {
+    prior.over_expected * scatter_ml(pump, table.repeatability_percent / 100.0, None, volume_ml)
 }
 
 #[cfg(test)]
@@ -67,6 +83,7 @@ mod tests {
             speed_dependence: 0.0,
             repeatability: 0.002,
             run_ml: 64.0,
+            prior: None,
             warmer_degc: 0.0,
         };
         // 0.2 % of 64 mL scaled by the root, with 0.47 % of the volume as the floor.

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::calibration::ScatterPrior;
 use crate::notice::{Notice, Remedy};
 use crate::words::words_of_reports;
 
@@ -17,6 +18,22 @@ pub struct Share {
     pub variance_percent: f64,
     /// Cheapest way to reduce the share.
     pub remedy: Notice,
+    /// Prior that the share rests on. `None` for a share that was measured, or that is known otherwise.
+    pub prior: Option<SharePrior>,
+}
+
+/// Prior of the pump's scatter that a share rests on, as weighed doses are too few to show it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct SharePrior {
+    /// Number of doses that were weighed.
+    pub weighed: u32,
+    /// Standard deviation of a dose of this volume by the prior, in mL.
+    pub standard_ml: f64,
+    /// Standard deviation of the prior over that of the pump file.
+    pub over_pump_file: f64,
+    /// Degrees of freedom of the prior: it is known to 1/sqrt(2 nu) of itself.
+    pub degrees_of_freedom: u32,
 }
 
 /// Source of a share of the uncertainty.
@@ -78,8 +95,27 @@ words_of_reports!(ShareSource {
 impl Share {
     /// Makes the share of a source, in mL, before the others of its budget are known.
     pub(super) fn new(source: ShareSource, standard_ml: f64) -> Self {
-        Self { source, standard_ml, variance_percent: 0.0, remedy: source.remedy() }
+        Self { source, standard_ml, variance_percent: 0.0, remedy: source.remedy(), prior: None }
     }
+
+    /// Returns the share as one that rests on `prior`, whose standard deviation of this dose is `standard_ml`. One more
+    /// weighed dose then makes it smaller, while they are few.
+    #[must_use]
+    pub(super) fn resting_on(self, prior: &ScatterPrior, standard_ml: f64) -> Self {
+        let stated = SharePrior {
+            weighed: prior.weighed,
+            standard_ml,
+            over_pump_file: prior.over_expected,
+            degrees_of_freedom: prior.degrees_of_freedom,
+        };
+        let remedy = if prior.rests_on_few() { one_more() } else { self.remedy };
+        Self { prior: Some(stated), remedy, ..self }
+    }
+}
+
+/// Returns the way from a few weighed doses to a surer scatter.
+pub(crate) fn one_more() -> Notice {
+    Notice::from("weigh one more dose").with_remedy(Remedy::WeighOneMore)
 }
 
 impl ShareSource {

@@ -1,23 +1,11 @@
 //! Uncertainty of a volume that was weighed.
 
-use libm::{hypot, sqrt};
+use libm::sqrt;
 
+use super::COVERAGE_FACTOR;
 use super::share::{Share, ShareSource};
-use super::{COVERAGE_FACTOR, READ_DEGC};
 use crate::calibration::{CalibrationError, Weighing};
 use crate::pump_file::PumpFile;
-
-/// Standard uncertainty of the density of a fluid of which only the pump file's number is known, as a part of it. The
-/// file's number has three or four digits.
-const STATED_DENSITY: f64 = 1e-3;
-
-/// Standard uncertainty of the density of air, as a part of it: pressure to 1 kPa and 1 °C of 100 kPa and 300 K.
-/// Humidity
-/// adds 0.4 % (OIML R 111-1:2004, E.3, from 30 to 80 %).
-const AIR: f64 = 0.012;
-
-/// Density of air over that of water, at 20 °C and 101.3 kPa: the part of a reading that buoyancy makes.
-const BUOYANCY: f64 = 1.2e-3;
 
 /// Returns the shares of a volume of `volume_ml` that a balance showed, and the expanded uncertainty in mL, k = 2.
 ///
@@ -35,14 +23,7 @@ pub(crate) fn weighed_shares(
     reading_ml: f64,
     drop_ml: f64,
 ) -> Result<(Vec<Share>, f64), CalibrationError> {
-    let (weighing, degc) = (Weighing::of(file), file.fluid.temperature_degc);
-    let is_known = file.fluid.density_at_kg_m3(degc).is_some();
-    let of_temperature = if is_known {
-        (weighing.volume_ml(1.0, degc + READ_DEGC)? / weighing.volume_ml(1.0, degc)? - 1.0).abs()
-    } else {
-        STATED_DENSITY
-    };
-    let density = hypot(of_temperature, AIR * BUOYANCY);
+    let density = Weighing::of(file).density_standard()?;
     let mut shares = vec![
         Share::new(ShareSource::Balance, reading_ml),
         Share::new(ShareSource::Density, density * volume_ml.abs()),

@@ -9,6 +9,7 @@ use crate::calibration::fit::departures::{Departures, VarianceRatio};
 use crate::calibration::fit::expected::Expected;
 use crate::calibration::fit::law_fit::{LawFit, LawToFit};
 use crate::calibration::fit::points::{Points, distinct};
+use crate::calibration::fit::prior::{ScatterPrior, Shown};
 use crate::calibration::fit::scatter::Scatter;
 use crate::calibration::fit::speed_bend::SpeedBend;
 use crate::calibration::{CalibrationError, CalibrationRun, Weighing};
@@ -104,6 +105,7 @@ impl Displacement {
             slope_per_rpm: line.slope.value,
             slope_standard_per_rpm,
             scatter: errors.scatter,
+            prior: errors.prior,
             bend,
             lack_of_fit: departures.lack_of_fit(if bend.is_some() { 3 } else { 2 }),
             reading: points.reading,
@@ -124,6 +126,8 @@ enum Shape {
 /// Errors of the runs beside those that were expected.
 struct Errors {
     scatter: Scatter,
+    /// Prior that stands beside the scatter.
+    prior: Option<ScatterPrior>,
     /// Standard deviation that was expected of a run, mean of the runs by their weights.
     mean_sigma: f64,
     /// Error of the factor, over the error that was expected.
@@ -136,20 +140,39 @@ impl Errors {
     /// Returns the errors of the runs about a fit with so many parameters.
     fn of(points: &Points, parameters: usize, line: &StraightLine, departures: &Departures) -> Self {
         let mean_sigma = sqrt(departures.runs() as f64 * line.offset.variance);
-        match departures.variance_ratio(parameters) {
+        let seen = departures.variance_ratio(parameters);
+        let prior = points.is_prior.then(|| Self::prior(points, departures.runs(), seen, mean_sigma));
+        let errors = match seen {
             Some(VarianceRatio { degrees_of_freedom, ratio }) => {
                 let error = sqrt(ratio);
                 let scatter = Scatter::Seen { degrees_of_freedom, standard: error * mean_sigma };
-                Self { scatter, mean_sigma, of_factor: error, of_slope: error }
+                Self { scatter, prior, mean_sigma, of_factor: error, of_slope: error }
             }
             // Without a scatter that contains it the reading has a share of its own in the factor.
             None => Self {
                 scatter: Scatter::Expected,
+                prior,
                 mean_sigma,
                 of_factor: points.scatter_in_mean(),
                 of_slope: 1.0,
             },
+        };
+        match prior {
+            Some(prior) => {
+                let error = prior.error_of_one() / mean_sigma;
+                Self { of_factor: error, of_slope: error, ..errors }
+            }
+            None => errors,
         }
+    }
+
+    /// Returns the prior pooled with what `weighed` runs show.
+    fn prior(points: &Points, weighed: usize, seen: Option<VarianceRatio>, mean_sigma: f64) -> ScatterPrior {
+        let [own, known] = points.parts();
+        let (ratio, degrees_of_freedom) =
+            seen.map_or((0.0, 0), |seen| (seen.ratio, seen.degrees_of_freedom.get()));
+        let weighed = u32::try_from(weighed).unwrap_or(u32::MAX);
+        ScatterPrior::pooled_with(&Shown { own, known, ratio, degrees_of_freedom, weighed }, mean_sigma)
     }
 
     /// Returns the standard errors of the factor and the slope of a line.

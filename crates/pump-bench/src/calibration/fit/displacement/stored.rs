@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Displacement;
 use crate::calibration::fit::law_fit::LawFit;
+use crate::calibration::fit::prior::ScatterPrior;
 use crate::calibration::fit::scatter::Scatter;
 use crate::calibration::fit::speed_bend::SpeedBend;
 
@@ -23,6 +24,8 @@ pub(super) struct StoredDisplacement {
     /// Degrees of freedom; 0 exactly where there is no scatter.
     degrees_of_freedom: u32,
     scatter: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    prior: Option<ScatterPrior>,
     lack_of_fit: f64,
     reading: f64,
     speeds_rpm: Vec<f64>,
@@ -59,6 +62,7 @@ impl TryFrom<StoredDisplacement> for Displacement {
             slope_standard_per_rpm: stored.slope_standard_per_rpm,
             bend: stored.bend,
             scatter,
+            prior: stored.prior,
             lack_of_fit: stored.lack_of_fit,
             reading: stored.reading,
             speeds_rpm: stored.speeds_rpm,
@@ -79,6 +83,7 @@ impl From<Displacement> for StoredDisplacement {
             bend: found.bend,
             degrees_of_freedom: found.scatter.degrees_of_freedom(),
             scatter: found.scatter.standard(),
+            prior: found.prior,
             lack_of_fit: found.lack_of_fit,
             reading: found.reading,
             speeds_rpm: found.speeds_rpm,

@@ -25,6 +25,7 @@ fn weighed(plant: &Pump) -> Displacement {
         lack_of_fit: 0.0,
         reading: 0.0,
         speeds_rpm: vec![60.0],
+        prior: None,
         outliers: vec![],
         law: None,
     }
