@@ -148,7 +148,7 @@ node:
 	cd firmware/pico && cargo fmt --check
 	cd firmware/pico && cargo clippy --locked --release --target-dir ../../target -- -D warnings
 	cd firmware/pico && cargo build --locked --release --target-dir ../../target
-	cargo run --locked --release -p check-node $(FIRMWARE)
+	cargo run --locked -p check-node $(FIRMWARE)
 
 docs:
 	cargo doc --locked --workspace --no-deps --open

@@ -7,8 +7,9 @@
 //   I  pin: u8, high: u8                                    set an input
 //   R                                                       reset the board
 //   C                                                       counts of instructions
-// Answers: to A, now_ns: f64, length: u32, bytes, edges: u32, of each ns: f64, pin: u8, level: u8; to C five f64
-// (all instructions, alarms served, instructions in them, the most in one, now_ns); to I and R, now_ns: f64.
+// Answers: to A, now_ns: f64, length: u32, bytes, edges: u32, of each ns: f64, pin: u8, level: u8; to C six f64
+// (all instructions, alarms served, instructions in them, the most in one, the most with interrupts off
+// since the last C, now_ns); to I and R, now_ns: f64.
 
 import { Board } from './board.mjs';
 
@@ -47,8 +48,9 @@ function serve(input) {
     return 1;
   }
   if (kind === 'C') {
-    const { all, alarms, alarm, worst } = board.counts;
-    process.stdout.write(numbers(all, alarms, alarm, worst, board.now));
+    const { all, alarms, alarm, worst, mostKept } = board.counts;
+    process.stdout.write(numbers(all, alarms, alarm, worst, mostKept, board.now));
+    board.counts.mostKept = 0;
     return 1;
   }
   process.stderr.write(`unknown request ${JSON.stringify(kind)}; A, I, R and C are known\n`);

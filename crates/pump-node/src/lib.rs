@@ -20,6 +20,6 @@ mod node;
 mod shared;
 
 pub use axes::{Axes, LEAD_NS, MAX_STEP_HZ};
-pub use board::{Board, Levels, Pins};
+pub use board::{Board, Edge, Levels, Pins};
 pub use node::{Node, identity};
 pub use shared::Shared;
