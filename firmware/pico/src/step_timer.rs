@@ -18,10 +18,10 @@ pub(crate) const TICK_HZ: u32 = 1_000_000;
 const FARTHEST: u64 = 1 << 30;
 
 /// Time before the alarm of the steps in which the thread enters no critical section, ticks. Most take less.
-const CLEAR: u32 = 12;
+const CLEAR: u32 = 11;
 
 /// Longest time for which the thread waits until the alarm is not near, ticks.
-const PATIENCE: u32 = 60;
+const PATIENCE: u32 = 250;
 
 type NodeAxes = Axes<AxisPins, Pico, QUEUE, AXES>;
 
