@@ -157,11 +157,11 @@ node:
 	cd firmware/pico && cargo fmt --check
 	cd firmware/pico && cargo clippy --locked --release --target-dir ../../target -- -D warnings
 	cd firmware/pico && cargo build --locked --release --target-dir ../../target
-	cargo run --locked --release -p check-node $(FIRMWARE)
+	cargo run --locked -p check-node $(FIRMWARE)
 	rustup target add thumbv7em-none-eabihf
 	command -v qemu-system-arm || (apt-get update && apt-get install -y --no-install-recommends qemu-system-arm)
 	cd firmware/emulated && cargo build --locked --release --target-dir ../../target
-	timeout 600 cargo run --locked --release -p check-node --bin check-node-mps2 $(EMULATED)
+	timeout 600 cargo run --locked -p check-node --bin check-node-mps2 $(EMULATED)
 
 docs:
 	cargo doc --locked --workspace --no-deps --open

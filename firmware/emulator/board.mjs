@@ -12,9 +12,8 @@ const CYCLE_NS = 8;
 const FLASH = 0x10000000;
 /** Start of the vector table: the 256 bytes before it are the second boot stage. */
 const VECTORS = FLASH + 0x100;
-/** Exception number of the first interrupt (ARMv6-M, table B1-1), and the interrupts of the timer's four alarms. */
-const FIRST_INTERRUPT = 16;
-const TIMER_INTERRUPTS = 4;
+/** Exception number of the first interrupt (ARMv6-M, table B1-1): alarm 0 of the timer, which makes the steps. */
+const STEP_INTERRUPT = 16;
 /** Type of a loadable segment in an ELF file. */
 const PT_LOAD = 1;
 /** Level of a pin that the board does not drive. */
@@ -42,7 +41,7 @@ export class Board {
     this.byteNs = (BITS_PER_BYTE * 1e9) / baud;
     this.sent = [];
     this.edges = [];
-    this.counts = { all: 0, alarms: 0, alarm: 0, worst: 0, before: 0, within: false };
+    this.counts = { all: 0, alarms: 0, alarm: 0, worst: 0, before: 0, within: false, kept: 0, mostKept: 0 };
     this.lived = 0;
     this.power();
   }
@@ -114,18 +113,23 @@ export class Board {
         clock.tick(Math.max(CYCLE_NS, Math.min(byteNs, alarmNs, endNs) - clock.nanos));
       } else {
         clock.tick(core.executeInstruction() * CYCLE_NS);
-        this.count(core.IPSR);
+        this.count(core.IPSR, core.PM);
         this.watch(core);
       }
       if (untilFrame && this.sent.length && this.sent[this.sent.length - 1] === 0) return;
     }
   }
 
-  /** Counts the instruction just executed: in all, and within the interrupts of the timer's alarms. */
-  count(exception) {
+  /**
+   * Counts the instruction just executed: in all, within the interrupts that make steps, and while the thread
+   * keeps the interrupts off.
+   */
+  count(exception, keptOff) {
     const { counts } = this;
+    counts.kept = keptOff ? counts.kept + 1 : 0;
+    counts.mostKept = Math.max(counts.mostKept, counts.kept);
     counts.all += 1;
-    const within = exception >= FIRST_INTERRUPT && exception < FIRST_INTERRUPT + TIMER_INTERRUPTS;
+    const within = exception === STEP_INTERRUPT;
     if (within) {
       counts.alarm += 1;
     } else if (counts.within) {

@@ -11,10 +11,11 @@
 //   C                                                       counts of instructions
 //   X                                                       extremes
 //   S                                                       names of the USB device
-// Answers: to A, now_ns: f64, length: u32, bytes, edges: u32, of each ns: f64, pin: u8, level: u8; to C five f64 (all
-// instructions, alarms served, instructions in them, the most in one, now_ns); to X three f64 (longest time with
-// interrupts off, longest one in which the USB controller is used, both in ns, deepest place of the stack); to S,
-// length: u32, lines of text (ids, manufacturer, product, serial number); to I and R, now_ns: f64.
+// Answers: to A, now_ns: f64, length: u32, bytes, edges: u32, of each ns: f64, pin: u8, level: u8; to C six f64 (all
+// instructions, alarms served, instructions in them, the most in one, the most with interrupts off since the last C,
+// now_ns); to X three f64 (longest time with interrupts off, longest one in which the USB controller is used, both in
+// ns, deepest place of the stack); to S, length: u32, lines of text (ids, manufacturer, product, serial number); to I
+// and R, now_ns: f64.
 
 import { parseArgs } from 'node:util';
 import { Board } from './board.mjs';
@@ -59,8 +60,9 @@ function serve(input) {
     return 1;
   }
   if (kind === 'C') {
-    const { all, alarms, alarm, worst } = board.counts;
-    process.stdout.write(numbers(all, alarms, alarm, worst, board.now));
+    const { all, alarms, alarm, worst, mostKept } = board.counts;
+    process.stdout.write(numbers(all, alarms, alarm, worst, mostKept, board.now));
+    board.counts.mostKept = 0;
     return 1;
   }
   if (kind === 'X') {

@@ -3,79 +3,113 @@
 use pump_ctl::step::{Brake, Segment};
 use pump_link::message::{AXES, AxisConfig, AxisStatus, End, FaultCounts, MoveOrder, Refusal, Stopping};
 
-use crate::axis::{Axis, ns_in_ticks, rate_hz};
-use crate::board::{Board, Pins};
+use crate::axis::{Axis, NEVER, ns_in_ticks, rate_hz};
+use crate::board::{Board, Edge, Pins};
 
 /// Largest sum of the step rates of all axes, Hz.
 pub const MAX_STEP_HZ: u32 = 100_000;
 
-/// Time before a step at which the interrupt begins, ns. It covers the way into the interrupt, the critical sections of
-/// the thread and the arithmetic of the step, so that none of them moves it.
-pub const LEAD_NS: u32 = 20_000;
+/// Time before a step at which the interrupt begins, ns. It covers the way into the interrupt. A firmware keeps its
+/// thread's critical sections clear of the alarm ([`crate::Shared`]).
+pub const LEAD_NS: u32 = 4_000;
+
+/// Time for which the interrupt counts a step at most, ns. Steps that come due within it are made before.
+const COUNT_NS: u32 = 8_000;
 
 /// Time from a request to begin to the earliest tick at which a move can begin, ns: 1 ms.
 const BEGIN_LEAD_NS: u32 = 1_000_000;
 
 /// The axes of a node, `A` of them, with queues of `Q` segments each. The timer's interrupt calls
 /// [`Self::on_timer`], and everything else is the [`crate::Node`]'s.
+// The axes come last, for the reason that is given at `pump_ctl::step::Stepper`.
 #[derive(Debug)]
+#[repr(C)]
 pub struct Axes<P, B, const Q: usize, const A: usize> {
-    axes: [Axis<P, Q>; A],
     board: B,
     tick_hz: u32,
+    /// [`LEAD_NS`] in ticks.
+    lead: u64,
+    /// [`COUNT_NS`] in ticks.
+    count: u64,
+    /// [`BEGIN_LEAD_NS`] in ticks.
+    begin_lead: u64,
     /// True while the emergency stop is pressed.
     estop: bool,
+    axes: [Axis<P, Q>; A],
 }
 
 impl<P: Pins, B: Board, const Q: usize, const A: usize> Axes<P, B, Q, A> {
     /// Makes the axes of a board whose timer has this rate, Hz. Pins stay inputs.
     pub fn new(pins: [P; A], board: B, tick_hz: u32) -> Self {
         const { assert!(A >= 1 && A <= AXES, "a node has one to four axes") };
-        Self { axes: pins.map(|pins| Axis::new(pins, tick_hz)), board, tick_hz, estop: false }
+        Self {
+            board,
+            tick_hz,
+            lead: ns_in_ticks(LEAD_NS, tick_hz),
+            count: ns_in_ticks(COUNT_NS, tick_hz),
+            begin_lead: ns_in_ticks(BEGIN_LEAD_NS, tick_hz),
+            estop: false,
+            axes: pins.map(|pins| Axis::new(pins, tick_hz)),
+        }
     }
 
     /// Makes the steps that are due within [`LEAD_NS`], each at its own tick. Returns the tick at which the timer must
     /// fire next, or `None` if all motors stand. If the tick has passed, call again at once.
     ///
-    /// A step is computed before its tick, so that the steps of several axes come together. Their
-    /// pulses overlap.
+    /// Pins rise first, and the steps are counted while they are high. The tick of each step is known since the step
+    /// before, so the pins of several axes rise together, and no step waits for the arithmetic of another.
     pub fn on_timer(&mut self) -> Option<u64> {
         self.look_at_estop();
-        let now = self.board.now();
-        let within = now.saturating_add(self.lead());
-        let mut raised_ns = None;
-        for axis in &mut self.axes {
-            axis.take_step(now, within);
-        }
+        let mut rises = self.axes.each_ref().map(Axis::rises_at);
+        let mut ahead = self.lead;
         loop {
-            let taken = self.axes.iter_mut().filter_map(|axis| Some((axis.rises_at()?, axis)));
-            let Some((tick, axis)) = taken.min_by_key(|(tick, _)| *tick) else { break };
-            self.board.wait_until(tick);
-            let high_ns = axis.rise();
-            raised_ns = raised_ns.max(Some(high_ns));
+            let latest = self.board.now().saturating_add(ahead);
+            ahead = self.count;
+            let tick = soonest(&rises);
+            if tick <= latest {
+                self.raise(tick, &mut rises);
+                continue;
+            }
+            let Some((axis, at)) = self.axes.iter_mut().zip(&mut rises).find(|(axis, _)| axis.is_high())
+            else {
+                return (tick != NEVER).then(|| tick.saturating_sub(self.lead));
+            };
+            axis.count_step();
+            axis.lower(&mut self.board);
+            *at = axis.rises_at();
         }
-        if let Some(high_ns) = raised_ns {
-            self.board.wait_ns(high_ns);
-            let now = self.board.now();
-            self.axes.iter_mut().for_each(|axis| axis.lower(now));
+    }
+
+    /// Begins the pulses that are due at `tick`, all at once.
+    #[inline]
+    fn raise(&mut self, tick: u64, rises: &mut [u64; A]) {
+        let mut edge = Edge::default();
+        for (axis, at) in self.axes.iter().zip(rises.iter()) {
+            if *at <= tick {
+                edge.join(axis.rise());
+            }
         }
-        self.next_alarm()
+        self.board.wait_until(tick);
+        self.board.set_steps(edge);
+        let now = self.board.now();
+        for (axis, at) in self.axes.iter_mut().zip(rises) {
+            if *at <= tick {
+                *at = NEVER;
+                axis.rose(now);
+            }
+        }
     }
 
     /// Returns the tick at which the timer must fire next, or `None` if all motors stand. It is [`LEAD_NS`] before the
     /// next step.
-    pub fn next_alarm(&mut self) -> Option<u64> {
-        let lead = self.lead();
-        self.next_deadline().map(|tick| tick.saturating_sub(lead))
-    }
-
-    fn lead(&self) -> u64 {
-        ns_in_ticks(LEAD_NS, self.tick_hz)
+    pub fn next_alarm(&self) -> Option<u64> {
+        self.next_deadline().map(|tick| tick.saturating_sub(self.lead))
     }
 
     /// Returns the tick of the next step, or `None` if all motors stand.
-    pub fn next_deadline(&mut self) -> Option<u64> {
-        self.axes.iter_mut().filter_map(Axis::next_deadline).min()
+    pub fn next_deadline(&self) -> Option<u64> {
+        let tick = soonest(&self.axes.each_ref().map(Axis::rises_at));
+        (tick != NEVER).then_some(tick)
     }
 
     /// Returns the board.
@@ -197,7 +231,7 @@ impl<P: Pins, B: Board, const Q: usize, const A: usize> Axes<P, B, Q, A> {
     pub(crate) fn begin(&mut self, at: u64, moves: [u32; AXES]) -> Result<(), Refusal> {
         self.named(moves)?;
         self.estop_is_released()?;
-        let soonest = self.board.now().saturating_add(ns_in_ticks(BEGIN_LEAD_NS, self.tick_hz));
+        let soonest = self.board.now().saturating_add(self.begin_lead);
         let mut there = [true; AXES];
         for ((axis, number), there) in self.axes.iter_mut().zip(moves).zip(&mut there) {
             if number != 0 {
@@ -242,6 +276,12 @@ impl<P: Pins, B: Board, const Q: usize, const A: usize> Axes<P, B, Q, A> {
     fn axis(&mut self, axis: u8) -> Result<&mut Axis<P, Q>, Refusal> {
         self.axes.get_mut(usize::from(axis)).ok_or(no_such_axis::<A>())
     }
+}
+
+/// Returns the soonest of these ticks.
+#[inline]
+fn soonest<const A: usize>(ticks: &[u64; A]) -> u64 {
+    ticks.iter().fold(NEVER, |soonest, tick| soonest.min(*tick))
 }
 
 fn no_such_axis<const A: usize>() -> Refusal {

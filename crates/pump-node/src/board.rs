@@ -17,8 +17,8 @@ pub trait Pins {
     /// already take the levels.
     fn make_outputs(&mut self, levels: Levels);
 
-    /// Sets the step pin. It is called in the interrupt.
-    fn set_step(&mut self, high: bool);
+    /// Returns the step pin: its bit in the word of the board's outputs ([`Board::set_steps`]).
+    fn step_pin(&self) -> u32;
 
     /// Sets the direction pin.
     fn set_direction(&mut self, high: bool);
@@ -33,6 +33,28 @@ pub trait Pins {
     fn driver_fault_is_high(&mut self) -> bool;
 }
 
+/// Step pins that change together, as bits in the word of the board's outputs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Edge {
+    /// Pins that become high.
+    pub high: u32,
+    /// Pins that become low.
+    pub low: u32,
+}
+
+impl Edge {
+    /// Returns the edge of one pin.
+    pub(crate) fn of(pin: u32, high: bool) -> Self {
+        if high { Self { high: pin, low: 0 } } else { Self { high: 0, low: pin } }
+    }
+
+    /// Adds the pins of another edge.
+    pub(crate) fn join(&mut self, other: Self) {
+        self.high |= other.high;
+        self.low |= other.low;
+    }
+}
+
 /// The parts of the board that all axes share.
 pub trait Board {
     /// Returns the tick of the timer. It never falls, and has 64 bits.
@@ -41,8 +63,8 @@ pub trait Board {
     /// Waits until the timer is at `tick`, if it is not beyond. It is called in the interrupt, before a step.
     fn wait_until(&mut self, tick: u64);
 
-    /// Waits so many ns at least. It is called in the interrupt, for the pulse of a step.
-    fn wait_ns(&mut self, ns: u32);
+    /// Sets step pins, all that rise at one time. It is called in the interrupt.
+    fn set_steps(&mut self, edge: Edge);
 
     /// Returns true while the emergency stop is pressed. It is called in the interrupt.
     fn estop_is_pressed(&mut self) -> bool;

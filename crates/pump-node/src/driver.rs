@@ -1,4 +1,4 @@
-//! The motor of an axis: a stepper driver on pins whose pulses overlap with those of other axes.
+//! The motor of an axis: a stepper driver on pins. The interrupt makes the pulses of its step pin.
 
 use core::convert::Infallible;
 
@@ -8,16 +8,13 @@ use pump_link::message::AxisConfig;
 
 use crate::board::{Levels, Pins};
 
-/// A stepper driver. [`Self::rise`] and [`Self::lower`] make the pulse of a step: several axes wait
-/// together.
+/// A stepper driver.
 #[derive(Debug)]
 pub(crate) struct Driver<P> {
     pins: P,
     config: AxisConfig,
     /// Direction in which the direction pin points.
     facing: Direction,
-    /// True while the step pin is active.
-    raised: bool,
     energised: bool,
 }
 
@@ -29,7 +26,7 @@ impl<P: Pins> Driver<P> {
             direction: !config.reversed,
             enable: energised != config.enable_active_low,
         });
-        Self { pins, config, facing: Direction::Forward, raised: false, energised }
+        Self { pins, config, facing: Direction::Forward, energised }
     }
 
     /// Gives the pins back as they are.
@@ -55,21 +52,6 @@ impl<P: Pins> Driver<P> {
         turned
     }
 
-    /// Begins the pulse of a step.
-    pub(crate) fn rise(&mut self) {
-        self.pins.set_step(!self.config.step_active_low);
-        self.raised = true;
-    }
-
-    /// Ends the pulse of a step. Returns true if there was one.
-    pub(crate) fn lower(&mut self) -> bool {
-        let raised = core::mem::take(&mut self.raised);
-        if raised {
-            self.pins.set_step(self.config.step_active_low);
-        }
-        raised
-    }
-
     /// Returns true if the driver reports a fault.
     pub(crate) fn has_fault(&mut self) -> bool {
         self.config.has_driver_fault && !self.pins.driver_fault_is_high()
@@ -80,8 +62,8 @@ impl<P: Pins> StepMotor for Driver<P> {
     type Error = Infallible;
 
     fn step(&mut self, _: Direction) -> Result<(), Infallible> {
-        // `rise` begins the pulse at its tick. The direction pin was set before the move began, and a move never
-        // turns round.
+        // The interrupt has begun the pulse. The direction pin was set before the move began, and a move never turns
+        // round.
         Ok(())
     }
 
@@ -92,7 +74,6 @@ impl<P: Pins> StepMotor for Driver<P> {
     }
 
     fn disable(&mut self) -> Result<(), Infallible> {
-        self.lower();
         self.pins.set_enable(self.config.enable_active_low);
         self.energised = false;
         Ok(())

@@ -22,7 +22,7 @@ mod ports;
 mod shared;
 
 pub use axes::{Axes, LEAD_NS, MAX_STEP_HZ};
-pub use board::{Board, Levels, Pins};
+pub use board::{Board, Edge, Levels, Pins};
 pub use node::{Node, identity};
 pub use ports::PORTS;
 pub use shared::Shared;

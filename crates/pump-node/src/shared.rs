@@ -6,7 +6,8 @@ use crate::board::{Board, Pins};
 /// The axes, shared between the thread and the timer's interrupt.
 ///
 /// A firmware takes its critical section around `act`, and sets the timer to [`Axes::next_alarm`] afterwards. Each
-/// call is short: one segment, one stop, one status.
+/// call is short: one segment, one stop, one status. It should not begin shortly before the alarm, so that no step is
+/// held up.
 pub trait Shared<P: Pins, B: Board, const Q: usize, const A: usize> {
     /// Calls `act` with the axes, while the interrupt is kept off.
     fn with<R>(&mut self, act: impl FnOnce(&mut Axes<P, B, Q, A>) -> R) -> R;

@@ -32,6 +32,8 @@ pub(crate) struct Counts {
     pub(crate) instructions: f64,
     /// Most instructions in one of them.
     pub(crate) most: f64,
+    /// Most instructions for which the thread kept the interrupts off since it was last asked.
+    pub(crate) kept_off: f64,
 }
 
 /// Extremes that a board has come to since it was made.
@@ -129,8 +131,8 @@ impl Emulator {
     pub(crate) fn counts(&self) -> io::Result<Counts> {
         let board = &mut *self.board();
         board.to.write_all(b"C")?;
-        let [_, interrupts, instructions, most, _] = board.numbers()?;
-        Ok(Counts { interrupts, instructions, most })
+        let [_, interrupts, instructions, most, kept_off, _] = board.numbers()?;
+        Ok(Counts { interrupts, instructions, most, kept_off })
     }
 }
 

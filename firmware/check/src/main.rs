@@ -1,11 +1,16 @@
 //! Doses with the Pico's firmware in an emulator, by the drive that the command uses, in the board's own time. The
 //! edges of the step and direction pins are held against the plan.
 //!
-//! `check-node FIRMWARE.elf`
+//! `check-node FIRMWARE.elf` holds all. `check-node FIRMWARE.elf MINUTES` makes a slow dose of so many minutes alone.
 #![allow(clippy::print_stdout, reason = "this program prints what it measured")]
 
+mod cuts;
 mod emulator;
+mod host;
+mod ripple;
 mod size;
+mod slow;
+mod together;
 mod usb;
 
 use std::error::Error;
@@ -19,13 +24,8 @@ use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
 use pump_model::Pump;
 
 /// Returns the step pin of an axis (firmware/pico). The next pin is that of the direction.
-fn step_pin(axis: Axis) -> u8 {
-    match axis {
-        Axis::X => 2,
-        Axis::Y => 6,
-        Axis::Z => 10,
-        _ => 14,
-    }
+fn step_pin(axis: u8) -> u8 {
+    2 + 4 * axis
 }
 
 /// Largest distance of a rise from its time in the plan, in µs: half a tick of the board's timer each way for the
@@ -37,8 +37,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("name the firmware, an ELF file".into());
     };
     let firmware = Path::new(&firmware);
+    if let Some(minutes) = std::env::args().nth(2) {
+        return slow::slow(firmware, minutes.parse()?);
+    }
     for (volume_ml, ml_s, smooth) in
-        [(1.0, 4.0, false), (0.5, 1.0, true), (2.0, 4.0, true), (3.0, 8.0, true), (-1.0, 4.0, true)]
+        [(1.0, 4.0, false), (0.5, 1.0, true), (2.0, 4.0, true), (10.0, 8.0, true), (-1.0, 4.0, true)]
     {
         dose(firmware, Axis::X, volume_ml, ml_s, smooth)?;
     }
@@ -46,8 +49,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     stop(firmware)?;
     reset(firmware)?;
     let stack_bytes = usb::dose(firmware)?;
-    size::hold(firmware, stack_bytes)
+    size::hold(firmware, stack_bytes)?;
+    together::even(firmware, 1_000, 0)?;
+    together::smooth(firmware)?;
+    // The board's limit, with steps at one tick and evenly spread.
+    together::even(firmware, 40, 0)?;
+    together::even(firmware, 40, 10)?;
+    together::refused(firmware)?;
+    cuts::stops(firmware, 30)?;
+    cuts::cuts(firmware, CUTS)?;
+    slow::slow(firmware, SLOW_MIN)
 }
+
+/// Number of cuts of the link and kills of the host.
+const CUTS: u32 = 200;
+
+/// Minutes of the slow dose. `check-node FIRMWARE.elf 60` takes an hour's.
+const SLOW_MIN: f64 = 5.0;
 
 /// A board that was met, with the pump of the plans.
 struct Met {
@@ -86,7 +104,7 @@ fn dose(firmware: &Path, axis: Axis, volume_ml: f64, ml_s: f64, smooth: bool) ->
     met.node.check(&plan)?;
     let made = met.node.run(&plan, &mut |_, _| Leave::Go)?;
     let edges = met.emulator.take_edges();
-    let rises = rises(&edges, axis);
+    let rises = rises(&edges, axis as u8);
     let counts = met.emulator.counts()?;
     let off_us = distances_us(&plan, &rises);
     let (least, most) = off_us.iter().fold((f64::MAX, f64::MIN), |(a, b), off| (a.min(*off), b.max(*off)));
@@ -96,12 +114,16 @@ fn dose(firmware: &Path, axis: Axis, volume_ml: f64, ml_s: f64, smooth: bool) ->
          plan; \
          {:.0} instructions an interrupt, {:.0} at most",
         rises.len(),
-        counts.instructions / counts.interrupts,
+        counts.instructions / counts.interrupts.max(1.0),
         counts.most
     );
     check(made == plan.steps().unsigned_abs() && rises.len() as u64 == made, "the number of steps")?;
     check(half_us <= MOST_OFF_US, "the times of the steps")?;
-    let direction = step_pin(axis) + 1;
+    // A whole pitch of cruise.
+    if smooth && volume_ml >= 10.0 {
+        ripple::hold(&met.pump, &plan, &rises)?;
+    }
+    let direction = step_pin(axis as u8) + 1;
     let forward = edges.iter().rev().find(|edge| edge.pin == direction).is_none_or(|edge| edge.level == 1);
     check(forward == (volume_ml > 0.0), "the direction")
 }
@@ -111,7 +133,7 @@ fn stop(firmware: &Path) -> Result<(), Box<dyn Error>> {
     let mut met = meet(firmware, Axis::X)?;
     let plan = met.plan(5.0, 4.0, true)?;
     let made = met.node.run(&plan, &mut |made, _| if made > 3_000 { Leave::Stop } else { Leave::Go })?;
-    let rises = rises(&met.emulator.take_edges(), Axis::X).len();
+    let rises = rises(&met.emulator.take_edges(), Axis::X as u8).len();
     println!("stopped after {made} steps of {}; the pin rose {rises} times", plan.steps());
     check(rises as u64 == made && made < plan.steps().unsigned_abs(), "the count of a stop")
 }
@@ -128,7 +150,7 @@ fn reset(firmware: &Path) -> Result<(), Box<dyn Error>> {
         Leave::Go
     });
     let Err(fault) = fault else { return Err("a reset in mid-dose went unnoticed".into()) };
-    let rises = rises(&met.emulator.take_edges(), Axis::X).len() as i64;
+    let rises = rises(&met.emulator.take_edges(), Axis::X as u8).len() as i64;
     println!(
         "reset: {} to {} steps are stated, the pin rose {rises} times",
         fault.made_least, fault.made_most
@@ -137,7 +159,7 @@ fn reset(firmware: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// Returns the times of the rises of an axis's step pin, in ns. A pin that becomes an output is no rise.
-pub(crate) fn rises(edges: &[Edge], axis: Axis) -> Vec<f64> {
+pub(crate) fn rises(edges: &[Edge], axis: u8) -> Vec<f64> {
     let pin = step_pin(axis);
     edges.iter().filter(|edge| edge.pin == pin && edge.level == 1).map(|edge| edge.at_ns).collect()
 }

@@ -36,7 +36,7 @@ pub(crate) fn dose(firmware: &Path) -> Result<u32, Box<dyn Error>> {
     let plan = met.plan(2.0, 4.0, true)?;
     met.node.check(&plan)?;
     let made = met.node.run(&plan, &mut |_, _| Leave::Go)?;
-    let rises = rises(&met.emulator.take_edges(), Axis::X);
+    let rises = rises(&met.emulator.take_edges(), Axis::X as u8);
     let off_us = distances_us(&plan, &rises);
     let (least, most) = off_us.iter().fold((f64::MAX, f64::MIN), |(a, b), off| (a.min(*off), b.max(*off)));
     let half_us = 0.5 * (most - least);

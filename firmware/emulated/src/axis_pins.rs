@@ -4,7 +4,7 @@
 //! released, and a sensor's pin is low. A test reads the edges from the log. After each write the clock is read: the
 //! log has no other time.
 
-use pump_node::{Levels, Pins};
+use pump_node::{Edge, Levels, Pins};
 
 use crate::registers::{CLOCK, INPUTS, OUTPUTS};
 
@@ -44,6 +44,13 @@ impl AxisPins {
     }
 }
 
+/// Sets step pins, all in one write: they are in the lower byte.
+#[inline(always)]
+pub(crate) fn set_steps(edge: Edge) {
+    OUTPUTS.masked((edge.high | edge.low) as u16).write(edge.high);
+    CLOCK.value.read();
+}
+
 /// Returns true if a pin of `mask` is high.
 #[inline(always)]
 fn is_high(mask: u16) -> bool {
@@ -72,8 +79,8 @@ impl Pins for AxisPins {
     }
 
     #[inline(always)]
-    fn set_step(&mut self, high: bool) {
-        Self::set(self.step, high);
+    fn step_pin(&self) -> u32 {
+        self.step.into()
     }
 
     fn set_direction(&mut self, high: bool) {

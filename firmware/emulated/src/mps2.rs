@@ -1,12 +1,8 @@
 //! The parts of the board that all axes share.
 
-use pump_node::Board;
+use pump_node::{Board, Edge};
 
 use crate::{axis_pins, step_timer};
-
-/// Instructions of the emulated processor in a us, where each takes 8 ns (`-icount shift=3`). A real board is slower,
-/// so its waits are longer.
-const CYCLES_PER_US: u32 = 125;
 
 /// Timer and emergency stop of the board.
 #[derive(Debug)]
@@ -24,8 +20,8 @@ impl Board for Mps2 {
     }
 
     #[inline(always)]
-    fn wait_ns(&mut self, ns: u32) {
-        cortex_m::asm::delay(ns * CYCLES_PER_US / 1_000);
+    fn set_steps(&mut self, edge: Edge) {
+        axis_pins::set_steps(edge);
     }
 
     #[inline(always)]

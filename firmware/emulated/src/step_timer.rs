@@ -3,6 +3,7 @@
 
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use cortex_m::peripheral::{NVIC, SYST, syst::SystClkSource};
 use pump_node::{Axes, Shared};
@@ -20,6 +21,12 @@ const COUNTS: u32 = COUNT_HZ / TICK_HZ;
 
 /// Farthest tick for which the alarm is set, ticks from now.
 const FARTHEST: u64 = 2 * TICK_HZ as u64;
+
+/// Time before the alarm in which the thread enters no critical section, counts: 12 us.
+const CLEAR: u32 = 12 * COUNTS;
+
+/// Longest time for which the thread waits until the alarm is not near, counts: 60 us.
+const PATIENCE: u32 = 60 * COUNTS;
 
 /// Longest time of SysTick, which has 24 bits, ticks.
 const LONGEST_SLEEP: u64 = (0xff_ffff / COUNTS) as u64;
@@ -42,6 +49,9 @@ unsafe impl<T> Sync for Place<T> {}
 
 static AXES_OF_NODE: Place<NodeAxes> = Place(UnsafeCell::new(MaybeUninit::uninit()));
 static KNOWN: Place<Known> = Place(UnsafeCell::new(MaybeUninit::new(Known { tick: 0, count: 0 })));
+
+/// Count at which the alarm was last set to come.
+static ALARM_AT: AtomicU32 = AtomicU32::new(0);
 
 /// Returns the counts of the clock, which wraps after 171 s. The timer counts down.
 #[inline(always)]
@@ -122,6 +132,7 @@ impl StepTimer {
 
     /// Holds the board's time while `wait` runs. The axes and their alarm stand meanwhile, serial ports go on.
     pub(crate) fn hold(&mut self, axes: &mut SharedAxes, wait: impl FnOnce()) {
+        keep_clear();
         NVIC::mask(Interrupt::Alarm);
         ALARM.control.write(TIMER_INTERRUPTS);
         CLOCK.control.write(0);
@@ -130,6 +141,18 @@ impl StepTimer {
         // SAFETY: no critical section is under way.
         unsafe { NVIC::unmask(Interrupt::Alarm) };
         axes.set_alarm();
+    }
+}
+
+/// Waits while the alarm is near, so that a critical section does not hold up the interrupt.
+fn keep_clear() {
+    let began = count();
+    loop {
+        let now = count();
+        let near = ALARM_AT.load(Relaxed).wrapping_sub(now) < CLEAR;
+        if !near || now.wrapping_sub(began) >= PATIENCE {
+            return;
+        }
     }
 }
 
@@ -158,6 +181,7 @@ impl SharedAxes {
 
 impl Shared<AxisPins, Mps2, QUEUE, AXES> for SharedAxes {
     fn with<R>(&mut self, act: impl FnOnce(&mut NodeAxes) -> R) -> R {
+        keep_clear();
         cortex_m::interrupt::free(|_| {
             // SAFETY: `new` has put the axes there, and the interrupt is kept off.
             let axes = unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() };
@@ -173,6 +197,7 @@ fn set_alarm(tick: Option<u64>) {
     let Some(tick) = tick else { return };
     match counts_until(tick) {
         ahead @ 1.. => {
+            ALARM_AT.store(count().wrapping_add(ahead.unsigned_abs()), Relaxed);
             ALARM.value.write(ahead.unsigned_abs());
             ALARM.control.write(TIMER_RUNS | TIMER_INTERRUPTS);
         }

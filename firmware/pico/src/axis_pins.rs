@@ -1,7 +1,7 @@
 //! The pins of an axis, as masks of the RP2040's single-cycle I/O.
 #![allow(unsafe_code)]
 
-use pump_node::{Levels, Pins};
+use pump_node::{Edge, Levels, Pins};
 use rp2040_hal::pac::{IO_BANK0, PADS_BANK0, SIO};
 
 /// First pin of the axes, and number of pins from one axis to the next.
@@ -56,6 +56,15 @@ impl AxisPins {
     }
 }
 
+/// Sets step pins, those that rise all at one time.
+#[inline(always)]
+pub(crate) fn set_steps(edge: Edge) {
+    // SAFETY: as in `AxisPins::set`.
+    let sio = unsafe { &*SIO::ptr() };
+    sio.gpio_out_set().write(|word| unsafe { word.bits(edge.high) });
+    sio.gpio_out_clr().write(|word| unsafe { word.bits(edge.low) });
+}
+
 /// Returns true if a pin of `mask` is high.
 #[inline(always)]
 pub(crate) fn is_high(mask: u32) -> bool {
@@ -90,8 +99,8 @@ impl Pins for AxisPins {
     }
 
     #[inline(always)]
-    fn set_step(&mut self, high: bool) {
-        Self::set(self.step, high);
+    fn step_pin(&self) -> u32 {
+        self.step
     }
 
     fn set_direction(&mut self, high: bool) {

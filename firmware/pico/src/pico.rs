@@ -1,12 +1,9 @@
 //! The parts of the board that all axes share.
 
-use pump_node::Board;
+use pump_node::{Board, Edge};
 
-use crate::axis_pins::{ESTOP, is_high};
+use crate::axis_pins::{ESTOP, is_high, set_steps};
 use crate::step_timer;
-
-/// Cycles of the processor in a µs.
-const CYCLES_PER_US: u32 = 125;
 
 /// Timer and emergency stop of the board.
 #[derive(Debug)]
@@ -24,8 +21,8 @@ impl Board for Pico {
     }
 
     #[inline(always)]
-    fn wait_ns(&mut self, ns: u32) {
-        cortex_m::asm::delay(ns * CYCLES_PER_US / 1_000);
+    fn set_steps(&mut self, edge: Edge) {
+        set_steps(edge);
     }
 
     #[inline(always)]

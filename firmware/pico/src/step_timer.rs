@@ -17,6 +17,12 @@ pub(crate) const TICK_HZ: u32 = 1_000_000;
 /// Farthest tick for which the alarm is set. It compares 32 bits.
 const FARTHEST: u64 = 1 << 30;
 
+/// Time before the alarm of the steps in which the thread enters no critical section, ticks. Most take less.
+const CLEAR: u32 = 11;
+
+/// Longest time for which the thread waits until the alarm is not near, ticks.
+const PATIENCE: u32 = 250;
+
 type NodeAxes = Axes<AxisPins, Pico, QUEUE, AXES>;
 
 /// Place of the axes. It is not part of the firmware's image, unlike a value would be.
@@ -91,6 +97,20 @@ pub(crate) fn sleep_until(tick: u64) {
     }
 }
 
+/// Returns the lower half of the tick.
+fn low() -> u32 {
+    timer().timerawl().read().bits()
+}
+
+/// Returns true if the alarm of the steps has come, or comes soon.
+fn alarm_is_near() -> bool {
+    let (timer, set) = (timer(), 1 << 0);
+    // The alarm is disarmed when it comes.
+    let is_armed = timer.armed().read().bits() & set != 0;
+    let has_come = timer.intr().read().bits() & set != 0;
+    has_come || is_armed && timer.alarm0().read().bits().wrapping_sub(low()) < CLEAR
+}
+
 /// Axes that the thread and the interrupt share.
 pub(crate) struct SharedAxes(());
 
@@ -115,13 +135,23 @@ impl SharedAxes {
 
 impl Shared<AxisPins, Pico, QUEUE, AXES> for SharedAxes {
     fn with<R>(&mut self, act: impl FnOnce(&mut NodeAxes) -> R) -> R {
-        cortex_m::interrupt::free(|_| {
-            // SAFETY: `new` has put the axes there, and the interrupt is kept off.
-            let axes = unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() };
-            let result = act(axes);
-            set_alarm(axes.next_alarm());
-            result
-        })
+        let (began, mut act) = (low(), Some(act));
+        loop {
+            // Where the alarm is near, the interrupt comes first.
+            let result = cortex_m::interrupt::free(|_| {
+                if alarm_is_near() && low().wrapping_sub(began) < PATIENCE {
+                    return None;
+                }
+                // SAFETY: `new` has put the axes there, and the interrupt is kept off.
+                let axes = unsafe { (*AXES_OF_NODE.0.get()).assume_init_mut() };
+                let result = act.take()?(axes);
+                set_alarm(axes.next_alarm());
+                Some(result)
+            });
+            if let Some(result) = result {
+                return result;
+            }
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use pump_link::frame::{AnswerHeader, Deframer, body};
 use pump_link::message::{Answer, Request};
 use pump_link::packing::{Codec, Grain};
 use pump_link::sender::{Bracket, Clocks, Demand, Stream, Window};
-use pump_node::{Axes, Board, Levels, Node, Pins, identity};
+use pump_node::{Axes, Board, Edge, Levels, Node, Pins, identity};
 
 struct AnyPins;
 
@@ -16,8 +16,8 @@ impl Pins for AnyPins {
         black_box(levels);
     }
 
-    fn set_step(&mut self, high: bool) {
-        black_box(high);
+    fn step_pin(&self) -> u32 {
+        black_box(1)
     }
 
     fn set_direction(&mut self, high: bool) {
@@ -48,8 +48,8 @@ impl Board for AnyBoard {
         black_box(tick);
     }
 
-    fn wait_ns(&mut self, ns: u32) {
-        black_box(ns);
+    fn set_steps(&mut self, edge: Edge) {
+        black_box(edge);
     }
 
     fn estop_is_pressed(&mut self) -> bool {

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::onlooker::Onlooker;
 use pump_bench::drives::wire::{AskClock, Wire};
-use pump_node::{Axes, Board, Levels, Node, Pins, identity};
+use pump_node::{Axes, Board, Edge, Levels, Node, Pins, identity};
 
 /// Ticks per second of the board's timer.
 pub(crate) const TICK_HZ: u32 = 1_000_000;
@@ -54,8 +54,14 @@ impl Board for Shared {
         *now = tick.max(*now);
     }
 
-    fn wait_ns(&mut self, ns: u32) {
-        self.0.lock().unwrap().now += u64::from(ns).div_ceil(1000);
+    fn set_steps(&mut self, edge: Edge) {
+        for axis in 0..4 {
+            for (pins, high) in [(edge.high, true), (edge.low, false)] {
+                if pins & 1 << axis != 0 {
+                    SimulatedPins(self.clone(), axis).change(|levels| levels.step = high);
+                }
+            }
+        }
     }
 
     fn estop_is_pressed(&mut self) -> bool {
@@ -87,8 +93,8 @@ impl Pins for SimulatedPins {
         self.0.0.lock().unwrap().motors[self.1].levels = Some(levels);
     }
 
-    fn set_step(&mut self, high: bool) {
-        self.change(|levels| levels.step = high);
+    fn step_pin(&self) -> u32 {
+        1 << self.1
     }
 
     fn set_direction(&mut self, high: bool) {

@@ -92,6 +92,18 @@ impl<M: StepMotor, const Q: usize> Actuator<M, Q> {
         &mut self.stepper
     }
 
+    /// Returns the tick of the next step, or `None` if the motor stands.
+    #[inline]
+    pub fn next_deadline(&self) -> Option<u64> {
+        self.stepper.next_deadline()
+    }
+
+    /// Returns true if steps are still to come.
+    #[inline]
+    pub fn is_moving(&self) -> bool {
+        self.stepper.is_moving()
+    }
+
     /// Returns the back end.
     pub fn motor(&mut self) -> &mut M {
         &mut self.motor

@@ -230,11 +230,13 @@ impl<const Q: usize> Stepper<Q> {
     }
 
     /// Returns the tick at which to call [`Self::on_deadline`], or `None` if the motor stands.
+    #[inline]
     pub fn next_deadline(&self) -> Option<u64> {
         (self.left > 0).then_some(self.next.whole)
     }
 
     /// Returns true if steps are still to come.
+    #[inline]
     pub fn is_moving(&self) -> bool {
         self.left > 0
     }

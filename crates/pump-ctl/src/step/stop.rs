@@ -43,7 +43,7 @@ impl<const Q: usize> Stepper<Q> {
             StepperState::Ready | StepperState::Stopped | StepperState::Starved => {
                 self.refuse_what_is_queued()
             }
-            StepperState::Ending { .. } => self.planned_end(&self.planned_run()),
+            StepperState::Ending { .. } => self.planned_end(&self.planned_run(u64::MAX)),
             StepperState::Braking { way, .. } => {
                 let (steps, span) = way.length(&self.brake);
                 let current = self.queue.current().copied().unwrap_or_default();
@@ -70,8 +70,9 @@ impl<const Q: usize> Stepper<Q> {
             return self.stand();
         };
         let (steps, span) = self.brake.length(descent);
-        let run = self.planned_run();
-        if run.steps <= u64::from(steps) + 1 {
+        let most = u64::from(steps) + 1;
+        let run = self.planned_run(most);
+        if run.steps <= most {
             self.queue.keep_pending(run.segments);
             self.state = StepperState::Ending { rests: run.rests };
             return self.planned_end(&run);
@@ -131,7 +132,9 @@ impl<const Q: usize> Stepper<Q> {
         StopPlan { last_step_at: self.next.whole, final_count: self.position }
     }
 
-    fn planned_run(&self) -> PlannedEnd {
+    /// Returns the planned steps up to a rest or the end of the queue. Beyond `most` steps it looks no farther: a full
+    /// queue would keep the interrupt off for too long.
+    fn planned_run(&self, most: u64) -> PlannedEnd {
         let mut last = self.queue.current().copied().unwrap_or_default();
         let mut run = PlannedEnd {
             steps: u64::from(self.left),
@@ -140,6 +143,9 @@ impl<const Q: usize> Stepper<Q> {
             rests: self.is_whole() || self.state == StepperState::Ending { rests: true },
         };
         for segment in self.queue.pending() {
+            if run.steps > most {
+                return run;
+            }
             if segment.direction() != self.direction {
                 run.rests = true;
                 break;

@@ -6,17 +6,19 @@ use pump_link::message::{AxisConfig, AxisState, AxisStatus, End, MoveOrder, Stop
 use pump_link::receiver::Expected;
 
 use super::faults::Faults;
+use super::pulse::Pulse;
 use super::timing::ns_in_ticks;
-use crate::board::Pins;
+use crate::board::{Board, Edge, Pins};
 use crate::driver::Driver;
 
 /// An axis with a queue of `Q` segments.
+// The actuator comes last, for the reason that is given at `pump_ctl::step::Stepper`.
 #[derive(Debug)]
+#[repr(C)]
 pub(crate) struct Axis<P, const Q: usize> {
+    pulse: Pulse,
     /// Pins that the host has not configured. They are inputs.
     bare: Option<P>,
-    /// Motor and executor, once the pins are outputs.
-    pub(super) actuator: Option<Actuator<Driver<P>, Q>>,
     pub(super) tick_hz: u32,
     pub(super) state: AxisState,
     pub(super) revision: u32,
@@ -33,13 +35,14 @@ pub(crate) struct Axis<P, const Q: usize> {
     pub(super) ready_at: u64,
     /// Tick since which the motor stands.
     pub(super) rests_from: u64,
-    /// Tick from which the step pin may rise again.
-    low_until: u64,
-    /// Tick at which the step pin rises for a step that was taken.
-    rises_at: Option<u64>,
     pub(super) angle_lost: bool,
     pub(super) faults: Faults,
+    /// Motor and executor, once the pins are outputs.
+    pub(super) actuator: Option<Actuator<Driver<P>, Q>>,
 }
+
+/// Tick that never comes.
+pub(crate) const NEVER: u64 = u64::MAX;
 
 /// A move of no steps.
 const NO_ORDER: MoveOrder = MoveOrder { from: 0, last: 0, shortest_interval: u32::MAX };
@@ -48,8 +51,8 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
     /// Makes an axis whose pins are inputs.
     pub(crate) fn new(pins: P, tick_hz: u32) -> Self {
         Self {
+            pulse: Pulse::default(),
             bare: Some(pins),
-            actuator: None,
             tick_hz,
             state: AxisState::Unconfigured,
             revision: 0,
@@ -61,10 +64,9 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
             stopping: Stopping { last_step_at: 0, final_count: 0 },
             ready_at: 0,
             rests_from: 0,
-            low_until: 0,
-            rises_at: None,
             angle_lost: false,
             faults: Faults::default(),
+            actuator: None,
         }
     }
 
@@ -87,6 +89,7 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         let Some(pins) = pins else {
             return;
         };
+        self.pulse = Pulse::new(pins.step_pin(), &config, self.tick_hz);
         let keep = energised && config.energised;
         let mut stepper = Stepper::new(brake);
         let _ = stepper.set_position(position);
@@ -129,7 +132,7 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
     }
 
     pub(crate) fn status(&mut self) -> AxisStatus {
-        // The sensor is read when a step is taken, before its pulse: it tells where the step before has led.
+        // The sensor is read just after the pin has risen: it tells where the step before has led.
         let way = i64::from(Direction::of(self.order.last.saturating_sub(self.order.from)).sign());
         let index_at = self.actuator.as_ref().and_then(Actuator::index_at).map(|at| at.saturating_sub(way));
         AxisStatus {
@@ -147,55 +150,55 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         }
     }
 
-    /// Returns the tick at which the timer must fire, or `None` if the motor stands.
-    pub(crate) fn next_deadline(&mut self) -> Option<u64> {
-        self.actuator.as_mut()?.stepper().next_deadline()
+    /// Returns the tick at which the step pin rises next. It is [`NEVER`] if the motor stands.
+    #[inline]
+    pub(crate) fn rises_at(&self) -> u64 {
+        let due = self.actuator.as_ref().and_then(Actuator::next_deadline);
+        due.map_or(NEVER, |due| due.max(self.pulse.low_until))
     }
 
-    /// Takes the step that is due at `within` or before. [`Self::rises_at`] then says when its pulse begins. A step
-    /// that is due before `now` is late.
-    pub(crate) fn take_step(&mut self, now: u64, within: u64) {
-        let Some(actuator) = &mut self.actuator else {
+    /// Returns the edge that begins the pulse of the next step.
+    #[inline]
+    pub(crate) fn rise(&self) -> Edge {
+        self.pulse.begin
+    }
+
+    /// Notes that the step pin has risen by tick `now`. [`Self::count_step`] must follow.
+    #[inline]
+    pub(crate) fn rose(&mut self, now: u64) {
+        self.pulse.high_since = Some(now);
+    }
+
+    /// Returns true if the pulse of a step is under way.
+    #[inline]
+    pub(crate) fn is_high(&self) -> bool {
+        self.pulse.high_since.is_some()
+    }
+
+    /// Counts the step whose pulse is under way, and finds the time of the next.
+    #[inline]
+    pub(crate) fn count_step(&mut self) {
+        let Some((actuator, at)) = self.actuator.as_mut().zip(self.pulse.high_since) else {
             return;
         };
-        let Some(due) = actuator.stepper().next_deadline().filter(|due| *due <= within) else {
-            return;
-        };
-        let (at, before) = (due.max(now), actuator.stepper().position());
         let mut said = actuator.on_timer(at);
-        if actuator.stepper().position() != before {
-            self.rises_at = Some(at.max(self.low_until));
+        if actuator.is_moving() {
+            return;
         }
-        if said.is_ok() && !actuator.stepper().is_moving() {
+        if said.is_ok() {
             // The step was the last. The next call says how the move ended.
             said = actuator.on_timer(at);
         }
-        if !actuator.stepper().is_moving() {
-            self.ended_by_timer(said, at);
-        }
+        self.ended_by_timer(said, at);
     }
 
-    /// Returns the tick at which the pulse of the step that was taken begins, or `None` if none was taken.
-    pub(crate) fn rises_at(&self) -> Option<u64> {
-        self.rises_at
-    }
-
-    /// Begins the pulse of the step that was taken. Returns its length, ns.
-    pub(crate) fn rise(&mut self) -> u32 {
-        self.rises_at = None;
-        self.actuator.as_mut().map_or(0, |actuator| {
-            actuator.motor().rise();
-            actuator.motor().config().step_high_ns
-        })
-    }
-
-    /// Ends the pulse of a step, if there is one.
-    pub(crate) fn lower(&mut self, now: u64) {
-        if let Some(actuator) = &mut self.actuator
-            && actuator.motor().lower()
-        {
-            let low = ns_in_ticks(actuator.motor().config().step_low_ns, self.tick_hz);
-            self.low_until = now + low + 1;
+    /// Ends the pulse that is under way.
+    #[inline]
+    pub(crate) fn lower(&mut self, board: &mut impl Board) {
+        if let Some(tick) = self.pulse.ends_at() {
+            board.wait_until(tick);
+            board.set_steps(self.pulse.end);
+            self.pulse.ended(board.now());
         }
     }
 
@@ -221,9 +224,12 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
             return;
         };
         let release_ms = u64::from(actuator.motor().config().idle_release_ms);
-        let rested = now.saturating_sub(self.rests_from) >= release_ms * u64::from(self.tick_hz) / 1000;
         let stands = matches!(self.state, AxisState::Ready | AxisState::Ended(_) | AxisState::Unconfigured);
-        if release_ms > 0 && rested && stands && self.is_energised() {
+        if release_ms == 0 || !stands {
+            return;
+        }
+        let rested = now.saturating_sub(self.rests_from) >= release_ms * u64::from(self.tick_hz) / 1000;
+        if rested && self.is_energised() {
             self.cut(End::Complete, now);
         }
     }

@@ -3,7 +3,8 @@
 mod axis;
 mod faults;
 mod moves;
+mod pulse;
 mod timing;
 
-pub(crate) use axis::Axis;
+pub(crate) use axis::{Axis, NEVER};
 pub(crate) use timing::{ns_in_ticks, rate_hz};

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use pump_node::{Board, Levels, Pins};
+use pump_node::{Board, Edge, Levels, Pins};
 
 /// The pins of an axis and the motor behind them. A motor keeps its place through a reset of the board.
 #[derive(Debug, Clone, Default)]
@@ -38,8 +38,14 @@ impl Board for SharedHardware {
         *now = tick.max(*now);
     }
 
-    fn wait_ns(&mut self, ns: u32) {
-        self.0.borrow_mut().now += u64::from(ns).div_ceil(1000);
+    fn set_steps(&mut self, edge: Edge) {
+        for axis in 0..4 {
+            for (pins, high) in [(edge.high, true), (edge.low, false)] {
+                if pins & 1 << axis != 0 {
+                    SimulatedPins(self.clone(), axis).change(|levels| levels.step = high);
+                }
+            }
+        }
     }
 
     fn estop_is_pressed(&mut self) -> bool {
@@ -79,8 +85,8 @@ impl Pins for SimulatedPins {
         axis.outputs = true;
     }
 
-    fn set_step(&mut self, high: bool) {
-        self.change(|levels| levels.step = high);
+    fn step_pin(&self) -> u32 {
+        1 << self.1
     }
 
     fn set_direction(&mut self, high: bool) {

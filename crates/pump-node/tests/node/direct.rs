@@ -8,7 +8,7 @@ use pump_ctl::step::{Segment, TickRate};
 use pump_link::frame::{AnswerHeader, Deframer, Encoded, RequestHeader, body};
 use pump_link::message::{Answer, AxisConfig, AxisStatus, MAX_PACKED, MoveOrder, Refusal, Request};
 use pump_link::packing::{Codec, Grain, Rounder};
-use pump_node::{Axes, Board, Levels, Node, Pins, identity};
+use pump_node::{Axes, Board, Edge as PinEdge, Levels, Node, Pins, identity};
 
 pub(crate) const TICK_HZ: u32 = 1_000_000;
 pub(crate) const SESSION: u64 = 42;
@@ -44,8 +44,14 @@ impl Board for Shared {
         *now = tick.max(*now);
     }
 
-    fn wait_ns(&mut self, ns: u32) {
-        self.0.borrow_mut().now += u64::from(ns).div_ceil(1000);
+    fn set_steps(&mut self, edge: PinEdge) {
+        for axis in 0..4 {
+            for (pins, high) in [(edge.high, true), (edge.low, false)] {
+                if pins & 1 << axis != 0 {
+                    AxisPins(self.clone(), axis).note(Edge::Step(high));
+                }
+            }
+        }
     }
 
     fn estop_is_pressed(&mut self) -> bool {
@@ -68,8 +74,8 @@ impl Pins for AxisPins {
         self.note(Edge::Outputs(levels));
     }
 
-    fn set_step(&mut self, high: bool) {
-        self.note(Edge::Step(high));
+    fn step_pin(&self) -> u32 {
+        1 << self.1
     }
 
     fn set_direction(&mut self, high: bool) {

@@ -17,12 +17,12 @@ fn a_move_makes_its_steps_when_they_are_due_and_is_complete() {
         (status.position, status.state, status.next_segment),
         (30, AxisState::Ended(End::Complete), 3)
     );
-    // Each pulse lasts 1.9 us, rounded up to a tick here.
+    // Each pulse lasts 1.9 us, rounded up to ticks, and a tick more: the pin rises between two ticks.
     let falls = direct.with(|hardware| {
         let fell = hardware.edges.iter().filter(|(_, _, edge)| *edge == Edge::Step(false));
         fell.map(|(at, ..)| *at).collect::<Vec<_>>()
     });
-    assert_eq!(falls, expected.iter().map(|at| at + 2).collect::<Vec<_>>());
+    assert_eq!(falls, expected.iter().map(|at| at + 3).collect::<Vec<_>>());
     // The count goes on in another move, and in reverse.
     let back = Request::Prepare { axis: 0, move_number: 2, order: order(30, 10) };
     assert_eq!(direct.ask(&back), Answer::Accepted { next: 0, room: 32 });

@@ -161,6 +161,7 @@ fn weighed_once(
         turned_half_width_rad: 0.0,
         retracted_rad: 0.0,
         retracted_half_width_rad: 0.0,
+        by_weight: None,
     };
     let drop_ml = drop_ml(file).unwrap() / 6_f64.sqrt();
     let expected = Expected::of_digits(file, &reading).with_drop_ml(drop_ml);

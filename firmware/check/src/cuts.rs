@@ -1,0 +1,139 @@
+//! Cuts of the link and kills of the host at random instants: the board's count is that of its pin's edges.
+
+use std::error::Error;
+use std::path::Path;
+use std::time::Duration;
+
+use pump_bench::built_in;
+use pump_bench::drives::wire::Wire;
+use pump_ctl::step::Segment;
+use pump_link::message::{AXES, Answer, AxisState, Request};
+
+use crate::check;
+use crate::emulator::Edge;
+use crate::host::{Host, Move, TICK_RATE};
+
+/// Dead-man time, ms: the shortest that a host may set.
+const DEAD_MAN_MS: u16 = 100;
+
+/// Longest silence of a host, ms. About half of them are longer than the dead-man time.
+const LONGEST_SILENCE_MS: u64 = 250;
+
+/// Random numbers: Marsaglia's xorshift, Journal of Statistical Software 8(14), 2003.
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    /// Returns a number from 0 to `end` - 1.
+    pub(crate) fn below(&mut self, end: u64) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) % end
+    }
+}
+
+/// Steps that the pins of axis 0 have made, signed, by its edges.
+#[derive(Default)]
+struct Motor {
+    reverse: bool,
+    count: i64,
+}
+
+impl Motor {
+    fn turn(&mut self, edges: &[Edge]) {
+        for edge in edges {
+            match (edge.pin, edge.level) {
+                (2, 1) => self.count += if self.reverse { -1 } else { 1 },
+                (3, level) => self.reverse = level == 0,
+                _ => {}
+            }
+        }
+    }
+}
+
+/// Cuts the link of so many moves, and holds the board's count against the edges each time.
+pub(crate) fn cuts(firmware: &Path, number: u32) -> Result<(), Box<dyn Error>> {
+    let mut host = Host::new(firmware, DEAD_MAN_MS)?;
+    let brake = built_in("three-roller").ok_or("no such pump")?.limits().motor.brake(TICK_RATE)?;
+    host.configure(0, &brake)?;
+    let (mut random, mut motor) = (Random(0x1234_5678_9abc_def1), Motor::default());
+    motor.turn(&host.emulator.take_edges());
+    motor.count = 0;
+    let (mut cut_short, mut complete) = (0, 0);
+    for case in 1..=number {
+        let from = host.status(0)?.position;
+        let sign = if random.below(2) == 0 { 1 } else { -1 };
+        let count = sign * (20 + random.below(60) as i32);
+        let even = Segment { count, interval: 250 + random.below(800), add: 0, frac: 0 };
+        let made = Move::new(0, vec![even; 1 + random.below(6) as usize])?;
+        host.begin(case, &made, 1 + random.below(6) as usize)?;
+        // The host talks for a while, and then no more. Half of the cuts come within a frame.
+        for _ in 0..random.below(12) {
+            host.status(0)?;
+            host.emulator.sleep(Duration::from_micros(random.below(20_000)));
+        }
+        if random.below(2) == 0 {
+            let frame = host.frame(&Request::Stop { moves: [case, 0, 0, 0] })?;
+            let bytes = frame.get(..random.below(frame.len() as u64 - 1) as usize).unwrap_or_default();
+            host.emulator.write(bytes)?;
+        }
+        host.emulator.sleep(Duration::from_millis(random.below(LONGEST_SILENCE_MS)));
+        // A new process has the session of the record.
+        host.adopt(DEAD_MAN_MS)?;
+        let mut moves = [0; AXES];
+        moves[0] = case;
+        let stopped = host.ask(&Request::Stop { moves })?;
+        check(matches!(stopped, Answer::Stopped { .. }), "the stop of a cut move")?;
+        let status = loop {
+            let status = host.status(0)?;
+            if matches!(status.state, AxisState::Ended(_)) {
+                break status;
+            }
+        };
+        motor.turn(&host.emulator.take_edges());
+        let way = (status.position - from) * i64::from(sign);
+        let all = made.steps().abs();
+        if motor.count != status.position || !(0..=all).contains(&way) {
+            let why = format!("cut {case}: {} counted, {} made, of {all}", status.position, motor.count);
+            return Err(why.into());
+        }
+        if way < all { cut_short += 1 } else { complete += 1 }
+    }
+    println!(
+        "{number} cuts of the link: the count is exact after each; {cut_short} moves were cut short, {complete} were \
+         complete"
+    );
+    check(cut_short > number / 10, "some moves are cut short")
+}
+
+/// Stops moves at random instants. The deceleration begins within 1 ms of the end of the frame.
+pub(crate) fn stops(firmware: &Path, number: u32) -> Result<(), Box<dyn Error>> {
+    /// Interval of the steps, us.
+    const INTERVAL: u64 = 200;
+    let mut host = Host::new(firmware, 500)?;
+    let brake = built_in("three-roller").ok_or("no such pump")?.limits().motor.brake(TICK_RATE)?;
+    host.configure(0, &brake)?;
+    let mut random = Random(0x0bad_cafe_1234_5671);
+    let mut latest_us: f64 = 0.0;
+    for case in 1..=number {
+        let even = Segment { count: 400, interval: INTERVAL, add: 0, frac: 0 };
+        host.begin(case, &Move::new(0, [even; 10])?, 10)?;
+        host.emulator.sleep(Duration::from_micros(50_000 + random.below(300_000)));
+        host.emulator.take_edges();
+        let frame = host.frame(&Request::Stop { moves: [case, 0, 0, 0] })?;
+        let ends_us = 1e6 * host.emulator.now().as_secs_f64() + frame.len() as f64 * 1e7 / 460_800.0;
+        host.emulator.write(&frame)?;
+        host.emulator.sleep(Duration::from_millis(100));
+        let rises: Vec<f64> =
+            crate::rises(&host.emulator.take_edges(), 0).iter().map(|ns| 1e-3 * ns).collect();
+        let slower = rises.windows(2).find(|pair| pair[1] - pair[0] > INTERVAL as f64 + 2.0);
+        let Some(slower) = slower else { return Err("a stop did nothing".into()) };
+        latest_us = latest_us.max(slower[1] - ends_us);
+        while !matches!(host.status(0)?.state, AxisState::Ended(_)) {}
+    }
+    println!(
+        "{number} stops at 5,000 steps/s: slower {:.2} ms after the end of the frame, at most",
+        1e-3 * latest_us
+    );
+    check(latest_us < 1000.0, "a stop within 1 ms of its frame")
+}

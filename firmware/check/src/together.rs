@@ -1,0 +1,142 @@
+//! Four axes at once.
+
+use std::error::Error;
+use std::path::Path;
+
+use pump_bench::built_in;
+use pump_ctl::plan::{Cruise, Doser, Phase, Request};
+use pump_ctl::step::Segment;
+use pump_link::message::{Answer, AxisState, End, Refusal};
+
+use crate::emulator::{Counts, Edge};
+use crate::host::{Host, Move, TICK_RATE};
+use crate::{check, rises};
+
+/// Axes whose steps are due within this time count as due together, us.
+const TOGETHER_US: f64 = 10.0;
+
+/// Allowed distance of a rise from its time for each axis that is due together with it, us.
+const MOST_OFF_US: f64 = 2.0;
+
+/// Most instructions of an interrupt, and of a step on average. The waits within the interrupt are among them.
+const MOST_INSTRUCTIONS: f64 = 6_000.0;
+const MEAN_INSTRUCTIONS: f64 = 900.0;
+
+/// Doses smoothly with four axes that begin at one tick.
+pub(crate) fn smooth(firmware: &Path) -> Result<(), Box<dyn Error>> {
+    let mut host = Host::new(firmware, 500)?;
+    let file = built_in("three-roller").ok_or("no such pump")?;
+    let pump = file.model()?;
+    let doser = Doser::new(&pump, file.limits())?;
+    let mut moves = Vec::new();
+    for (axis, (volume_ml, ml_s, phase)) in
+        (0..).zip([(1.0, 2.0, 0.3), (1.0, 2.0, 0.3), (-0.7, 1.5, 1.0), (1.5, 3.0, 2.0)])
+    {
+        let request = Request::new(volume_ml, Cruise::Flow { ml_s }).with_smooth(true);
+        let plan = doser.plan(Phase::known(phase), &request)?;
+        host.configure(axis, &file.limits().motor.brake(TICK_RATE)?)?;
+        moves.push(Move::new(axis, plan.segments(TICK_RATE))?);
+    }
+    println!("four smooth doses at 2, 2, -1.5 and 3 mL/s, begun at one tick:");
+    make(&mut host, &moves)
+}
+
+/// Makes even steps with four axes, `apart` us from one axis to the next.
+pub(crate) fn even(firmware: &Path, interval: u64, apart: u64) -> Result<(), Box<dyn Error>> {
+    let mut host = Host::new(firmware, 500)?;
+    let brake = built_in("three-roller").ok_or("no such pump")?.limits().motor.brake(TICK_RATE)?;
+    let mut moves = Vec::new();
+    for axis in 0..4 {
+        host.configure(axis, &brake)?;
+        let even = Segment { count: 500, interval, add: 0, frac: 0 };
+        let first = Segment { count: 1, interval: interval + apart * u64::from(axis), ..even };
+        moves.push(Move::new(axis, [first, even, even, even, even])?);
+    }
+    let sum_hz = 4_000_000.0 / interval as f64;
+    println!("four axes every {interval} us, {apart} us apart, {sum_hz:.0} steps/s in all:");
+    make(&mut host, &moves)
+}
+
+/// Refuses a fourth move whose steps would be more than the board makes.
+pub(crate) fn refused(firmware: &Path) -> Result<(), Box<dyn Error>> {
+    let mut host = Host::new(firmware, 500)?;
+    let allowed = host.identity.max_step_hz;
+    let brake = built_in("three-roller").ok_or("no such pump")?.limits().motor.brake(TICK_RATE)?;
+    for axis in 0..4 {
+        host.configure(axis, &brake)?;
+        let interval = if axis == 3 { 39 } else { 40 };
+        let made = Move::new(axis, [Segment { count: 100, interval, add: 0, frac: 0 }])?;
+        match (axis, host.prepare(1, &made)?) {
+            (0..3, Answer::Accepted { .. }) => {}
+            (3, Answer::Refused(Refusal::StepRate { sum_hz, allowed_hz })) => {
+                println!("{sum_hz} steps/s of four axes are refused; {allowed_hz} are allowed");
+                check(sum_hz > allowed && allowed_hz == allowed, "the refused rate")?;
+            }
+            (axis, answer) => return Err(format!("axis {axis}: {answer:?}").into()),
+        }
+    }
+    Ok(())
+}
+
+/// Makes moves, and holds each rise against its time.
+fn make(host: &mut Host, moves: &[Move]) -> Result<(), Box<dyn Error>> {
+    host.emulator.take_edges();
+    let before = host.emulator.counts()?;
+    let (_, states) = host.make(1, moves)?;
+    let counts = host.emulator.counts()?;
+    let complete = states.iter().all(|state| *state == AxisState::Ended(End::Complete));
+    if !complete {
+        return Err(format!("the moves ended so: {states:?}").into());
+    }
+    hold(moves, &host.emulator.take_edges(), before, counts)
+}
+
+fn hold(moves: &[Move], edges: &[Edge], before: Counts, counts: Counts) -> Result<(), Box<dyn Error>> {
+    let times: Vec<Vec<f64>> = moves.iter().map(Move::times).collect();
+    let rose: Vec<Vec<f64>> =
+        moves.iter().map(|made| rises(edges, made.axis).iter().map(|ns| 1e-3 * ns).collect()).collect();
+    let counted = times.iter().zip(&rose).all(|(times, rose)| times.len() == rose.len());
+    check(counted, "one rise for each step")?;
+    let near = |at: f64| {
+        let due = |times: &&Vec<f64>| {
+            let from = times.partition_point(|time| *time < at - TOGETHER_US);
+            times.get(from).is_some_and(|time| *time <= at + TOGETHER_US)
+        };
+        times.iter().filter(due).count()
+    };
+    let mut off: Vec<(f64, usize)> = times
+        .iter()
+        .zip(&rose)
+        .flat_map(|(times, rose)| times.iter().zip(rose))
+        .map(|(due, rose)| (rose - due, near(*due)))
+        .collect();
+    off.sort_by(|one, other| one.0.total_cmp(&other.0));
+    // The way into the interrupt is constant, and the begin is known to the tick: the middle half is on time.
+    let middle = off.get(off.len() / 4).map_or(0.0, |(off, _)| *off)
+        + off.get(3 * off.len() / 4).map_or(0.0, |(off, _)| *off);
+    let middle = 0.5 * middle;
+    for k in 1..=moves.len() {
+        let mut of_k: Vec<f64> =
+            off.iter().filter(|(_, near)| *near == k).map(|(off, _)| (off - middle).abs()).collect();
+        of_k.sort_by(f64::total_cmp);
+        let Some(most) = of_k.last() else { continue };
+        let within = of_k.get((of_k.len() - 1) * 999 / 1000).unwrap_or(most);
+        println!(
+            "  {k} due within 10 us: {} rises, 99.9 % within {within:.2} us, all {most:.2} us",
+            of_k.len()
+        );
+        check(*most <= MOST_OFF_US * k as f64, "2 us for each axis that is due")?;
+    }
+    let first: Vec<f64> =
+        rose.iter().zip(&times).filter_map(|(rose, due)| Some(rose.first()? - due.first()?)).collect();
+    let spread =
+        first.iter().fold(f64::MIN, |a, b| a.max(*b)) - first.iter().fold(f64::MAX, |a, b| a.min(*b));
+    let mean = (counts.instructions - before.instructions) / off.len() as f64;
+    println!(
+        "  the begins differ by {spread:.2} us; {mean:.0} instructions a step with waits, {:.0} an interrupt at most, \
+         {:.0} with interrupts off at most",
+        counts.most, counts.kept_off
+    );
+    check(spread <= 1.0, "a begin within a tick")?;
+    check(mean <= MEAN_INSTRUCTIONS && counts.most <= MOST_INSTRUCTIONS, "the bound of instructions")
+}
