@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use pump_node::{Board, Levels, Pins};
+use pump_node::{Board, Edge, Levels, Pins};
 
 /// Ticks per second of the board's timer: one is 1 us.
 pub(super) const TICK_HZ: u32 = 1_000_000;
@@ -54,8 +54,14 @@ impl Board for Hardware {
         state.now = state.now.max(tick);
     }
 
-    fn wait_ns(&mut self, ns: u32) {
-        self.state().now += u64::from(ns).div_ceil(1000);
+    fn set_steps(&mut self, edge: Edge) {
+        for axis in 0..4 {
+            for (pins, high) in [(edge.high, true), (edge.low, false)] {
+                if pins & 1 << axis != 0 {
+                    SimulatedPins::new(self, axis).change(|levels| levels.step = high);
+                }
+            }
+        }
     }
 
     fn estop_is_pressed(&mut self) -> bool {
@@ -96,8 +102,8 @@ impl Pins for SimulatedPins {
         }
     }
 
-    fn set_step(&mut self, high: bool) {
-        self.change(|levels| levels.step = high);
+    fn step_pin(&self) -> u32 {
+        1 << self.axis
     }
 
     fn set_direction(&mut self, high: bool) {
