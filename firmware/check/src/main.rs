@@ -32,6 +32,9 @@ fn step_pin(axis: u8) -> u8 {
 /// rounding of deadlines, a tenth for that of the link, and the rest for the interrupt.
 const MOST_OFF_US: f64 = 1.0;
 
+/// Angle of the rotor before a dose.
+const START_RAD: f64 = 0.3;
+
 fn main() -> Result<(), Box<dyn Error>> {
     let Some(firmware) = std::env::args().nth(1) else {
         return Err("name the firmware, an ELF file".into());
@@ -52,9 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     size::hold(firmware, stack_bytes)?;
     together::even(firmware, 1_000, 0)?;
     together::smooth(firmware)?;
-    // The board's limit, with steps at one tick and evenly spread.
-    together::even(firmware, 40, 0)?;
-    together::even(firmware, 40, 10)?;
+    together::fastest(firmware)?;
     together::refused(firmware)?;
     cuts::stops(firmware, 30)?;
     cuts::cuts(firmware, CUTS)?;
@@ -93,7 +94,7 @@ impl Met {
     fn plan(&self, volume_ml: f64, ml_s: f64, smooth: bool) -> Result<Plan, Box<dyn Error>> {
         let doser = Doser::new(&self.pump, self.file.limits())?;
         let request = Request::new(volume_ml, Cruise::Flow { ml_s }).with_smooth(smooth);
-        Ok(doser.plan(Phase::known(0.3), &request)?)
+        Ok(doser.plan(Phase::known(START_RAD), &request)?)
     }
 }
 

@@ -5,10 +5,13 @@ use std::path::Path;
 
 use crate::check;
 
-/// Most flash and most memory of the firmware, in bytes, and most stack. The chip has 264 kB of memory.
-const MOST_FLASH: u32 = 48_000;
-const MOST_MEMORY: u32 = 96_000;
-const MOST_STACK: u32 = 64_000;
+/// Bytes of a kB, as in the 264 kB of memory that the chip has (RP2040 datasheet, section 2.6.2).
+const KB: u32 = 1_024;
+
+/// Most flash and most memory of the firmware, in bytes, and most stack.
+const MOST_FLASH: u32 = 48 * KB;
+const MOST_MEMORY: u32 = 96 * KB;
+const MOST_STACK: u32 = 128 * KB;
 
 /// Start of the memory, and its end, where the stack begins (RP2040 datasheet, section 2.2).
 const MEMORY: u32 = 0x2000_0000;

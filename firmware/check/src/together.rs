@@ -57,6 +57,18 @@ pub(crate) fn even(firmware: &Path, interval: u64, apart: u64) -> Result<(), Box
     make(&mut host, &moves)
 }
 
+/// Returns the shortest interval of four axes whose even steps are `sum_hz` at most, us.
+fn even_interval(sum_hz: u32) -> u64 {
+    4_000_000_u64.div_ceil(u64::from(sum_hz))
+}
+
+/// Makes even steps with four axes at the largest rate that the board accepts, at one tick and evenly spread.
+pub(crate) fn fastest(firmware: &Path) -> Result<(), Box<dyn Error>> {
+    let interval = even_interval(Host::new(firmware, 500)?.identity.max_step_hz);
+    even(firmware, interval, 0)?;
+    even(firmware, interval, interval / 4)
+}
+
 /// Refuses a fourth move whose steps would be more than the board makes.
 pub(crate) fn refused(firmware: &Path) -> Result<(), Box<dyn Error>> {
     let mut host = Host::new(firmware, 500)?;
@@ -64,7 +76,7 @@ pub(crate) fn refused(firmware: &Path) -> Result<(), Box<dyn Error>> {
     let brake = built_in("three-roller").ok_or("no such pump")?.limits().motor.brake(TICK_RATE)?;
     for axis in 0..4 {
         host.configure(axis, &brake)?;
-        let interval = if axis == 3 { 39 } else { 40 };
+        let interval = even_interval(allowed) - if axis == 3 { 2 } else { 0 };
         let made = Move::new(axis, [Segment { count: 100, interval, add: 0, frac: 0 }])?;
         match (axis, host.prepare(1, &made)?) {
             (0..3, Answer::Accepted { .. }) => {}

@@ -120,5 +120,6 @@ fn the_index_mark_ends_a_search() {
     let plan = dose(5.0, 1.0, false);
     let found = drive.seek(&plan, &mut crate::rig::go).unwrap();
     assert_eq!(found.made as i64, rig.world.count());
-    assert_eq!(found.made - found.beyond.unwrap(), 400);
+    // The sensor is read as the step begins. A real rotor arrives later, and the simulated one is there at once.
+    assert!((399..=400).contains(&(found.made - found.beyond.unwrap())), "{found:?}");
 }
