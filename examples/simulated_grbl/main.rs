@@ -95,6 +95,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
     }
+    serve(options, limit, speech)
+}
+
+/// Serves the board, and the balance under its vessel if there is one, until the time is over.
+fn serve(options: Options, limit: Option<Duration>, speech: Option<Speech>) -> Result<(), Box<dyn Error>> {
     let board = Arc::new(Simulated::start(options)?);
     writeln!(std::io::stdout(), "{}", board.path().display())?;
     let turned = Arc::clone(&board);

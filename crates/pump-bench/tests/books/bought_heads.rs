@@ -2,6 +2,7 @@
 //! board.
 //!
 //! `BOUGHT_HEADS` is the number of heads; `make long` draws 500.
+#![allow(clippy::print_stdout, reason = "the runs are there to show their coverage")]
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
