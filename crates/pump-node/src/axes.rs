@@ -6,8 +6,9 @@ use pump_link::message::{AXES, AxisConfig, AxisStatus, End, FaultCounts, MoveOrd
 use crate::axis::{Axis, NEVER, ns_in_ticks, rate_hz};
 use crate::board::{Board, Edge, Pins};
 
-/// Largest sum of the step rates of all axes, Hz.
-pub const MAX_STEP_HZ: u32 = 100_000;
+/// Largest sum of the step rates of all axes, Hz. At 100 kHz, evenly spread over four axes, the interrupt of an RP2040
+/// leaves no time to the thread (measured in an emulator, docs/node.md).
+pub const MAX_STEP_HZ: u32 = 66_000;
 
 /// Time before a step at which the interrupt begins, ns. It covers the way into the interrupt. A firmware keeps its
 /// thread's critical sections clear of the alarm ([`crate::Shared`]).
