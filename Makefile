@@ -34,6 +34,7 @@ faults:
 long:
 	REVERSING_DOSES=10000 cargo test --locked -p pump-ctl --test reversing random_doses
 	BOUGHT_HEADS=500 cargo test --locked -p pump-bench --test books bought_heads
+	PRIOR_PUMPS=2000 cargo test --locked -p pump-bench --lib prior_coverage
 
 # Each target for FUZZ_SECONDS, from the seeds in fuzz/corpus. What else it finds worth keeping is in target/fuzz; a crash is
 # kept in fuzz/artifacts and belongs into a test.

@@ -18,8 +18,13 @@ use crate::record::LastDose;
 use crate::sampling::Dice;
 use crate::units::stated_reading;
 
-/// Random pumps of a case.
-const PLANTS: u32 = 2000;
+/// Returns the number of random pumps of a case, and the part by which chance may lower what they show. `make long`
+/// draws 2000 (`PRIOR_PUMPS`).
+fn pumps() -> (u32, f64) {
+    let number = std::env::var("PRIOR_PUMPS").map_or(400, |text| text.parse().unwrap());
+    // Some two standard deviations of 400 draws.
+    (number, if number < 2000 { 0.02 } else { 0.0 })
+}
 
 /// Speed of all doses, in r/min.
 const SPEED_RPM: f64 = 20.0;
@@ -94,7 +99,8 @@ fn found(case: Case) -> Found {
     let model = file.model().unwrap();
     let mut dice = Dice::new(2041);
     let (mut inside, mut half_widths) = (0, Vec::new());
-    for _ in 0..PLANTS {
+    let (number, _) = pumps();
+    for _ in 0..number {
         // 0.47 % of ten revolutions of independent pitches.
         let of_file = 0.0047 * (10.0 * model.revolution_ml()).sqrt();
         let plant = Plant {
@@ -114,7 +120,7 @@ fn found(case: Case) -> Found {
         half_widths.push(expanded_ml / case.volume_ml);
     }
     half_widths.sort_unstable_by(f64::total_cmp);
-    Found { covered: f64::from(inside) / f64::from(PLANTS), half_width: half_widths[half_widths.len() / 2] }
+    Found { covered: f64::from(inside) / f64::from(number), half_width: half_widths[half_widths.len() / 2] }
 }
 
 /// Doses and weighs what arrives, from an angle anywhere that is read to a degree. A reading that is refused as a
@@ -218,19 +224,21 @@ fn cases(law: Law) -> Vec<Case> {
 
 #[test]
 fn doses_of_pumps_that_scatter_as_the_prior_states_lie_in_their_intervals() {
+    let (_, chance) = pumps();
     for case in cases(Law::Prior) {
         let part = found(case).covered;
-        assert!((0.93..=0.98).contains(&part), "{case:?}: {part}");
+        assert!((0.93 - chance..=0.98 + chance).contains(&part), "{case:?}: {part}");
     }
 }
 
 #[test]
 fn doses_of_pumps_that_scatter_up_to_twice_as_their_file_says_lie_in_their_intervals() {
     let [as_file, twice] = [1.0, 2.0].map(|times| cases(Law::Times(times)));
+    let (_, chance) = pumps();
     // One that scatters as its file says is covered more often than it must be.
     for case in as_file.into_iter().skip(4).step_by(5).chain(twice) {
         let part = found(case).covered;
-        assert!(part >= 0.93, "{case:?}: {part}");
+        assert!(part >= 0.93 - chance, "{case:?}: {part}");
     }
 }
 
