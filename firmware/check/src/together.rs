@@ -24,7 +24,7 @@ const MOST_OFF_FASTEST_US: f64 = 10.0;
 
 /// Most instructions of an interrupt, and of a step on average. The waits within the interrupt are among them.
 const MOST_INSTRUCTIONS: f64 = 6_000.0;
-const MEAN_INSTRUCTIONS: f64 = 900.0;
+const MEAN_INSTRUCTIONS: f64 = 1_100.0;
 
 /// Doses smoothly with four axes that begin at one tick.
 pub(crate) fn smooth(firmware: &Path) -> Result<(), Box<dyn Error>> {

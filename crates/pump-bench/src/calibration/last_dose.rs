@@ -85,7 +85,7 @@ impl CalibrationRun {
     ///
     /// [`CalibrationError::WeighedOtherwise`] if the calibration in use has other runs than doses weighed like this
     /// one, and `earlier` does not name them.
-    pub(crate) fn beside(
+    pub fn beside(
         self,
         active: Option<&Stored>,
         earlier: Earlier,

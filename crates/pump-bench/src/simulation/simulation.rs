@@ -114,7 +114,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`ModelError::OutOfRange`] with the parameter, its value and the allowed range.
-    pub(crate) fn validate(&self) -> Result<(), ModelError> {
+    pub fn validate(&self) -> Result<(), ModelError> {
         let out = |parameter, value, allowed: &'static str| {
             Err(ModelError::OutOfRange { parameter, value, allowed: allowed.into() })
         };

@@ -39,7 +39,6 @@ class Share(Record):
 
     _records: ClassVar[dict[str, type[Record]]] = {"prior": SharePrior}
 
-
     source: UncertaintySource
     standard_ml: float
     variance_percent: float

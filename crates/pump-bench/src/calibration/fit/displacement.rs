@@ -83,7 +83,7 @@ impl Displacement {
     /// # Errors
     ///
     /// [`ModelError`] where the law cannot be computed for this pump and speed.
-    pub(crate) fn standard_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
+    pub fn standard_at(&self, base: &Pump, rpm: f64) -> Result<f64, ModelError> {
         let x_rpm = rpm.abs() - self.reference_rpm;
         let [factor, slope] = match &self.law {
             Some(fit) => fit.standards_at(base, rad_s(rpm))?,

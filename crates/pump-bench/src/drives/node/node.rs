@@ -63,7 +63,7 @@ impl Node {
     ///
     /// [`DriveError`] if the port is missing or in use, no node answers, it is another board than the one on record,
     /// or it lacks the axis.
-    pub(crate) fn open(
+    pub fn open(
         table: &DriveTable,
         motor: &MotorTable,
         opening: &Opening,
