@@ -85,11 +85,7 @@ impl CalibrationRun {
     ///
     /// [`CalibrationError::WeighedOtherwise`] if the calibration in use has other runs than doses weighed like this
     /// one, and `earlier` does not name them.
-    pub fn beside(
-        self,
-        active: Option<&Stored>,
-        earlier: Earlier,
-    ) -> Result<Vec<Self>, CalibrationError> {
+    pub fn beside(self, active: Option<&Stored>, earlier: Earlier) -> Result<Vec<Self>, CalibrationError> {
         let joined =
             active.filter(|stored| earlier != Earlier::Left && stored.calibration.displacement.is_some());
         let Some(Stored { version, calibration }) = joined else { return Ok(vec![self]) };

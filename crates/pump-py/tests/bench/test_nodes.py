@@ -1,4 +1,4 @@
-"""Benches with a node: the logic of the board's firmware at the end of a pseudo-terminal, with motors in software."""
+"""Benches with a node: the logic of the firmware at the end of a pseudo-terminal, with motors in software."""
 
 import ast
 import subprocess

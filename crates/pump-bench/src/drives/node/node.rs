@@ -63,11 +63,7 @@ impl Node {
     ///
     /// [`DriveError`] if the port is missing or in use, no node answers, it is another board than the one on record,
     /// or it lacks the axis.
-    pub fn open(
-        table: &DriveTable,
-        motor: &MotorTable,
-        opening: &Opening,
-    ) -> Result<Self, DriveError> {
+    pub fn open(table: &DriveTable, motor: &MotorTable, opening: &Opening) -> Result<Self, DriveError> {
         let port = BoardPort::open(table.port.as_deref(), table.rate_baud());
         let port = port.map_err(|error| NodeOpening::from(error).0)?;
         Self::over(Box::new(port), table, motor, opening)
