@@ -18,8 +18,8 @@ const TOGETHER_US: f64 = 10.0;
 /// Allowed distance of a rise from its time for each axis that is due together with it, us.
 const MOST_OFF_US: f64 = 2.0;
 
-/// Allowed distance of a rise at the largest rate, evenly spread: the thread finds no gap for its critical sections, and
-/// one of them holds up a step.
+/// Allowed distance of a rise at the largest rate, evenly spread. The thread finds no gap for its critical sections
+/// there, and one of them holds up a step.
 const MOST_OFF_FASTEST_US: f64 = 10.0;
 
 /// Most instructions of an interrupt, and of a step on average. The waits within the interrupt are among them.
