@@ -1,6 +1,6 @@
 //! Claims about doses that arrive.
 
-use crate::balance::Speech;
+use crate::balance::{Speech, Truth};
 use crate::rig::{Rig, each, number, truth};
 
 /// Volume of a drop from the pump file's nozzle of 1.6 mm, mL: the law of Tate with the correction of Harkins and Brown
@@ -76,4 +76,23 @@ fn a_person_reads_what_was_asked_for_and_what_the_balance_shows() {
         "{status}"
     );
     assert!(status.contains("carries nothing to the next dose"), "{status}");
+}
+
+#[test]
+fn a_dose_from_an_unknown_angle_at_the_default_rate_ends_at_its_mass() {
+    each([0.0, 40.0, 80.0], |turned_deg: f64| {
+        let rig =
+            Rig::from_unknown_angle(Speech::MtSics, Truth { zero_rad: turned_deg.to_radians(), ..truth() });
+        let found = rig.json(&rig.by_weight(&["4g"]));
+        let landed_g = rig.landed_g();
+        let allowed_g = (FILE_DROP_ML.max(truth().drop_ml) + 0.002) * truth().g_ml;
+        assert!((landed_g - 4.0).abs() <= allowed_g, "{landed_g}: {found}");
+        let warnings = found["warnings"].to_string();
+        assert!(
+            warnings.contains("the rollers' angle is unknown: the first stretches are shorter"),
+            "{found}"
+        );
+        // The angle cannot be given with a dose by weight, so no remedy says so.
+        assert!(warnings.contains("dose home") && !warnings.contains("--start-angle"), "{found}");
+    });
 }

@@ -72,6 +72,14 @@ pub(crate) struct Rig {
 
 impl Rig {
     pub(crate) fn new(speech: Speech, truth: Truth) -> Self {
+        let rig = Self::from_unknown_angle(speech, truth);
+        let homed = rig.types(&["home", "--set", &format!("{ZERO_DEG}deg+-0deg")]);
+        assert_eq!(homed.code, Some(0), "{homed:?}");
+        rig
+    }
+
+    /// Makes a rig whose pump has never told its angle.
+    pub(crate) fn from_unknown_angle(speech: Speech, truth: Truth) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let board = Arc::new(Simulated::start(Options::default()).unwrap());
         let mut file = built_in("three-roller").unwrap();
@@ -83,10 +91,7 @@ impl Rig {
         let vessel = Vessel::new(file.model().unwrap(), truth);
         let turned = Arc::clone(&board);
         let balance = SimulatedBalance::start(speech, vessel, move || turned.truth().steps).unwrap();
-        let rig = Self { folder, board, balance, speech };
-        let homed = rig.types(&["home", "--set", &format!("{ZERO_DEG}deg+-0deg")]);
-        assert_eq!(homed.code, Some(0), "{homed:?}");
-        rig
+        Self { folder, board, balance, speech }
     }
 
     fn command(&self, words: &[&str]) -> Command {

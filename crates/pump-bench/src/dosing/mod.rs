@@ -14,7 +14,7 @@ mod stands;
 mod swept;
 mod tube_life;
 mod uncertainty;
-mod unknown_angle;
+pub(crate) mod unknown_angle;
 mod warnings;
 
 pub(crate) use displaced_pumps::DisplacedPumps;

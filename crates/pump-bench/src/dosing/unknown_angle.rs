@@ -11,6 +11,13 @@ use crate::numbers::significant;
 /// Digits of an offered volume. A ten-thousandth of the volume is less than any share of the budget.
 const DIGITS: i32 = 5;
 
+/// Returns the warning of a dose that a balance ends, in the place of [`warnings`].
+pub(crate) fn by_weight() -> Notice {
+    let text = "the rollers' angle is unknown: the first stretches are shorter, and each weighing tells more of the \
+                angle; pressures and settling are the worst of all angles";
+    Notice::from(text).with_remedy(Remedy::FindOrSayAngle)
+}
+
 /// Returns the range that the dose may deliver, and the volumes that are exact at any angle.
 pub(crate) fn warnings(model: &Pump, plan: &Plan) -> [Notice; 2] {
     let pitch_ml = model.outlet_curve().pitch_ml();

@@ -9,7 +9,7 @@ use pump_bench::{DoseRequest, OrderByWeight};
 use pump_ctl::plan::Cruise;
 
 use crate::plant::{Plant, Truth};
-use crate::{bench, dose, file, g_ml, truth};
+use crate::{bench, dose, dose_as_recorded, file, g_ml, truth};
 
 #[test]
 fn a_dose_by_weight_arrives_whatever_the_pump_displaces_and_learns_what_still_falls() {
@@ -98,6 +98,34 @@ fn forty_random_doses_end_within_a_drop_and_never_above_the_ceiling() {
                 assert!(off_ml.abs() <= allowed_ml, "{off_ml} mL off: {truth:?}: {made:?}");
                 assert!(plant.left_ml() <= truth.factor * prepared.most_ml, "{truth:?}: {made:?}");
                 assert!(landed_ml <= prepared.most_ml, "{truth:?}: {made:?}");
+            });
+        }
+    });
+}
+
+#[test]
+fn doses_from_an_unknown_angle_end_within_a_drop_at_the_default_rate() {
+    scope(|scope| {
+        for (number, (bore_mm, density_kg_m3, volume_ml, drawn)) in draw(24).into_iter().enumerate() {
+            scope.spawn(move || {
+                let folder = tempfile::tempdir().unwrap();
+                let file = file(bore_mm, density_kg_m3);
+                let g_ml = g_ml(&file);
+                let pitch_rad = file.model().unwrap().pitch_rad();
+                let truth = Truth { start_rad: pitch_rad * number as f64 / 24.0, ..drawn };
+                let plant = Plant::new(truth);
+                let bench = bench(file, &plant, folder.path());
+                let order = OrderByWeight::new(DoseRequest::dose(volume_ml));
+                let (prepared, made) = dose_as_recorded(&bench, &plant, &order);
+                assert!(!prepared.whole.plan.start().is_known(pitch_rad));
+                let made = made.unwrap_or_else(|error| panic!("{volume_ml} mL: {truth:?}: {error:?}"));
+                let off_ml = plant.landed_g() / g_ml - volume_ml;
+                let allowed_ml =
+                    truth.drop_ml.max(0.5 * prepared.whole.drop_ml) + 2.0 * truth.digit_g / g_ml + 0.002;
+                assert!(off_ml.abs() <= allowed_ml, "{off_ml} mL off of {volume_ml}: {truth:?}: {made:?}");
+                assert!(made.stretches < 25, "{volume_ml}: {truth:?}: {made:?}");
+                // A flow after a stop is not learned from volumes that the model does not know.
+                assert!(made.after_stop.is_none(), "{made:?}");
             });
         }
     });

@@ -35,6 +35,7 @@ fn g_ml(file: &PumpFile) -> f64 {
 fn truth(file: &PumpFile) -> Truth {
     Truth {
         factor: 1.0,
+        start_rad: 0.3,
         g_ml: g_ml(file),
         drop_ml: 0.03,
         hangs_ml: 0.01,
@@ -66,6 +67,17 @@ fn dose(
     if session.state().is_none() {
         session.set_angle(Some(Phase::known(0.3))).unwrap();
     }
+    drop(session);
+    dose_as_recorded(bench, plant, order)
+}
+
+/// Doses by weight from the angle on record, which nobody knows at first.
+fn dose_as_recorded(
+    bench: &Bench,
+    plant: &Plant,
+    order: &OrderByWeight,
+) -> (PreparedByWeight, Result<DeliveredByWeight, DoseError>) {
+    let mut session = session(bench, plant);
     let prepared = session.prepare_by_weight(order).unwrap();
     let made = session.run_by_weight(&prepared, &mut plant.balance(), |_| ControlFlow::Continue(()));
     (prepared, made)

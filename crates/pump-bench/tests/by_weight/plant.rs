@@ -28,6 +28,8 @@ pub(crate) enum Defect {
 pub(crate) struct Truth {
     /// True volume over the model's.
     pub(crate) factor: f64,
+    /// Angle at which the rollers stand at first, rad.
+    pub(crate) start_rad: f64,
     /// Grams on a balance for each mL.
     pub(crate) g_ml: f64,
     /// Volume of a drop, mL.
@@ -48,6 +50,8 @@ pub(crate) struct Truth {
 #[derive(Debug)]
 struct State {
     truth: Truth,
+    /// Angle at which the rollers stand, rad.
+    angle_rad: f64,
     /// Volume that has left the tube, mL.
     left_ml: f64,
     hangs_ml: f64,
@@ -127,6 +131,7 @@ impl Plant {
     pub(crate) fn new(truth: Truth) -> Self {
         Self(Arc::new(Mutex::new(State {
             truth,
+            angle_rad: truth.start_rad,
             left_ml: 0.0,
             hangs_ml: truth.hangs_ml,
             falling: Vec::new(),
@@ -178,7 +183,8 @@ impl PlantMotor {
     fn make(&self, plan: &Plan, gate: &mut Gate<'_>) -> (u64, bool) {
         let (mut made, all, began) = (0, plan.steps().unsigned_abs(), Instant::now());
         let mut steps = plan.each_step().peekable();
-        let mut volume_ml = 0.0;
+        let from_rad = self.plant.0.lock().unwrap().angle_rad;
+        let curve = self.model.outlet_curve();
         let (mut last, mut waited) = (0, Duration::ZERO);
         while made < all {
             let now_s = (began.elapsed() - waited).as_secs_f64();
@@ -196,12 +202,13 @@ impl PlantMotor {
                 }
                 waited += asked.elapsed();
                 made = last;
-                let until_ml = plan.delivered_ml(&self.model, made);
+                let to_rad = from_rad + plan.angle_after(made) - plan.start().angle_rad();
                 let mut state = self.plant.0.lock().unwrap();
+                let volume_ml = curve.volume_ml(to_rad) - curve.volume_ml(state.angle_rad);
                 let factor = state.truth.factor;
-                state.push(factor * (until_ml - volume_ml));
+                state.push(factor * volume_ml);
                 state.steps += 1;
-                volume_ml = until_ml;
+                state.angle_rad = to_rad;
             }
             sleep(Duration::from_millis(5));
         }

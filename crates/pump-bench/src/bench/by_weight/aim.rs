@@ -1,5 +1,6 @@
 //! The next stretch of a dose by weight: how far, how fast, and when enough has arrived.
 
+use super::angles::Angles;
 use crate::dosing::WeightFault;
 
 /// Part of the dose that is left to slow stretches, at least.
@@ -24,6 +25,8 @@ pub(super) struct Aim {
     pub(super) most_ml: f64,
     /// Expanded uncertainty of the model's volume for the whole dose.
     pub(super) unsure_ml: f64,
+    /// The part of it that does not come from the angle of the rollers.
+    pub(super) pump_unsure_ml: f64,
     /// Volume of a drop that falls from the nozzle; 0 if it is immersed.
     pub(super) drop_ml: f64,
     /// Volume of a step of the balance's last digit.
@@ -54,10 +57,15 @@ impl Aim {
         self.target_ml - 0.5 * self.drop_ml
     }
 
+    /// Returns the relative uncertainty of the pump's volumes where the angle is known, k = 2.
+    pub(super) fn pump_unsure(&self) -> f64 {
+        self.pump_unsure_ml / self.target_ml
+    }
+
     /// Returns the factor of the pump's volumes by what has arrived, and its relative uncertainty, k = 2. The model's
     /// own counts until the balance knows better.
     pub(super) fn factor(&self, weighed_ml: f64, turned_ml: f64) -> (f64, f64) {
-        let of_model = (1.0, self.unsure_ml / self.target_ml);
+        let of_model = (1.0, self.pump_unsure());
         if turned_ml <= 0.0 || weighed_ml <= 0.0 {
             return of_model;
         }
@@ -65,34 +73,63 @@ impl Aim {
         if unsure < of_model.1 { (weighed_ml / turned_ml, unsure) } else { of_model }
     }
 
-    /// Returns the next stretch once `weighed_ml` are on the balance after `turned_ml` by the model.
+    /// Returns the next stretch once `weighed_ml` are on the balance after `turned_ml` by the model, from each of the
+    /// angles at which the rollers may have stood. The stretch ends below the target from every one of them.
     ///
     /// # Errors
     ///
     /// [`WeightFault::Ceiling`] if the pump has turned for all that it may.
-    pub(super) fn next(&self, weighed_ml: f64, turned_ml: f64) -> Result<Next, WeightFault> {
-        let rest_ml = self.target_ml - weighed_ml;
-        if rest_ml <= self.tolerance_ml() {
+    pub(super) fn next(
+        &self,
+        weighed_ml: f64,
+        turned_ml: f64,
+        (angles, turned_rad): (&Angles, f64),
+    ) -> Result<Next, WeightFault> {
+        if self.target_ml - weighed_ml <= self.tolerance_ml() {
             return Ok(Next::Done);
         }
+        let left_ml = self.most_ml - turned_ml;
+        if left_ml < self.least_ml() {
+            let Self { target_ml: asked_ml, most_ml, .. } = *self;
+            return Err(WeightFault::Ceiling { turned_ml, most_ml, asked_ml, weighed_ml });
+        }
+        let (volume_ml, slowly) = if angles.is_exact() {
+            self.stretch(weighed_ml, turned_ml)
+        } else {
+            let turn = angles.least_turn(turned_rad, |turned_ml| self.stretch(weighed_ml, turned_ml));
+            let (turn_rad, slowly) = turn.unwrap_or((0.0, true));
+            (angles.booked_ml((turned_rad, turned_rad + turn_rad)), slowly)
+        };
+        Ok(Next::Turn { volume_ml: volume_ml.min(left_ml), slowly })
+    }
+
+    /// Returns the least volume of a stretch.
+    fn least_ml(&self) -> f64 {
+        (0.5 * self.digit_ml).max(0.25 * self.drop_ml).max(self.step_ml)
+    }
+
+    /// Returns the volume of the next stretch by the model, and whether it is slow, where the model's volume so far is
+    /// `turned_ml`.
+    fn stretch(&self, weighed_ml: f64, turned_ml: f64) -> (f64, bool) {
+        let rest_ml = self.target_ml - weighed_ml;
         let (factor, unsure) = self.factor(weighed_ml, turned_ml);
         let sure = (1.0 - unsure).max(0.0) / factor;
         let slow_ml =
             (SLOW_PART * self.target_ml).max(SLOW_DROPS * self.drop_ml).max(SLOW_DIGITS * self.digit_ml);
         // A fast stretch is worth its weighing if it makes more than is left to the slow ones.
         let fast_ml = rest_ml * sure - slow_ml / factor;
-        let least_ml = (0.5 * self.digit_ml).max(0.25 * self.drop_ml).max(self.step_ml);
-        let (volume_ml, slowly) = if fast_ml > slow_ml {
+        if fast_ml > slow_ml {
             (fast_ml, false)
         } else {
-            (((rest_ml - 0.5 * self.drop_ml) * sure).max(least_ml), true)
-        };
-        let left_ml = self.most_ml - turned_ml;
-        if left_ml < least_ml {
-            let Self { target_ml: asked_ml, most_ml, .. } = *self;
-            return Err(WeightFault::Ceiling { turned_ml, most_ml, asked_ml, weighed_ml });
+            (((rest_ml - 0.5 * self.drop_ml) * sure).max(self.least_ml()), true)
         }
-        Ok(Next::Turn { volume_ml: volume_ml.min(left_ml), slowly })
+    }
+
+    /// Returns true if `weighed_ml` more on the balance may follow from `turned_ml` more by the model.
+    pub(super) fn may_follow(&self, weighed_ml: f64, turned_ml: f64) -> bool {
+        // A drop may hang at the beginning and another at the end.
+        let unsure_ml = 2.0 * self.pump_unsure() * turned_ml.abs() + 2.0 * (self.drop_ml + self.digit_ml);
+        (weighed_ml - turned_ml).abs() <= unsure_ml
     }
 
     /// Checks what has arrived against what the pump has turned for, twice the uncertainty being allowed.
@@ -121,12 +158,16 @@ impl Aim {
 
 #[cfg(test)]
 mod tests {
+    use pump_ctl::plan::Phase;
+    use pump_model::Pump;
+
     use super::*;
 
     const AIM: Aim = Aim {
         target_ml: 25.0,
         most_ml: 26.4,
         unsure_ml: 1.4,
+        pump_unsure_ml: 1.4,
         drop_ml: 0.06,
         digit_ml: 0.01,
         step_ml: 0.0017,
@@ -134,9 +175,12 @@ mod tests {
 
     #[test]
     fn a_pump_that_delivers_the_most_that_it_may_ends_no_stretch_above_the_target() {
+        let exact = Angles::of(&Pump::three_roller(), Phase::known(0.3));
         for factor in [0.95, 1.0, 1.056] {
             let (mut weighed_ml, mut turned_ml, mut stretches) = (0.0, 0.0, 0);
-            while let Next::Turn { volume_ml, slowly } = AIM.next(weighed_ml, turned_ml).unwrap() {
+            while let Next::Turn { volume_ml, slowly } =
+                AIM.next(weighed_ml, turned_ml, (&exact, 0.0)).unwrap()
+            {
                 turned_ml += volume_ml;
                 weighed_ml += factor * volume_ml;
                 stretches += 1;
@@ -149,11 +193,45 @@ mod tests {
     }
 
     #[test]
+    fn from_an_unknown_angle_no_stretch_ends_above_the_target() {
+        let pump = Pump::three_roller();
+        let aim = Aim { target_ml: 4.0, most_ml: 5.7, unsure_ml: 1.7, pump_unsure_ml: 0.22, ..AIM };
+        for (factor, number) in
+            [0.95, 1.0, 1.05].into_iter().flat_map(|factor| (0..24).map(move |n| (factor, n)))
+        {
+            let truth_rad = pump.pitch_rad() * f64::from(number) / 24.0;
+            let mut angles = Angles::of(&pump, Phase::unknown(pump.pitch_rad()));
+            let weighed_ml = |turn_rad: f64| {
+                factor * pump.outlet_curve().volume_ml(truth_rad + turn_rad)
+                    - factor * pump.outlet_curve().volume_ml(truth_rad)
+            };
+            let (mut turned_rad, mut stretches) = (0.0_f64, 0);
+            loop {
+                let (on_balance_ml, booked_ml) =
+                    (weighed_ml(turned_rad), angles.booked_ml((0.0, turned_rad)));
+                let next = aim.next(on_balance_ml, booked_ml, (&angles, turned_rad)).unwrap();
+                let Next::Turn { volume_ml, .. } = next else { break };
+                // The planner turns until the books have grown by the volume.
+                let mut to_rad = turned_rad;
+                while angles.booked_ml((turned_rad, to_rad)) < volume_ml {
+                    to_rad += 5e-4;
+                }
+                angles.weighed(to_rad, weighed_ml(to_rad), |weighed_ml, ml| aim.may_follow(weighed_ml, ml));
+                (turned_rad, stretches) = (to_rad, stretches + 1);
+                assert!(weighed_ml(turned_rad) < 4.0 + 0.5 * aim.drop_ml, "{factor} {truth_rad}");
+                assert!(stretches < 20, "{factor} {truth_rad}");
+            }
+            assert!((weighed_ml(turned_rad) - 4.0).abs() <= aim.tolerance_ml(), "{factor} {truth_rad}");
+        }
+    }
+
+    #[test]
     fn the_ceiling_ends_a_dose_that_does_not_arrive() {
         // Half of it is lost on the way.
+        let exact = Angles::of(&Pump::three_roller(), Phase::known(0.3));
         let (mut weighed_ml, mut turned_ml) = (0.0, 0.0);
         let fault = loop {
-            match AIM.next(weighed_ml, turned_ml) {
+            match AIM.next(weighed_ml, turned_ml, (&exact, 0.0)) {
                 Ok(Next::Turn { volume_ml, .. }) => {
                     turned_ml += volume_ml;
                     weighed_ml += 0.5 * volume_ml;

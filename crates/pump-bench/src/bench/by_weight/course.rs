@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use super::aim::Aim;
+use super::aim::{Aim, Next};
+use super::angles::Angles;
 use super::delivered::DeliveredByWeight;
 use super::lookout::Stop;
 use super::prepared::PreparedByWeight;
@@ -30,6 +31,7 @@ const CLEARLY: f64 = 4.0;
 pub(super) struct Course<'p> {
     pub(super) prepared: &'p PreparedByWeight,
     pub(super) aim: Aim,
+    pub(super) angles: Angles,
     pub(super) tare_g: f64,
     /// Last reading at rest, in g.
     pub(super) shown_g: f64,
@@ -53,6 +55,20 @@ impl Course<'_> {
         self.weighed_g() * self.prepared.z_ml_g
     }
 
+    /// Returns the turn since the start of the dose, in rad.
+    pub(super) fn turned_rad(&self) -> f64 {
+        self.end_angle_rad - self.prepared.whole.plan.start().angle_rad()
+    }
+
+    /// Returns the next stretch.
+    ///
+    /// # Errors
+    ///
+    /// [`WeightFault::Ceiling`] if the pump has turned for all that it may.
+    pub(super) fn next(&self) -> Result<Next, WeightFault> {
+        self.aim.next(self.weighed_ml(), self.turned_ml, (&self.angles, self.turned_rad()))
+    }
+
     /// Returns the error of a fault after `shown_g` were read last.
     pub(super) fn fault(&self, fault: WeightFault, turned_ml: f64, shown_g: f64) -> DoseError {
         DoseError::ByWeight { fault, turned_ml, weighed_g: Some(shown_g - self.tare_g) }
@@ -72,7 +88,7 @@ pub(super) struct StretchEnd {
     pub(super) stop: Option<Stop>,
     /// Reading when the motor came to rest, in g.
     pub(super) at_rest_g: Option<f64>,
-    /// Volumes by the model that the pump had turned for, in mL, and when.
+    /// Turns since the start of the dose, in rad, and when.
     pub(super) notes: VecDeque<(Instant, f64)>,
     /// Instant at which the motor came to rest.
     pub(super) stood: Instant,
@@ -92,6 +108,7 @@ impl<'p> Course<'p> {
             target_ml: prepared.order.request.volume_ml,
             most_ml: prepared.most_ml,
             unsure_ml: prepared.unsure_ml,
+            pump_unsure_ml: prepared.pump_unsure_ml,
             drop_ml: prepared.whole.drop_ml,
             digit_ml: tare.step_g * prepared.z_ml_g,
             step_ml: Bench::largest_step_ml(&prepared.whole),
@@ -99,6 +116,7 @@ impl<'p> Course<'p> {
         Self {
             prepared,
             aim,
+            angles: Angles::of(&prepared.whole.model, plan.start()),
             tare_g: tare.mass_g,
             shown_g: tare.mass_g,
             digit_g: tare.step_g,
@@ -125,9 +143,10 @@ impl<'p> Course<'p> {
         }
     }
 
-    /// Returns the factor of the pump's volumes by what has arrived.
+    /// Returns the factor of the pump's volumes by what has arrived. Where the angle is not known, the model's own
+    /// counts: what has arrived tells of the angle first.
     pub(super) fn factor(&self) -> f64 {
-        self.aim.factor(self.weighed_ml(), self.turned_ml).0
+        if self.angles.is_stated() { self.aim.factor(self.weighed_ml(), self.turned_ml).0 } else { 1.0 }
     }
 
     /// Adds a stretch that was made.
@@ -141,23 +160,40 @@ impl<'p> Course<'p> {
         self.end_angle_rad += part.angle_after(end.moved.made) - start_rad;
     }
 
-    /// Takes the reading at rest after a stretch, and learns how much still arrived after the stop.
-    pub(super) fn weigh(&mut self, stretch: &Stretch, end: &StretchEnd, reading: BalanceReading) {
+    /// Takes the reading at rest after a stretch, and learns from it: the angle, and how much still arrived after the
+    /// stop.
+    pub(super) fn weigh(&mut self, end: &StretchEnd, reading: BalanceReading) {
         let begun_ml = self.weighed_ml();
         self.shown_g = reading.mass_g;
         self.digit_g = reading.step_g;
         self.aim.digit_ml = reading.step_g * self.prepared.z_ml_g;
-        let Some(at_rest_g) = end.at_rest_g else { return };
-        let (part, arrived_ml) = (&stretch.part, self.weighed_ml() - begun_ml);
-        let turned_ml = part.plan.delivered_ml(&part.model, end.moved.made);
+        let (to_rad, weighed_ml) = (self.turned_rad(), self.weighed_ml());
+        let follows = |weighed_ml, ml| self.aim.may_follow(weighed_ml, ml);
+        let from_rad = self.angles.weighed(to_rad, weighed_ml, follows);
+        // From an angle that is not known the model does not tell how long ago the pump had turned for a volume.
+        if let Some(at_rest_g) = end.at_rest_g.filter(|_| self.angles.is_stated()) {
+            self.learn_after_stop((at_rest_g, weighed_ml - begun_ml), (from_rad, to_rad), end);
+        }
+    }
+
+    /// Learns how much still arrived after the stop of a stretch. `at_rest_g` was read at the stop, and the stretch
+    /// brought `arrived_ml`.
+    fn learn_after_stop(
+        &mut self,
+        (at_rest_g, arrived_ml): (f64, f64),
+        (from_rad, to_rad): (f64, f64),
+        end: &StretchEnd,
+    ) {
+        let since_ml = |noted_rad: f64| self.angles.booked_ml((noted_rad, to_rad));
+        let turned_ml = since_ml(from_rad);
         // The flow pulsates, so the model tells how long ago the pump had turned for what was still missing.
-        let missing_ml = (reading.mass_g - at_rest_g) * self.prepared.z_ml_g * turned_ml / arrived_ml;
-        let before = end.notes.iter().rev().find(|(_, noted_ml)| turned_ml - noted_ml >= missing_ml);
+        let missing_ml = (self.shown_g - at_rest_g) * self.prepared.z_ml_g * turned_ml / arrived_ml;
+        let before = end.notes.iter().rev().find(|(_, noted_rad)| since_ml(*noted_rad) >= missing_ml);
         // Drops and digits hide what follows a slow stretch. The expected volume decides: the one found has their
         // scatter.
         let lag_ago = end.stood.checked_sub(Duration::from_secs_f64(self.reckoned().0));
         let then = end.notes.iter().rev().find(|(at, _)| lag_ago.is_some_and(|ago| *at <= ago));
-        let expected_ml = turned_ml - then.map_or(0.0, |(_, noted_ml)| *noted_ml);
+        let expected_ml = since_ml(then.map_or(from_rad, |(_, noted_rad)| *noted_rad));
         let is_clear = expected_ml > CLEARLY * (self.aim.drop_ml + self.aim.digit_ml);
         if let Some((at, _)) = before.filter(|_| is_clear) {
             let after_s = end.stood.saturating_duration_since(*at).as_secs_f64();

@@ -4,6 +4,8 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use super::aim::Aim;
+use super::angles::Angles;
+use super::course::Course;
 use super::readings::Readings;
 use crate::dosing::WeightFault;
 
@@ -33,6 +35,9 @@ pub(super) enum Stop {
 #[derive(Debug)]
 pub(super) struct Lookout<'a> {
     pub(super) aim: &'a Aim,
+    pub(super) angles: &'a Angles,
+    /// Turn since the start of the dose before the stretch, in rad.
+    pub(super) from_rad: f64,
     pub(super) readings: &'a Readings,
     /// Reading before the dose, in g.
     pub(super) tare_g: f64,
@@ -45,30 +50,25 @@ pub(super) struct Lookout<'a> {
     pub(super) factor: f64,
     began: Instant,
     most_g: f64,
-    /// Volume of the stretch by the model, and when.
+    /// Turns since the start of the dose, in rad, and when.
     turned: VecDeque<(Instant, f64)>,
     judged: Option<Instant>,
 }
 
 impl<'a> Lookout<'a> {
-    /// Begins to look out, with the reading before the dose and that before the stretch, in g.
-    pub(super) fn new(
-        aim: &'a Aim,
-        readings: &'a Readings,
-        [tare_g, begun_g]: [f64; 2],
-        z_ml_g: f64,
-        lag: Duration,
-        factor: f64,
-    ) -> Self {
-        let (began, most_g) = (Instant::now(), begun_g);
+    /// Begins to look out on a stretch of `course`.
+    pub(super) fn new(course: &'a Course<'_>, readings: &'a Readings) -> Self {
+        let (began, most_g) = (Instant::now(), course.shown_g);
         Self {
-            aim,
+            aim: &course.aim,
+            angles: &course.angles,
+            from_rad: course.turned_rad(),
             readings,
-            tare_g,
-            begun_g,
-            z_ml_g,
-            lag,
-            factor,
+            tare_g: course.tare_g,
+            begun_g: course.shown_g,
+            z_ml_g: course.prepared.z_ml_g,
+            lag: Duration::from_secs_f64(course.reckoned().0),
+            factor: course.factor(),
             began,
             most_g,
             turned: VecDeque::new(),
@@ -76,14 +76,14 @@ impl<'a> Lookout<'a> {
         }
     }
 
-    /// Returns the reason to stop the motor, once the stretch has turned for `turned_ml` by the model. `stop_ml` gives
-    /// what the motor delivers until it stands.
-    pub(super) fn look(&mut self, turned_ml: f64, stop_ml: impl FnOnce() -> f64) -> Option<Stop> {
-        let now = Instant::now();
+    /// Returns the reason to stop the motor, once the stretch has turned by `made_rad`. `stop_rad` gives the turn in
+    /// which the motor stops.
+    pub(super) fn look(&mut self, made_rad: f64, stop_rad: impl FnOnce() -> f64) -> Option<Stop> {
+        let (now, turned_rad) = (Instant::now(), self.from_rad + made_rad);
         if let Some(error) = self.readings.take_fault() {
             return Some(Stop::Fault(WeightFault::Balance(error)));
         }
-        self.note(now, turned_ml);
+        self.note(now, turned_rad);
         let last = self.readings.last();
         let quiet_s = (now - last.map_or(self.began, |sample| sample.at.max(self.began))).as_secs_f64();
         if quiet_s > QUIET_S {
@@ -92,33 +92,35 @@ impl<'a> Lookout<'a> {
         let sample = last.filter(|sample| self.judged != Some(sample.at))?;
         self.judged = Some(sample.at);
         let mass_g = sample.reading.mass_g;
+        self.most_g = self.most_g.max(mass_g);
         if let Some(fault) = self.fault_of(now, mass_g) {
             return Some(Stop::Fault(fault));
         }
-        self.most_g = self.most_g.max(mass_g);
         let weighed_ml = (mass_g - self.tare_g) * self.z_ml_g;
-        let under_way_ml = turned_ml - self.turned_until(sample.at.checked_sub(self.lag)) + stop_ml();
+        let seen_rad = self.turned_until(sample.at.checked_sub(self.lag));
+        let (_, under_way_ml) = self.angles.range_ml((seen_rad, turned_rad + stop_rad()));
         let enough = weighed_ml + self.factor * under_way_ml >= self.aim.enough_ml();
         enough.then_some(Stop::Enough)
     }
 
     /// Notes how far the pump has turned, and forgets what is long ago.
-    fn note(&mut self, now: Instant, turned_ml: f64) {
+    fn note(&mut self, now: Instant, turned_rad: f64) {
         if self.turned.back().is_none_or(|(at, _)| now - *at >= NOTED) {
-            self.turned.push_back((now, turned_ml));
+            self.turned.push_back((now, turned_rad));
         }
         while self.turned.get(1).is_some_and(|(at, _)| now - *at >= KEPT + self.lag) {
             self.turned.pop_front();
         }
     }
 
-    /// Returns the volume by the model that the stretch had turned for at an instant, in mL: 0 before its first note.
+    /// Returns the turn since the start of the dose at an instant, in rad: that before the stretch before its first
+    /// note.
     fn turned_until(&self, at: Option<Instant>) -> f64 {
         let note = self.turned.iter().rev().find(|(noted, _)| at.is_some_and(|at| *noted <= at));
-        note.map_or(0.0, |(_, turned_ml)| *turned_ml)
+        note.map_or(self.from_rad, |(_, turned_rad)| *turned_rad)
     }
 
-    /// Returns the notes of how far the pump had turned, in mL by the model, and when.
+    /// Returns the notes of how far the pump had turned since the start of the dose, in rad, and when.
     pub(super) fn notes(self) -> VecDeque<(Instant, f64)> {
         self.turned
     }
@@ -130,8 +132,10 @@ impl<'a> Lookout<'a> {
         if fallen_ml > 2.0 + self.aim.drop_ml + 10.0 * self.aim.digit_ml {
             return Some(WeightFault::Fell { from_g: self.most_g, to_g: mass_g });
         }
-        let long_ago_ml = self.turned_until(now.checked_sub(SEEN_AFTER.max(2 * self.lag)));
-        let rose_g = mass_g - self.begun_g;
+        let long_ago_rad = self.turned_until(now.checked_sub(SEEN_AFTER.max(2 * self.lag)));
+        let (long_ago_ml, _) = self.angles.range_ml((self.from_rad, long_ago_rad));
+        // A mass that rose and fell has left the balance, and was judged above.
+        let rose_g = self.most_g - self.begun_g;
         (rose_g * self.z_ml_g < self.aim.least_rise_ml(long_ago_ml))
             .then_some(WeightFault::NotRising { rose_g, turned_ml: long_ago_ml })
     }

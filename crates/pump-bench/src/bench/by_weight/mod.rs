@@ -5,6 +5,7 @@
 //! and the balance stops it sooner where it delivers more. The vessel is weighed at rest after each.
 
 mod aim;
+mod angles;
 mod at_rest;
 mod course;
 mod delivered;

@@ -3,12 +3,12 @@
 use std::time::Duration;
 
 use libm::fabs;
-use pump_ctl::plan::{Cruise, Finish};
+use pump_ctl::plan::{Cruise, Finish, Phase};
 
 use crate::bench::bench::Bench;
 use crate::bench::session::Session;
 use crate::calibration::{AgainstSpeed, Weighing};
-use crate::dosing::{DoseError, DoseRequest, Prepared, Swept};
+use crate::dosing::{DoseError, DoseRequest, Prepared, Swept, unknown_angle};
 use crate::pump_file::PumpFile;
 use crate::record::PumpState;
 use crate::units::Amount;
@@ -70,6 +70,8 @@ pub struct PreparedByWeight {
     pub whole: Prepared,
     /// Expanded uncertainty of the model's volume, in mL.
     pub(crate) unsure_ml: f64,
+    /// The part of it, in mL, that does not come from the angle of the rollers.
+    pub(crate) pump_unsure_ml: f64,
     /// Most volume by the model that the pump turns for, in mL.
     pub most_ml: f64,
     /// Volume for each gram that the balance shows, in mL/g.
@@ -151,9 +153,16 @@ impl Bench {
         }
         // The balance shows what arrives, so that nothing of earlier doses is repaid.
         let dropped_ml = state.map_or(0.0, |state| state.carry_ml);
-        let whole = self.prepare_from(file, state.map(PumpState::without_carry), request)?;
+        let mut whole = self.prepare_from(file, state.map(PumpState::without_carry), request)?;
+        if !whole.plan.start().is_known(whole.model.pitch_rad()) {
+            let by_volume = unknown_angle::warnings(&whole.model, &whole.plan);
+            whole.warnings.retain(|warning| !by_volume.contains(warning));
+            whole.warnings.insert(0, unknown_angle::by_weight());
+        }
         let swept = Swept::whole(&whole.model, &whole.plan);
         let unsure_ml = whole.budget(file, &swept, whole.back_flow.backflow_ml).expanded_ml();
+        let known = Swept { start: Phase::known(swept.start.angle_rad()), ..swept };
+        let pump_unsure_ml = whole.budget(file, &known, whole.back_flow.backflow_ml).expanded_ml();
         let most_ml = order.most_ml.unwrap_or(volume_ml + unsure_ml);
         let z_ml_g = Weighing::of(file).amount_ml(Amount::Mass(1.0))?;
         let slow = match order.slow {
@@ -162,7 +171,16 @@ impl Bench {
         };
         let state = state.map(PumpState::without_carry);
         let slow_dose = self.plan_from(file, state, DoseRequest { cruise: Some(slow), ..request }, None)?;
-        let found = PreparedByWeight { order: *order, whole, unsure_ml, most_ml, z_ml_g, slow, dropped_ml };
+        let found = PreparedByWeight {
+            order: *order,
+            whole,
+            unsure_ml,
+            pump_unsure_ml,
+            most_ml,
+            z_ml_g,
+            slow,
+            dropped_ml,
+        };
         Ok((found, slow_dose))
     }
 

@@ -108,7 +108,7 @@ impl Session<'_> {
             course.reckoned_s = Some(course.reckoned());
         }
         loop {
-            let next = course.aim.next(course.weighed_ml(), course.turned_ml);
+            let next = course.next();
             let next = next.map_err(|fault| course.fault(fault, course.turned_ml, course.shown_g))?;
             let Next::Turn { volume_ml, slowly } = next else { break };
             if course.stretches == MOST_STRETCHES {
@@ -129,7 +129,7 @@ impl Session<'_> {
                 at_rest(balance, longest, &user_stop, simulated)
             };
             match settled {
-                Ok(reading) => course.weigh(&stretch, &end, reading),
+                Ok(reading) => course.weigh(&end, reading),
                 Err(BalanceError::Stopped) => {
                     course.shown_g = end.last_g.unwrap_or(course.shown_g);
                     return Ok(course.delivered(false, std::mem::take(&mut self.notes)));
@@ -168,7 +168,10 @@ impl Session<'_> {
         let prepared = course.prepared;
         let cruise = if slowly { Some(prepared.slow) } else { prepared.order.request.cruise };
         let begun = self.stands().unfinished;
-        let state = PumpState { unfinished: None, ..self.stands().without_carry() };
+        let stands = self.stands();
+        // The stretches are planned and booked as one sum: from an unknown angle each alone may be wrong as the first.
+        let account = stands.account.filter(|_| begun.is_some());
+        let state = PumpState { unfinished: None, account, ..stands.without_carry() };
         let request = DoseRequest { cruise, ..prepared.order.request };
         let (bench, file) = (self.bench, self.file());
         let part =
@@ -233,10 +236,7 @@ impl Session<'_> {
         }
         let (moved, at_rest_g, last_g, notes, stood) =
             Readings::while_running(balance, user_stop, |readings| {
-                let read_g = [course.tare_g, course.shown_g];
-                let (lag, factor) = (Duration::from_secs_f64(course.reckoned().0), course.factor());
-                let z_ml_g = course.prepared.z_ml_g;
-                let mut lookout = Lookout::new(&course.aim, readings, read_g, z_ml_g, lag, factor);
+                let mut lookout = Lookout::new(course, readings);
                 let moved = self.perform(&motion, |made| {
                     if user(made).is_break() {
                         return ControlFlow::Break(());
@@ -245,9 +245,12 @@ impl Session<'_> {
                     if stop.is_some() || made >= steps {
                         return ControlFlow::Continue(());
                     }
-                    let turned_ml = part.plan.delivered_ml(&part.model, made);
-                    let stop_ml = || part.plan.stop(&part.model, made).map_or(0.0, |plan| plan.planned_ml());
-                    stop = lookout.look(turned_ml, stop_ml);
+                    let made_rad = part.plan.angle_after(made) - part.plan.start().angle_rad();
+                    let stop_rad = || {
+                        let plan = part.plan.stop(&part.model, made);
+                        plan.map_or(0.0, |plan| plan.end_angle_rad() - plan.start().angle_rad())
+                    };
+                    stop = lookout.look(made_rad, stop_rad);
                     if stop.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
                 })?;
                 let stood = self.device.as_ref().map_or(Instant::now(), |device| device.holds_since);
