@@ -8,7 +8,7 @@ use pump_bench::units::{self, Amount};
 use crate::commands::delivery;
 use crate::failure::Failure;
 use crate::options::dosing::DosingOptions;
-use crate::options::volume::AskedVolume;
+use crate::options::volume::{AskedVolume, spaced};
 
 /// The time of a motion.
 #[derive(Debug, Args)]
@@ -28,11 +28,15 @@ pub(crate) struct AskedTime {
 }
 
 fn asked_time(text: &str) -> Result<AskedTime, units::QuantityError> {
-    Ok(AskedTime { time_s: units::time_s(text)?, typed: text.trim().to_owned() })
+    Ok(AskedTime { time_s: units::time_s(text)?, typed: spaced(text) })
 }
 
 /// Runs the pump for a time.
-pub(crate) fn deliver_for(purpose: Purpose, time: &AskedTime, options: &DosingOptions) -> Result<(), Failure> {
+pub(crate) fn deliver_for(
+    purpose: Purpose,
+    time: &AskedTime,
+    options: &DosingOptions,
+) -> Result<(), Failure> {
     deliver_until(purpose, RunEnd::Time { time_s: time.time_s }, &time.typed, options)
 }
 

@@ -279,7 +279,7 @@ impl Bench {
         state: Option<PumpState>,
         request: DoseRequest,
     ) -> Result<Prepared, DoseError> {
-        let mut prepared = self.prepare_from(&self.file, state, request)?;
+        let mut prepared = self.prepare_from(&self.file, state, request, None)?;
         prepared.warnings.extend(self.device_not_asked());
         prepared.warnings.extend(self.confirmation_missing(state.as_ref()));
         Ok(prepared)
@@ -292,12 +292,14 @@ impl Bench {
         (!self.is_simulated()).then(|| unread.into())
     }
 
-    /// Plans a dose as if `state` were on record. Refuses a dose that the tube will not last for.
+    /// Plans a dose as if `state` were on record. Refuses a dose that the tube will not last for. A run until it is
+    /// stopped has no more than `most_steps`, if the device bounds them.
     pub(crate) fn prepare_from(
         &self,
         file: &PumpFile,
         state: Option<PumpState>,
         request: DoseRequest,
+        most_steps: Option<u64>,
     ) -> Result<Prepared, DoseError> {
         let (asked_ml, carry_ml) = (request.volume_ml, state.map_or(0.0, |state| state.carry_ml));
         let owed_ml = asked_ml + carry_ml;
@@ -308,7 +310,7 @@ impl Bench {
         let prepared = match request.end {
             RunEnd::Volume => self.plan_from(file, state, request, None)?,
             RunEnd::Time { time_s } => self.plan_for_time(file, state, request, time_s)?,
-            RunEnd::Stop => self.plan_until_stopped(file, state, request)?,
+            RunEnd::Stop => self.plan_until_stopped(file, state, request, most_steps)?,
         };
         self.tube_life(state, &prepared).map_or(Ok(()), |tube| tube.check())?;
         Ok(prepared)

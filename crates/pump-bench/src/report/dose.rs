@@ -14,8 +14,8 @@ use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 use crate::bench::{Bench, Delivered, DeliveredByWeight, PreparedByWeight};
 use crate::calibration::{Applied, Made, Weighing};
 use crate::dosing::{
-    Prepared, PulseErrors, RippleAt, RippleReport, RunEnd, Share, SureRipples, Swept, pressure_uncertainty_kpa,
-    sure_ripples, weighed_shares,
+    Prepared, PulseErrors, RippleAt, RippleReport, RunEnd, Share, SureRipples, Swept,
+    pressure_uncertainty_kpa, sure_ripples, weighed_shares,
 };
 use crate::drives::{Identity, registry};
 use crate::notice::{Notice, Wording};

@@ -80,10 +80,9 @@ impl Status {
                 "in motion, by {holder}: {asked}, of which {made} are delivered{by_model} by \
                  the end of this stretch"
             ),
-            None => format!(
-                "unfinished: {asked}, of which {made} were delivered{by_model}; {}",
-                words(remedy)
-            ),
+            None => {
+                format!("unfinished: {asked}, of which {made} were delivered{by_model}; {}", words(remedy))
+            }
         }
     }
 }

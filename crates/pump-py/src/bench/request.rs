@@ -48,12 +48,20 @@ impl AskedDose<'_> {
                 if self.reverse { -volume_ml } else { volume_ml }
             }
             // A time or a stop ends it, and the sign is the direction.
-            None if self.is_run() => if self.reverse { -1.0 } else { 1.0 },
+            None if self.is_run() => {
+                if self.reverse {
+                    -1.0
+                } else {
+                    1.0
+                }
+            }
             // The rest of an unfinished dose: the record has its volume.
             None => 0.0,
         };
         let end = match &self.duration {
-            Some(time) => RunEnd::Time { time_s: units::time_s(text("duration", "2h", time)?).map_err(value)? },
+            Some(time) => {
+                RunEnd::Time { time_s: units::time_s(text("duration", "2h", time)?).map_err(value)? }
+            }
             None if self.until_stopped => RunEnd::Stop,
             None => RunEnd::Volume,
         };

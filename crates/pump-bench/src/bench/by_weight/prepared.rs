@@ -151,7 +151,7 @@ impl Bench {
         }
         // The balance shows what arrives, so that nothing of earlier doses is repaid.
         let dropped_ml = state.map_or(0.0, |state| state.carry_ml);
-        let whole = self.prepare_from(file, state.map(PumpState::without_carry), request)?;
+        let whole = self.prepare_from(file, state.map(PumpState::without_carry), request, None)?;
         let swept = Swept::whole(&whole.model, &whole.plan);
         let unsure_ml = whole.budget(file, &swept, whole.back_flow.backflow_ml).expanded_ml();
         let most_ml = order.most_ml.unwrap_or(volume_ml + unsure_ml);
