@@ -15,6 +15,7 @@ use crate::commands::pumps::PumpsArgs;
 use crate::commands::purge::PurgeArgs;
 use crate::commands::release::ReleaseArgs;
 use crate::commands::resume::ResumeArgs;
+use crate::commands::run::RunArgs;
 use crate::commands::setup::SetupArgs;
 use crate::commands::simulate::SimulateArgs;
 use crate::commands::size::SizeArgs;
@@ -54,6 +55,8 @@ enum Command {
     Prime(PrimeArgs),
     /// Empty the line; a negative volume runs back
     Purge(PurgeArgs),
+    /// Run at a rate for a time, for a volume, or until stopped
+    Run(RunArgs),
     /// Weigh what the pump delivers, so that doses are right
     Calibrate(CalibrateArgs),
     /// Find the constants of a line from measurements
@@ -111,6 +114,7 @@ impl Cli {
             Some(Command::Setup(args)) => args.run(),
             Some(Command::Prime(args)) => args.run(),
             Some(Command::Purge(args)) => args.run(),
+            Some(Command::Run(args)) => args.run(),
             Some(Command::Calibrate(args)) => args.run(),
             Some(Command::Identify(args)) => args.run(),
             Some(Command::Simulate(args)) => args.run(),

@@ -8,6 +8,7 @@ fn every_example_prints_what_it_shows() {
         .env("XDG_CONFIG_HOME", state.path().to_string_lossy())
         .env("COLUMNS", "100")
         .case("README.md")
+        .case("docs/continuous.md")
         .case("docs/sizing.md");
 }
 

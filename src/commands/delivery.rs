@@ -1,5 +1,6 @@
 //! One delivery from the plan to the report: what doses, primes, purges and weighed runs have in common.
 
+use pump_bench::dosing::RunEnd;
 use pump_bench::export::write_steps;
 use pump_bench::notice::Notice;
 use pump_bench::record::Purpose;
@@ -13,11 +14,14 @@ use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
 use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
-use crate::terminal::{announce, noted, print, progress_bar, tell, warn};
+use crate::terminal::{announce, noted, print, progress_bar, tell, waiting, warn};
 
 /// The message after a signal.
 pub(super) const STOPPED: &str =
     "stopped by the user; `dose resume` makes the rest, `dose discard` leaves it";
+
+/// The message after a signal to a run that goes on until it is stopped.
+const RUN_STOPPED: &str = "stopped by the user; the run is complete and on record";
 
 /// Most rows of a file: more are a mistake and would fill disks (a row has up to 150 bytes).
 const MAX_ROWS: f64 = 1e8;
@@ -81,7 +85,10 @@ pub(super) fn deliver(
     if warns_first(bench) {
         warn(&prepared.warnings);
     }
-    let bar = progress_bar(prepared.plan.steps().unsigned_abs(), json);
+    let bar = match prepared.request.end {
+        RunEnd::Stop if !json => waiting("running until stopped by Ctrl-C"),
+        _ => progress_bar(prepared.plan.steps().unsigned_abs(), json),
+    };
     let delivered = session.run(prepared, |made| {
         bar.set_position(made);
         interrupt.flow()
@@ -146,7 +153,8 @@ pub(super) fn ended(printed: Result<(), Failure>, delivered: Option<DeliveryEnd>
             Err(Failure::fault(ErrorKind::Output, message))
         }
         (Ok(()), Some((delivered, signal))) if !delivered.completed => {
-            Err(Failure::stopped(signal.unwrap_or(0), delivered.made > 0, STOPPED))
+            let words = if delivered.unfinished { STOPPED } else { RUN_STOPPED };
+            Err(Failure::stopped(signal.unwrap_or(0), delivered.made > 0, words))
         }
         (Ok(()), Some((delivered, Some(signal)))) if !delivered.sucked_back => Err(Failure::stopped(
             signal,

@@ -15,6 +15,7 @@ pub(crate) mod pumps;
 pub(crate) mod purge;
 pub(crate) mod release;
 pub(crate) mod resume;
+pub(crate) mod run;
 pub(crate) mod setup;
 pub(crate) mod simulate;
 pub(crate) mod size;

@@ -4,6 +4,7 @@ use clap::Args;
 use pump_bench::record::Purpose;
 
 use super::delivery;
+use super::run::{ForOption, deliver_for};
 use crate::failure::Failure;
 use crate::options::dosing::DosingOptions;
 use crate::options::volume::asked;
@@ -14,11 +15,19 @@ pub(crate) struct PrimeArgs {
     #[arg(value_name = "VOLUME")]
     volume: Vec<String>,
     #[command(flatten)]
+    time: ForOption,
+    #[command(flatten)]
     options: DosingOptions,
 }
 
 impl PrimeArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        delivery::run(Purpose::Prime, &asked(&self.volume)?, &self.options)
+        match &self.time.time {
+            Some(_) if !self.volume.is_empty() => {
+                Err(Failure::refused("a volume and --for exclude each other; give one of them"))
+            }
+            Some(time) => deliver_for(Purpose::Prime, time, &self.options),
+            None => delivery::run(Purpose::Prime, &asked(&self.volume)?, &self.options),
+        }
     }
 }

@@ -33,7 +33,7 @@ fn is_numeric(letter: char) -> bool {
 }
 
 /// Puts one space between number and unit.
-fn spaced(text: &str) -> String {
+pub(crate) fn spaced(text: &str) -> String {
     let text = text.trim().replace('\u{2212}', "-");
     let ends = (1..=text.len()).rev().filter(|end| text.is_char_boundary(*end));
     match ends.into_iter().find(|end| text[..*end].parse::<f64>().is_ok()) {

@@ -13,6 +13,7 @@ mod motions;
 mod record;
 mod replies;
 mod rig;
+mod runs;
 mod searching;
 mod sessions;
 mod settings;

@@ -1,5 +1,7 @@
 //! A bench: one pump, its drive, and its record.
 
+mod run_volume;
+
 use std::path::{Path, PathBuf};
 
 use libm::sqrt;
@@ -14,7 +16,7 @@ use crate::displacement::Correction;
 use crate::dosing::DoseError;
 use crate::dosing::TubeLife;
 use crate::dosing::drop_ml;
-use crate::dosing::{DoseRequest, Prepared, Stands};
+use crate::dosing::{DoseRequest, Prepared, RunEnd, Stands};
 use crate::drives::{Drive, DriveError, Identity, Opening, PORT_NAMES, StopRequest, registry};
 use crate::notice::{Notice, Remedy};
 use crate::pump_file::{DriveTable, DriverName, PumpFile};
@@ -277,7 +279,7 @@ impl Bench {
         state: Option<PumpState>,
         request: DoseRequest,
     ) -> Result<Prepared, DoseError> {
-        let mut prepared = self.prepare_from(&self.file, state, request)?;
+        let mut prepared = self.prepare_from(&self.file, state, request, None)?;
         prepared.warnings.extend(self.device_not_asked());
         prepared.warnings.extend(self.confirmation_missing(state.as_ref()));
         Ok(prepared)
@@ -290,12 +292,14 @@ impl Bench {
         (!self.is_simulated()).then(|| unread.into())
     }
 
-    /// Plans a dose as if `state` were on record. Refuses a dose that the tube will not last for.
+    /// Plans a dose as if `state` were on record. Refuses a dose that the tube will not last for. A run until it is
+    /// stopped has no more than `most_steps`, if the device bounds them.
     pub(crate) fn prepare_from(
         &self,
         file: &PumpFile,
         state: Option<PumpState>,
         request: DoseRequest,
+        most_steps: Option<u64>,
     ) -> Result<Prepared, DoseError> {
         let (asked_ml, carry_ml) = (request.volume_ml, state.map_or(0.0, |state| state.carry_ml));
         let owed_ml = asked_ml + carry_ml;
@@ -303,7 +307,11 @@ impl Bench {
             self.refuse_unfinished(state)?;
             return Err(DoseError::RunsTheOtherWay { asked_ml, carry_ml, owed_ml });
         }
-        let prepared = self.plan_from(file, state, request, None)?;
+        let prepared = match request.end {
+            RunEnd::Volume => self.plan_from(file, state, request, None)?,
+            RunEnd::Time { time_s } => self.plan_for_time(file, state, request, time_s)?,
+            RunEnd::Stop => self.plan_until_stopped(file, state, request, most_steps)?,
+        };
         self.tube_life(state, &prepared).map_or(Ok(()), |tube| tube.check())?;
         Ok(prepared)
     }
@@ -366,6 +374,9 @@ impl Bench {
     pub(crate) fn refuse_unfinished(&self, state: Option<PumpState>) -> Result<(), DoseError> {
         let Some(dose) = state.and_then(|state| state.unfinished) else { return Ok(()) };
         let (least_ml, most_ml) = dose.delivered_ml(&self.model);
+        if dose.intent.terms.until_stopped {
+            return Err(DoseError::UnfinishedRun { least_ml, most_ml });
+        }
         Err(DoseError::Unfinished { requested_ml: dose.intent.whole_requested_ml(), least_ml, most_ml })
     }
 

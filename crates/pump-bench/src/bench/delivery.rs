@@ -1,9 +1,12 @@
 //! One dose, delivered: its motion and that of its retraction.
 
+mod pace;
+
 use std::ops::ControlFlow;
 
 use pump_model::units::degrees;
 
+use self::pace::Pace;
 use super::lateness;
 use super::recorded_motion::RecordedMotion;
 use super::session::Session;
@@ -23,6 +26,8 @@ pub struct Delivered {
     pub end_angle_rad: f64,
     /// True if the whole dose was delivered.
     pub completed: bool,
+    /// True if a rest is left to make. A run until it is stopped leaves none.
+    pub unfinished: bool,
     /// Volume sucked back afterwards, in mL, positive. Zero without a retraction.
     pub retracted_ml: f64,
     /// True if the whole retraction was made.
@@ -37,7 +42,7 @@ impl Session<'_> {
     /// Runs a dose that this session prepared, and records its end.
     ///
     /// `watch` is called now and then with the number of steps made. When it breaks, the motor decelerates
-    /// and holds.
+    /// and holds. A run until it is stopped keeps real time on a simulated motor, where any other motion takes none.
     ///
     /// # Errors
     ///
@@ -70,12 +75,14 @@ impl Session<'_> {
             seeks: false,
             may_pause: !lateness::is_critical(&prepared.request),
         };
-        let moved = self.perform(&motion, &mut watch)?;
+        let mut pace = Pace::of(prepared, self.bench.is_simulated());
+        let moved = self.perform(&motion, |made| pace.watch(made, &mut watch))?;
         let mut delivered = Delivered {
             volume_ml: moved.volume_ml,
             made: moved.made,
             end_angle_rad: plan.angle_after(moved.made),
             completed: moved.made == plan.steps().unsigned_abs(),
+            unfinished: self.stands().unfinished.is_some(),
             retracted_ml: 0.0,
             sucked_back: prepared.retraction.is_none(),
             measured_s: moved.measured_s,

@@ -17,6 +17,13 @@ pub(super) struct Device<'a> {
 }
 
 impl Device<'_> {
+    /// Returns the most steps that the device can count in a direction from where it stands. `None` without a bound.
+    pub(super) fn most_steps(&self, reverse: bool) -> Option<u64> {
+        let (farthest, count) = (self.drive.farthest_count()?, self.drive.count()?);
+        let ahead = if reverse { farthest.saturating_add(count) } else { farthest.saturating_sub(count) };
+        Some(u64::try_from(ahead).unwrap_or(0))
+    }
+
     /// Returns the slowest cruise of the pump head, in rad/s.
     pub(super) fn least_rad_s(&self) -> f64 {
         self.limits.map_or(0.0, |limits| limits.min_speed_rad_s)

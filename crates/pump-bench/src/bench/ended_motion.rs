@@ -46,10 +46,13 @@ impl<'a> Session<'a> {
         let plan = motion.plan;
         let whole = made == plan.steps().unsigned_abs();
         let after = before.after(&intent, made as i64, made as i64, self.bench.model());
+        // A run until it is stopped is complete once somebody stopped it.
+        let is_ended = halt.is_none() && motion.terms.until_stopped;
+        let after = if is_ended { PumpState { unfinished: None, ..after } } else { after };
         let state = self.with_device(&mut device, after, Some(pace.pauses));
         let why = match &halt {
             Some(_) => Why::Fault,
-            None if whole || beyond.is_some() => Why::Done,
+            None if whole || is_ended || beyond.is_some() => Why::Done,
             None => Why::Stopped,
         };
         let mut rested = self.rest(why, state);

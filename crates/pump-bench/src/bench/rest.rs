@@ -140,6 +140,10 @@ impl Bench {
     fn unsure_rest(&self, dose: &Unfinished, prepared: &Prepared) -> Option<Notice> {
         let model = self.model();
         let (least_ml, most_ml) = dose.delivered_ml(model);
+        if dose.intent.terms.until_stopped {
+            let text = format!("{} of this run were delivered before", between(least_ml, most_ml));
+            return Some(Notice::from(text));
+        }
         if most_ml - least_ml <= prepared.plan.end_step_ml(&prepared.model) {
             return None;
         }

@@ -188,7 +188,8 @@ impl<'a> Session<'a> {
             }
             return Err(error);
         }
-        let prepared = self.bench.prepare_from(self.file(), self.state, request)?;
+        let most_steps = self.device.as_ref().and_then(|device| device.most_steps(request.volume_ml < 0.0));
+        let prepared = self.bench.prepare_from(self.file(), self.state, request, most_steps)?;
         self.checked(prepared)
     }
 

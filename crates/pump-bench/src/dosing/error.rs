@@ -243,6 +243,20 @@ pub enum DoseError {
         /// Volume asked for, in mL.
         volume_ml: f64,
     },
+    /// A run of continuous flow is asked for in a way that no run has. Nothing has moved.
+    #[error("a run of continuous flow {why}")]
+    NoRun {
+        /// Reason, as the message words it.
+        why: &'static str,
+    },
+    /// An earlier run of continuous flow was to go on until it is stopped, and was cut off.
+    #[error("a run of continuous flow is unfinished: {} were delivered", between(*least_ml, *most_ml))]
+    UnfinishedRun {
+        /// Smallest volume that the run may have delivered, in mL.
+        least_ml: f64,
+        /// Largest volume that the run may have delivered, in mL.
+        most_ml: f64,
+    },
     /// The drive failed in motion.
     #[error(
         "{} were delivered{}, and the drive failed",

@@ -14,7 +14,7 @@ pub(crate) use stopped::settle_of_s;
 use super::displaced_pumps::DisplacedPumps;
 use super::error::DoseError;
 use super::planner::{Planner, SpeedPlan};
-use super::request::DoseRequest;
+use super::request::{DoseRequest, RunEnd};
 use super::retraction::Retraction;
 use super::stands::Stands;
 use super::swept::Swept;
@@ -145,10 +145,11 @@ impl Prepared {
         let DoseRequest { smooth, finish, ramps, pressures, .. } = self.request;
         let PressureLimits { max_outlet_kpa, min_inlet_kpa } = pressures;
         let low_flow = finish == Some(Finish::LowFlow);
-        let cruise = cruise(&self.request, file);
+        let cruise = cruise_of(&self.request, file);
         DoseTerms {
             smooth,
             low_flow,
+            until_stopped: self.request.end == RunEnd::Stop,
             ramps,
             max_outlet_kpa,
             min_inlet_kpa,
@@ -246,7 +247,7 @@ impl PlanningBasis<'_> {
             Some(to_end_ml) => (to_end_ml, 0.0),
             None => (request.volume_ml, self.carry_in_ml()),
         };
-        let asked = Request::new(volume_ml, cruise(request, self.file))
+        let asked = Request::new(volume_ml, cruise_of(request, self.file))
             .with_carry_in_ml(carry_in_ml)
             .with_smooth(request.smooth)
             .with_finish(request.finish.unwrap_or_default())
@@ -349,6 +350,6 @@ fn check_weighable(model: &Pump, plan: &Plan) -> Result<(), CalibrationError> {
 }
 
 /// Returns the cruise that a request asks for: the pump file's default rate where it names none.
-fn cruise(request: &DoseRequest, file: &PumpFile) -> Cruise {
+pub(crate) fn cruise_of(request: &DoseRequest, file: &PumpFile) -> Cruise {
     request.cruise.unwrap_or(Cruise::Flow { ml_s: file.pump.default_rate_ml_s })
 }

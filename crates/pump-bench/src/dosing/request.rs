@@ -1,6 +1,10 @@
 //! The request for a dose.
 
+mod run_end;
+
 use pump_ctl::plan::{Cruise, Finish, PressureLimits, Ramps};
+
+pub use run_end::RunEnd;
 
 use crate::record::{DoseTerms, Purpose};
 
@@ -19,8 +23,10 @@ use crate::record::{DoseTerms, Purpose};
 pub struct DoseRequest {
     /// Purpose of the motion.
     pub purpose: Purpose,
-    /// Volume, in mL. Negative in reverse, never zero.
+    /// Volume, in mL. Negative in reverse, never zero. With another end than the volume its sign alone counts.
     pub volume_ml: f64,
+    /// Event that ends the motion.
+    pub end: RunEnd,
     /// Cruise of the dose. `None` takes the pump file's default rate.
     pub cruise: Option<Cruise>,
     /// True if the speed follows the rollers' angle for a smooth flow.
@@ -56,6 +62,7 @@ impl DoseRequest {
         Self {
             purpose,
             volume_ml,
+            end: RunEnd::Volume,
             cruise: None,
             smooth: false,
             finish: None,
@@ -66,6 +73,12 @@ impl DoseRequest {
             ramps: None,
             pressures: PressureLimits::NONE,
         }
+    }
+
+    /// Returns the request with another end than its volume.
+    #[must_use]
+    pub fn with_end(self, end: RunEnd) -> Self {
+        Self { end, ..self }
     }
 
     /// Returns the request with a cruise. `None` takes the pump file's default rate.
@@ -118,6 +131,7 @@ impl DoseRequest {
         let finish = if whole.low_flow { Finish::LowFlow } else { Finish::Any };
         Self {
             cruise: self.cruise.or(whole.cruise()),
+            end: if whole.until_stopped { RunEnd::Stop } else { RunEnd::Volume },
             smooth: self.smooth || (whole.smooth && self.cruise.is_none()),
             finish: self.finish.or(Some(finish)),
             ramps: self.ramps.or(whole.ramps),

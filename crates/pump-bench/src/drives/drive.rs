@@ -177,6 +177,12 @@ pub trait Drive: Debug + Send {
         None
     }
 
+    /// Returns the farthest count, either way, to which the device counts exactly. `None` if it counts any motion. A
+    /// run that goes on until it is stopped ends there.
+    fn farthest_count(&self) -> Option<i64> {
+        None
+    }
+
     /// Returns the last disturbance of the rotor since this was last asked, or since the drive was opened.
     fn disturbed(&mut self) -> Option<Disturbance> {
         None

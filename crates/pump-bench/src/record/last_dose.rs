@@ -54,7 +54,7 @@ impl LastDose {
         let (turn_rad, half_width_rad) = (0.5 * (least + most), 0.5 * (most - least).abs());
         match intent.purpose {
             // A rotor that is set to a mark delivers what nobody weighs.
-            Purpose::Jog | Purpose::Calibrate | Purpose::Prime | Purpose::Purge => None,
+            Purpose::Jog | Purpose::Calibrate | Purpose::Prime | Purpose::Purge | Purpose::Run => None,
             Purpose::Retract => before.map(|dose| Self {
                 retracted_rad: dose.retracted_rad + turn_rad,
                 retracted_half_width_rad: dose.retracted_half_width_rad + half_width_rad,

@@ -14,6 +14,8 @@ pub enum Purpose {
     Prime,
     /// Emptying of the line. It neither uses nor changes the carry.
     Purge,
+    /// A run of continuous flow. It neither uses nor changes the carry.
+    Run,
     /// A run that is weighed for a calibration. It uses the model without calibration and speed law, and
     /// neither uses nor changes the carry.
     Calibrate,
@@ -27,6 +29,7 @@ words!(Purpose {
     Dose = "dose",
     Prime = "prime",
     Purge = "purge",
+    Run = "run",
     Calibrate = "calibrate",
     Retract = "retract",
     Jog = "jog",

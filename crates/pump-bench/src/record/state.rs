@@ -293,6 +293,7 @@ mod tests {
             smooth: false,
             low_flow: false,
             by_weight: false,
+            until_stopped: false,
             ramps: None,
             max_outlet_kpa: None,
             min_inlet_kpa: None,

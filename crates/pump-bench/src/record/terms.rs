@@ -27,6 +27,10 @@ pub(crate) struct DoseTerms {
     /// True if a balance was to end the dose. The announced steps then lead to the most that may be delivered.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(crate) by_weight: bool,
+    /// True if the motion was to go on until it is stopped. The announced steps then lead to the most that one run
+    /// makes.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(crate) until_stopped: bool,
     /// Ramps that were asked for. `None` took those of the drive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) ramps: Option<Ramps>,

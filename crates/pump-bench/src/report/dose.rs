@@ -1,6 +1,7 @@
 //! The report of a dose, and its JSON for programs. `dose_text.rs` and `dose_details.rs` have its words for people.
 
 mod by_weight;
+mod run;
 
 use pump_ctl::plan::{Finish, LimitedBy, Phase, SetBy};
 use pump_model::Extremes;
@@ -8,12 +9,13 @@ use pump_model::units::{degrees, radians, rpm};
 use serde::Serialize;
 
 pub use self::by_weight::ByWeightReport;
+pub use self::run::{RunReport, Until};
 use super::choices::{VolumeBasis, finish_word, limit_word, set_by_word};
 use crate::bench::{Bench, Delivered, DeliveredByWeight, PreparedByWeight};
 use crate::calibration::{Applied, Made, Weighing};
 use crate::dosing::{
-    Prepared, PulseErrors, RippleAt, RippleReport, Share, SureRipples, Swept, pressure_uncertainty_kpa,
-    sure_ripples, weighed_shares,
+    Prepared, PulseErrors, RippleAt, RippleReport, RunEnd, Share, SureRipples, Swept,
+    pressure_uncertainty_kpa, sure_ripples, weighed_shares,
 };
 use crate::drives::{Identity, registry};
 use crate::notice::{Notice, Wording};
@@ -35,7 +37,7 @@ pub struct DoseReport {
     pub simulated: bool,
     /// Port to which the motor is connected; null if the motor is simulated.
     pub device: Option<String>,
-    /// Reason why the pump turns: `dose`, `prime`, `purge`, `calibrate` or `retract`.
+    /// Reason why the pump turns: `dose`, `prime`, `purge`, `run`, `calibrate` or `retract`.
     pub purpose: Purpose,
     /// Volume that was asked for, mL.
     pub requested_ml: f64,
@@ -163,6 +165,10 @@ pub struct DoseReport {
     /// Weighing of a dose that a balance ended. Any other dose has no such key.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_weight: Option<ByWeightReport>,
+    /// End and mean flow of a run of continuous flow, or of a prime or purge for a time. A volume that is dosed has no
+    /// such key.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub run: Option<RunReport>,
 }
 
 /// The calibration that a dose used.
@@ -283,8 +289,9 @@ impl DoseReport {
             inlet_limit: lowest.map(|lowest| lowest.set_by),
             limits_not_checked: file.not_checked(&prepared.limits),
             warnings: warnings(prepared, delivered),
-            completed: delivered.is_some_and(|end| end.completed),
+            completed: delivered.is_some_and(|end| end.completed || is_ended_run(prepared, end)),
             by_weight: None,
+            run: RunReport::of(prepared, delivered),
         }
     }
 
@@ -333,6 +340,11 @@ fn part_made(prepared: &Prepared, delivered: Option<&Delivered>) -> Swept {
         Some(delivered) => Swept::part(model, plan, delivered.made),
         None => Swept::whole(model, plan),
     }
+}
+
+/// True for a run until it is stopped that somebody stopped: it is complete.
+fn is_ended_run(prepared: &Prepared, delivered: &Delivered) -> bool {
+    prepared.request.end == RunEnd::Stop && !delivered.unfinished
 }
 
 /// The warnings of the plan, then those of the motion.

@@ -64,7 +64,7 @@ impl DoseReport {
     fn steps(&self) -> String {
         let of_revolution = format!("(a revolution has {})", self.steps_per_rev);
         match self.steps_made {
-            Some(made) if !self.completed => format!("{made} of {} {of_revolution}", self.steps),
+            Some(made) if self.is_part() => format!("{made} of {} {of_revolution}", self.steps),
             _ => {
                 format!(
                     "{} {of_revolution}; carry {} to the next dose",
@@ -203,8 +203,8 @@ impl DoseReport {
     /// The model volume that the budget is of, mL: that of the plan, or of the part that was made.
     fn budgeted_ml(&self) -> f64 {
         match self.delivered_ml {
-            Some(delivered_ml) if !self.completed && self.phase.is_stated() => delivered_ml,
-            Some(_) if !self.completed => 0.5 * (self.volume_least_ml + self.volume_most_ml),
+            Some(delivered_ml) if self.is_part() && self.phase.is_stated() => delivered_ml,
+            Some(_) if self.is_part() => 0.5 * (self.volume_least_ml + self.volume_most_ml),
             _ => self.planned_ml,
         }
     }

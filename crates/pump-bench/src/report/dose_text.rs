@@ -25,7 +25,8 @@ impl DoseReport {
     pub fn summary(&self, asked: Option<&str>, of_batch: Option<(u64, u64)>) -> String {
         let place = of_batch.map_or(String::new(), |(number, count)| format!(", dose {number} of {count}"));
         let weighed = self.by_weight.as_ref().map_or(String::new(), |weighed| weighed.line());
-        format!("{}{place}: {}\n{}\n{weighed}", self.pump, self.volume_line(asked), self.motion_line())
+        let run = self.run.map_or(String::new(), |run| run.line(self.moved_s()));
+        format!("{}{place}: {}\n{}\n{run}{weighed}", self.pump, self.volume_line(asked), self.motion_line())
     }
 
     /// The warnings, a line each.
@@ -36,6 +37,7 @@ impl DoseReport {
     fn volume_line(&self, asked: Option<&str>) -> String {
         let requested = || format!("{} mL", significant(self.requested_ml, 6));
         let asked = match asked {
+            _ if self.is_endless() => "run until stopped".to_owned(),
             Some(typed) if is_mass(typed) => format!("{typed} asked by a balance in air: {}", requested()),
             Some(typed) => format!("{typed} asked"),
             None => format!("{} asked", requested()),
@@ -49,9 +51,15 @@ impl DoseReport {
         format!("{volume}, {asked}{carry_in}")
     }
 
+    /// True for a run that goes on until somebody stops it.
+    fn is_endless(&self) -> bool {
+        self.run.is_some_and(|run| run.is_endless())
+    }
+
     /// The volume that was delivered or planned, and its uncertainty.
     fn volume(&self) -> String {
         let (volume_ml, verb) = match (self.delivered_ml, self.purpose) {
+            (None, _) if self.is_endless() => (self.planned_ml, "at most (dry run, nothing recorded)"),
             (None, _) => (self.planned_ml, "planned (dry run, nothing recorded)"),
             (Some(delivered_ml), _) if !self.completed => (delivered_ml, "delivered, then stopped"),
             (Some(delivered_ml), Purpose::Prime) => (delivered_ml, "primed"),
@@ -67,14 +75,14 @@ impl DoseReport {
     /// The range of the volume over the angles at which the rollers may have stood, and the plan. A simulated vessel
     /// knows more than the plan, so its volume is not mixed with either.
     fn volume_from_anywhere(&self) -> String {
-        let was_stopped = self.delivered_ml.is_some() && !self.completed;
+        let was_stopped = self.is_part();
         let verb = match (self.delivered_ml, self.purpose) {
             (None, _) => "",
             (Some(_), Purpose::Prime) => "primed ",
             (Some(_), Purpose::Purge) => "purged ",
             (Some(_), _) => "delivered ",
         };
-        let stopped = if was_stopped { ", then stopped" } else { "" };
+        let stopped = if was_stopped && !self.completed { ", then stopped" } else { "" };
         let (least_ml, most_ml, planned_ml) = (self.volume_least_ml, self.volume_most_ml, self.planned_ml);
         // A digit more than the uncertainty has: the range is exact.
         let unsure_ml = self.expanded_uncertainty_ml;
@@ -88,12 +96,20 @@ impl DoseReport {
             false => format!(" ± {:.*} mL", decimals_of(unsure_ml), unsure_ml),
         };
         let dry = if self.delivered_ml.is_none() { " (dry run, nothing recorded)" } else { "" };
+        if was_stopped && self.completed {
+            return format!("{verb}{range}");
+        }
         format!("{verb}{range}{stopped}; {planned_ml:.decimals$} planned{unsure}{dry}")
     }
 
     /// Time of the motion, s: that of the plan, or of the part that was made of a dose that was stopped.
     pub(super) fn moved_s(&self) -> f64 {
-        self.measured_motion_s.filter(|_| !self.completed).unwrap_or(self.motion_s)
+        self.measured_motion_s.filter(|_| self.is_part()).unwrap_or(self.motion_s)
+    }
+
+    /// True if a part of the planned steps was made.
+    pub(super) fn is_part(&self) -> bool {
+        self.delivered_ml.is_some() && (!self.completed || self.run.is_some_and(|run| run.is_stopped()))
     }
 
     fn motion_line(&self) -> String {

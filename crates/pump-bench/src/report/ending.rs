@@ -27,6 +27,7 @@ impl DoseError {
             Self::Folder(error) => error.ending(),
             Self::Connection(error) => error.ending(),
             Self::Unfinished { .. }
+            | Self::UnfinishedRun { .. }
             | Self::NoRest { .. }
             | Self::BeyondRequest { .. }
             | Self::AngleIsKnown => Ending::Unfinished,
@@ -52,6 +53,7 @@ impl DoseError {
             | Self::TooSlow { .. }
             | Self::NoAngle { .. }
             | Self::NotByWeight { .. }
+            | Self::NoRun { .. }
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Ending::Refused,
         }

@@ -23,7 +23,7 @@ pub use crate::notice::Remedy;
 pub use calibration::{calibration_json, calibration_text, calibrations_json, calibrations_text};
 pub use choices::{Format, VolumeBasis};
 pub use config::{ShownConfig, ShownPump};
-pub use dose::{ByWeightReport, CalibrationReport, DoseReport, PhaseReport};
+pub use dose::{ByWeightReport, CalibrationReport, DoseReport, PhaseReport, RunReport, Until};
 pub use ending::Ending;
 pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain, with_sources};
 pub use phase::{phase_json, phase_text};

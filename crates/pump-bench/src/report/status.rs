@@ -115,6 +115,8 @@ pub struct UnfinishedStatus {
     pub steps_made_most: i64,
     /// Time at which it began, seconds since 1970 by the clock of that day.
     pub began_unix_s: u64,
+    /// True if it is a run that was to go on until it is stopped: `requested_ml` is then the most that one run makes.
+    pub until_stopped: bool,
     /// True if a balance was to end it. Its rest is made by volume.
     pub by_weight: bool,
     /// Mass that the balance was to show, g; null if no balance was to end it.
@@ -165,6 +167,7 @@ impl Status {
                 steps_made_least: dose.made_least,
                 steps_made_most: dose.made_most,
                 began_unix_s: dose.intent.unix_s,
+                until_stopped: dose.intent.terms.until_stopped,
                 by_weight: dose.intent.terms.by_weight,
                 target_g: Weighing::of(bench.file())
                     .reading_g(dose.intent.whole_requested_ml())

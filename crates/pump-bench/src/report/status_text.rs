@@ -69,16 +69,20 @@ impl Status {
                 (format!(" by weight ({} g)", significant(target_g, 6)), Remedy::FinishByVolumeOrWeigh)
             }
         };
+        let asked = if dose.until_stopped {
+            "a run until it is stopped".to_owned()
+        } else {
+            format!("a dose of {asked_ml} mL{weighed}")
+        };
         let by_model = if dose.by_weight { " by the model" } else { "" };
         match &self.in_use_by {
             Some(holder) => format!(
-                "in motion, by {holder}: a dose of {asked_ml} mL{weighed}, of which {made} are delivered{by_model} by \
+                "in motion, by {holder}: {asked}, of which {made} are delivered{by_model} by \
                  the end of this stretch"
             ),
-            None => format!(
-                "unfinished: a dose of {asked_ml} mL{weighed}, of which {made} were delivered{by_model}; {}",
-                words(remedy)
-            ),
+            None => {
+                format!("unfinished: {asked}, of which {made} were delivered{by_model}; {}", words(remedy))
+            }
         }
     }
 }

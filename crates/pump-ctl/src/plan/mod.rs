@@ -38,9 +38,10 @@ pub use prediction::Prediction;
 pub use profile::{Legs, Profile};
 pub use ripple::Ripples;
 pub use segments::Segments;
-pub use speed::speed_for_flow;
+pub use speed::{MAX_DURATION_S, speed_for_flow};
 pub use steps::{Step, Steps};
+pub use target::MAX_STEPS;
 pub use words::{
-    Allowed, Cruise, Finish, LimitedBy, Nearest, Phase, PlanError, Ramps, Request, Retarget, SetBy, Turned,
-    UnknownName,
+    Allowed, Cruise, Finish, LimitedBy, MAX_VOLUME_ML, Nearest, Phase, PlanError, Ramps, Request, Retarget,
+    SetBy, Turned, UnknownName,
 };

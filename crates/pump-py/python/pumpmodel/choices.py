@@ -52,7 +52,7 @@ Port: TypeAlias = Literal["inlet", "outlet"]
 #: figures, or the table of a program.
 Provenance: TypeAlias = Literal["maker", "quoted", "program"]
 #: Purpose of a motion.
-Purpose: TypeAlias = Literal["dose", "prime", "purge", "calibrate", "retract", "jog"]
+Purpose: TypeAlias = Literal["dose", "prime", "purge", "run", "calibrate", "retract", "jog"]
 #: Ramps in which a dose starts and stops.
 Ramps: TypeAlias = Literal["line-aware", "fastest"]
 #: Result of `sweep` and `Pump.steady_state`, for `plot_map`.

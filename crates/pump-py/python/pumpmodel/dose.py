@@ -124,6 +124,21 @@ class ByWeight(Record):
 
 
 @dataclass(frozen=True)
+class Run(Record):
+    """The end and the mean flow of a run of continuous flow, or of a prime or purge for a time.
+
+    `until` is the event that was to end it: "volume", "time" or "stop". `asked_s` is the requested time (s).
+    `mean_flow_ml_s` is the delivered volume over the time of its motion (mL/s). `was_stopped` is True if it was
+    stopped before the end of its plan. Both are None for a run that was only planned.
+    """
+
+    until: str
+    asked_s: float | None
+    mean_flow_ml_s: float | None
+    was_stopped: bool | None
+
+
+@dataclass(frozen=True)
 class Dose(Record):
     """A dose of a bench, run or planned: the fields of the command's JSON `dose/1`.
 
@@ -131,7 +146,7 @@ class Dose(Record):
     times in s. `delivered_ml` is the volume that the vessel of a simulation received, or the model's volume
     of the steps that a motor made. It is None for a dose that was only planned. `completed` is True if the
     dose was delivered in full. `by_weight` is the weighing of a dose that a balance ended, and None of any
-    other.
+    other. `run` is the end and the mean flow of a run, and None of a volume that is dosed.
     """
 
     _records: ClassVar[dict[str, type[Record]]] = {
@@ -143,6 +158,7 @@ class Dose(Record):
         "ripple_at_rollers": RippleAt,
         "ripple_at_line_end": RippleAt,
         "by_weight": ByWeight,
+        "run": Run,
     }
 
     schema: str
@@ -204,9 +220,10 @@ class Dose(Record):
     warnings: tuple[str, ...]
     completed: bool
     by_weight: ByWeight | None = None
+    run: Run | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the dose as plain data: the key `by_weight` is that of a dose that a balance ended.
+        """Return the dose as plain data: `by_weight` and `run` are keys of a dose that has them.
 
         Returns
         -------
@@ -214,8 +231,9 @@ class Dose(Record):
             Numbers, texts, lists and dicts only, as in the command's JSON.
         """
         data = super().to_dict()
-        if self.by_weight is None:
-            del data["by_weight"]
+        for key in ("by_weight", "run"):
+            if data[key] is None:
+                del data[key]
         return data
 
     def __repr__(self) -> str:
@@ -241,7 +259,11 @@ class Wear(Record):
 
 @dataclass(frozen=True)
 class Unfinished(Record):
-    """A dose that was begun and not finished."""
+    """A dose or a run that was begun and not finished.
+
+    A run that was to go on until it is stopped has `until_stopped`, and as `requested_ml` the most that one run
+    makes.
+    """
 
     requested_ml: float
     planned_ml: float
@@ -251,6 +273,7 @@ class Unfinished(Record):
     steps_made_least: int
     steps_made_most: int
     began_unix_s: int
+    until_stopped: bool
     by_weight: bool
     target_g: float | None
 

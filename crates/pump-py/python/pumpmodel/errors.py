@@ -38,10 +38,10 @@ class BalanceError(PumpError):
 class UnfinishedError(PumpError):
     """An earlier dose is unfinished: `Bench.resume` makes the rest, `Bench.discard` accepts it as it is.
 
-    `requested_ml` is the requested volume (mL). The delivered volume (mL) is between `delivered_least_ml` and
+    `requested_ml` is the requested volume (mL), and None for a run until it is stopped. The delivered volume (mL) is between `delivered_least_ml` and
     `delivered_most_ml`.
     """
 
-    requested_ml: float
+    requested_ml: float | None = None
     delivered_least_ml: float
     delivered_most_ml: float

@@ -124,8 +124,8 @@ class BenchBackend(_PumpBackend):
         _refuse("revolutions")
 
     def run_continuously(self, speed: float) -> NoReturn:
-        """Raise NotImplementedError: see `BenchPump.run_continuously`."""
-        _refuse("a speed without an end")
+        """Raise NotImplementedError: `BenchPump.run_continuously` runs the bench."""
+        _refuse("a speed behind the back of its BenchPump")
 
     def halt(self) -> None:
         """Make the motor of the dose under way decelerate and hold."""
@@ -151,6 +151,7 @@ class BenchPump(_Pump):
         super().__init__(backend=backend)
         self.backend: BenchBackend = backend
         self._moving = asyncio.Lock()
+        self._running: asyncio.Task[Dose] | None = None
 
     async def pump_volume(self, speed: float, volume: float) -> Dose:
         """Dose a volume. Doses that are requested at one time come one after the other.
@@ -214,21 +215,72 @@ class BenchPump(_Pump):
         _refuse("revolutions")
 
     async def run_continuously(self, speed: float) -> None:
-        """Halt if the speed is 0, otherwise raise NotImplementedError: a bench doses volumes."""
-        if speed != 0:
-            _refuse("a speed without an end")
+        """Run at a speed until `halt`. The call returns while the pump runs.
+
+        A run under way is halted before. Speed 0 halts and begins nothing. The errors of `pump_volume` that come
+        up before the run moves are raised here, and those of its motion by `halt`.
+
+        Parameters
+        ----------
+        speed : float
+            Speed of the pump head, r/min; negative in reverse.
+        """
         await self.halt()
+        if speed == 0:
+            return
+        keywords: dict[str, Any] = {"speed": _rpm(speed), "reverse": speed < 0}
+        async with self._moving:
+            await asyncio.to_thread(self.backend.bench.run, dry_run=True, **keywords)
+        self._running = asyncio.create_task(self._until_done(lambda bench: bench.run(**keywords)))
+        while not self._running.done() and not self._moving.locked():
+            await asyncio.sleep(0)
 
-    async def run_for_duration(self, speed: float, duration: float) -> NoReturn:
-        """Raise NotImplementedError: a bench doses volumes."""
-        _refuse("a duration")
+    async def run_for_duration(self, speed: float, duration: float) -> Dose:
+        """Run at a speed for a time, ramps included. Complete when the run is.
 
-    async def halt(self) -> None:
-        """Decelerate and hold if a dose is under way. Complete when the motor stands and all is recorded."""
+        Parameters
+        ----------
+        speed : float
+            Speed of the pump head, r/min; negative in reverse.
+        duration : float
+            Time from the first step to the last, s.
+
+        Returns
+        -------
+        Dose
+            The planned run and its result.
+
+        Raises
+        ------
+        HaltedError
+            If `halt` ended the run before its time.
+        ValueError
+            If speed or duration is not finite or not allowed.
+        PlanError
+            If the pump cannot make the run.
+        UnfinishedError
+            If an earlier dose is unfinished.
+        DriveError
+            If another process holds the pump, or the motor cannot be used or fails.
+        """
+        return await self._until_done(
+            lambda bench: bench.run(speed=_rpm(speed), duration=f"{float(duration)!r}s", reverse=speed < 0)
+        )
+
+    async def halt(self) -> Dose | None:
+        """Decelerate and hold if a dose or a run is under way. Complete when the motor stands and all is recorded.
+
+        Returns
+        -------
+        Dose or None
+            The run that `run_continuously` began, with its result; None without one.
+        """
         bench = self.backend.bench
         while self._moving.locked():
             bench.stop()
             await asyncio.sleep(_AGAIN_S)
+        running, self._running = self._running, None
+        return None if running is None else await running
 
     async def stop(self) -> None:
         """Halt and give the pump back."""
@@ -253,6 +305,10 @@ class BenchPump(_Pump):
         if not dose.completed:
             raise HaltedError(dose)
         return dose
+
+
+def _rpm(speed: float) -> str:
+    return f"{abs(float(speed))!r}rpm"
 
 
 def _refuse(amount: str) -> NoReturn:

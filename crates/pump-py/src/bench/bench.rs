@@ -234,7 +234,9 @@ pub(super) fn deliver(
 /// Returns the note on an interrupted caller's exception: the volume that was delivered.
 fn note(delivered: &Delivered) -> String {
     let volume_ml = delivered.volume_ml;
-    if !delivered.completed {
+    if !delivered.completed && !delivered.unfinished {
+        format!("{volume_ml:.4} mL were delivered and are on record; the run is complete")
+    } else if !delivered.completed {
         format!(
             "{volume_ml:.4} mL were delivered and are on record; bench.resume() makes the rest, bench.discard() \
              accepts the dose as it is"
@@ -254,6 +256,11 @@ fn driver_named(name: &str) -> PyResult<DriverName> {
 }
 
 fn purpose_named(name: &str) -> PyResult<Purpose> {
-    let purposes = [("dose", Purpose::Dose), ("prime", Purpose::Prime), ("purge", Purpose::Purge)];
+    let purposes = [
+        ("dose", Purpose::Dose),
+        ("prime", Purpose::Prime),
+        ("purge", Purpose::Purge),
+        ("run", Purpose::Run),
+    ];
     choice("purpose", name, &purposes)
 }

@@ -1,6 +1,7 @@
 //! The request of a dose, from Python's keywords.
 
 use pump_bench::calibration::Weighing;
+use pump_bench::dosing::RunEnd;
 use pump_bench::record::Purpose;
 use pump_bench::{DoseRequest, units};
 use pyo3::prelude::*;
@@ -24,18 +25,45 @@ pub(super) struct AskedDose<'py> {
     start_angle_rad: Option<f64>,
     start_half_width_rad: f64,
     limits: Option<Py<Limits>>,
+    duration: Option<Bound<'py, PyAny>>,
+    until_stopped: bool,
+    reverse: bool,
 }
 
 impl AskedDose<'_> {
+    /// Returns true if a time or a stop ends the motion.
+    fn is_run(&self) -> bool {
+        self.duration.is_some() || self.until_stopped
+    }
+
     /// Returns the request for the fluid and the air of `weighing`.
     pub(super) fn request(&self, purpose: Purpose, weighing: &Weighing<'_>) -> PyResult<DoseRequest> {
         let volume_ml = match &self.volume {
             Some(volume) => {
                 let amount = units::dose_amount(text("volume", "25mL", volume)?).map_err(value)?;
-                weighing.amount_ml(amount).map_err(value)?
+                let volume_ml = weighing.amount_ml(amount).map_err(value)?;
+                if self.reverse && volume_ml < 0.0 {
+                    return Err(value("reverse and a negative volume both mean reverse; give one of them"));
+                }
+                if self.reverse { -volume_ml } else { volume_ml }
+            }
+            // A time or a stop ends it, and the sign is the direction.
+            None if self.is_run() => {
+                if self.reverse {
+                    -1.0
+                } else {
+                    1.0
+                }
             }
             // The rest of an unfinished dose: the record has its volume.
             None => 0.0,
+        };
+        let end = match &self.duration {
+            Some(time) => {
+                RunEnd::Time { time_s: units::time_s(text("duration", "2h", time)?).map_err(value)? }
+            }
+            None if self.until_stopped => RunEnd::Stop,
+            None => RunEnd::Volume,
         };
         if let Some(angle) = self.start_angle_rad.filter(|angle| !angle.is_finite()) {
             return Err(value(format_args!("start_angle_rad is {angle}; allowed: a finite angle")));
@@ -54,6 +82,7 @@ impl AskedDose<'_> {
         }
         let limits = self.limits.as_ref().map_or(Limits::default(), |limits| *limits.get());
         Ok(DoseRequest::new(purpose, volume_ml)
+            .with_end(end)
             .with_cruise(cruise(self.rate.as_ref(), self.speed.as_ref(), self.within.as_ref())?)
             .with_smooth(self.smooth)
             .with_finish(self.finish.as_deref().map(finish_named).transpose()?)

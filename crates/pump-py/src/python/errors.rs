@@ -152,6 +152,10 @@ pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
                 ("delivered_most_ml", most_ml),
             ],
         ),
+        DoseError::UnfinishedRun { least_ml, most_ml } => with(
+            UnfinishedError::new_err(message),
+            &[("delivered_least_ml", least_ml), ("delivered_most_ml", most_ml)],
+        ),
         DoseError::Drive { least_ml, most_ml, .. } => with(
             DriveError::new_err(message),
             &[("delivered_least_ml", least_ml), ("delivered_most_ml", most_ml)],
@@ -164,7 +168,7 @@ pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
                 None => of,
             }
         }
-        DoseError::NotByWeight { .. } => PlanError::new_err(message),
+        DoseError::NotByWeight { .. } | DoseError::NoRun { .. } => PlanError::new_err(message),
         DoseError::Folder(FolderError::Busy { .. })
         | DoseError::Connection(_)
         | DoseError::NoIndex { .. }

@@ -143,8 +143,6 @@ def test_what_is_no_volume_is_refused(tmp_path: Path) -> None:
         async with bench_pump(tmp_path) as pump:
             for refused in (
                 pump.run_revolutions(1),
-                pump.run_continuously(50),
-                pump.run_for_duration(50, 1),
             ):
                 with pytest.raises(NotImplementedError, match="a bench doses volumes, not"):
                     await refused
@@ -180,3 +178,45 @@ def test_without_pylabrobot_the_extra_is_named() -> None:
     ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
     assert ended.returncode == 1
     assert ended.stderr.rstrip().endswith('pip install "pumpmodel[pylabrobot]"')
+
+
+def test_a_run_for_a_duration_takes_that_time_at_that_speed(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            for speed in (60, -60):
+                dose = await pump.run_for_duration(speed=speed, duration=10)
+                assert dose.purpose == "run"
+                assert dose.motion_s == pytest.approx(10, abs=0.1)
+                assert dose.run is not None
+                assert dose.run.asked_s == 10
+                assert dose.delivered_ml is not None
+                assert (dose.delivered_ml < 0) == (speed < 0)
+            for duration in (0, -1, float("nan")):
+                with pytest.raises(ValueError, match="time"):
+                    await pump.run_for_duration(speed=60, duration=duration)
+
+    run(work())
+
+
+def test_a_continuous_run_goes_on_until_halt_and_leaves_nothing_unfinished(tmp_path: Path) -> None:
+    async def work() -> None:
+        async with bench_pump(tmp_path) as pump:
+            with pytest.raises(pm.PlanError, match=r"limit of 170"):
+                await pump.run_continuously(speed=500)
+            await pump.run_continuously(speed=60)
+            await in_motion(pump)
+            await asyncio.sleep(0.5)
+            # Another speed takes the place of the first.
+            await pump.run_continuously(speed=-60)
+            await in_motion(pump)
+            dose = await pump.halt()
+            assert dose is not None
+            assert dose.completed
+            assert dose.run is not None
+            assert dose.run.until == "stop"
+            assert dose.delivered_ml is not None
+            assert dose.delivered_ml < 0
+            assert pump.backend.bench.status().unfinished is None
+            assert await pump.halt() is None
+
+    run(work())

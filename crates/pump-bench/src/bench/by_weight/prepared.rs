@@ -153,7 +153,7 @@ impl Bench {
         }
         // The balance shows what arrives, so that nothing of earlier doses is repaid.
         let dropped_ml = state.map_or(0.0, |state| state.carry_ml);
-        let mut whole = self.prepare_from(file, state.map(PumpState::without_carry), request)?;
+        let mut whole = self.prepare_from(file, state.map(PumpState::without_carry), request, None)?;
         if !whole.plan.start().is_known(whole.model.pitch_rad()) {
             let by_volume = unknown_angle::warnings(&whole.model, &whole.plan);
             whole.warnings.retain(|warning| !by_volume.contains(warning));

@@ -251,6 +251,10 @@ impl Drive for Grbl {
         self.stands
     }
 
+    fn farthest_count(&self) -> Option<i64> {
+        Some(self.scale.most_count())
+    }
+
     fn disturbed(&mut self) -> Option<Disturbance> {
         // A connection that broke at rest is the next motion's fault.
         let before = self.board.be_deaf(true);

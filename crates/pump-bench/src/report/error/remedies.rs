@@ -21,7 +21,7 @@ impl DoseError {
             Self::Folder(error) => error.known_remedies(),
             Self::Journal(error) => error.known_remedies(),
             Self::Calibration(error) => error.known_remedies(),
-            Self::Unfinished { .. } => vec![Remedy::FinishOrAccept],
+            Self::Unfinished { .. } | Self::UnfinishedRun { .. } => vec![Remedy::FinishOrAccept],
             Self::Unconfirmed { .. } => vec![Remedy::WriteOrConfirmPump],
             Self::RunsTheOtherWay { .. } => vec![Remedy::DropCarry],
             Self::BeyondRequest { .. } => vec![Remedy::FinishAtLowFlowOrAccept],
@@ -51,6 +51,7 @@ impl DoseError {
             | Self::NoIndex { .. }
             | Self::Balance(_)
             | Self::NotByWeight { .. }
+            | Self::NoRun { .. }
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Vec::new(),
         }

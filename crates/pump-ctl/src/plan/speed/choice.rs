@@ -14,7 +14,7 @@ use crate::plan::limits::Limits;
 use crate::plan::words::{Cruise, Nearest, PlanError};
 
 /// Longest dose, s. It is 58 days, over which f64 resolves a step's time to a nanosecond.
-const MAX_DURATION_S: f64 = 5e6;
+pub const MAX_DURATION_S: f64 = 5e6;
 
 /// Plans at the speed that `cruise` asks for, within every limit.
 pub(in crate::plan) fn choose(

@@ -8,6 +8,7 @@ mod refusal;
 mod rounded;
 mod within;
 
+pub use choice::MAX_DURATION_S;
 pub use for_flow::speed_for_flow;
 
 pub(in crate::plan) use choice::choose;

@@ -10,7 +10,7 @@ use super::delivered::delivered;
 use crate::plan::words::{Phase, PlanError, Turned};
 
 /// Largest number of steps of a dose. They take eight hours at 36,000 a second.
-pub(super) const MAX_STEPS: f64 = 1e9;
+pub const MAX_STEPS: f64 = 1e9;
 
 /// Pitches on either side of the mean line in which the turn with the smallest deviation is sought. The volume of a
 /// turn departs from the mean line by as much where the flow takes back eight times what a pitch delivers.

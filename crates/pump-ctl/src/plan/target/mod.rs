@@ -10,6 +10,7 @@ mod target;
 
 pub(in crate::plan) use delivered::{booked, delivered};
 pub(in crate::plan) use ends::ends;
+pub use first_end::MAX_STEPS;
 pub(in crate::plan) use first_end::first;
 pub(in crate::plan) use nearest::nearest_steps;
 pub(in crate::plan) use target::Target;

@@ -19,7 +19,7 @@ pub use finish::Finish;
 pub use limited_by::LimitedBy;
 pub use phase::Phase;
 pub use ramps::Ramps;
-pub use request::Request;
+pub use request::{MAX_VOLUME_ML, Request};
 pub use retarget::Retarget;
 pub use set_by::SetBy;
 pub use turned::Turned;

@@ -11,7 +11,7 @@ use super::ramps::Ramps;
 use super::turned::Turned;
 
 /// Largest dose, mL. Its 100 L take five hours at the default rate of the published pump.
-const MAX_VOLUME_ML: f64 = 1e5;
+pub const MAX_VOLUME_ML: f64 = 1e5;
 
 /// A dose to plan.
 ///

@@ -6,12 +6,12 @@ from typing import Self
 
 from pumpmodel._pumpmodel import Pump, _Bench
 from pumpmodel.bench.calibration import BenchCalibration
-from pumpmodel.bench.doses import BenchDoses
 from pumpmodel.bench.record import BenchRecord
+from pumpmodel.bench.runs import BenchRuns
 from pumpmodel.choices import Driver
 
 
-class Bench(BenchDoses, BenchRecord, BenchCalibration):
+class Bench(BenchRuns, BenchRecord, BenchCalibration):
     """A pump with its driver, its journal and its lock, shared with the command `dose`.
 
     Opening a bench moves and creates nothing. The first call that moves or records takes the pump, and the

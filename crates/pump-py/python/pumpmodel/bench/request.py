@@ -18,8 +18,15 @@ def asked(
     start_angle_rad: float | None,
     start_half_width_rad: float,
     limits: Limits | None,
+    *,
+    duration: str | None = None,
+    until_stopped: bool = False,
+    reverse: bool = False,
 ) -> dict[str, Any]:
-    """Return the keywords as a dict. No volume asks for the rest of an unfinished dose."""
+    """Return the keywords as a dict.
+
+    Without a volume a duration or a stop ends the motion; without those it is the rest of an unfinished dose.
+    """
     return {
         "volume": volume,
         "rate": rate,
@@ -32,6 +39,9 @@ def asked(
         "start_angle_rad": start_angle_rad,
         "start_half_width_rad": start_half_width_rad,
         "limits": limits,
+        "duration": duration,
+        "until_stopped": until_stopped,
+        "reverse": reverse,
     }
 
 

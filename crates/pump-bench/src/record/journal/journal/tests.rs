@@ -57,6 +57,7 @@ const INTENT: Entry = Entry::Intent(Intent {
     retract_ml: None,
     whole: None,
     terms: DoseTerms {
+        until_stopped: false,
         cruise_rad_s: None,
         flow_ml_s: None,
         fastest: false,

@@ -1,0 +1,71 @@
+//! The run of continuous flow: its end and its mean flow.
+
+use serde::Serialize;
+
+use crate::bench::Delivered;
+use crate::dosing::{Prepared, RunEnd};
+use crate::numbers::significant;
+use crate::record::Purpose;
+
+/// A run of continuous flow, or a prime or purge for a time.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct RunReport {
+    /// Event that was to end it: `volume`, `time` or `stop`.
+    pub until: Until,
+    /// Time that was asked for, s; null if no time was to end it.
+    pub asked_s: Option<f64>,
+    /// Volume that was delivered over the time of its motion, mL/s; null on a dry run, and if nothing moved.
+    pub mean_flow_ml_s: Option<f64>,
+    /// True if somebody stopped it before the end of its plan; null on a dry run.
+    pub was_stopped: Option<bool>,
+}
+
+/// Event that ends a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum Until {
+    /// A volume is delivered.
+    Volume,
+    /// A time has passed.
+    Time,
+    /// Somebody stops it.
+    Stop,
+}
+
+impl RunReport {
+    /// Reports the run that was prepared. `None` for a motion of another purpose that a volume ends.
+    pub(in crate::report) fn of(prepared: &Prepared, delivered: Option<&Delivered>) -> Option<Self> {
+        let (until, asked_s) = match prepared.request.end {
+            RunEnd::Volume if prepared.request.purpose != Purpose::Run => return None,
+            RunEnd::Volume => (Until::Volume, None),
+            RunEnd::Time { time_s } => (Until::Time, Some(time_s)),
+            RunEnd::Stop => (Until::Stop, None),
+        };
+        let mean = |end: &Delivered| (end.measured_s > 0.0).then(|| end.volume_ml.abs() / end.measured_s);
+        Some(Self {
+            until,
+            asked_s,
+            mean_flow_ml_s: delivered.and_then(mean),
+            was_stopped: delivered.map(|delivered| !delivered.completed),
+        })
+    }
+
+    /// Returns true if the run goes on until somebody stops it.
+    pub(in crate::report) fn is_endless(&self) -> bool {
+        self.until == Until::Stop
+    }
+
+    /// Returns true if somebody stopped it before the end of its plan.
+    pub(in crate::report) fn is_stopped(&self) -> bool {
+        self.was_stopped == Some(true)
+    }
+
+    /// Returns the line of the run for people. It took `moved_s`.
+    pub(in crate::report) fn line(&self, moved_s: f64) -> String {
+        let Some(flow_ml_s) = self.mean_flow_ml_s else { return String::new() };
+        let [ml_s, ml_min] = [flow_ml_s, 60.0 * flow_ml_s].map(|flow| significant(flow, 4));
+        format!("run: {ml_s} mL/s ({ml_min} mL/min) on average over {moved_s:.3} s\n")
+    }
+}

@@ -1,0 +1,112 @@
+"""Continuous flow of a bench: for a time, for a volume, or until it is stopped."""
+
+from typing import Any
+
+from pumpmodel._pumpmodel import Limits
+from pumpmodel.bench.doses import BenchDoses, Progress
+from pumpmodel.bench.request import asked
+from pumpmodel.choices import Ramps
+from pumpmodel.dose import Dose
+
+
+class BenchRuns(BenchDoses):
+    """The runs of continuous flow of a bench. Base of `Bench`."""
+
+    def run(
+        self,
+        *,
+        rate: str | None = None,
+        speed: str | None = None,
+        duration: str | None = None,
+        volume: str | None = None,
+        reverse: bool = False,
+        smooth: bool = False,
+        ramps: Ramps | None = None,
+        start_angle_rad: float | None = None,
+        start_half_width_rad: float = 0.0,
+        limits: Limits | None = None,
+        dry_run: bool = False,
+        progress: Progress | None = None,
+    ) -> Dose:
+        """Pump at a rate for a time, for a volume, or until `stop`. The carry between doses stays as it is.
+
+        Without `duration` and `volume` the run goes on until `stop` is called in another thread, which
+        completes it. It keeps real time on a simulated motor too. Any other simulated run takes no time.
+
+        Parameters
+        ----------
+        rate : str, optional
+            Average flow while cruising, as "10 mL/min"; "max" is the fastest flow that holds every limit.
+        speed : str, optional
+            Speed of the pump head while cruising, as "100rpm". Give at most one of `rate` and `speed`. The
+            default is the pump's `default_rate_ml_s`.
+        duration : str, optional
+            Time from the first step to the last, ramps included, as "2h" or "30s".
+        volume : str, optional
+            Volume after which the run ends, as "1L". Give at most one of `duration` and `volume`.
+        reverse : bool
+            Run in reverse.
+        smooth : bool
+            Let the speed follow the rollers' angle for a flow as smooth as the motor allows.
+        ramps : {"line-aware", "fastest"}, optional
+            Ramps in which the run starts and stops. The default leaves the outlet's line nearly at rest; a
+            board that plans its own ramps has "fastest".
+        start_angle_rad : float, optional
+            Angle of the rollers at the start, rad; overrides the record.
+        start_half_width_rad : float
+            Half width of that angle, rad: the true angle lies within it on either side. 0 is an exact angle.
+        limits : Limits, optional
+            Pressure limits that replace the pump file's.
+        dry_run : bool
+            Plan and predict; move nothing, record nothing.
+        progress : callable, optional
+            Called with the steps made and the steps planned, a few times a second. An exception from it stops
+            the motor.
+
+        Returns
+        -------
+        Dose
+            The planned run and its result. `run` has its end and its mean flow. `completed` is False if
+            `stop` stopped it before its time or its volume.
+
+        Raises
+        ------
+        TypeError
+            If a quantity is a bare number.
+        ValueError
+            If a text is not the expected quantity, or both `duration` and `volume` are given.
+        PlanError
+            If the pump cannot make the run.
+        UnfinishedError
+            If an earlier dose or run is unfinished.
+        DriveError
+            If another process holds the pump, or the motor cannot be used or fails.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import pumpmodel as pm
+        >>> with tempfile.TemporaryDirectory() as tmp, pm.Bench.open("three-roller", state_dir=tmp) as bench:
+        ...     run = bench.run(rate="10mL/min", duration="1min")
+        ...     print(f"{run.delivered_ml:.2f} mL, {60 * run.run.mean_flow_ml_s:.2f} mL/min")
+        10.00 mL, 10.00 mL/min
+        """
+        if duration is not None and volume is not None:
+            raise ValueError("duration and volume both end the run; give one of them, or neither")
+        request: dict[str, Any] = asked(
+            volume,
+            rate,
+            speed,
+            None,
+            smooth,
+            "any",
+            ramps,
+            None,
+            start_angle_rad,
+            start_half_width_rad,
+            limits,
+            duration=duration,
+            until_stopped=duration is None and volume is None,
+            reverse=reverse,
+        )
+        return self._run("run", request, dry_run, progress)

@@ -1,0 +1,54 @@
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+import pumpmodel as pm
+
+
+def test_a_run_has_its_rate_and_its_time_and_leaves_the_carry(tmp_path: Path) -> None:
+    with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
+        carry_ml = bench.dose("25mL").carry_ml
+        run = bench.run(rate="600mL/min", duration="30s")
+        assert run.purpose == "run"
+        assert run.completed
+        assert run.motion_s == pytest.approx(30, abs=0.3)
+        assert run.delivered_ml == pytest.approx(300, abs=8)
+        assert run.run is not None
+        assert (run.run.until, run.run.asked_s, run.run.was_stopped) == ("time", 30, False)
+        assert run.run.mean_flow_ml_s == pytest.approx(run.delivered_ml / run.measured_motion_s)
+        assert run.to_dict()["run"]["until"] == "time"
+        assert bench.status().carry_ml == carry_ml
+        back = bench.run(volume="50mL", reverse=True)
+        assert back.delivered_ml == pytest.approx(-50, abs=0.01)
+        assert bench.dose("1mL").run is None
+
+
+def test_a_run_until_it_is_stopped_is_complete_once_it_is(tmp_path: Path) -> None:
+    with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
+        timer = threading.Timer(1.5, bench.stop)
+        timer.start()
+        began = time.monotonic()
+        run = bench.run(rate="600mL/min")
+        took_s = time.monotonic() - began
+        timer.join()
+        assert took_s > 1.4
+        assert run.completed
+        assert run.run is not None
+        assert (run.run.until, run.run.was_stopped) == ("stop", True)
+        assert run.delivered_ml == pytest.approx(10 * run.measured_motion_s, abs=5)
+        assert bench.status().unfinished is None
+
+
+def test_ends_that_no_run_has_are_refused(tmp_path: Path) -> None:
+    with pm.Bench.open("three-roller", state_dir=tmp_path) as bench:
+        with pytest.raises(ValueError, match="give one of them"):
+            bench.run(duration="1s", volume="1mL")
+        with pytest.raises(ValueError, match="both mean reverse"):
+            bench.run(volume="-1mL", reverse=True)
+        with pytest.raises(TypeError):
+            bench.run(duration=5)  # type: ignore[arg-type]
+        with pytest.raises(pm.PlanError, match="cannot be done within"):
+            bench.run(duration="1ms")
+        assert not bench.status().recorded

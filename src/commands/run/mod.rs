@@ -1,0 +1,47 @@
+//! `dose run`: continuous flow until a time has passed, a volume is delivered, or somebody stops it.
+
+mod end;
+
+use clap::Args;
+use pump_bench::dosing::RunEnd;
+use pump_bench::record::Purpose;
+
+use super::delivery;
+use crate::failure::Failure;
+use crate::options::dosing::DosingOptions;
+use crate::options::volume::asked;
+
+pub(super) use end::{ForOption, deliver_for};
+
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    #[command(flatten)]
+    time: ForOption,
+    /// Stop after this volume, as 1L; negative runs in reverse
+    #[arg(long, value_name = "VOLUME", help_heading = "Amount and speed", conflicts_with = "for")]
+    volume: Option<String>,
+    #[command(flatten)]
+    options: DosingOptions,
+}
+
+impl RunArgs {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        match (&self.time.time, &self.volume) {
+            (Some(time), _) => deliver_for(Purpose::Run, time, &self.options),
+            (None, Some(volume)) => {
+                delivery::run(Purpose::Run, &asked(std::slice::from_ref(volume))?, &self.options)
+            }
+            (None, None) => self.until_stopped(),
+        }
+    }
+
+    /// Runs until somebody stops it.
+    fn until_stopped(&self) -> Result<(), Failure> {
+        if let Some((name, _)) = self.options.files().iter().find(|(_, file)| file.is_some()) {
+            return Err(Failure::refused(format!(
+                "{name} is the file of a run with an end; give the run one with --for or --volume"
+            )));
+        }
+        end::deliver_until(Purpose::Run, RunEnd::Stop, "until stopped", &self.options)
+    }
+}
