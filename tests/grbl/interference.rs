@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use pump_bench::drives::{Drive, GrblError};
 
-use crate::rig::{defective, dose, each, grbl_error, open, run, run_unwatched, start};
-use crate::simulated::options::{Defects, Options};
+use crate::rig::{defective, dose, each, grbl_error, open, run, run_unwatched};
+use crate::simulated::options::Defects;
 
 /// Byte of a jog cancel.
 const CANCEL: u8 = 0x85;
@@ -17,7 +17,7 @@ fn a_hold_or_a_cancel_by_somebody_else_stops_the_dose_at_a_known_step() {
     let (exact, unnoticed) = (AtomicU32::new(0), AtomicU32::new(0));
     each(places.into_iter().flat_map(|place| [(place, b'!'), (place, CANCEL)]), |pressed| {
         let defects = Defects { pressed: Some(pressed), ..Defects::default() };
-        let board = start(Options { defects, patient: true, ..Options::default() });
+        let board = defective(defects);
         let mut grbl = open(&board);
         let plan = dose(&grbl, 3.0, 5.0);
         let result = run(&mut grbl, &board, &plan).0;
