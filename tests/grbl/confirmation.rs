@@ -9,7 +9,7 @@ use pump_bench::pump_file::{DriveTable, DriverName};
 use pump_bench::{Bench, DoseError, DoseRequest, PumpFile, built_in};
 use pump_ctl::plan::Phase;
 
-use crate::rig::start;
+use crate::rig::plug;
 use crate::simulated::Simulated;
 use crate::simulated::options::Options;
 
@@ -41,7 +41,7 @@ fn dose(bench: &Bench) -> Result<(), DoseError> {
 #[test]
 fn a_built_in_pump_moves_no_motor_until_somebody_has_confirmed_it_once() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     for words in [&["0.2mL"][..], &["prime", "0.2mL"], &["0.2mL", "--repeat", "2", "--every", "1s"]] {
         let refused = types(folder.path(), &board, words);
         assert_eq!(refused.status.code(), Some(2), "{words:?}: {refused:?}");
@@ -74,7 +74,7 @@ fn a_built_in_pump_moves_no_motor_until_somebody_has_confirmed_it_once() {
 #[test]
 fn the_word_is_asked_for_again_when_a_value_changes_and_not_for_any_other_change() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let refused = dose(&bench(folder.path(), &board, |_| ())).unwrap_err();
     assert!(matches!(refused, DoseError::Unconfirmed { changed: false, .. }), "{refused}");
     dose(&bench(folder.path(), &board, |_| ()).confirming_pump(true)).unwrap();
@@ -109,7 +109,7 @@ fn the_word_is_asked_for_again_when_a_value_changes_and_not_for_any_other_change
 #[test]
 fn a_value_that_stands_in_a_file_is_confirmed_unless_the_file_says_otherwise() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let text =
         built_in("three-roller").unwrap().to_toml().replace("steps_per_rev = 12800", "steps_per_rev = 3200");
     let pump = folder.path().join("mine.toml");
@@ -135,7 +135,7 @@ fn a_value_that_stands_in_a_file_is_confirmed_unless_the_file_says_otherwise() {
 #[test]
 fn an_angle_is_found_by_hand_without_a_word_and_sought_by_the_motor_with_one() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let plain = bench(folder.path(), &board, |_| ());
     let (mut session, _) = plain.set_angle(Some(Phase::known(0.5))).unwrap();
     assert!(matches!(

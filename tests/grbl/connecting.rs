@@ -1,7 +1,7 @@
 //! Claims about the search for a board, and the boards that are refused.
 
 use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use pump_bench::drives::GrblError;
 use pump_bench::drives::{Disturbance, Drive, DriveError, Grbl, Opening};
@@ -9,35 +9,37 @@ use pump_bench::notice::Remedy;
 use pump_bench::pump_file::{Axis, DriveTable, DriverName};
 use pump_bench::report::Explain;
 
-use crate::rig::{defective, dose, grbl_error, motor, open, refusal, run, start, table};
+use crate::rig::{
+    defective, dose, grbl_error, motor, open, open_port, plug, port, refusal, run, start, table,
+};
 use crate::simulated::options::{Defects, Firmware, Options};
 
 #[test]
 fn a_line_that_never_settles_is_not_waited_for() {
     let board = start(Options::default());
     let mut grbl = open(&board);
-    let began = Instant::now();
+    let began = board.now();
     for settle_s in [f64::INFINITY, f64::NAN, -1.0, 1e19] {
         assert!(grbl.settle(settle_s, &mut || ControlFlow::Break(())).unwrap().is_none());
     }
     for settle_s in [f64::INFINITY, f64::NAN] {
         assert!(grbl.settle(settle_s, &mut || ControlFlow::Continue(())).unwrap().is_none());
     }
-    assert!(began.elapsed() < Duration::from_secs(5));
-    let began = Instant::now();
+    assert!(board.now() - began < Duration::from_secs(1));
+    let began = board.now();
     grbl.settle(0.3, &mut || ControlFlow::Continue(())).unwrap();
-    assert!(began.elapsed() >= Duration::from_millis(300));
+    assert!(board.now() - began >= Duration::from_millis(300));
 }
 
 #[test]
 fn a_board_that_resets_on_open_is_waited_for_unlocked_and_the_reset_told_once() {
-    let board = start(Options {
+    let board = plug(Options {
         resets_on_open: true,
         boot: Duration::from_millis(700),
         settings: vec![(22, 1.0)],
         ..Options::default()
     });
-    let mut grbl = open(&board);
+    let mut grbl = open_port(&board);
     assert_eq!(grbl.disturbed(), Some(Disturbance::Reset));
     assert_eq!(grbl.disturbed(), None);
     let plan = dose(&grbl, 0.5, 5.0);
@@ -46,21 +48,21 @@ fn a_board_that_resets_on_open_is_waited_for_unlocked_and_the_reset_told_once() 
 
 #[test]
 fn a_board_that_was_opened_once_is_not_reset_again() {
-    let board = start(Options { resets_on_open: true, ..Options::default() });
-    let mut grbl = open(&board);
+    let board = plug(Options { resets_on_open: true, ..Options::default() });
+    let mut grbl = open_port(&board);
     let plan = dose(&grbl, 0.5, 5.0);
     run(&mut grbl, &board, &plan).0.unwrap();
     drop(grbl);
-    let mut again = open(&board);
+    let mut again = open_port(&board);
     assert_eq!((again.count(), again.disturbed()), (Some(plan.steps()), None));
     assert_eq!(board.truth().resets, 1);
 }
 
 #[test]
 fn a_second_driver_is_told_who_has_the_port() {
-    let board = start(Options::default());
-    let _grbl = open(&board);
-    let error = Grbl::open(&table(&board), &motor(), &Opening::default()).unwrap_err();
+    let board = plug(Options::default());
+    let _grbl = open_port(&board);
+    let error = Grbl::open(&port(&board), &motor(), &Opening::default()).unwrap_err();
     let DriveError::Busy { holder, .. } = &error else { panic!("{error}") };
     assert!(holder.contains(&std::process::id().to_string()), "{error}");
 }
@@ -92,16 +94,14 @@ fn firmwares_of_the_family_are_driven_and_older_ones_refused() {
 #[test]
 fn an_axis_that_the_board_does_not_have_is_named() {
     let board = start(Options::default());
-    let table = table(&board).with_axis(Axis::A);
-    let error =
-        pump_bench::report::with_sources(&Grbl::open(&table, &motor(), &Opening::default()).unwrap_err());
+    let refused = board.open(&table().with_axis(Axis::A), &Opening::default()).unwrap_err();
+    let error = pump_bench::report::with_sources(&refused);
     assert!(error.contains("axis") && error.contains('A'), "{error}");
 }
 
 #[test]
 fn a_motion_that_is_under_way_is_waited_for() {
-    // The board is slow, so that it still moves when the panic below has been printed.
-    let board = start(Options { time_scale: 0.2, ..Options::default() });
+    let board = start(Options::default());
     let mut grbl = open(&board);
     let plan = dose(&grbl, 6.0, 5.0);
     // The port is closed with jogs in the queue, as if this process died.
@@ -133,7 +133,7 @@ fn a_locked_board_is_refused_with_what_to_do() {
     assert_eq!((again.made_least, again.made_most), (0, 0));
     assert!(pump_bench::report::with_sources(&again).contains("$X"), "{again}");
     drop(grbl);
-    let error = Grbl::open(&table(&board), &motor(), &Opening::default()).unwrap_err();
+    let error = board.open(&table(), &Opening::default()).unwrap_err();
     assert!(matches!(grbl_error(error), GrblError::Locked { .. }));
 }
 
@@ -153,8 +153,8 @@ fn a_sleeping_board_is_woken_and_that_is_a_reset() {
 #[test]
 fn a_port_where_no_board_answers_is_refused_in_bounded_time() {
     let board = defective(Defects { silent: Some(0), ..Defects::default() });
-    let started = Instant::now();
-    let error = Grbl::open(&table(&board), &motor(), &Opening::default()).unwrap_err();
+    let started = board.now();
+    let error = board.open(&table(), &Opening::default()).unwrap_err();
     assert!(matches!(grbl_error(error), GrblError::NoGrbl { .. }));
-    assert!(started.elapsed() < Duration::from_secs(20));
+    assert!(board.now() - started < Duration::from_secs(20));
 }

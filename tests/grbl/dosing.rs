@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use pump_bench::drives::Drive;
+use pump_bench::drives::{Drive, Leave, Opening};
 
-use crate::rig::{defective, dose, each, open, run, run_until, start};
+use crate::rig::{defective, dose, each, open, run, run_until, start, table};
 use crate::simulated::options::{Defects, Options};
 
 #[test]
@@ -26,12 +26,9 @@ fn every_step_of_a_dose_is_made_and_none_before_it_is_announced() {
 #[test]
 fn an_inverted_axis_turns_the_other_way_and_counts_the_same() {
     let board = start(Options::default());
-    let table = crate::rig::table(&board).with_invert(true);
-    let mut grbl =
-        pump_bench::drives::Grbl::open(&table, &crate::rig::motor(), &pump_bench::drives::Opening::default())
-            .unwrap();
+    let mut grbl = board.open(&table().with_invert(true), &Opening::default()).unwrap();
     let plan = dose(&grbl, 0.5, 5.0);
-    let made = grbl.run(&plan, &mut |_, _| pump_bench::drives::Leave::Go).unwrap();
+    let made = grbl.run(&plan, &mut |_, _| Leave::Go).unwrap();
     assert_eq!(
         (made, board.truth().steps, grbl.count()),
         (plan.steps() as u64, -plan.steps(), Some(plan.steps()))
@@ -40,8 +37,7 @@ fn an_inverted_axis_turns_the_other_way_and_counts_the_same() {
 
 #[test]
 fn jogs_blend_at_the_cruise_speed() {
-    // The board waits for a busy machine.
-    let board = start(Options { patient: true, ..Options::default() });
+    let board = start(Options::default());
     let mut grbl = open(&board);
     let plan = dose(&grbl, 6.0, 4.0);
     run(&mut grbl, &board, &plan).0.unwrap();
@@ -54,7 +50,7 @@ fn jogs_blend_at_the_cruise_speed() {
 
 #[test]
 fn no_more_is_sent_ahead_than_a_stop_and_half_a_second() {
-    let board = start(Options { patient: true, ..Options::default() });
+    let board = start(Options::default());
     let mut grbl = open(&board);
     let plan = dose(&grbl, 6.0, 4.0);
     let cruise = plan.profile().peak_rad_s() / plan.step_rad();

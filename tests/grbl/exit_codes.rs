@@ -10,7 +10,7 @@ use pump_bench::pump_file::{DriveTable, DriverName, PumpFile};
 use pump_bench::report::Ending;
 use pump_bench::{Bench, DoseError, DoseRequest, built_in};
 
-use crate::rig::{each, start};
+use crate::rig::{each, plug};
 use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options, Sensor};
 
@@ -50,7 +50,7 @@ fn interrupt(mut command: Command, when: impl Fn() -> bool) -> (Output, Duration
 /// Returns a board that never falls silent.
 fn talkative(defects: Defects) -> Simulated {
     let auto_report = Some(Duration::from_millis(10));
-    start(Options { auto_report, chatters: true, defects, ..Options::default() })
+    plug(Options { auto_report, chatters: true, defects, ..Options::default() })
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn ctrl_c_is_heard_at_rest_and_in_motion_whatever_the_board_says() {
 #[test]
 fn a_hold_exits_with_1_and_the_rest_is_resumed() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options {
+    let board = plug(Options {
         defects: Defects { pressed: Some((900, b'!')), ..Defects::default() },
         patient: true,
         ..Options::default()
@@ -101,7 +101,7 @@ fn a_hold_exits_with_1_and_the_rest_is_resumed() {
 fn settings_that_changed_exit_with_2_until_they_are_accepted() {
     let folder = tempfile::tempdir().unwrap();
     let run = |settings: Vec<(u16, f32)>, words: &[&str]| {
-        let board = start(Options { settings, ..Options::default() });
+        let board = plug(Options { settings, ..Options::default() });
         let output = command(folder.path(), &board, words).output().unwrap();
         (output.status.code(), board.truth().steps != 0, String::from_utf8(output.stderr).unwrap())
     };
@@ -116,7 +116,7 @@ fn settings_that_changed_exit_with_2_until_they_are_accepted() {
 #[test]
 fn a_resume_of_a_dose_that_the_board_has_finished_exits_with_0_and_says_so() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let output = command(folder.path(), &board, &["home", "--set", "0deg"]).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let journal = folder.path().join("state/three-roller/grbl/journal.jsonl");
@@ -148,7 +148,7 @@ fn a_resume_of_a_dose_that_the_board_has_finished_exits_with_0_and_says_so() {
 /// Runs `dose home --sensor --yes` on a board of its own. The journal may grow to `bytes`.
 fn search(folder: &Path, bytes: Option<u64>) -> Output {
     let sensor = Some(Sensor { at: 4000, width: 128, every: 12_800 });
-    let board = start(Options { time_scale: 4.0, sensor, ..Options::default() });
+    let board = plug(Options { time_scale: 4.0, sensor, ..Options::default() });
     let pump = pump_file(folder, &board);
     let limit = bytes.map_or("unlimited".to_owned(), |bytes| bytes.to_string());
     // The shell ignores the signal, so a write beyond the limit fails as on a full disk.
@@ -186,7 +186,7 @@ fn a_plan_that_is_refused_tells_what_befell_the_rotor() {
         let is_resume = words[0] == "resume";
         {
             let pressed = is_resume.then_some((500, b'!'));
-            let board = start(Options {
+            let board = plug(Options {
                 defects: Defects { pressed, ..Defects::default() },
                 patient: true,
                 ..Options::default()
@@ -196,7 +196,7 @@ fn a_plan_that_is_refused_tells_what_befell_the_rotor() {
             let dosed = command(folder.path(), &board, &["2mL"]).output().unwrap();
             assert_eq!(dosed.status.code(), Some(i32::from(is_resume)), "{dosed:?}");
         }
-        let board = start(Options::default());
+        let board = plug(Options::default());
         let output = command(folder.path(), &board, words).output().unwrap();
         assert_eq!((output.status.code(), board.truth().steps), (Some(2), 0), "{words:?}: {output:?}");
         let said = String::from_utf8(output.stderr).unwrap();
@@ -221,7 +221,7 @@ fn a_board_that_takes_seconds_to_answer_costs_a_batch_no_dose() {
     let folder = tempfile::tempdir().unwrap();
     // The board starts anew when its port is opened.
     let boot = Duration::from_secs(4);
-    let board = start(Options { resets_on_open: true, boot, ..Options::default() });
+    let board = plug(Options { resets_on_open: true, boot, ..Options::default() });
     let batch = ["0.2mL", "--repeat", "2", "--every", "3s"];
     let output = command(folder.path(), &board, &batch).output().unwrap();
     let said = String::from_utf8(output.stdout).unwrap();

@@ -15,7 +15,7 @@ use pump_bench::report::Ending;
 use pump_bench::{Bench, Delivered, DoseError, DoseReport, DoseRequest, built_in};
 use pump_ctl::plan::{Cruise, Phase, PressureLimits};
 
-use crate::rig::{each, start};
+use crate::rig::{each, plug};
 use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options};
 
@@ -34,7 +34,7 @@ fn bench(folder: &Path, board: &Simulated, soft: bool) -> Bench {
 #[test]
 fn the_rest_is_on_record_before_the_line_settles_and_the_wait_hears_a_stop() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, true);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
@@ -63,7 +63,7 @@ fn the_rest_is_on_record_before_the_line_settles_and_the_wait_hears_a_stop() {
 #[test]
 fn a_reset_after_the_last_step_is_in_the_report_of_that_dose() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, true);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
@@ -123,7 +123,7 @@ struct Slowly {
 /// Makes a dose of some 2.4 s while each sync takes so long. No step may be made before it is on disk.
 fn dose_slowly(takes: Duration, request: DoseRequest) -> Slowly {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, false);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
@@ -199,7 +199,7 @@ fn a_fault_after_pauses_counts_each_rest_of_a_motor_that_its_board_lets_go() {
         |case| {
             let (idle_ms, (defects, is_reset)) = case;
             let folder = tempfile::tempdir().unwrap();
-            let board = start(Options { settings: vec![(1, idle_ms)], defects, ..Options::default() });
+            let board = plug(Options { settings: vec![(1, idle_ms)], defects, ..Options::default() });
             let bench = bench(folder.path(), &board, false);
             let mut session = bench.session().unwrap();
             session.set_angle(Some(Phase::known(0.0))).unwrap();
@@ -227,7 +227,7 @@ fn a_fault_after_pauses_counts_each_rest_of_a_motor_that_its_board_lets_go() {
 #[test]
 fn a_board_that_turns_slower_than_its_settings_say_is_reported() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options { time_scale: 0.5, ..Options::default() });
+    let board = plug(Options { time_scale: 0.5, ..Options::default() });
     let bench = bench(folder.path(), &board, false);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();

@@ -1,4 +1,5 @@
-//! The rig of these tests: a simulated board, a driver and a plan.
+//! The rig of these tests: a simulated board, a driver and a plan. Boards are in memory with a clock of their own, except
+//! those that are plugged into a port of this computer.
 
 use pump_bench::built_in;
 use pump_bench::drives::GrblError;
@@ -6,35 +7,57 @@ use pump_bench::drives::{Drive, DriveError, DriveFault, Grbl, Leave, Opening};
 use pump_bench::pump_file::{DriveTable, DriverName, MotorTable};
 use pump_ctl::plan::{Cruise, Doser, Phase, Plan, Request};
 
-use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options};
+use crate::simulated::{Simulated, Truth};
+use crate::virtual_time::board::Board;
 
 /// Returns the published pump's motor.
 pub(crate) fn motor() -> MotorTable {
     built_in("three-roller").unwrap().motor
 }
 
-pub(crate) fn start(options: Options) -> Simulated {
-    Simulated::start(options).unwrap()
+/// Switches a board on, in virtual time.
+pub(crate) fn start(options: Options) -> Board {
+    Board::start(options)
 }
 
-/// Starts a board with these defects.
-pub(crate) fn defective(defects: Defects) -> Simulated {
+/// Starts a board with these defects, in virtual time.
+pub(crate) fn defective(defects: Defects) -> Board {
     start(Options { defects, ..Options::default() })
 }
 
-pub(crate) fn table(board: &Simulated) -> DriveTable {
-    DriveTable::of(DriverName::Grbl).with_port(board.path())
+/// Switches a board on that is plugged into a port of this computer, and runs in real time.
+pub(crate) fn plug(options: Options) -> Simulated {
+    Simulated::start(options).unwrap()
 }
 
-pub(crate) fn open(board: &Simulated) -> Grbl {
-    Grbl::open(&table(board), &motor(), &Opening::default()).unwrap()
+/// Plugs a board with these defects in.
+pub(crate) fn plug_defective(defects: Defects) -> Simulated {
+    plug(Options { defects, ..Options::default() })
+}
+
+/// Returns the table of the port of a board that is plugged in.
+pub(crate) fn port(board: &Simulated) -> DriveTable {
+    table().with_port(board.path())
+}
+
+/// Opens the port of a board that is plugged in.
+pub(crate) fn open_port(board: &Simulated) -> Grbl {
+    Grbl::open(&port(board), &motor(), &Opening::default()).unwrap()
+}
+
+/// Returns the table of a board without a port.
+pub(crate) fn table() -> DriveTable {
+    DriveTable::of(DriverName::Grbl)
+}
+
+pub(crate) fn open(board: &Board) -> Grbl {
+    board.open(&table(), &Opening::default()).unwrap()
 }
 
 /// Returns the error with which a board is refused.
 pub(crate) fn refusal(options: Options) -> DriveError {
-    let board = start(options);
-    Grbl::open(&table(&board), &motor(), &Opening::default()).map(drop).unwrap_err()
+    start(options).open(&table(), &Opening::default()).map(drop).unwrap_err()
 }
 
 /// Plans a dose as a session does for this driver, with the board's own ramps.
@@ -56,16 +79,34 @@ pub(crate) fn turn_at(grbl: &Grbl, steps_s: f64) -> Plan {
     Doser::new(&file.model().unwrap(), limits).unwrap().turn(Phase::known(0.4), 64_000, speed_rad_s).unwrap()
 }
 
+/// Board whose truth a test can look at.
+pub(crate) trait Watched {
+    /// Returns the truth about the board now.
+    fn truth(&self) -> Truth;
+}
+
+impl Watched for Board {
+    fn truth(&self) -> Truth {
+        self.truth()
+    }
+}
+
+impl Watched for Simulated {
+    fn truth(&self) -> Truth {
+        self.truth()
+    }
+}
+
 /// Runs a plan to its end, and checks that no step is made before it is announced. Returns the result and the
 /// last step that was announced.
-pub(crate) fn run(grbl: &mut Grbl, board: &Simulated, plan: &Plan) -> (Result<u64, DriveFault>, u64) {
+pub(crate) fn run(grbl: &mut Grbl, board: &impl Watched, plan: &Plan) -> (Result<u64, DriveFault>, u64) {
     run_until(grbl, board, plan, |_, _| false)
 }
 
 /// Runs a plan until `stop` returns true, with the checks and results of [`run`].
 pub(crate) fn run_until(
     grbl: &mut Grbl,
-    board: &Simulated,
+    board: &impl Watched,
     plan: &Plan,
     mut stop: impl FnMut(u64, u64) -> bool,
 ) -> (Result<u64, DriveFault>, u64) {
@@ -112,7 +153,7 @@ pub(crate) fn grbl_error(error: DriveError) -> GrblError {
     }
 }
 
-/// Runs `test` on every case, all at a time, since tests mostly wait.
+/// Runs `test` on every case, all at a time.
 pub(crate) fn each<T: Send>(cases: impl IntoIterator<Item = T>, test: impl Fn(T) + Sync) {
     std::thread::scope(|scope| {
         for case in cases {

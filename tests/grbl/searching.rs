@@ -5,10 +5,10 @@ use std::time::Duration;
 use pump_bench::drives::{Disturbance, Drive, GrblError, Leave};
 
 use crate::rig::{dose, grbl_error, open, run, start};
-use crate::simulated::Simulated;
 use crate::simulated::options::{Options, Sensor};
+use crate::virtual_time::board::Board;
 
-fn with_sensor(at: i64) -> Simulated {
+fn with_sensor(at: i64) -> Board {
     start(Options { sensor: Some(Sensor { at, width: 60, every: 12_800 }), ..Options::default() })
 }
 
@@ -61,8 +61,8 @@ fn a_board_that_is_reset_while_the_search_waits_gets_no_move() {
             asked += 1;
             if asked == 1 {
                 // The disk takes its time, and somebody else resets the board.
-                std::fs::write(board.path(), [0x18]).unwrap();
-                std::thread::sleep(Duration::from_millis(150));
+                board.send(&[0x18]);
+                board.pass(Duration::from_millis(150));
             }
             if waits && asked < 3 { Leave::Wait } else { Leave::Go }
         });

@@ -13,7 +13,7 @@ use pump_bench::report::{Explain, Remedy};
 use pump_bench::{Bench, DoseError, DoseRequest, built_in};
 use pump_ctl::plan::Phase;
 
-use crate::rig::{defective, each, start};
+use crate::rig::{each, plug, plug_defective};
 use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options, Sensor};
 
@@ -43,7 +43,7 @@ fn close(one: f64, two: f64) -> bool {
 fn a_board_that_was_switched_off_and_on_unseen_makes_the_angle_wider_and_its_count_proves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let state = {
-        let board = start(Options::default());
+        let board = plug(Options::default());
         let bench = bench(folder.path(), &board, false);
         let mut session = bench.session().unwrap();
         session.set_angle(Some(Phase::known(0.5))).unwrap();
@@ -52,7 +52,7 @@ fn a_board_that_was_switched_off_and_on_unseen_makes_the_angle_wider_and_its_cou
         *session.state().unwrap()
     };
     assert!(state.count.is_some_and(|count| count != 0));
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, false);
     let mut session = bench.session().unwrap();
     session.connect().unwrap();
@@ -66,7 +66,7 @@ fn a_dose_cut_off_with_the_boards_power_keeps_its_bounds() {
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("three-roller/grbl/journal.jsonl");
     let made = {
-        let board = start(Options::default());
+        let board = plug(Options::default());
         let bench = bench(folder.path(), &board, false);
         let mut session = bench.session().unwrap();
         session.set_angle(Some(Phase::known(0.5))).unwrap();
@@ -84,7 +84,7 @@ fn a_dose_cut_off_with_the_boards_power_keeps_its_bounds() {
         std::fs::write(&journal, early).unwrap();
         board.rest().steps
     };
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, false);
     let before = bench.story().unwrap().state.unwrap().unfinished.unwrap();
     assert!(before.made_least < before.made_most && made > before.made_least);
@@ -99,7 +99,7 @@ fn a_dose_cut_off_with_the_boards_power_keeps_its_bounds() {
 #[test]
 fn a_retraction_goes_on_from_an_angle_that_a_reset_has_widened() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, true);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
@@ -138,7 +138,7 @@ fn an_index_found_by_a_board_that_lets_go_of_its_motor_is_known_less_well() {
     let seek = |settings: Vec<(u16, f32)>| -> PumpState {
         let folder = tempfile::tempdir().unwrap();
         let sensor = Some(Sensor { at: 4000, width: 128, every: 12_800 });
-        let board = start(Options { settings, time_scale: 4.0, sensor, ..Options::default() });
+        let board = plug(Options { settings, time_scale: 4.0, sensor, ..Options::default() });
         let bench = bench(folder.path(), &board, false);
         let mut session = bench.session().unwrap();
         session.seek_index(go).unwrap().unwrap()
@@ -152,7 +152,7 @@ fn an_index_found_by_a_board_that_lets_go_of_its_motor_is_known_less_well() {
 fn alarms_that_nobody_knows_leave_the_angle_unknown() {
     each([1, 10, 17], |code| {
         let folder = tempfile::tempdir().unwrap();
-        let board = defective(Defects { alarm: Some((700, code)), ..Defects::default() });
+        let board = plug_defective(Defects { alarm: Some((700, code)), ..Defects::default() });
         let bench = bench(folder.path(), &board, false);
         let mut session = bench.session().unwrap();
         session.set_angle(Some(Phase::known(0.0))).unwrap();
@@ -166,7 +166,7 @@ fn alarms_that_nobody_knows_leave_the_angle_unknown() {
 #[test]
 fn a_fault_on_the_way_back_or_in_a_turn_says_what_was_made_of_it_and_nothing_to_resume() {
     let folder = tempfile::tempdir().unwrap();
-    let board = defective(Defects { alarm: Some((1300, 2)), ..Defects::default() });
+    let board = plug_defective(Defects { alarm: Some((1300, 2)), ..Defects::default() });
     let bench = bench(folder.path(), &board, false);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
@@ -189,7 +189,7 @@ fn a_fault_on_the_way_back_or_in_a_turn_says_what_was_made_of_it_and_nothing_to_
 #[test]
 fn a_smooth_dose_is_refused_before_the_board_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, false);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
@@ -203,7 +203,7 @@ fn a_smooth_dose_is_refused_before_the_board_is_asked_for() {
 #[test]
 fn a_motor_that_was_let_go_on_purpose_is_disturbed_once() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, false);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(1.0))).unwrap();
@@ -224,7 +224,7 @@ fn other_program(board: &Simulated, bytes: &[u8]) {
 #[test]
 fn a_released_rotor_that_another_program_turned_is_unknown() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, false);
     {
         let mut session = bench.session().unwrap();
@@ -243,7 +243,7 @@ fn a_released_rotor_that_another_program_turned_is_unknown() {
 fn a_released_rotor_whose_board_counts_anew_is_unknown() {
     let folder = tempfile::tempdir().unwrap();
     {
-        let board = start(Options::default());
+        let board = plug(Options::default());
         let bench = bench(folder.path(), &board, false);
         let mut session = bench.session().unwrap();
         session.set_angle(Some(Phase::known(1.0))).unwrap();
@@ -251,7 +251,7 @@ fn a_released_rotor_whose_board_counts_anew_is_unknown() {
         session.run(&prepared, go).unwrap();
         session.release().unwrap();
     }
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, false);
     let mut session = bench.session().unwrap();
     session.connect().unwrap();
@@ -261,7 +261,7 @@ fn a_released_rotor_whose_board_counts_anew_is_unknown() {
 #[test]
 fn a_release_that_cannot_be_recorded_is_no_release_and_no_disturbance() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, false);
     bench.session().unwrap().set_angle(Some(Phase::known(1.0))).unwrap();
     let mut session = bench.session().unwrap();
@@ -315,7 +315,7 @@ impl Storage for FullDisk {
 #[test]
 fn a_release_that_cannot_be_recorded_leaves_what_is_to_be_sucked_back() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, false);
     let steps = killed_late(&bench, DoseRequest::dose(1.0).with_retraction(0.3));
     assert_eq!(board.rest().steps, steps, "nothing was sucked back");
@@ -331,7 +331,7 @@ fn a_release_that_cannot_be_recorded_leaves_what_is_to_be_sucked_back() {
 #[test]
 fn a_stop_while_the_board_is_asked_leaves_the_old_tube() {
     let folder = tempfile::tempdir().unwrap();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     let bench = bench(folder.path(), &board, false);
     let request = DoseRequest::new(Purpose::Calibrate, 1.0);
     killed_late(&bench, request);
@@ -349,14 +349,14 @@ fn a_stop_while_the_board_is_asked_leaves_the_old_tube() {
 fn the_steps_of_a_turn_that_failed_are_none_of_the_dose_on_record() {
     let folder = tempfile::tempdir().unwrap();
     {
-        let board = defective(Defects { alarm: Some((700, 1)), ..Defects::default() });
+        let board = plug_defective(Defects { alarm: Some((700, 1)), ..Defects::default() });
         let bench = bench(folder.path(), &board, false);
         let mut session = bench.session().unwrap();
         session.set_angle(Some(Phase::known(0.0))).unwrap();
         let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
         session.run(&prepared, go).unwrap_err();
     }
-    let board = defective(Defects { unplugged: Some(200), ..Defects::default() });
+    let board = plug_defective(Defects { unplugged: Some(200), ..Defects::default() });
     let bench = bench(folder.path(), &board, false).homing_unfinished(true);
     let mut session = bench.session().unwrap();
     session.connect().unwrap();
@@ -372,7 +372,7 @@ fn the_steps_of_a_turn_that_failed_are_none_of_the_dose_on_record() {
 fn a_hold_leaves_a_rest_that_is_resumed_to_the_dose() {
     let folder = tempfile::tempdir().unwrap();
     let defects = Defects { pressed: Some((900, b'!')), ..Defects::default() };
-    let board = start(Options { defects, patient: true, ..Options::default() });
+    let board = plug(Options { defects, patient: true, ..Options::default() });
     let bench = bench(folder.path(), &board, false);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
@@ -390,7 +390,7 @@ fn a_hold_leaves_a_rest_that_is_resumed_to_the_dose() {
 #[test]
 fn a_dose_that_went_too_far_has_no_rest() {
     let folder = tempfile::tempdir().unwrap();
-    let board = defective(Defects { foreign: Some((300, 30.0)), ..Defects::default() });
+    let board = plug_defective(Defects { foreign: Some((300, 30.0)), ..Defects::default() });
     let bench = bench(folder.path(), &board, false);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();

@@ -1,7 +1,7 @@
 //! Claims about a board's settings: refusals, notes, and the settings that are written on request.
 
 use pump_bench::drives::GrblError;
-use pump_bench::drives::{Disturbance, Drive, Grbl, Opening};
+use pump_bench::drives::{Disturbance, Drive, Opening};
 use pump_bench::notice::{Notice, Remedy};
 use pump_bench::report::Explain;
 
@@ -93,7 +93,7 @@ fn a_board_that_cuts_the_current_disturbs_the_rotor_once_a_motion() {
 #[test]
 fn configuring_writes_what_differs_and_says_what() {
     let board = start(with(&[(1, 25.0), (10, 2.0), (13, 1.0), (20, 1.0), (120, 100_000.0)]));
-    let mut grbl = Grbl::open(&table(&board), &motor(), &configuring()).unwrap();
+    let mut grbl = board.open(&table(), &configuring()).unwrap();
     let notes = grbl.notes();
     for number in ["$1 ", "$10 ", "$13 ", "$20 ", "$110 ", "$120 "] {
         assert!(notes.iter().any(|note| note.text().starts_with(number)), "{number}: {notes:?}");
@@ -103,7 +103,7 @@ fn configuring_writes_what_differs_and_says_what() {
     assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64);
     assert_eq!(grbl.disturbed(), None);
     drop(grbl);
-    let mut again = Grbl::open(&table(&board), &motor(), &configuring()).unwrap();
+    let mut again = board.open(&table(), &configuring()).unwrap();
     assert!(
         !again.notes().iter().any(|note| note.text().contains(" was ")),
         "a second time there is nothing to write"
@@ -115,7 +115,7 @@ fn configuring_writes_what_differs_and_says_what() {
 fn a_setting_that_is_told_with_two_values_is_refused() {
     each([(100, 210.0), (110, 600.0), (120, 40.0), (1, 25.0), (13, 1.0)], |(number, value)| {
         let board = defective(Defects { misreads: Some((1, number, value)), ..Defects::default() });
-        let error = grbl_error(Grbl::open(&table(&board), &motor(), &Opening::default()).unwrap_err());
+        let error = grbl_error(board.open(&table(), &Opening::default()).unwrap_err());
         assert!(matches!(error, GrblError::Unsteady { number: told, .. } if told == number), "{error}");
     });
 }
@@ -129,7 +129,7 @@ fn settings_that_have_changed_since_the_last_time_are_refused_until_they_are_acc
     let configuring = Opening { configure: true, ..usual.clone() };
     let opened = |options: Options, opening: &Opening| {
         let board = start(options);
-        Grbl::open(&table(&board), &motor(), opening).map(|mut grbl| grbl.notes())
+        board.open(&table(), opening).map(|mut grbl| grbl.notes())
     };
     opened(Options::default(), &usual).unwrap();
     opened(Options::default(), &usual).unwrap();
@@ -162,11 +162,11 @@ fn a_damaged_record_of_settings_is_refused_and_written_anew_on_request() {
     std::fs::write(&path, "{").unwrap();
     let board = start(Options::default());
     let usual = Opening { settings_record: Some(path), ..Opening::default() };
-    let error = grbl_error(Grbl::open(&table(&board), &motor(), &usual).unwrap_err());
+    let error = grbl_error(board.open(&table(), &usual).unwrap_err());
     assert!(matches!(error, GrblError::SettingsRecord { .. }), "{error}");
     let accepting = Opening { accept_settings: true, ..usual.clone() };
-    Grbl::open(&table(&board), &motor(), &accepting).unwrap();
-    Grbl::open(&table(&board), &motor(), &usual).unwrap();
+    board.open(&table(), &accepting).unwrap();
+    board.open(&table(), &usual).unwrap();
 }
 
 #[test]
@@ -191,8 +191,8 @@ fn a_setting_that_is_written_is_told_once() {
     let usual = Opening { settings_record: record, ..Opening::default() };
     let configuring = Opening { configure: true, ..usual.clone() };
     let board = start(with(&[(1, 25.0)]));
-    drop(Grbl::open(&table(&board), &motor(), &usual).unwrap());
-    let notes = Grbl::open(&table(&board), &motor(), &configuring).unwrap().notes();
+    drop(board.open(&table(), &usual).unwrap());
+    let notes = board.open(&table(), &configuring).unwrap().notes();
     let of_first = notes.iter().filter(|note| note.text().starts_with("$1 was"));
     assert_eq!(of_first.map(Notice::text).collect::<Vec<_>>(), ["$1 was 25 and is 255 now"], "{notes:?}");
 }

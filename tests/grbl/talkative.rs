@@ -1,14 +1,13 @@
 //! Claims about boards that never fall silent: they report or send messages by themselves, without end.
 
 use std::ops::ControlFlow;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use pump_bench::drives::{Drive, DriveError, Grbl, Opening, StopRequest};
+use pump_bench::drives::{Drive, DriveError, Opening, StopRequest};
 
-use crate::rig::{dose, each, motor, open, run, run_until, start, table};
+use crate::rig::{dose, each, open, run, run_until, start, table};
 use crate::simulated::options::{Defects, Firmware, Options};
+use crate::virtual_time::board::Board;
 
 /// Longest time from a request to stop to the end of a wait at rest.
 const ANSWERS: Duration = Duration::from_millis(400);
@@ -25,15 +24,10 @@ fn talkative() -> [Options; 4] {
     ]
 }
 
-/// Requests a stop after `time`. Returns the request.
-fn stop_after(time: Duration) -> StopRequest {
-    let asked = Arc::new(AtomicBool::new(false));
-    let asks = Arc::clone(&asked);
-    std::thread::spawn(move || {
-        std::thread::sleep(time);
-        asks.store(true, Ordering::Relaxed);
-    });
-    StopRequest::new(move || asked.load(Ordering::Relaxed))
+/// Returns a request to stop that is made at this time on the board's clock.
+fn stop_at(board: &Board, time: Duration) -> StopRequest {
+    let board = board.clone();
+    StopRequest::new(move || board.now() >= time)
 }
 
 #[test]
@@ -44,9 +38,9 @@ fn a_board_that_never_falls_silent_doses_exactly() {
         let plan = dose(&grbl, 1.5, 5.0);
         assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64);
         assert_eq!(grbl.disturbed(), None);
-        let started = Instant::now();
+        let started = board.now();
         grbl.settle(0.3, &mut || ControlFlow::Continue(())).unwrap();
-        assert!((Duration::from_millis(290)..Duration::from_secs(1)).contains(&started.elapsed()));
+        assert!((Duration::from_millis(290)..Duration::from_secs(1)).contains(&(board.now() - started)));
         let made = run_until(&mut grbl, &board, &plan, |made, _| made > 500).0.unwrap();
         assert!(made > 500 && made < plan.steps() as u64);
         assert_eq!(board.rest().steps, plan.steps() + made as i64);
@@ -63,9 +57,9 @@ fn a_board_that_sends_messages_and_no_report_is_out_of_reach_in_bounded_time() {
     });
     let mut grbl = open(&board);
     let plan = dose(&grbl, 3.0, 5.0);
-    let started = Instant::now();
+    let started = board.now();
     let fault = run(&mut grbl, &board, &plan).0.unwrap_err();
-    assert!(started.elapsed() < Duration::from_secs(15), "{fault}");
+    assert!(board.now() - started < Duration::from_secs(15), "{fault}");
     let made = board.rest().steps;
     assert!((fault.made_least..=fault.made_most).contains(&made), "{made}: {fault:?}");
 }
@@ -81,10 +75,10 @@ fn a_request_to_stop_ends_every_wait_at_rest() {
         for options in [silent, moves] {
             let board = start(options);
             let asked = Duration::from_millis(700);
-            let started = Instant::now();
-            let opening = Opening { stop: stop_after(asked), ..Opening::default() };
-            let refused = Grbl::open(&table(&board), &motor(), &opening).unwrap_err();
-            let waited = started.elapsed();
+            let started = board.now();
+            let opening = Opening { stop: stop_at(&board, asked), ..Opening::default() };
+            let refused = board.open(&table(), &opening).unwrap_err();
+            let waited = board.now() - started;
             assert!(matches!(refused, DriveError::Interrupted), "{refused}");
             assert!(waited < asked + ANSWERS, "{waited:?}");
         }
@@ -94,12 +88,13 @@ fn a_request_to_stop_ends_every_wait_at_rest() {
 #[test]
 fn a_request_to_stop_ends_the_settling_of_a_dose_that_is_made() {
     let board = start(Options { auto_report: Some(Duration::from_millis(10)), ..Options::default() });
-    let opening = Opening { stop: stop_after(Duration::from_secs(2)), ..Opening::default() };
-    let mut grbl = Grbl::open(&table(&board), &motor(), &opening).unwrap();
+    let opening = Opening { stop: stop_at(&board, Duration::from_secs(2)), ..Opening::default() };
+    let mut grbl = board.open(&table(), &opening).unwrap();
     let plan = dose(&grbl, 0.5, 5.0);
     assert_eq!(run(&mut grbl, &board, &plan).0.unwrap(), plan.steps() as u64);
-    let started = Instant::now();
+    let started = board.now();
     grbl.settle(20.0, &mut || ControlFlow::Continue(())).unwrap();
-    assert!(started.elapsed() < Duration::from_secs(2) + ANSWERS);
+    assert!(board.now() < Duration::from_secs(2) + ANSWERS);
+    assert!(board.now() > started);
     assert_eq!((grbl.disturbed(), grbl.count()), (None, Some(plan.steps())));
 }

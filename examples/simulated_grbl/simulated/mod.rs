@@ -2,7 +2,8 @@
 
 mod commands;
 mod defects;
-pub(crate) mod machine;
+pub(crate) mod line;
+mod machine;
 mod motor;
 mod number;
 pub(crate) mod options;

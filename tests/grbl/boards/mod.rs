@@ -11,7 +11,7 @@ use pump_bench::pump_file::{DriveTable, DriverName};
 use pump_bench::report::{Explain, with_sources};
 use pump_bench::{Bench, DoseError, DoseRequest, built_in};
 
-use crate::rig::{grbl_error, motor, start};
+use crate::rig::{grbl_error, motor, plug};
 use crate::simulated::Simulated;
 use crate::simulated::options::Options;
 
@@ -60,7 +60,7 @@ impl Computer {
 #[test]
 fn a_board_is_refused_after_two_ports_have_changed_places() {
     let computer = Computer::new();
-    let (left, right) = (start(Options::default()), start(Options::default()));
+    let (left, right) = (plug(Options::default()), plug(Options::default()));
     computer.plug(&left, "ttyUSB0", LEFT);
     computer.plug(&right, "ttyUSB1", RIGHT);
     computer.open("ttyUSB0", &computer.opening()).unwrap();
@@ -87,7 +87,7 @@ fn a_board_is_refused_after_two_ports_have_changed_places() {
 #[test]
 fn another_board_is_accepted_once_and_counts_as_reset() {
     let computer = Computer::new();
-    let (left, right) = (start(Options::default()), start(Options::default()));
+    let (left, right) = (plug(Options::default()), plug(Options::default()));
     computer.plug(&left, "ttyUSB0", LEFT);
     computer.open("ttyUSB0", &computer.opening()).unwrap();
     let mut same = computer.open("ttyUSB0", &computer.opening()).unwrap();
@@ -106,7 +106,7 @@ fn another_board_is_accepted_once_and_counts_as_reset() {
 #[test]
 fn boards_whose_ports_share_a_name_are_told_apart_by_their_texts() {
     let computer = Computer::new();
-    let named = |text| start(Options { text, ..Options::default() });
+    let named = |text| plug(Options { text, ..Options::default() });
     let (left, right) = (named("left pump"), named("right pump"));
     computer.plug(&left, "ttyUSB0", LEFT);
     computer.open("ttyUSB0", &computer.opening()).unwrap();
@@ -120,7 +120,7 @@ fn boards_whose_ports_share_a_name_are_told_apart_by_their_texts() {
 #[test]
 fn a_port_that_has_lost_its_name_is_another_port() {
     let computer = Computer::new();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     computer.plug(&board, "ttyUSB0", LEFT);
     computer.open("ttyUSB0", &computer.opening()).unwrap();
     fs::remove_dir_all(computer.path("serial")).unwrap();
@@ -134,7 +134,7 @@ fn a_port_that_has_lost_its_name_is_another_port() {
 #[test]
 fn a_damaged_record_of_the_board_is_refused_and_written_anew_on_request() {
     let computer = Computer::new();
-    let board = start(Options::default());
+    let board = plug(Options::default());
     computer.plug(&board, "ttyUSB0", LEFT);
     computer.open("ttyUSB0", &computer.opening()).unwrap();
     for text in ["{", r#"{"schema":"pump-board/9","number":null,"port_name":null,"text":null}"#] {
@@ -150,7 +150,7 @@ fn a_damaged_record_of_the_board_is_refused_and_written_anew_on_request() {
 #[test]
 fn a_dose_of_a_bench_is_refused_before_motion_after_a_reboot() {
     let computer = Computer::new();
-    let boards = [(); 2].map(|()| start(Options::default()));
+    let boards = [(); 2].map(|()| plug(Options::default()));
     let dose = || {
         let table = DriveTable::of(DriverName::Grbl).with_port(computer.path("ttyUSB0"));
         let mut file = built_in("three-roller").unwrap();

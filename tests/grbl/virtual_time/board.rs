@@ -1,76 +1,92 @@
-//! A simulated board in memory, with a clock that goes on only where the drive waits.
+//! A simulated board in memory, with a clock that goes on only where its driver waits.
 
-use std::collections::VecDeque;
 use std::io;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 use pump_bench::drives::wire::Wire;
-use pump_bench::drives::{Grbl, Opening};
-use pump_bench::pump_file::{DriveTable, DriverName};
+use pump_bench::drives::{DriveError, Grbl, Opening};
+use pump_bench::pump_file::DriveTable;
 
 use crate::rig::motor;
-use crate::simulated::machine::{Machine, Output};
+use crate::simulated::Truth;
+use crate::simulated::line::Line;
 use crate::simulated::options::Options;
 
 /// Time between two looks of the board at its motor.
 const TICK: Duration = Duration::from_micros(500);
 
-/// Truth about a board in memory, and what a test does to it.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Truth {
-    /// Steps that the motor has made, those in reverse taken off.
-    pub(super) steps: i64,
-    /// Time on the board's clock.
-    pub(super) now: Duration,
-    /// Factor by which the motor is slower than its settings say, less one.
-    pub(super) slower: f64,
-    /// Times for which the drive does not get to run: before its next look, and after the next line that it sends.
-    pub(super) stalls: [Duration; 2],
-    /// Byte that somebody else sends now.
-    pub(super) pressed: Option<u8>,
-    /// True if the board says that it jogs, whatever it does.
-    pub(super) never_rests: bool,
-    /// Distance by which every report is off from now on, in mm.
-    pub(super) astray_mm: f64,
-}
+/// Time for which a motor has stood where it is said to rest.
+const RESTS: Duration = Duration::from_millis(100);
 
-/// Board in memory at the end of a wire.
+/// Longest time for a motor to come to rest.
+const REST_LIMIT: Duration = Duration::from_secs(600);
+
+/// Board on the table, which may be opened again and again.
+#[derive(Debug, Clone)]
+pub(crate) struct Board(Arc<Mutex<Table>>);
+
+/// Board with its clock, and what befalls both.
 #[derive(Debug)]
-struct InMemory {
-    machine: Machine,
-    outgoing: VecDeque<u8>,
-    truth: Arc<Mutex<Truth>>,
+struct Table {
+    line: Line,
+    truth: Truth,
+    now: Duration,
+    meddling: Meddling,
 }
 
-impl InMemory {
-    fn stall(&mut self, which: usize) {
-        let stall = std::mem::take(&mut self.truth.lock().unwrap().stalls[which]);
-        for _ in 0..stall.div_duration_f64(TICK) as u32 {
-            self.tick(TICK);
+/// Events that a test brings about.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Meddling {
+    /// Factor by which the motor is slower than its settings say, less one.
+    pub(crate) slower: f64,
+    /// Times for which the drive does not get to run: before its next look, and after the next line that it sends.
+    pub(crate) stalls: [Duration; 2],
+    /// Byte that somebody else sends now.
+    pub(crate) pressed: Option<u8>,
+    /// True if the board says that it jogs, whatever it does.
+    pub(crate) never_rests: bool,
+    /// Distance by which every report is off from now on, in mm.
+    pub(crate) astray_mm: f64,
+}
+
+impl Table {
+    fn pass(&mut self, time: Duration) {
+        let mut left = time;
+        while !left.is_zero() {
+            let tick = left.min(TICK);
+            left -= tick;
+            self.tick(tick);
         }
     }
 
-    fn tick(&mut self, time: Duration) {
-        let mut truth = self.truth.lock().unwrap();
-        if let Some(byte) = truth.pressed.take() {
-            self.machine.receive(byte);
+    fn tick(&mut self, tick: Duration) {
+        if let Some(byte) = self.meddling.pressed.take() {
+            self.line.receive(&[byte]);
         }
-        self.machine.advance(time.as_secs_f64() / (1.0 + truth.slower));
-        self.machine.suffer();
-        self.machine.work();
-        truth.now += time;
-        truth.steps = self.machine.true_steps;
-        for output in std::mem::take(&mut self.machine.output) {
-            let (Output::Line(mut text) | Output::Answer(mut text)) = output;
-            if truth.never_rests {
-                text = text.replace("<Idle", "<Jog");
-            }
-            if truth.astray_mm != 0.0 {
-                text = astray(&text, truth.astray_mm);
-            }
-            self.outgoing.extend(text.bytes().chain(*b"\r\n"));
+        self.now += tick;
+        let time_s = tick.as_secs_f64() * self.line.options.time_scale;
+        let said = self.line.outgoing.len();
+        self.line.pass(self.now, time_s / (1.0 + self.meddling.slower));
+        self.twist(said);
+        self.line.publish(&mut self.truth);
+    }
+
+    /// Changes what the board has said after its first `said` bytes as the test wants it.
+    fn twist(&mut self, said: usize) {
+        let Meddling { never_rests, astray_mm, .. } = self.meddling;
+        if !(never_rests || astray_mm != 0.0) || self.line.outgoing.len() <= said {
+            return;
         }
+        let bytes: Vec<u8> = self.line.outgoing.drain(said..).collect();
+        let mut text = String::from_utf8(bytes).unwrap();
+        if never_rests {
+            text = text.replace("<Idle", "<Jog");
+        }
+        if astray_mm != 0.0 {
+            text = text.split_inclusive("\r\n").map(|line| astray(line, astray_mm)).collect();
+        }
+        self.line.outgoing.extend(text.bytes());
     }
 }
 
@@ -81,45 +97,119 @@ fn astray(text: &str, by_mm: f64) -> String {
     format!("{head}MPos:{:.3},{others}", first.parse::<f64>().unwrap() + by_mm)
 }
 
-impl Wire for InMemory {
+impl Board {
+    /// Switches a board on.
+    pub(crate) fn start(options: Options) -> Self {
+        Self(Arc::new(Mutex::new(Table {
+            line: Line::new(options),
+            truth: Truth::default(),
+            now: Duration::ZERO,
+            meddling: Meddling::default(),
+        })))
+    }
+
+    fn table(&self) -> MutexGuard<'_, Table> {
+        // A test may die while its driver waits. The next driver finds the board as it is.
+        self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
+    /// Opens the driver with this board.
+    pub(crate) fn open(&self, table: &DriveTable, opening: &Opening) -> Result<Grbl, DriveError> {
+        Grbl::over(Box::new(VirtualWire(self.clone())), table, &motor(), opening)
+    }
+
+    /// Returns the truth about the board now.
+    pub(crate) fn truth(&self) -> Truth {
+        self.table().truth.clone()
+    }
+
+    /// Returns the time on the board's clock.
+    pub(crate) fn now(&self) -> Duration {
+        self.table().now
+    }
+
+    /// Brings events about.
+    pub(crate) fn meddle(&self, change: impl FnOnce(&mut Meddling)) {
+        change(&mut self.table().meddling);
+    }
+
+    /// Sends bytes as another program does.
+    pub(crate) fn send(&self, bytes: &[u8]) {
+        self.table().line.receive(bytes);
+    }
+
+    /// Lets `time` pass.
+    pub(crate) fn pass(&self, time: Duration) {
+        self.table().pass(time);
+    }
+
+    /// Waits until the motor has stood for a while, and returns the truth then.
+    pub(crate) fn rest(&self) -> Truth {
+        let latest = self.now() + REST_LIMIT;
+        let mut stood = self.now();
+        while self.now() - stood < RESTS {
+            assert!(self.now() < latest, "the motor turns on and on");
+            self.pass(TICK);
+            if self.table().truth.moving {
+                stood = self.now();
+            }
+        }
+        self.truth()
+    }
+}
+
+/// Wire in virtual time.
+#[derive(Debug)]
+struct VirtualWire(Board);
+
+impl VirtualWire {
+    /// Refuses to go on once the cable is pulled.
+    fn is_there(table: &Table) -> io::Result<()> {
+        if table.line.is_pulled { Err(io::ErrorKind::BrokenPipe.into()) } else { Ok(()) }
+    }
+}
+
+impl Wire for VirtualWire {
     fn read(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize> {
-        self.stall(0);
+        let mut table = self.0.table();
+        let stall = std::mem::take(&mut table.meddling.stalls[0]);
+        table.pass(stall);
         let mut left = wait.max(TICK);
-        while self.outgoing.is_empty() && !left.is_zero() {
+        loop {
+            Self::is_there(&table)?;
+            let leaving = table.line.leaving();
+            let count = buffer.len().min(leaving.len());
+            if count > 0 {
+                for (byte, from) in buffer.iter_mut().zip(table.line.outgoing.drain(..count)) {
+                    *byte = from;
+                }
+                return Ok(count);
+            }
+            if left.is_zero() {
+                return Ok(0);
+            }
             let tick = left.min(TICK);
-            self.tick(tick);
+            table.pass(tick);
             left -= tick;
         }
-        let count = buffer.len().min(self.outgoing.len());
-        for (byte, from) in buffer.iter_mut().zip(self.outgoing.drain(..count)) {
-            *byte = from;
-        }
-        Ok(count)
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        bytes.iter().for_each(|byte| self.machine.receive(*byte));
+        let mut table = self.0.table();
+        Self::is_there(&table)?;
+        table.line.receive(bytes);
         if bytes.ends_with(b"\n") {
-            self.stall(1);
+            let stall = std::mem::take(&mut table.meddling.stalls[1]);
+            table.pass(stall);
         }
         Ok(())
     }
 
     fn now(&mut self) -> Duration {
-        self.truth.lock().unwrap().now
+        self.0.now()
     }
 
     fn sleep(&mut self, time: Duration) {
-        self.tick(time);
+        self.0.pass(time);
     }
-}
-
-/// Opens the driver with such a board. Returns it with the truth about the board.
-pub(super) fn open(options: &Options) -> (Grbl, Arc<Mutex<Truth>>) {
-    let truth = Arc::<Mutex<Truth>>::default();
-    let machine = Machine::new(options);
-    let board = InMemory { machine, outgoing: VecDeque::new(), truth: Arc::clone(&truth) };
-    let table = DriveTable::of(DriverName::Grbl);
-    let grbl = Grbl::over(Box::new(board), &table, &motor(), &Opening::default()).unwrap();
-    (grbl, truth)
 }

@@ -4,18 +4,18 @@ use std::time::Duration;
 
 use pump_bench::drives::{Drive, DriveFault, GrblError, Leave};
 
-use super::board::open;
-use crate::rig::{dose, grbl_error};
+use crate::rig::{dose, grbl_error, open, start};
 use crate::simulated::options::{Defects, Options, Sensor};
 
 /// Runs a dose on a board whose counter jumps by so many steps at a place. Returns the result, the steps of the
 /// dose and the steps made.
 fn dose_with_jump(volume_ml: f64, place: u64, by: i64) -> (Result<u64, DriveFault>, i64, i64) {
     let defects = Defects { miscounts: Some((place, by)), ..Defects::default() };
-    let (mut grbl, truth) = open(&Options { defects, ..Options::default() });
+    let board = start(Options { defects, ..Options::default() });
+    let mut grbl = open(&board);
     let plan = dose(&grbl, volume_ml, 5.0);
     let result = grbl.run(&plan, &mut |_, _| Leave::Go);
-    let made = truth.lock().unwrap().steps;
+    let made = board.truth().steps;
     (result, plan.steps(), made)
 }
 
@@ -58,20 +58,20 @@ fn bounds_hold_the_truth_although_the_drive_does_not_get_to_run_after_a_jump() {
     let mut turned_back = 0;
     for place in (800..1_200).step_by(20) {
         let defects = Defects { miscounts: Some((place, 5_000)), ..Defects::default() };
-        let (mut grbl, truth) = open(&Options { defects, ..Options::default() });
+        let board = start(Options { defects, ..Options::default() });
+        let mut grbl = open(&board);
         let plan = dose(&grbl, 6.0, 5.0);
         let mut stalls = [50, 1_500].map(Duration::from_millis);
         let mut sent = 0;
         let mut gate = |_: u64, last: u64| {
-            let mut truth = truth.lock().unwrap();
-            if last > sent && truth.steps + 130 >= place as i64 {
-                truth.stalls = std::mem::take(&mut stalls);
+            if last > sent && board.truth().steps + 130 >= place as i64 {
+                board.meddle(|events| events.stalls = std::mem::take(&mut stalls));
             }
             sent = last;
             Leave::Go
         };
         let fault = grbl.run(&plan, &mut gate).expect_err(&format!("at {place}"));
-        let made = truth.lock().unwrap().steps;
+        let made = board.truth().steps;
         let within = (fault.made_least..=fault.made_most).contains(&made);
         assert!(fault.lost && within, "at {place}: {made} made, {fault:?}");
         turned_back += u32::from(made < 0);
@@ -95,14 +95,14 @@ fn a_small_jump_before_the_next_jogs_cannot_be_told_from_a_motion() {
 fn a_jump_before_the_first_line_is_looked_into_before_anything_moves() {
     for seeks in [false, true] {
         let sensor = Some(Sensor { at: 4_000, width: 60, every: 12_800 });
-        let (mut grbl, truth) = open(&Options { sensor, ..Options::default() });
+        let board = start(Options { sensor, ..Options::default() });
+        let mut grbl = open(&board);
         let plan = dose(&grbl, 6.0, 4.0);
         let mut asked = 0;
         let mut gate = |_: u64, _: u64| {
             asked += 1;
             if asked == 1 {
-                let mut truth = truth.lock().unwrap();
-                (truth.astray_mm, truth.pressed) = (40.0, Some(b'?'));
+                board.meddle(|events| (events.astray_mm, events.pressed) = (40.0, Some(b'?')));
             }
             Leave::Go
         };
@@ -112,6 +112,6 @@ fn a_jump_before_the_first_line_is_looked_into_before_anything_moves() {
             grbl.run(&plan, &mut gate).map(drop).unwrap_err()
         };
         assert!(matches!(grbl_error(fault.error), GrblError::Count { .. }));
-        assert_eq!(truth.lock().unwrap().steps, 0, "seeks: {seeks}");
+        assert_eq!(board.truth().steps, 0, "seeks: {seeks}");
     }
 }

@@ -1,5 +1,5 @@
 //! Claims that need a clock which no busy machine disturbs, and time that a test does not take.
 
-mod board;
+pub(crate) mod board;
 mod counters;
 mod pauses;
