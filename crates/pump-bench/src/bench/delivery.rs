@@ -9,7 +9,7 @@ use super::recorded_motion::RecordedMotion;
 use super::session::Session;
 use crate::dosing::{DoseError, Prepared, Retraction};
 use crate::notice::Notice;
-use crate::record::{DoseTerms, Purpose};
+use crate::record::{DoseTerms, Purpose, Stamp};
 
 /// Result of a dose.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +17,8 @@ use crate::record::{DoseTerms, Purpose};
 pub struct Delivered {
     /// Volume that the vessel received, in mL. If nobody can read it, the model volume of the steps made.
     pub volume_ml: f64,
+    /// Time at which the dose began.
+    pub began: Stamp,
     /// Number of steps made, without their sign.
     pub made: u64,
     /// Angle at which the rotor stands, in rad, counted on from the start.
@@ -58,6 +60,7 @@ impl Session<'_> {
         let motion = RecordedMotion {
             plan,
             announced: None,
+            prepared: Some(prepared),
             model: &prepared.model,
             correction: prepared.correction(),
             purpose: prepared.request.purpose,
@@ -74,6 +77,7 @@ impl Session<'_> {
         let mut delivered = Delivered {
             volume_ml: moved.volume_ml,
             made: moved.made,
+            began: moved.began,
             end_angle_rad: plan.angle_after(moved.made),
             completed: moved.made == plan.steps().unsigned_abs(),
             retracted_ml: 0.0,
@@ -104,6 +108,7 @@ impl Session<'_> {
         let motion = RecordedMotion {
             plan,
             announced: None,
+            prepared: None,
             model: &prepared.model,
             correction: prepared.correction(),
             purpose: Purpose::Retract,

@@ -2,7 +2,7 @@
 
 use pump_ctl::plan::{Cruise, Finish, PressureLimits, Ramps};
 
-use crate::record::{DoseTerms, Purpose};
+use crate::record::{Asked, DoseTerms, Purpose};
 
 /// Request for a dose.
 ///
@@ -21,6 +21,8 @@ pub struct DoseRequest {
     pub purpose: Purpose,
     /// Volume, in mL. Negative in reverse, never zero.
     pub volume_ml: f64,
+    /// Volume as it was typed, for the report and the log. `None` if a program gives a number.
+    pub asked: Option<Asked>,
     /// Cruise of the dose. `None` takes the pump file's default rate.
     pub cruise: Option<Cruise>,
     /// True if the speed follows the rollers' angle for a smooth flow.
@@ -56,6 +58,7 @@ impl DoseRequest {
         Self {
             purpose,
             volume_ml,
+            asked: None,
             cruise: None,
             smooth: false,
             finish: None,
@@ -66,6 +69,12 @@ impl DoseRequest {
             ramps: None,
             pressures: PressureLimits::NONE,
         }
+    }
+
+    /// Returns the request with its volume as it was typed, for the report and the log.
+    #[must_use]
+    pub fn with_asked(self, asked: &str) -> Self {
+        Self { asked: Some(Asked::new(asked)), ..self }
     }
 
     /// Returns the request with a cruise. `None` takes the pump file's default rate.
