@@ -83,7 +83,7 @@ pub mod units;
 pub mod words;
 
 pub use bench::{
-    Accepted, AngleSet, Bench, Delivered, DeliveredByWeight, NewTube, OrderByWeight, PreparedByWeight,
+    Accepted, AngleSet, Bench, Delivered, DeliveredByWeight, LogReading, NewTube, OrderByWeight, PreparedByWeight,
     Rehearsal, Session,
 };
 pub use catalogue::{built_in, pump_named};

@@ -12,7 +12,7 @@ use super::recorded_motion::RecordedMotion;
 use super::session::Session;
 use crate::dosing::{DoseError, Prepared, Retraction};
 use crate::notice::Notice;
-use crate::record::{DoseTerms, Purpose};
+use crate::record::{DoseTerms, Purpose, Stamp};
 
 /// Result of a dose.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +20,8 @@ use crate::record::{DoseTerms, Purpose};
 pub struct Delivered {
     /// Volume that the vessel received, in mL. If nobody can read it, the model volume of the steps made.
     pub volume_ml: f64,
+    /// Time at which the dose began.
+    pub began: Stamp,
     /// Number of steps made, without their sign.
     pub made: u64,
     /// Angle at which the rotor stands, in rad, counted on from the start.
@@ -63,6 +65,7 @@ impl Session<'_> {
         let motion = RecordedMotion {
             plan,
             announced: None,
+            prepared: Some(prepared),
             model: &prepared.model,
             correction: prepared.correction(),
             purpose: prepared.request.purpose,
@@ -80,6 +83,7 @@ impl Session<'_> {
         let mut delivered = Delivered {
             volume_ml: moved.volume_ml,
             made: moved.made,
+            began: moved.began,
             end_angle_rad: plan.angle_after(moved.made),
             completed: moved.made == plan.steps().unsigned_abs(),
             unfinished: self.stands().unfinished.is_some(),
@@ -111,6 +115,7 @@ impl Session<'_> {
         let motion = RecordedMotion {
             plan,
             announced: None,
+            prepared: None,
             model: &prepared.model,
             correction: prepared.correction(),
             purpose: Purpose::Retract,

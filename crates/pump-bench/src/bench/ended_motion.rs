@@ -12,7 +12,7 @@ use crate::dosing::{DoseError, settle_of_s};
 use crate::drives::{Disturbance, Watch};
 use crate::notice::Notice;
 use crate::numbers::significant;
-use crate::record::{Intent, PumpState, Why};
+use crate::record::{Intent, PumpState, Stamp, Why};
 
 /// Remainder of a wait that is too short to be told, in s.
 const NEARLY_S: f64 = 0.1;
@@ -55,6 +55,7 @@ impl<'a> Session<'a> {
             None if whole || is_ended || beyond.is_some() => Why::Done,
             None => Why::Stopped,
         };
+        self.log_end(motion, &intent, made, measured_s, halt.as_ref());
         let mut rested = self.rest(why, state);
         let settle_s = self.settles_within_s(motion, made);
         let began = Instant::now();
@@ -104,7 +105,8 @@ impl<'a> Session<'a> {
             end_angle_deg: degrees(plan.angle_after(made)),
             source,
         })?;
-        Ok(Moved { made, beyond, volume_ml, measured_s, pace })
+        let began = Stamp::new(intent.unix_s, intent.told.map_or(0, |told| told.utc_offset_s));
+        Ok(Moved { made, began, beyond, volume_ml, measured_s, pace })
     }
 
     /// Returns the time that the line takes to settle after the first `made` steps of a motion, in s, and 0 where

@@ -253,6 +253,7 @@ impl Session<'_> {
         let motion = RecordedMotion {
             plan,
             announced: None,
+            prepared: None,
             model,
             correction,
             purpose,

@@ -9,13 +9,13 @@ use pump_model::Pump;
 use super::announced_steps::{AnnouncedSteps, Halt, Pace};
 use super::device::Device;
 use crate::displacement::Correction;
-use crate::dosing::DoseError;
+use crate::dosing::{DoseError, Prepared};
 use crate::drives::{DriveFault, IndexSearch, Leave};
 use crate::record::Purpose;
-use crate::record::{Announcer, DoseTerms, Entry, Intent, PumpState, Unfinished, Whole, Why};
+use crate::record::{Announcer, DoseTerms, Entry, Intent, PumpState, Stamp, Unfinished, Whole, Why};
 
 use super::ended_motion::EndedMotion;
-use super::session::{Session, unix_s};
+use super::session::Session;
 use super::stretches::AnnouncedStretches;
 
 /// Number of steps between two calls of `watch`, at most.
@@ -29,6 +29,8 @@ pub(super) struct RecordedMotion<'p> {
     pub(super) plan: &'p Plan,
     /// Plan that the journal announces, of which `plan` makes the first steps. `None` if it is `plan` itself.
     pub(super) announced: Option<&'p Plan>,
+    /// Dose that the motion makes, or makes a stretch of. `None` for a retraction and a turn to a mark.
+    pub(super) prepared: Option<&'p Prepared>,
     /// Pump that the plan was made for.
     pub(super) model: &'p Pump,
     /// Correction of that pump's displacement.
@@ -56,6 +58,8 @@ pub(super) struct RecordedMotion<'p> {
 pub(super) struct Moved {
     /// Steps made.
     pub(super) made: u64,
+    /// Time at which the motion began.
+    pub(super) began: Stamp,
     /// Steps made after the index mark.
     pub(super) beyond: Option<u64>,
     /// Volume that the vessel received, in mL. If nobody can read it, the model volume of the steps made.
@@ -120,7 +124,9 @@ impl<'a> Session<'a> {
     fn announce(&mut self, motion: &RecordedMotion<'_>, before: &PumpState) -> Result<Intent, DoseError> {
         let RecordedMotion { plan, correction, purpose, carry_out_ml, .. } = *motion;
         let announced = motion.announced.unwrap_or(plan);
-        let mut intent = Intent::of(announced, correction, purpose, carry_out_ml, unix_s());
+        let now = self.log.clock.now();
+        let mut intent = Intent::of(announced, correction, purpose, carry_out_ml, now.unix_s);
+        intent.told = self.told(motion, now);
         intent.retract_ml = motion.retract_ml;
         intent.terms = motion.terms;
         intent.whole = motion.whole;
@@ -153,6 +159,7 @@ impl<'a> Session<'a> {
             part.count_before = before.count;
         }
         self.put_away(device.drive);
+        self.log_fault(&intent, made_least, made_most, error.to_string());
         // If this fails, the journal's last stretch tells as much with wider bounds.
         let _ = self.rest(Why::Fault, state);
         let (least_ml, most_ml) =

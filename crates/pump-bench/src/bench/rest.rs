@@ -50,6 +50,7 @@ impl Session<'_> {
         let request = DoseRequest {
             purpose: Purpose::Retract,
             volume_ml: -retract_ml,
+            asked: None,
             smooth: false,
             finish: None,
             ..request.for_rest(&dose.intent.terms)
@@ -103,6 +104,7 @@ impl Bench {
             purpose: intent.purpose,
             volume_ml: requested_ml - booked_ml,
             whole_ml: Some(requested_ml),
+            asked: intent.told.and_then(|told| told.asked),
             retract_ml: intent.retract_ml,
             ..request
         };

@@ -1,8 +1,6 @@
 //! A session: this process holds the pump and runs doses. Every stretch of a dose is on record before it
 //! happens.
 
-use std::time::{SystemTime, UNIX_EPOCH};
-
 use libm::ceil;
 use pump_model::units::rpm;
 
@@ -14,6 +12,7 @@ use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfi
 
 use super::bench::Bench;
 use super::device::Device;
+use super::log::SessionLog;
 
 /// Bench that no other process can move meanwhile.
 #[derive(Debug)]
@@ -38,6 +37,8 @@ pub struct Session<'a> {
     pub(super) notes: Vec<Notice>,
     /// True if this session has turned the motor.
     pub(super) moved: bool,
+    /// Log of the doses.
+    pub(super) log: SessionLog,
     _lock: Lock,
 }
 
@@ -86,18 +87,20 @@ impl<'a> Session<'a> {
     pub(crate) fn open(bench: &'a Bench) -> Result<Self, DoseError> {
         let lock = bench.folder().lock()?;
         let (journal, story) = lock.journal(bench.model(), bench.fresh())?;
+        let (log, note) = SessionLog::open(bench.folder(), &story);
         Ok(Self {
             bench,
             journal,
             state: story.state,
-            written: story.cut_off.is_none(),
+            written: story.cut_off.is_none() && log.unlogged.is_none(),
             cut_off: story.cut_off,
             finished_by_device: None,
             device: None,
             given: None,
             is_given: bench.is_given_its_drive(),
-            notes: Vec::new(),
+            notes: note.into_iter().collect(),
             moved: false,
+            log,
             _lock: lock,
         })
     }
@@ -266,7 +269,9 @@ impl<'a> Session<'a> {
         let calibrations = self.bench.calibrations();
         let unused = calibrations.active_version()?;
         calibrations.activate(None)?;
-        let state = PumpState { wear: Wear::default(), last: None, count, ..before.without_carry() };
+        let tubes_before = before.tubes_before.saturating_add(1);
+        let state =
+            PumpState { wear: Wear::default(), last: None, count, tubes_before, ..before.without_carry() };
         self.rest(Why::NewTube, state)?;
         // Readings of the old tube tell nothing about the new one.
         let log = RunLog::of(self.bench.folder());
@@ -289,17 +294,20 @@ impl<'a> Session<'a> {
     /// Records that the rotor stands. If that cannot be written, this session still knows it, and the next
     /// motion records it first.
     pub(super) fn rest(&mut self, why: Why, state: PumpState) -> Result<(), JournalError> {
+        let dose = self.ended_dose(why, &state);
+        let state = PumpState { doses: dose.as_ref().map_or(self.log.doses, |dose| dose.number), ..state };
         self.state = Some(state);
         self.cut_off = None;
         self.finished_by_device = None;
         self.written = false;
-        self.journal.append(&Entry::Rest { unix_s: unix_s(), why, state })?;
+        // A dose that cannot be recorded now is recorded with the next rest.
+        self.log.ended = dose.clone();
+        self.journal.append(&Entry::Rest { unix_s: self.log.clock.now().unix_s, why, state, dose: dose.clone() })?;
         self.written = true;
+        self.log.ended = None;
+        self.log.doses = state.doses;
+        let unlogged = dose.and_then(|dose| self.log.copy(&dose));
+        self.notes.extend(unlogged);
         Ok(())
     }
-}
-
-/// Returns the system clock in seconds since 1970, for people who read the journal.
-pub(super) fn unix_s() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |elapsed| elapsed.as_secs())
 }

@@ -6,7 +6,7 @@ use pump_ctl::plan::{Cruise, Finish, PressureLimits, Ramps};
 
 pub use run_end::RunEnd;
 
-use crate::record::{DoseTerms, Purpose};
+use crate::record::{Asked, DoseTerms, Purpose};
 
 /// Request for a dose.
 ///
@@ -27,6 +27,8 @@ pub struct DoseRequest {
     pub volume_ml: f64,
     /// Event that ends the motion.
     pub end: RunEnd,
+    /// Volume as it was typed, for the report and the log. `None` if a program gives a number.
+    pub asked: Option<Asked>,
     /// Cruise of the dose. `None` takes the pump file's default rate.
     pub cruise: Option<Cruise>,
     /// True if the speed follows the rollers' angle for a smooth flow.
@@ -63,6 +65,7 @@ impl DoseRequest {
             purpose,
             volume_ml,
             end: RunEnd::Volume,
+            asked: None,
             cruise: None,
             smooth: false,
             finish: None,
@@ -79,6 +82,12 @@ impl DoseRequest {
     #[must_use]
     pub fn with_end(self, end: RunEnd) -> Self {
         Self { end, ..self }
+    }
+
+    /// Returns the request with its volume as it was typed, for the report and the log.
+    #[must_use]
+    pub fn with_asked(self, asked: &str) -> Self {
+        Self { asked: Some(Asked::new(asked)), ..self }
     }
 
     /// Returns the request with a cruise. `None` takes the pump file's default rate.

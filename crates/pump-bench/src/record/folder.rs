@@ -9,10 +9,11 @@ use std::time::Duration;
 use pump_model::Pump;
 use thiserror::Error;
 
-use super::{Journal, JournalError, PumpState, Story};
+use super::{Journal, JournalError, Log, PumpState, Story};
 use crate::files::{create_folders, open_plain};
 
 const JOURNAL: &str = "journal.jsonl";
+const LOG: &str = "log.jsonl";
 const LOCK: &str = "lock";
 
 /// Folder of a journal that cannot be used or locked.
@@ -89,6 +90,16 @@ impl Folder {
     /// [`JournalError`] if the file cannot be read or a line in it is damaged.
     pub(crate) fn read(&self, pump: &Pump, fresh: PumpState) -> Result<Story, JournalError> {
         Story::read(&self.path.join(JOURNAL), pump, fresh)
+    }
+
+    /// Returns the log of the doses.
+    pub(crate) fn log(&self) -> Log {
+        Log::new(self.path.join(LOG))
+    }
+
+    /// Returns the path of the journal.
+    pub(crate) fn journal(&self) -> PathBuf {
+        self.path.join(JOURNAL)
     }
 
     /// Returns the other process that holds the pump now, as the lock file names it. Keeps nothing locked.

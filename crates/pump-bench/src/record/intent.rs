@@ -4,7 +4,7 @@ use pump_ctl::plan::{Phase, Plan, Turned};
 use pump_model::Pump;
 use serde::{Deserialize, Serialize};
 
-use super::{Account, DoseTerms, Purpose, Whole};
+use super::{Account, DoseTerms, Purpose, Told, Whole};
 use crate::displacement::Correction;
 
 /// Plan of a motion, as the journal announces it before the rotor turns.
@@ -55,6 +55,9 @@ pub struct Intent {
     /// Correction of the displacement that the plan was made with.
     #[serde(default, skip_serializing_if = "Correction::is_none")]
     pub(crate) correction: Correction,
+    /// Part that only the log needs. `None` in an entry of an early version, and for a turn to a mark.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) told: Option<Told>,
 }
 
 /// Returns true for zero, which an entry leaves out.
@@ -160,6 +163,7 @@ impl Intent {
             whole: None,
             terms: DoseTerms::default(),
             correction,
+            told: None,
         }
     }
 }

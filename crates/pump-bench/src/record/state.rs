@@ -66,6 +66,17 @@ pub struct PumpState {
     /// Flow that still arrives after a stop, as doses by weight have found. `None` before the first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) after_stop: Option<AfterStop>,
+    /// Number of doses that the log has.
+    #[serde(default, skip_serializing_if = "is_nought")]
+    pub(crate) doses: u64,
+    /// Number of tubes before this one.
+    #[serde(default, skip_serializing_if = "is_nought")]
+    pub(crate) tubes_before: u64,
+}
+
+/// Returns true for zero, which a state leaves out.
+fn is_nought(value: &u64) -> bool {
+    *value == 0
 }
 
 impl PumpState {
@@ -86,6 +97,8 @@ impl PumpState {
             released: false,
             confirmed_pump: None,
             after_stop: None,
+            doses: 0,
+            tubes_before: 0,
         }
     }
 
@@ -185,6 +198,11 @@ impl PumpState {
     #[must_use]
     pub(crate) fn at(self, phase: Phase) -> Self {
         Self { angle_rad: wrap(phase.angle_rad(), TURN_RAD), half_width_rad: phase.half_width_rad(), ..self }
+    }
+
+    /// Returns the number of the tube, from 1.
+    pub fn tube(&self) -> u32 {
+        u32::try_from(self.tubes_before).unwrap_or(u32::MAX).saturating_add(1)
     }
 
     /// Returns the angle of the rotor, with its half width.
@@ -299,6 +317,7 @@ mod tests {
             min_inlet_kpa: None,
         },
         correction: Correction::NONE,
+        told: None,
     };
 
     #[test]

@@ -123,6 +123,7 @@ mod tests {
                 whole: None,
                 terms: DoseTerms::default(),
                 correction: Correction::NONE,
+                told: None,
             },
             made_least: 0,
             made_most: 500,

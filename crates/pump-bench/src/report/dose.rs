@@ -21,7 +21,7 @@ use crate::drives::{Identity, registry};
 use crate::notice::{Notice, Wording};
 use crate::numbers::microlitres;
 use crate::pump_file::{DriverName, PumpFile, UncheckedLimit};
-use crate::record::{PhaseSource, Purpose};
+use crate::record::{Asked, PhaseSource, Purpose, Stamp};
 
 /// The report of a dose that was planned or made (`schema` `dose/1`).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -39,6 +39,10 @@ pub struct DoseReport {
     pub device: Option<String>,
     /// Reason why the pump turns: `dose`, `prime`, `purge`, `run`, `calibrate` or `retract`.
     pub purpose: Purpose,
+    /// Time at which the dose began, RFC 3339 with the offset of the local clock; null on a dry run.
+    pub time: Option<Stamp>,
+    /// Volume as it was typed; null if a program gave a number.
+    pub asked: Option<Asked>,
     /// Volume that was asked for, mL.
     pub requested_ml: f64,
     /// Carry of earlier doses, mL, positive toward the outlet.
@@ -237,6 +241,8 @@ impl DoseReport {
             simulated: drive.is_simulated,
             device: None,
             purpose: prepared.request.purpose,
+            time: delivered.map(|delivered| delivered.began),
+            asked: prepared.request.asked,
             requested_ml: plan.requested_ml(),
             carry_in_ml: plan.carry_in_ml(),
             planned_ml: plan.planned_ml(),
@@ -426,6 +432,7 @@ impl DoseReport {
                 .push(Notice::from(format!("the carry of {carry} is dropped: the balance ended the dose")));
         }
         Self {
+            time: delivered.began,
             carry_in_ml: 0.0,
             planned_ml: delivered.turned_ml,
             volume_least_ml: volume_ml,

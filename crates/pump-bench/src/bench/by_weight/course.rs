@@ -215,6 +215,7 @@ impl<'p> Course<'p> {
 
     pub(super) fn delivered(self, completed: bool, warnings: Vec<Notice>) -> DeliveredByWeight {
         DeliveredByWeight {
+            began: None,
             mass_g: self.weighed_g(),
             digit_g: self.digit_g,
             volume_ml: self.weighed_ml(),

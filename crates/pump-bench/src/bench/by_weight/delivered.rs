@@ -4,13 +4,15 @@ use libm::sqrt;
 
 use crate::notice::Notice;
 use crate::pump_file::PumpFile;
-use crate::record::AfterStop;
+use crate::record::{AfterStop, Stamp};
 use crate::units::Amount;
 
 /// Result of a dose by weight.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct DeliveredByWeight {
+    /// Time at which the dose began. `None` before its end is told.
+    pub began: Option<Stamp>,
     /// Mass that the balance shows for the dose, in g, at rest.
     pub mass_g: f64,
     /// Step of the balance's last digit, in g.

@@ -19,7 +19,7 @@ use crate::bench::recorded_motion::RecordedMotion;
 use crate::bench::session::Session;
 use crate::dosing::{DoseError, DoseRequest, WeightFault};
 use crate::drives::{DriveError, StopRequest};
-use crate::record::{DoseTerms, LastDose, PumpState, Purpose, Why};
+use crate::record::{DoseTerms, LastDose, LogEnd, PumpState, Purpose, Stamp, Why};
 
 /// Most stretches of a dose. A stretch leaves a few percent of what was missing, and drops take a few more.
 const MOST_STRETCHES: u32 = 30;
@@ -96,10 +96,29 @@ impl Session<'_> {
         prepared: &PreparedByWeight,
         tare: BalanceReading,
         balance: &mut dyn Balance,
-        mut watch: impl FnMut(u64) -> ControlFlow<()>,
+        watch: impl FnMut(u64) -> ControlFlow<()>,
     ) -> Result<DeliveredByWeight, DoseError> {
         self.finished()?;
         self.connect()?;
+        let began = self.log.clock.now();
+        let ended = self.weigh_out(began, prepared, tare, balance, watch);
+        match &ended {
+            Ok(delivered) if delivered.completed => {}
+            Ok(_) => self.log_broken_off(began, LogEnd::Stopped, None),
+            Err(error) => self.log_broken_off(began, LogEnd::Fault, Some(error.to_string())),
+        }
+        ended.map(|delivered| DeliveredByWeight { began: Some(began), ..delivered })
+    }
+
+    /// Makes the stretches of a dose that began at `began`.
+    fn weigh_out(
+        &mut self,
+        began: Stamp,
+        prepared: &PreparedByWeight,
+        tare: BalanceReading,
+        balance: &mut dyn Balance,
+        mut watch: impl FnMut(u64) -> ControlFlow<()>,
+    ) -> Result<DeliveredByWeight, DoseError> {
         let user_stop = self.bench.opening().stop.clone();
         let simulated = self.bench.is_simulated();
         let longest = prepared.order.longest;
@@ -145,12 +164,15 @@ impl Session<'_> {
         let stands = self.stands().without_carry();
         let last = stands.last.map(|dose| LastDose { by_weight: Some(course.on_record()), ..dose });
         let state = PumpState { unfinished: None, after_stop: course.after_stop, last, ..stands };
+        let mut delivered = course.delivered(true, std::mem::take(&mut self.notes));
+        self.log_weighed(began, prepared, &delivered);
         self.rest(Why::Weighed, state).map_err(|source| DoseError::NotRecorded {
-            delivered_ml: course.weighed_ml(),
-            end_angle_deg: pump_model::units::degrees(course.end_angle_rad),
+            delivered_ml: delivered.volume_ml,
+            end_angle_deg: pump_model::units::degrees(delivered.end_angle_rad),
             source,
         })?;
-        Ok(course.delivered(true, std::mem::take(&mut self.notes)))
+        delivered.warnings.append(&mut self.notes);
+        Ok(delivered)
     }
 
     /// Returns the volume by the model of the dose so far, in mL.
@@ -208,6 +230,7 @@ impl Session<'_> {
         let motion = RecordedMotion {
             plan: &part.plan,
             announced: Some(&announced.plan),
+            prepared: Some(announced),
             model: &announced.model,
             correction: announced.correction(),
             purpose: Purpose::Dose,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::record::{Intent, PumpState};
+use crate::record::{Intent, LogEntry, PumpState};
 
 /// Entry of a journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -34,6 +34,9 @@ pub(crate) enum Entry {
         why: Why,
         /// State of the pump.
         state: PumpState,
+        /// Dose that ended, for the log. `None` if none did.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        dose: Option<LogEntry>,
     },
 }
 

@@ -13,4 +13,5 @@ pub(crate) use entry::{Entry, Why};
 pub(crate) use journal::Journal;
 pub use journal::Storage;
 pub(crate) use line::{decode, encode};
+pub(super) use rotation::parts;
 pub use story::{JournalError, Story};

@@ -36,6 +36,17 @@ pub(super) fn keep(path: &Path) -> io::Result<PathBuf> {
     Ok(aside)
 }
 
+/// Returns the paths of the parts of the journal at `path`, oldest first. The journal itself is the last.
+///
+/// # Errors
+///
+/// The [`io::Error`] of the file system.
+pub(in crate::record) fn parts(path: &Path) -> io::Result<Vec<PathBuf>> {
+    let last = last_number(path)?.unwrap_or(0);
+    let older = (1..=last).map(|number| kept(path, number)).filter(|part| part.exists());
+    Ok(older.chain([path.to_owned()]).collect())
+}
+
 /// Returns the path of a kept part of the journal.
 fn kept(path: &Path, number: u32) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();

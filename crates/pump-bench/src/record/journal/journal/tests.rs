@@ -36,7 +36,8 @@ fn move_to(journal: &mut Journal, angle_rad: f64) {
 }
 
 fn rest(unix_s: u64, angle_rad: f64) -> Entry {
-    Entry::Rest { unix_s, why: Why::Set, state: PumpState::fresh(Phase::known(angle_rad), PhaseSource::Home) }
+    let state = PumpState::fresh(Phase::known(angle_rad), PhaseSource::Home);
+    Entry::Rest { unix_s, why: Why::Set, state, dose: None }
 }
 
 const INTENT: Entry = Entry::Intent(Intent {
@@ -69,6 +70,7 @@ const INTENT: Entry = Entry::Intent(Intent {
         min_inlet_kpa: None,
     },
     correction: Correction::NONE,
+    told: None,
 });
 
 #[test]

@@ -1,0 +1,157 @@
+//! The entries that a session gives to the log.
+
+use crate::bench::announced_steps::Halt;
+use crate::bench::recorded_motion::RecordedMotion;
+use crate::bench::session::Session;
+use crate::bench::{DeliveredByWeight, PreparedByWeight};
+use crate::dosing::{Swept, weighed_shares};
+use crate::record::{Clock, Intent, LogEnd, LogEntry, PumpState, Purpose, Stamp, Told, Unfinished, Why};
+
+impl Session<'_> {
+    /// Has doses get their times from `clock`, in place of the system's.
+    pub fn keep_time_by(&mut self, clock: Box<dyn Clock>) {
+        self.log.clock = clock;
+    }
+
+    /// Returns the part of an intent that only the log needs. `None` for a turn to a mark.
+    pub(in crate::bench) fn told(&self, motion: &RecordedMotion<'_>, now: Stamp) -> Option<Told> {
+        let prepared = motion.prepared;
+        (motion.purpose != Purpose::Jog).then(|| Told {
+            number: self.log.doses + 1,
+            utc_offset_s: now.utc_offset_s,
+            asked: prepared.and_then(|prepared| prepared.request.asked),
+            expanded_uncertainty_ml: self.uncertainty_ml(motion, motion.plan.steps().unsigned_abs()),
+            calibration: prepared.and_then(|prepared| Some(prepared.applied.as_ref()?.calibration.as_ref()?.version)),
+        })
+    }
+
+    /// Keeps the entry of a motion that the drive has ended, for the rest that follows. `made` is the number of steps
+    /// and `measured_s` the time that the motion took.
+    pub(in crate::bench) fn log_end(
+        &mut self,
+        motion: &RecordedMotion<'_>,
+        intent: &Intent,
+        made: u64,
+        measured_s: f64,
+        halt: Option<&Halt>,
+    ) {
+        let part = part(intent, made as i64, made as i64);
+        let end = match halt {
+            Some(_) => LogEnd::Fault,
+            None if made == motion.plan.steps().unsigned_abs() => LogEnd::Done,
+            None => LogEnd::Stopped,
+        };
+        let Some(entry) = self.entry(&part, end) else { return };
+        self.log.ended = Some(LogEntry {
+            delivered_ml: motion.plan.delivered_ml(motion.model, made),
+            expanded_uncertainty_ml: match end {
+                LogEnd::Done => entry.expanded_uncertainty_ml,
+                _ => self.uncertainty_ml(motion, made),
+            },
+            cause: halt.map(|halt| match halt {
+                Halt::Unwritten(source) => source.to_string(),
+                Halt::Late => "the disk with the journal was too slow".to_owned(),
+            }),
+            motion_s: Some(measured_s),
+            ..entry
+        });
+    }
+
+    /// Keeps the entry of a motion that failed after `least` to `most` steps, for the rest that follows.
+    pub(in crate::bench) fn log_fault(&mut self, intent: &Intent, least: i64, most: i64, cause: String) {
+        let entry = self.entry(&part(intent, least, most), LogEnd::Fault);
+        self.log.ended = entry.map(|entry| LogEntry { cause: Some(cause), ..entry });
+    }
+
+    /// Keeps the entry of a dose that a balance has ended, for the rest that follows. The readings are as unsure as their
+    /// last digit.
+    pub(in crate::bench) fn log_weighed(
+        &mut self,
+        began: Stamp,
+        prepared: &PreparedByWeight,
+        delivered: &DeliveredByWeight,
+    ) {
+        let (file, volume_ml) = (self.bench.file(), delivered.volume_ml);
+        let reading_ml = delivered.difference_standard_g(None, file) * prepared.z_ml_g;
+        let shares = weighed_shares(file, volume_ml, reading_ml, prepared.whole.drop_ml);
+        let sign = if volume_ml < 0.0 { -1 } else { 1 };
+        self.log.ended = self.entry_by_weight(began, LogEnd::Weighed).map(|entry| LogEntry {
+            delivered_ml: volume_ml,
+            delivered_range_ml: None,
+            expanded_uncertainty_ml: shares.ok().map(|(_, expanded_ml)| expanded_ml),
+            steps: Some(delivered.made as i64 * sign),
+            motion_s: Some(delivered.measured_s),
+            ..entry
+        });
+    }
+
+    /// Records the end of a dose by weight that was broken off.
+    pub(in crate::bench) fn log_broken_off(&mut self, began: Stamp, end: LogEnd, cause: Option<String>) {
+        let Some(entry) = self.entry_by_weight(began, end) else { return };
+        self.log.ended = Some(LogEntry { cause, steps: None, ..entry });
+        let why = if end == LogEnd::Stopped { Why::Stopped } else { Why::Fault };
+        // If this fails, the next rest has the entry, or the next session finds that the dose has none.
+        let _ = self.rest(why, self.stands());
+    }
+
+    /// Returns the entry of a dose by weight, all its stretches, which began at `began`.
+    fn entry_by_weight(&self, began: Stamp, end: LogEnd) -> Option<LogEntry> {
+        let dose = self.stands().unfinished.filter(|dose| dose.intent.terms.by_weight)?;
+        let entry = LogEntry::of(&dose, self.bench.model(), end, self.stands().tube(), self.log.doses + 1);
+        Some(LogEntry { time: began, requested_ml: dose.intent.whole_requested_ml(), ..entry })
+    }
+
+    /// Returns the dose that ends with a rest in `state`: that of this session, or one that an earlier process left
+    /// without an entry.
+    pub(in crate::bench) fn ended_dose(&mut self, why: Why, state: &PumpState) -> Option<LogEntry> {
+        let ended = self.log.ended.take().or_else(|| {
+            let left = self.log.unlogged.take()?;
+            let found = self.found(&left, why, state);
+            let before = self.stands();
+            let mut entry =
+                LogEntry::of(&found, self.bench.model(), LogEnd::CutOff, before.tube(), self.log.doses + 1);
+            // The first stretch of a dose by weight began it.
+            if let Some(last) = before.last.filter(|_| left.intent.terms.by_weight) {
+                entry.time.unix_s = last.unix_s;
+            }
+            Some(entry)
+        });
+        ended.map(|entry| LogEntry { carry_ml: state.carry_ml, ..entry })
+    }
+
+    /// Returns a motion that an earlier process left, with the steps that a rest in `state` finds it made.
+    fn found(&self, left: &Unfinished, why: Why, state: &PumpState) -> Unfinished {
+        let made = |made_least, made_most| Unfinished { made_least, made_most, ..*left };
+        let all = left.intent.steps.abs();
+        match state.unfinished {
+            Some(now) if now.intent.told == left.intent.told && now.intent.unix_s == left.intent.unix_s => now,
+            // The device has made the motion that the process could not end.
+            None if why == Why::Met && left.intent.purpose.is_delivery() => made(all, all),
+            _ => *left,
+        }
+    }
+
+    /// Returns the entry of a motion. `None` for a turn to a mark, and for a stretch of a dose by weight.
+    fn entry(&self, part: &Unfinished, end: LogEnd) -> Option<LogEntry> {
+        let intent = &part.intent;
+        let is_own = intent.purpose != Purpose::Jog && !intent.terms.by_weight;
+        is_own.then(|| {
+            LogEntry::of(part, self.bench.model(), end, self.stands().tube(), self.log.doses + 1)
+        })
+    }
+
+    /// Returns the expanded uncertainty of the first `made` steps, in mL. `None` for a motion that was not prepared.
+    fn uncertainty_ml(&self, motion: &RecordedMotion<'_>, made: u64) -> Option<f64> {
+        let prepared = motion.prepared.filter(|_| !motion.terms.by_weight)?;
+        let (model, plan) = (&prepared.model, &prepared.plan);
+        let is_whole = made == plan.steps().unsigned_abs();
+        let part = if is_whole { Swept::whole(model, plan) } else { Swept::part(model, plan, made) };
+        let backflow_ml = prepared.backflow_of_ml(made).unwrap_or(prepared.back_flow.backflow_ml);
+        Some(prepared.budget(self.bench.file(), &part, backflow_ml).expanded_ml())
+    }
+}
+
+/// Returns a motion after `least` to `most` steps.
+fn part(intent: &Intent, least: i64, most: i64) -> Unfinished {
+    Unfinished { intent: *intent, made_least: least, made_most: most, count_before: None }
+}

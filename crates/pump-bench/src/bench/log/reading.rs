@@ -1,0 +1,78 @@
+//! The log of a bench, read without holding the pump.
+
+use std::collections::VecDeque;
+
+use crate::bench::Bench;
+use crate::record::{LogEntry, LogError, LogLine, pending};
+
+/// Doses of a bench, oldest first, read one at a time.
+pub struct LogReading {
+    lines: Box<dyn Iterator<Item = Result<LogLine, LogError>> + Send>,
+    /// Number of the last dose that was read.
+    last: u64,
+    bench: Bench,
+    /// Doses that the journal has and the log does not. `None` until the log has ended.
+    rest: Option<VecDeque<LogEntry>>,
+}
+
+impl std::fmt::Debug for LogReading {
+    fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        to.debug_struct("LogReading").field("last", &self.last).finish_non_exhaustive()
+    }
+}
+
+impl Bench {
+    /// Reads the log: every dose of this pump by this drive, oldest first. Only one dose is in memory at a time.
+    ///
+    /// A dose that is under way, or that a process left without an end, is not in the log: the status tells it.
+    ///
+    /// # Errors
+    ///
+    /// [`LogError`] if the log cannot be opened. Each line tells if it cannot be read.
+    pub fn log(&self) -> Result<LogReading, LogError> {
+        let lines = Box::new(self.folder().log().lines()?);
+        Ok(LogReading { lines, last: 0, bench: self.clone(), rest: None })
+    }
+}
+
+impl LogReading {
+    /// Returns the doses that the journal has and the log does not: a process may have ended between the two.
+    fn pending(&self) -> Result<VecDeque<LogEntry>, LogError> {
+        let folder = self.bench.folder();
+        let failed = |source| LogError { action: "complete", path: folder.log().path().to_owned(), source };
+        let mut rest = VecDeque::new();
+        let is_behind = self.bench.story().ok().and_then(|story| story.state).is_some_and(|state| state.doses > self.last);
+        if is_behind {
+            let tell = |entry| {
+                rest.push_back(entry);
+                Ok(())
+            };
+            pending(&folder.journal(), self.last, tell).map_err(failed)?;
+        }
+        Ok(rest)
+    }
+}
+
+impl Iterator for LogReading {
+    type Item = Result<LogLine, LogError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_none() {
+            match self.lines.next() {
+                Some(Ok(LogLine::Dose(entry))) => {
+                    self.last = entry.number;
+                    return Some(Ok(LogLine::Dose(entry)));
+                }
+                Some(other) => return Some(other),
+                None => match self.pending() {
+                    Ok(rest) => self.rest = Some(rest),
+                    Err(error) => {
+                        self.rest = Some(VecDeque::new());
+                        return Some(Err(error));
+                    }
+                },
+            }
+        }
+        self.rest.as_mut()?.pop_front().map(|entry| Ok(LogLine::Dose(entry)))
+    }
+}

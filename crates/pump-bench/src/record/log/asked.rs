@@ -1,0 +1,83 @@
+//! The volume of a dose, as it was typed.
+
+use std::fmt;
+use std::str;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// Most bytes of the text that are kept.
+const MOST: usize = 40;
+
+/// Mark at the end of a text that was cut.
+const CUT: &str = "…";
+
+/// Volume of a dose, as it was typed: `25 mL`. A text of more than 40 bytes is cut, and ends with `…`.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub struct Asked {
+    bytes: [u8; MOST],
+    length: u8,
+}
+
+impl Asked {
+    /// Keeps a text.
+    pub fn new(text: &str) -> Self {
+        let mut asked = Self { bytes: [0; MOST], length: 0 };
+        if text.len() <= MOST {
+            asked.push(text);
+            return asked;
+        }
+        let fits = |end: &usize| *end <= MOST - CUT.len() && text.is_char_boundary(*end);
+        let end = (0..text.len()).rev().find(fits).unwrap_or(0);
+        asked.push(&text[..end]);
+        asked.push(CUT);
+        asked
+    }
+
+    /// Returns the text.
+    pub fn as_str(&self) -> &str {
+        str::from_utf8(&self.bytes[..usize::from(self.length)]).unwrap_or_default()
+    }
+
+    /// Appends a text that fits.
+    fn push(&mut self, text: &str) {
+        let start = usize::from(self.length);
+        let end = start + text.len();
+        self.bytes[start..end].copy_from_slice(text.as_bytes());
+        self.length = end as u8;
+    }
+}
+
+impl fmt::Debug for Asked {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self.as_str(), to)
+    }
+}
+
+impl Serialize for Asked {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(self.as_str())
+    }
+}
+
+impl<'de> Deserialize<'de> for Asked {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Ok(Self::new(&String::deserialize(from)?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_comes_back_and_a_long_one_is_cut_between_letters() {
+        for text in ["", "25 mL", "1e3 µL", &"x".repeat(40)] {
+            assert_eq!(Asked::new(text).as_str(), text);
+        }
+        assert_eq!(Asked::new(&"x".repeat(41)).as_str(), "x".repeat(37) + "…");
+        // Each µ has two bytes, and 37 bytes end within one.
+        let cut = Asked::new(&"µ".repeat(30));
+        assert_eq!(cut.as_str(), "µ".repeat(18) + "…");
+        assert_eq!(serde_json::from_str::<Asked>(&serde_json::to_string(&cut).unwrap()).unwrap(), cut);
+    }
+}

@@ -1,0 +1,89 @@
+//! One dose in the log.
+
+use pump_model::Pump;
+use serde::{Deserialize, Serialize};
+
+use super::{Asked, LogEnd, Stamp};
+use crate::record::{Purpose, Unfinished};
+
+/// One dose in the log: a motion that delivers, or all stretches of a dose by weight.
+///
+/// The rest of a dose that was stopped and resumed, and the retraction after a dose, have entries of their own. So the
+/// volumes of all entries add up. A turn of the rotor to a mark has none.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct LogEntry {
+    /// Number of the dose, one more than that of the dose before.
+    pub number: u64,
+    /// Time at which the dose began, by the clock of that day.
+    pub time: Stamp,
+    /// Purpose of the dose.
+    pub purpose: Purpose,
+    /// Volume as it was typed. `None` if a program gave a number.
+    pub asked: Option<Asked>,
+    /// Volume that was asked for, in mL. Negative in reverse.
+    pub requested_ml: f64,
+    /// Volume that the made steps are booked with, in mL. A dose that a balance ended has the weighed volume.
+    pub delivered_ml: f64,
+    /// Smallest and largest volume, in mL, where nobody knows how many steps were made.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub delivered_range_ml: Option<(f64, f64)>,
+    /// Expanded uncertainty (k = 2) of the delivered volume, in mL. `None` for a retraction. A dose that was cut off has
+    /// that of the whole plan, with half of the range of the volume added.
+    pub expanded_uncertainty_ml: Option<f64>,
+    /// Carry to the next dose, in mL. Positive toward the outlet.
+    pub carry_ml: f64,
+    /// End of the dose.
+    pub end: LogEnd,
+    /// Cause of a fault. `None` otherwise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cause: Option<String>,
+    /// True if the dose is the rest of one that was stopped or cut off.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub resumed: bool,
+    /// Number of the tube, from 1. Each new tube has the next number.
+    pub tube: u32,
+    /// Number of the calibration that the dose used. `None` without one.
+    pub calibration: Option<u32>,
+    /// Motor steps made, negative in reverse. `None` where nobody knows.
+    pub steps: Option<i64>,
+    /// Time that the motion took, in s. `None` where nobody knows.
+    pub motion_s: Option<f64>,
+}
+
+impl LogEntry {
+    /// Describes a motion of `part` that the drive has ended, or of which nobody has recorded the end. `number` is the
+    /// next number, for a motion of an early version that tells none.
+    pub(crate) fn of(part: &Unfinished, pump: &Pump, end: LogEnd, tube: u32, number: u64) -> Self {
+        let Unfinished { intent, made_least, made_most, .. } = *part;
+        let told = intent.told;
+        let is_exact = made_least == made_most;
+        // A dose by weight is one entry, so its earlier stretches count.
+        let (delivered_ml, (least_ml, most_ml)) = if intent.terms.by_weight {
+            (part.booked_ml(pump), part.delivered_ml(pump))
+        } else {
+            let booked_ml = |made| intent.booked_ml(pump, made, made);
+            (part.motion_booked_ml(pump), (booked_ml(made_least), booked_ml(made_most)))
+        };
+        let half_ml = 0.5 * (most_ml - least_ml).abs();
+        let uncertainty_ml = told.and_then(|told| told.expanded_uncertainty_ml);
+        Self {
+            number: told.map_or(number, |told| told.number),
+            time: Stamp::new(intent.unix_s, told.map_or(0, |told| told.utc_offset_s)),
+            purpose: intent.purpose,
+            asked: told.and_then(|told| told.asked),
+            requested_ml: intent.requested_ml,
+            delivered_ml,
+            delivered_range_ml: (!is_exact).then_some((least_ml.min(most_ml), least_ml.max(most_ml))),
+            expanded_uncertainty_ml: uncertainty_ml.map(|ml| if is_exact { ml } else { ml + half_ml }),
+            carry_ml: 0.0,
+            end,
+            cause: None,
+            resumed: intent.whole.is_some() && !intent.terms.by_weight,
+            tube,
+            calibration: told.and_then(|told| told.calibration),
+            steps: is_exact.then_some(made_least * intent.steps.signum()),
+            motion_s: None,
+        }
+    }
+}

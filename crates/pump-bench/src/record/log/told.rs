@@ -1,0 +1,24 @@
+//! The part of an intent that only the log needs.
+
+use serde::{Deserialize, Serialize};
+
+use super::Asked;
+
+/// Part of an intent that only the log needs. A dose that is cut off is logged by it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Told {
+    /// Number that the dose gets in the log.
+    pub(crate) number: u64,
+    /// Local time less UTC at the start, in s.
+    pub(crate) utc_offset_s: i32,
+    /// Volume as it was typed. `None` if a program gave a number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) asked: Option<Asked>,
+    /// Expanded uncertainty (k = 2) of the planned volume, in mL. `None` for a retraction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) expanded_uncertainty_ml: Option<f64>,
+    /// Number of the calibration that the plan was made with. `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) calibration: Option<u32>,
+}
