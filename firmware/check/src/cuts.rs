@@ -10,6 +10,7 @@ use pump_ctl::step::Segment;
 use pump_link::message::{AXES, Answer, AxisState, Request};
 
 use crate::check;
+use crate::doses::rises;
 use crate::emulator::Edge;
 use crate::host::{Host, Move, TICK_RATE};
 
@@ -125,7 +126,7 @@ pub(crate) fn stops(firmware: &Path, number: u32) -> Result<(), Box<dyn Error>> 
         host.emulator.write(&frame)?;
         host.emulator.sleep(Duration::from_millis(100));
         let rises: Vec<f64> =
-            crate::rises(&host.emulator.take_edges(), 0).iter().map(|ns| 1e-3 * ns).collect();
+            rises(&host.emulator.take_edges(), 0).iter().map(|ns| 1e-3 * ns).collect();
         let slower = rises.windows(2).find(|pair| pair[1] - pair[0] > INTERVAL as f64 + 2.0);
         let Some(slower) = slower else { return Err("a stop did nothing".into()) };
         latest_us = latest_us.max(slower[1] - ends_us);

@@ -7,7 +7,8 @@ use std::time::Instant;
 use pump_bench::drives::{Drive, Leave};
 use pump_bench::pump_file::Axis;
 
-use crate::{check, distances_us, meet, rises};
+use crate::check;
+use crate::doses::{distances_us, meet, rises};
 
 /// Flow of the slow dose, mL/s.
 const FLOW_ML_S: f64 = 0.005;
