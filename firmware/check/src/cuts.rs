@@ -125,8 +125,7 @@ pub(crate) fn stops(firmware: &Path, number: u32) -> Result<(), Box<dyn Error>> 
         let ends_us = 1e6 * host.emulator.now().as_secs_f64() + frame.len() as f64 * 1e7 / 460_800.0;
         host.emulator.write(&frame)?;
         host.emulator.sleep(Duration::from_millis(100));
-        let rises: Vec<f64> =
-            rises(&host.emulator.take_edges(), 0).iter().map(|ns| 1e-3 * ns).collect();
+        let rises: Vec<f64> = rises(&host.emulator.take_edges(), 0).iter().map(|ns| 1e-3 * ns).collect();
         let slower = rises.windows(2).find(|pair| pair[1] - pair[0] > INTERVAL as f64 + 2.0);
         let Some(slower) = slower else { return Err("a stop did nothing".into()) };
         latest_us = latest_us.max(slower[1] - ends_us);

@@ -48,7 +48,10 @@ pub(crate) fn make_all(firmware: &Path) -> Result<(), Box<dyn Error>> {
                 Err(error) => (format!("{error}\n"), false),
             };
             let how = if is_well { "passed" } else { "FAILED" };
-            println!("{part}: {how} in {:.0} s of this computer's time\n{told}", began.elapsed().as_secs_f64());
+            println!(
+                "{part}: {how} in {:.0} s of this computer's time\n{told}",
+                began.elapsed().as_secs_f64()
+            );
             if !is_well {
                 failed.lock().unwrap_or_else(PoisonError::into_inner).push(part);
             }

@@ -6,9 +6,9 @@ use std::path::Path;
 use pump_bench::drives::{Drive, Leave, Opening};
 use pump_bench::pump_file::Axis;
 
+use crate::doses::{MOST_OFF_US, distances_us, meet_at, rises};
 use crate::emulator::{Emulator, Extremes};
 use crate::size::STACK;
-use crate::doses::{MOST_OFF_US, distances_us, meet_at, rises};
 use crate::{check, size};
 
 /// Numbers of emulated flash chips: one of its own, and two of chips that tell none.
