@@ -114,7 +114,7 @@ fn dose(firmware: &Path, axis: Axis, volume_ml: f64, ml_s: f64, smooth: bool) ->
 /// Stops a dose on its way.
 fn stop(firmware: &Path) -> Result<(), Box<dyn Error>> {
     let mut met = meet(firmware, Axis::X)?;
-    let plan = met.plan(5.0, 4.0, true)?;
+    let plan = met.plan(10.0, 4.0, true)?;
     let made = met.node.run(&plan, &mut |made, _| if made > 3_000 { Leave::Stop } else { Leave::Go })?;
     let rises = rises(&met.emulator.take_edges(), Axis::X as u8).len();
     println!("stopped after {made} steps of {}; the pin rose {rises} times", plan.steps());
@@ -124,7 +124,7 @@ fn stop(firmware: &Path) -> Result<(), Box<dyn Error>> {
 /// Resets the board in mid-dose: nothing moves afterwards, and the bounds contain the truth.
 fn reset(firmware: &Path) -> Result<(), Box<dyn Error>> {
     let mut met = meet(firmware, Axis::X)?;
-    let plan = met.plan(5.0, 4.0, false)?;
+    let plan = met.plan(10.0, 4.0, false)?;
     let (emulator, mut is_reset) = (met.emulator.clone(), false);
     let fault = met.node.run(&plan, &mut |made, _| {
         if made > 2_000 && !is_reset {

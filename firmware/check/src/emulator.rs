@@ -30,7 +30,7 @@ pub(crate) struct Counts {
     pub(crate) kept_off: f64,
 }
 
-/// Extremes that a board has come to since it was made.
+/// Extremes that a board has come to. Times are since it was last asked.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extremes {
     /// Longest time with interrupts off, in ns.
@@ -145,6 +145,8 @@ impl Board {
 }
 
 impl Machine for Board {
+    const SLICE_NS: f64 = f64::INFINITY;
+
     fn now_ns(&self) -> f64 {
         self.now_ns
     }

@@ -8,18 +8,18 @@ use std::time::Duration;
 
 use pump_bench::drives::wire::{AskClock, Wire};
 
-/// Longest time for which the board runs before the host looks again, in ns.
-const SLICE_NS: f64 = 1e6;
-
 /// Shortest look at the line, in ns: a tick of the board.
 const LOOK_NS: f64 = 1e3;
 
 /// Board in an emulator, which runs only when it is told.
 pub(crate) trait Machine: Send + 'static {
+    /// Longest time for which the board runs before the host looks again, in ns.
+    const SLICE_NS: f64;
+
     /// Returns the time of the board, in ns.
     fn now_ns(&self) -> f64;
 
-    /// Runs until a time, in ns, or until the board has said something.
+    /// Runs until a time, in ns, or until the board has said something. A board that cannot tell so has short slices.
     fn advance(&mut self, until_ns: f64) -> io::Result<()>;
 
     /// Returns the bytes of the board that the host has not read.
@@ -97,7 +97,7 @@ impl<M: Machine> Lockstep<M> {
                 return Ok(shared);
             }
             let asks_ns = if let Asker::Waits(at_ns) = shared.asker { at_ns } else { until_ns };
-            shared.machine.advance(until_ns.min(asks_ns).min(now_ns + SLICE_NS))?;
+            shared.machine.advance(until_ns.min(asks_ns).min(now_ns + M::SLICE_NS))?;
         }
     }
 }

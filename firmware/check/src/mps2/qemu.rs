@@ -161,6 +161,8 @@ impl Board {
 }
 
 impl Machine for Board {
+    const SLICE_NS: f64 = 1e6;
+
     fn now_ns(&self) -> f64 {
         self.now_ns
     }
