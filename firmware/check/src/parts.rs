@@ -10,7 +10,7 @@ use std::time::Instant;
 use crate::{cuts, doses, slow, together, usb};
 
 /// Names of the parts, those that take longest first.
-const PARTS: [&str; 7] = ["doses", "cuts", "slow", "usb", "even", "smooth", "stops"];
+const PARTS: [&str; 7] = ["slow", "cuts", "doses", "even", "stops", "usb", "smooth"];
 
 /// Number of stops, and of cuts of the link and kills of the host.
 const STOPS: u32 = 30;
