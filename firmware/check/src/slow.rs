@@ -39,8 +39,8 @@ pub(crate) fn slow(firmware: &Path, minutes: f64) -> Result<(), Box<dyn Error>> 
     let half_us = 0.5 * (most - least);
     let real_s = began.elapsed().as_secs_f64();
     println!(
-        "{volume_ml:.2} mL at {FLOW_ML_S} mL/s in {:.1} min: {} steps within {half_us:.2} us of the plan, in {real_s:.0} s \
-         of this computer's time",
+        "{volume_ml:.2} mL at {FLOW_ML_S} mL/s in {:.1} min: {} steps within {half_us:.2} us of the plan, in \
+         {real_s:.0} s of this computer's time",
         plan.profile().duration_s() / 60.0,
         rises.len()
     );
