@@ -14,8 +14,8 @@
 // Answers: to A, now_ns: f64, length: u32, bytes, edges: u32, of each ns: f64, pin: u8, level: u8; to C six f64 (all
 // instructions, alarms served, instructions in them, the most in one, the most with interrupts off since the last C,
 // now_ns); to X three f64 (longest time with interrupts off, longest one in which the USB controller is used, both in
-// ns, deepest place of the stack); to S, length: u32, lines of text (ids, manufacturer, product, serial number); to I
-// and R, now_ns: f64.
+// ns since the last X, deepest place of the stack); to S, length: u32, lines of text (ids, manufacturer, product,
+// serial number); to I and R, now_ns: f64.
 
 import { parseArgs } from 'node:util';
 import { Board } from './board.mjs';
@@ -67,6 +67,7 @@ function serve(input) {
   }
   if (kind === 'X') {
     process.stdout.write(numbers(board.extremes.offNs, board.extremes.usbOffNs, board.extremes.stack));
+    [board.extremes.offNs, board.extremes.usbOffNs] = [0, 0];
     return 1;
   }
   if (kind === 'S') {

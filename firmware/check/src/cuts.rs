@@ -10,6 +10,7 @@ use pump_ctl::step::Segment;
 use pump_link::message::{AXES, Answer, AxisState, Request};
 
 use crate::check;
+use crate::doses::rises;
 use crate::emulator::Edge;
 use crate::host::{Host, Move, TICK_RATE};
 
@@ -18,6 +19,10 @@ const DEAD_MAN_MS: u16 = 100;
 
 /// Longest silence of a host, ms. About half of them are longer than the dead-man time.
 const LONGEST_SILENCE_MS: u64 = 250;
+
+/// Longest time for which a stop and a configuration may keep interrupts off, in ns. Steps of other axes wait for it.
+const MOST_STOP_OFF_NS: f64 = 150e3;
+const MOST_CONFIGURED_OFF_NS: f64 = 410e3;
 
 /// Random numbers: Marsaglia's xorshift, Journal of Statistical Software 8(14), 2003.
 pub(crate) struct Random(pub(crate) u64);
@@ -112,20 +117,23 @@ pub(crate) fn stops(firmware: &Path, number: u32) -> Result<(), Box<dyn Error>> 
     const INTERVAL: u64 = 200;
     let mut host = Host::new(firmware, 500)?;
     let brake = built_in("three-roller").ok_or("no such pump")?.limits().motor.brake(TICK_RATE)?;
+    host.emulator.extremes()?;
     host.configure(0, &brake)?;
+    let configured_ns = host.emulator.extremes()?.off_ns;
     let mut random = Random(0x0bad_cafe_1234_5671);
-    let mut latest_us: f64 = 0.0;
+    let (mut latest_us, mut off_ns): (f64, f64) = (0.0, 0.0);
     for case in 1..=number {
         let even = Segment { count: 400, interval: INTERVAL, add: 0, frac: 0 };
         host.begin(case, &Move::new(0, [even; 10])?, 10)?;
         host.emulator.sleep(Duration::from_micros(50_000 + random.below(300_000)));
         host.emulator.take_edges();
+        host.emulator.extremes()?;
         let frame = host.frame(&Request::Stop { moves: [case, 0, 0, 0] })?;
         let ends_us = 1e6 * host.emulator.now().as_secs_f64() + frame.len() as f64 * 1e7 / 460_800.0;
         host.emulator.write(&frame)?;
         host.emulator.sleep(Duration::from_millis(100));
-        let rises: Vec<f64> =
-            crate::rises(&host.emulator.take_edges(), 0).iter().map(|ns| 1e-3 * ns).collect();
+        off_ns = off_ns.max(host.emulator.extremes()?.off_ns);
+        let rises: Vec<f64> = rises(&host.emulator.take_edges(), 0).iter().map(|ns| 1e-3 * ns).collect();
         let slower = rises.windows(2).find(|pair| pair[1] - pair[0] > INTERVAL as f64 + 2.0);
         let Some(slower) = slower else { return Err("a stop did nothing".into()) };
         latest_us = latest_us.max(slower[1] - ends_us);
@@ -135,5 +143,12 @@ pub(crate) fn stops(firmware: &Path, number: u32) -> Result<(), Box<dyn Error>> 
         "{number} stops at 5,000 steps/s: slower {:.2} ms after the end of the frame, at most",
         1e-3 * latest_us
     );
-    check(latest_us < 1000.0, "a stop within 1 ms of its frame")
+    println!(
+        "  interrupts are off for {:.0} us at most while an axis is configured, for {:.0} us in a stop",
+        1e-3 * configured_ns,
+        1e-3 * off_ns
+    );
+    check(latest_us < 1000.0, "a stop within 1 ms of its frame")?;
+    check(off_ns > 0.0 && off_ns <= MOST_STOP_OFF_NS, "the time for which a stop keeps interrupts off")?;
+    check(configured_ns <= MOST_CONFIGURED_OFF_NS, "the time for which a configuration keeps interrupts off")
 }

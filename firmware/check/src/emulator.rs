@@ -1,16 +1,10 @@
 //! The emulated board, which runs only as far as the host waits.
 
-use std::fmt;
 use std::io::{self, Read, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 
-use pump_bench::drives::wire::Wire;
-
-/// Longest time for which the board runs before the host looks again, in ns.
-const SLICE_NS: f64 = 1e6;
+use crate::lockstep::{Lockstep, Machine};
 
 /// Change of a pin.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,7 +30,7 @@ pub(crate) struct Counts {
     pub(crate) kept_off: f64,
 }
 
-/// Extremes that a board has come to since it was made.
+/// Extremes that a board has come to. Times are since it was last asked.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extremes {
     /// Longest time with interrupts off, in ns.
@@ -48,7 +42,7 @@ pub(crate) struct Extremes {
 }
 
 /// Board in a process of its own.
-struct Board {
+pub(crate) struct Board {
     process: Child,
     to: ChildStdin,
     from: ChildStdout,
@@ -60,15 +54,8 @@ struct Board {
     edges: Vec<Edge>,
 }
 
-/// Emulated board. Clones are the same board.
-#[derive(Clone)]
-pub(crate) struct Emulator(Arc<Mutex<Board>>);
-
-impl fmt::Debug for Emulator {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        to.debug_struct("Emulator").field("now", &self.board().now_ns).finish_non_exhaustive()
-    }
-}
+/// Emulated board.
+pub(crate) type Emulator = Lockstep<Board>;
 
 impl Emulator {
     /// Starts the emulator with this firmware, an ELF file. It is reached over its UART.
@@ -90,21 +77,17 @@ impl Emulator {
             return Err(io::Error::other("the emulator has no pipes"));
         };
         let (written, said, edges) = (Vec::new(), Vec::new(), Vec::new());
-        Ok(Self(Arc::new(Mutex::new(Board { process, to, from, now_ns: 0.0, written, said, edges }))))
-    }
-
-    fn board(&self) -> MutexGuard<'_, Board> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        Ok(Self::over(Board { process, to, from, now_ns: 0.0, written, said, edges }))
     }
 
     /// Takes the edges since the last call.
     pub(crate) fn take_edges(&self) -> Vec<Edge> {
-        std::mem::take(&mut self.board().edges)
+        std::mem::take(&mut self.shared().machine.edges)
     }
 
     /// Resets the board. Its motor keeps its place.
     pub(crate) fn reset(&self) -> io::Result<()> {
-        let board = &mut *self.board();
+        let board = &mut self.shared().machine;
         board.said.clear();
         board.written.clear();
         board.ask(b"R").map(drop)
@@ -112,7 +95,7 @@ impl Emulator {
 
     /// Returns the extremes that the board has come to.
     pub(crate) fn extremes(&self) -> io::Result<Extremes> {
-        let board = &mut *self.board();
+        let board = &mut self.shared().machine;
         board.to.write_all(b"X")?;
         let [off_ns, usb_off_ns, stack] = board.numbers()?;
         Ok(Extremes { off_ns, usb_off_ns, stack: stack as u32 })
@@ -120,7 +103,7 @@ impl Emulator {
 
     /// Returns the names of the USB device: its ids, manufacturer, product and serial number.
     pub(crate) fn usb_names(&self) -> io::Result<Vec<String>> {
-        let board = &mut *self.board();
+        let board = &mut self.shared().machine;
         board.to.write_all(b"S")?;
         let mut text = vec![0; board.length()?];
         board.from.read_exact(&mut text)?;
@@ -129,7 +112,7 @@ impl Emulator {
 
     /// Returns the instructions of the board's interrupts.
     pub(crate) fn counts(&self) -> io::Result<Counts> {
-        let board = &mut *self.board();
+        let board = &mut self.shared().machine;
         board.to.write_all(b"C")?;
         let [_, interrupts, instructions, most, kept_off, _] = board.numbers()?;
         Ok(Counts { interrupts, instructions, most, kept_off })
@@ -159,8 +142,15 @@ impl Board {
         self.from.read_exact(&mut bytes)?;
         Ok(u32::from_le_bytes(bytes) as usize)
     }
+}
 
-    /// Runs until a time, or until the board has sent the end of a frame.
+impl Machine for Board {
+    const SLICE_NS: f64 = f64::INFINITY;
+
+    fn now_ns(&self) -> f64 {
+        self.now_ns
+    }
+
     fn advance(&mut self, until_ns: f64) -> io::Result<()> {
         let bytes = std::mem::take(&mut self.written);
         let mut request = vec![b'A'];
@@ -181,34 +171,13 @@ impl Board {
         }
         Ok(())
     }
-}
 
-impl Wire for Emulator {
-    fn read(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize> {
-        let board = &mut *self.board();
-        let until_ns = board.now_ns + (wait.as_nanos() as f64).max(1e3);
-        while board.said.is_empty() && board.now_ns < until_ns {
-            board.advance(until_ns.min(board.now_ns + SLICE_NS))?;
-        }
-        let read = buffer.len().min(board.said.len());
-        buffer.iter_mut().zip(board.said.drain(..read)).for_each(|(to, byte)| *to = byte);
-        Ok(read)
+    fn said(&mut self) -> &mut Vec<u8> {
+        &mut self.said
     }
 
-    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.board().written.extend(bytes);
-        Ok(())
-    }
-
-    fn now(&mut self) -> Duration {
-        Duration::from_nanos(self.board().now_ns as u64)
-    }
-
-    fn sleep(&mut self, time: Duration) {
-        let board = &mut *self.board();
-        let until_ns = board.now_ns + time.as_nanos() as f64;
-        // A board that is gone is the next read's error.
-        while board.now_ns < until_ns && board.advance(until_ns).is_ok() {}
+    fn give(&mut self, bytes: &[u8]) {
+        self.written.extend(bytes);
     }
 }
 

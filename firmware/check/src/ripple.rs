@@ -5,7 +5,8 @@ use std::error::Error;
 use pump_ctl::plan::Plan;
 use pump_model::Pump;
 
-use crate::{START_RAD, check};
+use crate::check;
+use crate::doses::START_RAD;
 
 /// Steps over which the flow is taken. A tick of the board is then less than 0.1 % of the time.
 const WINDOW: usize = 8;

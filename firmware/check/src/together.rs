@@ -8,9 +8,10 @@ use pump_ctl::plan::{Cruise, Doser, Phase, Request};
 use pump_ctl::step::Segment;
 use pump_link::message::{Answer, AxisState, End, Refusal};
 
+use crate::check;
+use crate::doses::rises;
 use crate::emulator::{Counts, Edge};
 use crate::host::{Host, Move, TICK_RATE};
-use crate::{check, rises};
 
 /// Axes whose steps are due within this time count as due together, us.
 const TOGETHER_US: f64 = 10.0;
@@ -46,7 +47,7 @@ pub(crate) fn smooth(firmware: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// Makes even steps with four axes, `apart` us from one axis to the next.
-pub(crate) fn even(firmware: &Path, interval: u64, apart: u64) -> Result<(), Box<dyn Error>> {
+fn even(firmware: &Path, interval: u64, apart: u64) -> Result<(), Box<dyn Error>> {
     let mut host = Host::new(firmware, 500)?;
     let brake = built_in("three-roller").ok_or("no such pump")?.limits().motor.brake(TICK_RATE)?;
     let mut moves = Vec::new();
@@ -67,15 +68,18 @@ fn even_interval(sum_hz: u32) -> u64 {
     4_000_000_u64.div_ceil(u64::from(sum_hz))
 }
 
-/// Makes even steps with four axes at the largest rate that the board accepts, at one tick and evenly spread.
-pub(crate) fn fastest(firmware: &Path) -> Result<(), Box<dyn Error>> {
+/// Makes even steps with four axes: at a middle rate, and at the largest that the board accepts, at one tick and evenly
+/// spread. The board refuses more.
+pub(crate) fn evens(firmware: &Path) -> Result<(), Box<dyn Error>> {
+    even(firmware, 1_000, 0)?;
     let interval = even_interval(Host::new(firmware, 500)?.identity.max_step_hz);
     even(firmware, interval, 0)?;
-    even(firmware, interval, interval / 4)
+    even(firmware, interval, interval / 4)?;
+    refused(firmware)
 }
 
 /// Refuses a fourth move whose steps would be more than the board makes.
-pub(crate) fn refused(firmware: &Path) -> Result<(), Box<dyn Error>> {
+fn refused(firmware: &Path) -> Result<(), Box<dyn Error>> {
     let mut host = Host::new(firmware, 500)?;
     let allowed = host.identity.max_step_hz;
     let brake = built_in("three-roller").ok_or("no such pump")?.limits().motor.brake(TICK_RATE)?;

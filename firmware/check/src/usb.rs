@@ -6,9 +6,10 @@ use std::path::Path;
 use pump_bench::drives::{Drive, Leave, Opening};
 use pump_bench::pump_file::Axis;
 
+use crate::doses::{MOST_OFF_US, distances_us, meet_at, rises};
 use crate::emulator::{Emulator, Extremes};
 use crate::size::STACK;
-use crate::{MOST_OFF_US, check, distances_us, meet_at, rises};
+use crate::{check, size};
 
 /// Numbers of emulated flash chips: one of its own, and two of chips that tell none.
 const NUMBER: &str = "e6605838834c17af";
@@ -19,8 +20,8 @@ const NO_NUMBERS: [&str; 2] = ["ffffffffffffffff", "0000000000000000"];
 const MOST_USB_OFF_NS: f64 = 16_000.0;
 
 /// Makes a dose over USB. Holds the names of the device, the number of the board, the times of the steps and the time
-/// for which the port keeps interrupts off. Returns the bytes of stack that were used.
-pub(crate) fn dose(firmware: &Path) -> Result<u32, Box<dyn Error>> {
+/// for which the port keeps interrupts off, and the sizes of the firmware.
+pub(crate) fn dose(firmware: &Path) -> Result<(), Box<dyn Error>> {
     for number in NO_NUMBERS {
         let (record, names) = met(firmware, number)?;
         check(record.contains(r#""number":null"#), "the number of a board that has none")?;
@@ -54,7 +55,7 @@ pub(crate) fn dose(firmware: &Path) -> Result<u32, Box<dyn Error>> {
         usb_off_ns > 0.0 && usb_off_ns <= MOST_USB_OFF_NS,
         "the time for which the USB port keeps interrupts off",
     )?;
-    Ok(STACK - stack)
+    size::hold(firmware, STACK - stack)
 }
 
 /// Meets a board whose flash chip has this number. Returns the record of it, and the names of its USB device.

@@ -112,6 +112,26 @@ fn a_motor_that_waits_for_the_disk_rests_within_its_leave_and_goes_on() {
 }
 
 #[test]
+fn a_slow_motor_that_rests_for_want_of_leave_goes_on_no_faster_than_its_plan() {
+    let rig = Rig::new();
+    let plan = dose(0.01, 0.005, false);
+    let mut drive = rig.open();
+    drive.check(&plan).unwrap();
+    let begin_us = rig.world.now_us();
+    let made = drive.run(&plan, &mut |_, _| {
+        let now_ms = (rig.world.now_us() - begin_us) / 1000;
+        if (1000..6000).contains(&now_ms) { Leave::Wait } else { Leave::Go }
+    });
+    assert_eq!(made.unwrap() as i64, plan.steps());
+    assert_eq!(rig.world.count(), plan.steps());
+    let between = |times: &[u64]| -> Vec<u64> { times.windows(2).map(|pair| pair[1] - pair[0]).collect() };
+    let planned: Vec<u64> = crate::rig::times(&plan).iter().map(|time| *time as u64).collect();
+    let (made, planned) = (between(&rig.world.rises()), between(&planned));
+    assert!(made.iter().any(|time| *time > 2_000_000), "the motor has not rested");
+    assert!(made.iter().zip(&planned).all(|(made, planned)| made + 3 >= *planned), "{made:?}");
+}
+
+#[test]
 fn the_index_mark_ends_a_search() {
     let rig = Rig::new();
     rig.world.hardware(|hardware| hardware.index_at = Some(400));

@@ -42,6 +42,33 @@ fn a_second_in_which_nobody_asks_for_leave_is_unseen_at_any_speed() {
 }
 
 #[test]
+fn a_motor_that_makes_few_steps_a_second_never_rests() {
+    // Steps come 0.34 to 1.7 s apart.
+    for ml_s in [0.005, 0.003, 0.002, 0.001] {
+        let rig = Rig::new();
+        let plan = dose(0.008, ml_s, false);
+        let mut drive = rig.open();
+        drive.check(&plan).unwrap();
+        let (mut begin_us, mut left) = (rig.world.now_us(), 0);
+        let made = drive.run(&plan, &mut |made, about_to| {
+            assert!(made <= about_to && rig.world.count() as u64 <= left.max(made));
+            left = left.max(about_to);
+            // The thread that asks is held up for a second of every three.
+            if rig.world.now_us() > begin_us + 3_000_000 {
+                assert!(rig.world.hold_up(Duration::from_secs(1)));
+                begin_us = rig.world.now_us();
+            }
+            Leave::Go
+        });
+        assert_eq!(made.unwrap(), plan.steps().unsigned_abs());
+        let least_us = rig.world.0.lock().unwrap().onlooker.queues[0].least;
+        assert!(least_us >= RESERVE_US, "{ml_s} mL/s: {least_us} us");
+        let worst = worst(&rig.world.rises(), &plan);
+        assert!(worst <= 1.0, "{ml_s} mL/s: {worst} us");
+    }
+}
+
+#[test]
 fn a_computer_that_is_held_up_for_longer_ends_within_its_leave_and_goes_on() {
     let rig = Rig::new();
     let plan = dose(20.0, 4.0, true);

@@ -116,8 +116,14 @@ impl Segment {
     /// Returns the time from the step before the segment to its step `k` (from 1), 2^-32 tick. It is 0 for
     /// `k` 0.
     pub(crate) fn span(&self, k: u32) -> i128 {
-        let k = i128::from(k);
-        k * self.first().fixed() + i128::from(self.add) * (k * (k - 1) / 2)
+        let Ticks { whole, frac } = self.first();
+        let all = u64::from(k);
+        let even = (times(whole.cast_signed(), k) << 32) + i128::from(u64::from(frac) * all);
+        // k (k - 1) / 2 has 63 bits at most.
+        let bends = all * all.saturating_sub(1) / 2;
+        let (high, low) = ((bends >> 32) as u32, bends as u32);
+        let low = even + times(self.add, low);
+        if high == 0 { low } else { low + (times(self.add, high) << 32) }
     }
 
     /// Counts the steps, of the first `limit`, that are due within `elapsed` after the step before the
@@ -176,7 +182,32 @@ impl Iterator for Intervals<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::times;
+    use super::{Segment, times};
+
+    #[test]
+    fn a_span_is_the_sum_of_its_intervals() {
+        for (interval, frac, add) in
+            [(1000, 0, 0), (1000, 1, -(1 << 31)), ((1 << 48) - 1, u32::MAX, 1 << 40), (77, 5, i64::MAX >> 9)]
+        {
+            let segment = Segment { count: 1, interval, add, frac };
+            let (mut sum, mut before) = (0, segment.interval_of(1));
+            for k in 0..1000 {
+                assert_eq!(segment.span(k), sum, "{segment:?} {k}");
+                sum += before;
+                before += i128::from(add);
+            }
+            // Gauss's sum, where adding up takes too long.
+            for k in [65_536, 65_537, 92_682, 92_683, 1 << 31, u32::MAX] {
+                let n = i128::from(k);
+                let first = (i128::from(interval) << 32) + i128::from(frac);
+                assert_eq!(
+                    segment.span(k),
+                    n * first + i128::from(add) * (n * (n - 1) / 2),
+                    "{segment:?} {k}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn a_product_of_96_bits_is_that_of_128() {

@@ -4,6 +4,8 @@
 //! `check-node-mps2 FIRMWARE.elf [one]`: with `one` it makes one dose.
 #![allow(clippy::print_stdout, reason = "this program prints what it measured")]
 
+#[path = "../lockstep.rs"]
+mod lockstep;
 mod qemu;
 mod scope;
 

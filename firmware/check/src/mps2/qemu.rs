@@ -1,19 +1,13 @@
 //! The board in QEMU, which runs only as far as the host waits.
 
-use std::fmt;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Child, ChildStderr, ChildStdin, Command, Stdio};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use pump_bench::drives::wire::Wire;
-
+use crate::lockstep::{Lockstep, Machine};
 use crate::scope::{Edge, Scope};
-
-/// Longest time for which the board runs before the host looks again, in ns.
-const SLICE_NS: f64 = 1e6;
 
 /// Time of a byte on a line of 460,800 baud: start, eight data, stop, in ns.
 const BYTE_NS: f64 = 10e9 / 460_800.0;
@@ -34,7 +28,7 @@ const STRAP: &str = "loader,addr=0x21000000,data=1,data-len=4";
 const LOG: [&str; 6] = ["-d", "unimp", "-trace", "cmsdk_apb_timer_read", "-trace", "cmsdk_apb_timer_write"];
 
 /// QEMU in a process of its own.
-struct Machine {
+pub(crate) struct Board {
     process: Child,
     monitor: ChildStdin,
     log: BufReader<ChildStderr>,
@@ -55,15 +49,8 @@ struct Machine {
     taken: u32,
 }
 
-/// Board in QEMU. Clones are the same board.
-#[derive(Clone)]
-pub(crate) struct Qemu(Arc<Mutex<Machine>>);
-
-impl fmt::Debug for Qemu {
-    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
-        to.debug_struct("Qemu").field("now_ns", &self.machine().now_ns).finish_non_exhaustive()
-    }
-}
+/// Board in QEMU.
+pub(crate) type Qemu = Lockstep<Board>;
 
 impl Qemu {
     /// Starts QEMU with this firmware, an ELF file.
@@ -86,7 +73,7 @@ impl Qemu {
         let (log, scope) = (BufReader::new(log), Scope::default());
         let (written, said) = (Vec::new(), Vec::new());
         let (now_ns, reset_ns, line_free_ns, given, taken) = (0.0, 0.0, 0.0, 0, 0);
-        let mut machine = Machine {
+        let mut board = Board {
             process,
             monitor,
             log,
@@ -101,29 +88,25 @@ impl Qemu {
             given,
             taken,
         };
-        machine.hold()?;
-        Ok(Self(Arc::new(Mutex::new(machine))))
-    }
-
-    fn machine(&self) -> MutexGuard<'_, Machine> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        board.hold()?;
+        Ok(Self::over(board))
     }
 
     /// Takes the edges since the last call.
     pub(crate) fn take_edges(&self) -> Vec<Edge> {
-        self.machine().scope.take()
+        self.shared().machine.scope.take()
     }
 
     /// Resets the board. Its motor keeps its place.
     pub(crate) fn reset(&self) -> io::Result<()> {
-        let machine = &mut *self.machine();
-        machine.said.clear();
-        machine.written.clear();
-        (machine.given, machine.taken) = (0, 0);
-        machine.reset_ns = machine.now_ns;
-        machine.scope.reset(machine.now_ns);
-        machine.monitor.write_all(b"system_reset\n")?;
-        machine.hold()
+        let board = &mut self.shared().machine;
+        board.said.clear();
+        board.written.clear();
+        (board.given, board.taken) = (0, 0);
+        board.reset_ns = board.now_ns;
+        board.scope.reset(board.now_ns);
+        board.monitor.write_all(b"system_reset\n")?;
+        board.hold()
     }
 }
 
@@ -151,7 +134,7 @@ fn accept(port: &TcpListener, process: &mut Child) -> io::Result<TcpStream> {
     }
 }
 
-impl Machine {
+impl Board {
     /// Reads on until the board has stopped its clock, and takes what it has sent.
     fn hold(&mut self) -> io::Result<()> {
         let mut line = Vec::new();
@@ -175,8 +158,16 @@ impl Machine {
         self.said.extend(said);
         Ok(())
     }
+}
 
-    /// Runs until a time. The board is given the bytes that the line carries until then.
+impl Machine for Board {
+    const SLICE_NS: f64 = 1e6;
+
+    fn now_ns(&self) -> f64 {
+        self.now_ns
+    }
+
+    // The board is given the bytes that the line carries until then.
     fn advance(&mut self, until_ns: f64) -> io::Result<()> {
         let free_ns = self.line_free_ns.max(self.now_ns);
         let carried = ((until_ns - free_ns) / BYTE_NS).max(0.0) as usize;
@@ -192,38 +183,17 @@ impl Machine {
         self.pace.write_all(&leave)?;
         self.hold()
     }
-}
 
-impl Wire for Qemu {
-    fn read(&mut self, buffer: &mut [u8], wait: Duration) -> io::Result<usize> {
-        let machine = &mut *self.machine();
-        let until_ns = machine.now_ns + (wait.as_nanos() as f64).max(TICK_NS);
-        while machine.said.is_empty() && machine.now_ns < until_ns {
-            machine.advance(until_ns.min(machine.now_ns + SLICE_NS))?;
-        }
-        let read = buffer.len().min(machine.said.len());
-        buffer.iter_mut().zip(machine.said.drain(..read)).for_each(|(to, byte)| *to = byte);
-        Ok(read)
+    fn said(&mut self) -> &mut Vec<u8> {
+        &mut self.said
     }
 
-    fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.machine().written.extend(bytes);
-        Ok(())
-    }
-
-    fn now(&mut self) -> Duration {
-        Duration::from_nanos(self.machine().now_ns as u64)
-    }
-
-    fn sleep(&mut self, time: Duration) {
-        let machine = &mut *self.machine();
-        let until_ns = machine.now_ns + time.as_nanos() as f64;
-        // A board that is gone is the next read's error.
-        while machine.now_ns < until_ns && machine.advance(until_ns.min(machine.now_ns + SLICE_NS)).is_ok() {}
+    fn give(&mut self, bytes: &[u8]) {
+        self.written.extend(bytes);
     }
 }
 
-impl Drop for Machine {
+impl Drop for Board {
     fn drop(&mut self) {
         let _ = self.process.kill();
         let _ = self.process.wait();

@@ -47,7 +47,8 @@ impl Pace<'_> {
         let most = (self.height + 1.0).min(beyond as f64);
         let is_free = planned_height <= most + NEARLY;
         let height = planned_height.min(most);
-        let step = if is_free && self.on_plan { planned } else { self.step(planned.count, height) };
+        let step =
+            if is_free && self.on_plan { planned } else { slower(self.step(planned.count, height), planned) };
         (self.height, self.on_plan) = (height, is_free);
         Some(step)
     }
@@ -70,6 +71,11 @@ impl Pace<'_> {
         let ticks = step_rad / mean_rad_s * self.tick_hz;
         Segment { count, interval: ticks as u64, frac: (ticks.fract() * FRACTIONS) as u32, add: 0 }
     }
+}
+
+/// Returns the step that takes longer. A plan may be slower than the motor makes its first step from rest.
+fn slower(step: Segment, planned: Segment) -> Segment {
+    if (step.interval, step.frac) < (planned.interval, planned.frac) { planned } else { step }
 }
 
 /// Returns the steps of `plan` after the first `made`, from rest, for a timer of this rate. The steps end where the

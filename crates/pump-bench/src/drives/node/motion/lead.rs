@@ -16,6 +16,10 @@ const LEAVE_AHEAD_S: f64 = 1.6;
 /// answers are under way.
 const SENT_AHEAD_S: f64 = 0.6;
 
+/// Steps beyond these times. One of them is under way. The other is due after it, and the host hears of a step only
+/// once it is made: at a slow speed a motor with one step ahead would rest at each.
+const BEYOND: u64 = 2;
+
 /// Number of parts in which leave is asked for, and in which steps are sent.
 const PARTS: u64 = 8;
 
@@ -67,7 +71,7 @@ impl<'p> SentLead<'p> {
     /// of the motor. Some steps are sent at a time.
     pub(in crate::drives::node) fn sendable(&self, sent: u64) -> u64 {
         let made = self.made.load(Ordering::Acquire);
-        let goal = self.within(made, SENT_AHEAD_S).max(made + 1).min(self.all());
+        let goal = self.within(made, SENT_AHEAD_S).saturating_add(BEYOND).min(self.all());
         let part = (goal.saturating_sub(made) / PARTS).max(1);
         let is_worth = goal == self.all() || goal >= sent.max(made) + part;
         if is_worth { goal.min(self.reach()).max(sent) } else { sent }
@@ -120,8 +124,7 @@ impl<'p> SentLead<'p> {
 
     /// Returns the last step to have leave for once `made` are made.
     fn goal(&self, made: u64) -> u64 {
-        // A slow motor is asked for one step beyond, at least.
-        let ahead = self.within(made, LEAVE_AHEAD_S).max(made + 1);
+        let ahead = self.within(made, LEAVE_AHEAD_S).saturating_add(BEYOND);
         ahead.saturating_add(self.brake_steps).min(self.all())
     }
 
