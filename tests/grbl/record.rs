@@ -3,56 +3,54 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use pump_bench::notice::Remedy;
-use pump_bench::pump_file::{DriveTable, DriverName};
 use pump_bench::report::Ending;
 use pump_bench::{Bench, Delivered, DoseError, DoseReport, DoseRequest, Session, built_in};
 use pump_ctl::plan::{Cruise, Phase, PressureLimits};
 
-use crate::rig::{plug, start};
-use crate::simulated::Simulated;
+use crate::rig::start;
 use crate::simulated::options::{Defects, Options};
 use crate::virtual_time::session::VirtualDrive;
 
-/// Makes a bench with this board, whose line settles for some 30 s if it is `soft`.
-fn bench(folder: &Path, board: &Simulated, soft: bool) -> Bench {
+/// Makes a bench with a drive in virtual time. A `soft` line settles for some 30 s.
+fn bench(folder: &Path, drive: &VirtualDrive, soft: bool) -> Bench {
     let mut file = built_in("three-roller").unwrap();
     if soft {
         let line = pump_model::Line { compliance_ml_kpa: 30.0, ..pump_model::Line::PUBLISHED };
         file.outlet = line.into();
     }
-    file.drive = Some(DriveTable::of(DriverName::Grbl));
-    file.motor.confirmed = None;
-    Bench::new(file, None, folder).unwrap().at_port(Some(board.path().to_owned()))
+    let bench = Bench::new(file, None, folder).unwrap();
+    bench.driven_by(drive).unwrap().confirming_pump(true)
 }
 
 #[test]
 fn the_rest_is_on_record_before_the_line_settles_and_the_wait_hears_a_stop() {
     let folder = tempfile::tempdir().unwrap();
-    let board = plug(Options::default());
-    let bench = bench(folder.path(), &board, true);
-    let mut session = bench.session().unwrap();
+    let board = start(Options::default());
+    let mut drive = VirtualDrive::new(&board);
+    let bench = bench(folder.path(), &drive, true);
+    let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let prepared = session.prepare(DoseRequest::dose(1.0)).unwrap();
     assert!(prepared.prediction.settle_s > 10.0, "{}", prepared.prediction.settle_s);
-    let began = Instant::now();
+    let began = board.now();
     let mut recorded = None;
     let delivered = session.run(&prepared, |_| {
         let text = std::fs::read_to_string(bench.folder().path().join("journal.jsonl")).unwrap();
         if recorded.is_none() && text.contains(r#""why":"done""#) {
-            recorded = Some(began.elapsed());
+            recorded = Some(board.now());
         }
         // The user has seen enough half a second after the dose is on record.
         match recorded {
-            Some(at) if began.elapsed() > at + Duration::from_millis(500) => ControlFlow::Break(()),
+            Some(at) if board.now() > at + Duration::from_millis(500) => ControlFlow::Break(()),
             _ => ControlFlow::Continue(()),
         }
     });
-    let delivered = delivered.unwrap();
+    let (delivered, took) = (delivered.unwrap(), board.now() - began);
     assert!(recorded.is_some(), "the wait never asked whether to go on");
-    assert!(began.elapsed() < Duration::from_secs(6), "{:?}", began.elapsed());
+    assert!(took < Duration::from_secs(6), "{took:?}");
     assert!(delivered.completed);
     assert!(session.state().unwrap().unfinished.is_none());
 }
@@ -60,18 +58,19 @@ fn the_rest_is_on_record_before_the_line_settles_and_the_wait_hears_a_stop() {
 #[test]
 fn a_reset_after_the_last_step_is_in_the_report_of_that_dose() {
     let folder = tempfile::tempdir().unwrap();
-    let board = plug(Options::default());
-    let bench = bench(folder.path(), &board, true);
-    let mut session = bench.session().unwrap();
+    let board = start(Options::default());
+    let mut drive = VirtualDrive::new(&board);
+    let bench = bench(folder.path(), &drive, true);
+    let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let prepared = session.prepare(DoseRequest::dose(1.0)).unwrap();
-    let mut stands: Option<Instant> = None;
+    let mut stands = None;
     let mut reset = false;
     let delivered = session.run(&prepared, |made| {
         if made == prepared.plan.steps().unsigned_abs() && !board.truth().moving {
-            let since = stands.get_or_insert_with(Instant::now).elapsed();
+            let since = board.now() - *stands.get_or_insert(board.now());
             if since > Duration::from_millis(300) && !reset {
-                std::fs::write(board.path(), [0x18]).unwrap();
+                board.send(&[0x18]);
                 reset = true;
             }
             if since > Duration::from_secs(1) {
@@ -97,19 +96,13 @@ struct Slowly {
     starts: u64,
 }
 
-/// Makes a bench with a drive in virtual time.
-fn virtual_bench(folder: &Path, drive: &VirtualDrive) -> Bench {
-    let bench = Bench::new(built_in("three-roller").unwrap(), None, folder).unwrap();
-    bench.driven_by(drive).unwrap().confirming_pump(true)
-}
-
 /// Makes a dose of some 2.4 s while each sync takes so long, on the computer's clock too if it `is_real`. No step may be
 /// made before it is on disk.
 fn dose_slowly(takes: Duration, request: DoseRequest, is_real: bool) -> Slowly {
     let folder = tempfile::tempdir().unwrap();
     let board = start(Options::default());
     let mut drive = VirtualDrive::new(&board);
-    let bench = virtual_bench(folder.path(), &drive);
+    let bench = bench(folder.path(), &drive, false);
     let (disk, announced) = drive.disk(takes, bench.folder().path().join("journal.jsonl"));
     let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
@@ -185,7 +178,7 @@ fn fault_after_pauses(options: &Options, takes: Duration, stall: Duration) -> (u
     let folder = tempfile::tempdir().unwrap();
     let board = start(options.clone());
     let mut drive = VirtualDrive::new(&board);
-    let bench = virtual_bench(folder.path(), &drive);
+    let bench = bench(folder.path(), &drive, false);
     let (disk, _) = drive.disk(takes, bench.folder().path().join("journal.jsonl"));
     let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
@@ -230,7 +223,7 @@ fn a_board_that_turns_slower_than_its_settings_say_is_reported() {
     let folder = tempfile::tempdir().unwrap();
     let board = start(Options { time_scale: 0.5, ..Options::default() });
     let mut drive = VirtualDrive::new(&board);
-    let bench = virtual_bench(folder.path(), &drive);
+    let bench = bench(folder.path(), &drive, false);
     let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();

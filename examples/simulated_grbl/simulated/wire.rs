@@ -105,6 +105,7 @@ impl Wire {
     fn publish(&mut self) -> bool {
         let mut truth = lock(&self.truth);
         self.line.publish(&mut truth);
+        truth.looks += 1;
         truth.over
     }
 
