@@ -7,13 +7,13 @@ use std::path::Path;
 use std::time::Duration;
 
 use pump_bench::drives::{DriveError, StopRequest};
-use pump_bench::pump_file::{DriveTable, DriverName};
+use pump_bench::pump_file::{DriveTable, DriverName, PumpFile};
 use pump_bench::record::{PumpState, Purpose, Storage};
 use pump_bench::report::{Explain, Remedy};
 use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
 use pump_ctl::plan::Phase;
 
-use crate::rig::{each, plug, plug_defective, start};
+use crate::rig::{defective, each, plug, plug_defective, start};
 use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options, Sensor};
 use crate::virtual_time::session::VirtualDrive;
@@ -31,6 +31,11 @@ fn bench(folder: &Path, board: &Simulated) -> Bench {
     file.drive = Some(DriveTable::of(DriverName::Grbl).with_index_angle_deg(40.0));
     file.motor.confirmed = None;
     Bench::new(file, None, folder).unwrap().at_port(Some(board.path().to_owned()))
+}
+
+/// Makes a bench with a drive in virtual time.
+fn virtual_bench(file: PumpFile, folder: &Path, drive: &VirtualDrive) -> Bench {
+    Bench::new(file, None, folder).unwrap().driven_by(drive).unwrap().confirming_pump(true)
 }
 
 fn close(one: f64, two: f64) -> bool {
@@ -102,8 +107,7 @@ fn a_retraction_goes_on_from_an_angle_that_a_reset_has_widened() {
     let mut file = built_in("three-roller").unwrap();
     // The line settles for seconds.
     file.outlet = pump_model::Line { inertance_kpa_s2_ml: 0.1, ..pump_model::Line::PUBLISHED }.into();
-    let bench = Bench::new(file, None, folder.path()).unwrap();
-    let bench = bench.driven_by(&drive).unwrap().confirming_pump(true);
+    let bench = virtual_bench(file, folder.path(), &drive);
     let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let request = DoseRequest::dose(1.0).with_retraction(0.3);
@@ -374,9 +378,10 @@ fn the_steps_of_a_turn_that_failed_are_none_of_the_dose_on_record() {
 fn a_hold_leaves_a_rest_that_is_resumed_to_the_dose() {
     let folder = tempfile::tempdir().unwrap();
     let defects = Defects { pressed: Some((900, b'!')), ..Defects::default() };
-    let board = plug(Options { defects, patient: true, ..Options::default() });
-    let bench = bench(folder.path(), &board);
-    let mut session = bench.session().unwrap();
+    let board = defective(defects);
+    let mut drive = VirtualDrive::new(&board);
+    let bench = virtual_bench(built_in("three-roller").unwrap(), folder.path(), &drive);
+    let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
     let error = session.run(&prepared, go).unwrap_err();
@@ -392,9 +397,10 @@ fn a_hold_leaves_a_rest_that_is_resumed_to_the_dose() {
 #[test]
 fn a_dose_that_went_too_far_has_no_rest() {
     let folder = tempfile::tempdir().unwrap();
-    let board = plug_defective(Defects { foreign: Some((300, 30.0)), ..Defects::default() });
-    let bench = bench(folder.path(), &board);
-    let mut session = bench.session().unwrap();
+    let board = defective(Defects { foreign: Some((300, 30.0)), ..Defects::default() });
+    let mut drive = VirtualDrive::new(&board);
+    let bench = virtual_bench(built_in("three-roller").unwrap(), folder.path(), &drive);
+    let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let prepared = session.prepare(DoseRequest::dose(1.0)).unwrap();
     let error = session.run(&prepared, go).unwrap_err();
