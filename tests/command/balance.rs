@@ -52,7 +52,7 @@ impl SimulatedBalance {
         let thread = spawn(move || {
             let _held = held;
             let (mut said, mut moves) = (Vec::new(), 1);
-            let deadline = Instant::now() + Duration::from_secs(60);
+            let deadline = Instant::now() + Duration::from_secs(600);
             while !stop.load(Ordering::Relaxed) && Instant::now() < deadline {
                 let mut buffer = [0; 64];
                 let count = line.read(&mut buffer).unwrap_or(0);

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use pump_bench::built_in;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+use rustix::termios::{LocalModes, tcgetattr};
 
 use crate::user::{User, number};
 
@@ -55,13 +56,13 @@ fn at_terminal_until(
         String::from_utf8_lossy(&shown).into_owned()
     });
     // Keys that come before the terminal reads them one by one are lost on some systems.
-    thread::sleep(Duration::from_millis(300));
     for key in keys {
+        wait_for_single_keys(&terminal);
         terminal.write_all(key).unwrap();
         thread::sleep(Duration::from_millis(60));
     }
     last(&mut terminal, child.id());
-    let deadline = Instant::now() + Duration::from_secs(30);
+    let deadline = Instant::now() + Duration::from_secs(120);
     while child.try_wait().unwrap().is_none() {
         assert!(Instant::now() < deadline, "it waits for more keys");
         thread::sleep(Duration::from_millis(5));
@@ -69,6 +70,15 @@ fn at_terminal_until(
     let output = child.wait_with_output().unwrap();
     let out = String::from_utf8(output.stdout).unwrap();
     (output.status.code().unwrap(), out, shown.join().unwrap())
+}
+
+/// Waits until the program at a terminal reads single keys, as far as the terminal tells.
+fn wait_for_single_keys(terminal: &File) {
+    let deadline = Instant::now() + Duration::from_secs(120);
+    while tcgetattr(terminal).is_ok_and(|modes| modes.local_modes.contains(LocalModes::ICANON)) {
+        assert!(Instant::now() < deadline, "it reads no keys");
+        thread::sleep(Duration::from_millis(2));
+    }
 }
 
 /// A pump whose marks meet at 40 deg.

@@ -1,7 +1,6 @@
 //! Lines and roller volumes from tables of measurements.
 
 use std::fs;
-use std::time::{Duration, Instant};
 
 use pump_model::volume_fit::PUBLISHED_POINTS;
 use serde_json::Value;
@@ -73,9 +72,8 @@ fn a_long_recording_is_thinned_and_the_result_says_so() {
         format!("{},{}\n", cells[0], cells[6])
     });
     fs::write(user.path("out.csv"), rows.collect::<String>()).unwrap();
-    let begun = Instant::now();
-    let found = user.json(&identify);
-    assert!(begun.elapsed() < Duration::from_secs(6), "twice what a machine of its own takes: {begun:?}");
+    // Some three times what a machine of its own takes.
+    let found = user.json_within_cpu_s(10, &identify);
     assert_eq!((number(&found, "rows"), number(&found, "points")), (100_001.0, 14_286.0));
     assert!((number(&found["parameters"]["resistance_kpa_s_ml"], "value") - 0.1108).abs() < 1e-3, "{found}");
     let said = user.types(&identify).out;

@@ -94,7 +94,7 @@ fn a_new_tube_has_pumped_nothing_and_doses_owe_nothing() {
 fn a_tube_is_not_exchanged_under_an_unfinished_dose_which_may_end_on_it() {
     let user = User::new();
     let mut child = user.command(&["1L"]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    let deadline = Instant::now() + Duration::from_secs(20);
+    let deadline = Instant::now() + Duration::from_secs(120);
     while !user.record().is_some_and(|text| text.contains("progress")) {
         assert!(Instant::now() < deadline, "no progress on record");
         sleep(Duration::from_millis(2));

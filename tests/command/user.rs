@@ -45,6 +45,18 @@ impl User {
         Answer { code: status.code().unwrap(), out: text(stdout), err: text(stderr) }
     }
 
+    /// Types a command that may take so many seconds of the processor, whatever else the machine does meanwhile.
+    pub(crate) fn json_within_cpu_s(&self, limit_s: u32, arguments: &[&str]) -> Value {
+        let command = self.command(&[arguments, &["--format", "json"]].concat());
+        let mut limited = Command::new("sh");
+        limited.args(["-c", &format!("ulimit -t {limit_s}; exec \"$0\" \"$@\"")]);
+        limited.arg(command.get_program()).args(command.get_args()).current_dir(self.folder.path());
+        limited.envs(command.get_envs().filter_map(|(name, value)| Some((name, value?))));
+        let output = limited.env_remove("DOSE_PUMP").env_remove("DOSE_CONFIG").output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{arguments:?}: {output:?}");
+        serde_json::from_slice(&output.stdout).unwrap()
+    }
+
     pub(crate) fn json(&self, arguments: &[&str]) -> Value {
         let answer = self.types(&[arguments, &["--format", "json"]].concat());
         assert_eq!(answer.code, 0, "{arguments:?}: {}", answer.err);

@@ -10,7 +10,7 @@ use pump_bench::pump_file::{DriveTable, DriverName, PumpFile};
 use pump_bench::report::Ending;
 use pump_bench::{Bench, DoseError, DoseRequest, built_in};
 
-use crate::rig::{each, plug};
+use crate::rig::plug;
 use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options, Sensor};
 
@@ -33,18 +33,16 @@ fn command(folder: &Path, board: &Simulated, words: &[&str]) -> Command {
     command
 }
 
-/// Interrupts the command once `when` returns true. Returns its output and the time that it took to end.
-fn interrupt(mut command: Command, when: impl Fn() -> bool) -> (Output, Duration) {
+/// Interrupts the command once `when` returns true. Returns its output.
+fn interrupt(mut command: Command, when: impl Fn() -> bool) -> Output {
     let child = command.spawn().unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);
     while !when() {
         assert!(Instant::now() < deadline, "the moment never came");
         std::thread::sleep(Duration::from_millis(2));
     }
-    let asked = Instant::now();
     Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    let output = child.wait_with_output().unwrap();
-    (output, asked.elapsed())
+    child.wait_with_output().unwrap()
 }
 
 /// Returns a board that never falls silent.
@@ -58,21 +56,21 @@ fn talkative(defects: Defects) -> Simulated {
 fn ctrl_c_is_heard_at_rest_and_in_motion_whatever_the_board_says() {
     let folder = tempfile::tempdir().unwrap();
     // Another program moves the board, and the command waits for rest.
-    let board = talkative(Defects { foreign: Some((0, 1000.0)), ..Defects::default() });
-    let begun = Instant::now();
+    let board = talkative(Defects { foreign: Some((0, 10_000.0)), ..Defects::default() });
+    let asked = board.truth().asked;
     let dose = command(folder.path(), &board, &["3mL"]);
-    let (output, took) = interrupt(dose, || begun.elapsed() > Duration::from_millis(1500));
+    let output = interrupt(dose, || board.truth().asked > asked + 12);
     assert_eq!(output.status.code(), Some(130), "{output:?}");
-    assert!(took < Duration::from_millis(700), "{took:?}");
+    assert!(board.truth().moving, "it waited for the other program");
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("before anything moved"), "{said}");
 
     let folder = tempfile::tempdir().unwrap();
     let board = talkative(Defects::default());
-    let (output, took) = interrupt(command(folder.path(), &board, &["8mL"]), || board.truth().steps > 1_000);
+    let output = interrupt(command(folder.path(), &board, &["20mL"]), || board.truth().steps > 1_000);
     assert_eq!(output.status.code(), Some(130), "{output:?}");
-    assert!(took < Duration::from_secs(3), "{took:?}");
     let made = board.rest().steps;
+    assert!(made < 10_000, "it went on to the end: {made}");
     let output = command(folder.path(), &board, &["status", "--format", "json"]).output().unwrap();
     let said = String::from_utf8(output.stdout).unwrap();
     let exactly = format!("\"steps_made_least\":{made},\"steps_made_most\":{made},");
@@ -203,26 +201,26 @@ fn a_plan_that_is_refused_tells_what_befell_the_rotor() {
         let notes = said.lines().filter(|line| line.starts_with("warning: the device was reset"));
         assert_eq!(notes.count(), 1, "{words:?}: {said}");
     };
-    each(
-        [
-            &["1mL", "--within", "0.01s"][..],
-            &["1mL", "--within", "0.01s", "--format", "json"],
-            &["1mL", "--within", "0.01s", "--repeat", "2"],
-            &["resume", "--within", "0.01s"],
-            &["calibrate", "verify", "--volume", "10mL", "--within", "0.01s"],
-            &["calibrate", "run", "--speeds", "10000rpm"],
-        ],
-        refused,
-    );
+    // One after the other: many processes and boards at a time starve each other.
+    for words in [
+        &["1mL", "--within", "0.01s"][..],
+        &["1mL", "--within", "0.01s", "--format", "json"],
+        &["1mL", "--within", "0.01s", "--repeat", "2"],
+        &["resume", "--within", "0.01s"],
+        &["calibrate", "verify", "--volume", "10mL", "--within", "0.01s"],
+        &["calibrate", "run", "--speeds", "10000rpm"],
+    ] {
+        refused(words);
+    }
 }
 
 #[test]
 fn a_board_that_takes_seconds_to_answer_costs_a_batch_no_dose() {
     let folder = tempfile::tempdir().unwrap();
     // The board starts anew when its port is opened.
-    let boot = Duration::from_secs(4);
+    let boot = Duration::from_millis(6_500);
     let board = plug(Options { resets_on_open: true, boot, ..Options::default() });
-    let batch = ["0.2mL", "--repeat", "2", "--every", "3s"];
+    let batch = ["0.2mL", "--repeat", "2", "--every", "5s"];
     let output = command(folder.path(), &board, &batch).output().unwrap();
     let said = String::from_utf8(output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(0), "{said}");

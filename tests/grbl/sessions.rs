@@ -7,15 +7,16 @@ use std::path::Path;
 use std::time::Duration;
 
 use pump_bench::drives::{DriveError, StopRequest};
-use pump_bench::pump_file::{DriveTable, DriverName};
+use pump_bench::pump_file::{DriveTable, DriverName, PumpFile};
 use pump_bench::record::{PumpState, Purpose, Storage};
 use pump_bench::report::{Explain, Remedy};
-use pump_bench::{Bench, DoseError, DoseRequest, built_in};
+use pump_bench::{Bench, DoseError, DoseRequest, Session, built_in};
 use pump_ctl::plan::Phase;
 
-use crate::rig::{each, plug, plug_defective};
+use crate::rig::{defective, each, plug, plug_defective, start};
 use crate::simulated::Simulated;
 use crate::simulated::options::{Defects, Options, Sensor};
+use crate::virtual_time::session::VirtualDrive;
 
 /// Angle of two full steps of 200 a revolution, rad.
 const FALL_RAD: f64 = 2.0 * std::f64::consts::TAU / 200.0;
@@ -24,15 +25,17 @@ fn go(_: u64) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Makes a bench with this board. A `slow` bench has a line that settles for seconds.
-fn bench(folder: &Path, board: &Simulated, slow: bool) -> Bench {
+/// Makes a bench with this board.
+fn bench(folder: &Path, board: &Simulated) -> Bench {
     let mut file = built_in("three-roller").unwrap();
-    if slow {
-        file.outlet = pump_model::Line { inertance_kpa_s2_ml: 0.1, ..pump_model::Line::PUBLISHED }.into();
-    }
     file.drive = Some(DriveTable::of(DriverName::Grbl).with_index_angle_deg(40.0));
     file.motor.confirmed = None;
     Bench::new(file, None, folder).unwrap().at_port(Some(board.path().to_owned()))
+}
+
+/// Makes a bench with a drive in virtual time.
+fn virtual_bench(file: PumpFile, folder: &Path, drive: &VirtualDrive) -> Bench {
+    Bench::new(file, None, folder).unwrap().driven_by(drive).unwrap().confirming_pump(true)
 }
 
 fn close(one: f64, two: f64) -> bool {
@@ -44,7 +47,7 @@ fn a_board_that_was_switched_off_and_on_unseen_makes_the_angle_wider_and_its_cou
     let folder = tempfile::tempdir().unwrap();
     let state = {
         let board = plug(Options::default());
-        let bench = bench(folder.path(), &board, false);
+        let bench = bench(folder.path(), &board);
         let mut session = bench.session().unwrap();
         session.set_angle(Some(Phase::known(0.5))).unwrap();
         let prepared = session.prepare(DoseRequest::dose(1.0)).unwrap();
@@ -53,7 +56,7 @@ fn a_board_that_was_switched_off_and_on_unseen_makes_the_angle_wider_and_its_cou
     };
     assert!(state.count.is_some_and(|count| count != 0));
     let board = plug(Options::default());
-    let bench = bench(folder.path(), &board, false);
+    let bench = bench(folder.path(), &board);
     let mut session = bench.session().unwrap();
     session.connect().unwrap();
     let met = *session.state().unwrap();
@@ -67,7 +70,7 @@ fn a_dose_cut_off_with_the_boards_power_keeps_its_bounds() {
     let journal = folder.path().join("three-roller/grbl/journal.jsonl");
     let made = {
         let board = plug(Options::default());
-        let bench = bench(folder.path(), &board, false);
+        let bench = bench(folder.path(), &board);
         let mut session = bench.session().unwrap();
         session.set_angle(Some(Phase::known(0.5))).unwrap();
         let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
@@ -85,7 +88,7 @@ fn a_dose_cut_off_with_the_boards_power_keeps_its_bounds() {
         board.rest().steps
     };
     let board = plug(Options::default());
-    let bench = bench(folder.path(), &board, false);
+    let bench = bench(folder.path(), &board);
     let before = bench.story().unwrap().state.unwrap().unfinished.unwrap();
     assert!(before.made_least < before.made_most && made > before.made_least);
     let mut session = bench.session().unwrap();
@@ -99,9 +102,13 @@ fn a_dose_cut_off_with_the_boards_power_keeps_its_bounds() {
 #[test]
 fn a_retraction_goes_on_from_an_angle_that_a_reset_has_widened() {
     let folder = tempfile::tempdir().unwrap();
-    let board = plug(Options::default());
-    let bench = bench(folder.path(), &board, true);
-    let mut session = bench.session().unwrap();
+    let board = start(Options::default());
+    let mut drive = VirtualDrive::new(&board);
+    let mut file = built_in("three-roller").unwrap();
+    // The line settles for seconds.
+    file.outlet = pump_model::Line { inertance_kpa_s2_ml: 0.1, ..pump_model::Line::PUBLISHED }.into();
+    let bench = virtual_bench(file, folder.path(), &drive);
+    let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let request = DoseRequest::dose(1.0).with_retraction(0.3);
     let prepared = session.prepare(request).unwrap();
@@ -110,18 +117,18 @@ fn a_retraction_goes_on_from_an_angle_that_a_reset_has_widened() {
         "long enough to be reset in: {}",
         prepared.prediction.settle_s
     );
-    let steps = prepared.plan.steps();
-    let (path, board) = (board.path().to_owned(), &board);
-    let delivered = std::thread::scope(|scope| {
-        scope.spawn(move || {
-            while board.truth().steps < steps || board.truth().moving {
-                std::thread::sleep(Duration::from_millis(1));
+    let (mut stands, mut is_reset) = (None, false);
+    let delivered = session.run(&prepared, |made| {
+        if made == prepared.plan.steps().unsigned_abs() && !board.truth().moving && !is_reset {
+            let since = *stands.get_or_insert(board.now());
+            is_reset = board.now() - since > Duration::from_millis(300);
+            if is_reset {
+                board.send(&[0x18]);
             }
-            std::thread::sleep(Duration::from_millis(300));
-            std::fs::write(&path, [0x18]).unwrap();
-        });
-        session.run(&prepared, go)
+        }
+        go(made)
     });
+    assert!(is_reset, "nobody asked while the line settled");
     let state = *session.state().unwrap();
     assert!(state.disturbances >= 1 && state.half_width_rad >= FALL_RAD - 1e-9, "{state:?}");
     match delivered {
@@ -139,7 +146,7 @@ fn an_index_found_by_a_board_that_lets_go_of_its_motor_is_known_less_well() {
         let folder = tempfile::tempdir().unwrap();
         let sensor = Some(Sensor { at: 4000, width: 128, every: 12_800 });
         let board = plug(Options { settings, time_scale: 4.0, sensor, ..Options::default() });
-        let bench = bench(folder.path(), &board, false);
+        let bench = bench(folder.path(), &board);
         let mut session = bench.session().unwrap();
         session.seek_index(go).unwrap().unwrap()
     };
@@ -153,7 +160,7 @@ fn alarms_that_nobody_knows_leave_the_angle_unknown() {
     each([1, 10, 17], |code| {
         let folder = tempfile::tempdir().unwrap();
         let board = plug_defective(Defects { alarm: Some((700, code)), ..Defects::default() });
-        let bench = bench(folder.path(), &board, false);
+        let bench = bench(folder.path(), &board);
         let mut session = bench.session().unwrap();
         session.set_angle(Some(Phase::known(0.0))).unwrap();
         let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
@@ -167,7 +174,7 @@ fn alarms_that_nobody_knows_leave_the_angle_unknown() {
 fn a_fault_on_the_way_back_or_in_a_turn_says_what_was_made_of_it_and_nothing_to_resume() {
     let folder = tempfile::tempdir().unwrap();
     let board = plug_defective(Defects { alarm: Some((1300, 2)), ..Defects::default() });
-    let bench = bench(folder.path(), &board, false);
+    let bench = bench(folder.path(), &board);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let request = DoseRequest::dose(1.0).with_retraction(1.0);
@@ -190,7 +197,7 @@ fn a_fault_on_the_way_back_or_in_a_turn_says_what_was_made_of_it_and_nothing_to_
 fn a_smooth_dose_is_refused_before_the_board_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let board = plug(Options::default());
-    let bench = bench(folder.path(), &board, false);
+    let bench = bench(folder.path(), &board);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let smooth = DoseRequest::dose(1.0).with_smooth(true);
@@ -204,7 +211,7 @@ fn a_smooth_dose_is_refused_before_the_board_is_asked_for() {
 fn a_motor_that_was_let_go_on_purpose_is_disturbed_once() {
     let folder = tempfile::tempdir().unwrap();
     let board = plug(Options::default());
-    let bench = bench(folder.path(), &board, false);
+    let bench = bench(folder.path(), &board);
     let mut session = bench.session().unwrap();
     session.set_angle(Some(Phase::known(1.0))).unwrap();
     let released = session.release().unwrap();
@@ -217,7 +224,6 @@ fn a_motor_that_was_let_go_on_purpose_is_disturbed_once() {
 /// Sends bytes to a board as another program does, and waits until the board rests.
 fn other_program(board: &Simulated, bytes: &[u8]) {
     std::fs::write(board.path(), bytes).unwrap();
-    std::thread::sleep(Duration::from_millis(100));
     board.rest();
 }
 
@@ -225,7 +231,7 @@ fn other_program(board: &Simulated, bytes: &[u8]) {
 fn a_released_rotor_that_another_program_turned_is_unknown() {
     let folder = tempfile::tempdir().unwrap();
     let board = plug(Options::default());
-    let bench = bench(folder.path(), &board, false);
+    let bench = bench(folder.path(), &board);
     {
         let mut session = bench.session().unwrap();
         session.set_angle(Some(Phase::known(1.0))).unwrap();
@@ -244,7 +250,7 @@ fn a_released_rotor_whose_board_counts_anew_is_unknown() {
     let folder = tempfile::tempdir().unwrap();
     {
         let board = plug(Options::default());
-        let bench = bench(folder.path(), &board, false);
+        let bench = bench(folder.path(), &board);
         let mut session = bench.session().unwrap();
         session.set_angle(Some(Phase::known(1.0))).unwrap();
         let prepared = session.prepare(DoseRequest::dose(0.5)).unwrap();
@@ -252,7 +258,7 @@ fn a_released_rotor_whose_board_counts_anew_is_unknown() {
         session.release().unwrap();
     }
     let board = plug(Options::default());
-    let bench = bench(folder.path(), &board, false);
+    let bench = bench(folder.path(), &board);
     let mut session = bench.session().unwrap();
     session.connect().unwrap();
     assert!(!session.state().unwrap().phase().is_known(bench.model().pitch_rad()));
@@ -262,7 +268,7 @@ fn a_released_rotor_whose_board_counts_anew_is_unknown() {
 fn a_release_that_cannot_be_recorded_is_no_release_and_no_disturbance() {
     let folder = tempfile::tempdir().unwrap();
     let board = plug(Options::default());
-    let bench = bench(folder.path(), &board, false);
+    let bench = bench(folder.path(), &board);
     bench.session().unwrap().set_angle(Some(Phase::known(1.0))).unwrap();
     let mut session = bench.session().unwrap();
     session.connect().unwrap();
@@ -316,7 +322,7 @@ impl Storage for FullDisk {
 fn a_release_that_cannot_be_recorded_leaves_what_is_to_be_sucked_back() {
     let folder = tempfile::tempdir().unwrap();
     let board = plug(Options::default());
-    let bench = bench(folder.path(), &board, false);
+    let bench = bench(folder.path(), &board);
     let steps = killed_late(&bench, DoseRequest::dose(1.0).with_retraction(0.3));
     assert_eq!(board.rest().steps, steps, "nothing was sucked back");
     let mut session = bench.session().unwrap();
@@ -332,7 +338,7 @@ fn a_release_that_cannot_be_recorded_leaves_what_is_to_be_sucked_back() {
 fn a_stop_while_the_board_is_asked_leaves_the_old_tube() {
     let folder = tempfile::tempdir().unwrap();
     let board = plug(Options::default());
-    let bench = bench(folder.path(), &board, false);
+    let bench = bench(folder.path(), &board);
     let request = DoseRequest::new(Purpose::Calibrate, 1.0);
     killed_late(&bench, request);
     let worn_ml = bench.stands().unwrap().wear.volume_ml;
@@ -350,14 +356,14 @@ fn the_steps_of_a_turn_that_failed_are_none_of_the_dose_on_record() {
     let folder = tempfile::tempdir().unwrap();
     {
         let board = plug_defective(Defects { alarm: Some((700, 1)), ..Defects::default() });
-        let bench = bench(folder.path(), &board, false);
+        let bench = bench(folder.path(), &board);
         let mut session = bench.session().unwrap();
         session.set_angle(Some(Phase::known(0.0))).unwrap();
         let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
         session.run(&prepared, go).unwrap_err();
     }
     let board = plug_defective(Defects { unplugged: Some(200), ..Defects::default() });
-    let bench = bench(folder.path(), &board, false).homing_unfinished(true);
+    let bench = bench(folder.path(), &board).homing_unfinished(true);
     let mut session = bench.session().unwrap();
     session.connect().unwrap();
     let before = *session.state().unwrap();
@@ -372,9 +378,10 @@ fn the_steps_of_a_turn_that_failed_are_none_of_the_dose_on_record() {
 fn a_hold_leaves_a_rest_that_is_resumed_to_the_dose() {
     let folder = tempfile::tempdir().unwrap();
     let defects = Defects { pressed: Some((900, b'!')), ..Defects::default() };
-    let board = plug(Options { defects, patient: true, ..Options::default() });
-    let bench = bench(folder.path(), &board, false);
-    let mut session = bench.session().unwrap();
+    let board = defective(defects);
+    let mut drive = VirtualDrive::new(&board);
+    let bench = virtual_bench(built_in("three-roller").unwrap(), folder.path(), &drive);
+    let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let prepared = session.prepare(DoseRequest::dose(3.0)).unwrap();
     let error = session.run(&prepared, go).unwrap_err();
@@ -390,9 +397,10 @@ fn a_hold_leaves_a_rest_that_is_resumed_to_the_dose() {
 #[test]
 fn a_dose_that_went_too_far_has_no_rest() {
     let folder = tempfile::tempdir().unwrap();
-    let board = plug_defective(Defects { foreign: Some((300, 30.0)), ..Defects::default() });
-    let bench = bench(folder.path(), &board, false);
-    let mut session = bench.session().unwrap();
+    let board = defective(Defects { foreign: Some((300, 30.0)), ..Defects::default() });
+    let mut drive = VirtualDrive::new(&board);
+    let bench = virtual_bench(built_in("three-roller").unwrap(), folder.path(), &drive);
+    let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let prepared = session.prepare(DoseRequest::dose(1.0)).unwrap();
     let error = session.run(&prepared, go).unwrap_err();

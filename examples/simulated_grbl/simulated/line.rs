@@ -20,7 +20,8 @@ pub(crate) struct Line {
     pub outgoing: VecDeque<u8>,
     /// True once the cable is pulled.
     pub is_pulled: bool,
-    /// Number of resets of the processor.
+    /// Numbers of questions for the position and of resets of the processor.
+    asked: u64,
     resets: u32,
     /// Time at which the processor will have started, after a reset.
     starts_at: Option<Duration>,
@@ -39,6 +40,7 @@ impl Line {
             options,
             outgoing: VecDeque::new(),
             is_pulled: false,
+            asked: 0,
             resets: 0,
             starts_at: None,
             late: VecDeque::new(),
@@ -54,12 +56,13 @@ impl Line {
         truth.moving = !motor.is_done() && !self.machine.stalled;
         truth.peak_steps_s = motor.peak;
         truth.starts = motor.starts;
-        truth.resets = self.resets;
+        (truth.asked, truth.resets) = (self.asked, self.resets);
         truth.lines.append(&mut self.machine.lines);
     }
 
     /// Takes bytes from the line. A board that starts hears nothing.
     pub(crate) fn receive(&mut self, bytes: &[u8]) {
+        self.asked += bytes.iter().filter(|byte| **byte == b'?').count() as u64;
         if self.starts_at.is_none() {
             bytes.iter().for_each(|byte| self.machine.receive(*byte));
         }

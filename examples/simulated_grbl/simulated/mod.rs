@@ -17,6 +17,9 @@ use std::thread::JoinHandle;
 use options::Options;
 use wire::Wire;
 
+/// Looks of the board at its line after which a motor that stands is said to rest: some 100 ms.
+const RESTS: u64 = 130;
+
 /// The truth about a board, whatever the board says.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Truth {
@@ -30,6 +33,10 @@ pub(crate) struct Truth {
     pub starts: u64,
     /// Number of resets of the processor.
     pub resets: u32,
+    /// Number of questions for the position that came by the line.
+    pub asked: u64,
+    /// Number of looks of the board at its line, after each of which it has obeyed all that had come.
+    pub looks: u64,
     /// Lines that the board has read.
     pub lines: Vec<String>,
     /// True ends the simulation.
@@ -63,14 +70,19 @@ impl Simulated {
         lock(&self.truth).clone()
     }
 
-    /// Waits until the motor has stood for a while, and returns the truth then.
+    /// Waits until the motor has stood for a while, and returns the truth then. The board's own looks count, so that
+    /// nothing waits for a thread that does not get to run.
     pub(crate) fn rest(&self) -> Truth {
-        let mut still = 0;
-        while still < 10 {
-            std::thread::sleep(std::time::Duration::from_millis(10));
-            still = if self.truth().moving { 0 } else { still + 1 };
+        let mut truth = self.truth();
+        let mut since = truth.looks;
+        while truth.looks - since < RESTS {
+            std::thread::sleep(std::time::Duration::from_millis(5));
+            truth = self.truth();
+            if truth.moving {
+                since = truth.looks;
+            }
         }
-        self.truth()
+        truth
     }
 }
 

@@ -27,6 +27,9 @@ const PATIENT_TICK_S: f64 = 0.005;
 /// Longest time that a late thread makes up at once, s of board time.
 const LONGEST_TICK_S: f64 = 0.25;
 
+/// Longest piece of board time between two looks at what was read, s.
+const PIECE_S: f64 = 1e-3;
+
 /// Board's end of the line.
 #[derive(Debug)]
 pub(super) struct Wire {
@@ -77,7 +80,7 @@ impl Wire {
             before = now;
             self.read(now);
             let waits = self.line.options.patient && now - self.heard > PATIENCE;
-            self.line.pass(now, if waits { 0.0 } else { passed_s.min(longest_s) });
+            self.pass(now, if waits { 0.0 } else { passed_s.min(longest_s) });
             if self.line.is_pulled {
                 self.terminal = None;
             }
@@ -87,10 +90,22 @@ impl Wire {
         }
     }
 
+    /// Lets `time_s` pass on the board in short pieces: a line that was read is obeyed at once, however late this thread
+    /// is.
+    fn pass(&mut self, now: Duration, time_s: f64) {
+        let mut left_s = time_s;
+        while left_s > PIECE_S {
+            self.line.pass(now, PIECE_S);
+            left_s -= PIECE_S;
+        }
+        self.line.pass(now, left_s);
+    }
+
     /// Publishes the truth about the board. Returns true if the simulation is over.
     fn publish(&mut self) -> bool {
         let mut truth = lock(&self.truth);
         self.line.publish(&mut truth);
+        truth.looks += 1;
         truth.over
     }
 

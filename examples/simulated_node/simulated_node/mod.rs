@@ -22,6 +22,10 @@ const LOOK: Duration = Duration::from_millis(1);
 /// then no lost link. The board's time stands until the host is heard.
 const PATIENCE_US: u64 = 150_000;
 
+/// Longest time, us, that a late thread of the board makes up at once, so that it hears its host before it goes on. A
+/// move may begin in that time, and a board that has not listened meanwhile takes its own lateness for a lost link.
+const LONGEST_LOOK_US: u64 = 5_000;
+
 /// Rate of the line, bytes a second, as at 460,800 baud.
 const BYTES_S: u64 = 46_080;
 
@@ -109,7 +113,7 @@ impl Simulation {
         loop {
             sleep(LOOK);
             let now = Instant::now();
-            let passed_us = (now - before).as_micros() as u64;
+            let passed_us = ((now - before).as_micros() as u64).min(LONGEST_LOOK_US);
             before = now;
             self.hear();
             let mut until_us = self.now_us + passed_us;

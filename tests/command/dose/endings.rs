@@ -27,7 +27,7 @@ fn begun_with(user: &User, options: &[&str]) -> Child {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let deadline = Instant::now() + Duration::from_secs(20);
+    let deadline = Instant::now() + Duration::from_secs(120);
     while !fs::read_to_string(user.path(JOURNAL)).is_ok_and(|text| text.contains("progress")) {
         assert!(Instant::now() < deadline, "no progress on record");
         sleep(Duration::from_millis(2));
@@ -228,7 +228,7 @@ fn of_two_starts_in_the_same_moment_one_is_told_who_has_the_pump() {
 /// Makes a dose that is stopped on its way. Returns its report.
 fn stopped(user: &User, volume: &str) -> String {
     let mut child = user.command(&[volume]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    let deadline = Instant::now() + Duration::from_secs(20);
+    let deadline = Instant::now() + Duration::from_secs(120);
     while !fs::read_to_string(user.path(JOURNAL)).is_ok_and(|text| text.contains("progress")) {
         assert!(Instant::now() < deadline && child.try_wait().unwrap().is_none(), "no progress on record");
         sleep(Duration::from_millis(2));

@@ -3,3 +3,4 @@
 pub(crate) mod board;
 mod counters;
 mod pauses;
+pub(crate) mod session;

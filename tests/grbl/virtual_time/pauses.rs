@@ -70,3 +70,30 @@ fn a_motor_that_was_slow_before_a_pause_is_stopped_at_a_known_step_after_it() {
     assert_eq!((fault.made_least, fault.made_most, fault.lost), (steps, steps, false), "{fault:?}");
     assert!(matches!(grbl_error(fault.error), GrblError::StoppedElsewhere { .. }));
 }
+
+#[test]
+fn each_rest_of_a_motor_whose_drive_did_not_get_to_run_is_counted() {
+    let mut rested = 0;
+    for stall in [0, 100, 300, 400, 430, 450, 470, 500, 600, 2_000].map(Duration::from_millis) {
+        for which in [0, 1] {
+            let board = start(Options::default());
+            let mut grbl = open(&board);
+            let plan = dose(&grbl, 8.0, 5.0);
+            let mut places = [300, 1_100, 1_900, 3_500].into_iter().peekable();
+            let made = grbl.run(&plan, &mut |made, _| {
+                if places.next_if(|place| made >= *place).is_some() {
+                    board.meddle(|events| events.stalls[which] = stall);
+                }
+                Leave::Go
+            });
+            assert_eq!(made.unwrap() as i64, plan.steps());
+            assert!(places.peek().is_none());
+            let (counted, rests) = (u64::from(grbl.rests()), board.truth().starts - 1);
+            // Some 0.44 s of steps are sent ahead. A motor that has but a few of them left may rest.
+            let is_close = (350..600).contains(&stall.as_millis());
+            assert!(counted == rests || is_close && counted > rests, "{stall:?}: {counted} of {rests}");
+            rested += rests;
+        }
+    }
+    assert!(rested >= 16, "{rested} rests");
+}

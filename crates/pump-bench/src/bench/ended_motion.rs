@@ -17,6 +17,9 @@ use crate::record::{Intent, PumpState, Stamp, Why};
 /// Remainder of a wait that is too short to be told, in s.
 const NEARLY_S: f64 = 0.1;
 
+/// Most rests of a motion that are counted. The record says after two that the angle is unknown.
+const MOST_RESTS: u32 = 255;
+
 /// Motion that the drive has ended.
 pub(super) struct EndedMotion {
     /// Steps made.
@@ -126,7 +129,8 @@ impl<'a> Session<'a> {
     /// Returns the state with the device's count and disturbances. `pauses` is how often a motion just made has
     /// paused, and `None` at rest.
     ///
-    /// A motor that is let go after each motion is let go in each pause too, whatever ended the motion.
+    /// A motor that is let go after each motion is let go in each pause too, whatever ended the motion and whoever was
+    /// late: the disk, or this program.
     pub(super) fn with_device(
         &mut self,
         device: &mut Device<'_>,
@@ -144,7 +148,8 @@ impl<'a> Session<'a> {
         if !is_let_go {
             self.notes.push(format!("{event}: the rollers' angle is known less well").into());
         }
-        let rests = pauses.filter(|_| is_let_go || lets_go).unwrap_or(0);
+        let rests = pauses.filter(|_| is_let_go || lets_go);
+        let rests = rests.map_or(0, |pauses| u32::from(pauses).max(device.drive.rests()).min(MOST_RESTS));
         (0..=rests).fold(state, |state, _| state.disturbed(fall_rad, model))
     }
 }

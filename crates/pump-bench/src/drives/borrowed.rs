@@ -36,6 +36,10 @@ impl<T: Drive + ?Sized> Drive for &mut T {
         T::holds_at_rest(self)
     }
 
+    fn rests(&self) -> u32 {
+        T::rests(self)
+    }
+
     fn connect(&mut self) -> Result<(), DriveError> {
         T::connect(self)
     }

@@ -194,6 +194,13 @@ pub trait Drive: Debug + Send {
         true
     }
 
+    /// Returns how often the motor of the last motion may have rested before that motion ended, as far as the device
+    /// tells. A motor that waits for a program that is late rests too. The pauses that the gate asks for are counted
+    /// by the session as well, and need not be told.
+    fn rests(&self) -> u32 {
+        0
+    }
+
     /// Connects the device anew, if it has to be. A session calls this before it asks for limits, disturbances and
     /// count: once at the beginning, and again after a fault, a refused plan or a release. The count that the drive
     /// tells then is compared with the record.

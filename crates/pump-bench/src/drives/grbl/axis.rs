@@ -54,6 +54,8 @@ pub struct Grbl {
     /// Count of the board at rest. `None` if the board has to be asked again.
     stands: Option<i64>,
     disturbed: Option<Disturbance>,
+    /// Rests of the last motion before its end.
+    rests: u32,
     notes: Vec<Notice>,
 }
 
@@ -122,6 +124,7 @@ impl Grbl {
             most_steps_s: settings.most_steps_s(&scale)?,
             stands: Some(scale.count(scale.reported_mm(place))),
             disturbed: reset.then_some(Disturbance::Reset),
+            rests: 0,
             board,
             settings,
             scale,
@@ -177,6 +180,7 @@ impl Grbl {
         plan: &Plan,
         motion: impl FnOnce(&mut Jogs<'_>) -> Result<T, GrblError>,
     ) -> Result<(T, u64), DriveFault> {
+        self.rests = 0;
         // From here on the gate hears the user.
         let before = self.board.be_deaf(true);
         let task = self.task(plan);
@@ -186,14 +190,15 @@ impl Grbl {
             Err(error) => return Err(self.fault(error, Made::exactly(0))),
         };
         let scale = &self.scale;
-        let (outcome, sent) = self.board.undisturbed(|board| {
+        let (outcome, sent, rests) = self.board.undisturbed(|board| {
             let mut under_way = Jogs::new(board, scale, task);
             let outcome = match motion(&mut under_way) {
                 Ok(value) => Ok((value, under_way.made)),
                 Err(error) => Err(under_way.recover(error)),
             };
-            (outcome, under_way.sent)
+            (outcome, under_way.sent, under_way.rests.count())
         });
+        self.rests = rests;
         let known = match &outcome {
             Ok((_, made)) => Some(*made as i64),
             Err((_, made)) => made.known(),
@@ -265,6 +270,10 @@ impl Drive for Grbl {
 
     fn holds_at_rest(&self) -> bool {
         self.settings.holds() == Some(true)
+    }
+
+    fn rests(&self) -> u32 {
+        self.rests
     }
 
     fn check(&mut self, plan: &Plan) -> Result<(), DriveError> {

@@ -5,6 +5,7 @@ use std::time::Duration;
 use super::board::{Board, Heard, OK_LIMIT, POLL};
 use super::error::GrblError;
 use super::reply::{BoardState, Reply};
+use super::rests::Rests;
 use super::scale::Scale;
 use crate::drives::{Gate, Leave};
 
@@ -156,6 +157,8 @@ pub(super) struct Jogs<'a> {
     behind: f64,
     /// True if a rest that nobody asked for may be the end of the jogs, by a counter that jumped.
     pub(crate) doubtful: bool,
+    /// Rests before the end.
+    pub(super) rests: Rests,
 }
 
 impl<'a> Jogs<'a> {
@@ -182,6 +185,7 @@ impl<'a> Jogs<'a> {
             under_way: (now, 0),
             behind: 0.0,
             doubtful: false,
+            rests: Rests::default(),
         }
     }
 
@@ -296,6 +300,7 @@ impl<'a> Jogs<'a> {
             Heard::Status(state, place) => {
                 if let Some(place) = place {
                     self.see(place)?;
+                    self.note_rest(&state);
                 }
                 match state {
                     // The line that tells the alarm has been lost.
@@ -353,6 +358,14 @@ impl<'a> Jogs<'a> {
                 self.board.ask()
             }
             None => Err(self.astray(net)),
+        }
+    }
+
+    /// Notes a rest before the end of the task.
+    fn note_rest(&mut self, state: &BoardState) {
+        if self.odd == 0 && self.made < self.task.steps {
+            let end = self.awaited.as_ref().map(|_| self.acknowledged);
+            self.rests.note(state, self.made, end, self.task.steps_s);
         }
     }
 

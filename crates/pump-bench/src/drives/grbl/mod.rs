@@ -10,6 +10,7 @@ mod error;
 mod jogs;
 mod recovery;
 pub mod reply;
+mod rests;
 mod scale;
 mod search;
 mod settings;
