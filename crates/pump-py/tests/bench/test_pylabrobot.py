@@ -141,9 +141,7 @@ def test_the_end_of_the_block_halts_what_still_runs(tmp_path: Path) -> None:
 def test_what_is_no_volume_is_refused(tmp_path: Path) -> None:
     async def work() -> None:
         async with bench_pump(tmp_path) as pump:
-            for refused in (
-                pump.run_revolutions(1),
-            ):
+            for refused in (pump.run_revolutions(1),):
                 with pytest.raises(NotImplementedError, match="a bench doses volumes, not"):
                     await refused
             with pytest.raises(NotImplementedError):
