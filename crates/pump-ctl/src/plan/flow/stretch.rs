@@ -75,7 +75,7 @@ impl FlowStretch<'_> {
         let flow_then = sqrt((first * first + 2.0 * slope * volume_ml).max(0.0));
         let sum = first + flow_then;
         let after_s = if sum > 0.0 { 2.0 * volume_ml / sum } else { 0.0 };
-        self.from.time_s + after_s.clamp(0.0, length_s)
+        self.from.time_s + after_s.max(0.0).min(length_s)
     }
 }
 
