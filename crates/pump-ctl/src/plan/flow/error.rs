@@ -34,7 +34,10 @@ pub enum FlowError {
         step_deg: f64,
     },
     /// The time of a row is no number, negative, or not that of the start in the first row.
-    #[error("row {row} has the time {} s; allowed: 0 in the first row, and finite times that do not go back", Shown(*time_s))]
+    #[error(
+        "row {row} has the time {} s; allowed: 0 in the first row, and finite times that do not go back",
+        Shown(*time_s)
+    )]
     Time {
         /// Number of the row.
         row: u64,
