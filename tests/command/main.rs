@@ -17,8 +17,6 @@ mod line;
 mod pins;
 mod pumps;
 mod record;
-#[cfg(unix)]
-mod run;
 mod simulate;
 mod size;
 mod tube;

@@ -35,8 +35,8 @@ fn journals_of_the_first_version_give_the_status_that_it_printed() {
             .map(|key| found.as_object_mut().unwrap().remove(key));
         assert_eq!(added, [Some(Value::from(0.0)), Some(Value::Null), Some(Value::Null)]);
         if let Some(unfinished) = found["unfinished"].as_object_mut() {
-            let added = ["by_weight", "target_g"].map(|key| unfinished.remove(key));
-            assert_eq!(added, [Some(Value::from(false)), Some(Value::Null)]);
+            let added = ["by_weight", "target_g", "until_stopped"].map(|key| unfinished.remove(key));
+            assert_eq!(added, [Some(Value::from(false)), Some(Value::Null), Some(Value::from(false))]);
         }
         let mut expected: Value = serde_json::from_str(&sample(&format!("{name}.status.json"))).unwrap();
         // An angle that nobody knows was the middle of its range, and is null now.

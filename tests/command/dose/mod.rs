@@ -9,6 +9,8 @@ mod limits;
 mod nozzle;
 mod reports;
 mod retraction;
+#[cfg(unix)]
+mod runs;
 mod speed_law;
 mod stated_angle;
 mod unknown_angle;

@@ -17,8 +17,8 @@ use libm::{ceil, floor, pow, sqrt};
 use pump_ctl::drive::{Actuator, Clock, OnFault, StepDir, StepMotor, Timing};
 use pump_ctl::generated::torque_curve;
 use pump_ctl::plan::{
-    Cruise, Doser, Finish, LimitedBy, Limits, Lowest, Motor, Phase, PlanError, Request, Retarget, SetBy,
-    speed_for_flow,
+    Cruise, Doser, Finish, FlowPlan, FlowRow, LimitedBy, Limits, Lowest, Motor, Phase, PlanError, Request,
+    Retarget, SetBy, speed_for_flow,
 };
 use pump_ctl::plan::{Torque, TorqueCurve};
 use pump_ctl::step::{Brake, BrakeError, Direction, Feed, Segment, Stepper, TickRate, Ticks};
@@ -233,6 +233,7 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
         plan.stop_at(any()),
     ));
     black_box((speed_for_flow(pump, any()), motor.step_rad()));
+    flow(pump, motor);
     for step in plan.each_step() {
         black_box(step);
     }
@@ -254,6 +255,18 @@ fn dose(pump: &Pump) -> Result<(), PlanError> {
     black_box(rest.segments(tick_rate).steps_by(black_box(1)));
     black_box(moves(motor, rest.segments(tick_rate).feed()).is_ok());
     Ok(())
+}
+
+/// A flow over time of which nothing is known.
+fn flow(pump: &Pump, motor: Motor) {
+    let Ok(mut plan) = FlowPlan::new(pump, motor, Phase::within(any(), any())) else { return };
+    while black_box(true) {
+        let Ok(stretch) = plan.take(FlowRow::new(any(), any())) else { break };
+        for step in stretch.into_iter().flatten() {
+            black_box(step);
+        }
+    }
+    black_box((plan.end().is_ok(), plan.volume_ml(), plan.steps()));
 }
 
 /// A pin, a delay and a clock of which nothing is known.

@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use pump_model::Pump;
 use pump_model::units::degrees;
 
 use super::announced_steps::{Halt, Pace};
@@ -48,10 +49,9 @@ impl<'a> Session<'a> {
         let EndedMotion { made, beyond, measured_s, pace, halt, before, intent } = ended;
         let plan = motion.plan;
         let whole = made == plan.steps().unsigned_abs();
-        let after = before.after(&intent, made as i64, made as i64, self.bench.model());
         // A run until it is stopped is complete once somebody stopped it.
         let is_ended = halt.is_none() && motion.terms.until_stopped;
-        let after = if is_ended { PumpState { unfinished: None, ..after } } else { after };
+        let after = after_steps(before, &intent, made, is_ended, self.bench.model());
         let state = self.with_device(&mut device, after, Some(pace.pauses));
         let why = match &halt {
             Some(_) => Why::Fault,
@@ -152,4 +152,10 @@ impl<'a> Session<'a> {
         let rests = rests.map_or(0, |pauses| u32::from(pauses).max(device.drive.rests()).min(MOST_RESTS));
         (0..=rests).fold(state, |state, _| state.disturbed(fall_rad, model))
     }
+}
+
+/// Returns the state after the first `made` steps of `intent`. A motion that `is_ended` leaves nothing unfinished.
+fn after_steps(before: PumpState, intent: &Intent, made: u64, is_ended: bool, model: &Pump) -> PumpState {
+    let after = before.after(intent, made as i64, made as i64, model);
+    PumpState { unfinished: after.unfinished.filter(|_| !is_ended), ..after }
 }

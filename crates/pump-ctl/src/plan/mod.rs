@@ -10,8 +10,10 @@
 //! - `limits`: motor, pressures, torque, margins;
 //! - `speed`: the cruise speed that is asked for or allowed;
 //! - `ramps`: the ramps that leave the line nearly at rest;
-//! - `moves`: dose, turn, retarget, stop.
+//! - `moves`: dose, turn, retarget, stop;
+//! - `flow`: a flow over time.
 
+mod flow;
 mod handover;
 mod limits;
 mod line_states;
@@ -28,6 +30,7 @@ mod target;
 mod volumes;
 mod words;
 
+pub use flow::{FlowError, FlowPlan, FlowRow, FlowStretch};
 pub use handover::Handover;
 pub use limits::{
     Limits, Lowest, Margin, Margins, Motor, PressureLimits, TORQUE_POINTS, Torque, TorqueCurve,

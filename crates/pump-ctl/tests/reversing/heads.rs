@@ -33,7 +33,7 @@ pub(crate) struct Head {
 }
 
 impl Head {
-    fn new(rollers: u32, factor: f64, phi_deg: f64, beta_deg: f64) -> Self {
+    pub(crate) fn new(rollers: u32, factor: f64, phi_deg: f64, beta_deg: f64) -> Self {
         let mut head = Self { rollers, factor, phi_deg, beta_deg, volumes_ml: vec![0.0] };
         let mut sum_ml = 0.0;
         for n in 0..POINTS {

@@ -128,8 +128,8 @@ class Run(Record):
     """The end and the mean flow of a run of continuous flow, or of a prime or purge for a time.
 
     `until` is the event that was to end it: "volume", "time" or "stop". `asked_s` is the requested time (s).
-    `mean_flow_ml_s` is the delivered volume over the time of its motion (mL/s). `was_stopped` is True if it was
-    stopped before the end of its plan. Both are None for a run that was only planned.
+    `mean_flow_ml_s` is the delivered volume over the time of its motion (mL/s). `was_stopped` is True if it
+    was stopped before the end of its plan. Both are None for a run that was only planned.
     """
 
     until: str
@@ -261,8 +261,8 @@ class Wear(Record):
 class Unfinished(Record):
     """A dose or a run that was begun and not finished.
 
-    A run that was to go on until it is stopped has `until_stopped`, and as `requested_ml` the most that one run
-    makes.
+    A run that was to go on until it is stopped has `until_stopped`, and as `requested_ml` the most that one
+    run makes.
     """
 
     requested_ml: float

@@ -38,8 +38,8 @@ class BalanceError(PumpError):
 class UnfinishedError(PumpError):
     """An earlier dose is unfinished: `Bench.resume` makes the rest, `Bench.discard` accepts it as it is.
 
-    `requested_ml` is the requested volume (mL), and None for a run until it is stopped. The delivered volume (mL) is between `delivered_least_ml` and
-    `delivered_most_ml`.
+    `requested_ml` is the requested volume (mL), and None for a run until it is stopped. The delivered volume
+    (mL) is between `delivered_least_ml` and `delivered_most_ml`.
     """
 
     requested_ml: float | None = None

@@ -217,8 +217,8 @@ class BenchPump(_Pump):
     async def run_continuously(self, speed: float) -> None:
         """Run at a speed until `halt`. The call returns while the pump runs.
 
-        A run under way is halted before. Speed 0 halts and begins nothing. The errors of `pump_volume` that come
-        up before the run moves are raised here, and those of its motion by `halt`.
+        A run under way is halted before. Speed 0 halts and begins nothing. Errors that come up before the run
+        moves are those of `pump_volume` and raised here; those of its motion are raised by `halt`.
 
         Parameters
         ----------
@@ -268,7 +268,7 @@ class BenchPump(_Pump):
         )
 
     async def halt(self) -> Dose | None:
-        """Decelerate and hold if a dose or a run is under way. Complete when the motor stands and all is recorded.
+        """Decelerate and hold what is under way. Complete when the motor stands and all is recorded.
 
         Returns
         -------

@@ -141,9 +141,7 @@ def test_the_end_of_the_block_halts_what_still_runs(tmp_path: Path) -> None:
 def test_what_is_no_volume_is_refused(tmp_path: Path) -> None:
     async def work() -> None:
         async with bench_pump(tmp_path) as pump:
-            for refused in (
-                pump.run_revolutions(1),
-            ):
+            for refused in (pump.run_revolutions(1),):
                 with pytest.raises(NotImplementedError, match="a bench doses volumes, not"):
                     await refused
             with pytest.raises(NotImplementedError):
@@ -192,7 +190,7 @@ def test_a_run_for_a_duration_takes_that_time_at_that_speed(tmp_path: Path) -> N
                 assert dose.delivered_ml is not None
                 assert (dose.delivered_ml < 0) == (speed < 0)
             for duration in (0, -1, float("nan")):
-                with pytest.raises(ValueError, match="time"):
+                with pytest.raises(ValueError, match="a time must be|not a finite number"):
                     await pump.run_for_duration(speed=60, duration=duration)
 
     run(work())

@@ -40,7 +40,7 @@ impl Bench {
         if time_s > MAX_DURATION_S {
             return Err(PlanError::TooSlow { duration_s: time_s }.into());
         }
-        if !(time_s > 0.0) {
+        if time_s.is_nan() || time_s <= 0.0 {
             let (parameter, allowed) = (Parameter::Time, Allowed::Positive);
             return Err(PlanError::OutOfRange { parameter, value: time_s, allowed }.into());
         }

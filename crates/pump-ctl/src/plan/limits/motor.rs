@@ -58,7 +58,7 @@ impl Motor {
         TURN_RAD / self.steps_per_rev
     }
 
-    pub(super) fn validate(&self) -> Result<(), PlanError> {
+    pub(in crate::plan) fn validate(&self) -> Result<(), PlanError> {
         let refused = |(parameter, value, allowed)| PlanError::OutOfRange { parameter, value, allowed };
         self.in_range().map_err(refused)
     }

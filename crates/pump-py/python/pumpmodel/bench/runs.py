@@ -87,9 +87,9 @@ class BenchRuns(BenchDoses):
         >>> import tempfile
         >>> import pumpmodel as pm
         >>> with tempfile.TemporaryDirectory() as tmp, pm.Bench.open("three-roller", state_dir=tmp) as bench:
-        ...     run = bench.run(rate="10mL/min", duration="1min")
-        ...     print(f"{run.delivered_ml:.2f} mL, {60 * run.run.mean_flow_ml_s:.2f} mL/min")
-        10.00 mL, 10.00 mL/min
+        ...     run = bench.run(rate="10mL/s", duration="1min")
+        ...     print(f"{run.delivered_ml:.0f} mL, {run.run.mean_flow_ml_s:.2f} mL/s")
+        598 mL, 9.97 mL/s
         """
         if duration is not None and volume is not None:
             raise ValueError("duration and volume both end the run; give one of them, or neither")
