@@ -3,6 +3,7 @@
 use clap::builder::ValueParser;
 use clap::{Arg, CommandFactory, Parser, Subcommand};
 
+use crate::commands::backup::{BackupArgs, RestoreArgs};
 use crate::commands::calibrate::CalibrateArgs;
 use crate::commands::completions::CompletionsArgs;
 use crate::commands::config::ConfigArgs;
@@ -10,6 +11,7 @@ use crate::commands::discard::DiscardArgs;
 use crate::commands::dose::DoseArgs;
 use crate::commands::home::HomeArgs;
 use crate::commands::identify::IdentifyArgs;
+use crate::commands::log::LogArgs;
 use crate::commands::prime::PrimeArgs;
 use crate::commands::pumps::PumpsArgs;
 use crate::commands::purge::PurgeArgs;
@@ -67,6 +69,8 @@ enum Command {
     Size(SizeArgs),
     /// Say where the rollers stand and what is unfinished
     Status(StatusArgs),
+    /// List every dose with its time, and the totals by day and by tube
+    Log(LogArgs),
     /// Make the rest of a dose that was stopped or cut off
     Resume(ResumeArgs),
     /// Accept a dose that was stopped or cut off as it is
@@ -78,6 +82,10 @@ enum Command {
     Tube(TubeArgs),
     /// Find where the rollers stand, or say it
     Home(HomeArgs),
+    /// Write all records into one file
+    Backup(BackupArgs),
+    /// Put the records of a backup in place; a record never turns back
+    Restore(RestoreArgs),
     /// Print the completions of a shell
     Completions(CompletionsArgs),
     /// List, show, check and make pump files
@@ -120,11 +128,14 @@ impl Cli {
             Some(Command::Simulate(args)) => args.run(),
             Some(Command::Size(args)) => args.run(),
             Some(Command::Status(args)) => args.run(),
+            Some(Command::Log(args)) => args.run(),
             Some(Command::Resume(args)) => args.run(),
             Some(Command::Discard(args)) => args.run(),
             Some(Command::Release(args)) => args.run(),
             Some(Command::Tube(args)) => args.run(),
             Some(Command::Home(args)) => args.run(),
+            Some(Command::Backup(args)) => args.run(),
+            Some(Command::Restore(args)) => args.run(),
             Some(Command::Completions(args)) => args.run(&mut Self::command()),
             Some(Command::Pumps(args)) => args.run(),
             Some(Command::Config(args)) => args.run(),

@@ -38,7 +38,7 @@ pub(crate) fn is_reader_gone() -> bool {
 
 /// Shows the control characters of a text instead of obeying them: names come from files and boards. The marks that
 /// turn the direction of writing are shown too, as they hide what a name is.
-fn shown(text: &str) -> Cow<'_, str> {
+pub(crate) fn shown(text: &str) -> Cow<'_, str> {
     let steers = |c: char| {
         let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
         turns || c.is_control() && c != '\n'

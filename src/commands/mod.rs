@@ -1,5 +1,6 @@
 //! The commands, a file each; a command with subcommands is a folder.
 
+pub(crate) mod backup;
 mod batch;
 mod by_weight;
 pub(crate) mod calibrate;
@@ -10,6 +11,7 @@ pub(crate) mod discard;
 pub(crate) mod dose;
 pub(crate) mod home;
 pub(crate) mod identify;
+pub(crate) mod log;
 pub(crate) mod prime;
 pub(crate) mod pumps;
 pub(crate) mod purge;

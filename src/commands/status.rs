@@ -1,7 +1,8 @@
 //! `dose status`: what is on record.
 
 use clap::Args;
-use pump_bench::report::Status;
+use pump_bench::Bench;
+use pump_bench::report::{Explain, Status, StatusRow};
 
 use crate::advice;
 use crate::failure::Failure;
@@ -15,6 +16,9 @@ use crate::terminal::{print, tell};
 pub(crate) struct StatusArgs {
     #[command(flatten)]
     record: RecordOptions,
+    /// Say it of every pump that the configuration names, a row each
+    #[arg(long, conflicts_with_all = ["port", "tube_limit"])]
+    all: bool,
     #[command(flatten)]
     port: PortOption,
     #[command(flatten)]
@@ -25,9 +29,35 @@ pub(crate) struct StatusArgs {
 
 impl StatusArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        if self.all {
+            return self.tell_all();
+        }
         let mut file = self.record.pump.file()?;
         self.tube_limit.change(&mut file);
         let status = Status::of(&self.record.bench_of(file, Some(&self.port))?)?;
         if self.format.json() { print(&(status.json() + "\n")) } else { tell(&status.text(advice::words)) }
+    }
+
+    /// Tells a row of each pump. A pump that cannot be read has a row too, and hides none of the others.
+    fn tell_all(&self) -> Result<(), Failure> {
+        let config = self.record.pump.config()?;
+        if config.pumps().is_empty() {
+            return Err(Failure::refused(
+                "the configuration names no pumps; name them in [pumps] of the file that `dose config path` prints",
+            ));
+        }
+        let state_dir = self.record.folder()?;
+        let read = |name: &str| {
+            let file = config.pump(name).map_err(|error| error.told(advice::words))?;
+            let bench = Bench::new(file, self.record.driver(), &state_dir);
+            bench.and_then(|bench| Status::of(&bench)).map_err(|error| error.told(advice::words))
+        };
+        let rows: Vec<StatusRow> =
+            config.pumps().keys().map(|name| StatusRow::new(name, read(name))).collect();
+        if self.format.json() {
+            return print(&rows.iter().map(|row| row.json() + "\n").collect::<String>());
+        }
+        let width = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
+        tell(&rows.iter().map(|row| row.text(width) + "\n").collect::<String>())
     }
 }

@@ -65,11 +65,21 @@ impl RecordOptions {
         self.bench_of(self.pump.file()?, None)
     }
 
+    /// The folder in which records are kept.
+    pub(crate) fn folder(&self) -> Result<PathBuf, Failure> {
+        self.record.folder(&self.pump.config()?)
+    }
+
+    /// The driver that is named in place of that of a pump file.
+    pub(crate) fn driver(&self) -> Option<DriverName> {
+        self.driver.driver
+    }
+
     /// The bench with this pump file, and the motor at this port.
     pub(crate) fn bench_of(&self, file: PumpFile, port: Option<&PortOption>) -> Result<Bench, Failure> {
         let port: Option<PathBuf> = port.and_then(|port| port.port.clone());
         refuse_unless_real(&file, &self.driver, &[("--port", port.is_some())])?;
-        let folder = self.record.folder(&self.pump.config()?)?;
+        let folder = self.folder()?;
         Ok(Bench::new(file, self.driver.driver, &folder)?.at_port(port))
     }
 }

@@ -108,6 +108,7 @@ impl DosingOptions {
             volume_ml = -volume_ml;
         }
         Ok(DoseRequest::new(purpose, volume_ml)
+            .with_asked(&self.typed(asked))
             .with_cruise(self.cruise.cruise()?)
             .with_smooth(self.smooth)
             .with_ramps(self.ramps.ramps())

@@ -170,3 +170,38 @@ fn another_users_cron_finds_the_same_record_when_told() {
     assert!(status["carry_ul"].as_f64().or(status["carry_ml"].as_f64()).unwrap() != 0.0, "{status}");
     assert!(!user.path("root").exists() && !user.path("anna").exists());
 }
+
+#[test]
+fn every_named_pump_has_a_row_also_one_whose_file_is_broken() {
+    let user = User::new();
+    assert!(user.is_refused(&["status", "--all"]).contains("the configuration names no pumps"));
+    write_pump(&user, "acid.toml", "acid");
+    write_pump(&user, "base.toml", "base");
+    fs::write(user.path("broken.toml"), "schema = \"pump/1\"\n").unwrap();
+    let pumps = ["acid", "base", "broken"].map(|name| format!("{name} = \"../../{name}.toml\"\n")).concat();
+    configure(&user, &format!("[pumps]\n{pumps}"));
+    user.types(&["7mL", "--pump", "base"]);
+    let rows: Vec<serde_json::Value> = user
+        .types(&["status", "--all", "--format", "json"])
+        .out
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    let names: Vec<&str> = rows.iter().map(|row| row["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["acid", "base", "broken"]);
+    assert_eq!(
+        (&rows[0]["status"]["recorded"], &rows[1]["status"]["recorded"]),
+        (&false.into(), &true.into())
+    );
+    assert_eq!(rows[1]["status"], user.json(&["status", "--pump", "base"]));
+    assert!(
+        rows[2]["status"].is_null() && rows[2]["error"].as_str().unwrap().contains("broken.toml"),
+        "{}",
+        rows[2]
+    );
+    let text = user.types(&["status", "--all"]).out;
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(lines[0].starts_with("acid    nothing on record; at 0.00° (sim)"), "{text}");
+    assert!(lines[1].starts_with("base    ready; at ") && lines[1].contains("tube 7.0 mL"), "{text}");
+    assert!(lines[2].starts_with("broken  cannot be read: "), "{text}");
+}

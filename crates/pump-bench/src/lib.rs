@@ -83,8 +83,8 @@ pub mod units;
 pub mod words;
 
 pub use bench::{
-    Accepted, AngleSet, Bench, Delivered, DeliveredByWeight, LogReading, NewTube, OrderByWeight, PreparedByWeight,
-    Rehearsal, Session,
+    Accepted, AngleSet, Bench, Delivered, DeliveredByWeight, LogReading, NewTube, OrderByWeight,
+    PreparedByWeight, Rehearsal, Session,
 };
 pub use catalogue::{built_in, pump_named};
 pub use dosing::{DoseError, DoseRequest, Prepared};

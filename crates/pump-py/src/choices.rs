@@ -7,7 +7,7 @@ use pump_bench::calibration::Fit;
 use pump_bench::dosing::{Missed, ShareSource};
 use pump_bench::heads::Provenance;
 use pump_bench::pump_file::{CurveFit, DriverName, UncheckedLimit};
-use pump_bench::record::{PhaseSource, Purpose};
+use pump_bench::record::{LogEnd, PhaseSource, Purpose};
 use pump_bench::report::VolumeBasis;
 use pump_bench::simulation::{AskedMethod, ModelName};
 use pump_ctl::plan::{Finish, LimitedBy, Ramps, SetBy};
@@ -30,6 +30,7 @@ pub(crate) fn _choices() -> Vec<(&'static str, Vec<String>)> {
         ("InletLimit", words(&[SetBy::Given, SetBy::TubeCollapse, SetBy::Vapour].map(SetBy::name))),
         ("LimitedBy", words(&LimitedBy::ALL)),
         ("LineParameter", words(&PARAMETERS)),
+        ("LogEnd", words(LogEnd::ALL)),
         ("Method", words(AskedMethod::ALL)),
         ("Missed", words(Missed::ALL)),
         ("Model", words(ModelName::ALL)),

@@ -302,7 +302,12 @@ impl<'a> Session<'a> {
         self.written = false;
         // A dose that cannot be recorded now is recorded with the next rest.
         self.log.ended = dose.clone();
-        self.journal.append(&Entry::Rest { unix_s: self.log.clock.now().unix_s, why, state, dose: dose.clone() })?;
+        self.journal.append(&Entry::Rest {
+            unix_s: self.log.clock.now().unix_s,
+            why,
+            state,
+            dose: dose.clone(),
+        })?;
         self.written = true;
         self.log.ended = None;
         self.log.doses = state.doses;

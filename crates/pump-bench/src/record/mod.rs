@@ -2,6 +2,7 @@
 
 mod account;
 mod after_stop;
+mod backup;
 mod dose_by_weight;
 mod folder;
 mod intent;
@@ -18,14 +19,15 @@ mod whole;
 
 pub(crate) use account::Account;
 pub use after_stop::AfterStop;
+pub use backup::{BackedUp, BackupError, Position, Restored, backup, restore};
 pub use dose_by_weight::DoseByWeight;
 pub use folder::{Folder, FolderError, Lock, default_state_dir};
 pub use intent::Intent;
-pub use log::{Asked, Clock, LogEnd, LogEntry, LogError, LogLine, MomentError, Stamp, SystemClock, moment};
-pub(crate) use log::{Log, LogTail, Told, pending};
 pub(crate) use journal::{Announcer, Entry, Journal, Why, decode, encode};
 pub use journal::{JournalError, Storage, Story};
 pub use last_dose::LastDose;
+pub use log::{Asked, Clock, LogEnd, LogEntry, LogError, LogLine, MomentError, Stamp, SystemClock, moment};
+pub(crate) use log::{Log, LogTail, Told, pending};
 pub use phase_source::PhaseSource;
 pub use purpose::Purpose;
 pub use state::PumpState;

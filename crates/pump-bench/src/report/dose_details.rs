@@ -16,6 +16,7 @@ impl DoseReport {
     /// Angles, steps, speeds, pressures, limits and the uncertainty budget, a line each.
     pub fn details(&self) -> String {
         let lines = [
+            ("began", self.time.map(|time| time.to_string())),
             ("rollers", Some(self.rollers())),
             ("steps", Some(self.steps())),
             ("retraction", self.retraction()),

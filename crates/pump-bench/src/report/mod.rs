@@ -9,6 +9,7 @@ mod dose_text;
 mod ending;
 mod error;
 mod identified;
+mod log;
 mod phase;
 mod pump_check;
 mod rotor;
@@ -26,9 +27,12 @@ pub use config::{ShownConfig, ShownPump};
 pub use dose::{ByWeightReport, CalibrationReport, DoseReport, PhaseReport, RunReport, Until};
 pub use ending::Ending;
 pub use error::{ErrorFacts, ErrorKind, ErrorReport, Explain, with_sources};
+pub use log::{LOG_CSV_HEADER, LogTotal, LogTotals, log_csv, log_json, log_text};
 pub use phase::{phase_json, phase_text};
 pub use pump_check::pump_check;
 pub use rotor::{AcceptedReport, accepted_text, carry_dropped_text, rotor_text};
 pub use simulation::SimulationReport;
 pub use sizing::{sizing_json, sizing_text, sizing_title};
-pub use status::{CalibrationStatus, LastByWeight, Status, UnfinishedCalibration, UnfinishedStatus};
+pub use status::{
+    CalibrationStatus, LastByWeight, Status, StatusRow, UnfinishedCalibration, UnfinishedStatus,
+};

@@ -1,11 +1,13 @@
 //! The record of a pump, and its JSON for programs. `status_text.rs` has its words for people.
 
 mod by_weight;
+mod row;
 
 use pump_model::units::degrees;
 use serde::Serialize;
 
 pub use self::by_weight::LastByWeight;
+pub use self::row::StatusRow;
 use crate::bench::Bench;
 use crate::calibration::{RunLog, Stored, Weighing};
 use crate::dosing::DoseError;

@@ -32,7 +32,7 @@ from pumpmodel._pumpmodel import (
     rmse,
 )
 from pumpmodel.bench import Bench
-from pumpmodel.dose import Dose, Status, Verification
+from pumpmodel.dose import Dose, LoggedDose, Status, Verification
 from pumpmodel.errors import BalanceError, DriveError, PlanError, PumpError, PumpFileError, UnfinishedError
 from pumpmodel.fluid import Fluid
 from pumpmodel.heads import Head, HeadSource, heads
@@ -66,6 +66,7 @@ __all__ = [
     "Identified",
     "Limits",
     "Line",
+    "LoggedDose",
     "PhaseFit",
     "Plan",
     "PlanError",

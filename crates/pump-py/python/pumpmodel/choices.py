@@ -51,6 +51,9 @@ Port: TypeAlias = Literal["inlet", "outlet"]
 #: Kind of the document that a head's figures are from: the maker's own, one that quotes the maker's
 #: figures, or the table of a program.
 Provenance: TypeAlias = Literal["maker", "quoted", "program"]
+#: End of a dose in the log.
+LogEnd: TypeAlias = Literal["done", "weighed", "stopped", "fault", "cut-off"]
+
 #: Purpose of a motion.
 Purpose: TypeAlias = Literal["dose", "prime", "purge", "run", "calibrate", "retract", "jog"]
 #: Ramps in which a dose starts and stops.

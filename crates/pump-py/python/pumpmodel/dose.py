@@ -8,6 +8,7 @@ from pumpmodel.choices import (
     Finish,
     InletLimit,
     LimitedBy,
+    LogEnd,
     PhaseSource,
     Purpose,
     UncertaintySource,
@@ -146,7 +147,8 @@ class Dose(Record):
     times in s. `delivered_ml` is the volume that the vessel of a simulation received, or the model's volume
     of the steps that a motor made. It is None for a dose that was only planned. `completed` is True if the
     dose was delivered in full. `by_weight` is the weighing of a dose that a balance ended, and None of any
-    other. `run` is the end and the mean flow of a run, and None of a volume that is dosed.
+    other. `run` is the end and the mean flow of a run, and None of a volume that is dosed. `time` is the time at which the dose began, RFC 3339 with the offset of the local clock, and `asked`
+    the volume as it was typed.
     """
 
     _records: ClassVar[dict[str, type[Record]]] = {
@@ -221,6 +223,8 @@ class Dose(Record):
     completed: bool
     by_weight: ByWeight | None = None
     run: Run | None = None
+    time: str | None = None
+    asked: str | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """Return the dose as plain data: `by_weight` and `run` are keys of a dose that has them.
@@ -246,6 +250,37 @@ class Dose(Record):
             f"<Dose of {self.requested_ml!r} mL on '{self.pump}' ({self.driver}): {made}, "
             f"expanded_uncertainty_ml {self.expanded_uncertainty_ml:.4f}, completed {self.completed}>"
         )
+
+
+@dataclass(frozen=True)
+class LoggedDose(Record):
+    """A dose in the log of a bench: the fields of the command's JSON `log/1`.
+
+    `delivered_least_ml` and `delivered_most_ml` are numbers where nobody knows how many steps were made, and
+    None otherwise. `end` tells who or what ended the dose, and `cause` the reason of a fault. The rest of a
+    dose that was stopped, and the retraction after a dose, have entries of their own.
+    """
+
+    schema: str
+    pump: str
+    driver: str
+    number: int
+    time: str
+    purpose: Purpose
+    asked: str | None
+    requested_ml: float
+    delivered_ml: float
+    delivered_least_ml: float | None
+    delivered_most_ml: float | None
+    expanded_uncertainty_ml: float | None
+    carry_ml: float
+    end: LogEnd
+    cause: str | None
+    resumed: bool
+    tube: int
+    calibration: int | None
+    steps: int | None
+    motion_s: float | None
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ mod bench;
 mod by_weight;
 mod calibration;
 mod homing;
+mod log;
 mod request;
 mod schedule;
 mod verification;

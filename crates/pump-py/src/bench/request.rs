@@ -38,9 +38,12 @@ impl AskedDose<'_> {
 
     /// Returns the request for the fluid and the air of `weighing`.
     pub(super) fn request(&self, purpose: Purpose, weighing: &Weighing<'_>) -> PyResult<DoseRequest> {
+        let mut asked = None;
         let volume_ml = match &self.volume {
             Some(volume) => {
-                let amount = units::dose_amount(text("volume", "25mL", volume)?).map_err(value)?;
+                let typed = text("volume", "25mL", volume)?;
+                asked = Some(typed);
+                let amount = units::dose_amount(typed).map_err(value)?;
                 let volume_ml = weighing.amount_ml(amount).map_err(value)?;
                 if self.reverse && volume_ml < 0.0 {
                     return Err(value("reverse and a negative volume both mean reverse; give one of them"));
@@ -81,8 +84,9 @@ impl AskedDose<'_> {
             )));
         }
         let limits = self.limits.as_ref().map_or(Limits::default(), |limits| *limits.get());
-        Ok(DoseRequest::new(purpose, volume_ml)
-            .with_end(end)
+        let request = DoseRequest::new(purpose, volume_ml).with_end(end);
+        Ok(asked
+            .map_or(request, |typed| request.with_asked(typed))
             .with_cruise(cruise(self.rate.as_ref(), self.speed.as_ref(), self.within.as_ref())?)
             .with_smooth(self.smooth)
             .with_finish(self.finish.as_deref().map(finish_named).transpose()?)

@@ -21,7 +21,8 @@ impl Session<'_> {
             utc_offset_s: now.utc_offset_s,
             asked: prepared.and_then(|prepared| prepared.request.asked),
             expanded_uncertainty_ml: self.uncertainty_ml(motion, motion.plan.steps().unsigned_abs()),
-            calibration: prepared.and_then(|prepared| Some(prepared.applied.as_ref()?.calibration.as_ref()?.version)),
+            calibration: prepared
+                .and_then(|prepared| Some(prepared.applied.as_ref()?.calibration.as_ref()?.version)),
         })
     }
 
@@ -124,7 +125,9 @@ impl Session<'_> {
         let made = |made_least, made_most| Unfinished { made_least, made_most, ..*left };
         let all = left.intent.steps.abs();
         match state.unfinished {
-            Some(now) if now.intent.told == left.intent.told && now.intent.unix_s == left.intent.unix_s => now,
+            Some(now) if now.intent.told == left.intent.told && now.intent.unix_s == left.intent.unix_s => {
+                now
+            }
             // The device has made the motion that the process could not end.
             None if why == Why::Met && left.intent.purpose.is_delivery() => made(all, all),
             _ => *left,
@@ -135,9 +138,7 @@ impl Session<'_> {
     fn entry(&self, part: &Unfinished, end: LogEnd) -> Option<LogEntry> {
         let intent = &part.intent;
         let is_own = intent.purpose != Purpose::Jog && !intent.terms.by_weight;
-        is_own.then(|| {
-            LogEntry::of(part, self.bench.model(), end, self.stands().tube(), self.log.doses + 1)
-        })
+        is_own.then(|| LogEntry::of(part, self.bench.model(), end, self.stands().tube(), self.log.doses + 1))
     }
 
     /// Returns the expanded uncertainty of the first `made` steps, in mL. `None` for a motion that was not prepared.

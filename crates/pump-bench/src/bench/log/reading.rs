@@ -41,7 +41,12 @@ impl LogReading {
         let folder = self.bench.folder();
         let failed = |source| LogError { action: "complete", path: folder.log().path().to_owned(), source };
         let mut rest = VecDeque::new();
-        let is_behind = self.bench.story().ok().and_then(|story| story.state).is_some_and(|state| state.doses > self.last);
+        let is_behind = self
+            .bench
+            .story()
+            .ok()
+            .and_then(|story| story.state)
+            .is_some_and(|state| state.doses > self.last);
         if is_behind {
             let tell = |entry| {
                 rest.push_back(entry);

@@ -1,7 +1,9 @@
 //! The log that a session keeps.
 
 use crate::notice::Notice;
-use crate::record::{Clock, Folder, Log, LogEntry, LogError, LogTail, Purpose, Story, SystemClock, Unfinished, pending};
+use crate::record::{
+    Clock, Folder, Log, LogEntry, LogError, LogTail, Purpose, Story, SystemClock, Unfinished, pending,
+};
 
 /// Log that a session keeps.
 #[derive(Debug)]

@@ -165,6 +165,12 @@ impl Journal {
         &self.path
     }
 
+    /// Has the journal kept and a new one begun from this length on, in bytes.
+    #[cfg(test)]
+    pub(in crate::record) fn keep_at(&mut self, long: u64) {
+        self.long = long;
+    }
+
     /// Has the journal's entries synced by `storage`, in place of the disk itself.
     pub(crate) fn store_by(&mut self, storage: Box<dyn Storage>) {
         self.storage = storage;

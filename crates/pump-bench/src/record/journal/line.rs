@@ -34,7 +34,9 @@ pub(crate) fn decode<T: DeserializeOwned>(line: &str) -> Result<T, String> {
 
 /// Decodes the number, if there is one, and the entry of a line without its newline. The error describes the
 /// damage.
-pub(super) fn decode_numbered<T: DeserializeOwned>(line: &str) -> Result<(Option<u64>, T), String> {
+pub(in crate::record) fn decode_numbered<T: DeserializeOwned>(
+    line: &str,
+) -> Result<(Option<u64>, T), String> {
     let line: Line<'_> = serde_json::from_str(line).map_err(|error| error.to_string())?;
     let text = line.entry.get();
     let crc32 = checksum(line.number, text);

@@ -12,6 +12,7 @@ pub(crate) use announcer::Announcer;
 pub(crate) use entry::{Entry, Why};
 pub(crate) use journal::Journal;
 pub use journal::Storage;
+pub(super) use line::decode_numbered;
 pub(crate) use line::{decode, encode};
 pub(super) use rotation::parts;
 pub use story::{JournalError, Story};

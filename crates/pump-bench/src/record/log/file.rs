@@ -106,7 +106,8 @@ impl Log {
         let failed = |source| self.failed("write", source);
         let line = encode(entry).map_err(|error| failed(error.into()))?;
         let mut options = File::options();
-        let mut file = open_plain(&self.path, options.write(true).create(true).truncate(false)).map_err(failed)?;
+        let mut file =
+            open_plain(&self.path, options.write(true).create(true).truncate(false)).map_err(failed)?;
         let written = (|| {
             if file.metadata()?.len() > tail.length {
                 file.set_len(tail.length)?;
@@ -157,7 +158,8 @@ impl Log {
 
     /// Opens the file. `None` if there is none.
     fn readable(&self) -> Result<Option<File>, LogError> {
-        let opened = check_plain(&self.path).and_then(|()| open_plain(&self.path, File::options().read(true)));
+        let opened =
+            check_plain(&self.path).and_then(|()| open_plain(&self.path, File::options().read(true)));
         match opened {
             Ok(file) => Ok(Some(file)),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),

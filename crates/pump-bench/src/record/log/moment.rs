@@ -10,8 +10,10 @@ const UNITS: [(&str, f64); 5] = [("s", 1.0), ("min", 60.0), ("h", 3600.0), ("d",
 
 /// Text that names no moment.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-#[error("`{text}` is no moment; write a time ago as 90min, 12h, 2d or 1w, a date as 2026-11-23, or a time with its \
-         offset as 2026-11-23T08:00:00+01:00")]
+#[error(
+    "`{text}` is no moment; write a time ago as 90min, 12h, 2d or 1w, a date as 2026-11-23, or a time with its \
+         offset as 2026-11-23T08:00:00+01:00"
+)]
 #[non_exhaustive]
 pub struct MomentError {
     /// Text that was read.
@@ -64,7 +66,19 @@ mod tests {
         ] {
             assert_eq!(moment(text, now), Ok(unix_s), "{text}");
         }
-        for text in ["", "2", "d", "-2d", "2 days", "NaNd", "infd", "1e3d", "yesterday", "2026-13-01", "2026-11-23T02:15"] {
+        for text in [
+            "",
+            "2",
+            "d",
+            "-2d",
+            "2 days",
+            "NaNd",
+            "infd",
+            "1e3d",
+            "yesterday",
+            "2026-13-01",
+            "2026-11-23T02:15",
+        ] {
             assert!(moment(text, now).is_err(), "{text}");
         }
     }

@@ -74,3 +74,114 @@ fn each(part: &Path, mut read: impl FnMut(Entry) -> io::Result<bool>) -> io::Res
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use pump_ctl::plan::Phase;
+    use pump_model::Pump;
+
+    use super::super::file::{Log, LogTail};
+    use super::super::{LogEnd, Stamp};
+    use super::*;
+    use crate::record::{Intent, Journal, PhaseSource, PumpState, Purpose, Why};
+
+    fn dose(number: u64) -> LogEntry {
+        LogEntry {
+            number,
+            time: Stamp::new(1_000 * number, 0),
+            purpose: Purpose::Dose,
+            asked: None,
+            requested_ml: 1.0,
+            delivered_ml: 1.0,
+            delivered_range_ml: None,
+            expanded_uncertainty_ml: Some(0.1),
+            carry_ml: 0.0,
+            end: LogEnd::Done,
+            cause: None,
+            resumed: false,
+            tube: 1,
+            calibration: None,
+            steps: Some(1000),
+            motion_s: Some(1.0),
+        }
+    }
+
+    fn fresh() -> PumpState {
+        PumpState::fresh(Phase::known(0.0), PhaseSource::Home)
+    }
+
+    /// A journal that begins a new part every few doses, and has doses of the numbers 1 to 40.
+    fn journal(path: &Path) {
+        let (mut journal, _) = Journal::open(path, &Pump::three_roller(), fresh()).unwrap();
+        journal.keep_at(2000);
+        let intent: Intent = serde_json::from_value(serde_json::json!({
+            "unix_s": 0, "purpose": "dose", "requested_ml": 1.0, "carry_in_ml": 0.0, "planned_ml": 1.0,
+            "carry_out_ml": 0.0, "start_angle_rad": 0.0, "half_width_rad": 0.0, "steps": 1000, "step_rad": 0.001,
+            "motion_s": 1.0,
+        }))
+        .unwrap();
+        for number in 1..=40 {
+            journal.append(&Entry::Intent(intent)).unwrap();
+            let state = PumpState { doses: number, ..fresh() };
+            let dose = Some(dose(number));
+            journal.append(&Entry::Rest { unix_s: number, why: Why::Done, state, dose }).unwrap();
+        }
+    }
+
+    #[test]
+    fn doses_are_found_in_every_part_of_the_journal_each_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal.jsonl");
+        journal(&path);
+        assert!(parts(&path).unwrap().len() > 5, "the journal is in many parts");
+        for after in 0..=40 {
+            let mut found = Vec::new();
+            pending(&path, after, |dose| {
+                found.push(dose.number);
+                Ok(())
+            })
+            .unwrap();
+            assert_eq!(found, (after + 1..=40).collect::<Vec<_>>(), "after {after}");
+        }
+    }
+
+    #[test]
+    fn a_log_that_is_cut_anywhere_is_mended_to_the_last_byte() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal.jsonl");
+        journal(&path);
+        let log = Log::new(folder.path().join("log.jsonl"));
+        let mend = |log: &Log| {
+            let mut tail = log.tail().unwrap();
+            let after = tail.number;
+            let append = |dose| {
+                tail = log.append(tail, &dose).unwrap();
+                Ok(())
+            };
+            pending(&path, after, append).unwrap();
+            fs::read(log.path()).unwrap()
+        };
+        let whole = mend(&log);
+        assert_eq!(log.tail().unwrap().number, 40);
+        let seven = whole.iter().enumerate().filter(|(_, byte)| **byte == b'\n').nth(6).unwrap().0 + 1;
+        for length in (0..whole.len()).step_by(97) {
+            for rest in [&b""[..], &[0; 300], b"{\"crc32\":\"00000000\",\"entry\":{}}\n"] {
+                fs::write(log.path(), [&whole[..length], rest].concat()).unwrap();
+                assert_eq!(mend(&log), whole, "{length}");
+            }
+        }
+        // A damaged line in the midst is told, and nothing is copied twice.
+        let mut damaged = whole.clone();
+        damaged[seven + 40] ^= 1;
+        fs::write(log.path(), &damaged).unwrap();
+        assert_eq!(mend(&log), damaged);
+        let lines: Vec<_> = log.lines().unwrap().map(Result::unwrap).collect();
+        assert!(matches!(lines[7], super::super::LogLine::Damaged { line: 8, .. }) && lines.len() == 40);
+        // Nothing is appended a second time.
+        let tail = log.tail().unwrap();
+        assert_eq!(log.append(tail, &dose(40)).unwrap(), tail);
+        assert_eq!(log.append(LogTail::default(), &dose(0)).unwrap(), LogTail::default());
+    }
+}

@@ -7,7 +7,7 @@ use super::kind::ErrorKind;
 use crate::dosing::{DoseError, ScheduleError, WeightFault};
 use crate::drives::DriveError;
 use crate::notice::Remedy;
-use crate::record::{FolderError, JournalError};
+use crate::record::{BackupError, FolderError, JournalError, LogError, MomentError};
 use crate::report::ending::Ending;
 
 impl Explain for DoseError {
@@ -95,6 +95,43 @@ impl Explain for JournalError {
 
     fn remedies(&self) -> Vec<Remedy> {
         self.known_remedies()
+    }
+}
+
+impl Explain for BackupError {
+    fn facts(&self) -> ErrorFacts {
+        let of = ErrorFacts::of;
+        match self {
+            Self::File { path, source, .. } => ErrorFacts::of_file(ErrorKind::Record, path, source),
+            Self::Folder(error) => error.facts(),
+            Self::Damaged { path, .. } => {
+                of(ErrorKind::Input).value(path.display()).allowed("a whole backup")
+            }
+            Self::TurnsBack { here, there, .. } | Self::OtherHistory { here, there, .. } => {
+                of(ErrorKind::Record).value(there).allowed(format!("a backup with the entry at {here}"))
+            }
+            Self::Differs { path, .. } => of(ErrorKind::Record).value(path.display()),
+        }
+    }
+
+    fn ending(&self) -> Ending {
+        match self {
+            Self::Folder(error) => error.ending(),
+            _ => Ending::Refused,
+        }
+    }
+}
+
+impl Explain for LogError {
+    fn facts(&self) -> ErrorFacts {
+        ErrorFacts::of_file(ErrorKind::Record, &self.path, &self.source)
+    }
+}
+
+impl Explain for MomentError {
+    fn facts(&self) -> ErrorFacts {
+        let allowed = "a time ago as 90min, 12h, 2d or 1w, a date, or a time with its offset";
+        ErrorFacts::of(ErrorKind::Quantity).value(&self.text).allowed(allowed)
     }
 }
 

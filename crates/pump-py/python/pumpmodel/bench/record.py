@@ -4,7 +4,7 @@ import warnings
 
 from pumpmodel._pumpmodel import _Bench
 from pumpmodel._results.renamed import renamed
-from pumpmodel.dose import Status
+from pumpmodel.dose import LoggedDose, Status
 
 
 class BenchRecord:
@@ -21,6 +21,34 @@ class BenchRecord:
             If the journal is damaged. `home_set` puts it aside.
         """
         return Status._from_json(self._core.status())
+
+    def log(self, since: str | None = None) -> list[LoggedDose]:
+        """Read the log, even while another process holds the pump: every dose, oldest first.
+
+        Parameters
+        ----------
+        since : str, optional
+            Leave out doses that began before: "2d" or "90min" ago, a date as "2026-11-23", or a time with
+            its offset, as "2026-11-23T08:00:00+01:00".
+
+        Raises
+        ------
+        ValueError
+            If `since` is no such text.
+        PumpError
+            If the log cannot be read.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import pumpmodel as pm
+        >>> with tempfile.TemporaryDirectory() as tmp, pm.Bench.open("three-roller", state_dir=tmp) as bench:
+        ...     dose = bench.dose("25mL")
+        ...     [logged] = bench.log(since="1d")
+        >>> logged.asked, logged.end, logged.time == dose.time
+        ('25mL', 'done', True)
+        """
+        return [LoggedDose._from_json(text) for text in self._core.log(since)]
 
     def discard(self) -> Status:
         """Accept an unfinished dose with the volume that was delivered. The carry is zero afterwards.

@@ -1,0 +1,157 @@
+//! The rows of a log, one a dose.
+
+use crate::numbers::{microlitres, significant};
+use crate::record::{LogEnd, LogEntry};
+
+/// Header of the table of which [`log_csv`] writes the rows.
+pub const LOG_CSV_HEADER: &str = "number,time,purpose,asked,requested_ml,delivered_ml,delivered_least_ml,\
+    delivered_most_ml,expanded_uncertainty_ml,carry_ml,end,cause,resumed,tube,calibration,steps,motion_s";
+
+/// Words a dose for people, in one line without its end.
+pub fn log_text(entry: &LogEntry) -> String {
+    let asked = match &entry.asked {
+        Some(asked) => asked.as_str().to_owned(),
+        None => format!("{} mL", significant(entry.requested_ml, 6)),
+    };
+    let unsure =
+        entry.expanded_uncertainty_ml.map_or(String::new(), |ml| format!(" ± {}", significant(ml, 2)));
+    let volume = match entry.delivered_range_ml {
+        Some((least_ml, most_ml)) => format!("{least_ml:.4} to {most_ml:.4} mL"),
+        None => format!("{:.4}{unsure} mL", entry.delivered_ml),
+    };
+    let cause = entry.cause.as_ref().map_or(String::new(), |cause| format!(" ({cause})"));
+    let end = match entry.end {
+        LogEnd::Done => "done",
+        LogEnd::Weighed => "ended by the balance",
+        LogEnd::Stopped => "stopped by the user",
+        LogEnd::Fault => "ended by a fault",
+        LogEnd::CutOff => "cut off: the process ended",
+    };
+    let rest = if entry.resumed { ", the rest of a dose" } else { "" };
+    let calibration = match entry.calibration {
+        Some(version) => format!("calibration {version}"),
+        None => "no calibration".to_owned(),
+    };
+    format!(
+        "{:>6}  {}  {:<9}  {asked:>10}  {volume:>20}  carry {:>9}  tube {}, {calibration}; {end}{cause}{rest}",
+        entry.number,
+        entry.time,
+        entry.purpose,
+        microlitres(entry.carry_ml),
+        entry.tube,
+    )
+}
+
+/// Writes a dose as a row of CSV without its end. A cell is empty where nobody knows the value.
+pub fn log_csv(entry: &LogEntry) -> String {
+    let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let (least_ml, most_ml) = entry.delivered_range_ml.unzip();
+    [
+        entry.number.to_string(),
+        entry.time.to_string(),
+        entry.purpose.to_string(),
+        quoted(entry.asked.as_ref().map_or("", |asked| asked.as_str())),
+        entry.requested_ml.to_string(),
+        entry.delivered_ml.to_string(),
+        number(least_ml),
+        number(most_ml),
+        number(entry.expanded_uncertainty_ml),
+        entry.carry_ml.to_string(),
+        entry.end.to_string(),
+        quoted(entry.cause.as_deref().unwrap_or("")),
+        entry.resumed.to_string(),
+        entry.tube.to_string(),
+        entry.calibration.map_or(String::new(), |version| version.to_string()),
+        entry.steps.map_or(String::new(), |steps| steps.to_string()),
+        number(entry.motion_s),
+    ]
+    .join(",")
+}
+
+/// Writes a dose of `pump` by `driver` as one line of JSON (`schema` `log/1`), without its end.
+pub fn log_json(pump: &str, driver: &str, entry: &LogEntry) -> String {
+    let (least_ml, most_ml) = entry.delivered_range_ml.unzip();
+    serde_json::json!({
+        "schema": "log/1",
+        "pump": pump,
+        "driver": driver,
+        "number": entry.number,
+        "time": entry.time,
+        "purpose": entry.purpose,
+        "asked": entry.asked,
+        "requested_ml": entry.requested_ml,
+        "delivered_ml": entry.delivered_ml,
+        "delivered_least_ml": least_ml,
+        "delivered_most_ml": most_ml,
+        "expanded_uncertainty_ml": entry.expanded_uncertainty_ml,
+        "carry_ml": entry.carry_ml,
+        "end": entry.end,
+        "cause": entry.cause,
+        "resumed": entry.resumed,
+        "tube": entry.tube,
+        "calibration": entry.calibration,
+        "steps": entry.steps,
+        "motion_s": entry.motion_s,
+    })
+    .to_string()
+}
+
+/// Quotes a text for CSV where it needs it (RFC 4180, 2.6 and 2.7).
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{Asked, Purpose, Stamp};
+
+    fn entry() -> LogEntry {
+        LogEntry {
+            number: 7,
+            time: Stamp::new(1_795_400_100, 3600),
+            purpose: Purpose::Dose,
+            asked: Some(Asked::new("25 mL")),
+            requested_ml: 25.0,
+            delivered_ml: 25.0004,
+            delivered_range_ml: None,
+            expanded_uncertainty_ml: Some(0.125),
+            carry_ml: -0.0004,
+            end: LogEnd::Fault,
+            cause: Some("the board said \"no\", then nothing".to_owned()),
+            resumed: false,
+            tube: 2,
+            calibration: Some(3),
+            steps: Some(27_284),
+            motion_s: None,
+        }
+    }
+
+    #[test]
+    fn a_row_quotes_what_would_break_the_table_and_has_a_cell_for_each_column() {
+        assert_eq!(
+            log_csv(&entry()),
+            "7,2026-11-23T03:15:00+01:00,dose,25 mL,25,25.0004,,,0.125,-0.0004,fault,\"the board said \"\"no\"\", then \
+             nothing\",false,2,3,27284,"
+        );
+        assert_eq!(LOG_CSV_HEADER.split(',').count(), 17);
+        assert_eq!(log_csv(&LogEntry { cause: None, ..entry() }).split(',').count(), 17);
+    }
+
+    #[test]
+    fn a_line_says_who_stopped_the_dose() {
+        let line = log_text(&entry());
+        assert!(line.contains("25.0004 ± 0.13 mL") && line.contains("tube 2, calibration 3"), "{line}");
+        assert!(line.ends_with("ended by a fault (the board said \"no\", then nothing)"), "{line}");
+        let cut =
+            LogEntry { delivered_range_ml: Some((1.0, 2.0)), end: LogEnd::CutOff, cause: None, ..entry() };
+        assert!(log_text(&cut).contains("1.0000 to 2.0000 mL"), "{}", log_text(&cut));
+        assert!(
+            log_text(&LogEntry { resumed: true, ..cut }).ends_with("the process ended, the rest of a dose")
+        );
+    }
+}

@@ -1,0 +1,65 @@
+//! The records of all named pumps, a row each.
+
+use serde::Serialize;
+
+use super::Status;
+use crate::numbers::{microlitres, significant};
+
+/// The record of a pump of the configuration (`schema` `status-row/1`).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[non_exhaustive]
+pub struct StatusRow {
+    /// `status-row/1`.
+    pub schema: &'static str,
+    /// Name of the pump in the configuration.
+    pub name: String,
+    /// Record of the pump; null if it cannot be read.
+    pub status: Option<Status>,
+    /// Reason why the record cannot be read; null if it can.
+    pub error: Option<String>,
+}
+
+impl StatusRow {
+    /// Names the record of a pump, or the reason why it cannot be read.
+    pub fn new(name: &str, status: Result<Status, String>) -> Self {
+        let (status, error) = match status {
+            Ok(status) => (Some(status), None),
+            Err(error) => (None, Some(error)),
+        };
+        Self { schema: "status-row/1", name: name.to_owned(), status, error }
+    }
+
+    /// One line of JSON.
+    pub fn json(&self) -> String {
+        serde_json::to_string(self).unwrap_or_else(|error| unreachable!("a status is plain data: {error}"))
+    }
+
+    /// The row in words, without its end. Names are padded to `width` letters.
+    pub fn text(&self, width: usize) -> String {
+        let name = &self.name;
+        let Some(status) = &self.status else {
+            return format!("{name:<width$}  cannot be read: {}", self.error.as_deref().unwrap_or_default());
+        };
+        let angle =
+            status.angle_deg.map_or("unknown angle".to_owned(), |angle_deg| format!("at {angle_deg:.2}°"));
+        let life =
+            status.tube_life_ml.map_or(String::new(), |life_ml| format!(" of {}", significant(life_ml, 6)));
+        let calibration = match &status.calibration {
+            Some(used) => format!("calibration {}", used.version),
+            None => "no calibration".to_owned(),
+        };
+        let state = match (&status.in_use_by, &status.unfinished, &status.unfinished_calibration) {
+            (Some(holder), ..) => format!("in use by {holder}"),
+            (None, Some(dose), _) => format!("unfinished dose of {} mL", significant(dose.requested_ml, 6)),
+            (None, None, Some(_)) => "unfinished calibration".to_owned(),
+            (None, None, None) if !status.recorded => "nothing on record".to_owned(),
+            (None, None, None) => "ready".to_owned(),
+        };
+        format!(
+            "{name:<width$}  {state}; {angle} ({}), carry {}, tube {:.1}{life} mL, {calibration}",
+            status.driver,
+            microlitres(status.carry_ml),
+            status.wear.volume_ml,
+        )
+    }
+}

@@ -1,0 +1,32 @@
+//! The log of a bench.
+
+use pump_bench::record::{Clock, LogLine, SystemClock, moment};
+use pump_bench::report::{log_json, with_sources};
+use pyo3::prelude::*;
+
+use super::bench::Bench;
+use crate::python::errors::{PumpError, value};
+
+#[pymethods]
+impl Bench {
+    /// Reads the log. Returns the JSON of each dose that began at `since` or later.
+    fn log(&self, py: Python<'_>, since: Option<&str>) -> PyResult<Vec<String>> {
+        let since =
+            since.map(|text| moment(text, SystemClock::default().now())).transpose().map_err(value)?;
+        let (bench, since) = (&self.bench, since.unwrap_or(0));
+        let read = || -> Result<Vec<String>, String> {
+            let lines = bench.log().map_err(|error| with_sources(&error))?;
+            let mut doses = Vec::new();
+            for line in lines {
+                match line.map_err(|error| with_sources(&error))? {
+                    LogLine::Dose(entry) if entry.time.unix_s >= since => {
+                        doses.push(log_json(&bench.file().pump.id, bench.drive_id(), &entry));
+                    }
+                    _ => {}
+                }
+            }
+            Ok(doses)
+        };
+        py.detach(read).map_err(PumpError::new_err)
+    }
+}

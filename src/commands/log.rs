@@ -1,0 +1,163 @@
+//! `dose log`: every dose that is on record.
+
+use std::io::{self, BufWriter, ErrorKind, Write};
+
+use clap::{Args, ValueEnum};
+use pump_bench::Bench;
+use pump_bench::record::{Clock, LogEntry, LogLine, SystemClock, moment};
+use pump_bench::report::{LOG_CSV_HEADER, LogTotals, log_csv, log_json, log_text};
+
+use crate::failure::Failure;
+use crate::options::bench::RecordOptions;
+use crate::terminal::{say, shown};
+
+#[derive(Debug, Args)]
+pub(crate) struct LogArgs {
+    #[command(flatten)]
+    record: RecordOptions,
+    /// List doses that began then or later: 90min, 12h, 2d, 1w ago, 2026-11-23, or a time with its offset
+    #[arg(long, value_name = "TIME")]
+    since: Option<String>,
+    /// List doses that began before then, written as for --since
+    #[arg(long, value_name = "TIME")]
+    until: Option<String>,
+    /// Print only the totals by day and by tube
+    #[arg(long)]
+    totals: bool,
+    /// List for people, spreadsheets or programs [default: text]
+    #[arg(
+        long,
+        value_name = "text|csv|json",
+        value_enum,
+        hide_possible_values = true,
+        help_heading = "Output"
+    )]
+    format: Option<LogFormat>,
+}
+
+/// Format of the list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum LogFormat {
+    /// Lines for people, and totals.
+    #[default]
+    Text,
+    /// A table with a header.
+    Csv,
+    /// A JSON object a dose.
+    Json,
+}
+
+/// Doses that began within these times, in seconds since 1970.
+struct Span {
+    since: u64,
+    until: u64,
+}
+
+impl LogArgs {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let now = SystemClock::default().now();
+        let read = |text: &Option<String>| {
+            text.as_deref().map(|text| moment(text, now)).transpose().map_err(Failure::of)
+        };
+        let (since, until) = (read(&self.since)?.unwrap_or(0), read(&self.until)?.unwrap_or(u64::MAX));
+        let bench = self.record.bench()?;
+        let lines = bench.log().map_err(Failure::of)?;
+        let mut out = Listing::new(&bench, self.format.unwrap_or_default(), self.totals);
+        let mut to = BufWriter::new(io::stdout().lock());
+        let mut listed = out.begin(&mut to);
+        for line in lines {
+            if listed.is_err() {
+                break;
+            }
+            match line.map_err(Failure::of)? {
+                LogLine::Dose(entry) => listed = out.dose(&mut to, &entry, &Span { since, until }),
+                LogLine::Damaged { line, message } => {
+                    say(&format!("warning: line {line} of the log is damaged and left out: {message}\n"));
+                }
+                _ => {}
+            }
+        }
+        match listed.and_then(|()| out.end(&mut to)).and_then(|()| to.flush()) {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+                let refused = Failure::refused(format!("the log could not be printed: {error}"));
+                Err(refused.kind(pump_bench::report::ErrorKind::Output))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The list under way. It keeps the totals and the time of the last dose, and no doses.
+struct Listing<'a> {
+    bench: &'a Bench,
+    format: LogFormat,
+    only_totals: bool,
+    totals: LogTotals,
+    /// Time of the dose before, in seconds since 1970.
+    before: u64,
+    listed: u64,
+}
+
+impl<'a> Listing<'a> {
+    fn new(bench: &'a Bench, format: LogFormat, only_totals: bool) -> Self {
+        Self { bench, format, only_totals, totals: LogTotals::default(), before: 0, listed: 0 }
+    }
+
+    fn begin(&self, to: &mut dyn Write) -> io::Result<()> {
+        if self.format == LogFormat::Csv && !self.only_totals {
+            writeln!(to, "{LOG_CSV_HEADER}")
+        } else {
+            Ok(())
+        }
+    }
+
+    fn dose(&mut self, to: &mut dyn Write, entry: &LogEntry, span: &Span) -> io::Result<()> {
+        let unix_s = entry.time.unix_s;
+        let went_back = unix_s < std::mem::replace(&mut self.before, unix_s);
+        if !(span.since..span.until).contains(&unix_s) {
+            return Ok(());
+        }
+        self.totals.add(entry);
+        self.listed += 1;
+        if self.only_totals {
+            return Ok(());
+        }
+        match self.format {
+            LogFormat::Text => {
+                let remark = if went_back { "; the clock had gone back" } else { "" };
+                writeln!(to, "{}{remark}", shown(&log_text(entry)))
+            }
+            LogFormat::Csv => writeln!(to, "{}", log_csv(entry)),
+            LogFormat::Json => {
+                writeln!(to, "{}", log_json(&self.bench.file().pump.id, self.bench.drive_id(), entry))
+            }
+        }
+    }
+
+    fn end(&self, to: &mut dyn Write) -> io::Result<()> {
+        let text = match self.format {
+            LogFormat::Text if self.listed == 0 => {
+                format!(
+                    "no dose of {} is in the log of the drive {}\n",
+                    self.bench.file().pump.id,
+                    self.bench.drive_id()
+                )
+            }
+            LogFormat::Text => self.totals.text(),
+            LogFormat::Csv if self.only_totals => self.totals.csv(),
+            LogFormat::Json if self.only_totals => {
+                self.totals.json(&self.bench.file().pump.id, self.bench.drive_id())
+            }
+            LogFormat::Csv | LogFormat::Json => String::new(),
+        };
+        to.write_all(text.as_bytes())?;
+        let unfinished = self.bench.story().ok().and_then(|story| story.cut_off);
+        if self.format == LogFormat::Text && unfinished.is_some() {
+            writeln!(
+                to,
+                "a motion is under way or was cut off; its dose is in the log once the next command has met it"
+            )?;
+        }
+        Ok(())
+    }
+}

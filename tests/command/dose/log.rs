@@ -1,0 +1,110 @@
+//! `dose log`: every dose with its time, and the totals.
+
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::process::Command;
+
+use serde_json::{Value, json};
+
+use crate::user::{User, number};
+
+fn objects(text: &str) -> Vec<Value> {
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+#[test]
+fn every_dose_is_listed_as_it_was_typed_with_the_time_of_its_report() {
+    let user = User::new();
+    let none = user.types(&["log"]);
+    assert_eq!(
+        (none.code, none.out.as_str()),
+        (0, "no dose of three-roller is in the log of the drive sim\n")
+    );
+    let report = user.json(&["25mL"]);
+    assert_eq!(report["asked"], "25 mL");
+    user.types(&["3g", "--reverse"]);
+    user.types(&["prime", "10mL"]);
+    user.types(&["tube", "--new"]);
+    user.types(&["1 mL"]);
+    let dry = user.json(&["2mL", "--dry-run"]);
+    assert_eq!((&dry["time"], &dry["asked"]), (&Value::Null, &json!("2 mL")));
+    let listed = objects(&user.types(&["log", "--format", "json"]).out);
+    assert_eq!(listed[0]["time"], report["time"]);
+    let of = |key: &str| listed.iter().map(|dose| dose[key].clone()).collect::<Vec<_>>();
+    assert_eq!(of("schema"), vec![json!("log/1"); 4]);
+    assert_eq!(of("number"), [json!(1), json!(2), json!(3), json!(4)]);
+    assert_eq!(of("asked"), [json!("25 mL"), json!("-3 g"), json!("10 mL"), json!("1 mL")]);
+    assert_eq!(of("purpose"), [json!("dose"), json!("dose"), json!("prime"), json!("dose")]);
+    assert_eq!(of("tube"), [json!(1), json!(1), json!(1), json!(2)]);
+    let sum_ml: f64 = listed.iter().map(|dose| number(dose, "delivered_ml")).sum();
+    let totals = objects(&user.types(&["log", "--totals", "--format", "json"]).out);
+    let tubes: Vec<&Value> = totals.iter().filter(|total| total["tube"] != Value::Null).collect();
+    assert_eq!(tubes.len(), 2);
+    let total_ml: f64 = tubes.iter().map(|total| number(total, "delivered_ml")).sum();
+    assert!((total_ml - sum_ml).abs() < 1e-9 && (sum_ml - 33.0).abs() < 0.01, "{total_ml} {sum_ml}");
+    let csv = user.types(&["log", "--format", "csv"]).out;
+    assert_eq!(csv.lines().count(), 5);
+    assert!(csv.starts_with("number,time,purpose,asked,"), "{csv}");
+    let text = user.types(&["log"]).out;
+    assert!(text.contains("25 mL") && text.contains("tube 2: 1"), "{text}");
+}
+
+#[test]
+fn a_time_leaves_out_the_doses_before_it_and_nonsense_is_refused() {
+    let user = User::new();
+    user.types(&["1mL"]);
+    let count = |arguments: &[&str]| {
+        objects(&user.types(&[&["log", "--format", "json"][..], arguments].concat()).out).len()
+    };
+    assert_eq!(count(&["--since", "2d"]), 1);
+    assert_eq!(count(&["--until", "2d"]), 0);
+    assert_eq!(count(&["--since", "2999-01-01"]), 0);
+    assert_eq!(count(&["--since", "1970-01-02", "--until", "2999-01-01T00:00:00+01:00"]), 1);
+    let message = user.is_refused(&["log", "--since", "last week"]);
+    assert!(message.contains("`last week` is no moment") && message.contains("2d"), "{message}");
+}
+
+#[test]
+fn a_damaged_line_is_told_and_the_others_are_listed() {
+    let user = User::new();
+    (0..3).for_each(|_| drop(user.types(&["1mL"])));
+    let path = user.path("state/three-roller/sim/log.jsonl");
+    let text = fs::read_to_string(&path).unwrap();
+    fs::write(&path, text.replacen("\"number\":2", "\"number\":9", 1)).unwrap();
+    let answer = user.types(&["log", "--format", "json"]);
+    assert_eq!((answer.code, objects(&answer.out).len()), (0, 2));
+    assert!(answer.err.contains("line 2 of the log is damaged"), "{}", answer.err);
+}
+
+/// A log far larger than the memory that the command may have is listed to its end.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_log_is_listed_in_constant_memory() {
+    const MEMORY_KIB: u64 = 65_536;
+    const DOSES: u64 = 50_000;
+    let user = User::new();
+    user.types(&["1mL"]);
+    let path = user.path("state/three-roller/sim/log.jsonl");
+    let line: Value = serde_json::from_str(fs::read_to_string(&path).unwrap().trim()).unwrap();
+    let mut to = BufWriter::new(File::create(&path).unwrap());
+    for dose in 1..=DOSES {
+        let mut entry = line["entry"].clone();
+        entry["number"] = dose.into();
+        entry["cause"] = "a long cause ".repeat(200).into();
+        let text = entry.to_string();
+        writeln!(to, "{{\"crc32\":\"{:08x}\",\"entry\":{text}}}", crc32fast::hash(text.as_bytes())).unwrap();
+    }
+    to.flush().unwrap();
+    assert!(
+        fs::metadata(&path).unwrap().len() > 1024 * MEMORY_KIB + (32 << 20),
+        "the log is larger than the memory"
+    );
+    let script = format!("ulimit -v {MEMORY_KIB} && exec \"$@\"");
+    let mut limited = Command::new("sh");
+    limited.args(["-c", &script, "sh", env!("CARGO_BIN_EXE_dose"), "log", "--totals", "--format", "json"]);
+    limited.env("DOSE_STATE_DIR", user.path("state")).env("XDG_CONFIG_HOME", user.path("config"));
+    let output = limited.env_remove("DOSE_PUMP").env_remove("DOSE_CONFIG").output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(objects(&text).iter().all(|total| total["doses"] == json!(DOSES)), "{text}");
+}
