@@ -147,8 +147,8 @@ class Dose(Record):
     times in s. `delivered_ml` is the volume that the vessel of a simulation received, or the model's volume
     of the steps that a motor made. It is None for a dose that was only planned. `completed` is True if the
     dose was delivered in full. `by_weight` is the weighing of a dose that a balance ended, and None of any
-    other. `run` is the end and the mean flow of a run, and None of a volume that is dosed. `time` is the time at which the dose began, RFC 3339 with the offset of the local clock, and `asked`
-    the volume as it was typed.
+    other. `run` is the end and the mean flow of a run, and None of a volume that is dosed. `time` is the time at
+    which the dose began, RFC 3339 with the offset of the local clock, and `asked` the volume as it was typed.
     """
 
     _records: ClassVar[dict[str, type[Record]]] = {
