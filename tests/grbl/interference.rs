@@ -61,7 +61,7 @@ fn bounds_hold_the_truth_if_the_drive_does_not_get_to_run_while_somebody_else_st
             let made = board.rest().steps;
             match result.0 {
                 Ok(told) => {
-                    assert_eq!((told as i64, made), (plan.steps(), plan.steps()), "{pressed:?} {stall:?}")
+                    assert_eq!((told as i64, made), (plan.steps(), plan.steps()), "{pressed:?} {stall:?}");
                 }
                 Err(fault) => {
                     let bounds = fault.made_least == made && made <= fault.made_most && made < plan.steps();

@@ -108,7 +108,7 @@ fn dose_slowly(takes: Duration, request: DoseRequest, is_real: bool) -> Slowly {
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     session.connect().unwrap();
     let prepared = session.prepare(request).unwrap();
-    session.store_by(if is_real { disk.really() } else { disk });
+    session.store_by(Box::new(if is_real { disk.really() } else { disk }));
     let delivered = session.run(&prepared, |_| {
         let (turned, allowed) = (board.truth().steps.unsigned_abs(), announced.load(Ordering::SeqCst));
         assert!(turned <= allowed, "{turned} steps made and {allowed} announced");
@@ -183,7 +183,7 @@ fn fault_after_pauses(options: &Options, takes: Duration, stall: Duration) -> (u
     let mut session = Session::with_drive(&bench, Box::new(&mut drive)).unwrap();
     session.set_angle(Some(Phase::known(0.0))).unwrap();
     let prepared = session.prepare(DoseRequest::dose(11.0)).unwrap();
-    session.store_by(disk);
+    session.store_by(Box::new(disk));
     let mut stalls = Some(stall);
     let watch = |made| {
         if made > 1_000 {

@@ -70,8 +70,8 @@ pub(crate) struct SlowDisk {
 
 impl SlowDisk {
     /// Returns the disk with syncs that take their time on the computer's clock too, which the session reads.
-    pub(crate) fn really(self: Box<Self>) -> Box<Self> {
-        Box::new(Self { really: self.takes, ..*self })
+    pub(crate) fn really(self) -> Self {
+        Self { really: self.takes, ..self }
     }
 }
 
@@ -104,19 +104,10 @@ impl VirtualDrive {
     }
 
     /// Returns a disk on the same clock whose syncs take so long, and the last step that it has announced.
-    pub(crate) fn disk(&self, takes: Duration, journal: PathBuf) -> (Box<SlowDisk>, Arc<AtomicU64>) {
+    pub(crate) fn disk(&self, takes: Duration, journal: PathBuf) -> (SlowDisk, Arc<AtomicU64>) {
         let announced = Arc::<AtomicU64>::default();
-        let clock = self.clock.clone();
-        (
-            Box::new(SlowDisk {
-                clock,
-                takes,
-                really: Duration::ZERO,
-                journal,
-                announced: Arc::clone(&announced),
-            }),
-            announced,
-        )
+        let (clock, told) = (self.clock.clone(), Arc::clone(&announced));
+        (SlowDisk { clock, takes, really: Duration::ZERO, journal, announced }, told)
     }
 }
 
