@@ -419,11 +419,6 @@ impl DoseReport {
         difference_g: f64,
     ) -> Self {
         let report = Self::new(bench, &prepared.whole, None);
-        let (file, volume_ml) = (bench.file(), delivered.volume_ml);
-        let reading_ml = difference_g * prepared.z_ml_g;
-        // The density was known when the dose was planned.
-        let (uncertainty_budget, expanded_uncertainty_ml) =
-            weighed_shares(file, volume_ml, reading_ml, prepared.whole.drop_ml).unwrap_or_default();
         let mut warnings = report.warnings;
         warnings.extend(delivered.warnings.iter().cloned());
         if delivered.dropped_ml != 0.0 {
@@ -431,17 +426,10 @@ impl DoseReport {
             warnings
                 .push(Notice::from(format!("the carry of {carry} is dropped: the balance ended the dose")));
         }
-        Self {
+        let part = Self {
             time: delivered.began,
             carry_in_ml: 0.0,
             planned_ml: delivered.turned_ml,
-            volume_least_ml: volume_ml,
-            volume_most_ml: volume_ml,
-            delivered_ml: Some(volume_ml),
-            balance_g: Some(delivered.mass_g),
-            volume_basis: VolumeBasis::Weighed,
-            expanded_uncertainty_ml,
-            uncertainty_budget,
             end_angle_deg: degrees(delivered.end_angle_rad),
             steps: delivered.made as i64,
             steps_made: Some(delivered.made as i64),
@@ -453,6 +441,28 @@ impl DoseReport {
             completed: delivered.completed,
             by_weight: Some(ByWeightReport::of(prepared, delivered)),
             ..report
+        };
+        if !delivered.completed {
+            // The balance was read in motion, and more still arrives. The model knows the steps, with the uncertainty of
+            // the whole dose.
+            let turned_ml = delivered.turned_ml;
+            let (volume_least_ml, volume_most_ml) = (turned_ml, turned_ml);
+            return Self { volume_least_ml, volume_most_ml, delivered_ml: Some(turned_ml), ..part };
+        }
+        let (file, volume_ml) = (bench.file(), delivered.volume_ml);
+        let reading_ml = difference_g * prepared.z_ml_g;
+        // The density was known when the dose was planned.
+        let (uncertainty_budget, expanded_uncertainty_ml) =
+            weighed_shares(file, volume_ml, reading_ml, prepared.whole.drop_ml).unwrap_or_default();
+        Self {
+            volume_least_ml: volume_ml,
+            volume_most_ml: volume_ml,
+            delivered_ml: Some(volume_ml),
+            balance_g: Some(delivered.mass_g),
+            volume_basis: VolumeBasis::Weighed,
+            expanded_uncertainty_ml,
+            uncertainty_budget,
+            ..part
         }
     }
 }

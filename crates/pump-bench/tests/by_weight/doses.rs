@@ -1,6 +1,6 @@
 //! Claims about doses that arrive.
 
-use std::thread::scope;
+use std::thread::{Scope, scope};
 
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -75,10 +75,17 @@ fn draw(n: usize) -> Vec<(f64, f64, f64, Truth)> {
     (0..n).map(|_| one()).collect()
 }
 
+/// Runs doses ten at a time. More would wait for the computer and not for their motors.
+fn in_tens<T: Copy>(doses: Vec<T>, run: impl for<'s, 'e> Fn(&'s Scope<'s, 'e>, Vec<T>)) {
+    for ten in doses.chunks(10) {
+        scope(|scope| run(scope, ten.to_vec()));
+    }
+}
+
 #[test]
 fn forty_random_doses_end_within_a_drop_and_never_above_the_ceiling() {
-    scope(|scope| {
-        for (bore_mm, density_kg_m3, volume_ml, truth) in draw(40) {
+    in_tens(draw(40), |scope, doses| {
+        for (bore_mm, density_kg_m3, volume_ml, truth) in doses {
             scope.spawn(move || {
                 let folder = tempfile::tempdir().unwrap();
                 let file = file(bore_mm, density_kg_m3);
@@ -105,8 +112,9 @@ fn forty_random_doses_end_within_a_drop_and_never_above_the_ceiling() {
 
 #[test]
 fn doses_from_an_unknown_angle_end_within_a_drop_at_the_default_rate() {
-    scope(|scope| {
-        for (number, (bore_mm, density_kg_m3, volume_ml, drawn)) in draw(24).into_iter().enumerate() {
+    let numbered: Vec<_> = draw(24).into_iter().enumerate().collect();
+    in_tens(numbered, |scope, doses| {
+        for (number, (bore_mm, density_kg_m3, volume_ml, drawn)) in doses {
             scope.spawn(move || {
                 let folder = tempfile::tempdir().unwrap();
                 let file = file(bore_mm, density_kg_m3);

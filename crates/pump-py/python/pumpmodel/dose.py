@@ -102,7 +102,8 @@ class CalibrationUsed(Record):
 class ByWeight(Record):
     """The weighing of a dose that a balance ended: masses in g, volumes in mL, times in s.
 
-    The balance was to show `target_g` and showed `mass_g`, in steps of `digit_g`. The pump turned for
+    The balance was to show `target_g` and showed `mass_g`, in steps of `digit_g`. `at_rest` is False for a dose
+    that was stopped: `mass_g` is then the last reading, and more still arrived. The pump turned for
     `turned_ml` by the model, and might turn for `most_ml`, in `stretches` that were weighed each. The balance
     stopped `stopped_by_balance` of them before the end of their plan. The dose reckoned with `reckoned_s` of
     flow that still arrives after a stop; `after_stop_s` is the mean over the stops on record. `dropped_ml` is
@@ -111,6 +112,7 @@ class ByWeight(Record):
 
     target_g: float
     mass_g: float
+    at_rest: bool
     digit_g: float
     turned_ml: float
     most_ml: float

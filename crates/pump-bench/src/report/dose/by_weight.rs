@@ -12,8 +12,10 @@ use crate::numbers::significant;
 pub struct ByWeightReport {
     /// Mass that the balance was to show, g.
     pub target_g: f64,
-    /// Mass that the balance shows, g.
+    /// Mass that the balance shows, g. Of a dose that was stopped it is the last reading, and more still arrives.
     pub mass_g: f64,
+    /// True if that mass was read at rest, when the dose was complete.
+    pub at_rest: bool,
     /// Step of the balance's last digit, g.
     pub digit_g: f64,
     /// Volume that the pump turned for by the model, mL.
@@ -45,6 +47,7 @@ impl ByWeightReport {
         Self {
             target_g: prepared.target_g(),
             mass_g: delivered.mass_g,
+            at_rest: delivered.completed,
             digit_g: delivered.digit_g,
             turned_ml: delivered.turned_ml,
             most_ml: prepared.most_ml,
@@ -62,9 +65,10 @@ impl ByWeightReport {
     /// The line of the weighing for people.
     pub(in crate::report) fn line(&self) -> String {
         let decimals = (-log10(self.digit_g)).clamp(0.0, 6.0).round() as usize;
+        let when = if self.at_rest { "" } else { " when the motor was stopped, and rising," };
         let weighed = format!(
-            "by weight: {:.decimals$} g of {:.decimals$} g in {} {}; the pump turned for {} mL by the model, {} mL at \
-             most\n",
+            "by weight: {:.decimals$} g of {:.decimals$} g{when} in {} {}; the pump turned for {} mL by the model, {} \
+             mL at most\n",
             self.mass_g,
             self.target_g,
             self.stretches,
@@ -79,7 +83,7 @@ impl ByWeightReport {
             format!("; {stops} stop{plural} on record now tell {} s", significant(mean_s, 2))
         });
         format!(
-            "{weighed}after a stop {} s of flow were expected to arrive still, {source}{now}\n",
+            "{weighed}flow that still arrives after a stop: that of {} s was reckoned with, {source}{now}\n",
             significant(time_s, 2)
         )
     }
