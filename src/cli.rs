@@ -3,7 +3,6 @@
 use clap::builder::ValueParser;
 use clap::{Arg, CommandFactory, Parser, Subcommand};
 
-use crate::commands::backup::{BackupArgs, RestoreArgs};
 use crate::commands::calibrate::CalibrateArgs;
 use crate::commands::completions::CompletionsArgs;
 use crate::commands::config::ConfigArgs;
@@ -11,17 +10,18 @@ use crate::commands::discard::DiscardArgs;
 use crate::commands::dose::DoseArgs;
 use crate::commands::home::HomeArgs;
 use crate::commands::identify::IdentifyArgs;
-use crate::commands::log::LogArgs;
 use crate::commands::prime::PrimeArgs;
 use crate::commands::pumps::PumpsArgs;
 use crate::commands::purge::PurgeArgs;
+use crate::commands::record::backup::{BackupArgs, RestoreArgs};
+use crate::commands::record::log::LogArgs;
+use crate::commands::record::status::StatusArgs;
 use crate::commands::release::ReleaseArgs;
 use crate::commands::resume::ResumeArgs;
 use crate::commands::run::RunArgs;
 use crate::commands::setup::SetupArgs;
 use crate::commands::simulate::SimulateArgs;
 use crate::commands::size::SizeArgs;
-use crate::commands::status::StatusArgs;
 use crate::commands::tube::TubeArgs;
 use crate::failure::Failure;
 use crate::refusals::unknown;

@@ -130,6 +130,11 @@ impl Failure {
         self.how == How::Refused
     }
 
+    /// True if the motor's controller cannot be used or failed.
+    pub(crate) fn is_of_drive(&self) -> bool {
+        self.facts.kind == ErrorKind::Drive
+    }
+
     /// The failure with more to say.
     pub(crate) fn with(mut self, more: &str) -> Self {
         self.message.push_str(more);

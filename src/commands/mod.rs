@@ -1,6 +1,5 @@
 //! The commands, a file each; a command with subcommands is a folder.
 
-pub(crate) mod backup;
 mod batch;
 mod by_weight;
 pub(crate) mod calibrate;
@@ -11,15 +10,14 @@ pub(crate) mod discard;
 pub(crate) mod dose;
 pub(crate) mod home;
 pub(crate) mod identify;
-pub(crate) mod log;
 pub(crate) mod prime;
 pub(crate) mod pumps;
 pub(crate) mod purge;
+pub(crate) mod record;
 pub(crate) mod release;
 pub(crate) mod resume;
 pub(crate) mod run;
 pub(crate) mod setup;
 pub(crate) mod simulate;
 pub(crate) mod size;
-pub(crate) mod status;
 pub(crate) mod tube;

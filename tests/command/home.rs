@@ -61,6 +61,7 @@ fn at_terminal_until(
         terminal.write_all(key).unwrap();
         thread::sleep(Duration::from_millis(60));
     }
+    wait_for_single_keys(&terminal);
     last(&mut terminal, child.id());
     let deadline = Instant::now() + Duration::from_secs(120);
     while child.try_wait().unwrap().is_none() {

@@ -17,6 +17,7 @@ mod line;
 mod pins;
 mod pumps;
 mod record;
+mod records;
 mod simulate;
 mod size;
 mod tube;

@@ -96,8 +96,8 @@ struct Slowly {
     starts: u64,
 }
 
-/// Makes a dose of some 2.4 s while each sync takes so long, on the computer's clock too if it `is_real`. No step may be
-/// made before it is on disk.
+/// Makes a dose of some 2.4 s while each sync takes so long, on the computer's clock too if it `is_real`. No step may
+/// be made before it is on disk.
 fn dose_slowly(takes: Duration, request: DoseRequest, is_real: bool) -> Slowly {
     let folder = tempfile::tempdir().unwrap();
     let board = start(Options::default());

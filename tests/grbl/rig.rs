@@ -1,5 +1,5 @@
-//! The rig of these tests: a simulated board, a driver and a plan. Boards are in memory with a clock of their own, except
-//! those that are plugged into a port of this computer.
+//! The rig of these tests: a simulated board, a driver and a plan. Boards are in memory with a clock of their own,
+//! except those that are plugged into a port of this computer.
 
 use pump_bench::built_in;
 use pump_bench::drives::GrblError;

@@ -1,5 +1,5 @@
-//! The board's end of a line, whatever carries its bytes: the machine, and the defects of the line. It has no clock: who
-//! carries the bytes says what time it is.
+//! The board's end of a line, whatever carries its bytes: the machine, and the defects of the line. It has no clock:
+//! who carries the bytes says what time it is.
 
 use std::collections::VecDeque;
 use std::time::Duration;

@@ -90,8 +90,8 @@ impl Wire {
         }
     }
 
-    /// Lets `time_s` pass on the board in short pieces: a line that was read is obeyed at once, however late this thread
-    /// is.
+    /// Lets `time_s` pass on the board in short pieces: a line that was read is obeyed at once, however late this
+    /// thread is.
     fn pass(&mut self, now: Duration, time_s: f64) {
         let mut left_s = time_s;
         while left_s > PIECE_S {

@@ -75,7 +75,16 @@ impl SetupArgs {
             Err(Stop::Failed(failure)) => {
                 let failure = if course.has_moved { failure.after_motion() } else { failure };
                 let is_kept = course.folder.read(&name).is_ok_and(|kept| kept.is_some());
-                Err(if is_kept { failure.with(&format!("; `dose setup {name}` goes on")) } else { failure })
+                // A board that has changed its port would fail the same way for ever.
+                let elsewhere = match &course.answers.port {
+                    Some(_) if failure.is_of_drive() => " there, and `--port <PORT>` with it at another port",
+                    _ => "",
+                };
+                Err(if is_kept {
+                    failure.with(&format!("; `dose setup {name}` goes on{elsewhere}"))
+                } else {
+                    failure
+                })
             }
         }
     }

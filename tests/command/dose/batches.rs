@@ -75,7 +75,7 @@ fn every_dose_of_a_batch_is_its_own_and_settles_what_the_one_before_owed() {
     }
     let record = user.record().unwrap();
     assert_eq!(record.matches("\"intent\"").count(), 4);
-    assert_eq!(record.matches("\"done\"").count(), 4);
+    assert_eq!(record.matches("\"why\":\"done\"").count(), 4);
     let text = user.types(&["1mL", "--repeat", "2"]).out;
     assert!(text.starts_with("SIMULATED: no motor moved"), "{text}");
     assert!(

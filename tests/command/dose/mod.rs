@@ -1,13 +1,11 @@
 //! Doses: their reports, their limits, their files and every way in which they end.
 
-mod backups;
 mod batches;
 mod endings;
 mod files;
 mod finish;
 mod fluids;
 mod limits;
-mod log;
 mod nozzle;
 mod reports;
 mod retraction;

@@ -22,7 +22,8 @@ fn readers() -> Vec<Vec<&'static str>> {
     ]
 }
 
-/// Runs a command that must end by itself soon, with little memory and 10 s of the processor. Returns its exit code and message.
+/// Runs a command that must end by itself soon, with little memory and 10 s of the processor. Returns its exit code
+/// and message.
 fn ends(user: &User, arguments: &[&str]) -> (i32, String) {
     let script = "ulimit -v 1000000; ulimit -t 10; exec \"$0\" \"$@\"";
     let mut command = user.command(arguments);

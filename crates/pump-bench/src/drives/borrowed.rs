@@ -28,6 +28,10 @@ impl<T: Drive + ?Sized> Drive for &mut T {
         T::count(self)
     }
 
+    fn farthest_count(&self) -> Option<i64> {
+        T::farthest_count(self)
+    }
+
     fn disturbed(&mut self) -> Option<Disturbance> {
         T::disturbed(self)
     }

@@ -443,8 +443,8 @@ impl DoseReport {
             ..report
         };
         if !delivered.completed {
-            // The balance was read in motion, and more still arrives. The model knows the steps, with the uncertainty of
-            // the whole dose.
+            // The balance was read in motion, and more still arrives. The model knows the steps, with the uncertainty
+            // of the whole dose.
             let turned_ml = delivered.turned_ml;
             let (volume_least_ml, volume_most_ml) = (turned_ml, turned_ml);
             return Self { volume_least_ml, volume_most_ml, delivered_ml: Some(turned_ml), ..part };

@@ -60,9 +60,10 @@ impl Angles {
         middle_ml(to_rad) - middle_ml(from_rad)
     }
 
-    /// Takes a weighing: `weighed_ml` are on the balance after a turn since the start. From an earlier weighing to this
-    /// one, `may_follow` holds for the volume on the balance and the model's, in mL, of the true angle. Others are ruled
-    /// out. Returns the turn at the weighing before, in rad.
+    /// Takes a weighing: `weighed_ml` are on the balance after a turn since the start.
+    ///
+    /// From an earlier weighing to this one, `may_follow` holds for the volume on the balance and the model's, in mL,
+    /// of the true angle. Others are ruled out. Returns the turn at the weighing before, in rad.
     pub(super) fn weighed(
         &mut self,
         turned_rad: f64,

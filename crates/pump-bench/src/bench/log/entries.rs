@@ -64,8 +64,8 @@ impl Session<'_> {
         self.log.ended = entry.map(|entry| LogEntry { cause: Some(cause), ..entry });
     }
 
-    /// Keeps the entry of a dose that a balance has ended, for the rest that follows. The readings are as unsure as their
-    /// last digit.
+    /// Keeps the entry of a dose that a balance has ended, for the rest that follows. The readings are as unsure as
+    /// their last digit.
     pub(in crate::bench) fn log_weighed(
         &mut self,
         began: Stamp,

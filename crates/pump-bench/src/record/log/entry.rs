@@ -28,8 +28,8 @@ pub struct LogEntry {
     /// Smallest and largest volume, in mL, where nobody knows how many steps were made.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub delivered_range_ml: Option<(f64, f64)>,
-    /// Expanded uncertainty (k = 2) of the delivered volume, in mL. `None` for a retraction. A dose that was cut off has
-    /// that of the whole plan, with half of the range of the volume added.
+    /// Expanded uncertainty (k = 2) of the delivered volume, in mL. `None` for a retraction. A dose that was cut off
+    /// has that of the whole plan, with half of the range of the volume added.
     pub expanded_uncertainty_ml: Option<f64>,
     /// Carry to the next dose, in mL. Positive toward the outlet.
     pub carry_ml: f64,

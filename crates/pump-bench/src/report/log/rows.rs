@@ -145,7 +145,7 @@ mod tests {
     #[test]
     fn a_line_says_who_stopped_the_dose() {
         let line = log_text(&entry());
-        assert!(line.contains("25.0004 ± 0.13 mL") && line.contains("tube 2, calibration 3"), "{line}");
+        assert!(line.contains("25.0004 ± 0.12 mL") && line.contains("tube 2, calibration 3"), "{line}");
         assert!(line.ends_with("ended by a fault (the board said \"no\", then nothing)"), "{line}");
         let cut =
             LogEntry { delivered_range_ml: Some((1.0, 2.0)), end: LogEnd::CutOff, cause: None, ..entry() };

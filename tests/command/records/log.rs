@@ -47,7 +47,7 @@ fn every_dose_is_listed_as_it_was_typed_with_the_time_of_its_report() {
     assert_eq!(csv.lines().count(), 5);
     assert!(csv.starts_with("number,time,purpose,asked,"), "{csv}");
     let text = user.types(&["log"]).out;
-    assert!(text.contains("25 mL") && text.contains("tube 2: 1"), "{text}");
+    assert!(text.contains("25 mL") && text.contains("tube 2: 0.99"), "{text}");
 }
 
 #[test]

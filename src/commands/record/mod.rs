@@ -1,0 +1,5 @@
+//! The commands about the record: what stands in it, its doses, and its copies.
+
+pub(crate) mod backup;
+pub(crate) mod log;
+pub(crate) mod status;
