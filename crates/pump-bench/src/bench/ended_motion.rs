@@ -89,19 +89,8 @@ impl<'a> Session<'a> {
                 });
             }
         };
-        match halt {
-            Some(Halt::Unwritten(source)) => {
-                return Err(DoseError::NotJournalled { delivered_ml: volume_ml, source });
-            }
-            Some(Halt::Late) => {
-                return Err(DoseError::SlowDisk {
-                    delivered_ml: volume_ml,
-                    took_s: pace.slowest.as_secs_f64(),
-                    journal: self.journal.path().to_owned(),
-                    must_not_pause: !motion.may_pause,
-                });
-            }
-            None => {}
+        if let Some(halt) = halt {
+            return Err(self.of_journal(halt, volume_ml, &pace, motion));
         }
         rested.map_err(|source| DoseError::NotRecorded {
             delivered_ml: volume_ml,
@@ -110,6 +99,25 @@ impl<'a> Session<'a> {
         })?;
         let began = Stamp::new(intent.unix_s, intent.told.map_or(0, |told| told.utc_offset_s));
         Ok(Moved { made, began, beyond, volume_ml, measured_s, pace })
+    }
+
+    /// Returns the error of a motion that the journal has ended after `delivered_ml`.
+    fn of_journal(
+        &self,
+        halt: Halt,
+        delivered_ml: f64,
+        pace: &Pace,
+        motion: &RecordedMotion<'_>,
+    ) -> DoseError {
+        match halt {
+            Halt::Unwritten(source) => DoseError::NotJournalled { delivered_ml, source },
+            Halt::Late => DoseError::SlowDisk {
+                delivered_ml,
+                took_s: pace.slowest.as_secs_f64(),
+                journal: self.journal.path().to_owned(),
+                must_not_pause: !motion.may_pause,
+            },
+        }
     }
 
     /// Returns the time that the line takes to settle after the first `made` steps of a motion, in s, and 0 where
