@@ -61,7 +61,6 @@ fn at_terminal_until(
         terminal.write_all(key).unwrap();
         thread::sleep(Duration::from_millis(60));
     }
-    wait_for_single_keys(&terminal);
     last(&mut terminal, child.id());
     let deadline = Instant::now() + Duration::from_secs(120);
     while child.try_wait().unwrap().is_none() {
@@ -133,7 +132,8 @@ fn a_signal_while_it_waits_for_a_key_is_the_end_and_its_exit_code_says_so() {
         let pump = marked(&user);
         let pump = ["--pump", pump.as_str()];
         for (keys, turned) in [(&[][..], false), (&[RIGHT][..], true)] {
-            let (ended, out, shown) = at_terminal_until(&user, &pump, keys, |_, id| {
+            let (ended, out, shown) = at_terminal_until(&user, &pump, keys, |terminal, id| {
+                wait_for_single_keys(terminal);
                 let id = id.to_string();
                 assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
             });
@@ -157,6 +157,7 @@ fn a_failure_after_a_turn_does_not_say_that_nothing_has_moved() {
     for (turns, code) in [(&[][..], 2), (&[RIGHT][..], 1)] {
         assert_eq!(user.types(&[&["home", "--set", "0deg"], &pump[..]].concat()).code, 0);
         let (ended, out, shown) = at_terminal_until(&user, &pump, turns, |terminal, id| {
+            wait_for_single_keys(terminal);
             // A turn cannot be recorded any more.
             let limit = Command::new("prlimit").args(["--fsize=10", "--pid", &id.to_string()]).status();
             assert!(limit.unwrap().success());
