@@ -102,8 +102,8 @@ class CalibrationUsed(Record):
 class ByWeight(Record):
     """The weighing of a dose that a balance ended: masses in g, volumes in mL, times in s.
 
-    The balance was to show `target_g` and showed `mass_g`, in steps of `digit_g`. `at_rest` is False for a dose
-    that was stopped: `mass_g` is then the last reading, and more still arrived. The pump turned for
+    The balance was to show `target_g` and showed `mass_g`, in steps of `digit_g`. `at_rest` is False for a
+    dose that was stopped: `mass_g` is then the last reading, and more still arrived. The pump turned for
     `turned_ml` by the model, and might turn for `most_ml`, in `stretches` that were weighed each. The balance
     stopped `stopped_by_balance` of them before the end of their plan. The dose reckoned with `reckoned_s` of
     flow that still arrives after a stop; `after_stop_s` is the mean over the stops on record. `dropped_ml` is
@@ -149,7 +149,7 @@ class Dose(Record):
     times in s. `delivered_ml` is the volume that the vessel of a simulation received, or the model's volume
     of the steps that a motor made. It is None for a dose that was only planned. `completed` is True if the
     dose was delivered in full. `by_weight` is the weighing of a dose that a balance ended, and None of any
-    other. `run` is the end and the mean flow of a run, and None of a volume that is dosed. `time` is the time at
+    other. `run` is the end and the mean flow of a run, and None of a volume that is dosed. `time` is that at
     which the dose began, RFC 3339 with the offset of the local clock, and `asked` the volume as it was typed.
     """
 

@@ -14,6 +14,8 @@ def test_a_run_has_its_rate_and_its_time_and_leaves_the_carry(tmp_path: Path) ->
         assert run.purpose == "run"
         assert run.completed
         assert run.motion_s == pytest.approx(30, abs=0.3)
+        assert run.delivered_ml is not None
+        assert run.measured_motion_s is not None
         assert run.delivered_ml == pytest.approx(300, abs=8)
         assert run.run is not None
         assert (run.run.until, run.run.asked_s, run.run.was_stopped) == ("time", 30, False)
@@ -37,6 +39,7 @@ def test_a_run_until_it_is_stopped_is_complete_once_it_is(tmp_path: Path) -> Non
         assert run.completed
         assert run.run is not None
         assert (run.run.until, run.run.was_stopped) == ("stop", True)
+        assert run.measured_motion_s is not None
         assert run.delivered_ml == pytest.approx(10 * run.measured_motion_s, abs=5)
         assert bench.status().unfinished is None
 
