@@ -15,7 +15,7 @@ fn the_types_are_as_large_as_they_were() {
     assert_eq!(size_of::<Plan>(), 1600, "Plan");
     assert_eq!(size_of::<Segments>(), 1424, "Segments");
     assert_eq!(size_of::<Segment>(), 24, "Segment");
-    assert_eq!(size_of::<Brake>(), 776, "Brake");
+    assert_eq!(size_of::<Brake>(), 1288, "Brake");
     assert_eq!(size_of::<Stepper<64>>() - size_of::<Stepper<63>>(), 48, "a place in the queue");
     assert_eq!(size_of::<Direction>(), 1, "Direction");
     assert_eq!(size_of::<Option<TickRate>>(), 4, "TickRate");

@@ -1,9 +1,9 @@
 //! The axes of a node on one timer.
 
-use pump_ctl::step::{Brake, Segment};
-use pump_link::message::{AXES, AxisConfig, AxisStatus, End, FaultCounts, MoveOrder, Refusal, Stopping};
+use pump_ctl::step::Segment;
+use pump_link::message::{AXES, AxisStatus, End, FaultCounts, MoveOrder, Refusal, Stopping};
 
-use crate::axis::{Axis, NEVER, ns_in_ticks, rate_hz};
+use crate::axis::{Axis, NEVER, Setup, ns_in_ticks, rate_hz};
 use crate::board::{Board, Edge, Pins};
 
 /// Largest sum of the step rates of all axes, Hz. At 100 kHz, evenly spread over four axes, the interrupt of an RP2040
@@ -22,10 +22,8 @@ const BEGIN_LEAD_NS: u32 = 1_000_000;
 
 /// The axes of a node, `A` of them, with queues of `Q` segments each. The timer's interrupt calls
 /// [`Self::on_timer`], and everything else is the [`crate::Node`]'s.
-// The axes come last, for the reason that is given at `pump_ctl::step::Stepper`.
 #[derive(Debug)]
-#[repr(C)]
-pub struct Axes<P, B, const Q: usize, const A: usize> {
+pub struct Axes<'a, P, B, const Q: usize, const A: usize> {
     board: B,
     tick_hz: u32,
     /// [`LEAD_NS`] in ticks.
@@ -36,12 +34,12 @@ pub struct Axes<P, B, const Q: usize, const A: usize> {
     begin_lead: u64,
     /// True while the emergency stop is pressed.
     estop: bool,
-    axes: [Axis<P, Q>; A],
+    axes: &'a mut [Axis<P, Q>; A],
 }
 
-impl<P: Pins, B: Board, const Q: usize, const A: usize> Axes<P, B, Q, A> {
-    /// Makes the axes of a board whose timer has this rate, Hz. Pins stay inputs.
-    pub fn new(pins: [P; A], board: B, tick_hz: u32) -> Self {
+impl<'a, P: Pins, B: Board, const Q: usize, const A: usize> Axes<'a, P, B, Q, A> {
+    /// Joins the axes of a board whose timer has this rate, Hz. Pins stay inputs.
+    pub fn new(axes: &'a mut [Axis<P, Q>; A], board: B, tick_hz: u32) -> Self {
         const { assert!(A >= 1 && A <= AXES, "a node has one to four axes") };
         Self {
             board,
@@ -50,7 +48,7 @@ impl<P: Pins, B: Board, const Q: usize, const A: usize> Axes<P, B, Q, A> {
             count: ns_in_ticks(COUNT_NS, tick_hz),
             begin_lead: ns_in_ticks(BEGIN_LEAD_NS, tick_hz),
             estop: false,
-            axes: pins.map(|pins| Axis::new(pins, tick_hz)),
+            axes,
         }
     }
 
@@ -133,7 +131,7 @@ impl<P: Pins, B: Board, const Q: usize, const A: usize> Axes<P, B, Q, A> {
     pub(crate) fn look(&mut self) {
         self.look_at_estop();
         let now = self.board.now();
-        for axis in &mut self.axes {
+        for axis in self.axes.iter_mut() {
             axis.look_at_driver(now);
             axis.rest(now);
         }
@@ -170,18 +168,12 @@ impl<P: Pins, B: Board, const Q: usize, const A: usize> Axes<P, B, Q, A> {
         }
     }
 
-    pub(crate) fn configure(
-        &mut self,
-        axis: u8,
-        revision: u32,
-        config: AxisConfig,
-        brake: Brake,
-    ) -> Result<(), Refusal> {
+    pub(crate) fn configure(&mut self, axis: u8, revision: u32, setup: &Setup) -> Result<(), Refusal> {
         let there = self.may_configure(axis, revision)?;
         self.estop_is_released()?;
         let now = self.board.now();
         if !there {
-            self.axis(axis)?.configure(revision, config, brake, now);
+            self.axis(axis)?.configure(revision, setup, now);
         }
         Ok(())
     }

@@ -16,26 +16,31 @@ pub(crate) struct Driver<P> {
     /// Direction in which the direction pin points.
     facing: Direction,
     energised: bool,
+    /// True once the pins are outputs.
+    pub(crate) is_set_up: bool,
 }
 
 impl<P: Pins> Driver<P> {
-    /// Makes a driver, and its pins outputs. The levels are set before. An energised motor stays so on the way.
-    pub(crate) fn new(mut pins: P, config: AxisConfig, energised: bool) -> Self {
-        pins.make_outputs(Levels {
+    /// Makes a driver whose pins are inputs.
+    pub(crate) fn new(pins: P) -> Self {
+        let config = AxisConfig::new(0);
+        Self { pins, config, facing: Direction::Forward, energised: false, is_set_up: false }
+    }
+
+    /// Makes the pins outputs. The levels are set before. An energised motor stays so on the way.
+    pub(crate) fn set_up(&mut self, config: AxisConfig, energised: bool) {
+        self.pins.make_outputs(Levels {
             step: config.step_active_low,
             direction: !config.reversed,
             enable: energised != config.enable_active_low,
         });
-        Self { pins, config, facing: Direction::Forward, energised }
+        (self.config, self.facing, self.energised) = (config, Direction::Forward, energised);
+        self.is_set_up = true;
     }
 
-    /// Gives the pins back as they are.
-    pub(crate) fn release(self) -> P {
-        self.pins
-    }
-
-    pub(crate) fn config(&self) -> &AxisConfig {
-        &self.config
+    /// Returns the step pin: its bit in the word of the board's outputs.
+    pub(crate) fn step_pin(&self) -> u32 {
+        self.pins.step_pin()
     }
 
     pub(crate) fn is_energised(&self) -> bool {

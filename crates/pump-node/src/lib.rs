@@ -22,6 +22,7 @@ mod ports;
 mod shared;
 
 pub use axes::{Axes, LEAD_NS, MAX_STEP_HZ};
+pub use axis::Axis;
 pub use board::{Board, Edge, Levels, Pins};
 pub use node::{Node, identity};
 pub use ports::PORTS;

@@ -6,7 +6,8 @@ use pump_link::message::{Answer, AxisConfig, Identity, Refusal, Request};
 use pump_link::packing::{Codec, Grain};
 use pump_link::receiver::{Arrival, DeadMan, Expected};
 
-use crate::axes::{Axes, MAX_STEP_HZ};
+use crate::axes::MAX_STEP_HZ;
+use crate::axis::{Setup, tick_rate};
 use crate::board::{Board, Pins};
 use crate::ports::Ports;
 use crate::shared::Shared;
@@ -62,8 +63,7 @@ impl Node {
     pub fn new(identity: Identity) -> Self {
         Self {
             identity,
-            tick_rate: TickRate::from_hz(identity.tick_hz)
-                .unwrap_or(TickRate::new(core::num::NonZeroU32::MIN)),
+            tick_rate: tick_rate(identity.tick_hz),
             ports: Ports::new(),
             session: 0,
             dead_man: DeadMan::new(identity.tick_hz),
@@ -123,9 +123,9 @@ impl Node {
     ) {
         if !self.dead && self.dead_man.is_over(now) {
             self.dead = true;
-            shared.with(Axes::dead_man);
+            shared.with(|axes| axes.dead_man());
         }
-        shared.with(Axes::look);
+        shared.with(|axes| axes.look());
     }
 
     fn on_payload<P: Pins, B: Board, const Q: usize, const A: usize>(
@@ -221,7 +221,7 @@ impl Node {
             return Err(Refusal::DeadMan);
         }
         if another {
-            shared.with(Axes::forget_session);
+            shared.with(|axes| axes.forget_session());
             self.brake.revision = 0;
             self.session = session;
         }
@@ -289,8 +289,8 @@ impl Node {
                 parts.revision = 0;
                 Refusal::Brake { entries: 0 }
             })?;
-            let config = parts.config;
-            shared.with(|axes| axes.configure(axis, revision, config, brake))?;
+            let setup = Setup::new(parts.config, brake, self.tick_rate);
+            shared.with(|axes| axes.configure(axis, revision, &setup))?;
         }
         Ok(Answer::Configured { brake_entries: there as u8 })
     }

@@ -10,11 +10,11 @@ use crate::board::{Board, Pins};
 /// held up.
 pub trait Shared<P: Pins, B: Board, const Q: usize, const A: usize> {
     /// Calls `act` with the axes, while the interrupt is kept off.
-    fn with<R>(&mut self, act: impl FnOnce(&mut Axes<P, B, Q, A>) -> R) -> R;
+    fn with<R>(&mut self, act: impl FnOnce(&mut Axes<'_, P, B, Q, A>) -> R) -> R;
 }
 
-impl<P: Pins, B: Board, const Q: usize, const A: usize> Shared<P, B, Q, A> for Axes<P, B, Q, A> {
-    fn with<R>(&mut self, act: impl FnOnce(&mut Self) -> R) -> R {
+impl<P: Pins, B: Board, const Q: usize, const A: usize> Shared<P, B, Q, A> for Axes<'_, P, B, Q, A> {
+    fn with<R>(&mut self, act: impl FnOnce(&mut Axes<'_, P, B, Q, A>) -> R) -> R {
         act(self)
     }
 }

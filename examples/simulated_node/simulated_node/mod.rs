@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use hardware::{Hardware, SimulatedPins, TICK_HZ};
 use line::Line;
-use pump_node::{Axes, Node, identity};
+use pump_node::{Axes, Axis, Node, identity};
 
 /// Time between two looks at the line.
 const LOOK: Duration = Duration::from_millis(1);
@@ -88,7 +88,7 @@ fn lock(truth: &Mutex<Truth>) -> MutexGuard<'_, Truth> {
 struct Simulation {
     hardware: Hardware,
     node: Node,
-    axes: Axes<SimulatedPins, Hardware, 256, 4>,
+    axes: Axes<'static, SimulatedPins, Hardware, 256, 4>,
     line: Line,
     now_us: u64,
     /// Time of the board at which its host was heard last.
@@ -101,8 +101,9 @@ struct Simulation {
 impl Simulation {
     fn new(number: u64, line: Line) -> Self {
         let hardware = Hardware::default();
-        let pins = [0, 1, 2, 3].map(|axis| SimulatedPins::new(&hardware, axis));
-        let axes = Axes::new(pins, hardware.clone(), TICK_HZ);
+        let axes = [0, 1, 2, 3].map(|axis| Axis::new(SimulatedPins::new(&hardware, axis), TICK_HZ));
+        // The board runs for as long as the program.
+        let axes = Axes::new(Box::leak(Box::new(axes)), hardware.clone(), TICK_HZ);
         let node = Node::new(identity::<256, 4>(number, [0, 1, 0], TICK_HZ));
         let answers = VecDeque::new();
         Self { hardware, node, axes, line, now_us: 0, heard_us: 0, next_poll_us: 0, answers }

@@ -21,8 +21,8 @@ const DEAD_MAN_MS: u16 = 100;
 const LONGEST_SILENCE_MS: u64 = 250;
 
 /// Longest time for which a stop and a configuration may keep interrupts off, in ns. Steps of other axes wait for it.
-const MOST_STOP_OFF_NS: f64 = 150e3;
-const MOST_CONFIGURED_OFF_NS: f64 = 410e3;
+const MOST_STOP_OFF_NS: f64 = 40e3;
+const MOST_CONFIGURED_OFF_NS: f64 = 30e3;
 
 /// Random numbers: Marsaglia's xorshift, Journal of Statistical Software 8(14), 2003.
 pub(crate) struct Random(pub(crate) u64);

@@ -21,10 +21,8 @@ use core::panic::PanicInfo;
 
 use cortex_m::peripheral::{NVIC, Peripherals, SCB, scb::SystemHandler};
 use cortex_m_rt::{entry, exception};
-use pump_node::{Axes, Node, identity};
+use pump_node::{Node, identity};
 
-use axis_pins::AxisPins;
-use mps2::Mps2;
 use pace::Pace;
 use registers::Interrupt;
 use serial::{Arrived, Port, Serial, Waiting};
@@ -69,7 +67,7 @@ fn main() -> ! {
     let Some((mut link, pace)) = serial!(Port::Link, LINK_BAUD).zip(serial!(Port::Pace, PACE_BAUD)) else {
         halt()
     };
-    let mut shared = SharedAxes::new(&timer, |board: Mps2| Axes::new(AxisPins::ALL, board, TICK_HZ));
+    let mut shared = SharedAxes::new(&timer);
     let mut node = Node::new(identity::<QUEUE, AXES>(BOARD, firmware_version(), TICK_HZ));
     let mut pace = Pace::new(pace);
     let mut poll_at = 0;

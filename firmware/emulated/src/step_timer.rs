@@ -6,7 +6,7 @@ use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use cortex_m::peripheral::{NVIC, SYST, syst::SystClkSource};
-use pump_node::{Axes, Shared};
+use pump_node::{Axes, Axis, Shared};
 
 use crate::axis_pins::AxisPins;
 use crate::mps2::Mps2;
@@ -38,7 +38,7 @@ struct Known {
     count: u32,
 }
 
-type NodeAxes = Axes<AxisPins, Mps2, QUEUE, AXES>;
+type NodeAxes = Axes<'static, AxisPins, Mps2, QUEUE, AXES>;
 
 /// Place of what thread and interrupt share.
 struct Place<T>(UnsafeCell<MaybeUninit<T>>);
@@ -48,6 +48,8 @@ struct Place<T>(UnsafeCell<MaybeUninit<T>>);
 unsafe impl<T> Sync for Place<T> {}
 
 static AXES_OF_NODE: Place<NodeAxes> = Place(UnsafeCell::new(MaybeUninit::uninit()));
+static EACH_AXIS: Place<[MaybeUninit<Axis<AxisPins, QUEUE>>; AXES]> =
+    Place(UnsafeCell::new(MaybeUninit::uninit()));
 static KNOWN: Place<Known> = Place(UnsafeCell::new(MaybeUninit::new(Known { tick: 0, count: 0 })));
 
 /// Count at which the alarm was last set to come.
@@ -160,11 +162,14 @@ fn keep_clear() {
 pub(crate) struct SharedAxes(());
 
 impl SharedAxes {
-    /// Gives the axes to the interrupt.
-    pub(crate) fn new(_: &StepTimer, make: impl FnOnce(Mps2) -> NodeAxes) -> Self {
-        // SAFETY: the interrupt is off, and finds what it needs from here on.
+    /// Makes the axes, and gives them to the interrupt.
+    pub(crate) fn new(_: &StepTimer) -> Self {
+        // SAFETY: the interrupt is off, and finds what it needs from here on. Each place is written before it is used.
         unsafe {
-            (*AXES_OF_NODE.0.get()).write(make(Mps2));
+            let places = (*EACH_AXIS.0.get()).assume_init_mut();
+            AxisPins::ALL.into_iter().zip(places.iter_mut()).for_each(|(pins, place)| make(pins, place));
+            let axes = (*EACH_AXIS.0.get().cast::<MaybeUninit<_>>()).assume_init_mut();
+            (*AXES_OF_NODE.0.get()).write(Axes::new(axes, Mps2, TICK_HZ));
             NVIC::unmask(Interrupt::Alarm);
         }
         Self(())
@@ -179,8 +184,14 @@ impl SharedAxes {
     }
 }
 
+/// Makes an axis in its place. The stack holds one axis at a time.
+#[inline(never)]
+fn make(pins: AxisPins, place: &mut MaybeUninit<Axis<AxisPins, QUEUE>>) {
+    place.write(Axis::new(pins, TICK_HZ));
+}
+
 impl Shared<AxisPins, Mps2, QUEUE, AXES> for SharedAxes {
-    fn with<R>(&mut self, act: impl FnOnce(&mut NodeAxes) -> R) -> R {
+    fn with<R>(&mut self, act: impl FnOnce(&mut Axes<'_, AxisPins, Mps2, QUEUE, AXES>) -> R) -> R {
         keep_clear();
         cortex_m::interrupt::free(|_| {
             // SAFETY: `new` has put the axes there, and the interrupt is kept off.

@@ -22,11 +22,10 @@ mod usb;
 
 use core::panic::PanicInfo;
 
-use pump_node::{Axes, Node, identity};
+use pump_node::{Node, identity};
 use rp2040_hal::clocks::{Clock, init_clocks_and_plls};
 use rp2040_hal::{Sio, Watchdog, entry, pac};
 
-use axis_pins::AxisPins;
 use lights::Light;
 use serial::Serial;
 use step_timer::{SharedAxes, StepTimer, TICK_HZ};
@@ -86,7 +85,7 @@ fn main() -> ! {
     let Some(mut usb) = Usb::new(bus, memory, clocks.usb_clock, &mut registers.RESETS, number) else {
         halt()
     };
-    let mut shared = SharedAxes::new(timer, |pico| Axes::new(AxisPins::ALL, pico, TICK_HZ));
+    let mut shared = SharedAxes::new(timer);
     let mut node = Node::new(identity::<QUEUE, AXES>(number, firmware_version(), TICK_HZ));
     let mut poll_at = 0;
     loop {

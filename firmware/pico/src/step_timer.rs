@@ -4,7 +4,7 @@
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 
-use pump_node::{Axes, Shared};
+use pump_node::{Axes, Axis, Shared};
 use rp2040_hal::pac::{self, Interrupt, NVIC, RESETS, TIMER, interrupt};
 
 use crate::axis_pins::AxisPins;
@@ -23,16 +23,18 @@ const CLEAR: u32 = 11;
 /// Longest time for which the thread waits until the alarm is not near, ticks.
 const PATIENCE: u32 = 250;
 
-type NodeAxes = Axes<AxisPins, Pico, QUEUE, AXES>;
+type NodeAxes = Axes<'static, AxisPins, Pico, QUEUE, AXES>;
 
-/// Place of the axes. It is not part of the firmware's image, unlike a value would be.
-struct Place(UnsafeCell<MaybeUninit<NodeAxes>>);
+/// Place of something that the firmware's image does not hold, unlike a value.
+struct Place<T>(UnsafeCell<MaybeUninit<T>>);
 
 // SAFETY: the thread uses the axes within critical sections alone. The interrupt uses them, has the highest priority
 // and is on from the moment when they are there.
-unsafe impl Sync for Place {}
+unsafe impl<T> Sync for Place<T> {}
 
-static AXES_OF_NODE: Place = Place(UnsafeCell::new(MaybeUninit::uninit()));
+static AXES_OF_NODE: Place<NodeAxes> = Place(UnsafeCell::new(MaybeUninit::uninit()));
+static EACH_AXIS: Place<[MaybeUninit<Axis<AxisPins, QUEUE>>; AXES]> =
+    Place(UnsafeCell::new(MaybeUninit::uninit()));
 
 /// Priorities of the interrupts: that of the steps comes before all others (ARMv6-M has four, in the upper bits).
 const FIRST: u8 = 0;
@@ -115,12 +117,14 @@ fn alarm_is_near() -> bool {
 pub(crate) struct SharedAxes(());
 
 impl SharedAxes {
-    /// Gives the axes to the interrupt. They are made on the stack, which is free again when this function is left.
-    #[inline(never)]
-    pub(crate) fn new(_: StepTimer, make: impl FnOnce(Pico) -> NodeAxes) -> Self {
-        // SAFETY: the interrupts are off, and find what they need from here on.
+    /// Makes the axes, and gives them to the interrupt. The timer is taken, so it happens once.
+    pub(crate) fn new(_: StepTimer) -> Self {
+        // SAFETY: the interrupts are off, and find what they need from here on. Each place is written before it is used.
         unsafe {
-            (*AXES_OF_NODE.0.get()).write(make(Pico));
+            let places = (*EACH_AXIS.0.get()).assume_init_mut();
+            AxisPins::ALL.into_iter().zip(places.iter_mut()).for_each(|(pins, place)| make(pins, place));
+            let axes = (*EACH_AXIS.0.get().cast::<MaybeUninit<_>>()).assume_init_mut();
+            (*AXES_OF_NODE.0.get()).write(Axes::new(axes, Pico, TICK_HZ));
             NVIC::unmask(Interrupt::TIMER_IRQ_0);
             NVIC::unmask(Interrupt::TIMER_IRQ_1);
         }
@@ -133,8 +137,14 @@ impl SharedAxes {
     }
 }
 
+/// Makes an axis in its place. The stack holds one axis at a time.
+#[inline(never)]
+fn make(pins: AxisPins, place: &mut MaybeUninit<Axis<AxisPins, QUEUE>>) {
+    place.write(Axis::new(pins, TICK_HZ));
+}
+
 impl Shared<AxisPins, Pico, QUEUE, AXES> for SharedAxes {
-    fn with<R>(&mut self, act: impl FnOnce(&mut NodeAxes) -> R) -> R {
+    fn with<R>(&mut self, act: impl FnOnce(&mut Axes<'_, AxisPins, Pico, QUEUE, AXES>) -> R) -> R {
         let (began, mut act) = (low(), Some(act));
         loop {
             // Where the alarm is near, the interrupt comes first.

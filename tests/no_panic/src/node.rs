@@ -7,7 +7,7 @@ use pump_link::frame::{AnswerHeader, Deframer, body};
 use pump_link::message::{Answer, Request};
 use pump_link::packing::{Codec, Grain};
 use pump_link::sender::{Bracket, Clocks, Demand, Stream, Window};
-use pump_node::{Axes, Board, Edge, Levels, Node, Pins, identity};
+use pump_node::{Axes, Axis, Board, Edge, Levels, Node, Pins, identity};
 
 struct AnyPins;
 
@@ -58,8 +58,8 @@ impl Board for AnyBoard {
 }
 
 pub fn node() {
-    let pins = [AnyPins, AnyPins, AnyPins, AnyPins];
-    let mut axes: Axes<_, _, 256, 4> = Axes::new(pins, AnyBoard, black_box(1));
+    let mut axes: [Axis<_, 256>; 4] = [0; 4].map(|_| Axis::new(AnyPins, black_box(1)));
+    let mut axes = Axes::new(&mut axes, AnyBoard, black_box(1));
     let mut node = Node::new(identity::<256, 4>(black_box(1), black_box([1; 3]), black_box(1)));
     loop {
         let now = black_box(0);

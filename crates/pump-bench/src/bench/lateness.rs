@@ -37,7 +37,7 @@ pub(super) fn warning(prepared: &Prepared, measured_s: f64, pace: Pace, journal:
             journal.display()
         );
     } else {
-        text += "the device was slower than its settings say";
+        text += "the board was slower than its settings say, or other programs held this computer up";
     }
     if let Some(Cruise::Within { time_s }) = prepared.request.cruise
         && measured_s + prepared.prediction.settle_s > time_s

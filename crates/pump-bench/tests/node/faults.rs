@@ -101,3 +101,20 @@ fn a_released_motor_is_met_anew() {
     assert_eq!(drive.disturbed(), Some(Disturbance::Disabled));
     run(&mut drive, &dose(1.0, 4.0, false));
 }
+
+#[test]
+fn a_board_that_is_held_up_at_rest_is_asked_again_for_three_seconds() {
+    let rig = Rig::new();
+    let mut drive = rig.open();
+    rig.world.plan(0, Event::Cut);
+    rig.world.plan(2500, Event::Mend);
+    drive.release().unwrap();
+    drive.connect().unwrap();
+    run(&mut drive, &dose(1.0, 4.0, false));
+
+    rig.world.pass(10_000);
+    rig.world.plan(0, Event::Cut);
+    let silent = drive.release().unwrap_err();
+    let NodeError::Quiet { waited_s } = *node_error(&silent) else { panic!("{silent:?}") };
+    assert!((3.0..3.3).contains(&waited_s), "{waited_s}");
+}

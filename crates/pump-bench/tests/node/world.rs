@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::onlooker::Onlooker;
 use pump_bench::drives::wire::{AskClock, Wire};
-use pump_node::{Axes, Board, Edge, Levels, Node, Pins, identity};
+use pump_node::{Axes, Axis, Board, Edge, Levels, Node, Pins, identity};
 
 /// Ticks per second of the board's timer.
 pub(crate) const TICK_HZ: u32 = 1_000_000;
@@ -18,7 +18,7 @@ const BYTE_US: u64 = 22;
 /// Time of a frame on its way besides that of its bytes, us.
 const LATENCY_US: u64 = 500;
 
-type NodeAxes = Axes<SimulatedPins, Shared, 256, 4>;
+type NodeAxes = Axes<'static, SimulatedPins, Shared, 256, 4>;
 
 /// Pins of an axis, and the motor behind them, which keeps its place through a reset of the board.
 #[derive(Debug, Clone, Default)]
@@ -161,8 +161,10 @@ enum Asker {
 }
 
 fn board(number: u64, hardware: &Shared) -> (Node, NodeAxes) {
-    let pins = [0, 1, 2, 3].map(|axis| SimulatedPins(hardware.clone(), axis));
-    (Node::new(identity::<256, 4>(number, [0, 1, 0], TICK_HZ)), Axes::new(pins, hardware.clone(), TICK_HZ))
+    let axes = [0, 1, 2, 3].map(|axis| Axis::new(SimulatedPins(hardware.clone(), axis), TICK_HZ));
+    // The memory of a board outlives its test.
+    let axes = Axes::new(Box::leak(Box::new(axes)), hardware.clone(), TICK_HZ);
+    (Node::new(identity::<256, 4>(number, [0, 1, 0], TICK_HZ)), axes)
 }
 
 impl World {

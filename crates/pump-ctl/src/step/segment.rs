@@ -34,7 +34,7 @@ pub struct Segment {
 }
 
 /// Longest interval, ticks: nine years at 1 MHz.
-const MAX_INTERVAL: i128 = 1 << 48;
+pub(in crate::step) const MAX_INTERVAL: u64 = 1 << 48;
 
 /// One tick, in 2^-32 tick.
 const TICK: i128 = 1 << 32;
@@ -52,7 +52,7 @@ impl Segment {
 
     /// Returns true if the segment has steps, and every interval is one tick at least and 2^48 ticks at most.
     pub fn is_valid(&self) -> bool {
-        let allowed = |interval: i128| (TICK..=MAX_INTERVAL * TICK).contains(&interval);
+        let allowed = |interval: i128| (TICK..=i128::from(MAX_INTERVAL) * TICK).contains(&interval);
         let can_be_turned = self.count != i32::MIN && self.add != i64::MIN;
         self.count != 0
             && can_be_turned

@@ -256,6 +256,29 @@ impl<const Q: usize> Stepper<Q> {
         true
     }
 
+    /// Sets the brake of a motor that stands. The queued segments are forgotten, and the position stays. Returns
+    /// false, and changes nothing, if the motor moves.
+    ///
+    /// ```
+    /// use pump_ctl::plan::Motor;
+    /// use pump_ctl::step::{Brake, Stepper, TickRate};
+    ///
+    /// let tick_rate = TickRate::from_hz(1_000_000).unwrap();
+    /// let mut stepper = Stepper::<2>::new(Brake::standing(tick_rate));
+    /// assert!(stepper.set_position(17));
+    /// assert!(stepper.set_brake(&Motor::new(12_800.0, 17.8, 500.0).brake(tick_rate)?));
+    /// assert_eq!(stepper.position(), 17);
+    /// # Ok::<(), pump_ctl::step::BrakeError>(())
+    /// ```
+    #[must_use]
+    pub fn set_brake(&mut self, brake: &Brake) -> bool {
+        let cleared = self.clear();
+        if cleared {
+            self.brake = *brake;
+        }
+        cleared
+    }
+
     /// Sets the position from which steps count on, as after homing, and forgets the past. Returns false, and
     /// changes nothing, if the motor moves.
     #[must_use]

@@ -43,7 +43,7 @@ impl<const Q: usize> Stepper<Q> {
             StepperState::Ready | StepperState::Stopped | StepperState::Starved => {
                 self.refuse_what_is_queued()
             }
-            StepperState::Ending { .. } => self.planned_end(&self.planned_run(u64::MAX)),
+            StepperState::Ending { .. } => self.planned_end(&self.planned_run()),
             StepperState::Braking { way, .. } => {
                 let (steps, span) = way.length(&self.brake);
                 let current = self.queue.current().copied().unwrap_or_default();
@@ -69,13 +69,15 @@ impl<const Q: usize> Stepper<Q> {
         let Some(descent) = descent else {
             return self.stand();
         };
-        let (steps, span) = self.brake.length(descent);
+        let (steps, span) = self.brake.length(&descent);
         let most = u64::from(steps) + 1;
-        let run = self.planned_run(most);
-        if run.steps <= most {
-            self.queue.keep_pending(run.segments);
-            self.state = StepperState::Ending { rests: run.rests };
-            return self.planned_end(&run);
+        if !self.runs_beyond(most) {
+            let run = self.planned_run();
+            if run.steps <= most {
+                self.queue.keep_pending(run.segments);
+                self.state = StepperState::Ending { rests: run.rests };
+                return self.planned_end(&run);
+            }
         }
 
         self.state = StepperState::Braking { way: WayDown::Brake(descent), starved: false };
@@ -132,9 +134,21 @@ impl<const Q: usize> Stepper<Q> {
         StopPlan { last_step_at: self.next.whole, final_count: self.position }
     }
 
-    /// Returns the planned steps up to a rest or the end of the queue. Beyond `most` steps it looks no farther: a full
-    /// queue would keep the interrupt off for too long.
-    fn planned_run(&self, most: u64) -> PlannedEnd {
+    /// Returns true if more than `most` of the queued steps come before a rest. It counts alone, because the times of a
+    /// full queue would keep the interrupt off for too long.
+    fn runs_beyond(&self, most: u64) -> bool {
+        let mut steps = u64::from(self.left);
+        for segment in self.queue.pending() {
+            if steps > most || segment.direction() != self.direction {
+                break;
+            }
+            steps += u64::from(segment.steps());
+        }
+        steps > most
+    }
+
+    /// Returns the planned steps up to a rest or the end of the queue.
+    fn planned_run(&self) -> PlannedEnd {
         let mut last = self.queue.current().copied().unwrap_or_default();
         let mut run = PlannedEnd {
             steps: u64::from(self.left),
@@ -143,9 +157,6 @@ impl<const Q: usize> Stepper<Q> {
             rests: self.is_whole() || self.state == StepperState::Ending { rests: true },
         };
         for segment in self.queue.pending() {
-            if run.steps > most {
-                return run;
-            }
             if segment.direction() != self.direction {
                 run.rests = true;
                 break;

@@ -184,6 +184,29 @@ impl<const N: usize> Window<N> {
         Ok(())
     }
 
+    /// Has the requests under way sent again after a lost link, in the same session. Answers are counted anew.
+    ///
+    /// ```
+    /// use pump_link::message::Request;
+    /// use pump_link::sender::Window;
+    ///
+    /// let mut window = Window::<4>::new(17);
+    /// let number = window.request(&Request::Identify, None)?;
+    /// assert!(window.next_to_send(0).is_some());
+    /// window.renew();
+    /// assert!(window.next_to_send(1).is_some());
+    /// // Either of two frames may have been answered.
+    /// assert_eq!(window.answered(number).unwrap().sent_at_ns, None);
+    /// # Ok::<(), pump_link::sender::WindowError>(())
+    /// ```
+    pub fn renew(&mut self) {
+        for pending in self.pending.iter_mut().flatten() {
+            pending.due = true;
+            pending.lost = 0;
+            pending.sends = pending.sends.min(1);
+        }
+    }
+
     /// Returns the time at which to call [`Self::expire`] next, ns, or `None` if no request waits for its answer.
     pub fn next_expiry_ns(&self) -> Option<u64> {
         let waiting = self.pending.iter().flatten().filter(|pending| !pending.due);

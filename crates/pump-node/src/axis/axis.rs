@@ -2,24 +2,24 @@
 
 use pump_ctl::drive::{Actuator, Fault, OnFault};
 use pump_ctl::step::{Brake, Direction, Stepper};
-use pump_link::message::{AxisConfig, AxisState, AxisStatus, End, MoveOrder, Stopping};
+use pump_link::message::{AxisState, AxisStatus, End, MoveOrder, Stopping};
 use pump_link::receiver::Expected;
 
 use super::faults::Faults;
 use super::pulse::Pulse;
-use super::timing::ns_in_ticks;
+use super::setup::{Setup, Times};
+use super::timing::tick_rate;
 use crate::board::{Board, Edge, Pins};
 use crate::driver::Driver;
 
-/// An axis with a queue of `Q` segments.
+/// An axis of a node with a queue of `Q` segments. [`crate::Axes`] work with those that a firmware has made, each in
+/// its place.
 // The actuator comes last, for the reason that is given at `pump_ctl::step::Stepper`.
 #[derive(Debug)]
 #[repr(C)]
-pub(crate) struct Axis<P, const Q: usize> {
+pub struct Axis<P, const Q: usize> {
     pulse: Pulse,
-    /// Pins that the host has not configured. They are inputs.
-    bare: Option<P>,
-    pub(super) tick_hz: u32,
+    pub(super) times: Times,
     pub(super) state: AxisState,
     pub(super) revision: u32,
     pub(super) move_number: u32,
@@ -37,8 +37,8 @@ pub(crate) struct Axis<P, const Q: usize> {
     pub(super) rests_from: u64,
     pub(super) angle_lost: bool,
     pub(super) faults: Faults,
-    /// Motor and executor, once the pins are outputs.
-    pub(super) actuator: Option<Actuator<Driver<P>, Q>>,
+    /// Motor and executor. The pins are inputs until a host has configured the axis.
+    pub(super) actuator: Actuator<Driver<P>, Q>,
 }
 
 /// Tick that never comes.
@@ -48,12 +48,13 @@ pub(crate) const NEVER: u64 = u64::MAX;
 const NO_ORDER: MoveOrder = MoveOrder { from: 0, last: 0, shortest_interval: u32::MAX };
 
 impl<P: Pins, const Q: usize> Axis<P, Q> {
-    /// Makes an axis whose pins are inputs.
-    pub(crate) fn new(pins: P, tick_hz: u32) -> Self {
+    /// Makes an axis on a timer of this rate, Hz. Pins stay inputs.
+    pub fn new(pins: P, tick_hz: u32) -> Self {
+        // No move is taken before a configuration has brought the motor's own brake.
+        let brake = Brake::standing(tick_rate(tick_hz));
         Self {
             pulse: Pulse::default(),
-            bare: Some(pins),
-            tick_hz,
+            times: Times::default(),
             state: AxisState::Unconfigured,
             revision: 0,
             move_number: 0,
@@ -66,7 +67,7 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
             rests_from: 0,
             angle_lost: false,
             faults: Faults::default(),
-            actuator: None,
+            actuator: Actuator::new(Driver::new(pins), Stepper::new(brake), OnFault::Hold),
         }
     }
 
@@ -78,28 +79,25 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         self.begun = false;
     }
 
-    /// Configures an axis that stands, and makes its pins outputs.
-    pub(crate) fn configure(&mut self, revision: u32, config: AxisConfig, brake: Brake, now: u64) {
-        let position = self.position();
-        let energised = self.is_energised();
-        let pins = match self.actuator.take() {
-            Some(actuator) => Some(actuator.release().0.release()),
-            None => self.bare.take(),
-        };
-        let Some(pins) = pins else {
+    /// Configures an axis that stands, and makes its pins outputs. The interrupt is kept off meanwhile, so nothing large
+    /// is moved but the brake.
+    pub(crate) fn configure(&mut self, revision: u32, setup: &Setup, now: u64) {
+        let Setup { config, times, brake } = setup;
+        if !self.actuator.stepper().set_brake(brake) {
             return;
-        };
-        self.pulse = Pulse::new(pins.step_pin(), &config, self.tick_hz);
-        let keep = energised && config.energised;
-        let mut stepper = Stepper::new(brake);
-        let _ = stepper.set_position(position);
-        let actuator =
-            self.actuator.insert(Actuator::new(Driver::new(pins, config, keep), stepper, OnFault::Hold));
+        }
+        let keep = self.is_energised() && config.energised;
+        if self.is_energised() && !keep {
+            self.disable();
+        }
+        self.actuator.motor().set_up(*config, keep);
+        self.pulse = Pulse::new(self.actuator.motor().step_pin(), config.step_active_low, times);
+        self.times = *times;
         if config.energised {
-            enable(actuator);
+            self.enable();
         }
         if !keep {
-            self.ready_at = now + ns_in_ticks(config.enable_setup_ns, self.tick_hz);
+            self.ready_at = now + times.enable;
         }
         self.revision = revision;
         self.state = AxisState::Ready;
@@ -107,9 +105,28 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         self.angle_lost = false;
     }
 
+    /// Energises the motor.
+    pub(super) fn enable(&mut self) {
+        if let Err(Fault::Motor { error, .. }) = self.actuator.enable() {
+            match error {}
+        }
+    }
+
+    /// Stops dead and lets go of the motor.
+    fn disable(&mut self) {
+        if let Err(Fault::Motor { error, .. }) = self.actuator.disable() {
+            match error {}
+        }
+    }
+
+    /// Returns true if a host has configured the axis since power-up.
+    pub(super) fn is_set_up(&mut self) -> bool {
+        self.actuator.motor().is_set_up
+    }
+
     /// Returns the position, signed steps since power-up.
     pub(crate) fn position(&mut self) -> i64 {
-        self.actuator.as_mut().map_or(0, |actuator| actuator.stepper().position())
+        self.actuator.stepper().position()
     }
 
     pub(crate) fn revision(&self) -> u32 {
@@ -117,7 +134,7 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
     }
 
     pub(crate) fn is_energised(&mut self) -> bool {
-        self.actuator.as_mut().is_some_and(|actuator| actuator.motor().is_energised())
+        self.actuator.motor().is_energised()
     }
 
     /// Returns true if a move has a tick at which it begins, or is under way.
@@ -134,7 +151,7 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
     pub(crate) fn status(&mut self) -> AxisStatus {
         // The sensor is read just after the pin has risen: it tells where the step before has led.
         let way = i64::from(Direction::of(self.order.last.saturating_sub(self.order.from)).sign());
-        let index_at = self.actuator.as_ref().and_then(Actuator::index_at).map(|at| at.saturating_sub(way));
+        let index_at = self.actuator.index_at().map(|at| at.saturating_sub(way));
         AxisStatus {
             position: self.position(),
             state: self.state,
@@ -153,7 +170,7 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
     /// Returns the tick at which the step pin rises next. It is [`NEVER`] if the motor stands.
     #[inline]
     pub(crate) fn rises_at(&self) -> u64 {
-        let due = self.actuator.as_ref().and_then(Actuator::next_deadline);
+        let due = self.actuator.next_deadline();
         due.map_or(NEVER, |due| due.max(self.pulse.low_until))
     }
 
@@ -178,16 +195,14 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
     /// Counts the step whose pulse is under way, and finds the time of the next.
     #[inline]
     pub(crate) fn count_step(&mut self) {
-        let Some((actuator, at)) = self.actuator.as_mut().zip(self.pulse.high_since) else {
-            return;
-        };
-        let mut said = actuator.on_timer(at);
-        if actuator.is_moving() {
+        let Some(at) = self.pulse.high_since else { return };
+        let mut said = self.actuator.on_timer(at);
+        if self.actuator.is_moving() {
             return;
         }
         if said.is_ok() {
             // The step was the last. The next call says how the move ended.
-            said = actuator.on_timer(at);
+            said = self.actuator.on_timer(at);
         }
         self.ended_by_timer(said, at);
     }
@@ -204,12 +219,10 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
 
     /// Stops dead and lets go of the motor. Returns true if it was configured.
     pub(crate) fn cut(&mut self, end: End, now: u64) -> bool {
-        let Some(actuator) = &mut self.actuator else {
+        if !self.is_set_up() {
             return false;
-        };
-        if let Err(Fault::Motor { error, .. }) = actuator.disable() {
-            match error {}
         }
+        self.disable();
         self.angle_lost = true;
         if self.is_moving() || self.state == AxisState::Prepared {
             self.state = AxisState::Ended(end);
@@ -220,24 +233,13 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
 
     /// Lets go of a motor that has rested for as long as its configuration says.
     pub(crate) fn rest(&mut self, now: u64) {
-        let Some(actuator) = &mut self.actuator else {
-            return;
-        };
-        let release_ms = u64::from(actuator.motor().config().idle_release_ms);
         let stands = matches!(self.state, AxisState::Ready | AxisState::Ended(_) | AxisState::Unconfigured);
-        if release_ms == 0 || !stands {
+        if self.times.idle == 0 || !stands {
             return;
         }
-        let rested = now.saturating_sub(self.rests_from) >= release_ms * u64::from(self.tick_hz) / 1000;
+        let rested = now.saturating_sub(self.rests_from) >= self.times.idle;
         if rested && self.is_energised() {
             self.cut(End::Complete, now);
         }
-    }
-}
-
-/// Energises a motor, whose pins cannot fail.
-pub(super) fn enable<P: Pins, const Q: usize>(actuator: &mut Actuator<Driver<P>, Q>) {
-    if let Err(Fault::Motor { error, .. }) = actuator.enable() {
-        match error {}
     }
 }

@@ -34,10 +34,8 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
 
     /// Looks at the driver of an energised motor, which switches itself off when it reports a fault.
     pub(crate) fn look_at_driver(&mut self, now: u64) {
-        let fault = self
-            .actuator
-            .as_mut()
-            .is_some_and(|actuator| actuator.motor().is_energised() && actuator.motor().has_fault());
+        let motor = self.actuator.motor();
+        let fault = motor.is_energised() && motor.has_fault();
         if fault && self.cut(End::Driver, now) {
             self.faults.counted.driver = self.faults.counted.driver.saturating_add(1);
         }

@@ -4,7 +4,10 @@ mod axis;
 mod faults;
 mod moves;
 mod pulse;
+mod setup;
 mod timing;
 
-pub(crate) use axis::{Axis, NEVER};
-pub(crate) use timing::{ns_in_ticks, rate_hz};
+pub use axis::Axis;
+pub(crate) use axis::NEVER;
+pub(crate) use setup::Setup;
+pub(crate) use timing::{ns_in_ticks, rate_hz, tick_rate};

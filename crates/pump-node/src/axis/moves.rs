@@ -7,8 +7,7 @@ use pump_ctl::step::{Direction, PushError, Segment};
 use pump_link::message::{AxisState, End, MoveOrder, Refusal, Stopping};
 use pump_link::receiver::{Arrival, Expected};
 
-use super::axis::{Axis, enable};
-use super::timing::ns_in_ticks;
+use super::axis::Axis;
 use crate::board::Pins;
 use crate::driver::Driver;
 
@@ -16,7 +15,7 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
     /// Returns the number of segments that fit now. It is 0 if the last move takes none.
     pub(crate) fn room(&mut self) -> u16 {
         let takes = matches!(self.state, AxisState::Prepared | AxisState::Moving);
-        let room = self.actuator.as_mut().filter(|_| takes).map_or(0, |actuator| actuator.stepper().room());
+        let room = if takes { self.actuator.stepper().room() } else { 0 };
         u16::try_from(room).unwrap_or(u16::MAX)
     }
 
@@ -48,13 +47,10 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         if order.last == position {
             return Err(Refusal::Empty);
         }
-        let actuator = self.configured()?;
-        if actuator.motor().has_fault() {
+        if self.configured()?.motor().has_fault() {
             return Err(Refusal::Driver);
         }
-        let config = *actuator.motor().config();
-        let pulse = ns_in_ticks(config.step_high_ns.saturating_add(config.step_low_ns), self.tick_hz);
-        if u64::from(order.shortest_interval) < pulse.max(1) {
+        if u64::from(order.shortest_interval) < self.times.pulse.max(1) {
             return Err(Refusal::Pulse);
         }
         Ok(false)
@@ -62,7 +58,6 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
 
     /// Prepares a move that [`Self::may_prepare`], and energises the motor.
     pub(crate) fn prepare(&mut self, move_number: u32, order: MoveOrder, now: u64) -> Result<(), Refusal> {
-        let tick_hz = self.tick_hz;
         let actuator = self.configured()?;
         // From here on the executor knows where the move ends, and never goes beyond.
         if !actuator.stepper().clear() || actuator.stepper().set_end(order.last).is_err() {
@@ -72,9 +67,8 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
             match error {}
         }
         if !actuator.motor().is_energised() {
-            enable(actuator);
-            let setup = ns_in_ticks(actuator.motor().config().enable_setup_ns, tick_hz);
-            self.ready_at = now + setup;
+            self.enable();
+            self.ready_at = now + self.times.enable;
         }
         self.move_number = move_number;
         self.order = order;
@@ -148,7 +142,8 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
             return Err(Refusal::Empty);
         }
         let earliest = soonest.max(self.ready_at);
-        let latest = earliest.saturating_add(u64::from(self.tick_hz) * LATEST_BEGIN_S);
+        let tick_hz = self.actuator.stepper().tick_rate().hz();
+        let latest = earliest.saturating_add(u64::from(tick_hz) * LATEST_BEGIN_S);
         if (earliest..=latest).contains(&at) { Ok(false) } else { Err(Refusal::Begin { earliest }) }
     }
 
@@ -174,9 +169,8 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
         let known = move_number == self.move_number;
         match self.state {
             AxisState::Moving => {
-                let actuator = self.actuator.as_mut()?;
-                let plan = actuator.stop(now);
-                let moves = actuator.stepper().is_moving();
+                let plan = self.actuator.stop(now);
+                let moves = self.actuator.is_moving();
                 self.stopping = Stopping { last_step_at: plan.last_step_at, final_count: plan.final_count };
                 self.state = if moves { AxisState::Ending(end) } else { AxisState::Ended(end) };
                 self.rests_from = now;
@@ -224,9 +218,7 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
     /// Drops a move whose motor stands.
     fn stand_still(&mut self, now: u64) {
         let final_count = self.position();
-        if let Some(actuator) = &mut self.actuator {
-            let _ = actuator.stop(now);
-        }
+        let _ = self.actuator.stop(now);
         self.stopping = Stopping { last_step_at: now, final_count };
     }
 
@@ -235,7 +227,7 @@ impl<P: Pins, const Q: usize> Axis<P, Q> {
     }
 
     fn configured(&mut self) -> Result<&mut Actuator<Driver<P>, Q>, Refusal> {
-        self.actuator.as_mut().ok_or(Refusal::NotConfigured)
+        if self.is_set_up() { Ok(&mut self.actuator) } else { Err(Refusal::NotConfigured) }
     }
 }
 

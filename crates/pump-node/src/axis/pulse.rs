@@ -1,8 +1,6 @@
 //! The pulses of an axis's step pin.
 
-use pump_link::message::AxisConfig;
-
-use super::timing::ns_in_ticks;
+use super::setup::Times;
 use crate::board::Edge;
 
 /// Pulses of an axis's step pin, one for each step.
@@ -21,16 +19,14 @@ pub(super) struct Pulse {
 
 impl Pulse {
     /// Makes the pulses of a step pin, which is a bit of the board's outputs.
-    pub(super) fn new(pin: u32, config: &AxisConfig, tick_hz: u32) -> Self {
-        // A tick more: the pin changes between two ticks.
-        let ticks = |ns| ns_in_ticks(ns, tick_hz) + 1;
+    pub(super) fn new(pin: u32, active_low: bool, times: &Times) -> Self {
         Self {
             low_until: 0,
             high_since: None,
-            begin: Edge::of(pin, !config.step_active_low),
-            end: Edge::of(pin, config.step_active_low),
-            high: ticks(config.step_high_ns),
-            low: ticks(config.step_low_ns),
+            begin: Edge::of(pin, !active_low),
+            end: Edge::of(pin, active_low),
+            high: times.high,
+            low: times.low,
         }
     }
 

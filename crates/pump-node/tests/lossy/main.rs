@@ -74,7 +74,8 @@ impl Case {
     /// Runs the dose up to the event, and what follows from it.
     fn run(mut self) -> (&'static str, bool) {
         let mut host = Host::new(self.session(), &self.plans, self.dead_man_ms);
-        let mut world = World::new(self.rng.clone(), self.badness);
+        let mut places = [None, None];
+        let mut world = World::new(self.rng.clone(), self.badness, &mut places);
         let at_us = self.rng.within(10_000, 1_200_000);
         world.run(&mut host, if self.event == Event::Nothing { 60_000_000 } else { at_us });
         self.holds(&mut world, &host);
@@ -110,7 +111,7 @@ impl Case {
         ("cut short", over)
     }
 
-    fn befall(&mut self, world: &mut World, host: &mut Host) {
+    fn befall(&mut self, world: &mut World<'_>, host: &mut Host) {
         match self.event {
             Event::Nothing => {}
             Event::Stop => {
@@ -162,7 +163,7 @@ impl Case {
     }
 
     /// Sends noise, and frames of a foreign session that would move something.
-    fn stray_frames(&mut self, world: &mut World) {
+    fn stray_frames(&mut self, world: &mut World<'_>) {
         for _ in 0..20 {
             let header =
                 RequestHeader { number: self.rng.next() as u16, session: self.rng.next() | (1 << 63) };
@@ -185,7 +186,7 @@ impl Case {
     }
 
     /// Checks what must hold at every time.
-    fn holds(&self, world: &mut World, host: &Host) {
+    fn holds(&self, world: &mut World<'_>, host: &Host) {
         for (n, axis) in host.axes.iter().enumerate() {
             let (count, position) = (world.count(n), world.axes.status(n as u8).unwrap().position);
             let way = (count - axis.from) * axis.plan.steps.signum();
@@ -202,7 +203,7 @@ impl Case {
     }
 
     /// Reads the count over a line that is good again.
-    fn reads_truth(&self, world: &mut World) {
+    fn reads_truth(&self, world: &mut World<'_>) {
         world.badness = Badness { latency_us: 500, ..Badness::default() };
         // Whatever was delayed arrives.
         world.run_alone(400_000);
@@ -219,7 +220,7 @@ impl Case {
     }
 
     /// The node has lost its count: the motor is within the journal's bracket, and nothing moves.
-    fn after_reset(&self, world: &mut World, host: &mut Host) {
+    fn after_reset(&self, world: &mut World<'_>, host: &mut Host) {
         for (n, axis) in host.axes.iter().enumerate() {
             let (least, most) = axis.bracket.range();
             let count = world.count(n);
@@ -233,7 +234,7 @@ impl Case {
     }
 
     /// Every step rises when the executor alone would have made it, but for the pulses of other axes.
-    fn is_on_time(&self, world: &World, host: &Host) {
+    fn is_on_time(&self, world: &World<'_>, host: &Host) {
         let pulse_us = 2;
         let most = pulse_us * host.axes.len() as u64;
         for (n, axis) in host.axes.iter().enumerate() {

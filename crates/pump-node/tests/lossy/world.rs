@@ -2,8 +2,9 @@
 
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::slice::IterMut;
 
-use pump_node::{Axes, Node, identity};
+use pump_node::{Axes, Axis, Node, identity};
 
 use crate::board::{Hardware, SharedHardware, SimulatedPins};
 use crate::host::{Host, Phase};
@@ -14,16 +15,21 @@ use crate::rng::Rng;
 /// Segments in the queue of an axis.
 pub(crate) const QUEUE: usize = 64;
 
-type NodeAxes = Axes<SimulatedPins, SharedHardware, QUEUE, 4>;
+type NodeAxes<'w> = Axes<'w, SimulatedPins, SharedHardware, QUEUE, 4>;
 
-pub(crate) struct World {
+/// Place for the axes of a board.
+pub(crate) type Place = Option<[Axis<SimulatedPins, QUEUE>; 4]>;
+
+pub(crate) struct World<'w> {
     /// Time of the world, us.
     pub(crate) now_us: u64,
     /// Time at which the board was switched on. Its ticks count from there.
     booted_us: u64,
     pub(crate) hardware: SharedHardware,
     pub(crate) node: Node,
-    pub(crate) axes: NodeAxes,
+    pub(crate) axes: NodeAxes<'w>,
+    /// Places for boards that are switched on later.
+    places: IterMut<'w, Place>,
     pub(crate) to_node: Line,
     pub(crate) to_host: Line,
     pub(crate) badness: Badness,
@@ -34,22 +40,26 @@ pub(crate) struct World {
     pub(crate) held_up_until_us: u64,
 }
 
-fn board(hardware: &SharedHardware) -> (Node, NodeAxes) {
-    let pins = [0, 1, 2, 3].map(|axis| SimulatedPins(hardware.clone(), axis));
+fn board<'w>(hardware: &SharedHardware, place: Option<&'w mut Place>) -> (Node, NodeAxes<'w>) {
+    let axes = [0, 1, 2, 3].map(|axis| Axis::new(SimulatedPins(hardware.clone(), axis), TICK_HZ));
+    let axes = place.expect("a place for each board").insert(axes);
     let node = Node::new(identity::<QUEUE, 4>(0xb0a2d, [0, 1, 0], TICK_HZ));
-    (node, Axes::new(pins, hardware.clone(), TICK_HZ))
+    (node, Axes::new(axes, hardware.clone(), TICK_HZ))
 }
 
-impl World {
-    pub(crate) fn new(rng: Rng, badness: Badness) -> Self {
+impl<'w> World<'w> {
+    /// Makes a world with a place for each time that the board is switched on.
+    pub(crate) fn new(rng: Rng, badness: Badness, places: &'w mut [Place]) -> Self {
         let hardware = SharedHardware(Rc::new(RefCell::new(Hardware::default())));
-        let (node, axes) = board(&hardware);
+        let mut places = places.iter_mut();
+        let (node, axes) = board(&hardware, places.next());
         Self {
             now_us: 5_000_000,
             booted_us: 4_000_000,
             hardware,
             node,
             axes,
+            places,
             to_node: Line::default(),
             to_host: Line::default(),
             badness,
@@ -71,7 +81,7 @@ impl World {
             hardware.now = 0;
         }
         self.booted_us = self.now_us;
-        (self.node, self.axes) = board(&self.hardware);
+        (self.node, self.axes) = board(&self.hardware, self.places.next());
     }
 
     /// Returns the steps that the motor of an axis has made.

@@ -8,7 +8,7 @@ use pump_ctl::step::{Segment, TickRate};
 use pump_link::frame::{AnswerHeader, Deframer, Encoded, RequestHeader, body};
 use pump_link::message::{Answer, AxisConfig, AxisStatus, MAX_PACKED, MoveOrder, Refusal, Request};
 use pump_link::packing::{Codec, Grain, Rounder};
-use pump_node::{Axes, Board, Edge as PinEdge, Levels, Node, Pins, identity};
+use pump_node::{Axes, Axis, Board, Edge as PinEdge, Levels, Node, Pins, identity};
 
 pub(crate) const TICK_HZ: u32 = 1_000_000;
 pub(crate) const SESSION: u64 = 42;
@@ -98,7 +98,7 @@ impl Pins for AxisPins {
 pub(crate) struct Direct {
     pub(crate) hardware: Shared,
     pub(crate) node: Node,
-    pub(crate) axes: Axes<AxisPins, Shared, 32, 4>,
+    pub(crate) axes: Axes<'static, AxisPins, Shared, 32, 4>,
     number: u16,
     revision: u32,
     /// Port over which the node is asked.
@@ -122,8 +122,8 @@ pub(crate) fn config_with(change: impl FnOnce(&mut AxisConfig)) -> AxisConfig {
 impl Direct {
     pub(crate) fn new() -> Self {
         let hardware = Shared::default();
-        let pins = [0, 1, 2, 3].map(|axis| AxisPins(hardware.clone(), axis));
-        let axes = Axes::new(pins, hardware.clone(), TICK_HZ);
+        let axes = [0, 1, 2, 3].map(|axis| Axis::new(AxisPins(hardware.clone(), axis), TICK_HZ));
+        let axes = Axes::new(Box::leak(Box::new(axes)), hardware.clone(), TICK_HZ);
         let node = Node::new(identity::<32, 4>(7, [1, 2, 3], TICK_HZ));
         Self { hardware, node, axes, number: 0, revision: 0, port: 0 }
     }

@@ -152,7 +152,7 @@ pub(super) fn identify(
     link.begin(0);
     let began = link.now();
     loop {
-        match link.ask(&Request::Identify) {
+        match link.ask_once(&Request::Identify) {
             Ok(reply) => match reply.answer {
                 Answer::Identity(identity) => return Ok((identity, reply.session)),
                 Answer::Refused(refusal) => return Err(NodeError::of(refusal)),

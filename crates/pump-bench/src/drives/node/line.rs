@@ -170,6 +170,11 @@ impl Line {
         if self.window.expire(nanos(now)).is_err() { Err(self.quiet()) } else { Ok(()) }
     }
 
+    /// Has the requests under way sent again after a lost link.
+    pub(super) fn renew(&mut self) {
+        self.window.renew();
+    }
+
     /// Reads bytes that come within `wait`. Returns true if there were any.
     pub(super) fn take(&mut self, wait: Duration) -> Result<bool, NodeError> {
         let mut buffer = [0; 512];

@@ -13,6 +13,10 @@ use crate::drives::wire::{AskClock, Wire};
 /// Longest wait for an answer that is not there yet, before the link looks at its times.
 const LOOK: Duration = Duration::from_millis(5);
 
+/// Longest time for which a silent board is asked again. A board that still runs needs milliseconds, and a computer
+/// under load may hold its answers back for much longer.
+pub(super) const PATIENCE: Duration = Duration::from_secs(3);
+
 /// Link of one axis to its board.
 #[derive(Debug)]
 pub(super) struct Link {
@@ -116,9 +120,33 @@ impl Link {
         }
     }
 
-    /// Asks one request at rest, and waits for its answer.
+    /// Asks one request at rest, and waits for its answer. A silent board is asked again for as long as in motion.
     pub(super) fn ask(&mut self, request: &Request<'_>) -> Result<Reply, NodeError> {
         self.request(request, Subject::Single)?;
+        let began = self.now();
+        loop {
+            match self.answer() {
+                Err(NodeError::Quiet { .. }) if self.now().saturating_sub(began) < PATIENCE => {
+                    self.line().renew();
+                }
+                Err(NodeError::Quiet { waited_s }) => {
+                    // The board had no word to say between two requests.
+                    let asked_s = self.now().saturating_sub(began).as_secs_f64();
+                    return Err(NodeError::Quiet { waited_s: waited_s.min(asked_s) });
+                }
+                reply => return reply,
+            }
+        }
+    }
+
+    /// Asks one request at rest, and takes a few lost answers for silence.
+    pub(super) fn ask_once(&mut self, request: &Request<'_>) -> Result<Reply, NodeError> {
+        self.request(request, Subject::Single)?;
+        self.answer()
+    }
+
+    /// Waits for the answer to the request at rest.
+    fn answer(&mut self) -> Result<Reply, NodeError> {
         let mut replies = Vec::new();
         loop {
             self.heed()?;

@@ -2,7 +2,7 @@
 
 use super::error::BrakeError;
 use crate::step::direction::Direction;
-use crate::step::segment::Segment;
+use crate::step::segment::{MAX_INTERVAL, Segment};
 use crate::step::tick_rate::TickRate;
 use crate::step::ticks::Ticks;
 
@@ -40,6 +40,17 @@ pub struct Brake {
     /// Segments that speed up: counts are positive, intervals fall. Unused entries have count 0 and stand at
     /// the end. There is one entry in use at least.
     climb: [Segment; BRAKE_ENTRIES],
+    /// Steps and time of the entries below each entry. A stop in an interrupt has no time to add them up.
+    below: [Below; BRAKE_ENTRIES],
+}
+
+/// The steps and the time of the entries below one. Whole ticks and fraction stand side by side, to save a third.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct Below {
+    whole: u64,
+    frac: u32,
+    steps: u32,
 }
 
 /// A brake as it is stored. Unused entries are zero and stand at the end.
@@ -52,7 +63,7 @@ struct StoredBrake {
 
 #[cfg(feature = "serde")]
 impl From<Brake> for StoredBrake {
-    fn from(Brake { tick_rate, climb }: Brake) -> Self {
+    fn from(Brake { tick_rate, climb, .. }: Brake) -> Self {
         Self { tick_rate, climb }
     }
 }
@@ -105,7 +116,28 @@ impl Brake {
             last = segment.interval_of(segment.steps());
             *slot = segment;
         }
-        if number == 0 { Err(BrakeError::Empty) } else { Ok(Self { tick_rate, climb }) }
+        if number == 0 { Err(BrakeError::Empty) } else { Ok(Self::of(tick_rate, climb)) }
+    }
+
+    /// Makes a brake for a motor that is not to move yet, until its own is known
+    /// ([`crate::step::Stepper::set_brake`]).
+    pub fn standing(tick_rate: TickRate) -> Self {
+        let mut climb = [Segment::default(); BRAKE_ENTRIES];
+        if let Some(first) = climb.first_mut() {
+            *first = Segment { count: 1, interval: MAX_INTERVAL, add: 0, frac: 0 };
+        }
+        Self::of(tick_rate, climb)
+    }
+
+    /// Makes the brake of entries that were checked.
+    fn of(tick_rate: TickRate, climb: [Segment; BRAKE_ENTRIES]) -> Self {
+        let mut below = [Below::default(); BRAKE_ENTRIES];
+        let mut sum = Below::default();
+        for (segment, below) in climb.iter().zip(&mut below) {
+            *below = sum;
+            sum = sum.and(segment, segment.steps());
+        }
+        Self { tick_rate, climb, below }
     }
 
     /// Makes a brake from entries that are known to speed up, up to the first with an interval below a tick.
@@ -124,7 +156,7 @@ impl Brake {
             }
             *slot = segment;
         }
-        Ok(Self { tick_rate, climb })
+        Ok(Self::of(tick_rate, climb))
     }
 
     /// Returns the rate of the timer that the brake is made for.
@@ -167,7 +199,8 @@ impl Brake {
     /// Returns the way down for a motor whose last interval was `interval`, 2^-32 tick. The first interval of
     /// the way down is no shorter. The result is `None` if the motor is so slow that it can stand at once.
     pub(in crate::step) fn descent_from(&self, interval: i128) -> Option<Descent> {
-        let entries = self.climb().take_while(|segment| segment.interval_of(1) >= interval).count();
+        let last = Ticks::of_fixed(interval);
+        let entries = self.climb().take_while(|segment| segment.first() >= last).count();
         let top = self.climb.get(entries.checked_sub(1)?)?;
         let shorter = u64::try_from(top.interval_of(1) - interval).unwrap_or(u64::MAX);
         // Number of the step after which the entry's interval would fall below `interval`.
@@ -178,18 +211,19 @@ impl Brake {
 
     /// Returns the steps of a way down.
     pub(in crate::step) fn steps_down(&self, descent: &Descent) -> u32 {
-        let below = self.climb.iter().take(descent.entries.saturating_sub(1)).map(Segment::steps);
-        below.fold(descent.steps, u32::saturating_add)
+        self.below(descent).map_or(0, |(below, _)| below.steps.saturating_add(descent.steps))
     }
 
     /// Returns the steps of a way down and its time, 2^-32 tick.
-    pub(in crate::step) fn length(&self, mut descent: Descent) -> (u32, i128) {
-        let (mut steps, mut span) = (0_u32, 0);
-        while let Some(segment) = self.next_down(&mut descent) {
-            steps = steps.saturating_add(segment.steps());
-            span += segment.span(segment.steps());
-        }
-        (steps, span)
+    pub(in crate::step) fn length(&self, descent: &Descent) -> (u32, i128) {
+        let whole = self.below(descent).map(|(below, entry)| below.and(entry, descent.steps));
+        whole.map_or((0, 0), |whole| (whole.steps, whole.span().fixed()))
+    }
+
+    /// Returns the entry that a way down walks first, and those below it.
+    fn below(&self, descent: &Descent) -> Option<(Below, &Segment)> {
+        let entry = descent.entries.checked_sub(1)?;
+        Some((*self.below.get(entry)?, self.climb.get(entry)?))
     }
 
     /// Returns the next segment of a way down. It slows down and has a positive count.
@@ -207,5 +241,40 @@ impl Brake {
         let next = below.checked_sub(1).and_then(|entry| self.climb.get(entry));
         descent.steps = next.map_or(0, Segment::steps);
         Some(down)
+    }
+}
+
+impl Below {
+    /// Returns the sum with the first `steps` steps of a segment.
+    fn and(self, segment: &Segment, steps: u32) -> Self {
+        let Ticks { whole, frac } = Ticks::of_fixed(self.span().fixed() + segment.span(steps));
+        Self { whole, frac, steps: self.steps.saturating_add(steps) }
+    }
+
+    fn span(self) -> Ticks {
+        Ticks { whole: self.whole, frac: self.frac }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_way_down_is_as_long_as_its_segments() {
+        let motor = crate::plan::Motor::new(12_800.0, 17.8, 500.0);
+        for hz in [1_000, 1_000_000, 125_000_000] {
+            let brake = motor.brake(TickRate::from_hz(hz).unwrap()).unwrap();
+            for interval in (1..60).map(|n| (1_i128 << 32) * i128::from(hz) / (50 * n * n)) {
+                let Some(descent) = brake.descent_from(interval) else { continue };
+                let (mut way, mut steps, mut span) = (descent, 0, 0);
+                while let Some(segment) = brake.next_down(&mut way) {
+                    steps += segment.steps();
+                    span += segment.span(segment.steps());
+                }
+                assert_eq!(brake.length(&descent), (steps, span), "{hz} {interval}");
+                assert_eq!(brake.steps_down(&descent), steps);
+            }
+        }
     }
 }

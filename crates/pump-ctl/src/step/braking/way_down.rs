@@ -22,7 +22,7 @@ impl WayDown {
     /// Returns the steps of the way and its time, 2^-32 tick.
     pub(in crate::step) fn length(&self, brake: &Brake) -> (u32, i128) {
         match self {
-            Self::Brake(descent) => brake.length(*descent),
+            Self::Brake(descent) => brake.length(descent),
             Self::ToEnd(ramp) => ramp.length(),
         }
     }

@@ -2,8 +2,7 @@
 
 use std::time::Duration;
 
-/// Longest time for which a board is sought.
-const LIMIT: Duration = Duration::from_secs(3);
+use crate::drives::node::link::PATIENCE;
 
 /// Longest time for which a board is sought after the user asked to stop. It is enough for a last word to the board.
 const STOP_LIMIT: Duration = Duration::from_millis(100);
@@ -30,7 +29,7 @@ impl Search {
     /// Returns true if the search is given up at `now`. `stops` tells that the motion is to end.
     pub(super) fn is_over(&self, now: Duration, stops: bool) -> bool {
         let stopped = self.stopped_at.is_some_and(|at| stops && now.saturating_sub(at) > STOP_LIMIT);
-        stopped || now.saturating_sub(self.began) > LIMIT
+        stopped || now.saturating_sub(self.began) > PATIENCE
     }
 
     /// Returns true if the board is to be asked now. A wish to stop is told to it at once.
