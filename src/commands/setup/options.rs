@@ -124,6 +124,7 @@ pub(super) struct AnswerOptions {
     volume: Option<f64>,
     /// Reading of the scale for that dose, as 4.93g
     #[arg(long, value_name = "READING", help_heading = "First dose", value_parser = stated_reading)]
+    #[arg(conflicts_with_all = ["scale_port", "scale_command"])]
     pub(super) weight: Option<StatedReading>,
     /// Temperature of the water that is weighed, as 22degC [default: 25degC]
     #[arg(long, value_name = "TEMPERATURE", help_heading = "First dose", value_parser = units::temperature_degc)]
