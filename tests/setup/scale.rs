@@ -79,8 +79,8 @@ fn bench(defect: Defect) -> (Arc<Simulated>, SimulatedBalance) {
 fn a_balance_weighs_the_first_dose_without_a_hand() {
     let desk = Desk::new();
     let (board, balance) = bench(Defect::None);
-    let scale = balance.path().display().to_string();
-    let words = [&HANDS_OFF[..], &["--port", &board.device(), "--scale-port", &scale]].concat();
+    let (port, scale) = (board.device(), balance.path().display().to_string());
+    let words = [&HANDS_OFF[..], &["--port", &port, "--scale-port", &scale]].concat();
     let ended = desk.types(&words);
     assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
     assert!(ended.err.contains("g more on the balance"), "{}", ended.err);
@@ -100,8 +100,8 @@ fn a_balance_that_says_no_mass_is_refused_before_anything_moves() {
     for (defect, said) in [(Defect::Garbage, "which is no mass"), (Defect::Silent, "balance")] {
         let desk = Desk::new();
         let (board, balance) = bench(defect);
-        let scale = balance.path().display().to_string();
-        let more = ["--port", &board.device(), "--scale-port", &scale, "--scale-wait", "2s"];
+        let (port, scale) = (board.device(), balance.path().display().to_string());
+        let more = ["--port", &port, "--scale-port", &scale, "--scale-wait", "2s"];
         let refused = desk.types(&[&HANDS_OFF[..], &more].concat());
         assert_eq!(refused.code, 2, "{}", refused.err);
         assert!(refused.err.contains(said) && refused.err.matches("error:").count() == 1, "{}", refused.err);
@@ -115,7 +115,8 @@ fn a_balance_that_says_no_mass_is_refused_before_anything_moves() {
 #[test]
 fn a_weight_that_comes_later_reads_the_last_dose_again_and_doses_nothing() {
     let desk = Desk::new();
-    let sim = ["setup", "acid", "--ml-per-rev", "0.5mL", "--rollers", "4", "--microsteps", "16", "--driver", "sim"];
+    let sim =
+        ["setup", "acid", "--ml-per-rev", "0.5mL", "--rollers", "4", "--microsteps", "16", "--driver", "sim"];
     let first = desk.types(&[&sim[..], &["--altitude", "500m", "--volume", "5mL", "--yes"]].concat());
     assert_eq!(first.code, 0, "{}", first.err);
     let journal = desk.journal("acid", "sim");

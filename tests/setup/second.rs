@@ -56,13 +56,13 @@ fn a_second_pump_takes_what_is_known_of_the_first() {
     );
     assert!(ended.asked.len() <= 16, "{:?}", ended.asked);
     // A pump that differs in its axis alone is said to be like the first.
-    let like = desk.types(&["setup", "lime", "--like", "acid", "--axis", "Z", "--no-motion", "--yes"]);
+    let like = desk.types(&["setup", "lime", "--like", "acid", "--axis", "B", "--no-motion", "--yes"]);
     assert_eq!(like.code, 0, "{}", like.err);
     let lime = desk.configured("pumps/lime.toml").unwrap();
-    assert_eq!(acid.replace("\"acid\"", "\"lime\"").replace("axis = \"X\"", "axis = \"Z\""), lime);
+    assert_eq!(acid.replace("\"acid\"", "\"lime\"").replace("axis = \"X\"", "axis = \"B\""), lime);
     let none = desk.types(&["setup", "plum", "--like", "nobody", "--yes"]);
     assert!(none.code == 2 && none.err.contains("no pump `nobody` was set up"), "{}", none.err);
-    // An axis that the first pump has is not taken.
+    // An axis that the first pump has is not taken. The board has another free one.
     let mut is_first = true;
     let taken = desk.answers(&["setup", "salt", "--no-motion"], &mut |question| match question {
         q if q.starts_with("Axis") => std::mem::take(&mut is_first).then(|| "X".to_owned()),
@@ -73,7 +73,8 @@ fn a_second_pump_takes_what_is_known_of_the_first() {
 
 /// Answers of a pump that is set up with its file alone.
 fn file_alone(desk: &Desk, name: &str, more: &[&str]) {
-    let words = ["setup", name, "--ml-per-rev", "0.5mL", "--rollers", "4", "--microsteps", "16", "--driver", "sim"];
+    let words =
+        ["setup", name, "--ml-per-rev", "0.5mL", "--rollers", "4", "--microsteps", "16", "--driver", "sim"];
     let ended = desk.types(&[&words[..], more, &["--yes", "--no-motion"]].concat());
     assert_eq!(ended.code, 0, "{}", ended.err);
 }
@@ -118,7 +119,8 @@ fn an_axis_that_turns_another_pump_is_refused_by_options_too() {
     let pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);
     let port = pump.port();
     let board = ["--driver", "grbl", "--port", &port, "--altitude", "0m"];
-    let words = ["setup", "buffer", "--ml-per-rev", "0.5mL", "--rollers", "4", "--microsteps", "16", "--axis", "X"];
+    let words =
+        ["setup", "buffer", "--ml-per-rev", "0.5mL", "--rollers", "4", "--microsteps", "16", "--axis", "X"];
     let first = desk.types(&[&words[..], &board, &["--yes", "--no-motion"]].concat());
     assert_eq!(first.code, 0, "{}", first.err);
     let like = ["setup", "acid", "--like", "buffer", "--no-motion", "--yes"];
@@ -150,7 +152,8 @@ fn an_axis_that_the_board_does_not_report_is_not_offered() {
     });
     assert_eq!(first.code, 0, "{}", first.err);
     assert!(first.err.contains("this board has the axis X alone, and not Y"), "{}", first.err);
-    let second = desk.answers(&["setup", "base", "--no-motion"], &mut |question| Some(sees(&mut pump, question, "16")));
+    let second = desk
+        .answers(&["setup", "base", "--no-motion"], &mut |question| Some(sees(&mut pump, question, "16")));
     assert_eq!(second.code, 2, "{}", second.err);
     assert!(second.err.contains("each axis of the board at"), "{}", second.err);
     assert!(second.err.contains("`dose setup base` goes on"), "{}", second.err);

@@ -92,6 +92,16 @@ impl Course {
         last.or_else(|| usual.map(Usual::new))
     }
 
+    /// The answer of the last pump as a suggestion, if that has the same head, or else the usual one.
+    pub(super) fn suggested_of_head(
+        &self,
+        of: impl Fn(&Answers) -> Option<String>,
+        usual: Option<&str>,
+    ) -> Option<Usual> {
+        let is_other = self.last.as_ref().is_some_and(|last| last.head != self.answers.head);
+        if is_other { usual.map(Usual::new) } else { self.suggested(of, usual) }
+    }
+
     /// The other pumps of the board at a port.
     pub(super) fn others_at(&self, port: &Path) -> Vec<Neighbour> {
         self.neighbours.iter().filter(|other| other.is_at(port)).cloned().collect()

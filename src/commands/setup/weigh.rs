@@ -47,14 +47,13 @@ pub(super) fn weigh(
             if course.answers.volume_ml.is_none() {
                 ask_volume(course)?;
             }
-            (shown_g, before) =
-                dose(course, &mut || balance.as_mut().map(|balance| still(balance.as_mut(), named)).transpose())?;
+            (shown_g, before) = dose(course, &mut || {
+                balance.as_mut().map(|balance| still(balance.as_mut(), named)).transpose()
+            })?;
         }
         let reading = match (given.take(), balance.as_mut()) {
             (Some(reading), _) => Some(reading),
-            (None, Some(balance)) => {
-                Some(more_on(still(balance.as_mut(), named)?, before)?)
-            }
+            (None, Some(balance)) => Some(more_on(still(balance.as_mut(), named)?, before)?),
             (None, None) if course.asker.is_silent() && !course.is_simulated() => return Ok(false),
             (None, None) => ask_weight(course, shown_g)?,
         };
@@ -77,15 +76,11 @@ fn ask_volume(course: &mut Course) -> Asked<()> {
     let bench = course.bench()?;
     let revolution_ml = bench.model().revolution_ml();
     let fits_ml = USUAL_ML.min(REVOLUTIONS[1] * revolution_ml).max(REVOLUTIONS[0] * revolution_ml);
-    let same_head = course.last.as_ref().filter(|last| last.head == course.answers.head);
-    let of_last = same_head.and_then(|last| {
-        let answer = format!("{}mL", last.volume_ml?);
-        Some(Usual { answer, of: Some(last.name.clone()) })
-    });
+    let own = format!("{}mL", rounded(fits_ml));
     let question = Question {
         text: "Volume of the dose",
         option: "--volume 5mL",
-        usual: of_last.or(Some(Usual::new(format!("{}mL", rounded(fits_ml))))),
+        usual: course.suggested_of_head(|last| Some(format!("{}mL", last.volume_ml?)), Some(&own)),
         help: "the volume that you will mostly dose, or one that your scale reads to a thousandth",
     };
     let read = |answer: &str| pump_bench::units::volume_ml(answer).map_err(|error| error.to_string());

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use super::drive::DriveError;
-use super::stop_request::StopRequest;
 use super::grbl::ask_boards;
+use super::stop_request::StopRequest;
 use super::{NodeError, node};
 use crate::pump_file::{Axis, DriveTable, DriverName};
 

@@ -7,16 +7,14 @@ use core::f64::consts::{FRAC_PI_4, PI};
 /// path of a large hose pump: Watson-Marlow state 20 L a revolution of the Bredel 100, whose hose has a bore of 100 mm.
 const LONGEST_MM: f64 = 1e4;
 
-/// Longest path that is usual, in mm. The catalogue's longest is 145 mm (`runze-yz1515x-3-14`), and half as much again
-/// covers what a bore's tolerance makes of it.
-const USUAL_MM: f64 = 220.0;
+/// Longest path that is usual, in mm: twice the catalogue's longest, 145 mm (`runze-yz1515x-3-14`).
+const USUAL_MM: f64 = 290.0;
 
 /// Longest path that is usual for wide bores, in bores. That of the Bredel 100 is 25 bores long.
 const USUAL_BORES: f64 = 40.0;
 
-/// Shortest path that is usual, in bores. The catalogue's shortest is 9.4 bores long (`masterflex-ls-18`), and two
-/// thirds of it cover what a bore's tolerance makes of it.
-const FEWEST_BORES: f64 = 6.0;
+/// Shortest path that is usual, in bores: half of the catalogue's shortest, 9.4 bores (`masterflex-ls-18`).
+const FEWEST_BORES: f64 = 4.7;
 
 /// Returns the length of tube that holds the volume of a revolution, in mm: V/(pi/4 d²).
 pub(crate) fn path_mm(ml_per_rev: f64, bore_mm: f64) -> f64 {
@@ -64,7 +62,10 @@ mod tests {
             (shortest, longest_mm) = (shortest.min(length_mm / bore_mm), longest_mm.max(length_mm));
         }
         // The bounds follow from these two rows.
-        assert!((shortest - 9.45).abs() < 0.01 && (longest_mm - 144.9).abs() < 0.1, "{shortest} {longest_mm}");
+        assert!(
+            (shortest - 9.45).abs() < 0.01 && (longest_mm - 144.9).abs() < 0.1,
+            "{shortest} {longest_mm}"
+        );
     }
 
     #[test]
@@ -84,7 +85,11 @@ mod tests {
             [(0.29, true, true), (2.9, false, true), (0.029, true, true), (290.0, false, false)]
         {
             let within = |(least_ml, most_ml): (f64, f64)| (least_ml..=most_ml).contains(&ml_per_rev);
-            assert_eq!((within(usual_ml(1.6)), within(possible_ml(1.6))), (is_usual, is_possible), "{ml_per_rev}");
+            assert_eq!(
+                (within(usual_ml(1.6)), within(possible_ml(1.6))),
+                (is_usual, is_possible),
+                "{ml_per_rev}"
+            );
         }
     }
 }

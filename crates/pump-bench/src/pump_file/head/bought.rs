@@ -151,12 +151,16 @@ mod tests {
     fn a_volume_that_no_head_delivers_through_its_bore_is_refused_with_the_range() {
         let with = |ml: &str, bore: &str| {
             let head = format!("ml_per_rev = {ml}\ntube_bore_mm = {bore}");
-            BOUGHT.replace("ml_per_rev = 0.5", &head).replace("default_rate_ml_s = 0.2", "default_rate_ml_s = 0.1")
+            BOUGHT
+                .replace("ml_per_rev = 0.5", &head)
+                .replace("default_rate_ml_s = 0.2", "default_rate_ml_s = 0.1")
         };
         // pi²/12 1.6³ = 3.37 mm³, and pi/4 1.6² 10 m = 20.1 mL.
         let said = refusal(&with("500.0", "1.6"));
         assert!(
-            said.contains("[head] ml_per_rev is 500 beside tube_bore_mm = 1.6; allowed: 0.00337 to 20.1 for this bore"),
+            said.contains(
+                "[head] ml_per_rev is 500 beside tube_bore_mm = 1.6; allowed: 0.00337 to 20.1 for this bore"
+            ),
             "{said}"
         );
         // pi²/12 30³ = 22.2 mL.
