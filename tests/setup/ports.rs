@@ -102,5 +102,9 @@ fn a_board_that_went_away_is_asked_for_in_the_same_run() {
     let script = ["setup", "base", "--like", "acid", "--port", "/dev/null", "--axis", "Y", "--yes"];
     let refused = desk.types(&[&script[..], &["--turned", "1", "--direction", "forward"]].concat());
     assert_eq!(refused.code, 2, "{}", refused.err);
-    assert!(refused.err.contains("`dose setup base` goes on there, and `--port <PORT>`"), "{}", refused.err);
+    assert!(
+        refused.err.contains("`dose setup base` goes on there, and `--port <PORT>` or"),
+        "{}",
+        refused.err
+    );
 }

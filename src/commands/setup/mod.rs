@@ -80,9 +80,11 @@ impl SetupArgs {
             Err(Stop::Failed(failure)) => {
                 let failure = if course.has_moved { failure.after_motion() } else { failure };
                 let is_kept = course.folder.read(&name).is_ok_and(|kept| kept.is_some());
-                // A board that has changed its port would fail the same way for ever.
+                // A board that has changed its port, or an axis that it lacks, would fail the same way for ever.
                 let elsewhere = match &course.answers.port {
-                    Some(_) if failure.is_of_drive() => " there, and `--port <PORT>` with it at another port",
+                    Some(_) if failure.is_of_drive() => {
+                        " there, and `--port <PORT>` or `--axis <AXIS>` with it elsewhere"
+                    }
                     _ => "",
                 };
                 Err(if is_kept {
@@ -159,6 +161,7 @@ impl SetupArgs {
             course.answers.done.file_alone = true;
             return Ok(course.keep()?);
         }
+        weigh::leave_calibration_of_another_head(course)?;
         if course.answers.done.weighed > 0 && !self.weighs_more(course)? {
             return outlook::tell_outlook(course);
         }

@@ -214,3 +214,22 @@ pub(super) fn accept_stopped(course: &mut Course) -> Asked<()> {
     course.answers.done.dosed = false;
     Ok(course.keep()?)
 }
+
+/// Has doses use no calibration that was made with another head: its factor is that of another volume. The pump is to
+/// be weighed again.
+pub(super) fn leave_calibration_of_another_head(course: &mut Course) -> Asked<()> {
+    let bench = course.bench()?;
+    let Some(stored) = bench.calibrations().active()?.filter(|stored| !stored.is_of(bench.model())) else {
+        return Ok(());
+    };
+    accept_stopped(course)?;
+    let held = bench.folder().lock()?;
+    bench.use_calibration(None)?;
+    drop(held);
+    tell_person(&format!(
+        "Calibration {} was made with another head. Doses use it no more, and the pump is weighed again.",
+        stored.version
+    ));
+    (course.answers.done.weighed, course.answers.done.dosed) = (0, false);
+    Ok(course.keep()?)
+}
