@@ -17,8 +17,8 @@ use simulated::Simulated;
 use simulated::options::{Options, Sensor};
 
 const HELP: &str = "\
-A simulated grbl board at the end of a pseudo-terminal. Prints a device that `dose --driver grbl --port` takes, and runs
-until it is interrupted.
+A simulated grbl board with one axis, X, at the end of a pseudo-terminal. Prints a device that
+`dose --driver grbl --port` takes, and runs until it is interrupted.
 
   --balance mt-sics|sbi   a balance too, under the vessel of the built-in pump `three-roller`: prints its device as well
   --for <seconds>         ends by itself
@@ -54,7 +54,8 @@ const TRUTH: Truth = Truth {
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let mut options = Options::default();
+    // The board reports the axis that has a motor, so that nobody sets a pump up at another one.
+    let mut options = Options { axes: 1, ..Options::default() };
     let mut limit = None;
     let mut speech: Option<Speech> = None;
     let mut words = std::env::args().skip(1);

@@ -152,3 +152,24 @@ fn a_weight_that_cannot_be_is_refused_and_the_dose_stays() {
     assert_eq!(pump.board.rest().steps, steps);
     assert_eq!(desk.types(&["setup", "acid", "--weight", "4.98g"]).code, 0);
 }
+
+#[test]
+fn another_head_leaves_the_calibration_of_the_first_and_is_weighed_again() {
+    let desk = Desk::new();
+    let sim = ["--microsteps", "16", "--driver", "sim", "--altitude", "500m", "--volume", "5mL"];
+    let first = desk.types(&[&ACID[..], &sim].concat());
+    assert_eq!(first.code, 0, "{}", first.err);
+    let other = desk.types(&["setup", "acid", "--ml-per-rev", "0.4mL", "--bore", "1.6mm", "--yes"]);
+    assert_eq!(other.code, 0, "{}", other.err);
+    assert!(other.err.contains("Calibration 1 was made with another head"), "{}", other.err);
+    assert!(other.out.contains("calibration 2 of acid (sim): 1 run at"), "{}", other.out);
+    assert_eq!(desk.json(&["5mL"])["volume_basis"], "calibrated");
+    // A bore alone belongs to the head that is on record.
+    let bore = desk.types(&["setup", "acid", "--bore", "2mm", "--yes"]);
+    assert!(bore.code == 0 && !bore.err.contains("another head"), "{}", bore.err);
+    is_refused(
+        &desk,
+        &["setup", "base", "--head", "kamoer-kphm400-25", "--bore", "2mm", "--yes"],
+        &["--bore stands beside a volume per revolution"],
+    );
+}

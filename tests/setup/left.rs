@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::Duration;
 
-use crate::person::{Desk, by_part};
+use crate::person::{Desk, Ended, by_part};
 use crate::truth::TruePump;
 
 /// Answers to everything on a simulated motor.
@@ -81,8 +81,8 @@ fn a_second_weighing_joins_the_first() {
     assert!(again.out.contains("2 runs at"), "{}", again.out);
 }
 
-/// Makes the course on a board, and sends `signal` to the command while the weighed dose runs. Returns the exit code.
-fn stopped_in_the_dose(desk: &Desk, pump: &TruePump, signal: &str) -> i32 {
+/// Makes the course on a board, and sends `signal` to the command while the weighed dose runs.
+fn stopped_in_the_dose(desk: &Desk, pump: &TruePump, signal: &str) -> Ended {
     let port = pump.port();
     let words = [
         "setup",
@@ -111,7 +111,7 @@ fn stopped_in_the_dose(desk: &Desk, pump: &TruePump, signal: &str) -> i32 {
         "forward",
     ];
     thread::scope(|scope| {
-        let ended = desk.answers(&words, &mut |question| {
+        desk.answers(&words, &mut |question| {
             if question.starts_with("Put a vessel") {
                 // The dose is 64000 steps long.
                 let from = pump.board.rest().steps;
@@ -124,8 +124,7 @@ fn stopped_in_the_dose(desk: &Desk, pump: &TruePump, signal: &str) -> i32 {
                 });
             }
             Some(if question.starts_with("May the motor") { "yes".to_owned() } else { String::new() })
-        });
-        ended.code
+        })
     })
 }
 
@@ -134,7 +133,8 @@ fn a_dose_that_was_stopped_or_cut_off_is_on_record_and_made_again() {
     for (signal, code) in [("-INT", 130), ("-KILL", -1)] {
         let desk = Desk::new();
         let mut pump = TruePump::left_alone(0.54, 3200.0, (0.3, 60.0), 0.9);
-        assert_eq!(stopped_in_the_dose(&desk, &pump, signal), code, "{signal}");
+        let stopped = stopped_in_the_dose(&desk, &pump, signal);
+        assert_eq!(stopped.code, code, "{signal}: {}{}", stopped.out, stopped.err);
         let steps = pump.board.rest().steps;
         assert!((8000..60_000).contains(&(steps - 3200)), "{signal}: {steps}");
         let journal = desk.journal("acid", "grbl").unwrap();

@@ -4,6 +4,9 @@
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 #![cfg(unix)]
 
+#[allow(dead_code, reason = "the balance of other tests, with more defects")]
+#[path = "../../examples/simulated_grbl/balance/mod.rs"]
+mod balance;
 mod contradictions;
 mod course;
 mod left;
@@ -12,6 +15,7 @@ mod options;
 mod page;
 mod person;
 mod ports;
+mod scale;
 mod second;
 #[allow(dead_code, reason = "the board of other tests, with more to look at")]
 #[path = "../../examples/simulated_grbl/simulated/mod.rs"]
@@ -19,4 +23,5 @@ mod simulated;
 #[allow(dead_code, reason = "the board of an example, with more to look at")]
 #[path = "../../examples/simulated_node/simulated_node/mod.rs"]
 mod simulated_node;
+mod slips;
 mod truth;

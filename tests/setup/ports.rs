@@ -8,9 +8,12 @@ use pump_bench::drives::{
 };
 use pump_bench::pump_file::{DriveTable, DriverName};
 
+use crate::course::sees;
+use crate::person::Desk;
 use crate::simulated::Simulated;
-use crate::simulated::options::Options;
+use crate::simulated::options::{Defects, Options};
 use crate::simulated_node::SimulatedNode;
+use crate::truth::TruePump;
 
 #[test]
 fn each_port_is_asked_and_nothing_moves() {
@@ -48,9 +51,60 @@ fn grbl_boards_and_nodes_are_told_apart_and_named() {
     let ports = [grbl.path(), node.path(), std::path::Path::new("/dev/null")].map(std::path::Path::to_owned);
     let found = find_boards(&ports, &StopRequest::new(|| false));
     let said: Vec<_> = found.iter().map(|(_, board)| board.as_ref().map(FoundBoard::to_string)).collect();
-    assert_eq!(said[0].as_ref().unwrap(), "a grbl board, Idle");
+    assert_eq!(said[0].as_ref().unwrap(), "a grbl board, Idle, axes X, Y, Z");
     assert_eq!(said[1].as_ref().unwrap(), "a node 000000000005ec0d, firmware 0.1.0, axes X, Y, Z, A");
     assert!(said[2].is_err());
     assert_eq!(found[1].1.as_ref().unwrap().driver(), DriverName::Node);
     assert_eq!((grbl.rest().starts, node.truth().steps), (0, [0; 4]));
+}
+
+#[test]
+fn a_port_without_a_board_is_asked_for_again_at_once() {
+    let desk = Desk::new();
+    let mut pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);
+    let silent = Options { defects: Defects { silent: Some(0), ..Defects::default() }, ..Options::default() };
+    let silent = Simulated::start(silent).unwrap();
+    fs::write(desk.path("notes.txt"), "no device").unwrap();
+    let wrong = [
+        "/dev/null".to_owned(),
+        desk.path("notes.txt").display().to_string(),
+        silent.path().display().to_string(),
+        "/dev/ttyUSB99".to_owned(),
+    ];
+    let mut ports = wrong.iter().cloned().chain([pump.port()]);
+    let ended = desk.answers(&["setup", "acid", "--no-motion"], &mut |question| match question {
+        q if q.starts_with("Port") => ports.next(),
+        q => Some(sees(&mut pump, q, "16")),
+    });
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    for port in &wrong[..3] {
+        assert!(ended.err.contains(&format!("no board answers at {port}: ")), "{port}: {}", ended.err);
+    }
+    assert!(ended.err.contains("there is no /dev/ttyUSB99"), "{}", ended.err);
+    assert_eq!(ended.asked.iter().filter(|question| question.starts_with("Port")).count(), 5);
+    assert!(desk.configured("pumps/acid.toml").unwrap().contains(&pump.port()));
+    assert_eq!(pump.board.rest().steps, 0);
+}
+
+#[test]
+fn a_board_that_went_away_is_asked_for_in_the_same_run() {
+    let desk = Desk::new();
+    let mut pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);
+    let words = ["setup", "acid", "--driver", "grbl", "--port", "/dev/null", "--axis", "X"];
+    let ended = desk.answers(&words, &mut |question| match question {
+        q if q.starts_with("Driver") => None,
+        q => Some(sees(&mut pump, q, "16")),
+    });
+    assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+    assert_eq!(ended.asked.iter().filter(|question| question.starts_with("Port")).count(), 1);
+    assert!(ended.err.contains("the board answers, and its settings fit the pump"), "{}", ended.err);
+    // A script is told, and moves nothing.
+    let script = ["setup", "base", "--like", "acid", "--port", "/dev/null", "--axis", "Y", "--yes"];
+    let refused = desk.types(&[&script[..], &["--turned", "1", "--direction", "forward"]].concat());
+    assert_eq!(refused.code, 2, "{}", refused.err);
+    assert!(
+        refused.err.contains("`dose setup base` goes on there, and `--port <PORT>` or"),
+        "{}",
+        refused.err
+    );
 }

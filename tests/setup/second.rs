@@ -1,6 +1,9 @@
 //! A second pump on the same board: what is known of the first is suggested.
 
+use crate::course::sees;
 use crate::person::Desk;
+use crate::simulated::Simulated;
+use crate::simulated::options::Options;
 use crate::truth::TruePump;
 
 #[test]
@@ -53,17 +56,105 @@ fn a_second_pump_takes_what_is_known_of_the_first() {
     );
     assert!(ended.asked.len() <= 16, "{:?}", ended.asked);
     // A pump that differs in its axis alone is said to be like the first.
-    let like = desk.types(&["setup", "lime", "--like", "acid", "--axis", "Z", "--no-motion", "--yes"]);
+    let like = desk.types(&["setup", "lime", "--like", "acid", "--axis", "B", "--no-motion", "--yes"]);
     assert_eq!(like.code, 0, "{}", like.err);
     let lime = desk.configured("pumps/lime.toml").unwrap();
-    assert_eq!(acid.replace("\"acid\"", "\"lime\"").replace("axis = \"X\"", "axis = \"Z\""), lime);
+    assert_eq!(acid.replace("\"acid\"", "\"lime\"").replace("axis = \"X\"", "axis = \"B\""), lime);
     let none = desk.types(&["setup", "plum", "--like", "nobody", "--yes"]);
     assert!(none.code == 2 && none.err.contains("no pump `nobody` was set up"), "{}", none.err);
-    // An axis that the first pump has is not taken.
+    // An axis that the first pump has is not taken. The board has another free one.
     let mut is_first = true;
     let taken = desk.answers(&["setup", "salt", "--no-motion"], &mut |question| match question {
         q if q.starts_with("Axis") => std::mem::take(&mut is_first).then(|| "X".to_owned()),
         _ => Some(String::new()),
     });
     assert!(taken.err.contains("X is that of acid; choose another axis"), "{}", taken.err);
+}
+
+/// Answers of a pump that is set up with its file alone.
+fn file_alone(desk: &Desk, name: &str, more: &[&str]) {
+    let words =
+        ["setup", name, "--ml-per-rev", "0.5mL", "--rollers", "4", "--microsteps", "16", "--driver", "sim"];
+    let ended = desk.types(&[&words[..], more, &["--yes", "--no-motion"]].concat());
+    assert_eq!(ended.code, 0, "{}", ended.err);
+}
+
+#[test]
+fn only_a_run_that_came_to_its_end_suggests_and_what_yes_takes_is_listed() {
+    let desk = Desk::new();
+    file_alone(&desk, "acid", &["--altitude", "1200m", "--suction-lift", "0.2m", "--gear", "3"]);
+    // Somebody leaves at the first question, with a height that was said.
+    let left = desk.types(&["setup", "left", "--suction-lift", "-1m"]);
+    assert!(left.code == 2 && desk.configured("setup/left.toml").is_some(), "{}", left.err);
+    let base = ["setup", "base", "--ml-per-rev", "0.5mL", "--rollers", "4", "--driver", "sim", "--no-motion"];
+    let taken = desk.types(&[&base[..], &["--yes"]].concat());
+    assert_eq!(taken.code, 0, "{}", taken.err);
+    for said in [
+        "Microsteps per full step: 16 as of acid, taken by --yes",
+        "Gear: revolutions of the motor per revolution of the head: 3 as of acid, taken by --yes",
+        "Altitude of the place, as 500m, or the air's pressure, as 98.2kPaa: 1200m as of acid, taken by --yes",
+        "Height of the pump above the supply's surface, as 0.3m: 0.2m as of acid, taken by --yes",
+        "Inner diameter of the outlet's end, or `unknown`: unknown, taken by --yes",
+    ] {
+        assert!(taken.err.contains(said), "{said}: {}", taken.err);
+    }
+    assert!(desk.configured("pumps/base.toml").unwrap().contains("lift_mm = 200.0"));
+}
+
+#[test]
+fn the_pump_that_is_named_is_the_one_whose_answers_are_taken() {
+    let desk = Desk::new();
+    file_alone(&desk, "acid", &["--altitude", "1200m"]);
+    file_alone(&desk, "buffer", &["--altitude", "0m"]);
+    let like = desk.types(&["setup", "lime", "--like", "acid", "--no-motion", "--yes"]);
+    assert_eq!(like.code, 0, "{}", like.err);
+    assert!(like.err.contains("`lime` takes the answers of `acid`, all but its axis"), "{}", like.err);
+    assert!(!like.err.contains("buffer"), "{}", like.err);
+    assert!(desk.configured("pumps/lime.toml").unwrap().contains("altitude_m = 1200.0"));
+}
+
+#[test]
+fn an_axis_that_turns_another_pump_is_refused_by_options_too() {
+    let desk = Desk::new();
+    let pump = TruePump::new(0.5, 3200.0, (0.23, 50.0), 0.0);
+    let port = pump.port();
+    let board = ["--driver", "grbl", "--port", &port, "--altitude", "0m"];
+    let words =
+        ["setup", "buffer", "--ml-per-rev", "0.5mL", "--rollers", "4", "--microsteps", "16", "--axis", "X"];
+    let first = desk.types(&[&words[..], &board, &["--yes", "--no-motion"]].concat());
+    assert_eq!(first.code, 0, "{}", first.err);
+    let like = ["setup", "acid", "--like", "buffer", "--no-motion", "--yes"];
+    let refused = desk.types(&[&like[..], &["--axis", "X"]].concat());
+    assert_eq!(refused.code, 2, "{}", refused.err);
+    let said = format!("the axis X of {port} turns the pump `buffer` already; choose another axis");
+    assert!(refused.err.contains(&said) && refused.err.matches("error:").count() == 1, "{}", refused.err);
+    assert_eq!((desk.configured("pumps/acid.toml"), desk.configured("setup/acid.toml")), (None, None));
+    // Another name of the device is the same board.
+    std::os::unix::fs::symlink(&port, desk.path("board")).unwrap();
+    let other = desk.path("board");
+    let refused = desk.types(&[&like[..], &["--axis", "X", "--port", other.to_str().unwrap()]].concat());
+    assert!(refused.code == 2 && refused.err.contains("turns the pump `buffer` already"), "{}", refused.err);
+    // The pump that has the axis goes on with it, and without an axis the next free one is taken.
+    assert_eq!(desk.types(&["setup", "buffer", "--no-motion", "--yes"]).code, 0);
+    let free = desk.types(&like);
+    assert!(free.code == 0 && free.err.contains("turns this pump: Y, taken by --yes"), "{}", free.err);
+}
+
+#[test]
+fn an_axis_that_the_board_does_not_report_is_not_offered() {
+    let desk = Desk::new();
+    let options = Options { time_scale: 20.0, patient: true, axes: 1, ..Options::default() };
+    let mut pump = TruePump::behind(Simulated::start(options).unwrap(), 0.5, 3200.0, (0.23, 50.0), 0.0);
+    let mut axes = ["Y", "X"].iter();
+    let first = desk.answers(&["setup", "acid", "--no-motion"], &mut |question| match question {
+        q if q.starts_with("Axis") => axes.next().map(ToString::to_string),
+        q => Some(sees(&mut pump, q, "16")),
+    });
+    assert_eq!(first.code, 0, "{}", first.err);
+    assert!(first.err.contains("this board has the axis X alone, and not Y"), "{}", first.err);
+    let second = desk
+        .answers(&["setup", "base", "--no-motion"], &mut |question| Some(sees(&mut pump, question, "16")));
+    assert_eq!(second.code, 2, "{}", second.err);
+    assert!(second.err.contains("each axis of the board at"), "{}", second.err);
+    assert!(second.err.contains("`dose setup base` goes on"), "{}", second.err);
 }

@@ -17,9 +17,6 @@ const LONGEST_LINE: usize = 80;
 /// Number of reports from one with `WCO` to the next: at rest and in motion.
 const OFFSET_EVERY: [u32; 2] = [10, 30];
 
-/// Number of axes of grbl 1.1.
-const AXES: usize = 3;
-
 /// State of a board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum State {
@@ -50,6 +47,8 @@ pub(crate) struct Machine {
     pub(super) text: &'static str,
     pub defects: Defects,
     pub random: Random,
+    /// Number of axes that reports tell. The first alone has a motor.
+    axes: usize,
     sensor: Option<Sensor>,
     /// Bytes that were received and not read.
     received: VecDeque<u8>,
@@ -93,6 +92,7 @@ impl Machine {
             defects: options.defects.clone(),
             random: Random::new(options.defects.seed),
             sensor: options.sensor,
+            axes: options.axes,
             received: VecDeque::new(),
             line: String::new(),
             pending: None,
@@ -343,8 +343,8 @@ impl Machine {
         let offset = if self.settings.get(13) != 0.0 { self.offset_mm / 25.4 } else { self.offset_mm };
         let machine = self.reported(self.counted());
         let triple = |first: f32| {
-            let rest = vec![print(0.0, decimals); AXES - 1].join(",");
-            format!("{},{rest}", print(first, decimals))
+            let rest = vec![print(0.0, decimals); self.axes.saturating_sub(1)];
+            [vec![print(first, decimals)], rest].concat().join(",")
         };
         let place = if mask & 1 != 0 {
             format!("MPos:{}", triple(machine))

@@ -19,6 +19,8 @@ pub(crate) struct Options {
     pub boot: Duration,
     /// Settings that differ from the usual ones.
     pub settings: Vec<(u16, f32)>,
+    /// Number of axes that the board reports. grbl 1.1 has three, and the first alone has a motor here.
+    pub axes: usize,
     /// Sensor on the first axis, if there is one.
     pub sensor: Option<Sensor>,
     /// Time between status reports that nobody asked for, as grblHAL's `$481` sets it.
@@ -129,6 +131,7 @@ impl Default for Options {
             resets_on_open: false,
             boot: Duration::from_millis(60),
             settings: Vec::new(),
+            axes: 3,
             sensor: None,
             auto_report: None,
             chatters: false,

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use pump_bench::catalogue::{DrawnPump, RollerRuns, overlap_warning};
+use pump_bench::catalogue::{DrawnPump, RollerRuns, unusual};
 use pump_bench::export::{Axes, fit_svg};
 use pump_bench::files::{MOST_TABLE_BYTES, Staged, read_text};
 use pump_bench::pump_file::{CurveFit, PumpFile, RollerVolumeTable};
@@ -21,7 +21,7 @@ use crate::options::choice::choice;
 use crate::options::files::Files;
 use crate::options::pump::{ConfigOption, ForeignRecord};
 use crate::outputs::Outputs;
-use crate::terminal::{print, tell};
+use crate::terminal::{print, tell, warn};
 
 /// The dimensions that a drawing tells.
 #[derive(Debug, Args)]
@@ -139,10 +139,18 @@ impl NewArgs {
                 tell(&format!("  {motor}\n"))?;
             }
         }
-        if let Some(warning) = overlap_warning(&drawn.geometry) {
-            tell(&format!("  warning   {warning}\n"))?;
-        }
+        self.warn(&file)?;
         outputs.put()
+    }
+
+    /// Warns of what is unusual of a new pump: below the words on its file, or beside the file itself.
+    pub(super) fn warn(&self, file: &PumpFile) -> Result<(), Failure> {
+        let warnings = unusual(file);
+        if self.file.is_none() {
+            warn(&warnings);
+            return Ok(());
+        }
+        tell(&warnings.iter().map(|warning| format!("  warning   {warning}\n")).collect::<String>())
     }
 
     /// Writes the place and the motor into a new file as its owner states them. Returns the motor's steps in words, or

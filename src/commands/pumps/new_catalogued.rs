@@ -30,12 +30,13 @@ impl NewArgs {
         // The file must be readable again, its id too.
         PumpFile::parse(&text, "from the catalogue").map_err(Failure::of)?;
         match &self.file {
-            None => print(&text),
+            None => print(&text)?,
             Some(path) => {
                 write_new(path, &text)?;
-                tell(&format!("  {motor}\n"))
+                tell(&format!("  {motor}\n"))?;
             }
         }
+        self.warn(&file)
     }
 }
 

@@ -92,9 +92,11 @@ impl Asker {
         let usual = question.usual.as_ref();
         if self.yes {
             let Some(usual) = usual else { return Err(unanswered(question, "nobody is asked").into()) };
-            return read(&usual.answer).map_err(|why| {
+            let value = read(&usual.answer).map_err(|why| {
                 Stop::Failed(Failure::refused(format!("{}: {why}; say {}", question.text, question.option)))
-            });
+            })?;
+            say_taken(question, usual);
+            return Ok(value);
         }
         loop {
             let suggested = match usual {
@@ -110,7 +112,11 @@ impl Asker {
             }
             let answer = match (line.trim(), usual) {
                 ("", Some(usual)) => usual.answer.as_str(),
-                ("" | "?", _) => {
+                ("", None) => {
+                    say_wrapped(&format!("  Enter alone answers nothing here: {}\n", question.help));
+                    continue;
+                }
+                ("?", _) => {
                     say_wrapped(&format!("  {}\n", question.help));
                     continue;
                 }
@@ -152,6 +158,15 @@ impl Asker {
             }
         }
     }
+}
+
+/// Says which answer was taken without a question, and where it comes from. A yes is what `--yes` says itself.
+fn say_taken(question: &Question<'_>, usual: &Usual) {
+    if usual.answer == "yes" {
+        return;
+    }
+    let of = usual.of.as_ref().map_or_else(String::new, |pump| format!(" as of {pump}"));
+    say_wrapped(&format!("  {}: {}{of}, taken by --yes\n", question.text, usual.answer));
 }
 
 /// Reads yes or no.

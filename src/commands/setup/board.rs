@@ -51,7 +51,8 @@ fn ask_driver(course: &mut Course) -> Asked<()> {
 }
 
 fn ask_port(course: &mut Course) -> Asked<()> {
-    let found = if course.asker.is_silent() { Vec::new() } else { search()? };
+    let is_silent = course.asker.is_silent();
+    let found = if is_silent { Vec::new() } else { search()? };
     let of_last = course.suggested(|last| Some(last.port.as_ref()?.display().to_string()), None);
     let of_driver = found.iter().filter(|(_, board)| Some(board.driver()) == course.answers.driver);
     let only = match (of_driver.collect::<Vec<_>>().as_slice(), found.as_slice()) {
@@ -65,13 +66,47 @@ fn ask_port(course: &mut Course) -> Asked<()> {
         usual: of_last.clone().filter(is_there).or(only).or(of_last),
         help: "the device that appears when you plug the board's cable in, as /dev/ttyUSB0",
     };
-    let read = |answer: &str| match Path::new(answer) {
-        port if port.exists() => Ok(port.to_owned()),
-        _ => Err(format!("there is no {answer}; is the board plugged in?")),
+    let mut board = None;
+    let read = |answer: &str| {
+        let port = Path::new(answer);
+        if !port.exists() {
+            return Err(format!("there is no {answer}; is the board plugged in?"));
+        }
+        if !is_silent {
+            let known = found.iter().find(|(at, _)| at == port).map(|(_, board)| board.clone());
+            board = Some(known.map_or_else(|| who_is_at(port), Ok)?);
+        }
+        Ok(port.to_owned())
     };
     course.settle(&question, read, |answers, port| answers.port = Some(port))?;
-    let chosen = found.into_iter().find(|(port, _)| course.answers.port.as_ref() == Some(port));
-    chosen.map_or(Ok(()), |(_, board)| take_driver(course, &board))
+    course.board = board;
+    course.board.clone().map_or(Ok(()), |board| take_driver(course, &board))
+}
+
+/// Asks the port anew, of a board that does not answer there.
+pub(super) fn ask_again(course: &mut Course) -> Asked<()> {
+    let mut answers = course.answers.clone();
+    answers.port = None;
+    course.take(answers)?;
+    ask(course)
+}
+
+/// Asks a port that the search has not found who is there. It says why there is no board.
+fn who_is_at(port: &Path) -> Result<FoundBoard, String> {
+    let shown = port.display();
+    say(&format!("  asking {shown} (nothing moves)\n"));
+    let answers = find_boards(&[port.to_owned()], &interrupt::stop_request());
+    match answers.into_iter().next() {
+        Some((_, Ok(board))) => {
+            tell_person(&format!("  {shown}: {board}"));
+            Ok(board)
+        }
+        Some((_, Err(error))) => Err(format!(
+            "no board answers at {shown}: {}; name the board's port, or quit and come back",
+            advice::told(&error)
+        )),
+        None => Err(format!("nobody was asked at {shown}")),
+    }
 }
 
 /// Takes the driver of the board that answers at the port.
@@ -117,18 +152,20 @@ fn search() -> Result<Vec<(PathBuf, FoundBoard)>, Failure> {
 
 fn ask_axis(course: &mut Course) -> Asked<()> {
     let port = course.answers.port.clone().unwrap_or_default();
-    let others: Vec<(String, Axis)> = course
-        .others_at(&port)
-        .into_iter()
-        .filter_map(|other| Some((other.name.clone(), other.axis?)))
-        .collect();
-    for (name, axis) in &others {
-        tell_person(&format!("  {name} has the axis {axis} of this board"));
+    let others = course.others_at(&port);
+    for other in &others {
+        tell_person(&format!("  {} has the axis {} of this board", other.name, other.axis));
     }
-    // A node has four axes.
-    let is_node = course.answers.driver == Some(DriverName::Node);
-    let axes = if is_node { Axis::ALL.get(..4).unwrap_or_default() } else { Axis::ALL };
-    let free = axes.iter().find(|axis| others.iter().all(|(_, taken)| taken != *axis));
+    let axes = axes(course);
+    let free = axes.iter().find(|axis| others.iter().all(|other| other.axis != **axis));
+    if free.is_none() {
+        return Err(Failure::refused(format!(
+            "each axis of the board at {} turns another pump; name another board with --port <PORT>",
+            port.display()
+        ))
+        .into());
+    }
+    let whose = if course.answers.driver == Some(DriverName::Node) { "a node" } else { "this board" };
     let question = Question {
         text: "Axis of the board that turns this pump",
         option: "--axis X",
@@ -138,12 +175,32 @@ fn ask_axis(course: &mut Course) -> Asked<()> {
     let read = |answer: &str| {
         let axis = axis(answer)?;
         if !axes.contains(&axis) {
-            return Err(format!("a node has the axes X, Y, Z and A, and not {axis}"));
+            return Err(format!("{whose} has {}, and not {axis}", in_words(axes)));
         }
-        match others.iter().find(|(_, taken)| *taken == axis) {
-            Some((name, _)) => Err(format!("{axis} is that of {name}; choose another axis")),
+        match others.iter().find(|other| other.axis == axis) {
+            Some(other) => Err(format!("{axis} is that of {}; choose another axis", other.name)),
             None => Ok(axis),
         }
     };
     course.settle(&question, read, |answers, axis| answers.axis = Some(axis))
+}
+
+/// The axes of the board, as far as it tells. A node has four.
+fn axes(course: &Course) -> &'static [Axis] {
+    match (course.board.as_ref().map(FoundBoard::axes), course.answers.driver) {
+        (Some(axes @ [_, ..]), _) => axes,
+        (_, Some(DriverName::Node)) => Axis::ALL.get(..4).unwrap_or_default(),
+        _ => Axis::ALL,
+    }
+}
+
+/// Axes in words: `the axes X, Y, Z and A`.
+fn in_words(axes: &[Axis]) -> String {
+    match axes {
+        [axes @ .., last] if !axes.is_empty() => {
+            let listed: Vec<_> = axes.iter().map(|axis| axis.as_str()).collect();
+            format!("the axes {} and {last}", listed.join(", "))
+        }
+        axes => format!("the axis {} alone", axes.first().map_or("X", |axis| axis.as_str())),
+    }
 }

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use pump_bench::config::Config;
+use pump_bench::drives::FoundBoard;
 use pump_bench::notice::{Notice, Remedy};
 use pump_bench::pump_file::{DriverName, PumpFile};
-use pump_bench::setup::{Answers, Done, HeadAnswer, SetupFolder};
+use pump_bench::setup::{Answers, Done, HeadAnswer, Neighbour, SetupFolder};
 use pump_bench::{Bench, Prepared, Session};
 
 use super::asker::{Asked, Asker, Question, Usual};
@@ -19,10 +21,13 @@ pub(super) struct Course {
     pub(super) answers: Answers,
     pub(super) folder: SetupFolder,
     state_dir: PathBuf,
-    /// Answers of the pump that was set up last, from which answers are suggested.
+    /// Answers of the pump that is named, or else of the one whose first run came to its end last. Answers are suggested
+    /// from them.
     pub(super) last: Option<Answers>,
-    /// Answers of all other pumps.
-    others: Vec<Answers>,
+    /// Other pumps of the configuration that boards turn.
+    neighbours: Vec<Neighbour>,
+    /// Board that answered at the port, once it was asked.
+    pub(super) board: Option<FoundBoard>,
     /// True if the motor has turned in this call.
     pub(super) has_moved: bool,
     /// Warnings that were said already.
@@ -30,12 +35,19 @@ pub(super) struct Course {
 }
 
 impl Course {
-    pub(super) fn new(asker: Asker, answers: Answers, folder: SetupFolder, state_dir: &Path) -> Self {
-        let mut others = folder.all();
-        others.retain(|other| other.name != answers.name);
-        let last = others.first().cloned();
-        let state_dir = state_dir.to_owned();
-        Self { asker, answers, folder, state_dir, last, others, has_moved: false, warned: Vec::new() }
+    /// The course of these answers. `like` names the pump from which answers are suggested.
+    pub(super) fn new(
+        asker: Asker,
+        answers: Answers,
+        folder: SetupFolder,
+        (state_dir, config): (PathBuf, &Config),
+        like: Option<Answers>,
+    ) -> Self {
+        let finished = |other: &Answers| other.name != answers.name && other.is_finished();
+        let last = like.or_else(|| folder.all().into_iter().find(finished));
+        let neighbours = Neighbour::all_but(config, &answers.name);
+        let (board, has_moved, warned) = (None, false, Vec::new());
+        Self { asker, answers, folder, state_dir, last, neighbours, board, has_moved, warned }
     }
 
     /// Puts the answers on record.
@@ -80,9 +92,26 @@ impl Course {
         last.or_else(|| usual.map(Usual::new))
     }
 
-    /// The pumps that were set up on a port, with their axes.
-    pub(super) fn others_at(&self, port: &Path) -> Vec<&Answers> {
-        self.others.iter().filter(|other| other.port.as_deref() == Some(port)).collect()
+    /// The answer of the last pump as a suggestion, if that has the same head, or else the usual one.
+    pub(super) fn suggested_of_head(
+        &self,
+        of: impl Fn(&Answers) -> Option<String>,
+        usual: Option<&str>,
+    ) -> Option<Usual> {
+        let is_other = self.last.as_ref().is_some_and(|last| last.head != self.answers.head);
+        if is_other { usual.map(Usual::new) } else { self.suggested(of, usual) }
+    }
+
+    /// The other pumps of the board at a port.
+    pub(super) fn others_at(&self, port: &Path) -> Vec<Neighbour> {
+        self.neighbours.iter().filter(|other| other.is_at(port)).cloned().collect()
+    }
+
+    /// Refuses an axis that was said in this call and turns another pump.
+    pub(super) fn check_axis(&self, answers: &Answers) -> Result<(), Failure> {
+        let at = |answers: &Answers| (answers.port.clone(), answers.axis);
+        let is_new = answers.done.written.is_none() || at(answers) != at(&self.answers);
+        if is_new { Ok(answers.check_axis(&self.neighbours)?) } else { Ok(()) }
     }
 
     /// True if no motor moves.

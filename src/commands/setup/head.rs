@@ -97,7 +97,7 @@ fn ask_bore(course: &mut Course) -> Asked<()> {
     let question = Question {
         text: "Bore of the tube (inner diameter), or `unknown`",
         option: "--bore 1.6mm beside --ml-per-rev",
-        usual: course.suggested(
+        usual: course.suggested_of_head(
             |last| last.tube_bore_mm.filter(|bore_mm| *bore_mm > 0.0).map(|bore_mm| format!("{bore_mm}mm")),
             Some("unknown"),
         ),
@@ -119,7 +119,7 @@ fn ask_rollers(course: &mut Course) -> Asked<()> {
     let question = Question {
         text: "Rollers, counted",
         option: "--rollers 4",
-        usual: course.suggested(|last| last.rollers.map(|rollers| rollers.to_string()), None),
+        usual: course.suggested_of_head(|last| last.rollers.map(|rollers| rollers.to_string()), None),
         help: "open the head and count the rollers that squeeze the tube, as 4",
     };
     let read = |answer: &str| answer.parse().map_err(|_| format!("`{answer}` is no number of rollers"));

@@ -15,12 +15,14 @@ mod written;
 
 use clap::Args;
 use pump_bench::config::Config;
+use pump_bench::pump_file::DriverName;
 use pump_bench::setup::{Answers, SetupError, SetupFolder};
 
 use self::asker::{Asked, Asker, Question, Stop, Usual};
 use self::course::{Course, heading, tell_person};
 use self::options::AnswerOptions;
 use crate::failure::Failure;
+use crate::options::balance::BalanceOptions;
 use crate::options::pump::{ConfigOption, RecordOption};
 use crate::terminal::say;
 
@@ -47,6 +49,8 @@ pub(crate) struct SetupArgs {
     #[command(flatten)]
     answers: AnswerOptions,
     #[command(flatten)]
+    balance: BalanceOptions,
+    #[command(flatten)]
     config: ConfigOption,
     #[command(flatten)]
     record: RecordOption,
@@ -63,7 +67,8 @@ impl SetupArgs {
             Err(Stop::Left) => return Ok(()),
             Err(Stop::Failed(failure)) => return Err(failure),
         };
-        let mut course = Course::new(asker, answers, folder, &self.record.folder(&config)?);
+        let (like, state_dir) = (self.liked(&folder)?, self.record.folder(&config)?);
+        let mut course = Course::new(asker, answers, folder, (state_dir, &config), like);
         let ended = self.follow(&mut course, &config);
         let name = course.answers.name.clone();
         match ended {
@@ -75,9 +80,11 @@ impl SetupArgs {
             Err(Stop::Failed(failure)) => {
                 let failure = if course.has_moved { failure.after_motion() } else { failure };
                 let is_kept = course.folder.read(&name).is_ok_and(|kept| kept.is_some());
-                // A board that has changed its port would fail the same way for ever.
+                // A board that has changed its port, or an axis that it lacks, would fail the same way for ever.
                 let elsewhere = match &course.answers.port {
-                    Some(_) if failure.is_of_drive() => " there, and `--port <PORT>` with it at another port",
+                    Some(_) if failure.is_of_drive() => {
+                        " there, and `--port <PORT>` or `--axis <AXIS>` with it elsewhere"
+                    }
                     _ => "",
                 };
                 Err(if is_kept {
@@ -87,6 +94,14 @@ impl SetupArgs {
                 })
             }
         }
+    }
+
+    /// The answers of the pump that `--like` names.
+    fn liked(&self, folder: &SetupFolder) -> Result<Option<Answers>, Failure> {
+        let Some(like) = &self.like else { return Ok(None) };
+        let refused =
+            || Failure::refused(format!("no pump `{like}` was set up, so there are no answers of it"));
+        folder.read(like)?.ok_or_else(refused).map(Some)
     }
 
     /// The answers on record, or those of a new pump.
@@ -127,26 +142,33 @@ impl SetupArgs {
         }
         let mut answers = course.answers.clone();
         self.answers.write_to(&mut answers)?;
-        if let Some(like) = &self.like {
-            let refused =
-                || Failure::refused(format!("no pump `{like}` was set up, so there are no answers of it"));
-            answers.take_missing(&course.folder.read(like)?.ok_or_else(refused)?);
+        if let Some(last) = course.last.as_ref().filter(|_| self.like.is_some()) {
+            answers.take_missing(last);
         }
         answers.check()?;
+        course.check_axis(&answers)?;
+        self.refuse_weight_before_dose(&answers)?;
+        let mut balance = self.balance.open()?;
+        if let Some(balance) = &mut balance {
+            // A balance that is silent or says no mass is found before anything moves.
+            weigh::still(balance.as_mut(), &self.balance)?;
+        }
         course.take(answers)?;
-        introduce(course, is_new)?;
+        introduce(course, is_new, self.like.is_some());
         written::write(course)?;
         if self.no_motion {
             say("Nothing was moved: this pump was not tried yet.\n");
-            return Ok(());
+            course.answers.done.file_alone = true;
+            return Ok(course.keep()?);
         }
+        weigh::leave_calibration_of_another_head(course)?;
         if course.answers.done.weighed > 0 && !self.weighs_more(course)? {
             return outlook::tell_outlook(course);
         }
         weigh::accept_stopped(course)?;
         turn::watch(course, &mut self.answers.turned.clone())?;
         fill::fill(course)?;
-        if weigh::weigh(course, &self.answers)? {
+        if weigh::weigh(course, &self.answers, &self.balance, balance)? {
             outlook::tell_outlook(course)
         } else {
             let name = &course.answers.name;
@@ -155,9 +177,21 @@ impl SetupArgs {
         }
     }
 
+    /// Refuses the weight of a dose that a real pump has not made yet. On a simulated one it is a made-up reading.
+    fn refuse_weight_before_dose(&self, answers: &Answers) -> Result<(), Failure> {
+        let is_made = answers.done.dosed || answers.done.weighed > 0;
+        let is_simulated = answers.driver.is_none_or(|driver| driver == DriverName::Sim);
+        if self.answers.weight.is_none() || is_made || is_simulated {
+            return Ok(());
+        }
+        Err(Failure::refused("--weight is that of a dose in the vessel, and none was made yet; leave it out, and say it after the dose")
+            .value("no dose")
+            .allowed("--weight after the dose"))
+    }
+
     /// Asks if one more dose is to be weighed, of a pump that is set up.
     fn weighs_more(&self, course: &mut Course) -> Asked<bool> {
-        if course.answers.done.dosed || self.answers.weight.is_some() {
+        if course.answers.done.dosed || self.answers.weight.is_some() || self.balance.is_given() {
             return Ok(true);
         }
         if course.asker.is_silent() {
@@ -187,10 +221,16 @@ fn ask_name(asker: &mut Asker, config: &Config) -> Asked<String> {
 }
 
 /// Says what the course does, and what is on record.
-fn introduce(course: &Course, is_new: bool) -> Result<(), Failure> {
+fn introduce(course: &Course, is_new: bool, is_like: bool) {
     let name = &course.answers.name;
+    if let Some(last) = course.last.as_ref().filter(|_| is_like) {
+        tell_person(&format!(
+            "`{name}` takes the answers of `{}`, all but its axis and its direction.",
+            last.name
+        ));
+    }
     if course.asker.is_silent() {
-        return Ok(());
+        return;
     }
     if is_new {
         tell_person(&format!(
@@ -203,11 +243,10 @@ fn introduce(course: &Course, is_new: bool) -> Result<(), Failure> {
             "Going on with `{name}`; the answers so far are on record. ? explains, quit leaves."
         ));
     }
-    if let Some(last) = &course.last {
+    if let Some(last) = course.last.as_ref().filter(|_| !is_like) {
         tell_person(&format!(
             "Suggested answers are those of `{}`, the pump that was set up last.",
             last.name
         ));
     }
-    Ok(())
 }

@@ -124,6 +124,7 @@ pub(super) struct AnswerOptions {
     volume: Option<f64>,
     /// Reading of the scale for that dose, as 4.93g
     #[arg(long, value_name = "READING", help_heading = "First dose", value_parser = stated_reading)]
+    #[arg(conflicts_with_all = ["scale_port", "scale_command"])]
     pub(super) weight: Option<StatedReading>,
     /// Temperature of the water that is weighed, as 22degC [default: 25degC]
     #[arg(long, value_name = "TEMPERATURE", help_heading = "First dose", value_parser = units::temperature_degc)]
@@ -166,6 +167,11 @@ impl AnswerOptions {
         if let Some(head) = self.head()? {
             answers.head = Some(head);
         }
+        if self.bore.is_some() && !matches!(answers.head, None | Some(HeadAnswer::Volume { .. })) {
+            return Err(Failure::refused(
+                "--bore stands beside a volume per revolution; any other head knows its own",
+            ));
+        }
         if self.steps_per_rev.is_some() {
             (answers.steps_per_rev, answers.full_steps, answers.microsteps) =
                 (self.steps_per_rev, None, None);
@@ -201,11 +207,6 @@ impl AnswerOptions {
     }
 
     fn head(&self) -> Result<Option<HeadAnswer>, Failure> {
-        if self.bore.is_some() && self.ml_per_rev.is_none() {
-            return Err(Failure::refused(
-                "--bore stands beside --ml-per-rev; a head of the catalogue knows its own",
-            ));
-        }
         if let Some(name) = &self.head {
             return Ok(Some(HeadAnswer::Catalogue(name.clone())));
         }

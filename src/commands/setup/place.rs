@@ -3,7 +3,7 @@
 use pump_bench::pump_file::OutletEnd;
 use pump_bench::units::{self, Pressure};
 
-use super::asker::{Asked, Question, Usual};
+use super::asker::{Asked, Question};
 use super::course::{Course, heading};
 use super::head::length_or_unknown;
 use super::options::ambient_kpa;
@@ -116,16 +116,11 @@ fn ask_outlet(course: &mut Course) -> Asked<()> {
 
 fn ask_rate(course: &mut Course) -> Asked<()> {
     let own = format!("{}mL/s", significant(course.answers.usual_rate_ml_s()?));
-    // The rate of another pump fits a head of another size badly.
-    let same_head = course.last.as_ref().filter(|last| last.head == course.answers.head);
-    let of_last = same_head.and_then(|last| {
-        let answer = format!("{}mL/s", last.rate_ml_s?);
-        Some(Usual { answer, of: Some(last.name.clone()) })
-    });
     let question = Question {
         text: "Rate of a dose that names none",
         option: "--rate 0.2mL/s",
-        usual: of_last.or(Some(Usual::new(own))),
+        // The rate of another pump fits a head of another size badly.
+        usual: course.suggested_of_head(|last| Some(format!("{}mL/s", last.rate_ml_s?)), Some(&own)),
         help: "mean flow, as 0.2mL/s or 12mL/min; a slow dose is gentler to the liquid and to the scale",
     };
     let read = |answer: &str| units::flow_ml_s(answer).map_err(|error| error.to_string());

@@ -10,6 +10,7 @@ use pump_bench::setup::Answers;
 use pump_model::units::rad_s;
 
 use super::asker::{Asked, Question, Stop, Usual, yes_or_no};
+use super::board;
 use super::course::{Course, heading, tell_person};
 use super::options::turns;
 use super::place;
@@ -93,7 +94,10 @@ fn meet_board(course: &mut Course) -> Asked<()> {
                 continue;
             }
             Err(error) if fixes(&error.remedies()) && course.answers.configure != Some(true) => Some(error),
-            Err(error) => return Err(Failure::from(error).into()),
+            Err(error) => {
+                board_is_away(course, Failure::from(error))?;
+                continue;
+            }
         };
         let words = match &error {
             Some(error) => pump_bench::report::with_sources(error),
@@ -121,6 +125,16 @@ fn meet_board(course: &mut Course) -> Asked<()> {
             return Err(Failure::from(error).into());
         }
     }
+}
+
+/// Asks the port anew where no board answers. Nobody is asked by a script, and another failure is passed on.
+fn board_is_away(course: &mut Course, failure: Failure) -> Asked<()> {
+    if course.asker.is_silent() || !failure.is_of_drive() {
+        return Err(failure.into());
+    }
+    tell_person(&format!("  {}", failure.message()));
+    board::ask_again(course)?;
+    rewrite(course)
 }
 
 /// True if the board makes the rate. Otherwise the rate is asked for anew, or refused where nobody is asked.
@@ -154,7 +168,7 @@ fn may_move(course: &mut Course) -> Asked<()> {
         text: "May the motor move? (yes, quit)",
         option: "--yes",
         usual: None,
-        help: "yes turns it; quit leaves, and the answers stay on record",
+        help: "write yes, and it turns; quit leaves, and the answers stay on record",
     };
     match course.asker.agrees(&question)? {
         true => Ok(()),

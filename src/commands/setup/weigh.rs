@@ -1,8 +1,9 @@
 //! A dose into a tared vessel, and its weight: the first calibration.
 
+use pump_bench::balance::{Balance, BalanceReading};
 use pump_bench::calibration::{Earlier, Expected, Stored};
 use pump_bench::report::calibration_text;
-use pump_bench::units::{StatedReading, stated_reading};
+use pump_bench::units::{Amount, StatedReading, stated_reading};
 use pump_bench::{Bench, DoseReport, DoseRequest, Session};
 
 use super::asker::{Asked, Question, Usual};
@@ -12,41 +13,58 @@ use super::written::rounded;
 use crate::advice;
 use crate::commands::delivery::deliver;
 use crate::failure::Failure;
+use crate::interrupt;
+use crate::options::balance::BalanceOptions;
 use crate::terminal::{noted, tell};
 
 /// Usual volume of the dose that is weighed, mL: a kitchen scale of 0.01 g then reads it to a thousandth.
 const USUAL_ML: f64 = 10.0;
 
+/// Reading of the balance before the dose, if there is a balance.
+type ReadBefore<'a> = dyn FnMut() -> Result<Option<BalanceReading>, Failure> + 'a;
+
 /// Most and fewest revolutions of that dose: it takes a minute or two, and the pulses of a revolution count little.
 const REVOLUTIONS: [f64; 2] = [2.0, 40.0];
 
-/// Doses into the vessel and asks for the weight. Returns false if nobody can say the weight now.
-pub(super) fn weigh(course: &mut Course, options: &AnswerOptions) -> Asked<bool> {
+/// Doses into the vessel and takes the weight: that of the command line, that of the balance, or a person's. Returns
+/// false if nobody can say the weight now.
+pub(super) fn weigh(
+    course: &mut Course,
+    options: &AnswerOptions,
+    named: &BalanceOptions,
+    mut balance: Option<Box<dyn Balance>>,
+) -> Asked<bool> {
     let mut given = options.weight;
+    if let Some(reading) = given.filter(|_| !course.answers.done.dosed && course.answers.done.weighed > 0) {
+        tell_person("The weight takes the place of the earlier reading of the dose that was made last.");
+        keep(course, &reading, options.temperature, false)?;
+        return Ok(true);
+    }
     loop {
-        let mut balance_g = None;
+        let (mut shown_g, mut before) = (None, None);
         if !course.answers.done.dosed {
             heading("A dose to be weighed");
             if course.answers.volume_ml.is_none() {
                 ask_volume(course)?;
             }
-            balance_g = dose(course)?;
-            // A weight on the command line is that of a dose that is in the vessel.
-            given = given.filter(|_| course.is_simulated());
+            (shown_g, before) = dose(course, &mut || {
+                balance.as_mut().map(|balance| still(balance.as_mut(), named)).transpose()
+            })?;
         }
-        let reading = match given.take() {
-            Some(reading) => Some(reading),
-            None if course.asker.is_silent() && !course.is_simulated() => return Ok(false),
-            None => ask_weight(course, balance_g)?,
+        let reading = match (given.take(), balance.as_mut()) {
+            (Some(reading), _) => Some(reading),
+            (None, Some(balance)) => Some(more_on(still(balance.as_mut(), named)?, before)?),
+            (None, None) if course.asker.is_silent() && !course.is_simulated() => return Ok(false),
+            (None, None) => ask_weight(course, shown_g)?,
         };
         let Some(reading) = reading else {
             course.answers.done.dosed = false;
             course.keep()?;
             continue;
         };
-        match keep(course, &reading, options.temperature) {
+        match keep(course, &reading, options.temperature, true) {
             Ok(()) => return Ok(true),
-            Err(failure) if course.asker.is_silent() || options.weight.is_some() => {
+            Err(failure) if course.asker.is_silent() || options.weight.is_some() || balance.is_some() => {
                 return Err(failure.into());
             }
             Err(failure) => tell_person(&format!("  {}", failure.message())),
@@ -58,23 +76,38 @@ fn ask_volume(course: &mut Course) -> Asked<()> {
     let bench = course.bench()?;
     let revolution_ml = bench.model().revolution_ml();
     let fits_ml = USUAL_ML.min(REVOLUTIONS[1] * revolution_ml).max(REVOLUTIONS[0] * revolution_ml);
-    let same_head = course.last.as_ref().filter(|last| last.head == course.answers.head);
-    let of_last = same_head.and_then(|last| {
-        let answer = format!("{}mL", last.volume_ml?);
-        Some(Usual { answer, of: Some(last.name.clone()) })
-    });
+    let own = format!("{}mL", rounded(fits_ml));
     let question = Question {
         text: "Volume of the dose",
         option: "--volume 5mL",
-        usual: of_last.or(Some(Usual::new(format!("{}mL", rounded(fits_ml))))),
+        usual: course.suggested_of_head(|last| Some(format!("{}mL", last.volume_ml?)), Some(&own)),
         help: "the volume that you will mostly dose, or one that your scale reads to a thousandth",
     };
     let read = |answer: &str| pump_bench::units::volume_ml(answer).map_err(|error| error.to_string());
     course.settle(&question, read, |answers, ml| answers.volume_ml = Some(ml))
 }
 
-/// Doses into the vessel. Returns what a simulated balance shows, g.
-fn dose(course: &mut Course) -> Asked<Option<f64>> {
+/// Reads a balance that stands still.
+pub(super) fn still(balance: &mut dyn Balance, named: &BalanceOptions) -> Result<BalanceReading, Failure> {
+    balance.read_still(named.longest_wait(), &interrupt::stop_request()).map_err(Failure::of)
+}
+
+/// The mass that a balance shows more than before the dose. A dose of an earlier call went into a tared vessel.
+fn more_on(after: BalanceReading, before: Option<BalanceReading>) -> Result<StatedReading, Failure> {
+    let mass_g = after.mass_g - before.map_or(0.0, |before| before.mass_g);
+    tell_person(&format!("  {} g more on the balance", rounded(mass_g)));
+    if mass_g > 0.0 {
+        return Ok(StatedReading { amount: Amount::Mass(mass_g), resolution: Amount::Mass(after.step_g) });
+    }
+    Err(Failure::refused(format!(
+        "the balance shows {} g of the dose; is the vessel on it, and the line filled? The dose is on record, and \
+         `--weight` says what it weighs",
+        rounded(mass_g)
+    )))
+}
+
+/// Doses into the vessel. Returns what a simulated balance shows, g, and what the real one showed before the dose.
+fn dose(course: &mut Course, before: &mut ReadBefore<'_>) -> Asked<(Option<f64>, Option<BalanceReading>)> {
     let bench = course.bench()?;
     let asked_ml = course.answers.volume_ml.unwrap_or(USUAL_ML);
     let volume_ml = exact_ml(&bench, asked_ml)?;
@@ -94,6 +127,7 @@ fn dose(course: &mut Course) -> Asked<Option<f64>> {
         "y" | "yes" => Ok(()),
         other => Err(format!("`{other}`: press Enter, or say quit")),
     })?;
+    let before = before()?;
     let mut session = bench.session()?;
     let prepared = session.prepare(DoseRequest::dose(volume_ml));
     let mut prepared = noted(&mut session, prepared)?;
@@ -109,7 +143,7 @@ fn dose(course: &mut Course) -> Asked<Option<f64>> {
     }
     course.answers.done.dosed = true;
     course.keep()?;
-    Ok(report.balance_g.filter(|_| bench.is_simulated()))
+    Ok((report.balance_g.filter(|_| bench.is_simulated()), before))
 }
 
 /// The volume whose turn is the same from wherever the rollers stand, if nobody knows that: whole pitches.
@@ -140,8 +174,13 @@ fn ask_weight(course: &mut Course, balance_g: Option<f64>) -> Asked<Option<State
     })
 }
 
-/// Calibrates the pump by the weight.
-fn keep(course: &mut Course, reading: &StatedReading, temperature_degc: Option<f64>) -> Result<(), Failure> {
+/// Calibrates the pump by the weight. `is_new` is false for a dose that was weighed before.
+fn keep(
+    course: &mut Course,
+    reading: &StatedReading,
+    temperature_degc: Option<f64>,
+    is_new: bool,
+) -> Result<(), Failure> {
     let bench = course.bench()?;
     let held = bench.folder().lock()?;
     let expected = Expected::of_digits(bench.file(), reading);
@@ -150,7 +189,7 @@ fn keep(course: &mut Course, reading: &StatedReading, temperature_degc: Option<f
     drop(held);
     tell(&calibration_text(&bench, &stored, advice::words)?)?;
     course.answers.done.dosed = false;
-    course.answers.done.weighed += 1;
+    course.answers.done.weighed += u32::from(is_new);
     course.keep()
 }
 
@@ -173,5 +212,24 @@ pub(super) fn accept_stopped(course: &mut Course) -> Asked<()> {
     let accepted = session.accept();
     noted(&mut session, accepted)?;
     course.answers.done.dosed = false;
+    Ok(course.keep()?)
+}
+
+/// Has doses use no calibration that was made with another head: its factor is that of another volume. The pump is to
+/// be weighed again.
+pub(super) fn leave_calibration_of_another_head(course: &mut Course) -> Asked<()> {
+    let bench = course.bench()?;
+    let Some(stored) = bench.calibrations().active()?.filter(|stored| !stored.is_of(bench.model())) else {
+        return Ok(());
+    };
+    accept_stopped(course)?;
+    let held = bench.folder().lock()?;
+    bench.use_calibration(None)?;
+    drop(held);
+    tell_person(&format!(
+        "Calibration {} was made with another head. Doses use it no more, and the pump is weighed again.",
+        stored.version
+    ));
+    (course.answers.done.weighed, course.answers.done.dosed) = (0, false);
     Ok(course.keep()?)
 }

@@ -1,5 +1,6 @@
 //! The summary of the answers, and the pump file that they make.
 
+use pump_bench::catalogue::unusual;
 use pump_bench::pump_file::{DriverName, OutletEnd, PumpFile, Reservoir};
 use pump_bench::setup::Answers;
 
@@ -31,6 +32,7 @@ pub(super) fn write(course: &mut Course) -> Asked<()> {
         }
         heading(&format!("The pump `{}`", course.answers.name));
         summary(course, &file)?.iter().for_each(|line| tell_person(line));
+        unusual(&file).iter().for_each(|warning| tell_person(&format!("  warning: {warning}")));
         let question = Question {
             text: "Is this right? Enter writes the pump file; the word of a line changes it",
             option: "--yes",

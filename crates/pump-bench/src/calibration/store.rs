@@ -44,7 +44,7 @@ impl Stored {
     }
 
     /// Returns true if `base`, a pump without calibration, is the one that was calibrated.
-    pub(crate) fn is_of(&self, base: &Pump) -> bool {
+    pub fn is_of(&self, base: &Pump) -> bool {
         let (then_ml, now_ml) = (self.calibration.revolution_ml, base.revolution_ml());
         (then_ml - now_ml).abs() <= SAME_PUMP * now_ml
     }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use super::drive::DriveError;
+use super::grbl::ask_boards;
 use super::stop_request::StopRequest;
-use super::{NodeError, ask_ports, node};
+use super::{NodeError, node};
 use crate::pump_file::{Axis, DriveTable, DriverName};
 
 /// Board that was found at a port.
@@ -17,6 +18,8 @@ pub enum FoundBoard {
     Grbl {
         /// State of the board, as `Idle`.
         state: String,
+        /// Number of axes that it reports. It is 0 for a board that reports no position.
+        axes: u8,
     },
     /// Board with this project's own firmware.
     Node {
@@ -30,6 +33,12 @@ pub enum FoundBoard {
 }
 
 impl FoundBoard {
+    /// Returns the axes of the board. Empty for a board that does not tell.
+    pub fn axes(&self) -> &'static [Axis] {
+        let (Self::Grbl { axes, .. } | Self::Node { axes, .. }) = self;
+        Axis::ALL.get(..usize::from(*axes)).unwrap_or(Axis::ALL)
+    }
+
     /// Returns the name of the board's driver.
     pub fn driver(&self) -> DriverName {
         match self {
@@ -42,11 +51,18 @@ impl FoundBoard {
 impl Display for FoundBoard {
     fn fmt(&self, to: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Grbl { state } => write!(to, "a grbl board, {state}"),
-            Self::Node { board, firmware: [major, minor, patch], axes } => {
-                let axes: Vec<_> = Axis::ALL.iter().take((*axes).into()).map(|axis| axis.as_str()).collect();
+            Self::Grbl { state, .. } => write!(to, "a grbl board, {state}")?,
+            Self::Node { board, firmware: [major, minor, patch], .. } => {
                 let number = if *board == 0 { String::new() } else { format!(" {board:016x}") };
-                write!(to, "a node{number}, firmware {major}.{minor}.{patch}, axes {}", axes.join(", "))
+                write!(to, "a node{number}, firmware {major}.{minor}.{patch}")?;
+            }
+        }
+        match self.axes() {
+            [] => Ok(()),
+            [axis] => write!(to, ", axis {axis}"),
+            axes => {
+                let axes: Vec<_> = axes.iter().map(|axis| axis.as_str()).collect();
+                write!(to, ", axes {}", axes.join(", "))
             }
         }
     }
@@ -60,7 +76,7 @@ impl Display for FoundBoard {
 /// # Errors
 /// Each port has an error of its own: [`DriveError::Busy`] where another process holds it.
 pub fn find_boards(ports: &[PathBuf], stop: &StopRequest) -> Vec<(PathBuf, Result<FoundBoard, DriveError>)> {
-    let asked = ask_ports(ports, stop);
+    let asked = ask_boards(ports, stop);
     thread::scope(|scope| {
         let asked = asked.into_iter().map(|(port, answer)| {
             let asks_node = matches!(answer, Err(DriveError::Device(_)));
@@ -72,7 +88,7 @@ pub fn find_boards(ports: &[PathBuf], stop: &StopRequest) -> Vec<(PathBuf, Resul
             let node =
                 node.map(|thread| thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
             let found = match (answer, node) {
-                (Ok(state), _) => Ok(FoundBoard::Grbl { state }),
+                (Ok((state, axes)), _) => Ok(FoundBoard::Grbl { state, axes }),
                 (Err(_), Some(Ok(found))) => Ok(found),
                 // A node that cannot be used is said, and anything else is no node.
                 (Err(_), Some(Err(error))) if is_of_node(&error) => Err(error),

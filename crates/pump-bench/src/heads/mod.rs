@@ -5,6 +5,7 @@
 mod bought_head;
 mod list;
 mod nearest;
+mod path;
 mod rows;
 mod table;
 #[cfg(test)]
@@ -13,4 +14,5 @@ mod tests;
 pub use bought_head::{BoughtHead, HeadSource, Provenance};
 pub use list::{heads_json, heads_text};
 pub use nearest::nearest_heads;
+pub(crate) use path::{path_mm, possible_ml, usual_ml};
 pub use rows::{bought_head, bought_heads, heads_matching};

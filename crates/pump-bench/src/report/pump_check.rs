@@ -6,7 +6,7 @@ mod sources;
 use pump_model::units::{degrees, rad_s};
 use pump_model::{Line, Pump, RollerVolume};
 
-use crate::catalogue::overlap_warning;
+use crate::catalogue::unusual;
 use crate::displacement::{DisplacementError, PulsePrior, SpeedDependentPump};
 use crate::dosing::drop_ml;
 use crate::heads::bought_head;
@@ -41,7 +41,7 @@ pub fn pump_check(file: &PumpFile) -> Result<String, DisplacementError> {
         .chain(pins::pins_text(file).map(|text| ("pins", text)))
         .chain(sources::source_lines(file))
         .map(|(name, text)| format!("  {name:<9} {text}\n"));
-    let text: String = catalogue_line(file).into_iter().chain(lines).chain(overlap(&pump)).collect();
+    let text: String = catalogue_line(file).into_iter().chain(lines).chain(warnings(file)).collect();
     Ok(format!("{} ({}): ok\n\n{text}", file.pump.id, file.pump.name))
 }
 
@@ -101,10 +101,9 @@ fn uncertainty_text(file: &PumpFile) -> String {
     }
 }
 
-/// Warns of rollers that overlap.
-fn overlap(pump: &Pump) -> Option<String> {
-    let warning = overlap_warning(pump.geometry())?;
-    Some(format!("  warning   {warning}\n"))
+/// Warns of what is unusual, a line each.
+fn warnings(file: &PumpFile) -> impl Iterator<Item = String> {
+    unusual(file).into_iter().map(|warning| format!("  warning   {warning}\n"))
 }
 
 /// The dependence of the volume on the speed.

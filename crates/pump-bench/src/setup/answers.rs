@@ -129,6 +129,9 @@ pub struct Done {
     /// Number of doses that were weighed.
     #[serde(default)]
     pub weighed: u32,
+    /// True once the run has ended with the pump file alone, as its owner asked for.
+    #[serde(default)]
+    pub file_alone: bool,
 }
 
 impl Answers {
@@ -214,6 +217,12 @@ impl Answers {
         missing(&mut self.outlet_end, &other.outlet_end);
         missing(&mut self.nozzle_bore_mm, &other.nozzle_bore_mm);
         missing(&mut self.prime_ml, &other.prime_ml);
+    }
+
+    /// Returns true if the run came to its end: a dose was weighed, or the pump file alone was asked for. The answers of
+    /// such a pump may be suggested for another one.
+    pub fn is_finished(&self) -> bool {
+        self.done.written.is_some() && (self.done.weighed > 0 || self.done.file_alone)
     }
 
     /// Returns true if a pump file describes the pump, so that it knows the rollers, the motor and the place.

@@ -3,10 +3,11 @@
 use pump_model::Fluid;
 use pump_model::units::{rad_s, rpm};
 
-use super::answers::Answers;
+use super::answers::{Answers, HeadAnswer};
 use super::error::SetupError;
 use crate::config::Config;
 use crate::drives::grbl_speeds::{LEAST_STEPS_S, MOST_STEPS_S};
+use crate::heads::possible_ml;
 use crate::pump_file::{AmbientTable, DriverName, most_lift_mm};
 
 /// Temperature of the water that is lifted, in °C.
@@ -20,6 +21,7 @@ impl Answers {
     /// [`SetupError`] with the values, and what is allowed.
     pub fn check(&self) -> Result<(), SetupError> {
         self.check_rollers()?;
+        self.check_bore()?;
         self.check_lift()?;
         let is_known = self.rollers.is_some() || self.is_of_file() || self.catalogued()?.is_some();
         if self.head.is_none() || !is_known {
@@ -115,6 +117,17 @@ impl Answers {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Refuses a volume that no head delivers through the bore, before the head is known as a whole.
+    fn check_bore(&self) -> Result<(), SetupError> {
+        let Some(HeadAnswer::Volume { ml_per_rev }) = self.head else { return Ok(()) };
+        let Some(bore_mm) = self.tube_bore_mm.filter(|bore_mm| *bore_mm > 0.0) else { return Ok(()) };
+        let (least_ml, most_ml) = possible_ml(bore_mm);
+        if (least_ml..=most_ml).contains(&ml_per_rev) {
+            return Ok(());
+        }
+        Err(SetupError::Bore { ml_per_rev, bore_mm, least_ml, most_ml })
     }
 
     /// Refuses a height that the air's pressure less the vapour pressure does not lift water to.

@@ -6,7 +6,7 @@ use pump_model::ModelError;
 use thiserror::Error;
 
 use crate::config::ConfigError;
-use crate::pump_file::PumpFileError;
+use crate::pump_file::{Axis, PumpFileError};
 
 /// Answer of a first run that cannot be, or a record of one that cannot be used.
 #[derive(Debug, Error)]
@@ -66,6 +66,32 @@ pub enum SetupError {
         most_m: f64,
         /// Pressure of the air, in kPa absolute.
         ambient_kpa: f64,
+    },
+    /// No head delivers the volume of a revolution through the bore.
+    #[error(
+        "{ml_per_rev} mL per revolution cannot be with a bore of {bore_mm} mm: heads with this bore have {least_ml:.3} to \
+         {most_ml:.1} mL, since less leaves no room for the shaft beside the tube and more takes a rotor of more than \
+         3 m; look at the units"
+    )]
+    Bore {
+        /// Volume of a revolution that was said, in mL.
+        ml_per_rev: f64,
+        /// Bore that was said, in mm.
+        bore_mm: f64,
+        /// Smallest volume of a revolution with this bore, in mL.
+        least_ml: f64,
+        /// Largest volume of a revolution with this bore, in mL.
+        most_ml: f64,
+    },
+    /// The axis of the board turns another pump.
+    #[error("the axis {axis} of {} turns the pump `{name}` already; choose another axis", .port.display())]
+    Axis {
+        /// Axis that was said.
+        axis: Axis,
+        /// Serial port of the board.
+        port: PathBuf,
+        /// Pump that has the axis.
+        name: String,
     },
     /// The rate needs a head that turns faster than it may.
     #[error(

@@ -16,6 +16,12 @@ impl Explain for SetupError {
             Self::Lift { lift_m, most_m, .. } => {
                 facts.value(format!("{lift_m} m")).allowed(format!("less than {most_m:.2} m"))
             }
+            Self::Bore { ml_per_rev, bore_mm, least_ml, most_ml } => facts
+                .value(format!("{ml_per_rev} mL beside a bore of {bore_mm} mm"))
+                .allowed(format!("{least_ml} to {most_ml} mL")),
+            Self::Axis { axis, name, .. } => {
+                facts.value(axis).allowed(format!("an axis other than that of {name}"))
+            }
             Self::Fast { rate_ml_s, most_ml_s, .. } => {
                 facts.value(format!("{rate_ml_s} mL/s")).allowed(format!("{most_ml_s} mL/s at most"))
             }

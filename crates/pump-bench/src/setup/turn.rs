@@ -4,13 +4,8 @@ use libm::{fabs, floor};
 
 use super::answers::Answers;
 use super::pump::USUAL_FULL_STEPS;
+use crate::catalogue::{DECIMAL, POWERS};
 use crate::units::{QuantityError, angle_rad};
-
-/// Microsteps per full step that most motor drivers have, as Allegro A4988, TI DRV8825 and Trinamic TMC2209.
-const POWERS: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
-
-/// Microsteps that drivers with decimal switches have besides, as Leadshine DM542.
-const DECIMAL: [u32; 7] = [5, 10, 20, 25, 40, 50, 100];
 
 /// Part of a turn that a person sees without an instrument: some ten degrees.
 const SEEN: f64 = 0.03;

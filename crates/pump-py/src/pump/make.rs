@@ -1,6 +1,6 @@
 //! Pumps from names, drawings and plain data, and variations of a pump.
 
-use pump_bench::catalogue::{BoughtPump, DrawnPump, overlap_warning};
+use pump_bench::catalogue::{BoughtPump, DrawnPump, unusual};
 use pump_bench::config::Config;
 use pump_bench::pump_file::{HeadTable, LineTable, PumpFile, RollerVolumeTable};
 use pump_model::Geometry;
@@ -12,6 +12,7 @@ use pyo3::types::PyString;
 use super::pump::Pump;
 use super::volume_fit::{fit_named, points_of};
 use crate::line::Line;
+use crate::python::advice::worded;
 use crate::python::errors::{self, value};
 use crate::python::warnings::warn;
 
@@ -133,7 +134,13 @@ impl Pump {
     /// Raises
     /// ------
     /// ValueError
-    ///     If the pump cannot work, for example because its volume is not positive.
+    ///     If the pump cannot work, for example because its volume is not positive, or because no head delivers it
+    ///     through such a bore.
+    ///
+    /// Warns
+    /// -----
+    /// UserWarning
+    ///     Of values that are possible and unusual: a volume for its bore, or a number of rollers.
     ///
     /// Examples
     /// --------
@@ -144,6 +151,7 @@ impl Pump {
     #[staticmethod]
     #[pyo3(signature = (id, *, ml_per_rev, rollers, tube_bore_mm=None, inlet=None, outlet=None))]
     fn from_ml_per_rev(
+        py: Python<'_>,
         id: &str,
         ml_per_rev: f64,
         rollers: i64,
@@ -156,7 +164,7 @@ impl Pump {
         let mut file = BoughtPump { id: id.to_owned(), head, rollers: count(rollers)? }.pump_file();
         file.inlet = inlet.map_or(LineTable::UNKNOWN, |line| LineTable::from(line.get().0));
         file.outlet.line = outlet.map_or(LineTable::UNKNOWN, |line| LineTable::from(line.get().0));
-        Self::checked(file)
+        Self::checked(file)?.warning(py)
     }
 
     /// Return this pump with some parts replaced. A part that is left out stays.
@@ -270,9 +278,9 @@ impl Pump {
         Ok(pump)
     }
 
-    /// Returns the pump after a warning of rollers that overlap in space.
+    /// Returns the pump after a warning of each value that is unusual, as rollers that overlap in space.
     pub(super) fn warning(self, py: Python<'_>) -> PyResult<Self> {
-        warn(py, overlap_warning(self.model().geometry()).as_slice())?;
+        warn(py, &worded(&unusual(&self.file)))?;
         Ok(self)
     }
 }

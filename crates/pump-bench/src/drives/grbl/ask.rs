@@ -9,12 +9,16 @@ use crate::drives::wire::BoardPort;
 use crate::drives::{DriveError, StopRequest};
 use crate::pump_file::{DriveTable, DriverName};
 
-/// Asks the port of `table` for a grbl board, for some seconds at most. Returns the board's state, as `Idle`.
-fn ask(table: &DriveTable, stop: &StopRequest) -> Result<String, DriveError> {
+/// Board that answers at a port: its state, as `Idle`, and the number of axes that it reports, 0 for none.
+pub(in crate::drives) type Answering = (String, u8);
+
+/// Asks the port of `table` for a grbl board, for some seconds at most.
+fn ask(table: &DriveTable, stop: &StopRequest) -> Result<Answering, DriveError> {
     let wire = BoardPort::open(table.port.as_deref(), table.rate_baud())?;
     let mut board = Board::new(Box::new(wire), table.axis.number(), stop.clone());
     connect::find(&mut board, table)?;
-    Ok(board.state(|| ())?.word())
+    let state = board.state(|| ())?.word();
+    Ok((state, u8::try_from(board.axes()).unwrap_or(u8::MAX)))
 }
 
 /// Asks every port for a grbl board, all at once and for some seconds at most. Nothing moves. Returns each port with
@@ -25,6 +29,15 @@ fn ask(table: &DriveTable, stop: &StopRequest) -> Result<String, DriveError> {
 /// # Errors
 /// Each port has an error of its own: [`DriveError::Busy`] where another process holds it.
 pub fn ask_ports(ports: &[PathBuf], stop: &StopRequest) -> Vec<(PathBuf, Result<String, DriveError>)> {
+    let asked = ask_boards(ports, stop).into_iter();
+    asked.map(|(port, answer)| (port, answer.map(|(state, _)| state))).collect()
+}
+
+/// Asks every port for a grbl board, as [`ask_ports`] does. Returns the number of axes beside the state.
+pub(in crate::drives) fn ask_boards(
+    ports: &[PathBuf],
+    stop: &StopRequest,
+) -> Vec<(PathBuf, Result<Answering, DriveError>)> {
     thread::scope(|scope| {
         let asked = ports.iter().map(|port| {
             let table = DriveTable::of(DriverName::Grbl).with_port(port);

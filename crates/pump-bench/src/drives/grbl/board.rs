@@ -52,6 +52,8 @@ pub(super) struct Board {
     axis: usize,
     /// Offset `WCO` of the axis, once it was reported.
     offset: Option<f64>,
+    /// Number of axes in the last report of a position.
+    axes: usize,
     asked: Option<Duration>,
     unanswered: Option<Duration>,
     /// Time at which the last status report was asked for. The report is not older.
@@ -70,6 +72,7 @@ impl Board {
             waiting: VecDeque::new(),
             axis,
             offset: None,
+            axes: 0,
             asked: None,
             unanswered: None,
             answered: Duration::ZERO,
@@ -194,6 +197,8 @@ impl Board {
         match reply {
             Reply::Status(status) => {
                 self.answered = self.unanswered.take().or(self.asked).unwrap_or(self.answered);
+                let reported = status.machine.as_ref().or(status.work.as_ref());
+                self.axes = reported.map_or(self.axes, Vec::len);
                 let place = self.place(&status);
                 Heard::Status(status.state, place)
             }
@@ -263,6 +268,11 @@ impl Board {
                 _ => {}
             }
         }
+    }
+
+    /// Returns the number of axes that the board reports, or 0 before it has reported a position.
+    pub(super) fn axes(&self) -> usize {
+        self.axes
     }
 
     /// Returns the reported position of the axis of a board at rest, once it was reported twice in a row. A

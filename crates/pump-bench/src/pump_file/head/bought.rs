@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::pump_file::range::{WrongValue, within, within_if_given};
+use crate::heads::possible_ml;
+use crate::numbers::significant;
+use crate::pump_file::range::{WrongValue, allow, within, within_if_given};
 
 /// The table `[head]`, in the place of `[tube]`, `[backplate]`, `[roller_volume]` and the rollers' dimensions.
 ///
@@ -49,10 +51,20 @@ impl HeadTable {
         f64::NAN
     }
 
-    /// Refuses a volume or a bore outside its range.
+    /// Refuses a volume or a bore outside its range, and a volume that no head delivers through such a bore.
     pub(in crate::pump_file) fn check(&self) -> Result<(), WrongValue> {
         within("[head] ml_per_rev", self.ml_per_rev, 1e-6..=1e5)?;
-        within_if_given("[head] tube_bore_mm", self.tube_bore_mm, 0.01..=200.0)
+        within_if_given("[head] tube_bore_mm", self.tube_bore_mm, 0.01..=200.0)?;
+        let Some(bore_mm) = self.tube_bore_mm else { return Ok(()) };
+        let (least_ml, most_ml) = possible_ml(bore_mm);
+        let allowed = format!(
+            "{} to {} for this bore: less leaves no room for the shaft beside the tube, and more takes a rotor of more \
+             than 3 m",
+            significant(least_ml, 3),
+            significant(most_ml, 3)
+        );
+        let value = format_args!("{} beside tube_bore_mm = {bore_mm}", self.ml_per_rev);
+        allow((least_ml..=most_ml).contains(&self.ml_per_rev), "[head] ml_per_rev", value, &allowed)
     }
 }
 
@@ -133,6 +145,28 @@ mod tests {
         }
         let said = refusal(&BOUGHT.replace("count = 4", "count = 0"));
         assert!(said.contains("number of rollers is 0"), "{said}");
+    }
+
+    #[test]
+    fn a_volume_that_no_head_delivers_through_its_bore_is_refused_with_the_range() {
+        let with = |ml: &str, bore: &str| {
+            let head = format!("ml_per_rev = {ml}\ntube_bore_mm = {bore}");
+            BOUGHT
+                .replace("ml_per_rev = 0.5", &head)
+                .replace("default_rate_ml_s = 0.2", "default_rate_ml_s = 0.1")
+        };
+        // pi²/12 1.6³ = 3.37 mm³, and pi/4 1.6² 10 m = 20.1 mL.
+        let said = refusal(&with("500.0", "1.6"));
+        assert!(
+            said.contains(
+                "[head] ml_per_rev is 500 beside tube_bore_mm = 1.6; allowed: 0.00337 to 20.1 for this bore"
+            ),
+            "{said}"
+        );
+        // pi²/12 30³ = 22.2 mL.
+        let said = refusal(&with("0.5", "30.0"));
+        assert!(said.contains("allowed: 22.2 to 7069 for this bore"), "{said}");
+        assert!(PumpFile::parse(&with("0.3", "1.6"), "a file").is_ok());
     }
 
     #[test]

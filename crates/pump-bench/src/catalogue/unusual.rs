@@ -1,0 +1,151 @@
+//! The warnings of a pump that is possible and unusual: mostly a slip of a unit, of a digit or of a count.
+
+use pump_model::Port;
+
+use super::microsteps::{is_usual, usual_in_words};
+use super::overlap::overlap_warning;
+use super::tube_rating::rated_kpa;
+use crate::heads::{path_mm, usual_ml};
+use crate::notice::Notice;
+use crate::numbers::significant;
+use crate::pump_file::PumpFile;
+
+/// Most rollers that bought heads have. The catalogue has 3 to 8, and Ismatec's MS-4/12 has twelve by its name.
+const MOST_ROLLERS: u32 = 12;
+
+/// Returns a warning for each value of a pump that is possible and unusual: rollers that overlap, a volume of a
+/// revolution for its bore, a number of rollers, a height for its tube, and microsteps for a motor's driver.
+///
+/// ```
+/// let mut file = pump_bench::built_in("three-roller").unwrap();
+/// assert!(pump_bench::catalogue::unusual(&file).is_empty());
+/// file.motor.steps_per_rev = 3000;
+/// let warnings = pump_bench::catalogue::unusual(&file);
+/// assert!(warnings[0].text().starts_with("3000 steps per revolution are 15 microsteps"), "{warnings:?}");
+/// ```
+pub fn unusual(file: &PumpFile) -> Vec<Notice> {
+    let overlap = file.model().ok().and_then(|pump| overlap_warning(pump.geometry()));
+    let found = [overlap, of_volume(file), of_rollers(file), of_height(file), of_microsteps(file)];
+    found.into_iter().flatten().map(Notice::from).collect()
+}
+
+/// Warns of a volume that heads with this bore hardly have.
+fn of_volume(file: &PumpFile) -> Option<String> {
+    let head = file.head.as_ref()?;
+    let bore_mm = head.tube_bore_mm?;
+    let (least_ml, most_ml) = usual_ml(bore_mm);
+    let around_mm = path_mm(head.ml_per_rev, bore_mm);
+    (!(least_ml..=most_ml).contains(&head.ml_per_rev)).then(|| {
+        format!(
+            "{} mL per revolution fill {} mm of a bore of {bore_mm} mm, and heads that are published have {} to {} mL \
+             for such a bore; look at the unit and the decimal point",
+            head.ml_per_rev,
+            significant(around_mm, 3),
+            significant(least_ml, 2),
+            significant(most_ml, 2)
+        )
+    })
+}
+
+/// Warns of one roller, and of more than heads have. A drawing says by itself whether its rollers seal and overlap.
+fn of_rollers(file: &PumpFile) -> Option<String> {
+    file.head.as_ref()?;
+    match file.rollers.count {
+        1 => Some(
+            "one roller seals the tube only on a bed that goes all the way round: on any other the tube is open for a \
+             part of each turn, and liquid runs back; count the rollers again"
+                .to_owned(),
+        ),
+        rollers if rollers > MOST_ROLLERS => Some(format!(
+            "{rollers} rollers are more than heads have that are published, 2 to {MOST_ROLLERS}; count the rollers again"
+        )),
+        _ => None,
+    }
+}
+
+/// Warns of a vessel so high that the column of fluid presses with more than tubes are rated for.
+fn of_height(file: &PumpFile) -> Option<String> {
+    let head_mm = file.head.as_ref().map(|head| head.tube_bore_mm);
+    let bore_mm = head_mm.unwrap_or_else(|| file.tube.bore_radius_mm.map(|radius_mm| 2.0 * radius_mm));
+    let above_kpa = file.reservoir_kpa(Port::Outlet) - file.ambient.pressure_kpa;
+    let rated_kpa = rated_kpa(bore_mm);
+    (above_kpa > rated_kpa).then(|| {
+        let bore = bore_mm.map_or_else(|| "any bore".to_owned(), |mm| format!("a bore of {mm} mm"));
+        format!(
+            "the vessel presses back with {} kPa above the air's pressure, and pump tubes of {bore} are rated at {rated_kpa} \
+             kPa at most (Saint-Gobain); look at the height of the vessel",
+            significant(above_kpa, 3)
+        )
+    })
+}
+
+/// Warns of microsteps that no usual driver has, where the steps are a multiple of the full steps.
+fn of_microsteps(file: &PumpFile) -> Option<String> {
+    let motor = &file.motor;
+    let (steps, full_steps) = (motor.steps_per_rev, motor.full_steps_per_rev);
+    let is_said = motor.confirmed != Some(false) && full_steps > 0 && steps % full_steps == 0;
+    let microsteps = if is_said { steps / full_steps } else { return None };
+    (!is_usual(microsteps)).then(|| {
+        format!(
+            "{steps} steps per revolution are {microsteps} microsteps of {full_steps} full steps, and motor drivers have \
+             {}; look at the driver's switches",
+            usual_in_words()
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue::BoughtPump;
+    use crate::pump_file::{HeadTable, Reservoir};
+
+    /// Warnings of a bought head after a change.
+    fn warned(change: impl FnOnce(&mut PumpFile)) -> Vec<String> {
+        let mut head = HeadTable::new(0.29);
+        head.tube_bore_mm = Some(1.6);
+        let mut file = BoughtPump { id: "acid".to_owned(), head, rollers: 3 }.pump_file();
+        file.motor.confirmed = None;
+        change(&mut file);
+        file.check("acid.toml").unwrap();
+        unusual(&file).iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn a_usual_pump_has_no_warning_and_each_slip_has_one() {
+        assert_eq!(warned(|_| ()), Vec::<String>::new());
+        let one = |change: &dyn Fn(&mut PumpFile), part: &str| {
+            let said = warned(change);
+            assert!(said.len() == 1 && said[0].contains(part), "{part}: {said:?}");
+        };
+        // 2.9 mL over pi/4 1.6² mm² are 1442 mm.
+        let volume = |file: &mut PumpFile| {
+            file.head.as_mut().unwrap().ml_per_rev = 2.9;
+        };
+        one(&volume, "2.9 mL per revolution fill 1442 mm of a bore of 1.6 mm");
+        one(&|file| file.rollers.count = 1, "one roller seals the tube only on a bed");
+        one(&|file| file.rollers.count = 40, "40 rollers are more");
+        // 100 m of 997 kg/m³ press with 977.7 kPa.
+        one(&|file| file.outlet.line.reservoir = Reservoir::Lift(100e3), "with 978 kPa");
+        one(&|file| file.outlet.line.reservoir = Reservoir::Pressure(600.0), "rated at 482 kPa");
+        one(&|file| file.motor.steps_per_rev = 3000, "are 15 microsteps of 200 full steps");
+    }
+
+    #[test]
+    fn values_that_heads_motors_and_benches_have_are_not_warned_of() {
+        for microsteps in [1, 2, 4, 5, 8, 10, 16, 20, 25, 32, 40, 50, 64, 100, 125, 128, 200, 256] {
+            assert_eq!(warned(|file| file.motor.steps_per_rev = 200 * microsteps).len(), 0, "{microsteps}");
+        }
+        // A 28BYJ-48 with its gearbox: 2048 full steps, which are no multiple of 200.
+        assert_eq!(warned(|file| file.motor.steps_per_rev = 2048).len(), 0);
+        for rollers in 2..=12 {
+            assert_eq!(warned(|file| file.rollers.count = rollers).len(), 0, "{rollers}");
+        }
+        assert_eq!(warned(|file| file.outlet.line.reservoir = Reservoir::Lift(20e3)).len(), 0);
+        // Nobody has said the steps of a file that the program filled in.
+        let assumed = |file: &mut PumpFile| {
+            (file.motor.steps_per_rev, file.motor.confirmed) = (3000, Some(false));
+        };
+        assert_eq!(warned(assumed).len(), 0);
+    }
+}

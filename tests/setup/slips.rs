@@ -1,0 +1,94 @@
+//! Slips of a unit, a digit or a count: a head that cannot be is refused, and one that hardly is is warned of.
+
+use std::fs;
+
+use crate::person::{Desk, by_part};
+
+/// Answers of a simulated pump but its head.
+const SIM: [&str; 8] = ["--microsteps", "16", "--driver", "sim", "--altitude", "0m", "--yes", "--no-motion"];
+
+#[test]
+fn a_volume_that_no_head_delivers_through_its_bore_is_refused_with_the_range() {
+    let desk = Desk::new();
+    // pi²/12 d³ to pi/4 d² 10 m.
+    for (ml, bore, range) in
+        [("500mL", "1.6mm", "0.003 to 20.1 mL"), ("0.5mL", "30mm", "22.207 to 7068.6 mL")]
+    {
+        let head = ["setup", "acid", "--ml-per-rev", ml, "--bore", bore, "--rollers", "4"];
+        let refused = desk.types(&[&head[..], &SIM].concat());
+        assert_eq!(refused.code, 2, "{}", refused.err);
+        assert!(refused.err.contains(range) && refused.err.matches("error:").count() == 1, "{}", refused.err);
+        assert_eq!((desk.configured("config.toml"), desk.configured("setup/acid.toml")), (None, None));
+    }
+    // A person is asked again where they stand, and nothing is lost.
+    let answers =
+        [("Head:", "0.5mL"), ("Rollers", "4"), ("Microsteps", "16"), ("Driver", "sim"), ("Altitude", "0m")];
+    let (mut react, mut bores) = (by_part(&answers), ["30mm", "1.6mm"].iter());
+    let ended = desk.answers(&["setup", "acid", "--no-motion"], &mut |question| {
+        if question.starts_with("Bore") { bores.next().map(ToString::to_string) } else { react(question) }
+    });
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.err.contains("0.5 mL per revolution cannot be with a bore of 30 mm"), "{}", ended.err);
+    assert!(desk.configured("pumps/acid.toml").unwrap().contains("tube_bore_mm = 1.6"));
+}
+
+#[test]
+fn what_is_unusual_is_said_before_the_file_is_written_and_by_the_check() {
+    let desk = Desk::new();
+    let warnings = [
+        "5 mL per revolution fill 2487 mm of a bore of 1.6 mm",
+        "40 rollers are more than heads have",
+        "3000 steps per revolution are 15 microsteps of 200 full steps",
+        // 100 m of 997 kg/m³ are 977.7 kPa.
+        "the vessel presses back with 978 kPa",
+    ];
+    let plain = ["setup", "plain", "--ml-per-rev", "0.5mL", "--bore", "1.6mm", "--rollers", "4"];
+    let said = desk.types(&[&plain[..], &SIM].concat());
+    assert!(said.code == 0 && !said.err.contains("warning"), "{}", said.err);
+    let one = ["setup", "one", "--ml-per-rev", "0.5mL", "--rollers", "1"];
+    let said = desk.types(&[&one[..], &SIM].concat());
+    assert!(said.code == 0 && said.err.contains("warning: one roller seals the tube only"), "{}", said.err);
+    let odd = ["--ml-per-rev", "5mL", "--bore", "1.6mm", "--rollers", "40", "--discharge-lift", "100m"];
+    let words = [&["setup", "odd"][..], &odd, &["--microsteps", "15"], &SIM[2..]].concat();
+    let said = desk.types(&words);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let check = desk.types(&["pumps", "check", "odd"]);
+    assert_eq!(check.code, 0, "{}", check.err);
+    let written_at = said.err.find("is written").unwrap();
+    for warning in warnings {
+        let at = said.err.find(&format!("warning: {warning}"));
+        assert!(at.is_some_and(|at| at < written_at), "{warning}: {}", said.err);
+        assert!(check.out.contains(&format!("  warning   {warning}")), "{warning}: {}", check.out);
+    }
+}
+
+#[test]
+fn a_new_file_of_the_catalogue_warns_of_what_its_owner_said() {
+    let desk = Desk::new();
+    let new = ["pumps", "new", "--head", "kamoer-kphm400-25", "--microsteps", "15", "--rollers", "40"];
+    let told = desk.types(&[&new[..], &["odd.toml"]].concat());
+    assert_eq!(told.code, 0, "{}", told.err);
+    for warning in
+        ["  warning   40 rollers are more", "  warning   3000 steps per revolution are 15 microsteps"]
+    {
+        assert!(told.out.contains(warning), "{warning}: {}", told.out);
+    }
+    // The file on standard output holds the file alone.
+    let printed = desk.types(&new);
+    assert!(printed.err.contains("warning: 40 rollers are more"), "{}", printed.err);
+    assert!(!printed.out.contains("warning"), "{}", printed.out);
+    fs::write(desk.path("again.toml"), printed.out).unwrap();
+    assert_eq!(desk.types(&["pumps", "check", "again.toml"]).code, 0);
+    // A bore that its owner states beside the catalogue's volume.
+    let text = fs::read_to_string(desk.path("odd.toml")).unwrap();
+    let name = "catalogue = \"kamoer-kphm400-25\"\n";
+    assert!(text.contains(name), "{text}");
+    fs::write(desk.path("odd.toml"), text.replace(name, &format!("{name}tube_bore_mm = 48.0\n"))).unwrap();
+    let refused = desk.types(&["pumps", "check", "odd.toml"]);
+    assert!(
+        refused.code == 2
+            && refused.err.contains("[head] ml_per_rev is 1 beside tube_bore_mm = 48; allowed: 91 to"),
+        "{}",
+        refused.err
+    );
+}
