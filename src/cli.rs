@@ -19,6 +19,7 @@ use crate::commands::record::status::StatusArgs;
 use crate::commands::release::ReleaseArgs;
 use crate::commands::resume::ResumeArgs;
 use crate::commands::run::RunArgs;
+use crate::commands::safety::{SafetyArgs, VesselArgs};
 use crate::commands::setup::SetupArgs;
 use crate::commands::simulate::SimulateArgs;
 use crate::commands::size::SizeArgs;
@@ -80,6 +81,10 @@ enum Command {
     Release(ReleaseArgs),
     /// Say that the tube was replaced
     Tube(TubeArgs),
+    /// Say what the safety limits leave, or clear a pump that stands at one
+    Safety(SafetyArgs),
+    /// Say that the receiving vessel was emptied
+    Vessel(VesselArgs),
     /// Find where the rollers stand, or say it
     Home(HomeArgs),
     /// Write all records into one file
@@ -133,6 +138,8 @@ impl Cli {
             Some(Command::Discard(args)) => args.run(),
             Some(Command::Release(args)) => args.run(),
             Some(Command::Tube(args)) => args.run(),
+            Some(Command::Safety(args)) => args.run(),
+            Some(Command::Vessel(args)) => args.run(),
             Some(Command::Home(args)) => args.run(),
             Some(Command::Backup(args)) => args.run(),
             Some(Command::Restore(args)) => args.run(),

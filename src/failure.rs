@@ -29,6 +29,8 @@ enum How {
     Busy,
     /// An unfinished dose stands in the way.
     Unfinished,
+    /// The pump stands at a safety limit. `moved` is true if it moved in this command before.
+    Stands { moved: bool },
     /// Something went wrong after motion began.
     Fault,
     /// The command did what was asked, and its result is not good enough.
@@ -49,6 +51,7 @@ impl Failure {
             Ending::Refused => How::Refused,
             Ending::Busy => How::Busy,
             Ending::Unfinished => How::Unfinished,
+            Ending::Stands => How::Stands { moved: false },
             Ending::Stopped => How::Stopped { signal: interrupt::signal().unwrap_or(0), moved: false },
             Ending::Moved => How::Fault,
         };
@@ -115,6 +118,7 @@ impl Failure {
     pub(crate) fn after_motion(self) -> Self {
         let how = match self.how {
             How::Stopped { signal, .. } => How::Stopped { signal, moved: true },
+            How::Stands { .. } => How::Stands { moved: true },
             How::Refused | How::Busy | How::Unfinished | How::Failed | How::Fault => How::Fault,
         };
         Self { how, ..self }
@@ -162,7 +166,7 @@ impl Failure {
         let moved = match self.how {
             How::Refused | How::Busy | How::Unfinished | How::Failed => false,
             How::Fault => true,
-            How::Stopped { moved, .. } => moved,
+            How::Stopped { moved, .. } | How::Stands { moved } => moved,
         };
         let message = self.message.lines().map(str::trim).collect::<Vec<_>>().join(" ");
         ErrorReport::new(self.exit_code(), &self.facts, &message, moved).json()
@@ -175,6 +179,7 @@ impl Failure {
             How::Refused => 2,
             How::Busy => 3,
             How::Unfinished => 4,
+            How::Stands { .. } => 5,
             How::Stopped { signal, .. } => 128 + u8::try_from(signal).unwrap_or(0),
         }
     }

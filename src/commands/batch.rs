@@ -52,6 +52,8 @@ pub(super) fn run(
         let interrupt = Interrupt::watch()?;
         let mut session = bench.session()?;
         batch.refuse_missing_ends(&mut session, &interrupt)?;
+        let safe = session.keep_batch_safe(request.volume_ml, schedule.count(), every_s.unwrap_or(0.0));
+        noted(&mut session, safe)?;
         (batch.run(&mut session, schedule, &interrupt), "done")
     };
     let Batch { count, done, skipped, .. } = batch;

@@ -8,7 +8,7 @@ use pump_bench::{Bench, DoseRequest, PumpFile};
 use super::bench::BenchOptions;
 use super::files::{Files, PlotOption, StepsOption, TraceOptions};
 use super::fluid::FluidOptions;
-use super::limits::{PressureOptions, TubeLimit};
+use super::limits::{DayLimit, PressureOptions, TubeLimit};
 use super::report::{FormatOption, VerboseOption};
 use super::speed::{CruiseOptions, RampsOption, ReverseOption};
 use super::start_angle::StatedStartOption;
@@ -40,6 +40,8 @@ pub(crate) struct DosingOptions {
     limits: PressureOptions,
     #[command(flatten)]
     tube_limit: TubeLimit,
+    #[command(flatten)]
+    day_limit: DayLimit,
     #[command(flatten)]
     bench: BenchOptions,
     /// Plan and predict; move nothing, record nothing
@@ -82,6 +84,7 @@ impl DosingOptions {
     pub(crate) fn bench(&self) -> Result<Bench, Failure> {
         let mut file = self.bench.pump.file()?;
         self.tube_limit.change(&mut file);
+        self.day_limit.change(&mut file)?;
         self.fluid.change(&mut file)?;
         self.bench.bench_of(file)
     }

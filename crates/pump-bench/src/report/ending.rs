@@ -14,6 +14,8 @@ pub enum Ending {
     Busy,
     /// Nothing moved: an unfinished dose is on record.
     Unfinished,
+    /// Nothing moved: the pump stands at a safety limit.
+    Stands,
     /// Nothing moved: the user asked to stop.
     Stopped,
     /// The pump had begun to move.
@@ -31,6 +33,7 @@ impl DoseError {
             | Self::NoRest { .. }
             | Self::BeyondRequest { .. }
             | Self::AngleIsKnown => Ending::Unfinished,
+            Self::Stands { .. } => Ending::Stands,
             Self::Balance(error) => error.ending(),
             Self::ByWeight { .. }
             | Self::Drive { .. }
@@ -46,6 +49,8 @@ impl DoseError {
             | Self::Calibration(_)
             | Self::Displacement(_)
             | Self::Unconfirmed { .. }
+            | Self::NotCleared { .. }
+            | Self::Disturbed { .. }
             | Self::RunsTheOtherWay { .. }
             | Self::SuckBack { .. }
             | Self::TubeWorn { .. }

@@ -34,5 +34,6 @@ pub use rotor::{AcceptedReport, accepted_text, carry_dropped_text, rotor_text};
 pub use simulation::SimulationReport;
 pub use sizing::{sizing_json, sizing_text, sizing_title};
 pub use status::{
-    CalibrationStatus, LastByWeight, Status, StatusRow, UnfinishedCalibration, UnfinishedStatus,
+    CalibrationStatus, LastByWeight, SafetyStatus, StandStatus, Status, StatusRow, UnfinishedCalibration,
+    UnfinishedStatus,
 };

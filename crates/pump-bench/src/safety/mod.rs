@@ -1,0 +1,14 @@
+//! Safety limits: volumes that a pump never exceeds, and the stand of a pump that would have.
+//!
+//! Nothing here reads a clock: the wall time comes in as a value.
+
+mod account;
+mod day;
+mod limits;
+mod passed_time;
+mod stand;
+
+pub(crate) use account::SafetyAccount;
+pub use day::DAY_S;
+pub use limits::SafetyLimits;
+pub use stand::{SafetyLimit, Stand};
