@@ -25,6 +25,7 @@ use crate::commands::simulate::SimulateArgs;
 use crate::commands::size::SizeArgs;
 use crate::commands::tube::TubeArgs;
 use crate::failure::Failure;
+use crate::on_fail::OnFail;
 use crate::refusals::unknown;
 
 const EXAMPLES: &str = "Examples:
@@ -115,6 +116,18 @@ fn with_pump_and_record(command: clap::Command) -> clap::Command {
 }
 
 impl Cli {
+    /// The command of the shell to run if this one fails; none for a command that makes no dose.
+    pub(crate) fn on_fail(&self) -> Option<OnFail> {
+        match &self.command {
+            None if self.dose.mistyped_command().is_some() => None,
+            None => self.dose.on_fail(),
+            Some(Command::Prime(args)) => args.on_fail(),
+            Some(Command::Purge(args)) => args.on_fail(),
+            Some(Command::Run(args)) => args.on_fail(),
+            Some(_) => None,
+        }
+    }
+
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
         match &self.command {

@@ -12,8 +12,10 @@ use super::limits::{DayLimit, PressureOptions, TubeLimit};
 use super::report::{FormatOption, VerboseOption};
 use super::speed::{CruiseOptions, RampsOption, ReverseOption};
 use super::start_angle::StatedStartOption;
+use super::unattended::UnattendedOptions;
 use super::volume::AskedVolume;
 use crate::failure::Failure;
+use crate::on_fail::OnFail;
 
 /// Help of `--smooth`.
 const SMOOTH_HELP: &str = "Let the speed follow the rollers' angle, for a flow at the end of the outlet line \
@@ -47,6 +49,8 @@ pub(crate) struct DosingOptions {
     /// Plan and predict; move nothing, record nothing
     #[arg(long, help_heading = "Motor")]
     pub(crate) dry_run: bool,
+    #[command(flatten)]
+    pub(crate) unattended: UnattendedOptions,
     #[command(flatten)]
     pub(crate) format: FormatOption,
     #[command(flatten)]
@@ -86,7 +90,12 @@ impl DosingOptions {
         self.tube_limit.change(&mut file);
         self.day_limit.change(&mut file)?;
         self.fluid.change(&mut file)?;
-        self.bench.bench_of(file)
+        Ok(self.unattended.change(self.bench.bench_of(file)?))
+    }
+
+    /// The command to run if the dose fails; none without one, and for a dry run.
+    pub(crate) fn on_fail(&self) -> Option<OnFail> {
+        if self.dry_run { None } else { self.unattended.on_fail(&self.bench.pump) }
     }
 
     /// The amount as it was typed, with a minus in reverse.

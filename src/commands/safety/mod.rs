@@ -1,5 +1,6 @@
 //! `dose safety`: the safety limits of a pump, and the word of a person to one that stands at a limit.
 
+mod before_dose;
 mod clear;
 mod vessel;
 
@@ -13,6 +14,7 @@ use crate::options::bench::RecordOptions;
 use crate::options::report::FormatOption;
 use crate::terminal::{print, tell};
 
+pub(super) use self::before_dose::{before_dose, find_angle};
 pub(crate) use self::vessel::VesselArgs;
 
 #[derive(Debug, Args)]

@@ -65,6 +65,23 @@ impl DoseError {
     }
 }
 
+impl DoseError {
+    /// Returns the smallest and the largest volume, in mL, that was delivered before this error. `None` if nobody knows.
+    pub fn delivered_ml(&self) -> Option<(f64, f64)> {
+        match self {
+            Self::Drive { least_ml, most_ml, .. } => Some((*least_ml, *most_ml)),
+            Self::NotJournalled { delivered_ml, .. }
+            | Self::SlowDisk { delivered_ml, .. }
+            | Self::Retraction { delivered_ml, .. }
+            | Self::NotRecorded { delivered_ml, .. } => Some((*delivered_ml, *delivered_ml)),
+            Self::ByWeight { turned_ml, .. } => Some((*turned_ml, *turned_ml)),
+            Self::NoIndex { pumped_ml, .. } => Some((*pumped_ml, *pumped_ml)),
+            Self::AngleNotRecorded { .. } => None,
+            _ => Some((0.0, 0.0)),
+        }
+    }
+}
+
 impl FolderError {
     /// Tells how a command ends with this error.
     pub fn ending(&self) -> Ending {

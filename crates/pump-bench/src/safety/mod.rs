@@ -7,8 +7,10 @@ mod day;
 mod limits;
 mod passed_time;
 mod stand;
+mod unfinished;
 
 pub(crate) use account::SafetyAccount;
 pub use day::DAY_S;
 pub use limits::SafetyLimits;
 pub use stand::{SafetyLimit, Stand};
+pub use unfinished::UnfinishedPolicy;
