@@ -80,7 +80,7 @@ enum Command {
     Discard(DiscardArgs),
     /// Let go of the rotor; its angle is less well known afterwards
     Release(ReleaseArgs),
-    /// Say that the tube was replaced
+    /// Say what the tube has pumped and when to calibrate it again, or that it was replaced
     Tube(TubeArgs),
     /// Say what the safety limits leave, or clear a pump that stands at one
     Safety(SafetyArgs),

@@ -46,8 +46,8 @@ impl ClearArgs {
             _ => String::new(),
         };
         tell(&format!(
-            "{pump} may go on, and your reason is on record; it stood because {}\nthe {:.4} mL of the last 24 h count no \
-             more\n{full}",
+            "{pump} may go on, and your reason is on record; it stood because {}\nthe {:.4} mL of the last 24 h count \
+             no more\n{full}",
             cleared.stand, cleared.forgotten_ml
         ))
     }

@@ -66,7 +66,8 @@ impl DoseError {
 }
 
 impl DoseError {
-    /// Returns the smallest and the largest volume, in mL, that was delivered before this error. `None` if nobody knows.
+    /// Returns the smallest and the largest volume, in mL, that was delivered before this error. `None` if nobody
+    /// knows.
     pub fn delivered_ml(&self) -> Option<(f64, f64)> {
         match self {
             Self::Drive { least_ml, most_ml, .. } => Some((*least_ml, *most_ml)),

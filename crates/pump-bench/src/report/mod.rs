@@ -17,6 +17,7 @@ mod simulation;
 mod sizing;
 mod status;
 mod status_text;
+mod tube;
 mod verification;
 
 pub use crate::dosing::{RippleAt, RippleReport};
@@ -37,3 +38,4 @@ pub use status::{
     CalibrationStatus, LastByWeight, SafetyStatus, StandStatus, Status, StatusRow, UnfinishedCalibration,
     UnfinishedStatus,
 };
+pub use tube::{TubeCalibration, TubeReport};

@@ -94,8 +94,8 @@ impl Session<'_> {
         self.keep_batch_safe(planned_ml, 1, 0.0)
     }
 
-    /// Has the pump stand if one of `count` doses of `volume_ml`, one every `every_s` from now on, would exceed a safety
-    /// limit. A batch is refused so before its first dose.
+    /// Has the pump stand if one of `count` doses of `volume_ml`, one every `every_s` from now on, would exceed a
+    /// safety limit. A batch is refused so before its first dose.
     ///
     /// # Errors
     ///

@@ -32,8 +32,8 @@ pub(crate) struct UnattendedOptions {
     /// Run this command of the shell if the dose fails or is refused
     #[arg(
         long_help = "Run this command of the shell if the dose fails or is refused. It has the reason on its standard \
-        input, as one line of JSON (error/1), and DOSE_FAIL_PUMP, DOSE_FAIL_CODE, DOSE_FAIL_KIND, DOSE_FAIL_LEAST_ML and \
-        DOSE_FAIL_MOST_ML in its environment. It has 10 s. The default of a dose without a terminal is the \
+        input, as one line of JSON (error/1), and DOSE_FAIL_PUMP, DOSE_FAIL_CODE, DOSE_FAIL_KIND, DOSE_FAIL_LEAST_ML \
+        and DOSE_FAIL_MOST_ML in its environment. It has 10 s. The default of a dose without a terminal is the \
         configuration's on_fail."
     )]
     #[arg(long, value_name = "CMD")]
