@@ -26,6 +26,10 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "finish the dose with `dose resume` or accept it as it is with `dose discard`, then find the angle anew"
         }
         Remedy::Accept => "accept the dose as it is with `dose discard`",
+        Remedy::ClearStand => {
+            "see `dose safety`, then clear it with `dose safety clear NAME --reason <TEXT>`"
+        }
+        Remedy::EmptyVessel => "empty the vessel and say `dose vessel emptied`",
         Remedy::DropCarry => "ask for more than the carry, or drop the carry with `dose home --set`",
         Remedy::ReplaceTube => "replace the tube and say `dose tube --new`",
         Remedy::SeeStatus => "see `dose status`",
@@ -151,8 +155,18 @@ mod tests {
     use crate::cli;
 
     /// Words of an advice that stand for a value.
-    const VALUES: [&str; 9] =
-        ["none", "<ANGLE>", "<N>", "0deg", "NAME", "rust", "low-flow", "line-aware", "/dev/ttyUSB0"];
+    const VALUES: [&str; 10] = [
+        "<TEXT>",
+        "none",
+        "<ANGLE>",
+        "<N>",
+        "0deg",
+        "NAME",
+        "rust",
+        "low-flow",
+        "line-aware",
+        "/dev/ttyUSB0",
+    ];
 
     /// True if the command or one below it has the option.
     fn has(command: &Command, option: &str) -> bool {

@@ -113,6 +113,13 @@ fn takes_value(node: &Command, found: &[&Arg], next: Option<&str>) -> bool {
     if next.is_some_and(|next| next.starts_with('-') && next.len() > 1) {
         return false;
     }
+    // A word that the option may have is its value, as in `--unfinished resume`.
+    let is_choice = |arg: &&Arg| {
+        next.is_some_and(|next| arg.get_possible_values().iter().any(|value| value.matches(next, false)))
+    };
+    if found.iter().any(is_choice) {
+        return true;
+    }
     let mut takes = found.iter().map(|arg| arg.get_action().takes_values());
     // One option is a flag of one command and has a value in another: before them it has none.
     let is_command = next.is_some_and(|next| node.find_subcommand(next).is_some());

@@ -19,11 +19,13 @@ use crate::commands::record::status::StatusArgs;
 use crate::commands::release::ReleaseArgs;
 use crate::commands::resume::ResumeArgs;
 use crate::commands::run::RunArgs;
+use crate::commands::safety::{SafetyArgs, VesselArgs};
 use crate::commands::setup::SetupArgs;
 use crate::commands::simulate::SimulateArgs;
 use crate::commands::size::SizeArgs;
 use crate::commands::tube::TubeArgs;
 use crate::failure::Failure;
+use crate::on_fail::OnFail;
 use crate::refusals::unknown;
 
 const EXAMPLES: &str = "Examples:
@@ -78,8 +80,12 @@ enum Command {
     Discard(DiscardArgs),
     /// Let go of the rotor; its angle is less well known afterwards
     Release(ReleaseArgs),
-    /// Say that the tube was replaced
+    /// Say what the tube has pumped and when to calibrate it again, or that it was replaced
     Tube(TubeArgs),
+    /// Say what the safety limits leave, or clear a pump that stands at one
+    Safety(SafetyArgs),
+    /// Say that the receiving vessel was emptied
+    Vessel(VesselArgs),
     /// Find where the rollers stand, or say it
     Home(HomeArgs),
     /// Write all records into one file
@@ -110,6 +116,18 @@ fn with_pump_and_record(command: clap::Command) -> clap::Command {
 }
 
 impl Cli {
+    /// The command of the shell to run if this one fails; none for a command that makes no dose.
+    pub(crate) fn on_fail(&self) -> Option<OnFail> {
+        match &self.command {
+            None if self.dose.mistyped_command().is_some() => None,
+            None => self.dose.on_fail(),
+            Some(Command::Prime(args)) => args.on_fail(),
+            Some(Command::Purge(args)) => args.on_fail(),
+            Some(Command::Run(args)) => args.on_fail(),
+            Some(_) => None,
+        }
+    }
+
     /// Runs the command.
     pub(crate) fn run(&self) -> Result<(), Failure> {
         match &self.command {
@@ -133,6 +151,8 @@ impl Cli {
             Some(Command::Discard(args)) => args.run(),
             Some(Command::Release(args)) => args.run(),
             Some(Command::Tube(args)) => args.run(),
+            Some(Command::Safety(args)) => args.run(),
+            Some(Command::Vessel(args)) => args.run(),
             Some(Command::Home(args)) => args.run(),
             Some(Command::Backup(args)) => args.run(),
             Some(Command::Restore(args)) => args.run(),

@@ -18,7 +18,12 @@ pub(crate) struct Failure {
     how: How,
     facts: ErrorFacts,
     message: String,
+    /// Smallest and largest volume that was delivered, in mL; none if nobody knows.
+    delivered_ml: Option<(f64, f64)>,
 }
+
+/// The volume of a command in which nothing moved, in mL.
+const NOTHING: Option<(f64, f64)> = Some((0.0, 0.0));
 
 /// The ways to fail, by whether anything moved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +34,8 @@ enum How {
     Busy,
     /// An unfinished dose stands in the way.
     Unfinished,
+    /// The pump stands at a safety limit. `moved` is true if it moved in this command before.
+    Stands { moved: bool },
     /// Something went wrong after motion began.
     Fault,
     /// The command did what was asked, and its result is not good enough.
@@ -49,16 +56,18 @@ impl Failure {
             Ending::Refused => How::Refused,
             Ending::Busy => How::Busy,
             Ending::Unfinished => How::Unfinished,
+            Ending::Stands => How::Stands { moved: false },
             Ending::Stopped => How::Stopped { signal: interrupt::signal().unwrap_or(0), moved: false },
             Ending::Moved => How::Fault,
         };
-        Self { how, facts: error.facts(), message: advice::told(&error) }
+        Self { how, facts: error.facts(), message: advice::told(&error), delivered_ml: NOTHING }
     }
 
     /// A file that cannot be read.
     pub(crate) fn unread(path: &Path, error: &io::Error) -> Self {
         let facts = ErrorFacts::of_file(ErrorKind::Input, path, error);
-        Self { how: How::Refused, facts, message: format!("cannot read {}: {error}", path.display()) }
+        let message = format!("cannot read {}: {error}", path.display());
+        Self { how: How::Refused, facts, message, delivered_ml: NOTHING }
     }
 
     /// A file that cannot be written.
@@ -73,7 +82,7 @@ impl Failure {
             }
             None => format!("cannot write {path_shown}: {error}"),
         };
-        Self { how: How::Refused, facts, message }
+        Self { how: How::Refused, facts, message, delivered_ml: NOTHING }
     }
 
     /// A fault after motion began.
@@ -92,7 +101,24 @@ impl Failure {
     }
 
     fn new(how: How, kind: ErrorKind, message: impl ToString) -> Self {
-        Self { how, facts: ErrorFacts::of(kind), message: message.to_string() }
+        Self { how, facts: ErrorFacts::of(kind), message: message.to_string(), delivered_ml: NOTHING }
+    }
+
+    /// The failure after so much was delivered, in mL.
+    pub(crate) fn delivered(self, volume_ml: f64) -> Self {
+        let delivered_ml =
+            self.delivered_ml.map(|(least_ml, most_ml)| (least_ml + volume_ml, most_ml + volume_ml));
+        Self { delivered_ml, ..self }
+    }
+
+    /// The smallest and the largest volume that was delivered, in mL; none if nobody knows.
+    pub(crate) fn delivered_ml(&self) -> Option<(f64, f64)> {
+        self.delivered_ml
+    }
+
+    /// The word of the kind.
+    pub(crate) fn kind_word(&self) -> &'static str {
+        self.facts.kind.as_str()
     }
 
     /// The failure as one of this kind.
@@ -115,6 +141,7 @@ impl Failure {
     pub(crate) fn after_motion(self) -> Self {
         let how = match self.how {
             How::Stopped { signal, .. } => How::Stopped { signal, moved: true },
+            How::Stands { .. } => How::Stands { moved: true },
             How::Refused | How::Busy | How::Unfinished | How::Failed | How::Fault => How::Fault,
         };
         Self { how, ..self }
@@ -162,7 +189,7 @@ impl Failure {
         let moved = match self.how {
             How::Refused | How::Busy | How::Unfinished | How::Failed => false,
             How::Fault => true,
-            How::Stopped { moved, .. } => moved,
+            How::Stopped { moved, .. } | How::Stands { moved } => moved,
         };
         let message = self.message.lines().map(str::trim).collect::<Vec<_>>().join(" ");
         ErrorReport::new(self.exit_code(), &self.facts, &message, moved).json()
@@ -175,6 +202,7 @@ impl Failure {
             How::Refused => 2,
             How::Busy => 3,
             How::Unfinished => 4,
+            How::Stands { .. } => 5,
             How::Stopped { signal, .. } => 128 + u8::try_from(signal).unwrap_or(0),
         }
     }
@@ -188,7 +216,8 @@ impl From<Unwatched> for Failure {
 
 impl From<DoseError> for Failure {
     fn from(error: DoseError) -> Self {
-        Self::of(error)
+        let delivered_ml = error.delivered_ml();
+        Self { delivered_ml, ..Self::of(error) }
     }
 }
 

@@ -7,8 +7,10 @@ mod commands;
 mod failure;
 mod help;
 mod interrupt;
+mod on_fail;
 mod options;
 mod outputs;
+mod progress;
 mod refusals;
 mod terminal;
 
@@ -24,10 +26,10 @@ use failure::Failure;
 fn main() -> ExitCode {
     let words: Vec<OsString> = std::env::args_os().collect();
     let json = arguments::asks_for_json(&words);
-    let ended = match parse(words) {
-        Ok(cli) => cli.run(),
-        Err(Unparsed::Refused(failure)) => Err(failure),
-        Err(Unparsed::Clap(error)) if json && error.use_stderr() => Err(refusals::unparsed(&error)),
+    let (ended, on_fail) = match parse(words) {
+        Ok(cli) => (cli.run(), cli.on_fail()),
+        Err(Unparsed::Refused(failure)) => (Err(failure), None),
+        Err(Unparsed::Clap(error)) if json && error.use_stderr() => (Err(refusals::unparsed(&error)), None),
         Err(Unparsed::Clap(error)) => {
             // Nowhere is left to complain to if this fails.
             let _ = error.print();
@@ -37,6 +39,8 @@ fn main() -> ExitCode {
     match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
+            // The error stays the last line of standard error.
+            on_fail.iter().for_each(|on_fail| on_fail.tell(&failure));
             terminal::say_error(&failure, json);
             ExitCode::from(failure.exit_code())
         }

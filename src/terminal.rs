@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use console::Term;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use pump_bench::notice::Notice;
 use pump_bench::{Bench, DoseError, Session};
 
@@ -136,15 +136,6 @@ pub(crate) fn announce(bench: &Bench, json: bool) -> Result<(), Failure> {
         }
         false => tell(&headline),
     }
-}
-
-/// The progress of a motion, on standard error. Only a terminal shows it, and only if no program reads the report.
-pub(crate) fn progress_bar(steps: u64, json: bool) -> ProgressBar {
-    if json {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:40} {percent:>3} % of {len} steps, {eta} left");
-    ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 /// Words beside a sign that turns, on standard error, while nothing else can be said. Only a terminal shows it.

@@ -4,6 +4,7 @@ use std::mem;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use indicatif::ProgressBar;
 use pump_bench::Rehearsal;
 use pump_bench::dosing::{Schedule, ScheduleAction};
 use pump_bench::notice::Notice;
@@ -12,10 +13,13 @@ use pump_bench::{Bench, DoseReport, DoseRequest, Prepared, Session};
 use pump_ctl::plan::Finish;
 
 use super::delivery::{DeliveryEnd, Said, deliver, ended, report_once};
+use super::safety::{before_dose, find_angle};
+use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
-use crate::terminal::{is_reader_gone, noted, print, tell, warn};
+use crate::progress::until_next;
+use crate::terminal::{is_reader_gone, noted, print, tell, waiting, warn};
 
 /// Longest sleep between two looks for a signal.
 const SLICE: Duration = Duration::from_millis(50);
@@ -43,7 +47,21 @@ pub(super) fn run(
     let (json, verbose) = (options.format.json(), options.verbose.verbose);
     let said = Said { json, verbose, asked: Some(typed) };
     let (count, assumed) = (schedule.count(), options.start_angle.assumed());
-    let mut batch = Batch { bench, said, request, assumed, count, done: 0, skipped: 0, untold: Vec::new() };
+    let mut batch = Batch {
+        bench,
+        said,
+        request,
+        assumed,
+        count,
+        done: 0,
+        done_ml: 0.0,
+        skipped: 0,
+        untold: Vec::new(),
+        before: Vec::new(),
+        options,
+        total: Total::default(),
+        warned: Vec::new(),
+    };
     let (ended, verb) = if options.dry_run {
         (batch.rehearse(), "planned")
     } else {
@@ -51,12 +69,17 @@ pub(super) fn run(
         // One session and one watch for signals, so that nothing comes between two doses.
         let interrupt = Interrupt::watch()?;
         let mut session = bench.session()?;
+        batch.before = before_dose(bench, &mut session, options, &interrupt)?;
         batch.refuse_missing_ends(&mut session, &interrupt)?;
+        let safe = session.keep_batch_safe(request.volume_ml, schedule.count(), every_s.unwrap_or(0.0));
+        noted(&mut session, safe)?;
         (batch.run(&mut session, schedule, &interrupt), "done")
     };
-    let Batch { count, done, skipped, .. } = batch;
+    let printed = batch.print_total();
+    let Batch { count, done, skipped, done_ml, .. } = batch;
     let skipped = if skipped > 0 { format!(" and {skipped} skipped") } else { String::new() };
-    ended.map_err(|failure| {
+    ended.and(printed).map_err(|failure| {
+        let failure = failure.delivered(done_ml);
         let failure = if done > 0 && !options.dry_run { failure.after_motion() } else { failure };
         failure.with(&format!("; {done} of {count} doses of the batch were {verb}{skipped}"))
     })
@@ -82,9 +105,27 @@ struct Batch<'a> {
     assumed: Option<String>,
     count: u64,
     done: u64,
+    /// Volume of the doses that were made in full, in mL.
+    done_ml: f64,
     skipped: u64,
     /// Messages about skipped doses that the next report for a program repeats.
     untold: Vec<String>,
+    /// Notices about what came before the batch, which the first report tells.
+    before: Vec<Notice>,
+    options: &'a DosingOptions,
+    total: Total,
+    /// Warnings that were printed. Each is printed once.
+    warned: Vec<String>,
+}
+
+/// Sums over the doses of a batch.
+#[derive(Debug, Default)]
+struct Total {
+    doses: u64,
+    volume_ml: f64,
+    asked_ml: f64,
+    /// Largest error of the sum, in mL: as if every dose erred the same way.
+    expanded_ml: f64,
 }
 
 impl Batch<'_> {
@@ -143,17 +184,22 @@ impl Batch<'_> {
                 ScheduleAction::Done => return Ok(()),
                 ScheduleAction::Skip(_) => {}
                 ScheduleAction::Wait(until) => {
-                    self.wait(session, *started.get_or_insert_with(Instant::now), until, interrupt)?;
+                    let started = *started.get_or_insert_with(Instant::now);
+                    self.wait(session, started, until, schedule.past() + 1, interrupt)?;
                 }
                 ScheduleAction::Dose(number) => {
                     self.still_wanted(interrupt)?;
+                    find_angle(session, self.options, interrupt)?;
                     let prepared = session.prepare(self.next_request());
                     let mut prepared = noted(session, prepared)?;
+                    prepared.warnings.extend(self.before.drain(..));
                     prepared.warnings.extend(self.assumed.take().map(Notice::from));
                     started.get_or_insert_with(Instant::now);
                     let delivered = deliver(self.bench, session, &prepared, interrupt, self.said.json)?;
                     self.done += u64::from(delivered.0.completed);
+                    let volume_ml = delivered.0.volume_ml;
                     self.report(number, &prepared, Some(delivered))?;
+                    self.done_ml += volume_ml;
                     self.still_read()?;
                 }
             }
@@ -171,17 +217,27 @@ impl Batch<'_> {
         session: &mut Session<'_>,
         started: Instant,
         until: Duration,
+        number: u64,
         interrupt: &Interrupt,
     ) -> Result<(), Failure> {
-        loop {
-            session.release_when_due()?;
-            self.still_wanted(interrupt)?;
-            let left = until.saturating_sub(started.elapsed());
-            if left.is_zero() {
-                return Ok(());
+        let left = || until.saturating_sub(started.elapsed());
+        let sign = (!self.said.json).then(|| waiting(&until_next(left(), number, self.count)));
+        let ended = loop {
+            if let Err(error) = session.release_when_due() {
+                break Err(error.into());
             }
+            if let Err(failure) = self.still_wanted(interrupt) {
+                break Err(failure);
+            }
+            let left = left();
+            if left.is_zero() {
+                break Ok(());
+            }
+            sign.iter().for_each(|sign| sign.set_message(until_next(left, number, self.count)));
             sleep(left.min(SLICE));
-        }
+        };
+        sign.iter().for_each(ProgressBar::finish_and_clear);
+        ended
     }
 
     /// Ends a batch whose rotor stands.
@@ -222,9 +278,61 @@ impl Batch<'_> {
     ) -> Result<(), Failure> {
         let report =
             DoseReport::new(self.bench, prepared, delivered.as_ref().map(|(delivered, _)| delivered));
-        let place = Some((number, self.count));
-        let printed = report_once(self.bench, report, &self.said, place, mem::take(&mut self.untold));
-        let space = if number < self.count && !self.said.json { print("\n") } else { Ok(()) };
-        ended(printed.and(space), delivered)
+        self.total.add(&report);
+        let printed = if self.said.json || self.said.verbose {
+            let place = Some((number, self.count));
+            let printed = report_once(self.bench, report, &self.said, place, mem::take(&mut self.untold));
+            let space = if number < self.count && !self.said.json { print("\n") } else { Ok(()) };
+            printed.and(space)
+        } else {
+            self.print_line(number, &report.worded(advice::words))
+        };
+        ended(printed, delivered)
+    }
+
+    /// Prints a dose as one line. The headline comes before the first, and a warning after the first dose that has it.
+    fn print_line(&mut self, number: u64, report: &DoseReport) -> Result<(), Failure> {
+        let was_run = report.delivered_ml.is_some();
+        // A real motor was announced before it moved, and so were the warnings.
+        let is_announced = was_run && !self.bench.is_simulated();
+        let headline = match self.total.doses {
+            1 if !is_announced => report.headline() + "\n",
+            _ => String::new(),
+        };
+        let warnings: Vec<String> =
+            report.warnings.iter().map(|warning| format!("warning: {warning}\n")).collect();
+        let unsaid = warnings.into_iter().filter(|line| !is_announced && !self.warned.contains(line));
+        let unsaid: Vec<String> = unsaid.collect();
+        let line = report.batch_line(number, self.count);
+        self.warned.extend(unsaid.iter().cloned());
+        tell(&format!("{headline}{line}\n{}", unsaid.concat()))
+    }
+
+    /// Prints the total of a batch for people.
+    fn print_total(&self) -> Result<(), Failure> {
+        if self.said.json || self.total.doses == 0 {
+            return Ok(());
+        }
+        let pump = &self.bench.file().pump.id;
+        tell(&self.total.line(pump, self.options.dry_run))
+    }
+}
+
+impl Total {
+    fn add(&mut self, report: &DoseReport) {
+        self.doses += 1;
+        self.volume_ml += report.delivered_ml.unwrap_or(report.planned_ml);
+        self.asked_ml += report.requested_ml;
+        self.expanded_ml += report.expanded_uncertainty_ml;
+    }
+
+    /// The total in words. Doses of one pump err alike, so their uncertainties add up at most.
+    fn line(&self, pump: &str, dry_run: bool) -> String {
+        let Self { doses, volume_ml, asked_ml, expanded_ml } = self;
+        let verb = if dry_run { "planned" } else { "delivered" };
+        format!(
+            "{pump}: {doses} doses, {volume_ml:.3} mL {verb} in all, {expanded_ml:.3} mL more or less at most; \
+             {asked_ml:.3} mL asked\n"
+        )
     }
 }

@@ -3,11 +3,13 @@
 use pump_bench::{Bench, DoseReport, DoseRequest};
 
 use super::delivery::report_once;
+use super::safety::before_dose;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::balance::{BalanceOptions, ByWeightOptions};
 use crate::options::dosing::DosingOptions;
-use crate::terminal::{announce, noted, progress_bar, waiting, warn};
+use crate::progress::MotionBar;
+use crate::terminal::{announce, noted, waiting, warn};
 
 /// The message after a signal.
 const STOPPED: &str =
@@ -38,8 +40,10 @@ pub(super) fn run(
     let mut scale = balance.open()?.ok_or_else(|| Failure::refused("--until-scale needs a balance"))?;
     let interrupt = Interrupt::watch()?;
     let mut session = bench.session()?;
+    let before = before_dose(bench, &mut session, dosing, &interrupt)?;
     let prepared = session.prepare_by_weight(&order);
-    let prepared = noted(&mut session, prepared)?;
+    let mut prepared = noted(&mut session, prepared)?;
+    prepared.whole.warnings.extend(before);
     // A balance waits for its load to stand still, and is read before the motor is said to move.
     let sign = (!json).then(|| waiting("waiting for the balance to stand still"));
     let tare = session.tare_by_weight(&prepared, scale.as_mut());
@@ -51,7 +55,8 @@ pub(super) fn run(
     if !bench.is_simulated() {
         warn(&prepared.whole.warnings);
     }
-    let bar = progress_bar(prepared.whole.plan.steps().unsigned_abs(), json);
+    let (steps, whole_ml) = (prepared.whole.plan.steps().unsigned_abs(), prepared.whole.plan.planned_ml());
+    let bar = MotionBar::new(steps, whole_ml, json);
     let (mut before, mut last) = (0, 0);
     let made = session.run_from_tare(&prepared, tare, scale.as_mut(), |made| {
         // Each stretch counts its own steps.
@@ -59,10 +64,10 @@ pub(super) fn run(
             before += last;
         }
         last = made;
-        bar.set_position(before + made);
+        bar.made(before + made, || whole_ml * (before + made) as f64 / steps as f64);
         interrupt.flow()
     });
-    bar.finish_and_clear();
+    bar.end();
     let delivered = noted(&mut session, made).map_err(|error| Failure::of(error).of_session(&session))?;
     if !bench.is_simulated() {
         warn(&delivered.warnings);

@@ -1,6 +1,5 @@
 //! One delivery from the plan to the report: what doses, primes, purges and weighed runs have in common.
 
-use pump_bench::dosing::RunEnd;
 use pump_bench::export::write_steps;
 use pump_bench::notice::Notice;
 use pump_bench::record::Purpose;
@@ -8,13 +7,15 @@ use pump_bench::report::ErrorKind;
 use pump_bench::simulation::{Method, Waveform, times};
 use pump_bench::{Bench, Delivered, DoseReport, DoseRequest, Prepared, Session};
 
+use super::safety::before_dose;
 use crate::advice;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
 use crate::options::dosing::DosingOptions;
 use crate::options::volume::AskedVolume;
 use crate::outputs::{DEFAULT_DT_S, Outputs, PLOT_SAMPLES};
-use crate::terminal::{announce, noted, print, progress_bar, tell, waiting, warn};
+use crate::progress::MotionBar;
+use crate::terminal::{announce, noted, print, tell, warn};
 
 /// The message after a signal.
 pub(super) const STOPPED: &str =
@@ -65,10 +66,13 @@ pub(super) fn run_one(
     let interrupt = Interrupt::watch()?;
     // The pump is taken before its journal is read, so that nobody moves it in between.
     let mut session = bench.session()?;
+    let before = before_dose(bench, &mut session, options, &interrupt)?;
     let prepared = session.prepare(request);
-    let mut prepared = noted(&mut session, prepared)?;
+    let mut prepared =
+        noted(&mut session, prepared).map_err(|error| Failure::from(error).of_session(&session))?;
+    prepared.warnings.extend(before);
     prepared.warnings.extend(options.start_angle.assumed().map(Notice::from));
-    write_outputs(bench, &prepared, options)?;
+    write_outputs(bench, &prepared, options).map_err(|failure| failure.of_session(&session))?;
     let delivered = deliver(bench, &mut session, &prepared, &interrupt, json)?;
     report(bench, &prepared, Some(delivered), &said)
 }
@@ -85,15 +89,12 @@ pub(super) fn deliver(
     if warns_first(bench) {
         warn(&prepared.warnings);
     }
-    let bar = match prepared.request.end {
-        RunEnd::Stop if !json => waiting("running until stopped by Ctrl-C"),
-        _ => progress_bar(prepared.plan.steps().unsigned_abs(), json),
-    };
+    let bar = MotionBar::of(prepared, json);
     let delivered = session.run(prepared, |made| {
-        bar.set_position(made);
+        bar.made(made, || prepared.plan.delivered_ml(&prepared.model, made));
         interrupt.flow()
     });
-    bar.finish_and_clear();
+    bar.end();
     let delivered = noted(session, delivered)?;
     if warns_first(bench) {
         warn(&delivered.warnings);
@@ -150,18 +151,20 @@ pub(super) fn ended(printed: Result<(), Failure>, delivered: Option<DeliveryEnd>
         (Err(failure), Some((Delivered { volume_ml, .. }, _))) if failure.is_refusal() => {
             let message = failure.message();
             let message = format!("{volume_ml:.4} mL were delivered and recorded, but {message}");
-            Err(Failure::fault(ErrorKind::Output, message))
+            Err(Failure::fault(ErrorKind::Output, message).delivered(volume_ml))
         }
         (Ok(()), Some((delivered, signal))) if !delivered.completed => {
             let words = if delivered.unfinished { STOPPED } else { RUN_STOPPED };
-            Err(Failure::stopped(signal.unwrap_or(0), delivered.made > 0, words))
+            let stopped = Failure::stopped(signal.unwrap_or(0), delivered.made > 0, words);
+            Err(stopped.delivered(delivered.volume_ml))
         }
         (Ok(()), Some((delivered, Some(signal)))) if !delivered.sucked_back => Err(Failure::stopped(
             signal,
             true,
             "stopped by the user while it sucked back; the dose is delivered, and the next dose repays the volume that \
              was sucked back",
-        )),
+        )
+        .delivered(delivered.volume_ml)),
         (printed, _) => printed,
     }
 }

@@ -6,6 +6,7 @@ use pump_bench::units;
 
 use super::{batch, by_weight, delivery};
 use crate::failure::Failure;
+use crate::on_fail::OnFail;
 use crate::options::balance::{BalanceOptions, ByWeightOptions};
 use crate::options::batch::BatchOptions;
 use crate::options::dosing::DosingOptions;
@@ -37,6 +38,11 @@ impl DoseArgs {
     /// The first word in place of the volume, if it looks like a command rather than a number.
     pub(crate) fn mistyped_command(&self) -> Option<&str> {
         self.volume.first().map(String::as_str).filter(|word| is_name(word))
+    }
+
+    /// The command to run if this one fails.
+    pub(crate) fn on_fail(&self) -> Option<OnFail> {
+        self.options.on_fail()
     }
 
     pub(crate) fn run(&self) -> Result<(), Failure> {

@@ -17,6 +17,7 @@ pub(crate) mod record;
 pub(crate) mod release;
 pub(crate) mod resume;
 pub(crate) mod run;
+pub(crate) mod safety;
 pub(crate) mod setup;
 pub(crate) mod simulate;
 pub(crate) mod size;

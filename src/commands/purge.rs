@@ -6,6 +6,7 @@ use pump_bench::record::Purpose;
 use super::delivery;
 use super::run::{ForOption, deliver_for};
 use crate::failure::Failure;
+use crate::on_fail::OnFail;
 use crate::options::dosing::DosingOptions;
 use crate::options::volume::asked;
 
@@ -21,6 +22,11 @@ pub(crate) struct PurgeArgs {
 }
 
 impl PurgeArgs {
+    /// The command to run if this one fails.
+    pub(crate) fn on_fail(&self) -> Option<OnFail> {
+        self.options.on_fail()
+    }
+
     pub(crate) fn run(&self) -> Result<(), Failure> {
         match &self.time.time {
             Some(_) if !self.volume.is_empty() => {

@@ -1,27 +1,38 @@
-//! `dose tube --new`: the tube was replaced.
+//! `dose tube`: the life of the tube, and its replacement.
 
 use clap::Args;
 use pump_bench::NewTube;
-use pump_bench::report::{carry_dropped_text, rotor_text};
+use pump_bench::report::{TubeReport, carry_dropped_text, rotor_text};
 
 use crate::advice;
 use crate::failure::Failure;
 use crate::options::bench::BenchOptions;
-use crate::terminal::{noted, tell, warn};
+use crate::options::limits::TubeLimit;
+use crate::options::report::FormatOption;
+use crate::terminal::{noted, print, tell, warn};
 
 #[derive(Debug, Args)]
 pub(crate) struct TubeArgs {
     /// The tube is new: it has pumped nothing, and nothing is carried
-    #[arg(long, required = true)]
+    #[arg(long, conflicts_with = "format")]
     new: bool,
     #[command(flatten)]
     bench: BenchOptions,
+    #[command(flatten)]
+    tube_limit: TubeLimit,
+    #[command(flatten)]
+    format: FormatOption,
 }
 
 impl TubeArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        debug_assert!(self.new, "required");
-        let bench = self.bench.bench()?;
+        let mut file = self.bench.pump.file()?;
+        self.tube_limit.change(&mut file);
+        let bench = self.bench.bench_of(file)?;
+        if !self.new {
+            let tube = TubeReport::of(&bench)?;
+            return if self.format.json() { print(&(tube.json() + "\n")) } else { tell(&tube.text()) };
+        }
         let mut session = bench.session()?;
         let replaced = session.new_tube();
         let NewTube { state, worn_ml, owed_ml, unused, readings, .. } = noted(&mut session, replaced)?;

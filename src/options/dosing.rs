@@ -8,12 +8,14 @@ use pump_bench::{Bench, DoseRequest, PumpFile};
 use super::bench::BenchOptions;
 use super::files::{Files, PlotOption, StepsOption, TraceOptions};
 use super::fluid::FluidOptions;
-use super::limits::{PressureOptions, TubeLimit};
+use super::limits::{DayLimit, PressureOptions, TubeLimit};
 use super::report::{FormatOption, VerboseOption};
 use super::speed::{CruiseOptions, RampsOption, ReverseOption};
 use super::start_angle::StatedStartOption;
+use super::unattended::UnattendedOptions;
 use super::volume::AskedVolume;
 use crate::failure::Failure;
+use crate::on_fail::OnFail;
 
 /// Help of `--smooth`.
 const SMOOTH_HELP: &str = "Let the speed follow the rollers' angle, for a flow at the end of the outlet line \
@@ -41,10 +43,14 @@ pub(crate) struct DosingOptions {
     #[command(flatten)]
     tube_limit: TubeLimit,
     #[command(flatten)]
+    day_limit: DayLimit,
+    #[command(flatten)]
     bench: BenchOptions,
     /// Plan and predict; move nothing, record nothing
     #[arg(long, help_heading = "Motor")]
     pub(crate) dry_run: bool,
+    #[command(flatten)]
+    pub(crate) unattended: UnattendedOptions,
     #[command(flatten)]
     pub(crate) format: FormatOption,
     #[command(flatten)]
@@ -82,8 +88,14 @@ impl DosingOptions {
     pub(crate) fn bench(&self) -> Result<Bench, Failure> {
         let mut file = self.bench.pump.file()?;
         self.tube_limit.change(&mut file);
+        self.day_limit.change(&mut file)?;
         self.fluid.change(&mut file)?;
-        self.bench.bench_of(file)
+        Ok(self.unattended.change(self.bench.bench_of(file)?))
+    }
+
+    /// The command to run if the dose fails; none without one, and for a dry run.
+    pub(crate) fn on_fail(&self) -> Option<OnFail> {
+        if self.dry_run { None } else { self.unattended.on_fail(&self.bench.pump) }
     }
 
     /// The amount as it was typed, with a minus in reverse.

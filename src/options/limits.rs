@@ -5,6 +5,8 @@ use pump_bench::pump_file::PumpFile;
 use pump_bench::units::{self, Pressure};
 use pump_ctl::plan::PressureLimits;
 
+use crate::failure::Failure;
+
 /// The pressures that a dose must keep.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Limits")]
@@ -15,6 +17,41 @@ pub(crate) struct PressureOptions {
     /// Smallest pressure at the port that sucks, as 45kPaa
     #[arg(long, value_name = "PRESSURE", value_parser = units::pressure)]
     min_inlet_pressure: Option<Pressure>,
+}
+
+/// The most volume in 24 hours.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Limits")]
+pub(crate) struct DayLimit {
+    /// Most volume in any 24 hours, as 50mL
+    #[arg(
+        long_help = "Most volume in any 24 hours, as 50mL: doses, primes, purges and runs in either direction. Beyond \
+        it the pump stands (exit code 5) until `dose safety clear`. It may be less than the pump file's [safety] \
+        max_ml_per_day, and not more."
+    )]
+    #[arg(long, value_name = "VOLUME", value_parser = units::volume_ml)]
+    max_per_day: Option<f64>,
+}
+
+impl DayLimit {
+    /// Puts the limit that is named in place of the pump file's. A limit that the file sets is never widened.
+    pub(crate) fn change(&self, file: &mut PumpFile) -> Result<(), Failure> {
+        let Some(most_ml) = self.max_per_day else { return Ok(()) };
+        if most_ml <= 0.0 {
+            let refused = Failure::refused(format!("--max-per-day is {most_ml} mL; allowed: more than 0"));
+            return Err(refused.value(format!("{most_ml} mL")).allowed("more than 0"));
+        }
+        if let Some(file_ml) = file.safety.max_ml_per_day.filter(|file_ml| most_ml > *file_ml) {
+            let message = format!(
+                "--max-per-day is {most_ml} mL, more than the pump file's [safety] max_ml_per_day = {file_ml}; change \
+                 the file to allow more"
+            );
+            let refused = Failure::refused(message).value(format!("{most_ml} mL"));
+            return Err(refused.allowed(format!("{file_ml} mL at most")));
+        }
+        file.safety.max_ml_per_day = Some(most_ml);
+        Ok(())
+    }
 }
 
 /// The life of the tube.

@@ -14,4 +14,5 @@ pub(crate) mod pump;
 pub(crate) mod report;
 pub(crate) mod speed;
 pub(crate) mod start_angle;
+pub(crate) mod unattended;
 pub(crate) mod volume;

@@ -97,8 +97,13 @@ impl PumpOption {
         config.pump(self.name(&config)).map_err(Failure::of)
     }
 
+    /// The name of the pump as it was typed.
+    pub(crate) fn typed(&self) -> Option<&str> {
+        self.pump.as_deref()
+    }
+
     /// The name of the pump: that of the option, or else the configuration's.
-    fn name<'a>(&'a self, config: &'a Config) -> &'a str {
+    pub(crate) fn name<'a>(&'a self, config: &'a Config) -> &'a str {
         self.pump.as_deref().unwrap_or(config.default_pump())
     }
 }

@@ -21,4 +21,5 @@ mod records;
 mod simulate;
 mod size;
 mod tube;
+mod unattended;
 mod user;

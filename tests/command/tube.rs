@@ -118,3 +118,53 @@ fn a_tube_is_not_exchanged_under_an_unfinished_dose_which_may_end_on_it() {
     assert!(rest["warnings"][0].as_str().unwrap().contains("0.0 mL are left"), "{rest}");
     assert_eq!(user.types(&["tube", "--new"]).code, 0);
 }
+
+/// The stored calibrations of the simulated pump, oldest first.
+fn calibrations(user: &User) -> Vec<std::path::PathBuf> {
+    let folder = fs::read_dir(user.path("state/three-roller/sim/calibrations")).unwrap();
+    let mut files: Vec<_> = folder.map(|entry| entry.unwrap().path()).collect();
+    files.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
+    files.sort();
+    files
+}
+
+#[test]
+fn a_tube_tells_its_life_its_drift_and_when_to_calibrate_it_again() {
+    let user = User::new();
+    user.json(&["25mL"]);
+    // The same runs three times, each with 0.5 % less volume than before, thirty days apart.
+    for (number, day) in ["2026-01-01", "2026-01-31", "2026-03-02"].into_iter().enumerate() {
+        let fresh = user.types(&["tube"]);
+        assert!(fresh.out.contains("calibrate again by: unknown, since"), "{}", fresh.out);
+        let volumes_ml = [64.0, 64.1, 63.9].map(|volume_ml| volume_ml * (1.0 - 0.005 * number as f64));
+        let rows = volumes_ml.map(|volume_ml| format!("40,3,{volume_ml}\n")).concat();
+        fs::write(user.path("runs.csv"), format!("speed_rpm,revolutions,volume_ml\n{rows}")).unwrap();
+        let made = user.types(&["calibrate", "run", "--from", "runs.csv"]);
+        assert_eq!(made.code, 0, "{}", made.err);
+        let path = calibrations(&user).pop().unwrap();
+        let mut stored: serde_json::Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+        stored["date"] = format!("{day}T12:00:00Z").into();
+        fs::write(path, stored.to_string()).unwrap();
+    }
+    let tube = user.json(&["tube", "--tube-limit", "100L"]);
+    assert_eq!(
+        (&tube["schema"], &tube["tube"], &tube["life_l"]),
+        (&"tube/1".into(), &1.into(), &100.0.into())
+    );
+    assert!((number(&tube, "volume_l") - 0.025).abs() < 1e-4, "{tube}");
+    // Three points at equal distances, of nearly equal weight: the slope is that from the first to the last.
+    let found: Vec<f64> =
+        tube["calibrations"].as_array().unwrap().iter().map(|one| number(one, "factor")).collect();
+    let drift = (found[2] - found[0]) / 2.0 / found[2];
+    assert!((number(&tube, "drift_per_30_days") / drift - 1.0).abs() < 0.01 && drift < -0.004, "{tube}");
+    let by = tube["calibrate_again_by"].as_str().unwrap();
+    assert!(("2026-03-03".."2026-06-01").contains(&by), "{by}");
+    let text = user.types(&["tube"]).out;
+    assert!(
+        text.contains(&format!("calibrate again by {by}")) && text.contains("in 30 days (k = 2)"),
+        "{text}"
+    );
+    // A new tube has none of them.
+    assert_eq!(user.types(&["tube", "--new"]).code, 0);
+    assert_eq!(user.json(&["tube"])["tube"], 2);
+}

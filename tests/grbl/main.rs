@@ -10,6 +10,7 @@ mod exit_codes;
 mod faults;
 mod interference;
 mod motions;
+mod policies;
 mod record;
 mod replies;
 mod rig;

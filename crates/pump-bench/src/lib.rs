@@ -74,6 +74,7 @@ mod numbers;
 pub mod pump_file;
 pub mod record;
 pub mod report;
+pub mod safety;
 #[cfg(test)]
 mod sampling;
 pub mod setup;
@@ -83,7 +84,7 @@ pub mod units;
 pub mod words;
 
 pub use bench::{
-    Accepted, AngleSet, Bench, Delivered, DeliveredByWeight, LogReading, NewTube, OrderByWeight,
+    Accepted, AngleSet, Bench, Cleared, Delivered, DeliveredByWeight, LogReading, NewTube, OrderByWeight,
     PreparedByWeight, Rehearsal, Session,
 };
 pub use catalogue::{built_in, pump_named};

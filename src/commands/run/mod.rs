@@ -8,6 +8,7 @@ use pump_bench::record::Purpose;
 
 use super::delivery;
 use crate::failure::Failure;
+use crate::on_fail::OnFail;
 use crate::options::dosing::DosingOptions;
 use crate::options::volume::asked;
 
@@ -25,6 +26,11 @@ pub(crate) struct RunArgs {
 }
 
 impl RunArgs {
+    /// The command to run if this one fails.
+    pub(crate) fn on_fail(&self) -> Option<OnFail> {
+        self.options.on_fail()
+    }
+
     pub(crate) fn run(&self) -> Result<(), Failure> {
         match (&self.time.time, &self.volume) {
             (Some(time), _) => deliver_for(Purpose::Run, time, &self.options),

@@ -2,6 +2,9 @@
 
 mod run_volume;
 
+pub(super) use self::run_volume::RunBounds;
+use super::safety::system_now_s;
+
 use std::path::{Path, PathBuf};
 
 use libm::sqrt;
@@ -279,7 +282,11 @@ impl Bench {
         state: Option<PumpState>,
         request: DoseRequest,
     ) -> Result<Prepared, DoseError> {
-        let mut prepared = self.prepare_from(&self.file, state, request, None)?;
+        let now_s = system_now_s();
+        let most =
+            RunBounds { steps: None, ml: self.left_ml(state.as_ref(), now_s, request.volume_ml < 0.0) };
+        let mut prepared = self.prepare_from(&self.file, state, request, Some(most))?;
+        self.would_be_safe(state.as_ref(), prepared.plan.planned_ml())?;
         prepared.warnings.extend(self.device_not_asked());
         prepared.warnings.extend(self.confirmation_missing(state.as_ref()));
         Ok(prepared)
@@ -293,13 +300,13 @@ impl Bench {
     }
 
     /// Plans a dose as if `state` were on record. Refuses a dose that the tube will not last for. A run until it is
-    /// stopped has no more than `most_steps`, if the device bounds them.
+    /// stopped keeps within `most`.
     pub(crate) fn prepare_from(
         &self,
         file: &PumpFile,
         state: Option<PumpState>,
         request: DoseRequest,
-        most_steps: Option<u64>,
+        most: Option<RunBounds>,
     ) -> Result<Prepared, DoseError> {
         let (asked_ml, carry_ml) = (request.volume_ml, state.map_or(0.0, |state| state.carry_ml));
         let owed_ml = asked_ml + carry_ml;
@@ -310,7 +317,7 @@ impl Bench {
         let prepared = match request.end {
             RunEnd::Volume => self.plan_from(file, state, request, None)?,
             RunEnd::Time { time_s } => self.plan_for_time(file, state, request, time_s)?,
-            RunEnd::Stop => self.plan_until_stopped(file, state, request, most_steps)?,
+            RunEnd::Stop => self.plan_until_stopped(file, state, request, most)?,
         };
         self.tube_life(state, &prepared).map_or(Ok(()), |tube| tube.check())?;
         Ok(prepared)

@@ -14,6 +14,7 @@ mod ramps;
 mod recorded_motion;
 mod rehearsal;
 mod rest;
+mod safety;
 mod session;
 mod stretches;
 
@@ -24,4 +25,6 @@ pub use delivery::Delivered;
 pub use homing::AngleSet;
 pub use log::LogReading;
 pub use rehearsal::Rehearsal;
+pub use safety::Cleared;
+pub(crate) use safety::system_now_s;
 pub use session::{Accepted, NewTube, Session};

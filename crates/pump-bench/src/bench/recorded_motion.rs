@@ -86,12 +86,17 @@ impl<'a> Session<'a> {
         mut watch: impl FnMut(u64) -> ControlFlow<()>,
     ) -> Result<Moved, DoseError> {
         self.check_confirmed()?;
+        self.check_stand()?;
         self.connect()?;
         if let (false, Some(state)) = (self.written, self.state) {
             self.rest(Why::CutOff, state)?;
         }
         self.record_confirmation()?;
         self.check(motion.plan)?;
+        // A retraction leaves the vessel, and the stretches of a dose by weight were allowed as a whole.
+        if motion.purpose != Purpose::Retract && !motion.terms.by_weight {
+            self.keep_safe(motion.plan.planned_ml())?;
+        }
         let mut before = self.stands();
         if motion.given {
             before.disturbances = 0;

@@ -26,12 +26,14 @@ impl Session<'_> {
         if self.stands().unfinished.or(self.finished_by_device).is_none() {
             return Err(DoseError::NothingUnfinished("resume"));
         }
+        self.check_stand()?;
         self.check_confirmed()?;
         self.connect()?;
         let state = self.stands();
         match (state.unfinished, self.finished_by_device) {
             (Some(dose), _) => {
                 let prepared = self.bench.plan_rest(self.file(), &dose, state, request)?;
+                self.keep_safe(prepared.plan.planned_ml())?;
                 self.checked(prepared)
             }
             (None, Some(dose)) => self.prepare_suck_back(&dose, state, request),
@@ -83,6 +85,7 @@ impl Bench {
         let unfinished = self.state_to_plan_from()?.and_then(|state| Some((state, state.unfinished?)));
         let (state, dose) = unfinished.ok_or(DoseError::NothingUnfinished("resume"))?;
         let mut prepared = self.plan_rest(self.file(), &dose, state, request)?;
+        self.would_be_safe(Some(&state), prepared.plan.planned_ml())?;
         prepared.warnings.extend(self.device_not_asked());
         prepared.warnings.extend(self.confirmation_missing(Some(&state)));
         Ok(prepared)

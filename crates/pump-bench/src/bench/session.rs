@@ -10,7 +10,7 @@ use crate::drives::{Drive, DriveError};
 use crate::notice::Notice;
 use crate::record::{Entry, Journal, JournalError, Lock, PumpState, Storage, Unfinished, Wear, Why};
 
-use super::bench::Bench;
+use super::bench::{Bench, RunBounds};
 use super::device::Device;
 use super::log::SessionLog;
 
@@ -181,6 +181,7 @@ impl<'a> Session<'a> {
     ///
     /// [`DoseError`] if a dose is unfinished, the device cannot be used, or the dose cannot be planned.
     pub fn prepare(&mut self, request: DoseRequest) -> Result<Prepared, DoseError> {
+        self.check_stand()?;
         if self.cut_off.is_none() {
             self.finished()?;
         }
@@ -192,7 +193,9 @@ impl<'a> Session<'a> {
             return Err(error);
         }
         let most_steps = self.device.as_ref().and_then(|device| device.most_steps(request.volume_ml < 0.0));
-        let prepared = self.bench.prepare_from(self.file(), self.state, request, most_steps)?;
+        let most = RunBounds { steps: most_steps, ml: self.left_ml(request.volume_ml < 0.0) };
+        let prepared = self.bench.prepare_from(self.file(), self.state, request, Some(most))?;
+        self.keep_safe(prepared.plan.planned_ml())?;
         self.checked(prepared)
     }
 
@@ -294,6 +297,19 @@ impl<'a> Session<'a> {
     /// Records that the rotor stands. If that cannot be written, this session still knows it, and the next
     /// motion records it first.
     pub(super) fn rest(&mut self, why: Why, state: PumpState) -> Result<(), JournalError> {
+        self.rest_because(why, state, None)
+    }
+
+    /// Records that the rotor stands, with the reason of a person.
+    pub(super) fn rest_because(
+        &mut self,
+        why: Why,
+        state: PumpState,
+        reason: Option<String>,
+    ) -> Result<(), JournalError> {
+        let now_s = self.log.clock.now().unix_s;
+        let safety = state.safety.unwrap_or_else(|| self.stands().safety_at(now_s));
+        let state = PumpState { safety: Some(safety), ..state };
         let dose = self.ended_dose(why, &state);
         let state = PumpState { doses: dose.as_ref().map_or(self.log.doses, |dose| dose.number), ..state };
         self.state = Some(state);
@@ -302,12 +318,7 @@ impl<'a> Session<'a> {
         self.written = false;
         // A dose that cannot be recorded now is recorded with the next rest.
         self.log.ended = dose.clone();
-        self.journal.append(&Entry::Rest {
-            unix_s: self.log.clock.now().unix_s,
-            why,
-            state,
-            dose: dose.clone(),
-        })?;
+        self.journal.append(&Entry::Rest { unix_s: now_s, why, state, dose: dose.clone(), reason })?;
         self.written = true;
         self.log.ended = None;
         self.log.doses = state.doses;

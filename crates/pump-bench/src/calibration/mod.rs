@@ -4,6 +4,7 @@ mod applied;
 mod calibration;
 mod date;
 mod default_rate;
+mod drift;
 mod error;
 mod fit;
 mod last_dose;
@@ -19,6 +20,7 @@ pub use calibration::{Calibration, Source};
 pub use date::now as now_utc;
 pub use default_rate::default_rate_left_out;
 pub(crate) use default_rate::default_rate_uncovered;
+pub use drift::{DRIFT_NEEDS, Drift, FactorAtTime};
 pub use error::CalibrationError;
 pub(crate) use fit::{AgainstSpeed, LawToFit, PulseSureness, Revolution, scatter_ml};
 pub use fit::{

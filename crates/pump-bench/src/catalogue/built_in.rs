@@ -11,7 +11,8 @@ use pump_model::{Geometry, Line, PUBLISHED_CONTACT_ANGLE_DEG, Variant};
 
 use crate::pump_file::{
     AmbientTable, BackplateTable, FluidTable, LimitsTable, LineTable, MotorTable, PumpFile, PumpFileError,
-    PumpTable, RollerVolumeTable, RollersTable, SCHEMA, SpeedLawTable, TubeTable, UncertaintyTable,
+    PumpTable, RollerVolumeTable, RollersTable, SCHEMA, SafetyTable, SpeedLawTable, TubeTable,
+    UncertaintyTable,
 };
 
 /// Names of the built-in pumps, each with its description.
@@ -109,6 +110,7 @@ fn published(id: &str, rollers: u32, variant: Variant) -> PumpFile {
         fluid: water(),
         ambient: AmbientTable::of_pressure_kpa(85.7),
         limits: LimitsTable::default(),
+        safety: SafetyTable::default(),
         uncertainty: uncertainty(),
         drive: None,
     }

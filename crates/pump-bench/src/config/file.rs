@@ -41,6 +41,7 @@ pub struct Config {
     exists: bool,
     pub(super) default_pump: Option<String>,
     state_dir: Option<PathBuf>,
+    on_fail: Option<String>,
     pub(super) pumps: BTreeMap<String, PathBuf>,
 }
 
@@ -51,6 +52,7 @@ struct ConfigKeys {
     schema: String,
     default_pump: Option<String>,
     state_dir: Option<PathBuf>,
+    on_fail: Option<String>,
     #[serde(default)]
     pumps: BTreeMap<String, PathBuf>,
 }
@@ -99,6 +101,7 @@ impl Config {
             exists: true,
             default_pump: keys.default_pump,
             state_dir: keys.state_dir.map(|dir| folder.join(dir)),
+            on_fail: keys.on_fail,
             pumps: keys.pumps.into_iter().map(|(name, file)| (name, folder.join(file))).collect(),
         })
     }
@@ -121,6 +124,11 @@ impl Config {
     /// Returns the folder of the records that the file names, or `None` if it names none.
     pub(crate) fn named_state_dir(&self) -> Option<&Path> {
         self.state_dir.as_deref()
+    }
+
+    /// Returns the shell's command that the file has run once a dose fails. `None` if it names none.
+    pub fn on_fail(&self) -> Option<&str> {
+        self.on_fail.as_deref()
     }
 
     /// Returns the folder of the records: that of the file, or else that of the user.
@@ -159,6 +167,9 @@ impl ConfigKeys {
         self.pumps.keys().try_for_each(|name| check_name(name))?;
         if let Some((_, file)) = self.pumps.iter().find(|(_, file)| !is_plain(file)) {
             return Err(WrongValue::new("a file of [pumps]", file.display().to_string(), PLAIN));
+        }
+        if let Some(command) = self.on_fail.as_ref().filter(|command| command.trim().is_empty()) {
+            return Err(WrongValue::new("on_fail", command, "a command of the shell"));
         }
         if let Some(dir) = self.state_dir.as_ref().filter(|dir| !is_plain(dir)) {
             return Err(WrongValue::new("state_dir", dir.display().to_string(), PLAIN));

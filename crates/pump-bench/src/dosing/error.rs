@@ -16,6 +16,8 @@ use crate::numbers::{between, significant};
 use crate::pump_file::PumpFileError;
 use crate::record::FolderError;
 use crate::record::JournalError;
+use crate::record::Stamp;
+use crate::safety::Stand;
 
 pub use weight_fault::WeightFault;
 
@@ -53,6 +55,37 @@ pub enum DoseError {
         values: String,
         /// True if a person confirmed other values before.
         changed: bool,
+    },
+    /// A safety limit is reached, so the pump stands until a person clears it. Nothing has moved.
+    #[error(
+        "pump {pump} stands at a safety limit{}: {stand}",
+        if *is_new { String::new() } else { format!(" since {}", Stamp::new(stand.unix_s, 0)) }
+    )]
+    Stands {
+        /// Id of the pump.
+        pump: String,
+        /// Limit, with the volumes that would have exceeded it.
+        stand: Stand,
+        /// True if this dose would have exceeded the limit. False if an earlier one would have.
+        is_new: bool,
+    },
+    /// The stand at a safety limit cannot be cleared.
+    #[error("pump {pump} is not cleared: {why}")]
+    NotCleared {
+        /// Id of the pump.
+        pump: String,
+        /// Reason, as the message words it.
+        why: &'static str,
+    },
+    /// The angle was disturbed, and the pump file has doses without a person refused then. Nothing has moved.
+    #[error(
+        "the rollers' angle was disturbed since it was found and is {}; [safety] home = \"refuse\" makes no dose \
+         without a person then",
+        within_deg.map_or("unknown now".to_owned(), |deg| format!("known within {} deg now", significant(deg, 3)))
+    )]
+    Disturbed {
+        /// Half width of the range of the angle, in deg. `None` if the angle is unknown.
+        within_deg: Option<f64>,
     },
     /// An earlier dose is unfinished.
     #[error(

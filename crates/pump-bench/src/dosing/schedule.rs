@@ -105,6 +105,11 @@ pub struct Schedule {
 }
 
 impl Schedule {
+    /// Returns the number of doses made or left out.
+    pub fn past(&self) -> u64 {
+        self.past
+    }
+
     /// Plans `count` doses, one every `every_s` seconds from start to start. Without an interval each dose
     /// follows the one before.
     ///

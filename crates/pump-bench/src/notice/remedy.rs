@@ -16,6 +16,10 @@ pub enum Remedy {
     FinishOrAcceptThenFindAngle,
     /// Accept the unfinished dose as it is.
     Accept,
+    /// Clear the stand of a pump at a safety limit, with a reason.
+    ClearStand,
+    /// Empty the receiving vessel, and put that on record.
+    EmptyVessel,
     /// Ask for more than the carry, or drop the carry.
     DropCarry,
     /// Replace the tube, and put that on record.
@@ -159,6 +163,8 @@ impl Remedy {
         Self::FinishAtLowFlowOrAccept,
         Self::FinishOrAcceptThenFindAngle,
         Self::Accept,
+        Self::ClearStand,
+        Self::EmptyVessel,
         Self::DropCarry,
         Self::ReplaceTube,
         Self::SeeStatus,

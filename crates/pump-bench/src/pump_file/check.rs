@@ -55,6 +55,7 @@ impl PumpFile {
         self.fluid.check(has_hose)?;
         self.ambient.check()?;
         self.check_lifts()?;
+        self.safety.check()?;
         self.uncertainty.check()
     }
 

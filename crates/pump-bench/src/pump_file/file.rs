@@ -12,6 +12,7 @@ use super::error::PumpFileError;
 use super::fluid::FluidTable;
 use super::head::{BackplateTable, HeadTable, RollerVolumeTable, RollersTable, TubeTable};
 use super::limits::LimitsTable;
+use super::limits::safety::SafetyTable;
 use super::line::outlet::OutletTable;
 use super::line::reservoir::Side;
 use super::line::{LineSource, LineTable};
@@ -82,6 +83,9 @@ pub struct PumpFile {
     /// Pressures that a dose must keep.
     #[serde(default, skip_serializing_if = "LimitsTable::is_empty")]
     pub limits: LimitsTable,
+    /// Limits that keep the pump safe while nobody looks.
+    #[serde(default, skip_serializing_if = "SafetyTable::is_empty")]
+    pub safety: SafetyTable,
     /// Uncertainty of the model and of repeated doses.
     #[serde(default, skip_serializing_if = "UncertaintyTable::is_assumed")]
     pub uncertainty: UncertaintyTable,

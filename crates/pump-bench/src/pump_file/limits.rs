@@ -1,5 +1,7 @@
 //! `[limits]`: the pressures that a dose must keep, beside the limits of motor, tube and fluid.
 
+pub(super) mod safety;
+
 use serde::{Deserialize, Serialize};
 
 /// The table `[limits]`.

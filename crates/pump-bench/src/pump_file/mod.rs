@@ -26,6 +26,7 @@ pub(crate) use fluid::SAME_TEMPERATURE_DEGC;
 pub use fluid::{FluidError, FluidTable};
 pub use head::{BackplateTable, CurveFit, HeadTable, RollerVolumeTable, RollersTable, TubeTable};
 pub use limits::LimitsTable;
+pub use limits::safety::{HomePolicy, SafetyTable};
 pub use line::outlet::{OutletEnd, OutletTable};
 pub use line::reservoir::Reservoir;
 pub(crate) use line::reservoir::most_lift_mm;

@@ -12,7 +12,7 @@ use crate::displacement::Correction;
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]
 pub struct Intent {
-    /// Time of the entry by the system clock, in seconds since 1970. Only people read it.
+    /// Time of the entry by the system clock, in seconds since 1970. The safety limit of a day follows it.
     pub(crate) unix_s: u64,
     /// Reason for which the pump turns.
     pub(crate) purpose: Purpose,

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::intent::is_zero;
 use super::{Account, AfterStop, Intent, LastDose, PhaseSource, Purpose, Unfinished, Wear};
+use crate::safety::SafetyAccount;
 
 /// Half width of an angle that is unknown, in rad. It covers the pitch of every pump, so the angle stays
 /// unknown when the number of rollers is corrected in the pump file.
@@ -72,6 +73,9 @@ pub struct PumpState {
     /// Number of tubes before this one.
     #[serde(default, skip_serializing_if = "is_nought")]
     pub(crate) tubes_before: u64,
+    /// Volumes that safety limits count. `None` in a record of an early version.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) safety: Option<SafetyAccount>,
 }
 
 /// Returns true for zero, which a state leaves out.
@@ -99,7 +103,23 @@ impl PumpState {
             after_stop: None,
             doses: 0,
             tubes_before: 0,
+            safety: Some(SafetyAccount::default()),
         }
+    }
+
+    /// Returns the account of the volumes that safety limits count. An early version kept none, so that everything the
+    /// tube has pumped counts as of `now_s`.
+    pub(crate) fn safety_at(&self, now_s: u64) -> SafetyAccount {
+        self.safety.unwrap_or_else(|| SafetyAccount::of_early_record(self.wear.volume_ml, now_s))
+    }
+
+    /// Returns the volumes that safety limits count after `made_least` to `made_most` net steps of `intent`: the most
+    /// that may have been pumped. A retraction leaves the vessel, and the next dose that repays it counts.
+    fn safety_after(&self, intent: &Intent, made_least: i64, made_most: i64, pump: &Pump) -> SafetyAccount {
+        let [least_ml, most_ml] = [made_least, made_most].map(|made| intent.delivered_ml(pump, made));
+        let pumped_ml = least_ml.abs().max(most_ml.abs());
+        let day_ml = if intent.purpose == Purpose::Retract { 0.0 } else { pumped_ml };
+        self.safety_at(intent.unix_s).pumped(intent.unix_s, day_ml, least_ml.max(most_ml))
     }
 
     /// Returns the state with an unknown angle recorded as such. Earlier versions recorded it as half of the
@@ -241,6 +261,7 @@ impl PumpState {
             unfinished,
             last: LastDose::after(self.last, intent, made_least, made_most),
             source: PhaseSource::Recorded,
+            safety: Some(self.safety_after(intent, made_least, made_most, pump)),
             ..self.booked(&part, pump)
         }
         .at(part.phase())

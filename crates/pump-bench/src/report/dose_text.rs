@@ -29,6 +29,13 @@ impl DoseReport {
         format!("{}{place}: {}\n{}\n{run}{weighed}", self.pump, self.volume_line(asked), self.motion_line())
     }
 
+    /// The dose in one line, as one of a batch: its volume with its uncertainty, and its end.
+    pub fn batch_line(&self, number: u64, count: u64) -> String {
+        let is_sure = self.phase.is_stated() || self.by_weight.is_some();
+        let volume = if is_sure { self.volume() } else { self.volume_from_anywhere() };
+        format!("{}, dose {number} of {count}: {volume}; {}", self.pump, self.end())
+    }
+
     /// The warnings, a line each.
     pub fn warning_lines(&self) -> String {
         self.warnings.iter().map(|warning| format!("warning: {warning}\n")).collect()
@@ -127,15 +134,20 @@ impl DoseReport {
             Some(back_ml) => format!("; {} µL sucked back", significant(1e3 * back_ml, 4)),
             None => String::new(),
         };
-        let end = match self.steps_made {
-            Some(made) if !self.completed => format!("{made} of {} steps made", self.steps),
-            _ => format!("carry {}", microlitres(self.carry_ml)),
-        };
         format!(
-            "{:.3} s at {} mL/s{limited}; {pressure}{retracted}; {end}",
+            "{:.3} s at {} mL/s{limited}; {pressure}{retracted}; {}",
             self.moved_s(),
             significant(self.cruise_flow_ml_s, 4),
+            self.end(),
         )
+    }
+
+    /// The steps that were made of a dose that was stopped, or else the carry.
+    fn end(&self) -> String {
+        match self.steps_made {
+            Some(made) if !self.completed => format!("{made} of {} steps made", self.steps),
+            _ => format!("carry {}", microlitres(self.carry_ml)),
+        }
     }
 }
 

@@ -14,6 +14,8 @@ pub enum Ending {
     Busy,
     /// Nothing moved: an unfinished dose is on record.
     Unfinished,
+    /// Nothing moved: the pump stands at a safety limit.
+    Stands,
     /// Nothing moved: the user asked to stop.
     Stopped,
     /// The pump had begun to move.
@@ -31,6 +33,7 @@ impl DoseError {
             | Self::NoRest { .. }
             | Self::BeyondRequest { .. }
             | Self::AngleIsKnown => Ending::Unfinished,
+            Self::Stands { .. } => Ending::Stands,
             Self::Balance(error) => error.ending(),
             Self::ByWeight { .. }
             | Self::Drive { .. }
@@ -46,6 +49,8 @@ impl DoseError {
             | Self::Calibration(_)
             | Self::Displacement(_)
             | Self::Unconfirmed { .. }
+            | Self::NotCleared { .. }
+            | Self::Disturbed { .. }
             | Self::RunsTheOtherWay { .. }
             | Self::SuckBack { .. }
             | Self::TubeWorn { .. }
@@ -56,6 +61,24 @@ impl DoseError {
             | Self::NoRun { .. }
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Ending::Refused,
+        }
+    }
+}
+
+impl DoseError {
+    /// Returns the smallest and the largest volume, in mL, that was delivered before this error. `None` if nobody
+    /// knows.
+    pub fn delivered_ml(&self) -> Option<(f64, f64)> {
+        match self {
+            Self::Drive { least_ml, most_ml, .. } => Some((*least_ml, *most_ml)),
+            Self::NotJournalled { delivered_ml, .. }
+            | Self::SlowDisk { delivered_ml, .. }
+            | Self::Retraction { delivered_ml, .. }
+            | Self::NotRecorded { delivered_ml, .. } => Some((*delivered_ml, *delivered_ml)),
+            Self::ByWeight { turned_ml, .. } => Some((*turned_ml, *turned_ml)),
+            Self::NoIndex { pumped_ml, .. } => Some((*pumped_ml, *pumped_ml)),
+            Self::AngleNotRecorded { .. } => None,
+            _ => Some((0.0, 0.0)),
         }
     }
 }

@@ -17,6 +17,7 @@ mod simulation;
 mod sizing;
 mod status;
 mod status_text;
+mod tube;
 mod verification;
 
 pub use crate::dosing::{RippleAt, RippleReport};
@@ -34,5 +35,7 @@ pub use rotor::{AcceptedReport, accepted_text, carry_dropped_text, rotor_text};
 pub use simulation::SimulationReport;
 pub use sizing::{sizing_json, sizing_text, sizing_title};
 pub use status::{
-    CalibrationStatus, LastByWeight, Status, StatusRow, UnfinishedCalibration, UnfinishedStatus,
+    CalibrationStatus, LastByWeight, SafetyStatus, StandStatus, Status, StatusRow, UnfinishedCalibration,
+    UnfinishedStatus,
 };
+pub use tube::{TubeCalibration, TubeReport};

@@ -2,12 +2,14 @@
 
 mod by_weight;
 mod row;
+mod safety;
 
 use pump_model::units::degrees;
 use serde::Serialize;
 
 pub use self::by_weight::LastByWeight;
 pub use self::row::StatusRow;
+pub use self::safety::{SafetyStatus, StandStatus};
 use crate::bench::Bench;
 use crate::calibration::{RunLog, Stored, Weighing};
 use crate::dosing::DoseError;
@@ -54,6 +56,8 @@ pub struct Status {
     pub last_by_weight: Option<LastByWeight>,
     /// Guided calibration that was begun and not finished; null if there is none.
     pub unfinished_calibration: Option<UnfinishedCalibration>,
+    /// Volumes that the safety limits count, and the stand of the pump if one is reached.
+    pub safety: SafetyStatus,
     /// Process that holds the pump, so that the unfinished dose is in motion; null if none does.
     pub in_use_by: Option<String>,
     /// Folder of the journal.
@@ -196,6 +200,7 @@ impl Status {
             unfinished,
             last_by_weight: LastByWeight::of(&state),
             unfinished_calibration: UnfinishedCalibration::of(bench),
+            safety: SafetyStatus::of(bench, recorded.as_ref()),
             in_use_by: bench.folder().holder(),
             folder: bench.folder().path().display().to_string(),
         })

@@ -17,7 +17,8 @@ impl Status {
                 "where the rollers stand is unknown"
             };
             let calibration = self.calibration.as_ref().map_or(String::new(), |used| used.text() + "\n");
-            return format!("{pump} ({driver}): nothing on record; {stands}\n{calibration}");
+            let safety = self.safety.line(words).map_or(String::new(), |line| line + "\n");
+            return format!("{pump} ({driver}): nothing on record; {stands}\n{calibration}{safety}");
         }
         let lines = [
             Some(self.rotor()),
@@ -27,6 +28,7 @@ impl Status {
             self.last_by_weight.map(|weighed| weighed.text()),
             self.unfinished.as_ref().map(|dose| self.unfinished_dose(dose, words)),
             self.unfinished_calibration.map(|calibration| calibration.text(words)),
+            self.safety.line(words),
         ];
         lines.into_iter().flatten().map(|line| line + "\n").collect()
     }

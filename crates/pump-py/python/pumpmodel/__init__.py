@@ -33,7 +33,15 @@ from pumpmodel._pumpmodel import (
 )
 from pumpmodel.bench import Bench
 from pumpmodel.dose import Dose, LoggedDose, Status, Verification
-from pumpmodel.errors import BalanceError, DriveError, PlanError, PumpError, PumpFileError, UnfinishedError
+from pumpmodel.errors import (
+    BalanceError,
+    DriveError,
+    PlanError,
+    PumpError,
+    PumpFileError,
+    SafetyError,
+    UnfinishedError,
+)
 from pumpmodel.fluid import Fluid
 from pumpmodel.heads import Head, HeadSource, heads
 from pumpmodel.hose import Hose
@@ -74,6 +82,7 @@ __all__ = [
     "PumpError",
     "PumpFileError",
     "Run",
+    "SafetyError",
     "ShortDose",
     "SpeedLaw",
     "Status",

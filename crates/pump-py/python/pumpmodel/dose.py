@@ -357,6 +357,33 @@ class UnfinishedCalibration(Record):
 
 
 @dataclass(frozen=True)
+class Stand(Record):
+    """Stand of a pump at a safety limit, `day` or `vessel`, until `Bench.clear_safety`. Volumes in mL."""
+
+    limit: str
+    since: str
+    used_ml: float
+    planned_ml: float
+    allowed_ml: float
+
+
+@dataclass(frozen=True)
+class Safety(Record):
+    """The volumes that the safety limits of the pump file count, mL. A limit that is not set is None."""
+
+    _records: ClassVar[dict[str, type[Record]]] = {"stand": Stand}
+
+    max_ml_per_day: float | None
+    day_ml: float
+    day_left_ml: float | None
+    vessel_ml: float | None
+    received_ml: float
+    vessel_left_ml: float | None
+    clock_behind_s: int
+    stand: Stand | None
+
+
+@dataclass(frozen=True)
 class Status(Record):
     """The record of a bench: the fields of the command's JSON `status/1`."""
 
@@ -366,6 +393,7 @@ class Status(Record):
         "unfinished": Unfinished,
         "last_by_weight": LastByWeight,
         "unfinished_calibration": UnfinishedCalibration,
+        "safety": Safety,
     }
 
     schema: str
@@ -386,6 +414,7 @@ class Status(Record):
     unfinished: Unfinished | None
     last_by_weight: LastByWeight | None
     unfinished_calibration: UnfinishedCalibration | None
+    safety: Safety
     in_use_by: str | None
     folder: str
 

@@ -35,6 +35,18 @@ class BalanceError(PumpError):
     weighed_g: float | None = None
 
 
+class SafetyError(PumpError):
+    """The pump stands at a safety limit: `Bench.clear_safety` lets it go on. Nothing has moved.
+
+    `used_ml` counted before the dose, which would have pumped `planned_ml` (mL). The limit allows
+    `allowed_ml`.
+    """
+
+    used_ml: float
+    planned_ml: float
+    allowed_ml: float
+
+
 class UnfinishedError(PumpError):
     """An earlier dose is unfinished: `Bench.resume` makes the rest, `Bench.discard` accepts it as it is.
 

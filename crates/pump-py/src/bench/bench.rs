@@ -166,7 +166,13 @@ impl Bench {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let request = asked.request(purpose_named(purpose)?, &self.weighing())?;
-        self.run(py, progress, move |session| session.prepare(request))
+        self.run(py, progress, move |session, signal| {
+            // No person watches the doses of a program.
+            if session.state().is_none_or(|state| state.unfinished.is_none()) {
+                session.follow_home_policy(|_| signal.flow())?;
+            }
+            session.prepare(request)
+        })
     }
 
     /// Makes the rest of an unfinished dose. Returns the JSON of the command.
@@ -178,7 +184,7 @@ impl Bench {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let request = asked.request(Purpose::Dose, &self.weighing())?;
-        self.run(py, progress, move |session| session.prepare_rest(request))
+        self.run(py, progress, move |session, _| session.prepare_rest(request))
     }
 
     /// Makes the motor of the call under way decelerate and hold.
@@ -202,7 +208,7 @@ impl Bench {
         &self,
         py: Python<'_>,
         progress: Option<&Bound<'_, PyAny>>,
-        prepare: impl FnOnce(&mut Session<'_>) -> Result<Prepared, DoseError> + Send + 'static,
+        prepare: impl FnOnce(&mut Session<'_>, &Signal) -> Result<Prepared, DoseError> + Send + 'static,
     ) -> PyResult<String> {
         let ran = self.worker.call(
             py,
@@ -211,7 +217,7 @@ impl Bench {
             move |held, signal| {
                 let bench = held.bench;
                 let session = held.session()?;
-                let prepared = prepare(session)?;
+                let prepared = prepare(session, signal)?;
                 let delivered = deliver(session, &prepared, signal)?;
                 let report = DoseReport::new(bench, &prepared, Some(&delivered)).worded(advice::words);
                 Ok(Ran { json: report.json(), note: note(&delivered) })

@@ -18,7 +18,7 @@ const JOG_RPM: f64 = 10.0;
 const MOST_JOG_RAD: f64 = 100.0;
 
 /// Status of the record after a change, as JSON, and warnings for a person.
-type Told = (String, Vec<String>);
+pub(super) type Told = (String, Vec<String>);
 
 #[pymethods]
 impl Bench {
@@ -127,7 +127,7 @@ impl Bench {
 
 impl Bench {
     /// Does `job` and reads the status afterwards.
-    fn tell(
+    pub(super) fn tell(
         &self,
         py: Python<'_>,
         job: impl FnOnce(&mut Held<'_>, &Signal) -> Result<Vec<String>, DoseError> + Send + 'static,

@@ -7,6 +7,7 @@ mod calibration;
 mod homing;
 mod log;
 mod request;
+mod safety;
 mod schedule;
 mod verification;
 mod worker;

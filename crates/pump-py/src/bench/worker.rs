@@ -42,6 +42,11 @@ impl Signal {
     /// Notes the number of steps made. Breaks once the caller wants no more.
     pub(super) fn made(&self, steps: u64) -> std::ops::ControlFlow<()> {
         self.made.store(steps, Ordering::Relaxed);
+        self.flow()
+    }
+
+    /// Breaks once the caller wants no more.
+    pub(super) fn flow(&self) -> std::ops::ControlFlow<()> {
         if self.stopped() { std::ops::ControlFlow::Break(()) } else { std::ops::ControlFlow::Continue(()) }
     }
 }

@@ -25,6 +25,8 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
             "finish the dose with bench.resume() or accept it with bench.discard(), then find the angle anew"
         }
         Remedy::Accept => "accept the dose as it is with bench.discard()",
+        Remedy::ClearStand => "see bench.status().safety, then clear it with bench.clear_safety(reason)",
+        Remedy::EmptyVessel => "empty the vessel, then call bench.vessel_emptied()",
         Remedy::DropCarry => "ask for more than the carry, or drop the carry with bench.home_set()",
         Remedy::ReplaceTube => "replace the tube, then call bench.new_tube()",
         Remedy::SeeStatus | Remedy::ThenSeeStatus => "then see bench.status()",

@@ -24,6 +24,7 @@ import_exception!(pumpmodel.errors, DriveError);
 import_exception!(pumpmodel.errors, PlanError);
 import_exception!(pumpmodel.errors, PumpError);
 import_exception!(pumpmodel.errors, PumpFileError);
+import_exception!(pumpmodel.errors, SafetyError);
 import_exception!(pumpmodel.errors, UnfinishedError);
 
 /// Returns the `ValueError` of a bad argument.
@@ -168,7 +169,14 @@ pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
                 None => of,
             }
         }
-        DoseError::NotByWeight { .. } | DoseError::NoRun { .. } => PlanError::new_err(message),
+        DoseError::Stands { stand, .. } => with(
+            SafetyError::new_err(message),
+            &[("used_ml", stand.used_ml), ("planned_ml", stand.planned_ml), ("allowed_ml", stand.allowed_ml)],
+        ),
+        DoseError::NotCleared { .. } => value(message),
+        DoseError::NotByWeight { .. } | DoseError::NoRun { .. } | DoseError::Disturbed { .. } => {
+            PlanError::new_err(message)
+        }
         DoseError::Folder(FolderError::Busy { .. })
         | DoseError::Connection(_)
         | DoseError::NoIndex { .. }

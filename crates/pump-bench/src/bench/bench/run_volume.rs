@@ -25,6 +25,15 @@ const WITHIN: f64 = 0.99;
 /// Turns that tell the flow of a cruise.
 const PROBED_TURNS: f64 = 10.0;
 
+/// Bounds of a run until it is stopped, beside those of every run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RunBounds {
+    /// Most steps that the device can count. `None` if it bounds none.
+    pub(crate) steps: Option<u64>,
+    /// Most volume that the safety limits leave, in mL. Infinite without limits.
+    pub(crate) ml: f64,
+}
+
 impl Bench {
     /// Plans a run whose motion takes `time_s` to within a motor step, or as near to it as its ramps allow.
     pub(super) fn plan_for_time(
@@ -67,13 +76,13 @@ impl Bench {
     }
 
     /// Plans a run that goes on until somebody stops it: to the most volume, steps and time that one run may have,
-    /// within the life of the tube and the steps that the device can count.
+    /// within the life of the tube, the safety limits and the steps that the device can count.
     pub(super) fn plan_until_stopped(
         &self,
         file: &PumpFile,
         state: Option<PumpState>,
         request: DoseRequest,
-        most_steps: Option<u64>,
+        most: Option<RunBounds>,
     ) -> Result<Prepared, DoseError> {
         if let Some(Cruise::Within { .. }) = request.cruise {
             return Err(DoseError::NoRun { why: "until it is stopped has a rate or a speed, and no time" });
@@ -82,18 +91,27 @@ impl Bench {
         let flow_ml_s = self.flow_ml_s(file, state, request)?;
         let worn_ml = state.map_or(0.0, |state| state.wear.volume_ml);
         let left_ml = file.tube.life_ml.map_or(f64::INFINITY, |life_ml| life_ml - worn_ml);
-        let counted_ml = most_steps.map_or(f64::INFINITY, |steps| steps as f64 * step_ml);
+        let counted_ml =
+            most.and_then(|most| most.steps).map_or(f64::INFINITY, |steps| steps as f64 * step_ml);
         let any_ml = MAX_VOLUME_ML.min(MAX_STEPS * step_ml).min(MAX_DURATION_S * flow_ml_s);
-        let most_ml = any_ml.min(left_ml).min(counted_ml);
+        let safe_ml = most.map_or(f64::INFINITY, |most| most.ml);
+        let most_ml = any_ml.min(left_ml).min(counted_ml).min(safe_ml);
         // A tube that is used up refuses its smallest run, and so does a device that counts no further.
         let volume_ml = f64::copysign((WITHIN * most_ml).max(2.0 * step_ml), request.volume_ml);
         let mut plan = self.plan_from(file, state, DoseRequest { volume_ml, ..request }, None)?;
-        if counted_ml < any_ml.min(left_ml) {
-            let volume = significant(volume_ml.abs(), 4);
-            let hours = significant(plan.plan.profile().duration_s() / 3600.0, 3);
+        let volume = significant(volume_ml.abs(), 4);
+        let hours = significant(plan.plan.profile().duration_s() / 3600.0, 3);
+        if counted_ml < any_ml.min(left_ml).min(safe_ml) {
             let text = format!(
                 "the device counts its steps exactly for {volume} mL from here, so the run ends after {hours} h at \
                  the latest; a device that is switched off and on counts from zero"
+            );
+            plan.warnings.push(text.into());
+        }
+        if safe_ml < any_ml.min(left_ml).min(counted_ml) {
+            let text = format!(
+                "the safety limits leave {} mL, so the run ends by itself after {volume} mL, in {hours} h",
+                significant(safe_ml, 4)
             );
             plan.warnings.push(text.into());
         }

@@ -104,6 +104,7 @@ impl Session<'_> {
         self.connect()?;
         let least_rad_s = self.speed_range_rad_s().0;
         let (mut found, slow) = self.bench.plan_by_weight(self.file(), self.state, order, least_rad_s)?;
+        self.keep_safe(found.most_ml)?;
         found.whole = self.checked(found.whole)?;
         self.checked(slow)?;
         Ok(found)
@@ -120,6 +121,7 @@ impl Bench {
     pub fn prepare_by_weight(&self, order: &OrderByWeight) -> Result<PreparedByWeight, DoseError> {
         let state = self.state_to_plan_from()?;
         let (mut found, _) = self.plan_by_weight(self.file(), state, order, 0.0)?;
+        self.would_be_safe(state.as_ref(), found.most_ml)?;
         found.whole.warnings.extend(self.device_not_asked());
         Ok(found)
     }

@@ -100,6 +100,7 @@ impl Session<'_> {
     ) -> Result<DeliveredByWeight, DoseError> {
         self.finished()?;
         self.connect()?;
+        self.keep_safe(prepared.most_ml)?;
         let began = self.log.clock.now();
         let ended = self.weigh_out(began, prepared, tare, balance, watch);
         match &ended {

@@ -37,6 +37,9 @@ pub(crate) enum Entry {
         /// Dose that ended, for the log. `None` if none did.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         dose: Option<LogEntry>,
+        /// Reason of a person. `None` where nobody gives one.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        reason: Option<String>,
     },
 }
 
@@ -70,4 +73,10 @@ pub(crate) enum Why {
     NewTube,
     /// The user confirmed values of the pump that the program had filled in.
     Confirmed,
+    /// A motion would have exceeded a safety limit.
+    Stands,
+    /// A person cleared the stand at a safety limit.
+    Cleared,
+    /// The receiving vessel was emptied.
+    Emptied,
 }

@@ -8,7 +8,7 @@ use jiff::tz::TimeZone;
 
 use super::Stamp;
 
-/// Clock that gives doses their times. Only people read them: no decision rests on a clock.
+/// Clock that gives doses their times. People read them, and the safety limit of a day follows them. Nothing else does.
 pub trait Clock: Debug + Send {
     /// Returns the present time.
     fn now(&self) -> Stamp;

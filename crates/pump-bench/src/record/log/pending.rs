@@ -126,7 +126,9 @@ mod tests {
             journal.append(&Entry::Intent(intent)).unwrap();
             let state = PumpState { doses: number, ..fresh() };
             let dose = Some(dose(number));
-            journal.append(&Entry::Rest { unix_s: number, why: Why::Done, state, dose }).unwrap();
+            journal
+                .append(&Entry::Rest { unix_s: number, why: Why::Done, state, dose, reason: None })
+                .unwrap();
         }
     }
 

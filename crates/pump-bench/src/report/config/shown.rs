@@ -25,6 +25,8 @@ pub struct ShownConfig {
     pub default_pump: String,
     /// Folder of the records.
     pub state_dir: PathBuf,
+    /// Shell's command that is run once a dose fails. `None` without one.
+    pub on_fail: Option<String>,
     /// Pumps of the configuration, in the order of their names.
     pub pumps: Vec<ShownPump>,
 }
@@ -56,6 +58,7 @@ impl ShownConfig {
             exists: config.exists(),
             default_pump: config.default_pump().to_owned(),
             state_dir,
+            on_fail: config.on_fail().map(str::to_owned),
             pumps: ShownPump::all(config),
         })
     }
@@ -73,8 +76,10 @@ impl ShownConfig {
             None => "none: neither HOME nor XDG_CONFIG_HOME is set".to_owned(),
         };
         let (default, records) = (&self.default_pump, self.state_dir.display());
+        let on_fail =
+            self.on_fail.as_ref().map_or(String::new(), |command| format!("on failure     {command}\n"));
         let pumps: String = self.pumps.iter().map(ShownPump::line).collect();
-        format!("configuration  {path}\ndefault pump   {default}\nrecords        {records}\n{pumps}")
+        format!("configuration  {path}\ndefault pump   {default}\nrecords        {records}\n{on_fail}{pumps}")
     }
 }
 

@@ -45,6 +45,8 @@ pub enum ErrorKind {
     Busy,
     /// An unfinished dose is on record.
     Unfinished,
+    /// The pump stands at a safety limit, or is not cleared.
+    Safety,
     /// A person or a signal stopped the command.
     Stopped,
 }
@@ -70,5 +72,6 @@ words_of_reports!(ErrorKind {
     Drive = "drive",
     Busy = "busy",
     Unfinished = "unfinished",
+    Safety = "safety",
     Stopped = "stopped",
 });

@@ -33,6 +33,13 @@ impl Explain for DoseError {
                 of(ErrorKind::Unfinished).value(format!("{} mL", Shown(*requested_ml)))
             }
             Self::UnfinishedRun { .. } => of(ErrorKind::Unfinished),
+            Self::Stands { stand, .. } => of(ErrorKind::Safety)
+                .value(format!("{} mL", Shown(stand.used_ml + stand.planned_ml)))
+                .allowed(format!("{} mL at most", Shown(stand.allowed_ml))),
+            Self::NotCleared { .. } => of(ErrorKind::Safety),
+            Self::Disturbed { within_deg } => within_deg
+                .iter()
+                .fold(of(ErrorKind::Angle), |facts, deg| facts.value(format!("{} deg", Shown(*deg)))),
             Self::NoRun { .. } => of(ErrorKind::Range),
             Self::RunsTheOtherWay { asked_ml, .. } => {
                 of(ErrorKind::Plan).value(format!("{} mL", Shown(*asked_ml)))

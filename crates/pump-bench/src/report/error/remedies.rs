@@ -9,6 +9,7 @@ use crate::dosing::DoseError;
 use crate::notice::Remedy;
 use crate::pump_file::PumpFileError;
 use crate::record::{FolderError, JournalError};
+use crate::safety::SafetyLimit;
 
 impl DoseError {
     /// Returns the remedies that a person has, in the order in which they are to be tried.
@@ -22,6 +23,11 @@ impl DoseError {
             Self::Journal(error) => error.known_remedies(),
             Self::Calibration(error) => error.known_remedies(),
             Self::Unfinished { .. } | Self::UnfinishedRun { .. } => vec![Remedy::FinishOrAccept],
+            Self::Stands { stand, .. } if stand.limit == SafetyLimit::Vessel => {
+                vec![Remedy::EmptyVessel, Remedy::ClearStand]
+            }
+            Self::Stands { .. } => vec![Remedy::ClearStand],
+            Self::Disturbed { .. } => vec![Remedy::FindAngle],
             Self::Unconfirmed { .. } => vec![Remedy::WriteOrConfirmPump],
             Self::RunsTheOtherWay { .. } => vec![Remedy::DropCarry],
             Self::BeyondRequest { .. } => vec![Remedy::FinishAtLowFlowOrAccept],
@@ -52,6 +58,7 @@ impl DoseError {
             | Self::Balance(_)
             | Self::NotByWeight { .. }
             | Self::NoRun { .. }
+            | Self::NotCleared { .. }
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Vec::new(),
         }

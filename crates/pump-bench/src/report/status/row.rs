@@ -48,6 +48,7 @@ impl StatusRow {
             Some(used) => format!("calibration {}", used.version),
             None => "no calibration".to_owned(),
         };
+        let stands = status.safety.stand.map_or("", |_| "STANDS at a safety limit, ");
         let state = match (&status.in_use_by, &status.unfinished, &status.unfinished_calibration) {
             (Some(holder), ..) => format!("in use by {holder}"),
             (None, Some(dose), _) => format!("unfinished dose of {} mL", significant(dose.requested_ml, 6)),
@@ -56,7 +57,7 @@ impl StatusRow {
             (None, None, None) => "ready".to_owned(),
         };
         format!(
-            "{name:<width$}  {state}; {angle} ({}), carry {}, tube {:.1}{life} mL, {calibration}",
+            "{name:<width$}  {stands}{state}; {angle} ({}), carry {}, tube {:.1}{life} mL, {calibration}",
             status.driver,
             microlitres(status.carry_ml),
             status.wear.volume_ml,

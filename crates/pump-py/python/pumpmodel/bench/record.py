@@ -141,6 +141,25 @@ class BenchRecord:
         """
         return _told(self._core.new_tube())
 
+    def clear_safety(self, reason: str) -> Status:
+        """Let the pump go on that stands at a safety limit. The volumes of the last 24 hours count no more.
+
+        Parameters
+        ----------
+        reason : str
+            Reason why it may go on. The journal keeps it.
+
+        Raises
+        ------
+        ValueError
+            If the pump does not stand, or the reason is empty or longer than 1000 bytes.
+        """
+        return _told(self._core.clear_safety(reason))
+
+    def vessel_emptied(self) -> Status:
+        """Record that the receiving vessel is empty. A pump that stands at a safety limit stands on."""
+        return _told(self._core.vessel_emptied())
+
 
 def _told(told: tuple[str, list[str]]) -> Status:
     text, messages = told

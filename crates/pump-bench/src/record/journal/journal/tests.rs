@@ -37,7 +37,7 @@ fn move_to(journal: &mut Journal, angle_rad: f64) {
 
 fn rest(unix_s: u64, angle_rad: f64) -> Entry {
     let state = PumpState::fresh(Phase::known(angle_rad), PhaseSource::Home);
-    Entry::Rest { unix_s, why: Why::Set, state, dose: None }
+    Entry::Rest { unix_s, why: Why::Set, state, dose: None, reason: None }
 }
 
 const INTENT: Entry = Entry::Intent(Intent {

@@ -1,0 +1,135 @@
+//! The check of a motion against the safety limits, before it begins.
+
+use crate::bench::bench::Bench;
+use crate::bench::session::Session;
+use crate::dosing::DoseError;
+use crate::notice::Notice;
+use crate::numbers::significant;
+use crate::record::{Clock, PumpState, SystemClock, Why};
+use crate::safety::{SafetyAccount, SafetyLimit, SafetyLimits, Stand};
+
+/// Volume by which doses may exceed a limit, in mean motor steps: a dose ends within one of what was asked for.
+const WITHIN_STEPS: f64 = 2.0;
+
+/// Returns the time of the system's clock, in seconds since 1970.
+pub(crate) fn system_now_s() -> u64 {
+    SystemClock.now().unix_s
+}
+
+impl Bench {
+    /// Returns the safety limits of the pump file, each with the rounding of a dose to motor steps.
+    pub(in crate::bench) fn safety_limits(&self) -> SafetyLimits {
+        let (table, steps_per_rev) = (&self.file().safety, self.file().limits().motor.steps_per_rev);
+        let rounding_ml = WITHIN_STEPS * self.model().revolution_ml() / steps_per_rev;
+        let rounded = |volume_ml: Option<f64>| volume_ml.map(|volume_ml| volume_ml + rounding_ml);
+        SafetyLimits::new(rounded(table.max_ml_per_day), rounded(table.vessel_ml))
+    }
+
+    /// Returns the account of the volumes that safety limits count, if `state` is on record.
+    pub(crate) fn safety_account(&self, state: Option<&PumpState>, now_s: u64) -> SafetyAccount {
+        state.copied().unwrap_or(self.fresh()).safety_at(now_s)
+    }
+
+    /// Returns the volume that the safety limits leave to a motion, in mL. Infinite without limits.
+    pub(in crate::bench) fn left_ml(&self, state: Option<&PumpState>, now_s: u64, reverse: bool) -> f64 {
+        self.safety_account(state, now_s).left_ml(&self.safety_limits(), now_s, reverse)
+    }
+
+    /// Refuses a plan of `planned_ml` that a session would refuse now. Nothing is recorded: the pump may move on.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Stands`] with the limit.
+    pub(in crate::bench) fn would_be_safe(
+        &self,
+        state: Option<&PumpState>,
+        planned_ml: f64,
+    ) -> Result<(), DoseError> {
+        let (now_s, account) = (system_now_s(), self.safety_account(state, system_now_s()));
+        if let Some(stand) = account.stand {
+            return Err(self.refusal(stand, false));
+        }
+        let stand = account.stand_of(&self.safety_limits(), now_s, planned_ml.abs(), planned_ml);
+        stand.map_or(Ok(()), |stand| Err(self.refusal(self.as_said(stand), true)))
+    }
+
+    /// Returns a stand with the limit as the pump file says it, without the rounding of doses.
+    fn as_said(&self, stand: Stand) -> Stand {
+        let table = &self.file().safety;
+        let allowed_ml = match stand.limit {
+            SafetyLimit::Day => table.max_ml_per_day,
+            SafetyLimit::Vessel => table.vessel_ml,
+        };
+        Stand { allowed_ml: allowed_ml.unwrap_or(stand.allowed_ml), ..stand }
+    }
+
+    /// Returns the refusal of a pump that stands.
+    fn refusal(&self, stand: Stand, is_new: bool) -> DoseError {
+        DoseError::Stands { pump: self.file().pump.id.clone(), stand, is_new }
+    }
+}
+
+impl Session<'_> {
+    /// Returns the volume that the safety limits leave to a motion, in mL. Infinite without limits.
+    pub(in crate::bench) fn left_ml(&self, reverse: bool) -> f64 {
+        self.bench.left_ml(self.state.as_ref(), self.log.clock.now().unix_s, reverse)
+    }
+
+    /// Refuses to move a pump that stands at a safety limit.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Stands`] with the limit.
+    pub(in crate::bench) fn check_stand(&self) -> Result<(), DoseError> {
+        let account = self.bench.safety_account(self.state.as_ref(), self.log.clock.now().unix_s);
+        account.stand.map_or(Ok(()), |stand| Err(self.bench.refusal(stand, false)))
+    }
+
+    /// Has the pump stand if a motion of `planned_ml`, negative in reverse, would exceed a safety limit.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Stands`] with the limit. The stand is on record.
+    pub(in crate::bench) fn keep_safe(&mut self, planned_ml: f64) -> Result<(), DoseError> {
+        self.keep_batch_safe(planned_ml, 1, 0.0)
+    }
+
+    /// Has the pump stand if one of `count` doses of `volume_ml`, one every `every_s` from now on, would exceed a
+    /// safety limit. A batch is refused so before its first dose.
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Stands`] with the limit. The stand is on record.
+    pub fn keep_batch_safe(&mut self, volume_ml: f64, count: u64, every_s: f64) -> Result<(), DoseError> {
+        self.check_stand()?;
+        let (now_s, state) = (self.log.clock.now().unix_s, self.stands());
+        let (account, limits) = (state.safety_at(now_s), self.bench.safety_limits());
+        let Some(stand) = account.stand_of_batch(&limits, now_s, volume_ml, count, every_s) else {
+            self.tell_of_clock(&account, now_s);
+            return Ok(());
+        };
+        let stand = Stand { unix_s: now_s, ..self.bench.as_said(stand) };
+        let account = account.standing(stand);
+        if let Err(error) = self.rest(Why::Stands, PumpState { safety: Some(account), ..state }) {
+            let text = format!("the stand at the safety limit could not be recorded: {error}");
+            self.notes.push(Notice::from(text));
+        }
+        Err(self.bench.refusal(stand, true))
+    }
+
+    /// Notes that the clock is behind the record, if a limit of the day follows it.
+    fn tell_of_clock(&mut self, account: &SafetyAccount, now_s: u64) {
+        let behind_s = account.behind_s(now_s);
+        if behind_s == 0 || self.bench.file().safety.max_ml_per_day.is_none() {
+            return;
+        }
+        let text = format!(
+            "the clock is {} h behind the latest time on record: it was set back, which frees no volume of the last \
+             24 h",
+            significant(behind_s as f64 / 3600.0, 3)
+        );
+        if !self.notes.iter().any(|note| note.text() == text) {
+            self.notes.push(Notice::from(text));
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! A dose without a person from an angle that was disturbed.
+
+use std::ops::ControlFlow;
+
+use pump_model::units::degrees;
+
+use crate::bench::session::Session;
+use crate::dosing::DoseError;
+use crate::drives::DriveError;
+use crate::notice::Notice;
+use crate::numbers::significant;
+use crate::pump_file::HomePolicy;
+
+impl Session<'_> {
+    /// Does as the pump file's `[safety] home` says before a dose without a person, if the rollers' angle was disturbed
+    /// since it was found, or is unknown. The next dose that is prepared tells what was done.
+    ///
+    /// `watch` ends a turn to the index sensor, as in [`Session::seek_index`].
+    ///
+    /// # Errors
+    ///
+    /// [`DoseError::Disturbed`] if the pump file has such doses refused. [`DoseError::Stands`] if a safety limit is
+    /// reached. Other [`DoseError`]s if the device cannot be used, or the sensor does not answer.
+    pub fn follow_home_policy(&mut self, watch: impl FnMut(u64) -> ControlFlow<()>) -> Result<(), DoseError> {
+        let Some(policy) = self.bench.file().safety.home else { return Ok(()) };
+        self.check_stand()?;
+        self.check_confirmed()?;
+        self.connect()?;
+        let (state, pitch_rad) = (self.stands(), self.bench.model().pitch_rad());
+        let is_known = state.phase().is_known(pitch_rad);
+        if state.disturbances == 0 && is_known {
+            return Ok(());
+        }
+        let within_deg = is_known.then(|| degrees(state.half_width_rad));
+        match policy {
+            HomePolicy::Refuse => Err(DoseError::Disturbed { within_deg }),
+            HomePolicy::Accept => {
+                let known = within_deg
+                    .map_or("unknown".to_owned(), |deg| format!("known within {} deg", significant(deg, 3)));
+                let text = format!(
+                    "the rollers' angle was disturbed since it was found and is {known}: [safety] home = \"accept\" \
+                     doses from it"
+                );
+                self.notes.push(Notice::from(text));
+                Ok(())
+            }
+            HomePolicy::Sensor => {
+                let worn_ml = state.wear.volume_ml;
+                if self.seek_index(watch)?.is_none() {
+                    return Err(DoseError::Connection(DriveError::Interrupted));
+                }
+                let text = format!(
+                    "the rollers' angle was disturbed since it was found: the rotor turned to its index sensor first \
+                     and pumped {} mL",
+                    significant(self.stands().wear.volume_ml - worn_ml, 3)
+                );
+                self.notes.push(Notice::from(text));
+                Ok(())
+            }
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! The safety limits of a bench: no motion begins that would exceed one, and a pump that stands is cleared by a person.
+
+mod check;
+mod clear;
+mod disturbed;
+
+pub(crate) use check::system_now_s;
+pub use clear::Cleared;

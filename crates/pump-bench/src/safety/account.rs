@@ -1,0 +1,189 @@
+//! The account of the volumes that safety limits count.
+
+use serde::{Deserialize, Serialize};
+
+use super::day::LastDay;
+use super::passed_time::PassedTime;
+use super::{SafetyLimit, SafetyLimits, Stand};
+
+/// Volume by which a sum may exceed its limit, in mL: the rounding of sums.
+const ROUNDING_ML: f64 = 1e-9;
+
+/// Account of the volumes that safety limits count. It is kept whether there are limits or not.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SafetyAccount {
+    /// Time of the record. `None` before the first motion.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    time: Option<PassedTime>,
+    /// Volumes of the last 24 hours.
+    #[serde(default)]
+    day: LastDay,
+    /// Volume that the vessel has received since it was emptied, in mL, never negative.
+    #[serde(default)]
+    pub(crate) vessel_ml: f64,
+    /// Stand of the pump. `None` if it may move.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) stand: Option<Stand>,
+}
+
+impl SafetyAccount {
+    /// Returns the account of a record of an early version, which has no times: everything that the tube has pumped
+    /// counts as of `now_s`, and as what the vessel has received.
+    pub(crate) fn of_early_record(pumped_ml: f64, now_s: u64) -> Self {
+        if pumped_ml > 0.0 { Self::default().pumped(now_s, pumped_ml, pumped_ml) } else { Self::default() }
+    }
+
+    /// Returns the account after a motion that began at `now_s`: `day_ml` counts for the day, and the vessel received
+    /// `vessel_ml`, negative if that left it.
+    pub(crate) fn pumped(self, now_s: u64, day_ml: f64, vessel_ml: f64) -> Self {
+        let time = self.at(now_s);
+        let day = if day_ml > 0.0 { self.day.with(time.passed_s, day_ml) } else { self.day };
+        Self { time: Some(time), day, vessel_ml: (self.vessel_ml + vessel_ml).max(0.0), ..self }
+    }
+
+    /// Returns the volume of the last 24 hours, in mL.
+    pub(crate) fn day_ml(&self, now_s: u64) -> f64 {
+        self.day.volume_ml(self.at(now_s).passed_s)
+    }
+
+    /// Returns how far the clock is behind the latest time on record, in s. 0 if it is not.
+    pub(crate) fn behind_s(&self, now_s: u64) -> u64 {
+        self.time.map_or(0, |time| time.latest_s.saturating_sub(now_s))
+    }
+
+    /// Returns the stand of a pump that would exceed a limit: `day_ml` counts for the day, and `vessel_ml` would go
+    /// into the vessel. `None` if the motion stays within the limits.
+    pub(crate) fn stand_of(
+        &self,
+        limits: &SafetyLimits,
+        now_s: u64,
+        day_ml: f64,
+        vessel_ml: f64,
+    ) -> Option<Stand> {
+        let exceeded = |limit, used_ml: f64, planned_ml: f64, allowed_ml: Option<f64>| {
+            let allowed_ml =
+                allowed_ml.filter(|allowed_ml| used_ml + planned_ml > allowed_ml + ROUNDING_ML)?;
+            let stand = Stand { limit, used_ml, planned_ml, allowed_ml, unix_s: now_s };
+            (planned_ml > 0.0).then_some(stand)
+        };
+        exceeded(SafetyLimit::Day, self.day_ml(now_s), day_ml, limits.max_ml_per_day)
+            .or_else(|| exceeded(SafetyLimit::Vessel, self.vessel_ml, vessel_ml, limits.vessel_ml))
+    }
+
+    /// Returns the stand of a pump of which one of `count` doses of `volume_ml`, one every `every_s`, would exceed a
+    /// limit. `None` if all stay within the limits.
+    pub(crate) fn stand_of_batch(
+        &self,
+        limits: &SafetyLimits,
+        now_s: u64,
+        volume_ml: f64,
+        count: u64,
+        every_s: f64,
+    ) -> Option<Stand> {
+        if *limits == SafetyLimits::default() {
+            return None;
+        }
+        let mut account = *self;
+        (0..count).find_map(|number| {
+            let at_s = now_s.saturating_add((number as f64 * every_s) as u64);
+            let stand = account.stand_of(limits, at_s, volume_ml.abs(), volume_ml);
+            account = account.pumped(at_s, volume_ml.abs(), volume_ml);
+            stand
+        })
+    }
+
+    /// Returns the volume that the limits leave to a motion, in mL, in reverse or not. Infinite without limits.
+    pub(crate) fn left_ml(&self, limits: &SafetyLimits, now_s: u64, reverse: bool) -> f64 {
+        let left = |allowed_ml: Option<f64>, used_ml: f64| {
+            allowed_ml.map_or(f64::INFINITY, |allowed_ml| (allowed_ml - used_ml).max(0.0))
+        };
+        let day_ml = left(limits.max_ml_per_day, self.day_ml(now_s));
+        if reverse { day_ml } else { day_ml.min(left(limits.vessel_ml, self.vessel_ml)) }
+    }
+
+    /// Returns the account of a pump that stands.
+    pub(crate) fn standing(self, stand: Stand) -> Self {
+        Self { stand: Some(stand), ..self }
+    }
+
+    /// Returns the account once a person has cleared the stand: the day begins anew. What the vessel holds stays.
+    pub(crate) fn cleared(self, now_s: u64) -> Self {
+        Self { time: Some(PassedTime::from(now_s)), day: LastDay::default(), stand: None, ..self }
+    }
+
+    /// Returns the account once the vessel is empty.
+    pub(crate) fn emptied(self) -> Self {
+        Self { vessel_ml: 0.0, ..self }
+    }
+
+    /// Returns the time of the record once the clock shows `now_s`.
+    fn at(&self, now_s: u64) -> PassedTime {
+        self.time.map_or(PassedTime::from(now_s), |time| time.seen(now_s))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DAY: u64 = super::super::DAY_S;
+    const LIMITS: SafetyLimits = SafetyLimits { max_ml_per_day: Some(50.0), vessel_ml: Some(120.0) };
+
+    #[test]
+    fn a_dose_that_just_fits_is_allowed_and_the_next_drop_is_not() {
+        let account = SafetyAccount::default().pumped(1000, 25.0, 25.0);
+        assert_eq!(account.stand_of(&LIMITS, 2000, 25.0, 25.0), None);
+        let stand = account.stand_of(&LIMITS, 2000, 25.001, 25.001).unwrap();
+        assert_eq!((stand.limit, stand.used_ml, stand.allowed_ml), (SafetyLimit::Day, 25.0, 50.0));
+        assert_eq!(account.stand_of(&LIMITS, 1000 + DAY, 50.0, 50.0), None);
+    }
+
+    #[test]
+    fn a_vessel_counts_what_is_sucked_back_and_forgets_nothing_overnight() {
+        let account =
+            SafetyAccount::default().pumped(0, 40.0, 40.0).pumped(DAY, 40.0, 40.0).pumped(2 * DAY, 0.0, -5.0);
+        assert_eq!(account.vessel_ml, 75.0);
+        let stand = account.stand_of(&LIMITS, 3 * DAY, 46.0, 46.0).unwrap();
+        assert_eq!((stand.limit, stand.used_ml), (SafetyLimit::Vessel, 75.0));
+        assert_eq!(account.emptied().stand_of(&LIMITS, 3 * DAY, 46.0, 46.0), None);
+        // Nothing is in a vessel that was emptied by the pump itself.
+        assert_eq!(SafetyAccount::default().pumped(0, 9.0, -9.0).vessel_ml, 0.0);
+    }
+
+    #[test]
+    fn a_clock_set_back_frees_nothing_and_a_person_begins_the_day_anew() {
+        let account = SafetyAccount::default().pumped(10 * DAY, 50.0, 50.0);
+        for now_s in [0, 10 * DAY, 11 * DAY - 1] {
+            assert!(account.stand_of(&LIMITS, now_s, 0.1, 0.1).is_some(), "{now_s}");
+        }
+        let (behind, later) = (account.pumped(0, 0.5, 0.5), 10 * DAY + 60);
+        assert!(behind.stand_of(&LIMITS, later, 0.1, 0.1).is_some(), "the clock was set right again");
+        assert_eq!(account.behind_s(9 * DAY), DAY);
+        assert_eq!(account.cleared(later).day_ml(later), 0.0);
+    }
+
+    #[test]
+    fn a_batch_stands_by_its_first_dose_that_would_not_fit() {
+        let stand =
+            |count, every_s| SafetyAccount::default().stand_of_batch(&LIMITS, 0, 10.0, count, every_s);
+        assert_eq!(stand(5, 60.0), None);
+        assert_eq!(stand(6, 60.0).map(|stand| (stand.limit, stand.used_ml)), Some((SafetyLimit::Day, 50.0)));
+        // Five in any 24 hours fit for ever, and the vessel holds twelve.
+        let every_s = DAY as f64 / 5.0;
+        assert_eq!(stand(12, every_s), None);
+        assert_eq!(
+            stand(13, every_s).map(|stand| (stand.limit, stand.used_ml)),
+            Some((SafetyLimit::Vessel, 120.0))
+        );
+    }
+
+    #[test]
+    fn an_early_record_counts_in_full_as_of_now() {
+        let account = SafetyAccount::of_early_record(300.0, 7 * DAY);
+        assert_eq!(
+            (account.day_ml(7 * DAY), account.day_ml(8 * DAY), account.vessel_ml),
+            (300.0, 0.0, 300.0)
+        );
+    }
+}

@@ -1,0 +1,105 @@
+//! What comes before a dose that nobody watches: an interrupted dose on record, and a disturbed angle.
+
+use pump_bench::notice::Notice;
+use pump_bench::report::AcceptedReport;
+use pump_bench::safety::UnfinishedPolicy;
+use pump_bench::{Bench, DoseError, DoseRequest, Session};
+
+use crate::advice;
+use crate::commands::delivery::{Said, deliver, report};
+use crate::failure::Failure;
+use crate::interrupt::Interrupt;
+use crate::options::dosing::DosingOptions;
+use crate::terminal::{noted, print, warn};
+
+/// Does what the policies of a dose say before it is prepared. Returns what the dose's report is to tell of it.
+pub(in crate::commands) fn before_dose(
+    bench: &Bench,
+    session: &mut Session<'_>,
+    options: &DosingOptions,
+    interrupt: &Interrupt,
+) -> Result<Vec<Notice>, Failure> {
+    let done = settle(bench, session, options, interrupt);
+    done.map_err(|failure| failure.of_session(session))
+}
+
+fn settle(
+    bench: &Bench,
+    session: &mut Session<'_>,
+    options: &DosingOptions,
+    interrupt: &Interrupt,
+) -> Result<Vec<Notice>, Failure> {
+    let policy = options.unattended.unfinished();
+    let mut told = Vec::new();
+    if is_unfinished(session) {
+        match policy {
+            // Preparing the dose refuses it.
+            UnfinishedPolicy::Ask => return Ok(told),
+            UnfinishedPolicy::Accept => told.push(accept(bench, session)?),
+            UnfinishedPolicy::Resume => {}
+        }
+    }
+    find_angle(session, options, interrupt)?;
+    if is_unfinished(session) {
+        resume(bench, session, options, interrupt)?;
+    }
+    Ok(told)
+}
+
+/// True if an interrupted dose is on record.
+fn is_unfinished(session: &Session<'_>) -> bool {
+    session.state().is_some_and(|state| state.unfinished.is_some())
+}
+
+/// Does as the pump file says if nobody is there and the angle was disturbed.
+pub(in crate::commands) fn find_angle(
+    session: &mut Session<'_>,
+    options: &DosingOptions,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    if !options.unattended.is_unattended() || options.start_angle.angle_rad().is_some() {
+        return Ok(());
+    }
+    let found = session.follow_home_policy(|_| interrupt.flow());
+    noted(session, found).map_err(Failure::from)
+}
+
+/// Accepts the interrupted dose. Returns what is to be told of it.
+fn accept(bench: &Bench, session: &mut Session<'_>) -> Result<Notice, Failure> {
+    let accepted = session.accept();
+    let accepted = noted(session, accepted)?;
+    let unasked = accepted.unasked.as_ref().map_or(String::new(), |error| {
+        format!("; the device could not be asked what it has counted: {}", advice::told(error))
+    });
+    let AcceptedReport { requested_ml, delivered_least_ml, delivered_most_ml, dropped_carry_ml, .. } =
+        AcceptedReport::new(bench, &accepted, Vec::new());
+    Ok(Notice::from(format!(
+        "an interrupted dose of {requested_ml} mL was accepted as it is (--unfinished accept): {delivered_least_ml:.4} \
+         to {delivered_most_ml:.4} mL were delivered, and {dropped_carry_ml:.4} mL of carry are dropped{unasked}"
+    )))
+}
+
+/// Makes the rest of the interrupted dose, and reports it as a dose of its own.
+fn resume(
+    bench: &Bench,
+    session: &mut Session<'_>,
+    options: &DosingOptions,
+    interrupt: &Interrupt,
+) -> Result<(), Failure> {
+    let json = options.format.json();
+    let mut prepared = match session.prepare_rest(DoseRequest::dose(0.0)) {
+        Err(done @ DoseError::WasFinished) => {
+            warn(&session.notes());
+            warn(&[done.to_string()]);
+            return Ok(());
+        }
+        prepared => noted(session, prepared)?,
+    };
+    prepared
+        .warnings
+        .push(Notice::from("this is the rest of an interrupted dose on record (--unfinished resume)"));
+    let delivered = deliver(bench, session, &prepared, interrupt, json)?;
+    let said = Said { json, verbose: options.verbose.verbose, asked: None };
+    report(bench, &prepared, Some(delivered), &said)?;
+    if json { Ok(()) } else { print("\n") }
+}

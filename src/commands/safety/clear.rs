@@ -1,0 +1,54 @@
+//! `dose safety clear`: a person lets a pump go on that stands at a safety limit.
+
+use clap::Args;
+use pump_bench::Bench;
+use pump_bench::safety::SafetyLimit;
+
+use crate::failure::Failure;
+use crate::options::motor::DriverOption;
+use crate::options::pump::{ConfigOption, RecordOption};
+use crate::terminal::{noted, tell, warn};
+
+#[derive(Debug, Args)]
+pub(crate) struct ClearArgs {
+    /// Pump to clear, by its name: a name of the configuration, a built-in pump or a pump file
+    #[arg(value_name = "NAME")]
+    name: String,
+    /// Reason why the pump may go on; it is kept on record
+    #[arg(long, value_name = "TEXT", required = true)]
+    reason: String,
+    #[command(flatten)]
+    config: ConfigOption,
+    #[command(flatten)]
+    record: RecordOption,
+    #[command(flatten)]
+    driver: DriverOption,
+}
+
+impl ClearArgs {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        if self.reason.trim().is_empty() {
+            return Err(Failure::refused("--reason is empty; say why the pump may go on").value("\"\""));
+        }
+        let config = self.config.config()?;
+        let file = config.pump(&self.name).map_err(Failure::of)?;
+        let bench = Bench::new(file, self.driver.driver, &self.record.folder(&config)?)?;
+        let mut session = bench.session()?;
+        let cleared = session.clear_safety(&self.reason);
+        let cleared = noted(&mut session, cleared)?;
+        warn(&session.notes());
+        let pump = &bench.file().pump.id;
+        let full = match cleared.stand.limit {
+            SafetyLimit::Vessel if cleared.vessel_ml > 0.0 => format!(
+                "the vessel has received {:.4} mL since it was emptied; once it is empty, say `dose vessel emptied`\n",
+                cleared.vessel_ml
+            ),
+            _ => String::new(),
+        };
+        tell(&format!(
+            "{pump} may go on, and your reason is on record; it stood because {}\nthe {:.4} mL of the last 24 h count \
+             no more\n{full}",
+            cleared.stand, cleared.forgotten_ml
+        ))
+    }
+}

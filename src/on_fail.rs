@@ -1,0 +1,89 @@
+//! The command of the shell that is run once a dose has failed: it tells a person.
+
+use std::io::{self, Write};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use crate::failure::Failure;
+use crate::terminal::warn;
+
+/// Longest time that the command has.
+const LONGEST: Duration = Duration::from_secs(10);
+
+/// Time between two looks at the command.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// A command of the shell that is run once a dose has failed.
+#[derive(Debug)]
+pub(crate) struct OnFail {
+    command: String,
+    /// The pump's name.
+    pump: String,
+}
+
+impl OnFail {
+    pub(crate) fn new(command: &str, pump: &str) -> Self {
+        Self { command: command.to_owned(), pump: pump.to_owned() }
+    }
+
+    /// Runs the command with the reason of a failure. Its own failure is a warning: the dose has failed anyway.
+    pub(crate) fn tell(&self, failure: &Failure) {
+        let warned = match self.run(failure) {
+            Ok(Some(status)) if status.success() => return,
+            Ok(Some(status)) => format!("ended with {status}"),
+            Ok(None) => format!("was ended after {} s", LONGEST.as_secs()),
+            Err(error) => format!("could not be run: {error}"),
+        };
+        warn(&[format!("the command of --on-fail, `{}`, {warned}", self.command)]);
+    }
+
+    /// Runs the command. Returns none if it was ended because it took too long.
+    fn run(&self, failure: &Failure) -> io::Result<Option<ExitStatus>> {
+        let (least_ml, most_ml) = failure
+            .delivered_ml()
+            .map_or((String::new(), String::new()), |(least, most)| (least.to_string(), most.to_string()));
+        let mut child = shell(&self.command)
+            .env("DOSE_FAIL_PUMP", &self.pump)
+            .env("DOSE_FAIL_CODE", failure.exit_code().to_string())
+            .env("DOSE_FAIL_KIND", failure.kind_word())
+            .env("DOSE_FAIL_LEAST_ML", least_ml)
+            .env("DOSE_FAIL_MOST_ML", most_ml)
+            .stdin(Stdio::piped())
+            // Reports alone go to standard output.
+            .stdout(io::stderr())
+            .spawn()?;
+        if let Some(mut to) = child.stdin.take() {
+            // A command that reads nothing may have ended. A reason is shorter than what a pipe holds.
+            let _ = to.write_all((failure.json() + "\n").as_bytes());
+        }
+        let until = Instant::now() + LONGEST;
+        while Instant::now() < until {
+            if let Some(status) = child.try_wait()? {
+                return Ok(Some(status));
+            }
+            sleep(LOOK);
+        }
+        end(&mut child);
+        Ok(None)
+    }
+}
+
+/// The shell with a command, in a group of its own, so that what it starts can be ended with it.
+fn shell(command: &str) -> Command {
+    let (shell, flag) = if cfg!(windows) { ("cmd", "/C") } else { ("sh", "-c") };
+    let mut shell = Command::new(shell);
+    shell.args([flag, command]);
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut shell, 0);
+    shell
+}
+
+/// Ends a command and what it has started: they are this process's own.
+fn end(child: &mut Child) {
+    if cfg!(unix) {
+        let group = format!("-{}", child.id());
+        let _ = Command::new("kill").args(["-s", "KILL", "--", &group]).stderr(Stdio::null()).status();
+    }
+    let _ = child.kill().and_then(|()| child.wait().map(drop));
+}

@@ -1,0 +1,128 @@
+//! The safety limits as a person meets them: exit code 5, `dose safety` and `dose vessel`.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::user::{Answer, User, number};
+
+/// A pump of its own with these safety limits. Returns the name of its file.
+fn pump(user: &User, safety: &str) -> &'static str {
+    let shown = user.types(&["pumps", "show", "three-roller"]);
+    assert_eq!(shown.code, 0);
+    let text = shown.out.replace("id = \"three-roller\"", "id = \"tank\"");
+    fs::write(user.path("tank.toml"), format!("{text}\n[safety]\n{safety}\n")).unwrap();
+    "tank.toml"
+}
+
+fn reason(answer: &Answer) -> Value {
+    serde_json::from_str(answer.err.lines().last().unwrap()).unwrap()
+}
+
+#[test]
+fn a_pump_stands_with_exit_code_5_until_it_is_cleared_by_name_with_a_reason() {
+    let user = User::new();
+    let tank = pump(&user, "max_ml_per_day = 30.0");
+    let dose = |words: &[&str]| user.types(&[words, &["--pump", tank, "--format", "json"]].concat());
+    assert_eq!(dose(&["25mL"]).code, 0);
+    // A dry run is refused too, and the pump does not stand afterwards.
+    assert_eq!(dose(&["6mL", "--dry-run"]).code, 5);
+    assert_eq!(dose(&["1mL"]).code, 0);
+    let refused = dose(&["6mL"]);
+    assert_eq!((refused.code, refused.out.as_str()), (5, ""));
+    let error = reason(&refused);
+    assert_eq!(
+        (&error["code"], &error["kind"], &error["moved"]),
+        (&5.into(), &"safety".into(), &false.into())
+    );
+    assert!(
+        error["message"].as_str().unwrap().contains("`dose safety clear NAME --reason <TEXT>`"),
+        "{error}"
+    );
+    for words in
+        [&["0.1mL"][..], &["prime", "1mL"], &["purge", "-1mL"], &["run", "--rate", "1mL/s", "--for", "1s"]]
+    {
+        assert_eq!(dose(words).code, 5, "{words:?}");
+    }
+    let status = user.types(&["status", "--pump", tank]);
+    assert!(
+        status.out.contains("26 of 30 mL in the last 24 h, 4 mL left; the pump STANDS since"),
+        "{}",
+        status.out
+    );
+    assert_eq!(user.types(&["safety", "clear", tank]).code, 2, "a reason is needed");
+    assert_eq!(user.types(&["safety", "clear", tank, "--reason", " "]).code, 2);
+    assert_eq!(user.types(&["safety", "clear", "--reason", "no name"]).code, 2);
+    let cleared = user.types(&["safety", "clear", tank, "--reason", "the tank is at 23 L, as it should be"]);
+    assert_eq!(cleared.code, 0, "{}", cleared.err);
+    assert!(cleared.out.starts_with("tank may go on, and your reason is on record"), "{}", cleared.out);
+    let journal = fs::read_to_string(user.path("state/tank/sim/journal.jsonl")).unwrap();
+    assert!(journal.contains("the tank is at 23 L, as it should be"));
+    assert_eq!(dose(&["30mL"]).code, 0);
+    let again = user.types(&["safety", "clear", tank, "--reason", "once more"]);
+    assert!(again.code == 2 && again.err.contains("does not stand"), "{}", again.err);
+}
+
+#[test]
+fn an_option_narrows_the_limit_of_a_day_and_never_widens_it() {
+    let user = User::new();
+    let tank = pump(&user, "max_ml_per_day = 30.0");
+    assert_eq!(user.types(&["11mL", "--pump", tank, "--max-per-day", "10mL"]).code, 5);
+    user.types(&["safety", "clear", tank, "--reason", "a test"]);
+    let wider = user.types(&["1mL", "--pump", tank, "--max-per-day", "31mL"]);
+    assert!(wider.code == 2 && wider.err.contains("max_ml_per_day = 30"), "{}", wider.err);
+    for none in ["0mL", "-5mL"] {
+        assert_eq!(user.types(&["1mL", "--max-per-day", none]).code, 2, "{none}");
+    }
+    // A built-in pump has no limit of its own.
+    assert_eq!(user.types(&["2mL", "--max-per-day", "2mL"]).code, 0);
+    assert_eq!(user.types(&["2mL", "--max-per-day", "2mL"]).code, 5);
+    assert_eq!(user.types(&["2mL"]).code, 5, "it stands whoever asks");
+}
+
+#[test]
+fn a_full_vessel_is_emptied_and_the_pump_cleared() {
+    let user = User::new();
+    let tank = pump(&user, "vessel_ml = 50.0");
+    let dose = |volume: &str| user.types(&[volume, "--pump", tank]);
+    assert_eq!([dose("25mL").code, dose("25mL").code, dose("1mL").code], [0, 0, 5]);
+    let refused = dose("1mL").err;
+    assert!(refused.contains("empty the vessel and say `dose vessel emptied`"), "{refused}");
+    let emptied = user.types(&["vessel", "emptied", "--pump", tank]);
+    assert!(emptied.out.contains("it had received 50.0"), "{}{}", emptied.out, emptied.err);
+    assert_eq!(dose("1mL").code, 5);
+    assert_eq!(user.types(&["safety", "clear", tank, "--reason", "emptied"]).code, 0);
+    assert_eq!(dose("50mL").code, 0);
+    let safety = user.json(&["safety", "--pump", tank]);
+    assert!((number(&safety["safety"], "received_ml") - 50.0).abs() < 0.01, "{safety}");
+    assert_eq!(safety["safety"]["stand"], Value::Null);
+}
+
+#[test]
+fn a_batch_that_would_not_fit_moves_nothing() {
+    let user = User::new();
+    let tank = pump(&user, "max_ml_per_day = 30.0");
+    let batch = |count| user.types(&["5mL", "--repeat", count, "--pump", tank, "--format", "json"]);
+    let refused = batch("7");
+    assert_eq!((refused.code, refused.out.as_str()), (5, ""));
+    assert_eq!(reason(&refused)["moved"], false);
+    assert_eq!(number(&user.json(&["status", "--pump", tank])["wear"], "volume_ml"), 0.0);
+    user.types(&["safety", "clear", tank, "--reason", "six then"]);
+    assert_eq!(batch("6").code, 0);
+}
+
+#[test]
+fn limits_that_limit_nothing_are_refused() {
+    let user = User::new();
+    for (wrong, key) in [
+        ("max_ml_per_day = 0", "[safety] max_ml_per_day"),
+        ("vessel_ml = -1.0", "[safety] vessel_ml"),
+        ("max_ml_per_day = nan", "[safety] max_ml_per_day"),
+        ("home = \"sometimes\"", "unknown variant"),
+        ("max_per_day = 3", "unknown field"),
+    ] {
+        let tank = pump(&user, wrong);
+        let refused = user.types(&["1mL", "--pump", tank]);
+        assert!(refused.code == 2 && refused.err.contains(key), "{wrong}: {}", refused.err);
+    }
+}

@@ -1,0 +1,9 @@
+//! Nights without anyone: limits, interrupted doses and failures that a program hears of.
+
+#[cfg(unix)]
+mod clock;
+mod limits;
+#[cfg(unix)]
+mod on_fail;
+#[cfg(unix)]
+mod unfinished;

@@ -1,0 +1,74 @@
+//! An interrupted dose on record, by policy.
+
+use std::fs;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::user::{User, number};
+
+const JOURNAL: &str = "state/three-roller/sim/journal.jsonl";
+
+/// Leaves a dose of 3 L that was killed on its way.
+fn killed(user: &User) {
+    let mut child = user.command(&["3L"]).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let deadline = Instant::now() + Duration::from_secs(120);
+    while !fs::read_to_string(user.path(JOURNAL)).is_ok_and(|text| text.contains("progress")) {
+        assert!(Instant::now() < deadline, "no progress on record");
+        sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!user.json(&["status"])["unfinished"].is_null());
+}
+
+fn reports(out: &str) -> Vec<Value> {
+    out.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+#[test]
+fn a_person_is_asked_unless_the_policy_says_otherwise() {
+    let user = User::new();
+    killed(&user);
+    for ask in [&["1mL"][..], &["1mL", "--unfinished", "ask"], &["run", "--rate", "1mL/s", "--for", "2s"]] {
+        assert_eq!(user.types(ask).code, 4, "{ask:?}");
+    }
+}
+
+#[test]
+fn an_interrupted_dose_is_resumed_first_and_reported_as_what_it_is() {
+    let user = User::new();
+    killed(&user);
+    let answer = user.types(&["1mL", "--unfinished", "resume", "--format", "json"]);
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    let [rest, dose] = &reports(&answer.out)[..] else { panic!("{}", answer.out) };
+    assert!((number(rest, "requested_ml") - 3000.0).abs() < 3000.0 && rest["completed"] == true);
+    assert!(rest["warnings"].to_string().contains("the rest of an interrupted dose"), "{rest}");
+    assert!((number(dose, "requested_ml") - 1.0).abs() < 1e-12);
+    let logged = user.types(&["log", "--format", "json"]);
+    let logged = reports(&logged.out);
+    let ends: Vec<_> =
+        logged.iter().map(|dose| (dose["end"].as_str().unwrap(), dose["resumed"] == true)).collect();
+    assert_eq!(ends, [("cut-off", false), ("done", true), ("done", false)]);
+    let sum: f64 = logged.iter().map(|dose| number(dose, "delivered_ml")).sum();
+    let unsure = &logged[0]["delivered_least_ml"].as_f64().zip(logged[0]["delivered_most_ml"].as_f64());
+    let half_ml = unsure.map_or(0.0, |(least, most)| 0.5 * (most - least));
+    assert!((sum - 3001.0).abs() <= half_ml + 0.01, "{sum} within {half_ml}");
+    assert!(user.json(&["status"])["unfinished"].is_null());
+}
+
+#[test]
+fn an_interrupted_dose_is_accepted_and_the_report_says_so() {
+    let user = User::new();
+    killed(&user);
+    let answer =
+        user.types(&["run", "--rate", "2mL/s", "--for", "2s", "--unfinished", "accept", "--format", "json"]);
+    assert_eq!(answer.code, 0, "{}", answer.err);
+    let [run] = &reports(&answer.out)[..] else { panic!("{}", answer.out) };
+    let warnings = run["warnings"].to_string();
+    assert!(warnings.contains("an interrupted dose of 3000 mL was accepted as it is"), "{warnings}");
+    assert!(user.record().unwrap().contains("\"why\":\"discarded\""));
+    assert!(user.json(&["status"])["unfinished"].is_null());
+}
