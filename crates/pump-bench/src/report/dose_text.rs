@@ -131,9 +131,12 @@ impl DoseReport {
             Some(made) if !self.completed => format!("{made} of {} steps made", self.steps),
             _ => format!("carry {}", microlitres(self.carry_ml)),
         };
+        let moved_s = self.moved_s();
+        let time =
+            self.by_weight.as_ref().map_or(format!("{moved_s:.3} s"), |weighed| weighed.times(moved_s));
+        let at_most = if self.by_weight.is_some() { " at most" } else { "" };
         format!(
-            "{:.3} s at {} mL/s{limited}; {pressure}{retracted}; {end}",
-            self.moved_s(),
+            "{time} at {} mL/s{at_most}{limited}; {pressure}{retracted}; {end}",
             significant(self.cruise_flow_ml_s, 4),
         )
     }

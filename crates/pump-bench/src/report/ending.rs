@@ -29,6 +29,7 @@ impl DoseError {
             Self::Unfinished { .. }
             | Self::UnfinishedRun { .. }
             | Self::NoRest { .. }
+            | Self::NoRestByWeight(_)
             | Self::BeyondRequest { .. }
             | Self::AngleIsKnown => Ending::Unfinished,
             Self::Balance(error) => error.ending(),

@@ -32,7 +32,7 @@ impl Explain for DoseError {
             | Self::BeyondRequest { requested_ml, .. } => {
                 of(ErrorKind::Unfinished).value(format!("{} mL", Shown(*requested_ml)))
             }
-            Self::UnfinishedRun { .. } => of(ErrorKind::Unfinished),
+            Self::UnfinishedRun { .. } | Self::NoRestByWeight(_) => of(ErrorKind::Unfinished),
             Self::NoRun { .. } => of(ErrorKind::Range),
             Self::RunsTheOtherWay { asked_ml, .. } => {
                 of(ErrorKind::Plan).value(format!("{} mL", Shown(*asked_ml)))
