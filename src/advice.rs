@@ -82,13 +82,38 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SayUnknownAngle => "if nobody knows the angle, say `dose home --unknown`",
         Remedy::FinishOrLeave => "`dose resume` makes the rest, `dose discard` leaves it",
         Remedy::FinishByVolumeOrWeigh => {
-            "`dose resume` makes the rest by volume; `dose discard` accepts it, then weigh the vessel and dose what it \
-             lacks"
+            "`dose resume --until-scale` goes on while the vessel stands on its balance; `dose resume` makes the rest by \
+             volume; `dose discard` accepts it, then weigh the vessel and dose what it lacks"
         }
         Remedy::AcceptInstead => "`dose discard` accepts the dose as it is instead",
         Remedy::AcceptAndWeigh => {
-            "`dose discard` accepts it instead; then weigh the vessel, and dose by weight what it lacks"
+            "with the vessel still on its balance, `dose resume --until-scale` makes it by weight; `dose discard` \
+             accepts the dose instead, then weigh the vessel and dose by weight what it lacks"
         }
+        Remedy::RotorTurnedByHand => {
+            "if the rotor was turned by hand since its angle was recorded, accept the dose with `dose discard`, say \
+             `dose home --unknown`, and dose again"
+        }
+        Remedy::FinishByVolumeInstead => {
+            "`dose resume` without --until-scale makes the rest by volume; `dose discard` accepts the dose, then \
+             weigh the vessel and dose what it lacks"
+        }
+        Remedy::PutVesselBack => {
+            "put the vessel back as the dose left it, or accept the dose with `dose discard`, then weigh the vessel \
+             and dose what it lacks"
+        }
+        Remedy::RaiseCeiling => {
+            "find where the rest went; then `--max-volume` allows more, or `dose discard` accepts the dose as it is"
+        }
+        Remedy::NameMotor => {
+            "accept the dose with `dose discard`, and name a motor with --driver and --port, or in [drive] of the \
+             pump file"
+        }
+        Remedy::OtherProtocol => "name the balance's own protocol with --scale-protocol",
+        Remedy::CheckBalance => {
+            "check its cable and power, and see if --scale-protocol and --scale-line are those of the balance"
+        }
+        Remedy::OtherScalePort => "name the port of the balance with --scale-port",
         Remedy::NoteNewTube => "have a new one ready and say `dose tube --new` once it is in",
         Remedy::Weigh => "`dose calibrate run` weighs what it delivers",
         Remedy::CalibrateRuns => "say `dose calibrate run`",
@@ -155,7 +180,7 @@ mod tests {
     use crate::cli;
 
     /// Words of an advice that stand for a value.
-    const VALUES: [&str; 10] = [
+    const VALUES: [&str; 12] = [
         "<TEXT>",
         "none",
         "<ANGLE>",
@@ -166,6 +191,8 @@ mod tests {
         "low-flow",
         "line-aware",
         "/dev/ttyUSB0",
+        "sbi",
+        "mt-sics",
     ];
 
     /// True if the command or one below it has the option.

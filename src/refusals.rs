@@ -102,7 +102,9 @@ pub(crate) fn misplaced(error: &clap::Error, path: &[String], root: &Command) ->
         [] => return None,
         [owner] => format!("it belongs to {owner}"),
         [first, second] => format!("{first} and {second} do"),
-        _ => "leave it out".to_owned(),
+        [first, second, more @ ..] => {
+            format!("leave it out; {first}, {second} and {} other commands take it", more.len())
+        }
     };
     let command = [&["dose".to_owned()], path].concat().join(" ");
     Some(Failure::refused(format!("`{command}` takes no {option}; {others}")).value(option))

@@ -1,8 +1,9 @@
-//! `dose <VOLUME> --until-scale`: a dose that a balance ends.
+//! `dose <VOLUME> --until-scale` and `dose resume --until-scale`: a dose that a balance ends, and the rest of one.
 
-use pump_bench::{Bench, DoseReport, DoseRequest};
+use pump_bench::balance::{Balance, BalanceReading};
+use pump_bench::{Bench, DoseError, DoseReport, DoseRequest, PreparedByWeight, Session};
 
-use super::delivery::report_once;
+use super::delivery::{Said, report_once};
 use super::safety::before_dose;
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
@@ -12,8 +13,8 @@ use crate::progress::MotionBar;
 use crate::terminal::{announce, noted, waiting, warn};
 
 /// The message after a signal.
-const STOPPED: &str =
-    "stopped by the user; `dose resume` makes the rest by volume, `dose discard` accepts the dose as it is";
+const STOPPED: &str = "stopped by the user; `dose resume --until-scale` with the vessel on its balance makes the rest \
+                       by weight, `dose resume` makes the rest by volume, `dose discard` accepts the dose as it is";
 
 /// Makes one dose by weight, or with `--dry-run` plans it.
 pub(super) fn run(
@@ -30,27 +31,55 @@ pub(super) fn run(
         )));
     }
     let json = dosing.format.json();
-    let said = super::delivery::Said { json, verbose: dosing.verbose.verbose, asked: Some(typed) };
+    let said = Said { json, verbose: dosing.verbose.verbose, asked: Some(typed) };
     let order = options.order(request, balance);
     if dosing.dry_run {
         let prepared = bench.prepare_by_weight(&order)?;
         let report = DoseReport::planned_by_weight(bench, &prepared);
         return report_once(bench, report, &said, None, Vec::new());
     }
-    let mut scale = balance.open()?.ok_or_else(|| Failure::refused("--until-scale needs a balance"))?;
+    make(bench, &said, options, balance, |session, scale, interrupt| {
+        let before = before_dose(bench, session, dosing, interrupt)?;
+        let prepared = session.prepare_by_weight(&order);
+        let mut prepared = noted(session, prepared)?;
+        prepared.whole.warnings.extend(before);
+        let tare = at_rest(json, || session.tare_by_weight(&prepared, scale));
+        Ok((prepared, of_session(session, tare)?))
+    })
+}
+
+/// Makes the rest of a dose by weight.
+pub(super) fn resume(
+    bench: &Bench,
+    request: DoseRequest,
+    options: &ByWeightOptions,
+    balance: &BalanceOptions,
+    said: &Said<'_>,
+) -> Result<(), Failure> {
+    let order = options.order(request, balance);
+    make(bench, said, options, balance, |session, scale, _| {
+        let found = at_rest(said.json, || session.prepare_rest_by_weight(&order, scale));
+        of_session(session, found)
+    })
+}
+
+/// Makes what `prepare` plans from a reading at rest, and reports it.
+fn make(
+    bench: &Bench,
+    said: &Said<'_>,
+    options: &ByWeightOptions,
+    balance: &BalanceOptions,
+    prepare: impl FnOnce(
+        &mut Session<'_>,
+        &mut dyn Balance,
+        &Interrupt,
+    ) -> Result<(PreparedByWeight, BalanceReading), Failure>,
+) -> Result<(), Failure> {
+    let json = said.json;
+    let mut scale = balance.open(bench)?.ok_or_else(|| Failure::refused("--until-scale needs a balance"))?;
     let interrupt = Interrupt::watch()?;
     let mut session = bench.session()?;
-    let before = before_dose(bench, &mut session, dosing, &interrupt)?;
-    let prepared = session.prepare_by_weight(&order);
-    let mut prepared = noted(&mut session, prepared)?;
-    prepared.whole.warnings.extend(before);
-    // A balance waits for its load to stand still, and is read before the motor is said to move.
-    let sign = (!json).then(|| waiting("waiting for the balance to stand still"));
-    let tare = session.tare_by_weight(&prepared, scale.as_mut());
-    if let Some(sign) = sign {
-        sign.finish_and_clear();
-    }
-    let tare = noted(&mut session, tare).map_err(|error| Failure::of(error).of_session(&session))?;
+    let (prepared, reading) = prepare(&mut session, scale.as_mut(), &interrupt)?;
     announce(bench, json)?;
     if !bench.is_simulated() {
         warn(&prepared.whole.warnings);
@@ -58,7 +87,7 @@ pub(super) fn run(
     let (steps, whole_ml) = (prepared.whole.plan.steps().unsigned_abs(), prepared.whole.plan.planned_ml());
     let bar = MotionBar::new(steps, whole_ml, json);
     let (mut before, mut last) = (0, 0);
-    let made = session.run_from_tare(&prepared, tare, scale.as_mut(), |made| {
+    let made = session.run_from_tare(&prepared, reading, scale.as_mut(), |made| {
         // Each stretch counts its own steps.
         if made < last {
             before += last;
@@ -68,16 +97,32 @@ pub(super) fn run(
         interrupt.flow()
     });
     bar.end();
-    let delivered = noted(&mut session, made).map_err(|error| Failure::of(error).of_session(&session))?;
+    let delivered = of_session(&mut session, made)?;
     if !bench.is_simulated() {
         warn(&delivered.warnings);
     }
     let difference_g = delivered.difference_standard_g(options.scale, bench.file());
     let report = DoseReport::by_weight(bench, &prepared, &delivered, difference_g);
-    let printed = report_once(bench, report, &said, None, Vec::new());
+    let printed = report_once(bench, report, said, None, Vec::new());
     match (printed, delivered.completed) {
         (Err(failure), _) => Err(failure.after_motion()),
         (Ok(()), true) => Ok(()),
         (Ok(()), false) => Err(Failure::stopped(interrupt.signal().unwrap_or(0), true, STOPPED)),
     }
+}
+
+/// Reads the balance with a sign of life. It waits for its load to stand still, and is read before the motor is said to
+/// move.
+fn at_rest<T>(json: bool, read: impl FnOnce() -> T) -> T {
+    let sign = (!json).then(|| waiting("waiting for the balance to stand still"));
+    let found = read();
+    if let Some(sign) = sign {
+        sign.finish_and_clear();
+    }
+    found
+}
+
+/// Returns what a session gives, or its failure.
+fn of_session<T>(session: &mut Session<'_>, found: Result<T, DoseError>) -> Result<T, Failure> {
+    noted(session, found).map_err(|error| Failure::of(error).of_session(session))
 }

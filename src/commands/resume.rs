@@ -3,9 +3,11 @@
 use clap::Args;
 use pump_bench::{DoseError, DoseRequest};
 
+use super::by_weight;
 use super::delivery::{Said, deliver, report};
 use crate::failure::Failure;
 use crate::interrupt::Interrupt;
+use crate::options::balance::{BalanceOptions, ByWeightOptions};
 use crate::options::bench::BenchOptions;
 use crate::options::finish::FinishOption;
 use crate::options::fluid::FluidOptions;
@@ -31,6 +33,10 @@ pub(crate) struct ResumeArgs {
     #[command(flatten)]
     limits: PressureOptions,
     #[command(flatten)]
+    by_weight: ByWeightOptions,
+    #[command(flatten)]
+    balance: BalanceOptions,
+    #[command(flatten)]
     bench: BenchOptions,
     /// Plan and predict the rest; move nothing, record nothing
     #[arg(long, help_heading = "Motor")]
@@ -43,6 +49,7 @@ pub(crate) struct ResumeArgs {
 
 impl ResumeArgs {
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        self.by_weight.check(&self.balance)?;
         let mut file = self.bench.pump.file()?;
         self.fluid.change(&mut file)?;
         let bench = self.bench.bench_of(file)?;
@@ -54,6 +61,14 @@ impl ResumeArgs {
             .with_pressures(self.limits.pressures(bench.file()));
         let json = self.format.json();
         let said = Said { json, verbose: self.verbose.verbose, asked: None };
+        if self.by_weight.until_scale {
+            if self.dry_run {
+                return Err(Failure::refused(
+                    "a rest by weight is planned from what the balance shows; leave out --dry-run or --until-scale",
+                ));
+            }
+            return by_weight::resume(&bench, request, &self.by_weight, &self.balance, &said);
+        }
         if self.dry_run {
             let prepared = bench.prepare_rest(request)?;
             return report(&bench, &prepared, None, &said);

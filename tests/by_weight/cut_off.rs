@@ -40,7 +40,7 @@ fn a_dose_that_is_killed_is_known_between_bounds_and_its_rest_is_made_by_volume(
     let (least_ml, most_ml) = (number(dose, "delivered_least_ml"), number(dose, "delivered_most_ml"));
     assert!(least_ml <= modelled_ml && modelled_ml <= most_ml, "{modelled_ml}: {status}");
     assert!(most_ml < 8.0 && dose["by_weight"] == true, "{status}");
-    // A balance cannot go on with it: what stood on it before nobody knows.
+    // A new dose would be a second one.
     assert_eq!(rig.types(&words).code, Some(4));
     let rest = rig.json(&["resume"]);
     assert!(rest["by_weight"].is_null() && rest["completed"] == true, "{rest}");

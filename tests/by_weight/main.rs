@@ -9,6 +9,8 @@ mod balance;
 mod cut_off;
 mod doses;
 mod faults;
+mod ports;
+mod rest;
 mod rig;
 #[allow(dead_code, reason = "the board of other tests, with more to look at")]
 #[path = "../../examples/simulated_grbl/simulated/mod.rs"]

@@ -94,6 +94,11 @@ impl Rig {
         Self { folder, board, balance, speech }
     }
 
+    /// A file in the folder of the rig.
+    pub(crate) fn path(&self, name: &str) -> std::path::PathBuf {
+        self.folder.path().join(name)
+    }
+
     fn command(&self, words: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_dose"));
         command.args(words).args(["--pump", "pump.toml"]).current_dir(self.folder.path());

@@ -14,6 +14,7 @@ use crate::interrupt::Interrupt;
 use crate::options::balance::BalanceOptions;
 use crate::options::bench::RecordOptions;
 use crate::options::fluid::FluidOptions;
+use crate::options::motor::PortOption;
 use crate::options::report::FormatOption;
 use crate::terminal::{print, say, tell};
 
@@ -43,6 +44,8 @@ pub(super) struct LastArgs {
     #[command(flatten)]
     record: RecordOptions,
     #[command(flatten)]
+    port: PortOption,
+    #[command(flatten)]
     format: FormatOption,
 }
 
@@ -51,9 +54,9 @@ impl LastArgs {
         self.options.check()?;
         let mut file = self.record.pump.file()?;
         self.fluid.change(&mut file)?;
-        let bench = self.record.bench_of(file, None)?;
+        let bench = self.record.bench_of(file, Some(&self.port))?;
         let _held = bench.folder().lock()?;
-        let reading = self.reading()?;
+        let reading = self.reading(&bench)?;
         let expected = if self.options.has_scale() {
             self.options.expected(&bench)
         } else {
@@ -73,12 +76,12 @@ impl LastArgs {
 
     /// The reading that was typed, or that of the balance once it stands still. The balance was tared with the empty
     /// vessel before the dose.
-    fn reading(&self) -> Result<StatedReading, Failure> {
+    fn reading(&self, bench: &Bench) -> Result<StatedReading, Failure> {
         if let Some(reading) = self.reading {
             return Ok(reading);
         }
         let missing = || Failure::refused("what does the scale show? Write it, as 23.8g, or name a balance");
-        let mut balance = self.balance.open()?.ok_or_else(missing)?;
+        let mut balance = self.balance.open(bench)?.ok_or_else(missing)?;
         let _interrupt = Interrupt::watch()?;
         let shown = still(balance.as_mut(), self.balance.longest_wait())?;
         let text = shown_mass(shown.mass_g, shown.step_g);

@@ -90,7 +90,7 @@ impl RunArgs {
                 temperature_degc: self.fluid.temperature,
                 json: self.format.json(),
             };
-            return match guided::runs(&bench, &course, Scale::of(&self.balance)?)? {
+            return match guided::runs(&bench, &course, Scale::of(&bench, &self.balance)?)? {
                 Some(weighed) => self.guided(&bench, weighed),
                 None if self.dry_run => Ok(()),
                 None => tell(&format!("doses go on as before; {}\n", kept(&bench))),

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use pump_bench::Session;
 use pump_bench::balance::{Balance, BalanceReading};
 use pump_bench::calibration::Reading;
+use pump_bench::{Bench, Session};
 
 use super::answers::{Answer, Answers};
 use crate::failure::Failure;
@@ -28,8 +28,8 @@ pub(super) enum Scale {
 
 impl Scale {
     /// The balance that is named, or else a person.
-    pub(super) fn of(options: &BalanceOptions) -> Result<Self, Failure> {
-        Ok(match options.open()? {
+    pub(super) fn of(bench: &Bench, options: &BalanceOptions) -> Result<Self, Failure> {
+        Ok(match options.open(bench)? {
             Some(balance) => {
                 Self::Balance { balance, before: None, longest: options.longest_wait(), digit_g: 0.0 }
             }

@@ -122,7 +122,7 @@ impl VerifyArgs {
         session: &mut Session<'_>,
         nominal_ml: f64,
     ) -> Result<Option<Vec<f64>>, Failure> {
-        let (mut scale, interrupt) = (Scale::of(&self.balance)?, Interrupt::watch()?);
+        let (mut scale, interrupt) = (Scale::of(bench, &self.balance)?, Interrupt::watch()?);
         let all = self.runs.unwrap_or(DOSES);
         let request = DoseRequest::dose(nominal_ml).with_cruise(self.cruise.cruise()?);
         let weighing = Weighing::of(bench.file());

@@ -42,6 +42,30 @@ pub enum BalanceError {
         /// Time that was waited.
         within: Duration,
     },
+    /// The balance at a serial port did not answer the questions of its protocol in time.
+    #[error("the balance said nothing within {} s when it was asked in {protocol}", .within.as_secs())]
+    Unanswered {
+        /// Time that was waited.
+        within: Duration,
+        /// Name of the protocol.
+        protocol: &'static str,
+    },
+    /// The balance answers in another protocol than it was asked in.
+    #[error("the balance was asked in {asked} and said `{said}`, which is {seen}")]
+    OtherProtocol {
+        /// Name of the protocol of the question.
+        asked: &'static str,
+        /// Name of the protocol of the answer.
+        seen: &'static str,
+        /// Words of the balance.
+        said: String,
+    },
+    /// The port of the balance is that of the pump's board.
+    #[error("{} is the port of the pump's board: the balance has one of its own", .port.display())]
+    AtBoard {
+        /// Port that was named for the balance.
+        port: PathBuf,
+    },
     /// The balance did not come to rest in time.
     #[error("the balance did not stand still within {} s; it last showed `{last}`", .within.as_secs())]
     NotStill {

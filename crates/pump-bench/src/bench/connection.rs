@@ -1,5 +1,6 @@
 //! The connection of a session to its device, and how the rotor was met.
 
+mod balance_port;
 mod confirmation;
 
 use std::time::{Duration, Instant};

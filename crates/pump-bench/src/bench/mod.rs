@@ -20,7 +20,7 @@ mod stretches;
 
 pub use bench::Bench;
 pub(crate) use bench::headline;
-pub use by_weight::{DeliveredByWeight, OrderByWeight, PreparedByWeight};
+pub use by_weight::{DeliveredByWeight, OrderByWeight, PreparedByWeight, ToleranceBy};
 pub use delivery::Delivered;
 pub use homing::AngleSet;
 pub use log::LogReading;

@@ -1,10 +1,10 @@
 //! The rest of an unfinished dose.
 
-use pump_ctl::plan::Finish;
+use pump_ctl::plan::{Finish, Phase};
 
 use super::bench::Bench;
 use super::session::Session;
-use crate::dosing::{DoseError, DoseRequest, Prepared};
+use crate::dosing::{DoseError, DoseRequest, Prepared, Swept};
 use crate::notice::{Notice, Remedy};
 use crate::numbers::{between, significant};
 use crate::pump_file::PumpFile;
@@ -152,18 +152,33 @@ impl Bench {
         if most_ml - least_ml <= prepared.plan.end_step_ml(&prepared.model) {
             return None;
         }
+        let pump_ml = self.pump_unsure_ml(dose, prepared);
         let whole = self.whole_before(dose, prepared);
         let turn_rad = prepared.plan.end_angle_rad() - prepared.plan.start().angle_rad();
         let turned = whole.turned.by(turn_rad, turn_rad);
         let range_ml = Account { turned, correction: prepared.correction() }.range_ml(model);
         let text = format!(
-            "{} of the {} mL asked for were delivered before; this rest is for the middle of that range, so that \
-             {} will be delivered in all",
+            "{} of the {} mL asked for were delivered before, by the model; this rest is for the middle of that range, \
+             so that {} will be delivered in all, the pump's own ± {} mL (k = 2) included",
             between(least_ml, most_ml),
             significant(whole.requested_ml, 6),
-            between(whole.least_ml + range_ml.0, whole.most_ml + range_ml.1),
+            between(whole.least_ml + range_ml.0 - pump_ml, whole.most_ml + range_ml.1 + pump_ml),
+            significant(pump_ml, 2),
         );
         Some(Notice::from(text).with_remedy(Remedy::AcceptInstead))
+    }
+
+    /// Returns the expanded uncertainty of the whole dose, in mL, that comes from the pump and not from the angle or the
+    /// steps: its parts are as far off as each other.
+    fn pump_unsure_ml(&self, dose: &Unfinished, prepared: &Prepared) -> f64 {
+        let (model, plan) = (&prepared.model, &prepared.plan);
+        let volume_ml = dose.booked_ml(self.model()) + plan.planned_ml();
+        // The dose's own turn, back from its end.
+        let turn_rad = volume_ml * model.pitch_rad() / model.outlet_curve().pitch_ml();
+        let start = Phase::known(plan.end_angle_rad() - turn_rad);
+        let range_ml = (volume_ml, volume_ml);
+        let whole = Swept { start, volume_ml, range_ml, ..Swept::whole(model, plan) };
+        prepared.budget(self.file(), &whole, prepared.back_flow.backflow_ml).expanded_ml()
     }
 
     /// Returns the unfinished dose as the whole of which `prepared` makes the rest.

@@ -56,9 +56,10 @@ fn warning(rate_ml_s: f64, speed_rpm: Option<f64>, (least_rpm, most_rpm): (f64, 
         format!("takes {} r/min", significant(speed_rpm, 5))
     });
     format!(
-        "the default rate of {rate_ml_s} mL/s {takes}, and the runs cover {} to {} r/min: doses that \
+        "the default rate of {} mL/s {takes}, and the runs cover {} to {} r/min: doses that \
          name no other rate will be refused; make runs on both sides of that rate, or change default_rate_ml_s in the \
          pump file",
+        significant(rate_ml_s, 4),
         short(least_rpm),
         short(most_rpm)
     )

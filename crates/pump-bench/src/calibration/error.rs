@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use pump_model::ModelError;
+use pump_model::{ModelError, Shown};
 use thiserror::Error;
 
 use crate::files::TableError;
@@ -54,8 +54,8 @@ pub enum CalibrationError {
     },
     /// The model volume of a run depends on an angle that nobody knows.
     #[error(
-        "run {run} turned {turned_deg} deg from an unknown angle; give start_angle_deg, or turn whole \
-         pitches ({pitch_deg} deg)"
+        "run {run} turned {} deg from an unknown angle; give start_angle_deg, or turn whole pitches ({} deg)",
+        Shown(*turned_deg), Shown(*pitch_deg)
     )]
     UnknownAngle {
         /// Number of the run, from 1.

@@ -1,6 +1,6 @@
 //! Displacements that the law of a pump does not give.
 
-use pump_model::ModelError;
+use pump_model::{ModelError, Shown};
 use thiserror::Error;
 
 /// A displacement that the pump file's law does not give.
@@ -24,8 +24,9 @@ pub enum DisplacementError {
     /// The law gives the flow at no speed.
     #[error(
         "by the pump file's speed law the mean flow is {least_ml_s:.4} mL/s at {least_rpm:.4} r/min, its \
-         slowest speed, and {most_ml_s:.4} mL/s at {at_rpm:.4} r/min at most, so {flow_ml_s} mL/s is beyond; \
-         ask for a flow within"
+         slowest speed, and {most_ml_s:.4} mL/s at {at_rpm:.4} r/min at most, so {} mL/s is beyond; \
+         ask for a flow within",
+        Shown(*flow_ml_s)
     )]
     OutsideFlows {
         /// Flow that was asked for, in mL/s.

@@ -1,5 +1,6 @@
 //! The errors of a dose that was refused or failed.
 
+mod no_rest_by_weight;
 mod weight_fault;
 
 use std::path::PathBuf;
@@ -19,6 +20,7 @@ use crate::record::JournalError;
 use crate::record::Stamp;
 use crate::safety::Stand;
 
+pub use no_rest_by_weight::NoRestByWeight;
 pub use weight_fault::WeightFault;
 
 /// Error of a dose that was refused or failed.
@@ -115,7 +117,7 @@ pub enum DoseError {
         owed_ml: f64,
     },
     /// The retraction after the dose cannot be made. Nothing has moved.
-    #[error("{volume_ml} mL cannot be sucked back after the dose")]
+    #[error("{} mL cannot be sucked back after the dose", Shown(*volume_ml))]
     SuckBack {
         /// Volume to suck back, in mL.
         volume_ml: f64,
@@ -124,8 +126,9 @@ pub enum DoseError {
     },
     /// The unfinished dose has delivered its volume on the way to an end at low flow.
     #[error(
-        "the dose of {requested_ml} mL has delivered {delivered_ml:.4} mL on its way to an end at low flow, \
-         so no rest is left that could end anywhere"
+        "the dose of {} mL has delivered {delivered_ml:.4} mL on its way to an end at low flow, \
+         so no rest is left that could end anywhere",
+        Shown(*requested_ml)
     )]
     BeyondRequest {
         /// Volume asked for in all, in mL.
@@ -139,7 +142,8 @@ pub enum DoseError {
     /// The dose would use up the tube.
     #[error(
         "the tube has pumped {pumped_ml:.1} mL, and this dose of {planned_ml:.4} mL would use up the \
-         {life_ml} mL that it lasts"
+         {} mL that it lasts",
+        Shown(*life_ml)
     )]
     TubeWorn {
         /// Life of the tube, in mL.
@@ -202,8 +206,8 @@ pub enum DoseError {
     },
     /// The unfinished dose has delivered more than was asked for.
     #[error(
-        "{} of the {requested_ml} mL asked for were delivered: there is no rest to make",
-        between(*least_ml, *most_ml)
+        "{} of the {} mL asked for were delivered: there is no rest to make",
+        between(*least_ml, *most_ml), Shown(*requested_ml)
     )]
     NoRest {
         /// Volume asked for, in mL.
@@ -253,7 +257,12 @@ pub enum DoseError {
     },
     /// A dose by weight ended before the balance showed what was asked for.
     #[error(
-        "{turned_ml:.4} mL were delivered by the model, and {} by the balance",
+        "{} by the model, and {} by the balance",
+        if *from_stated_angle {
+            format!("{turned_ml:.4} mL were delivered")
+        } else {
+            format!("about {} mL were delivered from an unknown angle", significant(*turned_ml, 2))
+        },
         weighed_g.map_or("nothing is known".to_owned(), |mass_g| format!("{} g", significant(mass_g, 6)))
     )]
     ByWeight {
@@ -264,12 +273,18 @@ pub enum DoseError {
         turned_ml: f64,
         /// Mass delivered by the last reading, in g. `None` without a reading.
         weighed_g: Option<f64>,
+        /// True if the dose was planned from an angle that the record states. The rotor may have been turned by hand
+        /// since.
+        from_stated_angle: bool,
     },
+    /// A balance cannot end the rest of the unfinished dose. Nothing has moved.
+    #[error("the rest of this dose cannot be made by weight")]
+    NoRestByWeight(#[source] NoRestByWeight),
     /// The balance cannot be read before a dose by weight. Nothing has moved.
     #[error(transparent)]
     Balance(#[from] BalanceError),
     /// A dose by weight is asked for in a way that no balance can end.
-    #[error("a dose by weight {why}; its volume is {volume_ml} mL")]
+    #[error("a dose by weight {why}; its volume is {} mL", Shown(*volume_ml))]
     NotByWeight {
         /// Reason, as the message words it.
         why: &'static str,

@@ -18,7 +18,7 @@ pub(crate) mod unknown_angle;
 mod warnings;
 
 pub(crate) use displaced_pumps::DisplacedPumps;
-pub use error::{DoseError, WeightFault};
+pub use error::{DoseError, NoRestByWeight, WeightFault};
 pub use prepared::Prepared;
 pub(crate) use prepared::{cruise_of, settle_of_s};
 pub use request::{DoseRequest, RunEnd};

@@ -314,7 +314,7 @@ impl PlanningBasis<'_> {
     /// Returns the warnings of a prepared dose. `of_speed` is that of its speed.
     fn warnings(&self, prepared: &Prepared, of_speed: Option<String>) -> Result<Vec<Notice>, PlanError> {
         let Prepared { model, applied, plan, prediction, margins, retraction, .. } = prepared;
-        let mut warnings = warnings::of_plan(model, plan, prediction, margins)?;
+        let mut warnings = warnings::of_plan(model, plan, prediction, margins, self.request.purpose)?;
         if self.file.has_lines() {
             let wider = warnings::wider_inlet_swing(model, plan, prediction, prepared.limits.motor)?;
             warnings.extend(wider.map(Notice::from));

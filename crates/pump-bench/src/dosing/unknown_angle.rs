@@ -7,6 +7,7 @@ use pump_model::Pump;
 use crate::notice::{Notice, Remedy};
 use crate::numbers::between;
 use crate::numbers::significant;
+use crate::record::Purpose;
 
 /// Digits of an offered volume. A ten-thousandth of the volume is less than any share of the budget.
 const DIGITS: i32 = 5;
@@ -18,8 +19,25 @@ pub(crate) fn by_weight() -> Notice {
     Notice::from(text).with_remedy(Remedy::FindOrSayAngle)
 }
 
-/// Returns the range that the dose may deliver, and the volumes that are exact at any angle.
-pub(crate) fn warnings(model: &Pump, plan: &Plan) -> [Notice; 2] {
+/// Part of a volume within which it is one from every angle.
+const EXACT: f64 = 1e-4;
+
+/// Returns the range that the dose may deliver, and the volumes that are exact at any angle. Whole pitches have one
+/// volume, and a run that is weighed needs no more than that.
+pub(crate) fn warnings(model: &Pump, plan: &Plan, purpose: Purpose) -> Vec<Notice> {
+    if plan.most_ml() - plan.least_ml() <= EXACT * plan.planned_ml().abs() {
+        if purpose == Purpose::Calibrate {
+            return Vec::new();
+        }
+        let text = "the rollers' angle is unknown: whole pitches have one volume from every angle; pressures and \
+                    settling are the worst of all angles";
+        return vec![text.into()];
+    }
+    of_a_part(model, plan).into()
+}
+
+/// Returns the warnings of a dose whose volume depends on the angle.
+fn of_a_part(model: &Pump, plan: &Plan) -> [Notice; 2] {
     let pitch_ml = model.outlet_curve().pitch_ml();
     let (asked_ml, carry_ml) = (plan.requested_ml(), plan.carry_in_ml());
     let owed_ml = asked_ml + carry_ml;

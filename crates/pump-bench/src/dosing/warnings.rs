@@ -15,6 +15,7 @@ use crate::catalogue::{built_in, overlap_warning};
 use crate::notice::{Notice, Remedy};
 use crate::numbers::{microlitres_within, significant};
 use crate::pump_file::PumpFile;
+use crate::record::Purpose;
 
 /// Part of the room to a limit from which on a dose is warned of.
 const CLOSE: f64 = 0.95;
@@ -44,10 +45,11 @@ pub(super) fn of_plan(
     plan: &Plan,
     prediction: &Prediction,
     margins: &Margins,
+    purpose: Purpose,
 ) -> Result<Vec<Notice>, PlanError> {
     let mut warnings = Vec::new();
     if !plan.start().is_known(model.pitch_rad()) {
-        warnings.extend(unknown_angle::warnings(model, plan));
+        warnings.extend(unknown_angle::warnings(model, plan, purpose));
     }
     warnings.extend(overlap_warning(model.geometry()).map(Notice::from));
     let carry = low_flow_carry(model, plan)?.or_else(|| coarse_step(plan));
@@ -153,9 +155,10 @@ pub(super) fn back_flow(
 impl LessBackFlow {
     /// Says what makes the back flow smaller.
     fn text(&self) -> String {
-        let slower = self
-            .slower
-            .map(|(ml_s, back_ml)| format!("at {ml_s} mL/s it is {} µL", significant(1e3 * back_ml, 2)));
+        let slower = self.slower.map(|(ml_s, back_ml)| {
+            let rate = significant(ml_s, 4);
+            format!("at {rate} mL/s it is {} µL", significant(1e3 * back_ml, 2))
+        });
         let with = |what: &str, back_ml: Option<f64>| {
             back_ml.map(|back_ml| format!("with {what} it is {} µL", significant(1e3 * back_ml, 2)))
         };
@@ -223,7 +226,7 @@ fn short_dose(plan: &Plan) -> Option<String> {
     (plan.limited_by() == LimitedBy::Acceleration).then(|| {
         let ramps = match plan.ramps() {
             Ramps::LineAware => "in ramps that leave the line at rest".to_owned(),
-            Ramps::Fastest => format!("at {} rad/s2", plan.profile().acceleration_rad_s2()),
+            Ramps::Fastest => format!("at {} rad/s2", significant(plan.profile().acceleration_rad_s2(), 4)),
         };
         format!(
             "the dose is too short to reach its cruise speed {ramps}; it peaks at {:.4} r/min",

@@ -88,6 +88,22 @@ pub enum Remedy {
     AcceptInstead,
     /// Accept the unfinished dose, and dose by weight what the vessel lacks.
     AcceptAndWeigh,
+    /// Accept the dose, say that nobody knows the angle, and dose again, if the rotor was turned by hand.
+    RotorTurnedByHand,
+    /// Make the rest by volume, or accept the dose and weigh the vessel.
+    FinishByVolumeInstead,
+    /// Put the vessel back as the dose left it, or accept the dose and weigh the vessel.
+    PutVesselBack,
+    /// Allow the pump to turn for more, or accept the dose.
+    RaiseCeiling,
+    /// Accept the dose, and name the driver and the port of a motor.
+    NameMotor,
+    /// Name the other protocol of balances.
+    OtherProtocol,
+    /// Check cable, power, protocol and line of the balance.
+    CheckBalance,
+    /// Name the port of the balance.
+    OtherScalePort,
     /// Have a new tube ready, and put on record when it is in.
     NoteNewTube,
     /// Weigh what the pump delivers.
@@ -199,6 +215,14 @@ impl Remedy {
         Self::FinishByVolumeOrWeigh,
         Self::AcceptInstead,
         Self::AcceptAndWeigh,
+        Self::RotorTurnedByHand,
+        Self::FinishByVolumeInstead,
+        Self::PutVesselBack,
+        Self::RaiseCeiling,
+        Self::NameMotor,
+        Self::OtherProtocol,
+        Self::CheckBalance,
+        Self::OtherScalePort,
         Self::NoteNewTube,
         Self::Weigh,
         Self::CalibrateRuns,

@@ -31,7 +31,7 @@ pub(crate) use log::{Log, LogTail, Told, pending};
 pub use phase_source::PhaseSource;
 pub use purpose::Purpose;
 pub use state::PumpState;
-pub(crate) use terms::DoseTerms;
+pub(crate) use terms::{DoseTerms, WeighingTerms};
 pub use unfinished::Unfinished;
 pub use wear::Wear;
 pub(crate) use whole::Whole;

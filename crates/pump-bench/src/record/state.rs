@@ -332,6 +332,7 @@ mod tests {
             smooth: false,
             low_flow: false,
             by_weight: false,
+            weighing: None,
             until_stopped: false,
             ramps: None,
             max_outlet_kpa: None,

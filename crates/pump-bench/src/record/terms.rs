@@ -27,6 +27,10 @@ pub(crate) struct DoseTerms {
     /// True if a balance was to end the dose. The announced steps then lead to the most that may be delivered.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub(crate) by_weight: bool,
+    /// Reading before a dose by weight, its mass and its ceiling. `None` for other doses, and for those by weight that
+    /// an earlier version began.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) weighing: Option<WeighingTerms>,
     /// True if the motion was to go on until it is stopped. The announced steps then lead to the most that one run
     /// makes.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -40,6 +44,18 @@ pub(crate) struct DoseTerms {
     /// Pressure limit at the suction port, in kPa absolute. `None` takes the pump file's limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) min_inlet_kpa: Option<f64>,
+}
+
+/// Terms of a dose that a balance is to end. A later command goes on with the same balance and vessel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct WeighingTerms {
+    /// Reading of the balance before the dose, in g.
+    pub(crate) tare_g: f64,
+    /// Mass that the balance is to show for the dose, in g.
+    pub(crate) target_g: f64,
+    /// Most volume by the model that the pump may turn for, in mL.
+    pub(crate) most_ml: f64,
 }
 
 impl DoseTerms {

@@ -222,8 +222,9 @@ fn less_sure_than_the_model(
     let is_less = found.prior.is_some() && of_doses > of_model;
     Ok(is_less.then(|| {
         format!(
-            "the weighed volume is less sure than that of the model, by which \u{b1} {:.1} % held (k = 2): weigh more \
-             doses, or doses of more revolutions",
+            "the mean volume by these doses, \u{b1} {:.1} %, is less sure than the model's, \u{b1} {:.1} % (k = 2): weigh \
+             more doses, or doses of more revolutions",
+            200.0 * of_doses,
             200.0 * of_model
         )
     }))

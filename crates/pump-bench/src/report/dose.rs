@@ -428,6 +428,7 @@ impl DoseReport {
         }
         let part = Self {
             time: delivered.began,
+            requested_ml: prepared.asked_ml(),
             carry_in_ml: 0.0,
             planned_ml: delivered.turned_ml,
             end_angle_deg: degrees(delivered.end_angle_rad),

@@ -134,9 +134,12 @@ impl DoseReport {
             Some(back_ml) => format!("; {} µL sucked back", significant(1e3 * back_ml, 4)),
             None => String::new(),
         };
+        let moved_s = self.moved_s();
+        let time =
+            self.by_weight.as_ref().map_or(format!("{moved_s:.3} s"), |weighed| weighed.times(moved_s));
+        let at_most = if self.by_weight.is_some() { " at most" } else { "" };
         format!(
-            "{:.3} s at {} mL/s{limited}; {pressure}{retracted}; {}",
-            self.moved_s(),
+            "{time} at {} mL/s{at_most}{limited}; {pressure}{retracted}; {}",
             significant(self.cruise_flow_ml_s, 4),
             self.end(),
         )

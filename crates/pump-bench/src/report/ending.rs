@@ -31,6 +31,7 @@ impl DoseError {
             Self::Unfinished { .. }
             | Self::UnfinishedRun { .. }
             | Self::NoRest { .. }
+            | Self::NoRestByWeight(_)
             | Self::BeyondRequest { .. }
             | Self::AngleIsKnown => Ending::Unfinished,
             Self::Stands { .. } => Ending::Stands,

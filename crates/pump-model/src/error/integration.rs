@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use super::allowed::Allowed;
 use super::parameter::Parameter;
+use super::shown::Shown;
 
 /// Reason why an integration stopped before its end.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
@@ -11,13 +12,13 @@ use super::parameter::Parameter;
 #[non_exhaustive]
 pub enum IntegrationError {
     /// The state or its derivative is not a finite number.
-    #[error("the state is not finite at t = {time_s} s")]
+    #[error("the state is not finite at t = {} s", Shown(*time_s))]
     NotFinite {
         /// Time at which the state is not finite, s.
         time_s: f64,
     },
     /// No step meets the tolerance.
-    #[error("the step size underflows at t = {time_s} s; loosen the tolerance")]
+    #[error("the step size underflows at t = {} s; loosen the tolerance", Shown(*time_s))]
     StepUnderflow {
         /// Time at which no step meets the tolerance, s.
         time_s: f64,

@@ -104,10 +104,14 @@ class ByWeight(Record):
 
     The balance was to show `target_g` and showed `mass_g`, in steps of `digit_g`. `at_rest` is False for a
     dose that was stopped: `mass_g` is then the last reading, and more still arrived. The pump turned for
-    `turned_ml` by the model, and might turn for `most_ml`, in `stretches` that were weighed each. The balance
-    stopped `stopped_by_balance` of them before the end of their plan. The dose reckoned with `reckoned_s` of
-    flow that still arrives after a stop; `after_stop_s` is the mean over the stops on record. `dropped_ml` is
-    the carry of earlier doses that was dropped.
+    `turned_ml` by the model (`turned_least_ml` to `turned_most_ml` over the angles at which the rollers
+    may have stood), and might turn for `most_ml`, in `stretches` that were weighed each. The balance
+    stopped `stopped_by_balance` of them before the end of their plan. The dose reckoned with `reckoned_s`
+    of flow that still arrives after a stop; `after_stop_s` is the mean over the stops on record.
+    `dropped_ml` is the carry of earlier doses that was dropped. `before_ml` is the volume on the balance
+    of the part that an earlier call made. A dose is done where no more than `tolerance_g` is missing, and
+    `tolerance_by` says why: "digit", "drop" or "step". It took `took_s` with the weighing, None where the
+    motor is simulated.
     """
 
     target_g: float
@@ -115,6 +119,8 @@ class ByWeight(Record):
     at_rest: bool
     digit_g: float
     turned_ml: float
+    turned_least_ml: float
+    turned_most_ml: float
     most_ml: float
     stretches: int
     stopped_by_balance: int
@@ -124,6 +130,10 @@ class ByWeight(Record):
     after_stop_spread_s: float | None
     after_stop_stops: int | None
     dropped_ml: float
+    before_ml: float
+    tolerance_g: float
+    tolerance_by: str
+    took_s: float | None
 
 
 @dataclass(frozen=True)
@@ -320,7 +330,8 @@ class LastByWeight(Record):
     """The weighing of the last dose, which a balance ended: masses in g, volumes in mL.
 
     The balance was to show `target_g` and showed `mass_g`. The pump turned for `turned_ml` by the model.
-    `dropped_ml` is the carry of earlier doses that was dropped.
+    From an unknown angle (`from_known_angle` is False) that is one volume of many. `dropped_ml` is the
+    carry of earlier doses that was dropped.
     """
 
     target_g: float
@@ -328,6 +339,7 @@ class LastByWeight(Record):
     digit_g: float
     volume_ml: float
     turned_ml: float
+    from_known_angle: bool
     dropped_ml: float
     began_unix_s: int
 

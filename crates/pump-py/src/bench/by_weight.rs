@@ -1,9 +1,11 @@
 //! Doses that a balance ends.
 
-use pump_bench::balance::BalanceError;
+use pump_bench::balance::{self, BalanceError, BalanceReading};
 use pump_bench::record::Purpose;
 use pump_bench::units::{self, Amount};
-use pump_bench::{DeliveredByWeight, DoseReport, DoseRequest, OrderByWeight};
+use pump_bench::{
+    DeliveredByWeight, DoseError, DoseReport, DoseRequest, OrderByWeight, PreparedByWeight, Session,
+};
 use pyo3::prelude::*;
 
 use super::balance::{Balance, lock};
@@ -69,6 +71,43 @@ impl Bench {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<String> {
         let order = by_weight.order(asked.request(Purpose::Dose, &self.weighing())?)?;
+        self.weighed(py, &by_weight, progress, move |session, balance| {
+            let prepared = session.prepare_by_weight(&order)?;
+            let tare = session.tare_by_weight(&prepared, balance)?;
+            Ok((prepared, tare))
+        })
+    }
+
+    /// Runs the rest of a dose that a balance was to end. Returns the JSON of the command.
+    #[pyo3(signature = (asked, by_weight, progress))]
+    fn resume_by_weight(
+        &self,
+        py: Python<'_>,
+        asked: AskedDose<'_>,
+        by_weight: AskedByWeight<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<String> {
+        let order = by_weight.order(asked.request(Purpose::Dose, &self.weighing())?)?;
+        self.weighed(py, &by_weight, progress, move |session, balance| {
+            session.prepare_rest_by_weight(&order, balance)
+        })
+    }
+}
+
+impl Bench {
+    /// Runs what `prepare` plans from a reading of the balance at rest. Returns the JSON of the command.
+    fn weighed(
+        &self,
+        py: Python<'_>,
+        by_weight: &AskedByWeight<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+        prepare: impl FnOnce(
+            &mut Session<'_>,
+            &mut dyn balance::Balance,
+        ) -> Result<(PreparedByWeight, BalanceReading), DoseError>
+        + Send
+        + 'static,
+    ) -> PyResult<String> {
         let (scale, device) = (by_weight.scale()?, by_weight.balance.get().device()?);
         let (json, _) = self.worker.call(
             py,
@@ -77,13 +116,13 @@ impl Bench {
             move |held, signal| {
                 let bench = held.bench;
                 let session = held.session()?;
-                let prepared = session.prepare_by_weight(&order)?;
                 let mut device = lock(&device);
                 // The balance was open when the call began.
                 let Some(balance) = device.as_mut() else { return Err(BalanceError::Stopped.into()) };
+                let (prepared, tare) = prepare(session, balance.as_mut())?;
                 signal.plans(prepared.whole.plan.steps().unsigned_abs());
                 let (mut before, mut last) = (0, 0);
-                let delivered = session.run_by_weight(&prepared, balance.as_mut(), |made| {
+                let delivered = session.run_from_tare(&prepared, tare, balance.as_mut(), |made| {
                     // Each stretch counts its own steps.
                     if made < last {
                         before += last;
@@ -107,8 +146,8 @@ fn note(delivered: &DeliveredByWeight) -> String {
     match completed {
         true => format!("{made}, the whole dose"),
         false => format!(
-            "{made} and are on record; bench.resume() makes the rest by volume, bench.discard() accepts the dose as \
-             it is"
+            "{made} and are on record; bench.resume(until_scale=balance) makes the rest by weight, bench.resume() by \
+             volume, bench.discard() accepts the dose as it is"
         ),
     }
 }

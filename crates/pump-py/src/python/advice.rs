@@ -65,13 +65,36 @@ pub(crate) fn words(remedy: Remedy) -> &'static str {
         Remedy::SayUnknownAngle => "if nobody knows the angle, call bench.home_set(None)",
         Remedy::FinishOrLeave => "bench.resume() makes the rest, bench.discard() leaves it",
         Remedy::FinishByVolumeOrWeigh => {
-            "bench.resume() makes the rest by volume; bench.discard() accepts it, then weigh the vessel and dose what \
-             it lacks"
+            "bench.resume(until_scale=balance) goes on while the vessel stands on its balance; bench.resume() makes the \
+             rest by volume; bench.discard() accepts it, then weigh the vessel and dose what it lacks"
         }
         Remedy::AcceptInstead => "bench.discard() accepts the dose as it is instead",
         Remedy::AcceptAndWeigh => {
             "bench.discard() accepts it instead; then weigh the vessel, and dose what it lacks"
         }
+        Remedy::RotorTurnedByHand => {
+            "if the rotor was turned by hand since its angle was recorded, call bench.discard() and \
+             bench.home_set(None), and dose again"
+        }
+        Remedy::FinishByVolumeInstead => {
+            "bench.resume() makes the rest by volume; bench.discard() accepts the dose, then weigh the vessel and \
+             dose what it lacks"
+        }
+        Remedy::PutVesselBack => {
+            "put the vessel back as the dose left it, or call bench.discard(), then weigh the vessel and dose what \
+             it lacks"
+        }
+        Remedy::RaiseCeiling => {
+            "find where the rest went; then max_volume allows more, or bench.discard() accepts the dose as it is"
+        }
+        Remedy::NameMotor => {
+            "call bench.discard(), and name a motor with driver and port, or in [drive] of the pump file"
+        }
+        Remedy::OtherProtocol => "name the balance's own protocol with protocol",
+        Remedy::CheckBalance => {
+            "check its cable and power, and see if protocol and line are those of the balance"
+        }
+        Remedy::OtherScalePort => "name the port of the balance",
         Remedy::NoteNewTube => "have a new one ready and call bench.new_tube() once it is in",
         Remedy::Weigh => "bench.calibration_run() delivers a run to be weighed",
         Remedy::CalibrateRuns => "see bench.calibration_run()",

@@ -182,7 +182,9 @@ pub(crate) fn dose(py: Python<'_>, error: DoseError) -> PyErr {
         | DoseError::NoIndex { .. }
         | DoseError::Retraction { .. } => DriveError::new_err(message),
         DoseError::SuckBack { source: CtlPlanError::OutOfRange { .. }, .. } => PyValueError::new_err(message),
-        DoseError::BeyondRequest { .. } | DoseError::AngleIsKnown => UnfinishedError::new_err(message),
+        DoseError::BeyondRequest { .. } | DoseError::AngleIsKnown | DoseError::NoRestByWeight(_) => {
+            UnfinishedError::new_err(message)
+        }
         DoseError::TubeWorn { .. }
         | DoseError::SuckBack { .. }
         | DoseError::RunsTheOtherWay { .. }

@@ -175,8 +175,31 @@ def test_a_balance_that_cannot_be_read_moves_nothing(bench: pm.Bench, serial: Se
     assert bench.status().unfinished is None
 
 
+def test_a_dose_that_was_stopped_is_finished_by_its_balance(bench: pm.Bench, tmp_path: Path) -> None:
+    mass_g = on_record(tmp_path)
+    readings: list[float] = []
+
+    def fails_once() -> str:
+        readings.append(mass_g())
+        # The first stretch is weighed by a balance that shows garbage.
+        return "12,3,4 g" if len(readings) == 3 else f"{mass_g():.2f} g"
+
+    balance = pm.Balance.function(fails_once)
+    with pytest.raises(pm.BalanceError, match="which is no mass"):
+        bench.dose("10g", until_scale=balance)
+    assert bench.status().unfinished is not None
+    with pytest.raises(pm.UnfinishedError, match="were expected"):
+        bench.resume(until_scale=pm.Balance.function(lambda: "250.00 g"))
+    dose = bench.resume(until_scale=balance)
+    assert dose.by_weight is not None
+    assert dose.by_weight.before_ml > 1
+    assert dose.by_weight.mass_g == pytest.approx(10, abs=0.06)
+    assert mass_g() - readings[0] == pytest.approx(10, abs=0.06)
+    assert bench.status().unfinished is None
+
+
 def test_a_balance_that_never_rises_leaves_the_dose_unfinished(bench: pm.Bench) -> None:
-    with pytest.raises(pm.BalanceError, match="is the vessel on it") as fault:
+    with pytest.raises(pm.BalanceError, match="no motor moved") as fault:
         bench.dose("25g", until_scale=pm.Balance.function(lambda: "50.00 g"))
     turned_ml = fault.value.turned_ml
     assert turned_ml is not None

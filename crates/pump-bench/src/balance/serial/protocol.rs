@@ -57,6 +57,11 @@ impl Protocol {
     }
 }
 
+/// Returns the error of a balance that speaks `seen` where it was asked in `asked`.
+fn other_protocol(asked: Protocol, seen: Protocol, line: &str) -> BalanceError {
+    BalanceError::OtherProtocol { asked: asked.as_str(), seen: seen.as_str(), said: shown_line(line) }
+}
+
 /// Reads an answer of MT-SICS: `S S     100.00 g` stands still, `S D` moves, `S I` is busy.
 fn mt_sics(line: &str) -> Result<Answer, BalanceError> {
     let said = || shown_line(line);
@@ -74,6 +79,10 @@ fn mt_sics(line: &str) -> Result<Answer, BalanceError> {
         ("S", "-") => Err(BalanceError::OutOfRange { state: "underloaded", said: said() }),
         ("ES" | "ET" | "EL", _) => Err(BalanceError::Refused { said: said() }),
         ("S", _) => Err(BalanceError::Unreadable { said: said() }),
+        // A balance of SBI prints by itself where it is set so.
+        _ if matches!(sbi(line, ""), Ok(Answer::Still(_))) => {
+            Err(other_protocol(Protocol::MtSics, Protocol::Sbi, line))
+        }
         _ => Ok(Answer::Other),
     }
 }
@@ -87,6 +96,11 @@ fn sbi(line: &str, unit: &str) -> Result<Answer, BalanceError> {
     let begins_with_letter = text.chars().next().is_some_and(|c| c.is_ascii_alphabetic());
     let value = if begins_with_letter && text.len() > 14 { text.get(6..).unwrap_or(text) } else { text };
     let bare = value.trim();
+    // MT-SICS does not know the question, or sends a mass by itself.
+    let is_mt_sics = line.trim_start().starts_with("S ") && mt_sics(line).is_ok();
+    if is_mt_sics || matches!(line.trim(), "ES" | "ET" | "EL") {
+        return Err(other_protocol(Protocol::Sbi, Protocol::MtSics, line));
+    }
     if bare.starts_with("High") || bare == "H" {
         return Err(BalanceError::OutOfRange { state: "overloaded", said: said() });
     }
@@ -145,6 +159,24 @@ mod tests {
             ("S X  1 g", "no mass"),
         ] {
             assert!(answer(line).unwrap_err().to_string().contains(part), "{line}");
+        }
+    }
+
+    #[test]
+    fn a_balance_that_speaks_the_other_protocol_is_told_by_it() {
+        for (protocol, line, seen) in [
+            (Protocol::Sbi, "ES\r\n", "mt-sics"),
+            (Protocol::Sbi, "S S     100.00 g\r\n", "mt-sics"),
+            (Protocol::Sbi, "S D     100.00 g\r\n", "mt-sics"),
+            (Protocol::MtSics, "+   123.56 g  \r\n", "sbi"),
+            (Protocol::MtSics, "N     +   123.56 g  \r\n", "sbi"),
+        ] {
+            let error = protocol.answer(line, "g").unwrap_err();
+            assert!(
+                matches!(error, BalanceError::OtherProtocol { asked, seen: found, .. }
+                    if asked == protocol.as_str() && found == seen),
+                "{line}: {error}"
+            );
         }
     }
 

@@ -101,6 +101,9 @@ impl SerialBalance {
 
 impl SerialBalance {
     /// Asks until `is_wanted` takes an answer.
+    ///
+    /// The time is that for which the balance was listened to: a wait counts for no more than it was to last. A computer
+    /// that is busy with other things waits longer, and the balance is not blamed for it.
     fn read(
         &mut self,
         longest: Duration,
@@ -108,16 +111,19 @@ impl SerialBalance {
         stop: &StopRequest,
         is_wanted: impl Fn(Answer) -> Option<BalanceReading>,
     ) -> Result<BalanceReading, BalanceError> {
-        let until = Instant::now() + longest;
+        let mut waited = Duration::ZERO;
         let mut last: Option<String> = None;
-        while Instant::now() < until {
+        while waited < longest {
             self.ask()?;
-            let asked = Instant::now();
-            while asked.elapsed() < ANSWER && Instant::now() < until {
+            let asked = waited;
+            while waited - asked < ANSWER && waited < longest {
                 if stop.is_made() {
                     return Err(BalanceError::Stopped);
                 }
-                let Some(line) = self.line()? else { continue };
+                let began = Instant::now();
+                let line = self.line()?;
+                waited += began.elapsed().min(LOOK);
+                let Some(line) = line else { continue };
                 if line.trim().is_empty() {
                     continue;
                 }
@@ -133,10 +139,11 @@ impl SerialBalance {
                 }
             }
             std::thread::sleep(between);
+            waited += between;
         }
         Err(match last {
             Some(last) => BalanceError::NotStill { within: longest, last },
-            None => BalanceError::Silent { within: longest },
+            None => BalanceError::Unanswered { within: longest, protocol: self.protocol.as_str() },
         })
     }
 }

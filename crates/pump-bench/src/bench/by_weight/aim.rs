@@ -1,6 +1,7 @@
 //! The next stretch of a dose by weight: how far, how fast, and when enough has arrived.
 
 use super::angles::Angles;
+use super::tolerance::Tolerance;
 use crate::dosing::WeightFault;
 
 /// Part of the dose that is left to slow stretches, at least.
@@ -48,7 +49,12 @@ impl Aim {
     /// Returns the volume by which the balance may lack when the dose is done: a digit, half a drop, or a motor step.
     /// A drop falls whole, so that nothing comes nearer than half of one.
     pub(super) fn tolerance_ml(&self) -> f64 {
-        self.digit_ml.max(0.5 * self.drop_ml).max(self.step_ml)
+        self.tolerance().volume_ml
+    }
+
+    /// Returns that volume with its reason.
+    pub(super) fn tolerance(&self) -> Tolerance {
+        Tolerance::of(self.digit_ml, self.drop_ml, self.step_ml)
     }
 
     /// Returns the volume on the balance at which a stretch under way is stopped, with all that still arrives: half a

@@ -32,30 +32,57 @@ pub(super) struct Course<'p> {
     pub(super) prepared: &'p PreparedByWeight,
     pub(super) aim: Aim,
     pub(super) angles: Angles,
+    /// Reading at rest when this command began, in g.
     pub(super) tare_g: f64,
+    /// Mass on the balance, in g, of the part of the dose that an earlier command made.
+    pub(super) before_g: f64,
+    /// Volume by the model, in mL, of the part of the dose that an earlier command made.
+    pub(super) before_ml: f64,
     /// Last reading at rest, in g.
     pub(super) shown_g: f64,
     pub(super) digit_g: f64,
+    /// Volume by the model that this command has turned for, in mL.
     pub(super) turned_ml: f64,
     pub(super) stretches: u32,
     pub(super) stopped_by_balance: u32,
     pub(super) made: u64,
     pub(super) end_angle_rad: f64,
     pub(super) measured_s: f64,
+    /// Instant at which this command began to turn the pump.
+    began: Instant,
     pub(super) after_stop: Option<AfterStop>,
     pub(super) reckoned_s: Option<(f64, bool)>,
 }
 
 impl Course<'_> {
+    /// Returns the mass that the balance has shown more since this command began, in g.
     pub(super) fn weighed_g(&self) -> f64 {
         self.shown_g - self.tare_g
     }
 
+    /// Returns the volume of [`Self::weighed_g`], in mL.
     pub(super) fn weighed_ml(&self) -> f64 {
         self.weighed_g() * self.prepared.z_ml_g
     }
 
-    /// Returns the turn since the start of the dose, in rad.
+    /// Returns the mass that the balance shows for the dose, the part of an earlier command included, in g.
+    fn whole_g(&self) -> f64 {
+        self.weighed_g() + self.before_g
+    }
+
+    /// Returns the volume by the model of the dose, the part of an earlier command included, in mL.
+    pub(super) fn whole_turned_ml(&self) -> f64 {
+        self.turned_ml + self.before_ml
+    }
+
+    /// Returns the least and the most volume by the model of the dose, in mL, over the angles at which the rollers may
+    /// have stood. The part of an earlier command counts as it is booked.
+    fn whole_range_ml(&self) -> (f64, f64) {
+        let (least_ml, most_ml) = self.angles.range_ml((0.0, self.turned_rad()));
+        (self.before_ml + least_ml, self.before_ml + most_ml)
+    }
+
+    /// Returns the turn since this command began, in rad.
     pub(super) fn turned_rad(&self) -> f64 {
         self.end_angle_rad - self.prepared.whole.plan.start().angle_rad()
     }
@@ -70,8 +97,13 @@ impl Course<'_> {
     }
 
     /// Returns the error of a fault after `shown_g` were read last.
-    pub(super) fn fault(&self, fault: WeightFault, turned_ml: f64, shown_g: f64) -> DoseError {
-        DoseError::ByWeight { fault, turned_ml, weighed_g: Some(shown_g - self.tare_g) }
+    pub(super) fn fault(&self, fault: WeightFault, shown_g: f64) -> DoseError {
+        DoseError::ByWeight {
+            fault,
+            turned_ml: self.whole_turned_ml(),
+            weighed_g: Some(shown_g - self.tare_g + self.before_g),
+            from_stated_angle: self.angles.is_stated(),
+        }
     }
 }
 
@@ -104,9 +136,11 @@ impl<'p> Course<'p> {
         after_stop: Option<AfterStop>,
     ) -> Self {
         let plan = &prepared.whole.plan;
+        let (before_g, before_ml) =
+            prepared.begun.map_or((0.0, 0.0), |begun| (begun.weighed_g(), begun.turned_ml));
         let aim = Aim {
-            target_ml: prepared.order.request.volume_ml,
-            most_ml: prepared.most_ml,
+            target_ml: prepared.left_ml(),
+            most_ml: prepared.most_ml - before_ml,
             unsure_ml: prepared.unsure_ml,
             pump_unsure_ml: prepared.pump_unsure_ml,
             drop_ml: prepared.whole.drop_ml,
@@ -118,6 +152,8 @@ impl<'p> Course<'p> {
             aim,
             angles: Angles::of(&prepared.whole.model, plan.start()),
             tare_g: tare.mass_g,
+            before_g,
+            before_ml,
             shown_g: tare.mass_g,
             digit_g: tare.step_g,
             turned_ml: 0.0,
@@ -126,6 +162,7 @@ impl<'p> Course<'p> {
             made: 0,
             end_angle_rad: plan.start().angle_rad(),
             measured_s: 0.0,
+            began: Instant::now(),
             after_stop,
             reckoned_s: None,
         }
@@ -205,10 +242,10 @@ impl<'p> Course<'p> {
     pub(super) fn on_record(&self) -> DoseByWeight {
         DoseByWeight {
             target_g: self.prepared.target_g(),
-            mass_g: self.weighed_g(),
+            mass_g: self.whole_g(),
             digit_g: self.digit_g,
-            weighed_ml: self.weighed_ml(),
-            turned_ml: self.turned_ml,
+            weighed_ml: self.whole_g() * self.prepared.z_ml_g,
+            turned_ml: self.whole_turned_ml(),
             dropped_ml: self.prepared.dropped_ml,
         }
     }
@@ -216,10 +253,15 @@ impl<'p> Course<'p> {
     pub(super) fn delivered(self, completed: bool, warnings: Vec<Notice>) -> DeliveredByWeight {
         DeliveredByWeight {
             began: None,
-            mass_g: self.weighed_g(),
+            mass_g: self.whole_g(),
             digit_g: self.digit_g,
-            volume_ml: self.weighed_ml(),
-            turned_ml: self.turned_ml,
+            volume_ml: self.whole_g() * self.prepared.z_ml_g,
+            before_ml: self.before_g * self.prepared.z_ml_g,
+            tolerance_g: self.aim.tolerance_ml() / self.prepared.z_ml_g,
+            tolerance_by: self.aim.tolerance().by,
+            turned_range_ml: self.whole_range_ml(),
+            took_s: self.reckoned_s.map(|_| self.began.elapsed().as_secs_f64()),
+            turned_ml: self.whole_turned_ml(),
             stretches: self.stretches,
             stopped_by_balance: self.stopped_by_balance,
             made: self.made,

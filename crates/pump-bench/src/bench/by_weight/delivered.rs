@@ -2,6 +2,7 @@
 
 use libm::sqrt;
 
+use super::tolerance::ToleranceBy;
 use crate::notice::Notice;
 use crate::pump_file::PumpFile;
 use crate::record::{AfterStop, Stamp};
@@ -13,14 +14,18 @@ use crate::units::Amount;
 pub struct DeliveredByWeight {
     /// Time at which the dose began. `None` before its end is told.
     pub began: Option<Stamp>,
-    /// Mass that the balance shows for the dose, in g, at rest.
+    /// Mass that the balance shows for the dose, in g, at rest, the part of an earlier command included.
     pub mass_g: f64,
     /// Step of the balance's last digit, in g.
     pub digit_g: f64,
     /// Volume of that mass, in mL.
     pub volume_ml: f64,
-    /// Volume that the pump turned for by the model, in mL.
+    /// Part of that volume that an earlier command had made before this one, in mL. 0 for a dose that one command made.
+    pub before_ml: f64,
+    /// Volume that the pump turned for by the model, in mL, the part of an earlier command included.
     pub turned_ml: f64,
+    /// Least and most volume by the model, in mL, over the angles at which the rollers may have stood.
+    pub turned_range_ml: (f64, f64),
     /// Number of stretches, each weighed at rest.
     pub stretches: u32,
     /// Number of stretches that the balance stopped before the end of their plan.
@@ -31,6 +36,13 @@ pub struct DeliveredByWeight {
     pub end_angle_rad: f64,
     /// Time for which the motor turned, in s.
     pub measured_s: f64,
+    /// Time from the first step to the last reading, in s, the weighing between the stretches included. `None` where the
+    /// motor is simulated, which takes no time.
+    pub took_s: Option<f64>,
+    /// Mass by which the dose may lack when it is done, in g.
+    pub tolerance_g: f64,
+    /// Reason of that tolerance.
+    pub tolerance_by: ToleranceBy,
     /// True if the balance shows what was asked for. False if the user stopped the dose, which is unfinished then.
     pub completed: bool,
     /// Flow that still arrived after the stops, with those of earlier doses. `None` if no reading in motion told it.

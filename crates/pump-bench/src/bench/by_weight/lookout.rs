@@ -9,8 +9,11 @@ use super::course::Course;
 use super::readings::Readings;
 use crate::dosing::WeightFault;
 
-/// Longest time without a reading while the pump turns, in s.
+/// Longest time for which a balance may be listened to without a reading while the pump turns, in s.
 pub(super) const QUIET_S: f64 = 2.0;
+
+/// Longest time without a reading while the pump turns, whatever the cause, in s. A busy computer may take some of it.
+const UNREAD_S: f64 = 15.0;
 
 /// Time after which the balance must have seen what the pump turned for. A balance's filter, the fall of drops and the
 /// line's settling take less.
@@ -85,15 +88,21 @@ impl<'a> Lookout<'a> {
         }
         self.note(now, turned_rad);
         let last = self.readings.last();
-        let quiet_s = (now - last.map_or(self.began, |sample| sample.at.max(self.began))).as_secs_f64();
-        if quiet_s > QUIET_S {
-            return Some(Stop::Fault(WeightFault::Quiet { for_s: quiet_s, allowed_s: QUIET_S }));
+        let silent_s = self.readings.silent().as_secs_f64();
+        if silent_s >= QUIET_S {
+            return Some(Stop::Fault(WeightFault::Quiet { for_s: silent_s, allowed_s: QUIET_S }));
+        }
+        let unread =
+            now.saturating_duration_since(last.map_or(self.began, |sample| sample.at.max(self.began)));
+        if unread.as_secs_f64() > UNREAD_S {
+            let (for_s, allowed_s) = (unread.as_secs_f64(), UNREAD_S);
+            return Some(Stop::Fault(WeightFault::Unread { for_s, allowed_s }));
         }
         let sample = last.filter(|sample| self.judged != Some(sample.at))?;
         self.judged = Some(sample.at);
         let mass_g = sample.reading.mass_g;
         self.most_g = self.most_g.max(mass_g);
-        if let Some(fault) = self.fault_of(now, mass_g) {
+        if let Some(fault) = self.fault_of(sample.at, mass_g) {
             return Some(Stop::Fault(fault));
         }
         let weighed_ml = (mass_g - self.tare_g) * self.z_ml_g;
@@ -125,14 +134,14 @@ impl<'a> Lookout<'a> {
         self.turned
     }
 
-    /// Returns the fault that a reading shows.
-    fn fault_of(&self, now: Instant, mass_g: f64) -> Option<WeightFault> {
+    /// Returns the fault that a reading of the instant `at` shows.
+    fn fault_of(&self, at: Instant, mass_g: f64) -> Option<WeightFault> {
         let fallen_ml = (self.most_g - mass_g) * self.z_ml_g;
         // A stream that lands presses on the vessel, and its end takes that away again: 5 mL/s from 0.3 m are 1.2 g.
         if fallen_ml > 2.0 + self.aim.drop_ml + 10.0 * self.aim.digit_ml {
             return Some(WeightFault::Fell { from_g: self.most_g, to_g: mass_g });
         }
-        let long_ago_rad = self.turned_until(now.checked_sub(SEEN_AFTER.max(2 * self.lag)));
+        let long_ago_rad = self.turned_until(at.checked_sub(SEEN_AFTER.max(2 * self.lag)));
         let (long_ago_ml, _) = self.angles.range_ml((self.from_rad, long_ago_rad));
         // A mass that rose and fell has left the balance, and was judged above.
         let rose_g = self.most_g - self.begun_g;

@@ -7,12 +7,16 @@
 mod aim;
 mod angles;
 mod at_rest;
+mod begun;
 mod course;
 mod delivered;
 mod lookout;
 mod prepared;
 mod readings;
+mod rest;
 mod run;
+mod tolerance;
 
 pub use delivered::DeliveredByWeight;
 pub use prepared::{OrderByWeight, PreparedByWeight};
+pub use tolerance::ToleranceBy;

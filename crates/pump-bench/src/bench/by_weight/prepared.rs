@@ -5,17 +5,21 @@ use std::time::Duration;
 use libm::fabs;
 use pump_ctl::plan::{Cruise, Finish, Phase};
 
+use super::begun::BegunByWeight;
 use crate::bench::bench::Bench;
 use crate::bench::session::Session;
 use crate::calibration::{AgainstSpeed, Weighing};
 use crate::dosing::{DoseError, DoseRequest, Prepared, Swept, unknown_angle};
 use crate::pump_file::PumpFile;
-use crate::record::PumpState;
+use crate::record::{PumpState, WeighingTerms};
 use crate::units::Amount;
 use pump_model::units::rad_s;
 
 /// Speed of the slow stretches, as a part of the dose's own.
 const SLOWLY: f64 = 0.1;
+
+/// Part of a dose that a plan of its rest has at least.
+const LEAST_PLANNED: f64 = 0.1;
 
 /// Usual longest wait for a balance to stand still.
 const STILL: Duration = Duration::from_secs(60);
@@ -66,8 +70,10 @@ impl OrderByWeight {
 pub struct PreparedByWeight {
     /// Order that the dose was planned for.
     pub(crate) order: OrderByWeight,
-    /// Plan of the whole dose, as it would be made by volume.
+    /// Plan of the whole dose, or of the rest of one, as it would be made by volume.
     pub whole: Prepared,
+    /// Part of the dose that an earlier command made. `None` for a dose that begins.
+    pub(crate) begun: Option<BegunByWeight>,
     /// Expanded uncertainty of the model's volume, in mL.
     pub(crate) unsure_ml: f64,
     /// The part of it, in mL, that does not come from the angle of the rollers.
@@ -83,9 +89,25 @@ pub struct PreparedByWeight {
 }
 
 impl PreparedByWeight {
-    /// Returns the mass that the balance is to show, in g.
+    /// Returns the mass that the balance is to show for the dose, in g.
     pub fn target_g(&self) -> f64 {
-        self.order.request.volume_ml / self.z_ml_g
+        self.begun.map_or(self.order.request.volume_ml / self.z_ml_g, |begun| begun.target_g)
+    }
+
+    /// Returns the volume of the whole dose that was asked for, in mL.
+    pub fn asked_ml(&self) -> f64 {
+        self.order.request.volume_ml
+    }
+
+    /// Returns the volume that the balance is to show from now on, in mL.
+    pub(super) fn left_ml(&self) -> f64 {
+        self.begun.map_or(self.order.request.volume_ml, |begun| begun.left_g() * self.z_ml_g)
+    }
+
+    /// Returns the terms that the journal keeps. `read_g` is what the balance showed when this command began.
+    pub(super) fn weighing_terms(&self, read_g: f64) -> WeighingTerms {
+        let tare_g = self.begun.map_or(read_g, |begun| begun.tare_g);
+        WeighingTerms { tare_g, target_g: self.target_g(), most_ml: self.most_ml }
     }
 }
 
@@ -103,7 +125,8 @@ impl Session<'_> {
         self.check_confirmed()?;
         self.connect()?;
         let least_rad_s = self.speed_range_rad_s().0;
-        let (mut found, slow) = self.bench.plan_by_weight(self.file(), self.state, order, least_rad_s)?;
+        let (mut found, slow) =
+            self.bench.plan_by_weight(self.file(), self.state, order, None, least_rad_s)?;
         self.keep_safe(found.most_ml)?;
         found.whole = self.checked(found.whole)?;
         self.checked(slow)?;
@@ -120,7 +143,7 @@ impl Bench {
     /// [`DoseError`] as in [`Session::prepare_by_weight`].
     pub fn prepare_by_weight(&self, order: &OrderByWeight) -> Result<PreparedByWeight, DoseError> {
         let state = self.state_to_plan_from()?;
-        let (mut found, _) = self.plan_by_weight(self.file(), state, order, 0.0)?;
+        let (mut found, _) = self.plan_by_weight(self.file(), state, order, None, 0.0)?;
         self.would_be_safe(state.as_ref(), found.most_ml)?;
         found.whole.warnings.extend(self.device_not_asked());
         Ok(found)
@@ -128,11 +151,12 @@ impl Bench {
 
     /// Plans the dose, and what it would be if it were slow from its beginning: speeds are refused before anything
     /// moves.
-    fn plan_by_weight(
+    pub(super) fn plan_by_weight(
         &self,
         file: &PumpFile,
         state: Option<PumpState>,
         order: &OrderByWeight,
+        begun: Option<BegunByWeight>,
         least_rad_s: f64,
     ) -> Result<(PreparedByWeight, Prepared), DoseError> {
         let request = order.request;
@@ -155,27 +179,33 @@ impl Bench {
         }
         // The balance shows what arrives, so that nothing of earlier doses is repaid.
         let dropped_ml = state.map_or(0.0, |state| state.carry_ml);
-        let mut whole = self.prepare_from(file, state.map(PumpState::without_carry), request, None)?;
+        let z_ml_g = Weighing::of(file).amount_ml(Amount::Mass(1.0))?;
+        // Nothing may be left of a dose that was begun. Its speeds are checked all the same.
+        let planned_ml = begun
+            .map_or(volume_ml, |begun| (begun.left_g() * z_ml_g).clamp(LEAST_PLANNED * volume_ml, volume_ml));
+        let planned = DoseRequest { volume_ml: planned_ml, ..request };
+        let mut whole = self.prepare_from(file, state.map(PumpState::without_carry), planned, None)?;
         if !whole.plan.start().is_known(whole.model.pitch_rad()) {
-            let by_volume = unknown_angle::warnings(&whole.model, &whole.plan);
+            let by_volume = unknown_angle::warnings(&whole.model, &whole.plan, request.purpose);
             whole.warnings.retain(|warning| !by_volume.contains(warning));
             whole.warnings.insert(0, unknown_angle::by_weight());
         }
         let swept = Swept::whole(&whole.model, &whole.plan);
         let unsure_ml = whole.budget(file, &swept, whole.back_flow.backflow_ml).expanded_ml();
-        let known = Swept { start: Phase::known(swept.start.angle_rad()), ..swept };
-        let pump_unsure_ml = whole.budget(file, &known, whole.back_flow.backflow_ml).expanded_ml();
-        let most_ml = order.most_ml.unwrap_or(volume_ml + unsure_ml);
-        let z_ml_g = Weighing::of(file).amount_ml(Amount::Mass(1.0))?;
+        let left_ml = begun.map_or(volume_ml, |begun| begun.left_g() * z_ml_g);
+        let pump_unsure_ml = known_unsure_ml(file, &whole) * left_ml / planned_ml;
+        let usual_ml = begun.map_or(volume_ml + unsure_ml, |begun| begun.most_ml);
+        let most_ml = order.most_ml.unwrap_or(usual_ml);
         let slow = match order.slow {
             Some(slow) => slow,
             None => self.slowly(file, &whole, least_rad_s)?,
         };
         let state = state.map(PumpState::without_carry);
-        let slow_dose = self.plan_from(file, state, DoseRequest { cruise: Some(slow), ..request }, None)?;
+        let slow_dose = self.plan_from(file, state, DoseRequest { cruise: Some(slow), ..planned }, None)?;
         let found = PreparedByWeight {
             order: *order,
             whole,
+            begun,
             unsure_ml,
             pump_unsure_ml,
             most_ml,
@@ -197,4 +227,11 @@ impl Bench {
         let slow_rad_s = (SLOWLY * cruise_rad_s).max(1.01 * least_rad_s).max(least_known_rad_s);
         Ok(Cruise::Speed { rad_s: slow_rad_s.min(cruise_rad_s) })
     }
+}
+
+/// Returns the expanded uncertainty of a plan, in mL, without the part that comes from the angle of the rollers.
+pub(super) fn known_unsure_ml(file: &PumpFile, planned: &Prepared) -> f64 {
+    let swept = Swept::whole(&planned.model, &planned.plan);
+    let known = Swept { start: Phase::known(swept.start.angle_rad()), ..swept };
+    planned.budget(file, &known, planned.back_flow.backflow_ml).expanded_ml()
 }

@@ -13,7 +13,7 @@ use crate::drives::StopRequest;
 const BETWEEN: Duration = Duration::from_millis(25);
 
 /// Longest wait for one reading.
-const LONGEST: Duration = Duration::from_secs(1);
+const LONGEST: Duration = Duration::from_millis(500);
 
 /// Most readings that are kept: those of a minute and a half at the least pause.
 const MOST: usize = 4096;
@@ -29,6 +29,8 @@ pub(super) struct Sample {
 #[derive(Debug, Default)]
 struct Seen {
     samples: VecDeque<Sample>,
+    /// Time for which the balance was listened to since its last reading.
+    silent: Duration,
     fault: Option<BalanceError>,
 }
 
@@ -69,18 +71,26 @@ impl Readings {
 
     /// Takes one reading. Returns false after an error that ends the dose.
     fn take(&self, balance: &mut dyn Balance, stop: &StopRequest) -> bool {
+        let asked = Instant::now();
         let read = balance.read_now(LONGEST, stop);
+        let listened = asked.elapsed().min(LONGEST);
         let mut seen = self.seen();
         match read {
             Ok(reading) => {
+                seen.silent = Duration::ZERO;
                 if seen.samples.len() == MOST {
                     seen.samples.pop_front();
                 }
                 seen.samples.push_back(Sample { at: Instant::now(), reading });
                 true
             }
-            // The age of the last reading tells how long the balance has been silent.
-            Err(BalanceError::Silent { .. } | BalanceError::NotStill { .. }) => true,
+            // A wait counts for no more than it was to last: a busy computer is no silent balance.
+            Err(
+                BalanceError::Silent { .. } | BalanceError::Unanswered { .. } | BalanceError::NotStill { .. },
+            ) => {
+                seen.silent += listened + BETWEEN;
+                true
+            }
             Err(BalanceError::Stopped) => false,
             Err(error) => {
                 seen.fault = Some(error);
@@ -92,6 +102,11 @@ impl Readings {
     /// Returns the last reading.
     pub(super) fn last(&self) -> Option<Sample> {
         self.seen().samples.back().copied()
+    }
+
+    /// Returns the time for which the balance was listened to since its last reading.
+    pub(super) fn silent(&self) -> Duration {
+        self.seen().silent
     }
 
     /// Returns the last reading up to an instant.
@@ -111,5 +126,40 @@ struct Ends(Arc<AtomicBool>);
 impl Drop for Ends {
     fn drop(&mut self) {
         self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Balance that takes its time and then answers.
+    #[derive(Debug)]
+    struct Slow {
+        takes: Duration,
+        answers: bool,
+    }
+
+    impl Balance for Slow {
+        fn read_still(&mut self, within: Duration, _: &StopRequest) -> Result<BalanceReading, BalanceError> {
+            sleep(self.takes);
+            let reading = BalanceReading { mass_g: 1.0, step_g: 0.01 };
+            if self.answers { Ok(reading) } else { Err(BalanceError::Silent { within }) }
+        }
+    }
+
+    #[test]
+    fn a_balance_is_silent_for_as_long_as_it_was_listened_to() {
+        let (readings, stop) = (Readings::default(), StopRequest::default());
+        let silent_s = |takes_ms, answers| {
+            assert!(readings.take(&mut Slow { takes: Duration::from_millis(takes_ms), answers }, &stop));
+            readings.silent().as_secs_f64()
+        };
+        // A busy computer returns late from a wait of half a second: no more than that counts, and the pause.
+        assert!((silent_s(1200, false) - 0.525).abs() < 1e-6);
+        assert!((silent_s(600, false) - 1.05).abs() < 1e-6);
+        // A reading that comes late is a reading.
+        assert_eq!(silent_s(900, true), 0.0);
+        assert!((silent_s(700, false) - 0.525).abs() < 1e-6);
     }
 }

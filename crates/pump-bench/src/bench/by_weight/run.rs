@@ -48,12 +48,7 @@ impl Session<'_> {
     ) -> Result<BalanceReading, DoseError> {
         self.finished()?;
         self.connect()?;
-        let stop = self.bench.opening().stop.clone();
-        let tare = at_rest(balance, prepared.order.longest, &stop, self.bench.is_simulated());
-        let tare = tare.map_err(|error| match error {
-            BalanceError::Stopped => DoseError::Connection(DriveError::Interrupted),
-            error => DoseError::Balance(error),
-        })?;
+        let tare = self.reading_at_rest(balance, prepared.order.longest)?;
         let aim = Course::begin(prepared, tare, None).aim;
         if aim.target_ml <= aim.tolerance_ml() {
             return Err(DoseError::NotByWeight {
@@ -62,6 +57,19 @@ impl Session<'_> {
             });
         }
         Ok(tare)
+    }
+
+    /// Reads the balance before the motor moves.
+    pub(super) fn reading_at_rest(
+        &self,
+        balance: &mut dyn Balance,
+        longest: Duration,
+    ) -> Result<BalanceReading, DoseError> {
+        let stop = self.bench.opening().stop.clone();
+        at_rest(balance, longest, &stop, self.bench.is_simulated()).map_err(|error| match error {
+            BalanceError::Stopped => DoseError::Connection(DriveError::Interrupted),
+            error => DoseError::Balance(error),
+        })
     }
 
     /// Makes a dose that `balance` ends, and records its end. The balance is read first, as
@@ -80,7 +88,8 @@ impl Session<'_> {
         self.run_from_tare(prepared, tare, balance, watch)
     }
 
-    /// Makes a dose that `balance` ends, and records its end. `tare` is what the balance shows before it.
+    /// Makes a dose that `balance` ends, or the rest of one, and records its end. `tare` is what the balance shows
+    /// before the motion: the reading of [`Self::tare_by_weight`] or of [`Self::prepare_rest_by_weight`].
     ///
     /// `watch` is called now and then with the steps of the stretch under way. When it breaks, the motor decelerates
     /// and holds, and the dose stays unfinished. A simulated motor takes no time, so no reading follows it: each of its
@@ -98,7 +107,11 @@ impl Session<'_> {
         balance: &mut dyn Balance,
         watch: impl FnMut(u64) -> ControlFlow<()>,
     ) -> Result<DeliveredByWeight, DoseError> {
-        self.finished()?;
+        if prepared.begun.is_none() {
+            self.finished()?;
+        } else if self.stands().unfinished.is_none() {
+            return Err(DoseError::NothingUnfinished("resume"));
+        }
         self.connect()?;
         self.keep_safe(prepared.most_ml)?;
         let began = self.log.clock.now();
@@ -129,18 +142,18 @@ impl Session<'_> {
         }
         loop {
             let next = course.next();
-            let next = next.map_err(|fault| course.fault(fault, course.turned_ml, course.shown_g))?;
+            let next = next.map_err(|fault| course.fault(fault, course.shown_g))?;
             let Next::Turn { volume_ml, slowly } = next else { break };
             if course.stretches == MOST_STRETCHES {
                 let rest_ml = course.aim.target_ml - course.weighed_ml();
                 let fault = WeightFault::Endless { stretches: course.stretches, rest_ml };
-                return Err(course.fault(fault, course.turned_ml, course.shown_g));
+                return Err(course.fault(fault, course.shown_g));
             }
             let stretch = self.plan_stretch(&course, volume_ml, slowly)?;
             let end = self.run_stretch(&course, &stretch, balance, &user_stop, &mut watch)?;
-            course.add(&stretch, &end, self.turned_ml());
+            course.add(&stretch, &end, self.turned_ml() - course.before_ml);
             if let Some(Stop::Fault(fault)) = end.stop {
-                return Err(course.fault(fault, course.turned_ml, end.last_g.unwrap_or(course.shown_g)));
+                return Err(course.fault(fault, end.last_g.unwrap_or(course.shown_g)));
             }
             let settled = if end.stopped_by_user {
                 Err(BalanceError::Stopped)
@@ -156,11 +169,11 @@ impl Session<'_> {
                 }
                 Err(error) => {
                     let last_g = end.last_g.unwrap_or(course.shown_g);
-                    return Err(course.fault(WeightFault::Balance(error), course.turned_ml, last_g));
+                    return Err(course.fault(WeightFault::Balance(error), last_g));
                 }
             }
             let checked = course.aim.check(course.weighed_ml(), course.turned_ml, prepared.z_ml_g);
-            checked.map_err(|fault| course.fault(fault, course.turned_ml, course.shown_g))?;
+            checked.map_err(|fault| course.fault(fault.where_motor_moves(!simulated), course.shown_g))?;
         }
         let stands = self.stands().without_carry();
         let last = stands.last.map(|dose| LastDose { by_weight: Some(course.on_record()), ..dose });
@@ -193,7 +206,7 @@ impl Session<'_> {
         let begun = self.stands().unfinished;
         let stands = self.stands();
         // The stretches are planned and booked as one sum: from an unknown angle each alone may be wrong as the first.
-        let account = stands.account.filter(|_| begun.is_some());
+        let account = stands.account.filter(|_| course.stretches > 0);
         let state = PumpState { unfinished: None, account, ..stands.without_carry() };
         let request = DoseRequest { cruise, ..prepared.order.request };
         let (bench, file) = (self.bench, self.file());
@@ -203,11 +216,11 @@ impl Session<'_> {
         let rad_s = part.plan.profile().cruise_rad_s();
         let cruise = if cruise == Some(Cruise::Fastest) { Some(Cruise::Speed { rad_s }) } else { cruise };
         let beyond_ml = BEYOND_CEILING * course.aim.step_ml + 0.01 * course.aim.unsure_ml;
-        let to_end_ml = prepared.most_ml - course.turned_ml + beyond_ml;
+        let to_end_ml = prepared.most_ml - course.whole_turned_ml() + beyond_ml;
         let asked_ml = prepared.order.request.volume_ml;
         let rest = DoseRequest {
             cruise,
-            volume_ml: asked_ml - course.turned_ml,
+            volume_ml: asked_ml - course.whole_turned_ml(),
             whole_ml: begun.map(|_| asked_ml),
             ..request
         };
@@ -239,7 +252,11 @@ impl Session<'_> {
             given: false,
             retract_ml: None,
             whole: self.whole_of_rest(announced),
-            terms: DoseTerms { by_weight: true, ..announced.terms(self.file()) },
+            terms: DoseTerms {
+                by_weight: true,
+                weighing: Some(course.prepared.weighing_terms(course.tare_g)),
+                ..course.prepared.whole.terms(self.file())
+            },
             settle_s: Some(part.prediction.settle_s),
             seeks: false,
             may_pause: true,

@@ -77,7 +77,8 @@ impl Session<'_> {
         let shares = weighed_shares(file, volume_ml, reading_ml, prepared.whole.drop_ml);
         let sign = if volume_ml < 0.0 { -1 } else { 1 };
         self.log.ended = self.entry_by_weight(began, LogEnd::Weighed).map(|entry| LogEntry {
-            delivered_ml: volume_ml,
+            // The part of an earlier command has an entry of its own.
+            delivered_ml: volume_ml - delivered.before_ml,
             delivered_range_ml: None,
             expanded_uncertainty_ml: shares.ok().map(|(_, expanded_ml)| expanded_ml),
             steps: Some(delivered.made as i64 * sign),

@@ -15,10 +15,32 @@ pub enum WeightFault {
     /// The balance told nothing while the pump turned.
     #[error("the balance told nothing for {for_s:.1} s while the pump turned; {allowed_s} s are allowed")]
     Quiet {
+        /// Time for which the balance was listened to without a reading, in s.
+        for_s: f64,
+        /// Longest time without a reading, in s.
+        allowed_s: f64,
+    },
+    /// Nobody read the balance while the pump turned: the computer was busy with other things.
+    #[error(
+        "the balance was not read for {for_s:.1} s while the pump turned, and {allowed_s} s are allowed: this computer \
+         was too busy, and nobody knows if the balance was silent"
+    )]
+    Unread {
         /// Time without a reading, in s.
         for_s: f64,
         /// Longest time without a reading, in s.
         allowed_s: f64,
+    },
+    /// The balance does not rise, and the motor is simulated.
+    #[error(
+        "the balance rose by {} g where a simulated motor made the steps of {} mL: no motor moved",
+        significant(*rose_g, 4), significant(*turned_ml, 4)
+    )]
+    NoMotor {
+        /// Rise of the balance, in g.
+        rose_g: f64,
+        /// Volume by the model of the steps, in mL.
+        turned_ml: f64,
     },
     /// The balance does not rise while the pump turns.
     #[error(
@@ -80,4 +102,28 @@ pub enum WeightFault {
         /// Volume that has not arrived, in mL.
         rest_ml: f64,
     },
+}
+
+impl WeightFault {
+    /// Returns the fault as it is where a motor moves, or where it is simulated and nothing can arrive.
+    #[must_use]
+    pub(crate) fn where_motor_moves(self, moves: bool) -> Self {
+        match self {
+            Self::NotRising { rose_g, turned_ml } if !moves => Self::NoMotor { rose_g, turned_ml },
+            fault => fault,
+        }
+    }
+
+    /// Returns true if a rotor that stands at another angle than the record says may have brought the fault about.
+    pub(crate) fn may_be_the_angle(&self) -> bool {
+        match self {
+            Self::NotRising { .. } | Self::TooMuch { .. } | Self::Ceiling { .. } => true,
+            Self::Balance(_)
+            | Self::Quiet { .. }
+            | Self::Unread { .. }
+            | Self::NoMotor { .. }
+            | Self::Fell { .. }
+            | Self::Endless { .. } => false,
+        }
+    }
 }

@@ -99,24 +99,26 @@ impl NextWeighing {
         let [now, then] = match self.dose_percent.zip(self.then_dose_percent) {
             Some((dose, then_dose)) => [
                 format!(
-                    "a dose like this to \u{b1} {dose:.2} %, the mean of many to \u{b1} {now:.2} % (k = 2)"
+                    "one dose like this \u{b1} {dose:.2} %, the mean of many such doses \u{b1} {now:.2} % (k = 2)"
                 ),
-                format!("\u{b1} {then_dose:.2} % and \u{b1} {then:.2} %"),
+                format!("one dose \u{b1} {then_dose:.2} %, the mean \u{b1} {then:.2} %"),
             ],
             None => [
                 format!(
-                    "volumes at this speed to \u{b1} {now:.2} % (k = 2), before the scatter of a single dose"
+                    "the mean of many doses at this speed \u{b1} {now:.2} % (k = 2); one dose scatters besides"
                 ),
-                format!("\u{b1} {then:.2} %"),
+                format!("the mean \u{b1} {then:.2} %"),
             ],
         };
         let doses = match self.more {
             0 => return format!("  sure now    {now}\n"),
-            1 => "one more dose".to_owned(),
-            more => format!("{more} more doses"),
+            1 => "one more dose like this".to_owned(),
+            more => format!("{more} more doses like this"),
         };
         let way = words(Remedy::WeighOneMore);
-        format!("  sure now    {now}\n  next        weigh {doses} first: then about {then}; {way}\n")
+        format!(
+            "  sure now    {now}\n  next        weigh {doses} before you rely on it; about {then} then; {way}\n"
+        )
     }
 }
 
@@ -129,10 +131,10 @@ fn stated(prior: &ScatterPrior, factor: f64) -> String {
     };
     let percent = significant(100.0 * prior.standard / factor, 2);
     let known = 100.0 / sqrt(2.0 * f64::from(prior.degrees_of_freedom));
-    let role = if prior.shown == 0 { "stands for it" } else { "counts beside it" };
+    let role = if prior.shown == 0 { "is assumed for a dose like this" } else { "is assumed beside it" };
     format!(
-        "  prior       {shows}: a stated prior {role}, {percent} % of a dose like this, {} times the pump file's \
-         scatter and known to {known:.0} % of itself\n",
+        "  assumed     {shows}: a scatter of {percent} % {role}, {} times that of the pump file; the true one may be \
+         {known:.0} % smaller or larger\n",
         prior.over_expected
     )
 }

@@ -3,7 +3,7 @@
 use libm::log10;
 use serde::Serialize;
 
-use crate::bench::{DeliveredByWeight, PreparedByWeight};
+use crate::bench::{DeliveredByWeight, PreparedByWeight, ToleranceBy};
 use crate::numbers::significant;
 
 /// The weighing of a dose that a balance ended.
@@ -20,6 +20,10 @@ pub struct ByWeightReport {
     pub digit_g: f64,
     /// Volume that the pump turned for by the model, mL.
     pub turned_ml: f64,
+    /// Least volume by the model that the pump turned for, mL, over the angles at which the rollers may have stood.
+    pub turned_least_ml: f64,
+    /// Most volume by the model that the pump turned for, mL, over these angles.
+    pub turned_most_ml: f64,
     /// Most volume by the model that the pump might turn for, mL.
     pub most_ml: f64,
     /// Stretches of the motion. Each was weighed at rest.
@@ -38,6 +42,15 @@ pub struct ByWeightReport {
     pub after_stop_stops: Option<u32>,
     /// Carry of earlier doses that was dropped, mL.
     pub dropped_ml: f64,
+    /// Volume on the balance, mL, of the part of the dose that an earlier command made; 0 if one command made it all.
+    pub before_ml: f64,
+    /// Mass that the dose may lack when it is done, g.
+    pub tolerance_g: f64,
+    /// Reason of that tolerance: a digit of the balance, half a drop, or a motor step.
+    pub tolerance_by: ToleranceBy,
+    /// Time from the first step to the last reading, s, the weighing between the stretches included; null if the motor
+    /// is simulated.
+    pub took_s: Option<f64>,
 }
 
 impl ByWeightReport {
@@ -50,6 +63,8 @@ impl ByWeightReport {
             at_rest: delivered.completed,
             digit_g: delivered.digit_g,
             turned_ml: delivered.turned_ml,
+            turned_least_ml: delivered.turned_range_ml.0,
+            turned_most_ml: delivered.turned_range_ml.1,
             most_ml: prepared.most_ml,
             stretches: delivered.stretches,
             stopped_by_balance: delivered.stopped_by_balance,
@@ -59,7 +74,54 @@ impl ByWeightReport {
             after_stop_spread_s: after.map(|after| after.spread_s()),
             after_stop_stops: after.map(|after| after.stops),
             dropped_ml: delivered.dropped_ml,
+            before_ml: delivered.before_ml,
+            tolerance_g: delivered.tolerance_g,
+            tolerance_by: delivered.tolerance_by,
+            took_s: delivered.took_s,
         }
+    }
+
+    /// The part of an earlier command, for people.
+    fn before(&self) -> String {
+        match self.before_ml {
+            0.0 => String::new(),
+            before_ml => format!(" after {} mL of an earlier command", significant(before_ml, 4)),
+        }
+    }
+
+    /// The volume by the model that the pump turned for, for people: a range where nobody knows the angle.
+    fn turned(&self) -> String {
+        let (least_ml, most_ml) = (self.turned_least_ml, self.turned_most_ml);
+        if most_ml - least_ml <= 0.01 * most_ml.abs() {
+            return format!("the pump turned for {} mL by the model", significant(self.turned_ml, 5));
+        }
+        let [least, most] = [least_ml, most_ml].map(|ml| significant(ml, 3));
+        format!("the pump turned for {least} to {most} mL by the model, as the rollers may have stood")
+    }
+
+    /// The reason for which the dose comes no nearer to its mass, for people, if it lacks more than a digit.
+    fn lacks(&self) -> String {
+        let lacks_g = self.target_g - self.mass_g;
+        if !self.at_rest || lacks_g < 1.5 * self.digit_g {
+            return String::new();
+        }
+        let why = match self.tolerance_by {
+            ToleranceBy::Digit => "the balance tells no less than a digit",
+            ToleranceBy::Drop => "a drop falls whole, so that half of one may lack",
+            ToleranceBy::Step => "the motor makes whole steps",
+        };
+        format!(
+            ", {} g less than asked: {why} ({} g)",
+            significant(lacks_g, 2),
+            significant(self.tolerance_g, 2)
+        )
+    }
+
+    /// The time of the motion and that of the whole dose, for people.
+    pub(in crate::report) fn times(&self, motion_s: f64) -> String {
+        let in_all =
+            self.took_s.map_or(String::new(), |took_s| format!(", {took_s:.1} s with the weighing,"));
+        format!("the motor turned for {motion_s:.3} s{in_all}")
     }
 
     /// The line of the weighing for people.
@@ -67,13 +129,14 @@ impl ByWeightReport {
         let decimals = (-log10(self.digit_g)).clamp(0.0, 6.0).round() as usize;
         let when = if self.at_rest { "" } else { " when the motor was stopped, and rising," };
         let weighed = format!(
-            "by weight: {:.decimals$} g of {:.decimals$} g{when} in {} {}; the pump turned for {} mL by the model, {} \
-             mL at most\n",
+            "by weight: {:.decimals$} g of {:.decimals$} g{when} in {} {}{}{}; {}, {} mL at most\n",
             self.mass_g,
             self.target_g,
             self.stretches,
             if self.stretches == 1 { "stretch" } else { "stretches" },
-            significant(self.turned_ml, 5),
+            self.before(),
+            self.lacks(),
+            self.turned(),
             significant(self.most_ml, 5),
         );
         let Some((time_s, is_learned)) = self.reckoned_s.zip(self.reckoned_learned) else { return weighed };

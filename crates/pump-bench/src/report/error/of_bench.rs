@@ -32,7 +32,7 @@ impl Explain for DoseError {
             | Self::BeyondRequest { requested_ml, .. } => {
                 of(ErrorKind::Unfinished).value(format!("{} mL", Shown(*requested_ml)))
             }
-            Self::UnfinishedRun { .. } => of(ErrorKind::Unfinished),
+            Self::UnfinishedRun { .. } | Self::NoRestByWeight(_) => of(ErrorKind::Unfinished),
             Self::Stands { stand, .. } => of(ErrorKind::Safety)
                 .value(format!("{} mL", Shown(stand.used_ml + stand.planned_ml)))
                 .allowed(format!("{} mL at most", Shown(stand.allowed_ml))),

@@ -4,8 +4,9 @@ use std::io;
 
 use pump_ctl::plan::{Nearest, PlanError};
 
+use crate::balance::BalanceError;
 use crate::calibration::CalibrationError;
-use crate::dosing::DoseError;
+use crate::dosing::{DoseError, NoRestByWeight, WeightFault};
 use crate::notice::Remedy;
 use crate::pump_file::PumpFileError;
 use crate::record::{FolderError, JournalError};
@@ -34,7 +35,12 @@ impl DoseError {
             Self::AngleIsKnown => vec![Remedy::FinishOrAcceptThenFindAngle],
             Self::TubeWorn { .. } => vec![Remedy::ReplaceTube],
             Self::NoRest { .. } => vec![Remedy::Accept],
-            Self::ByWeight { .. } => vec![Remedy::SeeStatusThenFinish],
+            Self::ByWeight { fault, from_stated_angle, .. } => by_weight(fault, *from_stated_angle),
+            Self::NoRestByWeight(NoRestByWeight::ByVolume) => vec![Remedy::FinishOrLeave],
+            Self::NoRestByWeight(NoRestByWeight::NoTare) => vec![Remedy::FinishByVolumeInstead],
+            Self::NoRestByWeight(NoRestByWeight::OtherLoad { .. }) => vec![Remedy::PutVesselBack],
+            Self::NoRestByWeight(NoRestByWeight::Ceiling { .. }) => vec![Remedy::RaiseCeiling],
+            Self::Balance(error) => error.known_remedies(),
             Self::NotJournalled { source, .. } | Self::NotRecorded { source, .. } => {
                 then(source.known_remedies(), Remedy::ThenSeeStatus)
             }
@@ -55,12 +61,35 @@ impl DoseError {
             | Self::TooSlow { .. }
             | Self::NoAngle { .. }
             | Self::NoIndex { .. }
-            | Self::Balance(_)
             | Self::NotByWeight { .. }
             | Self::NoRun { .. }
             | Self::NotCleared { .. }
             | Self::WasFinished
             | Self::NothingUnfinished(_) => Vec::new(),
+        }
+    }
+}
+
+/// Returns the remedies of a dose by weight that a fault ended.
+fn by_weight(fault: &WeightFault, from_stated_angle: bool) -> Vec<Remedy> {
+    let mut found = match fault {
+        WeightFault::Balance(error) => error.known_remedies(),
+        WeightFault::NoMotor { .. } => return vec![Remedy::NameMotor],
+        fault if from_stated_angle && fault.may_be_the_angle() => vec![Remedy::RotorTurnedByHand],
+        _ => Vec::new(),
+    };
+    found.push(Remedy::SeeStatusThenFinish);
+    found
+}
+
+impl BalanceError {
+    /// Returns the remedies that a person has.
+    pub(super) fn known_remedies(&self) -> Vec<Remedy> {
+        match self {
+            Self::OtherProtocol { .. } => vec![Remedy::OtherProtocol],
+            Self::Unanswered { .. } => vec![Remedy::CheckBalance],
+            Self::AtBoard { .. } => vec![Remedy::OtherScalePort],
+            _ => Vec::new(),
         }
     }
 }

@@ -20,6 +20,8 @@ pub struct LastByWeight {
     pub volume_ml: f64,
     /// Volume that the pump turned for by the model, mL.
     pub turned_ml: f64,
+    /// True if that volume is one from the angle on record. From an unknown angle the model's volume is one of many.
+    pub from_known_angle: bool,
     /// Carry of earlier doses that was dropped, mL.
     pub dropped_ml: f64,
     /// Time at which the dose began, seconds since 1970 by the clock of that day.
@@ -32,7 +34,17 @@ impl LastByWeight {
         let dose = state.last.filter(|_| state.unfinished.is_none())?;
         let DoseByWeight { target_g, mass_g, digit_g, weighed_ml, turned_ml, dropped_ml } = dose.by_weight?;
         let (volume_ml, began_unix_s) = (weighed_ml, dose.unix_s);
-        Some(Self { target_g, mass_g, digit_g, volume_ml, turned_ml, dropped_ml, began_unix_s })
+        let from_known_angle = dose.start().is_stated();
+        Some(Self {
+            target_g,
+            mass_g,
+            digit_g,
+            volume_ml,
+            turned_ml,
+            from_known_angle,
+            dropped_ml,
+            began_unix_s,
+        })
     }
 
     /// Returns the weighing in words.
@@ -42,13 +54,17 @@ impl LastByWeight {
             0.0 => String::new(),
             dropped_ml => format!(", and {} of earlier doses were dropped", microlitres(dropped_ml)),
         };
+        // From an unknown angle the model's volume says nothing.
+        let turned = match self.from_known_angle {
+            true => format!("; the pump turned for {} mL by the model", significant(self.turned_ml, 5)),
+            false => String::new(),
+        };
         format!(
-            "last dose by weight: {:.decimals$} g of {:.decimals$} g asked for, {} mL; the pump turned for {} mL by \
-             the model; it carries nothing to the next dose{dropped}",
+            "last dose by weight: {:.decimals$} g of {:.decimals$} g asked for, {} mL{turned}; it carries nothing to the \
+             next dose{dropped}",
             self.mass_g,
             self.target_g,
             significant(self.volume_ml, 5),
-            significant(self.turned_ml, 5),
         )
     }
 }

@@ -1,6 +1,6 @@
 //! Refusals of a brake.
 
-use pump_model::Allowed;
+use pump_model::{Allowed, Shown};
 use thiserror::Error;
 
 use super::brake::BRAKE_ENTRIES;
@@ -31,7 +31,7 @@ pub enum BrakeError {
         segment: Segment,
     },
     /// A value of the motor is out of range.
-    #[error("{parameter} is {value}; allowed: {allowed}")]
+    #[error("{parameter} is {}; allowed: {allowed}", Shown(*value))]
     OutOfRange {
         /// Name of the value.
         parameter: Parameter,

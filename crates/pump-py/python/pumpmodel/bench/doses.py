@@ -116,7 +116,7 @@ class BenchDoses:
         BalanceError
             If the balance cannot be read: nothing moves then. If it fails while the pump turns, or never
             shows what was asked for, the motor decelerates and the dose is unfinished; `resume` makes its
-            rest by volume, `discard` accepts it.
+            rest, by weight with `until_scale` or by volume, `discard` accepts it.
 
         Examples
         --------
@@ -508,6 +508,10 @@ class BenchDoses:
         finish: Finish | None = None,
         ramps: Ramps | None = None,
         limits: Limits | None = None,
+        until_scale: Balance | None = None,
+        max_volume: str | None = None,
+        slow_rate: str | None = None,
+        scale: str | None = None,
         progress: Progress | None = None,
     ) -> Dose:
         """Make the rest of a dose that was stopped or cut off.
@@ -530,6 +534,16 @@ class BenchDoses:
             Ramps in which the rest starts and stops. The default is that of the whole dose.
         limits : Limits, optional
             Pressure limits that replace the pump file's.
+        until_scale : Balance, optional
+            Balance that ends the rest of a dose by weight. The vessel stands on it as the dose left it:
+            the record has what it showed before the dose. Without it the rest is made by volume.
+        max_volume : str, optional
+            Most that the pump may turn for in the whole dose, by the model, as "27mL". The default is
+            that of the whole dose.
+        slow_rate : str, optional
+            Flow of the last part, as "0.5 mL/s". The default is a tenth of the rest's.
+        scale : str, optional
+            Standard uncertainty of a reading of the balance, as "0.01g" or "0.01mL".
         progress : callable, optional
             Called with the steps made and the steps planned, a few times a second. An exception from it stops
             the motor.
@@ -549,10 +563,18 @@ class BenchDoses:
             If no dose is unfinished.
         PlanError
             If the pump cannot make the rest.
+        UnfinishedError
+            If the rest cannot be made by weight: no balance was to end the dose, or the balance does not
+            show what the pump can have delivered. Nothing moves.
         DriveError
             If another process holds the pump, or the motor cannot be used or fails.
+        BalanceError
+            If the balance cannot be read, or fails while the pump turns.
         """
         request = asked(None, rate, speed, within, smooth, finish, ramps, None, None, 0.0, limits)
+        weighed = by_weight(until_scale, max_volume, slow_rate, scale)
+        if weighed is not None:
+            return Dose._from_json(self._core.resume_by_weight(request, weighed, progress))
         return Dose._from_json(self._core.resume(request, progress))
 
     def stop(self) -> None:

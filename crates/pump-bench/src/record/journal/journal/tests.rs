@@ -65,6 +65,7 @@ const INTENT: Entry = Entry::Intent(Intent {
         smooth: false,
         low_flow: false,
         by_weight: false,
+        weighing: None,
         ramps: None,
         max_outlet_kpa: None,
         min_inlet_kpa: None,
