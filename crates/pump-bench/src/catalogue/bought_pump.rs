@@ -52,8 +52,8 @@ impl BoughtPump {
         file.with_assumptions()
     }
 
-    /// Returns [`Self::pump_file`] as TOML after its owner has stated more of it. A front end words what checks the file
-    /// and what makes it surer.
+    /// Returns [`Self::pump_file`] as TOML after its owner has stated more of it. A front end words what checks the
+    /// file and what makes it surer.
     pub fn toml_of(&self, file: &PumpFile, words: Wording) -> String {
         let (check, surer) = (words(Remedy::CheckPump), words(Remedy::WeighToBeSurer));
         format!(
