@@ -3,7 +3,7 @@
 use std::process::Command;
 use std::sync::atomic::Ordering;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::person::{Desk, Ended, by_part};
 use crate::truth::TruePump;
@@ -116,7 +116,12 @@ fn stopped_in_the_dose(desk: &Desk, pump: &TruePump, signal: &str) -> Ended {
                 // The dose is 64000 steps long.
                 let from = pump.board.rest().steps;
                 scope.spawn(move || {
+                    let until = Instant::now() + Duration::from_secs(60);
                     while pump.board.truth().steps - from < 8000 {
+                        if Instant::now() > until {
+                            // The dose ended before, as its code says.
+                            return;
+                        }
                         thread::sleep(Duration::from_millis(2));
                     }
                     let process = desk.process.load(Ordering::SeqCst).to_string();
@@ -128,33 +133,51 @@ fn stopped_in_the_dose(desk: &Desk, pump: &TruePump, signal: &str) -> Ended {
     })
 }
 
+/// Pause of a board's thread from which on the drive may take the board for silent: it gives up after 2 s.
+const STARVED: Duration = Duration::from_secs(1);
+
+/// Stops or cuts a dose off, and makes it again. Returns false if the machine was so busy that the board was silent.
+fn is_made_again(signal: &str, code: i32) -> bool {
+    let desk = Desk::new();
+    let mut pump = TruePump::left_alone(0.54, 3200.0, (0.3, 60.0), 0.9);
+    let stopped = stopped_in_the_dose(&desk, &pump, signal);
+    if pump.board.truth().longest_pause > STARVED {
+        return false;
+    }
+    assert_eq!(stopped.code, code, "{signal}: {}{}", stopped.out, stopped.err);
+    let steps = pump.board.rest().steps;
+    assert!((8000..60_000).contains(&(steps - 3200)), "{signal}: {steps}");
+    let journal = desk.journal("acid", "grbl").unwrap();
+    let ended = desk.answers(&["setup", "acid"], &mut |question| {
+        Some(match question {
+            q if q.starts_with("Put a vessel") => {
+                pump.tare();
+                String::new()
+            }
+            q if q.starts_with("Reading") => pump.reading(),
+            _ => String::new(),
+        })
+    });
+    if pump.board.truth().longest_pause > STARVED {
+        return false;
+    }
+    assert_eq!(ended.code, 0, "{signal}: {}", ended.err);
+    assert!(ended.asked[0].starts_with("A motion of this pump was stopped"), "{:?}", ended.asked);
+    assert!(!ended.err.contains("One revolution"), "{}", ended.err);
+    let after = desk.journal("acid", "grbl").unwrap();
+    assert!(after.starts_with(&journal) && after.len() > journal.len(), "the record goes on");
+    // The dose that was weighed is the whole one.
+    assert!((pump.turns() - 20.0).abs() < 1e-9, "{signal}: {}", pump.turns());
+    assert!(ended.out.contains("1 run at"), "{}", ended.out);
+    true
+}
+
 #[test]
 fn a_dose_that_was_stopped_or_cut_off_is_on_record_and_made_again() {
     for (signal, code) in [("-INT", 130), ("-KILL", -1)] {
-        let desk = Desk::new();
-        let mut pump = TruePump::left_alone(0.54, 3200.0, (0.3, 60.0), 0.9);
-        let stopped = stopped_in_the_dose(&desk, &pump, signal);
-        assert_eq!(stopped.code, code, "{signal}: {}{}", stopped.out, stopped.err);
-        let steps = pump.board.rest().steps;
-        assert!((8000..60_000).contains(&(steps - 3200)), "{signal}: {steps}");
-        let journal = desk.journal("acid", "grbl").unwrap();
-        let ended = desk.answers(&["setup", "acid"], &mut |question| {
-            Some(match question {
-                q if q.starts_with("Put a vessel") => {
-                    pump.tare();
-                    String::new()
-                }
-                q if q.starts_with("Reading") => pump.reading(),
-                _ => String::new(),
-            })
-        });
-        assert_eq!(ended.code, 0, "{signal}: {}", ended.err);
-        assert!(ended.asked[0].starts_with("A motion of this pump was stopped"), "{:?}", ended.asked);
-        assert!(!ended.err.contains("One revolution"), "{}", ended.err);
-        let after = desk.journal("acid", "grbl").unwrap();
-        assert!(after.starts_with(&journal) && after.len() > journal.len(), "the record goes on");
-        // The dose that was weighed is the whole one.
-        assert!((pump.turns() - 20.0).abs() < 1e-9, "{signal}: {}", pump.turns());
-        assert!(ended.out.contains("1 run at"), "{}", ended.out);
+        assert!(
+            (0..4).any(|_| is_made_again(signal, code)),
+            "{signal}: this machine is too busy for the board"
+        );
     }
 }

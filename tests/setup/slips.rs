@@ -92,3 +92,32 @@ fn a_new_file_of_the_catalogue_warns_of_what_its_owner_said() {
         refused.err
     );
 }
+
+#[test]
+fn a_new_file_of_a_volume_per_revolution_is_what_setup_writes() {
+    let desk = Desk::new();
+    let new =
+        ["pumps", "new", "--ml-per-rev", "0.5mL", "--bore", "1.6mm", "--rollers", "4", "--microsteps", "16"];
+    let told = desk.types(&[&new[..], &["--altitude", "0m", "acid.toml"]].concat());
+    assert_eq!(told.code, 0, "{}", told.err);
+    assert!(told.out.contains("200 full steps x 16 microsteps = 3200 steps"), "{}", told.out);
+    let text = fs::read_to_string(desk.path("acid.toml")).unwrap();
+    for line in ["ml_per_rev = 0.5\n", "tube_bore_mm = 1.6\n", "count = 4\n", "altitude_m = 0.0\n"] {
+        assert!(text.contains(line), "{line}: {text}");
+    }
+    let dose = desk.json(&["5mL", "--pump", "acid.toml"]);
+    assert!((dose["delivered_ml"].as_f64().unwrap() - 5.0).abs() < 2e-3, "{dose}");
+    let impossible =
+        ["pumps", "new", "--ml-per-rev", "500mL", "--bore", "1.6mm", "--rollers", "4", "no.toml"];
+    let refused = desk.types(&impossible);
+    assert!(refused.code == 2 && refused.err.contains("0.00337 to 20.1 for this bore"), "{}", refused.err);
+    assert!(!desk.path("no.toml").exists());
+    for (words, part) in [
+        (&["--ml-per-rev", "0.5mL"][..], "--rollers"),
+        (&["--ml-per-rev", "0.5mL", "--rollers", "4", "--tube", "10x14mm"], "cannot be used with"),
+        (&["--bore", "1.6mm", "--rollers", "4"], "--ml-per-rev"),
+    ] {
+        let refused = desk.types(&[&["pumps", "new"], words].concat());
+        assert!(refused.code == 2 && refused.err.contains(part), "{part}: {}", refused.err);
+    }
+}

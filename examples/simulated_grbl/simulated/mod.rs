@@ -13,6 +13,7 @@ mod wire;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use options::Options;
 use wire::Wire;
@@ -37,6 +38,8 @@ pub(crate) struct Truth {
     pub asked: u64,
     /// Number of looks of the board at its line, after each of which it has obeyed all that had come.
     pub looks: u64,
+    /// Longest time between two looks at the line. A busy machine makes it long, and the board silent meanwhile.
+    pub longest_pause: Duration,
     /// Lines that the board has read.
     pub lines: Vec<String>,
     /// True ends the simulation.
@@ -76,7 +79,7 @@ impl Simulated {
         let mut truth = self.truth();
         let mut since = truth.looks;
         while truth.looks - since < RESTS {
-            std::thread::sleep(std::time::Duration::from_millis(5));
+            std::thread::sleep(Duration::from_millis(5));
             truth = self.truth();
             if truth.moving {
                 since = truth.looks;

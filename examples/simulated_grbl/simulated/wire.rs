@@ -75,6 +75,7 @@ impl Wire {
             std::thread::sleep(TICK);
             let now = self.begun.elapsed();
             let options = &self.line.options;
+            self.note_pause(now - before);
             let passed_s = (now - before).as_secs_f64() * options.time_scale;
             let longest_s = if options.patient { PATIENT_TICK_S } else { LONGEST_TICK_S };
             before = now;
@@ -107,6 +108,12 @@ impl Wire {
         self.line.publish(&mut truth);
         truth.looks += 1;
         truth.over
+    }
+
+    /// Notes for how long the board was silent because nobody ran this thread.
+    fn note_pause(&self, pause: Duration) {
+        let mut truth = lock(&self.truth);
+        truth.longest_pause = truth.longest_pause.max(pause);
     }
 
     fn read(&mut self, now: Duration) {

@@ -3,7 +3,7 @@
 mod check;
 mod list;
 mod new;
-mod new_catalogued;
+mod new_bought;
 mod own_motor;
 mod show;
 pub(crate) mod site;
@@ -27,7 +27,7 @@ enum PumpsCommand {
     List(list::ListArgs),
     /// Print a pump as a pump file, or with --format rust as constants for firmware
     Show(show::ShowArgs),
-    /// Write a pump file from a drawing or from the catalogue
+    /// Write a pump file from a drawing, from the catalogue or from a volume per revolution
     New(Box<new::NewArgs>),
     /// Check a pump file and say what it gives
     Check(check::CheckArgs),

@@ -1,4 +1,4 @@
-//! `dose pumps new`: a pump file from a drawing. `new_catalogued.rs` writes one from the catalogue.
+//! `dose pumps new`: a pump file from a drawing. `new_bought.rs` writes one of a bought head.
 
 use std::path::{Path, PathBuf};
 
@@ -28,27 +28,34 @@ use crate::terminal::{print, tell, warn};
 pub(crate) struct NewArgs {
     /// Bore x outer diameter of the tube, as 10x14mm
     #[arg(long, value_name = "SIZE", value_parser = units::tube_size)]
-    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    #[arg(required_unless_present_any = ["head", "ml_per_rev"], conflicts_with_all = ["head", "ml_per_rev"])]
     tube: Option<TubeSize>,
     /// Radius of the backplate (raceway), as 63mm
     #[arg(long, value_name = "RADIUS", value_parser = units::length_mm)]
-    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    #[arg(required_unless_present_any = ["head", "ml_per_rev"], conflicts_with_all = ["head", "ml_per_rev"])]
     backplate: Option<f64>,
     /// Radius of a roller, as 20mm
     #[arg(long, value_name = "RADIUS", value_parser = units::length_mm)]
-    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    #[arg(required_unless_present_any = ["head", "ml_per_rev"], conflicts_with_all = ["head", "ml_per_rev"])]
     roller: Option<f64>,
     /// From the shaft to a roller's axis, as 40mm
     #[arg(long, value_name = "LENGTH", value_parser = units::length_mm)]
-    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    #[arg(required_unless_present_any = ["head", "ml_per_rev"], conflicts_with_all = ["head", "ml_per_rev"])]
     offset: Option<f64>,
     /// Contact angle: the backplate spans 180deg and twice this, as 30deg, or as -20deg for a shorter bed
     #[arg(long, value_name = "ANGLE", allow_hyphen_values = true, value_parser = units::angle_rad)]
-    #[arg(required_unless_present = "head", conflicts_with = "head")]
+    #[arg(required_unless_present_any = ["head", "ml_per_rev"], conflicts_with_all = ["head", "ml_per_rev"])]
     contact: Option<f64>,
     /// Number of rollers
     #[arg(long, value_name = "N", required_unless_present = "head")]
     pub(super) rollers: Option<u32>,
+    /// Volume of a revolution of a bought head in place of a drawing, as 0.5mL
+    #[arg(long, value_name = "VOLUME", value_parser = units::volume_ml)]
+    #[arg(conflicts_with_all = ["head", "hose", "roller_volume_points", "plot"])]
+    pub(super) ml_per_rev: Option<f64>,
+    /// Diameter of the tube's bore beside --ml-per-rev, as 1.6mm
+    #[arg(long, value_name = "LENGTH", value_parser = units::length_mm, requires = "ml_per_rev")]
+    pub(super) bore: Option<f64>,
     /// Bought head of the catalogue in place of a drawing, as masterflex-ls-16 (`dose pumps list --catalogue`)
     #[arg(long, value_name = "NAME", conflicts_with_all = ["hose", "roller_volume_points", "plot"])]
     pub(super) head: Option<String>,
@@ -107,7 +114,7 @@ impl NewArgs {
         let inputs = [self.roller_volume_points.as_deref()];
         let state_dir = self.record.folder(&self.config.config()?);
         Files { outputs: &outputs, inputs: &inputs, state_dir }.check()?;
-        let Some(geometry) = self.geometry() else { return self.write_catalogued() };
+        let Some(geometry) = self.geometry() else { return self.write_bought() };
         let runs = self.roller_volume_points.as_deref().map(read_runs).transpose()?;
         let report = match &runs {
             Some(runs) => runs.report(self.fit, &geometry).map_err(|error| self.in_points(error))?,
@@ -167,7 +174,7 @@ impl NewArgs {
         Ok(motor.to_string())
     }
 
-    /// The dimensions of the drawing. `None` where a head of the catalogue stands in their place.
+    /// The dimensions of the drawing. `None` where a bought head stands in their place.
     fn geometry(&self) -> Option<Geometry> {
         let tube = self.tube.as_ref()?;
         Some(Geometry {

@@ -184,9 +184,10 @@ impl SetupArgs {
         if self.answers.weight.is_none() || is_made || is_simulated {
             return Ok(());
         }
-        Err(Failure::refused("--weight is that of a dose in the vessel, and none was made yet; leave it out, and say it after the dose")
-            .value("no dose")
-            .allowed("--weight after the dose"))
+        let refused = Failure::refused(
+            "--weight is that of a dose in the vessel, and none was made yet; leave it out, and say it after the dose",
+        );
+        Err(refused.value("no dose").allowed("--weight after the dose"))
     }
 
     /// Asks if one more dose is to be weighed, of a pump that is set up.

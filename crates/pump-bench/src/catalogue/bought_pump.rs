@@ -4,6 +4,7 @@ use pump_model::units::rad_s;
 
 use super::built_in;
 use super::drawn_pump::{MAX_SPEED_RPM, two_digits};
+use crate::notice::{Remedy, Wording};
 use crate::pump_file::{AmbientTable, HeadTable, LineTable, PumpFile, TubeTable, UncertaintyTable};
 
 /// A bought head as its data sheet gives it.
@@ -49,5 +50,15 @@ impl BoughtPump {
         file.ambient = AmbientTable::default();
         file.uncertainty = UncertaintyTable::default();
         file.with_assumptions()
+    }
+
+    /// Returns [`Self::pump_file`] as TOML after its owner has stated more of it. A front end words what checks the
+    /// file and what makes it surer.
+    pub fn toml_of(&self, file: &PumpFile, words: Wording) -> String {
+        let (check, surer) = (words(Remedy::CheckPump), words(Remedy::WeighToBeSurer));
+        format!(
+            "# Written from what its owner said: nobody has measured this pump.\n# {check}; {surer}.\n\n{}",
+            file.to_toml()
+        )
     }
 }

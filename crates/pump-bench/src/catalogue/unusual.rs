@@ -57,7 +57,8 @@ fn of_rollers(file: &PumpFile) -> Option<String> {
                 .to_owned(),
         ),
         rollers if rollers > MOST_ROLLERS => Some(format!(
-            "{rollers} rollers are more than heads have that are published, 2 to {MOST_ROLLERS}; count the rollers again"
+            "{rollers} rollers are more than heads have that are published, 2 to {MOST_ROLLERS}; count the rollers \
+             again"
         )),
         _ => None,
     }
@@ -72,8 +73,8 @@ fn of_height(file: &PumpFile) -> Option<String> {
     (above_kpa > rated_kpa).then(|| {
         let bore = bore_mm.map_or_else(|| "any bore".to_owned(), |mm| format!("a bore of {mm} mm"));
         format!(
-            "the vessel presses back with {} kPa above the air's pressure, and pump tubes of {bore} are rated at {rated_kpa} \
-             kPa at most (Saint-Gobain); look at the height of the vessel",
+            "the vessel presses back with {} kPa above the air's pressure, and pump tubes of {bore} are rated at \
+             {rated_kpa} kPa at most (Saint-Gobain); look at the height of the vessel",
             significant(above_kpa, 3)
         )
     })
@@ -87,8 +88,8 @@ fn of_microsteps(file: &PumpFile) -> Option<String> {
     let microsteps = if is_said { steps / full_steps } else { return None };
     (!is_usual(microsteps)).then(|| {
         format!(
-            "{steps} steps per revolution are {microsteps} microsteps of {full_steps} full steps, and motor drivers have \
-             {}; look at the driver's switches",
+            "{steps} steps per revolution are {microsteps} microsteps of {full_steps} full steps, and motor drivers \
+             have {}; look at the driver's switches",
             usual_in_words()
         )
     })

@@ -219,8 +219,8 @@ impl Answers {
         missing(&mut self.prime_ml, &other.prime_ml);
     }
 
-    /// Returns true if the run came to its end: a dose was weighed, or the pump file alone was asked for. The answers of
-    /// such a pump may be suggested for another one.
+    /// Returns true if the run came to its end: a dose was weighed, or the pump file alone was asked for. The answers
+    /// of such a pump may be suggested for another one.
     pub fn is_finished(&self) -> bool {
         self.done.written.is_some() && (self.done.weighed > 0 || self.done.file_alone)
     }

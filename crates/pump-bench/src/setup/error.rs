@@ -69,9 +69,9 @@ pub enum SetupError {
     },
     /// No head delivers the volume of a revolution through the bore.
     #[error(
-        "{ml_per_rev} mL per revolution cannot be with a bore of {bore_mm} mm: heads with this bore have {least_ml:.3} to \
-         {most_ml:.1} mL, since less leaves no room for the shaft beside the tube and more takes a rotor of more than \
-         3 m; look at the units"
+        "{ml_per_rev} mL per revolution cannot be with a bore of {bore_mm} mm: heads with this bore have {least_ml:.3} \
+         to {most_ml:.1} mL, since less leaves no room for the shaft beside the tube and more takes a rotor of more \
+         than 3 m; look at the units"
     )]
     Bore {
         /// Volume of a revolution that was said, in mL.

@@ -7,7 +7,7 @@ use super::answers::{Answers, HeadAnswer};
 use super::error::SetupError;
 use crate::catalogue::{BoughtPump, CataloguedPump, DrawnPump, MotorSteps, StatedMotor};
 use crate::heads::{BoughtHead, bought_head, nearest_heads};
-use crate::notice::{Remedy, Wording};
+use crate::notice::Wording;
 use crate::pump_file::{AmbientTable, DriveTable, HeadTable, PumpFile, Reservoir, RollerVolumeTable};
 
 /// Full steps per revolution of a usual stepper motor, of 1.8 deg each.
@@ -41,7 +41,7 @@ impl Answers {
         };
         self.write_to(&mut file);
         let text = match &made {
-            Made::Bought(_) => bought_text(&file, words),
+            Made::Bought(pump) => pump.toml_of(&file, words),
             Made::Catalogued(pump) => pump.toml_of(&file, words),
             Made::Drawn(pump) => pump.toml_of(&file, words),
             Made::Copied(file_before) => {
@@ -154,13 +154,4 @@ impl Answers {
             self.nozzle_bore_mm.filter(|bore_mm| *bore_mm > 0.0).or(file.outlet.nozzle_bore_mm);
         file.pump.default_rate_ml_s = self.rate_ml_s.unwrap_or(file.pump.default_rate_ml_s);
     }
-}
-
-/// Returns the text of a bought head's file, with remarks.
-fn bought_text(file: &PumpFile, words: Wording) -> String {
-    let (check, surer) = (words(Remedy::CheckPump), words(Remedy::WeighToBeSurer));
-    format!(
-        "# Written from what its owner said: nobody has measured this pump.\n# {check}; {surer}.\n\n{}",
-        file.to_toml()
-    )
 }
