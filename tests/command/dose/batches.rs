@@ -76,14 +76,41 @@ fn every_dose_of_a_batch_is_its_own_and_settles_what_the_one_before_owed() {
     let record = user.record().unwrap();
     assert_eq!(record.matches("\"intent\"").count(), 4);
     assert_eq!(record.matches("\"why\":\"done\"").count(), 4);
-    let text = user.types(&["1mL", "--repeat", "2"]).out;
-    assert!(text.starts_with("SIMULATED: no motor moved"), "{text}");
-    assert!(
-        text.contains(", dose 1 of 2: ")
-            && text.contains("\n\nSIMULATED")
-            && text.contains(", dose 2 of 2: "),
-        "{text}"
+}
+
+#[test]
+fn a_batch_is_a_line_a_dose_and_a_total_for_people() {
+    let user = User::new();
+    for (options, verb) in [(&[][..], "delivered"), (&["--dry-run"], "planned")] {
+        let text = user.types(&[&["1mL", "--repeat", "3"], options].concat()).out;
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 5, "{text}");
+        assert!(lines[0].starts_with("SIMULATED: no motor moved"), "{text}");
+        for (n, line) in lines[1..4].iter().enumerate() {
+            assert!(line.starts_with(&format!("three-roller, dose {} of 3: 1.00 mL ± 0.1", n + 1)), "{text}");
+        }
+        assert!(
+            lines[4].starts_with("three-roller: 3 doses, 3.00")
+                && lines[4].contains(verb)
+                && lines[4].ends_with("3.000 mL asked"),
+            "{text}"
+        );
+    }
+    let whole = user.types(&["1mL", "--repeat", "2", "-v"]).out;
+    assert_eq!(
+        (whole.matches("\n  rollers  ").count(), whole.matches(" doses, 2.00").count()),
+        (2, 1),
+        "{whole}"
     );
+    // A warning that every dose has is printed once.
+    let user = User::new();
+    assert_eq!(user.types(&["home", "--unknown"]).code, 0);
+    let text = user.types(&["1mL", "--repeat", "3"]).out;
+    let warnings: Vec<&str> = text.lines().filter(|line| line.starts_with("warning: ")).collect();
+    let mut once = warnings.clone();
+    once.sort_unstable();
+    once.dedup();
+    assert!(!warnings.is_empty() && once.len() == warnings.len(), "{text}");
 }
 
 #[test]
